@@ -1,0 +1,89 @@
+// The renderer: a scene and an eye in, the response of every ommatidium out.
+//
+//   R[p,i,c] = integral of S_i(w) L_c(x_i, w) dw / integral of S_i(w) dw
+//
+// S_i is the angular sensitivity around the axis of ommatidium i, L_c the radiance arriving at its
+// nodal point in channel c. A surround of radiance 1 gives 1. Linear, never clipped.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "omma/error.h"
+#include "omma/eye.h"
+#include "omma/scene.h"
+
+namespace omma {
+
+// Angular sensitivity S(theta), with the acceptance angle as its parameter.
+enum class Kernel : std::uint8_t {
+  gaussian,     // exp(-4 ln2 (theta/acceptance)^2) per unit solid angle
+  pillbox,      // 1 within acceptance/2, else 0
+  compoundray,  // CompoundRay's: polar angle from a 1-D normal, so Gaussian/sin(theta)
+};
+
+enum class Sampling : std::uint8_t {
+  low_discrepancy,  // Owen-scrambled Sobol points, scrambled per pose and ommatidium
+  random,           // independent pseudo-random samples
+};
+
+struct RenderSettings {
+  int samples = 16;  // rays per ommatidium and scramble, 1 to 2^20
+  std::uint64_t seed = 0;
+  Kernel kernel = Kernel::gaussian;
+  Sampling sampling = Sampling::low_discrepancy;
+  int threads = 0;                       // 0: one per hardware thread
+  std::optional<Background> background;  // instead of the scene's own
+};
+
+// Scrambles that a standard error is computed from: with one asked for, every ommatidium gets this
+// many independent estimates of `samples` rays; the response is their mean.
+inline constexpr int error_scrambles = 8;
+
+struct RenderCall {
+  std::uint64_t first_pose = 0;      // index of the first pose, for renders done piece by piece
+  std::span<float> standard_error;   // [pose, ommatidium, channel], or empty for none
+  // Called from the calling thread several times a second with the finished share (0 to 1);
+  // false cancels the render, which then throws omma::Cancelled.
+  std::function<bool(double)> progress;
+};
+
+// Seconds spent when the renderer was made.
+struct BuildTimes {
+  double scene_s = 0;         // shading data
+  double acceleration_s = 0;  // acceleration structure
+  double directions_s = 0;    // direction tables
+};
+
+class Renderer {
+ public:
+  // Builds the acceleration structure and the direction tables; throws omma::Error.
+  Renderer(std::shared_ptr<const Scene> scene, Eye eye, RenderSettings settings = {});
+  Renderer(Renderer&&) noexcept;
+  Renderer& operator=(Renderer&&) noexcept;
+  ~Renderer();
+
+  // Responses [pose, ommatidium, channel], linear float32, for poses `world_from_head`. Safe to
+  // call from several threads. The same inputs and seed give the same bits whatever the number of
+  // threads. Throws omma::Error on a pose that is not finite and invertible or an output of the
+  // wrong size, omma::Cancelled when the progress callback says so.
+  void render(std::span<const Mat4> world_from_head, std::span<float> responses,
+              const RenderCall& call = {}) const;
+
+  const Scene& scene() const;
+  const Eye& eye() const;
+  const RenderSettings& settings() const;
+  const BuildTimes& build_times() const;
+  int threads() const;           // that a render uses
+  std::string backend() const;   // e.g. "embree 3.13.5"
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace omma

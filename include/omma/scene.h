@@ -1,0 +1,131 @@
+// A scene as plain arrays and integer handles: meshes, instances, materials, textures, images,
+// cameras and a background. It is validated once, where it is made (`validate_scene`), and trusted
+// from then on. World frame: glTF's, right-handed, +Y up, metres.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "omma/vec.h"
+
+namespace omma {
+
+// Radiance channels. RGB (linear, sRGB primaries) for now; nothing outside may assume the 3.
+inline constexpr int channel_count = 3;
+
+// An image in memory, row 0 at the top, RGBA. Exactly one of the two arrays is filled.
+struct Image {
+  std::string name;
+  int width = 0, height = 0;            // pixels
+  std::vector<std::uint8_t> rgba_srgb8;  // [height][width][4], colour sRGB encoded, alpha linear
+  std::vector<float> rgba_linear;        // [height][width][4], linear
+};
+
+enum class Wrap : std::uint8_t { repeat, mirrored_repeat, clamp_to_edge };
+enum class Filter : std::uint8_t { nearest, linear };
+
+// How an image is read: glTF texture and sampler in one.
+struct Texture {
+  int image = -1;  // index into Scene::images
+  Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
+  Filter filter = Filter::linear;
+};
+
+// A material's use of a texture: which one, read with which texture coordinates.
+struct TextureUse {
+  int texture = -1;       // index into Scene::textures, -1 for none
+  int texcoord_set = 0;   // 0 or 1
+  // KHR_texture_transform: uv' = offset + rotation * scale * uv.
+  Vec2 offset{0, 0}, scale{1, 1};
+  float rotation_rad = 0;
+};
+
+enum class AlphaMode : std::uint8_t { opaque, mask, blend };
+
+struct Material {
+  std::string name;
+  Vec4 base_color{1, 1, 1, 1};  // linear RGBA factor
+  TextureUse base_color_texture;
+  Vec3 emissive{0, 0, 0};  // linear factor, emissive strength included
+  TextureUse emissive_texture;
+  AlphaMode alpha_mode = AlphaMode::opaque;
+  float alpha_cutoff = 0.5f;
+  bool double_sided = false;  // false: back faces are invisible (glTF 2.0, 3.9.3)
+  bool unlit = false;         // KHR_materials_unlit
+};
+
+// Triangles of one material, in their own frame.
+struct Mesh {
+  std::string name;
+  std::vector<Vec3> positions;                          // [vertex], m
+  std::vector<std::array<std::uint32_t, 3>> triangles;  // [triangle], counter-clockwise in front
+  std::array<std::vector<Vec2>, 2> texcoords;           // [set][vertex], or empty
+  std::vector<Vec4> colors;                             // [vertex], linear RGBA, or empty
+  int material = -1;                                    // index into Scene::materials, -1: white
+};
+
+// A mesh placed in the world. Several instances may share one mesh; the mesh is stored once.
+struct Instance {
+  std::string name;  // of the node
+  int mesh = -1;     // index into Scene::meshes
+  Mat4 world_from_mesh;
+};
+
+enum class CameraType : std::uint8_t { perspective, orthographic };
+
+// A camera node. It looks along its -Z, +Y is up.
+struct Camera {
+  std::string name;  // of the node (of the camera where the node has none)
+  CameraType type = CameraType::perspective;
+  double yfov_rad = 0, aspect_ratio = 0;  // perspective; aspect 0 where the file gives none
+  double xmag_m = 0, ymag_m = 0;          // orthographic half extents
+  double znear_m = 0, zfar_m = 0;         // zfar 0 where the file gives none
+  Mat4 world_from_camera;                 // with the node's scale
+  std::string extras_json;                // the camera's extras as JSON text, "" for none
+  std::string compound_structure;         // extras["compound-structure"], an .eye file, "" for none
+};
+
+enum class BackgroundType : std::uint8_t { constant, simple_sky, test_pattern, image };
+
+// Radiance of a ray that meets no surface.
+struct Background {
+  BackgroundType type = BackgroundType::constant;
+  Vec3 color{0, 0, 0};  // constant: linear radiance
+  // image: equirectangular, forward (-Z) in the middle, +X to the right of it, +Y at the top.
+  Image image;
+};
+
+struct Scene {
+  std::string path;  // the file it came from, "" for one made in memory
+  std::vector<Mesh> meshes;
+  std::vector<Instance> instances;
+  std::vector<Material> materials;
+  std::vector<Texture> textures;
+  std::vector<Image> images;
+  std::vector<Camera> cameras;
+  Background background;
+  std::vector<std::string> scene_names;  // of all scenes in the file
+  int node_count = 0;                    // nodes reached from the loaded scene
+  std::vector<std::string> warnings;     // what the loader passed over, a sentence each
+};
+
+struct Bounds {
+  Vec3d lower, upper;   // m, world frame
+  bool empty = true;
+};
+
+// Checks every handle and number; throws omma::Error naming scene.path and the place.
+void validate_scene(const Scene& scene);
+
+// Corners of the box around all instances.
+Bounds scene_bounds(const Scene& scene);
+
+// Triangles as seen: each instance counts those of its mesh.
+std::uint64_t triangle_count(const Scene& scene);
+
+// The camera of that name; throws omma::Error that lists the names there are.
+const Camera& find_camera(const Scene& scene, const std::string& name);
+
+}  // namespace omma
