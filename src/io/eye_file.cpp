@@ -1,0 +1,212 @@
+// `.eye` files: one ommatidium a line, eight columns. Lengths are in the file's unit and its frame
+// is x right, y up, z forward; ours looks along -Z, so the z of positions and axes turns round both
+// ways.
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <string_view>
+#include <system_error>
+
+#include "io/atomic_file.h"
+#include "model/unit_axis.h"
+#include "omma/error.h"
+#include "omma/io.h"
+
+namespace omma {
+namespace {
+
+constexpr std::array<const char*, 8> column_names = {
+    "position x", "position y", "position z",       "axis x",
+    "axis y",     "axis z",     "acceptance angle", "focal offset"};
+
+bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+}
+
+// For a message: the text in quotes, short, and without characters that would garble a terminal.
+std::string quoted(std::string_view text) {
+  constexpr std::size_t most = 24;
+  std::string shown = "\"";
+  for (const char c : text.substr(0, most)) {
+    const bool plain = static_cast<unsigned char>(c) >= 0x20 && c != 0x7f;
+    shown += plain ? c : '?';
+  }
+  return shown + (text.size() > most ? "...\"" : "\"");
+}
+
+class LineReader {
+ public:
+  LineReader(const std::string& path, std::size_t line_number, std::string_view line)
+      : path_(path), line_number_(line_number), rest_(line) {}
+
+  // The numbers of the line into `values`; false where it is blank or all comment.
+  bool read(std::array<double, 8>& values) {
+    rest_ = rest_.substr(0, rest_.find('#'));
+    skip_blanks();
+    if (rest_.empty()) return false;
+    for (std::size_t column = 0; column < values.size(); ++column) {
+      if (rest_.empty())
+        fail(column, "missing: a line has 8 columns, this one " + std::to_string(column));
+      values[column] = read_number(column);
+      skip_separator(column);
+    }
+    if (!rest_.empty())
+      fail_at_line("column 9: a line has 8 columns, found more: " + quoted(rest_));
+    return true;
+  }
+
+  [[noreturn]] void fail(std::size_t column, const std::string& what) const {
+    fail_at_line("column " + std::to_string(column + 1) + " (" + column_names[column] +
+                 "): " + what);
+  }
+
+ private:
+  [[noreturn]] void fail_at_line(const std::string& what) const {
+    throw Error(path_ + ", line " + std::to_string(line_number_) + ", " + what);
+  }
+
+  void skip_blanks() {
+    std::size_t n = 0;
+    while (n < rest_.size() && is_blank(rest_[n])) ++n;
+    rest_.remove_prefix(n);
+  }
+
+  // Blanks with at most one comma among them. A comma promises another column.
+  void skip_separator(std::size_t column) {
+    skip_blanks();
+    if (rest_.empty() || rest_.front() != ',') return;
+    rest_.remove_prefix(1);
+    skip_blanks();
+    if (rest_.empty()) {
+      if (column + 1 == column_names.size())
+        fail_at_line("column 9: a line has 8 columns, found a comma after the last");
+      fail(column + 1, "empty, a comma ends the line");
+    }
+  }
+
+  double read_number(std::size_t column) {
+    if (rest_.front() == ',') fail(column, "empty, expected a number");
+    std::size_t length = 0;
+    while (length < rest_.size() && !is_blank(rest_[length]) && rest_[length] != ',') ++length;
+    const std::string_view word = rest_.substr(0, length);
+    rest_.remove_prefix(length);
+    // from_chars knows no plus sign; two signs stay an error.
+    const bool plus = word.front() == '+' && word.size() > 1 && word[1] != '-';
+    double value = 0;
+    const auto [end, error] =
+        std::from_chars(word.data() + (plus ? 1 : 0), word.data() + word.size(), value);
+    if (error == std::errc::result_out_of_range && end == word.data() + word.size())
+      fail(column, "the number is out of range: " + quoted(word));
+    if (error != std::errc{} || end != word.data() + word.size())
+      fail(column, "expected a number, found " + quoted(word));
+    if (!std::isfinite(value)) fail(column, "expected a finite number, found " + quoted(word));
+    return value;
+  }
+
+  const std::string& path_;
+  std::size_t line_number_;
+  std::string_view rest_;
+};
+
+// A length in metres as float, or an error where it leaves float's range.
+float metres(const LineReader& line, std::size_t column, double value, double metres_per_unit) {
+  const double length_m = value * metres_per_unit;
+  if (!(std::fabs(length_m) <= std::numeric_limits<float>::max()))
+    line.fail(column, "the length is out of range");
+  return static_cast<float>(length_m);
+}
+
+void append(Eye& eye, const LineReader& line, const std::array<double, 8>& value,
+            double metres_per_unit) {
+  const Vec3 position{metres(line, 0, value[0], metres_per_unit),
+                      metres(line, 1, value[1], metres_per_unit),
+                      metres(line, 2, -value[2], metres_per_unit)};
+  const Vec3 axis = unit_axis({value[3], value[4], -value[5]});
+  if (!(dot(axis, axis) > 0)) line.fail(3, "the axis (columns 4 to 6) must not be zero");
+  // Compared as floats, in which 2 pi is a little more than 2 pi.
+  const auto acceptance_rad = static_cast<float>(value[6]);
+  if (value[6] < 0 || acceptance_rad > static_cast<float>(2 * pi))
+    line.fail(6, "expected an angle from 0 to 2 pi rad, found " + std::to_string(value[6]));
+  if (value[7] < 0)
+    line.fail(7, "expected an offset of at least 0, found " + std::to_string(value[7]));
+  eye.position_m.push_back(position);
+  eye.axis.push_back(axis);
+  eye.acceptance_angle_rad.push_back(acceptance_rad);
+  eye.focal_offset_m.push_back(metres(line, 7, value[7], metres_per_unit));
+  eye.eye_id.push_back(0);
+}
+
+void check_unit(double metres_per_unit) {
+  if (!(metres_per_unit > 0) || !std::isfinite(metres_per_unit))
+    throw Error("metres_per_unit must be positive and finite, is " +
+                std::to_string(metres_per_unit));
+}
+
+}  // namespace
+
+Eye parse_eye(const std::string& text, const std::string& path, double metres_per_unit) {
+  check_unit(metres_per_unit);
+  Eye eye;
+  eye.path = path;
+  std::string_view rest = text;
+  constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
+  if (rest.substr(0, 3) == byte_order_mark) rest.remove_prefix(3);
+  // A line of eight numbers has at least 15 characters, so this bounds what a file of newlines
+  // asks.
+  const auto lines = static_cast<std::size_t>(std::count(rest.begin(), rest.end(), '\n')) + 1;
+  const std::size_t most = std::min(lines, rest.size() / 15 + 1);
+  eye.position_m.reserve(most);
+  eye.axis.reserve(most);
+  eye.acceptance_angle_rad.reserve(most);
+  eye.focal_offset_m.reserve(most);
+  eye.eye_id.reserve(most);
+
+  const std::string& name = path.empty() ? std::string("eye") : path;
+  std::array<double, 8> values{};
+  for (std::size_t line_number = 1; !rest.empty(); ++line_number) {
+    const std::size_t end = std::min(rest.find('\n'), rest.size());
+    LineReader line(name, line_number, rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    if (line.read(values)) append(eye, line, values, metres_per_unit);
+  }
+  if (eye.size() == 0) throw Error(name + ": expected at least one ommatidium, found none");
+  return eye;
+}
+
+Eye load_eye(const std::string& path, double metres_per_unit) {
+  return parse_eye(read_file(path), path, metres_per_unit);
+}
+
+void save_eye(const std::string& path, const Eye& eye, double metres_per_unit) {
+  check_unit(metres_per_unit);
+  Eye checked = eye;
+  validate_eye(checked);
+  std::string text;
+  text.reserve(checked.size() * 100);
+  for (std::size_t i = 0; i < checked.size(); ++i) {
+    const Vec3 position = checked.position_m[i];
+    const Vec3 axis = checked.axis[i];
+    const std::array<double, 8> values = {position.x / metres_per_unit,
+                                          position.y / metres_per_unit,
+                                          -position.z / metres_per_unit,
+                                          axis.x,
+                                          axis.y,
+                                          -axis.z,
+                                          checked.acceptance_angle_rad[i],
+                                          checked.focal_offset_m[i] / metres_per_unit};
+    for (std::size_t column = 0; column < values.size(); ++column) {
+      // Nine significant digits tell every float from its neighbours. Adding 0 makes -0 plain 0.
+      std::array<char, 32> buffer{};
+      const auto written = std::to_chars(buffer.data(), buffer.data() + buffer.size(),
+                                         values[column] + 0.0, std::chars_format::general, 9);
+      text.append(buffer.data(), written.ptr);
+      text += column + 1 < values.size() ? ' ' : '\n';
+    }
+  }
+  write_file_atomically(path, text);
+}
+
+}  // namespace omma
