@@ -1,0 +1,249 @@
+// Containers, JSON text and URIs of glTF files. Sizes claimed by a file are compared with the bytes
+// that are there before anything is allocated for them.
+#include "io/gltf_container.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <filesystem>
+#include <optional>
+#include <system_error>
+
+#include "io/atomic_file.h"
+#include "io/gltf_schema.h"
+#include "omma/error.h"
+
+namespace omma {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+// Deep enough for any exporter; shallow enough for code that walks JSON by recursion.
+constexpr int max_json_depth = 200;
+
+std::uint32_t little_endian_u32(const std::string& bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    value |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[at + i])) << (8 * i);
+  return value;
+}
+
+// Nested brackets outside strings. Only counts: malformed JSON is the parser's to report.
+bool deeper_than(std::string_view text, int limit) {
+  int depth = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      if (c == '\\')
+        ++i;
+      else if (c == '"')
+        in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '{' || c == '[') {
+      if (++depth > limit) return true;
+    } else if (c == '}' || c == ']') {
+      --depth;
+    }
+  }
+  return false;
+}
+
+json parse_json(std::string_view text, const std::string& path) {
+  if (deeper_than(text, max_json_depth))
+    throw Error(path + ": its JSON is nested more than " + std::to_string(max_json_depth) +
+                " levels deep");
+  try {
+    return json::parse(text);
+  } catch (const json::parse_error& error) {
+    // The parser's own message may quote bytes that are no text.
+    throw Error(path + ": is not a glTF file: its JSON is malformed or cut off at byte " +
+                std::to_string(error.byte) + " of " + std::to_string(text.size()));
+  } catch (const json::exception& error) {
+    throw Error(path + ": is not a glTF file: " + error.what());
+  }
+}
+
+// The JSON chunk of a GLB; notes where the binary chunk is (glTF 2.0, section 4.4).
+std::string_view open_glb(GltfContainer& gltf) {
+  const std::string& file = gltf.file;
+  const std::string place = gltf.path + ": binary glTF: ";
+  if (file.size() < 12) throw Error(place + "ends within its header");
+  const std::uint32_t version = little_endian_u32(file, 4);
+  if (version != 2)
+    throw Error(place + "expected container version 2, found " + std::to_string(version));
+  const std::uint64_t length = little_endian_u32(file, 8);
+  if (length > file.size())
+    throw Error(place + "claims " + std::to_string(length) + " bytes, the file has " +
+                std::to_string(file.size()));
+
+  std::string_view text;
+  std::uint64_t at = 12;
+  for (int chunk = 0; at + 8 <= length; ++chunk) {
+    const std::uint64_t size = little_endian_u32(file, at);
+    const std::uint32_t type = little_endian_u32(file, at + 4);
+    at += 8;
+    if (size > length - at)
+      throw Error(place + "chunk " + std::to_string(chunk) + " claims " + std::to_string(size) +
+                  " bytes, " + std::to_string(length - at) + " are left");
+    constexpr std::uint32_t json_type = 0x4E4F534A, binary_type = 0x004E4942;
+    if (chunk == 0 && type != json_type) throw Error(place + "its first chunk is not JSON");
+    if (chunk == 0) text = std::string_view(file).substr(at, size);
+    if (chunk == 1 && type == binary_type) {
+      gltf.binary_begin = at;
+      gltf.binary_size = size;
+    }
+    at += size;
+  }
+  if (text.empty()) throw Error(place + "has no JSON chunk");
+  return text;
+}
+
+int hex_digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
+std::string percent_decoded(std::string_view text) {
+  std::string decoded;
+  decoded.reserve(text.size());
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '%' && i + 2 < text.size() && hex_digit(text[i + 1]) >= 0 &&
+        hex_digit(text[i + 2]) >= 0) {
+      decoded += static_cast<char>(hex_digit(text[i + 1]) * 16 + hex_digit(text[i + 2]));
+      i += 2;
+    } else {
+      decoded += text[i];
+    }
+  }
+  return decoded;
+}
+
+// RFC 4648, padded or not. Empty where the text is not base64.
+std::optional<std::string> base64_decoded(std::string_view text) {
+  static const auto values = [] {
+    std::array<std::int8_t, 256> table;
+    table.fill(-1);
+    const std::string_view digits =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    for (std::size_t i = 0; i < digits.size(); ++i)
+      table[static_cast<unsigned char>(digits[i])] = static_cast<std::int8_t>(i);
+    return table;
+  }();
+  for (int padding = 0; padding < 2 && !text.empty() && text.back() == '='; ++padding)
+    text.remove_suffix(1);
+  if (text.size() % 4 == 1) return std::nullopt;
+
+  std::string bytes;
+  bytes.reserve(text.size() / 4 * 3 + 3);
+  std::uint32_t bits = 0;
+  int bit_count = 0;
+  for (const char c : text) {
+    const int value = values[static_cast<unsigned char>(c)];
+    if (value < 0) return std::nullopt;
+    bits = bits << 6 | static_cast<std::uint32_t>(value);
+    bit_count += 6;
+    if (bit_count >= 8) {
+      bit_count -= 8;
+      bytes += static_cast<char>(bits >> bit_count & 0xFF);
+    }
+  }
+  return bytes;
+}
+
+// data:[media type][;base64],data (RFC 2397). The media type is not trusted, so not looked at.
+std::string read_data_uri(std::string_view uri, const std::string& place) {
+  const std::size_t comma = uri.find(',');
+  if (comma == std::string_view::npos) throw Error(place + ": its data URI has no comma");
+  const std::string_view data = uri.substr(comma + 1);
+  if (!uri.substr(0, comma).ends_with(";base64")) return percent_decoded(data);
+  auto bytes = data.find('%') == std::string_view::npos ? base64_decoded(data)
+                                                        : base64_decoded(percent_decoded(data));
+  if (!bytes) throw Error(place + ": its data URI is not valid base64");
+  return *std::move(bytes);
+}
+
+void check_version(const GltfContainer& gltf) {
+  const json& asset = gltf.document.at("asset");
+  const std::string version = asset.at("version").get<std::string>();
+  if (!version.starts_with("2."))
+    throw Error(gltf.path + ": asset.version: expected glTF 2.0, found \"" + version + "\"");
+  if (asset.contains("minVersion") && asset["minVersion"].get<std::string>() != "2.0")
+    throw Error(gltf.path + ": asset.minVersion: expected at most \"2.0\", found \"" +
+                asset["minVersion"].get<std::string>() + "\"");
+}
+
+}  // namespace
+
+std::string read_uri(const std::string& scene_path, const std::string& uri,
+                     const std::string& place) {
+  if (uri.starts_with("data:")) return read_data_uri(uri, place);
+  const std::string name = percent_decoded(uri);
+  const std::string refused = place + ": URI \"" + uri + "\" ";
+  if (name.empty()) throw Error(refused + "is empty");
+  if (name.find('\0') != std::string::npos) throw Error(refused + "has a null character");
+  // A scheme (http:, file:, C:) is letters and digits before a colon, ahead of any slash.
+  const std::size_t colon = uri.find(':');
+  if (colon != std::string::npos && colon < uri.find('/'))
+    throw Error(refused + "has a scheme; expected a data URI or a relative path");
+  if (fs::path(name).is_absolute())
+    throw Error(refused + "is an absolute path; expected one relative to the scene");
+
+  // Symbolic links are resolved first, so that they cannot lead out either.
+  std::error_code error;
+  const fs::path parent = fs::path(scene_path).parent_path();
+  const fs::path folder = fs::weakly_canonical(parent.empty() ? "." : parent, error);
+  const fs::path target = error ? fs::path() : fs::weakly_canonical(folder / name, error);
+  if (error) throw Error(refused + "cannot be followed: " + error.message());
+  const auto [folder_end, ignored] =
+      std::mismatch(folder.begin(), folder.end(), target.begin(), target.end());
+  if (folder_end != folder.end()) throw Error(refused + "leads out of the scene's folder");
+  try {
+    return read_file(target.string());
+  } catch (const Error& problem) {
+    throw Error(refused + "cannot be read: " + problem.what());
+  }
+}
+
+std::span<const std::uint8_t> buffer_bytes(const GltfContainer& gltf, std::size_t buffer) {
+  const json& description = gltf.document["buffers"][buffer];
+  const std::string_view bytes =
+      gltf.buffer_is_binary_chunk[buffer]
+          ? std::string_view(gltf.file).substr(gltf.binary_begin, gltf.binary_size)
+          : std::string_view(gltf.buffers[buffer]);
+  const std::uint64_t length = description["byteLength"].get<std::uint64_t>();
+  if (bytes.size() < length)
+    throw Error(gltf.path + ": buffer " + std::to_string(buffer) + ": claims " +
+                std::to_string(length) + " bytes, there are " + std::to_string(bytes.size()));
+  return {reinterpret_cast<const std::uint8_t*>(bytes.data()), length};
+}
+
+GltfContainer open_gltf(std::string file, const std::string& path) {
+  GltfContainer gltf;
+  gltf.path = path;
+  gltf.file = std::move(file);
+  if (gltf.file.empty()) throw Error(path + ": is empty, expected a glTF file");
+  const bool binary = gltf.file.starts_with("glTF");
+  gltf.document = parse_json(binary ? open_glb(gltf) : std::string_view(gltf.file), path);
+  check_gltf_schema(gltf.document, path);
+  check_version(gltf);
+
+  if (!gltf.document.contains("buffers")) return gltf;
+  for (json& buffer : gltf.document["buffers"]) {
+    const std::size_t index = gltf.buffers.size();
+    gltf.buffer_is_binary_chunk.push_back(index == 0 && binary && !buffer.contains("uri"));
+    gltf.buffers.emplace_back();
+    if (!buffer.contains("uri")) continue;
+    gltf.buffers.back() = read_uri(path, buffer["uri"].get_ref<const std::string&>(),
+                                   path + ": buffer " + std::to_string(index));
+    buffer.erase("uri");  // it may be most of the file
+    buffer_bytes(gltf, index);
+  }
+  return gltf;
+}
+
+}  // namespace omma
