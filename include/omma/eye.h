@@ -13,12 +13,12 @@
 namespace omma {
 
 struct Eye {
-  std::string path;                          // the file it came from, "" for one made in memory
-  std::vector<Vec3> position_m;              // [ommatidium], nodal point, head frame
-  std::vector<Vec3> axis;                    // [ommatidium], unit vector, head frame
-  std::vector<float> acceptance_angle_rad;   // [ommatidium], full width at half maximum
-  std::vector<float> focal_offset_m;         // [ommatidium], ray origin behind the position
-  std::vector<std::int32_t> eye_id;          // [ommatidium], which eye of the head it belongs to
+  std::string path;                         // the file it came from, "" for one made in memory
+  std::vector<Vec3> position_m;             // [ommatidium], nodal point, head frame
+  std::vector<Vec3> axis;                   // [ommatidium], unit vector, head frame
+  std::vector<float> acceptance_angle_rad;  // [ommatidium], full width at half maximum
+  std::vector<float> focal_offset_m;        // [ommatidium], ray origin behind the position
+  std::vector<std::int32_t> eye_id;         // [ommatidium], which eye of the head it belongs to
 
   std::size_t size() const { return axis.size(); }
 };

@@ -15,24 +15,20 @@
 
 #include "omma/error.h"
 #include "omma/eye.h"
+#include "omma/kernel.h"
 #include "omma/scene.h"
 
 namespace omma {
-
-// Angular sensitivity S(theta), with the acceptance angle as its parameter.
-enum class Kernel : std::uint8_t {
-  gaussian,     // exp(-4 ln2 (theta/acceptance)^2) per unit solid angle
-  pillbox,      // 1 within acceptance/2, else 0
-  compoundray,  // CompoundRay's: polar angle from a 1-D normal, so Gaussian/sin(theta)
-};
 
 enum class Sampling : std::uint8_t {
   low_discrepancy,  // Owen-scrambled Sobol points, scrambled per pose and ommatidium
   random,           // independent pseudo-random samples
 };
 
+inline constexpr int max_samples = 1 << 20;
+
 struct RenderSettings {
-  int samples = 16;  // rays per ommatidium and scramble, 1 to 2^20
+  int samples = 16;  // rays per ommatidium and scramble, 1 to max_samples
   std::uint64_t seed = 0;
   Kernel kernel = Kernel::gaussian;
   Sampling sampling = Sampling::low_discrepancy;
@@ -45,8 +41,8 @@ struct RenderSettings {
 inline constexpr int error_scrambles = 8;
 
 struct RenderCall {
-  std::uint64_t first_pose = 0;      // index of the first pose, for renders done piece by piece
-  std::span<float> standard_error;   // [pose, ommatidium, channel], or empty for none
+  std::uint64_t first_pose = 0;     // index of the first pose, for renders done piece by piece
+  std::span<float> standard_error;  // [pose, ommatidium, channel], or empty for none
   // Called from the calling thread several times a second with the finished share (0 to 1);
   // false cancels the render, which then throws omma::Cancelled.
   std::function<bool(double)> progress;
@@ -78,8 +74,8 @@ class Renderer {
   const Eye& eye() const;
   const RenderSettings& settings() const;
   const BuildTimes& build_times() const;
-  int threads() const;           // that a render uses
-  std::string backend() const;   // e.g. "embree 3.13.5"
+  int threads() const;          // that a render uses
+  std::string backend() const;  // e.g. "embree 3.13.5"
 
  private:
   struct State;

@@ -18,7 +18,7 @@ inline constexpr int channel_count = 3;
 // An image in memory, row 0 at the top, RGBA. Exactly one of the two arrays is filled.
 struct Image {
   std::string name;
-  int width = 0, height = 0;            // pixels
+  int width = 0, height = 0;             // pixels
   std::vector<std::uint8_t> rgba_srgb8;  // [height][width][4], colour sRGB encoded, alpha linear
   std::vector<float> rgba_linear;        // [height][width][4], linear
 };
@@ -35,8 +35,8 @@ struct Texture {
 
 // A material's use of a texture: which one, read with which texture coordinates.
 struct TextureUse {
-  int texture = -1;       // index into Scene::textures, -1 for none
-  int texcoord_set = 0;   // 0 or 1
+  int texture = -1;      // index into Scene::textures, -1 for none
+  int texcoord_set = 0;  // 0 or 1
   // KHR_texture_transform: uv' = offset + rotation * scale * uv.
   Vec2 offset{0, 0}, scale{1, 1};
   float rotation_rad = 0;
@@ -112,7 +112,7 @@ struct Scene {
 };
 
 struct Bounds {
-  Vec3d lower, upper;   // m, world frame
+  Vec3d lower, upper;  // m, world frame
   bool empty = true;
 };
 

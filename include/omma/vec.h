@@ -35,30 +35,64 @@ struct Vec3d {
   double x = 0, y = 0, z = 0;
 };
 
-OMMA_HD Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
-OMMA_HD Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
-OMMA_HD Vec2 operator*(Vec2 a, float s) { return {a.x * s, a.y * s}; }
+OMMA_HD Vec2 operator+(Vec2 a, Vec2 b) {
+  return {a.x + b.x, a.y + b.y};
+}
+OMMA_HD Vec2 operator-(Vec2 a, Vec2 b) {
+  return {a.x - b.x, a.y - b.y};
+}
+OMMA_HD Vec2 operator*(Vec2 a, float s) {
+  return {a.x * s, a.y * s};
+}
 
-OMMA_HD Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-OMMA_HD Vec3 operator-(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-OMMA_HD Vec3 operator*(Vec3 a, float s) { return {a.x * s, a.y * s, a.z * s}; }
-OMMA_HD float dot(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+OMMA_HD Vec3 operator+(Vec3 a, Vec3 b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+OMMA_HD Vec3 operator-(Vec3 a, Vec3 b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+OMMA_HD Vec3 operator*(Vec3 a, float s) {
+  return {a.x * s, a.y * s, a.z * s};
+}
+OMMA_HD float dot(Vec3 a, Vec3 b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 
-OMMA_HD Vec4 operator+(Vec4 a, Vec4 b) { return {a.x + b.x, a.y + b.y, a.z + b.z, a.w + b.w}; }
-OMMA_HD Vec4 operator*(Vec4 a, Vec4 b) { return {a.x * b.x, a.y * b.y, a.z * b.z, a.w * b.w}; }
-OMMA_HD Vec4 operator*(Vec4 a, float s) { return {a.x * s, a.y * s, a.z * s, a.w * s}; }
+OMMA_HD Vec4 operator+(Vec4 a, Vec4 b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z, a.w + b.w};
+}
+OMMA_HD Vec4 operator*(Vec4 a, Vec4 b) {
+  return {a.x * b.x, a.y * b.y, a.z * b.z, a.w * b.w};
+}
+OMMA_HD Vec4 operator*(Vec4 a, float s) {
+  return {a.x * s, a.y * s, a.z * s, a.w * s};
+}
 
-OMMA_HD Vec3d operator+(Vec3d a, Vec3d b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-OMMA_HD Vec3d operator-(Vec3d a, Vec3d b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-OMMA_HD Vec3d operator*(Vec3d a, double s) { return {a.x * s, a.y * s, a.z * s}; }
-OMMA_HD double dot(Vec3d a, Vec3d b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+OMMA_HD Vec3d operator+(Vec3d a, Vec3d b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+OMMA_HD Vec3d operator-(Vec3d a, Vec3d b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+OMMA_HD Vec3d operator*(Vec3d a, double s) {
+  return {a.x * s, a.y * s, a.z * s};
+}
+OMMA_HD double dot(Vec3d a, Vec3d b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 OMMA_HD Vec3d cross(Vec3d a, Vec3d b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-OMMA_HD double length(Vec3d a) { return sqrt(dot(a, a)); }
-OMMA_HD Vec3d normalize(Vec3d a) { return a * (1.0 / length(a)); }
+OMMA_HD double length(Vec3d a) {
+  return sqrt(dot(a, a));
+}
+OMMA_HD Vec3d normalize(Vec3d a) {
+  return a * (1.0 / length(a));
+}
 
-OMMA_HD Vec3d to_double(Vec3 a) { return {a.x, a.y, a.z}; }
+OMMA_HD Vec3d to_double(Vec3 a) {
+  return {a.x, a.y, a.z};
+}
 OMMA_HD Vec3 to_float(Vec3d a) {
   return {static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z)};
 }

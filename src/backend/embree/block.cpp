@@ -1,0 +1,330 @@
+// The hot loop. Rays are written straight into packets of 16: packets run through the samples of an
+// ommatidium and on into the next one, so that none is left half full. Nothing is allocated.
+//
+// This file is compiled once per instruction set (OMMA_ISA names the namespace). It calls nothing
+// out of line that other files share, so that no code for a newer processor can leak into them.
+#include "backend/embree/block.h"
+
+#include <limits>
+
+#include "kernel/hash.h"
+#include "kernel/path.h"
+
+namespace omma::OMMA_ISA {
+namespace {
+
+constexpr int lanes = 16;
+
+// What the lanes of one packet add to: consecutive lanes of one estimate.
+struct Run {
+  int unit;  // ommatidium in the block * scrambles + scramble
+  int first, count;
+};
+
+struct Packet {
+  RTCRayHit16 rays;
+  alignas(64) float radiance[channel_count][lanes];
+  Run runs[lanes];
+  int run_count = 0;
+  int filled = 0;
+};
+
+// World frames of the ommatidia of a block; s and t lie across the axis.
+struct Frames {
+  alignas(64) float origin[3][block_capacity];
+  alignas(64) float axis[3][block_capacity];
+  alignas(64) float s[3][block_capacity];
+  alignas(64) float t[3][block_capacity];
+  alignas(64) float t_near[block_capacity];
+};
+
+void make_frames(const EyeArrays& eye, const BlockTask& task, Frames& frames) {
+  const float(&m)[3][4] = task.world_from_head;
+  const std::size_t first = static_cast<std::size_t>(task.first);
+  const float* origin[3] = {&eye.origin_x[first], &eye.origin_y[first], &eye.origin_z[first]};
+  const float* axis[3] = {&eye.axis_x[first], &eye.axis_y[first], &eye.axis_z[first]};
+  const float* side[3] = {&eye.side_x[first], &eye.side_y[first], &eye.side_z[first]};
+  const float* focal = &eye.focal_offset_m[first];
+  for (int i = 0; i < task.count; ++i) {
+    for (int r = 0; r < 3; ++r)
+      frames.origin[r][i] =
+          m[r][0] * origin[0][i] + m[r][1] * origin[1][i] + m[r][2] * origin[2][i] + m[r][3];
+    float a[3], s[3];
+    for (int r = 0; r < 3; ++r) {
+      a[r] = m[r][0] * axis[0][i] + m[r][1] * axis[1][i] + m[r][2] * axis[2][i];
+      s[r] = m[r][0] * side[0][i] + m[r][1] * side[1][i] + m[r][2] * side[2][i];
+    }
+    // Orthonormal again after the pose, which may scale.
+    const float length_a = sqrtf(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+    frames.t_near[i] = focal[i] * length_a;
+    for (float& x : a) x /= length_a;
+    const float along = s[0] * a[0] + s[1] * a[1] + s[2] * a[2];
+    for (int r = 0; r < 3; ++r) s[r] -= along * a[r];
+    const float length_s = sqrtf(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
+    for (float& x : s) x /= length_s;
+    for (int r = 0; r < 3; ++r) {
+      frames.axis[r][i] = a[r];
+      frames.s[r][i] = s[r];
+    }
+    frames.t[0][i] = a[1] * s[2] - a[2] * s[1];
+    frames.t[1][i] = a[2] * s[0] - a[0] * s[2];
+    frames.t[2][i] = a[0] * s[1] - a[1] * s[0];
+  }
+}
+
+void clear(Packet& packet) {
+  for (int l = 0; l < lanes; ++l) {
+    // A last packet may stay part empty: its idle lanes still go through the vector loops.
+    packet.rays.ray.dir_x[l] = packet.rays.ray.dir_y[l] = packet.rays.ray.dir_z[l] = 0;
+    packet.rays.ray.time[l] = 0;
+    packet.rays.ray.mask[l] = 0xffffffffu;
+    packet.rays.ray.id[l] = static_cast<unsigned>(l);
+    packet.rays.ray.flags[l] = 0;
+  }
+}
+
+void prepare(RTCRayHit16& rays) {
+  for (int l = 0; l < lanes; ++l) {
+    rays.ray.tfar[l] = std::numeric_limits<float>::infinity();
+    rays.hit.geomID[l] = RTC_INVALID_GEOMETRY_ID;
+    rays.hit.instID[0][l] = RTC_INVALID_GEOMETRY_ID;
+  }
+}
+
+SurfaceHit surface_hit(const EmbreeTracer& tracer, const RTCRayHit16& rays, int lane) {
+  const unsigned instance = rays.hit.instID[0][lane];
+  const unsigned geometry = instance == RTC_INVALID_GEOMETRY_ID ? rays.hit.geomID[lane] : instance;
+  return {tracer.mesh_of_geometry.data()[geometry], rays.hit.primID[lane], rays.hit.u[lane],
+          rays.hit.v[lane]};
+}
+
+// Background of all lanes at once.
+void background_radiance(const SceneView& scene, const RTCRay16& ray,
+                         float (&out)[channel_count][lanes]) {
+  switch (scene.background.type) {
+    case BackgroundType::constant:
+      for (int l = 0; l < lanes; ++l) {
+        out[0][l] = scene.background.color.x;
+        out[1][l] = scene.background.color.y;
+        out[2][l] = scene.background.color.z;
+      }
+      return;
+    case BackgroundType::simple_sky:
+      for (int l = 0; l < lanes; ++l) {
+        const Radiance r = eval_simple_sky({ray.dir_x[l], ray.dir_y[l], ray.dir_z[l]});
+        for (int c = 0; c < channel_count; ++c) out[c][l] = r.channel[c];
+      }
+      return;
+    case BackgroundType::test_pattern:
+    case BackgroundType::image:
+      for (int l = 0; l < lanes; ++l) {
+        const Radiance r = eval_background(scene, {ray.dir_x[l], ray.dir_y[l], ray.dir_z[l]});
+        for (int c = 0; c < channel_count; ++c) out[c][l] = r.channel[c];
+      }
+      return;
+  }
+}
+
+// Opaque scenes: one trace, one surface or the background.
+void shade_opaque(const BlockContext& context, Packet& packet, const int* valid,
+                  IntersectArguments& arguments) {
+  prepare(packet.rays);
+  intersect_16(context.tracer->scene, valid, packet.rays, arguments);
+  unsigned hits = 0;
+  for (int l = 0; l < lanes; ++l)
+    hits |= (packet.rays.hit.geomID[l] != RTC_INVALID_GEOMETRY_ID ? 1u : 0u) << l;
+  if (hits != 0xffffu) background_radiance(*context.scene, packet.rays.ray, packet.radiance);
+  for (; hits != 0; hits &= hits - 1) {
+    const int l = __builtin_ctz(hits);
+    const SurfaceLight light =
+        eval_surface(*context.scene, surface_hit(*context.tracer, packet.rays, l));
+    for (int c = 0; c < channel_count; ++c) packet.radiance[c][l] = light.radiance.channel[c];
+  }
+}
+
+// Scenes with surfaces that let light through: on behind each, until nothing gets through.
+void shade_blended(const BlockContext& context, Packet& packet, const int* valid,
+                   IntersectArguments& arguments) {
+  Path paths[lanes];
+  alignas(64) float background[channel_count][lanes];
+  alignas(64) int active[lanes];
+  for (int l = 0; l < lanes; ++l) active[l] = valid[l];
+  bool any = true;
+  while (any) {
+    prepare(packet.rays);
+    intersect_16(context.tracer->scene, active, packet.rays, arguments);
+    background_radiance(*context.scene, packet.rays.ray, background);
+    any = false;
+    for (int l = 0; l < lanes; ++l) {
+      if (active[l] == 0) continue;
+      if (packet.rays.hit.geomID[l] == RTC_INVALID_GEOMETRY_ID) {
+        add_background(paths[l], {{background[0][l], background[1][l], background[2][l]}});
+        active[l] = 0;
+        continue;
+      }
+      const SurfaceLight light =
+          eval_surface(*context.scene, surface_hit(*context.tracer, packet.rays, l));
+      const bool on = add_surface(paths[l], light);
+      active[l] = on ? -1 : 0;
+      any = any || on;
+      packet.rays.ray.tnear[l] = packet.rays.ray.tfar[l] * step_behind;
+    }
+  }
+  for (int l = 0; l < lanes; ++l)
+    for (int c = 0; c < channel_count; ++c) packet.radiance[c][l] = paths[l].radiance.channel[c];
+}
+
+// Traces and shades what the packet holds and adds it to the sums of its estimates, always in the
+// same order.
+void trace_and_add(const BlockContext& context, Packet& packet, double (*sums)[channel_count],
+                   IntersectArguments& arguments) {
+  alignas(64) int valid[lanes];
+  for (int l = 0; l < lanes; ++l) valid[l] = l < packet.filled ? -1 : 0;
+  if (context.scene->has_blend)
+    shade_blended(context, packet, valid, arguments);
+  else
+    shade_opaque(context, packet, valid, arguments);
+  for (int r = 0; r < packet.run_count; ++r) {
+    const Run run = packet.runs[r];
+    for (int c = 0; c < channel_count; ++c) {
+      const float* x = packet.radiance[c] + run.first;
+      float sum = 0;
+      if (run.count == lanes) {
+        float half[8];
+        for (int l = 0; l < 8; ++l) half[l] = x[l] + x[l + 8];
+        sum = ((half[0] + half[4]) + (half[1] + half[5])) +
+              ((half[2] + half[6]) + (half[3] + half[7]));
+      } else {
+        for (int l = 0; l < run.count; ++l) sum += x[l];
+      }
+      sums[run.unit][c] += sum;
+    }
+  }
+}
+
+// One ommatidium as a ray source: its frame with the scramble's turn about the axis applied.
+struct RaySource {
+  float origin[3], axis[3], s[3], t[3], t_near;
+};
+
+RaySource make_ray_source(const Frames& frames, int i, Vec2 turn) {
+  RaySource source;
+  for (int r = 0; r < 3; ++r) {
+    source.origin[r] = frames.origin[r][i];
+    source.axis[r] = frames.axis[r][i];
+    source.s[r] = frames.s[r][i] * turn.x + frames.t[r][i] * turn.y;
+    source.t[r] = frames.t[r][i] * turn.x - frames.s[r][i] * turn.y;
+  }
+  source.t_near = frames.t_near[i];
+  return source;
+}
+
+// Writes lanes [first, first + count) from local directions.
+__attribute__((always_inline)) inline void write_rays(RTCRay16& ray, const RaySource& source,
+                                                      const float* x, const float* y,
+                                                      const float* z, int first, int count) {
+  for (int k = 0; k < count; ++k) {
+    const int l = first + k;
+    ray.org_x[l] = source.origin[0];
+    ray.org_y[l] = source.origin[1];
+    ray.org_z[l] = source.origin[2];
+    ray.dir_x[l] = source.s[0] * x[k] + source.t[0] * y[k] + source.axis[0] * z[k];
+    ray.dir_y[l] = source.s[1] * x[k] + source.t[1] * y[k] + source.axis[1] * z[k];
+    ray.dir_z[l] = source.s[2] * x[k] + source.t[2] * y[k] + source.axis[2] * z[k];
+    ray.tnear[l] = source.t_near;
+  }
+}
+
+// Responses from the sums of a block: the mean over all scrambles and, where asked for, its
+// standard error from their spread.
+void reduce(const BlockContext& context, const BlockTask& task,
+            const double (*sums)[channel_count]) {
+  const double samples = context.directions->samples;
+  const int scrambles = context.scrambles;
+  for (int i = 0; i < task.count; ++i) {
+    const std::size_t out =
+        static_cast<std::size_t>(context.eye->ommatidium.data()[task.first + i]) * channel_count;
+    for (int c = 0; c < channel_count; ++c) {
+      double mean = 0;
+      for (int r = 0; r < scrambles; ++r) mean += sums[i * scrambles + r][c];
+      mean /= samples * scrambles;
+      task.responses[out + static_cast<std::size_t>(c)] = static_cast<float>(mean);
+      if (task.standard_error == nullptr) continue;
+      double squares = 0;
+      for (int r = 0; r < scrambles; ++r) {
+        const double d = sums[i * scrambles + r][c] / samples - mean;
+        squares += d * d;
+      }
+      task.standard_error[out + static_cast<std::size_t>(c)] =
+          static_cast<float>(sqrt(squares / (scrambles * (scrambles - 1.0))));
+    }
+  }
+}
+
+// Writes the rays of a block into packets, in a fixed order, and hands each full one (and the last)
+// to `consume`.
+template <typename Consume>
+__attribute__((always_inline)) inline void for_each_packet(const BlockContext& context,
+                                                           const BlockTask& task,
+                                                           const Consume& consume) {
+  const DirectionTables& tables = *context.directions;
+  Frames frames;
+  make_frames(*context.eye, task, frames);
+  Packet packet;
+  clear(packet);
+  for (int i = 0; i < task.count; ++i) {
+    const std::uint32_t warp = context.eye->warp.data()[task.first + i];
+    const std::uint64_t hash =
+        scramble_hash(tables.seed, task.pose, context.eye->ommatidium.data()[task.first + i]);
+    for (int scramble = 0; scramble < context.scrambles; ++scramble) {
+      const std::uint64_t turn = hash_combine(hash, static_cast<std::uint64_t>(scramble));
+      const RaySource source =
+          make_ray_source(frames, i, tables.turns.data()[turn & (turn_count - 1)]);
+      DirectionPattern pattern;
+      if (tables.patterns > 0) pattern = find_pattern(tables, warp, hash, scramble);
+      for (int sample = 0; sample < tables.samples;) {
+        const int room = lanes - packet.filled;
+        const int count = tables.samples - sample < room ? tables.samples - sample : room;
+        float x[lanes], y[lanes], z[lanes];
+        DirectionPattern d{pattern.x + sample, pattern.y + sample, pattern.z + sample};
+        if (tables.patterns == 0) {
+          make_directions(tables, warp, hash, scramble, sample, count, x, y, z);
+          d = {x, y, z};
+        }
+        if (count == lanes)
+          write_rays(packet.rays.ray, source, d.x, d.y, d.z, 0, lanes);
+        else
+          write_rays(packet.rays.ray, source, d.x, d.y, d.z, packet.filled, count);
+        packet.runs[packet.run_count++] = {i * context.scrambles + scramble, packet.filled, count};
+        packet.filled += count;
+        sample += count;
+        if (packet.filled < lanes) continue;
+        consume(packet);
+        packet.filled = 0;
+        packet.run_count = 0;
+      }
+    }
+  }
+  if (packet.filled > 0) consume(packet);
+}
+
+}  // namespace
+
+void render_block(const BlockContext& context, const BlockTask& task) {
+  double sums[block_capacity][channel_count];
+  for (int u = 0; u < task.count * context.scrambles; ++u)
+    for (double& sum : sums[u]) sum = 0;
+  IntersectArguments arguments;
+  for_each_packet(context, task,
+                  [&](Packet& packet) { trace_and_add(context, packet, sums, arguments); });
+  reduce(context, task, sums);
+}
+
+void prepare_block(const BlockContext& context, const BlockTask& task, RTCRayHit16* packets) {
+  for_each_packet(context, task, [&](Packet& packet) {
+    prepare(packet.rays);
+    *packets++ = packet.rays;
+  });
+}
+
+}  // namespace omma::OMMA_ISA

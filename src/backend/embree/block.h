@@ -1,0 +1,59 @@
+// The hot loop of the CPU backend: one block of neighbouring ommatidia at one pose, from directions
+// to responses. Built once per instruction set from block.cpp; dispatch chooses at run time.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "backend/embree/tracer.h"
+#include "backend/eye_arrays.h"
+#include "sampling/directions.h"
+
+namespace omma {
+
+// Most ommatidia in one block.
+inline constexpr int block_capacity = 256;
+
+// Everything that stays the same between frames.
+struct BlockContext {
+  const EmbreeTracer* tracer = nullptr;
+  const SceneView* scene = nullptr;
+  const EyeArrays* eye = nullptr;
+  const DirectionTables* directions = nullptr;
+  int scrambles = 1;  // independent estimates of each response
+};
+
+struct BlockTask {
+  float world_from_head[3][4] = {};  // row major
+  std::uint64_t pose = 0;            // index, for the random numbers
+  int first = 0, count = 0;          // ommatidia, in the order of EyeArrays
+  float* responses = nullptr;        // [ommatidium][channel] of this pose
+  float* standard_error = nullptr;   // the same, or null
+};
+
+using RenderBlock = void (*)(const BlockContext&, const BlockTask&);
+// Only writes the packets that a block traces, for measuring what tracing alone takes.
+using PrepareBlock = void (*)(const BlockContext&, const BlockTask&, RTCRayHit16* packets);
+
+struct BlockFunctions {
+  RenderBlock render = nullptr;
+  PrepareBlock prepare = nullptr;
+};
+
+namespace baseline {
+void render_block(const BlockContext& context, const BlockTask& task);
+void prepare_block(const BlockContext& context, const BlockTask& task, RTCRayHit16* packets);
+}  // namespace baseline
+namespace avx2 {
+void render_block(const BlockContext& context, const BlockTask& task);
+void prepare_block(const BlockContext& context, const BlockTask& task, RTCRayHit16* packets);
+}  // namespace avx2
+namespace avx512 {
+void render_block(const BlockContext& context, const BlockTask& task);
+void prepare_block(const BlockContext& context, const BlockTask& task, RTCRayHit16* packets);
+}  // namespace avx512
+
+// The fastest of these that this processor runs.
+BlockFunctions choose_block_functions();
+
+}  // namespace omma

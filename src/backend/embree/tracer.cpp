@@ -1,0 +1,143 @@
+// Builds the Embree scene and filters candidates that the ray does not see.
+#include "backend/embree/tracer.h"
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include <cmath>
+
+#include "kernel/surface.h"
+#include "omma/error.h"
+
+namespace omma {
+namespace {
+
+// Embree inverts transforms in single precision; smaller determinants would underflow there.
+constexpr double least_determinant = 1e-30;
+
+void check(RTCDevice device, const char* doing) {
+  const RTCError code = rtcGetDeviceError(device);
+  if (code == RTC_ERROR_NONE) return;
+  const char* what = code == RTC_ERROR_OUT_OF_MEMORY     ? "out of memory"
+                     : code == RTC_ERROR_UNSUPPORTED_CPU ? "this processor is not supported"
+                                                         : "internal error";
+  throw Error(std::string("Embree, ") + doing + ": " + what + " (code " + std::to_string(code) +
+              ")");
+}
+
+// Asked for every candidate hit on a mesh that has invisible parts.
+void filter_candidates(const RTCFilterFunctionNArguments* args) {
+  const auto& data = *static_cast<const FilterData*>(args->geometryUserPtr);
+  const unsigned n = args->N;
+  for (unsigned i = 0; i < n; ++i) {
+    if (args->valid[i] == 0) continue;
+    const SurfaceHit hit{data.mesh, RTCHitN_primID(args->hit, n, i), RTCHitN_u(args->hit, n, i),
+                         RTCHitN_v(args->hit, n, i)};
+    // Ray and normal are in the mesh's frame here, where counter-clockwise triangles face the ray
+    // whatever the transform (glTF 2.0, 3.7.4: a mirroring one turns the winding with it).
+    const float facing = RTCRayN_dir_x(args->ray, n, i) * RTCHitN_Ng_x(args->hit, n, i) +
+                         RTCRayN_dir_y(args->ray, n, i) * RTCHitN_Ng_y(args->hit, n, i) +
+                         RTCRayN_dir_z(args->ray, n, i) * RTCHitN_Ng_z(args->hit, n, i);
+    if (!accept_hit(*data.scene, hit, facing > 0)) args->valid[i] = 0;
+  }
+}
+
+// A triangle geometry, its vertices transformed.
+RTCGeometry make_geometry(EmbreeTracer& tracer, const Mesh& mesh, std::int32_t mesh_index,
+                          const Mat4& placed, const SceneView& view) {
+  RTCGeometry geometry = rtcNewGeometry(tracer.device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  const std::size_t vertices = mesh.positions.size(), triangles = mesh.triangles.size();
+  auto* position = static_cast<Vec3*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3), vertices));
+  auto* index = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), triangles));
+  check(tracer.device, "making room for a mesh");
+  oneapi::tbb::parallel_for(std::size_t{0}, vertices, [&](std::size_t i) {
+    position[i] = to_float(transform_point(placed, to_double(mesh.positions[i])));
+  });
+  oneapi::tbb::parallel_for(std::size_t{0}, triangles, [&](std::size_t i) {
+    for (std::size_t k = 0; k < 3; ++k) index[3 * i + k] = mesh.triangles[i][k];
+  });
+  if (may_reject(view.materials[view.meshes[mesh_index].material])) {
+    tracer.filters.push_back(std::make_unique<FilterData>(FilterData{&view, mesh_index}));
+    rtcSetGeometryUserData(geometry, tracer.filters.back().get());
+    rtcSetGeometryIntersectFilterFunction(geometry, filter_candidates);
+  }
+  rtcCommitGeometry(geometry);
+  return geometry;
+}
+
+void attach(EmbreeTracer& tracer, RTCScene scene, RTCGeometry geometry, std::int32_t mesh) {
+  const unsigned id = rtcAttachGeometry(scene, geometry);
+  rtcReleaseGeometry(geometry);
+  if (scene != tracer.scene) return;
+  if (tracer.mesh_of_geometry.size() <= id) tracer.mesh_of_geometry.resize(id + 1, -1);
+  tracer.mesh_of_geometry[id] = mesh;
+}
+
+}  // namespace
+
+EmbreeTracer::~EmbreeTracer() {
+  if (scene != nullptr) rtcReleaseScene(scene);
+  if (device != nullptr) rtcReleaseDevice(device);
+}
+
+std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const SceneView& view) {
+  auto tracer = std::make_unique<EmbreeTracer>();
+  tracer->device = rtcNewDevice(nullptr);
+  if (tracer->device == nullptr) check(nullptr, "starting");
+  const auto version = rtcGetDeviceProperty(tracer->device, RTC_DEVICE_PROPERTY_VERSION);
+  tracer->name = "embree " + std::to_string(version / 10000) + "." +
+                 std::to_string(version / 100 % 100) + "." + std::to_string(version % 100);
+  tracer->scene = rtcNewScene(tracer->device);
+  check(tracer->device, "making a scene");
+
+  std::vector<int> uses(scene.meshes.size(), 0);
+  for (const Instance& instance : scene.instances) ++uses[static_cast<std::size_t>(instance.mesh)];
+
+  // Meshes used several times: once each, in a scene of their own.
+  std::vector<RTCScene> shared(scene.meshes.size(), nullptr);
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+    if (uses[m] < 2 || scene.meshes[m].triangles.empty()) continue;
+    shared[m] = rtcNewScene(tracer->device);
+    const auto mesh = static_cast<std::int32_t>(m);
+    attach(*tracer, shared[m], make_geometry(*tracer, scene.meshes[m], mesh, {}, view), mesh);
+    rtcCommitScene(shared[m]);
+  }
+
+  for (const Instance& instance : scene.instances) {
+    const auto m = static_cast<std::size_t>(instance.mesh);
+    const Mesh& mesh = scene.meshes[m];
+    if (mesh.triangles.empty()) continue;
+    const Mat4& t = instance.world_from_mesh;
+    // A mirrored mesh is instanced even when used once: put into the world directly, its triangles
+    // would face the wrong way. A flattened one never is: instancing needs the inverse.
+    const double det = determinant(t);
+    const bool invertible = std::fabs(det) > least_determinant;
+    if (!invertible || (shared[m] == nullptr && det > 0)) {
+      attach(*tracer, tracer->scene, make_geometry(*tracer, mesh, instance.mesh, t, view),
+             instance.mesh);
+      continue;
+    }
+    if (shared[m] == nullptr) {
+      shared[m] = rtcNewScene(tracer->device);
+      attach(*tracer, shared[m], make_geometry(*tracer, mesh, instance.mesh, {}, view),
+             instance.mesh);
+      rtcCommitScene(shared[m]);
+    }
+    RTCGeometry geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(geometry, shared[m]);
+    float columns[12];
+    for (int c = 0; c < 4; ++c)
+      for (int r = 0; r < 3; ++r) columns[3 * c + r] = static_cast<float>(t.m[r][c]);
+    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
+    rtcCommitGeometry(geometry);
+    attach(*tracer, tracer->scene, geometry, instance.mesh);
+  }
+  rtcCommitScene(tracer->scene);
+  for (RTCScene s : shared)
+    if (s != nullptr) rtcReleaseScene(s);  // the instances hold them
+  check(tracer->device, "building the acceleration structure");
+  return tracer;
+}
+
+}  // namespace omma

@@ -1,0 +1,37 @@
+// The acceleration structure of the CPU: a Scene in Embree. Meshes placed once are put into the
+// world directly; meshes placed more often are kept once and instanced.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "backend/embree/embree_api.h"
+#include "backend/shading_data.h"
+#include "omma/scene.h"
+
+namespace omma {
+
+// What the candidate filter of one geometry needs.
+struct FilterData {
+  const SceneView* scene = nullptr;
+  std::int32_t mesh = 0;
+};
+
+struct EmbreeTracer {
+  EmbreeTracer() = default;
+  EmbreeTracer(const EmbreeTracer&) = delete;
+  EmbreeTracer& operator=(const EmbreeTracer&) = delete;
+  ~EmbreeTracer();
+
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+  std::vector<std::int32_t> mesh_of_geometry;  // [geometry of the top scene], index into meshes
+  std::vector<std::unique_ptr<FilterData>> filters;
+  std::string name;  // e.g. "embree 3.13.5"
+};
+
+// Throws omma::Error where Embree fails, out of memory for instance.
+std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const SceneView& view);
+
+}  // namespace omma

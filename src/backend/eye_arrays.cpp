@@ -1,0 +1,34 @@
+// Lays out an Eye for the hot loops.
+#include "backend/eye_arrays.h"
+
+#include <cmath>
+
+#include "model/curve_order.h"
+
+namespace omma {
+
+EyeArrays make_eye_arrays(const Eye& eye, const DirectionTables& directions) {
+  EyeArrays a;
+  for (const std::uint32_t i : order_along_curve(eye)) {
+    const Vec3d axis = to_double(eye.axis[i]);
+    const Vec3d origin =
+        to_double(eye.position_m[i]) - axis * static_cast<double>(eye.focal_offset_m[i]);
+    // Any direction across the axis: from the coordinate axis that it is least along.
+    const Vec3d other = std::fabs(axis.y) < 0.7 ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0};
+    const Vec3d side = normalize(cross(other, axis));
+    const auto push = [](Vec3 v, auto& x, auto& y, auto& z) {
+      x.push_back(v.x);
+      y.push_back(v.y);
+      z.push_back(v.z);
+    };
+    push(to_float(origin), a.origin_x, a.origin_y, a.origin_z);
+    push(to_float(axis), a.axis_x, a.axis_y, a.axis_z);
+    push(to_float(side), a.side_x, a.side_y, a.side_z);
+    a.focal_offset_m.push_back(eye.focal_offset_m[i]);
+    a.warp.push_back(directions.warp_of[i]);
+    a.ommatidium.push_back(i);
+  }
+  return a;
+}
+
+}  // namespace omma

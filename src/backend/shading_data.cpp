@@ -1,0 +1,119 @@
+// Flattens a validated Scene for the kernels.
+#include "backend/shading_data.h"
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include <cmath>
+
+namespace omma {
+namespace {
+
+// IEC 61966-2-1, 8-bit code value to linear.
+float linear_from_srgb(double s) {
+  return static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
+}
+
+TextureView image_view(const Image& image) {
+  TextureView view;
+  view.width = image.width;
+  view.height = image.height;
+  if (!image.rgba_srgb8.empty()) view.srgb8 = image.rgba_srgb8.data();
+  if (!image.rgba_linear.empty())
+    view.linear = reinterpret_cast<const Vec4*>(image.rgba_linear.data());
+  return view;
+}
+
+// Per triangle corner: one place in memory per hit instead of an index and three vertices.
+template <typename T>
+std::vector<T> per_corner(const Mesh& mesh, const std::vector<T>& per_vertex) {
+  std::vector<T> corners(3 * mesh.triangles.size());
+  oneapi::tbb::parallel_for(std::size_t{0}, mesh.triangles.size(), [&](std::size_t i) {
+    for (std::size_t k = 0; k < 3; ++k) corners[3 * i + k] = per_vertex[mesh.triangles[i][k]];
+  });
+  return corners;
+}
+
+// KHR_texture_transform: uv' = offset + rotation * (scale * uv). The rotation is counter-clockwise
+// as seen with v pointing down, u' = cos u + sin v, v' = -sin u + cos v: what the test model and
+// the implementations do; the matrix printed in the extension's text turns the other way
+// (KhronosGroup/glTF issue 1563).
+std::vector<Vec2> corner_texcoords(const Mesh& mesh, const TextureUse& use) {
+  const auto& source = mesh.texcoords[static_cast<std::size_t>(use.texcoord_set)];
+  if (source.empty()) return std::vector<Vec2>(3 * mesh.triangles.size(), use.offset);
+  std::vector<Vec2> uv = per_corner(mesh, source);
+  const float c = std::cos(use.rotation_rad), s = std::sin(use.rotation_rad);
+  oneapi::tbb::parallel_for(std::size_t{0}, uv.size(), [&](std::size_t i) {
+    const Vec2 p{uv[i].x * use.scale.x, uv[i].y * use.scale.y};
+    uv[i] = {c * p.x + s * p.y + use.offset.x, -s * p.x + c * p.y + use.offset.y};
+  });
+  return uv;
+}
+
+MaterialView material_view(const Material& m) {
+  return {m.base_color,
+          m.emissive,
+          m.base_color_texture.texture,
+          m.emissive_texture.texture,
+          m.alpha_cutoff,
+          m.alpha_mode,
+          m.double_sided};
+}
+
+}  // namespace
+
+std::unique_ptr<ShadingData> make_shading_data(const Scene& scene, const Background& background) {
+  auto data = std::make_unique<ShadingData>();
+  for (int i = 0; i < 256; ++i)
+    data->linear_from_srgb8[static_cast<std::size_t>(i)] = linear_from_srgb(i / 255.0);
+
+  for (const Texture& texture : scene.textures) {
+    TextureView view = image_view(scene.images[static_cast<std::size_t>(texture.image)]);
+    view.wrap_u = texture.wrap_u;
+    view.wrap_v = texture.wrap_v;
+    view.filter = texture.filter;
+    data->textures.push_back(view);
+  }
+
+  // The last material is glTF's default, for meshes without one: white, single-sided.
+  for (const Material& material : scene.materials)
+    data->materials.push_back(material_view(material));
+  data->materials.push_back(material_view({}));
+
+  for (const Mesh& mesh : scene.meshes) {
+    MeshView view;
+    view.material =
+        mesh.material >= 0 ? mesh.material : static_cast<std::int32_t>(scene.materials.size());
+    if (mesh.material >= 0) {
+      const Material& material = scene.materials[static_cast<std::size_t>(mesh.material)];
+      if (material.base_color_texture.texture >= 0) {
+        data->corner_uvs.push_back(corner_texcoords(mesh, material.base_color_texture));
+        view.base_uv = data->corner_uvs.back().data();
+      }
+      if (material.emissive_texture.texture >= 0) {
+        data->corner_uvs.push_back(corner_texcoords(mesh, material.emissive_texture));
+        view.emissive_uv = data->corner_uvs.back().data();
+      }
+      data->view.has_blend |= material.alpha_mode == AlphaMode::blend;
+    }
+    if (!mesh.colors.empty()) {
+      data->corner_colors.push_back(per_corner(mesh, mesh.colors));
+      view.colors = data->corner_colors.back().data();
+    }
+    data->meshes.push_back(view);
+  }
+
+  SceneView& view = data->view;
+  view.meshes = data->meshes.data();
+  view.materials = data->materials.data();
+  view.textures = data->textures.data();
+  view.linear_from_srgb8 = data->linear_from_srgb8.data();
+  view.background.type = background.type;
+  view.background.color = background.color;
+  if (background.type == BackgroundType::image) {
+    view.background.image = image_view(background.image);
+    view.background.image.wrap_v = Wrap::clamp_to_edge;
+  }
+  return data;
+}
+
+}  // namespace omma

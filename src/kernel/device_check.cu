@@ -1,0 +1,31 @@
+// Compiles the physics headers as device code. Nothing runs this; it keeps what is written once
+// good for both host and device.
+#include "kernel/acceptance.h"
+#include "kernel/hash.h"
+#include "kernel/path.h"
+#include "kernel/sobol.h"
+
+namespace omma {
+
+__global__ void device_check(SceneView scene, AcceptanceWarpView warp, float* out) {
+  const unsigned i = threadIdx.x;
+  const std::uint64_t scramble = scramble_hash(0, blockIdx.x, i);
+  const double u0 = unit_interval(static_cast<std::uint64_t>(owen_scramble(sobol_0(i), scramble))
+                                  << 32);
+  const double u1 = unit_interval(static_cast<std::uint64_t>(owen_scramble(sobol_1(i), scramble))
+                                  << 32);
+  const Vec3 direction =
+      to_float(sample_acceptance(warp, normal_quantile(u0), normal_quantile(u1)));
+  const auto trace = [&](float t_near_m, SurfaceHit& hit, float& t_m) {
+    hit = {0, i, 0.25f, 0.25f};
+    t_m = t_near_m + 1;
+    return accept_hit(scene, hit, direction.z > 0) && may_reject(scene.materials[0]);
+  };
+  const Radiance radiance = eval_path(scene, direction, 0, trace);
+  for (int c = 0; c < channel_count; ++c) out[channel_count * i + c] = radiance.channel[c];
+  out[channel_count * blockDim.x + i] =
+      static_cast<float>(acceptance_pdf(warp, direction.z) +
+                         eval_polar_density(warp.kernel, direction.z, warp.acceptance_rad));
+}
+
+}  // namespace omma

@@ -1,0 +1,35 @@
+// Random numbers as a stateless function of what they are for: (seed, pose, ommatidium, ...).
+// No generator state exists anywhere, so that results do not depend on the order of work.
+#pragma once
+
+#include <cstdint>
+
+#include "omma/vec.h"
+
+namespace omma {
+
+// A bijective mixer of 64 bits: the finaliser of SplitMix64 (Steele, Lea, Flood 2014, OOPSLA).
+OMMA_HD std::uint64_t mix_bits(std::uint64_t x) {
+  x ^= x >> 30;
+  x *= 0xbf58476d1ce4e5b9ull;
+  x ^= x >> 27;
+  x *= 0x94d049bb133111ebull;
+  return x ^ (x >> 31);
+}
+
+OMMA_HD std::uint64_t hash_combine(std::uint64_t h, std::uint64_t value) {
+  return mix_bits((h + value) * 0x9e3779b97f4a7c15ull + 0x632be59bd9b4e019ull);
+}
+
+// The scramble of one estimate of one ommatidium.
+OMMA_HD std::uint64_t scramble_hash(std::uint64_t seed, std::uint64_t pose,
+                                    std::uint64_t ommatidium) {
+  return hash_combine(hash_combine(mix_bits(seed ^ 0x6f6d6d61ull), pose), ommatidium);
+}
+
+// Uniform in (0, 1) from the upper 32 bits.
+OMMA_HD double unit_interval(std::uint64_t bits) {
+  return (static_cast<double>(bits >> 32) + 0.5) * 0x1p-32;
+}
+
+}  // namespace omma

@@ -1,0 +1,51 @@
+// Light gathered along one ray through surfaces that cover it in part, front to back. A backend
+// gives one thing, the closest accepted hit; these steps are shared by all of them.
+#pragma once
+
+#include "kernel/background.h"
+#include "kernel/surface.h"
+
+namespace omma {
+
+struct Path {
+  Radiance radiance;
+  float throughput = 1;  // share of what lies behind that still gets through
+};
+
+// Below this share the rest cannot change a response: less than a float's resolution of 1.
+inline constexpr float least_throughput = 1e-7f;
+
+// A ray goes on just behind the surface it crossed, a relative step above float's resolution.
+inline constexpr float step_behind = 1.0f + 1e-6f;
+
+// Adds a surface; true where the ray goes on behind it.
+OMMA_HD bool add_surface(Path& path, const SurfaceLight& light) {
+  for (int c = 0; c < channel_count; ++c)
+    path.radiance.channel[c] += path.throughput * light.alpha * light.radiance.channel[c];
+  path.throughput *= 1 - light.alpha;
+  return path.throughput > least_throughput;
+}
+
+OMMA_HD void add_background(Path& path, const Radiance& radiance) {
+  for (int c = 0; c < channel_count; ++c)
+    path.radiance.channel[c] += path.throughput * radiance.channel[c];
+}
+
+// Radiance along one ray. `trace(t_near_m, hit, t_m)` finds the closest accepted hit at or beyond
+// t_near, false for none. Packet backends run the same steps lane by lane.
+template <typename Trace>
+OMMA_HD Radiance eval_path(const SceneView& scene, Vec3 direction, float t_near_m, Trace trace) {
+  Path path;
+  for (;;) {
+    SurfaceHit hit;
+    float t_m = 0;
+    if (!trace(t_near_m, hit, t_m)) {
+      add_background(path, eval_background(scene, direction));
+      return path.radiance;
+    }
+    if (!add_surface(path, eval_surface(scene, hit))) return path.radiance;
+    t_near_m = t_m * step_behind;
+  }
+}
+
+}  // namespace omma

@@ -1,0 +1,63 @@
+// The scene as the kernels see it: flat arrays behind pointers, the same on host and device. Made
+// from a Scene by backend/shading_data, which has baked texture transforms into the coordinates.
+#pragma once
+
+#include <cstdint>
+
+#include "omma/scene.h"
+#include "omma/vec.h"
+
+namespace omma {
+
+// Radiance in all channels. (Stokes components will stand beside these.)
+struct Radiance {
+  float channel[channel_count] = {};
+};
+
+struct TextureView {
+  const std::uint8_t* srgb8 = nullptr;  // [height][width][4], or null
+  const Vec4* linear = nullptr;         // [height][width], or null
+  std::int32_t width = 1, height = 1;
+  Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
+  Filter filter = Filter::linear;
+};
+
+struct MaterialView {
+  Vec4 base_color{1, 1, 1, 1};
+  Vec3 emissive{0, 0, 0};
+  std::int32_t base_texture = -1, emissive_texture = -1;  // index into SceneView::textures
+  float alpha_cutoff = 0.5f;
+  AlphaMode alpha_mode = AlphaMode::opaque;
+  bool double_sided = true;
+};
+
+struct MeshView {
+  const Vec2* base_uv = nullptr;      // [triangle][3], or null where the material has no texture
+  const Vec2* emissive_uv = nullptr;  // [triangle][3], or null
+  const Vec4* colors = nullptr;       // [triangle][3], linear RGBA, or null
+  std::int32_t material = 0;          // index into SceneView::materials
+};
+
+struct BackgroundView {
+  BackgroundType type = BackgroundType::constant;
+  Vec3 color{0, 0, 0};
+  TextureView image;
+};
+
+struct SceneView {
+  const MeshView* meshes = nullptr;
+  const MaterialView* materials = nullptr;
+  const TextureView* textures = nullptr;
+  const float* linear_from_srgb8 = nullptr;  // [256]
+  BackgroundView background;
+  bool has_blend = false;  // whether any surface lets light through in part
+};
+
+// Where a ray met a surface.
+struct SurfaceHit {
+  std::int32_t mesh = -1;  // index into SceneView::meshes
+  std::uint32_t triangle = 0;
+  float u = 0, v = 0;  // barycentric weights of the second and third vertex
+};
+
+}  // namespace omma

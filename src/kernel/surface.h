@@ -1,0 +1,68 @@
+// What a surface sends towards the eye, and which surfaces a ray sees at all.
+//
+// This is the seam where light comes in: eval_surface returns the unlit base colour plus emission
+// (CompoundRay's default shading); illumination will multiply the base colour here.
+#pragma once
+
+#include "kernel/texture.h"
+
+namespace omma {
+
+struct SurfaceLight {
+  Radiance radiance;
+  float alpha = 1;  // share of what lies behind that the surface covers
+};
+
+OMMA_HD Vec2 interpolate(const Vec2* corner, float u, float v) {
+  return corner[0] * (1 - u - v) + corner[1] * u + corner[2] * v;
+}
+
+OMMA_HD Vec4 interpolate(const Vec4* corner, float u, float v) {
+  return corner[0] * (1 - u - v) + corner[1] * u + corner[2] * v;
+}
+
+// Base colour: factor x texture x vertex colour (glTF 2.0, 3.9.2).
+OMMA_HD Vec4 eval_base_color(const SceneView& scene, const MeshView& mesh,
+                             const MaterialView& material, const SurfaceHit& hit) {
+  Vec4 color = material.base_color;
+  const long long corner = 3 * static_cast<long long>(hit.triangle);
+  if (mesh.base_uv != nullptr)
+    color = color * eval_texture(scene.textures[material.base_texture], scene.linear_from_srgb8,
+                                 interpolate(mesh.base_uv + corner, hit.u, hit.v));
+  if (mesh.colors != nullptr) color = color * interpolate(mesh.colors + corner, hit.u, hit.v);
+  return color;
+}
+
+OMMA_HD SurfaceLight eval_surface(const SceneView& scene, const SurfaceHit& hit) {
+  const MeshView& mesh = scene.meshes[hit.mesh];
+  const MaterialView& material = scene.materials[mesh.material];
+  const Vec4 base = eval_base_color(scene, mesh, material, hit);
+  Vec3 emitted = material.emissive;
+  if (mesh.emissive_uv != nullptr) {
+    const Vec2 uv =
+        interpolate(mesh.emissive_uv + 3 * static_cast<long long>(hit.triangle), hit.u, hit.v);
+    const Vec4 t =
+        eval_texture(scene.textures[material.emissive_texture], scene.linear_from_srgb8, uv);
+    emitted = {emitted.x * t.x, emitted.y * t.y, emitted.z * t.z};
+  }
+  const float alpha =
+      material.alpha_mode == AlphaMode::blend ? fminf(fmaxf(base.w, 0.0f), 1.0f) : 1.0f;
+  return {{{base.x + emitted.x, base.y + emitted.y, base.z + emitted.z}}, alpha};
+}
+
+// Whether the ray sees the surface there: the back of a single-sided one is invisible (glTF 2.0,
+// 3.9.3), and so is a cut-out below its cutoff (3.9.4). The tracer asks this of every candidate.
+OMMA_HD bool accept_hit(const SceneView& scene, const SurfaceHit& hit, bool from_behind) {
+  const MeshView& mesh = scene.meshes[hit.mesh];
+  const MaterialView& material = scene.materials[mesh.material];
+  if (from_behind && !material.double_sided) return false;
+  if (material.alpha_mode != AlphaMode::mask) return true;
+  return eval_base_color(scene, mesh, material, hit).w >= material.alpha_cutoff;
+}
+
+// Whether accept_hit can ever say no: meshes for which it cannot are traced without asking.
+OMMA_HD bool may_reject(const MaterialView& material) {
+  return !material.double_sided || material.alpha_mode == AlphaMode::mask;
+}
+
+}  // namespace omma

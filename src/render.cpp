@@ -1,0 +1,187 @@
+// The main path: a scene and an eye become a Renderer, poses become responses. Read top to bottom:
+// check what comes in, build once, then per call one parallel loop over poses and blocks of
+// neighbouring ommatidia. What happens inside a block is backend/embree/block.cpp.
+#include "omma/render.h"
+
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/info.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "backend/embree/block.h"
+#include "backend/embree/tracer.h"
+#include "backend/shading_data.h"
+#include "sampling/directions.h"
+
+namespace omma {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+constexpr int max_threads = 4096;
+
+void check_settings(const RenderSettings& s) {
+  if (s.samples < 1 || s.samples > max_samples)
+    throw Error("samples: expected 1 to " + std::to_string(max_samples) + ", found " +
+                std::to_string(s.samples));
+  if (s.threads < 0 || s.threads > max_threads)
+    throw Error("threads: expected 0 (all) to " + std::to_string(max_threads) + ", found " +
+                std::to_string(s.threads));
+  if (s.background) {
+    Scene only_background;
+    only_background.path = "the given background";
+    only_background.background = *s.background;
+    validate_scene(only_background);
+  }
+}
+
+void check_pose(const Mat4& pose, std::size_t index) {
+  bool good = pose.m[3][0] == 0 && pose.m[3][1] == 0 && pose.m[3][2] == 0 && pose.m[3][3] == 1;
+  for (const auto& row : pose.m)
+    for (double value : row) good = good && std::isfinite(value);
+  if (!good || std::fabs(determinant(pose)) < 1e-30)
+    throw Error("poses[" + std::to_string(index) +
+                "]: expected a finite, invertible 4x4 transform with last row 0 0 0 1");
+}
+
+void check_output(const char* name, std::span<float> output, std::size_t expected) {
+  if (output.size() != expected)
+    throw Error(std::string(name) + ": expected room for " + std::to_string(expected) +
+                " values (pose x ommatidium x channel), found " + std::to_string(output.size()));
+}
+
+}  // namespace
+
+struct Renderer::State {
+  std::shared_ptr<const Scene> scene;
+  Eye eye;
+  RenderSettings settings;
+  BuildTimes times;
+  int threads = 1;
+
+  // More threads than the processor has, where asked for, need TBB's own limit raised.
+  std::unique_ptr<oneapi::tbb::global_control> thread_limit;
+  std::unique_ptr<oneapi::tbb::task_arena> arena;
+
+  std::unique_ptr<ShadingData> shading;
+  std::unique_ptr<EmbreeTracer> tracer;
+  DirectionTables directions;
+  EyeArrays eye_arrays;
+  BlockFunctions block;
+};
+
+Renderer::Renderer(std::shared_ptr<const Scene> scene, Eye eye, RenderSettings settings)
+    : state_(std::make_unique<State>()) {
+  if (scene == nullptr) throw Error("scene: expected a scene, found a null pointer");
+  check_settings(settings);
+  validate_scene(*scene);
+  validate_eye(eye);
+  State& s = *state_;
+  s.scene = std::move(scene);
+  s.eye = std::move(eye);
+  s.settings = std::move(settings);
+  const int hardware = oneapi::tbb::info::default_concurrency();
+  s.threads = s.settings.threads > 0 ? s.settings.threads : hardware;
+  if (s.threads > hardware)
+    s.thread_limit = std::make_unique<oneapi::tbb::global_control>(
+        oneapi::tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(s.threads));
+  s.arena = std::make_unique<oneapi::tbb::task_arena>(s.threads);
+  s.block = choose_block_functions();
+
+  s.arena->execute([&] {
+    const auto start = Clock::now();
+    const Background& background =
+        s.settings.background ? *s.settings.background : s.scene->background;
+    s.shading = make_shading_data(*s.scene, background);
+    s.times.scene_s = seconds_since(start);
+    const auto before_tracer = Clock::now();
+    s.tracer = make_embree_tracer(*s.scene, s.shading->view);
+    s.times.acceleration_s = seconds_since(before_tracer);
+    const auto before_directions = Clock::now();
+    s.directions = make_direction_tables(s.eye, s.settings);
+    s.eye_arrays = make_eye_arrays(s.eye, s.directions);
+    s.times.directions_s = seconds_since(before_directions);
+  });
+}
+
+void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> responses,
+                      const RenderCall& call) const {
+  const State& s = *state_;
+  const std::size_t ommatidia = s.eye.size(), poses = world_from_head.size();
+  const std::size_t pose_size = ommatidia * channel_count;
+  check_output("responses", responses, poses * pose_size);
+  if (!call.standard_error.empty())
+    check_output("standard_error", call.standard_error, poses * pose_size);
+  for (std::size_t p = 0; p < poses; ++p) check_pose(world_from_head[p], p);
+
+  // One block of ommatidia at one pose is a task: some 512 rays, but no more than fit its sums.
+  BlockContext context{s.tracer.get(), &s.shading->view, &s.eye_arrays, &s.directions, 1};
+  if (!call.standard_error.empty()) context.scrambles = error_scrambles;
+  const int rays_each = s.settings.samples * context.scrambles;
+  const int per_block = std::clamp(512 / rays_each, 1, block_capacity / context.scrambles);
+  const std::size_t blocks =
+      (ommatidia + static_cast<std::size_t>(per_block) - 1) / static_cast<std::size_t>(per_block);
+  const auto run_task = [&](std::size_t index) {
+    const std::size_t p = index / blocks, block = index % blocks;
+    BlockTask task;
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 4; ++c)
+        task.world_from_head[r][c] = static_cast<float>(world_from_head[p].m[r][c]);
+    task.pose = call.first_pose + p;
+    task.first = static_cast<int>(block) * per_block;
+    task.count = std::min(per_block, static_cast<int>(ommatidia) - task.first);
+    task.responses = responses.data() + p * pose_size;
+    if (!call.standard_error.empty())
+      task.standard_error = call.standard_error.data() + p * pose_size;
+    s.block.render(context, task);
+  };
+
+  // All tasks in stretches of about a fifth of a second, so that the caller hears of progress and
+  // can cancel; short renders are one stretch.
+  const std::size_t tasks = poses * blocks;
+  const double rays_per_task = static_cast<double>(rays_each) * per_block;
+  std::size_t stretch = static_cast<std::size_t>(std::max(1.0, 2e6 / rays_per_task));
+  for (std::size_t done = 0; done < tasks;) {
+    const auto start = Clock::now();
+    const std::size_t end = std::min(tasks, done + stretch);
+    s.arena->execute([&] { oneapi::tbb::parallel_for(done, end, run_task); });
+    const double rate = static_cast<double>(end - done) / std::max(seconds_since(start), 1e-6);
+    stretch = static_cast<std::size_t>(std::max(1.0, 0.2 * rate));
+    done = end;
+    const double share = static_cast<double>(done) / static_cast<double>(tasks);
+    if (call.progress && !call.progress(share)) throw Cancelled();
+  }
+}
+
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+Renderer::~Renderer() = default;
+
+const Scene& Renderer::scene() const {
+  return *state_->scene;
+}
+const Eye& Renderer::eye() const {
+  return state_->eye;
+}
+const RenderSettings& Renderer::settings() const {
+  return state_->settings;
+}
+const BuildTimes& Renderer::build_times() const {
+  return state_->times;
+}
+int Renderer::threads() const {
+  return state_->threads;
+}
+std::string Renderer::backend() const {
+  return state_->tracer->name;
+}
+
+}  // namespace omma

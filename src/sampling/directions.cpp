@@ -1,0 +1,141 @@
+// Builds the direction tables: Owen-scrambled Sobol points, through the normal quantile per axis
+// (which keeps their strata compact), through the exact warp of each acceptance angle.
+#include "sampling/directions.h"
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "kernel/hash.h"
+#include "kernel/sobol.h"
+
+namespace omma {
+namespace {
+
+// As many patterns as keep the tables of one acceptance angle in a core's second-level cache ...
+constexpr std::size_t points_per_warp = 16384;
+constexpr int most_patterns = 1024;
+// ... and all tables together under 100 MB; with fewer patterns than scrambles there are none.
+constexpr std::size_t most_points = std::size_t(1) << 23;
+constexpr int least_patterns = error_scrambles;
+
+int choose_pattern_count(int samples, std::size_t warps) {
+  const std::size_t n = static_cast<std::size_t>(samples);
+  const std::size_t most = most_points / (n * std::max<std::size_t>(warps, 1));
+  const std::size_t wanted = std::max<std::size_t>(points_per_warp / n, least_patterns);
+  std::size_t patterns = most_patterns;
+  while (patterns > 1 && (patterns > wanted || patterns > most)) patterns /= 2;
+  return patterns >= least_patterns ? static_cast<int>(patterns) : 0;
+}
+
+// Two independent standard normals for sample `index` of the scrambled Sobol set.
+Vec3d scrambled_normals(std::uint32_t index, std::uint64_t scramble) {
+  const auto uniform = [&](std::uint32_t value, std::uint64_t dimension) {
+    const std::uint32_t bits = owen_scramble(value, hash_combine(scramble, dimension));
+    return unit_interval(static_cast<std::uint64_t>(bits) << 32);
+  };
+  return {normal_quantile(uniform(sobol_0(index), 0)), normal_quantile(uniform(sobol_1(index), 1)),
+          0};
+}
+
+Vec3d random_normals(std::uint32_t index, std::uint64_t scramble) {
+  const std::uint64_t h = hash_combine(scramble, index);
+  return {normal_quantile(unit_interval(hash_combine(h, 0))),
+          normal_quantile(unit_interval(hash_combine(h, 1))), 0};
+}
+
+// Sorts a pattern along a Morton curve, so that each 16 consecutive directions are near each other
+// and make a coherent packet.
+void sort_into_packets(std::vector<Vec3d>& normals) {
+  const auto morton = [](const Vec3d& p) {
+    const auto cell = [](double v) {
+      return static_cast<std::uint32_t>(std::clamp(0.5 * std::erfc(-v * std::sqrt(0.5)), 0.0, 1.0) *
+                                        65535.0);
+    };
+    std::uint32_t code = 0;
+    for (int bit = 0; bit < 16; ++bit)
+      code |= ((cell(p.x) >> bit) & 1u) << (2 * bit) | ((cell(p.y) >> bit) & 1u) << (2 * bit + 1);
+    return code;
+  };
+  std::vector<std::pair<std::uint32_t, Vec3d>> keyed;
+  keyed.reserve(normals.size());
+  for (const Vec3d& p : normals) keyed.emplace_back(morton(p), p);
+  std::stable_sort(keyed.begin(), keyed.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (std::size_t i = 0; i < keyed.size(); ++i) normals[i] = keyed[i].second;
+}
+
+}  // namespace
+
+DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& settings) {
+  DirectionTables tables;
+  tables.samples = settings.samples;
+  tables.sampling = settings.sampling;
+  tables.seed = settings.seed;
+
+  // One warp per distinct acceptance angle.
+  std::unordered_map<float, std::uint32_t> known;
+  std::vector<float> angles;
+  for (float angle : eye.acceptance_angle_rad) {
+    const auto [found, is_new] =
+        known.try_emplace(angle, static_cast<std::uint32_t>(angles.size()));
+    if (is_new) angles.push_back(angle);
+    tables.warp_of.push_back(found->second);
+  }
+  tables.warps.resize(angles.size());
+  oneapi::tbb::parallel_for(std::size_t{0}, angles.size(), [&](std::size_t i) {
+    tables.warps[i] = make_acceptance_warp(settings.kernel, angles[i]);
+  });
+
+  for (std::size_t i = 0; i < turn_count; ++i) {
+    const double angle = 2 * pi * (static_cast<double>(i) + 0.5) / turn_count;
+    tables.turns.push_back(
+        {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))});
+  }
+  if (settings.sampling == Sampling::random) return tables;
+  tables.patterns = choose_pattern_count(settings.samples, angles.size());
+  if (tables.patterns == 0) return tables;
+
+  // The scrambled points are shared by all warps; the directions are not.
+  const std::size_t n = static_cast<std::size_t>(settings.samples);
+  const std::size_t patterns = static_cast<std::size_t>(tables.patterns);
+  std::vector<std::vector<Vec3d>> normals(patterns, std::vector<Vec3d>(n));
+  oneapi::tbb::parallel_for(std::size_t{0}, patterns, [&](std::size_t k) {
+    const std::uint64_t scramble = hash_combine(mix_bits(settings.seed), k);
+    for (std::size_t j = 0; j < n; ++j)
+      normals[k][j] = scrambled_normals(static_cast<std::uint32_t>(j), scramble);
+    sort_into_packets(normals[k]);
+  });
+  tables.local.resize(angles.size() * patterns * 3 * n);
+  oneapi::tbb::parallel_for(std::size_t{0}, angles.size() * patterns, [&](std::size_t i) {
+    const AcceptanceWarpView warp = view(tables.warps[i / patterns]);
+    float* out = tables.local.data() + i * 3 * n;
+    for (std::size_t j = 0; j < n; ++j) {
+      const Vec3d& p = normals[i % patterns][j];
+      const Vec3 d = to_float(sample_acceptance(warp, p.x, p.y));
+      out[j] = d.x;
+      out[n + j] = d.y;
+      out[2 * n + j] = d.z;
+    }
+  });
+  return tables;
+}
+
+void make_directions(const DirectionTables& tables, std::uint32_t warp, std::uint64_t hash,
+                     int scramble, int first, int count, float* x, float* y, float* z) {
+  const AcceptanceWarpView acceptance = view(tables.warps[warp]);
+  const std::uint64_t scrambled = hash_combine(hash, static_cast<std::uint64_t>(scramble));
+  for (int j = 0; j < count; ++j) {
+    const auto index = static_cast<std::uint32_t>(first + j);
+    const Vec3d p = tables.sampling == Sampling::random ? random_normals(index, scrambled)
+                                                        : scrambled_normals(index, scrambled);
+    const Vec3 d = to_float(sample_acceptance(acceptance, p.x, p.y));
+    x[j] = d.x;
+    y[j] = d.y;
+    z[j] = d.z;
+  }
+}
+
+}  // namespace omma
