@@ -1,0 +1,16 @@
+# The installed CMake package: find_package(omma), then link omma::omma. The library is static, so
+# whoever links it needs Embree and TBB too; ommaConfig.cmake finds them.
+include(CMakePackageConfigHelpers)
+set(omma_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/omma)
+string(REGEX MATCH "^[0-9]+" omma_embree_major "${embree_VERSION}")
+
+install(TARGETS omma EXPORT ommaTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(DIRECTORY include/omma DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
+install(EXPORT ommaTargets NAMESPACE omma:: DESTINATION ${omma_cmake_dir})
+configure_package_config_file(cmake/ommaConfig.cmake.in ommaConfig.cmake
+                              INSTALL_DESTINATION ${omma_cmake_dir})
+# Before 1.0 a minor version may change what programs are written against.
+write_basic_package_version_file(ommaConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/ommaConfig.cmake
+              ${CMAKE_CURRENT_BINARY_DIR}/ommaConfigVersion.cmake
+        DESTINATION ${omma_cmake_dir})

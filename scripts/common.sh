@@ -1,0 +1,48 @@
+# Sourced by the other scripts: goes to the root of the clone and says how packages are installed.
+# shellcheck shell=bash
+cd "$(dirname "${BASH_SOURCE[0]}")/.." || exit 1
+
+say() { printf '\n\033[1m%s\033[0m\n' "$*"; }
+[ -t 1 ] || say() { printf '\n%s\n' "$*"; }
+
+fail() {
+  printf '%s: %s\n' "$(basename "$0")" "$*" >&2
+  exit 1
+}
+
+# The second build of the same source is quick where there is a compiler cache.
+if command -v ccache > /dev/null; then
+  export CMAKE_CXX_COMPILER_LAUNCHER="${CMAKE_CXX_COMPILER_LAUNCHER:-ccache}"
+fi
+
+# Installs those of the named Debian packages that are missing.
+need_packages() {
+  local missing=() package
+  if ! command -v apt-get > /dev/null; then
+    if [ "${OMMA_NO_APT:-}" = 1 ]; then return; fi
+    fail "there is no apt-get here. Install what these Debian packages contain by other means:
+  $*
+and run this again with OMMA_NO_APT=1."
+  fi
+  for package in "$@"; do
+    if [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2> /dev/null)" != installed ]; then
+      missing+=("$package")
+    fi
+  done
+  if [ ${#missing[@]} = 0 ]; then return; fi
+
+  say "Installing system packages: ${missing[*]}"
+  local as_root=(env DEBIAN_FRONTEND=noninteractive)
+  if [ "$(id -u)" != 0 ]; then
+    if ! command -v sudo > /dev/null; then
+      fail "packages are missing, and there is no sudo. As root, run
+  apt-get update && apt-get install ${missing[*]}"
+    fi
+    as_root=(sudo env DEBIAN_FRONTEND=noninteractive)
+  fi
+  "${as_root[@]}" apt-get update -qq \
+    || printf 'apt-get update failed; trying with the package lists that are here.\n' >&2
+  "${as_root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" \
+    || fail "apt-get could not install: ${missing[*]}
+What it says is above. Omma is built and tested on Debian 12 and Ubuntu 22.04 and 24.04."
+}
