@@ -77,7 +77,8 @@ enum class CameraType : std::uint8_t { perspective, orthographic };
 
 // A camera node. It looks along its -Z, +Y is up.
 struct Camera {
-  std::string name;  // of the node (of the camera where the node has none)
+  std::string name;       // of the node (of the camera where the node has none)
+  std::string data_name;  // of the camera itself; find_camera takes either
   CameraType type = CameraType::perspective;
   double yfov_rad = 0, aspect_ratio = 0;  // perspective; aspect 0 where the file gives none
   double xmag_m = 0, ymag_m = 0;          // orthographic half extents
@@ -125,7 +126,8 @@ Bounds scene_bounds(const Scene& scene);
 // Triangles as seen: each instance counts those of its mesh.
 std::uint64_t triangle_count(const Scene& scene);
 
-// The camera of that name; throws omma::Error that lists the names there are.
+// The camera whose node, or else which itself, has that name; throws omma::Error that lists the
+// names there are, or where several have it.
 const Camera& find_camera(const Scene& scene, const std::string& name);
 
 }  // namespace omma

@@ -167,6 +167,20 @@ std::string read_data_uri(std::string_view uri, const std::string& place) {
   return *std::move(bytes);
 }
 
+// The bytes of a buffer, cut to its byteLength.
+std::span<const std::uint8_t> buffer_bytes(const GltfContainer& gltf, std::size_t buffer) {
+  const json& description = gltf.document["buffers"][buffer];
+  const std::string_view bytes =
+      gltf.buffer_is_binary_chunk[buffer]
+          ? std::string_view(gltf.file).substr(gltf.binary_begin, gltf.binary_size)
+          : std::string_view(gltf.buffers[buffer]);
+  const std::uint64_t length = description["byteLength"].get<std::uint64_t>();
+  if (bytes.size() < length)
+    throw Error(gltf.path + ": buffer " + std::to_string(buffer) + ": claims " +
+                std::to_string(length) + " bytes, there are " + std::to_string(bytes.size()));
+  return {reinterpret_cast<const std::uint8_t*>(bytes.data()), length};
+}
+
 void check_version(const GltfContainer& gltf) {
   const json& asset = gltf.document.at("asset");
   const std::string version = asset.at("version").get<std::string>();
@@ -209,17 +223,25 @@ std::string read_uri(const std::string& scene_path, const std::string& uri,
   }
 }
 
-std::span<const std::uint8_t> buffer_bytes(const GltfContainer& gltf, std::size_t buffer) {
-  const json& description = gltf.document["buffers"][buffer];
-  const std::string_view bytes =
-      gltf.buffer_is_binary_chunk[buffer]
-          ? std::string_view(gltf.file).substr(gltf.binary_begin, gltf.binary_size)
-          : std::string_view(gltf.buffers[buffer]);
-  const std::uint64_t length = description["byteLength"].get<std::uint64_t>();
-  if (bytes.size() < length)
-    throw Error(gltf.path + ": buffer " + std::to_string(buffer) + ": claims " +
-                std::to_string(length) + " bytes, there are " + std::to_string(bytes.size()));
-  return {reinterpret_cast<const std::uint8_t*>(bytes.data()), length};
+std::span<const std::uint8_t> buffer_view_bytes(const GltfContainer& gltf, int view,
+                                                const std::string& place) {
+  const auto views = gltf.document.find("bufferViews");
+  if (views == gltf.document.end() || static_cast<std::size_t>(view) >= views->size())
+    throw Error(place + ": refers to buffer view " + std::to_string(view) + ", which is not there");
+  const json& description = (*views)[static_cast<std::size_t>(view)];
+  const auto buffer = description["buffer"].get<std::size_t>();
+  const std::string inside = place + ": buffer view " + std::to_string(view);
+  if (buffer >= gltf.buffers.size())
+    throw Error(inside + ": refers to buffer " + std::to_string(buffer) + ", there are " +
+                std::to_string(gltf.buffers.size()));
+  const std::span<const std::uint8_t> bytes = buffer_bytes(gltf, buffer);
+  const std::uint64_t offset = description.value("byteOffset", std::uint64_t{0});
+  const auto length = description["byteLength"].get<std::uint64_t>();
+  if (offset > bytes.size() || length > bytes.size() - offset)
+    throw Error(inside + ": its " + std::to_string(length) + " bytes from byte " +
+                std::to_string(offset) + " on reach past the end of buffer " +
+                std::to_string(buffer) + ", which has " + std::to_string(bytes.size()));
+  return bytes.subspan(offset, length);
 }
 
 GltfContainer open_gltf(std::string file, const std::string& path) {

@@ -24,8 +24,10 @@ struct GltfContainer {
 // URIs are relative to). Buffers are read; images are not.
 GltfContainer open_gltf(std::string file, const std::string& path);
 
-// The bytes of a buffer, cut to its byteLength. Throws omma::Error where it has none.
-std::span<const std::uint8_t> buffer_bytes(const GltfContainer& gltf, std::size_t buffer);
+// The bytes of a buffer view. Throws omma::Error that starts with `place` where there is no such
+// view or it reaches past its buffer.
+std::span<const std::uint8_t> buffer_view_bytes(const GltfContainer& gltf, int view,
+                                                const std::string& place);
 
 // The bytes a URI stands for: a data URI, or a file in the scene's folder or below; everything
 // else is an omma::Error that starts with `place` and names the URI.

@@ -1,7 +1,6 @@
-// Images in and out: PNG, JPEG and Radiance HDR are read, PNG is written. stb does the work; what a
-// file claims is compared with its size first, so that no claim alone allocates memory.
+// Images in and out: PNG, JPEG and Radiance HDR are read, PNG is written. stb does PNG and JPEG;
+// what a file claims is compared with its size first, so that no claim alone allocates memory.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -9,6 +8,7 @@
 #include <string_view>
 
 #include "io/atomic_file.h"
+#include "io/radiance_hdr.h"
 #include "omma/error.h"
 #include "omma/io.h"
 
@@ -19,7 +19,6 @@
 #endif
 #define STBI_ONLY_PNG
 #define STBI_ONLY_JPEG
-#define STBI_ONLY_HDR
 #define STBI_NO_STDIO
 #define STBI_MAX_DIMENSIONS 65536
 #define STB_IMAGE_STATIC
@@ -77,7 +76,7 @@ void check_size(std::span<const std::uint8_t> bytes, int width, int height, bool
     throw Error(place + ": the image is too large: " + size + " pixels, at most " +
                 std::to_string(max_pixels) + " are read");
   // Deflate packs at most 1032 bytes into one, and a byte of a PNG holds at most 8 pixels; a JPEG
-  // spends at least a bit on each block of 64 pixels, a Radiance file more than that.
+  // spends at least a bit on each block of 64 pixels.
   const std::uint64_t most_per_byte = png ? 1032 * 8 : 64 * 8;
   if (pixels > bytes.size() * most_per_byte)
     throw Error(place + ": the image claims " + size + " pixels, more than its " +
@@ -120,9 +119,8 @@ Image decode_image(std::span<const std::uint8_t> bytes, const std::string& place
   using namespace std::string_view_literals;
   const bool png = starts_with(bytes, "\x89PNG\r\n\x1a\n"sv);
   const bool jpeg = starts_with(bytes, "\xFF\xD8\xFF"sv);
-  const bool hdr = starts_with(bytes, "#?RADIANCE"sv) || starts_with(bytes, "#?RGBE"sv);
-  if (!png && !jpeg && !hdr)
-    throw Error(place + ": is not an image: expected PNG, JPEG or Radiance HDR");
+  if (is_radiance_hdr(bytes)) return decode_radiance_hdr(bytes, place);
+  if (!png && !jpeg) throw Error(place + ": is not an image: expected PNG, JPEG or Radiance HDR");
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
     throw Error(place + ": the image is too large: " + std::to_string(bytes.size()) + " bytes");
   const stbi_uc* data = bytes.data();
@@ -138,12 +136,7 @@ Image decode_image(std::span<const std::uint8_t> bytes, const std::string& place
   const std::size_t count =
       static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * 4;
   int width = 0, height = 0;
-  if (hdr) {
-    const StbPixels<float> pixels(
-        stbi_loadf_from_memory(data, size, &width, &height, &components, 4), stbi_image_free);
-    if (!pixels) fail_decoding(place);
-    image.rgba_linear.assign(pixels.get(), pixels.get() + count);
-  } else if (stbi_is_16_bit_from_memory(data, size)) {
+  if (stbi_is_16_bit_from_memory(data, size)) {
     decode_16_bit(data, size, image, place);
   } else {
     const StbPixels<stbi_uc> pixels(

@@ -1,0 +1,403 @@
+// Scenes from glTF 2.0 files (.gltf and .glb). tinygltf reads the structure, and appears here only;
+// the layers around it are this project's: gltf_container (chunks, JSON, URIs), gltf_schema
+// (types), gltf_accessor and gltf_mesh (geometry), gltf_material (materials and images).
+#include "io/gltf.h"
+
+#include <array>
+#include <cmath>
+#include <fstream>  // tinygltf uses it without including it
+#include <limits>
+#include <set>
+#include <string_view>
+
+#include "io/atomic_file.h"
+#include "io/gltf_container.h"
+#include "io/gltf_material.h"
+#include "io/gltf_mesh.h"
+#include "io/gltf_warnings.h"
+#include "omma/error.h"
+#include "omma/io.h"
+
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wshadow"
+#endif
+#define TINYGLTF_NO_FS
+#define TINYGLTF_NO_STB_IMAGE
+#define TINYGLTF_NO_STB_IMAGE_WRITE
+#define TINYGLTF_NO_EXTERNAL_IMAGE
+#define TINYGLTF_NO_INCLUDE_JSON
+#define TINYGLTF_NO_INCLUDE_STB_IMAGE
+#define TINYGLTF_NO_INCLUDE_STB_IMAGE_WRITE
+#define TINYGLTF_IMPLEMENTATION
+#include <tiny_gltf.h>
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
+
+namespace omma {
+namespace {
+
+using nlohmann::json;
+
+struct Loader {
+  GltfContainer gltf;
+  tinygltf::Model model;
+  GltfWarnings warnings;
+  GltfBudget budget;
+  Scene scene;
+};
+
+constexpr std::array<std::string_view, 4> supported_extensions = {
+    "KHR_materials_emissive_strength", "KHR_materials_unlit", "KHR_mesh_quantization",
+    "KHR_texture_transform"};
+
+std::string place_of(const Loader& loader, const char* what, std::size_t index,
+                     const std::string& name = "") {
+  return loader.gltf.path + ": " + what + " " + std::to_string(index) +
+         (name.empty() ? "" : " \"" + name + "\"");
+}
+
+std::size_t array_size(const json& document, const char* name) {
+  const auto found = document.find(name);
+  return found == document.end() ? 0 : found->size();
+}
+
+// tinygltf is given the structure only: no URI for it to follow, no image for it to decode.
+void parse_structure(Loader& loader) {
+  const json& document = loader.gltf.document;
+  json structure = {{"asset", {{"version", "2.0"}}}};
+  for (const char* part :
+       {"scene", "scenes", "nodes", "meshes", "accessors", "bufferViews", "cameras"})
+    if (document.contains(part)) structure[part] = document[part];
+  const std::string text = structure.dump();
+  if (text.size() > std::numeric_limits<unsigned int>::max())
+    throw Error(loader.gltf.path + ": its JSON is too large");
+  tinygltf::TinyGLTF parser;
+  std::string error, warning;
+  bool good = false;
+  try {
+    good = parser.LoadASCIIFromString(&loader.model, &error, &warning, text.c_str(),
+                                      static_cast<unsigned int>(text.size()), "");
+  } catch (const std::exception& problem) {
+    error = problem.what();
+  }
+  while (!error.empty() && error.back() == '\n') error.pop_back();
+  if (!good) throw Error(loader.gltf.path + ": is not valid glTF: " + error);
+}
+
+bool is_supported(const std::string& extension) {
+  for (const std::string_view supported : supported_extensions)
+    if (extension == supported) return true;
+  return false;
+}
+
+void check_extensions(Loader& loader) {
+  const json& document = loader.gltf.document;
+  const auto required = document.value("extensionsRequired", std::vector<std::string>());
+  for (const std::string& extension : required)
+    if (!is_supported(extension))
+      throw Error(loader.gltf.path + ": requires the glTF extension " + extension +
+                  ", which is not supported");
+  const auto used = document.value("extensionsUsed", std::set<std::string>());
+  for (const std::string& extension : used)
+    if (!is_supported(extension))
+      loader.warnings.add("the glTF extension " + extension + " is not supported; it is ignored");
+}
+
+// Every node has at most one parent and is not its own ancestor (glTF 2.0, section 3.5.2).
+std::vector<int> checked_parents(const Loader& loader) {
+  const auto& nodes = loader.model.nodes;
+  enum class State : std::uint8_t { unseen, open, done };
+  std::vector<State> state(nodes.size(), State::unseen);
+  std::vector<int> parent(nodes.size(), -1);
+  struct Visit {
+    std::size_t node, next_child;
+  };
+  std::vector<Visit> path;
+  const auto place = [&](std::size_t node) {
+    return place_of(loader, "node", node, nodes[node].name);
+  };
+  for (std::size_t start = 0; start < nodes.size(); ++start) {
+    if (state[start] == State::unseen) path.push_back({start, 0});
+    while (!path.empty()) {
+      Visit& visit = path.back();
+      state[visit.node] = State::open;
+      if (visit.next_child == nodes[visit.node].children.size()) {
+        state[visit.node] = State::done;
+        path.pop_back();
+        continue;
+      }
+      const auto child = static_cast<std::size_t>(nodes[visit.node].children[visit.next_child++]);
+      if (child >= nodes.size())
+        throw Error(place(visit.node) + ": its child " + std::to_string(child) +
+                    " is not there; there are " + std::to_string(nodes.size()) + " nodes");
+      if (state[child] == State::open)
+        throw Error(place(child) + ": the node graph has a cycle: it is its own ancestor");
+      if (parent[child] >= 0)
+        throw Error(place(child) + ": has two parents, nodes " + std::to_string(parent[child]) +
+                    " and " + std::to_string(visit.node));
+      parent[child] = static_cast<int>(visit.node);
+      if (state[child] == State::unseen) path.push_back({child, 0});
+    }
+  }
+  return parent;
+}
+
+Background read_background(Loader& loader, const json& scene) {
+  Background background;
+  const auto extras = scene.find("extras");
+  if (extras == scene.end() || !extras->is_object() || !extras->contains("background-shader"))
+    return background;
+  const json& shader = (*extras)["background-shader"];
+  if (shader == "simple_sky")
+    background.type = BackgroundType::simple_sky;
+  else if (shader == "default_background")
+    background.type = BackgroundType::test_pattern;
+  else
+    loader.warnings.add("the background shader " + shader.dump() +
+                        " is not known; the background is black");
+  return background;
+}
+
+// Root nodes of the scene asked for. Without any scenes, all nodes that have no parent.
+std::vector<int> scene_roots(Loader& loader, const std::vector<int>& parent, int scene_index) {
+  const auto& scenes = loader.model.scenes;
+  for (const auto& scene : scenes) loader.scene.scene_names.push_back(scene.name);
+  const std::string& path = loader.gltf.path;
+  if (scene_index < -1 || scene_index >= static_cast<int>(scenes.size()))
+    throw Error(path + ": there is no scene " + std::to_string(scene_index) + ", it has " +
+                std::to_string(scenes.size()) + " (counted from 0)");
+  if (scenes.empty()) {
+    std::vector<int> roots;
+    for (std::size_t node = 0; node < parent.size(); ++node)
+      if (parent[node] < 0) roots.push_back(static_cast<int>(node));
+    return roots;
+  }
+  const int in_file = loader.gltf.document.value("scene", 0);
+  const int chosen = scene_index >= 0 ? scene_index : in_file;
+  if (chosen >= static_cast<int>(scenes.size()))
+    throw Error(path + ": its default scene is " + std::to_string(chosen) + ", it has " +
+                std::to_string(scenes.size()) + " (counted from 0)");
+  const auto index = static_cast<std::size_t>(chosen);
+  std::set<int> seen;
+  for (const int root : scenes[index].nodes) {
+    const std::string place = place_of(loader, "scene", index, scenes[index].name);
+    if (static_cast<std::size_t>(root) >= parent.size())
+      throw Error(place + ": its node " + std::to_string(root) + " is not there; there are " +
+                  std::to_string(parent.size()) + " nodes");
+    if (parent[static_cast<std::size_t>(root)] >= 0)
+      throw Error(place + ": its node " + std::to_string(root) + " is no root, it has a parent");
+    if (!seen.insert(root).second)
+      throw Error(place + ": lists node " + std::to_string(root) + " twice");
+  }
+  loader.scene.background = read_background(loader, loader.gltf.document["scenes"][index]);
+  return scenes[index].nodes;
+}
+
+// parent_from_node = translation * rotation * scale, or the matrix (column major in glTF).
+Mat4 node_transform(const tinygltf::Node& node, const std::string& place) {
+  Mat4 t;
+  if (!node.matrix.empty()) {
+    for (std::size_t c = 0; c < 4; ++c)
+      for (std::size_t r = 0; r < 4; ++r) t.m[r][c] = node.matrix[4 * c + r];
+    if (t.m[3][0] != 0 || t.m[3][1] != 0 || t.m[3][2] != 0 || t.m[3][3] != 1)
+      throw Error(place + ": matrix: its bottom row is not 0 0 0 1");
+    return t;
+  }
+  if (!node.rotation.empty()) {
+    double x = node.rotation[0], y = node.rotation[1], z = node.rotation[2], w = node.rotation[3];
+    const double size = std::sqrt(x * x + y * y + z * z + w * w);
+    if (!(size > 1e-6) || !std::isfinite(size))
+      throw Error(place + ": rotation: is not a unit quaternion");
+    x /= size, y /= size, z /= size, w /= size;
+    const double rotation[3][3] = {
+        {1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
+        {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},
+        {2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}};
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) t.m[r][c] = rotation[r][c];
+  }
+  for (std::size_t c = 0; c < node.scale.size(); ++c)
+    for (int r = 0; r < 3; ++r) t.m[r][c] *= node.scale[c];
+  for (std::size_t r = 0; r < node.translation.size(); ++r) t.m[r][3] = node.translation[r];
+  return t;
+}
+
+void add_camera(Loader& loader, const tinygltf::Node& node, const Mat4& world_from_node,
+                const std::string& place) {
+  const auto index = static_cast<std::size_t>(node.camera);
+  if (index >= loader.model.cameras.size())
+    throw Error(place + ": refers to camera " + std::to_string(index) + ", there are " +
+                std::to_string(loader.model.cameras.size()));
+  const tinygltf::Camera& source = loader.model.cameras[index];
+  Camera camera;
+  camera.data_name = source.name;
+  camera.name = node.name.empty() ? source.name : node.name;
+  if (source.type == "orthographic") {
+    camera.type = CameraType::orthographic;
+    camera.xmag_m = source.orthographic.xmag;
+    camera.ymag_m = source.orthographic.ymag;
+    camera.znear_m = source.orthographic.znear;
+    camera.zfar_m = source.orthographic.zfar;
+  } else {
+    camera.yfov_rad = source.perspective.yfov;
+    camera.aspect_ratio = source.perspective.aspectRatio;
+    camera.znear_m = source.perspective.znear;
+    camera.zfar_m = source.perspective.zfar;
+  }
+  camera.world_from_camera = world_from_node;
+  const json& description = loader.gltf.document["cameras"][index];
+  if (description.contains("extras")) {
+    const json& extras = description["extras"];
+    camera.extras_json = extras.dump();
+    if (extras.is_object() && extras.contains("compound-structure") &&
+        extras["compound-structure"].is_string())
+      camera.compound_structure = extras["compound-structure"].get<std::string>();
+  }
+  loader.budget.spend(1, sizeof(Camera) + camera.extras_json.size());
+  loader.scene.cameras.push_back(std::move(camera));
+}
+
+int component_count(int type) {
+  switch (type) {
+    case TINYGLTF_TYPE_SCALAR:
+      return 1;
+    case TINYGLTF_TYPE_VEC2:
+      return 2;
+    case TINYGLTF_TYPE_VEC3:
+      return 3;
+    case TINYGLTF_TYPE_VEC4:
+      return 4;
+    default:
+      return 0;  // matrices, which no attribute read here has
+  }
+}
+
+GltfAccessor describe_accessor(const Loader& loader, std::size_t index) {
+  const tinygltf::Accessor& source = loader.model.accessors[index];
+  GltfAccessor accessor;
+  accessor.place = place_of(loader, "accessor", index, source.name);
+  accessor.component_type = source.componentType;
+  accessor.components = static_cast<std::size_t>(component_count(source.type));
+  accessor.normalized = source.normalized;
+  accessor.count = source.count;
+  accessor.byte_offset = source.byteOffset;
+  if (source.bufferView >= 0) {
+    accessor.has_view = true;
+    accessor.view = buffer_view_bytes(loader.gltf, source.bufferView, accessor.place);
+    accessor.byte_stride =
+        loader.model.bufferViews[static_cast<std::size_t>(source.bufferView)].byteStride;
+  }
+  if (!source.sparse.isSparse) return accessor;
+  accessor.sparse_count = static_cast<std::uint64_t>(source.sparse.count);
+  accessor.sparse_index_type = source.sparse.indices.componentType;
+  accessor.sparse_indices =
+      buffer_view_bytes(loader.gltf, source.sparse.indices.bufferView, accessor.place);
+  accessor.sparse_indices_offset = static_cast<std::uint64_t>(source.sparse.indices.byteOffset);
+  accessor.sparse_values =
+      buffer_view_bytes(loader.gltf, source.sparse.values.bufferView, accessor.place);
+  accessor.sparse_values_offset = static_cast<std::uint64_t>(source.sparse.values.byteOffset);
+  return accessor;
+}
+
+// The scene's meshes for one glTF mesh: one for each primitive that has triangles.
+std::vector<int> add_meshes(Loader& loader, GltfMeshReader& reader, std::size_t index) {
+  const tinygltf::Mesh& source = loader.model.meshes[index];
+  std::vector<int> meshes;
+  for (std::size_t p = 0; p < source.primitives.size(); ++p) {
+    const tinygltf::Primitive& from = source.primitives[p];
+    GltfPrimitive primitive;
+    primitive.place =
+        place_of(loader, "mesh", index, source.name) + ", primitive " + std::to_string(p);
+    primitive.mode = from.mode;
+    primitive.indices = from.indices;
+    primitive.material = from.material;
+    primitive.attributes = from.attributes;
+    if (!from.targets.empty())
+      loader.warnings.add("morph targets are ignored: the base shape is shown", primitive.place);
+    Mesh mesh;
+    mesh.name = source.name;
+    if (!read_primitive(reader, primitive, mesh)) continue;
+    meshes.push_back(static_cast<int>(loader.scene.meshes.size()));
+    loader.scene.meshes.push_back(std::move(mesh));
+  }
+  return meshes;
+}
+
+void add_nodes(Loader& loader, const std::vector<int>& roots) {
+  GltfMeshReader reader{{}, loader.scene.materials, loader.warnings, loader.budget};
+  for (std::size_t i = 0; i < loader.model.accessors.size(); ++i) {
+    reader.accessors.push_back(describe_accessor(loader, i));
+    if (reader.accessors[i].components > 0) check_accessor(reader.accessors[i]);
+  }
+  std::map<std::size_t, std::vector<int>> meshes_of;  // by glTF mesh, once read
+
+  struct Visit {
+    int node;
+    Mat4 world_from_parent;
+  };
+  std::vector<Visit> open;
+  for (auto root = roots.rbegin(); root != roots.rend(); ++root) open.push_back({*root, {}});
+  while (!open.empty()) {
+    const Visit visit = open.back();
+    open.pop_back();
+    ++loader.scene.node_count;
+    const tinygltf::Node& node = loader.model.nodes[static_cast<std::size_t>(visit.node)];
+    const std::string place =
+        place_of(loader, "node", static_cast<std::size_t>(visit.node), node.name);
+    const Mat4 world_from_node = visit.world_from_parent * node_transform(node, place);
+    if (node.skin >= 0)
+      loader.warnings.add("skins are ignored: the mesh is shown in its base pose", place);
+    if (node.camera >= 0) add_camera(loader, node, world_from_node, place);
+    if (node.mesh >= 0) {
+      const auto mesh = static_cast<std::size_t>(node.mesh);
+      if (mesh >= loader.model.meshes.size())
+        throw Error(place + ": refers to mesh " + std::to_string(mesh) + ", there are " +
+                    std::to_string(loader.model.meshes.size()));
+      const auto [found, is_new] = meshes_of.try_emplace(mesh);
+      if (is_new) found->second = add_meshes(loader, reader, mesh);
+      loader.budget.spend(found->second.size(), sizeof(Instance) + node.name.size());
+      for (const int primitive : found->second)
+        loader.scene.instances.push_back({node.name, primitive, world_from_node});
+    }
+    for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
+      open.push_back({*child, world_from_node});
+  }
+}
+
+// A file may grow into at most this many bytes: ample for meshes that share their vertices and
+// nodes that share their meshes, too little for a file made to exhaust the memory.
+std::uint64_t memory_budget(const GltfContainer& gltf) {
+  std::uint64_t bytes = gltf.file.size();
+  for (const std::string& buffer : gltf.buffers) bytes += buffer.size();
+  return (std::uint64_t{1} << 28) + 256 * bytes;
+}
+
+}  // namespace
+
+Scene parse_scene(std::string file, const std::string& path, int scene_index) {
+  Loader loader;
+  loader.gltf = open_gltf(std::move(file), path);
+  loader.scene.path = path;
+  const std::uint64_t budget = memory_budget(loader.gltf);
+  loader.budget = {path, budget, budget};
+  check_extensions(loader);
+  parse_structure(loader);
+  const std::vector<int> parent = checked_parents(loader);
+  const std::vector<int> roots = scene_roots(loader, parent, scene_index);
+  read_materials(loader.gltf, loader.scene, loader.warnings);
+  add_nodes(loader, roots);
+  if (array_size(loader.gltf.document, "animations") > 0)
+    loader.warnings.add("animations are ignored: the scene is shown as it stands");
+  loader.scene.warnings = loader.warnings.sentences();
+  validate_scene(loader.scene);
+  return std::move(loader.scene);
+}
+
+Scene load_scene(const std::string& path, int scene_index) {
+  return parse_scene(read_file(path), path, scene_index);
+}
+
+}  // namespace omma

@@ -1,0 +1,14 @@
+// Materials of a glTF file with the textures and images they use.
+#pragma once
+
+#include "io/gltf_container.h"
+#include "io/gltf_warnings.h"
+#include "omma/scene.h"
+
+namespace omma {
+
+// Fills scene.materials (all of the file, same indices) and the textures and images that their base
+// colour and emission use, decoded. Throws omma::Error that names path, material or image.
+void read_materials(const GltfContainer& gltf, Scene& scene, GltfWarnings& warnings);
+
+}  // namespace omma

@@ -1,0 +1,210 @@
+// Primitives of glTF 2.0 (section 3.7.2) as indexed triangles.
+#include "io/gltf_mesh.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <optional>
+
+#include "omma/error.h"
+
+namespace omma {
+namespace {
+
+const GltfAccessor& accessor_at(const GltfMeshReader& reader, int index, const std::string& place) {
+  if (static_cast<std::size_t>(index) >= reader.accessors.size())
+    throw Error(place + ": refers to accessor " + std::to_string(index) + ", there are " +
+                std::to_string(reader.accessors.size()));
+  const GltfAccessor& accessor = reader.accessors[static_cast<std::size_t>(index)];
+  if (accessor.components == 0)
+    throw Error(place + ": " + accessor.place + " holds matrices, expected scalars or vectors");
+  return accessor;
+}
+
+const std::vector<float>& floats_of(GltfMeshReader& reader, int index) {
+  const auto found = reader.floats.find(index);
+  if (found != reader.floats.end()) return found->second;
+  const GltfAccessor& accessor = reader.accessors[static_cast<std::size_t>(index)];
+  reader.budget.spend(accessor.count, accessor.components * sizeof(float));
+  return reader.floats[index] = read_floats(accessor);
+}
+
+// An attribute of every vertex: its accessor, checked for shape; none where it is not there.
+struct Attribute {
+  const GltfAccessor* accessor = nullptr;
+  const float* values = nullptr;
+  std::size_t components = 0;
+};
+
+Attribute read_attribute(GltfMeshReader& reader, const GltfPrimitive& primitive,
+                         const std::string& semantic, std::size_t fewest, std::size_t most) {
+  const auto found = primitive.attributes.find(semantic);
+  if (found == primitive.attributes.end()) return {};
+  const std::string place = primitive.place + ", " + semantic;
+  const GltfAccessor& accessor = accessor_at(reader, found->second, place);
+  if (accessor.components < fewest || accessor.components > most)
+    throw Error(place + ": " + accessor.place + " has " + std::to_string(accessor.components) +
+                " components, expected " + std::to_string(fewest) +
+                (most > fewest ? " or " + std::to_string(most) : ""));
+  return {&accessor, floats_of(reader, found->second).data(), accessor.components};
+}
+
+void check_count(const Attribute& attribute, std::uint64_t vertices, const std::string& place,
+                 const std::string& semantic) {
+  if (attribute.accessor && attribute.accessor->count != vertices)
+    throw Error(place + ": " + semantic + " has " + std::to_string(attribute.accessor->count) +
+                " elements, POSITION has " + std::to_string(vertices));
+}
+
+// Vertex of each corner before assembly: the indices, or 0, 1, 2 ... where there are none.
+std::vector<std::uint32_t> corners_of(GltfMeshReader& reader, const GltfPrimitive& primitive,
+                                      std::uint64_t vertices) {
+  if (primitive.indices < 0) {
+    reader.budget.spend(vertices, sizeof(std::uint32_t));
+    std::vector<std::uint32_t> corners(vertices);
+    std::iota(corners.begin(), corners.end(), 0u);
+    return corners;
+  }
+  const GltfAccessor& accessor =
+      accessor_at(reader, primitive.indices, primitive.place + ", indices");
+  reader.budget.spend(accessor.count, sizeof(std::uint32_t));
+  std::vector<std::uint32_t> corners = read_indices(accessor);
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    if (corners[i] >= vertices)
+      throw Error(primitive.place + ": index " + std::to_string(i) + " is " +
+                  std::to_string(corners[i]) + ", past its " + std::to_string(vertices) +
+                  " vertices");
+  return corners;
+}
+
+std::vector<std::array<std::uint32_t, 3>> assemble(int mode,
+                                                   const std::vector<std::uint32_t>& corners) {
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  const std::size_t n = corners.size();
+  if (mode == 4) {
+    triangles.reserve(n / 3);
+    for (std::size_t i = 0; i + 2 < n; i += 3)
+      triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
+    return triangles;
+  }
+  for (std::size_t i = 0; i + 2 < n; ++i) {
+    if (mode == 5)  // strip: every other triangle is turned round
+      triangles.push_back({corners[i], corners[i + 1 + i % 2], corners[i + 2 - i % 2]});
+    else  // fan
+      triangles.push_back({corners[i + 1], corners[i + 2], corners[0]});
+  }
+  return triangles;
+}
+
+// Where only few of the vertices are used, the others are dropped and the triangles renumbered.
+// Returns the vertices kept, in order; empty for all.
+std::vector<std::uint32_t> keep_used(std::vector<std::array<std::uint32_t, 3>>& triangles,
+                                     std::uint64_t vertices) {
+  std::vector<std::uint32_t> used;
+  if (vertices <= 6 * triangles.size()) return used;
+  used.reserve(3 * triangles.size());
+  for (const auto& triangle : triangles) used.insert(used.end(), triangle.begin(), triangle.end());
+  std::sort(used.begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
+  for (auto& triangle : triangles)
+    for (std::uint32_t& vertex : triangle)
+      vertex = static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), vertex) -
+                                          used.begin());
+  return used;
+}
+
+// Calls `make(values)` with the components of each vertex kept.
+template <typename T, typename Make>
+std::vector<T> gathered(GltfBudget& budget, const Attribute& attribute,
+                        const std::vector<std::uint32_t>& kept, Make make) {
+  std::vector<T> result;
+  if (!attribute.accessor) return result;
+  const std::size_t count = kept.empty() ? attribute.accessor->count : kept.size();
+  budget.spend(count, sizeof(T));
+  result.reserve(count);
+  for (std::size_t i = 0; i < count; ++i)
+    result.push_back(make(attribute.values + (kept.empty() ? i : kept[i]) * attribute.components));
+  return result;
+}
+
+void check_colors(const Attribute& colors, const std::string& place) {
+  if (colors.accessor && colors.accessor->component_type != 5126 && !colors.accessor->normalized)
+    throw Error(place + ": COLOR_0 is of integers that are not normalised");
+}
+
+// A texture coordinate set that the material reads and the primitive lacks counts as (0, 0).
+void warn_of_missing_texcoords(GltfMeshReader& reader, const GltfPrimitive& primitive,
+                               const Mesh& mesh) {
+  if (mesh.material < 0) return;
+  const Material& material = reader.materials[static_cast<std::size_t>(mesh.material)];
+  for (const TextureUse* use : {&material.base_color_texture, &material.emissive_texture})
+    if (use->texture >= 0 && mesh.texcoords[static_cast<std::size_t>(use->texcoord_set)].empty())
+      reader.warnings.add(
+          "a mesh has no texture coordinates for its material's texture; (0, 0) is "
+          "taken",
+          primitive.place);
+}
+
+}  // namespace
+
+void GltfBudget::spend(std::uint64_t count, std::uint64_t bytes_each) {
+  if (count > left / bytes_each)
+    throw Error(path + ": the scene is too large for its file: it asks for " +
+                std::to_string(count) + " elements of " + std::to_string(bytes_each) +
+                " bytes where at most " + std::to_string(total >> 20) +
+                " MiB may come from a file of this size");
+  left -= count * bytes_each;
+}
+
+bool read_primitive(GltfMeshReader& reader, const GltfPrimitive& primitive, Mesh& mesh) {
+  const std::string& place = primitive.place;
+  if (primitive.mode > 6)
+    throw Error(place + ": mode: expected 0 to 6, found " + std::to_string(primitive.mode));
+  if (primitive.mode < 4) {
+    reader.warnings.add("points and lines are not shown", place);
+    return false;
+  }
+  mesh.material = primitive.material;
+  if (mesh.material >= 0 && static_cast<std::size_t>(mesh.material) >= reader.materials.size())
+    throw Error(place + ": refers to material " + std::to_string(mesh.material) + ", there are " +
+                std::to_string(reader.materials.size()));
+  const Attribute positions = read_attribute(reader, primitive, "POSITION", 3, 3);
+  if (!positions.accessor) {
+    reader.warnings.add("a primitive without positions is not shown", place);
+    return false;
+  }
+  const std::uint64_t vertices = positions.accessor->count;
+  if (vertices > std::numeric_limits<std::uint32_t>::max())
+    throw Error(place + ": has " + std::to_string(vertices) + " vertices, more than 32 bits count");
+
+  const std::vector<std::uint32_t> corners = corners_of(reader, primitive, vertices);
+  if (corners.size() < 3 || (primitive.mode == 4 && corners.size() % 3 != 0))
+    reader.warnings.add("corners that make no whole triangle are passed over", place);
+  reader.budget.spend(corners.size(), sizeof(mesh.triangles[0]));
+  mesh.triangles = assemble(primitive.mode, corners);
+  if (mesh.triangles.empty()) return false;
+  const std::vector<std::uint32_t> kept = keep_used(mesh.triangles, vertices);
+
+  mesh.positions = gathered<Vec3>(reader.budget, positions, kept, [](const float* v) {
+    return Vec3{v[0], v[1], v[2]};
+  });
+  for (std::size_t set = 0; set < 2; ++set) {
+    const std::string semantic = "TEXCOORD_" + std::to_string(set);
+    const Attribute texcoords = read_attribute(reader, primitive, semantic, 2, 2);
+    check_count(texcoords, vertices, place, semantic);
+    mesh.texcoords[set] = gathered<Vec2>(reader.budget, texcoords, kept, [](const float* v) {
+      return Vec2{v[0], v[1]};
+    });
+  }
+  const Attribute colors = read_attribute(reader, primitive, "COLOR_0", 3, 4);
+  check_colors(colors, place);
+  check_count(colors, vertices, place, "COLOR_0");
+  const bool with_alpha = colors.components == 4;
+  mesh.colors = gathered<Vec4>(reader.budget, colors, kept, [&](const float* v) {
+    return Vec4{v[0], v[1], v[2], with_alpha ? v[3] : 1.0f};
+  });
+  warn_of_missing_texcoords(reader, primitive, mesh);
+  return true;
+}
+
+}  // namespace omma

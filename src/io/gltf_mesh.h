@@ -1,0 +1,43 @@
+// Primitives of glTF meshes as indexed triangles. What is read for one primitive is kept for the
+// next: exporters let many primitives share one set of vertices.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "io/gltf_accessor.h"
+#include "io/gltf_warnings.h"
+#include "omma/scene.h"
+
+namespace omma {
+
+// One primitive, as the file says it.
+struct GltfPrimitive {
+  std::string place;  // for errors
+  int mode = 4;       // 0 to 6: points to triangle fan
+  int indices = -1;   // accessor, -1 for none
+  int material = -1;
+  std::map<std::string, int> attributes;  // accessor by semantic
+};
+
+// Memory that a file may still ask for. A small file can name the same bytes again and again.
+struct GltfBudget {
+  std::string path;
+  std::uint64_t total = 0, left = 0;  // bytes
+  void spend(std::uint64_t count, std::uint64_t bytes_each);
+};
+
+struct GltfMeshReader {
+  std::vector<GltfAccessor> accessors;  // their bounds are checked
+  const std::vector<Material>& materials;
+  GltfWarnings& warnings;
+  GltfBudget& budget;
+  std::map<int, std::vector<float>> floats = {};  // by accessor, once read
+};
+
+// Adds the primitive's triangles; false where it has none (points, lines, no positions).
+bool read_primitive(GltfMeshReader& reader, const GltfPrimitive& primitive, Mesh& mesh);
+
+}  // namespace omma

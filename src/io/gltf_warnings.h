@@ -1,0 +1,40 @@
+// What a loader passes over, gathered so that a thousand like cases make one sentence.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace omma {
+
+struct GltfWarnings {
+  struct Entry {
+    std::string sentence, first_place;
+    int count = 0;
+  };
+  std::vector<Entry> entries;
+
+  // `place` is where the sentence holds, "" for the whole file.
+  void add(const std::string& sentence, const std::string& place = "") {
+    for (Entry& entry : entries)
+      if (entry.sentence == sentence) {
+        ++entry.count;
+        return;
+      }
+    entries.push_back({sentence, place, 1});
+  }
+
+  std::vector<std::string> sentences() const {
+    std::vector<std::string> result;
+    for (const Entry& entry : entries) {
+      std::string text = entry.sentence;
+      if (!entry.first_place.empty()) text += " (" + entry.first_place;
+      if (!entry.first_place.empty() && entry.count > 1)
+        text += " and " + std::to_string(entry.count - 1) + " more";
+      if (!entry.first_place.empty()) text += ")";
+      result.push_back(text);
+    }
+    return result;
+  }
+};
+
+}  // namespace omma

@@ -1,0 +1,200 @@
+// Scenes in memory: what must hold before a renderer trusts one, and what can be asked of one.
+#include "omma/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "omma/error.h"
+
+namespace omma {
+namespace {
+
+bool finite(Vec2 v) {
+  return std::isfinite(v.x) && std::isfinite(v.y);
+}
+bool finite(Vec3 v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+bool finite(Vec4 v) {
+  return finite(Vec3{v.x, v.y, v.z}) && std::isfinite(v.w);
+}
+
+bool non_negative(Vec3 v) {
+  return v.x >= 0 && v.y >= 0 && v.z >= 0;
+}
+
+std::string place_of(const Scene& scene, const char* what, std::size_t index,
+                     const std::string& name = "") {
+  return (scene.path.empty() ? "scene" : scene.path) + ": " + what + " " + std::to_string(index) +
+         (name.empty() ? "" : " \"" + name + "\"");
+}
+
+// A handle into an array of `size`; -1 stands for none where that is allowed.
+void check_handle(int handle, std::size_t size, bool may_be_none, const std::string& place,
+                  const char* what) {
+  if (may_be_none && handle == -1) return;
+  if (handle < 0 || static_cast<std::size_t>(handle) >= size)
+    throw Error(place + ": refers to " + what + " " + std::to_string(handle) + ", there are " +
+                std::to_string(size));
+}
+
+template <typename T>
+void check_finite(const std::vector<T>& values, const std::string& place, const char* what) {
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!finite(values[i]))
+      throw Error(place + ": " + what + " of vertex " + std::to_string(i) + " is not finite");
+}
+
+void check_size(std::size_t size, std::size_t vertices, const std::string& place,
+                const char* what) {
+  if (size != 0 && size != vertices)
+    throw Error(place + ": has " + std::to_string(size) + " " + what + " for " +
+                std::to_string(vertices) + " vertices");
+}
+
+void check_transform(const Mat4& t, const std::string& place, const char* what) {
+  for (const auto& row : t.m)
+    for (const double value : row)
+      if (!std::isfinite(value)) throw Error(place + ": " + what + " is not finite");
+  if (t.m[3][0] != 0 || t.m[3][1] != 0 || t.m[3][2] != 0 || t.m[3][3] != 1)
+    throw Error(place + ": the bottom row of " + what + " is not 0 0 0 1");
+}
+
+void check_mesh(const Scene& scene, const Mesh& mesh, const std::string& place) {
+  check_handle(mesh.material, scene.materials.size(), true, place, "material");
+  check_finite(mesh.positions, place, "the position");
+  for (std::size_t set = 0; set < mesh.texcoords.size(); ++set) {
+    check_size(mesh.texcoords[set].size(), mesh.positions.size(), place, "texture coordinates");
+    check_finite(mesh.texcoords[set], place, "the texture coordinate");
+  }
+  check_size(mesh.colors.size(), mesh.positions.size(), place, "colours");
+  check_finite(mesh.colors, place, "the colour");
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    for (const std::uint32_t vertex : mesh.triangles[i])
+      if (vertex >= mesh.positions.size())
+        throw Error(place + ": triangle " + std::to_string(i) + " has vertex " +
+                    std::to_string(vertex) + ", there are " +
+                    std::to_string(mesh.positions.size()));
+}
+
+void check_texture_use(const Scene& scene, const TextureUse& use, const std::string& place) {
+  check_handle(use.texture, scene.textures.size(), true, place, "texture");
+  if (use.texcoord_set < 0 || use.texcoord_set > 1)
+    throw Error(place + ": texture coordinate set " + std::to_string(use.texcoord_set) +
+                ", expected 0 or 1");
+  if (!finite(use.offset) || !finite(use.scale) || !std::isfinite(use.rotation_rad))
+    throw Error(place + ": its texture transform is not finite");
+}
+
+void check_material(const Scene& scene, const Material& material, const std::string& place) {
+  const Vec4 base = material.base_color;
+  if (!finite(base) || !non_negative({base.x, base.y, base.z}) || base.w < 0)
+    throw Error(place + ": its base colour is negative or not finite");
+  if (!finite(material.emissive) || !non_negative(material.emissive))
+    throw Error(place + ": its emission is negative or not finite");
+  if (!std::isfinite(material.alpha_cutoff))
+    throw Error(place + ": its alpha cutoff is not finite");
+  check_texture_use(scene, material.base_color_texture, place);
+  check_texture_use(scene, material.emissive_texture, place);
+}
+
+void check_image(const Image& image, const std::string& place) {
+  if (image.width < 1 || image.height < 1)
+    throw Error(place + ": has " + std::to_string(image.width) + " x " +
+                std::to_string(image.height) + " pixels");
+  const std::size_t expected =
+      static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * 4;
+  const std::size_t encoded = image.rgba_srgb8.size(), linear = image.rgba_linear.size();
+  if (!(encoded == expected && linear == 0) && !(encoded == 0 && linear == expected))
+    throw Error(place + ": " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+                " pixels need " + std::to_string(expected) +
+                " values in one of two arrays, found " + std::to_string(encoded) + " 8-bit and " +
+                std::to_string(linear) + " float");
+  const auto is_finite = [](float v) { return std::isfinite(v); };
+  if (!std::all_of(image.rgba_linear.begin(), image.rgba_linear.end(), is_finite))
+    throw Error(place + ": a pixel is not finite");
+}
+
+void check_camera(const Camera& camera, const std::string& place) {
+  check_transform(camera.world_from_camera, place, "world_from_camera");
+  for (const double value : {camera.yfov_rad, camera.aspect_ratio, camera.xmag_m, camera.ymag_m,
+                             camera.znear_m, camera.zfar_m})
+    if (!std::isfinite(value)) throw Error(place + ": its projection is not finite");
+}
+
+}  // namespace
+
+void validate_scene(const Scene& scene) {
+  for (std::size_t i = 0; i < scene.images.size(); ++i)
+    check_image(scene.images[i], place_of(scene, "image", i, scene.images[i].name));
+  for (std::size_t i = 0; i < scene.textures.size(); ++i)
+    check_handle(scene.textures[i].image, scene.images.size(), false, place_of(scene, "texture", i),
+                 "image");
+  for (std::size_t i = 0; i < scene.materials.size(); ++i)
+    check_material(scene, scene.materials[i],
+                   place_of(scene, "material", i, scene.materials[i].name));
+  for (std::size_t i = 0; i < scene.meshes.size(); ++i)
+    check_mesh(scene, scene.meshes[i], place_of(scene, "mesh", i, scene.meshes[i].name));
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const Instance& instance = scene.instances[i];
+    const std::string place = place_of(scene, "instance", i, instance.name);
+    check_handle(instance.mesh, scene.meshes.size(), false, place, "mesh");
+    check_transform(instance.world_from_mesh, place, "world_from_mesh");
+  }
+  for (std::size_t i = 0; i < scene.cameras.size(); ++i)
+    check_camera(scene.cameras[i], place_of(scene, "camera", i, scene.cameras[i].name));
+  const std::string background =
+      (scene.path.empty() ? "scene" : scene.path) + std::string(": background");
+  if (!finite(scene.background.color)) throw Error(background + ": its colour is not finite");
+  if (scene.background.type == BackgroundType::image)
+    check_image(scene.background.image, background);
+}
+
+Bounds scene_bounds(const Scene& scene) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Bounds bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}, true};
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)];
+    // Only vertices of triangles are seen.
+    for (const auto& triangle : mesh.triangles)
+      for (const std::uint32_t vertex : triangle) {
+        const Vec3d p =
+            transform_point(instance.world_from_mesh, to_double(mesh.positions[vertex]));
+        bounds.lower = {std::min(bounds.lower.x, p.x), std::min(bounds.lower.y, p.y),
+                        std::min(bounds.lower.z, p.z)};
+        bounds.upper = {std::max(bounds.upper.x, p.x), std::max(bounds.upper.y, p.y),
+                        std::max(bounds.upper.z, p.z)};
+        bounds.empty = false;
+      }
+  }
+  if (bounds.empty) return {};
+  return bounds;
+}
+
+std::uint64_t triangle_count(const Scene& scene) {
+  std::uint64_t count = 0;
+  for (const Instance& instance : scene.instances)
+    count += scene.meshes[static_cast<std::size_t>(instance.mesh)].triangles.size();
+  return count;
+}
+
+const Camera& find_camera(const Scene& scene, const std::string& name) {
+  const std::string place = scene.path.empty() ? "scene" : scene.path;
+  // Node names first: a camera under several nodes has one name of its own and several of those.
+  for (std::string Camera::*kind : {&Camera::name, &Camera::data_name}) {
+    const auto has_name = [&](const Camera& camera) { return camera.*kind == name; };
+    const auto count = std::count_if(scene.cameras.begin(), scene.cameras.end(), has_name);
+    if (count > 1)
+      throw Error(place + ": " + std::to_string(count) + " cameras are called \"" + name + "\"");
+    if (count == 1) return *std::find_if(scene.cameras.begin(), scene.cameras.end(), has_name);
+  }
+  std::string message = place + ": there is no camera \"" + name + "\"; ";
+  if (scene.cameras.empty()) throw Error(message + "the scene has none");
+  message += "there are";
+  for (const Camera& camera : scene.cameras)
+    message += (&camera == scene.cameras.data() ? " \"" : ", \"") + camera.name + "\"";
+  throw Error(message);
+}
+
+}  // namespace omma
