@@ -1,8 +1,8 @@
 // A Scene turned into the flat arrays the kernels read: texture coordinates per triangle corner
-// with their transforms applied, the sRGB table, views of the images. Shared by all backends.
+// with their transforms applied, images in linear light. Shared by all backends.
 #pragma once
 
-#include <array>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -22,7 +22,7 @@ struct ShadingData {
   std::vector<TextureView> textures;
   std::vector<std::vector<Vec2>> corner_uvs;
   std::vector<std::vector<Vec4>> corner_colors;
-  std::array<float, 256> linear_from_srgb8{};
+  std::vector<std::vector<std::uint16_t>> linear16;  // [image], of the 8-bit ones; background last
   SceneView view;
 };
 

@@ -21,7 +21,7 @@ OMMA_HD float asin_positive(float x) {
 
 // CompoundRay's `simple_sky`: from the horizon colour linearly in elevation to the zenith colour.
 OMMA_HD Radiance eval_simple_sky(Vec3 direction) {
-  const float up = fminf(fmaxf(direction.y, 0.0f), 1.0f);
+  const float up = clamp_unit(direction.y);
   const float share = asin_positive(up) * 0.636619772f;  // elevation over pi/2
   const float s = 0.8f / 255.0f, z = 1.0f / 255.0f;
   return {{143.0f * s + share * (1.0f * z - 143.0f * s),
@@ -40,13 +40,12 @@ OMMA_HD Radiance eval_test_pattern(Vec3 direction) {
 }
 
 // Equirectangular image: forward (-Z) in the middle, +X to the right, +Y at the top.
-OMMA_HD Radiance eval_background_image(const BackgroundView& background,
-                                       const float* linear_from_srgb8, Vec3 direction) {
+OMMA_HD Radiance eval_background_image(const BackgroundView& background, Vec3 direction) {
   const float p = static_cast<float>(pi);
   const float y = fminf(fmaxf(direction.y, -1.0f), 1.0f);
   const Vec2 uv{0.5f + atan2f(direction.x, -direction.z) / (2 * p), 0.5f - asinf(y) / p};
-  const Vec4 c = eval_texture(background.image, linear_from_srgb8, uv);
-  return {{c.x, c.y, c.z}};
+  const Rgba c = eval_texture(background.image, uv);
+  return {{c[0], c[1], c[2]}};
 }
 
 OMMA_HD Radiance eval_background(const SceneView& scene, Vec3 direction) {
@@ -58,7 +57,7 @@ OMMA_HD Radiance eval_background(const SceneView& scene, Vec3 direction) {
     case BackgroundType::test_pattern:
       return eval_test_pattern(direction);
     case BackgroundType::image:
-      return eval_background_image(scene.background, scene.linear_from_srgb8, direction);
+      return eval_background_image(scene.background, direction);
   }
   const Vec3 c = scene.background.color;
   return {{c.x, c.y, c.z}};

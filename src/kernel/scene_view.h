@@ -15,8 +15,8 @@ struct Radiance {
 };
 
 struct TextureView {
-  const std::uint8_t* srgb8 = nullptr;  // [height][width][4], or null
-  const Vec4* linear = nullptr;         // [height][width], or null
+  const std::uint16_t* linear16 = nullptr;  // [height][width][4], linear, 65535 is 1; or null
+  const Vec4* linear = nullptr;             // [height][width], linear; or null
   std::int32_t width = 1, height = 1;
   Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
   Filter filter = Filter::linear;
@@ -48,7 +48,6 @@ struct SceneView {
   const MeshView* meshes = nullptr;
   const MaterialView* materials = nullptr;
   const TextureView* textures = nullptr;
-  const float* linear_from_srgb8 = nullptr;  // [256]
   BackgroundView background;
   bool has_blend = false;  // whether any surface lets light through in part
 };

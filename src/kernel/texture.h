@@ -2,16 +2,15 @@
 // Row 0 is v = 0, as in glTF.
 #pragma once
 
+#include "kernel/rgba.h"
 #include "kernel/scene_view.h"
 
 namespace omma {
 
-OMMA_HD Vec4 load_texel(const TextureView& texture, const float* linear_from_srgb8, int x, int y) {
+OMMA_HD Rgba load_texel(const TextureView& texture, int x, int y) {
   const long long index = static_cast<long long>(y) * texture.width + x;
-  if (texture.linear != nullptr) return texture.linear[index];
-  const std::uint8_t* t = texture.srgb8 + 4 * index;
-  return {linear_from_srgb8[t[0]], linear_from_srgb8[t[1]], linear_from_srgb8[t[2]],
-          static_cast<float>(t[3]) * (1.0f / 255.0f)};
+  if (texture.linear16 != nullptr) return load_rgba(texture.linear16 + 4 * index);
+  return load_rgba(texture.linear[index]);
 }
 
 // Texture coordinate to texel units, in [0, size].
@@ -21,7 +20,7 @@ OMMA_HD float wrap_coordinate(float u, Wrap wrap, float size) {
     const float t = u - 2.0f * floorf(0.5f * u);
     return (t > 1.0f ? 2.0f - t : t) * size;
   }
-  return fminf(fmaxf(u, 0.0f), 1.0f) * size;
+  return clamp_unit(u) * size;
 }
 
 // Texel index beside the edge: goes round for repeat, stays for the other two (where a mirrored
@@ -32,13 +31,15 @@ OMMA_HD int wrap_texel(int i, Wrap wrap, int size) {
   return i < 0 ? 0 : size - 1;
 }
 
-OMMA_HD Vec4 eval_texture(const TextureView& texture, const float* linear_from_srgb8, Vec2 uv) {
+OMMA_HD Rgba eval_texture(const TextureView& texture, Vec2 uv) {
+  const float unit = texture.linear16 != nullptr ? 1.0f / 65535.0f : 1.0f;
   const float x = wrap_coordinate(uv.x, texture.wrap_u, static_cast<float>(texture.width));
   const float y = wrap_coordinate(uv.y, texture.wrap_v, static_cast<float>(texture.height));
   if (texture.filter == Filter::nearest) {
     const int i = static_cast<int>(x), j = static_cast<int>(y);
-    return load_texel(texture, linear_from_srgb8, i < texture.width ? i : texture.width - 1,
-                      j < texture.height ? j : texture.height - 1);
+    return load_texel(texture, i < texture.width ? i : texture.width - 1,
+                      j < texture.height ? j : texture.height - 1) *
+           unit;
   }
   const float left = floorf(x - 0.5f), top = floorf(y - 0.5f);
   const float fx = x - 0.5f - left, fy = y - 0.5f - top;
@@ -47,11 +48,9 @@ OMMA_HD Vec4 eval_texture(const TextureView& texture, const float* linear_from_s
   const int x1 = wrap_texel(i + 1, texture.wrap_u, texture.width);
   const int y0 = wrap_texel(j, texture.wrap_v, texture.height);
   const int y1 = wrap_texel(j + 1, texture.wrap_v, texture.height);
-  const Vec4 upper = load_texel(texture, linear_from_srgb8, x0, y0) * (1 - fx) +
-                     load_texel(texture, linear_from_srgb8, x1, y0) * fx;
-  const Vec4 lower = load_texel(texture, linear_from_srgb8, x0, y1) * (1 - fx) +
-                     load_texel(texture, linear_from_srgb8, x1, y1) * fx;
-  return upper * (1 - fy) + lower * fy;
+  const Rgba upper = load_texel(texture, x0, y0) * (1 - fx) + load_texel(texture, x1, y0) * fx;
+  const Rgba lower = load_texel(texture, x0, y1) * (1 - fx) + load_texel(texture, x1, y1) * fx;
+  return (upper * (1 - fy) + lower * fy) * unit;
 }
 
 }  // namespace omma

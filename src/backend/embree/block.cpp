@@ -133,11 +133,16 @@ void shade_opaque(const BlockContext& context, Packet& packet, const int* valid,
   unsigned hits = 0;
   for (int l = 0; l < lanes; ++l)
     hits |= (packet.rays.hit.geomID[l] != RTC_INVALID_GEOMETRY_ID ? 1u : 0u) << l;
+  SurfaceHit surface[lanes];
+  for (unsigned left = hits; left != 0; left &= left - 1) {
+    const int l = __builtin_ctz(left);
+    surface[l] = surface_hit(*context.tracer, packet.rays, l);
+    prefetch_surface(*context.scene, surface[l]);
+  }
   if (hits != 0xffffu) background_radiance(*context.scene, packet.rays.ray, packet.radiance);
-  for (; hits != 0; hits &= hits - 1) {
-    const int l = __builtin_ctz(hits);
-    const SurfaceLight light =
-        eval_surface(*context.scene, surface_hit(*context.tracer, packet.rays, l));
+  for (unsigned left = hits; left != 0; left &= left - 1) {
+    const int l = __builtin_ctz(left);
+    const SurfaceLight light = eval_surface(*context.scene, surface[l]);
     for (int c = 0; c < channel_count; ++c) packet.radiance[c][l] = light.radiance.channel[c];
   }
 }
