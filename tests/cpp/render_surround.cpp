@@ -1,0 +1,96 @@
+// An evenly lit surround of radiance 1 gives exactly 1, whatever the eye, the kernel, the sampling
+// and the number of samples. Only float rounding of sums is left: within 1e-6.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "omma/io.h"
+#include "test_scenes.h"
+
+namespace omma::test {
+namespace {
+
+constexpr Kernel kernels[] = {Kernel::gaussian, Kernel::pillbox, Kernel::compoundray};
+constexpr Sampling samplings[] = {Sampling::low_discrepancy, Sampling::random};
+
+void expect_ones(const Renderer& renderer) {
+  const Mat4 pose = translation({0.1, -0.2, 0.3}) * rotation({0.6, 0.8, 0}, 1.1);
+  const Result result = render(renderer, std::span(&pose, 1), true);
+  double worst = 0, worst_error = 0;
+  for (const float value : result.response) worst = std::max(worst, std::fabs(value - 1.0));
+  for (const float value : result.standard_error)
+    worst_error = std::max(worst_error, std::fabs(static_cast<double>(value)));
+  const RenderSettings& s = renderer.settings();
+  EXPECT_LE(worst, 1e-6) << name_of(s.kernel) << ' ' << name_of(s.sampling) << ' ' << s.samples;
+  EXPECT_LE(worst_error, 1e-6);
+}
+
+// Acceptance angles from none to the whole sphere, axes all round, positions off the centre.
+Eye synthetic_eye() {
+  const std::vector<Vec3d> axes = sphere_directions(60);
+  Eye eye = make_eye(axes, 0);
+  const double angles_deg[] = {0, 1e-3, 0.3, 2.6, 30, 60, 90, 180, 270, 360};
+  for (std::size_t i = 0; i < eye.size(); ++i) {
+    eye.acceptance_angle_rad[i] = static_cast<float>(angles_deg[i % 10] * degree);
+    if (angles_deg[i % 10] == 360)  // the float nearest 2 pi may lie above it
+      eye.acceptance_angle_rad[i] = std::nextafter(static_cast<float>(2 * pi), 0.0f);
+    eye.position_m[i] = to_float(axes[i] * 0.01);
+    eye.focal_offset_m[i] = 0.002f;
+  }
+  return eye;
+}
+
+TEST(Surround, BackgroundOfOneGivesOne) {
+  Scene scene;
+  scene.background = constant_background({1, 1, 1});
+  for (const Kernel kernel : kernels)
+    for (const Sampling sampling : samplings)
+      for (const int samples : {1, 3, 16, 100, 1000})
+        expect_ones(make_renderer(scene, synthetic_eye(), {samples, 5, kernel, sampling, 0, {}}));
+}
+
+// The same through each way that radiance can arise: a surface's base colour, its emission, a
+// texture, half-transparent layers over it, an image at infinity.
+TEST(Surround, EverySourceOfOneGivesOne) {
+  const Image ones = make_image(5, 3, [](int, int) { return Vec4{1, 1, 1, 1}; });
+  std::vector<Scene> scenes(4);
+  for (Scene& scene : scenes) add_material(scene, {});
+  scenes[1].materials[0].base_color = {0.25f, 0.5f, 0.75f, 1};
+  scenes[1].materials[0].emissive = {0.75f, 0.5f, 0.25f};
+  scenes[2].materials[0].base_color_texture.texture = add_texture(scenes[2], ones);
+  scenes[3].materials[0].alpha_mode = AlphaMode::blend;
+  scenes[3].materials[0].base_color = {1, 1, 1, 0.3f};
+  for (Scene& scene : scenes) {
+    Mesh cube = cube_seen_from_inside(2, 0);
+    cube.texcoords[0].assign(cube.positions.size(), {0.3f, 0.7f});
+    add_instance(scene, add_mesh(scene, cube));
+    if (scene.materials[0].alpha_mode == AlphaMode::blend)
+      scene.background = constant_background({1, 1, 1});
+  }
+  scenes.emplace_back().background = image_background(ones);
+  for (const Scene& scene : scenes)
+    for (const int samples : {1, 3, 16, 100})
+      expect_ones(make_renderer(scene, synthetic_eye(), {samples, 5, {}, {}, 0, {}}));
+}
+
+TEST(Surround, RealEyes) {
+  const std::filesystem::path folder = std::string(OMMA_SHARED_DATA) + "/compound-ray";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no real eyes in " << folder;
+  Scene scene;
+  scene.background = constant_background({1, 1, 1});
+  int eyes = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (entry.path().extension() != ".eye") continue;
+    ++eyes;
+    const Eye eye = load_eye(entry.path().string());
+    for (const Kernel kernel : kernels)
+      expect_ones(make_renderer(scene, eye, {3, 1, kernel, {}, 0, {}}));
+    for (const int samples : {1, 16, 100})
+      expect_ones(make_renderer(scene, eye, {samples, 1, {}, {}, 0, {}}));
+    expect_ones(make_renderer(scene, eye, {16, 1, {}, Sampling::random, 0, {}}));
+  }
+  EXPECT_GT(eyes, 0);
+}
+
+}  // namespace
+}  // namespace omma::test
