@@ -129,7 +129,7 @@ Image decode_image(std::span<const std::uint8_t> bytes, const std::string& place
   Image image;
   int components = 0;
   if (!stbi_info_from_memory(data, size, &image.width, &image.height, &components))
-    fail_decoding(place);
+    throw Error(place + ": the image does not decode: its header is broken or claims too much");
   check_size(bytes, image.width, image.height, png, place);
   if (jpeg && !has_jpeg_end(bytes)) throw Error(place + ": the image is cut off");
 

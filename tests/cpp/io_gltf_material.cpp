@@ -1,0 +1,334 @@
+// glTF materials, textures, images, cameras, backgrounds and extensions, feature by feature.
+#include "gltf_builder.h"
+
+namespace omma::test {
+namespace {
+
+json png_image(const std::string& bytes) {
+  return {{"uri", data_uri(bytes, "image/png")}};
+}
+
+GltfBuilder red_triangle() {
+  return textured_triangle(png_image(png_1x1(255, 0, 0)));
+}
+
+// The material of a triangle that has this one.
+Material material(const json& description) {
+  GltfBuilder b = one_triangle();
+  b.push("materials", description);
+  b.document["meshes"][0]["primitives"][0]["material"] = 0;
+  const Scene scene = load(b);
+  EXPECT_EQ(scene.meshes.at(0).material, 0);
+  return scene.materials.at(0);
+}
+
+TEST(GltfMaterial, Defaults) {
+  const Material m = material(json::object());
+  expect_near(m.base_color, {1, 1, 1, 1});
+  expect_near(m.emissive, {0, 0, 0});
+  EXPECT_EQ(m.base_color_texture.texture, -1);
+  EXPECT_EQ(m.emissive_texture.texture, -1);
+  EXPECT_EQ(m.alpha_mode, AlphaMode::opaque);
+  EXPECT_EQ(m.alpha_cutoff, 0.5f);
+  EXPECT_FALSE(m.double_sided);
+  EXPECT_FALSE(m.unlit);
+  EXPECT_EQ(load(one_triangle()).meshes.at(0).material, -1);
+}
+
+TEST(GltfMaterial, BaseColorAndSides) {
+  const Material m =
+      material({{"name", "leaf"},
+                {"doubleSided", true},
+                {"pbrMetallicRoughness", {{"baseColorFactor", {0.1, 0.2, 0.3, 0.4}}}}});
+  EXPECT_EQ(m.name, "leaf");
+  EXPECT_TRUE(m.double_sided);
+  expect_near(m.base_color, {0.1f, 0.2f, 0.3f, 0.4f});
+}
+
+TEST(GltfMaterial, AlphaModes) {
+  EXPECT_EQ(material({{"alphaMode", "OPAQUE"}}).alpha_mode, AlphaMode::opaque);
+  const Material mask = material({{"alphaMode", "MASK"}, {"alphaCutoff", 0.25}});
+  EXPECT_EQ(mask.alpha_mode, AlphaMode::mask);
+  EXPECT_EQ(mask.alpha_cutoff, 0.25f);
+  EXPECT_EQ(material({{"alphaMode", "BLEND"}}).alpha_mode, AlphaMode::blend);
+  GltfBuilder b = one_triangle();
+  b.push("materials", {{"name", "odd"}, {"alphaMode", "GLASS"}});
+  expect_load_error(b, {"material 0 \"odd\"", "alphaMode", "GLASS"});
+}
+
+TEST(GltfMaterial, EmissionWithStrength) {
+  expect_near(material({{"emissiveFactor", {0.5, 0.25, 1}}}).emissive, {0.5f, 0.25f, 1});
+  expect_near(
+      material({{"emissiveFactor", {0.5, 0.25, 1}},
+                {"extensions", {{"KHR_materials_emissive_strength", {{"emissiveStrength", 4}}}}}})
+          .emissive,
+      {2, 1, 4});
+  GltfBuilder b = red_triangle();
+  b.document["materials"][0]["emissiveTexture"] = {{"index", 0}, {"texCoord", 1}};
+  const Scene scene = load(b);
+  EXPECT_EQ(scene.materials[0].emissive_texture.texture, 0);
+  EXPECT_EQ(scene.materials[0].emissive_texture.texcoord_set, 1);
+  EXPECT_EQ(scene.images.size(), 1u);  // read once for both uses
+}
+
+TEST(GltfMaterial, UnlitIsTheBaseColorAlone) {
+  const Material m = material(
+      {{"emissiveFactor", {1, 1, 1}}, {"extensions", {{"KHR_materials_unlit", json::object()}}}});
+  EXPECT_TRUE(m.unlit);
+  expect_near(m.emissive, {0, 0, 0});
+}
+
+TEST(GltfMaterial, NotThere) {
+  GltfBuilder b = one_triangle();
+  b.document["meshes"][0]["primitives"][0]["material"] = 3;
+  expect_load_error(b, {"mesh 0", "primitive 0", "material 3", "there are 0"});
+}
+
+TEST(GltfTexture, SamplersWithEachWrapModeAndFilter) {
+  const auto texture = [](const json& sampler) {
+    GltfBuilder b = red_triangle();
+    b.push("samplers", sampler);
+    b.document["textures"][0]["sampler"] = 0;
+    return load(b).textures.at(0);
+  };
+  const Texture plain = load(red_triangle()).textures.at(0);
+  EXPECT_EQ(plain.wrap_u, Wrap::repeat);
+  EXPECT_EQ(plain.wrap_v, Wrap::repeat);
+  EXPECT_EQ(plain.filter, Filter::linear);
+  EXPECT_EQ(texture({{"wrapS", 33071}}).wrap_u, Wrap::clamp_to_edge);
+  EXPECT_EQ(texture({{"wrapS", 33648}}).wrap_u, Wrap::mirrored_repeat);
+  EXPECT_EQ(texture({{"wrapS", 33071}}).wrap_v, Wrap::repeat);
+  EXPECT_EQ(texture({{"wrapT", 33071}}).wrap_v, Wrap::clamp_to_edge);
+  EXPECT_EQ(texture({{"wrapT", 33648}}).wrap_v, Wrap::mirrored_repeat);
+  EXPECT_EQ(texture({{"wrapT", 10497}}).wrap_v, Wrap::repeat);
+  EXPECT_EQ(texture({{"magFilter", 9728}}).filter, Filter::nearest);
+  EXPECT_EQ(texture({{"magFilter", 9729}, {"minFilter", 9728}}).filter, Filter::linear);
+  expect_error([&] { texture({{"wrapS", 1}}); }, {"scene.gltf", "sampler 0", "wrapS", "found 1"});
+  expect_error([&] { texture({{"magFilter", 9987}}); }, {"sampler 0", "magFilter", "9987"});
+}
+
+TEST(GltfTexture, Transform) {
+  GltfBuilder b = red_triangle();
+  json& info = b.document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"];
+  b.document["extensionsUsed"] = {"KHR_texture_transform"};
+  info["texCoord"] = 0;
+  info["extensions"]["KHR_texture_transform"] = {
+      {"offset", {0.1, 0.2}}, {"scale", {3, 4}}, {"rotation", 0.5}, {"texCoord", 1}};
+  const TextureUse use = load(b).materials.at(0).base_color_texture;
+  EXPECT_EQ(use.offset.x, 0.1f);
+  EXPECT_EQ(use.offset.y, 0.2f);
+  EXPECT_EQ(use.scale.x, 3);
+  EXPECT_EQ(use.scale.y, 4);
+  EXPECT_EQ(use.rotation_rad, 0.5f);
+  EXPECT_EQ(use.texcoord_set, 1);  // the extension's wins
+  info["extensions"]["KHR_texture_transform"]["texCoord"] = 2;
+  expect_load_error(b, {"material 0 \"painted\"", "set 2"});
+}
+
+TEST(GltfTexture, WithoutTextureCoordinates) {
+  GltfBuilder b = red_triangle();
+  b.document["meshes"][0]["primitives"][0]["attributes"].erase("TEXCOORD_0");
+  EXPECT_TRUE(has_warning(load(b), "texture coordinates"));
+}
+
+TEST(GltfTexture, WithoutAnImageCountsAsWhite) {
+  GltfBuilder b = red_triangle();
+  b.document["textures"][0] = {{"extensions", {{"KHR_texture_basisu", {{"source", 0}}}}}};
+  const Scene scene = load(b);
+  EXPECT_EQ(scene.materials[0].base_color_texture.texture, -1);
+  EXPECT_TRUE(has_warning(scene, "texture"));
+}
+
+TEST(GltfTexture, HandlesThatLeadNowhere) {
+  GltfBuilder b = red_triangle();
+  b.document["textures"][0]["source"] = 7;
+  expect_load_error(b, {"texture 0", "images[7]", "there are 1"});
+  b = red_triangle();
+  b.document["textures"][0]["sampler"] = 7;
+  expect_load_error(b, {"texture 0", "samplers[7]", "there are 0"});
+  b = red_triangle();
+  b.document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["index"] = 7;
+  expect_load_error(b, {"material 0", "textures[7]", "there are 1"});
+}
+
+TEST(GltfImage, FromABufferView) {
+  GltfBuilder b = red_triangle();
+  const int view = b.view(png_1x1(1, 2, 3, 4));
+  b.document["images"][0] = {{"bufferView", view}, {"mimeType", "image/png"}, {"name", "small"}};
+  const Image image = load(b).images.at(0);
+  EXPECT_EQ(image.name, "small");
+  EXPECT_EQ(image.rgba_srgb8, (std::vector<std::uint8_t>{1, 2, 3, 4}));
+}
+
+TEST(GltfImage, SixteenBitsBecomeLinear) {
+  const Scene scene =
+      load(textured_triangle(png_image(png<std::uint16_t>(1, 1, 4, {65535, 32768, 0, 32768}))));
+  const Image& image = scene.images.at(0);
+  ASSERT_EQ(image.rgba_linear.size(), 4u);
+  EXPECT_TRUE(image.rgba_srgb8.empty());
+  EXPECT_EQ(image.rgba_linear[0], 1);
+  // ((0.5000076 + 0.055) / 1.055)^2.4, single precision
+  EXPECT_NEAR(image.rgba_linear[1], 0.2140483, 1e-6);
+  EXPECT_EQ(image.rgba_linear[2], 0);
+  EXPECT_NEAR(image.rgba_linear[3], 0.5000076, 1e-6);
+}
+
+TEST(GltfImage, Jpeg) {
+  const Image image =
+      load(textured_triangle({{"uri", data_uri(color_jpeg(), "image/jpeg")}})).images.at(0);
+  EXPECT_EQ(image.width, 8);
+  EXPECT_NEAR(image.rgba_srgb8[0], 200, 1);  // the transform rounds
+  EXPECT_NEAR(image.rgba_srgb8[1], 100, 1);
+  EXPECT_NEAR(image.rgba_srgb8[2], 50, 1);
+  EXPECT_EQ(image.rgba_srgb8[3], 255);
+}
+
+TEST(GltfImage, ManyAreReadInTheirOrder) {
+  GltfBuilder b = red_triangle();
+  for (int i = 1; i < 40; ++i) {
+    b.push("images", png_image(png_1x1(static_cast<std::uint8_t>(i), 0, 0)));
+    b.push("textures", {{"source", i}});
+    b.push("materials", {{"emissiveTexture", {{"index", i}}}});
+  }
+  const Scene scene = load(b);
+  ASSERT_EQ(scene.images.size(), 40u);
+  for (std::size_t i = 1; i < 40; ++i) {
+    const auto texture = static_cast<std::size_t>(scene.materials[i].emissive_texture.texture);
+    EXPECT_EQ(scene.images[static_cast<std::size_t>(scene.textures[texture].image)].rgba_srgb8[0],
+              i);
+  }
+}
+
+TEST(GltfImage, OnlyThoseShownAreRead) {
+  GltfBuilder b = red_triangle();
+  b.push("images", {{"uri", "not-there.png"}});
+  b.push("textures", {{"source", 1}});
+  b.document["materials"][0]["normalTexture"] = {{"index", 1}};
+  EXPECT_EQ(load(b).images.size(), 1u);
+}
+
+TEST(GltfImage, WhatDoesNotDecodeIsNamed) {
+  expect_load_error(textured_triangle({{"name", "bark"}, {"uri", "not-there.png"}}),
+                    {"image 0 \"bark\"", "not-there.png", "no such file"});
+  expect_load_error(textured_triangle({{"name", "bark"}, {"uri", data_uri("rubbish")}}),
+                    {"image 0 \"bark\"", "PNG"});
+  expect_load_error(textured_triangle(json::object()),
+                    {"image 0", "neither a URI nor a buffer view"});
+  expect_load_error(textured_triangle({{"bufferView", 77}}), {"image 0", "buffer view 77"});
+  const std::string whole = png<std::uint8_t>(16, 16, 4, std::vector<std::uint8_t>(1024, 9));
+  expect_load_error(textured_triangle({{"name", "bark"}, {"uri", data_uri(whole.substr(0, 200))}}),
+                    {"image 0 \"bark\"", "does not decode"});
+}
+
+TEST(GltfExtension, RequiredAndNotSupportedIsAnError) {
+  for (const char* name : {"KHR_draco_mesh_compression", "EXT_meshopt_compression",
+                           "KHR_texture_basisu", "EXT_mesh_gpu_instancing"}) {
+    GltfBuilder b = one_triangle();
+    b.document["extensionsUsed"] = b.document["extensionsRequired"] = {name};
+    expect_load_error(b, {"requires", name});
+  }
+}
+
+TEST(GltfExtension, UsedAndNotSupportedIsAWarning) {
+  GltfBuilder b = one_triangle();
+  b.document["extensionsUsed"] = {"KHR_materials_clearcoat", "KHR_materials_unlit"};
+  const Scene scene = load(b);
+  EXPECT_EQ(scene.warnings.size(), 1u);
+  EXPECT_TRUE(has_warning(scene, "KHR_materials_clearcoat"));
+}
+
+TEST(GltfExtension, RequiredAndSupported) {
+  GltfBuilder b = one_triangle();
+  b.document["extensionsUsed"] = b.document["extensionsRequired"] = {
+      "KHR_materials_unlit", "KHR_texture_transform", "KHR_materials_emissive_strength",
+      "KHR_mesh_quantization"};
+  EXPECT_TRUE(load(b).warnings.empty());
+}
+
+TEST(GltfCamera, Perspective) {
+  GltfBuilder b;
+  b.push("cameras",
+         {{"name", "eye"},
+          {"type", "perspective"},
+          {"perspective", {{"yfov", 0.5}, {"znear", 0.1}, {"zfar", 90}, {"aspectRatio", 1.5}}},
+          {"extras", {{"compound-eye", "true"}, {"compound-structure", "eyes/bee.eye"}}}});
+  b.root(
+      {{"name", "head"}, {"camera", 0}, {"translation", {1, 2, 3}}, {"scale", {0.02, 0.02, 0.02}}});
+  const Scene scene = load(b);
+  const Camera& camera = scene.cameras.at(0);
+  EXPECT_EQ(camera.name, "head");
+  EXPECT_EQ(camera.data_name, "eye");
+  EXPECT_EQ(camera.type, CameraType::perspective);
+  EXPECT_EQ(camera.yfov_rad, 0.5);
+  EXPECT_EQ(camera.aspect_ratio, 1.5);
+  EXPECT_EQ(camera.znear_m, 0.1);
+  EXPECT_EQ(camera.zfar_m, 90);
+  EXPECT_EQ(camera.world_from_camera.m[1][3], 2);
+  EXPECT_EQ(camera.world_from_camera.m[0][0], 0.02);  // the node's scale is kept
+  EXPECT_EQ(camera.compound_structure, "eyes/bee.eye");
+  EXPECT_EQ(json::parse(camera.extras_json).at("compound-eye"), "true");
+  EXPECT_EQ(&find_camera(scene, "head"), &camera);
+}
+
+TEST(GltfCamera, Orthographic) {
+  GltfBuilder b;
+  b.push("cameras", {{"name", "above"},
+                     {"type", "orthographic"},
+                     {"orthographic", {{"xmag", 2}, {"ymag", 3}, {"znear", 0}, {"zfar", 10}}}});
+  b.root({{"camera", 0}});
+  const Camera camera = load(b).cameras.at(0);
+  EXPECT_EQ(camera.name, "above");  // the node has no name
+  EXPECT_EQ(camera.type, CameraType::orthographic);
+  EXPECT_EQ(camera.xmag_m, 2);
+  EXPECT_EQ(camera.ymag_m, 3);
+  EXPECT_EQ(camera.zfar_m, 10);
+  EXPECT_EQ(camera.extras_json, "");
+}
+
+TEST(GltfCamera, OneUnderManyNodes) {
+  GltfBuilder b;
+  b.push(
+      "cameras",
+      {{"name", "eye"}, {"type", "perspective"}, {"perspective", {{"yfov", 0.5}, {"znear", 0.1}}}});
+  b.root({{"name", "left"}, {"camera", 0}, {"children", {1}}});
+  b.push("nodes", {{"name", "right"}, {"camera", 0}, {"translation", {5, 0, 0}}});
+  const Scene scene = load(b);
+  ASSERT_EQ(scene.cameras.size(), 2u);
+  EXPECT_EQ(find_camera(scene, "right").world_from_camera.m[0][3], 5);
+  EXPECT_EQ(find_camera(scene, "right").zfar_m, 0);
+}
+
+TEST(GltfCamera, OfNoKnownKind) {
+  GltfBuilder b;
+  b.push("cameras", {{"type", "fisheye"}});
+  b.root({{"camera", 0}});
+  expect_load_error(b, {"fisheye"});
+  b.document["cameras"][0] = {{"type", "perspective"}, {"perspective", {{"znear", 0.1}}}};
+  expect_load_error(b, {"cameras[0].perspective.yfov", "missing"});
+  b.document["cameras"][0] = {{"type", "perspective"}};
+  expect_load_error(b, {"amera"});
+  b.document["nodes"][0]["camera"] = 4;
+  b.document.erase("cameras");
+  expect_load_error(b, {"node 0", "camera 4", "there are 0"});
+}
+
+TEST(GltfBackground, FromTheExtrasOfTheScene) {
+  const auto scene = [](const json& shader) {
+    GltfBuilder b = one_triangle();
+    b.document["scenes"][0]["extras"]["background-shader"] = shader;
+    return load(b);
+  };
+  EXPECT_EQ(scene("simple_sky").background.type, BackgroundType::simple_sky);
+  EXPECT_EQ(scene("default_background").background.type, BackgroundType::test_pattern);
+  EXPECT_TRUE(scene("simple_sky").warnings.empty());
+  const Background none = load(one_triangle()).background;
+  EXPECT_EQ(none.type, BackgroundType::constant);
+  expect_near(none.color, {0, 0, 0});
+  const Scene other = scene("lava");
+  EXPECT_EQ(other.background.type, BackgroundType::constant);
+  expect_near(other.background.color, {0, 0, 0});
+  EXPECT_TRUE(has_warning(other, "lava"));
+}
+
+}  // namespace
+}  // namespace omma::test

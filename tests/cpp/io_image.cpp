@@ -1,0 +1,168 @@
+// Images: PNG of every kind glTF has, JPEG, Radiance HDR, and those that are broken; whole files
+// written at once.
+#include "gltf_builder.h"
+#include "io/atomic_file.h"
+
+namespace omma::test {
+namespace {
+
+Image decode(const std::string& bytes) {
+  return decode_image({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, "place");
+}
+
+using Bytes = std::vector<std::uint8_t>;
+
+TEST(Image, PngOf8Bits) {
+  EXPECT_EQ(decode(png<std::uint8_t>(1, 1, 1, {7})).rgba_srgb8, (Bytes{7, 7, 7, 255}));
+  EXPECT_EQ(decode(png<std::uint8_t>(1, 1, 2, {7, 8})).rgba_srgb8, (Bytes{7, 7, 7, 8}));
+  EXPECT_EQ(decode(png<std::uint8_t>(1, 1, 3, {7, 8, 9})).rgba_srgb8, (Bytes{7, 8, 9, 255}));
+  EXPECT_EQ(decode(png<std::uint8_t>(1, 1, 4, {7, 8, 9, 10})).rgba_srgb8, (Bytes{7, 8, 9, 10}));
+  const Image two = decode(png<std::uint8_t>(2, 1, 1, {1, 2}));
+  EXPECT_EQ(two.width, 2);
+  EXPECT_EQ(two.height, 1);
+  EXPECT_EQ(two.rgba_srgb8, (Bytes{1, 1, 1, 255, 2, 2, 2, 255}));
+  EXPECT_EQ(decode(png<std::uint8_t>(1, 2, 1, {1, 2})).rgba_srgb8[4], 2);  // row 0 is first
+}
+
+TEST(Image, PngOf16Bits) {
+  // IEC 61966-2-1 of 13107/65535 = 0.2: ((0.2 + 0.055) / 1.055)^2.4; 1285/65535 is on its
+  // straight part. Single precision.
+  const float dark = 1285.0f / 65535.0f / 12.92f, mid = 0.0331048f;
+  const auto expect_pixel = [](const Image& image, const std::array<float, 4>& expected) {
+    EXPECT_TRUE(image.rgba_srgb8.empty());
+    ASSERT_EQ(image.rgba_linear.size(), 4u);
+    for (std::size_t c = 0; c < 4; ++c) EXPECT_NEAR(image.rgba_linear[c], expected[c], 1e-7) << c;
+  };
+  expect_pixel(decode(png<std::uint16_t>(1, 1, 1, {13107})), {mid, mid, mid, 1});
+  expect_pixel(decode(png<std::uint16_t>(1, 1, 2, {13107, 13107})), {mid, mid, mid, 0.2f});
+  expect_pixel(decode(png<std::uint16_t>(1, 1, 3, {0, 1285, 65535})), {0, dark, 1, 1});
+  expect_pixel(decode(png<std::uint16_t>(1, 1, 4, {13107, 0, 1285, 0})), {mid, 0, dark, 0});
+}
+
+TEST(Image, Jpeg) {
+  const Image color = decode(color_jpeg()), grey = decode(grey_jpeg());
+  EXPECT_EQ(color.width, 8);
+  EXPECT_EQ(color.height, 8);
+  for (std::size_t i = 0; i < 256; i += 4) {
+    EXPECT_NEAR(color.rgba_srgb8[i], 200, 1);  // the transform rounds
+    EXPECT_NEAR(color.rgba_srgb8[i + 1], 100, 1);
+    EXPECT_NEAR(color.rgba_srgb8[i + 2], 50, 1);
+    EXPECT_EQ(color.rgba_srgb8[i + 3], 255);
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(grey.rgba_srgb8[i + c], 160);
+  }
+}
+
+std::string hdr(const std::string& size, const std::string& pixels) {
+  return "#?RADIANCE\n# made by a test\nFORMAT=32-bit_rle_rgbe\n\n" + size + "\n" + pixels;
+}
+
+TEST(Image, RadianceHdr) {
+  // value = mantissa * 2^(exponent - 136)
+  const Image plain = decode(hdr("-Y 1 +X 2", std::string("\x80\x40\x20\x81\x01\x02\x03\x00", 8)));
+  EXPECT_EQ(plain.rgba_linear, (std::vector<float>{1, 0.5f, 0.25f, 1, 0, 0, 0, 1}));
+  // Run-length encoded, 8 pixels: a run of 8, a literal of 8, runs of 3 and 5, a run of 8.
+  std::string packed("\x02\x02\x00\x08", 4);
+  packed += "\x88\x80";
+  packed += std::string("\x08\x00\x10\x20\x30\x40\x50\x60\x70", 9);
+  packed += std::string("\x83\x00\x85\x80", 4);
+  packed += "\x88\x82";
+  const Image runs = decode(hdr("-Y 1 +X 8", packed));
+  ASSERT_EQ(runs.rgba_linear.size(), 32u);
+  EXPECT_EQ(runs.rgba_linear[4 * 7], 2);
+  EXPECT_EQ(runs.rgba_linear[4 * 7 + 1], 1.75f);
+  EXPECT_EQ(runs.rgba_linear[4 * 2 + 2], 0);
+  EXPECT_EQ(runs.rgba_linear[4 * 3 + 2], 2);
+  expect_error([&] { decode(hdr("-Y 2 +X 8", packed)); }, {"place", "cut off"});
+  expect_error([&] { decode(hdr("-Y 1 +X 8", packed.substr(0, 9))); }, {"place", "cut off"});
+  packed[4] = '\x89';
+  expect_error([&] { decode(hdr("-Y 1 +X 8", packed)); }, {"place", "does not decode"});
+  expect_error([&] { decode(hdr("-Y 99999 +X 99999", packed)); }, {"place", "99999 x 99999"});
+  expect_error([&] { decode(hdr("+X 8 -Y 1", packed)); }, {"place", "size"});
+  expect_error([&] { decode("#?RADIANCE\nFORMAT=x\n\n-Y 1 +X 1\nabcd"); }, {"place", "FORMAT"});
+}
+
+TEST(Image, TruncationsAreErrors) {
+  Bytes noise(16 * 16 * 3);
+  for (std::size_t i = 0; i < noise.size(); ++i) noise[i] = static_cast<std::uint8_t>(i * 97);
+  const std::string png_bytes = png<std::uint8_t>(16, 16, 3, noise);
+  // The last chunk, 12 bytes, marks the end and holds nothing; its checksum is not read.
+  for (std::size_t size = 0; size + 4 < png_bytes.size(); ++size)
+    expect_error([&] { decode(png_bytes.substr(0, size)); }, {"place"});
+  const std::string jpeg_bytes = color_jpeg();
+  for (std::size_t size = 0; size < jpeg_bytes.size(); ++size)
+    expect_error([&] { decode(jpeg_bytes.substr(0, size)); }, {"place"});
+}
+
+TEST(Image, ClaimsOfSizeDoNotAllocate) {
+  std::string claim = png<std::uint8_t>(1, 1, 1, {0});
+  claim.replace(16, 8, big_endian_u32(60000) + big_endian_u32(60000));
+  expect_error([&] { decode(claim); }, {"place", "claims too much"});
+  claim.replace(16, 8, big_endian_u32(20000) + big_endian_u32(20000));
+  expect_error([&] { decode(claim); }, {"place", "20000 x 20000", "too large"});
+  claim.replace(16, 8, big_endian_u32(10000) + big_endian_u32(10000));
+  expect_error([&] { decode(claim); }, {"place", "10000 x 10000", "can hold"});
+  claim.replace(16, 8, big_endian_u32(0xFFFFFFFF) + big_endian_u32(0xFFFFFFFF));
+  expect_error([&] { decode(claim); }, {"place"});
+  claim.replace(16, 8, big_endian_u32(0) + big_endian_u32(1));
+  expect_error([&] { decode(claim); }, {"place"});
+}
+
+TEST(Image, WhatIsNone) {
+  expect_error([] { decode(""); }, {"place", "PNG"});
+  expect_error([] { decode("GIF89a"); }, {"place", "PNG"});
+  expect_error([] { decode("\xFF\xD8\xFF"); }, {"place"});
+}
+
+TEST(Image, Files) {
+  const TemporaryFolder folder;
+  const std::string path = (folder.path / "picture.png").string();
+  const Bytes rgb = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18};
+  save_png(path, rgb, 3, 2, 3);
+  const Image image = load_image(path);
+  EXPECT_EQ(image.width, 3);
+  EXPECT_EQ(image.height, 2);
+  EXPECT_EQ(image.rgba_srgb8[4], 4);
+  EXPECT_EQ(image.rgba_srgb8[4 * 5 + 2], 18);
+  save_png(path, Bytes{1, 2, 3, 4}, 1, 1, 4);  // over the old one
+  EXPECT_EQ(load_image(path).rgba_srgb8, (Bytes{1, 2, 3, 4}));
+  expect_error([&] { save_png(path, rgb, 3, 3, 3); }, {path, "needs 27 bytes, found 18"});
+  expect_error([&] { save_png(path, rgb, 18, 1, 1); }, {path, "components"});
+  expect_error([&] { save_png(path, rgb, 0, 1, 3); }, {path, "0 x 1"});
+  expect_error([&] { save_png(path, rgb, 1 << 30, 1 << 30, 3); }, {path});
+  expect_error([&] { load_image((folder.path / "none.png").string()); },
+               {"none.png", "no such file"});
+}
+
+TEST(AtomicFile, NothingHalfWrittenIsLeft) {
+  const TemporaryFolder folder;
+  const std::string path = (folder.path / "out.bin").string();
+  const std::string bytes("a\0b\n", 4);
+  write_file_atomically(path, bytes);
+  EXPECT_EQ(read_file(path), bytes);
+  write_file_atomically(path, std::string("other"));
+  EXPECT_EQ(read_file(path), "other");
+  const auto files = [&] {
+    return std::distance(std::filesystem::directory_iterator(folder.path), {});
+  };
+  EXPECT_EQ(files(), 1);  // no temporary file is left
+  const std::string in_none = (folder.path / "none/out.bin").string();
+  expect_error([&] { write_file_atomically(in_none, bytes); }, {in_none, "cannot be written"});
+  expect_error([&] { write_file_atomically(folder.path.string(), bytes); },
+               {folder.path.string(), "directory"});
+  expect_error([&] { write_file_atomically("/dev/null", bytes); }, {"/dev/null", "regular"});
+  expect_error([&] { write_file_atomically("", bytes); }, {"file"});
+  EXPECT_EQ(files(), 1);
+}
+
+TEST(AtomicFile, FollowsLinks) {
+  const TemporaryFolder folder;
+  const std::string target = folder.write("target.bin", "old"),
+                    link = (folder.path / "link").string();
+  std::filesystem::create_symlink(target, link);
+  write_file_atomically(link, std::string("new"));
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+  EXPECT_EQ(read_file(target), "new");
+}
+
+}  // namespace
+}  // namespace omma::test
