@@ -20,7 +20,8 @@ def count(report: Path) -> tuple[dict[str, int], list[str]]:
     for case in ET.parse(report).getroot().iter("testcase"):
         if case.find("failure") is not None or case.find("error") is not None:
             totals["failed"] += 1
-            failed.append(f"{case.get('classname', '')} {case.get('name', '')}".strip())
+            place, name = case.get("classname", ""), case.get("name", "")
+            failed.append(name if name.startswith(place) else f"{place} {name}")
         elif case.find("skipped") is not None or case.get("status") in ("notrun", "disabled"):
             totals["skipped"] += 1
         else:

@@ -38,9 +38,10 @@ void see(const std::string& scene_path, const std::string& left_path, const std:
   std::printf("%zu ommatidia, %d rays each, %s, mean response %.4f %.4f %.4f\n", ommatidia,
               settings.samples, renderer.backend().c_str(), mean[0], mean[1], mean[2]);
 
-  // Save: every pixel shows the ommatidium whose axis is nearest.
+  // Save: every pixel shows the ommatidium whose axis is nearest, if it is within 5 degrees.
   const int width = 1024, height = 512;
-  const std::vector<std::int32_t> ids = omma::equirectangular_ids(renderer.eye(), width, height);
+  const std::vector<std::int32_t> ids = omma::equirectangular_ids(
+      renderer.eye(), width, height, static_cast<float>(5 * omma::degree));
   omma::save_png(picture_path, omma::paint(ids, responses), width, height, 3);
   std::printf("wrote %s\n", picture_path.c_str());
 }
