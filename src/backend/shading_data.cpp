@@ -15,27 +15,25 @@ double linear_from_srgb(double s) {
 
 // An 8-bit sRGB image in linear light. 16 bits hold it to within 7.6e-6 of full scale, and reading
 // a texel then costs one load and one conversion instead of four table look-ups.
-std::vector<std::uint16_t> linear16_from_srgb8(const std::vector<std::uint8_t>& rgba) {
-  std::uint16_t color[256], alpha[256];
-  for (int i = 0; i < 256; ++i) {
-    color[i] = static_cast<std::uint16_t>(std::lround(65535.0 * linear_from_srgb(i / 255.0)));
-    alpha[i] = static_cast<std::uint16_t>(257 * i);
-  }
-  std::vector<std::uint16_t> linear(rgba.size());
+std::vector<std::int32_t> linear16_from_srgb8(const std::vector<std::uint8_t>& rgba) {
+  std::uint32_t color[256];
+  for (int i = 0; i < 256; ++i)
+    color[i] = static_cast<std::uint32_t>(std::lround(65535.0 * linear_from_srgb(i / 255.0)));
+  std::vector<std::int32_t> linear(rgba.size() / 2);
   oneapi::tbb::parallel_for(std::size_t{0}, rgba.size() / 4, [&](std::size_t i) {
-    for (std::size_t k = 0; k < 3; ++k) linear[4 * i + k] = color[rgba[4 * i + k]];
-    linear[4 * i + 3] = alpha[rgba[4 * i + 3]];
+    const std::uint8_t* p = rgba.data() + 4 * i;
+    linear[2 * i] = static_cast<std::int32_t>(color[p[0]] | color[p[1]] << 16);
+    linear[2 * i + 1] = static_cast<std::int32_t>(color[p[2]] | 257u * p[3] << 16);
   });
   return linear;
 }
 
-TextureView image_view(const Image& image, const std::vector<std::uint16_t>& linear16) {
+TextureView image_view(const Image& image, const std::vector<std::int32_t>& linear16) {
   TextureView view;
   view.width = image.width;
   view.height = image.height;
   if (!linear16.empty()) view.linear16 = linear16.data();
-  if (!image.rgba_linear.empty())
-    view.linear = reinterpret_cast<const Vec4*>(image.rgba_linear.data());
+  if (!image.rgba_linear.empty()) view.linear = image.rgba_linear.data();
   return view;
 }
 
@@ -67,7 +65,7 @@ std::vector<Vec2> corner_texcoords(const Mesh& mesh, const TextureUse& use) {
 
 MaterialView material_view(const Material& m) {
   return {m.base_color,
-          m.emissive,
+          m.unlit ? Vec3{} : m.emissive,  // KHR_materials_unlit: the base colour and nothing else
           m.base_color_texture.texture,
           m.emissive_texture.texture,
           m.alpha_cutoff,
@@ -105,17 +103,17 @@ std::unique_ptr<ShadingData> make_shading_data(const Scene& scene, const Backgro
       const Material& material = scene.materials[static_cast<std::size_t>(mesh.material)];
       if (material.base_color_texture.texture >= 0) {
         data->corner_uvs.push_back(corner_texcoords(mesh, material.base_color_texture));
-        view.base_uv = data->corner_uvs.back().data();
+        view.base_uv = &data->corner_uvs.back().data()->x;
       }
       if (material.emissive_texture.texture >= 0) {
         data->corner_uvs.push_back(corner_texcoords(mesh, material.emissive_texture));
-        view.emissive_uv = data->corner_uvs.back().data();
+        view.emissive_uv = &data->corner_uvs.back().data()->x;
       }
       data->view.has_blend |= material.alpha_mode == AlphaMode::blend;
     }
     if (!mesh.colors.empty()) {
       data->corner_colors.push_back(per_corner(mesh, mesh.colors));
-      view.colors = data->corner_colors.back().data();
+      view.colors = &data->corner_colors.back().data()->x;
     }
     data->meshes.push_back(view);
   }

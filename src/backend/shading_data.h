@@ -22,7 +22,7 @@ struct ShadingData {
   std::vector<TextureView> textures;
   std::vector<std::vector<Vec2>> corner_uvs;
   std::vector<std::vector<Vec4>> corner_colors;
-  std::vector<std::vector<std::uint16_t>> linear16;  // [image], of the 8-bit ones; background last
+  std::vector<std::vector<std::int32_t>> linear16;  // [image], of the 8-bit ones; background last
   SceneView view;
 };
 

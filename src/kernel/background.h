@@ -44,8 +44,8 @@ OMMA_HD Radiance eval_background_image(const BackgroundView& background, Vec3 di
   const float p = static_cast<float>(pi);
   const float y = fminf(fmaxf(direction.y, -1.0f), 1.0f);
   const Vec2 uv{0.5f + atan2f(direction.x, -direction.z) / (2 * p), 0.5f - asinf(y) / p};
-  const Rgba c = eval_texture(background.image, uv);
-  return {{c[0], c[1], c[2]}};
+  const Color<float> c = eval_texture(background.image, uv.x, uv.y);
+  return {{c.r, c.g, c.b}};
 }
 
 OMMA_HD Radiance eval_background(const SceneView& scene, Vec3 direction) {

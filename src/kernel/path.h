@@ -19,9 +19,9 @@ inline constexpr float least_throughput = 1e-7f;
 inline constexpr float step_behind = 1.0f + 1e-6f;
 
 // Adds a surface; true where the ray goes on behind it.
-OMMA_HD bool add_surface(Path& path, const SurfaceLight& light) {
+OMMA_HD bool add_surface(Path& path, const SurfaceLight<float>& light) {
   for (int c = 0; c < channel_count; ++c)
-    path.radiance.channel[c] += path.throughput * light.alpha * light.radiance.channel[c];
+    path.radiance.channel[c] += path.throughput * light.alpha * light.channel[c];
   path.throughput *= 1 - light.alpha;
   return path.throughput > least_throughput;
 }
@@ -43,7 +43,9 @@ OMMA_HD Radiance eval_path(const SceneView& scene, Vec3 direction, float t_near_
       add_background(path, eval_background(scene, direction));
       return path.radiance;
     }
-    if (!add_surface(path, eval_surface(scene, hit))) return path.radiance;
+    const SurfaceLight<float> light = eval_surface(
+        scene, scene.meshes[hit.mesh], static_cast<std::int32_t>(hit.triangle), hit.u, hit.v);
+    if (!add_surface(path, light)) return path.radiance;
     t_near_m = t_m * step_behind;
   }
 }

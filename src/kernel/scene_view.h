@@ -15,8 +15,10 @@ struct Radiance {
 };
 
 struct TextureView {
-  const std::uint16_t* linear16 = nullptr;  // [height][width][4], linear, 65535 is 1; or null
-  const Vec4* linear = nullptr;             // [height][width], linear; or null
+  // Exactly one of the two is set. 16-bit: components 65535 for 1, two to a word, the even ones
+  // low.
+  const std::int32_t* linear16 = nullptr;  // [height][width][2], linear RG and BA
+  const float* linear = nullptr;           // [height][width][4], linear RGBA
   std::int32_t width = 1, height = 1;
   Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
   Filter filter = Filter::linear;
@@ -32,10 +34,10 @@ struct MaterialView {
 };
 
 struct MeshView {
-  const Vec2* base_uv = nullptr;      // [triangle][3], or null where the material has no texture
-  const Vec2* emissive_uv = nullptr;  // [triangle][3], or null
-  const Vec4* colors = nullptr;       // [triangle][3], linear RGBA, or null
-  std::int32_t material = 0;          // index into SceneView::materials
+  const float* base_uv = nullptr;      // [triangle][3][u, v]; null where there is no texture
+  const float* emissive_uv = nullptr;  // [triangle][3][u, v], or null
+  const float* colors = nullptr;       // [triangle][3][linear r, g, b, a], or null
+  std::int32_t material = 0;           // index into SceneView::materials
 };
 
 struct BackgroundView {

@@ -1,4 +1,5 @@
-// What a surface sends towards the eye, and which surfaces a ray sees at all.
+// What a surface sends towards the eye, and which surfaces a ray sees at all. One mesh, any number
+// of lanes (kernel/lanes.h).
 //
 // This is the seam where light comes in: eval_surface returns the unlit base colour plus emission
 // (CompoundRay's default shading); illumination will multiply the base colour here.
@@ -8,55 +9,58 @@
 
 namespace omma {
 
+template <typename F>
 struct SurfaceLight {
-  Radiance radiance;
-  float alpha = 1;  // share of what lies behind that the surface covers
+  F channel[channel_count];  // radiance
+  F alpha;                   // share of what lies behind that the surface covers
 };
 
-// Asks the cache for what eval_surface will read first. Worth a loop of its own ahead of shading a
-// packet: in large scenes each ray's triangle is a cache miss.
-OMMA_HD void prefetch_surface(const SceneView& scene, const SurfaceHit& hit) {
-#if !defined(__CUDA_ARCH__)
-  const MeshView& mesh = scene.meshes[hit.mesh];
-  const long long corner = 3 * static_cast<long long>(hit.triangle);
-  if (mesh.base_uv != nullptr) __builtin_prefetch(mesh.base_uv + corner);
-  if (mesh.colors != nullptr) __builtin_prefetch(mesh.colors + corner);
-#endif
+// Values per triangle corner, `stride` of them, at barycentric weights (1 - u - v, u, v).
+template <typename F, typename I>
+OMMA_HD F interpolate(const float* corners, int stride, int component, I triangle, F u, F v) {
+  const I first = triangle * (3 * stride) + component;
+  return gather(corners, first) * (1.0f - u - v) + gather(corners, first + stride) * u +
+         gather(corners, first + 2 * stride) * v;
 }
 
-OMMA_HD Vec2 interpolate(const Vec2* corner, float u, float v) {
-  return corner[0] * (1 - u - v) + corner[1] * u + corner[2] * v;
-}
-
-OMMA_HD Rgba interpolate(const Vec4* corner, float u, float v) {
-  return load_rgba(corner[0]) * (1 - u - v) + load_rgba(corner[1]) * u + load_rgba(corner[2]) * v;
+template <typename F, typename I>
+OMMA_HD Color<F> eval_texture_at(const SceneView& scene, int texture, const float* corner_uv,
+                                 I triangle, F u, F v) {
+  return eval_texture(scene.textures[texture], interpolate(corner_uv, 2, 0, triangle, u, v),
+                      interpolate(corner_uv, 2, 1, triangle, u, v));
 }
 
 // Base colour: factor x texture x vertex colour (glTF 2.0, 3.9.2).
-OMMA_HD Rgba eval_base_color(const SceneView& scene, const MeshView& mesh,
-                             const MaterialView& material, const SurfaceHit& hit) {
-  Rgba color = load_rgba(material.base_color);
-  const long long corner = 3 * static_cast<long long>(hit.triangle);
+template <typename F, typename I>
+OMMA_HD Color<F> eval_base_color(const SceneView& scene, const MeshView& mesh, I triangle, F u,
+                                 F v) {
+  const MaterialView& material = scene.materials[mesh.material];
+  const Vec4 factor = material.base_color;
+  Color<F> color{broadcast<F>(factor.x), broadcast<F>(factor.y), broadcast<F>(factor.z),
+                 broadcast<F>(factor.w)};
   if (mesh.base_uv != nullptr)
-    color = color * eval_texture(scene.textures[material.base_texture],
-                                 interpolate(mesh.base_uv + corner, hit.u, hit.v));
-  if (mesh.colors != nullptr) color = color * interpolate(mesh.colors + corner, hit.u, hit.v);
+    color = color * eval_texture_at(scene, material.base_texture, mesh.base_uv, triangle, u, v);
+  if (mesh.colors != nullptr)
+    color = color * Color<F>{interpolate(mesh.colors, 4, 0, triangle, u, v),
+                             interpolate(mesh.colors, 4, 1, triangle, u, v),
+                             interpolate(mesh.colors, 4, 2, triangle, u, v),
+                             interpolate(mesh.colors, 4, 3, triangle, u, v)};
   return color;
 }
 
-OMMA_HD SurfaceLight eval_surface(const SceneView& scene, const SurfaceHit& hit) {
-  const MeshView& mesh = scene.meshes[hit.mesh];
+template <typename F, typename I>
+OMMA_HD SurfaceLight<F> eval_surface(const SceneView& scene, const MeshView& mesh, I triangle, F u,
+                                     F v) {
   const MaterialView& material = scene.materials[mesh.material];
-  const Rgba base = eval_base_color(scene, mesh, material, hit);
-  Vec3 emitted = material.emissive;
-  if (mesh.emissive_uv != nullptr) {
-    const Vec2 uv =
-        interpolate(mesh.emissive_uv + 3 * static_cast<long long>(hit.triangle), hit.u, hit.v);
-    const Rgba t = eval_texture(scene.textures[material.emissive_texture], uv);
-    emitted = {emitted.x * t[0], emitted.y * t[1], emitted.z * t[2]};
-  }
-  const float alpha = material.alpha_mode == AlphaMode::blend ? clamp_unit(base[3]) : 1.0f;
-  return {{{base[0] + emitted.x, base[1] + emitted.y, base[2] + emitted.z}}, alpha};
+  const Color<F> base = eval_base_color(scene, mesh, triangle, u, v);
+  Color<F> emitted{broadcast<F>(material.emissive.x), broadcast<F>(material.emissive.y),
+                   broadcast<F>(material.emissive.z), broadcast<F>(1.0f)};
+  if (mesh.emissive_uv != nullptr)
+    emitted = emitted *
+              eval_texture_at(scene, material.emissive_texture, mesh.emissive_uv, triangle, u, v);
+  const F alpha =
+      material.alpha_mode == AlphaMode::blend ? clamp_unit_lanes(base.a) : broadcast<F>(1.0f);
+  return {{base.r + emitted.r, base.g + emitted.g, base.b + emitted.b}, alpha};
 }
 
 // Whether the ray sees the surface there: the back of a single-sided one is invisible (glTF 2.0,
@@ -66,7 +70,8 @@ OMMA_HD bool accept_hit(const SceneView& scene, const SurfaceHit& hit, bool from
   const MaterialView& material = scene.materials[mesh.material];
   if (from_behind && !material.double_sided) return false;
   if (material.alpha_mode != AlphaMode::mask) return true;
-  return eval_base_color(scene, mesh, material, hit)[3] >= material.alpha_cutoff;
+  const auto triangle = static_cast<std::int32_t>(hit.triangle);
+  return eval_base_color(scene, mesh, triangle, hit.u, hit.v).a >= material.alpha_cutoff;
 }
 
 // Whether accept_hit can ever say no: meshes for which it cannot are traced without asking.

@@ -21,9 +21,14 @@ struct Run {
   int first, count;
 };
 
+struct PacketLight {
+  alignas(64) float channel[channel_count][lanes];
+  alignas(64) float alpha[lanes];
+};
+
 struct Packet {
   RTCRayHit16 rays;
-  alignas(64) float radiance[channel_count][lanes];
+  PacketLight light;
   Run runs[lanes];
   int run_count = 0;
   int filled = 0;
@@ -91,11 +96,50 @@ void prepare(RTCRayHit16& rays) {
   }
 }
 
-SurfaceHit surface_hit(const EmbreeTracer& tracer, const RTCRayHit16& rays, int lane) {
-  const unsigned instance = rays.hit.instID[0][lane];
-  const unsigned geometry = instance == RTC_INVALID_GEOMETRY_ID ? rays.hit.geomID[lane] : instance;
-  return {tracer.mesh_of_geometry.data()[geometry], rays.hit.primID[lane], rays.hit.u[lane],
-          rays.hit.v[lane]};
+template <typename Vector, typename T>
+__attribute__((always_inline)) inline Vector load(const T* p) {
+  Vector v;
+  __builtin_memcpy(&v, p, sizeof v);
+  return v;
+}
+
+template <typename Vector>
+__attribute__((always_inline)) inline void store(float* p, Vector v) {
+  __builtin_memcpy(p, &v, sizeof v);
+}
+
+// Index of the mesh that each lane hit, -1 for none.
+void find_meshes(const EmbreeTracer& tracer, const RTCHit16& hit, std::int32_t (&mesh)[lanes]) {
+  for (int l = 0; l < lanes; l += lane_width) {
+    const Ints geometry = load<Ints>(hit.geomID + l), instance = load<Ints>(hit.instID[0] + l);
+    const Ints top = instance < 0 ? geometry : instance;  // an invalid id is -1
+    const Ints found = gather(tracer.mesh_of_geometry.data(), top < 0 ? top * 0 : top);
+    const Ints result = geometry < 0 ? geometry : found;
+    __builtin_memcpy(mesh + l, &result, sizeof result);
+  }
+}
+
+// Mesh by mesh: mostly all lanes see the same one.
+void eval_surfaces(const SceneView& scene, const RTCHit16& hit, const std::int32_t (&mesh)[lanes],
+                   PacketLight& light) {
+  unsigned left = 0;
+  for (int l = 0; l < lanes; ++l) left |= (mesh[l] >= 0 ? 1u : 0u) << l;
+  while (left != 0) {
+    const std::int32_t current = mesh[__builtin_ctz(left)];
+    unsigned members = 0;
+    for (int l = 0; l < lanes; ++l) members |= (mesh[l] == current ? 1u : 0u) << l;
+    left &= ~members;
+    for (int l = 0; l < lanes; l += lane_width) {
+      if ((members >> l & ((1u << lane_width) - 1)) == 0) continue;
+      const Ints is_member = load<Ints>(mesh + l) == current;
+      const Ints triangle = load<Ints>(hit.primID + l) & is_member;
+      const SurfaceLight<Floats> s = eval_surface(scene, scene.meshes[current], triangle,
+                                                  load<Floats>(hit.u + l), load<Floats>(hit.v + l));
+      for (int c = 0; c < channel_count; ++c)
+        store(light.channel[c] + l, is_member ? s.channel[c] : load<Floats>(light.channel[c] + l));
+      store(light.alpha + l, is_member ? s.alpha : load<Floats>(light.alpha + l));
+    }
+  }
 }
 
 // Background of all lanes at once.
@@ -130,21 +174,12 @@ void shade_opaque(const BlockContext& context, Packet& packet, const int* valid,
                   IntersectArguments& arguments) {
   prepare(packet.rays);
   intersect_16(context.tracer->scene, valid, packet.rays, arguments);
-  unsigned hits = 0;
-  for (int l = 0; l < lanes; ++l)
-    hits |= (packet.rays.hit.geomID[l] != RTC_INVALID_GEOMETRY_ID ? 1u : 0u) << l;
-  SurfaceHit surface[lanes];
-  for (unsigned left = hits; left != 0; left &= left - 1) {
-    const int l = __builtin_ctz(left);
-    surface[l] = surface_hit(*context.tracer, packet.rays, l);
-    prefetch_surface(*context.scene, surface[l]);
-  }
-  if (hits != 0xffffu) background_radiance(*context.scene, packet.rays.ray, packet.radiance);
-  for (unsigned left = hits; left != 0; left &= left - 1) {
-    const int l = __builtin_ctz(left);
-    const SurfaceLight light = eval_surface(*context.scene, surface[l]);
-    for (int c = 0; c < channel_count; ++c) packet.radiance[c][l] = light.radiance.channel[c];
-  }
+  alignas(64) std::int32_t mesh[lanes];
+  find_meshes(*context.tracer, packet.rays.hit, mesh);
+  bool any_miss = false;
+  for (int l = 0; l < lanes; ++l) any_miss |= mesh[l] < 0;
+  if (any_miss) background_radiance(*context.scene, packet.rays.ray, packet.light.channel);
+  eval_surfaces(*context.scene, packet.rays.hit, mesh, packet.light);
 }
 
 // Scenes with surfaces that let light through: on behind each, until nothing gets through.
@@ -159,16 +194,20 @@ void shade_blended(const BlockContext& context, Packet& packet, const int* valid
     prepare(packet.rays);
     intersect_16(context.tracer->scene, active, packet.rays, arguments);
     background_radiance(*context.scene, packet.rays.ray, background);
+    alignas(64) std::int32_t mesh[lanes];
+    find_meshes(*context.tracer, packet.rays.hit, mesh);
+    eval_surfaces(*context.scene, packet.rays.hit, mesh, packet.light);
     any = false;
     for (int l = 0; l < lanes; ++l) {
       if (active[l] == 0) continue;
-      if (packet.rays.hit.geomID[l] == RTC_INVALID_GEOMETRY_ID) {
+      if (mesh[l] < 0) {
         add_background(paths[l], {{background[0][l], background[1][l], background[2][l]}});
         active[l] = 0;
         continue;
       }
-      const SurfaceLight light =
-          eval_surface(*context.scene, surface_hit(*context.tracer, packet.rays, l));
+      SurfaceLight<float> light;
+      for (int c = 0; c < channel_count; ++c) light.channel[c] = packet.light.channel[c][l];
+      light.alpha = packet.light.alpha[l];
       const bool on = add_surface(paths[l], light);
       active[l] = on ? -1 : 0;
       any = any || on;
@@ -176,7 +215,8 @@ void shade_blended(const BlockContext& context, Packet& packet, const int* valid
     }
   }
   for (int l = 0; l < lanes; ++l)
-    for (int c = 0; c < channel_count; ++c) packet.radiance[c][l] = paths[l].radiance.channel[c];
+    for (int c = 0; c < channel_count; ++c)
+      packet.light.channel[c][l] = paths[l].radiance.channel[c];
 }
 
 // Traces and shades what the packet holds and adds it to the sums of its estimates, always in the
@@ -192,7 +232,7 @@ void trace_and_add(const BlockContext& context, Packet& packet, double (*sums)[c
   for (int r = 0; r < packet.run_count; ++r) {
     const Run run = packet.runs[r];
     for (int c = 0; c < channel_count; ++c) {
-      const float* x = packet.radiance[c] + run.first;
+      const float* x = packet.light.channel[c] + run.first;
       float sum = 0;
       if (run.count == lanes) {
         float half[8];

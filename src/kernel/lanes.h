@@ -1,0 +1,113 @@
+// The physics of surfaces is written once for any number of lanes: `F` is a float (one ray: device
+// code, filters, tests) or a vector of floats (the CPU's packets, `Floats`), `I` the integer
+// beside it. Arithmetic, comparisons and `mask ? a : b` read the same for both; what differs is
+// here.
+#pragma once
+
+#include <cstdint>
+
+#include "omma/vec.h"
+#if defined(__AVX2__) && !defined(__CUDACC__)
+#include <immintrin.h>
+#endif
+
+namespace omma {
+
+// Linear RGBA, or a weight for each.
+template <typename F>
+struct Color {
+  F r, g, b, a;
+};
+
+template <typename F>
+OMMA_HD Color<F> operator+(const Color<F>& p, const Color<F>& q) {
+  return {p.r + q.r, p.g + q.g, p.b + q.b, p.a + q.a};
+}
+template <typename F>
+OMMA_HD Color<F> operator*(const Color<F>& p, const Color<F>& q) {
+  return {p.r * q.r, p.g * q.g, p.b * q.b, p.a * q.a};
+}
+template <typename F>
+OMMA_HD Color<F> operator*(const Color<F>& p, F s) {
+  return {p.r * s, p.g * s, p.b * s, p.a * s};
+}
+
+template <typename F>
+OMMA_HD F broadcast(float x) {
+  return F{} + x;
+}
+
+OMMA_HD std::int32_t to_int(float x) {
+  return static_cast<std::int32_t>(x);
+}
+OMMA_HD float to_float(std::int32_t i) {
+  return static_cast<float>(i);
+}
+template <typename T>
+OMMA_HD T gather(const T* base, std::int32_t index) {
+  return base[index];
+}
+
+#if !defined(__CUDACC__)
+// As many lanes as the instruction set has that this file is compiled for.
+#if defined(__AVX512F__)
+inline constexpr int lane_width = 16;
+using Floats = float __attribute__((vector_size(64)));
+using Ints = std::int32_t __attribute__((vector_size(64)));
+#elif defined(__AVX2__)
+inline constexpr int lane_width = 8;
+using Floats = float __attribute__((vector_size(32)));
+using Ints = std::int32_t __attribute__((vector_size(32)));
+#else
+inline constexpr int lane_width = 4;
+using Floats = float __attribute__((vector_size(16)));
+using Ints = std::int32_t __attribute__((vector_size(16)));
+#endif
+
+OMMA_HD Ints to_int(Floats x) {
+  return __builtin_convertvector(x, Ints);
+}
+OMMA_HD Floats to_float(Ints i) {
+  return __builtin_convertvector(i, Floats);
+}
+
+#if defined(__AVX512F__)
+// Masked with all lanes on: GCC 12 warns of an uninitialised register in the plain ones (bug
+// 105593).
+OMMA_HD Floats gather(const float* base, Ints i) {
+  return (Floats)_mm512_mask_i32gather_ps(_mm512_setzero_ps(), 0xffff, (__m512i)i, base, 4);
+}
+OMMA_HD Ints gather(const std::int32_t* base, Ints i) {
+  return (Ints)_mm512_mask_i32gather_epi32(_mm512_setzero_si512(), 0xffff, (__m512i)i, base, 4);
+}
+#elif defined(__AVX2__)
+OMMA_HD Floats gather(const float* base, Ints i) {
+  return (Floats)_mm256_i32gather_ps(base, (__m256i)i, 4);
+}
+OMMA_HD Ints gather(const std::int32_t* base, Ints i) {
+  return (Ints)_mm256_i32gather_epi32(base, (__m256i)i, 4);
+}
+#else
+OMMA_HD Floats gather(const float* base, Ints i) {
+  return Floats{base[i[0]], base[i[1]], base[i[2]], base[i[3]]};
+}
+OMMA_HD Ints gather(const std::int32_t* base, Ints i) {
+  return Ints{base[i[0]], base[i[1]], base[i[2]], base[i[3]]};
+}
+#endif
+#endif
+
+// The greatest integer not above x, |x| < 2^31; the same steps for one lane and for many.
+template <typename F>
+OMMA_HD F floor_lanes(F x) {
+  const F towards_zero = to_float(to_int(x));
+  return towards_zero > x ? towards_zero - 1.0f : towards_zero;
+}
+
+template <typename F>
+OMMA_HD F clamp_unit_lanes(F x) {
+  x = x > 0.0f ? x : broadcast<F>(0.0f);
+  return x < 1.0f ? x : broadcast<F>(1.0f);
+}
+
+}  // namespace omma
