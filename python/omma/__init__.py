@@ -1,0 +1,60 @@
+"""What an animal with compound eyes sees.
+
+    import omma
+
+    scene = omma.load_scene("meadow.glb")
+    eye = omma.load_eye("honeybee.eye", unit="mm")
+    renderer = omma.Renderer(scene, eye, samples=16)
+    responses = renderer.render(omma.look_at((0, 1, 0), (0, 1, -5)))  # float32 (1, N, 3), linear
+    omma.save_png("view.png", omma.equirectangular(eye, responses[0]))
+
+The response of ommatidium i in channel c is the radiance around it, weighted by its angular
+sensitivity: an evenly lit surround of radiance 1 gives exactly 1. Linear, never clipped. Poses are
+``world_from_head``: the head looks along its -Z, +X is its right, +Y up; lengths are metres, angles
+radians, where a name does not say otherwise.
+"""
+
+from omma._core import (
+    Background,
+    Camera,
+    Error,
+    Eye,
+    Scene,
+    __version__,
+    look_at,
+    merge_eyes,
+    paint,
+    save_png,
+)
+from omma.files import load_eye, load_scene, save_eye, save_responses
+from omma.pictures import equirectangular, equirectangular_ids, field_ids, side_by_side
+from omma.poses import load_poses, poses_from_angles, poses_from_quaternions
+from omma.renderer import Renderer
+from omma.rendering import RenderReport, render_file
+
+__all__ = [
+    "Background",
+    "Camera",
+    "Error",
+    "Eye",
+    "RenderReport",
+    "Renderer",
+    "Scene",
+    "__version__",
+    "equirectangular",
+    "equirectangular_ids",
+    "field_ids",
+    "load_eye",
+    "load_poses",
+    "load_scene",
+    "look_at",
+    "merge_eyes",
+    "paint",
+    "poses_from_angles",
+    "poses_from_quaternions",
+    "render_file",
+    "save_eye",
+    "save_png",
+    "save_responses",
+    "side_by_side",
+]

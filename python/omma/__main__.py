@@ -1,0 +1,5 @@
+"""``python -m omma``: the command line."""
+
+from omma.cli import main
+
+main()

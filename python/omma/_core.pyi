@@ -1,0 +1,341 @@
+"""The compiled engine behind the package `omma`; use it through `omma`."""
+
+from collections.abc import Callable, Iterable
+import os
+from typing import Any
+
+import numpy
+import numpy.typing
+
+
+# Generated, not written; after a change to the bindings:
+# python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+__version__: str
+
+class Error(RuntimeError):
+    """
+    Anything wrong with an input: a file, an argument, a device.
+
+    The message names the file or argument, the place in it, what was expected and what was
+    found.
+    """
+
+class Background:
+    """
+    Radiance of a ray that meets no surface, instead of the scene's own background.
+
+    Make one with ``constant``, ``simple_sky``, ``test_pattern`` or ``image`` and pass it to
+    `Renderer`.
+    """
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    @staticmethod
+    def constant(color: numpy.typing.ArrayLike) -> Background:
+        """
+        The same linear radiance ``(r, g, b)`` in every direction.
+
+        Raises `omma.Error` where it is not three finite numbers.
+        """
+
+    @staticmethod
+    def simple_sky() -> Background:
+        """
+        CompoundRay's ``simple_sky``: (143, 179, 203)/255*0.8 at the horizon and below, linear
+        in elevation to (1, 31, 117)/255 at the zenith; taken as linear radiance.
+        """
+
+    @staticmethod
+    def test_pattern() -> Background:
+        """
+        CompoundRay's ``default_background``: red grows with azimuth, green with elevation,
+        black where a component of the direction is under 0.01.
+        """
+
+    @staticmethod
+    def image(image: str | os.PathLike[str] | numpy.typing.ArrayLike) -> Background:
+        """
+        An equirectangular image: forward (-Z) in the middle, +X to the right of it, +Y
+        at the top.
+
+        A path to a PNG or JPEG (8 bit: sRGB) or Radiance HDR file, or an array of shape
+        (height, width, 3 or 4): uint8 is sRGB, float is linear radiance.
+
+        Raises `omma.Error` where the file or the array is not such an image.
+        """
+
+    @property
+    def type(self) -> str:
+        """'constant', 'simple_sky', 'test_pattern' or 'image'."""
+
+    @property
+    def color(self, /) -> tuple[float, float, float]:
+        """Linear radiance (r, g, b) of a constant background."""
+
+    def __repr__(self) -> str: ...
+
+class Camera:
+    """A camera node of a scene. It looks along its -Z, +Y is up."""
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    @property
+    def name(self) -> str:
+        """Name of the node (of the camera where the node has none)."""
+
+    @property
+    def type(self) -> str:
+        """'perspective' or 'orthographic'."""
+
+    @property
+    def world_from_camera(self, /) -> numpy.typing.NDArray[numpy.float64]:
+        """The node's whole transform, its scale too: (4, 4), m."""
+
+    @property
+    def extras(self, /) -> Any:
+        """The camera's extras in the glTF file, {} where there are none."""
+
+    @property
+    def compound_structure(self) -> str:
+        """
+        The `.eye` file that the camera's extras name, '' where it is no compound eye.
+        """
+
+    @property
+    def yfov_rad(self) -> float:
+        """Vertical field of view; perspective only."""
+
+    @property
+    def aspect_ratio(self) -> float:
+        """Width over height, 0 where not given."""
+
+    @property
+    def xmag_m(self) -> float:
+        """Horizontal half extent; orthographic only."""
+
+    @property
+    def ymag_m(self) -> float:
+        """Vertical half extent; orthographic only."""
+
+    def __repr__(self) -> str: ...
+
+class Scene:
+    """
+    A scene: meshes, instances, materials, textures, cameras and a background, in
+    glTF's world frame (right-handed, +Y up, metres). Read-only.
+
+    `omma.load_scene` reads one; ``Scene()`` is empty: nothing but background.
+    """
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    def __init__(self) -> None: ...
+
+    @property
+    def path(self) -> str:
+        """The file it came from, '' for one made in memory."""
+
+    @property
+    def cameras(self) -> list[Camera]:
+        """Camera nodes in the order of the file."""
+
+    def camera(self, name: str) -> Camera:
+        """
+        The camera of that name.
+
+        Raises `omma.Error`, with the names there are.
+        """
+
+    @property
+    def bounds(self, /) -> numpy.typing.NDArray[numpy.float64] | None:
+        """
+        Lower and upper corner of the box around everything: (2, 3), m; None for an
+        empty scene.
+        """
+
+    @property
+    def triangle_count(self) -> int:
+        """Triangles as seen: each instance counts those of its mesh."""
+
+    @property
+    def mesh_count(self) -> int:
+        """Meshes stored: one for each glTF primitive."""
+
+    @property
+    def instance_count(self) -> int:
+        """Meshes placed in the world."""
+
+    @property
+    def material_count(self) -> int: ...
+
+    @property
+    def texture_count(self) -> int: ...
+
+    @property
+    def image_count(self) -> int: ...
+
+    @property
+    def node_count(self) -> int:
+        """Nodes reached from the loaded scene."""
+
+    @property
+    def scene_names(self) -> list[str]:
+        """Names of all scenes in the file."""
+
+    @property
+    def background(self) -> Background:
+        """What a ray sees that meets no surface."""
+
+    @property
+    def warnings(self) -> list[str]:
+        """What the loader passed over, a sentence each."""
+
+    def __repr__(self) -> str: ...
+
+def load_scene(path: str | os.PathLike[str], scene_index: int = -1) -> Scene: ...
+
+class Eye:
+    """
+    An eye, or all eyes of a head: N ommatidia, each with its own position, axis, acceptance.
+
+    The frame is that of the head: right-handed, +X right, +Y up, looking along -Z. Read-only;
+    the arrays are views, not copies.
+
+    Parameters
+    ----------
+    position_m : (N, 3), m. Nodal points.
+    axis : (N, 3). Viewing directions; normalised.
+    acceptance_angle_rad : (N,) or a number. Full width at half maximum, 0 to 2 pi.
+    focal_offset_m : (N,) or a number. How far behind the position rays start.
+    eye_id : (N,) or a number. Which eye of the head an ommatidium belongs to.
+
+    Raises `omma.Error` on a wrong shape, a zero axis, an acceptance out of range, a NaN.
+    """
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    def __init__(self, position_m: numpy.typing.ArrayLike, axis: numpy.typing.ArrayLike, acceptance_angle_rad: numpy.typing.ArrayLike, focal_offset_m: numpy.typing.ArrayLike = 0.0, eye_id: numpy.typing.ArrayLike = 0) -> None: ...
+
+    @property
+    def path(self) -> str:
+        """The file it came from, '' for one made in memory."""
+
+    @property
+    def position_m(self, /) -> numpy.typing.NDArray[numpy.float32]:
+        """Nodal points: (N, 3), m, head frame."""
+
+    @property
+    def axis(self, /) -> numpy.typing.NDArray[numpy.float32]:
+        """Viewing directions: (N, 3), unit vectors, head frame."""
+
+    @property
+    def acceptance_angle_rad(self, /) -> numpy.typing.NDArray[numpy.float32]:
+        """Full width at half maximum of the angular sensitivity: (N,), rad."""
+
+    @property
+    def focal_offset_m(self, /) -> numpy.typing.NDArray[numpy.float32]:
+        """How far behind the position rays start: (N,), m."""
+
+    @property
+    def eye_id(self, /) -> numpy.typing.NDArray[numpy.int32]:
+        """Which eye of the head an ommatidium belongs to: (N,)."""
+
+    def interommatidial_angle_rad(self) -> numpy.typing.NDArray[numpy.float32]:
+        """
+        Local interommatidial angle: the mean angle to the (up to) six nearest neighbours of
+        the same eye. (N,), rad; 0 where there is no neighbour.
+        """
+
+    def select(self, eye_id: int) -> Eye:
+        """
+        The ommatidia of one eye of a head.
+
+        Raises `omma.Error` where there is no such eye.
+        """
+
+    def __len__(self) -> int: ...
+
+    def __repr__(self) -> str: ...
+
+def merge_eyes(eyes: Iterable[Eye | tuple[Eye, numpy.typing.ArrayLike]]) -> Eye:
+    """
+    All eyes of a head as one; ``eye_id`` numbers them from 0 in the order given.
+
+    Each item is an `Eye`, or a pair (eye, head_from_eye) with where it sits in the head as a
+    (4, 4) transform, m.
+
+    Raises `omma.Error` where an item is something else or a transform is not usable.
+    """
+
+def load_eye(path: str | os.PathLike[str], metres_per_unit: float) -> Eye: ...
+
+def save_eye(path: str | os.PathLike[str], eye: Eye, metres_per_unit: float) -> None: ...
+
+class Renderer:
+    """The engine; `omma.Renderer` is the one to use."""
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    def __init__(self, scene: Scene, eye: Eye, samples: int, seed: int, kernel: str, sampling: str, threads: int, background: Background | None) -> None: ...
+
+    def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: numpy.typing.NDArray[numpy.float32], standard_error: numpy.typing.NDArray[numpy.float32] | None, first_pose: int, progress: Callable[[float], object] | None) -> None: ...
+
+    @property
+    def eye(self) -> Eye: ...
+
+    @property
+    def samples(self) -> int: ...
+
+    @property
+    def seed(self) -> int: ...
+
+    @property
+    def kernel(self) -> str: ...
+
+    @property
+    def sampling(self) -> str: ...
+
+    @property
+    def threads(self) -> int: ...
+
+    @property
+    def backend(self) -> str: ...
+
+    @property
+    def build_times(self, /) -> dict[str, float]: ...
+
+channel_count: int = 3
+
+error_scrambles: int = 8
+
+def look_at(position_m: numpy.typing.ArrayLike, target_m: numpy.typing.ArrayLike, up: numpy.typing.ArrayLike = (0.0, 1.0, 0.0)) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    The pose ``world_from_head`` of a head at a position (3,), m, that looks towards a target
+    (3,), m, with ``up`` roughly up: (4, 4) float64.
+
+    Raises `omma.Error` where the target is the position or ``up`` is along the view.
+    """
+
+def equirectangular_ids(eye: Eye, width: int, height: int, by_position: bool, max_angle_rad: float) -> numpy.typing.NDArray[numpy.int32]: ...
+
+def paint(ids: numpy.typing.ArrayLike, responses: numpy.typing.ArrayLike, gamma: float = 2.2) -> numpy.typing.NDArray[numpy.uint8]:
+    """
+    One pose's responses (N, 3) through an id map (height, width) as an 8-bit RGB picture
+    (height, width, 3). Display value = 255 * clamp(response)^(1/gamma); id -1 is mid grey.
+
+    Raises `omma.Error` on a wrong shape, an id over N or a gamma that is not over 0.
+    """
+
+def save_png(path: str | os.PathLike[str], pixels: numpy.typing.NDArray[numpy.uint8]) -> None:
+    """
+    Write 8-bit pixels (height, width, 3 or 4), row 0 at the top, as a PNG file.
+
+    It is written under another name and renamed, so that no half of a file is left.
+    Raises `omma.Error` where the pixels or the path do not do.
+    """

@@ -1,0 +1,298 @@
+"""The command ``omma``: a thin skin over `render_file` and `describe_file`."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+from omma._core import Error, __version__
+from omma.info import describe_file
+from omma.rendering import RenderReport, render_file
+
+EXAMPLES_RENDER = """
+**Examples**
+
+A picture and the numbers, from the scene's first camera:
+
+`omma render meadow.glb --eye honeybee.eye -o view.png -o view.npy`
+
+Two eyes, side by side in the picture, looking from one point at another:
+
+`omma render meadow.glb --eye left.eye --eye right.eye --side-by-side --position 0 1 0
+--look-at 0 1 -5 -o both.png`
+
+A camera of the scene, with the eye file that the camera names:
+
+`omma render arena.gltf --camera insect-eye -o responses.csv`
+
+A path of many poses, with standard errors (flight.npy and flight.error.npy):
+
+`omma render meadow.glb --eye honeybee.eye --path flight.csv --samples 64 --standard-error
+-o flight.npy`
+
+The path is a CSV file with a header, x,y,z,qx,qy,qz,qw or x,y,z,yaw_deg,pitch_deg,roll_deg.
+"""
+
+EXAMPLES_INFO = """
+**Examples**
+
+`omma info meadow.glb`
+
+`omma info honeybee.eye`
+
+`omma info eye-in-micrometres.eye --unit um`
+"""
+
+app = typer.Typer(
+    name="omma",
+    help="What an animal with compound eyes sees: from a scene and an eye to responses.",
+    epilog="`omma render --help` and `omma info --help` show examples.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode="markdown",
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+UnitOption = Annotated[
+    str | None,
+    typer.Option(
+        help="Unit of lengths in the eye file: mm, um, m or a number of metres. "
+        "Default: mm; for a camera's own eye the scene's unit.",
+        metavar="UNIT",
+    ),
+]
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        print(f"omma {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", help="Print the version.", callback=_print_version, is_eager=True
+        ),
+    ] = False,
+) -> None:
+    pass
+
+
+@app.command(epilog=EXAMPLES_RENDER)
+def render(
+    scene: Annotated[
+        Path, typer.Argument(help="Scene: a glTF 2.0 file, .gltf or .glb.", metavar="SCENE")
+    ],
+    output: Annotated[
+        list[Path],
+        typer.Option(
+            "-o",
+            "--output",
+            help="File to write: .npy, .csv or .png. May be given several times.",
+            metavar="OUT",
+        ),
+    ],
+    eye: Annotated[
+        list[Path] | None,
+        typer.Option(
+            help="Eye file; several make one head. Default: the eye that the camera names.",
+            metavar="EYE",
+        ),
+    ] = None,
+    unit: UnitOption = None,
+    camera: Annotated[
+        str | None,
+        typer.Option(help="Camera of the scene to look from. Default: the first.", metavar="NAME"),
+    ] = None,
+    position: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option(help="Where the head is, in metres.", metavar="X Y Z"),
+    ] = None,
+    look_at: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option(help="Point that the head looks at. Default: along -Z.", metavar="X Y Z"),
+    ] = None,
+    path: Annotated[
+        Path | None, typer.Option(help="CSV file of poses, one a line.", metavar="CSV")
+    ] = None,
+    samples: Annotated[int, typer.Option(help="Rays per ommatidium.", metavar="N")] = 16,
+    kernel: Annotated[
+        Literal["gaussian", "pillbox", "compoundray"],
+        typer.Option(help="Angular sensitivity."),
+    ] = "gaussian",
+    sampling: Annotated[
+        Literal["low_discrepancy", "random"], typer.Option(help="How samples are placed.")
+    ] = "low_discrepancy",
+    seed: Annotated[int, typer.Option(help="Seed of the samples.", metavar="N")] = 0,
+    background: Annotated[
+        str | None,
+        typer.Option(
+            help="Instead of the scene's: linear radiance R,G,B, an equirectangular image file, "
+            "simple_sky or test_pattern.",
+            metavar="R,G,B|FILE|NAME",
+        ),
+    ] = None,
+    standard_error: Annotated[
+        bool, typer.Option("--standard-error", help="Write standard errors too (8 times the rays).")
+    ] = False,
+    threads: Annotated[int, typer.Option(help="Threads; 0: all.", metavar="N")] = 0,
+    width: Annotated[int, typer.Option(help="Width of a .png, in pixels.", metavar="N")] = 1024,
+    gamma: Annotated[float, typer.Option(help="Display gamma of a .png.")] = 2.2,
+    side_by_side: Annotated[
+        bool, typer.Option("--side-by-side", help="Paint each eye apart in a .png.")
+    ] = False,
+) -> None:
+    """Render what an eye sees in a scene, and write the responses or a picture of them."""
+    with _interruptible(), _DelayedBar() as bar:
+        report = render_file(
+            scene,
+            output,
+            eyes=eye or (),
+            unit=unit,
+            camera=camera,
+            position=position,
+            look_at=look_at,
+            path=path,
+            samples=samples,
+            seed=seed,
+            kernel=kernel,
+            sampling=sampling,
+            threads=threads,
+            background=background,
+            standard_error=standard_error,
+            width=width,
+            gamma=gamma,
+            side_by_side=side_by_side,
+            progress=bar.show,
+        )
+    for warning in report.warnings:
+        print(f"omma: warning: {warning}", file=sys.stderr)
+    print("\n".join(_report_lines(report, samples)))
+
+
+@app.command(epilog=EXAMPLES_INFO)
+def info(
+    file: Annotated[
+        Path, typer.Argument(help="A scene (.gltf, .glb) or an eye (.eye).", metavar="FILE")
+    ],
+    unit: UnitOption = None,
+) -> None:
+    """Say what is in a scene or an eye file."""
+    with _interruptible():
+        lines = describe_file(file, "mm" if unit is None else unit)
+    for what, value in lines:
+        print(f"{what:<16} {value}")
+
+
+def main() -> None:
+    """Run the command line: exit code 0, 1 for an error, 2 for wrong usage, 130 for Ctrl-C."""
+    sys.exit(run(app))
+
+
+def run(command: Callable[..., object]) -> int:
+    """Run a typer app; every error becomes one line on stderr and an exit code."""
+    try:
+        code = command(standalone_mode=False)
+        sys.stdout.flush()
+        return code if isinstance(code, int) else 0
+    except Error as error:
+        return _fail(str(error), 1)
+    except KeyboardInterrupt:
+        return _fail("interrupted", 130)
+    except MemoryError:
+        return _fail("not enough memory", 1)
+    except BrokenPipeError:
+        # Whoever read the output has enough. What is still buffered has nowhere to go.
+        sys.stdout = None
+        return 1
+    except OSError as error:
+        return _fail(f"{error.filename or 'system'}: {error.strerror}", 1)
+    except Exception as error:
+        # What typer says about wrong usage; its class has moved between typer's versions.
+        message = getattr(error, "format_message", None)
+        code = getattr(error, "exit_code", None)
+        if message is not None and isinstance(code, int):
+            return _fail(message(), code) if message() else code
+        if type(error).__name__ == "Abort":
+            return _fail("interrupted", 130)
+        raise
+
+
+@contextmanager
+def _interruptible() -> Iterator[None]:
+    # Before typer sees it, which would print an empty line first.
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise typer.Exit(_fail("interrupted", 130)) from None
+
+
+def _fail(message: str, code: int) -> int:
+    print("omma: error: " + " ".join(message.split()), file=sys.stderr)
+    return code
+
+
+def _report_lines(report: RenderReport, samples: int) -> list[str]:
+    names = report.outputs
+    shown = names if len(names) <= 6 else (*names[:3], f"... {len(names) - 4} more", names[-1])
+    per_ommatidium = report.rays // max(1, report.poses * report.ommatidia)
+    rate = report.rays / max(report.seconds, 1e-9) / 1e6
+    lines = [
+        ("eye", ", ".join(report.eyes)),
+        ("ommatidia", f"{report.ommatidia:,}"),
+        ("poses", f"{report.poses:,} ({report.view})"),
+        ("rays", f"{report.rays:,} ({per_ommatidium:,} per ommatidium and pose)"),
+        ("speed", f"{report.frames_per_s:,.1f} frames/s, {rate:,.1f} million rays/s"),
+        ("time", f"{report.seconds:.3f} s, after {report.build_seconds:.3f} s of preparation"),
+        ("backend", f"{report.backend}, {report.threads} threads"),
+        *(("wrote", name) for name in shown),
+    ]
+    return [f"{what:<10} {value}" for what, value in lines]
+
+
+class _DelayedBar:
+    """A progress bar on stderr that appears after a second, and never where that is no terminal."""
+
+    def __init__(self) -> None:
+        self._bar = Progress(
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.percentage:>3.0f} %"),
+            TimeRemainingColumn(),
+            console=Console(stderr=True),
+            transient=True,
+        )
+        self._task = self._bar.add_task("", total=None)
+        self._timer = threading.Timer(1.0, self._bar.start)
+        self._timer.daemon = True
+        self._wanted = sys.stderr.isatty() and sys.stdout.isatty()
+
+    def show(self, stage: str, share: float | None) -> None:
+        self._bar.update(
+            self._task,
+            description=stage,
+            total=None if share is None else 1.0,
+            completed=share or 0.0,
+        )
+
+    def __enter__(self) -> _DelayedBar:
+        if self._wanted:
+            self._timer.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._timer.cancel()
+        if self._wanted:
+            self._timer.join()
+            self._bar.stop()

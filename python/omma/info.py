@@ -1,0 +1,128 @@
+"""What is in a scene or an eye file, in words: what ``omma info`` prints."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omma._core import Eye, Scene
+from omma.files import PathLike, azimuth_elevation_deg, load_eye, load_scene
+from omma.pictures import field_ids
+
+Lines = list[tuple[str, str]]  # what, and its value
+
+
+def is_scene_file(path: PathLike) -> bool:
+    """Whether a file is to be read as glTF: by its ending, else by how it begins."""
+    name = Path(os.fsdecode(path))
+    if name.suffix.lower() in (".gltf", ".glb"):
+        return True
+    if name.suffix.lower() == ".eye":
+        return False
+    try:
+        with name.open("rb") as file:
+            return file.read(256).lstrip()[:1] in (b"{", b"g")
+    except OSError:
+        return False
+
+
+def describe_file(path: PathLike, unit: str | float = "mm") -> Lines:
+    """What is in a scene or an eye file.
+
+    Raises:
+        omma.Error: the file cannot be read.
+    """
+    if is_scene_file(path):
+        return describe_scene(load_scene(path))
+    return describe_eye(load_eye(path, unit))
+
+
+def describe_scene(scene: Scene) -> Lines:
+    """Counts, size, background, cameras and warnings of a scene."""
+    lines = [
+        ("scene", scene.path or "in memory"),
+        ("nodes", f"{scene.node_count:,}"),
+        ("triangles", f"{scene.triangle_count:,}"),
+        ("meshes", f"{scene.mesh_count:,} in {scene.instance_count:,} places"),
+        ("materials", f"{scene.material_count:,}"),
+        ("textures", f"{scene.texture_count:,} of {scene.image_count:,} images"),
+    ]
+    bounds = scene.bounds
+    if bounds is None:
+        lines.append(("bounds", "empty: nothing but background"))
+    else:
+        lines.append(("bounds", f"{_point(bounds[0])} to {_point(bounds[1])} m"))
+    background = scene.background
+    color = f" {_point(np.array(background.color))}" if background.type == "constant" else ""
+    lines.append(("background", background.type.replace("_", " ") + color))
+    if len(scene.scene_names) > 1:
+        lines.append(("scenes", ", ".join(scene.scene_names)))
+    for camera in scene.cameras:
+        matrix = camera.world_from_camera
+        scale = np.cbrt(abs(np.linalg.det(matrix[:3, :3])))
+        text = f"{camera.name}: {camera.type} at {_point(matrix[:3, 3])} m"
+        if abs(scale - 1) > 1e-6:
+            text += f", scale {scale:.4g}"
+        if camera.compound_structure:
+            text += f", eye {camera.compound_structure}"
+        lines.append(("camera", text))
+    lines += [("warning", warning) for warning in scene.warnings]
+    return lines
+
+
+def describe_eye(eye: Eye) -> Lines:
+    """Count, visual field, acceptance and interommatidial angles of an eye."""
+    numbers, counts = np.unique(eye.eye_id, return_counts=True)
+    azimuth, elevation = azimuth_elevation_deg(eye)
+    lines = [("eye", eye.path or "in memory"), ("ommatidia", f"{len(eye):,}")]
+    if len(numbers) > 1:
+        lines.append(("eyes", ", ".join(f"{c:,}" for c in counts)))
+    if len(eye) == 0:
+        return lines
+    low, high = azimuth_range_deg(azimuth[np.abs(elevation) < 60])
+    size = np.ptp(eye.position_m.astype(np.float64), axis=0) * 1e3
+    share = covered_share(eye)
+    return [
+        *lines,
+        ("azimuth", f"{low:.1f}° to {high:.1f}° (axes within 60° of the horizon; right is +)"),
+        ("elevation", f"{elevation.min():.1f}° to {elevation.max():.1f}°"),
+        ("field", f"{share:.1%} of the sphere, {4 * np.pi * share:.2f} sr"),
+        ("size", f"{size[0]:.4g} x {size[1]:.4g} x {size[2]:.4g} mm"),
+        ("acceptance", _spread_deg(eye.acceptance_angle_rad)),
+        ("interommatidial", _spread_deg(eye.interommatidial_angle_rad())),
+    ]
+
+
+def covered_share(eye: Eye) -> float:
+    """Share of the sphere inside the visual field, as `field_ids` has it, on a 1° grid."""
+    seen = field_ids(eye, 360, 180) >= 0
+    weight = np.cos(np.radians(89.5 - np.arange(180)))
+    return float((seen.mean(axis=1) * weight).sum() / weight.sum())
+
+
+def azimuth_range_deg(azimuth: NDArray[np.float64]) -> tuple[float, float]:
+    """The shortest range of azimuths with all of them in it: from, to, its middle in (-180, 180].
+
+    An eye that sees across straight behind has an end outside (-180, 180].
+    """
+    if azimuth.size == 0:
+        return 0.0, 0.0
+    ordered = np.sort(azimuth)
+    gaps = np.diff(ordered, append=ordered[0] + 360)
+    widest = int(gaps.argmax())
+    low = float(ordered[(widest + 1) % len(ordered)])
+    high = low + 360 - float(gaps[widest])
+    turn = 360.0 if (low + high) / 2 > 180 else 0.0
+    return low - turn, high - turn
+
+
+def _spread_deg(angle_rad: NDArray[np.float32]) -> str:
+    angle = np.degrees(angle_rad.astype(np.float64))
+    return f"min {angle.min():.2f}°, median {np.median(angle):.2f}°, max {angle.max():.2f}°"
+
+
+def _point(values: NDArray[np.float64]) -> str:
+    return "(" + ", ".join(f"{value:.4g}" for value in values) + ")"

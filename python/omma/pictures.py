@@ -1,0 +1,155 @@
+"""Pictures of responses. They only read responses; nothing here traces a ray.
+
+All pictures are in the head's frame: azimuth -180° to 180° from left to right with straight ahead
+in the middle and the animal's right to the right; elevation +90° at the top, -90° at the bottom.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma import _core
+from omma._core import Error, Eye
+from omma.arguments import whole
+
+Ids = NDArray[np.int32]
+Picture = NDArray[np.uint8]
+
+_NO_LIMIT_RAD = 7.0
+_LARGEST_PIXELS = 1 << 15
+
+
+def equirectangular_ids(
+    eye: Eye,
+    width: int = 1024,
+    height: int = 512,
+    *,
+    by: Literal["axis", "position"] = "axis",
+    max_angle_deg: float | None = None,
+) -> Ids:
+    """Which ommatidium each pixel of an equirectangular picture shows: int32 (height, width).
+
+    Args:
+        eye: the eye, or all eyes of a head.
+        width, height: pixels.
+        by: "axis" takes the ommatidium whose axis is nearest to the pixel's direction, "position"
+            the one whose position, seen from the middle of all positions, is.
+        max_angle_deg: where the nearest is farther than this the pixel is -1; None: no limit.
+
+    Raises:
+        omma.Error: a size, ``by`` or an angle that makes no sense.
+    """
+    width = whole(width, "width", 1, _LARGEST_PIXELS)
+    height = whole(height, "height", 1, _LARGEST_PIXELS)
+    if by not in ("axis", "position"):
+        raise Error(f"by: expected 'axis' or 'position', found {by!r}")
+    if len(eye) == 0:
+        raise Error("eye: expected at least one ommatidium, found none")
+    limit = _NO_LIMIT_RAD
+    if max_angle_deg is not None:
+        if not max_angle_deg >= 0:
+            raise Error(f"max_angle_deg: expected 0 or more, found {max_angle_deg}")
+        limit = float(np.radians(min(max_angle_deg, 360)))
+    return _core.equirectangular_ids(eye, width, height, by == "position", limit)
+
+
+def field_ids(eye: Eye, width: int = 1024, height: int = 512) -> Ids:
+    """`equirectangular_ids` by axis, with -1 outside the eye's visual field: int32 (height, width).
+
+    A direction counts as seen by the ommatidium with the nearest axis where it lies within that
+    one's local interommatidial angle or its acceptance angle, whichever is larger. So the field
+    ends about one facet beyond the last axis.
+    """
+    ids = equirectangular_ids(eye, width, height)
+    limit = np.maximum(eye.interommatidial_angle_rad(), eye.acceptance_angle_rad)
+    for row, elevation in enumerate(np.pi * (0.5 - (np.arange(height) + 0.5) / height)):
+        azimuth = 2 * np.pi * ((np.arange(width) + 0.5) / width - 0.5)
+        level = np.cos(elevation)
+        direction = np.stack(
+            [level * np.sin(azimuth), np.full(width, np.sin(elevation)), -level * np.cos(azimuth)],
+            axis=-1,
+        )
+        # From the chord, which is exact for small angles too.
+        chord = np.linalg.norm(direction - eye.axis[ids[row]], axis=-1)
+        angle = 2 * np.arcsin(np.minimum(chord / 2, 1))
+        ids[row][angle > limit[ids[row]]] = -1
+    return ids
+
+
+def equirectangular(
+    eye: Eye,
+    responses: ArrayLike,
+    width: int = 1024,
+    height: int = 512,
+    *,
+    gamma: float = 2.2,
+    by: Literal["axis", "position"] = "axis",
+    max_angle_deg: float | None = None,
+) -> Picture:
+    """One pose's responses as an equirectangular picture: uint8 RGB (height, width, 3).
+
+    Args:
+        eye: the eye that the responses are of.
+        responses: (N, 3) or (1, N, 3), linear.
+        width, height, by, max_angle_deg: as in `equirectangular_ids`; -1 is painted mid grey.
+        gamma: display value = 255 * clamp(response) ** (1 / gamma).
+
+    Raises:
+        omma.Error: responses of another eye, or arguments that make no sense.
+    """
+    one = one_pose(eye, responses)
+    ids = equirectangular_ids(eye, width, height, by=by, max_angle_deg=max_angle_deg)
+    return _core.paint(ids, one, gamma)
+
+
+def side_by_side_ids(eye: Eye, width: int = 1024, height: int = 512) -> Ids:
+    """Id map of `side_by_side`: indices into the whole head, -1 outside an eye's visual field."""
+    numbers = np.unique(eye.eye_id)
+    looks_right = {number: eye.axis[eye.eye_id == number, 0].mean() for number in numbers}
+    panels = []
+    for number in sorted(numbers, key=lambda n: looks_right[n]):
+        members = np.flatnonzero(eye.eye_id == number).astype(np.int32)
+        ids = field_ids(eye.select(int(number)), width, height)
+        panels.append(np.where(ids < 0, np.int32(-1), members[ids]))
+    return np.concatenate(panels, axis=1)
+
+
+def side_by_side(
+    eye: Eye,
+    responses: ArrayLike,
+    width: int = 1024,
+    height: int = 512,
+    *,
+    gamma: float = 2.2,
+) -> Picture:
+    """The eyes of a head next to each other: uint8 RGB (height, number of eyes * width, 3).
+
+    The eye that looks farther to the left is on the left. Each panel is an equirectangular picture
+    of the whole sphere around the head that shows that eye's own ommatidia; what lies outside its
+    visual field (see `field_ids`) is mid grey.
+
+    Args:
+        eye: all eyes of the head, see `merge_eyes`.
+        responses: (N, 3) or (1, N, 3), linear.
+        width, height: pixels of one panel.
+        gamma: as in `equirectangular`.
+
+    Raises:
+        omma.Error: responses of another eye, or arguments that make no sense.
+    """
+    one = one_pose(eye, responses)
+    return _core.paint(side_by_side_ids(eye, width, height), one, gamma)
+
+
+def one_pose(eye: Eye, responses: Any) -> NDArray[np.float32]:
+    """``responses`` as float32 (N, 3) of one pose of this eye."""
+    array = np.asarray(responses, dtype=np.float32)
+    if array.ndim == 3 and len(array) == 1:
+        array = array[0]
+    expected = (len(eye), _core.channel_count)
+    if array.shape != expected:
+        raise Error(f"responses: expected shape {expected} of one pose, found {array.shape}")
+    return array

@@ -1,0 +1,303 @@
+"""The renderer: arguments checked and turned into arrays here, the work done in omma._core."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Any, Literal, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma import _core
+from omma._core import Background, Error, Eye, Scene
+from omma.arguments import whole
+from omma.poses import Matrices, as_poses, is_position_pair
+
+Responses = NDArray[np.float32]
+Poses = ArrayLike | tuple[ArrayLike, ArrayLike] | str
+Progress = Callable[[float], object]
+
+# render_iter's buffer: big enough to keep all threads busy, small enough to forget about.
+_CHUNK_BYTES = 32 << 20
+
+
+class Renderer:
+    """A scene and an eye, ready to render: acceleration structure and direction tables are built.
+
+    The response of ommatidium i in channel c at a pose is the mean of the radiance around it, with
+    its angular sensitivity as weight; a surround of radiance 1 gives 1. Channels are linear RGB.
+
+    Args:
+        scene: what there is to see.
+        eye: who sees it; a list of eyes is merged as `merge_eyes` does.
+        samples: rays per ommatidium, 1 to 2**20.
+        seed: of the samples, 0 to 2**64 - 1. The same inputs and seed give the same bits, whatever
+            the number of threads.
+        kernel: angular sensitivity S(θ) per unit solid angle: "gaussian", exp(-4 ln2 (θ/Δρ)²);
+            "pillbox", 1 within Δρ/2; "compoundray", CompoundRay's, which is the Gaussian over
+            sin θ (Millward, Maddock, Mangan, eLife 2022, 73893), for comparison with work done
+            with it.
+        sampling: "low_discrepancy" (Owen-scrambled Sobol points, Owen 1995) or "random".
+        threads: 0 takes one per hardware thread.
+        background: instead of the scene's own.
+
+    Raises:
+        omma.Error: an argument is out of its range.
+        TypeError: an argument is of another type.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        eye: Eye | Sequence[Eye | tuple[Eye, ArrayLike]],
+        *,
+        samples: int = 16,
+        seed: int = 0,
+        kernel: str = "gaussian",
+        sampling: str = "low_discrepancy",
+        threads: int = 0,
+        background: Background | None = None,
+    ) -> None:
+        _expect(scene, Scene, "scene", "omma.load_scene gives one")
+        if not isinstance(eye, Eye):
+            if not isinstance(eye, (list, tuple)):
+                raise TypeError(
+                    f"eye: expected omma.Eye or a list of them, found {type(eye).__name__} "
+                    "(omma.load_eye gives one)"
+                )
+            eye = _core.merge_eyes(eye)
+        if background is not None:
+            _expect(background, Background, "background", "omma.Background.constant gives one")
+        self._scene = scene
+        self._engine = _core.Renderer(
+            scene,
+            eye,
+            whole(samples, "samples", 1, 1 << 20),
+            whole(seed, "seed", 0, (1 << 64) - 1),
+            kernel,
+            sampling,
+            whole(threads, "threads", 0, 1 << 16),
+            background,
+        )
+
+    @overload
+    def render(
+        self,
+        poses: Poses,
+        *,
+        standard_error: Literal[False] = False,
+        out: Responses | None = None,
+        error_out: None = None,
+        first_pose: int = 0,
+        progress: Progress | None = None,
+    ) -> Responses: ...
+
+    @overload
+    def render(
+        self,
+        poses: Poses,
+        *,
+        standard_error: Literal[True],
+        out: Responses | None = None,
+        error_out: Responses | None = None,
+        first_pose: int = 0,
+        progress: Progress | None = None,
+    ) -> tuple[Responses, Responses]: ...
+
+    def render(
+        self,
+        poses: Poses,
+        *,
+        standard_error: bool = False,
+        out: Responses | None = None,
+        error_out: Responses | None = None,
+        first_pose: int = 0,
+        progress: Progress | None = None,
+    ) -> Responses | tuple[Responses, Responses]:
+        """Responses (P, N, C): float32, linear, never clipped; always three axes.
+
+        The engine writes straight into the array that is returned. Other Python threads run
+        meanwhile, and Ctrl-C stops the work within a second.
+
+        Args:
+            poses: ``world_from_head``, (P, 4, 4) or (4, 4), m; or a tuple of positions (P, 3), m,
+                and quaternions (P, 4) in the order x, y, z, w; or the name of a camera in the
+                scene, whose whole transform is the pose, its scale too.
+            standard_error: return (responses, errors), errors the standard error of each response.
+                It comes from 8 independent scrambles, so 8 times the rays are traced and the
+                response is their mean.
+            out: a C-contiguous float32 (P, N, C) array of the caller's to write into; it is what
+                is returned.
+            error_out: the same for the errors.
+            first_pose: number of the first pose. Samples differ from pose to pose, so that a
+                sequence rendered in pieces equals one rendered at once only if each piece says
+                where it begins. `render_iter` does.
+            progress: called with the finished share (0 to 1) a few times a second. What it raises
+                ends the render and is raised here.
+
+        Raises:
+            omma.Error: a wrong shape, a pose that is not finite or not invertible, no such camera.
+            TypeError: ``out`` is no float32 array.
+            KeyboardInterrupt: Ctrl-C; ``out`` is then incomplete.
+        """
+        matrices = self._matrices(poses)
+        shape = (len(matrices), len(self.eye), _core.channel_count)
+        if error_out is not None and not standard_error:
+            raise Error("error_out: given, but standard_error is False")
+        responses = _output(out, shape, "out")
+        errors = _output(error_out, shape, "error_out") if standard_error else None
+        if errors is not None and out is not None and np.shares_memory(errors, responses):
+            raise Error("error_out: shares memory with out")
+        first = whole(first_pose, "first_pose", 0, (1 << 63) - 1)
+        self._engine.render(matrices, responses, errors, first, progress)
+        return responses if errors is None else (responses, errors)
+
+    @overload
+    def render_iter(
+        self,
+        poses: Poses | Iterable[ArrayLike],
+        *,
+        standard_error: Literal[False] = False,
+        chunk: int | None = None,
+        first_pose: int = 0,
+    ) -> Iterator[Responses]: ...
+
+    @overload
+    def render_iter(
+        self,
+        poses: Poses | Iterable[ArrayLike],
+        *,
+        standard_error: Literal[True],
+        chunk: int | None = None,
+        first_pose: int = 0,
+    ) -> Iterator[tuple[Responses, Responses]]: ...
+
+    def render_iter(
+        self,
+        poses: Poses | Iterable[ArrayLike],
+        *,
+        standard_error: bool = False,
+        chunk: int | None = None,
+        first_pose: int = 0,
+    ) -> Iterator[Responses] | Iterator[tuple[Responses, Responses]]:
+        """Responses (N, C) of one pose after the other, for more poses than memory holds.
+
+        Equal, bit for bit, to what `render` gives for all poses at once. Poses are taken from
+        ``poses`` as they are needed, ``chunk`` at a time.
+
+        Args:
+            poses: as in `render`, or any iterable of (4, 4) matrices, a generator too.
+            standard_error: yield pairs (responses, errors).
+            chunk: poses rendered at once; None takes as many as fit into 32 MB. What was yielded
+                stays valid, and keeps the memory of its chunk alive.
+            first_pose: number of the first pose.
+
+        Raises:
+            omma.Error: as `render`, when the pose is reached.
+        """
+        count = self._chunk() if chunk is None else whole(chunk, "chunk", 1, 1 << 31)
+        first = whole(first_pose, "first_pose", 0, (1 << 63) - 1)
+        return self._iterate(self._pieces(poses, count), standard_error, first)
+
+    def _iterate(self, pieces: Iterable[Any], standard_error: bool, first: int) -> Iterator[Any]:
+        for piece in pieces:
+            matrices = as_poses(piece, first)
+            if standard_error:
+                yield from zip(
+                    *self.render(matrices, standard_error=True, first_pose=first), strict=True
+                )
+            else:
+                yield from self.render(matrices, first_pose=first)
+            first += len(matrices)
+
+    def _pieces(self, poses: Poses | Iterable[ArrayLike], count: int) -> Iterator[Any]:
+        if isinstance(poses, (str, np.ndarray)) or is_position_pair(poses):
+            matrices = self._matrices(poses)  # type: ignore[arg-type]
+            yield from (matrices[i : i + count] for i in range(0, len(matrices), count))
+        elif isinstance(poses, Iterable):
+            source = iter(poses)
+            while piece := list(itertools.islice(source, count)):
+                yield piece
+        else:
+            found = type(poses).__name__
+            raise TypeError(f"poses: expected an array or an iterable, found {found}")
+
+    def _matrices(self, poses: Poses) -> Matrices:
+        if isinstance(poses, str):
+            return as_poses(self._scene.camera(poses).world_from_camera)
+        return as_poses(poses)
+
+    def _chunk(self) -> int:
+        pose_bytes = max(1, len(self.eye)) * _core.channel_count * 4
+        return max(1, min(4096, _CHUNK_BYTES // pose_bytes))
+
+    @property
+    def scene(self) -> Scene:
+        """What there is to see."""
+        return self._scene
+
+    @property
+    def eye(self) -> Eye:
+        """Who sees it; all eyes of the head as one."""
+        return self._engine.eye
+
+    @property
+    def samples(self) -> int:
+        """Rays per ommatidium (and scramble, where a standard error is asked for)."""
+        return self._engine.samples
+
+    @property
+    def seed(self) -> int:
+        """Seed of the samples."""
+        return self._engine.seed
+
+    @property
+    def kernel(self) -> str:
+        """Name of the angular sensitivity."""
+        return self._engine.kernel
+
+    @property
+    def sampling(self) -> str:
+        """Name of the sampling."""
+        return self._engine.sampling
+
+    @property
+    def threads(self) -> int:
+        """Threads that a render uses."""
+        return self._engine.threads
+
+    @property
+    def backend(self) -> str:
+        """What traces the rays, with its version."""
+        return self._engine.backend
+
+    @property
+    def build_times(self) -> dict[str, float]:
+        """Seconds spent when the renderer was made: scene_s, acceleration_s, directions_s."""
+        return self._engine.build_times
+
+    def __repr__(self) -> str:
+        return (
+            f"<omma.Renderer {len(self.eye)} ommatidia, {self.samples} samples, {self.kernel}, "
+            f"{self.backend}, {self.threads} threads>"
+        )
+
+
+def _expect(value: object, kind: type, name: str, hint: str) -> None:
+    if not isinstance(value, kind):
+        found = type(value).__name__
+        raise TypeError(f"{name}: expected omma.{kind.__name__}, found {found} ({hint})")
+
+
+def _output(out: Any, shape: tuple[int, int, int], name: str) -> Responses:
+    if out is None:
+        return np.empty(shape, np.float32)
+    if not isinstance(out, np.ndarray) or out.dtype != np.float32:
+        found = f"{out.dtype} array" if isinstance(out, np.ndarray) else type(out).__name__
+        raise TypeError(f"{name}: expected a float32 array of shape {shape}, found {found}")
+    if out.shape != shape:
+        raise Error(f"{name}: expected shape {shape}, found {out.shape}")
+    if not out.flags.c_contiguous or not out.flags.writeable or not out.flags.aligned:
+        raise Error(f"{name}: expected a C-contiguous array that can be written to")
+    return out

@@ -1,0 +1,331 @@
+"""From files to files: what the command ``omma render`` does, as one function."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma import _core
+from omma._core import Background, Camera, Error, Eye, Scene
+from omma.files import (
+    CsvWriter,
+    NpyWriter,
+    PathLike,
+    PngWriter,
+    WholeFiles,
+    Writer,
+    load_eye,
+    load_scene,
+    metres_per_unit,
+)
+from omma.pictures import equirectangular_ids, side_by_side_ids
+from omma.poses import Matrices, load_poses, poses_from_angles
+from omma.renderer import Renderer
+
+SUFFIXES = (".npy", ".csv", ".png")
+
+# Called with what is being done and its finished share (0 to 1), None where that is not known.
+Stage = Callable[[str, float | None], object]
+
+_CHUNK_BYTES = 64 << 20
+
+
+@dataclass(frozen=True)
+class RenderReport:
+    """What a render did."""
+
+    ommatidia: int
+    poses: int
+    rays: int
+    seconds: float  # rendering alone, without reading, building and writing
+    build_seconds: float  # reading the files and building the acceleration structure
+    frames_per_s: float
+    backend: str
+    threads: int
+    view: str  # where from: "camera NAME", "path FILE", ...
+    eyes: tuple[str, ...]  # eye files, as they were found
+    outputs: tuple[str, ...]  # files written
+    warnings: tuple[str, ...]  # what the scene's loader passed over
+
+
+def render_file(
+    scene: PathLike,
+    outputs: PathLike | Sequence[PathLike],
+    *,
+    eyes: PathLike | Sequence[PathLike] = (),
+    unit: str | float | None = None,
+    camera: str | None = None,
+    position: ArrayLike | None = None,
+    look_at: ArrayLike | None = None,
+    path: PathLike | None = None,
+    scene_index: int | None = None,
+    samples: int = 16,
+    seed: int = 0,
+    kernel: str = "gaussian",
+    sampling: str = "low_discrepancy",
+    threads: int = 0,
+    background: Background | str | None = None,
+    standard_error: bool = False,
+    width: int = 1024,
+    gamma: float = 2.2,
+    side_by_side: bool = False,
+    progress: Stage | None = None,
+) -> RenderReport:
+    """Render a scene file through eye files into files. This is what ``omma render`` does.
+
+    Poses and responses go through memory a piece at a time, so that any number of poses will do.
+
+    Args:
+        scene: glTF file.
+        outputs: files to write, by their endings: `.npy` and `.csv` as `save_responses` writes
+            them, `.png` an equirectangular picture (of several poses: name_0000.png and on, by the
+            number of the pose). Missing directories are made.
+        eyes: `.eye` files, together one head. None: the eye that the camera names in its
+            ``compound-structure``, looked for as given, then beside the scene.
+        unit: of lengths in the eye files: "mm" (the default), "um", "m" or metres. For a camera's
+            own eye the default is the scene's unit, as in CompoundRay.
+        camera: name of the camera in the scene that the head is at; its whole transform is the
+            pose, its scale too.
+        position, look_at: instead, where the head is and the point it looks at, (3,), m; without
+            ``look_at`` it looks along -Z.
+        path: instead, a CSV file of poses, see `load_poses`.
+        scene_index: which of the scenes in the file; None takes its default.
+        samples, seed, kernel, sampling, threads: as in `Renderer`.
+        background: a `Background`, or text as `parse_background` takes it.
+        standard_error: also write standard errors: beside OUT.npy an OUT.error.npy, in a `.csv`
+            three more columns.
+        width: pixels of a picture, twice its height. Of one panel where ``side_by_side``, which
+            paints each eye apart, see `omma.side_by_side`.
+        gamma: of pictures.
+        progress: called with what is being done and its finished share, None where not known.
+
+    Without camera, position and path the head is at the scene's first camera (the first with an eye
+    of its own where no eye is given), or at the origin where the scene has none.
+
+    Raises:
+        omma.Error: anything wrong with an input, named in the message. No output is left then.
+    """
+    tell: Stage = progress if progress is not None else lambda stage, share: None
+    names = _output_names(outputs, standard_error, path)
+    chosen = [
+        name
+        for name, given in (("camera", camera), ("position", position), ("path", path))
+        if given is not None
+    ]
+    if len(chosen) > 1:
+        raise Error(f"{chosen[0]} and {chosen[1]}: only one of them can say where the head is")
+    if look_at is not None and position is None:
+        raise Error("look_at: needs a position to look from")
+    eye_paths = [eyes] if isinstance(eyes, (str, os.PathLike)) else list(eyes)
+    start = time.perf_counter()
+    tell("Reading the scene", None)
+    world = load_scene(scene, scene_index)
+    node = _camera(world, camera, chosen, bool(eye_paths))
+    tell("Reading the eye", None)
+    head, found = _head(world, eye_paths, node, unit)
+    poses, view = _poses(node, position, look_at, path)
+    tell("Building the acceleration structure", None)
+    renderer = Renderer(
+        world,
+        head,
+        samples=samples,
+        seed=seed,
+        kernel=kernel,
+        sampling=sampling,
+        threads=threads,
+        background=parse_background(background) if isinstance(background, str) else background,
+    )
+    built = time.perf_counter()
+    shape = (len(poses), len(head), _core.channel_count)
+    for name in names:
+        _make_directory(Path(name).parent)
+    with WholeFiles() as files:
+        writers: list[Writer] = []
+        written: list[str] = []
+        ids: NDArray[np.int32] | None = None
+        for name in names:
+            suffix = Path(name).suffix.lower()
+            if suffix == ".npy":
+                writers.append(NpyWriter(files, name, shape))
+                written.append(name)
+                if standard_error:
+                    beside = error_name(name)
+                    writers.append(NpyWriter(files, beside, shape, of_errors=True))
+                    written.append(beside)
+            elif suffix == ".csv":
+                writers.append(CsvWriter(files, name, head, standard_error))
+                written.append(name)
+            else:
+                if ids is None:
+                    tell("Preparing the picture", None)
+                    ids = (
+                        side_by_side_ids(head, width, max(1, width // 2))
+                        if side_by_side
+                        else equirectangular_ids(head, width, max(1, width // 2))
+                    )
+                picture = PngWriter(name, ids, len(poses), gamma)
+                writers.append(picture)
+                written += [picture.name(i) for i in range(len(poses))]
+        seconds = _render(renderer, poses, standard_error, writers, tell)
+    scrambles = _core.error_scrambles if standard_error else 1
+    return RenderReport(
+        ommatidia=len(head),
+        poses=len(poses),
+        rays=len(poses) * len(head) * samples * scrambles,
+        seconds=seconds,
+        build_seconds=built - start,
+        frames_per_s=len(poses) / max(seconds, 1e-9),
+        backend=renderer.backend,
+        threads=renderer.threads,
+        view=view,
+        eyes=tuple(found),
+        outputs=tuple(written),
+        warnings=tuple(world.warnings),
+    )
+
+
+def parse_background(text: str) -> Background:
+    """A background from text: "R,G,B" (linear radiance), "simple_sky", "test_pattern", or the name
+    of an equirectangular image file.
+
+    Raises:
+        omma.Error: it is none of these.
+    """
+    if text in ("simple_sky", "test_pattern"):
+        return Background.simple_sky() if text == "simple_sky" else Background.test_pattern()
+    if text.count(",") == 2 and not Path(text).exists():
+        try:
+            return Background.constant([float(part) for part in text.split(",")])
+        except ValueError:
+            raise Error(f"background: expected three numbers R,G,B, found '{text}'") from None
+    if not Path(text).exists():
+        raise Error(
+            "background: expected R,G,B or simple_sky or test_pattern or an image file, "
+            f"found '{text}'"
+        )
+    return Background.image(text)
+
+
+def _render(
+    renderer: Renderer,
+    poses: Matrices,
+    standard_error: bool,
+    writers: Sequence[Writer],
+    tell: Stage,
+) -> float:
+    """Render piece by piece into the writers; seconds spent rendering."""
+    pose_bytes = max(1, len(renderer.eye)) * _core.channel_count * 4
+    chunk = max(1, _CHUNK_BYTES // pose_bytes)
+    seconds = 0.0
+    for first in range(0, len(poses), chunk):
+        piece = poses[first : first + chunk]
+
+        def share(done: float, first: int = first, count: int = len(piece)) -> None:
+            tell("Rendering", (first + done * count) / len(poses))
+
+        start = time.perf_counter()
+        responses, errors = (
+            renderer.render(piece, standard_error=True, first_pose=first, progress=share)
+            if standard_error
+            else (renderer.render(piece, first_pose=first, progress=share), None)
+        )
+        seconds += time.perf_counter() - start
+        tell("Writing", (first + len(piece)) / len(poses))
+        for writer in writers:
+            writer.write(responses, errors, first)
+    return seconds
+
+
+def _output_names(
+    outputs: PathLike | Sequence[PathLike], standard_error: bool, path: PathLike | None
+) -> list[str]:
+    several = [outputs] if isinstance(outputs, (str, os.PathLike)) else outputs
+    names = [os.fsdecode(name) for name in several]
+    if not names:
+        raise Error("outputs: expected at least one file to write, found none")
+    for name in names:
+        if Path(name).suffix.lower() not in SUFFIXES:
+            raise Error(f"{name}: expected an output ending in {', '.join(SUFFIXES)}")
+        if Path(name).is_dir():
+            raise Error(f"{name}: cannot be written: it is a directory")
+    errors = [error_name(name) for name in names if standard_error and name.endswith(".npy")]
+    files = [os.path.abspath(name) for name in names + errors]
+    for i, file in enumerate(files):
+        if file in files[:i]:
+            raise Error(f"{file}: is an output twice")
+        if path is not None and file == os.path.abspath(os.fsdecode(path)):
+            raise Error(f"{file}: would replace the poses it is made from")
+    return names
+
+
+def error_name(name: str) -> str:
+    """Where the standard errors of the responses in an `.npy` file go: beside it."""
+    return str(Path(name).with_suffix(".error.npy"))
+
+
+def _camera(world: Scene, name: str | None, chosen: list[str], with_eye: bool) -> Camera | None:
+    """The camera that the head is at or whose eye is taken; None where there is none to take."""
+    if name is not None:
+        return world.camera(name)
+    compound = [camera for camera in world.cameras if camera.compound_structure]
+    if not with_eye:
+        if not compound:
+            raise Error(f"{world.path}: no eye is given, and no camera in the scene names one")
+        return compound[0]
+    if chosen or not world.cameras:
+        return None
+    return world.cameras[0]
+
+
+def _head(
+    world: Scene, eye_paths: Sequence[PathLike], node: Camera | None, unit: str | float | None
+) -> tuple[Eye, list[str]]:
+    """All eyes as one, and the files they came from."""
+    if eye_paths:
+        metres = metres_per_unit("mm" if unit is None else unit)
+        eyes = [load_eye(name, metres) for name in eye_paths]
+        merged = eyes[0] if len(eyes) == 1 else _core.merge_eyes(eyes)
+        return merged, [os.fsdecode(name) for name in eye_paths]
+    assert node is not None
+    structure = node.compound_structure
+    if not structure:
+        raise Error(f"{world.path}: camera '{node.name}' names no eye, and no eye is given")
+    places = [Path(structure), Path(world.path).parent / structure]
+    for place in places:
+        if place.is_file():
+            return load_eye(place, 1.0 if unit is None else unit), [str(place)]
+    raise Error(
+        f"{world.path}: camera '{node.name}' names the eye '{structure}', "
+        f"which is neither {places[0]} nor {places[1]}"
+    )
+
+
+def _poses(
+    node: Camera | None,
+    position: ArrayLike | None,
+    look_at: ArrayLike | None,
+    path: PathLike | None,
+) -> tuple[Matrices, str]:
+    """Poses (P, 4, 4) and in words where they come from."""
+    if path is not None:
+        return load_poses(path), f"path {os.fsdecode(path)}"
+    if position is not None and look_at is not None:
+        return _core.look_at(position, look_at)[None], "position, looking at a point"
+    if position is not None:
+        return poses_from_angles(position, (0, 0, 0)), "position, looking along -Z"
+    if node is not None:
+        return node.world_from_camera[None], f"camera {node.name}"
+    return np.eye(4)[None], "the origin, looking along -Z"
+
+
+def _make_directory(directory: Path) -> None:
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise Error(f"{directory}: cannot be made: {error.strerror}") from None

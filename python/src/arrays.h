@@ -1,0 +1,62 @@
+// NumPy arrays in and out, with messages that say which argument, what was expected and what came.
+// Shared by all bindings; nothing here knows a type of Omma's but Vec3 and Mat4.
+#pragma once
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include <cstdint>
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+#include "omma/vec.h"
+
+namespace omma::python {
+
+namespace nb = nanobind;
+
+template <typename T>
+using InputArray = nb::ndarray<nb::numpy, const T, nb::c_contig, nb::device::cpu>;
+
+// A C-contiguous array of the given shape (-1: any extent) from anything NumPy takes; `name` is
+// that of the argument. Throws omma::Error naming it, the shape expected and the shape found.
+InputArray<float> float_array(nb::handle object, const char* name,
+                              std::initializer_list<std::int64_t> shape);
+InputArray<double> double_array(nb::handle object, const char* name,
+                                std::initializer_list<std::int64_t> shape);
+InputArray<std::int32_t> int_array(nb::handle object, const char* name,
+                                   std::initializer_list<std::int64_t> shape);
+
+Vec3d vec3d(nb::handle object, const char* name);
+Mat4 mat4(nb::handle object, const char* name);
+nb::object matrix_array(const Mat4& matrix);  // a (4, 4) float64 array of its own
+
+// A read-only NumPy view of memory that `owner` keeps alive.
+template <typename T>
+nb::object view(nb::handle owner, const T* data, std::initializer_list<std::size_t> shape) {
+  return nb::cast(nb::ndarray<nb::numpy, const T>(data, shape.size(), shape.begin(), owner),
+                  nb::rv_policy::reference);
+}
+
+// A NumPy array that takes over a vector's memory.
+template <typename T>
+nb::object take(std::vector<T> values, std::initializer_list<std::size_t> shape) {
+  auto* heap = new std::vector<T>(std::move(values));
+  nb::capsule owner(heap, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
+  return nb::cast(nb::ndarray<nb::numpy, T>(heap->data(), shape.size(), shape.begin(), owner),
+                  nb::rv_policy::reference);
+}
+
+std::string str_of(nb::handle object);        // str(object)
+std::string type_name_of(nb::handle object);  // of the object's type
+
+// os.fspath(path) as text; a TypeError where that is not a path.
+std::string path_text(nb::handle path);
+
+void bind_scene(nb::module_& m);
+void bind_eye(nb::module_& m);
+void bind_renderer(nb::module_& m);
+void bind_projection(nb::module_& m);
+
+}  // namespace omma::python

@@ -1,0 +1,146 @@
+// The renderer and poses for Python. Rendering writes straight into the caller's NumPy memory, with
+// the GIL released; the progress callback takes it back a few times a second so that Ctrl-C works.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+
+#include <exception>
+#include <optional>
+#include <span>
+
+#include "arrays.h"
+#include "omma/pose.h"
+#include "omma/render.h"
+
+namespace omma::python {
+
+namespace {
+
+constexpr std::pair<const char*, Kernel> kernels[] = {{"gaussian", Kernel::gaussian},
+                                                      {"pillbox", Kernel::pillbox},
+                                                      {"compoundray", Kernel::compoundray}};
+constexpr std::pair<const char*, Sampling> samplings[] = {
+    {"low_discrepancy", Sampling::low_discrepancy}, {"random", Sampling::random}};
+
+template <typename Table>
+auto by_name(const Table& table, const std::string& name, const std::string& argument) {
+  std::string names;
+  for (const auto& [known, value] : table) {
+    if (name == known) return value;
+    names += (names.empty() ? "" : ", ") + std::string(known);
+  }
+  throw Error(argument + ": expected one of " + names + ", found '" + name + "'");
+}
+
+template <typename Table, typename Value>
+const char* name_of(const Table& table, Value wanted) {
+  for (const auto& [known, value] : table)
+    if (value == wanted) return known;
+  return "";
+}
+
+using Poses = nb::ndarray<nb::numpy, const double, nb::shape<-1, 4, 4>, nb::c_contig>;
+using Output = nb::ndarray<nb::numpy, float, nb::ndim<3>, nb::c_contig>;
+
+std::span<float> span_of(const Output& output) {
+  return {output.data(), output.size()};
+}
+
+void render(const Renderer& renderer, const Poses& poses, const Output& responses,
+            const std::optional<Output>& standard_error, std::uint64_t first_pose,
+            const nb::object& progress) {
+  RenderCall call;
+  call.first_pose = first_pose;
+  if (standard_error) call.standard_error = span_of(*standard_error);
+  // What Python raised meanwhile: KeyboardInterrupt, or whatever `progress` raises. It must not
+  // travel through the engine's own threads, so it waits here until the render has stopped.
+  std::exception_ptr raised;
+  call.progress = [&](double done) {
+    nb::gil_scoped_acquire gil;
+    try {
+      if (PyErr_CheckSignals() != 0) nb::raise_python_error();
+      if (!progress.is_none()) progress(done);
+      return true;
+    } catch (...) {
+      raised = std::current_exception();
+      return false;
+    }
+  };
+  // The memory of a C-ordered (4, 4) float64 array is that of a Mat4.
+  const std::span<const Mat4> world_from_head(reinterpret_cast<const Mat4*>(poses.data()),
+                                              poses.shape(0));
+  try {
+    nb::gil_scoped_release release;
+    renderer.render(world_from_head, span_of(responses), call);
+  } catch (const Cancelled&) {
+    if (!raised) throw;
+  }
+  if (raised) std::rethrow_exception(raised);
+}
+
+nb::object build_times(const Renderer& renderer) {
+  nb::dict times;
+  times["scene_s"] = renderer.build_times().scene_s;
+  times["acceleration_s"] = renderer.build_times().acceleration_s;
+  times["directions_s"] = renderer.build_times().directions_s;
+  return times;
+}
+
+}  // namespace
+
+void bind_renderer(nb::module_& m) {
+  nb::class_<Renderer>(m, "Renderer", "The engine; `omma.Renderer` is the one to use.")
+      .def(
+          "__init__",
+          [](Renderer* self, std::shared_ptr<Scene> scene, const Eye& eye, int samples,
+             std::uint64_t seed, const std::string& kernel, const std::string& sampling,
+             int threads, std::optional<Background> background) {
+            RenderSettings settings{samples,
+                                    seed,
+                                    by_name(kernels, kernel, "kernel"),
+                                    by_name(samplings, sampling, "sampling"),
+                                    threads,
+                                    std::move(background)};
+            nb::gil_scoped_release release;
+            new (self) Renderer(std::move(scene), eye, std::move(settings));
+          },
+          nb::arg("scene"), nb::arg("eye"), nb::arg("samples"), nb::arg("seed"), nb::arg("kernel"),
+          nb::arg("sampling"), nb::arg("threads"), nb::arg("background").none())
+      .def("render", &render, nb::arg("poses").noconvert(), nb::arg("responses").noconvert(),
+           nb::arg("standard_error").noconvert().none(), nb::arg("first_pose"),
+           nb::arg("progress").none(),
+           nb::sig("def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: "
+                   "numpy.typing.NDArray[numpy.float32], standard_error: "
+                   "numpy.typing.NDArray[numpy.float32] | None, first_pose: int, progress: "
+                   "collections.abc.Callable[[float], object] | None) -> None"))
+      .def_prop_ro("eye", &Renderer::eye, nb::rv_policy::reference_internal)
+      .def_prop_ro("samples", [](const Renderer& r) { return r.settings().samples; })
+      .def_prop_ro("seed", [](const Renderer& r) { return r.settings().seed; })
+      .def_prop_ro("kernel",
+                   [](const Renderer& r) { return name_of(kernels, r.settings().kernel); })
+      .def_prop_ro("sampling",
+                   [](const Renderer& r) { return name_of(samplings, r.settings().sampling); })
+      .def_prop_ro("threads", &Renderer::threads)
+      .def_prop_ro("backend", &Renderer::backend)
+      .def_prop_ro("build_times", &build_times,
+                   nb::for_getter(nb::sig("def build_times(self, /) -> dict[str, float]")));
+
+  m.attr("channel_count") = channel_count;
+  m.attr("error_scrambles") = error_scrambles;
+  m.def(
+      "look_at",
+      [](nb::handle position, nb::handle target, nb::handle up) {
+        return matrix_array(
+            look_at(vec3d(position, "position_m"), vec3d(target, "target_m"), vec3d(up, "up")));
+      },
+      nb::arg("position_m"), nb::arg("target_m"), nb::arg("up") = nb::make_tuple(0.0, 1.0, 0.0),
+      nb::sig("def look_at(position_m: numpy.typing.ArrayLike, target_m: numpy.typing.ArrayLike, "
+              "up: numpy.typing.ArrayLike = (0.0, 1.0, 0.0)) -> "
+              "numpy.typing.NDArray[numpy.float64]"),
+      "The pose ``world_from_head`` of a head at a position (3,), m, that looks towards a target\n"
+      "(3,), m, with ``up`` roughly up: (4, 4) float64.\n\n"
+      "Raises `omma.Error` where the target is the position or ``up`` is along the view.");
+}
+
+}  // namespace omma::python

@@ -1,0 +1,128 @@
+"""Small scenes and eyes that the tests make themselves."""
+
+import base64
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import omma
+
+DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
+
+
+def write_gltf(path, *, cameras=(), scene_extras=None, triangles=True, **changes):
+    """A coloured ground of 20 m x 20 m at y = 0, as one self-contained `.gltf` file.
+
+    ``cameras`` are (name, extras or None, node transform); ``changes`` replace top-level members.
+    """
+    positions = np.array([[-10, 0, -10], [10, 0, -10], [10, 0, 10], [-10, 0, 10]], dtype="<f4")
+    colors = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]], dtype="<f4")
+    indices = np.array([0, 2, 1, 0, 3, 2], dtype="<u2")
+    data = positions.tobytes() + colors.tobytes() + indices.tobytes()
+    uri = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
+    document = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"name": "main", "nodes": []}],
+        "nodes": [],
+    }
+    if triangles:
+        document |= {
+            "buffers": [{"uri": uri, "byteLength": len(data)}],
+            "bufferViews": [
+                {"buffer": 0, "byteOffset": 0, "byteLength": 48},
+                {"buffer": 0, "byteOffset": 48, "byteLength": 48},
+                {"buffer": 0, "byteOffset": 96, "byteLength": 12},
+            ],
+            "accessors": [
+                {
+                    "bufferView": 0,
+                    "componentType": 5126,
+                    "count": 4,
+                    "type": "VEC3",
+                    "min": [-10, 0, -10],
+                    "max": [10, 0, 10],
+                },
+                {"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC3"},
+                {"bufferView": 2, "componentType": 5123, "count": 6, "type": "SCALAR"},
+            ],
+            "meshes": [
+                {
+                    "name": "ground",
+                    "primitives": [{"attributes": {"POSITION": 0, "COLOR_0": 1}, "indices": 2}],
+                }
+            ],
+        }
+        document["nodes"].append({"name": "ground", "mesh": 0})
+    if cameras:
+        document["cameras"] = []
+    for name, extras, transform in cameras:
+        camera = {"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}}
+        if extras is not None:
+            camera["extras"] = extras
+        document["nodes"].append({"name": name, "camera": len(document["cameras"]), **transform})
+        document["cameras"].append(camera)
+    document["scenes"][0]["nodes"] = list(range(len(document["nodes"])))
+    if scene_extras:
+        document["scenes"][0]["extras"] = scene_extras
+    document |= changes
+    path = Path(path)
+    path.write_text(json.dumps(document))
+    return path
+
+
+def make_eye(count=60, seed=1, acceptance_deg=5.0, eye_id=0):
+    """Axes all round, on a sphere of 1 mm."""
+    rng = np.random.default_rng(seed)
+    axis = rng.normal(size=(count, 3))
+    axis /= np.linalg.norm(axis, axis=1, keepdims=True)
+    return omma.Eye(1e-3 * axis, axis, np.radians(acceptance_deg), 0.0, eye_id)
+
+
+@pytest.fixture(scope="session")
+def files(tmp_path_factory):
+    """A directory with scene.gltf (ground, sky, two cameras), bug.eye (60) and left/right.eye."""
+    folder = tmp_path_factory.mktemp("files")
+    write_gltf(
+        folder / "scene.gltf",
+        cameras=[
+            ("plain", {"note": "look", "n": [1, 2]}, {"translation": [0, 1, 0]}),
+            (
+                "insect",
+                {"compound-eye": "true", "compound-structure": "bug.eye"},
+                {"translation": [1, 2, 3], "scale": [0.5, 0.5, 0.5]},
+            ),
+        ],
+        scene_extras={"background-shader": "simple_sky"},
+    )
+    omma.save_eye(folder / "bug.eye", make_eye())
+    for side, sign in (("left", -1), ("right", 1)):
+        eye = make_eye(40, seed=3)
+        axis = eye.axis * np.where(np.sign(eye.axis[:, :1]) == sign, 1, [[-1, 1, 1]])
+        omma.save_eye(folder / f"{side}.eye", omma.Eye(eye.position_m, axis, 0.1))
+    return folder
+
+
+@pytest.fixture(scope="session")
+def scene(files):
+    return omma.load_scene(files / "scene.gltf")
+
+
+@pytest.fixture(scope="session")
+def eye(files):
+    return omma.load_eye(files / "bug.eye")
+
+
+@pytest.fixture(scope="session")
+def renderer(scene, eye):
+    return omma.Renderer(scene, eye, samples=8, threads=2)
+
+
+@pytest.fixture(scope="session")
+def flight():
+    """Nine poses over the ground, each somewhere else and turned: (9, 4, 4)."""
+    x = np.linspace(-3, 3, 9)
+    positions = np.stack([x, 1 + 0.1 * x, -x], axis=1)
+    return omma.poses_from_angles(positions, np.stack([30 * x, 5 * x, 7 * x], axis=1))

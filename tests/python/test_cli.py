@@ -1,0 +1,414 @@
+"""The command line: what it writes and prints, and one clear line for everything that is wrong."""
+
+import csv
+import os
+import pty
+import re
+import select
+import shutil
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from conftest import make_eye, write_gltf
+
+import omma
+from omma import cli
+
+
+@pytest.fixture
+def omma_command(files, monkeypatch, capsys):
+    """Runs ``omma ARGUMENTS`` in the directory of the test files: exit code, stdout, stderr."""
+    monkeypatch.chdir(files)
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["omma", *map(str, arguments)])
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        out, err = capsys.readouterr()
+        return ended.value.code, out, err
+
+    return run
+
+
+@pytest.fixture
+def rendered(omma_command, tmp_path):
+    """Runs ``omma render scene.gltf ARGUMENTS -o x.npy`` and returns the array."""
+
+    def run(*arguments, eye="bug.eye"):
+        eyes = ("--eye", eye) if eye else ()
+        path = tmp_path / "x.npy"
+        code, _, err = omma_command("render", "scene.gltf", *eyes, *arguments, "-o", path)
+        assert (code, err) == (0, "")
+        return np.load(path)
+
+    return run
+
+
+def test_three_outputs_of_one_render(omma_command, tmp_path):
+    outputs = [tmp_path / "new" / "folder" / f"x.{suffix}" for suffix in ("png", "npy", "csv")]
+    named = [part for path in outputs for part in ("-o", path)]
+    code, out, err = omma_command("render", "scene.gltf", "--eye", "bug.eye", *named)
+    assert (code, err) == (0, "")
+    for path in outputs:
+        assert f"wrote      {path}" in out
+    for words in ("ommatidia  60", "960 (16 per ommatidium", "frames/s", "embree", "threads"):
+        assert words in out
+    array = np.load(outputs[1])
+    assert array.shape == (1, 60, 3)
+    with outputs[2].open() as file:
+        rows = list(csv.DictReader(file))
+    assert [np.float32(row["g"]) for row in rows] == array[0, :, 1].tolist()
+    assert outputs[0].read_bytes()[:4] == b"\x89PNG"
+    assert sorted(path.name for path in outputs[0].parent.iterdir()) == ["x.csv", "x.npy", "x.png"]
+
+
+def test_command_equals_library(rendered, scene, eye):
+    renderer = omma.Renderer(scene, eye)
+    assert (rendered() == renderer.render("plain")).all()  # the scene's first camera
+    assert (rendered("--camera", "insect") == renderer.render("insect")).all()
+    assert (rendered("--position", 1, 2, -3, "--look-at", -1, 0, 5) ==
+            renderer.render(omma.look_at((1, 2, -3), (-1, 0, 5)))).all()  # fmt: skip
+    assert (rendered("--position", 1, 2, -3) ==
+            renderer.render(omma.look_at((1, 2, -3), (1, 2, -4)))).all()  # fmt: skip
+
+
+def test_settings(rendered, scene, eye):
+    def expected(**settings):
+        return omma.Renderer(scene, eye, **settings).render("plain")
+
+    assert (rendered("--samples", 3, "--seed", 8) == expected(samples=3, seed=8)).all()
+    assert (rendered("--kernel", "pillbox") == expected(kernel="pillbox")).all()
+    assert (rendered("--sampling", "random") == expected(sampling="random")).all()
+    assert (rendered("--threads", 1) == expected()).all()
+    for text, background in [
+        ("1,0.5,-0", omma.Background.constant((1, 0.5, 0))),
+        ("simple_sky", omma.Background.simple_sky()),
+        ("test_pattern", omma.Background.test_pattern()),
+    ]:
+        assert (rendered("--background", text) == expected(background=background)).all()
+
+
+def test_background_from_an_image(rendered, tmp_path):
+    omma.save_png(tmp_path / "white.png", np.full((4, 8, 3), 255, np.uint8))
+    up = rendered("--background", tmp_path / "white.png").max()
+    assert up == pytest.approx(1, abs=1e-6)
+
+
+def test_a_cameras_own_eye(rendered, scene, files):
+    own = omma.load_eye(files / "bug.eye", unit="m")
+    expected = omma.Renderer(scene, own).render("insect")
+    assert (rendered("--camera", "insect", eye=None) == expected).all()
+    assert (rendered(eye=None) == expected).all()  # the first camera that has one
+    in_mm = omma.Renderer(scene, omma.load_eye(files / "bug.eye")).render("insect")
+    assert (rendered("--unit", "mm", eye=None) == in_mm).all()
+
+
+def test_a_cameras_own_eye_beside_the_scene(omma_command, files, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # bug.eye is not here, but beside the scene
+    code, out, _ = omma_command("render", files / "scene.gltf", "-o", tmp_path / "a.npy")
+    assert code == 0
+    assert str(files / "bug.eye") in out
+
+
+def test_units(rendered):
+    mm, um = rendered("--unit", "mm"), rendered("--unit", "um")
+    assert (rendered("--unit", "0.001") == mm).all()
+    assert (um != mm).any()
+
+
+def test_path_with_standard_errors_and_pictures(omma_command, scene, eye, flight, tmp_path):
+    path = tmp_path / "flight.csv"
+    lines = ["x,y,z,yaw_deg,pitch_deg,roll_deg"]
+    lines += [f"{x},1,{-x},{20 * x},0,0" for x in range(3)]
+    path.write_text("\n".join(lines))
+    outputs = [tmp_path / name for name in ("a.npy", "a.csv", "a.png")]
+    named = [part for output in outputs for part in ("-o", output)]
+    code, out, err = omma_command(
+        *("render", "scene.gltf", "--eye", "bug.eye", "--path", path, "--standard-error", *named)
+    )
+    assert (code, err) == (0, "")
+    expected, errors = omma.Renderer(scene, eye).render(omma.load_poses(path), standard_error=True)
+    assert (np.load(outputs[0]) == expected).all()
+    assert (np.load(tmp_path / "a.error.npy") == errors).all()
+    header = outputs[1].read_text().split("\n")[0]
+    assert header.endswith("r,g,b,r_error,g_error,b_error")
+    pictures = [f"a_000{i}.png" for i in range(3)]
+    assert sorted(p.name for p in tmp_path.glob("*.png")) == pictures
+    assert "poses      3" in out
+    assert "a.error.npy" in out
+    assert "a_0002.png" in out
+
+
+def test_many_poses_go_through_memory_in_pieces(monkeypatch, rendered, scene, eye, tmp_path):
+    monkeypatch.setattr("omma.rendering._CHUNK_BYTES", 60 * 12 * 4)  # four poses
+    path = tmp_path / "flight.csv"
+    rows = "".join(f"{x / 5},1,0,0,0,0,1\n" for x in range(11))
+    path.write_text("x,y,z,qx,qy,qz,qw\n" + rows)
+    whole = omma.Renderer(scene, eye).render(omma.load_poses(path))
+    assert (rendered("--path", path) == whole).all()
+
+
+def test_two_eyes_side_by_side(omma_command, files, tmp_path):
+    arguments = ["render", "scene.gltf", "--eye", "left.eye", "--eye", "right.eye"]
+    code, out, _ = omma_command(
+        *(*arguments, "--side-by-side", "--width", 64, "-o", tmp_path / "a.png"),
+        *("-o", tmp_path / "a.npy"),
+    )
+    assert code == 0
+    assert "ommatidia  80" in out
+    head = omma.merge_eyes([omma.load_eye(files / f"{s}.eye") for s in ("left", "right")])
+    expected = omma.side_by_side(head, np.load(tmp_path / "a.npy"), 64, 32)
+    omma.save_png(tmp_path / "b.png", expected)
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+
+
+def test_info_of_a_scene(omma_command):
+    code, out, err = omma_command("info", "scene.gltf")
+    assert (code, err) == (0, "")
+    for what, words in [
+        ("nodes", "3"),
+        ("triangles", "2"),
+        ("meshes", "1 in 1 places"),
+        ("textures", "0"),
+        ("bounds", "(-10, 0, -10) to (10, 0, 10) m"),
+        ("background", "simple sky"),
+        ("camera", "plain: perspective at (0, 1, 0) m"),
+        ("camera", "insect: perspective at (1, 2, 3) m, scale 0.5, eye bug.eye"),
+    ]:
+        assert re.search(f"^{what} +{re.escape(words)}", out, re.MULTILINE)
+
+
+def test_info_of_an_eye(omma_command, tmp_path):
+    # A row of axes each 3 degrees from -30 to 30 and from straight behind to the right.
+    azimuth = np.radians(np.arange(-30, 31, 3))
+    axis = np.stack([np.sin(azimuth), 0 * azimuth, -np.cos(azimuth)], axis=1)
+    acceptance = np.radians(np.linspace(1, 3, 21))
+    omma.save_eye(tmp_path / "row.eye", omma.Eye(axis * 1e-3, axis, acceptance))
+    code, out, err = omma_command("info", tmp_path / "row.eye")
+    assert (code, err) == (0, "")
+    assert re.search(r"^ommatidia +21$", out, re.MULTILINE)
+    assert re.search(r"^azimuth +-30\.0° to 30\.0°", out, re.MULTILINE)
+    assert re.search(r"^elevation +0\.0° to 0\.0°", out, re.MULTILINE)
+    assert re.search(r"^acceptance +min 1\.00°, median 2\.00°, max 3\.00°", out, re.MULTILINE)
+    assert re.search(r"^interommatidial +min \d", out, re.MULTILINE)
+    assert re.search(r"^field +\d", out, re.MULTILINE)
+
+
+def test_azimuth_range_goes_the_short_way_round():
+    from omma.info import azimuth_range_deg, covered_share
+
+    assert azimuth_range_deg(np.array([170.0, -170, 180])) == (170, 190)
+    assert azimuth_range_deg(np.array([-170.0, -100, 175])) == (-185, -100)
+    assert azimuth_range_deg(np.array([])) == (0, 0)
+    # One ommatidium of 60 degrees sees a cap of that half angle.
+    cap = omma.Eye([[0, 0, 0]], [[0, 1, 0]], np.radians(60))
+    assert covered_share(cap) == pytest.approx(0.25, abs=0.01)
+
+
+def test_warnings_go_to_stderr(omma_command, tmp_path):
+    write_gltf(tmp_path / "odd.gltf", extensionsUsed=["EXT_something_odd"])
+    code, out, err = omma_command("info", tmp_path / "odd.gltf")
+    assert code == 0
+    assert "EXT_something_odd" in out
+    code, _, err = omma_command(
+        *("render", tmp_path / "odd.gltf", "--eye", "bug.eye", "-o", tmp_path / "a.npy")
+    )
+    assert code == 0
+    assert err.startswith("omma: warning: ")
+    assert "EXT_something_odd" in err
+
+
+def test_version_and_help(omma_command):
+    assert omma_command("--version") == (0, f"omma {omma.__version__}\n", "")
+    code, out, _ = omma_command("render", "--help")
+    assert code == 0
+    for words in ("Examples", "omma render meadow.glb --eye honeybee.eye", "--look-at", "yaw_deg"):
+        assert words in out
+    code, out, _ = omma_command("info", "-h")
+    assert code == 0
+    assert "omma info honeybee.eye" in out
+
+
+WRONG_USAGE = [
+    (["render", "scene.gltf"], "output"),
+    (["render", "-o", "a.npy"], "scene"),
+    (["render", "scene.gltf", "-o", "a.npy", "--samples", "many"], "--samples"),
+    (["render", "scene.gltf", "-o", "a.npy", "--kernel", "box"], "gaussian"),
+    (["render", "scene.gltf", "-o", "a.npy", "--position", "1", "2"], "--position"),
+    (["render", "scene.gltf", "-o", "a.npy", "--nonsense"], "--nonsense"),
+    (["paint"], "paint"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "word"), WRONG_USAGE)
+def test_wrong_usage(omma_command, arguments, word):
+    code, out, err = omma_command(*arguments)
+    assert code == 2
+    assert out == ""
+    assert err.startswith("omma: error: ")
+    assert err.count("\n") == 1
+    assert word.lower() in err.lower()
+
+
+RENDER = ["render", "scene.gltf", "--eye", "bug.eye", "-o", "OUT/a.npy"]
+BAD_INPUT = [
+    (["render", "no.gltf", "--eye", "bug.eye", "-o", "OUT/a.npy"], "no.gltf"),
+    (["render", "scene.gltf", "--eye", "no.eye", "-o", "OUT/a.npy"], "no.eye"),
+    (["render", "OUT", "--eye", "bug.eye", "-o", "OUT/a.npy"], "director"),
+    (["render", "scene.gltf", "--eye", "OUT", "-o", "OUT/a.npy"], "director"),
+    (["render", "bug.eye", "--eye", "bug.eye", "-o", "OUT/a.npy"], "bug.eye"),
+    (["render", "scene.gltf", "--eye", "scene.gltf", "-o", "OUT/a.npy"], "scene.gltf, line 1"),
+    ([*RENDER, "--camera", "nobody"], "nobody"),
+    (["render", "scene.gltf", "--camera", "plain", "-o", "OUT/a.npy"], "plain"),
+    ([*RENDER, "--camera", "plain", "--position", "1", "2", "3"], "only one of them"),
+    ([*RENDER, "--look-at", "1", "2", "3"], "look_at"),
+    ([*RENDER, "--position", "1", "2", "3", "--look-at", "1", "2", "3"], "target"),
+    ([*RENDER, "--position", "nan", "2", "3"], "finite"),
+    ([*RENDER, "--path", "no.csv"], "no.csv"),
+    ([*RENDER, "--samples", "0"], "samples"),
+    ([*RENDER, "--samples", "100000000"], "samples"),
+    ([*RENDER, "--seed", "-1"], "seed"),
+    ([*RENDER, "--threads", "-1"], "threads"),
+    ([*RENDER, "--background", "1,2"], "background"),
+    ([*RENDER, "--background", "1,2,x"], "background"),
+    ([*RENDER, "--background", "scene.gltf"], "scene.gltf"),
+    ([*RENDER, "--unit", "inch"], "unit"),
+    ([*RENDER, "-o", "OUT/a.gif"], "a.gif"),
+    ([*RENDER, "-o", "OUT/./a.npy"], "twice"),
+    ([*RENDER, "-o", "OUT/a.png", "--width", "0"], "width"),
+    ([*RENDER, "-o", "OUT/a.png", "--gamma", "0"], "gamma"),
+    ([*RENDER, "-o", "scene.gltf/a.png"], "scene.gltf"),
+    (["info", "no.gltf"], "no.gltf"),
+    (["info", "no.eye"], "no.eye"),
+    (["info", "OUT"], "director"),
+    (["info", "bug.eye", "--unit", "-3"], "unit"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "word"), BAD_INPUT)
+def test_bad_input_is_one_line_and_leaves_nothing(omma_command, tmp_path, arguments, word):
+    arguments = [argument.replace("OUT", str(tmp_path)) for argument in arguments]
+    code, out, err = omma_command(*arguments)
+    assert code == 1
+    assert out == ""
+    assert err.startswith("omma: error: ")
+    assert err.count("\n") == 1
+    assert word in err
+    assert list(tmp_path.iterdir()) == []
+
+
+def broken_scenes(folder):
+    """Name of a scene file that is broken, and a word that its error has to have."""
+    good = write_gltf(folder / "good.gltf").read_text()
+    broken = {
+        "empty.gltf": ("", "empty.gltf"),
+        "cut.gltf": (good[: len(good) // 2], "cut.gltf"),
+        "text.glb": ("not a scene at all", "text.glb"),
+        "past.gltf": (good.replace('"byteLength": 12', '"byteLength": 1200'), "past.gltf"),
+        "huge.gltf": (good.replace('"count": 4', f'"count": {1 << 40}'), "huge.gltf"),
+        "type.gltf": (good.replace("5126", "999"), "type.gltf"),
+        "index.gltf": (good.replace('"count": 6, "type": "SCALAR"', '"count": 9'), "index.gltf"),
+        "required.gltf": (
+            good.replace('"nodes": [{', '"extensionsRequired": ["EXT_no"], "nodes": [{', 1),
+            "EXT_no",
+        ),
+        "outside.gltf": (
+            re.sub(r'"uri": "[^"]*"', '"uri": "../../etc/passwd"', good), "outside.gltf"
+        ),
+    }  # fmt: skip
+    for name, (text, word) in broken.items():
+        (folder / name).write_text(text)
+        yield name, word
+
+
+def test_broken_scenes(omma_command, tmp_path):
+    for name, word in broken_scenes(tmp_path):
+        for command in (["info"], ["render", "--eye", "bug.eye", "-o", tmp_path / "a.npy"]):
+            code, out, err = omma_command(command[0], tmp_path / name, *command[1:])
+            assert (code, out) == (1, ""), name
+            assert err.startswith("omma: error: "), name
+            assert err.count("\n") == 1, name
+            assert name in err, name
+            assert word in err, name
+            assert not (tmp_path / "a.npy").exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("0 0 0 0 0 1 0.1\n", ", line 1"),
+        ("0 0 0 0 0 1 0.1 0\n0 0 0 0 0 0 0.1 0\n", ", line 2"),
+        ("0 0 0 0 0 1 -0.1 0\n", ", line 1"),
+        ("0 0 nan 0 0 1 0.1 0\n", ", line 1"),
+        ("0 0 x 0 0 1 0.1 0\n", ", line 1"),
+    ],
+)
+def test_broken_eyes(omma_command, tmp_path, text, words):
+    (tmp_path / "bad.eye").write_text(text)
+    for command in (["info"], ["render", "scene.gltf", "-o", tmp_path / "a.npy", "--eye"]):
+        code, out, err = omma_command(*command, tmp_path / "bad.eye")
+        assert (code, out) == (1, "")
+        assert "bad.eye" + words in err
+        assert err.count("\n") == 1
+
+
+def test_no_traceback_from_the_installed_command(tmp_path):
+    command = shutil.which("omma", path=os.path.dirname(sys.executable))
+    if command is None:
+        pytest.skip("the command omma is not installed beside this Python")
+    done = subprocess.run([command, "info", "no.eye"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 1
+    assert done.stdout == ""
+    assert done.stderr == "omma: error: no.eye: there is no such file\n"
+
+
+def test_a_closed_pipe_is_no_traceback(files):
+    done = subprocess.run(
+        f"{sys.executable} -m omma info {files / 'scene.gltf'} | true",
+        shell=True,
+        capture_output=True,
+        text=True,
+    )
+    assert done.stderr == ""
+
+
+def run_in_terminal(arguments, enough):
+    """Everything that a program writes to its terminal until it ends or ``enough`` says so."""
+    pid, terminal = pty.fork()
+    if pid == 0:
+        os.execv(sys.executable, [sys.executable, "-m", "omma", *map(str, arguments)])
+    seen, deadline = "", time.perf_counter() + 20
+    try:
+        while time.perf_counter() < deadline and not enough(seen):
+            if not select.select([terminal], [], [], 0.1)[0]:
+                continue
+            try:
+                data = os.read(terminal, 65536)
+            except OSError:  # the other side is closed
+                break
+            if not data:
+                break
+            seen += data.decode(errors="replace")
+    finally:
+        os.kill(pid, 9)
+        os.waitpid(pid, 0)
+        os.close(terminal)
+    return seen
+
+
+def test_progress_bar_in_a_terminal(files, tmp_path):
+    omma.save_eye(tmp_path / "big.eye", make_eye(3000))
+    path = tmp_path / "long.csv"
+    path.write_text("x,y,z,yaw_deg,pitch_deg,roll_deg\n" + "0,1,0,0,0,0\n" * 1000)
+    arguments = ["render", files / "scene.gltf", "--eye", tmp_path / "big.eye", "--path", path]
+    long = [*arguments, "--samples", 5000, "-o", tmp_path / "a.npy"]
+    seen = run_in_terminal(long, lambda text: re.search(r"Rendering.*\d %", text, re.DOTALL))
+    assert re.search(r"Rendering.*\d %", seen, re.DOTALL)
+    # None on what is quick, and none without a terminal: test_three_outputs_of_one_render.
+    quick = ["render", files / "scene.gltf", "--eye", files / "bug.eye", "-o", tmp_path / "b.npy"]
+    seen = run_in_terminal(quick, lambda text: False)
+    assert "wrote" in seen
+    assert "Rendering" not in seen

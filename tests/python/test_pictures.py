@@ -1,0 +1,134 @@
+"""Pictures: which ommatidium a pixel shows, and how it is painted."""
+
+import numpy as np
+import pytest
+from conftest import make_eye
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import omma
+
+
+def pixel_directions(width, height):
+    """(height, width, 3), from the definition: azimuth to the right, elevation up, ahead is -Z."""
+    azimuth = ((np.arange(width) + 0.5) / width * 2 - 1) * np.pi
+    elevation = (0.5 - (np.arange(height) + 0.5) / height) * np.pi
+    a, e = np.meshgrid(azimuth, elevation)
+    return np.stack([np.cos(e) * np.sin(a), np.sin(e), -np.cos(e) * np.cos(a)], axis=-1)
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.integers(1, 200), st.integers(0, 100))
+def test_each_pixel_takes_the_nearest_axis(count, seed):
+    eye = make_eye(count, seed)
+    ids = omma.equirectangular_ids(eye, 48, 24)
+    cosine = pixel_directions(48, 24) @ eye.axis.T.astype(np.float64)
+    chosen = np.take_along_axis(cosine, ids[..., None], axis=-1)[..., 0]
+    # Equal up to the float32 rounding of pixel directions.
+    assert (chosen >= cosine.max(axis=-1) - 1e-6).all()
+
+
+def test_by_position():
+    # Axes say one thing, positions the opposite.
+    axis = make_eye(50).axis
+    eye = omma.Eye(-axis * 1e-3, axis, 0.1)
+    centred = -axis + axis.mean(axis=0)
+    centred /= np.linalg.norm(centred, axis=1, keepdims=True)
+    ids = omma.equirectangular_ids(eye, 48, 24, by="position")
+    cosine = pixel_directions(48, 24) @ centred.T.astype(np.float64)
+    chosen = np.take_along_axis(cosine, ids[..., None], axis=-1)[..., 0]
+    # The centroid is rounded to float32 of a millimetre: 1e-7 of the distance, some times over.
+    assert (chosen >= cosine.max(axis=-1) - 3e-6).all()
+
+
+def test_north_up_east_right():
+    eye = omma.Eye(np.zeros((4, 3)), [[-1, 0.3, 0], [1, 0.3, 0], [-1, -0.3, 0], [1, -0.3, 0]], 0.1)
+    colours = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]], np.float32)
+    picture = omma.equirectangular(eye, colours, 8, 4)
+    assert picture.shape == (4, 8, 3)
+    assert picture.dtype == np.uint8
+    corners = [picture[0, 2], picture[0, 5], picture[3, 2], picture[3, 5]]
+    assert [corner.tolist() for corner in corners] == (colours * 255).tolist()
+
+
+def test_gamma_and_clamp():
+    eye = omma.Eye([[0, 0, 0]], [[0, 0, -1]], 0.1)
+    responses = [[0.25, 7.0, -1.0]]
+    assert omma.equirectangular(eye, responses, 2, 1, gamma=2)[0, 0].tolist() == [128, 255, 0]
+    assert omma.equirectangular(eye, responses, 2, 1, gamma=1)[0, 0].tolist() == [64, 255, 0]
+
+
+def test_limit_of_angle():
+    eye = omma.Eye([[0, 0, 0]], [[0, 0, -1]], 0.1)
+    ids = omma.equirectangular_ids(eye, 360, 180, max_angle_deg=30)
+    seen = ids >= 0
+    # A cap of 30 degrees: 2 pi (1 - cos 30) of 4 pi; pixels are 1 degree wide.
+    weight = np.cos(np.radians(89.5 - np.arange(180)))
+    share = (seen.mean(axis=1) * weight).sum() / weight.sum()
+    assert share == pytest.approx((1 - np.cos(np.radians(30))) / 2, rel=0.02)
+    grey = omma.equirectangular(eye, [[1, 1, 1]], 360, 180, max_angle_deg=30)[0, 0]
+    assert len(set(grey.tolist())) == 1
+    assert 100 < grey[0] < 200
+
+
+def test_field_ends_a_facet_beyond_the_last_axis():
+    eye = omma.Eye(np.zeros((2, 3)), [[0, 0, -1], [np.sin(0.2), 0, -np.cos(0.2)]], 0.05)
+    ids = omma.field_ids(eye, 720, 360)
+    row = ids[180]  # just below the horizon
+    azimuth = ((np.arange(720) + 0.5) / 720 * 2 - 1) * np.pi
+    # Half a pixel of 0.5 degrees, twice.
+    assert azimuth[row >= 0].min() == pytest.approx(-0.2, abs=0.01)
+    assert azimuth[row >= 0].max() == pytest.approx(0.4, abs=0.01)
+    assert set(ids.ravel().tolist()) == {-1, 0, 1}
+
+
+def test_side_by_side_has_the_left_eye_left():
+    right = omma.Eye([[0, 0, 0]], [[1, 0, 0]], np.radians(60))
+    left = omma.Eye([[0, 0, 0]], [[-1, 0, 0]], np.radians(60))
+    head = omma.merge_eyes([right, left])
+    picture = omma.side_by_side(head, [[1, 0, 0], [0, 0, 1]], 40, 20)
+    assert picture.shape == (20, 80, 3)
+    assert picture[10, 10].tolist() == [0, 0, 255]  # left panel, looking left
+    assert picture[10, 70].tolist() == [255, 0, 0]  # right panel, looking right
+    assert len(set(picture[10, 30].tolist())) == 1  # grey: the left eye does not see the right
+    assert (picture[10, 30] == picture[10, 50]).all()
+
+
+def test_responses_of_a_render_can_be_painted(renderer, flight, tmp_path):
+    responses = renderer.render(flight[0])
+    picture = omma.equirectangular(renderer.eye, responses, 64, 32)
+    assert (picture == omma.equirectangular(renderer.eye, responses[0], 64, 32)).all()
+    ids = omma.equirectangular_ids(renderer.eye, 64, 32)
+    assert (picture == omma.paint(ids, responses[0])).all()
+    omma.save_png(tmp_path / "a.png", picture)
+    back = omma.Background.image(tmp_path / "a.png")
+    assert "64 x 32" in repr(back)
+
+
+@pytest.mark.parametrize(
+    ("call", "word"),
+    [
+        (
+            lambda e: omma.equirectangular(e, np.zeros((3, 3))),
+            r"responses: expected shape \(60, 3\)",
+        ),
+        (lambda e: omma.equirectangular(e, np.zeros((2, 60, 3))), r"found \(2, 60, 3\)"),
+        (lambda e: omma.equirectangular(e, np.zeros((60, 3)), gamma=0), "gamma"),
+        (lambda e: omma.equirectangular(e, np.zeros((60, 3)), 0), "width"),
+        (lambda e: omma.equirectangular(e, np.zeros((60, 3)), 1 << 40), "width"),
+        (lambda e: omma.equirectangular_ids(e, 8, -1), "height"),
+        (lambda e: omma.equirectangular_ids(e, by="colour"), "by: expected 'axis' or 'position'"),
+        (lambda e: omma.equirectangular_ids(e, max_angle_deg=-1), "max_angle_deg"),
+        (lambda e: omma.paint([[60]], np.zeros((60, 3))), "ids: expected numbers under 60"),
+        (lambda e: omma.paint([[0]], np.zeros((60, 4))), r"responses: .*\(N, 3\)"),
+        (
+            lambda e: omma.save_png("no/such/x.png", np.zeros((2, 2, 3))),
+            "pixels: expected uint8.*float64",
+        ),
+        (lambda e: omma.save_png("no/such/x.png", np.zeros((2, 2), np.uint8)), "pixels"),
+        (lambda e: omma.save_png("no/such/x.png", np.zeros((2, 2, 3), np.uint8)), "no/such/x.png"),
+    ],
+)
+def test_wrong_arguments(eye, call, word):
+    with pytest.raises(omma.Error, match=word):
+        call(eye)

@@ -1,0 +1,111 @@
+"""Poses in all their forms, and CSV files of them."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import omma
+
+angle = st.floats(-180, 180)
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.tuples(angle, angle, angle))
+def test_angles_make_rigid_poses(angles):
+    pose = omma.poses_from_angles((1, 2, 3), angles)[0]
+    rotation = pose[:3, :3]
+    assert rotation @ rotation.T == pytest.approx(np.eye(3), abs=1e-12)
+    assert np.linalg.det(rotation) == pytest.approx(1)
+    assert pose[:3, 3].tolist() == [1, 2, 3]
+
+
+@pytest.mark.parametrize(
+    ("angles", "view", "up"),
+    [
+        ((0, 0, 0), (0, 0, -1), (0, 1, 0)),
+        ((90, 0, 0), (1, 0, 0), (0, 1, 0)),  # to the right
+        ((0, 90, 0), (0, 1, 0), (0, 0, 1)),  # up
+        ((0, 0, 90), (0, 0, -1), (1, 0, 0)),  # the right side down, so up goes right
+        ((90, 90, 0), (0, 1, 0), (-1, 0, 0)),
+    ],
+)
+def test_what_angles_mean(angles, view, up):
+    rotation = omma.poses_from_angles((0, 0, 0), angles)[0, :3, :3]
+    assert rotation @ [0, 0, -1] == pytest.approx(view, abs=1e-12)
+    assert rotation @ [0, 1, 0] == pytest.approx(up, abs=1e-12)
+
+
+@settings(max_examples=50, deadline=None)
+@given(
+    st.lists(st.floats(-1, 1), min_size=4, max_size=4).filter(lambda q: np.linalg.norm(q) > 0.01),
+    st.lists(st.floats(-1, 1), min_size=3, max_size=3),
+)
+def test_quaternions_turn_as_hamilton_says(quaternion, vector):
+    rotation = omma.poses_from_quaternions((0, 0, 0), quaternion)[0, :3, :3]
+    x, y, z, w = np.array(quaternion) / np.linalg.norm(quaternion)
+    axis, v = np.array([x, y, z]), np.array(vector)
+    # v' = v + 2 w (q x v) + 2 q x (q x v)
+    turned = v + 2 * w * np.cross(axis, v) + 2 * np.cross(axis, np.cross(axis, v))
+    assert rotation @ v == pytest.approx(turned, abs=1e-12)
+
+
+def test_look_at():
+    pose = omma.look_at((1, 2, 3), (1, 2, -7))
+    assert pose == pytest.approx(omma.poses_from_angles((1, 2, 3), (0, 0, 0))[0])
+    with pytest.raises(omma.Error, match="target"):
+        omma.look_at((1, 2, 3), (1, 2, 3))
+    with pytest.raises(omma.Error, match="up"):
+        omma.look_at((0, 0, 0), (0, 1, 0))
+    with pytest.raises(omma.Error, match=r"target_m: expected numbers of shape \(3,\)"):
+        omma.look_at((0, 0, 0), (0, 1))
+
+
+def test_csv(tmp_path):
+    path = tmp_path / "poses.csv"
+    path.write_text(
+        "# a flight\nx, y, z, qx, qy, qz, qw\n\n1,2,3,0,0,0,1 # first\r\n4,5,6,0,1,0,1\n"
+    )
+    poses = omma.load_poses(path)
+    assert poses.shape == (2, 4, 4)
+    assert poses[0, :3, 3].tolist() == [1, 2, 3]
+    assert poses[1, :3, :3] @ [0, 0, -1] == pytest.approx([-1, 0, 0])
+    path.write_text("x,y,z,yaw_deg,pitch_deg,roll_deg\n1,2,3,10,20,30")
+    assert omma.load_poses(path) == pytest.approx(omma.poses_from_angles((1, 2, 3), (10, 20, 30)))
+
+
+HEADER = "x,y,z,yaw_deg,pitch_deg,roll_deg\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ("", "holds no pose"),
+        (HEADER, "holds no pose"),
+        ("1,2,3,0,0,0\n", ", line 1: expected a header line"),
+        ("x,y,z\n", ", line 1: expected a header line"),
+        (HEADER + "1,2,3,0,0,0\n1,2,3\n", ", line 3: expected 6 numbers.*found 3"),
+        (
+            HEADER + "1,2,3,0,0,zero\n",
+            ", line 2, column roll_deg: expected a finite number.*'zero'",
+        ),
+        (HEADER + "1,nan,3,0,0,0\n", ", line 2, column y: expected a finite number"),
+        (HEADER + "1,,3,0,0,0\n", ", line 2, column y"),
+        ("x,y,z,qx,qy,qz,qw\n1,2,3,0,0,0,0\n", ", line 2: the quaternion has length 0"),
+    ],
+)
+def test_wrong_csv(tmp_path, text, word):
+    path = tmp_path / "poses.csv"
+    path.write_text(text)
+    with pytest.raises(omma.Error, match="poses.csv.*" + word):
+        omma.load_poses(path)
+
+
+def test_csv_that_cannot_be_read(tmp_path):
+    with pytest.raises(omma.Error, match="cannot be read: No such file"):
+        omma.load_poses(tmp_path / "missing.csv")
+    with pytest.raises(omma.Error, match="cannot be read"):
+        omma.load_poses(tmp_path)
+    (tmp_path / "binary.csv").write_bytes(bytes(range(256)))
+    with pytest.raises(omma.Error, match="not a text file"):
+        omma.load_poses(tmp_path / "binary.csv")

@@ -1,0 +1,286 @@
+"""The renderer from Python: shapes, memory, arguments, determinism, iteration."""
+
+import threading
+import time
+
+import numpy as np
+import pytest
+from conftest import make_eye
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import omma
+
+
+@pytest.mark.parametrize("kernel", ["gaussian", "pillbox", "compoundray"])
+@pytest.mark.parametrize("sampling", ["low_discrepancy", "random"])
+@pytest.mark.parametrize("samples", [1, 7, 16])
+def test_even_surround_gives_one(kernel, sampling, samples):
+    rng = np.random.default_rng(0)
+    eye = omma.Eye(
+        rng.normal(size=(50, 3)), rng.normal(size=(50, 3)), rng.uniform(0.001, 6, 50), 0.01
+    )
+    renderer = omma.Renderer(
+        omma.Scene(),
+        eye,
+        samples=samples,
+        kernel=kernel,
+        sampling=sampling,
+        background=omma.Background.constant((1, 1, 1)),
+    )
+    responses, errors = renderer.render(np.eye(4), standard_error=True)
+    assert np.abs(responses - 1).max() <= 1e-6
+    assert errors.max() <= 1e-6
+
+
+def test_shapes(renderer, flight):
+    assert renderer.render(flight).shape == (9, 60, 3)
+    assert renderer.render(flight[0]).shape == (1, 60, 3)
+    assert renderer.render(flight[:0]).shape == (0, 60, 3)
+    assert renderer.render(flight.tolist()).dtype == np.float32
+    responses, errors = renderer.render(flight, standard_error=True)
+    assert responses.shape == errors.shape == (9, 60, 3)
+    assert (errors >= 0).all()
+    assert errors.max() > 0
+
+
+def test_forms_of_poses(renderer, scene):
+    turn = np.array([0.1, -0.2, 0.3, 0.9])
+    positions = np.array([[0, 1, 0], [1, 2, 3.0]])
+    matrices = omma.poses_from_quaternions(positions, np.stack([turn, turn]))
+    expected = renderer.render(matrices)
+    assert (renderer.render((positions, np.stack([turn, turn]))) == expected).all()
+    # A pair of matrices is no pair of positions and quaternions.
+    assert (renderer.render((matrices[0], matrices[1])) == expected).all()
+    named = renderer.render("insect")
+    assert (named == renderer.render(scene.camera("insect").world_from_camera)).all()
+
+
+def test_scale_of_a_pose_applies_to_the_eye(scene):
+    # Straight down onto the coloured ground, from x = 4 at half scale and from x = 2.
+    def seen(x, scale):
+        eye = omma.Eye([[x, 0, 0]], [[0, -1, 0]], np.radians(0.01))
+        pose = np.diag([scale, scale, scale, 1])
+        pose[1, 3] = 1
+        return omma.Renderer(scene, eye).render(pose)[0, 0]
+
+    # The spot on the ground is 0.2 mm wide, and colours change by 1 over 20 m.
+    assert seen(4, 0.5) == pytest.approx(seen(2, 1), abs=1e-4)
+    assert seen(4, 1) != pytest.approx(seen(2, 1), abs=0.01)
+
+
+def test_out_is_written_to_and_returned(renderer, flight):
+    out = np.full((9, 60, 3), np.nan, np.float32)
+    error_out = np.full((9, 60, 3), np.nan, np.float32)
+    assert renderer.render(flight, out=out) is out
+    assert (out == renderer.render(flight)).all()
+    responses, errors = renderer.render(flight, standard_error=True, out=out, error_out=error_out)
+    assert responses is out
+    assert errors is error_out
+    assert np.isfinite(error_out).all()
+
+
+def test_wrong_out(renderer, flight):
+    right = (9, 60, 3)
+    readonly = np.zeros(right, np.float32)
+    readonly.flags.writeable = False
+    for out, kind, word in [
+        (np.zeros(right), TypeError, "float64"),
+        ([1, 2], TypeError, "list"),
+        (np.zeros((9, 60), np.float32), omma.Error, r"\(9, 60, 3\), found \(9, 60\)"),
+        (np.zeros((3, 60, 9), np.float32).T, omma.Error, "C-contiguous"),
+        (readonly, omma.Error, "C-contiguous array that can be written to"),
+    ]:
+        with pytest.raises(kind, match=word):
+            renderer.render(flight, out=out)
+    good = np.zeros(right, np.float32)
+    with pytest.raises(omma.Error, match="error_out"):
+        renderer.render(flight, error_out=good)
+    with pytest.raises(omma.Error, match="shares memory"):
+        renderer.render(flight, standard_error=True, out=good, error_out=good)
+
+
+@pytest.mark.parametrize(
+    ("poses", "word"),
+    [
+        (np.zeros((3, 3)), r"\(P, 4, 4\) or \(4, 4\).*found shape \(3, 3\)"),
+        (np.zeros((2, 4, 3)), r"found shape \(2, 4, 3\)"),
+        (np.full((4, 4), np.nan), "pose 0"),
+        (omma.look_at((1, 2, 3), (0, 0, 0)).T, "last row.*translation belongs"),
+        (np.diag([0.0, 1, 1, 1]), "invertible"),
+        (np.diag([np.inf, 1, 1, 1]), "finite"),
+        ("nobody", "nobody"),
+        (([[0, 0, 0]], [[0, 0, 0, 0]]), "length 0"),
+        (([[0, 0, 0]] * 2, [[0, 0, 0, 1]] * 3), "as many rows"),
+        (([[0, 0, np.nan]], [[0, 0, 0, 1]]), "positions_m.*finite"),
+        (([[0, 0, 0]], [[0, 0, 1]]), r"quaternions: expected shape \(P, 4\)"),
+        (None, "poses"),
+        ([[1, 2], [3]], "poses"),
+    ],
+)
+def test_wrong_poses(renderer, poses, word):
+    with pytest.raises(omma.Error, match=word):
+        renderer.render(poses)
+
+
+@pytest.mark.parametrize(
+    ("changes", "kind", "word"),
+    [
+        ({"samples": 0}, omma.Error, "samples: expected 1 to 1048576, found 0"),
+        ({"samples": 1 << 40}, omma.Error, "samples"),
+        ({"samples": 2.5}, TypeError, "samples: expected a whole number, found float"),
+        ({"seed": -1}, omma.Error, "seed"),
+        ({"seed": 1 << 64}, omma.Error, "seed"),
+        ({"threads": -1}, omma.Error, "threads"),
+        ({"kernel": "box"}, omma.Error, "kernel: expected one of gaussian, pillbox, compoundray"),
+        ({"sampling": "sobol"}, omma.Error, "sampling: expected one of low_discrepancy, random"),
+        ({"background": (1, 1, 1)}, TypeError, "background: expected omma.Background"),
+        ({"eye": "bee.eye"}, TypeError, "eye: expected omma.Eye.*found str.*omma.load_eye"),
+        ({"eye": []}, omma.Error, "at least one eye"),
+        ({"scene": "meadow.glb"}, TypeError, "scene: expected omma.Scene, found str"),
+    ],
+)
+def test_wrong_arguments(scene, eye, changes, kind, word):
+    arguments = {"scene": scene, "eye": eye} | changes
+    with pytest.raises(kind, match=word):
+        omma.Renderer(**arguments)
+
+
+def test_settings_can_be_read(scene, eye):
+    renderer = omma.Renderer(
+        scene, [eye, eye], samples=4, seed=9, kernel="pillbox", sampling="random", threads=2
+    )
+    assert (renderer.samples, renderer.seed, renderer.threads) == (4, 9, 2)
+    assert (renderer.kernel, renderer.sampling) == ("pillbox", "random")
+    assert renderer.scene is scene
+    assert len(renderer.eye) == 120
+    assert renderer.backend.startswith("embree")
+    assert set(renderer.build_times) == {"scene_s", "acceleration_s", "directions_s"}
+    assert "120 ommatidia" in repr(renderer)
+
+
+def test_renderer_outlives_what_it_was_made_from(flight, files):
+    renderer = omma.Renderer(omma.load_scene(files / "scene.gltf"), make_eye())
+    axis = renderer.eye.axis
+    expected = axis.copy()
+    assert np.isfinite(renderer.render(flight)).all()
+    del renderer
+    assert (axis == expected).all()
+
+
+def test_same_bits_for_any_number_of_threads(scene, eye, flight):
+    results = [omma.Renderer(scene, eye, threads=n).render(flight) for n in (1, 2, 7)]
+    assert (results[0] == results[1]).all()
+    assert (results[0] == results[2]).all()
+    assert (omma.Renderer(scene, eye, seed=1).render(flight) != results[0]).any()
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(1, 12), st.booleans(), st.sampled_from([np.asarray, iter, list, tuple]))
+def test_render_iter_equals_render(renderer, flight, chunk, standard_error, form):
+    whole = renderer.render(flight, standard_error=standard_error, first_pose=5)
+    pieces = list(
+        renderer.render_iter(form(flight), chunk=chunk, standard_error=standard_error, first_pose=5)
+    )
+    assert len(pieces) == 9
+    if standard_error:
+        assert (np.array([piece[0] for piece in pieces]) == whole[0]).all()
+        assert (np.array([piece[1] for piece in pieces]) == whole[1]).all()
+    else:
+        assert (np.array(pieces) == whole).all()
+
+
+def test_render_iter_takes_poses_as_it_needs_them(renderer, flight):
+    taken = 0
+
+    def endless():
+        nonlocal taken
+        while True:
+            taken += 1
+            yield flight[0]
+
+    responses = renderer.render_iter(endless(), chunk=4)
+    assert next(responses).shape == (60, 3)
+    assert taken == 4
+    positions, turns = np.zeros((3, 3)), np.array([[0, 0, 0, 1.0]] * 3)
+    assert len(list(renderer.render_iter((positions, turns)))) == 3
+    assert len(list(renderer.render_iter("plain"))) == 1
+
+
+def test_render_iter_names_the_pose_that_is_wrong(renderer, flight):
+    wrong = flight.copy()
+    wrong[7, 3, 0] = 1
+    with pytest.raises(omma.Error, match="pose 7"):
+        list(renderer.render_iter(iter(wrong), chunk=2))
+    with pytest.raises(TypeError, match="found int"):
+        list(renderer.render_iter(5))
+    with pytest.raises(omma.Error, match="chunk"):
+        renderer.render_iter(flight, chunk=0)
+
+
+@pytest.fixture(scope="module")
+def slow(scene):
+    """A renderer that needs seconds for 200 poses on any machine."""
+    return omma.Renderer(scene, make_eye(2000), samples=4096, threads=2)
+
+
+def test_progress_and_what_it_raises(slow, flight):
+    seen = []
+
+    def watch(share):
+        seen.append(share)
+        if len(seen) == 3:
+            raise ZeroDivisionError("enough")
+
+    poses = np.concatenate([flight] * 40)
+    with pytest.raises(ZeroDivisionError, match="enough"):
+        slow.render(poses, progress=watch)
+    assert len(seen) == 3
+    assert seen == sorted(seen)
+    assert 0 <= seen[0] <= seen[-1] < 1
+    with pytest.raises(TypeError):
+        slow.render(poses, progress="not callable")
+
+
+def test_other_python_threads_run_meanwhile(slow, flight):
+    begun, over = threading.Event(), threading.Event()
+    latest = []
+
+    def stop_soon(share):
+        begun.set()
+        if time.perf_counter() - start > 0.6:
+            raise TimeoutError
+
+    def count():
+        begun.wait()
+        while not over.is_set():
+            latest.append(time.perf_counter())
+            time.sleep(0.01)
+
+    counter = threading.Thread(target=count)
+    counter.start()
+    start = time.perf_counter()
+    try:
+        with pytest.raises(TimeoutError):
+            slow.render(np.concatenate([flight] * 40), progress=stop_soon)
+    finally:
+        begun.set()
+        over.set()
+        counter.join()
+    # With the GIL held the other thread would get a turn only in the few progress calls.
+    assert len(latest) > 15
+
+
+def test_renders_from_several_threads(renderer, flight):
+    expected = renderer.render(flight)
+    results = [None] * 4
+
+    def work(i):
+        results[i] = renderer.render(flight)
+
+    threads = [threading.Thread(target=work, args=(i,)) for i in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert all((result == expected).all() for result in results)

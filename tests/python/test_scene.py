@@ -1,0 +1,113 @@
+"""Scenes and backgrounds as Python sees them; the loader itself is tested in C++."""
+
+import numpy as np
+import pytest
+from conftest import DATA, write_gltf
+
+import omma
+
+
+def test_what_a_scene_says(scene, files):
+    assert scene.path == str(files / "scene.gltf")
+    assert scene.triangle_count == 2
+    assert scene.mesh_count == scene.instance_count == 1
+    assert scene.node_count == 3
+    assert scene.bounds.tolist() == [[-10, 0, -10], [10, 0, 10]]
+    assert scene.background.type == "simple_sky"
+    assert scene.warnings == []
+    assert "2 triangles" in repr(scene)
+
+
+def test_cameras(scene):
+    plain, insect = scene.cameras
+    assert (plain.name, plain.type, plain.extras) == (
+        "plain", "perspective", {"note": "look", "n": [1, 2]},
+    )  # fmt: skip
+    assert plain.compound_structure == ""
+    assert insect.compound_structure == "bug.eye"
+    expected = np.diag([0.5, 0.5, 0.5, 1])
+    expected[:3, 3] = 1, 2, 3
+    assert insect.world_from_camera == pytest.approx(expected)
+    assert scene.camera("insect").name == "insect"
+    with pytest.raises(omma.Error) as caught:
+        scene.camera("nobody")
+    assert "nobody" in str(caught.value)
+    assert "insect" in str(caught.value)
+
+
+def test_empty_scenes(tmp_path, eye):
+    for empty in (
+        omma.Scene(),
+        omma.load_scene(write_gltf(tmp_path / "empty.gltf", triangles=False)),
+    ):
+        assert empty.triangle_count == 0
+        assert empty.bounds is None
+        assert (omma.Renderer(empty, eye).render(np.eye(4)) == 0).all()
+
+
+def test_scene_index(files):
+    assert omma.load_scene(files / "scene.gltf", 0).triangle_count == 2
+    for index in (1, 99, -1):
+        with pytest.raises(omma.Error, match="scene"):
+            omma.load_scene(files / "scene.gltf", scene_index=index)
+
+
+def test_backgrounds(eye, tmp_path):
+    def seen(background):
+        return omma.Renderer(omma.Scene(), eye, background=background).render(np.eye(4))[0]
+
+    # 8-bit pixels are sRGB: 188 is 0.5029 linear; float pixels are linear already.
+    white = np.full((8, 16, 3), 188, np.uint8)
+    assert seen(omma.Background.image(white)) == pytest.approx(0.50289, abs=1e-4)
+    assert seen(omma.Background.image(np.full((8, 16, 4), 2.5))) == pytest.approx(2.5, rel=1e-6)
+    omma.save_png(tmp_path / "white.png", white)
+    assert (seen(omma.Background.image(tmp_path / "white.png")) ==
+            seen(omma.Background.image(white))).all()  # fmt: skip
+    up = seen(omma.Background.simple_sky())[eye.axis[:, 1].argmax()]
+    assert up[2] > up[1] > up[0]
+    assert omma.Background.constant((1, 2, 3)).color == (1, 2, 3)
+    assert omma.Background.test_pattern().type == "test_pattern"
+
+
+def test_image_is_the_right_way_round():
+    # Left half red (the animal's left), right half green; top half also blue.
+    image = np.zeros((64, 128, 3), np.float32)
+    image[:, :64, 0] = image[:, 64:, 1] = image[:32, :, 2] = 1
+    looks = [[-1, 0.5, -1], [1, 0.5, -1], [1, -0.5, 1], [-1, -0.5, 1]]
+    eye = omma.Eye(np.zeros((4, 3)), looks, np.radians(1))
+    background = omma.Background.image(image)
+    seen = omma.Renderer(omma.Scene(), eye, background=background).render(np.eye(4))[0]
+    assert seen.round(5).tolist() == [[1, 0, 1], [0, 1, 1], [0, 1, 0], [1, 0, 0]]
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: omma.Background.constant("red"), ["color", "(3,)"]),
+        (lambda: omma.Background.constant((1, 2)), ["color", "(3,)", "(2,)"]),
+        (lambda: omma.Background.constant((1, 2, float("inf"))), ["color", "finite"]),
+        (lambda: omma.Background.image(np.zeros((2, 2), np.uint8)), ["image", "(2, 2)"]),
+        (lambda: omma.Background.image(np.zeros((2, 2, 3), int)), ["image", "int64"]),
+        (lambda: omma.Background.image(np.full((2, 2, 3), np.nan)), ["image", "finite"]),
+        (lambda: omma.Background.image(np.zeros((0, 2, 3))), ["image", "(0, 2, 3)"]),
+        (lambda: omma.Background.image("missing.png"), ["missing.png"]),
+    ],
+)
+def test_wrong_backgrounds(make, words):
+    with pytest.raises(omma.Error) as caught:
+        make()
+    for word in words:
+        assert word in str(caught.value)
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason=f"no real data at {DATA}")
+def test_real_data():
+    scenes = DATA / "compound-ray" / "scenes"
+    meadow = omma.load_scene(scenes / "natural-standin-sky.gltf")
+    assert meadow.triangle_count == 24_200
+    assert sum(camera.compound_structure != "" for camera in meadow.cameras) == 3
+    bee = omma.load_eye(DATA / "compound-ray" / "bees" / "AM_60185-real.eye")
+    assert len(bee) == 6374
+    responses = omma.Renderer(meadow, bee, samples=4).render(meadow.cameras[0].name)
+    assert np.isfinite(responses).all()
+    assert 0 < responses.mean() < 1
