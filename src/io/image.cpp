@@ -12,15 +12,42 @@
 #include "omma/error.h"
 #include "omma/io.h"
 
+namespace {
+
+// The largest piece of memory that stb may ask for, set before each image is decoded. Without it a
+// PNG whose packed data are cut off makes versions before 2.29 unpack zeros up to 4 GiB.
+thread_local std::size_t largest_piece = 0;
+
+// Zeroed, so that what a broken image leaves undefined is the same every time.
+void* limited_malloc(std::size_t size) {
+  return size > largest_piece ? nullptr : std::calloc(1, size);
+}
+
+void* limited_realloc(void* piece, std::size_t size) {
+  return size > largest_piece ? nullptr : std::realloc(piece, size);
+}
+
+}  // namespace
+
 #if defined(__GNUC__)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 #endif
+// Broken images make stb's arithmetic overflow and its copies empty, both without harm; sanitizers
+// are to report the rest.
+#if defined(__clang__)
+#pragma clang attribute push(                                                              \
+    __attribute__((no_sanitize("signed-integer-overflow", "shift", "nonnull-attribute"))), \
+    apply_to = function)
+#endif
 #define STBI_ONLY_PNG
 #define STBI_ONLY_JPEG
 #define STBI_NO_STDIO
 #define STBI_MAX_DIMENSIONS 65536
+#define STBI_MALLOC limited_malloc
+#define STBI_REALLOC limited_realloc
+#define STBI_FREE std::free
 #define STB_IMAGE_STATIC
 #define STB_IMAGE_IMPLEMENTATION
 #include <stb_image.h>
@@ -28,6 +55,9 @@
 #define STB_IMAGE_WRITE_STATIC
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #include <stb_image_write.h>
+#if defined(__clang__)
+#pragma clang attribute pop
+#endif
 #if defined(__GNUC__)
 #pragma GCC diagnostic pop
 #endif
@@ -46,23 +76,67 @@ bool starts_with(std::span<const std::uint8_t> bytes, std::string_view signature
                     [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
 }
 
-// A JPEG cut off within its scan decodes, its rest grey. Whole ones have an end-of-image marker
-// after the start of their first scan (thumbnails with markers of their own come before it).
-bool has_jpeg_end(std::span<const std::uint8_t> bytes) {
-  std::size_t at = 2;
-  while (at + 4 <= bytes.size() && bytes[at] == 0xFF) {
-    const std::uint8_t marker = bytes[at + 1];
-    if (marker == 0xFF) {  // fill byte
-      ++at;
-      continue;
-    }
-    const std::size_t length = bytes[at + 2] * 256u + bytes[at + 3];
-    if (marker == 0xDA) break;
-    at += 2 + length;
+// Two things that stb passes over: versions before 2.28 leave their arrays for a Huffman table of
+// too many codes or one that was never defined, and a JPEG cut off within its scan decodes, its
+// rest grey. So all segments are walked up to the end-of-image marker (ITU-T T.81, annex B).
+struct JpegCheck {
+  std::string place;
+  bool progressive = false, has_scan = false;
+  bool has_table[2][4] = {};  // [DC, AC][identifier]
+
+  [[noreturn]] void fail(const char* what) const {
+    throw Error(place + ": the image does not decode: " + what);
   }
-  for (; at + 2 <= bytes.size(); ++at)
-    if (bytes[at] == 0xFF && bytes[at + 1] == 0xD9) return true;
-  return false;
+
+  void tables(std::span<const std::uint8_t> segment) {  // B.2.4.2
+    for (std::size_t at = 0; at < segment.size();) {
+      std::size_t codes = 0;
+      for (std::size_t i = 1; i <= 16 && at + i < segment.size(); ++i) codes += segment[at + i];
+      const int kind = segment[at] >> 4, identifier = segment[at] & 15;
+      if (kind > 1 || identifier > 3 || codes > 256 || at + 17 + codes > segment.size())
+        fail("it has a broken Huffman table");
+      has_table[kind][identifier] = true;
+      at += 17 + codes;
+    }
+  }
+
+  void scan(std::span<const std::uint8_t> segment) {  // B.2.3
+    const std::size_t components = segment.empty() ? 0 : segment[0];
+    if (segment.size() != 4 + 2 * components) fail("it has a broken scan header");
+    const bool starts_at_dc = segment[1 + 2 * components] == 0;
+    for (std::size_t i = 0; i < components; ++i) {
+      const std::uint8_t identifiers = segment[2 + 2 * i];
+      const bool has_dc = has_table[0][identifiers >> 4 & 3],
+                 has_ac = has_table[1][identifiers & 3];
+      if (((!progressive || starts_at_dc) && !has_dc) ||
+          ((!progressive || !starts_at_dc) && !has_ac))
+        fail("a scan uses a Huffman table that is not there");
+    }
+    has_scan = true;
+  }
+};
+
+void check_jpeg(std::span<const std::uint8_t> bytes, const std::string& place) {
+  JpegCheck check{place};
+  for (std::size_t at = 2;;) {
+    while (at < bytes.size() && bytes[at] != 0xFF) ++at;  // entropy-coded data
+    while (at < bytes.size() && bytes[at] == 0xFF) ++at;  // fill bytes
+    if (at == bytes.size()) break;
+    const std::uint8_t marker = bytes[at++];
+    const bool alone = marker <= 0x01 || (marker >= 0xD0 && marker <= 0xD8);
+    if (alone) continue;  // a byte 255 of the data, or a restart
+    if (marker == 0xD9 && check.has_scan) return;
+    if (at + 2 > bytes.size()) break;
+    const std::size_t length =
+        std::max<std::size_t>(bytes[at] * std::size_t{256} + bytes[at + 1], 2);
+    if (length > bytes.size() - at) break;
+    const std::span<const std::uint8_t> segment = bytes.subspan(at + 2, length - 2);
+    if (marker == 0xC2) check.progressive = true;
+    if (marker == 0xC4) check.tables(segment);
+    if (marker == 0xDA) check.scan(segment);
+    at += length;
+  }
+  throw Error(place + ": the image is cut off");
 }
 
 // Checks what the header says against the bytes that are there.
@@ -126,12 +200,18 @@ Image decode_image(std::span<const std::uint8_t> bytes, const std::string& place
   const stbi_uc* data = bytes.data();
   const int size = static_cast<int>(bytes.size());
 
+  if (jpeg) check_jpeg(bytes, place);
+
   Image image;
   int components = 0;
+  largest_piece = std::size_t{1} << 20;
   if (!stbi_info_from_memory(data, size, &image.width, &image.height, &components))
     throw Error(place + ": the image does not decode: its header is broken or claims too much");
   check_size(bytes, image.width, image.height, png, place);
-  if (jpeg && !has_jpeg_end(bytes)) throw Error(place + ": the image is cut off");
+  // At most 8 bytes a pixel, twice that while unpacking; JPEGs are padded to whole blocks.
+  largest_piece += 32 * (static_cast<std::size_t>(image.width) + 64) *
+                       (static_cast<std::size_t>(image.height) + 64) +
+                   4 * bytes.size();
 
   const std::size_t count =
       static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * 4;

@@ -191,25 +191,24 @@ TEST(GltfPrimitive, UnusedVerticesAreDropped) {
 }
 
 TEST(GltfPrimitive, ColorsOfThreeAndFourComponents) {
-  const auto color = [](GltfBuilder b, int accessor) {
+  GltfBuilder b = one_triangle();
+  const auto color = [&](int accessor) {
     b.document["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = accessor;
     return load(b).meshes.at(0).colors.at(1);
   };
   const float tolerance = 1e-7f;  // half a unit in the last place of numbers up to 1
-  GltfBuilder b = one_triangle();
-  expect_near(color(b, b.accessor<float>({0, 0, 0, 0.1f, 0.2f, 2.5f, 0, 0, 0}, "VEC3")),
+  expect_near(color(b.accessor<float>({0, 0, 0, 0.1f, 0.2f, 2.5f, 0, 0, 0}, "VEC3")),
               {0.1f, 0.2f, 2.5f, 1});
-  expect_near(color(b, b.accessor<float>({0, 0, 0, 0, 0.1f, 0.2f, 0.3f, 0.4f, 0, 0, 0, 0}, "VEC4")),
+  expect_near(color(b.accessor<float>({0, 0, 0, 0, 0.1f, 0.2f, 0.3f, 0.4f, 0, 0, 0, 0}, "VEC4")),
               {0.1f, 0.2f, 0.3f, 0.4f});
   expect_near(
-      color(b, b.accessor<std::uint8_t>({0, 0, 0, 0, 255, 51, 0, 102, 0, 0, 0, 0}, "VEC4", true)),
+      color(b.accessor<std::uint8_t>({0, 0, 0, 0, 255, 51, 0, 102, 0, 0, 0, 0}, "VEC4", true)),
       {1, 0.2f, 0, 0.4f}, tolerance);
-  expect_near(color(b, b.accessor<std::uint16_t>({0, 0, 0, 0, 65535, 13107, 0, 26214, 0, 0, 0, 0},
-                                                 "VEC4", true)),
+  expect_near(color(b.accessor<std::uint16_t>({0, 0, 0, 0, 65535, 13107, 0, 26214, 0, 0, 0, 0},
+                                              "VEC4", true)),
               {1, 0.2f, 0, 0.4f}, tolerance);
-  expect_near(
-      color(b, b.accessor<std::uint16_t>({0, 0, 0, 65535, 13107, 0, 0, 0, 0}, "VEC3", true)),
-      {1, 0.2f, 0, 1}, tolerance);
+  expect_near(color(b.accessor<std::uint16_t>({0, 0, 0, 65535, 13107, 0, 0, 0, 0}, "VEC3", true)),
+              {1, 0.2f, 0, 1}, tolerance);
 }
 
 TEST(GltfPrimitive, TextureCoordinatesOfBothSets) {

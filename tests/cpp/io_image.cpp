@@ -107,6 +107,27 @@ TEST(Image, ClaimsOfSizeDoNotAllocate) {
   expect_error([&] { decode(claim); }, {"place"});
 }
 
+TEST(Image, BrokenJpegTables) {
+  // Tables of 16 x 255 codes, which some decoders write past their array for.
+  const std::string whole = grey_jpeg();
+  const std::size_t table = whole.find("\xFF\xC4");
+  std::string bad = whole;
+  bad.replace(table + 5, 16, std::string(16, '\xFF'));
+  expect_error([&] { decode(bad); }, {"place", "broken Huffman table"});
+  bad = whole;
+  bad[table + 4] = 1;  // renamed, so that the scan's table is not there
+  expect_error([&] { decode(bad); }, {"place", "Huffman table that is not there"});
+}
+
+TEST(Image, PackedDataThatUnpackForever) {
+  // A packed stream of literals that ends without an end: some decoders go on with zeros.
+  std::string bytes = png<std::uint16_t>(4, 4, 4, std::vector<std::uint16_t>(64));
+  const std::size_t data = bytes.find("IDAT") + 4;
+  bytes.replace(data + 2, 3, std::string("\x63\x60\x60", 3));
+  expect_error([&] { decode(bytes.substr(0, data + 5)); }, {"place"});
+  expect_error([&] { decode(bytes); }, {"place"});
+}
+
 TEST(Image, WhatIsNone) {
   expect_error([] { decode(""); }, {"place", "PNG"});
   expect_error([] { decode("GIF89a"); }, {"place", "PNG"});
