@@ -23,9 +23,9 @@ NASAL_EDGE_UP_DEG = -42.0  # at elevation +60
 NASAL_EDGE_DOWN_DEG = -52.0  # at elevation -60
 
 # The surface on which the lenses sit is an assumption, not part of the model: a half ellipsoid of
-# the size of a worker's eye (length 2.6 mm, lenses to 20 micrometres across: Somanathan et al. 2009,
-# J Exp Biol 212:2448, Table 1; the micro-CT of one worker by G. Taylor, MorphoSource 00000C646:
-# 2.4 x 0.9 x 0.7 mm, 1.1 to 1.9 mm from the mid-line).
+# the size of a worker's eye (length 2.6 mm, lenses to 20 micrometres across: Somanathan et al.
+# 2009, J Exp Biol 212:2448, Table 1; the micro-CT of one worker by G. Taylor, MorphoSource
+# 00000C646: 2.4 x 0.9 x 0.7 mm, 1.1 to 1.9 mm from the mid-line).
 EYE_CENTRE_MM = (1.4, 0.05, 0.0)
 EYE_SEMI_AXES_MM = (0.42, 1.2, 0.4)  # sideways, upwards, forwards
 SURFACE_HALF_WIDTH_DEG = 75.0  # longitude of the nasal and temporal edge on the ellipsoid

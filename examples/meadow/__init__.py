@@ -1,0 +1,1 @@
+"""The parts of make_meadow.py: shapes, plants, trees, land, textures, the glTF writer."""

@@ -1,0 +1,168 @@
+"""Writes a glTF 2.0 binary (.glb) from triangle meshes: only what the meadow needs of the format.
+
+Vertex attributes of one kind share a buffer view with a stride, colours are normalised bytes, and
+indices are 8 or 16 bit, which keeps the file small. Meshes carry no normals: all materials here are
+unlit (the light is baked into the colours), and for others a reader must compute flat ones.
+"""
+
+import json
+import struct
+from dataclasses import dataclass, field
+
+import numpy as np
+
+UBYTE, USHORT, FLOAT = 5121, 5123, 5126
+ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
+
+
+@dataclass
+class Mesh:
+    """Triangles: position (V, 3) in metres, colour (V, 3) linear, texcoord (V, 2), index (T, 3)."""
+
+    position: np.ndarray
+    colour: np.ndarray
+    index: np.ndarray
+    texcoord: np.ndarray | None = None
+
+    def moved(self, matrix=None, offset=(0, 0, 0)):
+        position = self.position if matrix is None else self.position @ np.asarray(matrix).T
+        return Mesh(position + np.asarray(offset), self.colour, self.index, self.texcoord)
+
+    def tinted(self, factor):
+        return Mesh(self.position, np.clip(self.colour * factor, 0, 1), self.index, self.texcoord)
+
+
+def join(meshes):
+    """One mesh out of several (all with or all without texture coordinates)."""
+    starts = np.cumsum([0] + [len(m.position) for m in meshes[:-1]])
+    return Mesh(
+        np.concatenate([m.position for m in meshes]),
+        np.concatenate([m.colour for m in meshes]),
+        np.concatenate([m.index + s for m, s in zip(meshes, starts)]),
+        None if meshes[0].texcoord is None else np.concatenate([m.texcoord for m in meshes]),
+    )
+
+
+@dataclass
+class Glb:
+    """The document as it grows; `views` hold the bytes of each shared buffer view."""
+
+    document: dict
+    views: dict = field(default_factory=dict)
+    images: list = field(default_factory=list)
+    shared: dict = field(default_factory=dict)
+
+
+VIEW_FIELDS = {
+    "positions": {"byteStride": 12, "target": ARRAY_BUFFER},
+    "texcoords": {"byteStride": 8, "target": ARRAY_BUFFER},
+    "colours": {"byteStride": 4, "target": ARRAY_BUFFER},
+    "indices16": {"target": ELEMENT_ARRAY_BUFFER},
+    "indices8": {"target": ELEMENT_ARRAY_BUFFER},
+}
+
+
+def new_glb(generator, copyright_line):
+    asset = {"version": "2.0", "generator": generator, "copyright": copyright_line}
+    keys = ("accessors", "meshes", "materials", "textures", "images", "samplers", "cameras")
+    document = {"asset": asset, "extensionsUsed": ["KHR_materials_unlit"]}
+    document |= {"scene": 0, "scenes": [], "nodes": []} | {key: [] for key in keys}
+    return Glb(document, {name: bytearray() for name in VIEW_FIELDS})
+
+
+def append(glb, key, value):
+    glb.document[key].append(value)
+    return len(glb.document[key]) - 1
+
+
+def add_accessor(glb, view, array, component, kind, **more):
+    """Appends the array to its view; the same bytes are stored only once."""
+    data = np.ascontiguousarray(array).tobytes()
+    known = (view, component, data)
+    if known not in glb.shared:
+        accessor = {"bufferView": list(VIEW_FIELDS).index(view), "byteOffset": len(glb.views[view])}
+        accessor |= {"componentType": component, "count": len(array), "type": kind} | more
+        glb.views[view] += data
+        glb.shared[known] = append(glb, "accessors", accessor)
+    return glb.shared[known]
+
+
+def colour_bytes(colour):
+    """Linear (V, 3) to normalised bytes (V, 4), dithered so that slow gradients do not band."""
+    # The golden-ratio sequence is an even dither that needs no random state.
+    dither = (np.arange(len(colour))[:, None] * [0.6180340, 0.7548777, 0.5698403]) % 1.0
+    rgb = np.clip(np.floor(np.clip(colour, 0, 1) * 255 + dither), 0, 255)
+    return np.concatenate([rgb, np.full((len(rgb), 1), 255)], axis=1).astype(np.uint8)
+
+
+def add_mesh(glb, name, mesh, material):
+    position = mesh.position.astype("<f4")
+    attributes = {
+        "POSITION": add_accessor(
+            glb,
+            "positions",
+            position,
+            FLOAT,
+            "VEC3",
+            min=[float(v) for v in position.min(axis=0)],
+            max=[float(v) for v in position.max(axis=0)],
+        ),
+        "COLOR_0": add_accessor(
+            glb, "colours", colour_bytes(mesh.colour), UBYTE, "VEC4", normalized=True
+        ),
+    }
+    if mesh.texcoord is not None:
+        texcoord = mesh.texcoord.astype("<f4")
+        attributes["TEXCOORD_0"] = add_accessor(glb, "texcoords", texcoord, FLOAT, "VEC2")
+    # The largest value of an index type is the restart value and not allowed.
+    small = len(position) <= 255
+    view, component = ("indices8", UBYTE) if small else ("indices16", USHORT)
+    index = mesh.index.reshape(-1).astype("u1" if small else "<u2")
+    if len(position) > 65535:
+        raise ValueError(f"mesh {name}: {len(position)} vertices are too many for 16-bit indices")
+    indices = add_accessor(glb, view, index, component, "SCALAR")
+    primitive = {"attributes": attributes, "indices": indices, "material": material}
+    return append(glb, "meshes", {"name": name, "primitives": [primitive]})
+
+
+def add_texture(glb, name, data, mime_type, wrap):
+    sampler = {"magFilter": 9729, "minFilter": 9987, "wrapS": wrap, "wrapT": wrap}
+    if sampler not in glb.document["samplers"]:
+        append(glb, "samplers", sampler)
+    view = len(VIEW_FIELDS) + len(glb.images)
+    glb.images.append(data)
+    image = append(glb, "images", {"name": name, "mimeType": mime_type, "bufferView": view})
+    texture = {
+        "name": name,
+        "sampler": glb.document["samplers"].index(sampler),
+        "source": image,
+    }
+    return append(glb, "textures", texture)
+
+
+def add_material(glb, name, texture=None, cutout=False):
+    surface = {"metallicFactor": 0, "roughnessFactor": 1}
+    if texture is not None:
+        surface["baseColorTexture"] = {"index": texture}
+    material = {"name": name, "pbrMetallicRoughness": surface, "doubleSided": True}
+    material["extensions"] = {"KHR_materials_unlit": {}}
+    if cutout:
+        material |= {"alphaMode": "MASK", "alphaCutoff": 0.5}
+    return append(glb, "materials", material)
+
+
+def glb_bytes(glb):
+    """Lays out the buffer views, then the two chunks of the file."""
+    blob = bytearray()
+    views = [(bytes(glb.views[name]), fields) for name, fields in VIEW_FIELDS.items()]
+    glb.document["bufferViews"] = []
+    for data, fields in views + [(image, {}) for image in glb.images]:
+        view = {"buffer": 0, "byteOffset": len(blob), "byteLength": len(data)} | fields
+        append(glb, "bufferViews", view)
+        blob += data + bytes(-len(data) % 4)
+    glb.document["buffers"] = [{"byteLength": len(blob)}]
+    text = json.dumps(glb.document, separators=(",", ":"), ensure_ascii=True).encode("ascii")
+    text += b" " * (-len(text) % 4)
+    total = 12 + 8 + len(text) + 8 + len(blob)
+    header = struct.pack("<4sIIII", b"glTF", 2, total, len(text), 0x4E4F534A)
+    return header + text + struct.pack("<II", len(blob), 0x004E4942) + bytes(blob)
