@@ -9,7 +9,7 @@ namespace omma {
 
 __global__ void device_check(SceneView scene, AcceptanceWarpView warp, float* out) {
   const unsigned i = threadIdx.x;
-  const std::uint64_t scramble = scramble_hash(0, blockIdx.x, i);
+  const std::uint64_t scramble = scramble_hash(pose_hash(0, blockIdx.x), i);
   const double u0 = unit_interval(static_cast<std::uint64_t>(owen_scramble(sobol_0(i), scramble))
                                   << 32);
   const double u1 = unit_interval(static_cast<std::uint64_t>(owen_scramble(sobol_1(i), scramble))

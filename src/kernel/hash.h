@@ -21,10 +21,14 @@ OMMA_HD std::uint64_t hash_combine(std::uint64_t h, std::uint64_t value) {
   return mix_bits((h + value) * 0x9e3779b97f4a7c15ull + 0x632be59bd9b4e019ull);
 }
 
-// The scramble of one estimate of one ommatidium.
-OMMA_HD std::uint64_t scramble_hash(std::uint64_t seed, std::uint64_t pose,
-                                    std::uint64_t ommatidium) {
-  return hash_combine(hash_combine(mix_bits(seed ^ 0x6f6d6d61ull), pose), ommatidium);
+// All of one pose's random numbers start here; done once per pose and block of ommatidia.
+OMMA_HD std::uint64_t pose_hash(std::uint64_t seed, std::uint64_t pose) {
+  return hash_combine(mix_bits(seed ^ 0x6f6d6d61ull), pose);
+}
+
+// The scrambles of one ommatidium at one pose.
+OMMA_HD std::uint64_t scramble_hash(std::uint64_t pose_bits, std::uint64_t ommatidium) {
+  return hash_combine(pose_bits, ommatidium);
 }
 
 // Uniform in (0, 1) from the upper 32 bits.

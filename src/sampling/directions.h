@@ -46,6 +46,13 @@ inline DirectionPattern find_pattern(const DirectionTables& tables, std::uint32_
   return {p, p + n, p + 2 * n};
 }
 
+// Its turn about the axis, from other bits of the hash than the pattern; scrambles of one
+// ommatidium turn differently.
+inline Vec2 find_turn(const DirectionTables& tables, std::uint64_t hash, int scramble) {
+  const std::uint64_t turn = (hash >> 40) + static_cast<std::uint64_t>(scramble) * 389;
+  return tables.turns.data()[turn & (turn_count - 1)];
+}
+
 // Directions `first` to `first + count` of an estimate, where no tables exist; into x, y, z.
 void make_directions(const DirectionTables& tables, std::uint32_t warp, std::uint64_t hash,
                      int scramble, int first, int count, float* x, float* y, float* z);

@@ -317,14 +317,13 @@ __attribute__((always_inline)) inline void for_each_packet(const BlockContext& c
   make_frames(*context.eye, task, frames);
   Packet packet;
   clear(packet);
+  const std::uint64_t pose_bits = pose_hash(tables.seed, task.pose);
   for (int i = 0; i < task.count; ++i) {
     const std::uint32_t warp = context.eye->warp.data()[task.first + i];
     const std::uint64_t hash =
-        scramble_hash(tables.seed, task.pose, context.eye->ommatidium.data()[task.first + i]);
+        scramble_hash(pose_bits, context.eye->ommatidium.data()[task.first + i]);
     for (int scramble = 0; scramble < context.scrambles; ++scramble) {
-      const std::uint64_t turn = hash_combine(hash, static_cast<std::uint64_t>(scramble));
-      const RaySource source =
-          make_ray_source(frames, i, tables.turns.data()[turn & (turn_count - 1)]);
+      const RaySource source = make_ray_source(frames, i, find_turn(tables, hash, scramble));
       DirectionPattern pattern;
       if (tables.patterns > 0) pattern = find_pattern(tables, warp, hash, scramble);
       for (int sample = 0; sample < tables.samples;) {

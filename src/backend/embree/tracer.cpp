@@ -14,6 +14,9 @@ namespace {
 // Embree inverts transforms in single precision; smaller determinants would underflow there.
 constexpr double least_determinant = 1e-30;
 
+// About 150 MB of geometry and acceleration structure.
+constexpr std::size_t most_copied_triangles = std::size_t(1) << 20;
+
 void check(RTCDevice device, const char* doing) {
   const RTCError code = rtcGetDeviceError(device);
   if (code == RTC_ERROR_NONE) return;
@@ -91,13 +94,20 @@ std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const Scene
   tracer->scene = rtcNewScene(tracer->device);
   check(tracer->device, "making a scene");
 
+  // Copies of small meshes trace up to three times as fast as instances, whose boxes overlap in
+  // grass and foliage; where copies would take much memory, meshes are instanced.
   std::vector<int> uses(scene.meshes.size(), 0);
   for (const Instance& instance : scene.instances) ++uses[static_cast<std::size_t>(instance.mesh)];
+  std::size_t copied_triangles = 0;
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m)
+    if (uses[m] > 1)
+      copied_triangles += static_cast<std::size_t>(uses[m]) * scene.meshes[m].triangles.size();
+  const bool share = copied_triangles > most_copied_triangles;
 
   // Meshes used several times: once each, in a scene of their own.
   std::vector<RTCScene> shared(scene.meshes.size(), nullptr);
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
-    if (uses[m] < 2 || scene.meshes[m].triangles.empty()) continue;
+    if (!share || uses[m] < 2 || scene.meshes[m].triangles.empty()) continue;
     shared[m] = rtcNewScene(tracer->device);
     const auto mesh = static_cast<std::int32_t>(m);
     attach(*tracer, shared[m], make_geometry(*tracer, scene.meshes[m], mesh, {}, view), mesh);

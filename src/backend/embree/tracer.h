@@ -1,5 +1,6 @@
-// The acceleration structure of the CPU: a Scene in Embree. Meshes placed once are put into the
-// world directly; meshes placed more often are kept once and instanced.
+// The acceleration structure of the CPU: a Scene in Embree. Meshes placed once, and in small scenes
+// all, are put into the world directly; in large scenes meshes placed more often are kept once and
+// instanced. The Scene and its shading data hold every mesh once in any case.
 #pragma once
 
 #include <memory>
@@ -26,7 +27,9 @@ struct EmbreeTracer {
 
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
-  std::vector<std::int32_t> mesh_of_geometry;  // [geometry of the top scene], index into meshes
+  // [geometry of the top scene], index into meshes. Never empty: packets look up entry 0 for lanes
+  // that missed.
+  std::vector<std::int32_t> mesh_of_geometry{-1};
   std::vector<std::unique_ptr<FilterData>> filters;
   std::string name;  // e.g. "embree 3.13.5"
 };
