@@ -17,7 +17,9 @@ from omma._core import Error, __version__
 from omma.info import describe_file
 from omma.rendering import RenderReport, render_file
 
-EXAMPLES_RENDER = """
+RENDER_HELP = """
+Render what an eye sees in a scene, and write the responses or a picture of them.
+
 **Examples**
 
 A picture and the numbers, from the scene's first camera:
@@ -41,7 +43,9 @@ A path of many poses, with standard errors (flight.npy and flight.error.npy):
 The path is a CSV file with a header, x,y,z,qx,qy,qz,qw or x,y,z,yaw_deg,pitch_deg,roll_deg.
 """
 
-EXAMPLES_INFO = """
+INFO_HELP = """
+Say what is in a scene or an eye file.
+
 **Examples**
 
 `omma info meadow.glb`
@@ -89,7 +93,7 @@ def _root(
     pass
 
 
-@app.command(epilog=EXAMPLES_RENDER)
+@app.command(help=RENDER_HELP, short_help="Render what an eye sees in a scene.")
 def render(
     scene: Annotated[
         Path, typer.Argument(help="Scene: a glTF 2.0 file, .gltf or .glb.", metavar="SCENE")
@@ -181,7 +185,7 @@ def render(
     print("\n".join(_report_lines(report, samples)))
 
 
-@app.command(epilog=EXAMPLES_INFO)
+@app.command(help=INFO_HELP, short_help="Say what is in a scene or an eye file.")
 def info(
     file: Annotated[
         Path, typer.Argument(help="A scene (.gltf, .glb) or an eye (.eye).", metavar="FILE")

@@ -6,6 +6,8 @@ The head looks along its -Z, +X is its right, +Y up (glTF's camera frame); lengt
 from __future__ import annotations
 
 import os
+from array import array
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -23,12 +25,12 @@ ANGLE_COLUMNS = ("x", "y", "z", "yaw_deg", "pitch_deg", "roll_deg")
 def numbers(values: Any, name: str, columns: int) -> Matrices:
     """``values`` as float64 (P, columns); a single row is one pose."""
     try:
-        array = np.asarray(values, dtype=np.float64)
+        given = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError):
         raise Error(f"{name}: expected numbers of shape (P, {columns})") from None
-    rows = array[None] if array.ndim == 1 else array
+    rows = given[None] if given.ndim == 1 else given
     if rows.ndim != 2 or rows.shape[1] != columns:
-        raise Error(f"{name}: expected shape (P, {columns}) or ({columns},), found {array.shape}")
+        raise Error(f"{name}: expected shape (P, {columns}) or ({columns},), found {given.shape}")
     if not np.isfinite(rows).all():
         bad = int(np.flatnonzero(~np.isfinite(rows).all(axis=1))[0])
         raise Error(f"{name}: expected finite numbers, found {rows[bad].tolist()} in row {bad}")
@@ -98,13 +100,21 @@ def load_poses(path: str | os.PathLike[str]) -> Matrices:
     """
     name = os.fsdecode(path)
     try:
-        text = Path(name).read_text(encoding="utf-8-sig")
+        with Path(name).open(encoding="utf-8-sig") as file:
+            columns, table = _read_table(file, name)
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else "not a text file"
         raise Error(f"{name}: cannot be read: {reason}") from None
+    if columns == QUATERNION_COLUMNS:
+        return poses_from_quaternions(table[:, :3], table[:, 3:])
+    return poses_from_angles(table[:, :3], table[:, 3:])
+
+
+def _read_table(lines: Iterable[str], name: str) -> tuple[tuple[str, ...], Matrices]:
+    """Names of the columns, and the rows as float64 (P, columns)."""
     columns: tuple[str, ...] = ()
-    rows: list[list[float]] = []
-    for number, full in enumerate(text.splitlines(), start=1):
+    rows = array("d")  # 8 bytes a number: a million poses are few
+    for number, full in enumerate(lines, start=1):
         line = full.split("#", 1)[0].strip()
         if not line:
             continue
@@ -123,13 +133,10 @@ def load_poses(path: str | os.PathLike[str]) -> Matrices:
                 f"{name}, line {number}: expected {len(columns)} numbers separated by commas, "
                 f"found {len(cells)}"
             )
-        rows.append(_row(cells, columns, f"{name}, line {number}"))
+        rows.extend(_row(cells, columns, f"{name}, line {number}"))
     if not rows:
         raise Error(f"{name}: holds no pose")
-    table = np.array(rows)
-    if columns == QUATERNION_COLUMNS:
-        return poses_from_quaternions(table[:, :3], table[:, 3:])
-    return poses_from_angles(table[:, :3], table[:, 3:])
+    return columns, np.array(rows).reshape(-1, len(columns))
 
 
 def as_poses(poses: Any, first: int = 0) -> Matrices:
@@ -141,12 +148,12 @@ def as_poses(poses: Any, first: int = 0) -> Matrices:
         return poses_from_quaternions(*poses)
     expected = "poses: expected (P, 4, 4) or (4, 4) matrices world_from_head"
     try:
-        array = np.asarray(poses, dtype=np.float64, order="C")
+        given = np.asarray(poses, dtype=np.float64, order="C")
     except (TypeError, ValueError):
         raise Error(f"{expected}, found {type(poses).__name__} of something else") from None
-    matrices = array[None] if array.ndim == 2 else array
+    matrices = given[None] if given.ndim == 2 else given
     if matrices.ndim != 3 or matrices.shape[1:] != (4, 4):
-        raise Error(f"{expected}, found shape {array.shape}")
+        raise Error(f"{expected}, found shape {given.shape}")
     bad = np.flatnonzero((matrices[:, 3] != (0, 0, 0, 1)).any(axis=1))
     if bad.size:
         found = matrices[bad[0], 3].tolist()
