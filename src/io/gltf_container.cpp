@@ -216,10 +216,12 @@ std::string read_uri(const std::string& scene_path, const std::string& uri,
   const auto [folder_end, ignored] =
       std::mismatch(folder.begin(), folder.end(), target.begin(), target.end());
   if (folder_end != folder.end()) throw Error(refused + "leads out of the scene's folder");
+  const std::string path = target.string();
   try {
-    return read_file(target.string());
+    return read_file(path);
   } catch (const Error& problem) {
-    throw Error(refused + "cannot be read: " + problem.what());
+    // Without the decoded path, which need not be text.
+    throw Error(refused + "cannot be read" + std::string(problem.what()).substr(path.size()));
   }
 }
 

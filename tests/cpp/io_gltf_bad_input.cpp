@@ -1,5 +1,7 @@
 // glTF containers and URIs, and everything that may be wrong with a file: each is an omma::Error
 // that names the file and the place; nothing aborts, nothing is replaced in silence.
+#include <limits>
+
 #include "gltf_builder.h"
 
 namespace omma::test {
@@ -106,6 +108,8 @@ TEST(GltfUri, NoFileOrNotOne) {
   ExternalBuffer e;
   expect_error([&] { e.load_with("none.bin"); },
                {"scene.gltf", "buffer 0", "none.bin", "no such file"});
+  expect_error([&] { e.load_with("%FF.bin"); },
+               {"buffer 0", "\"%FF.bin\" cannot be read: there is"});
   expect_error([&] { e.load_with("."); }, {"buffer 0", "directory"});
   expect_error([&] { e.load_with(""); }, {"buffer 0", "empty"});
   expect_error([&] { e.load_with("a%00b"); }, {"buffer 0", "null"});

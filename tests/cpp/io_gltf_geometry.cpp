@@ -1,4 +1,6 @@
 // glTF geometry feature by feature: accessors, primitives, nodes and scenes.
+#include <cmath>
+
 #include "gltf_builder.h"
 
 namespace omma::test {

@@ -1,5 +1,6 @@
 // The real scenes: all load, and they hold what their README says. Skipped where they are not.
-#include <chrono>
+#include <cctype>
+#include <cmath>
 
 #include "gltf_builder.h"
 
