@@ -44,5 +44,5 @@ and run this again with OMMA_NO_APT=1."
     || printf 'apt-get update failed; trying with the package lists that are here.\n' >&2
   "${as_root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" \
     || fail "apt-get could not install: ${missing[*]}
-What it says is above. Omma is built and tested on Debian 12 and Ubuntu 22.04 and 24.04."
+What it says is above. Omma is built and tested on Debian 12."
 }
