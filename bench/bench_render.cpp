@@ -1,16 +1,20 @@
 // How close the whole render comes to what Embree can trace, in one run and on the same rays: the
 // ceiling is rtcIntersect16, coherent, on prepared packets; the render adds directions, shading and
-// reduction. Scenes: the meadow of natural-standin-sky.gltf with a real honeybee's eyes where that
-// data is there (else the bundled example), and a rolling surface of a million triangles made here.
+// reduction. Scenes: natural-standin-sky.gltf with a real honeybee's eyes where that data is there,
+// the bundled meadow and honeybee, and a rolling surface of a million triangles made here.
 #include <benchmark/benchmark.h>
 #include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
-#include <iostream>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,32 +25,44 @@
 namespace {
 
 using namespace omma;
+using Clock = std::chrono::steady_clock;
+
+int thread_count() {
+  return oneapi::tbb::info::default_concurrency();
+}
 
 struct Setup {
   std::string name;
   std::shared_ptr<const Scene> scene;
   Eye eye;
   Mat4 pose;
+  double load_s = 0;  // from file to Scene; 0 for a scene made here
 };
+
+// The bundled example: cut-outs, many meshes, much overlap.
+Setup load_bundled() {
+  const std::string examples = OMMA_EXAMPLES;
+  const auto start = Clock::now();
+  auto scene = std::make_shared<const Scene>(load_scene(examples + "/meadow.glb"));
+  const double load_s = std::chrono::duration<double>(Clock::now() - start).count();
+  const PlacedEye eyes[] = {{load_eye(examples + "/honeybee_worker_left.eye"), {}},
+                            {load_eye(examples + "/honeybee_worker_right.eye"), {}}};
+  return {"bundled meadow", scene, merge_eyes(eyes), find_camera(*scene, "bee").world_from_camera,
+          load_s};
+}
 
 Setup load_meadow() {
   const std::string data = std::string(OMMA_SHARED_DATA) + "/compound-ray";
-  if (!std::filesystem::exists(data)) {
-    const std::string examples = OMMA_EXAMPLES;
-    auto scene = std::make_shared<const Scene>(load_scene(examples + "/meadow.glb"));
-    const PlacedEye eyes[] = {{load_eye(examples + "/honeybee_worker_left.eye"), {}},
-                              {load_eye(examples + "/honeybee_worker_right.eye"), {}}};
-    return {"bundled_meadow", scene, merge_eyes(eyes),
-            find_camera(*scene, "bee").world_from_camera};
-  }
+  const auto start = Clock::now();
   auto scene = std::make_shared<const Scene>(load_scene(data + "/scenes/natural-standin-sky.gltf"));
+  const double load_s = std::chrono::duration<double>(Clock::now() - start).count();
   // Just above the ground in the middle, where CompoundRay's cameras stand too.
-  return {"meadow", scene, load_eye(data + "/bees/AM_60185-real.eye"),
-          pose_from_quaternion({0.0, 0.15, 0.0}, 0, 0, 0, 1)};
+  return {"natural-standin-sky", scene, load_eye(data + "/bees/AM_60185-real.eye"),
+          pose_from_quaternion({0.0, 0.15, 0.0}, 0, 0, 0, 1), load_s};
 }
 
 // Hills of 1,002,528 triangles over a square kilometre, textured with a checkerboard.
-Setup make_hills() {
+Setup make_hills(const Eye& eye) {
   constexpr std::uint32_t cells = 708;
   Scene scene;
   Mesh mesh;
@@ -84,32 +100,30 @@ Setup make_hills() {
   material.double_sided = true;
   scene.materials.push_back(material);
   scene.background.type = BackgroundType::simple_sky;
-  Setup meadow = load_meadow();
-  return {"hills_1M", std::make_shared<const Scene>(std::move(scene)), std::move(meadow.eye),
+  return {"hills", std::make_shared<const Scene>(std::move(scene)), eye,
           pose_from_quaternion({0, height(0, 0) + 2.0, 0}, 0, 0, 0, 1)};
 }
 
-constexpr int blocks_rays = 512;
+constexpr int block_rays = 512;
 
-// What a Renderer holds inside, for the ceiling.
+// What a Renderer holds inside, and its blocks at one pose.
 struct Prepared {
   std::unique_ptr<ShadingData> shading;
   std::unique_ptr<EmbreeTracer> tracer;
   DirectionTables directions;
   EyeArrays eye;
-  std::vector<std::vector<RTCRayHit16>> packets;  // [block]
+  std::vector<BlockTask> tasks;
 };
 
-Prepared prepare(const Setup& setup, int samples) {
-  Prepared p;
+std::unique_ptr<Prepared> prepare(const Setup& setup, int samples) {
+  auto p = std::make_unique<Prepared>();
   RenderSettings settings;
   settings.samples = samples;
-  p.shading = make_shading_data(*setup.scene, setup.scene->background);
-  p.tracer = make_embree_tracer(*setup.scene, p.shading->view);
-  p.directions = make_direction_tables(setup.eye, settings);
-  p.eye = make_eye_arrays(setup.eye, p.directions);
-  const BlockContext context{p.tracer.get(), &p.shading->view, &p.eye, &p.directions, 1};
-  const int per_block = std::clamp(blocks_rays / samples, 1, block_capacity);
+  p->shading = make_shading_data(*setup.scene, setup.scene->background);
+  p->tracer = make_embree_tracer(*setup.scene, p->shading->view);
+  p->directions = make_direction_tables(setup.eye, settings);
+  p->eye = make_eye_arrays(setup.eye, p->directions);
+  const int per_block = std::clamp(block_rays / samples, 1, block_capacity);
   const int ommatidia = static_cast<int>(setup.eye.size());
   for (int first = 0; first < ommatidia; first += per_block) {
     BlockTask task;
@@ -118,8 +132,7 @@ Prepared prepare(const Setup& setup, int samples) {
         task.world_from_head[r][c] = static_cast<float>(setup.pose.m[r][c]);
     task.first = first;
     task.count = std::min(per_block, ommatidia - first);
-    p.packets.emplace_back(static_cast<std::size_t>((task.count * samples + 15) / 16));
-    choose_block_functions().prepare(context, task, p.packets.back().data());
+    p->tasks.push_back(task);
   }
   return p;
 }
@@ -137,36 +150,34 @@ void count_rays(benchmark::State& state, const std::string& key, std::size_t omm
   best_rays_per_s()[key] = std::max(best_rays_per_s()[key], rays / best_s);
 }
 
-template <typename Work>
-void time_frames(benchmark::State& state, const std::string& key, std::size_t ommatidia,
-                 int samples, const Work& work) {
+// Tracing alone, timed block by block on packets just prepared, which are in the cache as they are
+// in the render; the frame's time is the sum over all blocks shared by the threads.
+void bench_ceiling(benchmark::State& state, const Setup& setup, int samples) {
+  const auto p = prepare(setup, samples);
+  const BlockContext context{p->tracer.get(), &p->shading->view, &p->eye, &p->directions, 1};
+  const PrepareBlock prepare_block = choose_block_functions().prepare;
   double best_s = 1e9;
   for (auto _ : state) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    const double s =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    std::atomic<std::int64_t> traced_ns{0};
+    oneapi::tbb::parallel_for(std::size_t{0}, p->tasks.size(), [&](std::size_t t) {
+      const BlockTask& task = p->tasks[t];
+      thread_local std::vector<RTCRayHit16> packets;
+      packets.resize(static_cast<std::size_t>((task.count * samples + 15) / 16));
+      prepare_block(context, task, packets.data());
+      IntersectArguments arguments;
+      alignas(64) int valid[16];
+      for (int& v : valid) v = -1;
+      const auto start = Clock::now();
+      for (RTCRayHit16& rays : packets) intersect_16(p->tracer->scene, valid, rays, arguments);
+      traced_ns += std::chrono::nanoseconds(Clock::now() - start).count();
+      benchmark::DoNotOptimize(packets.data());
+    });
+    const double s = 1e-9 * static_cast<double>(traced_ns) / thread_count();
     best_s = std::min(best_s, s);
     state.SetIterationTime(s);
   }
-  count_rays(state, key, ommatidia, samples, best_s);
-}
-
-void bench_ceiling(benchmark::State& state, const Setup& setup, int samples) {
-  const Prepared p = prepare(setup, samples);
-  time_frames(state, setup.name + "/" + std::to_string(samples) + "/ceiling", setup.eye.size(),
-              samples, [&] {
-                oneapi::tbb::parallel_for(std::size_t{0}, p.packets.size(), [&](std::size_t b) {
-                  IntersectArguments arguments;
-                  alignas(64) int valid[16];
-                  for (int& v : valid) v = -1;
-                  for (const RTCRayHit16& packet : p.packets[b]) {
-                    RTCRayHit16 rays = packet;
-                    intersect_16(p.tracer->scene, valid, rays, arguments);
-                    benchmark::DoNotOptimize(rays.ray.tfar[0]);
-                  }
-                });
-              });
+  count_rays(state, setup.name + "/" + std::to_string(samples) + "/ceiling", setup.eye.size(),
+             samples, best_s);
 }
 
 void bench_render(benchmark::State& state, const Setup& setup, int samples) {
@@ -174,14 +185,25 @@ void bench_render(benchmark::State& state, const Setup& setup, int samples) {
   settings.samples = samples;
   const Renderer renderer(setup.scene, setup.eye, settings);
   std::vector<float> responses(setup.eye.size() * channel_count);
-  time_frames(state, setup.name + "/" + std::to_string(samples) + "/render", setup.eye.size(),
-              samples, [&] {
-                renderer.render({&setup.pose, 1}, responses);
-              });
+  double best_s = 1e9;
+  for (auto _ : state) {
+    const auto start = Clock::now();
+    renderer.render({&setup.pose, 1}, responses);
+    const double s = std::chrono::duration<double>(Clock::now() - start).count();
+    best_s = std::min(best_s, s);
+    state.SetIterationTime(s);
+  }
+  count_rays(state, setup.name + "/" + std::to_string(samples) + "/render", setup.eye.size(),
+             samples, best_s);
+}
+
+std::map<std::string, BuildTimes>& build_times() {
+  static std::map<std::string, BuildTimes> times;
+  return times;
 }
 
 void bench_build(benchmark::State& state, const Setup& setup) {
-  BuildTimes times;
+  BuildTimes& times = build_times()[setup.name];
   for (auto _ : state) times = Renderer(setup.scene, setup.eye).build_times();
   state.counters["scene_ms"] = 1e3 * times.scene_s;
   state.counters["acceleration_ms"] = 1e3 * times.acceleration_s;
@@ -189,12 +211,47 @@ void bench_build(benchmark::State& state, const Setup& setup) {
   state.counters["triangles"] = static_cast<double>(triangle_count(*setup.scene));
 }
 
+// The tables of bench/RESULTS.md, in Markdown.
+void print_results(const std::vector<Setup>& setups, std::span<const int> counts) {
+  std::printf(
+      "\n## Ceiling and whole render\n\n"
+      "Best of each, %d threads. The ceiling is tracing alone: `rtcIntersect16`, coherent, on the\n"
+      "render's own packets.\n\n"
+      "| scene | triangles | ommatidia | rays each | ceiling, Mrays/s | render, Mrays/s | ratio "
+      "| frames/s |\n| --- | --- | --- | --- | --- | --- | --- | --- |\n",
+      thread_count());
+  for (const Setup& setup : setups)
+    for (int samples : counts) {
+      const std::string key = setup.name + "/" + std::to_string(samples);
+      const double ceiling = best_rays_per_s()[key + "/ceiling"];
+      const double render = best_rays_per_s()[key + "/render"];
+      if (ceiling == 0 || render == 0) continue;
+      std::printf("| %s | %llu | %zu | %d | %.1f | %.1f | %.3f | %.0f |\n", setup.name.c_str(),
+                  static_cast<unsigned long long>(triangle_count(*setup.scene)), setup.eye.size(),
+                  samples, ceiling * 1e-6, render * 1e-6, render / ceiling,
+                  render / static_cast<double>(setup.eye.size()) / samples);
+    }
+  std::printf(
+      "\n## Building\n\n"
+      "| scene | file to Scene, ms | shading data, ms | acceleration structure, ms "
+      "| direction tables (16 rays), ms |\n| --- | --- | --- | --- | --- |\n");
+  for (const Setup& setup : setups) {
+    const BuildTimes t = build_times()[setup.name];
+    std::printf("| %s | %s | %.1f | %.1f | %.1f |\n", setup.name.c_str(),
+                setup.load_s > 0 ? std::to_string(std::lround(1e3 * setup.load_s)).c_str() : "-",
+                1e3 * t.scene_s, 1e3 * t.acceleration_s, 1e3 * t.directions_s);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
-  const std::vector<Setup> setups = {load_meadow(), make_hills()};
-  const int counts[] = {1, 4, 16, 64, 256};
+  std::vector<Setup> setups;
+  if (std::filesystem::exists(OMMA_SHARED_DATA)) setups.push_back(load_meadow());
+  setups.push_back(load_bundled());
+  setups.push_back(make_hills(setups.front().eye));
+  constexpr int counts[] = {1, 4, 16, 64, 256};
   for (const Setup& setup : setups) {
     benchmark::RegisterBenchmark(("build/" + setup.name).c_str(), [&](benchmark::State& s) {
       bench_build(s, setup);
@@ -213,19 +270,6 @@ int main(int argc, char** argv) {
   }
   benchmark::RunSpecifiedBenchmarks();
 
-  std::cout << "\nbest of each, " << oneapi::tbb::info::default_concurrency() << " threads\n"
-            << "scene            rays/omm.   ceiling Mrays/s   render Mrays/s   ratio   frames/s\n";
-  for (const Setup& setup : setups)
-    for (int samples : counts) {
-      const std::string key = setup.name + "/" + std::to_string(samples);
-      const double ceiling = best_rays_per_s()[key + "/ceiling"];
-      const double render = best_rays_per_s()[key + "/render"];
-      if (ceiling == 0 || render == 0) continue;
-      char line[160];
-      std::snprintf(line, sizeof line, "%-16s %9d %17.1f %16.1f %7.3f %10.0f\n", setup.name.c_str(),
-                    samples, ceiling * 1e-6, render * 1e-6, render / ceiling,
-                    render / static_cast<double>(setup.eye.size()) / samples);
-      std::cout << line;
-    }
+  print_results(setups, counts);
   return 0;
 }
