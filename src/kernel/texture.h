@@ -22,13 +22,14 @@ OMMA_HD Color<F> load_texel(const TextureView& texture, I x, I y) {
           gather(texture.linear, texel * 4 + 2), gather(texture.linear, texel * 4 + 3)};
 }
 
-// Texture coordinate to texel units, in [0, size].
+// Texture coordinate to texel units, in [0, size]. Clamped in every mode: coordinates past the range
+// of an integer, and what lanes without a hit hold, must not reach outside the image either.
 template <typename F>
 OMMA_HD F wrap_coordinate(F u, Wrap wrap, float size) {
-  if (wrap == Wrap::repeat) return (u - floor_lanes(u)) * size;
+  if (wrap == Wrap::repeat) return clamp_unit_lanes(u - floor_lanes(u)) * size;
   if (wrap == Wrap::mirrored_repeat) {
     const F t = u - 2.0f * floor_lanes(0.5f * u);
-    return (t > 1.0f ? 2.0f - t : t) * size;
+    return clamp_unit_lanes(t > 1.0f ? 2.0f - t : t) * size;
   }
   return clamp_unit_lanes(u) * size;
 }

@@ -251,6 +251,29 @@ TEST(Geometry, EmissionAddsUnlessUnlit) {
   expect_color(seen(scene), {0.25f, 0.5f, 0});
 }
 
+// Legal in a file, senseless to look at: whatever texel comes out, none is read outside the image
+// (the sanitizers tell), and the response is one of its colours.
+TEST(Geometry, HugeTextureCoordinatesStayInTheImage) {
+  for (const Wrap wrap : {Wrap::repeat, Wrap::mirrored_repeat, Wrap::clamp_to_edge})
+    for (const Filter filter : {Filter::nearest, Filter::linear})
+      for (const float size : {3e6f, 3e9f, 1e20f, 3e38f}) {
+        Scene scene;
+        Material material;
+        material.base_color_texture.texture =
+            add_texture(scene,
+                        make_image(3, 2,
+                                   [](int, int) {
+                                     return Vec4{0.5f, 0.5f, 0.5f, 1};
+                                   }),
+                        {-1, wrap, wrap, filter});
+        Mesh wall = quad(forward, right, up, add_material(scene, material));
+        for (Vec2& uv : wall.texcoords[0]) uv = {(uv.x - 0.4f) * size, (0.6f - uv.y) * size};
+        add_instance(scene, add_mesh(scene, wall));
+        const Result result = render(scene, make_eye(forward, 30 * degree), {64, 0, {}, {}, 0, {}});
+        EXPECT_NEAR(result.at(0), 0.5, 1e-5) << size;
+      }
+}
+
 TEST(Geometry, AMeshWithoutMaterialIsWhite) {
   Scene scene;
   add_wall(scene, 1, -1);

@@ -123,11 +123,11 @@ void find_meshes(const EmbreeTracer& tracer, const RTCHit16& hit, std::int32_t (
 void eval_surfaces(const SceneView& scene, const RTCHit16& hit, const std::int32_t (&mesh)[lanes],
                    PacketLight& light) {
   unsigned left = 0;
-  for (int l = 0; l < lanes; ++l) left |= (mesh[l] >= 0 ? 1u : 0u) << l;
+  for (int l = 0; l < lanes; ++l) left |= mesh[l] >= 0 ? 1u << l : 0u;
   while (left != 0) {
     const std::int32_t current = mesh[__builtin_ctz(left)];
     unsigned members = 0;
-    for (int l = 0; l < lanes; ++l) members |= (mesh[l] == current ? 1u : 0u) << l;
+    for (int l = 0; l < lanes; ++l) members |= mesh[l] == current ? 1u << l : 0u;
     left &= ~members;
     for (int l = 0; l < lanes; l += lane_width) {
       if ((members >> l & ((1u << lane_width) - 1)) == 0) continue;
