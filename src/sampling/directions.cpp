@@ -17,13 +17,16 @@ namespace {
 // As many patterns as keep the tables of one acceptance angle in a core's second-level cache ...
 constexpr std::size_t points_per_warp = 16384;
 constexpr int most_patterns = 1024;
-// ... and all tables together under 100 MB; with fewer patterns than scrambles there are none.
+// ... all tables together under 100 MB, and their points made within some tenths of a second. Where
+// that leaves fewer patterns than scrambles there are no tables.
 constexpr std::size_t most_points = std::size_t(1) << 23;
+constexpr std::size_t most_scrambled_points = std::size_t(1) << 19;
 constexpr int least_patterns = error_scrambles;
 
 int choose_pattern_count(int samples, std::size_t warps) {
   const std::size_t n = static_cast<std::size_t>(samples);
-  const std::size_t most = most_points / (n * std::max<std::size_t>(warps, 1));
+  const std::size_t most =
+      std::min(most_points / (n * std::max<std::size_t>(warps, 1)), most_scrambled_points / n);
   const std::size_t wanted = std::max<std::size_t>(points_per_warp / n, least_patterns);
   std::size_t patterns = most_patterns;
   while (patterns > 1 && (patterns > wanted || patterns > most)) patterns /= 2;
