@@ -28,6 +28,9 @@ EyeArrays make_eye_arrays(const Eye& eye, const DirectionTables& directions) {
     a.warp.push_back(directions.warp_of[i]);
     a.ommatidium.push_back(i);
   }
+  for (std::vector<float>* values : {&a.origin_x, &a.origin_y, &a.origin_z, &a.axis_x, &a.axis_y,
+                                     &a.axis_z, &a.side_x, &a.side_y, &a.side_z, &a.focal_offset_m})
+    values->resize(values->size() + 16, 0.0f);
   return a;
 }
 

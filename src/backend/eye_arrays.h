@@ -10,7 +10,8 @@
 namespace omma {
 
 // The eye as the hot loop reads it, in an order along which neighbours in memory are neighbours in
-// direction. Frames: head. All arrays [ommatidium].
+// direction. Frames: head. All arrays [ommatidium],
+// the floats with a packet's width of zeros behind, which vector loops may read.
 struct EyeArrays {
   std::vector<float> origin_x, origin_y, origin_z;  // m, position - axis * focal offset
   std::vector<float> axis_x, axis_y, axis_z;        // unit

@@ -71,6 +71,32 @@ OMMA_HD Floats to_float(Ints i) {
   return __builtin_convertvector(i, Floats);
 }
 
+// A bit for each lane of a comparison's result, the first lane lowest; square roots. The 512-bit
+// intrinsics are the masked ones, all lanes on: GCC 12 warns of an uninitialised register in the
+// plain ones (its bug 105593).
+#if defined(__AVX512F__)
+OMMA_HD unsigned lane_bits(Ints mask) {
+  return _mm512_movepi32_mask((__m512i)mask);
+}
+OMMA_HD Floats sqrt_lanes(Floats x) {
+  return (Floats)_mm512_maskz_sqrt_ps(0xffff, (__m512)x);
+}
+#elif defined(__AVX2__)
+OMMA_HD unsigned lane_bits(Ints mask) {
+  return static_cast<unsigned>(_mm256_movemask_ps((__m256)mask));
+}
+OMMA_HD Floats sqrt_lanes(Floats x) {
+  return (Floats)_mm256_sqrt_ps((__m256)x);
+}
+#else
+OMMA_HD unsigned lane_bits(Ints mask) {
+  return (mask[0] & 1u) | (mask[1] & 2u) | (mask[2] & 4u) | (mask[3] & 8u);
+}
+OMMA_HD Floats sqrt_lanes(Floats x) {
+  return Floats{sqrtf(x[0]), sqrtf(x[1]), sqrtf(x[2]), sqrtf(x[3])};
+}
+#endif
+
 #if defined(__AVX512F__)
 // Masked with all lanes on: GCC 12 warns of an uninitialised register in the plain ones (bug
 // 105593).

@@ -43,37 +43,49 @@ struct Frames {
   alignas(64) float t_near[block_capacity];
 };
 
+template <typename Vector, typename T>
+__attribute__((always_inline)) inline Vector load(const T* p) {
+  Vector v;
+  __builtin_memcpy(&v, p, sizeof v);
+  return v;
+}
+
+template <typename Vector>
+__attribute__((always_inline)) inline void store(float* p, Vector v) {
+  __builtin_memcpy(p, &v, sizeof v);
+}
+
+// The eye's arrays are padded, so that the last lanes read something.
 void make_frames(const EyeArrays& eye, const BlockTask& task, Frames& frames) {
   const float(&m)[3][4] = task.world_from_head;
-  const std::size_t first = static_cast<std::size_t>(task.first);
-  const float* origin[3] = {&eye.origin_x[first], &eye.origin_y[first], &eye.origin_z[first]};
-  const float* axis[3] = {&eye.axis_x[first], &eye.axis_y[first], &eye.axis_z[first]};
-  const float* side[3] = {&eye.side_x[first], &eye.side_y[first], &eye.side_z[first]};
-  const float* focal = &eye.focal_offset_m[first];
-  for (int i = 0; i < task.count; ++i) {
-    for (int r = 0; r < 3; ++r)
-      frames.origin[r][i] =
-          m[r][0] * origin[0][i] + m[r][1] * origin[1][i] + m[r][2] * origin[2][i] + m[r][3];
-    float a[3], s[3];
+  for (int i = 0; i < task.count; i += lane_width) {
+    const std::size_t e = static_cast<std::size_t>(task.first + i);
+    const auto at = [&](const std::vector<float>& values) { return load<Floats>(&values[e]); };
+    const Floats origin[3] = {at(eye.origin_x), at(eye.origin_y), at(eye.origin_z)};
+    const Floats axis[3] = {at(eye.axis_x), at(eye.axis_y), at(eye.axis_z)};
+    const Floats side[3] = {at(eye.side_x), at(eye.side_y), at(eye.side_z)};
+    Floats a[3], s[3];
     for (int r = 0; r < 3; ++r) {
-      a[r] = m[r][0] * axis[0][i] + m[r][1] * axis[1][i] + m[r][2] * axis[2][i];
-      s[r] = m[r][0] * side[0][i] + m[r][1] * side[1][i] + m[r][2] * side[2][i];
+      store(frames.origin[r] + i,
+            m[r][0] * origin[0] + m[r][1] * origin[1] + m[r][2] * origin[2] + m[r][3]);
+      a[r] = m[r][0] * axis[0] + m[r][1] * axis[1] + m[r][2] * axis[2];
+      s[r] = m[r][0] * side[0] + m[r][1] * side[1] + m[r][2] * side[2];
     }
     // Orthonormal again after the pose, which may scale.
-    const float length_a = sqrtf(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
-    frames.t_near[i] = focal[i] * length_a;
-    for (float& x : a) x /= length_a;
-    const float along = s[0] * a[0] + s[1] * a[1] + s[2] * a[2];
+    const Floats length_a = sqrt_lanes(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+    store(frames.t_near + i, at(eye.focal_offset_m) * length_a);
+    for (Floats& x : a) x /= length_a;
+    const Floats along = s[0] * a[0] + s[1] * a[1] + s[2] * a[2];
     for (int r = 0; r < 3; ++r) s[r] -= along * a[r];
-    const float length_s = sqrtf(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
-    for (float& x : s) x /= length_s;
+    const Floats length_s = sqrt_lanes(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
+    for (Floats& x : s) x /= length_s;
+    const Floats t[3] = {a[1] * s[2] - a[2] * s[1], a[2] * s[0] - a[0] * s[2],
+                         a[0] * s[1] - a[1] * s[0]};
     for (int r = 0; r < 3; ++r) {
-      frames.axis[r][i] = a[r];
-      frames.s[r][i] = s[r];
+      store(frames.axis[r] + i, a[r]);
+      store(frames.s[r] + i, s[r]);
+      store(frames.t[r] + i, t[r]);
     }
-    frames.t[0][i] = a[1] * s[2] - a[2] * s[1];
-    frames.t[1][i] = a[2] * s[0] - a[0] * s[2];
-    frames.t[2][i] = a[0] * s[1] - a[1] * s[0];
   }
 }
 
@@ -96,18 +108,6 @@ void prepare(RTCRayHit16& rays) {
   }
 }
 
-template <typename Vector, typename T>
-__attribute__((always_inline)) inline Vector load(const T* p) {
-  Vector v;
-  __builtin_memcpy(&v, p, sizeof v);
-  return v;
-}
-
-template <typename Vector>
-__attribute__((always_inline)) inline void store(float* p, Vector v) {
-  __builtin_memcpy(p, &v, sizeof v);
-}
-
 // Index of the mesh that each lane hit, -1 for none.
 void find_meshes(const EmbreeTracer& tracer, const RTCHit16& hit, std::int32_t (&mesh)[lanes]) {
   for (int l = 0; l < lanes; l += lane_width) {
@@ -123,11 +123,12 @@ void find_meshes(const EmbreeTracer& tracer, const RTCHit16& hit, std::int32_t (
 void eval_surfaces(const SceneView& scene, const RTCHit16& hit, const std::int32_t (&mesh)[lanes],
                    PacketLight& light) {
   unsigned left = 0;
-  for (int l = 0; l < lanes; ++l) left |= mesh[l] >= 0 ? 1u << l : 0u;
+  for (int l = 0; l < lanes; l += lane_width) left |= lane_bits(load<Ints>(mesh + l) >= 0) << l;
   while (left != 0) {
     const std::int32_t current = mesh[__builtin_ctz(left)];
     unsigned members = 0;
-    for (int l = 0; l < lanes; ++l) members |= mesh[l] == current ? 1u << l : 0u;
+    for (int l = 0; l < lanes; l += lane_width)
+      members |= lane_bits(load<Ints>(mesh + l) == current) << l;
     left &= ~members;
     for (int l = 0; l < lanes; l += lane_width) {
       if ((members >> l & ((1u << lane_width) - 1)) == 0) continue;
@@ -176,9 +177,9 @@ void shade_opaque(const BlockContext& context, Packet& packet, const int* valid,
   intersect_16(context.tracer->scene, valid, packet.rays, arguments);
   alignas(64) std::int32_t mesh[lanes];
   find_meshes(*context.tracer, packet.rays.hit, mesh);
-  bool any_miss = false;
-  for (int l = 0; l < lanes; ++l) any_miss |= mesh[l] < 0;
-  if (any_miss) background_radiance(*context.scene, packet.rays.ray, packet.light.channel);
+  unsigned misses = 0;
+  for (int l = 0; l < lanes; l += lane_width) misses |= lane_bits(load<Ints>(mesh + l) < 0) << l;
+  if (misses != 0) background_radiance(*context.scene, packet.rays.ray, packet.light.channel);
   eval_surfaces(*context.scene, packet.rays.hit, mesh, packet.light);
 }
 
@@ -235,10 +236,10 @@ void trace_and_add(const BlockContext& context, Packet& packet, double (*sums)[c
       const float* x = packet.light.channel[c] + run.first;
       float sum = 0;
       if (run.count == lanes) {
-        float half[8];
-        for (int l = 0; l < 8; ++l) half[l] = x[l] + x[l + 8];
-        sum = ((half[0] + half[4]) + (half[1] + half[5])) +
-              ((half[2] + half[6]) + (half[3] + half[7]));
+        using Quad = float __attribute__((vector_size(16)));
+        const Quad quad =
+            (load<Quad>(x) + load<Quad>(x + 8)) + (load<Quad>(x + 4) + load<Quad>(x + 12));
+        sum = (quad[0] + quad[1]) + (quad[2] + quad[3]);
       } else {
         for (int l = 0; l < run.count; ++l) sum += x[l];
       }
