@@ -331,11 +331,11 @@ __attribute__((always_inline)) inline void for_each_packet(const BlockContext& c
         const int room = lanes - packet.filled;
         const int count = tables.samples - sample < room ? tables.samples - sample : room;
         float x[lanes], y[lanes], z[lanes];
-        DirectionPattern d{pattern.x + sample, pattern.y + sample, pattern.z + sample};
-        if (tables.patterns == 0) {
+        DirectionPattern d{x, y, z};
+        if (tables.patterns > 0)
+          d = {pattern.x + sample, pattern.y + sample, pattern.z + sample};
+        else
           make_directions(tables, warp, hash, scramble, sample, count, x, y, z);
-          d = {x, y, z};
-        }
         if (count == lanes)
           write_rays(packet.rays.ray, source, d.x, d.y, d.z, 0, lanes);
         else
