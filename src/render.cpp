@@ -145,10 +145,10 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
   };
 
   // All tasks in stretches of about a fifth of a second, so that the caller hears of progress and
-  // can cancel; short renders are one stretch.
+  // can cancel; short renders are one stretch. The first is short enough for the slowest scenes.
   const std::size_t tasks = poses * blocks;
   const double rays_per_task = static_cast<double>(rays_each) * per_block;
-  std::size_t stretch = static_cast<std::size_t>(std::max(1.0, 2e6 / rays_per_task));
+  std::size_t stretch = static_cast<std::size_t>(std::max(1.0, 2.5e5 / rays_per_task));
   for (std::size_t done = 0; done < tasks;) {
     const auto start = Clock::now();
     const std::size_t end = std::min(tasks, done + stretch);
