@@ -43,8 +43,9 @@ def dense_eye(width: int, height: int) -> omma.Eye:
 def main() -> None:
     """Render both views and save the figure."""
     scene = omma.load_scene(ROOT / "examples" / "meadow.glb")
+    sides = ("left", "right")
     bee = omma.merge_eyes(
-        [omma.load_eye(ROOT / "examples" / f"honeybee_worker_{side}.eye") for side in ("left", "right")]
+        [omma.load_eye(ROOT / "examples" / f"honeybee_worker_{side}.eye") for side in sides]
     )
     sharp = omma.Renderer(scene, dense_eye(WIDTH, HEIGHT), samples=16).render("bee")[0]
     sharp_picture = omma.paint(

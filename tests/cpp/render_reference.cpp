@@ -36,12 +36,12 @@ struct Comparison {
   double worst = 0;
 };
 
-// Counts the rays whose colour differs by more than the tolerance in any channel. Doubtful rays
-// (see reference.h) are counted apart.
-void compare(const Scene& scene, const Eye& eye, std::span<const Mat4> poses, double tolerance,
-             Comparison& sum) {
-  const Reference reference = make_reference(scene);
-  const Result result = render(make_renderer(scene, eye, {1, 0, {}, {}, 0, {}}), poses);
+// Counts the rays whose colour differs by more than the tolerance in any channel between a
+// reference and what is rendered. Doubtful rays (see reference.h) are counted apart.
+void compare(const Scene& known, const Scene& rendered, const Eye& eye, std::span<const Mat4> poses,
+             double tolerance, Comparison& sum) {
+  const Reference reference = make_reference(known);
+  const Result result = render(make_renderer(rendered, eye, {1, 0, {}, {}, 0, {}}), poses);
   for (std::size_t p = 0; p < poses.size(); ++p)
     for (std::size_t i = 0; i < eye.size(); ++i) {
       const Radiance expected = reference_radiance(reference, axis_ray(poses[p], eye, i));
@@ -87,19 +87,39 @@ Scene with_identities(Scene scene) {
   return scene;
 }
 
+// Meshes placed several times are traced as copies in small scenes and as instances in large ones.
+// Adds what makes a scene large: over a million triangles in two places, none of which has an area.
+Scene with_many_copies(Scene scene) {
+  Mesh mesh;
+  mesh.positions = {{0, 0, -1}, {0, 0, 1}};
+  mesh.triangles.assign(600'000, {0, 1, 0});
+  const int index = add_mesh(scene, std::move(mesh));
+  add_instance(scene, index);
+  add_instance(scene, index, translation({0, 3, 0}));
+  return scene;
+}
+
 TEST(Reference, SameSurfaceIsHit) {
   Comparison sum;
   for (std::uint64_t seed = 1; seed <= 6; ++seed)
     // Colours are 1/64 apart; weights of a flat colour sum to 1 within float rounding.
-    compare(with_identities(random_scene(seed)), ray_eye(seed, 3000), some_poses(seed), 1e-4, sum);
+    for (const bool shared : {false, true}) {
+      const Scene scene = with_identities(random_scene(seed));
+      compare(scene, shared ? with_many_copies(scene) : scene, ray_eye(seed, 3000),
+              some_poses(seed), 1e-4, sum);
+    }
   EXPECT_EQ(sum.wrong, 0) << "of " << sum.rays;
   EXPECT_LT(sum.doubtful, sum.rays / 100);
 }
 
 TEST(Reference, SameColours) {
   Comparison sum;
-  for (std::uint64_t seed = 1; seed <= 9; ++seed)
-    compare(random_scene(seed), ray_eye(seed, 2000), some_poses(seed), 1e-4, sum);
+  for (std::uint64_t seed = 1; seed <= 9; ++seed) {
+    const Scene scene = random_scene(seed);
+    const bool shared = seed % 3 == 0;
+    compare(scene, shared ? with_many_copies(scene) : scene, ray_eye(seed, 2000), some_poses(seed),
+            1e-4, sum);
+  }
   EXPECT_EQ(sum.wrong, 0) << "of " << sum.rays << ", worst difference " << sum.worst;
   EXPECT_LT(sum.doubtful, sum.rays / 100);
 }
