@@ -3,10 +3,15 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace omma {
 namespace {
+
+// Texture coordinates beyond this have no fraction left in a float; legal in a file, but a texel
+// index must come of them.
+constexpr float most_repeats = 4194304.0f;  // 2^22
 
 // sRGB code value in [0, 1] to linear (IEC 61966-2-1).
 double linear_from_srgb(double s) {
@@ -53,12 +58,16 @@ std::vector<T> per_corner(const Mesh& mesh, const std::vector<T>& per_vertex) {
 // (KhronosGroup/glTF issue 1563).
 std::vector<Vec2> corner_texcoords(const Mesh& mesh, const TextureUse& use) {
   const auto& source = mesh.texcoords[static_cast<std::size_t>(use.texcoord_set)];
-  if (source.empty()) return std::vector<Vec2>(3 * mesh.triangles.size(), use.offset);
+  const auto bounded = [](Vec2 t) {
+    return Vec2{std::clamp(t.x, -most_repeats, most_repeats),
+                std::clamp(t.y, -most_repeats, most_repeats)};
+  };
+  if (source.empty()) return std::vector<Vec2>(3 * mesh.triangles.size(), bounded(use.offset));
   std::vector<Vec2> uv = per_corner(mesh, source);
   const float c = std::cos(use.rotation_rad), s = std::sin(use.rotation_rad);
   oneapi::tbb::parallel_for(std::size_t{0}, uv.size(), [&](std::size_t i) {
     const Vec2 p{uv[i].x * use.scale.x, uv[i].y * use.scale.y};
-    uv[i] = {c * p.x + s * p.y + use.offset.x, -s * p.x + c * p.y + use.offset.y};
+    uv[i] = bounded({c * p.x + s * p.y + use.offset.x, -s * p.x + c * p.y + use.offset.y});
   });
   return uv;
 }

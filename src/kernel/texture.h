@@ -22,26 +22,29 @@ OMMA_HD Color<F> load_texel(const TextureView& texture, I x, I y) {
           gather(texture.linear, texel * 4 + 2), gather(texture.linear, texel * 4 + 3)};
 }
 
-// Texture coordinate to texel units, in [0, size]. Clamped in every mode: coordinates past the range
-// of an integer, and what lanes without a hit hold, must not reach outside the image either.
+// Texture coordinate to texel units, in [0, size]. Coordinates are bounded (backend/shading_data),
+// so that they have a fraction.
 template <typename F>
 OMMA_HD F wrap_coordinate(F u, Wrap wrap, float size) {
-  if (wrap == Wrap::repeat) return clamp_unit_lanes(u - floor_lanes(u)) * size;
+  if (wrap == Wrap::repeat) return (u - floor_lanes(u)) * size;
   if (wrap == Wrap::mirrored_repeat) {
     const F t = u - 2.0f * floor_lanes(0.5f * u);
-    return clamp_unit_lanes(t > 1.0f ? 2.0f - t : t) * size;
+    return (t > 1.0f ? 2.0f - t : t) * size;
   }
   return clamp_unit_lanes(u) * size;
 }
 
-// Texel index beside the edge: goes round for repeat, stays for the other two (where a mirrored
-// neighbour is the edge texel itself).
+// Texel index one before the first or one behind the last: goes round for repeat, stays for the
+// other two (where a mirrored neighbour is the edge texel itself).
 template <typename I>
-OMMA_HD I wrap_texel(I i, Wrap wrap, int size) {
-  const I below = wrap == Wrap::repeat ? i + size : i * 0;
-  const I above = wrap == Wrap::repeat ? i - size : i * 0 + (size - 1);
-  i = i < 0 ? below : i;
-  return i >= size ? above : i;
+OMMA_HD I wrap_before(I i, Wrap wrap, int size) {
+  const int round = wrap == Wrap::repeat ? size : 1;
+  return i < 0 ? i + round : i;
+}
+template <typename I>
+OMMA_HD I wrap_behind(I i, Wrap wrap, int size) {
+  const int round = wrap == Wrap::repeat ? size : 1;
+  return i >= size ? i - round : i;
 }
 
 template <typename F>
@@ -51,17 +54,17 @@ OMMA_HD Color<F> eval_texture(const TextureView& texture, F u, F v) {
   const F y = wrap_coordinate(v, texture.wrap_v, static_cast<float>(texture.height));
   if (texture.filter == Filter::nearest) {
     // On the far edge the texel before it, whatever the wrap mode.
-    const auto i = wrap_texel(to_int(x), Wrap::clamp_to_edge, texture.width);
-    const auto j = wrap_texel(to_int(y), Wrap::clamp_to_edge, texture.height);
+    const auto i = wrap_behind(to_int(x), Wrap::clamp_to_edge, texture.width);
+    const auto j = wrap_behind(to_int(y), Wrap::clamp_to_edge, texture.height);
     return load_texel<F>(texture, i, j) * broadcast<F>(unit);
   }
-  const F left = floor_lanes(x - 0.5f), top = floor_lanes(y - 0.5f);
-  const F fx = x - 0.5f - left, fy = y - 0.5f - top;
-  const auto i = to_int(left), j = to_int(top);
-  const auto x0 = wrap_texel(i, texture.wrap_u, texture.width);
-  const auto x1 = wrap_texel(i + 1, texture.wrap_u, texture.width);
-  const auto y0 = wrap_texel(j, texture.wrap_v, texture.height);
-  const auto y1 = wrap_texel(j + 1, texture.wrap_v, texture.height);
+  // The texel whose centre lies at or before the point, -1 to size - 1, and the one behind it.
+  const auto i = to_int(x + 0.5f) - 1, j = to_int(y + 0.5f) - 1;
+  const F fx = x - 0.5f - to_float(i), fy = y - 0.5f - to_float(j);
+  const auto x0 = wrap_before(i, texture.wrap_u, texture.width);
+  const auto x1 = wrap_behind(i + 1, texture.wrap_u, texture.width);
+  const auto y0 = wrap_before(j, texture.wrap_v, texture.height);
+  const auto y1 = wrap_behind(j + 1, texture.wrap_v, texture.height);
   const F upper = (1.0f - fy) * unit, lower = fy * unit;
   return load_texel<F>(texture, x0, y0) * ((1.0f - fx) * upper) +
          load_texel<F>(texture, x1, y0) * (fx * upper) +

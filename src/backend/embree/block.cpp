@@ -133,9 +133,11 @@ void eval_surfaces(const SceneView& scene, const RTCHit16& hit, const std::int32
     for (int l = 0; l < lanes; l += lane_width) {
       if ((members >> l & ((1u << lane_width) - 1)) == 0) continue;
       const Ints is_member = load<Ints>(mesh + l) == current;
+      // Lanes of other meshes, and without a hit, hold anything; they go through as zeros.
       const Ints triangle = load<Ints>(hit.primID + l) & is_member;
-      const SurfaceLight<Floats> s = eval_surface(scene, scene.meshes[current], triangle,
-                                                  load<Floats>(hit.u + l), load<Floats>(hit.v + l));
+      const Ints u = load<Ints>(hit.u + l) & is_member, v = load<Ints>(hit.v + l) & is_member;
+      const SurfaceLight<Floats> s =
+          eval_surface(scene, scene.meshes[current], triangle, (Floats)u, (Floats)v);
       for (int c = 0; c < channel_count; ++c)
         store(light.channel[c] + l, is_member ? s.channel[c] : load<Floats>(light.channel[c] + l));
       store(light.alpha + l, is_member ? s.alpha : load<Floats>(light.alpha + l));
@@ -224,8 +226,14 @@ void shade_blended(const BlockContext& context, Packet& packet, const int* valid
 // same order.
 void trace_and_add(const BlockContext& context, Packet& packet, double (*sums)[channel_count],
                    IntersectArguments& arguments) {
-  alignas(64) int valid[lanes];
-  for (int l = 0; l < lanes; ++l) valid[l] = l < packet.filled ? -1 : 0;
+  alignas(64) static constexpr int all[lanes] = {-1, -1, -1, -1, -1, -1, -1, -1,
+                                                 -1, -1, -1, -1, -1, -1, -1, -1};
+  alignas(64) int some[lanes];
+  const int* valid = all;
+  if (packet.filled < lanes) {
+    for (int l = 0; l < lanes; ++l) some[l] = l < packet.filled ? -1 : 0;
+    valid = some;
+  }
   if (context.scene->has_blend)
     shade_blended(context, packet, valid, arguments);
   else
