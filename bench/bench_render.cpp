@@ -164,6 +164,7 @@ void bench_ceiling(benchmark::State& state, const Setup& setup, int samples) {
       thread_local std::vector<RTCRayHit16> packets;
       packets.resize(static_cast<std::size_t>((task.count * samples + 15) / 16));
       prepare_block(context, task, packets.data());
+      const DenormalsAreZero denormals_are_zero;
       IntersectArguments arguments;
       alignas(64) int valid[16];
       for (int& v : valid) v = -1;

@@ -364,6 +364,7 @@ __attribute__((always_inline)) inline void for_each_packet(const BlockContext& c
 }  // namespace
 
 void render_block(const BlockContext& context, const BlockTask& task) {
+  const DenormalsAreZero denormals_are_zero;
   double sums[block_capacity][channel_count];
   for (int u = 0; u < task.count * context.scrambles; ++u)
     for (double& sum : sums[u]) sum = 0;
