@@ -17,7 +17,8 @@ Eye ray_eye(std::uint64_t seed, int rays) {
   for (int i = 0; i < rays; ++i) axes.push_back(random.direction());
   Eye eye = make_eye(axes, 0);
   for (std::size_t i = 0; i < eye.size(); ++i) {
-    eye.position_m[i] = to_float(random.direction() * random.uniform(0, 0.2));
+    const Vec3d towards = random.direction();
+    eye.position_m[i] = to_float(towards * random.uniform(0, 0.2));
     if (random.index(4) == 0) eye.focal_offset_m[i] = static_cast<float>(random.uniform(0, 4));
   }
   return eye;

@@ -20,8 +20,8 @@ Vec4 random_color(Random& random) {
 }
 
 Image random_image(Random& random, bool eight_bit) {
-  Image image = make_image(2 + random.index(7), 2 + random.index(7),
-                           [&](int, int) { return random_color(random); });
+  const int width = 2 + random.index(7), height = 2 + random.index(7);
+  Image image = make_image(width, height, [&](int, int) { return random_color(random); });
   if (eight_bit) {
     for (const float value : image.rgba_linear)
       image.rgba_srgb8.push_back(static_cast<std::uint8_t>(value * 255.0f + 0.5f));
@@ -96,7 +96,8 @@ Scene flat_triangles(std::uint64_t seed, int triangle_count, int colors) {
   for (int i = 0; i < triangle_count; ++i) {
     Mesh mesh;
     mesh.material = random.index(colors);
-    const Vec3d centre = random.direction() * random.uniform(1, 3);
+    const Vec3d towards = random.direction();
+    const Vec3d centre = towards * random.uniform(1, 3);
     for (int k = 0; k < 3; ++k)
       mesh.positions.push_back(to_float(centre + random_point(random, 0.6)));
     mesh.triangles = {{0, 1, 2}};
@@ -117,12 +118,15 @@ Scene random_scene(std::uint64_t seed) {
   for (int i = 0; i < 5; ++i) add_mesh(scene, random_mesh(random, 8));
   for (int i = 0; i < 16; ++i) {
     const double mirror = random.index(3) == 0 ? -1 : 1;
-    const Mat4 shape =
-        random_rotation(random) *
-        scaling({mirror * random.uniform(0.5, 2), random.uniform(0.5, 2), random.uniform(0.5, 2)}) *
-        random_rotation(random);
-    add_instance(scene, random.index(5),
-                 translation(random.direction() * random.uniform(2, 5)) * shape);
+    // One number after the other: compilers are free in the order of operands and arguments.
+    const Mat4 first_turn = random_rotation(random);
+    const Mat4 size =
+        scaling({mirror * random.uniform(0.5, 2), random.uniform(0.5, 2), random.uniform(0.5, 2)});
+    const Mat4 last_turn = random_rotation(random);
+    const Vec3d towards = random.direction();
+    const Vec3d place = towards * random.uniform(2, 5);
+    const int mesh = random.index(5);
+    add_instance(scene, mesh, translation(place) * last_turn * size * first_turn);
   }
   if (seed % 3 == 0) {
     scene.background.type = BackgroundType::test_pattern;

@@ -62,7 +62,8 @@ inline Mat4 rotation(Vec3d axis, double angle_rad) {
 }
 
 inline Mat4 random_rotation(Random& random) {
-  return rotation(random.direction(), random.uniform(-pi, pi));
+  const Vec3d axis = random.direction();
+  return rotation(axis, random.uniform(-pi, pi));
 }
 
 // Two unit vectors that make a right-handed frame (u, v, w) with the unit vector w.
