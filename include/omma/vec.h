@@ -41,16 +41,6 @@ OMMA_HD float clamp_unit(float x) {
   return x < 1.0f ? x : 1.0f;
 }
 
-OMMA_HD Vec2 operator+(Vec2 a, Vec2 b) {
-  return {a.x + b.x, a.y + b.y};
-}
-OMMA_HD Vec2 operator-(Vec2 a, Vec2 b) {
-  return {a.x - b.x, a.y - b.y};
-}
-OMMA_HD Vec2 operator*(Vec2 a, float s) {
-  return {a.x * s, a.y * s};
-}
-
 OMMA_HD Vec3 operator+(Vec3 a, Vec3 b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
@@ -62,16 +52,6 @@ OMMA_HD Vec3 operator*(Vec3 a, float s) {
 }
 OMMA_HD float dot(Vec3 a, Vec3 b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-OMMA_HD Vec4 operator+(Vec4 a, Vec4 b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z, a.w + b.w};
-}
-OMMA_HD Vec4 operator*(Vec4 a, Vec4 b) {
-  return {a.x * b.x, a.y * b.y, a.z * b.z, a.w * b.w};
-}
-OMMA_HD Vec4 operator*(Vec4 a, float s) {
-  return {a.x * s, a.y * s, a.z * s, a.w * s};
 }
 
 OMMA_HD Vec3d operator+(Vec3d a, Vec3d b) {
