@@ -217,7 +217,7 @@ void print_results(const std::vector<Setup>& setups, std::span<const int> counts
   std::printf(
       "\n## Ceiling and whole render\n\n"
       "Best of each, %d threads. The ceiling is tracing alone: `rtcIntersect16`, coherent, on the\n"
-      "render's own packets.\n\n"
+      "render's own packets and its own scene, which is watertight (Embree's robust mode).\n\n"
       "| scene | triangles | ommatidia | rays each | ceiling, Mrays/s | render, Mrays/s | ratio "
       "| frames/s |\n| --- | --- | --- | --- | --- | --- | --- | --- |\n",
       thread_count());
