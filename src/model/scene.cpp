@@ -10,6 +10,11 @@
 namespace omma {
 namespace {
 
+// The kernels count with 32-bit integers in the arrays of one mesh (12 numbers a triangle) and of
+// one image (4 numbers a pixel).
+constexpr std::size_t most_triangles = std::size_t(1) << 27;
+constexpr std::size_t most_pixels = std::size_t(1) << 28;
+
 bool finite(Vec2 v) {
   return std::isfinite(v.x) && std::isfinite(v.y);
 }
@@ -69,6 +74,9 @@ void check_mesh(const Scene& scene, const Mesh& mesh, const std::string& place) 
     check_finite(mesh.texcoords[set], place, "the texture coordinate");
   }
   check_size(mesh.colors.size(), mesh.positions.size(), place, "colours");
+  if (mesh.triangles.size() > most_triangles)
+    throw Error(place + ": has " + std::to_string(mesh.triangles.size()) +
+                " triangles, a mesh may have " + std::to_string(most_triangles));
   check_finite(mesh.colors, place, "the colour");
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
     for (const std::uint32_t vertex : mesh.triangles[i])
@@ -103,8 +111,12 @@ void check_image(const Image& image, const std::string& place) {
   if (image.width < 1 || image.height < 1)
     throw Error(place + ": has " + std::to_string(image.width) + " x " +
                 std::to_string(image.height) + " pixels");
-  const std::size_t expected =
-      static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * 4;
+  const std::size_t pixels =
+      static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+  if (pixels > most_pixels)
+    throw Error(place + ": has " + std::to_string(pixels) + " pixels, an image may have " +
+                std::to_string(most_pixels));
+  const std::size_t expected = 4 * pixels;
   const std::size_t encoded = image.rgba_srgb8.size(), linear = image.rgba_linear.size();
   if (!(encoded == expected && linear == 0) && !(encoded == 0 && linear == expected))
     throw Error(place + ": " + std::to_string(image.width) + " x " + std::to_string(image.height) +

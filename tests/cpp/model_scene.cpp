@@ -84,6 +84,8 @@ TEST(ValidateScene, Sizes) {
   expect_invalid([](Scene& s) { s.meshes[0].colors.resize(3); }, "3 colours for 4 vertices");
   expect_invalid([](Scene& s) { s.images[0].width = 2; }, "image 0: 2 x 1 pixels need 8 values");
   expect_invalid([](Scene& s) { s.images[0].height = 0; }, "image 0: has 1 x 0 pixels");
+  expect_invalid([](Scene& s) { s.images[0].width = s.images[0].height = 1 << 15; },
+                 "image 0: has 1073741824 pixels, an image may have 268435456");
   expect_invalid([](Scene& s) { s.images[0].rgba_linear.resize(4); }, "one of two arrays");
   expect_invalid([](Scene& s) { s.background.type = BackgroundType::image; }, "background");
 }
