@@ -35,12 +35,6 @@ struct Vec3d {
   double x = 0, y = 0, z = 0;
 };
 
-// Into [0, 1]. Comparisons, not fminf and fmaxf, which compilers may turn into calls.
-OMMA_HD float clamp_unit(float x) {
-  x = x > 0.0f ? x : 0.0f;
-  return x < 1.0f ? x : 1.0f;
-}
-
 OMMA_HD Vec3 operator+(Vec3 a, Vec3 b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};
 }

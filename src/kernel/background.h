@@ -21,7 +21,7 @@ OMMA_HD float asin_positive(float x) {
 
 // CompoundRay's `simple_sky`: from the horizon colour linearly in elevation to the zenith colour.
 OMMA_HD Radiance eval_simple_sky(Vec3 direction) {
-  const float up = clamp_unit(direction.y);
+  const float up = clamp_unit_lanes(direction.y);
   const float share = asin_positive(up) * 0.636619772f;  // elevation over pi/2
   const float s = 0.8f / 255.0f, z = 1.0f / 255.0f;
   return {{143.0f * s + share * (1.0f * z - 143.0f * s),

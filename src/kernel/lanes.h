@@ -130,6 +130,7 @@ OMMA_HD F floor_lanes(F x) {
   return towards_zero > x ? towards_zero - 1.0f : towards_zero;
 }
 
+// Into [0, 1]. Comparisons, not fminf and fmaxf, which compilers may turn into calls.
 template <typename F>
 OMMA_HD F clamp_unit_lanes(F x) {
   x = x > 0.0f ? x : broadcast<F>(0.0f);

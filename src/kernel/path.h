@@ -15,8 +15,11 @@ struct Path {
 // Below this share the rest cannot change a response: less than a float's resolution of 1.
 inline constexpr float least_throughput = 1e-7f;
 
-// A ray goes on just behind the surface it crossed, a relative step above float's resolution.
-inline constexpr float step_behind = 1.0f + 1e-6f;
+// Where a ray goes on behind the surface it crossed at t: a step above float's resolution, and
+// above zero for an eye that lies in the surface, or it would meet the same one for ever.
+OMMA_HD float step_behind(float t_m) {
+  return t_m * (1.0f + 1e-6f) + 1e-30f;
+}
 
 // Adds a surface; true where the ray goes on behind it.
 OMMA_HD bool add_surface(Path& path, const SurfaceLight<float>& light) {
@@ -46,7 +49,7 @@ OMMA_HD Radiance eval_path(const SceneView& scene, Vec3 direction, float t_near_
     const SurfaceLight<float> light = eval_surface(
         scene, scene.meshes[hit.mesh], static_cast<std::int32_t>(hit.triangle), hit.u, hit.v);
     if (!add_surface(path, light)) return path.radiance;
-    t_near_m = t_m * step_behind;
+    t_near_m = step_behind(t_m);
   }
 }
 

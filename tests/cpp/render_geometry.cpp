@@ -239,6 +239,23 @@ TEST(Geometry, BlendIsLayeredFrontToBack) {
   expect_color(seen(stack), {static_cast<float>(rest), static_cast<float>(1 - rest), 0}, 1e-5);
 }
 
+// An eye that lies in a transparent surface: every ray meets it at distance zero, once.
+TEST(Geometry, RaysLeaveATransparentSurfaceTheyStartIn) {
+  for (const float alpha : {0.0f, 1e-6f}) {
+    Scene scene;
+    scene.background = constant_background({0.25f, 0.5f, 1});
+    Material glass;
+    glass.base_color = {1, 1, 1, alpha};
+    glass.alpha_mode = AlphaMode::blend;
+    glass.double_sided = true;
+    add_instance(
+        scene, add_mesh(scene, quad({0, 0, 0}, {4, 0, 0}, {0, 4, 0}, add_material(scene, glass))));
+    const Result result =
+        render(scene, make_eye(sphere_directions(100), 40 * degree), {64, 0, {}, {}, 0, {}});
+    for (std::size_t i = 0; i < 100; ++i) EXPECT_NEAR(result.at(i, 0), 0.25, 2e-6);
+  }
+}
+
 TEST(Geometry, EmissionAddsUnlessUnlit) {
   Scene scene;
   Material lamp;

@@ -214,7 +214,7 @@ void shade_blended(const BlockContext& context, Packet& packet, const int* valid
       const bool on = add_surface(paths[l], light);
       active[l] = on ? -1 : 0;
       any = any || on;
-      packet.rays.ray.tnear[l] = packet.rays.ray.tfar[l] * step_behind;
+      packet.rays.ray.tnear[l] = step_behind(packet.rays.ray.tfar[l]);
     }
   }
   for (int l = 0; l < lanes; ++l)

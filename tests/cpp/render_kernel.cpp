@@ -1,0 +1,63 @@
+// Kernel functions that only other backends call, run here on the host: the path of a single ray
+// against what the packets of the renderer see, the density of a sample against the sphere.
+#include "kernel/path.h"
+
+#include <gtest/gtest.h>
+
+#include "backend/shading_data.h"
+#include "sampling/acceptance_warp.h"
+#include "test_scenes.h"
+
+namespace omma::test {
+namespace {
+
+// Three half-transparent walls ahead, one behind the other, the last before the sky.
+TEST(Kernel, PathOfOneRayIsWhatThePacketsSee) {
+  Scene scene;
+  scene.background.type = BackgroundType::simple_sky;
+  const float alpha[] = {0.25f, 0.5f, 0.75f};
+  for (int k = 0; k < 3; ++k) {
+    Material material;
+    material.base_color = {0.2f * static_cast<float>(k), 0.9f, 0.3f, alpha[k]};
+    material.emissive = {0.1f, 0, 0};
+    material.alpha_mode = AlphaMode::blend;
+    material.double_sided = true;
+    const int index = add_material(scene, material);
+    add_instance(scene, add_mesh(scene, quad({0, 0, -1.0 - k}, {4, 0, 0}, {0, 4, 0}, index)));
+  }
+  const Result packets = render(scene, make_eye(Vec3d{0, 0, -1}, 0), {1, 0, {}, {}, 0, {}});
+
+  const auto shading = make_shading_data(scene, scene.background);
+  const auto trace = [](float t_near_m, SurfaceHit& hit, float& t_m) {
+    for (int k = 0; k < 3; ++k)
+      if (static_cast<float>(k + 1) >= t_near_m) {
+        hit = {k, 0, 0.25f, 0.25f};
+        t_m = static_cast<float>(k + 1);
+        return true;
+      }
+    return false;
+  };
+  const omma::Radiance one = eval_path(shading->view, {0, 0, -1}, 0.0f, trace);
+  for (int c = 0; c < channel_count; ++c)  // the same operations in the same order
+    EXPECT_FLOAT_EQ(one.channel[c], packets.at(0, c));
+}
+
+// Midpoint rule in theta; exact to 1e-5 with 100,000 cells where the density is smooth, and the
+// edge of the pillbox falls into one cell.
+TEST(Kernel, DensityOfSamplesIntegratesToOne) {
+  constexpr int cells = 100'000;
+  for (const Kernel kernel : {Kernel::gaussian, Kernel::pillbox, Kernel::compoundray})
+    for (const double degrees : {2.6, 60.0, 360.0}) {
+      const AcceptanceWarp warp = make_acceptance_warp(kernel, degrees * degree);
+      const double end = std::min(pi, 5 * degrees * degree), width = end / cells;
+      double integral = 0;
+      for (int i = 0; i < cells; ++i) {
+        const double theta = (i + 0.5) * width;
+        integral += acceptance_pdf(view(warp), theta) * 2 * pi * std::sin(theta) * width;
+      }
+      EXPECT_NEAR(integral, 1.0, 1e-4) << name_of(kernel) << ' ' << degrees;
+    }
+}
+
+}  // namespace
+}  // namespace omma::test
