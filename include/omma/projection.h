@@ -9,6 +9,16 @@
 
 namespace omma {
 
+// The ommatidium whose axis is nearest in angle to each direction (head frame, of any length); ties
+// go to the lower index. [direction], index into the eye; -1 for a direction that is zero or not
+// finite, and for all of them where the eye is empty.
+std::vector<std::int32_t> nearest_by_axis(const Eye& eye, std::span<const Vec3> directions);
+
+// The same by position as seen from `centre` (m, head frame). An ommatidium at the centre lies in
+// no direction and is never nearest; where all lie there, every id is -1.
+std::vector<std::int32_t> nearest_by_position(const Eye& eye, Vec3 centre,
+                                              std::span<const Vec3> directions);
+
 // Which ommatidium each pixel of an equirectangular picture shows: the one whose axis is nearest
 // in angle (ties to the lower index). Azimuth -180 to 180 degrees from left to right with straight
 // ahead in the middle and the animal's right to the right; elevation +90 at the top, -90 at the

@@ -149,6 +149,62 @@ TEST(Equirectangular, BadArgumentsAreErrors) {
   EXPECT_THROW(omma::equirectangular_ids_by_position(eye_of({{0, 0, -1}}), 10, 10), Error);
 }
 
+TEST(Nearest, ByAxisAgreesWithTryingAll) {
+  const Eye eye = random_eye(800, 3);
+  const std::vector<Vec3> directions = random_eye(3000, 4).axis;
+  std::vector<Vec3> longer;
+  for (const Vec3 direction : directions) longer.push_back(direction * 40.0f);
+  const auto ids = omma::nearest_by_axis(eye, longer);
+  ASSERT_EQ(ids.size(), directions.size());
+  for (std::size_t d = 0; d < directions.size(); ++d) {
+    double most = -2;
+    std::int32_t nearest = -1;
+    for (std::size_t i = 0; i < eye.size(); ++i) {
+      const double cosine =
+          dot(normalize(to_double(eye.axis[i])), normalize(to_double(directions[d])));
+      if (cosine > most) {
+        most = cosine;
+        nearest = static_cast<std::int32_t>(i);
+      }
+    }
+    ASSERT_EQ(ids[d], nearest) << d;
+  }
+}
+
+TEST(Nearest, ByPositionIsSeenFromTheCentre) {
+  Eye eye = eye_of(six_axes);
+  const Vec3 centre{3, -1, 2};
+  for (Vec3& position : eye.position_m) position = position * 0.5f + centre;
+  std::swap(eye.axis[ahead], eye.axis[up]);  // must not matter
+  EXPECT_EQ(omma::nearest_by_position(eye, centre, six_axes),
+            (std::vector<std::int32_t>{ahead, right, back, left, up, down}));
+  // From farther back both ends of the line of sight lie ahead, a tie.
+  EXPECT_EQ(omma::nearest_by_position(eye, centre + Vec3{0, 0, 10}, std::vector<Vec3>{{0, 0, -1}}),
+            (std::vector<std::int32_t>{ahead}));
+}
+
+TEST(Nearest, TiesZerosAndTheCentre) {
+  const float nan = std::nanf("");
+  const std::vector<Vec3> odd = {{0, 0, 0}, {nan, 0, 1}, {0, HUGE_VALF, 0}, {0, 0, -1e-30f}};
+  EXPECT_EQ(omma::nearest_by_axis(eye_of(six_axes), odd),
+            (std::vector<std::int32_t>{-1, -1, -1, ahead}));
+  // Halfway between ahead (0) and right (1), and doubles of one axis.
+  const std::vector<Vec3> halfway = {{1, 0, -1}};
+  EXPECT_EQ(omma::nearest_by_axis(eye_of(six_axes), halfway)[0], ahead);
+  EXPECT_EQ(omma::nearest_by_axis(eye_of(std::vector<Vec3>(50, {0, 1, 0})), halfway)[0], 0);
+
+  Eye eye = eye_of(six_axes);
+  eye.position_m[ahead] = {0, 0, 0};
+  const auto ids = omma::nearest_by_position(eye, {0, 0, 0}, six_axes);
+  EXPECT_EQ(ids[right], right);
+  EXPECT_NE(ids[ahead], ahead);
+  EXPECT_GE(ids[ahead], 0);
+  eye.position_m.assign(6, {1, 2, 3});
+  for (const int id : omma::nearest_by_position(eye, {1, 2, 3}, six_axes)) EXPECT_EQ(id, -1);
+  EXPECT_EQ(omma::nearest_by_axis(Eye{}, halfway)[0], -1);
+  EXPECT_TRUE(omma::nearest_by_axis(eye, {}).empty());
+}
+
 TEST(Paint, DisplayValuesFollowTheGamma) {
   const std::vector<std::int32_t> ids = {1, -1, 0};
   const float nan = std::nanf("");
