@@ -19,3 +19,10 @@ def whole(value: Any, name: str, low: int, high: int) -> int:
     if not low <= number <= high:
         raise Error(f"{name}: expected {low} to {high}, found {number}")
     return number
+
+
+def positive(value: float, name: str) -> float:
+    """``value`` where it is a finite number above 0; omma.Error names the argument."""
+    if not (isinstance(value, (int, float)) and 0 < value < float("inf")):
+        raise Error(f"{name}: expected a number above 0, found {value!r:.40}")
+    return float(value)

@@ -1,0 +1,303 @@
+"""Eyes made to order: ommatidia spread over a sphere or an ellipsoid, evenly or with acute zones.
+
+Points repel their neighbours on the surface until the forces balance. The force between two points
+a distance r apart, where the wanted spacing is a, is a·(a/r)^7 in the direction away from each
+other. In a hexagonal lattice of spacing r the pressure of such forces is force/r, a function of r/a
+alone, so pressures balance where r/a is the same everywhere: the spacing follows a. In relaxation by
+Lloyd's method the same takes samples of the surface and many more steps.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma._core import Error, Eye
+from omma.arguments import positive, whole
+
+Floats = NDArray[np.float64]
+Density = Callable[[Floats], ArrayLike]
+Progress = Callable[[str, "float | None"], object]
+
+_STEPS = 500
+_FORCE_POWER = 7
+# Of the most the system of points can take without swinging, found by trying on 100 to 10,000.
+_STEP_SIZE = 0.0107
+_MOMENTUM = 0.8
+_NEIGHBOURS = 18  # two rings of a hexagonal lattice; the third adds under a thousandth of the force
+_STEPS_PER_SEARCH = 10
+_MOST_CANDIDATES = 20_000_000
+
+
+@dataclass(frozen=True)
+class AcuteZone:
+    """More ommatidia per steradian around a direction: ``factor`` times at its centre, falling off
+    as a Gaussian of full width at half maximum ``width_rad``; a factor below 1 thins them out.
+
+    With ``band`` the zone is all around the head at the elevation of the direction.
+    Azimuth 0 is ahead and grows to the right.
+    """
+
+    azimuth_rad: float
+    elevation_rad: float
+    width_rad: float
+    factor: float
+    band: bool = False
+
+    def __post_init__(self) -> None:
+        positive(self.width_rad, "width_rad")
+        positive(self.factor, "factor")
+        for name in ("azimuth_rad", "elevation_rad"):
+            if not math.isfinite(getattr(self, name)):
+                raise Error(f"{name}: expected a finite angle, found {getattr(self, name)}")
+
+    def density(self, directions: Floats) -> Floats:
+        """Relative number of ommatidia per steradian at unit vectors (K, 3), head frame: (K,)."""
+        if self.band:
+            elevation = np.arcsin(np.clip(directions[:, 1], -1, 1))
+            angle = np.abs(elevation - self.elevation_rad)
+        else:
+            level = math.cos(self.elevation_rad)
+            centre = np.array(
+                [
+                    level * math.sin(self.azimuth_rad),
+                    math.sin(self.elevation_rad),
+                    -level * math.cos(self.azimuth_rad),
+                ]
+            )
+            angle = np.arccos(np.clip(directions @ centre, -1, 1))
+        bump = np.exp(-4 * math.log(2) * (angle / self.width_rad) ** 2)
+        return np.asarray(1 + (self.factor - 1) * bump)
+
+
+def acute_zones(zones: Sequence[AcuteZone]) -> Density:
+    """The density of several zones together: their product."""
+
+    def density(directions: Floats) -> Floats:
+        product = np.ones(len(directions))
+        for zone in zones:
+            product *= zone.density(directions)
+        return product
+
+    return density
+
+
+def generate_eye(
+    count: int,
+    *,
+    radius_m: float | Sequence[float] = 1e-3,
+    density: Density | None = None,
+    acceptance_ratio: float = 1.0,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> Eye:
+    """An eye of ``count`` ommatidia spread over a sphere or an ellipsoid by relaxation.
+
+    Positions lie on the surface, axes are normal to it. Without ``density`` the ommatidia are
+    spread evenly over the surface: facets of one size. With it, `radius_m` still says where they
+    sit, and the density how many look where.
+
+    Args:
+        radius_m: radius of the sphere, or the three semi-axes (right, up, forward), metres.
+        density: relative number of ommatidia per steradian, as a function of viewing directions:
+            unit vectors (K, 3) in the head's frame (+X right, +Y up, -Z ahead) to (K,) numbers of
+            at least 0. Where it is 0 there are none.
+        acceptance_ratio: acceptance angle as a multiple of the local interommatidial angle.
+        seed: the same seed gives the same eye (on one machine); another one, another arrangement.
+        progress: called as progress(stage, share done) now and then.
+
+    Raises:
+        omma.Error: an argument out of range, a density that is negative, not finite, 0 everywhere
+            or too peaked.
+    """
+    whole(count, "count", 2, 10_000_000)
+    whole(seed, "seed", 0, 2**63 - 1)
+    positive(acceptance_ratio, "acceptance_ratio")
+    surface = _Surface(_semi_axes(radius_m), density)
+    random = np.random.default_rng(seed)
+    tell = progress or (lambda stage, share: None)
+    tell("placing ommatidia", None)
+    points = _seeds(surface, count, random)
+    points = _relaxed(surface, points, tell)
+    axes = surface.normals(points)
+    spaced = Eye(points, axes, 0.0)
+    return Eye(points, axes, acceptance_ratio * spaced.interommatidial_angle_rad())
+
+
+class _Surface:
+    """An ellipsoid, and how many ommatidia there are to be per area of it."""
+
+    def __init__(self, semi_axes: Floats, density: Density | None) -> None:
+        self.semi_axes = semi_axes
+        self._density = density
+        self._scale = 1.0  # from relative to actual numbers per area
+
+    def onto(self, points: Floats) -> Floats:
+        """Points (K, 3) moved along their radius onto the surface."""
+        sphere = points / self.semi_axes
+        return np.asarray(points / np.linalg.norm(sphere, axis=1, keepdims=True))
+
+    def normals(self, points: Floats) -> Floats:
+        """Outward unit normals (K, 3) at points of the surface."""
+        gradient = points / self.semi_axes**2
+        return np.asarray(gradient / np.linalg.norm(gradient, axis=1, keepdims=True))
+
+    def per_area(self, points: Floats) -> Floats:
+        """Ommatidia per area, once `fit` has been called; until then relative."""
+        if self._density is None:
+            return np.full(len(points), self._scale)
+        normals = self.normals(points)
+        values = np.asarray(self._density(normals), dtype=np.float64)
+        if values.shape != (len(points),):
+            raise Error(f"density: expected shape ({len(points)},), found {values.shape}")
+        if not np.all(np.isfinite(values) & (values >= 0)):
+            bad = int(np.flatnonzero(~(np.isfinite(values) & (values >= 0)))[0])
+            raise Error(
+                f"density: expected finite numbers of at least 0, found {values[bad]} in direction "
+                f"{np.round(normals[bad], 4).tolist()}"
+            )
+        # The Gaussian curvature is the solid angle of the normals per area.
+        gradient_squared = np.sum((points / self.semi_axes**2) ** 2, axis=1)
+        curvature = 1 / (np.prod(self.semi_axes) * gradient_squared) ** 2
+        return np.asarray(self._scale * values * curvature)
+
+    def fit(self, count: int, relative_total: float) -> None:
+        """From now on `per_area` adds up to ``count`` over the surface."""
+        self._scale = count / relative_total
+
+    def spacing(self, points: Floats) -> Floats:
+        """Distance of neighbours in the hexagonal lattice of that density; inf where there is none:
+        a lattice of spacing a has 2/(√3 a²) points per area."""
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.sqrt(2 / math.sqrt(3) / self.per_area(points)))
+
+
+def _seeds(surface: _Surface, count: int, random: np.random.Generator) -> Floats:
+    # A fine set of points, each with its share of the ommatidia, is halved again and again across
+    # its longest side into parts of as many ommatidia each; a part of one gives one point.
+    turn = _random_rotation(random)
+    number = 32 * count
+    for _ in range(2):
+        candidates, share = _candidates(surface, number, turn)
+        total = float(share.sum())
+        if not total > 0:
+            raise Error("density: is 0 in every direction")
+        # Some five candidates to an ommatidium where they are densest.
+        needed = math.ceil(number * max(1.0, 5 * float(share.max()) / total * count))
+        if needed <= number:
+            break
+        if needed > _MOST_CANDIDATES:
+            raise Error("density: is too peaked: nearly all ommatidia fall into one narrow spot")
+        number = needed
+    surface.fit(count, total)
+    kept = share > 0
+    candidates, share = candidates[kept], share[kept]
+    if len(share) < count:
+        raise Error("density: is above 0 in too narrow a spot for that many ommatidia")
+    seeds = np.empty((count, 3))
+    parts = [(np.arange(len(share)), 0, count)]
+    while parts:
+        members, first, size = parts.pop()
+        points, weight = candidates[members], share[members]
+        if size == 1:
+            seeds[first] = _middle(points, weight)
+            continue
+        longest = int(np.argmax(np.ptp(points, axis=0)))
+        order = np.argsort(points[:, longest], kind="stable")
+        members, summed = members[order], np.cumsum(weight[order])
+        half = size // 2
+        cut = int(np.searchsorted(summed, summed[-1] * half / size))
+        cut = min(max(cut, half), len(members) - (size - half))
+        parts.append((members[:cut], first, half))
+        parts.append((members[cut:], first + half, size - half))
+    return surface.onto(seeds)
+
+
+def _candidates(surface: _Surface, number: int, turn: Floats) -> tuple[Floats, Floats]:
+    # A Fibonacci lattice has equal areas on the sphere; stretching it to the ellipsoid by A makes
+    # the area at u det(A) |A⁻¹u| times as large.
+    index = np.arange(number) + 0.5
+    z = 1 - 2 * index / number
+    angle = math.pi * (1 + math.sqrt(5)) * index
+    level = np.sqrt(1 - z * z)
+    sphere = np.stack([level * np.cos(angle), level * np.sin(angle), z], axis=1) @ turn
+    stretch = np.prod(surface.semi_axes) * np.linalg.norm(sphere / surface.semi_axes, axis=1)
+    points = sphere * surface.semi_axes
+    return points, surface.per_area(points) * stretch * (4 * math.pi / number)
+
+
+def _middle(points: Floats, weight: Floats) -> Floats:
+    middle = np.asarray(np.average(points, axis=0, weights=weight))
+    # The middle of a part that lies all around the eye is no direction.
+    heaviest = points[int(np.argmax(weight))]
+    return middle if np.linalg.norm(middle) > 1e-3 * np.linalg.norm(heaviest) else heaviest
+
+
+def _relaxed(surface: _Surface, points: Floats, tell: Progress) -> Floats:
+    velocity = np.zeros_like(points)
+    spacing = surface.spacing(points)
+    # A seed is a mean of allowed points and may itself lie where the density is 0.
+    spacing[~np.isfinite(spacing)] = np.max(spacing[np.isfinite(spacing)], initial=0.0)
+    for step in range(_STEPS):
+        if step % _STEPS_PER_SEARCH == 0:
+            neighbours = _nearest(points, spacing, min(_NEIGHBOURS, len(points) - 1))
+            tell("placing ommatidia", step / _STEPS)
+        apart = points[:, None, :] - points[neighbours]
+        wanted = 0.5 * (spacing[:, None] + spacing[neighbours])
+        # Not closer than half, so that two points on top of each other do not fly off.
+        ratio_squared = np.maximum(np.einsum("nkc,nkc->nk", apart, apart) / wanted**2, 0.25)
+        force = np.einsum("nkc,nk->nc", apart, ratio_squared ** (-(_FORCE_POWER + 1) / 2))
+        velocity = _MOMENTUM * velocity + _STEP_SIZE * force
+        normal = surface.normals(points)
+        velocity -= np.sum(velocity * normal, axis=1, keepdims=True) * normal
+        speed = np.linalg.norm(velocity, axis=1)
+        velocity *= np.minimum(1, 0.15 * spacing / np.maximum(speed, 1e-300))[:, None]
+        moved = surface.onto(points + velocity)
+        new_spacing = surface.spacing(moved)
+        stays = ~np.isfinite(new_spacing)  # there is to be no ommatidium
+        moved[stays], velocity[stays], new_spacing[stays] = points[stays], 0, spacing[stays]
+        points, spacing = moved, new_spacing
+    tell("placing ommatidia", 1.0)
+    return points
+
+
+def _nearest(points: Floats, spacing: Floats, count: int) -> NDArray[np.int64]:
+    # Neighbours in the array are neighbours on the eye (the seeds are made so), hence each block of
+    # it needs comparing with what lies near the block only. (N, count), in no order.
+    found = np.empty((len(points), count), dtype=np.int64)
+    size = 128
+    for start in range(0, len(points), size):
+        block = points[start : start + size]
+        to_centre = np.sum((points - block.mean(axis=0)) ** 2, axis=1)
+        radius = math.sqrt(float(to_centre[start : start + size].max()))
+        reach = radius + 3 * float(spacing[start : start + size].max())
+        near = np.flatnonzero(to_centre <= reach * reach)
+        if len(near) <= count:
+            near = np.sort(np.argpartition(to_centre, count)[: count + 1])
+        # Not by a product of matrices: too small for threads, which NumPy's would start.
+        distance = np.zeros((len(block), len(near)))
+        for axis in range(3):
+            distance += (block[:, None, axis] - points[near, axis]) ** 2
+        own = np.searchsorted(near, np.arange(start, start + len(block)))
+        distance[np.arange(len(block)), own] = np.inf
+        found[start : start + size] = near[np.argpartition(distance, count - 1, axis=1)[:, :count]]
+    return found
+
+
+def _semi_axes(radius_m: float | Sequence[float]) -> Floats:
+    try:
+        values = np.asarray(radius_m, dtype=np.float64)
+    except (TypeError, ValueError):
+        values = np.zeros(2)
+    if values.shape not in ((), (3,)) or not np.all(np.isfinite(values) & (values > 0)):
+        raise Error(f"radius_m: expected one or three lengths above 0, found {radius_m!r}")
+    return np.broadcast_to(values, (3,)).copy()
+
+
+def _random_rotation(random: np.random.Generator) -> Floats:
+    orthogonal, triangular = np.linalg.qr(random.standard_normal((3, 3)))
+    return np.asarray(orthogonal * np.sign(np.diag(triangular)))
