@@ -31,30 +31,64 @@ from omma.pictures import equirectangular, equirectangular_ids, field_ids, side_
 from omma.poses import load_poses, poses_from_angles, poses_from_quaternions
 from omma.renderer import Renderer
 from omma.rendering import RenderReport, render_file
+from omma.sampling_plots import (
+    save_alias_curves,
+    save_minimum_samples,
+    save_speed_test,
+    save_variance_map,
+)
+from omma.sampling_search import Box, Cylinder, MinimumSamples, minimum_samples
+from omma.sampling_tools import (
+    Method,
+    alias_curve,
+    icosahedral_eye,
+    rays_per_ommatidium,
+    response_variances,
+    solid_angles_sr,
+    variance_map,
+)
+from omma.speed_test import SpeedTest, measure_speed
 
 __all__ = [
     "Background",
+    "Box",
     "Camera",
+    "Cylinder",
     "Error",
     "Eye",
+    "Method",
+    "MinimumSamples",
     "RenderReport",
     "Renderer",
     "Scene",
+    "SpeedTest",
     "__version__",
+    "alias_curve",
     "equirectangular",
     "equirectangular_ids",
     "field_ids",
+    "icosahedral_eye",
     "load_eye",
     "load_poses",
     "load_scene",
     "look_at",
+    "measure_speed",
     "merge_eyes",
+    "minimum_samples",
     "paint",
     "poses_from_angles",
     "poses_from_quaternions",
+    "rays_per_ommatidium",
     "render_file",
+    "response_variances",
+    "save_alias_curves",
     "save_eye",
+    "save_minimum_samples",
     "save_png",
     "save_responses",
+    "save_speed_test",
+    "save_variance_map",
     "side_by_side",
+    "solid_angles_sr",
+    "variance_map",
 ]
