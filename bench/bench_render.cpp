@@ -119,7 +119,7 @@ std::unique_ptr<Prepared> prepare(const Setup& setup, int samples) {
   auto p = std::make_unique<Prepared>();
   RenderSettings settings;
   settings.samples = samples;
-  p->shading = make_shading_data(*setup.scene, setup.scene->background);
+  p->shading = make_shading_data(*setup.scene);
   p->tracer = make_embree_tracer(*setup.scene, p->shading->view);
   p->directions = make_direction_tables(setup.eye, settings);
   p->eye = make_eye_arrays(setup.eye, p->directions);

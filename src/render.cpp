@@ -60,8 +60,15 @@ void check_output(const char* name, std::span<float> output, std::size_t expecte
 
 }  // namespace
 
-struct Renderer::State {
+// What depends on the scene alone, shared by all renderers of it.
+struct BuiltScene {
   std::shared_ptr<const Scene> scene;
+  std::unique_ptr<ShadingData> shading;
+  std::unique_ptr<EmbreeTracer> tracer;
+};
+
+struct Renderer::State {
+  std::shared_ptr<const BuiltScene> built;
   Eye eye;
   RenderSettings settings;
   BuildTimes times;
@@ -71,12 +78,41 @@ struct Renderer::State {
   std::unique_ptr<oneapi::tbb::global_control> thread_limit;
   std::unique_ptr<oneapi::tbb::task_arena> arena;
 
-  std::unique_ptr<ShadingData> shading;
-  std::unique_ptr<EmbreeTracer> tracer;
+  BackgroundData background;
+  SceneView view;  // of the built scene, with this background
   DirectionTables directions;
   EyeArrays eye_arrays;
   BlockFunctions block;
+
+  static void prepare_threads(State& s, const RenderSettings& settings);
+  static void prepare_eye(State& s, Eye eye, RenderSettings settings);
 };
+
+void Renderer::State::prepare_threads(State& s, const RenderSettings& settings) {
+  const int hardware = oneapi::tbb::info::default_concurrency();
+  s.threads = settings.threads > 0 ? settings.threads : hardware;
+  if (s.threads > hardware)
+    s.thread_limit = std::make_unique<oneapi::tbb::global_control>(
+        oneapi::tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(s.threads));
+  s.arena = std::make_unique<oneapi::tbb::task_arena>(s.threads);
+}
+
+// All that depends on the eye and the settings.
+void Renderer::State::prepare_eye(State& s, Eye eye, RenderSettings settings) {
+  s.eye = std::move(eye);
+  s.settings = std::move(settings);
+  s.block = choose_block_functions();
+  s.arena->execute([&] {
+    s.background = make_background_data(s.settings.background ? *s.settings.background
+                                                              : s.built->scene->background);
+    s.view = s.built->shading->view;
+    s.view.background = s.background.view;
+    const auto start = Clock::now();
+    s.directions = make_direction_tables(s.eye, s.settings);
+    s.eye_arrays = make_eye_arrays(s.eye, s.directions);
+    s.times.directions_s = seconds_since(start);
+  });
+}
 
 Renderer::Renderer(std::shared_ptr<const Scene> scene, Eye eye, RenderSettings settings)
     : state_(std::make_unique<State>()) {
@@ -85,31 +121,29 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, Eye eye, RenderSettings s
   validate_scene(*scene);
   validate_eye(eye);
   State& s = *state_;
-  s.scene = std::move(scene);
-  s.eye = std::move(eye);
-  s.settings = std::move(settings);
-  const int hardware = oneapi::tbb::info::default_concurrency();
-  s.threads = s.settings.threads > 0 ? s.settings.threads : hardware;
-  if (s.threads > hardware)
-    s.thread_limit = std::make_unique<oneapi::tbb::global_control>(
-        oneapi::tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(s.threads));
-  s.arena = std::make_unique<oneapi::tbb::task_arena>(s.threads);
-  s.block = choose_block_functions();
-
+  State::prepare_threads(s, settings);
   s.arena->execute([&] {
+    auto built = std::make_shared<BuiltScene>();
+    built->scene = std::move(scene);
     const auto start = Clock::now();
-    const Background& background =
-        s.settings.background ? *s.settings.background : s.scene->background;
-    s.shading = make_shading_data(*s.scene, background);
+    built->shading = make_shading_data(*built->scene);
     s.times.scene_s = seconds_since(start);
     const auto before_tracer = Clock::now();
-    s.tracer = make_embree_tracer(*s.scene, s.shading->view);
+    built->tracer = make_embree_tracer(*built->scene, built->shading->view);
     s.times.acceleration_s = seconds_since(before_tracer);
-    const auto before_directions = Clock::now();
-    s.directions = make_direction_tables(s.eye, s.settings);
-    s.eye_arrays = make_eye_arrays(s.eye, s.directions);
-    s.times.directions_s = seconds_since(before_directions);
+    s.built = std::move(built);
   });
+  State::prepare_eye(s, std::move(eye), std::move(settings));
+}
+
+Renderer::Renderer(const Renderer& same_scene, Eye eye, RenderSettings settings)
+    : state_(std::make_unique<State>()) {
+  check_settings(settings);
+  validate_eye(eye);
+  State& s = *state_;
+  State::prepare_threads(s, settings);
+  s.built = same_scene.state_->built;
+  State::prepare_eye(s, std::move(eye), std::move(settings));
 }
 
 void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> responses,
@@ -120,10 +154,18 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
   check_output("responses", responses, poses * pose_size);
   if (!call.standard_error.empty())
     check_output("standard_error", call.standard_error, poses * pose_size);
+  const std::size_t rays_size = pose_size * static_cast<std::size_t>(s.settings.samples);
+  if (!call.ray_radiance.empty()) {
+    if (!call.standard_error.empty()) throw Error("ray_radiance: not together with standard_error");
+    if (call.ray_radiance.size() != poses * rays_size)
+      throw Error("ray_radiance: expected room for " + std::to_string(poses * rays_size) +
+                  " values (pose x ommatidium x sample x channel), found " +
+                  std::to_string(call.ray_radiance.size()));
+  }
   for (std::size_t p = 0; p < poses; ++p) check_pose(world_from_head[p], p);
 
   // One block of ommatidia at one pose is a task: some 512 rays, but no more than fit its sums.
-  BlockContext context{s.tracer.get(), &s.shading->view, &s.eye_arrays, &s.directions, 1};
+  BlockContext context{s.built->tracer.get(), &s.view, &s.eye_arrays, &s.directions, 1};
   if (!call.standard_error.empty()) context.scrambles = error_scrambles;
   const int rays_each = s.settings.samples * context.scrambles;
   const int per_block = std::clamp(512 / rays_each, 1, block_capacity / context.scrambles);
@@ -141,6 +183,7 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
     task.responses = responses.data() + p * pose_size;
     if (!call.standard_error.empty())
       task.standard_error = call.standard_error.data() + p * pose_size;
+    if (!call.ray_radiance.empty()) task.ray_radiance = call.ray_radiance.data() + p * rays_size;
     s.block.render(context, task);
   };
 
@@ -166,7 +209,7 @@ Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 Renderer::~Renderer() = default;
 
 const Scene& Renderer::scene() const {
-  return *state_->scene;
+  return *state_->built->scene;
 }
 const Eye& Renderer::eye() const {
   return state_->eye;
@@ -181,7 +224,7 @@ int Renderer::threads() const {
   return state_->threads;
 }
 std::string Renderer::backend() const {
-  return state_->tracer->name;
+  return state_->built->tracer->name;
 }
 
 }  // namespace omma

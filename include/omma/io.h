@@ -11,9 +11,16 @@
 
 namespace omma {
 
-// Colours are read as glTF 2.0 says: base colour and emissive textures are sRGB, factors and
-// vertex colours linear. `scene_index` -1 takes the file's default scene.
-Scene load_scene(const std::string& path, int scene_index = -1);
+struct SceneOptions {
+  int scene_index = -1;  // which scene of the file, -1 for its default
+  // With ColorRule::compoundray materials are what CompoundRay makes of them: opaque, seen from
+  // both sides, without emission, their textures repeated, filtered and not transformed.
+  ColorRule color_rule = ColorRule::gltf;
+};
+
+// A glTF 2.0 file, .gltf or .glb. Cameras come in the order of the scene's nodes: roots by index,
+// children as their parent lists them.
+Scene load_scene(const std::string& path, const SceneOptions& options = {});
 
 // An `.eye` file: one ommatidium a line, position xyz, axis xyz, acceptance angle (rad), focal
 // offset; spaces, tabs or commas; comments from '#'. Lengths are in `metres_per_unit`.

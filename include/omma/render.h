@@ -32,8 +32,8 @@ struct RenderSettings {
   std::uint64_t seed = 0;
   Kernel kernel = Kernel::gaussian;
   Sampling sampling = Sampling::low_discrepancy;
-  int threads = 0;                       // 0: one per hardware thread
-  std::optional<Background> background;  // instead of the scene's own
+  int threads = 0;                                      // 0: one per hardware thread
+  std::optional<Background> background = std::nullopt;  // instead of the scene's own
 };
 
 // Scrambles that a standard error is computed from: with one asked for, every ommatidium gets this
@@ -43,6 +43,9 @@ inline constexpr int error_scrambles = 8;
 struct RenderCall {
   std::uint64_t first_pose = 0;     // index of the first pose, for renders done piece by piece
   std::span<float> standard_error;  // [pose, ommatidium, channel], or empty for none
+  // Radiance that each single ray brought, [pose, ommatidium, sample, channel], or empty for none.
+  // Not together with standard_error.
+  std::span<float> ray_radiance;
   // Called from the calling thread several times a second with the finished share (0 to 1);
   // false cancels the render, which then throws omma::Cancelled.
   std::function<bool(double)> progress;
@@ -59,6 +62,9 @@ class Renderer {
  public:
   // Builds the acceleration structure and the direction tables; throws omma::Error.
   Renderer(std::shared_ptr<const Scene> scene, Eye eye, RenderSettings settings = {});
+  // Another eye, or other settings, in the same scene: shares its acceleration structure, so that
+  // only the direction tables are made. Lives on when `same_scene` is gone.
+  Renderer(const Renderer& same_scene, Eye eye, RenderSettings settings = {});
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
   ~Renderer();

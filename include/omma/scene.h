@@ -73,7 +73,17 @@ struct Instance {
   Mat4 world_from_mesh;
 };
 
-enum class CameraType : std::uint8_t { perspective, orthographic };
+// Triangles that mark a region (a mesh whose extras say "hitbox": true). Never drawn.
+struct HitBox {
+  std::string name;                                     // of the mesh
+  std::vector<Vec3> positions;                          // [vertex], m, in its own frame
+  std::vector<std::array<std::uint32_t, 3>> triangles;  // [triangle]
+  Mat4 world_from_mesh;
+};
+
+// A perspective camera whose extras say "panoramic" is panoramic, one whose extras say
+// "compound-eye" is compound (CompoundRay's names; true as a bool or as a string in any case).
+enum class CameraType : std::uint8_t { perspective, orthographic, panoramic, compound };
 
 // A camera node. It looks along its -Z, +Y is up.
 struct Camera {
@@ -86,6 +96,7 @@ struct Camera {
   Mat4 world_from_camera;                 // with the node's scale
   std::string extras_json;                // the camera's extras as JSON text, "" for none
   std::string compound_structure;         // extras["compound-structure"], an .eye file, "" for none
+  std::string compound_projection;        // extras["compound-projection"], "" for none
 };
 
 enum class BackgroundType : std::uint8_t { constant, simple_sky, test_pattern, image };
@@ -98,14 +109,22 @@ struct Background {
   Image image;
 };
 
+// How textures and vertex colours become the colour of a surface.
+//   gltf: factor x texture (sRGB) x vertex colour (linear), as glTF 2.0 says.
+//   compoundray: the vertex colour to the power 2.2 where there is one, else factor x (texture to
+//   the power 2.2), both raised after interpolation; for comparison with published work.
+enum class ColorRule : std::uint8_t { gltf, compoundray };
+
 struct Scene {
   std::string path;  // the file it came from, "" for one made in memory
+  ColorRule color_rule = ColorRule::gltf;
   std::vector<Mesh> meshes;
   std::vector<Instance> instances;
   std::vector<Material> materials;
   std::vector<Texture> textures;
   std::vector<Image> images;
   std::vector<Camera> cameras;
+  std::vector<HitBox> hit_boxes;
   Background background;
   std::vector<std::string> scene_names;  // of all scenes in the file
   int node_count = 0;                    // nodes reached from the loaded scene
@@ -122,6 +141,13 @@ void validate_scene(const Scene& scene);
 
 // Corners of the box around all instances.
 Bounds scene_bounds(const Scene& scene);
+
+// Corners of the box around a hit box, in the world.
+Bounds hit_box_bounds(const HitBox& box);
+
+// Whether a point (m, world) lies inside a closed hit box: whether a ray from it crosses the
+// surface an odd number of times.
+bool is_inside(const HitBox& box, Vec3d point);
 
 // Triangles as seen: each instance counts those of its mesh.
 std::uint64_t triangle_count(const Scene& scene);

@@ -37,10 +37,19 @@ def metres_per_unit(unit: str | float) -> float:
     return metres
 
 
-def load_scene(path: PathLike, scene_index: int | None = None) -> Scene:
+def load_scene(
+    path: PathLike, scene_index: int | None = None, *, color_rule: str = "gltf"
+) -> Scene:
     """Read a glTF 2.0 scene, `.gltf` or `.glb`.
 
-    ``scene_index`` says which of the file's scenes; None takes its default.
+    Args:
+        path: the file.
+        scene_index: which of the file's scenes; None takes its default.
+        color_rule: "gltf" takes colours as glTF 2.0 says: textures are sRGB, factors and vertex
+            colours linear, and they multiply. "compoundray" is for comparison with work done with
+            CompoundRay: vertex colours to the power 2.2 in place of all else, or else the factor
+            times the texture to the power 2.2; everything opaque and seen from both sides
+            (BrainsOnBoard/compound-ray, libEyeRenderer3/shaders.cu).
 
     Raises:
         omma.Error: the file is missing, broken or needs an extension that is not supported; it
@@ -48,7 +57,7 @@ def load_scene(path: PathLike, scene_index: int | None = None) -> Scene:
     """
     if scene_index is not None and scene_index < 0:
         raise Error(f"scene_index: expected 0 or more, found {scene_index}")
-    return _core.load_scene(path, -1 if scene_index is None else scene_index)
+    return _core.load_scene(path, -1 if scene_index is None else scene_index, color_rule)
 
 
 def load_eye(path: PathLike, unit: str | float = "mm") -> Eye:

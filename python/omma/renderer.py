@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, Literal, overload
@@ -60,26 +61,46 @@ class Renderer:
         background: Background | None = None,
     ) -> None:
         _expect(scene, Scene, "scene", "omma.load_scene gives one")
-        if not isinstance(eye, Eye):
-            if not isinstance(eye, (list, tuple)):
-                raise TypeError(
-                    f"eye: expected omma.Eye or a list of them, found {type(eye).__name__} "
-                    "(omma.load_eye gives one)"
-                )
-            eye = _core.merge_eyes(eye)
+        eye = _one_eye(eye)
         if background is not None:
             _expect(background, Background, "background", "omma.Background.constant gives one")
         self._scene = scene
+        self._background = background
         self._engine = _core.Renderer(
-            scene,
-            eye,
-            whole(samples, "samples", 1, 1 << 20),
-            whole(seed, "seed", 0, (1 << 64) - 1),
-            kernel,
-            sampling,
-            whole(threads, "threads", 0, 1 << 16),
-            background,
+            scene, eye, *_settings(samples, seed, kernel, sampling, threads), background
         )
+
+    def with_eye(
+        self,
+        eye: Eye | Sequence[Eye | tuple[Eye, ArrayLike]],
+        *,
+        samples: int | None = None,
+        seed: int | None = None,
+        kernel: str | None = None,
+        sampling: str | None = None,
+    ) -> Renderer:
+        """Another renderer of the same scene, for another eye or with other settings.
+
+        It shares the acceleration structure, so that it is made in milliseconds. What is not given
+        stays as it is here; either renderer lives on without the other.
+
+        Raises:
+            omma.Error: an argument is out of its range.
+        """
+        other = copy.copy(self)
+        other._engine = _core.Renderer(
+            self._engine,
+            _one_eye(eye),
+            *_settings(
+                self.samples if samples is None else samples,
+                self.seed if seed is None else seed,
+                self.kernel if kernel is None else kernel,
+                self.sampling if sampling is None else sampling,
+                self.threads,
+            ),
+            self._background,
+        )
+        return other
 
     @overload
     def render(
@@ -150,8 +171,24 @@ class Renderer:
         if errors is not None and out is not None and np.shares_memory(errors, responses):
             raise Error("error_out: shares memory with out")
         first = whole(first_pose, "first_pose", 0, (1 << 63) - 1)
-        self._engine.render(matrices, responses, errors, first, progress)
+        self._engine.render(matrices, responses, errors, None, first, progress)
         return responses if errors is None else (responses, errors)
+
+    def render_rays(
+        self, poses: Poses, *, first_pose: int = 0, progress: Progress | None = None
+    ) -> NDArray[np.float32]:
+        """The radiance that each single ray brings: float32 (P, N, samples, C), linear.
+
+        Their mean over the samples is what `render` gives, with the same rays. Other arguments and
+        errors are those of `render`; this needs ``samples`` times its memory.
+        """
+        matrices = self._matrices(poses)
+        shape = (len(matrices), len(self.eye), _core.channel_count)
+        rays = np.empty((*shape[:2], self.samples, shape[2]), np.float32)
+        first = whole(first_pose, "first_pose", 0, (1 << 63) - 1)
+        responses = np.empty(shape, np.float32)
+        self._engine.render(matrices, responses, None, rays, first, progress)
+        return rays
 
     @overload
     def render_iter(
@@ -282,6 +319,29 @@ class Renderer:
             f"<omma.Renderer {len(self.eye)} ommatidia, {self.samples} samples, {self.kernel}, "
             f"{self.backend}, {self.threads} threads>"
         )
+
+
+def _one_eye(eye: Eye | Sequence[Eye | tuple[Eye, ArrayLike]]) -> Eye:
+    if isinstance(eye, Eye):
+        return eye
+    if not isinstance(eye, (list, tuple)):
+        raise TypeError(
+            f"eye: expected omma.Eye or a list of them, found {type(eye).__name__} "
+            "(omma.load_eye gives one)"
+        )
+    return _core.merge_eyes(eye)
+
+
+def _settings(
+    samples: int, seed: int, kernel: str, sampling: str, threads: int
+) -> tuple[int, int, str, str, int]:
+    return (
+        whole(samples, "samples", 1, 1 << 20),
+        whole(seed, "seed", 0, (1 << 64) - 1),
+        kernel,
+        sampling,
+        whole(threads, "threads", 0, 1 << 16),
+    )
 
 
 def _expect(value: object, kind: type, name: str, hint: str) -> None:

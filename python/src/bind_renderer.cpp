@@ -42,17 +42,19 @@ const char* name_of(const Table& table, Value wanted) {
 
 using Poses = nb::ndarray<nb::numpy, const double, nb::shape<-1, 4, 4>, nb::c_contig>;
 using Output = nb::ndarray<nb::numpy, float, nb::ndim<3>, nb::c_contig>;
+using RayOutput = nb::ndarray<nb::numpy, float, nb::ndim<4>, nb::c_contig>;
 
 std::span<float> span_of(const Output& output) {
   return {output.data(), output.size()};
 }
 
 void render(const Renderer& renderer, const Poses& poses, const Output& responses,
-            const std::optional<Output>& standard_error, std::uint64_t first_pose,
-            const nb::object& progress) {
+            const std::optional<Output>& standard_error, const std::optional<RayOutput>& rays,
+            std::uint64_t first_pose, const nb::object& progress) {
   RenderCall call;
   call.first_pose = first_pose;
   if (standard_error) call.standard_error = span_of(*standard_error);
+  if (rays) call.ray_radiance = {rays->data(), rays->size()};
   // What Python raised meanwhile: KeyboardInterrupt, or whatever `progress` raises. It must not
   // travel through the engine's own threads, so it waits here until the render has stopped.
   std::exception_ptr raised;
@@ -79,6 +81,17 @@ void render(const Renderer& renderer, const Poses& poses, const Output& response
   if (raised) std::rethrow_exception(raised);
 }
 
+RenderSettings settings_of(int samples, std::uint64_t seed, const std::string& kernel,
+                           const std::string& sampling, int threads,
+                           std::optional<Background> background) {
+  return {samples,
+          seed,
+          by_name(kernels, kernel, "kernel"),
+          by_name(samplings, sampling, "sampling"),
+          threads,
+          std::move(background)};
+}
+
 nb::object build_times(const Renderer& renderer) {
   nb::dict times;
   times["scene_s"] = renderer.build_times().scene_s;
@@ -96,22 +109,31 @@ void bind_renderer(nb::module_& m) {
           [](Renderer* self, std::shared_ptr<Scene> scene, const Eye& eye, int samples,
              std::uint64_t seed, const std::string& kernel, const std::string& sampling,
              int threads, std::optional<Background> background) {
-            RenderSettings settings{samples,
-                                    seed,
-                                    by_name(kernels, kernel, "kernel"),
-                                    by_name(samplings, sampling, "sampling"),
-                                    threads,
-                                    std::move(background)};
+            RenderSettings settings =
+                settings_of(samples, seed, kernel, sampling, threads, std::move(background));
             nb::gil_scoped_release release;
             new (self) Renderer(std::move(scene), eye, std::move(settings));
           },
           nb::arg("scene"), nb::arg("eye"), nb::arg("samples"), nb::arg("seed"), nb::arg("kernel"),
           nb::arg("sampling"), nb::arg("threads"), nb::arg("background").none())
+      .def(
+          "__init__",
+          [](Renderer* self, const Renderer& same_scene, const Eye& eye, int samples,
+             std::uint64_t seed, const std::string& kernel, const std::string& sampling,
+             int threads, std::optional<Background> background) {
+            RenderSettings settings =
+                settings_of(samples, seed, kernel, sampling, threads, std::move(background));
+            nb::gil_scoped_release release;
+            new (self) Renderer(same_scene, eye, std::move(settings));
+          },
+          nb::arg("same_scene"), nb::arg("eye"), nb::arg("samples"), nb::arg("seed"),
+          nb::arg("kernel"), nb::arg("sampling"), nb::arg("threads"), nb::arg("background").none())
       .def("render", &render, nb::arg("poses").noconvert(), nb::arg("responses").noconvert(),
-           nb::arg("standard_error").noconvert().none(), nb::arg("first_pose"),
-           nb::arg("progress").none(),
+           nb::arg("standard_error").noconvert().none(), nb::arg("rays").noconvert().none(),
+           nb::arg("first_pose"), nb::arg("progress").none(),
            nb::sig("def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: "
                    "numpy.typing.NDArray[numpy.float32], standard_error: "
+                   "numpy.typing.NDArray[numpy.float32] | None, rays: "
                    "numpy.typing.NDArray[numpy.float32] | None, first_pose: int, progress: "
                    "collections.abc.Callable[[float], object] | None) -> None"))
       .def_prop_ro("eye", &Renderer::eye, nb::rv_policy::reference_internal)

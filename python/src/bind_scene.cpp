@@ -1,4 +1,4 @@
-// Scene, Camera and Background for Python. A scene is read-only: it is made by `load_scene` or
+// Scene and Background for Python. A scene is read-only: it is made by `load_scene` or
 // empty, and shared with the renderers that use it.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/shared_ptr.h>
@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "arrays.h"
+#include "omma/camera.h"
 #include "omma/error.h"
 #include "omma/io.h"
 #include "omma/scene.h"
@@ -16,10 +17,6 @@
 namespace omma::python {
 
 namespace {
-
-const char* word(CameraType type) {
-  return type == CameraType::perspective ? "perspective" : "orthographic";
-}
 
 const char* word(BackgroundType type) {
   switch (type) {
@@ -108,29 +105,66 @@ std::string repr(const Background& background) {
   return text + ">";
 }
 
-std::string repr(const Camera& camera) {
-  std::string text = "<omma.Camera '" + camera.name + "' " + word(camera.type);
-  if (!camera.compound_structure.empty()) text += ", eye '" + camera.compound_structure + "'";
-  return text + ">";
-}
-
 std::string repr(const Scene& scene) {
   return "<omma.Scene " + (scene.path.empty() ? "in memory" : "'" + scene.path + "'") + ": " +
          std::to_string(triangle_count(scene)) + " triangles, " +
          std::to_string(scene.cameras.size()) + " cameras>";
 }
 
-nb::object bounds(const Scene& scene) {
-  const Bounds box = scene_bounds(scene);
+nb::object corners(const Bounds& box) {
   if (box.empty) return nb::none();
   return take(std::vector<double>{box.lower.x, box.lower.y, box.lower.z, box.upper.x, box.upper.y,
                                   box.upper.z},
               {2, 3});
 }
 
-nb::object extras(const Camera& camera) {
-  if (camera.extras_json.empty()) return nb::dict();
-  return nb::module_::import_("json").attr("loads")(camera.extras_json);
+// All hit boxes of that name: a mesh in several places is several of them.
+std::vector<const HitBox*> hit_boxes_called(const Scene& scene, const std::string& name) {
+  std::vector<const HitBox*> found;
+  std::string names;
+  for (const HitBox& box : scene.hit_boxes) {
+    if (box.name == name) found.push_back(&box);
+    names += (names.empty() ? "'" : ", '") + box.name + "'";
+  }
+  if (found.empty())
+    throw Error((scene.path.empty() ? "scene" : scene.path) + ": there is no hit box '" + name +
+                "'; " + (names.empty() ? "the scene has none" : "there are " + names));
+  return found;
+}
+
+nb::object hit_box_names(const Scene& scene) {
+  nb::list names;
+  for (const HitBox& box : scene.hit_boxes) names.append(nb::str(box.name.c_str()));
+  return names;
+}
+
+nb::object bounds_of_hit_box(const Scene& scene, const std::string& name) {
+  Bounds all;
+  for (const HitBox* box : hit_boxes_called(scene, name)) {
+    const Bounds one = hit_box_bounds(*box);
+    if (one.empty) continue;
+    if (all.empty) all = one;
+    all.lower = {std::min(all.lower.x, one.lower.x), std::min(all.lower.y, one.lower.y),
+                 std::min(all.lower.z, one.lower.z)};
+    all.upper = {std::max(all.upper.x, one.upper.x), std::max(all.upper.y, one.upper.y),
+                 std::max(all.upper.z, one.upper.z)};
+  }
+  return corners(all);
+}
+
+nb::object inside_hit_box(const Scene& scene, const std::string& name, nb::handle points) {
+  const std::vector<const HitBox*> boxes = hit_boxes_called(scene, name);
+  const auto array = double_array(points, "points_m", {-1, 3});
+  const std::size_t count = array.shape(0);
+  auto* inside = new bool[count];
+  nb::capsule owner(inside, [](void* p) noexcept { delete[] static_cast<bool*>(p); });
+  for (std::size_t i = 0; i < count; ++i) {
+    const double* p = array.data() + 3 * i;
+    inside[i] = std::any_of(boxes.begin(), boxes.end(), [&](const HitBox* box) {
+      return is_inside(*box, {p[0], p[1], p[2]});
+    });
+  }
+  return nb::cast(nb::ndarray<nb::numpy, bool>(inside, {count}, owner), nb::rv_policy::reference);
 }
 
 template <typename T>
@@ -177,25 +211,6 @@ void bind_scene(nb::module_& m) {
           "Linear radiance (r, g, b) of a constant background.")
       .def("__repr__", [](const Background& b) { return repr(b); });
 
-  nb::class_<Camera>(m, "Camera", "A camera node of a scene. It looks along its -Z, +Y is up.")
-      .def_ro("name", &Camera::name, "Name of the node (of the camera where the node has none).")
-      .def_prop_ro(
-          "type", [](const Camera& c) { return word(c.type); }, "'perspective' or 'orthographic'.")
-      .def_prop_ro(
-          "world_from_camera", [](const Camera& c) { return matrix_array(c.world_from_camera); },
-          nb::for_getter(nb::sig("def world_from_camera(self, /) -> "
-                                 "numpy.typing.NDArray[numpy.float64]")),
-          "The node's whole transform, its scale too: (4, 4), m.")
-      .def_prop_ro("extras", &extras, nb::for_getter(nb::sig("def extras(self, /) -> typing.Any")),
-                   "The camera's extras in the glTF file, {} where there are none.")
-      .def_ro("compound_structure", &Camera::compound_structure,
-              "The `.eye` file that the camera's extras name, '' where it is no compound eye.")
-      .def_ro("yfov_rad", &Camera::yfov_rad, "Vertical field of view; perspective only.")
-      .def_ro("aspect_ratio", &Camera::aspect_ratio, "Width over height, 0 where not given.")
-      .def_ro("xmag_m", &Camera::xmag_m, "Horizontal half extent; orthographic only.")
-      .def_ro("ymag_m", &Camera::ymag_m, "Vertical half extent; orthographic only.")
-      .def("__repr__", [](const Camera& c) { return repr(c); });
-
   nb::class_<Scene>(
       m, "Scene",
       "A scene: meshes, instances, materials, textures, cameras and a background, in\n"
@@ -206,13 +221,26 @@ void bind_scene(nb::module_& m) {
       .def_prop_ro(
           "cameras", [](const Scene& s) { return s.cameras; },
           "Camera nodes in the order of the file.")
-      .def("camera", &find_camera, nb::arg("name"), nb::rv_policy::copy,
-           "The camera of that name.\n\nRaises `omma.Error`, with the names there are.")
-      .def_prop_ro("bounds", &bounds,
-                   nb::for_getter(nb::sig(
-                       "def bounds(self, /) -> numpy.typing.NDArray[numpy.float64] | None")),
-                   "Lower and upper corner of the box around everything: (2, 3), m; None for an\n"
-                   "empty scene.")
+      .def(
+          "camera",
+          [](const Scene& s, nb::handle which) {
+            if (!nb::isinstance<nb::str>(which) && !PyIndex_Check(which.ptr()))
+              throw nb::type_error(
+                  ("name_or_index: expected a name or a whole number, found " + type_name_of(which))
+                      .c_str());
+            return choose_camera(s, str_of(which));
+          },
+          nb::arg("name_or_index"), nb::sig("def camera(self, name_or_index: str | int) -> Camera"),
+          "The camera of that name, or with that index among ``cameras``; an index may also be\n"
+          "text, where no camera is called so.\n\n"
+          "Raises `omma.Error`, with the names and indices there are, where there is none or\n"
+          "several are called so.")
+      .def_prop_ro(
+          "bounds", [](const Scene& s) { return corners(scene_bounds(s)); },
+          nb::for_getter(
+              nb::sig("def bounds(self, /) -> numpy.typing.NDArray[numpy.float64] | None")),
+          "Lower and upper corner of the box around everything: (2, 3), m; None for an\n"
+          "empty scene.")
       .def_prop_ro("triangle_count", &triangle_count,
                    "Triangles as seen: each instance counts those of its mesh.")
       .def_prop_ro("mesh_count", size_of(&Scene::meshes),
@@ -228,6 +256,19 @@ void bind_scene(nb::module_& m) {
       .def_prop_ro(
           "background", [](const Scene& s) { return s.background; },
           "What a ray sees that meets no surface.")
+      .def_prop_ro("hit_boxes", &hit_box_names,
+                   nb::for_getter(nb::sig("def hit_boxes(self, /) -> list[str]")),
+                   "Names of the regions: meshes whose extras say ``hitbox``, which are not drawn.")
+      .def("hit_box_bounds", &bounds_of_hit_box, nb::arg("name"),
+           nb::sig("def hit_box_bounds(self, name: str) -> numpy.typing.NDArray[numpy.float64] | "
+                   "None"),
+           "Lower and upper corner of the box around a hit box: (2, 3), m; None where it has no\n"
+           "triangles.\n\nRaises `omma.Error`, with the names there are.")
+      .def("is_inside", &inside_hit_box, nb::arg("name"), nb::arg("points_m"),
+           nb::sig("def is_inside(self, name: str, points_m: numpy.typing.ArrayLike) -> "
+                   "numpy.typing.NDArray[numpy.bool_]"),
+           "Which points (N, 3), m, lie inside a hit box, taken as a closed surface: bool (N,).\n\n"
+           "Raises `omma.Error`, with the names there are.")
       .def_prop_ro(
           "warnings", [](const Scene& s) { return s.warnings; },
           "What the loader passed over, a sentence each.")
@@ -235,13 +276,18 @@ void bind_scene(nb::module_& m) {
 
   m.def(
       "load_scene",
-      [](nb::handle path, int scene_index) {
+      [](nb::handle path, int scene_index, const std::string& color_rule) {
         const std::string name = path_text(path);
+        if (color_rule != "gltf" && color_rule != "compoundray")
+          throw Error("color_rule: expected gltf or compoundray, found '" + color_rule + "'");
+        const SceneOptions options{scene_index,
+                                   color_rule == "gltf" ? ColorRule::gltf : ColorRule::compoundray};
         nb::gil_scoped_release release;
-        return std::make_shared<Scene>(load_scene(name, scene_index));
+        return std::make_shared<Scene>(load_scene(name, options));
       },
-      nb::arg("path"), nb::arg("scene_index") = -1,
-      nb::sig("def load_scene(path: str | os.PathLike[str], scene_index: int = -1) -> Scene"));
+      nb::arg("path"), nb::arg("scene_index") = -1, nb::arg("color_rule") = "gltf",
+      nb::sig("def load_scene(path: str | os.PathLike[str], scene_index: int = -1, color_rule: str "
+              "= 'gltf') -> Scene"));
 }
 
 }  // namespace omma::python

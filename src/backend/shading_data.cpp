@@ -20,10 +20,16 @@ double linear_from_srgb(double s) {
 
 // An 8-bit sRGB image in linear light. 16 bits hold it to within 7.6e-6 of full scale, and reading
 // a texel then costs one load and one conversion instead of four table look-ups.
-std::vector<std::int32_t> linear16_from_srgb8(const std::vector<std::uint8_t>& rgba) {
+// With CompoundRay's colours the code values themselves are kept: they are raised to their power
+// after interpolation.
+std::vector<std::int32_t> linear16_from_srgb8(const std::vector<std::uint8_t>& rgba,
+                                              ColorRule rule) {
   std::uint32_t color[256];
-  for (int i = 0; i < 256; ++i)
-    color[i] = static_cast<std::uint32_t>(std::lround(65535.0 * linear_from_srgb(i / 255.0)));
+  for (int i = 0; i < 256; ++i) {
+    const double code = i / 255.0;
+    const double value = rule == ColorRule::gltf ? linear_from_srgb(code) : code;
+    color[i] = static_cast<std::uint32_t>(std::lround(65535.0 * value));
+  }
   std::vector<std::int32_t> linear(rgba.size() / 2);
   oneapi::tbb::parallel_for(std::size_t{0}, rgba.size() / 4, [&](std::size_t i) {
     const std::uint8_t* p = rgba.data() + 4 * i;
@@ -84,11 +90,10 @@ MaterialView material_view(const Material& m) {
 
 }  // namespace
 
-std::unique_ptr<ShadingData> make_shading_data(const Scene& scene, const Background& background) {
+std::unique_ptr<ShadingData> make_shading_data(const Scene& scene) {
   auto data = std::make_unique<ShadingData>();
   for (const Image& image : scene.images)
-    data->linear16.push_back(linear16_from_srgb8(image.rgba_srgb8));
-  data->linear16.push_back(linear16_from_srgb8(background.image.rgba_srgb8));
+    data->linear16.push_back(linear16_from_srgb8(image.rgba_srgb8, scene.color_rule));
 
   for (const Texture& texture : scene.textures) {
     const auto image = static_cast<std::size_t>(texture.image);
@@ -103,6 +108,7 @@ std::unique_ptr<ShadingData> make_shading_data(const Scene& scene, const Backgro
   for (const Material& material : scene.materials)
     data->materials.push_back(material_view(material));
   data->materials.push_back(material_view({}));
+  data->materials.back().double_sided = scene.color_rule == ColorRule::compoundray;
 
   for (const Mesh& mesh : scene.meshes) {
     MeshView view;
@@ -131,11 +137,22 @@ std::unique_ptr<ShadingData> make_shading_data(const Scene& scene, const Backgro
   view.meshes = data->meshes.data();
   view.materials = data->materials.data();
   view.textures = data->textures.data();
-  view.background.type = background.type;
-  view.background.color = background.color;
+  if (scene.color_rule == ColorRule::compoundray) {
+    for (int i = 0; i < power_22_size; ++i)
+      data->power_22.push_back(static_cast<float>(std::pow(i / (power_22_size - 1.0), 2.2)));
+    view.power_22 = data->power_22.data();
+  }
+  return data;
+}
+
+BackgroundData make_background_data(const Background& background) {
+  BackgroundData data;
+  data.view.type = background.type;
+  data.view.color = background.color;
   if (background.type == BackgroundType::image) {
-    view.background.image = image_view(background.image, data->linear16.back());
-    view.background.image.wrap_v = Wrap::clamp_to_edge;
+    data.linear16 = linear16_from_srgb8(background.image.rgba_srgb8, ColorRule::gltf);
+    data.view.image = image_view(background.image, data.linear16);
+    data.view.image.wrap_v = Wrap::clamp_to_edge;
   }
   return data;
 }

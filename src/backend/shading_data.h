@@ -10,8 +10,8 @@
 
 namespace omma {
 
-// Owns what its `view` points to; it also points into the images of the Scene and the Background,
-// which must outlive it. Not to be copied: the views are addresses.
+// Owns what its `view` points to; it also points into the images of the Scene, which must outlive
+// it. Not to be copied: the views are addresses.
 struct ShadingData {
   ShadingData() = default;
   ShadingData(const ShadingData&) = delete;
@@ -22,10 +22,18 @@ struct ShadingData {
   std::vector<TextureView> textures;
   std::vector<std::vector<Vec2>> corner_uvs;
   std::vector<std::vector<Vec4>> corner_colors;
-  std::vector<std::vector<std::int32_t>> linear16;  // [image], of the 8-bit ones; background last
-  SceneView view;
+  std::vector<std::vector<std::int32_t>> linear16;  // [image], of the 8-bit ones
+  std::vector<float> power_22;                      // see SceneView, or empty
+  SceneView view;                                   // without a background
 };
 
-std::unique_ptr<ShadingData> make_shading_data(const Scene& scene, const Background& background);
+// A background for the kernels. Owns what its `view` points to, or points into the Background.
+struct BackgroundData {
+  std::vector<std::int32_t> linear16;
+  BackgroundView view;
+};
+
+std::unique_ptr<ShadingData> make_shading_data(const Scene& scene);
+BackgroundData make_background_data(const Background& background);
 
 }  // namespace omma

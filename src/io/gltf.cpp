@@ -3,7 +3,9 @@
 // (types), gltf_accessor and gltf_mesh (geometry), gltf_material (materials and images).
 #include "io/gltf.h"
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <fstream>  // tinygltf uses it without including it
 #include <limits>
@@ -173,7 +175,7 @@ std::vector<int> scene_roots(Loader& loader, const std::vector<int>& parent, int
     std::vector<int> roots;
     for (std::size_t node = 0; node < parent.size(); ++node)
       if (parent[node] < 0) roots.push_back(static_cast<int>(node));
-    return roots;
+    return roots;  // in the order of their indices
   }
   const int in_file = loader.gltf.document.value("scene", 0);
   const int chosen = scene_index >= 0 ? scene_index : in_file;
@@ -193,7 +195,7 @@ std::vector<int> scene_roots(Loader& loader, const std::vector<int>& parent, int
       throw Error(place + ": lists node " + std::to_string(root) + " twice");
   }
   loader.scene.background = read_background(loader, loader.gltf.document["scenes"][index]);
-  return scenes[index].nodes;
+  return {seen.begin(), seen.end()};
 }
 
 // parent_from_node = translation * rotation * scale, or the matrix (column major in glTF).
@@ -225,6 +227,22 @@ Mat4 node_transform(const tinygltf::Node& node, const std::string& place) {
   return t;
 }
 
+// CompoundRay's flags: true as a bool, or as a string in any case.
+bool is_true(const json& extras, const char* key) {
+  const auto found = extras.find(key);
+  if (found == extras.end()) return false;
+  if (found->is_boolean()) return found->get<bool>();
+  if (!found->is_string()) return false;
+  std::string text = found->get<std::string>();
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text == "true";
+}
+
+std::string text_of(const json& extras, const char* key) {
+  const auto found = extras.find(key);
+  return found != extras.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
 void add_camera(Loader& loader, const tinygltf::Node& node, const Mat4& world_from_node,
                 const std::string& place) {
   const auto index = static_cast<std::size_t>(node.camera);
@@ -252,9 +270,14 @@ void add_camera(Loader& loader, const tinygltf::Node& node, const Mat4& world_fr
   if (description.contains("extras")) {
     const json& extras = description["extras"];
     camera.extras_json = extras.dump();
-    if (extras.is_object() && extras.contains("compound-structure") &&
-        extras["compound-structure"].is_string())
-      camera.compound_structure = extras["compound-structure"].get<std::string>();
+    if (extras.is_object()) {
+      camera.compound_structure = text_of(extras, "compound-structure");
+      camera.compound_projection = text_of(extras, "compound-projection");
+      if (camera.type == CameraType::perspective && is_true(extras, "panoramic"))
+        camera.type = CameraType::panoramic;
+      else if (camera.type == CameraType::perspective && is_true(extras, "compound-eye"))
+        camera.type = CameraType::compound;
+    }
   }
   loader.budget.spend(1, sizeof(Camera) + camera.extras_json.size());
   loader.scene.cameras.push_back(std::move(camera));
@@ -326,6 +349,30 @@ std::vector<int> add_meshes(Loader& loader, GltfMeshReader& reader, std::size_t 
   return meshes;
 }
 
+bool is_hit_box(const Loader& loader, std::size_t mesh) {
+  const json& description = loader.gltf.document["meshes"][mesh];
+  const auto extras = description.find("extras");
+  return extras != description.end() && extras->is_object() && is_true(*extras, "hitbox");
+}
+
+// All primitives of the mesh in one; nothing of it is drawn.
+void add_hit_box(Loader& loader, GltfMeshReader& reader, std::size_t mesh,
+                 const Mat4& world_from_node) {
+  HitBox box;
+  box.name = loader.model.meshes[mesh].name;
+  box.world_from_mesh = world_from_node;
+  const std::size_t drawn = loader.scene.meshes.size();
+  for (const int part : add_meshes(loader, reader, mesh)) {
+    const Mesh& from = loader.scene.meshes[static_cast<std::size_t>(part)];
+    const auto first = static_cast<std::uint32_t>(box.positions.size());
+    box.positions.insert(box.positions.end(), from.positions.begin(), from.positions.end());
+    for (const auto& t : from.triangles)
+      box.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  }
+  loader.scene.meshes.resize(drawn);
+  loader.scene.hit_boxes.push_back(std::move(box));
+}
+
 void add_nodes(Loader& loader, const std::vector<int>& roots) {
   GltfMeshReader reader{{}, loader.scene.materials, loader.warnings, loader.budget};
   for (std::size_t i = 0; i < loader.model.accessors.size(); ++i) {
@@ -356,15 +403,34 @@ void add_nodes(Loader& loader, const std::vector<int>& roots) {
       if (mesh >= loader.model.meshes.size())
         throw Error(place + ": refers to mesh " + std::to_string(mesh) + ", there are " +
                     std::to_string(loader.model.meshes.size()));
-      const auto [found, is_new] = meshes_of.try_emplace(mesh);
-      if (is_new) found->second = add_meshes(loader, reader, mesh);
-      loader.budget.spend(found->second.size(), sizeof(Instance) + node.name.size());
-      for (const int primitive : found->second)
-        loader.scene.instances.push_back({node.name, primitive, world_from_node});
+      if (is_hit_box(loader, mesh)) {
+        add_hit_box(loader, reader, mesh, world_from_node);
+      } else {
+        const auto [found, is_new] = meshes_of.try_emplace(mesh);
+        if (is_new) found->second = add_meshes(loader, reader, mesh);
+        loader.budget.spend(found->second.size(), sizeof(Instance) + node.name.size());
+        for (const int primitive : found->second)
+          loader.scene.instances.push_back({node.name, primitive, world_from_node});
+      }
     }
     for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
       open.push_back({*child, world_from_node});
   }
+}
+
+// What CompoundRay makes of materials (BrainsOnBoard/compound-ray, libEyeRenderer3/shaders.cu and
+// MulticamScene.cpp): base colour only, opaque, both sides, textures always repeated and filtered.
+void use_compoundray_colors(Scene& scene) {
+  scene.color_rule = ColorRule::compoundray;
+  for (Material& material : scene.materials) {
+    Material plain;
+    plain.name = material.name;
+    plain.base_color = material.base_color;
+    plain.base_color_texture.texture = material.base_color_texture.texture;
+    plain.double_sided = true;
+    material = std::move(plain);
+  }
+  for (Texture& texture : scene.textures) texture = {texture.image};
 }
 
 // A file may grow into at most this many bytes: ample for meshes that share their vertices and
@@ -377,7 +443,7 @@ std::uint64_t memory_budget(const GltfContainer& gltf) {
 
 }  // namespace
 
-Scene parse_scene(std::string file, const std::string& path, int scene_index) {
+Scene parse_scene(std::string file, const std::string& path, const SceneOptions& options) {
   Loader loader;
   loader.gltf = open_gltf(std::move(file), path);
   loader.scene.path = path;
@@ -386,8 +452,9 @@ Scene parse_scene(std::string file, const std::string& path, int scene_index) {
   check_extensions(loader);
   parse_structure(loader);
   const std::vector<int> parent = checked_parents(loader);
-  const std::vector<int> roots = scene_roots(loader, parent, scene_index);
+  const std::vector<int> roots = scene_roots(loader, parent, options.scene_index);
   read_materials(loader.gltf, loader.scene, loader.warnings);
+  if (options.color_rule == ColorRule::compoundray) use_compoundray_colors(loader.scene);
   add_nodes(loader, roots);
   if (array_size(loader.gltf.document, "animations") > 0)
     loader.warnings.add("animations are ignored: the scene is shown as it stands");
@@ -396,8 +463,8 @@ Scene parse_scene(std::string file, const std::string& path, int scene_index) {
   return std::move(loader.scene);
 }
 
-Scene load_scene(const std::string& path, int scene_index) {
-  return parse_scene(read_file(path), path, scene_index);
+Scene load_scene(const std::string& path, const SceneOptions& options) {
+  return parse_scene(read_file(path), path, options);
 }
 
 }  // namespace omma

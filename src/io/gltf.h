@@ -3,11 +3,12 @@
 
 #include <string>
 
+#include "omma/io.h"
 #include "omma/scene.h"
 
 namespace omma {
 
 // From the bytes of a .gltf or .glb file; URIs in it are relative to the folder of `path`.
-Scene parse_scene(std::string file, const std::string& path, int scene_index = -1);
+Scene parse_scene(std::string file, const std::string& path, const SceneOptions& options = {});
 
 }  // namespace omma

@@ -46,11 +46,15 @@ struct BackgroundView {
   TextureView image;
 };
 
+inline constexpr std::int32_t power_22_size = 4097;
+
 struct SceneView {
   const MeshView* meshes = nullptr;
   const MaterialView* materials = nullptr;
   const TextureView* textures = nullptr;
   BackgroundView background;
+  // [power_22_size] t^2.2 at t = i / (power_22_size - 1) with ColorRule::compoundray, else null.
+  const float* power_22 = nullptr;
   bool has_blend = false;  // whether any surface lets light through in part
 };
 

@@ -156,6 +156,9 @@ void validate_scene(const Scene& scene) {
   }
   for (std::size_t i = 0; i < scene.cameras.size(); ++i)
     check_camera(scene.cameras[i], place_of(scene, "camera", i, scene.cameras[i].name));
+  for (std::size_t i = 0; i < scene.hit_boxes.size(); ++i)
+    check_transform(scene.hit_boxes[i].world_from_mesh,
+                    place_of(scene, "hit box", i, scene.hit_boxes[i].name), "world_from_mesh");
   const std::string background =
       (scene.path.empty() ? "scene" : scene.path) + std::string(": background");
   if (!finite(scene.background.color)) throw Error(background + ": its colour is not finite");
@@ -182,6 +185,37 @@ Bounds scene_bounds(const Scene& scene) {
   }
   if (bounds.empty) return {};
   return bounds;
+}
+
+Bounds hit_box_bounds(const HitBox& box) {
+  Scene alone;
+  alone.meshes.push_back({"", box.positions, box.triangles, {}, {}, -1});
+  alone.instances.push_back({"", 0, box.world_from_mesh});
+  return scene_bounds(alone);
+}
+
+bool is_inside(const HitBox& box, Vec3d point) {
+  // A ray along +x. A triangle is crossed where the point lies in its shadow on the
+  // y-z plane; edges belong to one of the two triangles that share them, since each is taken with
+  // its lower end and without its upper one.
+  bool inside = false;
+  for (const auto& triangle : box.triangles) {
+    Vec3d corner[3];
+    for (std::size_t k = 0; k < 3; ++k)
+      corner[k] =
+          transform_point(box.world_from_mesh, to_double(box.positions[triangle[k]])) - point;
+    bool in_shadow = false;
+    for (std::size_t k = 0; k < 3; ++k) {
+      // Always from the lower end to the upper: the same numbers for both triangles of an edge.
+      Vec3d a = corner[k], b = corner[(k + 1) % 3];
+      if (a.y > b.y) std::swap(a, b);
+      if (a.y <= 0 && 0 < b.y) in_shadow ^= a.z * b.y - a.y * b.z > 0;
+    }
+    if (!in_shadow) continue;
+    const Vec3d normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
+    if (dot(normal, corner[0]) / normal.x > 0) inside = !inside;
+  }
+  return inside;
 }
 
 std::uint64_t triangle_count(const Scene& scene) {

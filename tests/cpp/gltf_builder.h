@@ -266,9 +266,9 @@ inline GltfBuilder textured_triangle(json image) {
   return b;
 }
 
-inline Scene load(const GltfBuilder& b, int scene_index = -1) {
+inline Scene load(const GltfBuilder& b, const SceneOptions& options = {}) {
   const TemporaryFolder folder;
-  return load_scene(folder.write("scene.gltf", b.gltf()), scene_index);
+  return load_scene(folder.write("scene.gltf", b.gltf()), options);
 }
 
 // Runs `action`, which must throw an omma::Error whose message has all the parts.

@@ -321,12 +321,12 @@ TEST(GltfScene, TheDefaultOrTheOneAskedFor) {
                           {{"name", "second"}, {"nodes", {1}}}};
   b.document["scene"] = 1;
   EXPECT_EQ(load(b).instances.at(0).name, "other");
-  EXPECT_EQ(load(b, 0).instances.at(0).name, "node");
-  EXPECT_EQ(load(b, 1).scene_names, (std::vector<std::string>{"first", "second"}));
+  EXPECT_EQ(load(b, {.scene_index = 0}).instances.at(0).name, "node");
+  EXPECT_EQ(load(b, {.scene_index = 1}).scene_names, (std::vector<std::string>{"first", "second"}));
   b.document.erase("scene");
   EXPECT_EQ(load(b).instances.at(0).name, "node");
-  expect_error([&] { load(b, 2); }, {"scene.gltf", "no scene 2", "it has 2"});
-  expect_error([&] { load(b, -2); }, {"scene.gltf", "no scene -2"});
+  expect_error([&] { load(b, {.scene_index = 2}); }, {"scene.gltf", "no scene 2", "it has 2"});
+  expect_error([&] { load(b, {.scene_index = -2}); }, {"scene.gltf", "no scene -2"});
   b.document["scene"] = 5;
   expect_load_error(b, {"default scene is 5"});
 }

@@ -258,7 +258,7 @@ TEST(GltfCamera, Perspective) {
   const Camera& camera = scene.cameras.at(0);
   EXPECT_EQ(camera.name, "head");
   EXPECT_EQ(camera.data_name, "eye");
-  EXPECT_EQ(camera.type, CameraType::perspective);
+  EXPECT_EQ(camera.type, CameraType::compound);
   EXPECT_EQ(camera.yfov_rad, 0.5);
   EXPECT_EQ(camera.aspect_ratio, 1.5);
   EXPECT_EQ(camera.znear_m, 0.1);
@@ -283,6 +283,63 @@ TEST(GltfCamera, Orthographic) {
   EXPECT_EQ(camera.ymag_m, 3);
   EXPECT_EQ(camera.zfar_m, 10);
   EXPECT_EQ(camera.extras_json, "");
+}
+
+// CompoundRay's flags: bools, or strings in any case; an orthographic camera stays one.
+TEST(GltfCamera, KindsInExtras) {
+  const struct {
+    json extras;
+    CameraType expected;
+  } cases[] = {{{{"panoramic", true}}, CameraType::panoramic},
+               {{{"panoramic", "TRUE"}}, CameraType::panoramic},
+               {{{"panoramic", "yes"}}, CameraType::perspective},
+               {{{"panoramic", 1}}, CameraType::perspective},
+               {{{"panoramic", false}, {"compound-eye", "True"}}, CameraType::compound},
+               {{{"panoramic", true}, {"compound-eye", true}}, CameraType::panoramic},
+               {{{"compound-structure", "bee.eye"}}, CameraType::perspective},
+               {json::array({"panoramic"}), CameraType::perspective}};
+  for (const auto& c : cases) {
+    GltfBuilder b;
+    b.push("cameras", {{"type", "perspective"},
+                       {"perspective", {{"yfov", 0.5}, {"znear", 0.1}}},
+                       {"extras", c.extras}});
+    b.root({{"camera", 0}});
+    EXPECT_EQ(load(b).cameras.at(0).type, c.expected) << c.extras;
+    b.document["cameras"][0]["type"] = "orthographic";
+    b.document["cameras"][0]["orthographic"] = {
+        {"xmag", 2}, {"ymag", 3}, {"znear", 0}, {"zfar", 10}};
+    EXPECT_EQ(load(b).cameras.at(0).type, CameraType::orthographic) << c.extras;
+  }
+}
+
+TEST(GltfCamera, ProjectionInExtras) {
+  GltfBuilder b;
+  b.push("cameras", {{"type", "perspective"},
+                     {"perspective", {{"yfov", 0.5}, {"znear", 0.1}}},
+                     {"extras", {{"compound-projection", "single_dimension"}}}});
+  b.root({{"camera", 0}});
+  EXPECT_EQ(load(b).cameras.at(0).compound_projection, "single_dimension");
+  b.document["cameras"][0]["extras"]["compound-projection"] = 7;
+  EXPECT_EQ(load(b).cameras.at(0).compound_projection, "");
+}
+
+// As CompoundRay numbers them: roots by their index, whatever the order in which a scene lists
+// them, children as their parent lists them.
+TEST(GltfCamera, Order) {
+  GltfBuilder b;
+  for (const char* name : {"a", "b", "c", "d"})
+    b.push("cameras", {{"name", name},
+                       {"type", "perspective"},
+                       {"perspective", {{"yfov", 0.5}, {"znear", 0.1}}}});
+  b.push("nodes", {{"camera", 3}});
+  b.push("nodes", {{"children", {3, 2}}});
+  b.push("nodes", {{"camera", 1}});
+  b.push("nodes", {{"camera", 2}});
+  b.push("nodes", {{"camera", 0}});
+  b.document["scenes"] = {{{"nodes", {4, 1, 0}}}};
+  std::string order;
+  for (const Camera& camera : load(b).cameras) order += camera.data_name;
+  EXPECT_EQ(order, "dcba");
 }
 
 TEST(GltfCamera, OneUnderManyNodes) {

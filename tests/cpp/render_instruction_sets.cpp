@@ -35,11 +35,14 @@ TEST(InstructionSets, GiveTheSameBits) {
     const Eye eye = make_eye(sphere_directions(150), 12 * degree);
     RenderSettings settings;
     settings.samples = 21;  // not a multiple of any lane width
-    const auto shading = make_shading_data(scene, scene.background);
+    const auto shading = make_shading_data(scene);
+    const BackgroundData background = make_background_data(scene.background);
+    SceneView view = shading->view;
+    view.background = background.view;
     const auto tracer = make_embree_tracer(scene, shading->view);
     const DirectionTables directions = make_direction_tables(eye, settings);
     const EyeArrays arrays = make_eye_arrays(eye, directions);
-    const BlockContext context{tracer.get(), &shading->view, &arrays, &directions, 1};
+    const BlockContext context{tracer.get(), &view, &arrays, &directions, 1};
     std::vector<std::vector<float>> responses;
     for (const NamedBuild& build : builds) {
       responses.emplace_back(eye.size() * channel_count, -1.0f);

@@ -19,6 +19,7 @@ constexpr int lanes = 16;
 struct Run {
   int unit;  // ommatidium in the block * scrambles + scramble
   int first, count;
+  int sample;  // of the first lane
 };
 
 struct PacketLight {
@@ -222,10 +223,23 @@ void shade_blended(const BlockContext& context, Packet& packet, const int* valid
       packet.light.channel[c][l] = paths[l].radiance.channel[c];
 }
 
+// What each single ray brought, where the caller asks; there is one scramble then.
+void keep_rays(const BlockContext& context, const BlockTask& task, const Packet& packet) {
+  for (int r = 0; r < packet.run_count; ++r) {
+    const Run run = packet.runs[r];
+    const std::size_t ommatidium = context.eye->ommatidium.data()[task.first + run.unit];
+    const std::size_t first = ommatidium * static_cast<std::size_t>(context.directions->samples) +
+                              static_cast<std::size_t>(run.sample);
+    float* out = task.ray_radiance + first * channel_count;
+    for (int l = 0; l < run.count; ++l)
+      for (int c = 0; c < channel_count; ++c) *out++ = packet.light.channel[c][run.first + l];
+  }
+}
+
 // Traces and shades what the packet holds and adds it to the sums of its estimates, always in the
 // same order.
-void trace_and_add(const BlockContext& context, Packet& packet, double (*sums)[channel_count],
-                   IntersectArguments& arguments) {
+void trace_and_add(const BlockContext& context, const BlockTask& task, Packet& packet,
+                   double (*sums)[channel_count], IntersectArguments& arguments) {
   alignas(64) static constexpr int all[lanes] = {-1, -1, -1, -1, -1, -1, -1, -1,
                                                  -1, -1, -1, -1, -1, -1, -1, -1};
   alignas(64) int some[lanes];
@@ -254,6 +268,7 @@ void trace_and_add(const BlockContext& context, Packet& packet, double (*sums)[c
       sums[run.unit][c] += sum;
     }
   }
+  if (task.ray_radiance != nullptr) keep_rays(context, task, packet);
 }
 
 // One ommatidium as a ray source: its frame with the scramble's turn about the axis applied.
@@ -348,7 +363,8 @@ __attribute__((always_inline)) inline void for_each_packet(const BlockContext& c
           write_rays(packet.rays.ray, source, d.x, d.y, d.z, 0, lanes);
         else
           write_rays(packet.rays.ray, source, d.x, d.y, d.z, packet.filled, count);
-        packet.runs[packet.run_count++] = {i * context.scrambles + scramble, packet.filled, count};
+        packet.runs[packet.run_count++] = {i * context.scrambles + scramble, packet.filled, count,
+                                           sample};
         packet.filled += count;
         sample += count;
         if (packet.filled < lanes) continue;
@@ -370,7 +386,7 @@ void render_block(const BlockContext& context, const BlockTask& task) {
     for (double& sum : sums[u]) sum = 0;
   IntersectArguments arguments;
   for_each_packet(context, task,
-                  [&](Packet& packet) { trace_and_add(context, packet, sums, arguments); });
+                  [&](Packet& packet) { trace_and_add(context, task, packet, sums, arguments); });
   reduce(context, task, sums);
 }
 

@@ -29,6 +29,7 @@ struct BlockTask {
   int first = 0, count = 0;          // ommatidia, in the order of EyeArrays
   float* responses = nullptr;        // [ommatidium][channel] of this pose
   float* standard_error = nullptr;   // the same, or null
+  float* ray_radiance = nullptr;     // [ommatidium][sample][channel] of this pose, or null
 };
 
 using RenderBlock = void (*)(const BlockContext&, const BlockTask&);
