@@ -1,10 +1,11 @@
 """Eyes made to order: ommatidia spread over a sphere or an ellipsoid, evenly or with acute zones.
 
 Points repel their neighbours on the surface until the forces balance. The force between two points
-a distance r apart, where the wanted spacing is a, is a·(a/r)^7 in the direction away from each
-other. In a hexagonal lattice of spacing r the pressure of such forces is force/r, a function of r/a
-alone, so pressures balance where r/a is the same everywhere: the spacing follows a. In relaxation by
-Lloyd's method the same takes samples of the surface and many more steps.
+a distance r apart, where the wanted spacing is a, is a (a/r)^7, away from each other. In a
+hexagonal lattice of spacing r such forces make a pressure proportional to force/r, a function of
+r/a alone; so pressures balance where r/a is the same everywhere, and the spacing follows a. Lloyd's
+method weighted with a^-4 has the same balance, but needs samples all over the surface and more
+steps.
 """
 
 from __future__ import annotations
@@ -179,7 +180,7 @@ class _Surface:
 def _seeds(surface: _Surface, count: int, random: np.random.Generator) -> Floats:
     # A fine set of points, each with its share of the ommatidia, is halved again and again across
     # its longest side into parts of as many ommatidia each; a part of one gives one point.
-    turn = _random_rotation(random)
+    turn = _random_turn(random)
     number = 32 * count
     for _ in range(2):
         candidates, share = _candidates(surface, number, turn)
@@ -295,9 +296,9 @@ def _semi_axes(radius_m: float | Sequence[float]) -> Floats:
         values = np.zeros(2)
     if values.shape not in ((), (3,)) or not np.all(np.isfinite(values) & (values > 0)):
         raise Error(f"radius_m: expected one or three lengths above 0, found {radius_m!r}")
-    return np.broadcast_to(values, (3,)).copy()
+    return np.ones(3) * values
 
 
-def _random_rotation(random: np.random.Generator) -> Floats:
-    orthogonal, triangular = np.linalg.qr(random.standard_normal((3, 3)))
-    return np.asarray(orthogonal * np.sign(np.diag(triangular)))
+def _random_turn(random: np.random.Generator) -> Floats:
+    rotation: Floats = np.linalg.qr(random.standard_normal((3, 3)))[0]
+    return rotation

@@ -200,11 +200,16 @@ def convert_eye(path: PathLike, unit: str | float = "mm", *, degrees: bool = Fal
     angle = np.radians(table[:, 6]) if degrees else table[:, 6]
     if degrees:
         notes.append("Assumed: the acceptance angles of column 7 are degrees; written as radians.")
+    elif angle.max() > 2 * np.pi:
+        raise Error(
+            f"{name}: expected acceptance angles (column 7) from 0 to 2 pi rad, found "
+            f"{angle.max():.6g}; are they degrees?"
+        )
     elif angle.max() > 1:
         notes.append(
             f"Assumed: the acceptance angles of column 7 are radians. The largest is "
             f"{angle.max():.4g} rad ({np.degrees(angle.max()):.4g}°): if they are degrees, "
-            "convert with degrees."
+            "say so when converting."
         )
     offset = table[:, 7] if columns > 7 else np.zeros(len(table))
     metres = metres_per_unit(unit)
