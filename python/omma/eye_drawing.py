@@ -185,10 +185,7 @@ def _figure(drawing: _Drawing, colour: Colour, size_mm: float, title: str) -> An
             )
         axes.set_title("\n".join([title, *notes]), color=_INK, fontsize=9)
         _scale_bar(axes, low, high)
-        side = float(high[0] - low[0])
-        _compass(
-            drawing, axes, np.array([high[0] - 0.1 * side, low[1] + 0.09 * side]), 0.055 * side
-        )
+        _compass(drawing, axes, low, high)
     return figure
 
 
