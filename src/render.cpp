@@ -67,8 +67,15 @@ struct BuiltScene {
   std::unique_ptr<EmbreeTracer> tracer;
 };
 
+// A background ready to be looked at; it may be a large image, so renderers share it.
+struct BuiltBackground {
+  Background given;     // the data refer to its image
+  BackgroundData data;  // of `given`, or of the scene's own
+};
+
 struct Renderer::State {
   std::shared_ptr<const BuiltScene> built;
+  std::shared_ptr<const BuiltBackground> background;
   Eye eye;
   RenderSettings settings;
   BuildTimes times;
@@ -78,7 +85,6 @@ struct Renderer::State {
   std::unique_ptr<oneapi::tbb::global_control> thread_limit;
   std::unique_ptr<oneapi::tbb::task_arena> arena;
 
-  BackgroundData background;
   SceneView view;  // of the built scene, with this background
   DirectionTables directions;
   EyeArrays eye_arrays;
@@ -97,16 +103,24 @@ void Renderer::State::prepare_threads(State& s, const RenderSettings& settings) 
   s.arena = std::make_unique<oneapi::tbb::task_arena>(s.threads);
 }
 
+std::shared_ptr<const BuiltBackground> build_background(const BuiltScene& built,
+                                                        const RenderSettings& settings) {
+  auto background = std::make_shared<BuiltBackground>();
+  if (settings.background) background->given = *settings.background;
+  background->data =
+      make_background_data(settings.background ? background->given : built.scene->background);
+  return background;
+}
+
 // All that depends on the eye and the settings.
 void Renderer::State::prepare_eye(State& s, Eye eye, RenderSettings settings) {
   s.eye = std::move(eye);
   s.settings = std::move(settings);
   s.block = choose_block_functions();
   s.arena->execute([&] {
-    s.background = make_background_data(s.settings.background ? *s.settings.background
-                                                              : s.built->scene->background);
+    if (s.background == nullptr) s.background = build_background(*s.built, s.settings);
     s.view = s.built->shading->view;
-    s.view.background = s.background.view;
+    s.view.background = s.background->data.view;
     const auto start = Clock::now();
     s.directions = make_direction_tables(s.eye, s.settings);
     s.eye_arrays = make_eye_arrays(s.eye, s.directions);
@@ -144,6 +158,19 @@ Renderer::Renderer(const Renderer& same_scene, Eye eye, RenderSettings settings)
   State::prepare_threads(s, settings);
   s.built = same_scene.state_->built;
   State::prepare_eye(s, std::move(eye), std::move(settings));
+}
+
+Renderer::Renderer(const Renderer& same_background, Eye rays, OneThread)
+    : state_(std::make_unique<State>()) {
+  validate_eye(rays);
+  State& s = *state_;
+  RenderSettings settings;
+  settings.samples = 1;
+  settings.threads = 1;
+  State::prepare_threads(s, settings);
+  s.built = same_background.state_->built;
+  s.background = same_background.state_->background;
+  State::prepare_eye(s, std::move(rays), std::move(settings));
 }
 
 void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> responses,

@@ -1,6 +1,7 @@
 // All of Omma: load a scene and an eye, build a Renderer, render poses, save or paint responses.
 #pragma once
 
+#include "omma/camera.h"
 #include "omma/error.h"
 #include "omma/eye.h"
 #include "omma/io.h"

@@ -58,6 +58,8 @@ struct BuildTimes {
   double directions_s = 0;    // direction tables
 };
 
+struct CameraSettings;  // camera.h
+
 class Renderer {
  public:
   // Builds the acceleration structure and the direction tables; throws omma::Error.
@@ -84,6 +86,13 @@ class Renderer {
   std::string backend() const;  // e.g. "embree 3.13.5"
 
  private:
+  // For pictures (render_camera): single rays, one thread, and the background shared too, which is
+  // then not in the settings.
+  struct OneThread {};
+  Renderer(const Renderer& same_background, Eye rays, OneThread);
+  friend void render_camera(const Renderer&, const Camera&, const CameraSettings&, std::span<float>,
+                            const std::function<bool(double)>&);
+
   struct State;
   std::unique_ptr<State> state_;
 };

@@ -153,7 +153,7 @@ bool is_inside(const HitBox& box, Vec3d point);
 std::uint64_t triangle_count(const Scene& scene);
 
 // The camera whose node, or else which itself, has that name; throws omma::Error that lists the
-// names there are, or where several have it.
+// names and indices there are, or where several have it.
 const Camera& find_camera(const Scene& scene, const std::string& name);
 
 }  // namespace omma

@@ -54,6 +54,7 @@ std::string type_name_of(nb::handle object);  // of the object's type
 // os.fspath(path) as text; a TypeError where that is not a path.
 std::string path_text(nb::handle path);
 
+void bind_camera(nb::module_& m);
 void bind_scene(nb::module_& m);
 void bind_eye(nb::module_& m);
 void bind_renderer(nb::module_& m);

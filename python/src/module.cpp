@@ -20,6 +20,7 @@ NB_MODULE(_core, m) {
       "The message names the file or argument, the place in it, what was expected and what was "
       "found.";
 
+  omma::python::bind_camera(m);
   omma::python::bind_scene(m);
   omma::python::bind_eye(m);
   omma::python::bind_renderer(m);

@@ -229,17 +229,23 @@ const Camera& find_camera(const Scene& scene, const std::string& name) {
   const std::string place = scene.path.empty() ? "scene" : scene.path;
   // Node names first: a camera under several nodes has one name of its own and several of those.
   for (std::string Camera::*kind : {&Camera::name, &Camera::data_name}) {
-    const auto has_name = [&](const Camera& camera) { return camera.*kind == name; };
-    const auto count = std::count_if(scene.cameras.begin(), scene.cameras.end(), has_name);
+    std::string indices;
+    std::size_t count = 0, found = 0;
+    for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
+      if (scene.cameras[i].*kind != name) continue;
+      indices += (count++ == 0 ? "" : ", ") + std::to_string(i);
+      found = i;
+    }
     if (count > 1)
-      throw Error(place + ": " + std::to_string(count) + " cameras are called \"" + name + "\"");
-    if (count == 1) return *std::find_if(scene.cameras.begin(), scene.cameras.end(), has_name);
+      throw Error(place + ": " + std::to_string(count) + " cameras are called \"" + name +
+                  "\": " + indices);
+    if (count == 1) return scene.cameras[found];
   }
   std::string message = place + ": there is no camera \"" + name + "\"; ";
   if (scene.cameras.empty()) throw Error(message + "the scene has none");
   message += "there are";
-  for (const Camera& camera : scene.cameras)
-    message += (&camera == scene.cameras.data() ? " \"" : ", \"") + camera.name + "\"";
+  for (std::size_t i = 0; i < scene.cameras.size(); ++i)
+    message += (i == 0 ? " " : ", ") + std::to_string(i) + " \"" + scene.cameras[i].name + "\"";
   throw Error(message);
 }
 

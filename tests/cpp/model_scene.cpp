@@ -150,9 +150,9 @@ TEST(FindCamera, ByTheNameOfTheNodeOrOfTheCamera) {
     }
     return "";
   };
-  EXPECT_EQ(message("x"), "made.gltf: there is no camera \"x\"; there are \"cam\", \"lens\"");
+  EXPECT_EQ(message("x"), "made.gltf: there is no camera \"x\"; there are 0 \"cam\", 1 \"lens\"");
   s.cameras[1].name = "cam";
-  EXPECT_EQ(message("cam"), "made.gltf: 2 cameras are called \"cam\"");
+  EXPECT_EQ(message("cam"), "made.gltf: 2 cameras are called \"cam\": 0, 1");
   s.cameras.clear();
   EXPECT_EQ(message("x"), "made.gltf: there is no camera \"x\"; the scene has none");
 }
