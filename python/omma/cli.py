@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from omma._core import Error, __version__
+from omma.cli_eye import eye_app
 from omma.cli_measure import measure_app
 from omma.info import describe_file
 from omma.rendering import RenderReport, render_file
@@ -65,6 +66,7 @@ app = typer.Typer(
     rich_markup_mode="markdown",
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+app.add_typer(eye_app, name="eye")
 app.add_typer(measure_app, name="measure")
 
 UnitOption = Annotated[

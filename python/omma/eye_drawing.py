@@ -1,7 +1,6 @@
 """Drawings of eyes: the ommatidia seen from afar, as facets or as axes, with a scale bar.
 
-Orthographic, from a direction given in the head's frame. The one user of matplotlib, which is an
-optional extra.
+Orthographic, from a direction given in the head's frame. Needs matplotlib, an optional extra.
 """
 
 from __future__ import annotations
@@ -18,7 +17,8 @@ from numpy.typing import NDArray
 
 from omma._core import Error, Eye
 from omma.arguments import positive
-from omma.files import PathLike, WholeFiles
+from omma.files import PathLike, WholeFiles, check_target
+from omma.sampling_plots import load_matplotlib
 
 Floats = NDArray[np.float64]
 Style = Literal["facets", "axes"]
@@ -61,11 +61,7 @@ def draw_eye(
         omma.Error: matplotlib is missing, a name ends in neither .svg nor .png, an argument is
             wrong, a file cannot be written.
     """
-    given = [paths] if isinstance(paths, (str, os.PathLike)) else paths
-    names = [os.fsdecode(path) for path in given]
-    for name in names:
-        if Path(name).suffix.lower() not in (".svg", ".png"):
-            raise Error(f"{name}: expected a name ending in .svg or .png")
+    names = check_names(paths)
     _one_of(style, ("facets", "axes"), "style")
     _one_of(colour, ("interommatidial", "acceptance", "eye", "none"), "colour")
     for value, what in ((yaw_deg, "yaw_deg"), (pitch_deg, "pitch_deg")):
@@ -86,6 +82,17 @@ def draw_eye(
             metadata = {"Date": None} if kind == "svg" else {}
             figure.savefig(picture, format=kind, dpi=200, metadata=metadata)
             file.write(picture.getvalue())
+
+
+def check_names(paths: PathLike | Sequence[PathLike]) -> list[str]:
+    """The names; omma.Error where one ends in neither .svg nor .png or cannot be written."""
+    given = [paths] if isinstance(paths, (str, os.PathLike)) else paths
+    names = [os.fsdecode(path) for path in given]
+    for name in names:
+        if Path(name).suffix.lower() not in (".svg", ".png"):
+            raise Error(f"{name}: expected a name ending in .svg or .png")
+        check_target(name)
+    return names
 
 
 class _Drawing:
@@ -143,20 +150,16 @@ def _facet_diameters(position: Floats) -> Floats:
 
 
 def _figure(drawing: _Drawing, colour: Colour, size_mm: float, title: str) -> Any:
-    try:
-        from matplotlib import rc_context
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise Error(
-            "drawing needs matplotlib, which is not installed: pip install omma[plots]"
-        ) from None
+    figure_type = load_matplotlib()
+    from matplotlib import rc_context
+
     values, label, tell_apart = _values(drawing.eye, colour)
     low, high = _frame(drawing)
     inches = size_mm / 25.4
     # Text as outlines, and ids that do not change from run to run.
     with rc_context({"svg.fonttype": "path", "svg.hashsalt": "omma", "font.size": 9}):
-        height = inches * (high[1] - low[1]) / (high[0] - low[0]) * (0.85 if label else 1) + 0.4
-        figure = Figure(figsize=(inches, max(height, 2.8)), layout="constrained")
+        height = inches * (high[1] - low[1]) / (high[0] - low[0]) * (0.85 if label else 1) + 0.5
+        figure = figure_type(figsize=(inches, max(height, 2.8)), layout="constrained")
         axes = figure.add_subplot()
         axes.set_aspect("equal")
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
@@ -172,7 +175,7 @@ def _figure(drawing: _Drawing, colour: Colour, size_mm: float, title: str) -> An
         elif tell_apart:
             which = drawing.eye.eye_id[drawing.shown]
             marks.set_color([_EYE_COLOURS[i % len(_EYE_COLOURS)] for i in which])
-            _legend(figure, np.unique(which))
+            _legend(axes, np.unique(which))
         else:
             marks.set_color("#7a93ac" if drawing.style == "facets" else _INK)
         if drawing.style == "facets":
@@ -183,7 +186,7 @@ def _figure(drawing: _Drawing, colour: Colour, size_mm: float, title: str) -> An
             notes.append(
                 f"an eye's ommatidia are all at one point: drawn {_length(drawing.length)} out"
             )
-        axes.set_title("\n".join([title, *notes]), color=_INK, fontsize=9)
+        axes.set_title("\n".join([title, *notes]), color=_INK, fontsize=9, pad=8)
         _scale_bar(axes, low, high)
         _compass(drawing, axes, low, high)
     return figure
@@ -286,13 +289,13 @@ def _compass(drawing: _Drawing, axes: Any, low: Floats, high: Floats) -> None:
         )
 
 
-def _legend(figure: Any, eyes: NDArray[np.int32]) -> None:
+def _legend(axes: Any, eyes: NDArray[np.int32]) -> None:
     from matplotlib.patches import Patch
 
     handles = [
         Patch(color=_EYE_COLOURS[i % len(_EYE_COLOURS)], label=f"eye {i}") for i in eyes.tolist()
     ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=6, frameon=False)
+    axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0), ncol=6, frameon=False)
 
 
 def _title(eye: Eye, yaw_deg: float, pitch_deg: float, drawing: _Drawing) -> str:
