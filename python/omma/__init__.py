@@ -21,6 +21,7 @@ from omma._core import (
     Eye,
     Scene,
     __version__,
+    encode_ids,
     look_at,
     merge_eyes,
     paint,
@@ -29,6 +30,7 @@ from omma._core import (
 from omma.files import load_eye, load_scene, save_eye, save_responses
 from omma.pictures import equirectangular, equirectangular_ids, field_ids, side_by_side
 from omma.poses import load_poses, poses_from_angles, poses_from_quaternions
+from omma.projections import PROJECTIONS, project, projection_ids
 from omma.renderer import Renderer
 from omma.rendering import RenderReport, render_file
 from omma.sampling_plots import (
@@ -50,6 +52,7 @@ from omma.sampling_tools import (
 from omma.speed_test import SpeedTest, measure_speed
 
 __all__ = [
+    "PROJECTIONS",
     "Background",
     "Box",
     "Camera",
@@ -64,6 +67,7 @@ __all__ = [
     "SpeedTest",
     "__version__",
     "alias_curve",
+    "encode_ids",
     "equirectangular",
     "equirectangular_ids",
     "field_ids",
@@ -78,6 +82,8 @@ __all__ = [
     "paint",
     "poses_from_angles",
     "poses_from_quaternions",
+    "project",
+    "projection_ids",
     "rays_per_ommatidium",
     "render_file",
     "response_variances",

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable
 import os
-from typing import Any
+from typing import Any, overload
 
 import numpy
 import numpy.typing
@@ -20,6 +20,64 @@ class Error(RuntimeError):
     The message names the file or argument, the place in it, what was expected and what was
     found.
     """
+
+class Camera:
+    """A camera node of a scene. It looks along its -Z, +Y is up."""
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    @property
+    def name(self) -> str:
+        """Name of the node (of the camera where the node has none)."""
+
+    @property
+    def type(self) -> str:
+        """'perspective', 'orthographic', 'panoramic' or 'compound'."""
+
+    @property
+    def world_from_camera(self, /) -> numpy.typing.NDArray[numpy.float64]:
+        """The node's whole transform, its scale too: (4, 4), m."""
+
+    @property
+    def extras(self, /) -> Any:
+        """The camera's extras in the glTF file, {} where there are none."""
+
+    @property
+    def compound_structure(self) -> str:
+        """
+        The `.eye` file that the camera's extras name, '' where they name none.
+        """
+
+    @property
+    def compound_projection(self) -> str:
+        """
+        The projection of its eye that the camera's extras name, '' where they name none.
+        """
+
+    @property
+    def yfov_rad(self) -> float:
+        """Vertical field of view; perspective only."""
+
+    @property
+    def aspect_ratio(self) -> float:
+        """Width over height, 0 where not given; perspective only."""
+
+    @property
+    def xmag_m(self) -> float:
+        """Horizontal half extent; orthographic only."""
+
+    @property
+    def ymag_m(self) -> float:
+        """Vertical half extent; orthographic only."""
+
+    def __repr__(self) -> str: ...
+
+max_picture_extent: int = 32768
+
+def picture_size(camera: Camera, width: int, height: int) -> tuple[int, int]: ...
+
+def render_camera(renderer: Renderer, camera: Camera, picture: numpy.typing.NDArray[numpy.float32], samples: int, seed: int, progress: Callable[[float], object] | None) -> None: ...
 
 class Background:
     """
@@ -76,52 +134,6 @@ class Background:
 
     def __repr__(self) -> str: ...
 
-class Camera:
-    """A camera node of a scene. It looks along its -Z, +Y is up."""
-
-    # Generated, not written; after a change to the bindings:
-    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
-
-    @property
-    def name(self) -> str:
-        """Name of the node (of the camera where the node has none)."""
-
-    @property
-    def type(self) -> str:
-        """'perspective' or 'orthographic'."""
-
-    @property
-    def world_from_camera(self, /) -> numpy.typing.NDArray[numpy.float64]:
-        """The node's whole transform, its scale too: (4, 4), m."""
-
-    @property
-    def extras(self, /) -> Any:
-        """The camera's extras in the glTF file, {} where there are none."""
-
-    @property
-    def compound_structure(self) -> str:
-        """
-        The `.eye` file that the camera's extras name, '' where it is no compound eye.
-        """
-
-    @property
-    def yfov_rad(self) -> float:
-        """Vertical field of view; perspective only."""
-
-    @property
-    def aspect_ratio(self) -> float:
-        """Width over height, 0 where not given."""
-
-    @property
-    def xmag_m(self) -> float:
-        """Horizontal half extent; orthographic only."""
-
-    @property
-    def ymag_m(self) -> float:
-        """Vertical half extent; orthographic only."""
-
-    def __repr__(self) -> str: ...
-
 class Scene:
     """
     A scene: meshes, instances, materials, textures, cameras and a background, in
@@ -143,11 +155,13 @@ class Scene:
     def cameras(self) -> list[Camera]:
         """Camera nodes in the order of the file."""
 
-    def camera(self, name: str) -> Camera:
+    def camera(self, name_or_index: str | int) -> Camera:
         """
-        The camera of that name.
+        The camera of that name, or with that index among ``cameras``; an index may also be
+        text, where no camera is called so.
 
-        Raises `omma.Error`, with the names there are.
+        Raises `omma.Error`, with the names and indices there are, where there is none or
+        several are called so.
         """
 
     @property
@@ -191,12 +205,33 @@ class Scene:
         """What a ray sees that meets no surface."""
 
     @property
+    def hit_boxes(self, /) -> list[str]:
+        """
+        Names of the regions: meshes whose extras say ``hitbox``, which are not drawn.
+        """
+
+    def hit_box_bounds(self, name: str) -> numpy.typing.NDArray[numpy.float64] | None:
+        """
+        Lower and upper corner of the box around a hit box: (2, 3), m; None where it has no
+        triangles.
+
+        Raises `omma.Error`, with the names there are.
+        """
+
+    def is_inside(self, name: str, points_m: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.bool_]:
+        """
+        Which points (N, 3), m, lie inside a hit box, taken as a closed surface: bool (N,).
+
+        Raises `omma.Error`, with the names there are.
+        """
+
+    @property
     def warnings(self) -> list[str]:
         """What the loader passed over, a sentence each."""
 
     def __repr__(self) -> str: ...
 
-def load_scene(path: str | os.PathLike[str], scene_index: int = -1) -> Scene: ...
+def load_scene(path: str | os.PathLike[str], scene_index: int = -1, color_rule: str = 'gltf') -> Scene: ...
 
 class Eye:
     """
@@ -282,9 +317,13 @@ class Renderer:
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
+    @overload
     def __init__(self, scene: Scene, eye: Eye, samples: int, seed: int, kernel: str, sampling: str, threads: int, background: Background | None) -> None: ...
 
-    def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: numpy.typing.NDArray[numpy.float32], standard_error: numpy.typing.NDArray[numpy.float32] | None, first_pose: int, progress: Callable[[float], object] | None) -> None: ...
+    @overload
+    def __init__(self, same_scene: Renderer, eye: Eye, samples: int, seed: int, kernel: str, sampling: str, threads: int, background: Background | None) -> None: ...
+
+    def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: numpy.typing.NDArray[numpy.float32], standard_error: numpy.typing.NDArray[numpy.float32] | None, rays: numpy.typing.NDArray[numpy.float32] | None, first_pose: int, progress: Callable[[float], object] | None) -> None: ...
 
     @property
     def eye(self) -> Eye: ...
@@ -323,6 +362,20 @@ def look_at(position_m: numpy.typing.ArrayLike, target_m: numpy.typing.ArrayLike
     """
 
 def equirectangular_ids(eye: Eye, width: int, height: int, by_position: bool, max_angle_rad: float) -> numpy.typing.NDArray[numpy.int32]: ...
+
+def projection_ids(eye: Eye, projection: str, width: int, height: int) -> numpy.typing.NDArray[numpy.int32]: ...
+
+def projection_names() -> list[str]: ...
+
+def encode_ids(ids: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.uint8]:
+    """
+    An id map (height, width) as an RGBA picture, uint8 (height, width, 4).
+
+    The id is a 32-bit number, its highest byte in R, its lowest in A, as in CompoundRay's
+    ``_ids`` projections; -1 is 255, 255, 255, 255. Back again: ``picture.view('>i4')[..., 0]``.
+
+    Raises `omma.Error` where the ids are not two-dimensional whole numbers.
+    """
 
 def paint(ids: numpy.typing.ArrayLike, responses: numpy.typing.ArrayLike, gamma: float = 2.2) -> numpy.typing.NDArray[numpy.uint8]:
     """

@@ -6,17 +6,27 @@ in the middle and the animal's right to the right; elevation +90° at the top, -
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma import _core
 from omma._core import Error, Eye
 from omma.arguments import whole
+from omma.projections import Ids, Picture, kept_ids, one_pose, projection_ids
 
-Ids = NDArray[np.int32]
-Picture = NDArray[np.uint8]
+__all__ = [
+    "Ids",
+    "Picture",
+    "equirectangular",
+    "equirectangular_ids",
+    "field_ids",
+    "one_pose",
+    "projection_ids",
+    "side_by_side",
+    "side_by_side_ids",
+]
 
 _NO_LIMIT_RAD = 7.0
 _LARGEST_PIXELS = 1 << 15
@@ -31,6 +41,8 @@ def equirectangular_ids(
     max_angle_deg: float | None = None,
 ) -> Ids:
     """Which ommatidium each pixel of an equirectangular picture shows: int32 (height, width).
+
+    The map is made once and kept; it is read-only.
 
     Args:
         eye: the eye, or all eyes of a head.
@@ -53,7 +65,11 @@ def equirectangular_ids(
         if not max_angle_deg >= 0:
             raise Error(f"max_angle_deg: expected 0 or more, found {max_angle_deg}")
         limit = float(np.radians(min(max_angle_deg, 360)))
-    return _core.equirectangular_ids(eye, width, height, by == "position", limit)
+    return kept_ids(
+        eye,
+        ("equirectangular", by, limit, width, height),
+        lambda: _core.equirectangular_ids(eye, width, height, by == "position", limit),
+    )
 
 
 def field_ids(eye: Eye, width: int = 1024, height: int = 512) -> Ids:
@@ -63,7 +79,7 @@ def field_ids(eye: Eye, width: int = 1024, height: int = 512) -> Ids:
     one's local interommatidial angle or its acceptance angle, whichever is larger. So the field
     ends about one facet beyond the last axis.
     """
-    ids = equirectangular_ids(eye, width, height)
+    ids: Ids = equirectangular_ids(eye, width, height).copy()
     limit = np.maximum(eye.interommatidial_angle_rad(), eye.acceptance_angle_rad)
     for row, elevation in enumerate(np.pi * (0.5 - (np.arange(height) + 0.5) / height)):
         azimuth = 2 * np.pi * ((np.arange(width) + 0.5) / width - 0.5)
@@ -107,6 +123,12 @@ def equirectangular(
 
 def side_by_side_ids(eye: Eye, width: int = 1024, height: int = 512) -> Ids:
     """Id map of `side_by_side`: indices into the whole head, -1 outside an eye's visual field."""
+    return kept_ids(
+        eye, ("side_by_side", width, height), lambda: _side_by_side_ids(eye, width, height)
+    )
+
+
+def _side_by_side_ids(eye: Eye, width: int, height: int) -> Ids:
     numbers = np.unique(eye.eye_id)
     looks_right = {number: eye.axis[eye.eye_id == number, 0].mean() for number in numbers}
     panels = []
@@ -142,14 +164,3 @@ def side_by_side(
     """
     one = one_pose(eye, responses)
     return _core.paint(side_by_side_ids(eye, width, height), one, gamma)
-
-
-def one_pose(eye: Eye, responses: Any) -> NDArray[np.float32]:
-    """``responses`` as float32 (N, 3) of one pose of this eye."""
-    array = np.asarray(responses, dtype=np.float32)
-    if array.ndim == 3 and len(array) == 1:
-        array = array[0]
-    expected = (len(eye), _core.channel_count)
-    if array.shape != expected:
-        raise Error(f"responses: expected shape {expected} of one pose, found {array.shape}")
-    return array

@@ -1,6 +1,7 @@
 // Pictures for Python: id maps, painting and PNG files.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <string>
 
@@ -21,6 +22,20 @@ nb::object ids(const Eye& eye, int width, int height, bool by_position, float ma
                       : equirectangular_ids(eye, width, height, max_angle_rad);
   }
   return take(std::move(map), {static_cast<std::size_t>(height), static_cast<std::size_t>(width)});
+}
+
+nb::object projection_map(const Eye& eye, const std::string& projection, int width, int height) {
+  std::vector<std::int32_t> map;
+  {
+    nb::gil_scoped_release release;
+    map = projection_ids(eye, projection_from_name(projection), width, height);
+  }
+  return take(std::move(map), {static_cast<std::size_t>(height), static_cast<std::size_t>(width)});
+}
+
+nb::object encode_array(nb::handle ids_object) {
+  const auto map = int_array(ids_object, "ids", {-1, -1});
+  return take(encode_ids({map.data(), map.size()}), {map.shape(0), map.shape(1), 4});
 }
 
 nb::object paint_array(nb::handle ids_object, nb::handle responses_object, double gamma) {
@@ -59,6 +74,22 @@ void bind_projection(nb::module_& m) {
         nb::arg("by_position"), nb::arg("max_angle_rad"),
         nb::sig("def equirectangular_ids(eye: Eye, width: int, height: int, by_position: bool, "
                 "max_angle_rad: float) -> numpy.typing.NDArray[numpy.int32]"));
+  m.def("projection_ids", &projection_map, nb::arg("eye"), nb::arg("projection"), nb::arg("width"),
+        nb::arg("height"),
+        nb::sig("def projection_ids(eye: Eye, projection: str, width: int, height: int) -> "
+                "numpy.typing.NDArray[numpy.int32]"));
+  m.def("projection_names", [] {
+    std::vector<std::string> names;
+    for (const NamedProjection& named : named_projections()) names.emplace_back(named.name);
+    return names;
+  });
+  m.def("encode_ids", &encode_array, nb::arg("ids"),
+        nb::sig("def encode_ids(ids: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.uint8]"),
+        "An id map (height, width) as an RGBA picture, uint8 (height, width, 4).\n\n"
+        "The id is a 32-bit number, its highest byte in R, its lowest in A, as in CompoundRay's\n"
+        "``_ids`` projections; -1 is 255, 255, 255, 255. Back again: ``picture.view('>i4')[..., "
+        "0]``.\n\n"
+        "Raises `omma.Error` where the ids are not two-dimensional whole numbers.");
   m.def(
       "paint", &paint_array, nb::arg("ids"), nb::arg("responses"), nb::arg("gamma") = 2.2,
       nb::sig("def paint(ids: numpy.typing.ArrayLike, responses: numpy.typing.ArrayLike, gamma: "
