@@ -27,6 +27,7 @@ from omma._core import (
     paint,
     save_png,
 )
+from omma.compat import compoundray_library
 from omma.files import load_eye, load_scene, save_eye, save_responses
 from omma.pictures import equirectangular, equirectangular_ids, field_ids, side_by_side
 from omma.poses import load_poses, poses_from_angles, poses_from_quaternions
@@ -66,6 +67,7 @@ __all__ = [
     "Scene",
     "SpeedTest",
     "__version__",
+    "compoundray_library",
     "alias_curve",
     "encode_ids",
     "equirectangular",
