@@ -3,6 +3,7 @@
 #include "kernel/acceptance.h"
 #include "kernel/hash.h"
 #include "kernel/path.h"
+#include "kernel/random_direction.h"
 #include "kernel/sobol.h"
 
 namespace omma {
@@ -23,7 +24,10 @@ __global__ void device_check(SceneView scene, AcceptanceWarpView warp, float* ou
   };
   const Radiance radiance = eval_path(scene, direction, 0, trace);
   for (int c = 0; c < channel_count; ++c) out[channel_count * i + c] = radiance.channel[c];
+  const LocalDirection<float> random = sample_random_direction<float>(
+      out, static_cast<std::uint32_t>(scramble), static_cast<std::uint32_t>(scramble >> 32), i);
   out[channel_count * blockDim.x + i] =
+      random.x + random.y + random.z +
       static_cast<float>(acceptance_pdf(warp, direction.z) +
                          eval_polar_density(warp.kernel, direction.z, warp.acceptance_rad));
 }

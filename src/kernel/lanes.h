@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 
 #include "omma/vec.h"
 #if defined(__AVX2__) && !defined(__CUDACC__)
@@ -47,6 +48,22 @@ template <typename T>
 OMMA_HD T gather(const T* base, std::int32_t index) {
   return base[index];
 }
+OMMA_HD float sqrt_lanes(float x) {
+  return sqrtf(x);
+}
+OMMA_HD std::int32_t int_of(std::uint32_t x) {
+  return static_cast<std::int32_t>(x);
+}
+OMMA_HD std::int32_t bits_of(float x) {
+  std::int32_t bits;
+  memcpy(&bits, &x, sizeof bits);
+  return bits;
+}
+OMMA_HD float float_of(std::int32_t bits) {
+  float x;
+  memcpy(&x, &bits, sizeof x);
+  return x;
+}
 
 #if !defined(__CUDACC__)
 // As many lanes as the instruction set has that this file is compiled for.
@@ -54,14 +71,17 @@ OMMA_HD T gather(const T* base, std::int32_t index) {
 inline constexpr int lane_width = 16;
 using Floats = float __attribute__((vector_size(64)));
 using Ints = std::int32_t __attribute__((vector_size(64)));
+using Uints = std::uint32_t __attribute__((vector_size(64)));
 #elif defined(__AVX2__)
 inline constexpr int lane_width = 8;
 using Floats = float __attribute__((vector_size(32)));
 using Ints = std::int32_t __attribute__((vector_size(32)));
+using Uints = std::uint32_t __attribute__((vector_size(32)));
 #else
 inline constexpr int lane_width = 4;
 using Floats = float __attribute__((vector_size(16)));
 using Ints = std::int32_t __attribute__((vector_size(16)));
+using Uints = std::uint32_t __attribute__((vector_size(16)));
 #endif
 
 OMMA_HD Ints to_int(Floats x) {
@@ -69,6 +89,16 @@ OMMA_HD Ints to_int(Floats x) {
 }
 OMMA_HD Floats to_float(Ints i) {
   return __builtin_convertvector(i, Floats);
+}
+// The same bits as another type.
+OMMA_HD Ints int_of(Uints x) {
+  return (Ints)x;
+}
+OMMA_HD Ints bits_of(Floats x) {
+  return (Ints)x;
+}
+OMMA_HD Floats float_of(Ints bits) {
+  return (Floats)bits;
 }
 
 // A bit for each lane of a comparison's result, the first lane lowest; square roots. The 512-bit

@@ -43,12 +43,6 @@ Vec3d scrambled_normals(std::uint32_t index, std::uint64_t scramble) {
           0};
 }
 
-Vec3d random_normals(std::uint32_t index, std::uint64_t scramble) {
-  const std::uint64_t h = hash_combine(scramble, index);
-  return {normal_quantile(unit_interval(hash_combine(h, 0))),
-          normal_quantile(unit_interval(hash_combine(h, 1))), 0};
-}
-
 // Sorts a pattern along a Morton curve, so that each 16 consecutive directions are near each other
 // and make a coherent packet.
 void sort_into_packets(std::vector<Vec3d>& normals) {
@@ -97,7 +91,14 @@ DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& sett
     tables.turns.push_back(
         {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))});
   }
-  if (settings.sampling == Sampling::random) return tables;
+  if (settings.sampling == Sampling::random) {
+    for (const AcceptanceWarp& warp : tables.warps)
+      for (std::size_t i = 0; i < warp.theta.size(); ++i) {
+        tables.polar.push_back(static_cast<float>(warp.theta[i]));
+        tables.polar.push_back(static_cast<float>(warp.dtheta[i]));
+      }
+    return tables;
+  }
   tables.patterns = choose_pattern_count(settings.samples, angles.size());
   if (tables.patterns == 0) return tables;
 
@@ -132,8 +133,7 @@ void make_directions(const DirectionTables& tables, std::uint32_t warp, std::uin
   const std::uint64_t scrambled = hash_combine(hash, static_cast<std::uint64_t>(scramble));
   for (int j = 0; j < count; ++j) {
     const auto index = static_cast<std::uint32_t>(first + j);
-    const Vec3d p = tables.sampling == Sampling::random ? random_normals(index, scrambled)
-                                                        : scrambled_normals(index, scrambled);
+    const Vec3d p = scrambled_normals(index, scrambled);
     const Vec3 d = to_float(sample_acceptance(acceptance, p.x, p.y));
     x[j] = d.x;
     y[j] = d.y;

@@ -1,7 +1,8 @@
 // Sample directions of all ommatidia of an eye, as tables, so that no ray needs a random number or
 // a sine: a number of independently scrambled patterns of unit directions around the axis for each
 // distinct acceptance angle. An estimate takes one pattern, chosen and turned about the axis by its
-// scramble hash. Where tables would be too large, the same directions are made on the fly.
+// scramble hash. Where tables would be too large, the same directions are made on the fly; random
+// directions always are (kernel/random_direction.h).
 #pragma once
 
 #include <cstdint>
@@ -31,6 +32,8 @@ struct DirectionTables {
   int patterns = 0;                    // per distinct acceptance angle; 0: made on the fly
   std::vector<float> local;            // [warp][pattern][x, y, z][samples]
   std::vector<Vec2> turns;             // cosine and sine of the turns about the axis
+  // With random sampling: [warp][AcceptanceWarpView::intervals + 1][theta, dtheta], rad.
+  std::vector<float> polar;
 };
 
 DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& settings);
@@ -53,7 +56,13 @@ inline Vec2 find_turn(const DirectionTables& tables, std::uint64_t hash, int scr
   return tables.turns.data()[turn & (turn_count - 1)];
 }
 
-// Directions `first` to `first + count` of an estimate, where no tables exist; into x, y, z.
+// What sample_random_direction reads of a warp.
+inline const float* find_polar(const DirectionTables& tables, std::uint32_t warp) {
+  return tables.polar.data() + warp * std::size_t(2 * (AcceptanceWarpView::intervals + 1));
+}
+
+// Low-discrepancy directions `first` to `first + count` of an estimate, where no tables exist; into
+// x, y, z.
 void make_directions(const DirectionTables& tables, std::uint32_t warp, std::uint64_t hash,
                      int scramble, int first, int count, float* x, float* y, float* z);
 

@@ -9,6 +9,7 @@
 
 #include "kernel/hash.h"
 #include "kernel/path.h"
+#include "kernel/random_direction.h"
 
 namespace omma::OMMA_ISA {
 namespace {
@@ -330,6 +331,25 @@ void reduce(const BlockContext& context, const BlockTask& task,
   }
 }
 
+// Directions `first` to `first + count` of an estimate with random sampling; x, y, z have room for
+// a whole packet.
+void make_random_directions(const DirectionTables& tables, std::uint32_t warp, std::uint64_t hash,
+                            int scramble, int first, int count, float* x, float* y, float* z) {
+  const std::uint64_t estimate = hash_combine(hash, static_cast<std::uint64_t>(scramble));
+  const float* polar = find_polar(tables, warp);
+  Uints index;
+  for (int l = 0; l < lane_width; ++l) index[l] = static_cast<std::uint32_t>(first + l);
+  for (int l = 0; l < count; l += lane_width) {
+    const LocalDirection<Floats> d =
+        sample_random_direction<Floats>(polar, static_cast<std::uint32_t>(estimate),
+                                        static_cast<std::uint32_t>(estimate >> 32), index);
+    store(x + l, d.x);
+    store(y + l, d.y);
+    store(z + l, d.z);
+    index += static_cast<std::uint32_t>(lane_width);
+  }
+}
+
 // Writes the rays of a block into packets, in a fixed order, and hands each full one (and the last)
 // to `consume`.
 template <typename Consume>
@@ -357,6 +377,8 @@ __attribute__((always_inline)) inline void for_each_packet(const BlockContext& c
         DirectionPattern d{x, y, z};
         if (tables.patterns > 0)
           d = {pattern.x + sample, pattern.y + sample, pattern.z + sample};
+        else if (tables.sampling == Sampling::random)
+          make_random_directions(tables, warp, hash, scramble, sample, count, x, y, z);
         else
           make_directions(tables, warp, hash, scramble, sample, count, x, y, z);
         if (count == lanes)
