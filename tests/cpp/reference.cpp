@@ -58,13 +58,15 @@ double linear_from_srgb(double s) {
   return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
 }
 
-Color4 texel(const Image& image, long column, long row) {
+// `encoded`: 8-bit values as they are, over 255.
+Color4 texel(const Image& image, long column, long row, bool encoded) {
   const auto at = 4 * static_cast<std::size_t>(row * image.width + column);
   if (!image.rgba_linear.empty()) {
     const float* p = &image.rgba_linear[at];
     return {p[0], p[1], p[2], p[3]};
   }
   const std::uint8_t* p = &image.rgba_srgb8[at];
+  if (encoded) return {p[0] / 255.0, p[1] / 255.0, p[2] / 255.0, p[3] / 255.0};
   return {linear_from_srgb(p[0] / 255.0), linear_from_srgb(p[1] / 255.0),
           linear_from_srgb(p[2] / 255.0), p[3] / 255.0};
 }
@@ -76,14 +78,14 @@ long wrap(Wrap mode, long i, long size) {
   return j < size ? j : period - 1 - j;
 }
 
-Color4 bilinear(const Image& image, double x, double y, Wrap wrap_u, Wrap wrap_v) {
+Color4 bilinear(const Image& image, double x, double y, Wrap wrap_u, Wrap wrap_v, bool encoded) {
   const double fx = std::floor(x - 0.5), fy = std::floor(y - 0.5);
   const double ax = x - 0.5 - fx, ay = y - 0.5 - fy;
   Color4 sum{};
   for (int dy = 0; dy < 2; ++dy)
     for (int dx = 0; dx < 2; ++dx) {
       const Color4 c = texel(image, wrap(wrap_u, static_cast<long>(fx) + dx, image.width),
-                             wrap(wrap_v, static_cast<long>(fy) + dy, image.height));
+                             wrap(wrap_v, static_cast<long>(fy) + dy, image.height), encoded);
       const double w = (dx ? ax : 1 - ax) * (dy ? ay : 1 - ay);
       for (std::size_t k = 0; k < 4; ++k) sum[k] += w * c[k];
     }
@@ -107,12 +109,37 @@ Color4 read(const Scene& scene, const TextureUse& use, const Hit& hit, bool& dou
   const Texture& texture = scene.textures[static_cast<std::size_t>(use.texture)];
   const Image& image = scene.images[static_cast<std::size_t>(texture.image)];
   const double x = turned_u * image.width, y = turned_v * image.height;
+  const bool encoded = scene.color_rule == ColorRule::compoundray;
   if (texture.filter == Filter::linear)
-    return bilinear(image, x, y, texture.wrap_u, texture.wrap_v);
+    return bilinear(image, x, y, texture.wrap_u, texture.wrap_v, encoded);
   // A border between texels is an edge like any other.
   if (std::fabs(x - std::round(x)) < 1e-3 || std::fabs(y - std::round(y)) < 1e-3) doubtful = true;
   return texel(image, wrap(texture.wrap_u, static_cast<long>(std::floor(x)), image.width),
-               wrap(texture.wrap_v, static_cast<long>(std::floor(y)), image.height));
+               wrap(texture.wrap_v, static_cast<long>(std::floor(y)), image.height), encoded);
+}
+
+Color4 vertex_color(const Hit& hit) {
+  const Mesh& mesh = *hit.triangle->mesh;
+  Color4 color{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec4 c = mesh.colors[mesh.triangles[hit.triangle->index][k]];
+    color[0] += hit.weight[k] * c.x, color[1] += hit.weight[k] * c.y;
+    color[2] += hit.weight[k] * c.z, color[3] += hit.weight[k] * c.w;
+  }
+  return color;
+}
+
+// ColorRule::compoundray: opaque and seen from both sides whatever the material says.
+Color4 shade_as_compoundray(const Scene& scene, const Material& material, const Hit& hit,
+                            bool& doubtful) {
+  const bool by_vertex = !hit.triangle->mesh->colors.empty();
+  const Color4 shown =
+      by_vertex ? vertex_color(hit) : read(scene, material.base_color_texture, hit, doubtful);
+  const Vec4 f = material.base_color;
+  const double factor[3] = {by_vertex ? 1 : f.x, by_vertex ? 1 : f.y, by_vertex ? 1 : f.z};
+  Color4 color{0, 0, 0, 1};
+  for (std::size_t k = 0; k < 3; ++k) color[k] = factor[k] * std::pow(shown[k], 2.2);
+  return color;
 }
 
 // Radiance of a surface and how much of the ray it stops; 0 where it is invisible.
@@ -121,18 +148,15 @@ Color4 shade(const Scene& scene, const Hit& hit, bool& doubtful) {
   const Mesh& mesh = *hit.triangle->mesh;
   const Material& material =
       mesh.material < 0 ? white : scene.materials[static_cast<std::size_t>(mesh.material)];
+  if (scene.color_rule == ColorRule::compoundray)
+    return shade_as_compoundray(scene, material, hit, doubtful);
   if (!material.double_sided && !hit.from_front) return {0, 0, 0, 0};
   Color4 color = read(scene, material.base_color_texture, hit, doubtful);
   const Vec4 factor = material.base_color;
   const double factors[4] = {factor.x, factor.y, factor.z, factor.w};
   for (std::size_t k = 0; k < 4; ++k) color[k] *= factors[k];
   if (!mesh.colors.empty()) {
-    Color4 vertex{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vec4 c = mesh.colors[mesh.triangles[hit.triangle->index][k]];
-      vertex[0] += hit.weight[k] * c.x, vertex[1] += hit.weight[k] * c.y;
-      vertex[2] += hit.weight[k] * c.z, vertex[3] += hit.weight[k] * c.w;
-    }
+    const Color4 vertex = vertex_color(hit);
     for (std::size_t k = 0; k < 4; ++k) color[k] *= vertex[k];
   }
   if (!material.unlit) {
@@ -199,7 +223,7 @@ Radiance background_radiance(const Background& background, Vec3d direction) {
     const double azimuth = std::atan2(direction.x, -direction.z);
     const Color4 c =
         bilinear(image, (0.5 + azimuth / (2 * pi)) * image.width,
-                 (0.5 - elevation / pi) * image.height, Wrap::repeat, Wrap::clamp_to_edge);
+                 (0.5 - elevation / pi) * image.height, Wrap::repeat, Wrap::clamp_to_edge, false);
     result.channel = {c[0], c[1], c[2]};
   }
   return result;
