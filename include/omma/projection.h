@@ -35,8 +35,9 @@ enum class Projection : std::uint8_t {
                                     // at x <= 0, right those at x >= 0
   // Ours. -1 outside the visual field: farther from the nearest axis than the interommatidial or
   // the acceptance angle there, whichever is larger.
-  cylindrical,  // semi-orthogonal: azimuth of the axis from left to right as above, against height
-                // of the position on the eye, the highest at the top edge, the lowest at the bottom
+  cylindrical,  // semi-orthogonal: azimuth of the axis from left to right as above (0 for one that
+                // is straight up or down), against height of the position on the eye, the highest
+                // at the top edge, the lowest at the bottom
   mollweide,    // the whole sphere in an ellipse, straight ahead in the middle; equal-area
   lambert,      // the whole sphere in a disc, straight ahead in the middle and straight behind all
                 // around the rim; equal-area

@@ -86,10 +86,10 @@ Panel make_panel(const Eye& eye, const std::vector<std::int32_t>& members) {
     const Vec2d at = lambert_point(panel.view, points[k]);
     // Beyond 120 degrees from the middle facets may lie around the rim: all of it is shown.
     const bool around = dot(points[k], panel.view.ahead) < -0.5;
-    panel.low = {std::min(panel.low.x, around ? -2 : at.x - reach),
-                 std::min(panel.low.y, around ? -2 : at.y - reach)};
-    panel.high = {std::max(panel.high.x, around ? 2 : at.x + reach),
-                  std::max(panel.high.y, around ? 2 : at.y + reach)};
+    panel.low = {std::min(panel.low.x, around ? -2 : std::max(-2.0, at.x - reach)),
+                 std::min(panel.low.y, around ? -2 : std::max(-2.0, at.y - reach))};
+    panel.high = {std::max(panel.high.x, around ? 2 : std::min(2.0, at.x + reach)),
+                  std::max(panel.high.y, around ? 2 : std::min(2.0, at.y + reach))};
   }
   return panel;
 }
@@ -111,9 +111,9 @@ std::vector<std::int32_t> cylindrical_ids(const Eye& eye, int width, int height)
     const Vec3d axis = to_double(eye.axis[i]);
     const double level = std::hypot(axis.x, axis.z);
     const double y = (eye.position_m[i].y - (low + high) / 2) / ((high - low) / 2);
-    // Straight up and down have no azimuth and lie on the cylinder's own axis.
+    // Straight up and down have no azimuth and lie straight ahead.
     const bool vertical = level < 1e-6;
-    sites.points.push_back(vertical ? Vec3d{0, y, 0} : Vec3d{axis.x / level, y, axis.z / level});
+    sites.points.push_back(vertical ? Vec3d{0, y, -1} : Vec3d{axis.x / level, y, axis.z / level});
   }
   sites.tree = AxisTree(sites.points);
   // Twice the spacing: where the eye is not a sphere azimuth and height spread facets unevenly, and
