@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error, Scene
 from omma.arguments import whole
 from omma.poses import as_poses, numbers, poses_from_quaternions
+from omma.renderer import Renderer
 from omma.sampling_tools import (
     FULL_SCALE,
     OURS,
@@ -26,11 +27,12 @@ from omma.sampling_tools import (
     further_seed,
     icosahedral_eye,
     response_variances,
+    scene_renderer,
 )
 
 # Repeats for a curve, spread over seeds, because one seed has few patterns of many rays.
 _REPEATS, _SEEDS = 1024, 8
-_KEPT, _OFFSPRING, _ROUNDS = 16, 16, 8
+_KEPT, _OFFSPRING, _ROUNDS = 16, 8, 8
 _MOST_RAYS = 1 << 16
 # Rays of an estimate whose scatter is searched for, where they are not drawn one by one.
 _SEARCH_RAYS = 64
@@ -85,7 +87,7 @@ class MinimumSamples:
 
 
 def minimum_samples(
-    scene: Scene,
+    scene: Scene | Renderer,
     where: Box | Cylinder | ArrayLike,
     *,
     share: float = 0.01,
@@ -99,8 +101,9 @@ def minimum_samples(
     """Rays per steradian at which responses scatter by no more than a share of full scale.
 
     The place of the largest scatter is looked for first: ``poses`` poses spread evenly over
-    ``where`` and all orientations; then 8 rounds in which the worst 16 and 16 smaller and smaller
-    changes of each are rendered anew; then the worst of the last 16, with more repeats. Scatter is
+    ``where`` and all orientations, the best of which are measured again and better, twice; then 8
+    rounds in which the best 16 and 8 smaller and smaller changes of each are rendered anew; then
+    the best of the last 16, with most repeats. Scatter is
     that of single rays where sampling is random, as in CompoundRay's script, and that of estimates
     of 64 rays where it is not, because single rays are then all alike. At that pose the standard
     deviation, the largest of the twelve ommatidia's, is measured against the number of rays. Of
@@ -109,7 +112,7 @@ def minimum_samples(
     Nothing keeps the eye from being inside an object or under the ground: say where it can be.
 
     Args:
-        scene: what there is to see.
+        scene: what there is to see, or a renderer of it.
         where: positions to search, or poses (P, 4, 4) of a path, whose positions are taken.
         share: of full scale, over 0.
         method: kernel and sampling.
@@ -127,7 +130,7 @@ def minimum_samples(
         raise Error(f"share: expected over 0 and under 1, found {share}")
     start = time.perf_counter()
     limit = share * FULL_SCALE[measure] if measure in FULL_SCALE else 0.0
-    tally = _Tally(scene, method, measure, seed, threads, progress)
+    tally = _Tally(scene_renderer(scene, threads), method, measure, seed, progress)
     single = method.sampling == "random"
     pose, variance = _worst_pose(tally, where, whole(poses, "poses", 1, 1 << 20), single)
     spread = float(np.sqrt(variance.max()))
@@ -163,15 +166,14 @@ class _Tally:
 
     def __init__(
         self,
-        scene: Scene,
+        base: Renderer,
         method: Method,
         measure: Measure,
         seed: int,
-        threads: int,
         progress: Progress | None,
     ) -> None:
-        self.scene, self.method, self.measure = scene, method, measure
-        self.seed, self.threads, self.progress = seed, threads, progress
+        self.base, self.method, self.measure = base, method, measure
+        self.seed, self.progress = seed, progress
         self.eye = icosahedral_eye()
         self.calls = self.poses = self.rays = 0
 
@@ -181,7 +183,7 @@ class _Tally:
         self.rays += len(poses) * rays * repeats * len(self.eye)
         progress = self.progress
         return response_variances(
-            self.scene,
+            self.base,
             self.eye,
             poses,
             rays=rays,
@@ -190,7 +192,6 @@ class _Tally:
             measure=self.measure,
             seed=further_seed(self.seed, 1000 * self.calls),
             seeds=seeds,
-            threads=self.threads,
             progress=None if progress is None else lambda done: progress(stage, done),
         )
 
@@ -199,37 +200,36 @@ def _worst_pose(
     tally: _Tally, where: Box | Cylinder | ArrayLike, count: int, single: bool
 ) -> tuple[Array, Array]:
     """Pose (4, 4) of the largest scatter and the variances of the ommatidia (12,) there."""
-    # Binary scenes: the variance of a variance of single rays is small, that of means of rays not.
-    rays, survey, rounds, last = (
-        (1, 256, 1024, _LAST_RAYS) if single else (_SEARCH_RAYS, 32, 64, 512)
-    )
+    rays, few, many, last = (1, 64, 1024, _LAST_RAYS) if single else (_SEARCH_RAYS, 8, 64, 512)
     rng = np.random.default_rng(tally.seed)
     points = _spread_points(count)
     units, turns = points[:, :3], _uniform_quaternions(points[:, 3:])
-    variance = tally.variances(
-        poses_from_quaternions(_positions(where, units), turns), rays, survey, "Surveying"
-    )
+
+    def measure(repeats: int, stage: str) -> Array:
+        poses = poses_from_quaternions(_positions(where, units), turns)
+        largest: Array = tally.variances(poses, rays, repeats, stage).max(axis=1)
+        return largest
+
+    # Heats: the best quarter, then the best eighth of those, each measured four times as well.
+    for heat, keep in enumerate((4, 32, count)):
+        variance = measure(few * 4**heat, f"Surveying, heat {heat + 1} of 3")
+        best = np.argsort(-variance)[: max(_KEPT, count // keep)]
+        units, turns = units[best], turns[best]
     step = 0.1
     for number in range(_ROUNDS):
-        best = np.argsort(-variance.max(axis=1))[:_KEPT]
-        parents = np.repeat(best, _OFFSPRING)
+        parents = np.repeat(np.arange(min(_KEPT, len(units))), _OFFSPRING)
         moved = units[parents] + step * rng.normal(size=(len(parents), 3))
         turned = _turned(turns[parents], 3 * step * rng.normal(size=(len(parents), 3)))
         # Parents are measured anew, so that none stays for having been lucky once.
-        units = np.concatenate([units[best], moved.clip(0, 1)])
-        turns = np.concatenate([turns[best], turned])
-        stage = f"Refining, round {number + 1} of {_ROUNDS}"
-        variance = tally.variances(
-            poses_from_quaternions(_positions(where, units), turns), rays, rounds, stage
-        )
+        units = np.concatenate([units[:_KEPT], moved.clip(0, 1)])
+        turns = np.concatenate([turns[:_KEPT], turned])
+        best = np.argsort(-measure(many, f"Refining, round {number + 1} of {_ROUNDS}"))[:_KEPT]
+        units, turns = units[best], turns[best]
         step *= 0.7
-    best = np.argsort(-variance.max(axis=1))[:_KEPT]
-    poses = poses_from_quaternions(_positions(where, units[best]), turns[best])
-    variance = tally.variances(poses, rays, last, "Comparing the worst")
-    worst = int(variance.max(axis=1).argmax())
+    worst = int(measure(last, "Comparing the worst").argmax())
     # Once more with other samples: the largest of several measurements is too large.
-    pose = poses[worst]
-    return pose, tally.variances(pose[None], rays, last, "Comparing the worst", _SEEDS)[0]
+    pose = poses_from_quaternions(_positions(where, units[worst, None]), turns[worst])
+    return pose[0], tally.variances(pose, rays, last, "Comparing the worst", _SEEDS)[0]
 
 
 def _positions(where: Box | Cylinder | ArrayLike, units: Array) -> Array:
@@ -300,12 +300,13 @@ def _curve(tally: _Tally, pose: Array, limit: float) -> tuple[NDArray[np.int64],
 
     rays = 1
     while measure(rays) > limit:
-        rays *= 2
-        if rays > _MOST_RAYS:
+        # Scrambled nets gain N^-1.5 at best (Owen 1997): more is not worth a wait.
+        if found[rays] * (rays / _MOST_RAYS) ** 1.5 > limit or rays >= _MOST_RAYS:
             raise Error(
-                f"share: the standard deviation is {found[rays // 2]:.3g} at {rays // 2} rays per "
-                f"steradian, still over the limit of {limit:.3g}"
+                f"share: the standard deviation is {found[rays]:.3g} at {rays} rays per "
+                f"steradian, too far over the limit of {limit:.3g} for {_MOST_RAYS}"
             )
+        rays *= 2
     for extra in {round(rays * 2 ** (k / 4)) for k in (-3, -2, -1, 1)} - set(found):
         if extra >= 1:
             measure(extra)

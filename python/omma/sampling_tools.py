@@ -70,7 +70,7 @@ def rays_per_ommatidium(eye: Eye, rays_per_sr: float) -> int:
 
 
 def response_variances(
-    scene: Scene,
+    scene: Scene | Renderer,
     eye: Eye,
     poses: ArrayLike,
     *,
@@ -86,7 +86,7 @@ def response_variances(
     """Variance of each ommatidium's response among independent estimates of it: (P, N), float64.
 
     Args:
-        scene: what there is to see.
+        scene: what there is to see; or a renderer of it, to share what that has built.
         eye: who sees it.
         poses: (P, 4, 4) or (4, 4) ``world_from_head``, m.
         rays: rays per estimate.
@@ -98,7 +98,7 @@ def response_variances(
             mean squared distance in RGB from the mean colour.
         seed: of the samples.
         seeds: renderers of different seeds that share the repeats.
-        threads: 0 takes all.
+        threads: 0 takes all; of no effect where a renderer is given.
         progress: called with the finished share.
 
     Raises:
@@ -110,19 +110,20 @@ def response_variances(
     matrices = as_poses(poses)
     seeds = min(whole(seeds, "seeds", 1, 1 << 10), whole(repeats, "repeats", 2, 1 << 20))
     copies = -(-repeats // seeds)
+    # Random single rays are independent already; others come from an eye that is there many times.
+    single = rays == 1 and method.sampling == "random"
     crowd = Eye(
         *(np.repeat(part, copies, axis=0) for part in (eye.position_m, eye.axis)),
         *(np.repeat(part, copies) for part in (eye.acceptance_angle_rad, eye.focal_offset_m)),
     )
+    base = scene_renderer(scene, threads)
     renderers = [
-        Renderer(
-            scene,
-            crowd,
-            samples=rays,
+        base.with_eye(
+            eye if single else crowd,
+            samples=copies if single else rays,
             seed=further_seed(seed, k),
             kernel=method.kernel,
             sampling=method.sampling,
-            threads=threads,
         )
         for k in range(seeds)
     ]
@@ -131,11 +132,19 @@ def response_variances(
     for first in range(0, len(matrices), chunk):
         piece = matrices[first : first + chunk]
         shape = (len(piece), len(eye), copies, -1)
-        estimates = [r.render(piece, first_pose=first).reshape(shape) for r in renderers]
+        render = Renderer.render_rays if single else Renderer.render
+        estimates = [render(r, piece, first_pose=first).reshape(shape) for r in renderers]
         result[first : first + chunk] = _variance(np.concatenate(estimates, axis=2), measure)
         if progress is not None:
             progress((first + len(piece)) / len(matrices))
     return result
+
+
+def scene_renderer(scene: Scene | Renderer, threads: int) -> Renderer:
+    """A renderer to make others of the same scene from."""
+    if isinstance(scene, Renderer):
+        return scene
+    return Renderer(scene, icosahedral_eye(), samples=1, threads=threads)
 
 
 def further_seed(seed: int, number: int) -> int:
@@ -154,7 +163,7 @@ def _variance(estimates: NDArray[np.float32], measure: Measure) -> Array:
 
 
 def variance_map(
-    scene: Scene,
+    scene: Scene | Renderer,
     centre_m: ArrayLike,
     size_m: float,
     *,
@@ -174,7 +183,7 @@ def variance_map(
     seen from above with -Z (ahead of an unturned head) at the top. (steps, steps), float64.
 
     Args:
-        scene: what there is to see.
+        scene: what there is to see, or a renderer of it.
         centre_m: middle of the square (3,), m; its y is the height of the eye.
         size_m: side of the square, over 0.
         steps: cells along a side.
@@ -222,7 +231,7 @@ def cell_middles(centre_m: ArrayLike, size_m: float, steps: int) -> tuple[Array,
 
 
 def alias_curve(
-    scene: Scene,
+    scene: Scene | Renderer,
     eye: Eye,
     pose: ArrayLike,
     rays: Sequence[int],
@@ -237,7 +246,7 @@ def alias_curve(
     """Scatter of an eye's responses against rays per ommatidium.
 
     Args:
-        scene: what there is to see.
+        scene: what there is to see, or a renderer of it.
         eye: who sees it.
         pose: (4, 4) ``world_from_head``, m.
         rays: numbers of rays, (K,).
@@ -258,12 +267,13 @@ def alias_curve(
     angles = solid_angles_sr(eye)
     if not (angles > 0).all():
         raise Error("eye: expected acceptance angles over 0, found one of 0")
+    base = scene_renderer(scene, threads)
     per_sr, plain = [], []
     for number, count in enumerate(rays):
         if progress is not None:
             progress(f"{count} rays", number / len(rays))
         variance = response_variances(
-            scene,
+            base,
             eye,
             as_poses(pose)[:1],
             rays=count,
@@ -272,7 +282,6 @@ def alias_curve(
             measure=measure,
             seed=further_seed(seed, number),
             seeds=2,
-            threads=threads,
         )[0]
         per_sr.append(float((np.sqrt(variance) / angles).mean()))
         plain.append(float(np.sqrt(variance.mean())))

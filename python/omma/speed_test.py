@@ -87,7 +87,9 @@ def measure_speed(
     matrix = as_poses(pose)[:1]
     batch = np.repeat(matrix, frames, axis=0)
     single, together = [], []
-    renderer = _renderer(scene, eye, 1, method, threads)
+    renderer = Renderer(
+        scene, eye, samples=1, kernel=method.kernel, sampling=method.sampling, threads=threads
+    )
     start = time.perf_counter()
     number = 0
     while (passed := time.perf_counter() - start) < warm_up_s:
@@ -96,7 +98,7 @@ def measure_speed(
         number += 1
     for index, count in enumerate(rays):
         tell(f"{count} rays", index / len(rays))
-        renderer = _renderer(scene, eye, count, method, threads)
+        renderer = renderer.with_eye(eye, samples=count)
         for unmeasured in range(2):
             renderer.render(matrix, first_pose=unmeasured)
         start = time.perf_counter()
@@ -117,11 +119,6 @@ def measure_speed(
         frames_per_s=np.array(single),
         batch_frames_per_s=np.array(together),
     )
-
-
-def _renderer(scene: Scene, eye: Eye, rays: int, method: Method, threads: int) -> Renderer:
-    kernel, sampling = method.kernel, method.sampling
-    return Renderer(scene, eye, samples=rays, kernel=kernel, sampling=sampling, threads=threads)
 
 
 def machine_name() -> str:
