@@ -27,7 +27,12 @@ from omma._core import (
     paint,
     save_png,
 )
+from omma.all_cameras import AllCamerasReport, CameraReport, render_all_cameras
+from omma.cameras import camera_eye, display, render_camera
 from omma.compat import compoundray_library
+from omma.eye_design import AcuteZone, acute_zones, generate_eye
+from omma.eye_drawing import draw_eye
+from omma.eye_tools import ConvertedEye, convert_eye, rescale_eye, set_acceptance, split_eye
 from omma.files import load_eye, load_scene, save_eye, save_responses
 from omma.pictures import equirectangular, equirectangular_ids, field_ids, side_by_side
 from omma.poses import load_poses, poses_from_angles, poses_from_quaternions
@@ -54,9 +59,13 @@ from omma.speed_test import SpeedTest, measure_speed
 
 __all__ = [
     "PROJECTIONS",
+    "AcuteZone",
+    "AllCamerasReport",
     "Background",
     "Box",
     "Camera",
+    "CameraReport",
+    "ConvertedEye",
     "Cylinder",
     "Error",
     "Eye",
@@ -67,12 +76,18 @@ __all__ = [
     "Scene",
     "SpeedTest",
     "__version__",
-    "compoundray_library",
+    "acute_zones",
     "alias_curve",
+    "camera_eye",
+    "compoundray_library",
+    "convert_eye",
+    "display",
+    "draw_eye",
     "encode_ids",
     "equirectangular",
     "equirectangular_ids",
     "field_ids",
+    "generate_eye",
     "icosahedral_eye",
     "load_eye",
     "load_poses",
@@ -87,7 +102,10 @@ __all__ = [
     "project",
     "projection_ids",
     "rays_per_ommatidium",
+    "render_all_cameras",
+    "render_camera",
     "render_file",
+    "rescale_eye",
     "response_variances",
     "save_alias_curves",
     "save_eye",
@@ -96,7 +114,9 @@ __all__ = [
     "save_responses",
     "save_speed_test",
     "save_variance_map",
+    "set_acceptance",
     "side_by_side",
     "solid_angles_sr",
+    "split_eye",
     "variance_map",
 ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Literal
@@ -14,17 +14,19 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from omma._core import Error, __version__
+from omma.all_cameras import AllCamerasReport, render_all_cameras
 from omma.cli_eye import eye_app
 from omma.cli_measure import measure_app
 from omma.info import describe_file
-from omma.rendering import RenderReport, render_file
+from omma.projections import PROJECTIONS
+from omma.rendering import SUFFIXES, RenderReport, render_file
 
 RENDER_HELP = """
-Render what an eye sees in a scene, and write the responses or a picture of them.
+Render what an eye sees in a scene, or a camera of the scene, and write responses or pictures.
 
 **Examples**
 
-A picture and the numbers, from the scene's first camera:
+What an eye sees from the scene's first camera, as a picture and as numbers:
 
 `omma render meadow.glb --eye honeybee.eye -o view.png -o view.npy`
 
@@ -33,9 +35,15 @@ Two eyes, side by side in the picture, looking from one point at another:
 `omma render meadow.glb --eye left.eye --eye right.eye --side-by-side --position 0 1 0
 --look-at 0 1 -5 -o both.png`
 
-A camera of the scene, with the eye file that the camera names:
+A camera of the scene by name or index; a compound one with the eye file that it names:
 
-`omma render arena.gltf --camera insect-eye -o responses.csv`
+`omma render arena.gltf --camera insect-eye -o responses.csv -o facets.png --projection facets`
+
+`omma render arena.gltf --camera 2 --width 1920 --samples 64 -o panorama.png`
+
+All cameras of the scene, each into a picture of its own:
+
+`omma render arena.gltf --all-cameras -o pictures/`
 
 A path of many poses, with standard errors (flight.npy and flight.error.npy):
 
@@ -97,7 +105,7 @@ def _root(
     pass
 
 
-@app.command(help=RENDER_HELP, short_help="Render what an eye sees in a scene.")
+@app.command(help=RENDER_HELP, short_help="Render what an eye or a camera sees in a scene.")
 def render(
     scene: Annotated[
         Path, typer.Argument(help="Scene: a glTF 2.0 file, .gltf or .glb.", metavar="SCENE")
@@ -107,22 +115,30 @@ def render(
         typer.Option(
             "-o",
             "--output",
-            help="File to write: .npy, .csv or .png. May be given several times.",
+            help="File to write: .npy, .csv (of an eye) or .png; may be given several times. "
+            "With --all-cameras: a folder.",
             metavar="OUT",
         ),
     ],
     eye: Annotated[
         list[Path] | None,
         typer.Option(
-            help="Eye file; several make one head. Default: the eye that the camera names.",
+            help="Eye file; several make one head. Default: none, the camera itself is rendered.",
             metavar="EYE",
         ),
     ] = None,
     unit: UnitOption = None,
     camera: Annotated[
         str | None,
-        typer.Option(help="Camera of the scene to look from. Default: the first.", metavar="NAME"),
+        typer.Option(
+            help="Camera of the scene to render, or to look from with an eye. Default: the first; "
+            "without an eye the first compound one, where there is one.",
+            metavar="NAME|INDEX",
+        ),
     ] = None,
+    all_cameras: Annotated[
+        bool, typer.Option("--all-cameras", help="Render every camera of the scene.")
+    ] = False,
     position: Annotated[
         tuple[float, float, float] | None,
         typer.Option(help="Where the head is, in metres.", metavar="X Y Z"),
@@ -134,7 +150,7 @@ def render(
     path: Annotated[
         Path | None, typer.Option(help="CSV file of poses, one a line.", metavar="CSV")
     ] = None,
-    samples: Annotated[int, typer.Option(help="Rays per ommatidium.", metavar="N")] = 16,
+    samples: Annotated[int, typer.Option(help="Rays per ommatidium or pixel.", metavar="N")] = 16,
     kernel: Annotated[
         Literal["gaussian", "pillbox", "compoundray"],
         typer.Option(help="Angular sensitivity."),
@@ -155,13 +171,64 @@ def render(
         bool, typer.Option("--standard-error", help="Write standard errors too (8 times the rays).")
     ] = False,
     threads: Annotated[int, typer.Option(help="Threads; 0: all.", metavar="N")] = 0,
-    width: Annotated[int, typer.Option(help="Width of a .png, in pixels.", metavar="N")] = 1024,
+    projection: Annotated[
+        str | None,
+        typer.Option(
+            help="How an eye is shown in a .png: " + ", ".join(PROJECTIONS) + "; with _ids added, "
+            "numbers of ommatidia. Default: spherical_orientationwise; for a camera's own eye what "
+            "the camera says.",
+            metavar="NAME",
+        ),
+    ] = None,
+    width: Annotated[
+        int | None,
+        typer.Option(
+            help="Width of a picture, in pixels. Default: from its height, or 1024.", metavar="N"
+        ),
+    ] = None,
+    height: Annotated[
+        int | None,
+        typer.Option(help="Height of a picture. Default: from its width.", metavar="N"),
+    ] = None,
     gamma: Annotated[float, typer.Option(help="Display gamma of a .png.")] = 2.2,
     side_by_side: Annotated[
         bool, typer.Option("--side-by-side", help="Paint each eye apart in a .png.")
     ] = False,
 ) -> None:
-    """Render what an eye sees in a scene, and write the responses or a picture of them."""
+    """Render what an eye sees in a scene, or a camera of the scene."""
+    if all_cameras:
+        _check_all_cameras(
+            {
+                "--eye": bool(eye),
+                "--camera": camera is not None,
+                "--position": position is not None,
+                "--look-at": look_at is not None,
+                "--path": path is not None,
+                "--standard-error": standard_error,
+                "--side-by-side": side_by_side,
+            },
+            output,
+        )
+        with _interruptible(), _DelayedBar() as bar:
+            everything = render_all_cameras(
+                scene,
+                output[0],
+                unit=unit,
+                samples=samples,
+                seed=seed,
+                kernel=kernel,
+                sampling=sampling,
+                threads=threads,
+                background=background,
+                projection=projection,
+                width=width,
+                height=height,
+                gamma=gamma,
+                progress=bar.show,
+            )
+        _print_warnings(everything.warnings)
+        print("\n".join(_camera_lines(everything)))
+        return
     with _interruptible(), _DelayedBar() as bar:
         report = render_file(
             scene,
@@ -179,13 +246,14 @@ def render(
             threads=threads,
             background=background,
             standard_error=standard_error,
+            projection=projection,
             width=width,
+            height=height,
             gamma=gamma,
             side_by_side=side_by_side,
             progress=bar.show,
         )
-    for warning in report.warnings:
-        print(f"omma: warning: {warning}", file=sys.stderr)
+    _print_warnings(report.warnings)
     print("\n".join(_report_lines(report, samples)))
 
 
@@ -251,16 +319,54 @@ def _fail(message: str, code: int) -> int:
     return code
 
 
+def _print_warnings(warnings: Sequence[str]) -> None:
+    for warning in warnings:
+        print(f"omma: warning: {warning}", file=sys.stderr)
+
+
+def _check_all_cameras(others: dict[str, bool], output: list[Path]) -> None:
+    for name, given in others.items():
+        if given:
+            raise Error(f"{name}: not together with --all-cameras, which renders each as it is")
+    if len(output) > 1 or output[0].suffix.lower() in SUFFIXES:
+        raise Error(f"{output[-1]}: expected one folder as the output of --all-cameras")
+
+
+def _camera_lines(report: AllCamerasReport) -> list[str]:
+    lines = []
+    for camera in report.cameras:
+        kind = camera.type + (f", {camera.projection}" if camera.projection else "")
+        lines.append(
+            f"camera {camera.index:<3} {camera.name} ({kind}): {camera.width} x {camera.height} "
+            f"pixels in {camera.seconds:.3f} s"
+        )
+        lines.append(f"wrote      {camera.output}")
+    prepared = f"{report.build_seconds:.3f} s of preparation"
+    return [*lines, f"backend    {report.backend}, {report.threads} threads, {prepared}"]
+
+
 def _report_lines(report: RenderReport, samples: int) -> list[str]:
     names = report.outputs
     shown = names if len(names) <= 6 else (*names[:3], f"... {len(names) - 4} more", names[-1])
-    per_ommatidium = report.rays // max(1, report.poses * report.ommatidia)
     rate = report.rays / max(report.seconds, 1e-9) / 1e6
+    if report.picture is not None:
+        width, height = report.picture
+        each = report.rays // (width * height)
+        what = [
+            ("view", report.view),
+            ("picture", f"{width} x {height} pixels"),
+            ("rays", f"{report.rays:,} ({each:,} per pixel)"),
+        ]
+    else:
+        each = report.rays // max(1, report.poses * report.ommatidia)
+        what = [
+            ("eye", ", ".join(report.eyes)),
+            ("ommatidia", f"{report.ommatidia:,}"),
+            ("poses", f"{report.poses:,} ({report.view})"),
+            ("rays", f"{report.rays:,} ({each:,} per ommatidium and pose)"),
+        ]
     lines = [
-        ("eye", ", ".join(report.eyes)),
-        ("ommatidia", f"{report.ommatidia:,}"),
-        ("poses", f"{report.poses:,} ({report.view})"),
-        ("rays", f"{report.rays:,} ({per_ommatidium:,} per ommatidium and pose)"),
+        *what,
         ("speed", f"{report.frames_per_s:,.1f} frames/s, {rate:,.1f} million rays/s"),
         ("time", f"{report.seconds:.3f} s, after {report.build_seconds:.3f} s of preparation"),
         ("backend", f"{report.backend}, {report.threads} threads"),

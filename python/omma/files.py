@@ -17,7 +17,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma import _core
 from omma._core import Error, Eye, Scene
-from omma.pictures import Ids
 
 PathLike = str | os.PathLike[str]
 
@@ -171,6 +170,14 @@ def check_target(name: str) -> None:
         raise Error(f"{name}: cannot be written: there is no directory {Path(name).parent}")
 
 
+def make_directory(directory: Path) -> None:
+    """Makes a directory and what is above it; omma.Error where that cannot be."""
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise Error(f"{directory}: cannot be made: {error.strerror}") from None
+
+
 class Writer(Protocol):
     """Takes the responses of a render piece by piece."""
 
@@ -224,32 +231,6 @@ class CsvWriter:
                 for place, values in zip(self._places, pose.tolist(), strict=True)
             ]
             self._file.write("".join(lines).encode())
-
-
-class PngWriter:
-    """A picture of each pose: ``name`` where there is one, else name_0000.png, name_0001.png, ...
-
-    The number is that of the pose.
-    """
-
-    def __init__(self, name: str, ids: Ids, pose_count: int, gamma: float) -> None:
-        check_target(name)
-        self._ids, self._gamma = ids, gamma
-        self._target, self._numbered = Path(name), pose_count > 1
-        self._digits = max(4, len(str(pose_count - 1)))
-
-    def name(self, pose: int) -> str:
-        """The file that shows a pose."""
-        if not self._numbered:
-            return str(self._target)
-        stem, suffix = self._target.stem, self._target.suffix
-        return str(self._target.with_name(f"{stem}_{pose:0{self._digits}}{suffix}"))
-
-    def write(
-        self, responses: NDArray[np.float32], errors: NDArray[np.float32] | None, first: int
-    ) -> None:
-        for number, pose in enumerate(responses, start=first):
-            _core.save_png(self.name(number), _core.paint(self._ids, pose, self._gamma))
 
 
 def azimuth_elevation_deg(eye: Eye) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -60,15 +60,21 @@ def describe_scene(scene: Scene) -> Lines:
     lines.append(("background", background.type.replace("_", " ") + color))
     if len(scene.scene_names) > 1:
         lines.append(("scenes", ", ".join(scene.scene_names)))
-    for camera in scene.cameras:
+    for index, camera in enumerate(scene.cameras):
         matrix = camera.world_from_camera
         scale = np.cbrt(abs(np.linalg.det(matrix[:3, :3])))
-        text = f"{camera.name}: {camera.type} at {_point(matrix[:3, 3])} m"
+        text = f"{index} {camera.name}: {camera.type} at {_point(matrix[:3, 3])} m"
         if abs(scale - 1) > 1e-6:
             text += f", scale {scale:.4g}"
         if camera.compound_structure:
             text += f", eye {camera.compound_structure}"
+        if camera.compound_projection:
+            text += f" as {camera.compound_projection}"
         lines.append(("camera", text))
+    for name in dict.fromkeys(scene.hit_boxes):
+        box = scene.hit_box_bounds(name)
+        place = "empty" if box is None else f"{_point(box[0])} to {_point(box[1])} m"
+        lines.append(("hit box", f"{name}: {place}"))
     lines += [("warning", warning) for warning in scene.warnings]
     return lines
 

@@ -28,7 +28,8 @@ PROJECTIONS: tuple[str, ...] = tuple(_core.projection_names())
 _MOST_PIXELS = 1 << 30
 _MOST_KEPT_BYTES = 1 << 28
 _DEFAULT_WIDTH = 1024
-_LISTS = ("single_dimension_fast", "raw_ommatidial_samples")
+# These have a pixel for each ommatidium, so that their width is that of the eye.
+LISTS = ("single_dimension_fast", "raw_ommatidial_samples")
 
 
 def projection_ids(
@@ -136,7 +137,7 @@ def projection_size(
     if height is not None:
         height = whole(height, "height", 1, _MOST_PIXELS)
     plain = projection.removesuffix("_ids")
-    if plain in _LISTS:
+    if plain in LISTS:
         return width or len(eye), height or 1
     aspect = 1 if plain == "lambert" else 2
     if width is None:

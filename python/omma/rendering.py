@@ -9,22 +9,32 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma import _core
 from omma._core import Background, Camera, Error, Eye, Scene
+from omma.backgrounds import parse_background
+from omma.cameras import (
+    DEFAULT_PROJECTION,
+    camera_eye,
+    camera_projection,
+    display,
+    picture_size,
+    render_camera,
+)
 from omma.files import (
     CsvWriter,
     NpyWriter,
     PathLike,
-    PngWriter,
     WholeFiles,
     Writer,
+    check_target,
     load_eye,
     load_scene,
+    make_directory,
     metres_per_unit,
 )
-from omma.pictures import equirectangular_ids, side_by_side_ids
+from omma.picture_files import PngWriter, paint_of_projection, paint_side_by_side
 from omma.poses import Matrices, load_poses, poses_from_angles
 from omma.renderer import Renderer
 
@@ -40,7 +50,7 @@ _CHUNK_BYTES = 64 << 20
 class RenderReport:
     """What a render did."""
 
-    ommatidia: int
+    ommatidia: int  # 0 for a camera's picture
     poses: int
     rays: int
     seconds: float  # rendering alone, without reading, building and writing
@@ -52,6 +62,7 @@ class RenderReport:
     eyes: tuple[str, ...]  # eye files, as they were found
     outputs: tuple[str, ...]  # files written
     warnings: tuple[str, ...]  # what the scene's loader passed over
+    picture: tuple[int, int] | None = None  # width and height of a camera's picture
 
 
 def render_file(
@@ -60,7 +71,7 @@ def render_file(
     *,
     eyes: PathLike | Sequence[PathLike] = (),
     unit: str | float | None = None,
-    camera: str | None = None,
+    camera: str | int | None = None,
     position: ArrayLike | None = None,
     look_at: ArrayLike | None = None,
     path: PathLike | None = None,
@@ -72,41 +83,49 @@ def render_file(
     threads: int = 0,
     background: Background | str | None = None,
     standard_error: bool = False,
-    width: int = 1024,
+    projection: str | None = None,
+    width: int | None = None,
+    height: int | None = None,
     gamma: float = 2.2,
     side_by_side: bool = False,
     progress: Stage | None = None,
 ) -> RenderReport:
-    """Render a scene file through eye files into files. This is what ``omma render`` does.
+    """Render a scene file through eye files, or one of its cameras, into files.
 
-    Poses and responses go through memory a piece at a time, so that any number of poses will do.
+    This is what ``omma render`` does. Poses and responses go through memory a piece at a time, so
+    that any number of poses will do.
 
     Args:
         scene: glTF file.
-        outputs: files to write, by their endings: `.npy` and `.csv` as `save_responses` writes
-            them, `.png` an equirectangular picture (of several poses: name_0000.png and on, by the
-            number of the pose). Missing directories are made.
-        eyes: `.eye` files, together one head. None: the eye that the camera names in its
-            ``compound-structure``, looked for as given, then beside the scene.
+        outputs: files to write, by their endings. Of an eye: `.npy` and `.csv` as
+            `save_responses` writes them, `.png` a picture (of several poses: name_0000.png and on,
+            by the number of the pose). Of another camera: `.npy`, float32 (height, width, 3) as
+            `render_camera` gives it, and `.png`. Missing directories are made.
+        eyes: `.eye` files, together one head. None: the camera as it is, a compound one with the
+            eye that it names in its ``compound-structure``, see `camera_eye`.
         unit: of lengths in the eye files: "mm" (the default), "um", "m" or metres. For a camera's
             own eye the default is the scene's unit, as in CompoundRay.
-        camera: name of the camera in the scene that the head is at; its whole transform is the
-            pose, its scale too.
+        camera: name or index of the camera in the scene that is rendered, or with ``eyes`` that the
+            head is at; its whole transform is the pose, its scale too.
         position, look_at: instead, where the head is and the point it looks at, (3,), m; without
             ``look_at`` it looks along -Z.
         path: instead, a CSV file of poses, see `load_poses`.
         scene_index: which of the scenes in the file; None takes its default.
-        samples, seed, kernel, sampling, threads: as in `Renderer`.
+        samples, seed: as in `Renderer`; of a camera's picture as in `render_camera`.
+        kernel, sampling, threads: as in `Renderer`.
         background: a `Background`, or text as `parse_background` takes it.
-        standard_error: also write standard errors: beside OUT.npy an OUT.error.npy, in a `.csv`
-            three more columns.
-        width: pixels of a picture, twice its height. Of one panel where ``side_by_side``, which
-            paints each eye apart, see `omma.side_by_side`.
+        standard_error: also write standard errors of an eye's responses: beside OUT.npy an
+            OUT.error.npy, in a `.csv` three more columns.
+        projection: of an eye in a picture, see `omma.project`. None: for a camera's own eye the
+            camera's ``compound-projection``, else "spherical_orientationwise".
+        width, height: pixels of a picture, see `render_camera` and `projection_ids`. Of one panel
+            where ``side_by_side``, which paints each eye apart, see `omma.side_by_side`.
         gamma: of pictures.
         progress: called with what is being done and its finished share, None where not known.
 
-    Without camera, position and path the head is at the scene's first camera (the first with an eye
-    of its own where no eye is given), or at the origin where the scene has none.
+    Without camera, position and path the head is at the scene's first camera, or at the origin
+    where the scene has none. Without eyes either, the first compound camera is rendered, or the
+    first of all where none is.
 
     Raises:
         omma.Error: anything wrong with an input, named in the message. No output is left then.
@@ -127,9 +146,32 @@ def render_file(
     tell("Reading the scene", None)
     world = load_scene(scene, scene_index)
     node = _camera(world, camera, chosen, bool(eye_paths))
+    backdrop = parse_background(background) if isinstance(background, str) else background
+    if node is not None and not eye_paths and node.type != "compound":
+        of_eyes = {
+            "standard_error": standard_error,
+            "projection": projection is not None,
+            "side_by_side": side_by_side,
+        }
+        _check_picture_arguments(node, names, [name for name, given in of_eyes.items() if given])
+        size = picture_size(node, width, height)
+        tell("Building the acceleration structure", None)
+        nothing = Eye(np.zeros((1, 3)), [[0, 0, -1]], 0.0)
+        renderer = Renderer(
+            world, nothing, samples=samples, seed=seed, threads=threads, background=backdrop
+        )
+        return _render_picture(renderer, node, names, size, gamma, start, tell)
     tell("Reading the eye", None)
     head, found = _head(world, eye_paths, node, unit)
     poses, view = _poses(node, position, look_at, path)
+    warnings = list(world.warnings)
+    if projection is None:
+        projection = DEFAULT_PROJECTION
+        if node is not None and not eye_paths:
+            projection, warning = camera_projection(node)
+            warnings += [] if warning is None else [warning]
+    elif side_by_side:
+        raise Error("projection: side_by_side has its own")
     tell("Building the acceleration structure", None)
     renderer = Renderer(
         world,
@@ -139,16 +181,15 @@ def render_file(
         kernel=kernel,
         sampling=sampling,
         threads=threads,
-        background=parse_background(background) if isinstance(background, str) else background,
+        background=backdrop,
     )
     built = time.perf_counter()
     shape = (len(poses), len(head), _core.channel_count)
     for name in names:
-        _make_directory(Path(name).parent)
+        make_directory(Path(name).parent)
     with WholeFiles() as files:
         writers: list[Writer] = []
         written: list[str] = []
-        ids: NDArray[np.int32] | None = None
         for name in names:
             suffix = Path(name).suffix.lower()
             if suffix == ".npy":
@@ -162,14 +203,13 @@ def render_file(
                 writers.append(CsvWriter(files, name, head, standard_error))
                 written.append(name)
             else:
-                if ids is None:
-                    tell("Preparing the picture", None)
-                    ids = (
-                        side_by_side_ids(head, width, max(1, width // 2))
-                        if side_by_side
-                        else equirectangular_ids(head, width, max(1, width // 2))
-                    )
-                picture = PngWriter(name, ids, len(poses), gamma)
+                tell("Preparing the picture", None)
+                paint = (
+                    paint_side_by_side(renderer, width, height, gamma)
+                    if side_by_side
+                    else paint_of_projection(renderer, poses, projection, width, height, gamma)
+                )
+                picture = PngWriter(name, len(poses), paint)
                 writers.append(picture)
                 written += [picture.name(i) for i in range(len(poses))]
         seconds = _render(renderer, poses, standard_error, writers, tell)
@@ -186,30 +226,69 @@ def render_file(
         view=view,
         eyes=tuple(found),
         outputs=tuple(written),
-        warnings=tuple(world.warnings),
+        warnings=tuple(warnings),
     )
 
 
-def parse_background(text: str) -> Background:
-    """A background from text: "R,G,B" (linear radiance), "simple_sky", "test_pattern", or the name
-    of an equirectangular image file.
-
-    Raises:
-        omma.Error: it is none of these.
-    """
-    if text in ("simple_sky", "test_pattern"):
-        return Background.simple_sky() if text == "simple_sky" else Background.test_pattern()
-    if text.count(",") == 2 and not Path(text).exists():
-        try:
-            return Background.constant([float(part) for part in text.split(",")])
-        except ValueError:
-            raise Error(f"background: expected three numbers R,G,B, found '{text}'") from None
-    if not Path(text).exists():
+def _check_picture_arguments(node: Camera, names: Sequence[str], of_eyes: Sequence[str]) -> None:
+    for name in of_eyes:
         raise Error(
-            "background: expected R,G,B or simple_sky or test_pattern or an image file, "
-            f"found '{text}'"
+            f"{name}: is for eyes; camera '{node.name}' is {node.type}, and no eye is given"
         )
-    return Background.image(text)
+    for name in names:
+        if Path(name).suffix.lower() == ".csv":
+            raise Error(
+                f"{name}: expected .npy or .png for the picture of camera '{node.name}', which is "
+                f"{node.type}"
+            )
+
+
+def _render_picture(
+    renderer: Renderer,
+    node: Camera,
+    names: Sequence[str],
+    size: tuple[int, int],
+    gamma: float,
+    start: float,
+    tell: Stage,
+) -> RenderReport:
+    """Render a camera that is no eye into files; ``start`` is when reading began."""
+    for name in names:
+        make_directory(Path(name).parent)
+        check_target(name)
+    built = time.perf_counter()
+    picture = render_camera(
+        renderer,
+        node,
+        width=size[0],
+        height=size[1],
+        samples=renderer.samples,
+        seed=renderer.seed,
+        progress=lambda done: tell("Rendering", done),
+    )
+    seconds = time.perf_counter() - built
+    tell("Writing", 1.0)
+    with WholeFiles() as files:
+        for name in names:
+            if Path(name).suffix.lower() == ".npy":
+                np.lib.format.write_array(files.open(name), picture)
+            else:
+                _core.save_png(name, display(picture, gamma))
+    return RenderReport(
+        ommatidia=0,
+        poses=1,
+        rays=size[0] * size[1] * renderer.samples,
+        seconds=seconds,
+        build_seconds=built - start,
+        frames_per_s=1 / max(seconds, 1e-9),
+        backend=renderer.backend,
+        threads=renderer.threads,
+        view=f"camera {node.name}, {node.type}",
+        eyes=(),
+        outputs=tuple(names),
+        warnings=tuple(renderer.scene.warnings),
+        picture=size,
+    )
 
 
 def _render(
@@ -269,17 +348,21 @@ def error_name(name: str) -> str:
     return str(Path(name).with_suffix(".error.npy"))
 
 
-def _camera(world: Scene, name: str | None, chosen: list[str], with_eye: bool) -> Camera | None:
-    """The camera that the head is at or whose eye is taken; None where there is none to take."""
-    if name is not None:
-        return world.camera(name)
-    compound = [camera for camera in world.cameras if camera.compound_structure]
-    if not with_eye:
-        if not compound:
-            raise Error(f"{world.path}: no eye is given, and no camera in the scene names one")
+def _camera(
+    world: Scene, camera: str | int | None, chosen: list[str], with_eye: bool
+) -> Camera | None:
+    """The camera that is rendered, or that the head is at; None where there is none to take."""
+    if camera is not None:
+        return world.camera(camera)
+    compound = [each for each in world.cameras if each.type == "compound"]
+    if with_eye:
+        return None if chosen or not world.cameras else world.cameras[0]
+    if compound:
         return compound[0]
-    if chosen or not world.cameras:
-        return None
+    if chosen:
+        raise Error(f"{world.path}: no eye is given, and no camera in the scene names one")
+    if not world.cameras:
+        raise Error(f"{world.path}: no eye is given, and the scene has no camera")
     return world.cameras[0]
 
 
@@ -293,17 +376,8 @@ def _head(
         merged = eyes[0] if len(eyes) == 1 else _core.merge_eyes(eyes)
         return merged, [os.fsdecode(name) for name in eye_paths]
     assert node is not None
-    structure = node.compound_structure
-    if not structure:
-        raise Error(f"{world.path}: camera '{node.name}' names no eye, and no eye is given")
-    places = [Path(structure), Path(world.path).parent / structure]
-    for place in places:
-        if place.is_file():
-            return load_eye(place, 1.0 if unit is None else unit), [str(place)]
-    raise Error(
-        f"{world.path}: camera '{node.name}' names the eye '{structure}', "
-        f"which is neither {places[0]} nor {places[1]}"
-    )
+    own = camera_eye(world, node, "m" if unit is None else unit)
+    return own, [own.path]
 
 
 def _poses(
@@ -322,10 +396,3 @@ def _poses(
     if node is not None:
         return node.world_from_camera[None], f"camera {node.name}"
     return np.eye(4)[None], "the origin, looking along -Z"
-
-
-def _make_directory(directory: Path) -> None:
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise Error(f"{directory}: cannot be made: {error.strerror}") from None

@@ -83,7 +83,8 @@ def make_eye(count=60, seed=1, acceptance_deg=5.0, eye_id=0):
 
 @pytest.fixture(scope="session")
 def files(tmp_path_factory):
-    """A directory with scene.gltf (ground, sky, two cameras), bug.eye (60) and left/right.eye."""
+    """A directory with scene.gltf (ground, sky, two cameras), bug.eye (60) and left/right.eye;
+    eyeless.gltf, whose second camera names an eye that there is not, and empty.gltf."""
     folder = tmp_path_factory.mktemp("files")
     write_gltf(
         folder / "scene.gltf",
@@ -97,6 +98,9 @@ def files(tmp_path_factory):
         ],
         scene_extras={"background-shader": "simple_sky"},
     )
+    eyeless = {"compound-eye": True, "compound-structure": "nowhere.eye"}
+    write_gltf(folder / "eyeless.gltf", cameras=[("plain", None, {}), ("blind", eyeless, {})])
+    write_gltf(folder / "empty.gltf", triangles=False)
     omma.save_eye(folder / "bug.eye", make_eye())
     for side, sign in (("left", -1), ("right", 1)):
         eye = make_eye(40, seed=3)

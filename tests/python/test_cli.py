@@ -175,8 +175,8 @@ def test_info_of_a_scene(omma_command):
         ("textures", "0"),
         ("bounds", "(-10, 0, -10) to (10, 0, 10) m"),
         ("background", "simple sky"),
-        ("camera", "plain: perspective at (0, 1, 0) m"),
-        ("camera", "insect: perspective at (1, 2, 3) m, scale 0.5, eye bug.eye"),
+        ("camera", "0 plain: perspective at (0, 1, 0) m"),
+        ("camera", "1 insect: compound at (1, 2, 3) m, scale 0.5, eye bug.eye"),
     ]:
         assert re.search(f"^{what} +{re.escape(words)}", out, re.MULTILINE)
 
@@ -254,6 +254,8 @@ def test_wrong_usage(omma_command, arguments, word):
 
 
 RENDER = ["render", "scene.gltf", "--eye", "bug.eye", "-o", "OUT/a.npy"]
+PICTURE = ["render", "scene.gltf", "--camera", "plain", "-o", "OUT/a.npy"]
+ALL = ["render", "scene.gltf", "--all-cameras", "-o", "OUT/all"]
 BAD_INPUT = [
     (["render", "no.gltf", "--eye", "bug.eye", "-o", "OUT/a.npy"], "no.gltf"),
     (["render", "scene.gltf", "--eye", "no.eye", "-o", "OUT/a.npy"], "no.eye"),
@@ -262,7 +264,31 @@ BAD_INPUT = [
     (["render", "bug.eye", "--eye", "bug.eye", "-o", "OUT/a.npy"], "bug.eye"),
     (["render", "scene.gltf", "--eye", "scene.gltf", "-o", "OUT/a.npy"], "scene.gltf, line 1"),
     ([*RENDER, "--camera", "nobody"], "nobody"),
-    (["render", "scene.gltf", "--camera", "plain", "-o", "OUT/a.npy"], "plain"),
+    (["render", "scene.gltf", "--camera", "2", "-o", "OUT/a.npy"], '0 "plain", 1 "insect"'),
+    ([*PICTURE, "-o", "OUT/a.csv"], "plain"),
+    ([*PICTURE, "--standard-error"], "standard_error"),
+    ([*PICTURE, "--projection", "mollweide"], "projection"),
+    ([*PICTURE, "--side-by-side"], "side_by_side"),
+    ([*PICTURE, "--width", "0"], "width"),
+    ([*PICTURE, "--height", "40000"], "height"),
+    ([*PICTURE, "--samples", "0"], "samples"),
+    ([*PICTURE, "-o", "OUT"], "ending in"),
+    ([*RENDER, "-o", "OUT/a.png", "--projection", "flat"], "mollweide"),
+    ([*RENDER, "-o", "OUT/a.png", "--projection", "facets", "--side-by-side"], "projection"),
+    ([*ALL, "--eye", "bug.eye"], "--eye"),
+    ([*ALL, "--camera", "plain"], "--camera"),
+    ([*ALL, "--position", "1", "2", "3"], "--position"),
+    ([*ALL, "--path", "x.csv"], "--path"),
+    ([*ALL, "--standard-error"], "--standard-error"),
+    ([*ALL, "-o", "OUT/b"], "one folder"),
+    (["render", "scene.gltf", "--all-cameras", "-o", "OUT/a.png"], "one folder"),
+    (["render", "scene.gltf", "--all-cameras", "-o", "scene.gltf"], "scene.gltf"),
+    ([*ALL, "--projection", "flat"], "mollweide"),
+    ([*ALL, "--samples", "0"], "samples"),
+    (["render", "eyeless.gltf", "--all-cameras", "-o", "OUT/all"], "nowhere.eye"),
+    (["render", "eyeless.gltf", "-o", "OUT/a.png"], "nowhere.eye"),
+    (["render", "empty.gltf", "--all-cameras", "-o", "OUT/all"], "no camera"),
+    (["render", "empty.gltf", "-o", "OUT/a.png"], "no camera"),
     ([*RENDER, "--camera", "plain", "--position", "1", "2", "3"], "only one of them"),
     ([*RENDER, "--look-at", "1", "2", "3"], "look_at"),
     ([*RENDER, "--position", "1", "2", "3", "--look-at", "1", "2", "3"], "target"),
