@@ -29,9 +29,9 @@ _FORCE_POWER = 7
 # Of the most the system of points can take without swinging, found by trying on 100 to 10,000.
 _STEP_SIZE = 0.0107
 _MOMENTUM = 0.8
-_NEIGHBOURS = 18  # two rings of a hexagonal lattice; the third adds under a thousandth of the force
+_NEIGHBOURS = 18  # two rings of a hexagonal lattice; the next is under a hundredth of the force
 _STEPS_PER_SEARCH = 10
-_MOST_CANDIDATES = 20_000_000
+_MOST_CANDIDATES = 5_000_000
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ def generate_eye(
         omma.Error: an argument out of range, a density that is negative, not finite, 0 everywhere
             or too peaked.
     """
-    whole(count, "count", 2, 10_000_000)
+    whole(count, "count", 2, 200_000)
     whole(seed, "seed", 0, 2**63 - 1)
     positive(acceptance_ratio, "acceptance_ratio")
     surface = _Surface(_semi_axes(radius_m), density)
@@ -186,9 +186,9 @@ def _seeds(surface: _Surface, count: int, random: np.random.Generator) -> Floats
         candidates, share = _candidates(surface, number, turn)
         total = float(share.sum())
         if not total > 0:
-            raise Error("density: is 0 in every direction")
-        # Some five candidates to an ommatidium where they are densest.
-        needed = math.ceil(number * max(1.0, 5 * float(share.max()) / total * count))
+            raise Error(f"density: is 0 in all of {number:,} directions all round")
+        # Four candidates to an ommatidium where they are densest.
+        needed = math.ceil(number * max(1.0, 4 * float(share.max()) / total * count))
         if needed <= number:
             break
         if needed > _MOST_CANDIDATES:
@@ -267,25 +267,28 @@ def _relaxed(surface: _Surface, points: Floats, tell: Progress) -> Floats:
 
 
 def _nearest(points: Floats, spacing: Floats, count: int) -> NDArray[np.int64]:
-    # Neighbours in the array are neighbours on the eye (the seeds are made so), hence each block of
-    # it needs comparing with what lies near the block only. (N, count), in no order.
+    # By distance over the spacing wanted, or where a dense and a sparse part meet, the sparse one's
+    # points would feel the dense one's only. (N, count), in no order. Neighbours in the array are
+    # neighbours on the eye (the seeds are made so), hence each block of it needs comparing with
+    # what lies near the block only.
     found = np.empty((len(points), count), dtype=np.int64)
     size = 128
     for start in range(0, len(points), size):
-        block = points[start : start + size]
-        to_centre = np.sum((points - block.mean(axis=0)) ** 2, axis=1)
-        radius = math.sqrt(float(to_centre[start : start + size].max()))
-        reach = radius + 3 * float(spacing[start : start + size].max())
-        near = np.flatnonzero(to_centre <= reach * reach)
+        part = slice(start, min(start + size, len(points)))
+        to_centre = np.linalg.norm(points - points[part].mean(axis=0), axis=1)
+        # Three spacings hold more than the two rings of a hexagonal lattice.
+        near_enough = to_centre[part].max() + 1.5 * (spacing[part].max() + spacing)
+        near = np.flatnonzero(to_centre <= near_enough)
         if len(near) <= count:
-            near = np.sort(np.argpartition(to_centre, count)[: count + 1])
+            near = np.arange(len(points))
         # Not by a product of matrices: too small for threads, which NumPy's would start.
-        distance = np.zeros((len(block), len(near)))
+        distance = np.zeros((part.stop - start, len(near)))
         for axis in range(3):
-            distance += (block[:, None, axis] - points[near, axis]) ** 2
-        own = np.searchsorted(near, np.arange(start, start + len(block)))
-        distance[np.arange(len(block)), own] = np.inf
-        found[start : start + size] = near[np.argpartition(distance, count - 1, axis=1)[:, :count]]
+            distance += (points[part, None, axis] - points[near, axis]) ** 2
+        distance /= (spacing[part, None] + spacing[near]) ** 2
+        own = np.searchsorted(near, np.arange(start, part.stop))
+        distance[np.arange(len(own)), own] = np.inf
+        found[part] = near[np.argpartition(distance, count - 1, axis=1)[:, :count]]
     return found
 
 

@@ -72,16 +72,20 @@ def draw_eye(
         positive(axis_length_mm, "axis_length_mm")
     view = _view(math.radians(yaw_deg), math.radians(pitch_deg))
     drawing = _Drawing(eye, view, style, back, axis_length_mm)
-    figure = _figure(drawing, colour, size_mm, title or _title(eye, yaw_deg, pitch_deg, drawing))
-    with WholeFiles() as files:
-        for name in names:
-            file = files.open(name)
-            picture = io.BytesIO()
-            kind = Path(name).suffix.lower()[1:]
-            # No date in the file: the same eye gives the same bytes.
-            metadata = {"Date": None} if kind == "svg" else {}
-            figure.savefig(picture, format=kind, dpi=200, metadata=metadata)
-            file.write(picture.getvalue())
+    load_matplotlib()
+    from matplotlib import rc_context
+
+    # Text as outlines, and no ids or dates that change: the same eye gives the same bytes.
+    with rc_context({"svg.fonttype": "path", "svg.hashsalt": "omma", "font.size": 9}):
+        title = title or _title(eye, yaw_deg, pitch_deg, drawing)
+        figure = _figure(drawing, colour, size_mm, title)
+        with WholeFiles() as files:
+            for name in names:
+                kind = Path(name).suffix.lower()[1:]
+                picture = io.BytesIO()
+                metadata = {"Date": None} if kind == "svg" else {}
+                figure.savefig(picture, format=kind, dpi=200, metadata=metadata)
+                files.open(name).write(picture.getvalue())
 
 
 def check_names(paths: PathLike | Sequence[PathLike]) -> list[str]:
@@ -150,45 +154,40 @@ def _facet_diameters(position: Floats) -> Floats:
 
 
 def _figure(drawing: _Drawing, colour: Colour, size_mm: float, title: str) -> Any:
-    figure_type = load_matplotlib()
-    from matplotlib import rc_context
-
     values, label, tell_apart = _values(drawing.eye, colour)
     low, high = _frame(drawing)
     inches = size_mm / 25.4
-    # Text as outlines, and ids that do not change from run to run.
-    with rc_context({"svg.fonttype": "path", "svg.hashsalt": "omma", "font.size": 9}):
-        height = inches * (high[1] - low[1]) / (high[0] - low[0]) * (0.85 if label else 1) + 0.5
-        figure = figure_type(figsize=(inches, max(height, 2.8)), layout="constrained")
-        axes = figure.add_subplot()
-        axes.set_aspect("equal")
-        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-        axes.set_axis_off()
-        marks = _marks(drawing, axes)
-        if values is not None:
-            least, most, extend = _limits(values)
-            marks.set_array(values[drawing.shown])
-            marks.set(clim=(least, most), cmap="viridis")
-            bar = figure.colorbar(marks, ax=axes, shrink=0.75, aspect=30, extend=extend, pad=0.02)
-            bar.set_label(label)
-            bar.outline.set_visible(False)
-        elif tell_apart:
-            which = drawing.eye.eye_id[drawing.shown]
-            marks.set_color([_EYE_COLOURS[i % len(_EYE_COLOURS)] for i in which])
-            _legend(axes, np.unique(which))
-        else:
-            marks.set_color("#7a93ac" if drawing.style == "facets" else _INK)
-        if drawing.style == "facets":
-            marks.set_edgecolor("#ffffff60")
-        axes.add_collection(marks)
-        notes = [label] if values is None and label else []
-        if drawing.lifted:
-            notes.append(
-                f"an eye's ommatidia are all at one point: drawn {_length(drawing.length)} out"
-            )
-        axes.set_title("\n".join([title, *notes]), color=_INK, fontsize=9, pad=8)
-        _scale_bar(axes, low, high)
-        _compass(drawing, axes, low, high)
+    height = inches * (high[1] - low[1]) / (high[0] - low[0]) * (0.85 if label else 1) + 0.5
+    figure = load_matplotlib()(figsize=(inches, max(height, 2.8)), layout="constrained")
+    axes = figure.add_subplot()
+    axes.set_aspect("equal")
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    axes.set_axis_off()
+    marks = _marks(drawing, axes)
+    if values is not None:
+        least, most, extend = _limits(values)
+        marks.set_array(values[drawing.shown])
+        marks.set(clim=(least, most), cmap="viridis")
+        bar = figure.colorbar(marks, ax=axes, shrink=0.75, aspect=30, extend=extend, pad=0.02)
+        bar.set_label(label)
+        bar.outline.set_visible(False)
+    elif tell_apart:
+        which = drawing.eye.eye_id[drawing.shown]
+        marks.set_color([_EYE_COLOURS[i % len(_EYE_COLOURS)] for i in which])
+        _legend(axes, np.unique(which))
+    else:
+        marks.set_color("#7a93ac" if drawing.style == "facets" else _INK)
+    if drawing.style == "facets":
+        marks.set_edgecolor("#ffffff60")
+    axes.add_collection(marks)
+    notes = [label] if values is None and label else []
+    if drawing.lifted:
+        notes.append(
+            f"an eye's ommatidia are all at one point: drawn {_length(drawing.length)} out"
+        )
+    axes.set_title("\n".join([title, *notes]), color=_INK, fontsize=9, pad=8)
+    _scale_bar(axes, low, high)
+    _compass(drawing, axes, low, high)
     return figure
 
 
