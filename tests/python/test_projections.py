@@ -190,7 +190,7 @@ def test_forward_formulas_lead_to_the_right_pixel(name, forward, side):
     row = ((1 - y) / 2 * height).astype(int)
     shown = ids[row, column]
     cosine = direction @ eye.axis.T.astype(np.float64)
-    # A pixel is 0.1 degrees wide in the middle, up to 2 near the rim, and axes are 10 degrees apart:
+    # A pixel is 0.1 degrees wide in the middle, up to 2 near the rim; axes are 10 degrees apart:
     # a few directions lie in the pixel of a neighbour, which then is nearly as near.
     angle = np.degrees(np.arccos(np.clip(cosine, -1, 1)))
     shown_angle = angle[np.arange(len(direction)), shown]
