@@ -191,7 +191,7 @@ def _seeds(surface: _Surface, count: int, random: np.random.Generator) -> Floats
         needed = math.ceil(number * max(1.0, 4 * float(share.max()) / total * count))
         if needed <= number:
             break
-        if needed > _MOST_CANDIDATES:
+        if needed > max(_MOST_CANDIDATES, 4 * number):
             raise Error("density: is too peaked: nearly all ommatidia fall into one narrow spot")
         number = needed
     surface.fit(count, total)
@@ -215,7 +215,7 @@ def _seeds(surface: _Surface, count: int, random: np.random.Generator) -> Floats
         cut = min(max(cut, half), len(members) - (size - half))
         parts.append((members[:cut], first, half))
         parts.append((members[cut:], first + half, size - half))
-    return surface.onto(seeds)
+    return seeds
 
 
 def _candidates(surface: _Surface, number: int, turn: Floats) -> tuple[Floats, Floats]:
@@ -232,17 +232,14 @@ def _candidates(surface: _Surface, number: int, turn: Floats) -> tuple[Floats, F
 
 
 def _middle(points: Floats, weight: Floats) -> Floats:
-    middle = np.asarray(np.average(points, axis=0, weights=weight))
-    # The middle of a part that lies all around the eye is no direction.
-    heaviest = points[int(np.argmax(weight))]
-    return middle if np.linalg.norm(middle) > 1e-3 * np.linalg.norm(heaviest) else heaviest
+    # One of the points, as the middle itself may lie where there are to be no ommatidia.
+    middle = np.average(points, axis=0, weights=weight)
+    return np.asarray(points[np.argmin(np.sum((points - middle) ** 2, axis=1))])
 
 
 def _relaxed(surface: _Surface, points: Floats, tell: Progress) -> Floats:
     velocity = np.zeros_like(points)
     spacing = surface.spacing(points)
-    # A seed is a mean of allowed points and may itself lie where the density is 0.
-    spacing[~np.isfinite(spacing)] = np.max(spacing[np.isfinite(spacing)], initial=0.0)
     for step in range(_STEPS):
         if step % _STEPS_PER_SEARCH == 0:
             neighbours = _nearest(points, spacing, min(_NEIGHBOURS, len(points) - 1))

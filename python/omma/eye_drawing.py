@@ -8,6 +8,7 @@ from __future__ import annotations
 import io
 import math
 import os
+import textwrap
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Literal
@@ -75,8 +76,9 @@ def draw_eye(
     load_matplotlib()
     from matplotlib import rc_context
 
+    size_pt = min(9.0, max(3.0, 9 * size_mm / 150))
     # Text as outlines, and no ids or dates that change: the same eye gives the same bytes.
-    with rc_context({"svg.fonttype": "path", "svg.hashsalt": "omma", "font.size": 9}):
+    with rc_context({"svg.fonttype": "path", "svg.hashsalt": "omma", "font.size": size_pt}):
         title = title or _title(eye, yaw_deg, pitch_deg, drawing)
         figure = _figure(drawing, colour, size_mm, title)
         with WholeFiles() as files:
@@ -157,8 +159,9 @@ def _figure(drawing: _Drawing, colour: Colour, size_mm: float, title: str) -> An
     values, label, tell_apart = _values(drawing.eye, colour)
     low, high = _frame(drawing)
     inches = size_mm / 25.4
-    height = inches * (high[1] - low[1]) / (high[0] - low[0]) * (0.85 if label else 1) + 0.5
-    figure = load_matplotlib()(figsize=(inches, max(height, 2.8)), layout="constrained")
+    across_over_up = (high[0] - low[0]) / (high[1] - low[1])
+    height = inches * ((0.85 if label else 1) / across_over_up + 0.1)  # a bar beside, a title above
+    figure = load_matplotlib()(figsize=(inches, max(height, 0.45 * inches)), layout="constrained")
     axes = figure.add_subplot()
     axes.set_aspect("equal")
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
@@ -185,7 +188,9 @@ def _figure(drawing: _Drawing, colour: Colour, size_mm: float, title: str) -> An
         notes.append(
             f"an eye's ommatidia are all at one point: drawn {_length(drawing.length)} out"
         )
-    axes.set_title("\n".join([title, *notes]), color=_INK, fontsize=9, pad=8)
+    # As many letters as fit, at 150 mm; smaller drawings have smaller type.
+    lines = [line for text in [*title.splitlines(), *notes] for line in textwrap.wrap(text, 82)]
+    figure.suptitle("\n".join(lines), color=_INK, fontsize="medium")
     _scale_bar(axes, low, high)
     _compass(drawing, axes, low, high)
     return figure
@@ -250,7 +255,7 @@ def _frame(drawing: _Drawing) -> tuple[Floats, Floats]:
     half = 0.5 * float(drawing.diameter.max())
     low, high = reach.min(axis=0) - half, reach.max(axis=0) + half
     size = high - low
-    width = float(max(size[0], 0.5 * size[1], 1e-9)) * 1.04
+    width = float(max(size[0], 0.8 * size[1], 1e-9)) * 1.04
     middle = (low + high) / 2
     return (
         np.array([middle[0] - width / 2, low[1] - 0.2 * width]),
@@ -267,23 +272,31 @@ def _scale_bar(axes: Any, low: Floats, high: Floats) -> None:
 
 
 def _compass(drawing: _Drawing, axes: Any, low: Floats, high: Floats) -> None:
-    # The head's own directions; those that point at the viewer or away from it are left out.
+    # The head's own directions, the longest first; what points at the viewer or away, or would lie
+    # on another, is left out.
     side = float(high[0] - low[0])
     centre, length = np.array([high[0] - 0.1 * side, low[1] + 0.09 * side]), 0.055 * side
-    for name, column in (("right", 0), ("up", 1), ("ahead", 2)):
-        along = (-1.0 if name == "ahead" else 1.0) * drawing.view[:2, column]
-        if np.linalg.norm(along) < 0.2:
+    signed = {
+        "right": drawing.view[:2, 0],
+        "up": drawing.view[:2, 1],
+        "ahead": -drawing.view[:2, 2],
+    }
+    drawn: list[Floats] = []
+    for name, along in sorted(signed.items(), key=lambda item: -float(np.linalg.norm(item[1]))):
+        unit = along / max(float(np.linalg.norm(along)), 1e-9)
+        if np.linalg.norm(along) < 0.2 or any(unit @ other > 0.9 for other in drawn):
             continue
+        drawn.append(unit)
         end = centre + along * length
         arrow = {"arrowstyle": "->", "color": _INK, "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
         axes.annotate("", end, centre, arrowprops=arrow)
         sideways = abs(along[0]) > abs(along[1])
         axes.text(
-            *(end + 0.12 * length * along / np.linalg.norm(along)),
+            *(end + 0.12 * length * unit),
             name,
             ha=("left" if along[0] > 0 else "right") if sideways else "center",
             va="center" if sideways else ("bottom" if along[1] > 0 else "top"),
-            fontsize=7,
+            fontsize="small",
             color=_INK,
         )
 
@@ -298,7 +311,7 @@ def _legend(axes: Any, eyes: NDArray[np.int32]) -> None:
 
 
 def _title(eye: Eye, yaw_deg: float, pitch_deg: float, drawing: _Drawing) -> str:
-    name = f"{Path(eye.path).name}: " if eye.path and " + " not in eye.path else ""
+    name = f"{Path(eye.path).name}\n" if eye.path and " + " not in eye.path else ""
     shown = (
         f"{len(eye):,} ommatidia"
         if len(drawing.shown) == len(eye)

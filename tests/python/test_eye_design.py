@@ -178,6 +178,16 @@ def test_none_where_the_density_is_zero():
     assert counts == pytest.approx(75, abs=13)
 
 
+def test_none_in_the_hole_of_a_ring():
+    # The middle of what is allowed is not allowed here.
+    def ring(directions):
+        return (np.abs(directions[:, 2] + 0.8) < 0.05).astype(float)
+
+    for count in (2, 5, 40):
+        eye = omma.generate_eye(count, density=ring)
+        assert np.abs(eye.axis[:, 2] + 0.8).max() < 0.05 + 1e-6  # axes are float
+
+
 @pytest.mark.parametrize("semi_axes", [(1.0, 2.0, 1.0), (0.6, 1.0, 1.7)])
 def test_ellipsoid_even_over_its_surface(semi_axes):
     a = np.array(semi_axes) * 1e-3
