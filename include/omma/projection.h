@@ -80,6 +80,14 @@ std::vector<std::int32_t> equirectangular_ids(const Eye& eye, int width, int hei
 std::vector<std::int32_t> equirectangular_ids_by_position(const Eye& eye, int width, int height,
                                                           float max_angle_rad = 7.0f);
 
+// spherical_orientationwise with -1 outside the visual field.
+std::vector<std::int32_t> field_ids(const Eye& eye, int width, int height);
+
+// The visual field of each eye of a head in a panel of its own, as field_ids draws it, next to each
+// other: the eye that looks farthest to the left on the left. [height][eyes * width], index into
+// the head.
+std::vector<std::int32_t> side_by_side_ids(const Eye& eye, int width, int height);
+
 // 8-bit RGB picture of one pose's responses [ommatidium][channel] through an id map; -1 is painted
 // mid grey. Display value = 255 * clamp(response)^(1/gamma).
 std::vector<std::uint8_t> paint(std::span<const std::int32_t> ids, std::span<const float> responses,

@@ -79,20 +79,7 @@ def field_ids(eye: Eye, width: int = 1024, height: int = 512) -> Ids:
     one's local interommatidial angle or its acceptance angle, whichever is larger. So the field
     ends about one facet beyond the last axis.
     """
-    ids: Ids = equirectangular_ids(eye, width, height).copy()
-    limit = np.maximum(eye.interommatidial_angle_rad(), eye.acceptance_angle_rad)
-    for row, elevation in enumerate(np.pi * (0.5 - (np.arange(height) + 0.5) / height)):
-        azimuth = 2 * np.pi * ((np.arange(width) + 0.5) / width - 0.5)
-        level = np.cos(elevation)
-        direction = np.stack(
-            [level * np.sin(azimuth), np.full(width, np.sin(elevation)), -level * np.cos(azimuth)],
-            axis=-1,
-        )
-        # From the chord, which is exact for small angles too.
-        chord = np.linalg.norm(direction - eye.axis[ids[row]], axis=-1)
-        angle = 2 * np.arcsin(np.minimum(chord / 2, 1))
-        ids[row][angle > limit[ids[row]]] = -1
-    return ids
+    return _field_ids(eye, width, height, False)
 
 
 def equirectangular(
@@ -123,20 +110,7 @@ def equirectangular(
 
 def side_by_side_ids(eye: Eye, width: int = 1024, height: int = 512) -> Ids:
     """Id map of `side_by_side`: indices into the whole head, -1 outside an eye's visual field."""
-    return kept_ids(
-        eye, ("side_by_side", width, height), lambda: _side_by_side_ids(eye, width, height)
-    )
-
-
-def _side_by_side_ids(eye: Eye, width: int, height: int) -> Ids:
-    numbers = np.unique(eye.eye_id)
-    looks_right = {number: eye.axis[eye.eye_id == number, 0].mean() for number in numbers}
-    panels = []
-    for number in sorted(numbers, key=lambda n: looks_right[n]):
-        members = np.flatnonzero(eye.eye_id == number).astype(np.int32)
-        ids = field_ids(eye.select(int(number)), width, height)
-        panels.append(np.where(ids < 0, np.int32(-1), members[ids]))
-    return np.concatenate(panels, axis=1)
+    return _field_ids(eye, width, height, True)
 
 
 def side_by_side(
@@ -164,3 +138,13 @@ def side_by_side(
     """
     one = one_pose(eye, responses)
     return _core.paint(side_by_side_ids(eye, width, height), one, gamma)
+
+
+def _field_ids(eye: Eye, width: int, height: int, side_by_side: bool) -> Ids:
+    width = whole(width, "width", 1, _LARGEST_PIXELS)
+    height = whole(height, "height", 1, _LARGEST_PIXELS)
+    return kept_ids(
+        eye,
+        ("field", side_by_side, width, height),
+        lambda: _core.field_ids(eye, width, height, side_by_side),
+    )

@@ -33,6 +33,16 @@ nb::object projection_map(const Eye& eye, const std::string& projection, int wid
   return take(std::move(map), {static_cast<std::size_t>(height), static_cast<std::size_t>(width)});
 }
 
+nb::object field_map(const Eye& eye, int width, int height, bool side_by_side) {
+  std::vector<std::int32_t> map;
+  {
+    nb::gil_scoped_release release;
+    map = side_by_side ? side_by_side_ids(eye, width, height) : field_ids(eye, width, height);
+  }
+  const std::size_t columns = map.size() / static_cast<std::size_t>(height);
+  return take(std::move(map), {static_cast<std::size_t>(height), columns});
+}
+
 nb::object encode_array(nb::handle ids_object) {
   const auto map = int_array(ids_object, "ids", {-1, -1});
   return take(encode_ids({map.data(), map.size()}), {map.shape(0), map.shape(1), 4});
@@ -77,6 +87,10 @@ void bind_projection(nb::module_& m) {
   m.def("projection_ids", &projection_map, nb::arg("eye"), nb::arg("projection"), nb::arg("width"),
         nb::arg("height"),
         nb::sig("def projection_ids(eye: Eye, projection: str, width: int, height: int) -> "
+                "numpy.typing.NDArray[numpy.int32]"));
+  m.def("field_ids", &field_map, nb::arg("eye"), nb::arg("width"), nb::arg("height"),
+        nb::arg("side_by_side"),
+        nb::sig("def field_ids(eye: Eye, width: int, height: int, side_by_side: bool) -> "
                 "numpy.typing.NDArray[numpy.int32]"));
   m.def("projection_names", [] {
     std::vector<std::string> names;

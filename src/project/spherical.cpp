@@ -1,6 +1,7 @@
 // Projections of the sphere of directions: equirectangular, split, Mollweide, Lambert, hemispheres.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "omma/error.h"
@@ -75,6 +76,26 @@ std::vector<std::int32_t> equirectangular_ids_by_position(const Eye& eye, int wi
         "direction from it");
   sites.limit_squared.assign(sites.member.size(), limit_squared(max_angle_rad));
   return equirectangular_map(sites, width, height);
+}
+
+std::vector<std::int32_t> field_ids(const Eye& eye, int width, int height) {
+  check_picture("visual field", eye, width, height);
+  return equirectangular_map(members_by_axis(eye, all_ommatidia(eye)), width, height);
+}
+
+std::vector<std::int32_t> side_by_side_ids(const Eye& eye, int width, int height) {
+  check_picture("visual fields side by side", eye, width, height);
+  std::vector<Sites> eyes;
+  for (const auto& members : eyes_of_head(eye)) eyes.push_back(members_by_axis(eye, members));
+  const auto all = static_cast<std::int64_t>(eyes.size()) * width;
+  if (all > std::numeric_limits<int>::max())
+    throw Error("visual fields side by side: " + std::to_string(eyes.size()) + " eyes of " +
+                std::to_string(width) + " pixels each are too wide");
+  check_picture("visual fields side by side", eye, static_cast<int>(all), height);
+  return fill_ids(static_cast<int>(all), height, [&](int column, int row, std::int32_t& guess) {
+    return eyes[static_cast<std::size_t>(column / width)].nearest(
+        equirectangular_direction((column % width + 0.5) / width, (row + 0.5) / height), guess);
+  });
 }
 
 std::vector<std::int32_t> split_ids(const Eye& eye, int width, int height) {

@@ -187,6 +187,43 @@ TEST(Projection, EachHemisphereHasItsOwnEye) {
   EXPECT_EQ(map.at(0.98, 0.5), none);
 }
 
+TEST(Projection, VisualFieldsSideBySide) {
+  // Axes 20 degrees apart: seven from ahead to the right, seven on the left from behind to ahead.
+  std::vector<Vec3> axes, positions;
+  const auto add = [&](double azimuth_deg, float x) {
+    axes.push_back({static_cast<float>(std::sin(azimuth_deg * degree)), 0,
+                    static_cast<float>(-std::cos(azimuth_deg * degree))});
+    positions.push_back({x, 0.01f * static_cast<float>(axes.size()), 0});
+  };
+  for (int i = 0; i < 7; ++i) add(20 * i, 1);
+  for (int i = 0; i < 7; ++i) add(-170 + 20 * i, -1);
+  const Eye eye = eye_of(positions, axes, static_cast<float>(20 * degree));
+  const auto ids = omma::side_by_side_ids(eye, 360, 181);
+  ASSERT_EQ(ids.size(), 720u * 181u);
+  const auto* horizon = &ids[90u * 720u];
+  const auto* in_left = horizon + 180;  // by azimuth, the left eye's panel comes first
+  const auto* in_right = horizon + 540;
+  EXPECT_EQ(in_left[-175], 7);
+  EXPECT_EQ(in_left[-50], 13);
+  EXPECT_EQ(in_right[1], 0);
+  EXPECT_EQ(in_right[119], 6);
+  // The mean angle to the six nearest of an eye of seven is that to all the others: at the ends
+  // (20 + ... + 120) / 6 = 70 degrees.
+  EXPECT_EQ(in_left[-50 + 68], 13);
+  EXPECT_EQ(in_left[-50 + 72], none);
+  EXPECT_EQ(in_right[-68], 0);
+  EXPECT_EQ(in_right[-72], none);
+  // All eyes in one picture.
+  const auto field = omma::field_ids(eye, 360, 181);
+  ASSERT_EQ(field.size(), 360u * 181u);
+  EXPECT_EQ(field[90u * 360u + 180u + 1u], 0);
+  EXPECT_EQ(field[90u * 360u + 5u], 7);
+  EXPECT_EQ(field[0], none);  // 90 degrees from all axes
+  EXPECT_THROW(omma::field_ids(Eye{}, 8, 8), Error);
+  EXPECT_THROW(omma::side_by_side_ids(eye, 0, 8), Error);
+  EXPECT_THROW(omma::side_by_side_ids(eye, 1 << 29, 2), Error);
+}
+
 TEST(Projection, EqualAreaOnesGiveEachOmmatidiumItsSolidAngle) {
   // Axes on the horizon share the sphere in lunes, which are as large as they are wide. They end
   // halfway between the azimuths 0, 30, 90 and 200: at 15, 60, 145 and -80. The acceptance angle
