@@ -205,7 +205,7 @@ class Scene:
         """What a ray sees that meets no surface."""
 
     @property
-    def hit_boxes(self, /) -> list[str]:
+    def hit_boxes(self) -> list[str]:
         """
         Names of the regions: meshes whose extras say ``hitbox``, which are not drawn.
         """

@@ -5,13 +5,13 @@
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 
-#include <exception>
 #include <optional>
 #include <span>
 
 #include "arrays.h"
 #include "omma/pose.h"
 #include "omma/render.h"
+#include "progress.h"
 
 namespace omma::python {
 
@@ -55,30 +55,13 @@ void render(const Renderer& renderer, const Poses& poses, const Output& response
   call.first_pose = first_pose;
   if (standard_error) call.standard_error = span_of(*standard_error);
   if (rays) call.ray_radiance = {rays->data(), rays->size()};
-  // What Python raised meanwhile: KeyboardInterrupt, or whatever `progress` raises. It must not
-  // travel through the engine's own threads, so it waits here until the render has stopped.
-  std::exception_ptr raised;
-  call.progress = [&](double done) {
-    nb::gil_scoped_acquire gil;
-    try {
-      if (PyErr_CheckSignals() != 0) nb::raise_python_error();
-      if (!progress.is_none()) progress(done);
-      return true;
-    } catch (...) {
-      raised = std::current_exception();
-      return false;
-    }
-  };
   // The memory of a C-ordered (4, 4) float64 array is that of a Mat4.
   const std::span<const Mat4> world_from_head(reinterpret_cast<const Mat4*>(poses.data()),
                                               poses.shape(0));
-  try {
-    nb::gil_scoped_release release;
+  run_with_progress(progress, [&](const std::function<bool(double)>& report) {
+    call.progress = report;
     renderer.render(world_from_head, span_of(responses), call);
-  } catch (const Cancelled&) {
-    if (!raised) throw;
-  }
-  if (raised) std::rethrow_exception(raised);
+  });
 }
 
 RenderSettings settings_of(int samples, std::uint64_t seed, const std::string& kernel,

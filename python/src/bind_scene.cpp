@@ -132,9 +132,10 @@ std::vector<const HitBox*> hit_boxes_called(const Scene& scene, const std::strin
   return found;
 }
 
-nb::object hit_box_names(const Scene& scene) {
-  nb::list names;
-  for (const HitBox& box : scene.hit_boxes) names.append(nb::str(box.name.c_str()));
+std::vector<std::string> hit_box_names(const Scene& scene) {
+  std::vector<std::string> names;
+  for (const HitBox& box : scene.hit_boxes)
+    if (std::find(names.begin(), names.end(), box.name) == names.end()) names.push_back(box.name);
   return names;
 }
 
@@ -257,7 +258,6 @@ void bind_scene(nb::module_& m) {
           "background", [](const Scene& s) { return s.background; },
           "What a ray sees that meets no surface.")
       .def_prop_ro("hit_boxes", &hit_box_names,
-                   nb::for_getter(nb::sig("def hit_boxes(self, /) -> list[str]")),
                    "Names of the regions: meshes whose extras say ``hitbox``, which are not drawn.")
       .def("hit_box_bounds", &bounds_of_hit_box, nb::arg("name"),
            nb::sig("def hit_box_bounds(self, name: str) -> numpy.typing.NDArray[numpy.float64] | "
