@@ -111,9 +111,11 @@ bool shows_ids(Projection projection) {
 }
 
 Vec3 panoramic_direction(double x, double y) {
-  const double azimuth = (2 * x - 1) * pi, elevation = (y - 0.5) * pi;
-  return to_float({std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
-                   -std::cos(azimuth) * std::cos(elevation)});
+  // In float, as CompoundRay: the cosine at the poles is then some 1e-8, not exactly nothing.
+  const auto azimuth = static_cast<float>((2 * x - 1) * pi);
+  const auto elevation = static_cast<float>((y - 0.5) * pi);
+  return {std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
+          -std::cos(azimuth) * std::cos(elevation)};
 }
 
 const std::vector<std::int32_t>& id_map_for(IdMap& map, const Eye& eye, Projection projection,

@@ -130,3 +130,20 @@ def flight():
     x = np.linspace(-3, 3, 9)
     positions = np.stack([x, 1 + 0.1 * x, -x], axis=1)
     return omma.poses_from_angles(positions, np.stack([30 * x, 5 * x, 7 * x], axis=1))
+
+
+@pytest.fixture
+def fresh(tmp_path):
+    """CompoundRay's library under its old name, as a new process finds it."""
+    from compoundray_lib import fresh_library
+
+    return fresh_library(tmp_path)
+
+
+@pytest.fixture
+def lib(fresh):
+    """The same with the room of tests/compat loaded, and quiet."""
+    from compoundray_lib import load_room
+
+    load_room(fresh)
+    return fresh
