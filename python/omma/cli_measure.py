@@ -246,7 +246,15 @@ def variance_map_command(
             progress=progress,
         )
         for name in write:
-            save_variance_map(name, found, centre, size, measure=measure, as_variance=variance)
+            save_variance_map(
+                name,
+                found,
+                centre,
+                size,
+                measure=measure,
+                statistic=statistic,
+                as_variance=variance,
+            )
     deviations = np.sqrt(found)
     print(f"cells      {steps} x {steps}, {size / steps:.4g} m wide, at y = {centre[1]:g} m")
     print(f"deviation  {deviations.min():.4g} to {deviations.max():.4g}, {measure}")

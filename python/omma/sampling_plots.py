@@ -59,9 +59,9 @@ def save_minimum_samples(path: PathLike, found: Sequence[MinimumSamples]) -> Non
         colour = _COLOURS.get(one.method, _OTHER)
         label = f"{one.method.name}: {one.rays_per_sr:,} rays/sr"
         axes.loglog(one.rays, one.standard_deviations, "o-", ms=4, color=colour, label=label)
-        axes.plot([one.rays_per_sr] * 2, [axes.get_ylim()[0], one.limit], ":", color=colour)
+        axes.axvline(one.rays_per_sr, linestyle=":", linewidth=1, color=colour)
     axes.set_title("Scatter at the worst place found, 1 sr ommatidia")
-    axes.legend()
+    _finish(axes)
     _save_png(path, figure)
 
 
@@ -72,11 +72,14 @@ def save_variance_map(
     size_m: float,
     *,
     measure: Measure = "linear",
+    statistic: str = "max",
     as_variance: bool = False,
 ) -> None:
     """Write a `variance_map` (n, n) as standard deviation to `.npy`, `.csv` or a picture `.png`.
 
     `.csv`: x_m, z_m and the value, a line a cell. ``as_variance`` writes the variance itself.
+    ``measure`` and ``statistic`` are those of the map. The colours of the picture span all but the
+    highest and the lowest percent of the cells, as the inside of an object would darken the rest.
 
     Raises:
         omma.Error: another ending, no Matplotlib, another shape, no such folder.
@@ -95,7 +98,10 @@ def save_variance_map(
         name = "variance" if as_variance else "standard_deviation"
         _save_csv(path, ("x_m", "z_m", name), [tuple(map(float, cell)) for cell in cells])
     else:
-        _save_png(path, _map_figure(values, x, z, size_m, measure, as_variance))
+        quantity = _SCATTER[measure]
+        if as_variance:
+            quantity = quantity.replace("standard deviation", "variance").replace("441.7", "441.7²")
+        _save_png(path, _map_figure(values, x, z, size_m / len(x) / 2, quantity, statistic))
 
 
 def save_alias_curves(
@@ -121,15 +127,13 @@ def save_alias_curves(
         header = ("kernel", "sampling", "rays_per_ommatidium", "mean_sd_per_sr", "rms_sd")
         _save_csv(path, header, rows)
         return
-    figure, axes = _figure(
-        "rays per ommatidium", "mean over ommatidia of standard deviation / solid angle (1/sr)"
-    )
+    figure, axes = _figure("rays per ommatidium", "mean of standard deviation / solid angle (1/sr)")
     for method, (per_sr, _) in curves.items():
         colour = _COLOURS.get(method, _OTHER)
         axes.loglog(rays, np.asarray(per_sr), "o-", ms=4, color=colour, label=method.name)
     scale = "1 = full scale" if measure == "linear" else "8-bit RGB distance, full scale 441.7"
     axes.set_title(f"Scatter of responses against rays ({scale})")
-    axes.legend()
+    _finish(axes)
     _save_png(path, figure)
 
 
@@ -154,13 +158,13 @@ def save_speed_test(path: PathLike, found: SpeedTest) -> None:
     blue = _COLOURS[OURS]
     axes.loglog(rays, batch, "o-", ms=4, color=blue, label="Omma, all frames in one call")
     axes.loglog(rays, single, "o--", ms=4, color=blue, label="Omma, one call a frame", mfc="white")
-    for style, (label, speeds) in zip(("s-", "^-"), PUBLISHED_FRAMES_PER_S.items(), strict=True):
-        axes.loglog(PUBLISHED_RAYS, speeds, style, ms=4, color=_GREY, label=label)
+    for shade, (label, speeds) in zip((_GREY, "0.7"), PUBLISHED_FRAMES_PER_S.items(), strict=True):
+        axes.loglog(PUBLISHED_RAYS, speeds, "s-", ms=4, color=shade, label=label)
     axes.set_title(
         f"{found.ommatidia:,} ommatidia\n{found.machine}, {found.threads} threads; {found.backend}",
         fontsize="medium",
     )
-    axes.legend()
+    _finish(axes)
     _save_png(path, figure)
 
 
@@ -168,18 +172,24 @@ def _map_figure(
     values: NDArray[np.float64],
     x: NDArray[np.float64],
     z: NDArray[np.float64],
-    size_m: float,
-    measure: Measure,
-    as_variance: bool,
+    half_m: float,
+    quantity: str,
+    statistic: str,
 ) -> Figure:
-    figure, axes = _figure("x (m)", "z (m); -z is up", size=(6.4, 5.2))
-    half = size_m / len(values) / 2
-    extent = (x[0] - half, x[-1] + half, z[-1] + half, z[0] - half)
-    image = axes.imshow(values, extent=extent, origin="upper", cmap="viridis", vmin=0)
-    label = _SCATTER[measure].replace("standard deviation", "variance") if as_variance else ""
-    figure.colorbar(image, ax=axes, label=label or _SCATTER[measure])
+    figure, axes = _figure("x (m)", "z (m); ahead, -z, is up", size=(6.4, 5.2))
+    low, high = np.percentile(values, (1, 99))
+    image = axes.imshow(
+        values,
+        extent=(x[0] - half_m, x[-1] + half_m, z[-1] + half_m, z[0] - half_m),
+        origin="upper",
+        cmap="viridis",
+        vmin=low,
+        vmax=high,
+    )
+    figure.colorbar(image, ax=axes, label=quantity, extend="both")
     axes.grid(False)
-    axes.set_title("How much the light varies within 1 sr")
+    of = "mean" if statistic == "mean" else "largest"
+    axes.set_title(f"How much the light varies within 1 sr ({of} of twelve ommatidia)", fontsize=10)
     return figure
 
 
@@ -207,6 +217,13 @@ def _figure(
     axes.set_ylabel(y_label)
     axes.grid(True, which="major", color="0.88")
     return figure, axes
+
+
+def _finish(axes: Axes) -> None:
+    """Plain numbers along logarithmic axes, and a legend."""
+    axes.xaxis.set_major_formatter("{x:,g}")
+    axes.yaxis.set_major_formatter("{x:,g}")
+    axes.legend()
 
 
 def _suffix(path: PathLike, *known: str) -> str:

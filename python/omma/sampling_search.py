@@ -102,10 +102,10 @@ def minimum_samples(
 
     The place of the largest scatter is looked for first: ``poses`` poses spread evenly over
     ``where`` and all orientations, the best of which are measured again and better, twice; then 8
-    rounds in which the best 16 and 8 smaller and smaller changes of each are rendered anew; then
-    the best of the last 16, with most repeats. Scatter is
-    that of single rays where sampling is random, as in CompoundRay's script, and that of estimates
-    of 64 rays where it is not, because single rays are then all alike. At that pose the standard
+    rounds in which the best 16 (of few, a sixteenth) and 8 smaller and smaller changes of each are
+    rendered anew; then the best of those left, with most repeats. Scatter is that of single rays
+    where sampling is random, as in CompoundRay's script; else that of estimates of 64 rays, because
+    what evenly spread rays leave depends on how fine the scene is, too. At that pose the standard
     deviation, the largest of the twelve ommatidia's, is measured against the number of rays. Of
     random sampling and linear responses one standard deviation is enough: σ/√N.
 
@@ -210,20 +210,21 @@ def _worst_pose(
         largest: Array = tally.variances(poses, rays, repeats, stage).max(axis=1)
         return largest
 
+    kept = min(_KEPT, -(-count // 16))
     # Heats: the best quarter, then the best eighth of those, each measured four times as well.
     for heat, keep in enumerate((4, 32, count)):
         variance = measure(few * 4**heat, f"Surveying, heat {heat + 1} of 3")
-        best = np.argsort(-variance)[: max(_KEPT, count // keep)]
+        best = np.argsort(-variance)[: max(kept, count // keep)]
         units, turns = units[best], turns[best]
     step = 0.1
     for number in range(_ROUNDS):
-        parents = np.repeat(np.arange(min(_KEPT, len(units))), _OFFSPRING)
+        parents = np.repeat(np.arange(kept), _OFFSPRING)
         moved = units[parents] + step * rng.normal(size=(len(parents), 3))
         turned = _turned(turns[parents], 3 * step * rng.normal(size=(len(parents), 3)))
         # Parents are measured anew, so that none stays for having been lucky once.
-        units = np.concatenate([units[:_KEPT], moved.clip(0, 1)])
-        turns = np.concatenate([turns[:_KEPT], turned])
-        best = np.argsort(-measure(many, f"Refining, round {number + 1} of {_ROUNDS}"))[:_KEPT]
+        units = np.concatenate([units, moved.clip(0, 1)])
+        turns = np.concatenate([turns, turned])
+        best = np.argsort(-measure(many, f"Refining, round {number + 1} of {_ROUNDS}"))[:kept]
         units, turns = units[best], turns[best]
         step *= 0.7
     worst = int(measure(last, "Comparing the worst").argmax())

@@ -22,6 +22,7 @@ from omma.renderer import Renderer
 Array = NDArray[np.float64]
 Measure = Literal["linear", "compoundray"]
 Progress = Callable[[str, float | None], object]
+Share = Callable[[float], object]
 
 # Full width of a cone of 1 sr, which CompoundRay gives these ommatidia as acceptance angle.
 ONE_STERADIAN_RAD = 2 * float(np.arccos(1 - 1 / (2 * np.pi)))
@@ -81,7 +82,7 @@ def response_variances(
     seed: int = 0,
     seeds: int = 1,
     threads: int = 0,
-    progress: Callable[[float], object] | None = None,
+    progress: Share | None = None,
 ) -> Array:
     """Variance of each ommatidium's response among independent estimates of it: (P, N), float64.
 
@@ -129,14 +130,16 @@ def response_variances(
     ]
     chunk = max(1, _CHUNK_BYTES // (24 * max(1, len(crowd)) * seeds))
     result = np.empty((len(matrices), len(eye)))
+    render = Renderer.render_rays if single else Renderer.render
     for first in range(0, len(matrices), chunk):
         piece = matrices[first : first + chunk]
-        shape = (len(piece), len(eye), copies, -1)
-        render = Renderer.render_rays if single else Renderer.render
-        estimates = [render(r, piece, first_pose=first).reshape(shape) for r in renderers]
+        estimates = []
+        for k, renderer in enumerate(renderers):
+            part = len(piece) / len(matrices) / seeds
+            tell = _part_of(progress, first / len(matrices) + k * part, part)
+            found = render(renderer, piece, first_pose=first, progress=tell)
+            estimates.append(found.reshape(len(piece), len(eye), copies, -1))
         result[first : first + chunk] = _variance(np.concatenate(estimates, axis=2), measure)
-        if progress is not None:
-            progress((first + len(piece)) / len(matrices))
     return result
 
 
@@ -150,6 +153,11 @@ def scene_renderer(scene: Scene | Renderer, threads: int) -> Renderer:
 def further_seed(seed: int, number: int) -> int:
     """A seed of its own for each number; the same one for number 0."""
     return (seed + number * 0x9E3779B97F4A7C15) % (1 << 64)
+
+
+def _part_of(progress: Share | None, start: float, length: float) -> Share | None:
+    """Progress of a part of the work as progress of the whole."""
+    return None if progress is None else lambda done: progress(start + length * done)
 
 
 def _variance(estimates: NDArray[np.float32], measure: Measure) -> Array:

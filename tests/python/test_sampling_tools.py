@@ -127,12 +127,15 @@ def test_even_light_needs_one_ray(even, method, measure):
 def test_half_white_needs_what_the_binomial_says(horizon):
     """Some turn puts the horizon through the middle of a field: σ = 1/2, N = (σ/share)² = 100."""
     box = omma.Box((0, 0, 0), (1, 1, 1))
-    found = omma.minimum_samples(horizon, box, share=0.05, method=COMPOUNDRAY, poses=256)
+    found = omma.minimum_samples(horizon, box, share=0.05, method=COMPOUNDRAY, poses=128)
     # σ is at most 1/2, times 8192/8191 in the variance; p from 0.42 to 0.58 gives 97 and more.
     assert 97 <= found.rays_per_sr <= 101
     assert found.limit == 0.05
     assert found.script_rays_per_sr is None
     assert found.standard_deviations == pytest.approx(found.spread / np.sqrt(found.rays))
+    ours = omma.minimum_samples(horizon, box, share=0.05, method=OURS, poses=64)
+    # Across a straight edge about (1/2) N^(-3/4): 22 rays; twice that is far from 100 still.
+    assert ours.rays_per_sr < 50
     # Brute force at the place found.
     tried = omma.response_variances(
         horizon, omma.icosahedral_eye(), found.pose, rays=found.rays_per_sr, repeats=4096,
@@ -144,7 +147,7 @@ def test_half_white_needs_what_the_binomial_says(horizon):
 
 def test_display_measure_counts_frames_as_the_script(horizon):
     box = omma.Box((0, 0, 0), (1, 1, 1))
-    settings = {"share": 0.05, "poses": 128, "measure": "compoundray"}
+    settings = {"share": 0.05, "poses": 64, "measure": "compoundray"}
     theirs = omma.minimum_samples(horizon, box, method=COMPOUNDRAY, **settings)
     assert theirs.limit == pytest.approx(0.05 * 3**0.5 * 255)
     # Brute force at the place found, with other samples.
@@ -158,7 +161,7 @@ def test_display_measure_counts_frames_as_the_script(horizon):
     assert tried == pytest.approx(theirs.limit, rel=tolerance)
     assert theirs.script_rays_per_sr <= theirs.rays_per_sr
     ours = omma.minimum_samples(horizon, box, method=OURS, **settings)
-    assert ours.rays_per_sr < theirs.rays_per_sr / 2
+    assert ours.rays_per_sr < theirs.rays_per_sr
     assert ours.script_rays_per_sr is None
     assert (np.diff(ours.rays) > 0).all()
     assert ours.standard_deviations[0] > ours.limit > ours.standard_deviations[-1]
@@ -296,17 +299,22 @@ def check_png(path):
     assert len(np.unique(pixels.reshape(-1, 3), axis=0)) > 50
 
 
-def test_search_files(horizon, tmp_path):
-    found = [
-        omma.minimum_samples(horizon, BOX, share=0.1, method=method, poses=32)
-        for method in (COMPOUNDRAY, OURS)
-    ]
+def search_result(method, deviations):
+    return omma.MinimumSamples(
+        method=method, measure="linear", limit=0.1, rays_per_sr=3, relative_error=0.02,
+        script_rays_per_sr=None, pose=np.eye(4), ommatidium=0, spread=0.5, spread_rays=1,
+        rays=np.array([1, 2, 4]), standard_deviations=np.array(deviations), poses_rendered=1,
+        rays_traced=1, seconds=1.0,
+    )  # fmt: skip
+
+
+def test_search_files(tmp_path):
+    found = [search_result(COMPOUNDRAY, [0.3, 0.2, 0.1]), search_result(OURS, [0.3, 0.1, 0.05])]
     omma.save_minimum_samples(tmp_path / "x.csv", found)
     omma.save_minimum_samples(tmp_path / "x.png", found)
     rows = read_csv(tmp_path / "x.csv")
-    assert [row["kernel"] for row in rows].count("gaussian") == len(found[1].rays)
-    assert float(rows[0]["standard_deviation"]) == pytest.approx(found[0].spread, rel=1e-8)
-    assert {row["measure"] for row in rows} == {"linear"}
+    assert list(rows[4].values()) == ["gaussian", "low_discrepancy", "linear", "2", "0.1"]
+    assert len(rows) == 6
     check_png(tmp_path / "x.png")
     with pytest.raises(omma.Error, match=r"ending in \.csv or \.png"):
         omma.save_minimum_samples(tmp_path / "x.npy", found)
