@@ -14,12 +14,13 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from omma._core import Error, __version__
-from omma.all_cameras import AllCamerasReport, render_all_cameras
+from omma.all_cameras import render_all_cameras
 from omma.cli_eye import eye_app
 from omma.cli_measure import measure_app
+from omma.cli_report import camera_lines, report_lines
 from omma.info import describe_file
 from omma.projections import PROJECTIONS
-from omma.rendering import SUFFIXES, RenderReport, render_file
+from omma.rendering import SUFFIXES, render_file
 
 RENDER_HELP = """
 Render what an eye sees in a scene, or a camera of the scene, and write responses or pictures.
@@ -227,7 +228,7 @@ def render(
                 progress=bar.show,
             )
         _print_warnings(everything.warnings)
-        print("\n".join(_camera_lines(everything)))
+        print("\n".join(camera_lines(everything)))
         return
     with _interruptible(), _DelayedBar() as bar:
         report = render_file(
@@ -254,7 +255,7 @@ def render(
             progress=bar.show,
         )
     _print_warnings(report.warnings)
-    print("\n".join(_report_lines(report, samples)))
+    print("\n".join(report_lines(report)))
 
 
 @app.command(help=INFO_HELP, short_help="Say what is in a scene or an eye file.")
@@ -330,49 +331,6 @@ def _check_all_cameras(others: dict[str, bool], output: list[Path]) -> None:
             raise Error(f"{name}: not together with --all-cameras, which renders each as it is")
     if len(output) > 1 or output[0].suffix.lower() in SUFFIXES:
         raise Error(f"{output[-1]}: expected one folder as the output of --all-cameras")
-
-
-def _camera_lines(report: AllCamerasReport) -> list[str]:
-    lines = []
-    for camera in report.cameras:
-        kind = camera.type + (f", {camera.projection}" if camera.projection else "")
-        lines.append(
-            f"camera {camera.index:<3} {camera.name} ({kind}): {camera.width} x {camera.height} "
-            f"pixels in {camera.seconds:.3f} s"
-        )
-        lines.append(f"wrote      {camera.output}")
-    prepared = f"{report.build_seconds:.3f} s of preparation"
-    return [*lines, f"backend    {report.backend}, {report.threads} threads, {prepared}"]
-
-
-def _report_lines(report: RenderReport, samples: int) -> list[str]:
-    names = report.outputs
-    shown = names if len(names) <= 6 else (*names[:3], f"... {len(names) - 4} more", names[-1])
-    rate = report.rays / max(report.seconds, 1e-9) / 1e6
-    if report.picture is not None:
-        width, height = report.picture
-        each = report.rays // (width * height)
-        what = [
-            ("view", report.view),
-            ("picture", f"{width} x {height} pixels"),
-            ("rays", f"{report.rays:,} ({each:,} per pixel)"),
-        ]
-    else:
-        each = report.rays // max(1, report.poses * report.ommatidia)
-        what = [
-            ("eye", ", ".join(report.eyes)),
-            ("ommatidia", f"{report.ommatidia:,}"),
-            ("poses", f"{report.poses:,} ({report.view})"),
-            ("rays", f"{report.rays:,} ({each:,} per ommatidium and pose)"),
-        ]
-    lines = [
-        *what,
-        ("speed", f"{report.frames_per_s:,.1f} frames/s, {rate:,.1f} million rays/s"),
-        ("time", f"{report.seconds:.3f} s, after {report.build_seconds:.3f} s of preparation"),
-        ("backend", f"{report.backend}, {report.threads} threads"),
-        *(("wrote", name) for name in shown),
-    ]
-    return [f"{what:<10} {value}" for what, value in lines]
 
 
 class _DelayedBar:

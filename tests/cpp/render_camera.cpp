@@ -202,16 +202,30 @@ TEST(CameraPicture, ManyRaysCoverAnEdgeByItsShare) {
   EXPECT_EQ(picture, picture_of(renderer, camera, {{8, 8}, samples, 3}));
 }
 
-TEST(CameraPicture, RaysDifferFromPixelToPixelAndFromSeedToSeed) {
-  // A ramp in x and one in y: values tell where in the pixel the rays went.
-  const Scene scene = random_scene(4);
+TEST(CameraPicture, RaysDifferFromPixelToPixel) {
+  // Stripes of half a pixel, lit on the left of each: of three rays one or two meet light.
+  Scene scene;
+  const int columns = 32, rows = 32;
+  const int white = add_color(scene, {1, 1, 1});
+  const double pixel = 4.0 / columns;  // m
+  for (int column = 0; column < columns; ++column)
+    add_quad(scene, {-2 + (column + 0.25) * pixel, 0, -1}, {pixel / 4, 0, 0}, {0, 3, 0}, white);
   const Renderer renderer = renderer_of(scene);
-  const Camera camera = camera_of(CameraType::perspective);
-  const CameraSettings one{{20, 20}, 2, 1}, other{{20, 20}, 2, 2};
-  EXPECT_NE(picture_of(renderer, camera, one), picture_of(renderer, camera, other));
+  const Camera camera = camera_of(CameraType::orthographic);
+  const Picture picture = picture_of(renderer, camera, {{columns, rows}, 3});
+  int one_of_three = 0;
+  for (std::size_t i = 0; i < picture.size(); i += channel_count) {
+    const bool one = std::fabs(picture[i] - 1.0f / 3) < 1e-6;
+    EXPECT_TRUE(one || std::fabs(picture[i] - 2.0f / 3) < 1e-6) << picture[i];
+    one_of_three += one;
+  }
+  // Half of 1024 pixels, were each a coin tossed by itself; five standard deviations are 80.
+  EXPECT_NEAR(one_of_three, 512, 80);
+  EXPECT_NE(picture_of(renderer, camera, {{columns, rows}, 3, 1}), picture);  // another seed
   // One ray goes through the middle whatever the seed.
-  EXPECT_EQ(picture_of(renderer, camera, {{20, 20}, 1, 1}),
-            picture_of(renderer, camera, {{20, 20}, 1, 2}));
+  const Renderer other = renderer_of(random_scene(4));
+  EXPECT_EQ(picture_of(other, camera, {{20, 20}, 1, 1}),
+            picture_of(other, camera, {{20, 20}, 1, 2}));
 }
 
 TEST(CameraPicture, BandsAndThreadsGiveTheBitsOfOnePiece) {

@@ -1,7 +1,9 @@
 """Cameras from Python and the command line; their geometry is tested in C++ (render_camera.cpp)."""
 
 import json
+import signal
 import struct
+import subprocess
 import sys
 import zlib
 
@@ -209,6 +211,33 @@ def test_progress_and_what_it_raises(world):
 
     with pytest.raises(RuntimeError, match="enough"):
         omma.render_camera(world, 0, width=400, samples=4, progress=stop)
+
+
+CTRL_C = """
+import omma
+
+def progress(share):
+    print("under way", flush=True)
+
+try:
+    omma.render_camera(omma.load_scene("zoo.gltf"), 0, width=20000, samples=1024, progress=progress)
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+"""
+
+
+def test_ctrl_c(zoo):
+    process = subprocess.Popen(
+        [sys.executable, "-c", CTRL_C], stdout=subprocess.PIPE, text=True, cwd=zoo
+    )
+    try:
+        assert process.stdout.readline() == "under way\n"
+        process.send_signal(signal.SIGINT)
+        out, _ = process.communicate(timeout=60)  # the whole picture would take many minutes
+        assert out.splitlines()[-1] == "interrupted"
+    finally:
+        process.kill()
+        process.communicate()
 
 
 def test_display():
