@@ -112,7 +112,7 @@ void stop() {
 void setRenderSize(int w, int h) {
   guarded([&](State& state) {
     notify(state, "Resizing rendering buffer to (%d, %d).", w, h);
-    state.frame = make_frame(w, h);
+    resize(state.frame, w, h);
   });
 }
 

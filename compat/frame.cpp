@@ -10,15 +10,14 @@
 
 namespace omma::compat {
 
-Frame make_frame(int width, int height) {
+void resize(Frame& frame, int width, int height) {
   width = std::max(width, 1), height = std::max(height, 1);
   // A gigapixel, 4 GB; beyond it a wrong argument is likelier than a wish.
   if (static_cast<long long>(width) * height > 1LL << 30)
     throw Error("the rendering buffer cannot be " + std::to_string(width) + " x " +
                 std::to_string(height) + " pixels, at most 2^30 in all");
-  Frame frame{width, height, {}};
-  frame.pixels.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-  return frame;
+  frame.pixels.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), {});
+  frame.width = width, frame.height = height;
 }
 
 Rgba display_color(const float* rgb) {

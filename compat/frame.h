@@ -11,12 +11,15 @@ namespace omma::compat {
 using Rgba = std::array<std::uint8_t, 4>;
 
 struct Frame {
-  int width = 0, height = 0;
-  std::vector<Rgba> pixels;  // [height][width], bottom row first
+  int width = 400, height = 400;
+  // [height][width], bottom row first.
+  std::vector<Rgba> pixels = std::vector<Rgba>(std::size_t{400} * 400);
 };
 
-// Sizes under 1 become 1, as in CompoundRay; throws omma::Error where it would be enormous.
-Frame make_frame(int width, int height);
+// Makes it that large and all zeros. Sizes under 1 become 1, as in CompoundRay; throws omma::Error
+// where it would be enormous. A frame that is made smaller stays where it is, so that scripts may
+// still hold the old one.
+void resize(Frame& frame, int width, int height);
 
 // CompoundRay's display value: clamped to 0..1, to the power 1/2.2, times 255, truncated.
 Rgba display_color(const float* rgb);

@@ -50,7 +50,7 @@ struct State {
   std::optional<Renderer> built_scene;  // whose acceleration structure the cameras' share
   std::vector<CompatCamera> cameras;
   std::size_t current = 0;  // index into cameras
-  Frame frame = make_frame(400, 400);
+  Frame frame;
   std::uint64_t frames_rendered = 0;  // picks the random samples
 };
 

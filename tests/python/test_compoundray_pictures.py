@@ -229,3 +229,11 @@ def test_after_stop(lib, capfd):
     lib.loadGlTFscene(str(ROOM / "room.gltf").encode())
     go(lib, "front")
     assert (frame(lib) == before).all()
+
+
+def test_a_script_may_hold_the_frame_while_the_size_shrinks(lib):
+    set_size(lib, 900, 700)
+    held = lib.getFramePointer()
+    set_size(lib, 3, 2)
+    assert not held.any()  # two and a half megabytes, given back they would be out of reach
+    assert held.ctypes.data == lib.getFramePointer().ctypes.data
