@@ -20,8 +20,10 @@ ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / "docs"
 MEADOW = ROOT / "examples" / "meadow.glb"
 PARTS = ("samples", "maps", "aliasing", "speed")
-# Where the arena's floor, wall and lid are not nearer than a quarter of a metre.
+# Of the arena, whose radius is 12.2 m and whose height 9.6 m: its inner part, where no field is all
+# black, and up to a quarter of a metre from the wall.
 ARENA_PLACE = omma.Cylinder((0, 0.25, 0), 9.0, 9.1)
+ARENA_WHOLE = omma.Cylinder((0, 0.25, 0), 11.97, 9.1)
 
 
 def say(*what: object) -> None:
@@ -67,7 +69,9 @@ def minimum_samples(scenes: Path) -> None:
         arena = omma.load_scene(arena_file)
         found = searches("arena", arena, ARENA_PLACE, "linear")
         omma.save_minimum_samples(DOCS / "sampling-arena.png", found)
+        searches("arena, to the wall", arena, ARENA_WHOLE, "linear")
         searches("arena", arena, ARENA_PLACE, "compoundray")
+        searches("arena, to the wall", arena, ARENA_WHOLE, "compoundray")
     if natural.exists():
         # Above the ground, which is at -10.9 m and lower there.
         above = omma.Box((-50, -10.5, -50), (50, 10, 50))
@@ -84,7 +88,7 @@ def published(arena: omma.Scene) -> None:
     """CompoundRay's search in the arena with several seeds."""
     table("seed", "rays/sr", "where its script stops (published: 1,065)", "worst at (m)")
     stops = []
-    for seed in range(1, 9):
+    for seed in range(8):
         one = omma.minimum_samples(
             arena, ARENA_PLACE, method=COMPOUNDRAY, measure="compoundray", seed=seed, progress=show
         )
