@@ -235,6 +235,18 @@ def train(views: Views, epochs: int, seed: int, tick: Tick) -> list[tuple[float,
     return curve
 
 
+def lowest_loss(views: Views) -> tuple[float, float]:
+    """Share of validation views in which the eye sees the sphere, and the loss of one who answers
+    rightly then and, in the other views, which are all alike, with the best one answer.
+    """
+    seen = np.diff(views.start)[views.training :] > 0
+    unseen = views.target[views.training :][~seen]
+    if len(unseen) == 0:
+        return 1.0, 0.0
+    guess = np.abs(unseen - np.median(unseen, axis=0)).mean()
+    return float(seen.mean()), float(guess * (1 - seen.mean()))
+
+
 # Plot --------------------------------------------------------------------------------------------
 
 # Of each eye, for each of its networks, (training, validation) loss after each epoch.
@@ -259,13 +271,14 @@ def plot_curves(file: Path, curves: Curves, title: str) -> None:
         validation = np.array(networks)[:, :, 1]
         epochs = np.arange(1, validation.shape[1] + 1)
         mean = validation.mean(axis=0)
-        axes.plot(epochs, mean, color=colour, label=f"{eye}: {mean[-1]:.4f}")
+        label = f"{eye}: {mean[-1]:.4f}"
         if len(networks) > 1:
             low, high = validation.min(axis=0), validation.max(axis=0)
             axes.fill_between(epochs, low, high, color=colour, alpha=0.2, linewidth=0)
         if eye in PUBLISHED:
-            label = f"{eye}, published: {PUBLISHED[eye]:.4f}"
-            axes.axhline(PUBLISHED[eye], color=colour, linestyle=":", linewidth=1, label=label)
+            label += f" (published, dotted: {PUBLISHED[eye]:.4f})"
+            axes.axhline(PUBLISHED[eye], color=colour, linestyle=":", linewidth=1)
+        axes.plot(epochs, mean, color=colour, label=label)
     axes.set(xlabel="epoch", ylabel=f"validation L1 (units of {TARGET_SCALE_MM} mm)", title=title)
     in_mm = (lambda loss: loss * TARGET_SCALE_MM, lambda mm: mm / TARGET_SCALE_MM)
     axes.secondary_yaxis("right", functions=in_mm).set_ylabel("mean error per coordinate (mm)")
@@ -323,6 +336,7 @@ def bar(what: str, steps: int) -> Iterator[Tick]:
 def main(argv: list[str] | None = None) -> Curves:
     given = arguments(argv)
     curves: Curves = {}
+    bounds: dict[str, tuple[float, float]] = {}
     for eye in given.eyes:
         setting = (given.rays, given.kernel, given.seed)
         folder = views_folder(given.out, given.scene, eye, *setting)
@@ -335,13 +349,16 @@ def main(argv: list[str] | None = None) -> Curves:
                 for number in range(given.networks)
             ]
         save_curves(given.out / "curves.csv", curves)
-        title = f"{given.frames:,} views, {given.rays} rays per ommatidium, {given.kernel}"
+        bounds[eye.stem] = lowest_loss(views)
+        title = f"{given.frames:,} views, {given.rays} rays per ommatidium, {given.kernel} kernel"
         plot_curves(given.out / "curves.png", curves, title)
 
-    table = Table("eye", "final validation L1", "published")
+    table = Table("eye", "final validation L1", "published", "sees the sphere in", "lowest L1")
     for eye, networks in curves.items():
         final = ", ".join(f"{curve[-1][1]:.4f}" for curve in networks)
-        table.add_row(eye, final, f"{PUBLISHED[eye]:.4f}" if eye in PUBLISHED else "")
+        published = f"{PUBLISHED[eye]:.4f}" if eye in PUBLISHED else ""
+        seen, lowest = bounds[eye]
+        table.add_row(eye, final, published, f"{seen:.1%}", f"{lowest:.4f}")
     Console().print(table, f"Curves: {given.out / 'curves.png'}, {given.out / 'curves.csv'}")
     return curves
 

@@ -99,6 +99,20 @@ def test_views_are_normalised_over_the_training_set(tmp_path):
     np.testing.assert_allclose(views.target * 14.5, places[:400], rtol=1e-6)
 
 
+def test_lowest_loss_is_a_guess_where_nothing_is_seen():
+    views = some_views()
+    views.training = 20
+    unseen = np.arange(20, 40) % 3 == 0  # those without a dark ommatidium
+    places = views.target[20:][unseen].astype(float)
+    # Of all constant answers none beats the median; a grid of answers finds no better one either.
+    grid = np.linspace(-2, 2, 401)
+    best = np.abs(places[None] - grid[:, None, None]).mean(axis=1).min(axis=0).mean()
+    seen, lowest = localise.lowest_loss(views)
+    assert seen == pytest.approx(1 - unseen.mean())
+    # The grid is 0.01 wide, so that its best answer is 0.005 off at most.
+    assert lowest == pytest.approx(best * unseen.mean(), abs=0.005)
+
+
 @needs_data
 def test_ommatidia_that_look_at_the_sphere_are_the_dark_ones(tmp_path):
     """The whole way of a view, frames and units, against the geometry of a sphere and a point."""
