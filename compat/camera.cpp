@@ -78,10 +78,7 @@ void set_samples(CompatCamera& camera, long long samples) {
   if (samples > max_samples)
     std::fprintf(stderr, "ERROR: %lld samples per ommatidium, at most %d are taken\n", samples,
                  max_samples);
-  const int taken = static_cast<int>(std::clamp<long long>(samples, 1, max_samples));
-  if (taken == camera.compound.samples) return;
-  camera.compound.samples = taken;
-  camera.renderer.reset();
+  camera.compound.samples = static_cast<int>(std::clamp<long long>(samples, 1, max_samples));
 }
 
 void set_eye(CompatCamera& camera, Eye eye) {

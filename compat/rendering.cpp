@@ -74,9 +74,11 @@ void render_eye(State& state, CompatCamera& camera) {
   CompoundEye& compound = camera.compound;
   std::vector<Rgba> colors;
   if (!shows_ids(compound.projection)) {
+    const RenderSettings settings = settings_for(state, compound.samples);
     if (!camera.renderer)
-      camera.renderer.emplace(*state.built_scene, compound.eye,
-                              settings_for(state, compound.samples));
+      camera.renderer.emplace(*state.built_scene, compound.eye, settings);
+    else if (camera.renderer->settings().samples != compound.samples)
+      camera.renderer = Renderer(*camera.renderer, compound.eye, settings);
     const Mat4 pose = world_from_head(camera);
     std::vector<float> responses(compound.eye.size() * 3), rays;
     RenderCall call;

@@ -91,7 +91,8 @@ struct Renderer::State {
   BlockFunctions block;
 
   static void prepare_threads(State& s, const RenderSettings& settings);
-  static void prepare_eye(State& s, Eye eye, RenderSettings settings);
+  static void prepare_eye(State& s, Eye eye, RenderSettings settings,
+                          const DirectionTables* known = nullptr);
 };
 
 void Renderer::State::prepare_threads(State& s, const RenderSettings& settings) {
@@ -113,7 +114,8 @@ std::shared_ptr<const BuiltBackground> build_background(const BuiltScene& built,
 }
 
 // All that depends on the eye and the settings.
-void Renderer::State::prepare_eye(State& s, Eye eye, RenderSettings settings) {
+void Renderer::State::prepare_eye(State& s, Eye eye, RenderSettings settings,
+                                  const DirectionTables* known) {
   s.eye = std::move(eye);
   s.settings = std::move(settings);
   s.block = choose_block_functions();
@@ -122,7 +124,7 @@ void Renderer::State::prepare_eye(State& s, Eye eye, RenderSettings settings) {
     s.view = s.built->shading->view;
     s.view.background = s.background->data.view;
     const auto start = Clock::now();
-    s.directions = make_direction_tables(s.eye, s.settings);
+    s.directions = make_direction_tables(s.eye, s.settings, known);
     s.eye_arrays = make_eye_arrays(s.eye, s.directions);
     s.times.directions_s = seconds_since(start);
   });
@@ -157,7 +159,7 @@ Renderer::Renderer(const Renderer& same_scene, Eye eye, RenderSettings settings)
   State& s = *state_;
   State::prepare_threads(s, settings);
   s.built = same_scene.state_->built;
-  State::prepare_eye(s, std::move(eye), std::move(settings));
+  State::prepare_eye(s, std::move(eye), std::move(settings), &same_scene.state_->directions);
 }
 
 Renderer::Renderer(const Renderer& same_background, Eye rays, OneThread)

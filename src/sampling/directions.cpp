@@ -66,7 +66,8 @@ void sort_into_packets(std::vector<Vec3d>& normals) {
 
 }  // namespace
 
-DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& settings) {
+DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& settings,
+                                      const DirectionTables* known_tables) {
   DirectionTables tables;
   tables.samples = settings.samples;
   tables.sampling = settings.sampling;
@@ -82,8 +83,14 @@ DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& sett
     tables.warp_of.push_back(found->second);
   }
   tables.warps.resize(angles.size());
+  std::unordered_map<float, const AcceptanceWarp*> made;
+  if (known_tables != nullptr)
+    for (const AcceptanceWarp& warp : known_tables->warps)
+      if (warp.kernel == settings.kernel) made[static_cast<float>(warp.acceptance_rad)] = &warp;
   oneapi::tbb::parallel_for(std::size_t{0}, angles.size(), [&](std::size_t i) {
-    tables.warps[i] = make_acceptance_warp(settings.kernel, angles[i]);
+    const auto found = made.find(angles[i]);
+    tables.warps[i] =
+        found != made.end() ? *found->second : make_acceptance_warp(settings.kernel, angles[i]);
   });
 
   for (std::size_t i = 0; i < turn_count; ++i) {

@@ -36,7 +36,9 @@ struct DirectionTables {
   std::vector<float> polar;
 };
 
-DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& settings);
+// Warps for the same kernel and acceptance angle are taken from `known`, where there are some.
+DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& settings,
+                                      const DirectionTables* known = nullptr);
 
 // The pattern that an estimate reads, where tables exist.
 inline DirectionPattern find_pattern(const DirectionTables& tables, std::uint32_t warp,

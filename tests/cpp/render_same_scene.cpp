@@ -26,6 +26,11 @@ TEST(SameScene, GivesTheBitsOfARendererOfItsOwn) {
   EXPECT_EQ(second.eye().size(), 90u);
   EXPECT_EQ(second.settings().samples, 7);
   EXPECT_EQ(&second.scene(), &first->scene());
+  // Takes over the warps of the angles that both know.
+  Eye mixed = make_eye(sphere_directions(30), 0.1);
+  for (std::size_t i = 0; i < 15; ++i) mixed.acceptance_angle_rad[i] = 0.2f;
+  EXPECT_EQ(responses_of(Renderer(second, mixed, settings)),
+            responses_of(Renderer(scene, mixed, settings)));
   const std::vector<float> again = responses_of(second);
   first.reset();
   EXPECT_EQ(responses_of(second), again);  // it does not need the first one

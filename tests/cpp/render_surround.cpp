@@ -100,6 +100,47 @@ TEST(Surround, FineClosedSurfaceLetsNothingThrough) {
   expect_ones(make_renderer(scene, eye, {8192, 3, {}, {}, 0, {}}));
 }
 
+// Rays all but along an axis of the world: a component of 1e-14 to 1e-17 is noise of some rotation,
+// and Embree's packets lose such rays between boxes.
+TEST(Surround, RaysAlmostAlongAnAxisLoseNothing) {
+  Scene scene;
+  Mesh cube;
+  const int n = 24;  // patches along each edge: boxes at many depths
+  cube.material = add_color(scene, {1, 1, 1});
+  const Vec3d axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (int side = 0; side < 6; ++side)
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j) {
+        const Vec3d w = axes[side % 3] * (side < 3 ? 1 : -1);
+        const Vec3d u = axes[(side + 1) % 3], v = axes[(side + 2) % 3];
+        const Mesh patch = quad(w + u * ((2 * i + 1.0) / n - 1) + v * ((2 * j + 1.0) / n - 1),
+                                u * (1.0 / n), v * (1.0 / n), cube.material);
+        const auto first = static_cast<std::uint32_t>(cube.positions.size());
+        cube.positions.insert(cube.positions.end(), patch.positions.begin(), patch.positions.end());
+        for (const auto& t : patch.triangles)
+          cube.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+      }
+  add_instance(scene, add_mesh(scene, cube));
+  const auto shared = std::make_shared<const Scene>(std::move(scene));
+  Random random{11};
+  for (const double noise : {1e-6, 1e-9, 1e-12, 1e-14, 1e-15, 1e-16, 1e-17, 1e-18, 1e-30, 0.0})
+    for (const Vec3d along : {Vec3d{0, -1, 0}, Vec3d{0, 1, 0}, Vec3d{1, 0, 0}, Vec3d{0, 0, -1}}) {
+      std::vector<Vec3d> directions;
+      for (int i = 0; i < 2000; ++i) directions.push_back(along + random.direction() * noise);
+      Eye eye = make_eye(directions, 0);
+      for (Vec3& p : eye.position_m)
+        p = to_float(
+            Vec3d{random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3)});
+      const Renderer renderer(shared, eye, {.samples = 1});
+      std::vector<float> responses(eye.size() * channel_count);
+      const Mat4 pose;
+      renderer.render({&pose, 1}, responses);
+      EXPECT_EQ(std::count(responses.begin(), responses.end(), 1.0f),
+                static_cast<std::ptrdiff_t>(responses.size()))
+          << noise;
+    }
+}
+
 TEST(Surround, RealEyes) {
   const std::filesystem::path folder = std::string(OMMA_SHARED_DATA) + "/compound-ray";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no real eyes in " << folder;
