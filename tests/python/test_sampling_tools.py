@@ -73,6 +73,12 @@ def test_random_rays_scatter_as_one_over_their_root(horizon, rays):
     assert found[0] == pytest.approx(np.full(8, 0.25 / rays), rel=5 * (2 / 4095) ** 0.5)
 
 
+def test_one_evenly_spread_ray_scatters_as_a_random_one(horizon):
+    found = variances(horizon, level_eye(8), 1, 4096, method=OURS)
+    # As above; one ray has nothing to be spread evenly with.
+    assert found[0] == pytest.approx(np.full(8, 0.25), rel=5 * (2 / 4095) ** 0.5)
+
+
 def test_seeds_share_the_repeats(horizon):
     one = variances(horizon, level_eye(), 4, 64, method=OURS)
     several = variances(horizon, level_eye(), 4, 64, method=OURS, seeds=8)
