@@ -116,8 +116,9 @@ def test_lowest_loss_is_a_guess_where_nothing_is_seen():
 @needs_data
 def test_ommatidia_that_look_at_the_sphere_are_the_dark_ones(tmp_path):
     """The whole way of a view, frames and units, against the geometry of a sphere and a point."""
-    eye = omma.load_eye(EYES[1], unit="m")  # on one sphere: all axes from nearly one point
-    localise.render_views(SCENE, EYES[1], tmp_path, 100, 16, "gaussian", 0, lambda: None)
+    # The real eye, 3.8 mm wide: in another unit its ommatidia would see the sphere from elsewhere.
+    eye = omma.load_eye(EYES[0], unit="m")
+    localise.render_views(SCENE, EYES[0], tmp_path, 100, 16, "gaussian", 0, lambda: None)
     with np.load(tmp_path / "00000.npz") as file:
         responses, places = file["responses"], file["position_mm"]
     acceptance = eye.acceptance_angle_rad[0]
