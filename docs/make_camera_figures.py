@@ -1,13 +1,13 @@
 """Makes docs/all-cameras.png: every camera of CompoundRay's scenes, on one sheet.
 
-    .venv/bin/python docs/make_camera_figures.py [--scenes FOLDER] [--ppm FOLDER]
+    .venv/bin/python docs/make_camera_figures.py [--scenes FOLDER]
 
-Each scene goes through what ``omma render SCENE --all-cameras`` does. With --ppm every picture has
-a second one below it, of the same camera, from FOLDER/<scene without ending>/<camera>.ppm: those
-that a script saved through the library under its old name.
+Each scene goes through what ``omma render SCENE --all-cameras`` does, and, beside it, through
+CompoundRay's functions under their old name.
 """
 
 import argparse
+import ctypes
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,8 +28,9 @@ SCENES = (
     "ofstad-arena.gltf",
 )
 WIDTH = 600  # pixels of a picture
-COLUMNS = 4
-CELL_IN = (3.6, 1.8)  # inches of a picture's place, 2 to 1 as most of them are
+OLD_SAMPLES = 200  # rays per ommatidium through the old name
+COLUMNS = 3  # cameras in a row, two pictures each
+CELL_IN = (2.8, 1.4)  # inches of a picture's place, 2 to 1 as most of them are
 NOTE = (
     "env_2.gltf and environment.glb: their cameras stand inside the black sphere in the middle, "
     "from where the experiment moves them; the eye in env_2.gltf is larger than the sphere and "
@@ -45,7 +46,7 @@ class Shown:
     camera: str
     kind: str
     pixels: np.ndarray  # uint8 RGB
-    other: np.ndarray | None  # the same camera through the old name
+    old: np.ndarray  # uint8 RGB, the same camera through the old name
 
 
 def coloured_ids(rgba: np.ndarray) -> np.ndarray:
@@ -55,37 +56,62 @@ def coloured_ids(rgba: np.ndarray) -> np.ndarray:
     return colors[ids]
 
 
-def pictures_of(scene: Path, ppm: Path | None) -> list[Shown]:
+def old_library(scene: Path) -> ctypes.CDLL:
+    """CompoundRay's library with a scene loaded."""
+    library = ctypes.CDLL(omma.compoundray_library())
+    library.getCameraCount.restype = ctypes.c_size_t
+    library.getCurrentEyeOmmatidialCount.restype = ctypes.c_size_t
+    library.getFramePointer.restype = ctypes.POINTER(ctypes.c_ubyte)
+    library.setVerbosity(False)
+    library.loadGlTFscene(str(scene).encode())
+    return library
+
+
+def old_picture(library: ctypes.CDLL, index: int, kind: str, projection: str) -> np.ndarray:
+    """A camera's frame, top row first. Perspective ones are square: they know no aspect ratio."""
+    library.gotoCamera(index)
+    library.setCurrentEyeSamplesPerOmmatidium(OLD_SAMPLES)
+    width, height = WIDTH, WIDTH // 2
+    if kind in ("perspective", "orthographic"):
+        width = height
+    if projection == "single_dimension_fast":
+        width, height = library.getCurrentEyeOmmatidialCount(), 1
+    library.setRenderSize(width, height)
+    library.renderFrame()
+    frame = np.ctypeslib.as_array(library.getFramePointer(), (height, width, 4))
+    return frame[::-1].copy()
+
+
+def pictures_of(scene: Path) -> list[Shown]:
     """Every camera of a scene."""
     shown = []
     with tempfile.TemporaryDirectory() as folder:
         report = omma.render_all_cameras(scene, folder, width=WIDTH, samples=64)
-        for camera in report.cameras:
+        library = old_library(scene)
+        assert library.getCameraCount() == len(report.cameras)
+        for index, camera in enumerate(report.cameras):
             pixels = np.asarray(Image.open(camera.output))
+            old = old_picture(library, index, camera.type, camera.projection)
             kind = camera.type + (f", {camera.projection}" if camera.projection else "")
             if camera.projection.endswith("_ids"):
-                pixels, kind = coloured_ids(pixels), kind + " (in random colours)"
+                pixels, old = coloured_ids(pixels), coloured_ids(old)
+                kind += " (in random colours)"
             if len(pixels) == 1:
                 kind += " (stretched)"
-            other = None
-            if ppm is not None:
-                file = ppm / scene.stem / f"{Path(camera.output).stem}.ppm"
-                other = np.asarray(Image.open(file)) if file.is_file() else None
             name = camera.name.removesuffix("_Orientation")
-            shown.append(Shown(scene.name, name, kind, pixels[..., :3], other))
+            shown.append(Shown(scene.name, name, kind, pixels[..., :3], old[..., :3]))
+        library.stop()
     return shown
 
 
-def draw(axes: plt.Axes, pixels: np.ndarray | None) -> None:
+def draw(axes: plt.Axes, pixels: np.ndarray, label: str) -> None:
     """A picture in its cell; a single row of pixels is stretched to fill it."""
     axes.set_xticks([])
     axes.set_yticks([])
-    if pixels is None:
-        axes.axis("off")
-        return
     if len(pixels) == 1:
         pixels = np.repeat(pixels, pixels.shape[1] // 2, axis=0)
     axes.imshow(pixels, interpolation="antialiased")
+    axes.set_xlabel(label, fontsize=7, labelpad=2)
 
 
 def main() -> None:
@@ -94,32 +120,25 @@ def main() -> None:
     parser.add_argument(
         "--scenes", type=Path, default=ROOT.parent / "shared/data/compound-ray/scenes"
     )
-    parser.add_argument("--ppm", type=Path, help="pictures through the old name, to set below")
     parser.add_argument("-o", "--output", type=Path, default=ROOT / "docs" / "all-cameras.png")
     arguments = parser.parse_args()
     shown: list[Shown] = []
     for name in SCENES:
-        shown += pictures_of(arguments.scenes / name, arguments.ppm)
-    each = 1 if arguments.ppm is None else 2  # rows of axes for one row of pictures
+        shown += pictures_of(arguments.scenes / name)
     rows = -(-len(shown) // COLUMNS)
-    size = (COLUMNS * CELL_IN[0], rows * (each * CELL_IN[1] + 0.5))
-    figure, axes = plt.subplots(each * rows, COLUMNS, figsize=size, layout="constrained")
-    for index in range(rows * COLUMNS):
-        row, column = each * (index // COLUMNS), index % COLUMNS
-        if index >= len(shown):
-            for below in range(each):
-                axes[row + below, column].axis("off")
-            continue
-        one = shown[index]
-        draw(axes[row, column], one.pixels)
-        title = f"{one.scene}\n{one.camera}"
-        axes[row, column].set_title(f"{title}\n{one.kind}", fontsize=8)
-        if each == 2:
-            draw(axes[row + 1, column], one.other)
-            axes[row + 1, column].set_title("through libEyeRenderer3", fontsize=7)
-    figure.suptitle("Every camera of CompoundRay's scenes: omma render SCENE --all-cameras")
+    figure = plt.figure(
+        figsize=(COLUMNS * 2 * CELL_IN[0], rows * (CELL_IN[1] + 0.75)), layout="constrained"
+    )
+    cells = np.atleast_2d(figure.subfigures(rows, COLUMNS))
+    for one, cell in zip(shown, cells.flat):
+        cell.suptitle(f"{one.scene}, {one.camera}\n{one.kind}", fontsize=8)
+        left, right = cell.subplots(1, 2)
+        draw(left, one.pixels, "omma render")
+        draw(right, one.old, "libEyeRenderer3")
+    figure.suptitle("Every camera of CompoundRay's scenes: omma render SCENE --all-cameras, and "
+                    "the same through CompoundRay's functions")
     figure.supxlabel(NOTE, fontsize=8)
-    figure.savefig(arguments.output, dpi=110)
+    figure.savefig(arguments.output, dpi=100)
     print(f"{arguments.output}: {len(shown)} cameras")
 
 

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import sys
-import threading
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from omma._core import Error, __version__
 from omma.all_cameras import render_all_cameras
 from omma.cli_eye import eye_app
 from omma.cli_measure import measure_app
 from omma.cli_report import camera_lines, report_lines
+from omma.cli_working import fail, interruptible, working
 from omma.info import describe_file
 from omma.projections import PROJECTIONS
 from omma.rendering import SUFFIXES, render_file
@@ -210,7 +207,7 @@ def render(
             },
             output,
         )
-        with _interruptible(), _DelayedBar() as bar:
+        with working() as bar:
             everything = render_all_cameras(
                 scene,
                 output[0],
@@ -230,7 +227,7 @@ def render(
         _print_warnings(everything.warnings)
         print("\n".join(camera_lines(everything)))
         return
-    with _interruptible(), _DelayedBar() as bar:
+    with working() as bar:
         report = render_file(
             scene,
             output,
@@ -266,7 +263,7 @@ def info(
     unit: UnitOption = None,
 ) -> None:
     """Say what is in a scene or an eye file."""
-    with _interruptible():
+    with interruptible():
         lines = describe_file(file, "mm" if unit is None else unit)
     for what, value in lines:
         print(f"{what:<16} {value}")
@@ -284,40 +281,26 @@ def run(command: Callable[..., object]) -> int:
         sys.stdout.flush()
         return code if isinstance(code, int) else 0
     except Error as error:
-        return _fail(str(error), 1)
+        return fail(str(error), 1)
     except KeyboardInterrupt:
-        return _fail("interrupted", 130)
+        return fail("interrupted", 130)
     except MemoryError:
-        return _fail("not enough memory", 1)
+        return fail("not enough memory", 1)
     except BrokenPipeError:
         # Whoever read the output has enough. What is still buffered has nowhere to go.
         sys.stdout = None
         return 1
     except OSError as error:
-        return _fail(f"{error.filename or 'system'}: {error.strerror}", 1)
+        return fail(f"{error.filename or 'system'}: {error.strerror}", 1)
     except Exception as error:
         # What typer says about wrong usage; its class has moved between typer's versions.
         message = getattr(error, "format_message", None)
         code = getattr(error, "exit_code", None)
         if message is not None and isinstance(code, int):
-            return _fail(message(), code) if message() else code
+            return fail(message(), code) if message() else code
         if type(error).__name__ == "Abort":
-            return _fail("interrupted", 130)
+            return fail("interrupted", 130)
         raise
-
-
-@contextmanager
-def _interruptible() -> Iterator[None]:
-    # Before typer sees it, which would print an empty line first.
-    try:
-        yield
-    except KeyboardInterrupt:
-        raise typer.Exit(_fail("interrupted", 130)) from None
-
-
-def _fail(message: str, code: int) -> int:
-    print("omma: error: " + " ".join(message.split()), file=sys.stderr)
-    return code
 
 
 def _print_warnings(warnings: Sequence[str]) -> None:
@@ -331,40 +314,3 @@ def _check_all_cameras(others: dict[str, bool], output: list[Path]) -> None:
             raise Error(f"{name}: not together with --all-cameras, which renders each as it is")
     if len(output) > 1 or output[0].suffix.lower() in SUFFIXES:
         raise Error(f"{output[-1]}: expected one folder as the output of --all-cameras")
-
-
-class _DelayedBar:
-    """A progress bar on stderr that appears after a second, and never where that is no terminal."""
-
-    def __init__(self) -> None:
-        self._bar = Progress(
-            TextColumn("{task.description}"),
-            BarColumn(),
-            TextColumn("{task.percentage:>3.0f} %"),
-            TimeRemainingColumn(),
-            console=Console(stderr=True),
-            transient=True,
-        )
-        self._task = self._bar.add_task("", total=None)
-        self._timer = threading.Timer(1.0, self._bar.start)
-        self._timer.daemon = True
-        self._wanted = sys.stderr.isatty() and sys.stdout.isatty()
-
-    def show(self, stage: str, share: float | None) -> None:
-        self._bar.update(
-            self._task,
-            description=stage,
-            total=None if share is None else 1.0,
-            completed=share or 0.0,
-        )
-
-    def __enter__(self) -> _DelayedBar:
-        if self._wanted:
-            self._timer.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._timer.cancel()
-        if self._wanted:
-            self._timer.join()
-            self._bar.stop()

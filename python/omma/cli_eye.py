@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 import typer
 
 from omma._core import Error, Eye, merge_eyes
+from omma.cli_working import working
 from omma.eye_design import AcuteZone, acute_zones, generate_eye
 from omma.eye_drawing import check_names, draw_eye
 from omma.eye_tools import convert_eye, rescale_eye, set_acceptance, split_eye
@@ -121,15 +120,6 @@ UnitOption = Annotated[
 ]
 
 
-@contextmanager
-def _working() -> Iterator[Any]:
-    # cli.py mounts this app, so its helpers are there only when a command runs.
-    from omma.cli import _DelayedBar, _interruptible
-
-    with _interruptible(), _DelayedBar() as bar:
-        yield bar
-
-
 @eye_app.command(help=RESCALE_HELP, short_help="Make an eye larger or smaller.")
 def rescale(
     eye: EyeArgument,
@@ -144,7 +134,7 @@ def rescale(
     """Make an eye larger or smaller."""
     if (factor is None) == (mean_radius_mm is None):
         raise Error("rescale: expected either --factor or --mean-radius-mm")
-    with _working():
+    with working():
         radius_m = None if mean_radius_mm is None else mean_radius_mm / 1e3
         _save(output, rescale_eye(load_eye(eye, unit), factor, mean_radius_m=radius_m), unit)
 
@@ -176,7 +166,7 @@ def split(
     for target, _ in targets:
         if target is not None:
             check_target(str(target))
-    with _working():
+    with working():
         both = split_eye(load_eye(eye, unit), shift_mm / 1e3, overlap_mm / 1e3)
         for target, which in targets:
             if target is not None:
@@ -211,7 +201,7 @@ def acceptance(
             "acceptance: expected exactly one of --degrees, --factor, --ratio, --non-overlapping, "
             "--compoundray-maximal"
         )
-    with _working():
+    with working():
         changed = set_acceptance(
             load_eye(eye, unit),
             angle_rad=None if degrees is None else math.radians(degrees),
@@ -260,7 +250,7 @@ def draw(
 ) -> None:
     """Draw an eye, to SVG and PNG, with a scale bar."""
     names = check_names(output)
-    with _working():
+    with working():
         eyes = [load_eye(path, unit) for path in eye]
         head = eyes[0] if len(eyes) == 1 else merge_eyes(eyes)
         draw_eye(
@@ -288,7 +278,7 @@ def convert(
     unit: UnitOption = "mm",
 ) -> None:
     """Convert an old eye file to today's columns."""
-    with _working():
+    with working():
         converted = convert_eye(eye, unit, degrees=degrees)
         _save(output, converted.eye, unit)
     for note in converted.notes:
@@ -339,7 +329,7 @@ def generate(
     zones = [_zone("--acute-zone", text, 4) for text in acute_zone or ()]
     zones += [_zone("--acute-band", text, 3) for text in acute_band or ()]
     size_mm = semi_axes_mm or (1.0 if radius_mm is None else radius_mm,) * 3
-    with _working() as bar:
+    with working() as bar:
         eye = generate_eye(
             count,
             radius_m=[length / 1e3 for length in size_mm],

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -13,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from omma import _core
 from omma._core import Error, Eye, Scene
+from omma.cli_working import working
 from omma.files import check_target, load_eye, load_scene
 from omma.poses import Matrices, load_poses, poses_from_angles
 from omma.sampling_plots import (
@@ -27,7 +27,6 @@ from omma.sampling_tools import (
     COMPOUNDRAY,
     OURS,
     Method,
-    Progress,
     alias_curve,
     rays_per_ommatidium,
     solid_angles_sr,
@@ -129,15 +128,6 @@ SeedOption = Annotated[int, typer.Option(help="Seed of the samples.", metavar="N
 ThreadsOption = Annotated[int, typer.Option(help="Threads; 0: all.", metavar="N")]
 
 
-@contextmanager
-def _working() -> Iterator[Progress]:
-    # Not at the top: omma.cli imports this file.
-    from omma.cli import _DelayedBar, _interruptible
-
-    with _interruptible(), _DelayedBar() as bar:
-        yield bar.show
-
-
 @measure_app.command("min-samples", help=MIN_SAMPLES_HELP, short_help="Rays a scene needs.")
 def min_samples_command(
     scene: SceneFile,
@@ -172,7 +162,7 @@ def min_samples_command(
     given = [box is not None, cylinder is not None, path is not None]
     if sum(given) != 1:
         raise Error("where: expected one of --box, --cylinder and --path")
-    with _working() as progress:
+    with working() as bar:
         where: Box | Cylinder | ArrayLike
         if box is not None:
             where = Box(box[:3], box[3:])
@@ -192,7 +182,7 @@ def min_samples_command(
                 poses=poses,
                 seed=seed,
                 threads=threads,
-                progress=progress,
+                progress=bar.show,
             )
             for method in (COMPOUNDRAY, OURS)
         ]
@@ -230,7 +220,7 @@ def variance_map_command(
 ) -> None:
     """Map how much the light varies."""
     write = _check_outputs(output, ".npy", ".csv", ".png")
-    with _working() as progress:
+    with working() as bar:
         found = variance_map(
             load_scene(scene),
             centre,
@@ -243,7 +233,7 @@ def variance_map_command(
             measure=measure,
             seed=seed,
             threads=threads,
-            progress=progress,
+            progress=bar.show,
         )
         for name in write:
             save_variance_map(
@@ -278,7 +268,7 @@ def aliasing_command(
     """Measure how far the responses of an eye scatter."""
     write = _check_outputs(output, ".csv", ".png")
     rays = [2**k for k in range(max(1, most_rays).bit_length())]
-    with _working() as progress:
+    with working() as bar:
         world, head = load_scene(scene), _head(eye, unit)
         pose = _pose(world, camera, position)
         curves = {
@@ -292,7 +282,7 @@ def aliasing_command(
                 measure=measure,
                 seed=seed,
                 threads=threads,
-                progress=progress,
+                progress=bar.show,
             )
             for method in (COMPOUNDRAY, OURS)
         }
@@ -328,7 +318,7 @@ def speed_command(
         counts = [int(part) for part in rays.split(",")]
     except ValueError:
         raise Error(f"rays: expected whole numbers separated by commas, found '{rays}'") from None
-    with _working() as progress:
+    with working() as bar:
         world, head = load_scene(scene), _head(eye, unit)
         found = measure_speed(
             world,
@@ -339,7 +329,7 @@ def speed_command(
             warm_up_s=warm_up,
             method=Method(kernel, sampling),
             threads=threads,
-            progress=progress,
+            progress=bar.show,
         )
         for name in write:
             save_speed_test(name, found)
