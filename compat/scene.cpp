@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <limits>
+#include <sstream>
 
 #include "state.h"
 
@@ -27,13 +28,25 @@ std::string find_eye_file(const std::string& given, const std::string& scene_pat
   return beside;
 }
 
+// CompoundRay reads the first eight numbers of a line and passes over what comes behind them.
+Eye load_eight_columns(const std::string& path) {
+  std::ifstream file(path);
+  std::string text, line, word;
+  while (std::getline(file, line)) {
+    std::istringstream words(line);
+    for (int i = 0; i < 8 && words >> word; ++i) text += (i > 0 ? " " : "") + word;
+    text += '\n';
+  }
+  return parse_eye(text, path, 1.0);  // the node's scale makes the unit
+}
+
 CompoundEye load_compound_eye(const Camera& from, const std::string& scene_path) {
   if (from.compound_structure.empty()) throw Error("Eye data path empty or non-existent.");
   if (from.compound_projection.empty())
     throw Error("Projection shader specifier empty or non-existent.");
   CompoundEye compound;
   compound.path = find_eye_file(from.compound_structure, scene_path);
-  compound.eye = load_eye(compound.path, 1.0);  // the node's scale makes the unit
+  compound.eye = load_eight_columns(compound.path);
   if (const auto projection = find_projection(from.compound_projection))
     compound.projection = *projection;
   else

@@ -55,6 +55,15 @@ def test_an_eye_is_sought_as_given_then_beside_the_scene(fresh, tmp_path, monkey
     assert fresh.getCurrentEyeDataPath() == b"six.eye"
 
 
+def test_what_stands_behind_the_eighth_column_is_passed_over(fresh, tmp_path):
+    shutil.copy(ROOM / "room.gltf", tmp_path)
+    lines = ["0 0 0 0 0 1 0.1 0 7.5", "0 0 0 0 1 0 0.1 0 old file", "", "0 0 0 1 0 0 0.1 0"]
+    (tmp_path / "six.eye").write_text("\n".join(lines) + "\n")
+    fresh.loadGlTFscene(str(tmp_path / "room.gltf").encode())
+    go(fresh, "insect")
+    assert fresh.getCurrentEyeOmmatidialCount() == 3
+
+
 def test_ids_over_four_channels(lib):
     """More than 65,536 ommatidia, so that three of the four bytes are used."""
     go(lib, "insect")
