@@ -22,6 +22,9 @@ constexpr std::array<const char*, 8> column_names = {
     "position x", "position y", "position z",       "axis x",
     "axis y",     "axis z",     "acceptance angle", "focal offset"};
 
+constexpr const char* old_file_hint =
+    " (an old file? \"omma eye convert\" rewrites those of 7 and 9 columns)";
+
 bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
 }
@@ -49,12 +52,13 @@ class LineReader {
     if (rest_.empty()) return false;
     for (std::size_t column = 0; column < values.size(); ++column) {
       if (rest_.empty())
-        fail(column, "missing: a line has 8 columns, this one " + std::to_string(column));
+        fail(column, "missing: a line has 8 columns, this one " + std::to_string(column) +
+                         (column == 7 ? old_file_hint : ""));
       values[column] = read_number(column);
       skip_separator(column);
     }
     if (!rest_.empty())
-      fail_at_line("column 9: a line has 8 columns, found more: " + quoted(rest_));
+      fail_at_line("column 9: a line has 8 columns, found more: " + quoted(rest_) + old_file_hint);
     return true;
   }
 
