@@ -13,9 +13,9 @@ sensitivity: an evenly lit surround of radiance 1 gives exactly 1. Linear, never
 ``world_from_head``: the head looks along its -Z, +X is its right, +Y up; lengths are metres, angles
 radians, where a name does not say otherwise.
 
-Besides: `render_camera` and `project` make pictures, `generate_eye` and `draw_eye` eyes and drawings
-of them, `minimum_samples` says how many rays a scene needs, `compoundray_library` is for CompoundRay's
-scripts.
+Besides: `render_camera` and `project` make pictures, `generate_eye` and `draw_eye` eyes and their
+drawings, `minimum_samples` says how many rays a scene needs, `compoundray_library` is for the
+scripts of CompoundRay.
 """
 
 from omma._core import (
