@@ -3,7 +3,6 @@
 // (types), gltf_accessor and gltf_mesh (geometry), gltf_material (materials and images).
 #include "io/gltf.h"
 
-#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>

@@ -2,12 +2,14 @@
 
 import base64
 import json
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import omma
+from omma import cli
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 
@@ -130,6 +132,20 @@ def flight():
     x = np.linspace(-3, 3, 9)
     positions = np.stack([x, 1 + 0.1 * x, -x], axis=1)
     return omma.poses_from_angles(positions, np.stack([30 * x, 5 * x, 7 * x], axis=1))
+
+
+@pytest.fixture
+def run_omma(monkeypatch, capsys):
+    """Runs ``omma ARGUMENTS`` in the current directory: exit code, stdout, stderr."""
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["omma", *map(str, arguments)])
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        out, err = capsys.readouterr()
+        return ended.value.code, out, err
+
+    return run
 
 
 @pytest.fixture

@@ -12,7 +12,6 @@ import pytest
 from conftest import DATA, write_gltf
 
 import omma
-from omma import cli
 from omma.all_cameras import file_names
 
 TURN_RIGHT = {"rotation": [0, -np.sqrt(0.5), 0, np.sqrt(0.5)]}
@@ -96,18 +95,10 @@ def world(zoo):
 
 
 @pytest.fixture
-def omma_command(zoo, monkeypatch, capsys):
+def omma_command(zoo, monkeypatch, run_omma):
     """Runs ``omma ARGUMENTS`` in the zoo's folder: exit code, stdout, stderr."""
     monkeypatch.chdir(zoo)
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["omma", *map(str, arguments)])
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        out, err = capsys.readouterr()
-        return ended.value.code, out, err
-
-    return run
+    return run_omma
 
 
 def test_types(world):

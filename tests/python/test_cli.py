@@ -15,22 +15,13 @@ import pytest
 from conftest import make_eye, write_gltf
 
 import omma
-from omma import cli
 
 
 @pytest.fixture
-def omma_command(files, monkeypatch, capsys):
+def omma_command(files, monkeypatch, run_omma):
     """Runs ``omma ARGUMENTS`` in the directory of the test files: exit code, stdout, stderr."""
     monkeypatch.chdir(files)
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["omma", *map(str, arguments)])
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        out, err = capsys.readouterr()
-        return ended.value.code, out, err
-
-    return run
+    return run_omma
 
 
 @pytest.fixture

@@ -1,12 +1,11 @@
 """Eyes made to order: as many as asked, even, as dense as asked, normal to the surface."""
 
-import sys
+from functools import partial
 
 import numpy as np
 import pytest
 
 import omma
-from omma import cli
 
 
 def six_neighbours(points):
@@ -279,18 +278,10 @@ def test_progress_is_told_and_may_stop_it():
 
 
 @pytest.fixture
-def omma_eye(tmp_path, monkeypatch, capsys):
+def omma_eye(tmp_path, monkeypatch, run_omma):
     """Runs ``omma eye ARGUMENTS`` in a directory of its own: exit code, stdout, stderr."""
     monkeypatch.chdir(tmp_path)
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["omma", "eye", *map(str, arguments)])
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        out, err = capsys.readouterr()
-        return ended.value.code, out, err
-
-    return run
+    return partial(run_omma, "eye")
 
 
 def test_command_writes_the_eye_of_the_api(omma_eye, tmp_path):

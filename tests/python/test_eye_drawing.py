@@ -10,7 +10,6 @@ import pytest
 from conftest import make_eye
 
 import omma
-from omma import cli
 from omma.eye_drawing import _Drawing, _length, _round_length, _view
 
 pytest.importorskip("matplotlib")
@@ -177,16 +176,13 @@ def test_without_matplotlib_it_says_what_to_install(tmp_path, monkeypatch, six):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_command(tmp_path, monkeypatch, capsys):
+def test_command(tmp_path, monkeypatch, run_omma):
     monkeypatch.chdir(tmp_path)
     omma.save_eye("l.eye", make_eye(40))
     omma.save_eye("r.eye", make_eye(40, seed=2))
     arguments = "l.eye r.eye --yaw 60 --pitch 10 --colour eye -o head.svg -o head.png"
-    monkeypatch.setattr(sys, "argv", ["omma", "eye", "draw", *arguments.split()])
-    with pytest.raises(SystemExit) as ended:
-        cli.main()
-    out, err = capsys.readouterr()
-    assert (ended.value.code, err) == (0, "")
+    code, out, err = run_omma("eye", "draw", *arguments.split())
+    assert (code, err) == (0, "")
     assert out == "wrote head.svg\nwrote head.png\n"
     direct = [omma.load_eye("l.eye"), omma.load_eye("r.eye")]
     omma.draw_eye("direct.svg", omma.merge_eyes(direct), yaw_deg=60, pitch_deg=10, colour="eye")

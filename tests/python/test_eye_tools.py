@@ -1,13 +1,12 @@
 """Eyes rescaled, split, given other acceptance angles, read from old files."""
 
-import sys
+from functools import partial
 
 import numpy as np
 import pytest
 from conftest import DATA, make_eye
 
 import omma
-from omma import cli
 
 EYES = DATA / "compound-ray" / "scenes" / "eyes"
 
@@ -257,19 +256,11 @@ def test_old_files_that_are_no_files(tmp_path, data):
 
 
 @pytest.fixture
-def omma_eye(tmp_path, monkeypatch, capsys):
+def omma_eye(tmp_path, monkeypatch, run_omma):
     """Runs ``omma eye ARGUMENTS`` in a directory with bug.eye: exit code, stdout, stderr."""
     monkeypatch.chdir(tmp_path)
     omma.save_eye("bug.eye", make_eye(60))
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["omma", "eye", *map(str, arguments)])
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        out, err = capsys.readouterr()
-        return ended.value.code, out, err
-
-    return run
+    return partial(run_omma, "eye")
 
 
 def test_rescale_command(omma_eye):
