@@ -1,0 +1,126 @@
+// What the rays of a packet bring: trace, surfaces, background, and on behind surfaces that let
+// light through. Included by block.cpp alone, once per instruction set.
+#pragma once
+
+#include "backend/embree/packet.h"
+#include "kernel/path.h"
+
+namespace omma::OMMA_ISA {
+namespace {
+
+// Index of the mesh that each lane hit, -1 for none.
+void find_meshes(const EmbreeTracer& tracer, const RTCHit16& hit, std::int32_t (&mesh)[lanes]) {
+  for (int l = 0; l < lanes; l += lane_width) {
+    const Ints geometry = load<Ints>(hit.geomID + l), instance = load<Ints>(hit.instID[0] + l);
+    const Ints top = instance < 0 ? geometry : instance;  // an invalid id is -1
+    const Ints found = gather(tracer.mesh_of_geometry.data(), top < 0 ? top * 0 : top);
+    const Ints result = geometry < 0 ? geometry : found;
+    __builtin_memcpy(mesh + l, &result, sizeof result);
+  }
+}
+
+// Mesh by mesh: mostly all lanes see the same one.
+void eval_surfaces(const SceneView& scene, const RTCHit16& hit, const std::int32_t (&mesh)[lanes],
+                   PacketLight& light) {
+  unsigned left = 0;
+  for (int l = 0; l < lanes; l += lane_width) left |= lane_bits(load<Ints>(mesh + l) >= 0) << l;
+  while (left != 0) {
+    const std::int32_t current = mesh[__builtin_ctz(left)];
+    unsigned members = 0;
+    for (int l = 0; l < lanes; l += lane_width)
+      members |= lane_bits(load<Ints>(mesh + l) == current) << l;
+    left &= ~members;
+    for (int l = 0; l < lanes; l += lane_width) {
+      if ((members >> l & ((1u << lane_width) - 1)) == 0) continue;
+      const Ints is_member = load<Ints>(mesh + l) == current;
+      // Lanes of other meshes, and without a hit, hold anything; they go through as zeros.
+      const Ints triangle = load<Ints>(hit.primID + l) & is_member;
+      const Ints u = load<Ints>(hit.u + l) & is_member, v = load<Ints>(hit.v + l) & is_member;
+      const SurfaceLight<Floats> s =
+          eval_surface(scene, scene.meshes[current], triangle, (Floats)u, (Floats)v);
+      for (int c = 0; c < channel_count; ++c)
+        store(light.channel[c] + l, is_member ? s.channel[c] : load<Floats>(light.channel[c] + l));
+      store(light.alpha + l, is_member ? s.alpha : load<Floats>(light.alpha + l));
+    }
+  }
+}
+
+// Background of all lanes at once.
+void background_radiance(const SceneView& scene, const RTCRay16& ray,
+                         float (&out)[channel_count][lanes]) {
+  switch (scene.background.type) {
+    case BackgroundType::constant:
+      for (int l = 0; l < lanes; ++l) {
+        out[0][l] = scene.background.color.x;
+        out[1][l] = scene.background.color.y;
+        out[2][l] = scene.background.color.z;
+      }
+      return;
+    case BackgroundType::simple_sky:
+      for (int l = 0; l < lanes; ++l) {
+        const Radiance r = eval_simple_sky({ray.dir_x[l], ray.dir_y[l], ray.dir_z[l]});
+        for (int c = 0; c < channel_count; ++c) out[c][l] = r.channel[c];
+      }
+      return;
+    case BackgroundType::test_pattern:
+    case BackgroundType::image:
+      for (int l = 0; l < lanes; ++l) {
+        const Radiance r = eval_background(scene, {ray.dir_x[l], ray.dir_y[l], ray.dir_z[l]});
+        for (int c = 0; c < channel_count; ++c) out[c][l] = r.channel[c];
+      }
+      return;
+  }
+}
+
+// Opaque scenes: one trace, one surface or the background.
+void shade_opaque(const BlockContext& context, Packet& packet, const int* valid,
+                  IntersectArguments& arguments) {
+  prepare(packet.rays);
+  intersect_16(context.tracer->scene, valid, packet.rays, arguments);
+  alignas(64) std::int32_t mesh[lanes];
+  find_meshes(*context.tracer, packet.rays.hit, mesh);
+  unsigned misses = 0;
+  for (int l = 0; l < lanes; l += lane_width) misses |= lane_bits(load<Ints>(mesh + l) < 0) << l;
+  if (misses != 0) background_radiance(*context.scene, packet.rays.ray, packet.light.channel);
+  eval_surfaces(*context.scene, packet.rays.hit, mesh, packet.light);
+}
+
+// Scenes with surfaces that let light through: on behind each, until nothing gets through.
+void shade_blended(const BlockContext& context, Packet& packet, const int* valid,
+                   IntersectArguments& arguments) {
+  Path paths[lanes];
+  alignas(64) float background[channel_count][lanes];
+  alignas(64) int active[lanes];
+  for (int l = 0; l < lanes; ++l) active[l] = valid[l];
+  bool any = true;
+  while (any) {
+    prepare(packet.rays);
+    intersect_16(context.tracer->scene, active, packet.rays, arguments);
+    background_radiance(*context.scene, packet.rays.ray, background);
+    alignas(64) std::int32_t mesh[lanes];
+    find_meshes(*context.tracer, packet.rays.hit, mesh);
+    eval_surfaces(*context.scene, packet.rays.hit, mesh, packet.light);
+    any = false;
+    for (int l = 0; l < lanes; ++l) {
+      if (active[l] == 0) continue;
+      if (mesh[l] < 0) {
+        add_background(paths[l], {{background[0][l], background[1][l], background[2][l]}});
+        active[l] = 0;
+        continue;
+      }
+      SurfaceLight<float> light;
+      for (int c = 0; c < channel_count; ++c) light.channel[c] = packet.light.channel[c][l];
+      light.alpha = packet.light.alpha[l];
+      const bool on = add_surface(paths[l], light);
+      active[l] = on ? -1 : 0;
+      any = any || on;
+      packet.rays.ray.tnear[l] = step_behind(packet.rays.ray.tfar[l]);
+    }
+  }
+  for (int l = 0; l < lanes; ++l)
+    for (int c = 0; c < channel_count; ++c)
+      packet.light.channel[c][l] = paths[l].radiance.channel[c];
+}
+
+}  // namespace
+}  // namespace omma::OMMA_ISA
