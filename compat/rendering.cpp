@@ -48,6 +48,7 @@ Mat4 without_scale(Mat4 pose) {
 
 RenderSettings settings_for(const State& state, int samples) {
   RenderSettings settings;
+  settings.footprints = false;  // CompoundRay reads textures point by point
   settings.samples = samples;
   settings.kernel = state.kernel;
   settings.sampling = Sampling::random;

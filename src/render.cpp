@@ -125,7 +125,7 @@ void Renderer::State::prepare_eye(State& s, Eye eye, RenderSettings settings,
     s.view.background = s.background->data.view;
     const auto start = Clock::now();
     s.directions = make_direction_tables(s.eye, s.settings, known);
-    s.eye_arrays = make_eye_arrays(s.eye, s.directions);
+    s.eye_arrays = make_eye_arrays(s.eye, s.directions, s.settings);
     s.times.directions_s = seconds_since(start);
   });
 }

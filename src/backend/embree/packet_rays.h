@@ -55,10 +55,10 @@ void make_frames(const EyeArrays& eye, const BlockTask& task, Frames& frames) {
 
 // One ommatidium as a ray source: its frame with the scramble's turn about the axis applied.
 struct RaySource {
-  float origin[3], axis[3], s[3], t[3], t_near;
+  float origin[3], axis[3], s[3], t[3], t_near, footprint_rad;
 };
 
-RaySource make_ray_source(const Frames& frames, int i, Vec2 turn) {
+RaySource make_ray_source(const Frames& frames, int i, Vec2 turn, float footprint_rad) {
   RaySource source;
   for (int r = 0; r < 3; ++r) {
     source.origin[r] = frames.origin[r][i];
@@ -67,6 +67,7 @@ RaySource make_ray_source(const Frames& frames, int i, Vec2 turn) {
     source.t[r] = frames.t[r][i] * turn.x - frames.s[r][i] * turn.y;
   }
   source.t_near = frames.t_near[i];
+  source.footprint_rad = footprint_rad;
   return source;
 }
 
@@ -76,7 +77,8 @@ __attribute__((always_inline)) inline float without_noise(float component) {
   return component < 1e-9f && component > -1e-9f ? 0.0f : component;
 }
 
-// Writes lanes [first, first + count) from local directions.
+// Writes lanes [first, first + count) from local directions. The ray's id holds the bits of its
+// footprint's width (rad), where the candidate filter finds it too.
 __attribute__((always_inline)) inline void write_rays(RTCRay16& ray, const RaySource& source,
                                                       const float* x, const float* y,
                                                       const float* z, int first, int count) {
@@ -89,6 +91,7 @@ __attribute__((always_inline)) inline void write_rays(RTCRay16& ray, const RaySo
     ray.dir_y[l] = without_noise(source.s[1] * x[k] + source.t[1] * y[k] + source.axis[1] * z[k]);
     ray.dir_z[l] = without_noise(source.s[2] * x[k] + source.t[2] * y[k] + source.axis[2] * z[k]);
     ray.tnear[l] = source.t_near;
+    ray.id[l] = static_cast<unsigned>(bits_of(source.footprint_rad));
   }
 }
 
@@ -127,8 +130,10 @@ __attribute__((always_inline)) inline void for_each_packet(const BlockContext& c
     const std::uint32_t warp = context.eye->warp.data()[task.first + i];
     const std::uint64_t hash =
         scramble_hash(pose_bits, context.eye->ommatidium.data()[task.first + i]);
+    const float footprint_rad = context.eye->footprint_rad.data()[task.first + i];
     for (int scramble = 0; scramble < context.scrambles; ++scramble) {
-      const RaySource source = make_ray_source(frames, i, find_turn(tables, hash, scramble));
+      const RaySource source =
+          make_ray_source(frames, i, find_turn(tables, hash, scramble), footprint_rad);
       DirectionPattern pattern;
       if (tables.patterns > 0) pattern = find_pattern(tables, warp, hash, scramble);
       for (int sample = 0; sample < tables.samples;) {
