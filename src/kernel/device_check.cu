@@ -10,11 +10,11 @@ namespace omma {
 
 __global__ void device_check(SceneView scene, AcceptanceWarpView warp, float* out) {
   const unsigned i = threadIdx.x;
-  const std::uint64_t scramble = scramble_hash(pose_hash(0, blockIdx.x), i);
-  const double u0 = unit_interval(static_cast<std::uint64_t>(owen_scramble(sobol_0(i), scramble))
-                                  << 32);
-  const double u1 = unit_interval(static_cast<std::uint64_t>(owen_scramble(sobol_1(i), scramble))
-                                  << 32);
+  const std::uint64_t scramble = hash_combine(pose_hash(0, blockIdx.x), i);
+  const double u0 =
+      unit_interval(static_cast<std::uint64_t>(owen_scramble(sobol_0(i), scramble)) << 32);
+  const double u1 =
+      unit_interval(static_cast<std::uint64_t>(owen_scramble(sobol_1(i), scramble)) << 32);
   const Vec3 direction =
       to_float(sample_acceptance(warp, normal_quantile(u0), normal_quantile(u1)));
   const auto trace = [&](float t_near_m, SurfaceHit& hit, float& t_m) {
@@ -24,8 +24,8 @@ __global__ void device_check(SceneView scene, AcceptanceWarpView warp, float* ou
   };
   const Radiance radiance = eval_path(scene, direction, 0, trace);
   for (int c = 0; c < channel_count; ++c) out[channel_count * i + c] = radiance.channel[c];
-  const LocalDirection<float> random = sample_random_direction<float>(
-      out, static_cast<std::uint32_t>(scramble), static_cast<std::uint32_t>(scramble >> 32), i);
+  const LocalDirection<float> random =
+      sample_random_direction<float>(out, 0, scramble_hash(ommatidium_hash(scramble, i), 0u), i);
   out[channel_count * blockDim.x + i] =
       random.x + random.y + random.z +
       static_cast<float>(acceptance_pdf(warp, direction.z) +

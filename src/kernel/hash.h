@@ -26,9 +26,28 @@ OMMA_HD std::uint64_t pose_hash(std::uint64_t seed, std::uint64_t pose) {
   return hash_combine(mix_bits(seed ^ 0x6f6d6d61ull), pose);
 }
 
-// The scrambles of one ommatidium at one pose.
-OMMA_HD std::uint64_t scramble_hash(std::uint64_t pose_bits, std::uint64_t ommatidium) {
-  return hash_combine(pose_bits, ommatidium);
+// A bijective mixer of 32 bits with little bias (C. Wellons, Prospecting for hash functions, 2018),
+// any number of lanes.
+template <typename U>
+OMMA_HD U mix_bits_32(U x) {
+  x ^= x >> 16;
+  x *= 0x7feb352du;
+  x ^= x >> 15;
+  x *= 0x846ca68bu;
+  return x ^ (x >> 16);
+}
+
+// All of one ommatidium's at one pose.
+template <typename U>
+OMMA_HD U ommatidium_hash(std::uint64_t pose_bits, U ommatidium) {
+  const U first = mix_bits_32(ommatidium ^ static_cast<std::uint32_t>(pose_bits));
+  return mix_bits_32(first + static_cast<std::uint32_t>(pose_bits >> 32));
+}
+
+// Of one scramble of the ommatidium, where its directions are made on the way.
+template <typename U>
+OMMA_HD U scramble_hash(U ommatidium_bits, U scramble) {
+  return mix_bits_32(ommatidium_bits + scramble * 0x9e3779b9u);
 }
 
 // Uniform in (0, 1) from the upper 32 bits.

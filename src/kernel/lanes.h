@@ -4,6 +4,7 @@
 // here.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 
@@ -33,6 +34,12 @@ OMMA_HD Color<F> operator*(const Color<F>& p, F s) {
   return {p.r * s, p.g * s, p.b * s, p.a * s};
 }
 
+// Two neighbours in memory, for each lane.
+template <typename T>
+struct Pair {
+  T first, second;
+};
+
 template <typename F>
 OMMA_HD F broadcast(float x) {
   return F{} + x;
@@ -47,6 +54,11 @@ OMMA_HD float to_float(std::int32_t i) {
 template <typename T>
 OMMA_HD T gather(const T* base, std::int32_t index) {
   return base[index];
+}
+// base[2 * index] and the one behind it.
+template <typename T>
+OMMA_HD Pair<T> gather_pair(const T* base, std::int32_t index) {
+  return {base[2 * index], base[2 * index + 1]};
 }
 OMMA_HD float sqrt_lanes(float x) {
   return sqrtf(x);
@@ -136,12 +148,31 @@ OMMA_HD Floats gather(const float* base, Ints i) {
 OMMA_HD Ints gather(const std::int32_t* base, Ints i) {
   return (Ints)_mm512_mask_i32gather_epi32(_mm512_setzero_si512(), 0xffff, (__m512i)i, base, 4);
 }
+// A gather costs by the element, whatever its size: pairs as 64-bit elements cost half.
+OMMA_HD Pair<Ints> gather_pairs_of_bits(const void* base, Ints i) {
+  const __m512i zero = _mm512_setzero_si512();
+  const __m256i low = _mm512_maskz_extracti64x4_epi64(0xf, (__m512i)i, 0);
+  const __m256i high = _mm512_maskz_extracti64x4_epi64(0xf, (__m512i)i, 1);
+  const Ints a = (Ints)_mm512_mask_i32gather_epi64(zero, 0xff, low, base, 8);
+  const Ints b = (Ints)_mm512_mask_i32gather_epi64(zero, 0xff, high, base, 8);
+  return {__builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30),
+          __builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31)};
+}
 #elif defined(__AVX2__)
 OMMA_HD Floats gather(const float* base, Ints i) {
   return (Floats)_mm256_i32gather_ps(base, (__m256i)i, 4);
 }
 OMMA_HD Ints gather(const std::int32_t* base, Ints i) {
   return (Ints)_mm256_i32gather_epi32(base, (__m256i)i, 4);
+}
+// A gather costs by the element, whatever its size: pairs as 64-bit elements cost half.
+OMMA_HD Pair<Ints> gather_pairs_of_bits(const void* base, Ints i) {
+  const auto* pairs = static_cast<const long long*>(base);
+  const __m256i index = (__m256i)i;
+  const Ints a = (Ints)_mm256_i32gather_epi64(pairs, _mm256_castsi256_si128(index), 8);
+  const Ints b = (Ints)_mm256_i32gather_epi64(pairs, _mm256_extracti128_si256(index, 1), 8);
+  return {__builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14),
+          __builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15)};
 }
 #else
 OMMA_HD Floats gather(const float* base, Ints i) {
@@ -150,7 +181,24 @@ OMMA_HD Floats gather(const float* base, Ints i) {
 OMMA_HD Ints gather(const std::int32_t* base, Ints i) {
   return Ints{base[i[0]], base[i[1]], base[i[2]], base[i[3]]};
 }
+OMMA_HD Pair<Ints> gather_pairs_of_bits(const void* base, Ints i) {
+  const auto pair = [&](int lane) {
+    std::int64_t bits;
+    memcpy(&bits, static_cast<const char*>(base) + 8 * static_cast<std::ptrdiff_t>(i[lane]), 8);
+    return bits;
+  };
+  using Wide = std::int64_t __attribute__((vector_size(16)));
+  const Ints a = (Ints)Wide{pair(0), pair(1)}, b = (Ints)Wide{pair(2), pair(3)};
+  return {__builtin_shufflevector(a, b, 0, 2, 4, 6), __builtin_shufflevector(a, b, 1, 3, 5, 7)};
+}
 #endif
+OMMA_HD Pair<Ints> gather_pair(const std::int32_t* base, Ints i) {
+  return gather_pairs_of_bits(base, i);
+}
+OMMA_HD Pair<Floats> gather_pair(const float* base, Ints i) {
+  const Pair<Ints> bits = gather_pairs_of_bits(base, i);
+  return {float_of(bits.first), float_of(bits.second)};
+}
 #endif
 
 // The greatest integer not above x, |x| < 2^31; the same steps for one lane and for many.

@@ -4,19 +4,10 @@
 #pragma once
 
 #include "kernel/acceptance.h"
+#include "kernel/hash.h"
 #include "kernel/lanes.h"
 
 namespace omma {
-
-// A bijective mixer of 32 bits with little bias (C. Wellons, Prospecting for hash functions, 2018).
-template <typename U>
-OMMA_HD U mix_bits_32(U x) {
-  x ^= x >> 16;
-  x *= 0x7feb352du;
-  x ^= x >> 15;
-  x *= 0x846ca68bu;
-  return x ^ (x >> 16);
-}
 
 // Natural logarithm of a positive normal number: the mantissa in [sqrt(1/2), sqrt(2)) through the
 // series of 2 artanh t, whose next term is below 1e-9.
@@ -60,13 +51,14 @@ struct LocalDirection {
   F x, y, z;  // z along the axis
 };
 
-// `polar`: [AcceptanceWarpView::intervals + 1][theta, dtheta], as AcceptanceWarpView has them.
-// `index`: number of the sample, `hash_low` and `hash_high`: of its estimate.
-template <typename F, typename U>
-OMMA_HD LocalDirection<F> sample_random_direction(const float* polar, std::uint32_t hash_low,
-                                                  std::uint32_t hash_high, U index) {
-  const U key = mix_bits_32(index ^ hash_low);
-  const U first = mix_bits_32(key + hash_high), second = mix_bits_32(first ^ (hash_low + key));
+// `polar`: [warp][AcceptanceWarpView::intervals + 1][theta, dtheta], as AcceptanceWarpView has
+// them; `warp_begin`: where the warp's begin in it. `index`: number of the sample, `hash`: of its
+// scramble.
+template <typename F, typename I, typename U>
+OMMA_HD LocalDirection<F> sample_random_direction(const float* polar, I warp_begin, U hash,
+                                                  U index) {
+  const U key = mix_bits_32(index ^ hash);
+  const U first = mix_bits_32(key + 0x9e3779b9u), second = mix_bits_32(first ^ (hash + key));
   // In (0, 1), with all 32 bits where it is small, which is where the radius is large.
   const F u = to_float(int_of(first >> 16)) * 0x1p-16f +
               (to_float(int_of(first & 0xffffu)) + 0.5f) * 0x1p-32f;
@@ -74,12 +66,11 @@ OMMA_HD LocalDirection<F> sample_random_direction(const float* polar, std::uint3
   constexpr auto knots_per_radius =
       static_cast<float>(AcceptanceWarpView::intervals / AcceptanceWarpView::r_max);
   const F knot = r * knots_per_radius;  // r is under 6.7, so this stays inside
-  const auto i = to_int(knot);
-  const F t = knot - to_float(i), t2 = t * t, t3 = t2 * t;
-  const F theta = gather(polar, i * 2) * (2.0f * t3 - 3.0f * t2 + 1.0f) +
-                  gather(polar, i * 2 + 1) * (t3 - 2.0f * t2 + t) +
-                  gather(polar, i * 2 + 2) * (3.0f * t2 - 2.0f * t3) +
-                  gather(polar, i * 2 + 3) * (t3 - t2);
+  const I whole = to_int(knot), i = warp_begin + whole * 2;
+  const F t = knot - to_float(whole), t2 = t * t, t3 = t2 * t;
+  const F theta = gather(polar, i) * (2.0f * t3 - 3.0f * t2 + 1.0f) +
+                  gather(polar, i + 1) * (t3 - 2.0f * t2 + t) +
+                  gather(polar, i + 2) * (3.0f * t2 - 2.0f * t3) + gather(polar, i + 3) * (t3 - t2);
   // (-1, 1) pi, from the upper 24 bits.
   const F azimuth = (to_float(int_of(second >> 8)) + 0.5f) * (0x1p-23f * 3.14159265f) - 3.14159265f;
   const SineCosine<F> p = sine_cosine(theta), a = sine_cosine(azimuth);

@@ -13,13 +13,13 @@ OMMA_HD Color<F> load_texel(const TextureView& texture, I x, I y) {
   const I texel = y * texture.width + x;
   if (texture.linear16 != nullptr) {
     // A texel is two words of two components each.
-    const I red_green = gather(texture.linear16, texel * 2);
-    const I blue_alpha = gather(texture.linear16, texel * 2 + 1);
-    return {to_float(red_green & 0xffff), to_float((red_green >> 16) & 0xffff),
-            to_float(blue_alpha & 0xffff), to_float((blue_alpha >> 16) & 0xffff)};
+    const Pair<I> words = gather_pair(texture.linear16, texel);
+    return {to_float(words.first & 0xffff), to_float((words.first >> 16) & 0xffff),
+            to_float(words.second & 0xffff), to_float((words.second >> 16) & 0xffff)};
   }
-  return {gather(texture.linear, texel * 4), gather(texture.linear, texel * 4 + 1),
-          gather(texture.linear, texel * 4 + 2), gather(texture.linear, texel * 4 + 3)};
+  const Pair<F> red_green = gather_pair(texture.linear, texel * 2);
+  const Pair<F> blue_alpha = gather_pair(texture.linear, texel * 2 + 1);
+  return {red_green.first, red_green.second, blue_alpha.first, blue_alpha.second};
 }
 
 // Texture coordinate to texel units, in [0, size]. Coordinates are bounded (backend/shading_data),
