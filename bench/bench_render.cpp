@@ -104,8 +104,6 @@ Setup make_hills(const Eye& eye) {
           pose_from_quaternion({0, height(0, 0) + 2.0, 0}, 0, 0, 0, 1)};
 }
 
-constexpr int block_rays = 512;
-
 // What a Renderer holds inside, and its blocks at one pose.
 struct Prepared {
   std::unique_ptr<ShadingData> shading;

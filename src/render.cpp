@@ -130,7 +130,8 @@ void Renderer::State::prepare_eye(State& s, Eye eye, RenderSettings settings,
   });
 }
 
-Renderer::Renderer(std::shared_ptr<const Scene> scene, Eye eye, RenderSettings settings)
+Renderer::Renderer(std::shared_ptr<const Scene> scene, Eye eye, RenderSettings settings,
+                   const std::function<bool(double)>& progress)
     : state_(std::make_unique<State>()) {
   if (scene == nullptr) throw Error("scene: expected a scene, found a null pointer");
   check_settings(settings);
@@ -138,17 +139,18 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, Eye eye, RenderSettings s
   validate_eye(eye);
   State& s = *state_;
   State::prepare_threads(s, settings);
-  s.arena->execute([&] {
+  const auto build = [&](WorkState& work) {
     auto built = std::make_shared<BuiltScene>();
     built->scene = std::move(scene);
     const auto start = Clock::now();
     built->shading = make_shading_data(*built->scene);
     s.times.scene_s = seconds_since(start);
     const auto before_tracer = Clock::now();
-    built->tracer = make_embree_tracer(*built->scene, built->shading->view);
+    built->tracer = make_embree_tracer(*built->scene, built->shading->view, &work);
     s.times.acceleration_s = seconds_since(before_tracer);
     s.built = std::move(built);
-  });
+  };
+  run_watched(progress, [&](WorkState& work) { s.arena->execute([&] { build(work); }); });
   State::prepare_eye(s, std::move(eye), std::move(settings));
 }
 
@@ -197,7 +199,7 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
   BlockContext context{s.built->tracer.get(), &s.view, &s.eye_arrays, &s.directions, 1};
   if (!call.standard_error.empty()) context.scrambles = error_scrambles;
   const int rays_each = s.settings.samples * context.scrambles;
-  const int per_block = std::clamp(512 / rays_each, 1, block_capacity / context.scrambles);
+  const int per_block = std::clamp(block_rays / rays_each, 1, block_capacity / context.scrambles);
   const std::size_t blocks =
       (ommatidia + static_cast<std::size_t>(per_block) - 1) / static_cast<std::size_t>(per_block);
   const auto run_task = [&](std::size_t index) {

@@ -54,7 +54,7 @@ Eye rays_of_pixels(const Picture& picture, std::size_t first, std::size_t count)
     }
     // A digital shift keeps the points as evenly spread as they are, and differs from pixel to
     // pixel so that what is left of an error is noise and not a pattern.
-    const std::uint64_t shift = scramble_hash(pose_hash(seed, 0), pixel);
+    const std::uint64_t shift = hash_combine(pose_hash(seed, 0), pixel);
     for (const Bits2 point : picture.points) {
       const double x = (point.x ^ static_cast<std::uint32_t>(shift)) * 0x1p-32;
       const double y = (point.y ^ static_cast<std::uint32_t>(shift >> 32)) * 0x1p-32;

@@ -11,15 +11,15 @@ namespace omma {
 
 // The eye as the hot loop reads it, in an order along which neighbours in memory are neighbours in
 // direction. Frames: head. All arrays [ommatidium],
-// the floats with a packet's width of zeros behind, which vector loops may read.
+// with a packet's width of zeros behind, which vector loops may read.
 struct EyeArrays {
   std::vector<float> origin_x, origin_y, origin_z;  // m, position - axis * focal offset
   std::vector<float> axis_x, axis_y, axis_z;        // unit
   std::vector<float> side_x, side_y, side_z;        // unit, across the axis
   std::vector<float> focal_offset_m;
-  std::vector<float> footprint_rad;       // width of each ray (kernel/footprint.h)
-  std::vector<std::uint32_t> warp;        // index into DirectionTables::warps
-  std::vector<std::uint32_t> ommatidium;  // index in the Eye
+  std::vector<float> footprint_rad;      // width of each ray (kernel/footprint.h)
+  std::vector<std::int32_t> warp;        // index into DirectionTables::warps
+  std::vector<std::int32_t> ommatidium;  // index in the Eye
 };
 
 EyeArrays make_eye_arrays(const Eye& eye, const DirectionTables& directions,

@@ -134,18 +134,14 @@ DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& sett
   return tables;
 }
 
-void make_directions(const DirectionTables& tables, std::uint32_t warp, std::uint64_t hash,
-                     int scramble, int first, int count, float* x, float* y, float* z) {
-  const AcceptanceWarpView acceptance = view(tables.warps[warp]);
-  const std::uint64_t scrambled = hash_combine(hash, static_cast<std::uint64_t>(scramble));
-  for (int j = 0; j < count; ++j) {
-    const auto index = static_cast<std::uint32_t>(first + j);
-    const Vec3d p = scrambled_normals(index, scrambled);
-    const Vec3 d = to_float(sample_acceptance(acceptance, p.x, p.y));
-    x[j] = d.x;
-    y[j] = d.y;
-    z[j] = d.z;
-  }
+void make_direction(const DirectionTables& tables, int warp, std::uint32_t scramble_hash, int index,
+                    float& x, float& y, float& z) {
+  const Vec3d p = scrambled_normals(static_cast<std::uint32_t>(index), mix_bits(scramble_hash));
+  const Vec3 d =
+      to_float(sample_acceptance(view(tables.warps[static_cast<std::size_t>(warp)]), p.x, p.y));
+  x = d.x;
+  y = d.y;
+  z = d.z;
 }
 
 }  // namespace omma

@@ -96,9 +96,8 @@ std::vector<Polar> from_tables(Kernel kernel, double acceptance_rad) {
 }
 
 Polar random_polar(const DirectionTables& tables, std::uint64_t hash, std::uint32_t index) {
-  const LocalDirection<float> d =
-      sample_random_direction<float>(find_polar(tables, 0), static_cast<std::uint32_t>(hash),
-                                     static_cast<std::uint32_t>(hash >> 32), index);
+  const LocalDirection<float> d = sample_random_direction<float>(
+      tables.polar.data(), 0, static_cast<std::uint32_t>(hash), index);
   // Through the half angle the length is off by up to four times what its sine and cosine are, and
   // that for the azimuth too; those are off by a few 6e-8.
   EXPECT_NEAR(d.x * d.x + d.y * d.y + d.z * d.z, 1, 3e-6);
@@ -120,7 +119,7 @@ std::vector<Polar> on_the_fly(Kernel kernel, Sampling sampling, double acceptanc
       continue;
     }
     float x = 0, y = 0, z = 0;
-    make_directions(tables, 0, hash, i % 8, index, 1, &x, &y, &z);
+    make_direction(tables, 0, static_cast<std::uint32_t>(hash), index, x, y, z);
     result.push_back(polar(x, y, z));
   }
   return result;

@@ -11,52 +11,86 @@
 namespace omma::OMMA_ISA {
 namespace {
 
-// What each single ray brought, where the caller asks; there is one scramble then.
-void keep_rays(const BlockContext& context, const BlockTask& task, const Packet& packet) {
-  for (int r = 0; r < packet.run_count; ++r) {
-    const Run run = packet.runs[r];
-    const std::size_t ommatidium = context.eye->ommatidium.data()[task.first + run.unit];
-    const std::size_t first = ommatidium * static_cast<std::size_t>(context.directions->samples) +
-                              static_cast<std::size_t>(run.sample);
-    float* out = task.ray_radiance + first * channel_count;
-    for (int l = 0; l < run.count; ++l)
-      for (int c = 0; c < channel_count; ++c) *out++ = packet.light.channel[c][run.first + l];
+// Radiance of single rays, where units are shorter than a packet: summed when the block is done.
+struct ShortUnits {
+  alignas(64) float channel[channel_count][block_rays + lanes];
+};
+
+// Adds what lanes [first, end) brought to one unit's sums, always in the same order.
+__attribute__((always_inline)) inline void add_lanes(const PacketLight& light, int first, int end,
+                                                     double (&sums)[channel_count]) {
+  for (int c = 0; c < channel_count; ++c) {
+    using Quad = float __attribute__((vector_size(16)));
+    alignas(64) float x[lanes];
+    for (int l = 0; l < lanes; l += lane_width) {
+      const Ints lane = lane_numbers() + l;
+      store(x + l, lane >= first && lane < end ? load<Floats>(light.channel[c] + l)
+                                               : broadcast<Floats>(0.0f));
+    }
+    const Quad quad =
+        (load<Quad>(x) + load<Quad>(x + 8)) + (load<Quad>(x + 4) + load<Quad>(x + 12));
+    sums[c] += (quad[0] + quad[1]) + (quad[2] + quad[3]);
   }
 }
 
-// Traces and shades what the packet holds and adds it to the sums of its estimates, always in the
-// same order.
-void trace_and_add(const BlockContext& context, const BlockTask& task, Packet& packet,
-                   double (*sums)[channel_count], IntersectArguments& arguments) {
-  alignas(64) static constexpr int all[lanes] = {-1, -1, -1, -1, -1, -1, -1, -1,
-                                                 -1, -1, -1, -1, -1, -1, -1, -1};
-  alignas(64) int some[lanes];
-  const int* valid = all;
-  if (packet.filled < lanes) {
-    for (int l = 0; l < lanes; ++l) some[l] = l < packet.filled ? -1 : 0;
-    valid = some;
+// What each single ray brought, where the caller asks; there is one scramble then.
+void keep_rays(const BlockContext& context, const BlockTask& task, const PacketPlace& place,
+               const Packet& packet) {
+  const int samples = context.directions->samples;
+  int unit = place.unit, sample = place.sample;
+  for (int l = 0; l < place.filled; ++l) {
+    const std::size_t ommatidium =
+        static_cast<std::size_t>(context.eye->ommatidium.data()[task.first + unit]);
+    float* out = task.ray_radiance + (ommatidium * static_cast<std::size_t>(samples) +
+                                      static_cast<std::size_t>(sample)) *
+                                         channel_count;
+    for (int c = 0; c < channel_count; ++c) out[c] = packet.light.channel[c][l];
+    if (++sample < samples) continue;
+    sample = 0;
+    ++unit;
   }
-  if (context.scene->has_blend)
-    shade_blended(context, packet, valid, arguments);
-  else
-    shade_opaque(context, packet, valid, arguments);
-  for (int r = 0; r < packet.run_count; ++r) {
-    const Run run = packet.runs[r];
-    for (int c = 0; c < channel_count; ++c) {
-      const float* x = packet.light.channel[c] + run.first;
-      float sum = 0;
-      if (run.count == lanes) {
-        using Quad = float __attribute__((vector_size(16)));
-        const Quad quad =
-            (load<Quad>(x) + load<Quad>(x + 8)) + (load<Quad>(x + 4) + load<Quad>(x + 12));
-        sum = (quad[0] + quad[1]) + (quad[2] + quad[3]);
-      } else {
-        for (int l = 0; l < run.count; ++l) sum += x[l];
-      }
-      sums[run.unit][c] += sum;
+}
+
+// Traces and shades units, into their sums.
+void trace_units(const BlockContext& context, const BlockTask& task, const DirectionTables& tables,
+                 const UnitList& list, double (*sums)[channel_count]) {
+  Units units;
+  make_units(context, task, tables, list, units);
+  const bool is_short = tables.samples < lanes;
+  ShortUnits rays;
+  int traced = 0;
+  IntersectArguments arguments;
+  Packet packet;
+  clear(packet);
+  for_each_packet(tables, units, list.count, packet, [&](const PacketPlace& place) {
+    alignas(64) int valid[lanes];
+    for (int l = 0; l < lanes; ++l) valid[l] = l < place.filled ? -1 : 0;
+    if (context.scene->has_blend)
+      shade_blended(context, packet, valid, arguments);
+    else
+      shade_opaque(context, packet, valid, arguments);
+    if (is_short) {
+      for (int c = 0; c < channel_count; ++c)
+        __builtin_memcpy(rays.channel[c] + traced, packet.light.channel[c],
+                         sizeof packet.light.channel[c]);
+      traced += lanes;
+    } else {
+      const int left = tables.samples - place.sample, in_first = left < lanes ? left : lanes;
+      add_lanes(packet.light, 0, in_first < place.filled ? in_first : place.filled,
+                sums[place.unit]);
+      if (in_first < place.filled)
+        add_lanes(packet.light, in_first, place.filled, sums[place.unit + 1]);
     }
-  }
-  if (task.ray_radiance != nullptr) keep_rays(context, task, packet);
+    if (task.ray_radiance != nullptr) keep_rays(context, task, place, packet);
+  });
+  if (!is_short) return;
+  for (int u = 0; u < list.count; u += lane_width)
+    for (int c = 0; c < channel_count; ++c) {
+      const Ints first = (lane_numbers() + u) * tables.samples;
+      Floats sum = gather(rays.channel[c], first);
+      for (int k = 1; k < tables.samples; ++k) sum += gather(rays.channel[c], first + k);
+      for (int l = 0; l < lane_width && u + l < list.count; ++l) sums[u + l][c] = sum[l];
+    }
 }
 
 // Responses from the sums of a block: the mean over all scrambles and, where asked for, its
@@ -89,17 +123,21 @@ void reduce(const BlockContext& context, const BlockTask& task,
 
 void render_block(const BlockContext& context, const BlockTask& task) {
   const DenormalsAreZero denormals_are_zero;
+  const UnitList all{nullptr, 0, context.scrambles, task.count * context.scrambles};
   double sums[block_capacity][channel_count];
-  for (int u = 0; u < task.count * context.scrambles; ++u)
+  for (int u = 0; u < all.count; ++u)
     for (double& sum : sums[u]) sum = 0;
-  IntersectArguments arguments;
-  for_each_packet(context, task,
-                  [&](Packet& packet) { trace_and_add(context, task, packet, sums, arguments); });
+  trace_units(context, task, *context.directions, all, sums);
   reduce(context, task, sums);
 }
 
 void prepare_block(const BlockContext& context, const BlockTask& task, RTCRayHit16* packets) {
-  for_each_packet(context, task, [&](Packet& packet) {
+  const UnitList all{nullptr, 0, context.scrambles, task.count * context.scrambles};
+  Units units;
+  make_units(context, task, *context.directions, all, units);
+  Packet packet;
+  clear(packet);
+  for_each_packet(*context.directions, units, all.count, packet, [&](const PacketPlace&) {
     prepare(packet.rays);
     *packets++ = packet.rays;
   });

@@ -11,8 +11,10 @@
 
 namespace omma {
 
-// Most ommatidia in one block.
+// Most ommatidia in one block, times their scrambles.
 inline constexpr int block_capacity = 256;
+// Rays that a block has about; it has no more where an ommatidium has less than a packet's.
+inline constexpr int block_rays = 512;
 
 // Everything that stays the same between frames.
 struct BlockContext {

@@ -12,13 +12,6 @@ namespace {
 
 constexpr int lanes = 16;
 
-// What the lanes of one packet add to: consecutive lanes of one estimate.
-struct Run {
-  int unit;  // ommatidium in the block * scrambles + scramble
-  int first, count;
-  int sample;  // of the first lane
-};
-
 struct PacketLight {
   alignas(64) float channel[channel_count][lanes];
   alignas(64) float alpha[lanes];
@@ -27,9 +20,6 @@ struct PacketLight {
 struct Packet {
   RTCRayHit16 rays;
   PacketLight light;
-  Run runs[lanes];
-  int run_count = 0;
-  int filled = 0;
 };
 
 template <typename Vector, typename T>
@@ -39,18 +29,33 @@ __attribute__((always_inline)) inline Vector load(const T* p) {
   return v;
 }
 
-template <typename Vector>
-__attribute__((always_inline)) inline void store(float* p, Vector v) {
+template <typename Vector, typename T>
+__attribute__((always_inline)) inline void store(T* p, Vector v) {
   __builtin_memcpy(p, &v, sizeof v);
 }
 
+// Lane l of the result is p[index[l]], 0 <= index[l] < lane_width.
+__attribute__((always_inline)) inline Floats pick(const float* p, Ints index) {
+#if defined(__AVX512F__)
+  return (Floats)_mm512_maskz_permutexvar_ps(0xffff, (__m512i)index, (__m512)load<Floats>(p));
+#elif defined(__AVX2__)
+  return (Floats)_mm256_permutevar8x32_ps((__m256)load<Floats>(p), (__m256i)index);
+#else
+  return gather(p, index);
+#endif
+}
+
+__attribute__((always_inline)) inline Ints lane_numbers() {
+  Ints number;
+  for (int l = 0; l < lane_width; ++l) number[l] = l;
+  return number;
+}
+
+// What is the same for all rays.
 void clear(Packet& packet) {
   for (int l = 0; l < lanes; ++l) {
-    // A last packet may stay part empty: its idle lanes still go through the vector loops.
-    packet.rays.ray.dir_x[l] = packet.rays.ray.dir_y[l] = packet.rays.ray.dir_z[l] = 0;
     packet.rays.ray.time[l] = 0;
     packet.rays.ray.mask[l] = 0xffffffffu;
-    packet.rays.ray.id[l] = static_cast<unsigned>(l);
     packet.rays.ray.flags[l] = 0;
   }
 }

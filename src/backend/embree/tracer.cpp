@@ -3,6 +3,7 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "kernel/surface.h"
@@ -14,8 +15,12 @@ namespace {
 // Embree inverts transforms in single precision; smaller determinants would underflow there.
 constexpr double least_determinant = 1e-30;
 
-// About 150 MB of geometry and acceleration structure.
+// About 75 MB of acceleration structure.
 constexpr std::size_t most_copied_triangles = std::size_t(1) << 20;
+
+// Beyond, memory counts for more than the last sixth of speed: the acceleration structure would be
+// 57 bytes a triangle, and 31 more while it is built; compact it is 33.
+constexpr std::size_t most_fast_triangles = std::size_t(1) << 22;
 
 void check(RTCDevice device, const char* doing) {
   const RTCError code = rtcGetDeviceError(device);
@@ -44,22 +49,35 @@ void filter_candidates(const RTCFilterFunctionNArguments* args) {
   }
 }
 
-// A triangle geometry, its vertices transformed.
+bool is_identity(const Mat4& t) {
+  const Mat4 identity;
+  for (int r = 0; r < 4; ++r)
+    for (int c = 0; c < 4; ++c)
+      if (t.m[r][c] != identity.m[r][c]) return false;
+  return true;
+}
+
+// A triangle geometry, its vertices transformed. Embree reads the Scene's own triangles, and its
+// vertices where they stay where they are.
 RTCGeometry make_geometry(EmbreeTracer& tracer, const Mesh& mesh, std::int32_t mesh_index,
                           const Mat4& placed, const SceneView& view) {
   RTCGeometry geometry = rtcNewGeometry(tracer.device, RTC_GEOMETRY_TYPE_TRIANGLE);
   const std::size_t vertices = mesh.positions.size(), triangles = mesh.triangles.size();
-  auto* position = static_cast<Vec3*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3), vertices));
-  auto* index = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), triangles));
-  check(tracer.device, "making room for a mesh");
-  oneapi::tbb::parallel_for(std::size_t{0}, vertices, [&](std::size_t i) {
-    position[i] = to_float(transform_point(placed, to_double(mesh.positions[i])));
-  });
-  oneapi::tbb::parallel_for(std::size_t{0}, triangles, [&](std::size_t i) {
-    for (std::size_t k = 0; k < 3; ++k) index[3 * i + k] = mesh.triangles[i][k];
-  });
+  // Embree loads 16 bytes for a vertex of 12, so memory must follow the last one.
+  if (is_identity(placed) && mesh.positions.capacity() > vertices) {
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                               mesh.positions.data(), 0, sizeof(Vec3), vertices);
+  } else {
+    auto* position = static_cast<Vec3*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3), vertices));
+    check(tracer.device, "making room for a mesh");
+    oneapi::tbb::parallel_for(std::size_t{0}, vertices, [&](std::size_t i) {
+      position[i] = to_float(transform_point(placed, to_double(mesh.positions[i])));
+    });
+  }
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                             mesh.triangles.data(), 0, sizeof(mesh.triangles[0]), triangles);
+  check(tracer.device, "taking a mesh");
   if (may_reject(view.materials[view.meshes[mesh_index].material])) {
     tracer.filters.push_back(std::make_unique<FilterData>(FilterData{&view, mesh_index}));
     rtcSetGeometryUserData(geometry, tracer.filters.back().get());
@@ -71,12 +89,51 @@ RTCGeometry make_geometry(EmbreeTracer& tracer, const Mesh& mesh, std::int32_t m
 
 // Robust: without it two rays in a million slip between triangles that share an edge, and a closed
 // surround of radiance 1 would not give 1. It costs a tenth in light scenes, nothing in heavy ones.
-RTCScene new_scene(RTCDevice device) {
+// Compact, for large scenes: half the memory and none for building, traced a sixth slower.
+RTCScene new_scene(RTCDevice device, bool compact) {
   RTCScene scene = rtcNewScene(device);
-  if (scene != nullptr) rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  if (scene != nullptr)
+    rtcSetSceneFlags(
+        scene, compact ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_ROBUST);
   check(device, "making a scene");
   return scene;
 }
+
+// Building, watched: each scene is a part of the work as large as its triangles.
+struct Build {
+  RTCDevice device;
+  WorkState* work;                         // or null
+  double finished = 0, part = 0, all = 1;  // triangles: of scenes built, of this one, of all
+
+  void commit(RTCScene scene, std::size_t triangles) {
+    part = static_cast<double>(triangles);
+    if (work != nullptr) rtcSetSceneProgressMonitorFunction(scene, go_on, this);
+    rtcCommitScene(scene);
+    if (work != nullptr) rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
+    if (work != nullptr && work->cancelled) throw Cancelled();
+    check(device, "building the acceleration structure");
+    finished += part;
+  }
+
+  // Called by any of Embree's threads with the share of the scene that is built.
+  static bool go_on(void* build, double share) {
+    const auto& b = *static_cast<const Build*>(build);
+    b.work->share = (b.finished + share * b.part) / b.all;
+    return !b.work->cancelled;
+  }
+};
+
+// Scenes of meshes used several times, [mesh] or null; the instances hold them in the end.
+struct SharedScenes {
+  std::vector<RTCScene> of_mesh;
+  explicit SharedScenes(std::size_t meshes) : of_mesh(meshes, nullptr) {}
+  SharedScenes(const SharedScenes&) = delete;
+  SharedScenes& operator=(const SharedScenes&) = delete;
+  ~SharedScenes() {
+    for (RTCScene scene : of_mesh)
+      if (scene != nullptr) rtcReleaseScene(scene);
+  }
+};
 
 void attach(EmbreeTracer& tracer, RTCScene scene, RTCGeometry geometry, std::int32_t mesh) {
   const unsigned id = rtcAttachGeometry(scene, geometry);
@@ -93,14 +150,14 @@ EmbreeTracer::~EmbreeTracer() {
   if (device != nullptr) rtcReleaseDevice(device);
 }
 
-std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const SceneView& view) {
+std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const SceneView& view,
+                                                 WorkState* work) {
   auto tracer = std::make_unique<EmbreeTracer>();
   tracer->device = rtcNewDevice(nullptr);
   if (tracer->device == nullptr) check(nullptr, "starting");
   const auto version = rtcGetDeviceProperty(tracer->device, RTC_DEVICE_PROPERTY_VERSION);
   tracer->name = "embree " + std::to_string(version / 10000) + "." +
                  std::to_string(version / 100 % 100) + "." + std::to_string(version % 100);
-  tracer->scene = new_scene(tracer->device);
 
   // Copies of small meshes trace up to three times as fast as instances, whose boxes overlap in
   // grass and foliage; where copies would take much memory, meshes are instanced.
@@ -111,16 +168,28 @@ std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const Scene
     if (uses[m] > 1)
       copied_triangles += static_cast<std::size_t>(uses[m]) * scene.meshes[m].triangles.size();
   const bool share = copied_triangles > most_copied_triangles;
+  std::size_t built_triangles = 0;
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m)
+    built_triangles += scene.meshes[m].triangles.size() *
+                       static_cast<std::size_t>(share ? std::min(uses[m], 1) : uses[m]);
+  const bool compact = built_triangles > most_fast_triangles;
+  Build build{tracer->device, work};
+  build.all = static_cast<double>(std::max<std::size_t>(built_triangles, 1));
+  tracer->scene = new_scene(tracer->device, compact);
 
-  // Meshes used several times: once each, in a scene of their own.
-  std::vector<RTCScene> shared(scene.meshes.size(), nullptr);
-  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
-    if (!share || uses[m] < 2 || scene.meshes[m].triangles.empty()) continue;
-    shared[m] = new_scene(tracer->device);
+  // A mesh in a scene of its own, to be instanced.
+  SharedScenes shared_scenes(scene.meshes.size());
+  std::vector<RTCScene>& shared = shared_scenes.of_mesh;
+  const auto build_shared = [&](std::size_t m) {
+    shared[m] = new_scene(tracer->device, compact);
     const auto mesh = static_cast<std::int32_t>(m);
     attach(*tracer, shared[m], make_geometry(*tracer, scene.meshes[m], mesh, {}, view), mesh);
-    rtcCommitScene(shared[m]);
-  }
+    build.commit(shared[m], scene.meshes[m].triangles.size());
+  };
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m)
+    if (share && uses[m] > 1 && !scene.meshes[m].triangles.empty()) build_shared(m);
+
+  std::size_t placed_triangles = 0;
 
   for (const Instance& instance : scene.instances) {
     const auto m = static_cast<std::size_t>(instance.mesh);
@@ -134,14 +203,10 @@ std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const Scene
     if (!invertible || (shared[m] == nullptr && det > 0)) {
       attach(*tracer, tracer->scene, make_geometry(*tracer, mesh, instance.mesh, t, view),
              instance.mesh);
+      placed_triangles += mesh.triangles.size();
       continue;
     }
-    if (shared[m] == nullptr) {
-      shared[m] = new_scene(tracer->device);
-      attach(*tracer, shared[m], make_geometry(*tracer, mesh, instance.mesh, {}, view),
-             instance.mesh);
-      rtcCommitScene(shared[m]);
-    }
+    if (shared[m] == nullptr) build_shared(m);
     RTCGeometry geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(geometry, shared[m]);
     float columns[12];
@@ -151,10 +216,7 @@ std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const Scene
     rtcCommitGeometry(geometry);
     attach(*tracer, tracer->scene, geometry, instance.mesh);
   }
-  rtcCommitScene(tracer->scene);
-  for (RTCScene s : shared)
-    if (s != nullptr) rtcReleaseScene(s);  // the instances hold them
-  check(tracer->device, "building the acceleration structure");
+  build.commit(tracer->scene, placed_triangles);
   return tracer;
 }
 

@@ -9,6 +9,7 @@
 
 #include "backend/embree/embree_api.h"
 #include "backend/shading_data.h"
+#include "model/long_work.h"
 #include "omma/scene.h"
 
 namespace omma {
@@ -34,7 +35,9 @@ struct EmbreeTracer {
   std::string name;  // e.g. "embree 3.13.5"
 };
 
-// Throws omma::Error where Embree fails, out of memory for instance.
-std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const SceneView& view);
+// Refers to the Scene's vertices and triangles, which must outlive it unchanged. Throws omma::Error
+// where Embree fails, out of memory for instance, and omma::Cancelled where `work` is cancelled.
+std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const SceneView& view,
+                                                 WorkState* work = nullptr);
 
 }  // namespace omma
