@@ -13,10 +13,11 @@ class Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Thrown out of a render whose progress callback returned false. Outputs are then incomplete.
+// Thrown out of a render, or out of loading or building a scene, whose progress callback returned
+// false. Outputs are then incomplete.
 class Cancelled : public std::runtime_error {
  public:
-  Cancelled() : std::runtime_error("the render was cancelled") {}
+  Cancelled() : std::runtime_error("the work was cancelled") {}
 };
 
 }  // namespace omma

@@ -65,8 +65,11 @@ struct CameraSettings;  // camera.h
 
 class Renderer {
  public:
-  // Builds the acceleration structure and the direction tables; throws omma::Error.
-  Renderer(std::shared_ptr<const Scene> scene, Eye eye, RenderSettings settings = {});
+  // Builds the acceleration structure and the direction tables; throws omma::Error. The scene must
+  // stay as it is: its arrays are read from where they are. `progress` is told of the finished
+  // share of the acceleration structure as in RenderCall; false throws omma::Cancelled.
+  Renderer(std::shared_ptr<const Scene> scene, Eye eye, RenderSettings settings = {},
+           const std::function<bool(double)>& progress = {});
   // Another eye, or other settings, in the same scene: shares its acceleration structure, so that
   // only the direction tables are made. Lives on when `same_scene` is gone.
   Renderer(const Renderer& same_scene, Eye eye, RenderSettings settings = {});

@@ -1,6 +1,10 @@
 // Accessors of glTF 2.0 (section 3.6.2) as plain arrays.
 #include "io/gltf_accessor.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -73,35 +77,50 @@ Out converted(const std::uint8_t* from, bool normalized) {
   return static_cast<Out>(value);
 }
 
-template <typename T, typename Out>
-void read_elements(const GltfAccessor& accessor, std::vector<Out>& out) {
-  const std::size_t components = accessor.components;
-  const std::size_t size = sizeof(T) * components;
-  if (accessor.has_view) {
-    const std::size_t stride = accessor.byte_stride ? accessor.byte_stride : size;
-    for (std::size_t i = 0; i < accessor.count; ++i)
-      for (std::size_t c = 0; c < components; ++c)
-        out[i * components + c] = converted<T, Out>(
-            accessor.view.data() + accessor.byte_offset + i * stride + c * sizeof(T),
-            accessor.normalized);
+// Elements of a buffer view, component type T.
+template <typename T>
+struct Elements {
+  const std::uint8_t* first;
+  std::size_t stride, components;
+  bool normalized;
+
+  explicit Elements(const GltfAccessor& a)
+      : first(a.view.data() + a.byte_offset),
+        stride(a.byte_stride ? a.byte_stride : sizeof(T) * a.components),
+        components(a.components),
+        normalized(a.normalized) {}
+
+  template <typename Out>
+  void read(std::size_t element, Out* out) const {
+    const std::uint8_t* from = first + element * stride;
+    for (std::size_t c = 0; c < components; ++c)
+      out[c] = converted<T, Out>(from + c * sizeof(T), normalized);
   }
+};
+
+// Calls `use(element, bytes of its value)` for the elements that a sparse accessor replaces.
+template <typename Use>
+void for_each_replaced(const GltfAccessor& accessor, Use use) {
+  if (accessor.sparse_count == 0) return;
+  const std::uint64_t size =
+      component_size(accessor, accessor.component_type) * accessor.components;
   with_component_type(accessor.sparse_index_type, [&](auto zero) {
     using Index = decltype(zero);
+    const std::uint8_t* indices = accessor.sparse_indices.data() + accessor.sparse_indices_offset;
     for (std::size_t i = 0; i < accessor.sparse_count; ++i) {
-      const auto at = converted<Index, std::uint64_t>(
-          accessor.sparse_indices.data() + accessor.sparse_indices_offset + i * sizeof(Index),
-          false);
+      const auto at = converted<Index, std::uint64_t>(indices + i * sizeof(Index), false);
       if (at >= accessor.count)
         throw Error(accessor.place + ": sparse index " + std::to_string(at) + " is past its " +
                     std::to_string(accessor.count) + " elements");
-      for (std::size_t c = 0; c < components; ++c)
-        out[at * components + c] =
-            converted<T, Out>(accessor.sparse_values.data() + accessor.sparse_values_offset +
-                                  i * size + c * sizeof(T),
-                              accessor.normalized);
+      use(at, accessor.sparse_values.data() + accessor.sparse_values_offset + i * size);
     }
   });
 }
+
+// Long arrays are shared by the threads in pieces of this many elements.
+constexpr std::size_t piece = 1 << 16;
+
+using Range = tbb::blocked_range<std::size_t>;
 
 }  // namespace
 
@@ -128,40 +147,94 @@ void check_accessor(const GltfAccessor& accessor) {
               accessor.sparse_count, "sparse values");
 }
 
-std::vector<float> read_floats(const GltfAccessor& accessor) {
-  std::vector<float> values(accessor.count * accessor.components);
-  with_component_type(accessor.component_type,
-                      [&](auto zero) { read_elements<decltype(zero)>(accessor, values); });
-  const auto bad =
-      std::find_if(values.begin(), values.end(), [](float v) { return !std::isfinite(v); });
-  if (bad != values.end())
-    throw Error(
-        accessor.place + ": element " +
-        std::to_string(static_cast<std::size_t>(bad - values.begin()) / accessor.components) +
-        " is not finite (" + std::to_string(*bad) + ")");
-  return values;
+void check_floats(const GltfAccessor& accessor) {
+  const auto fail = [&](std::size_t element, float value) {
+    throw Error(accessor.place + ": element " + std::to_string(element) + " is not finite (" +
+                std::to_string(value) + ")");
+  };
+  for_each_replaced(accessor, [&](std::uint64_t at, const std::uint8_t* bytes) {
+    for (std::size_t c = 0; accessor.component_type == 5126 && c < accessor.components; ++c) {
+      const auto value = converted<float, float>(bytes + c * sizeof(float), false);
+      if (!std::isfinite(value)) fail(at, value);
+    }
+  });
+  if (accessor.component_type != 5126 || !accessor.has_view) return;
+  const Elements<float> elements(accessor);
+  const auto bad_component = [&](std::size_t i) {
+    float values[4];
+    elements.read(i, values);
+    return std::find_if(values, values + elements.components,
+                        [](float v) { return !std::isfinite(v); }) -
+           values;
+  };
+  // The first of all, whichever thread finds one first.
+  const std::size_t bad = tbb::parallel_reduce(
+      Range(0, accessor.count, piece), std::size_t{accessor.count},
+      [&](const Range& range, std::size_t found) {
+        for (std::size_t i = range.begin(); i < std::min(range.end(), found); ++i)
+          if (bad_component(i) < static_cast<std::ptrdiff_t>(elements.components)) return i;
+        return found;
+      },
+      [](std::size_t a, std::size_t b) { return std::min(a, b); });
+  if (bad == accessor.count) return;
+  float values[4];
+  elements.read(bad, values);
+  fail(bad, values[bad_component(bad)]);
 }
 
-std::vector<std::uint32_t> read_indices(const GltfAccessor& accessor) {
+void read_floats(const GltfAccessor& accessor, std::span<const std::uint32_t> which,
+                 std::size_t out_components, float* out) {
+  const std::size_t count = which.empty() ? accessor.count : which.size();
+  with_component_type(accessor.component_type, [&](auto zero) {
+    using T = decltype(zero);
+    if (accessor.has_view) {
+      const Elements<T> elements(accessor);
+      tbb::parallel_for(Range(0, count, piece), [&](const Range& range) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i)
+          elements.read(which.empty() ? i : which[i], out + i * out_components);
+      });
+    } else {
+      for (std::size_t i = 0; i < count; ++i)
+        std::fill_n(out + i * out_components, accessor.components, 0.0f);
+    }
+    for_each_replaced(accessor, [&](std::uint64_t at, const std::uint8_t* bytes) {
+      std::size_t i = at;
+      if (!which.empty()) {
+        const auto found = std::lower_bound(which.begin(), which.end(), at);
+        if (found == which.end() || *found != at) return;
+        i = static_cast<std::size_t>(found - which.begin());
+      }
+      for (std::size_t c = 0; c < accessor.components; ++c)
+        out[i * out_components + c] =
+            converted<T, float>(bytes + c * sizeof(T), accessor.normalized);
+    });
+  });
+}
+
+void read_indices(const GltfAccessor& accessor, std::span<std::uint32_t> out) {
   const int type = accessor.component_type;
   if (accessor.components != 1 || (type != 5121 && type != 5123 && type != 5125))
     throw Error(accessor.place + ": indices must be unsigned integer scalars");
-  std::vector<std::uint32_t> values(accessor.count);
   std::uint32_t restart = 0;
   with_component_type(type, [&](auto zero) {
     using Index = decltype(zero);
     if constexpr (std::is_unsigned_v<Index>) {
       restart = std::numeric_limits<Index>::max();
-      GltfAccessor plain = accessor;
-      plain.normalized = false;
-      read_elements<Index>(plain, values);
+      if (accessor.has_view) {
+        const Elements<Index> elements(accessor);
+        tbb::parallel_for(Range(0, accessor.count, piece), [&](const Range& range) {
+          for (std::size_t i = range.begin(); i < range.end(); ++i) elements.read(i, &out[i]);
+        });
+      }
+      for_each_replaced(accessor, [&](std::uint64_t at, const std::uint8_t* bytes) {
+        out[at] = converted<Index, std::uint32_t>(bytes, false);
+      });
     }
   });
-  const auto bad = std::find(values.begin(), values.end(), restart);
-  if (bad != values.end())
-    throw Error(accessor.place + ": index " + std::to_string(bad - values.begin()) + " is " +
+  const auto bad = std::find(out.begin(), out.end(), restart);
+  if (bad != out.end())
+    throw Error(accessor.place + ": index " + std::to_string(bad - out.begin()) + " is " +
                 std::to_string(restart) + ", the primitive restart value, which glTF forbids");
-  return values;
 }
 
 }  // namespace omma

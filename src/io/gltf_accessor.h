@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <vector>
 
 namespace omma {
 
@@ -33,12 +32,18 @@ struct GltfAccessor {
 // Throws omma::Error where the accessor does not fit its bytes or is of no known type.
 void check_accessor(const GltfAccessor& accessor);
 
-// [element][component]; integers are scaled to [-1, 1] or [0, 1] where normalised. Throws
-// omma::Error where a number is not finite. The accessor is checked already.
-std::vector<float> read_floats(const GltfAccessor& accessor);
+// Throws omma::Error where a number of the accessor is not finite or an element that its sparse
+// part replaces is not there. The accessor is checked already.
+void check_floats(const GltfAccessor& accessor);
 
-// [element], of an unsigned integer type; throws omma::Error for any other and where an element is
-// the type's largest value (primitive restart). The accessor is checked already.
-std::vector<std::uint32_t> read_indices(const GltfAccessor& accessor);
+// The elements listed in `which`, ascending (empty: all), straight from the file's bytes into
+// `out`, `out_components` numbers each; those past the accessor's own stay as they are. Integers
+// are scaled to [-1, 1] or [0, 1] where normalised. Runs on all threads. check_floats has passed.
+void read_floats(const GltfAccessor& accessor, std::span<const std::uint32_t> which,
+                 std::size_t out_components, float* out);
+
+// All elements, of an unsigned integer type; throws omma::Error for any other and where one is the
+// type's largest value (primitive restart). The accessor is checked already.
+void read_indices(const GltfAccessor& accessor, std::span<std::uint32_t> out);
 
 }  // namespace omma

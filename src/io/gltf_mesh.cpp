@@ -20,18 +20,10 @@ const GltfAccessor& accessor_at(const GltfMeshReader& reader, int index, const s
   return accessor;
 }
 
-const std::vector<float>& floats_of(GltfMeshReader& reader, int index) {
-  const auto found = reader.floats.find(index);
-  if (found != reader.floats.end()) return found->second;
-  const GltfAccessor& accessor = reader.accessors[static_cast<std::size_t>(index)];
-  reader.budget.spend(accessor.count, accessor.components * sizeof(float));
-  return reader.floats[index] = read_floats(accessor);
-}
-
-// An attribute of every vertex: its accessor, checked for shape; none where it is not there.
+// An attribute of every vertex: its accessor, checked for shape and numbers; none where it is not
+// there.
 struct Attribute {
   const GltfAccessor* accessor = nullptr;
-  const float* values = nullptr;
   std::size_t components = 0;
 };
 
@@ -45,7 +37,11 @@ Attribute read_attribute(GltfMeshReader& reader, const GltfPrimitive& primitive,
     throw Error(place + ": " + accessor.place + " has " + std::to_string(accessor.components) +
                 " components, expected " + std::to_string(fewest) +
                 (most > fewest ? " or " + std::to_string(most) : ""));
-  return {&accessor, floats_of(reader, found->second).data(), accessor.components};
+  if (reader.has_checked.insert(found->second).second) {
+    reader.budget.spend(accessor.count, accessor.components * sizeof(float));
+    check_floats(accessor);
+  }
+  return {&accessor, accessor.components};
 }
 
 void check_count(const Attribute& attribute, std::uint64_t vertices, const std::string& place,
@@ -55,38 +51,22 @@ void check_count(const Attribute& attribute, std::uint64_t vertices, const std::
                 " elements, POSITION has " + std::to_string(vertices));
 }
 
-// Vertex of each corner before assembly: the indices, or 0, 1, 2 ... where there are none.
-std::vector<std::uint32_t> corners_of(GltfMeshReader& reader, const GltfPrimitive& primitive,
-                                      std::uint64_t vertices) {
-  if (primitive.indices < 0) {
-    reader.budget.spend(vertices, sizeof(std::uint32_t));
-    std::vector<std::uint32_t> corners(vertices);
-    std::iota(corners.begin(), corners.end(), 0u);
-    return corners;
-  }
-  const GltfAccessor& accessor =
-      accessor_at(reader, primitive.indices, primitive.place + ", indices");
-  reader.budget.spend(accessor.count, sizeof(std::uint32_t));
-  std::vector<std::uint32_t> corners = read_indices(accessor);
-  for (std::size_t i = 0; i < corners.size(); ++i)
-    if (corners[i] >= vertices)
-      throw Error(primitive.place + ": index " + std::to_string(i) + " is " +
-                  std::to_string(corners[i]) + ", past its " + std::to_string(vertices) +
-                  " vertices");
-  return corners;
+// Checks what indices name.
+void check_corners(std::span<const std::uint32_t> corners, std::uint64_t vertices,
+                   const std::string& place) {
+  const auto bad = std::find_if(corners.begin(), corners.end(),
+                                [&](std::uint32_t corner) { return corner >= vertices; });
+  if (bad != corners.end())
+    throw Error(place + ": index " + std::to_string(bad - corners.begin()) + " is " +
+                std::to_string(*bad) + ", past its " + std::to_string(vertices) + " vertices");
 }
 
-std::vector<std::array<std::uint32_t, 3>> assemble(int mode,
-                                                   const std::vector<std::uint32_t>& corners) {
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  const std::size_t n = corners.size();
-  if (mode == 4) {
-    triangles.reserve(n / 3);
-    for (std::size_t i = 0; i + 2 < n; i += 3)
-      triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
-    return triangles;
-  }
-  for (std::size_t i = 0; i + 2 < n; ++i) {
+using Triangles = std::vector<std::array<std::uint32_t, 3>>;
+
+// Strips and fans (section 3.7.2.1) from the vertex of each corner.
+Triangles assemble(int mode, const std::vector<std::uint32_t>& corners) {
+  Triangles triangles;
+  for (std::size_t i = 0; i + 2 < corners.size(); ++i) {
     if (mode == 5)  // strip: every other triangle is turned round
       triangles.push_back({corners[i], corners[i + 1 + i % 2], corners[i + 2 - i % 2]});
     else  // fan
@@ -95,10 +75,40 @@ std::vector<std::array<std::uint32_t, 3>> assemble(int mode,
   return triangles;
 }
 
+// The corners are those of the indices, or 0, 1, 2 ... where there are none.
+Triangles read_triangles(GltfMeshReader& reader, const GltfPrimitive& primitive,
+                         std::uint64_t vertices) {
+  const GltfAccessor* indices = primitive.indices < 0 ? nullptr
+                                                      : &accessor_at(reader, primitive.indices,
+                                                                     primitive.place + ", indices");
+  const std::uint64_t count = indices ? indices->count : vertices;
+  if (count < 3 || (primitive.mode == 4 && count % 3 != 0))
+    reader.warnings.add("corners that make no whole triangle are passed over", primitive.place);
+  const bool list = primitive.mode == 4;
+  if (count == 0) return {};
+  reader.budget.spend(count, list ? sizeof(std::uint32_t) : sizeof(std::array<std::uint32_t, 4>));
+
+  // A list of triangles is read into its place; corners beyond the last whole one are dropped then.
+  std::vector<std::uint32_t> corners(list ? 0 : count);
+  Triangles triangles(list ? (count + 2) / 3 : 0);
+  std::uint32_t* first = list ? triangles.data()->data() : corners.data();
+  const std::span<std::uint32_t> all(first, count);
+  if (indices == nullptr) {
+    std::iota(all.begin(), all.end(), 0u);
+  } else {
+    read_indices(*indices, all);
+    check_corners(all, vertices, primitive.place);
+  }
+  if (list)
+    triangles.resize(count / 3);
+  else
+    triangles = assemble(primitive.mode, corners);
+  return triangles;
+}
+
 // Where only few of the vertices are used, the others are dropped and the triangles renumbered.
 // Returns the vertices kept, in order; empty for all.
-std::vector<std::uint32_t> keep_used(std::vector<std::array<std::uint32_t, 3>>& triangles,
-                                     std::uint64_t vertices) {
+std::vector<std::uint32_t> keep_used(Triangles& triangles, std::uint64_t vertices) {
   std::vector<std::uint32_t> used;
   if (vertices <= 6 * triangles.size()) return used;
   used.reserve(3 * triangles.size());
@@ -112,17 +122,18 @@ std::vector<std::uint32_t> keep_used(std::vector<std::array<std::uint32_t, 3>>& 
   return used;
 }
 
-// Calls `make(values)` with the components of each vertex kept.
-template <typename T, typename Make>
+// The attribute of each vertex kept, `fill` where the accessor has fewer components. With room for
+// one more: Embree reads a little beyond the last position.
+template <typename T>
 std::vector<T> gathered(GltfBudget& budget, const Attribute& attribute,
-                        const std::vector<std::uint32_t>& kept, Make make) {
+                        const std::vector<std::uint32_t>& kept, T fill = {}) {
   std::vector<T> result;
   if (!attribute.accessor) return result;
   const std::size_t count = kept.empty() ? attribute.accessor->count : kept.size();
   budget.spend(count, sizeof(T));
-  result.reserve(count);
-  for (std::size_t i = 0; i < count; ++i)
-    result.push_back(make(attribute.values + (kept.empty() ? i : kept[i]) * attribute.components));
+  result.reserve(count + 1);
+  result.resize(count, fill);
+  read_floats(*attribute.accessor, kept, sizeof(T) / sizeof(float), &result.data()->x);
   return result;
 }
 
@@ -176,32 +187,21 @@ bool read_primitive(GltfMeshReader& reader, const GltfPrimitive& primitive, Mesh
   if (vertices > std::numeric_limits<std::uint32_t>::max())
     throw Error(place + ": has " + std::to_string(vertices) + " vertices, more than 32 bits count");
 
-  const std::vector<std::uint32_t> corners = corners_of(reader, primitive, vertices);
-  if (corners.size() < 3 || (primitive.mode == 4 && corners.size() % 3 != 0))
-    reader.warnings.add("corners that make no whole triangle are passed over", place);
-  reader.budget.spend(corners.size(), sizeof(mesh.triangles[0]));
-  mesh.triangles = assemble(primitive.mode, corners);
+  mesh.triangles = read_triangles(reader, primitive, vertices);
   if (mesh.triangles.empty()) return false;
   const std::vector<std::uint32_t> kept = keep_used(mesh.triangles, vertices);
 
-  mesh.positions = gathered<Vec3>(reader.budget, positions, kept, [](const float* v) {
-    return Vec3{v[0], v[1], v[2]};
-  });
+  mesh.positions = gathered<Vec3>(reader.budget, positions, kept);
   for (std::size_t set = 0; set < 2; ++set) {
     const std::string semantic = "TEXCOORD_" + std::to_string(set);
     const Attribute texcoords = read_attribute(reader, primitive, semantic, 2, 2);
     check_count(texcoords, vertices, place, semantic);
-    mesh.texcoords[set] = gathered<Vec2>(reader.budget, texcoords, kept, [](const float* v) {
-      return Vec2{v[0], v[1]};
-    });
+    mesh.texcoords[set] = gathered<Vec2>(reader.budget, texcoords, kept);
   }
   const Attribute colors = read_attribute(reader, primitive, "COLOR_0", 3, 4);
   check_colors(colors, place);
   check_count(colors, vertices, place, "COLOR_0");
-  const bool with_alpha = colors.components == 4;
-  mesh.colors = gathered<Vec4>(reader.budget, colors, kept, [&](const float* v) {
-    return Vec4{v[0], v[1], v[2], with_alpha ? v[3] : 1.0f};
-  });
+  mesh.colors = gathered<Vec4>(reader.budget, colors, kept, Vec4{1, 1, 1, 1});
   warn_of_missing_texcoords(reader, primitive, mesh);
   return true;
 }

@@ -1,9 +1,10 @@
-// Primitives of glTF meshes as indexed triangles. What is read for one primitive is kept for the
-// next: exporters let many primitives share one set of vertices.
+// Primitives of glTF meshes as indexed triangles. Numbers go straight from the file's bytes into
+// the mesh; where many primitives share one set of vertices, each takes those that it uses.
 #pragma once
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -34,7 +35,7 @@ struct GltfMeshReader {
   const std::vector<Material>& materials;
   GltfWarnings& warnings;
   GltfBudget& budget;
-  std::map<int, std::vector<float>> floats = {};  // by accessor, once read
+  std::set<int> has_checked = {};  // accessors whose numbers are known to be finite
 };
 
 // Adds the primitive's triangles; false where it has none (points, lines, no positions).

@@ -1,0 +1,138 @@
+"""Writes a glTF scene of as many triangles as asked for: rolling hills with a checkerboard, indexed
+with 32 bits, for measuring what it takes to load and build large scenes. `.glb`, or `.gltf` with
+its numbers in a `.bin` beside it, by the name's ending. The hills are those of bench_render.cpp.
+
+    python bench/make_large_scene.py 10000000 hills.glb
+"""
+
+from __future__ import annotations
+
+import argparse
+import base64
+import json
+import math
+import struct
+import zlib
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def height_m(x: NDArray[np.float64], z: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Height of the ground, m, at x and z, m."""
+    return (
+        6 * np.sin(0.02 * x) * np.cos(0.017 * z)
+        + 0.7 * np.sin(0.31 * x + 0.2 * z)
+        + 0.2 * np.sin(1.3 * x) * np.sin(1.1 * z)
+    )
+
+
+def hills(cells: int) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.uint32]]:
+    """Positions (V, 3), m, texture coordinates (V, 2) and triangles (T, 3) of a grid over a square
+    kilometre; T is 2 cells^2.
+    """
+    side = np.linspace(-500.0, 500.0, cells + 1)
+    z, x = (a.ravel() for a in np.meshgrid(side, side, indexing="ij"))
+    positions = np.stack([x, height_m(x, z), z], axis=1).astype("<f4")
+    texcoords = np.stack([0.1 * x, 0.1 * z], axis=1).astype("<f4")
+    row, column = (a.ravel() for a in np.indices((cells, cells), dtype=np.uint32))
+    a = row * np.uint32(cells + 1) + column
+    b, c = a + np.uint32(1), a + np.uint32(cells + 1)
+    d = c + np.uint32(1)
+    return positions, texcoords, np.stack([a, c, b, b, c, d], axis=1).reshape(-1, 3).astype("<u4")
+
+
+def checkerboard_png(size: int = 256) -> bytes:
+    """A grey and yellow checkerboard, 8 squares across."""
+    y, x = np.indices((size, size))
+    value = ((x // 32 + y // 32) % 2) * 120 + 60 + (x ^ y) % 32
+    rgb = np.stack([value, value, np.full_like(value, 90)], axis=-1).astype(np.uint8)
+    rows = b"".join(b"\0" + row.tobytes() for row in rgb)
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        size, sum32 = struct.pack(">I", len(data)), struct.pack(">I", zlib.crc32(kind + data))
+        return size + kind + data + sum32
+
+    header = struct.pack(">IIBBBBB", size, size, 8, 2, 0, 0, 0)
+    return (
+        b"\x89PNG\r\n\x1a\n"
+        + chunk(b"IHDR", header)
+        + chunk(b"IDAT", zlib.compress(rows))
+        + chunk(b"IEND", b"")
+    )
+
+
+def write_scene(path: Path, triangles: int) -> int:
+    """Write the scene; the number of triangles that a square grid makes of ``triangles``."""
+    cells = max(1, math.ceil(math.sqrt(triangles / 2)))
+    positions, texcoords, indices = hills(cells)
+    arrays = [positions, texcoords, indices]
+    sizes = [array.nbytes for array in arrays]
+    offsets = np.concatenate([[0], np.cumsum(sizes)]).tolist()
+    image = base64.b64encode(checkerboard_png()).decode()
+    document = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0], "extras": {"background-shader": "simple_sky"}}],
+        "nodes": [{"mesh": 0, "name": "hills"}],
+        "meshes": [
+            {
+                "primitives": [
+                    {"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0}
+                ]
+            }
+        ],
+        "materials": [
+            {"doubleSided": True, "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}
+        ],
+        "textures": [{"source": 0}],
+        "images": [{"uri": "data:image/png;base64," + image, "mimeType": "image/png"}],
+        "accessors": [
+            {
+                "bufferView": 0,
+                "componentType": 5126,
+                "count": len(positions),
+                "type": "VEC3",
+                "min": positions.min(axis=0).tolist(),
+                "max": positions.max(axis=0).tolist(),
+            },
+            {"bufferView": 1, "componentType": 5126, "count": len(texcoords), "type": "VEC2"},
+            {"bufferView": 2, "componentType": 5125, "count": indices.size, "type": "SCALAR"},
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": offset, "byteLength": size}
+            for offset, size in zip(offsets, sizes, strict=False)
+        ],
+        "buffers": [{"byteLength": offsets[-1]}],
+    }
+    binary = path.suffix.lower() == ".glb"
+    if not binary:
+        beside = path.with_suffix(".bin")
+        document["buffers"] = [{"byteLength": offsets[-1], "uri": beside.name}]
+        path.write_text(json.dumps(document))
+        with beside.open("wb") as file:
+            for array in arrays:
+                file.write(array.data)
+        return len(indices)
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    with path.open("wb") as file:
+        file.write(struct.pack("<4sII", b"glTF", 2, 28 + len(text) + offsets[-1]))
+        file.write(struct.pack("<I4s", len(text), b"JSON") + text)
+        file.write(struct.pack("<I4s", offsets[-1], b"BIN\0"))
+        for array in arrays:
+            file.write(array.data)
+    return len(indices)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Write a large scene of rolling hills.")
+    parser.add_argument("triangles", type=int, help="how many, at least")
+    parser.add_argument("file", type=Path, help="hills.glb, or hills.gltf with its .bin")
+    given = parser.parse_args()
+    print(f"{given.file}: {write_scene(given.file, given.triangles):,} triangles")
+
+
+if __name__ == "__main__":
+    main()
