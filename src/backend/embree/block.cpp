@@ -16,9 +16,12 @@ struct ShortUnits {
   alignas(64) float channel[channel_count][block_rays + lanes];
 };
 
+// Radiance summed over the samples of each unit.
+using Sums = double[channel_count][unit_room];
+
 // Adds what lanes [first, end) brought to one unit's sums, always in the same order.
 __attribute__((always_inline)) inline void add_lanes(const PacketLight& light, int first, int end,
-                                                     double (&sums)[channel_count]) {
+                                                     Sums& sums, int unit) {
   for (int c = 0; c < channel_count; ++c) {
     using Quad = float __attribute__((vector_size(16)));
     alignas(64) float x[lanes];
@@ -29,7 +32,7 @@ __attribute__((always_inline)) inline void add_lanes(const PacketLight& light, i
     }
     const Quad quad =
         (load<Quad>(x) + load<Quad>(x + 8)) + (load<Quad>(x + 4) + load<Quad>(x + 12));
-    sums[c] += (quad[0] + quad[1]) + (quad[2] + quad[3]);
+    sums[c][unit] += (quad[0] + quad[1]) + (quad[2] + quad[3]);
   }
 }
 
@@ -53,7 +56,7 @@ void keep_rays(const BlockContext& context, const BlockTask& task, const PacketP
 
 // Traces and shades units, into their sums.
 void trace_units(const BlockContext& context, const BlockTask& task, const DirectionTables& tables,
-                 const UnitList& list, double (*sums)[channel_count]) {
+                 const UnitList& list, Sums& sums) {
   Units units;
   make_units(context, task, tables, list, units);
   const bool is_short = tables.samples < lanes;
@@ -76,10 +79,10 @@ void trace_units(const BlockContext& context, const BlockTask& task, const Direc
       traced += lanes;
     } else {
       const int left = tables.samples - place.sample, in_first = left < lanes ? left : lanes;
-      add_lanes(packet.light, 0, in_first < place.filled ? in_first : place.filled,
-                sums[place.unit]);
+      add_lanes(packet.light, 0, in_first < place.filled ? in_first : place.filled, sums,
+                place.unit);
       if (in_first < place.filled)
-        add_lanes(packet.light, in_first, place.filled, sums[place.unit + 1]);
+        add_lanes(packet.light, in_first, place.filled, sums, place.unit + 1);
     }
     if (task.ray_radiance != nullptr) keep_rays(context, task, place, packet);
   });
@@ -89,31 +92,45 @@ void trace_units(const BlockContext& context, const BlockTask& task, const Direc
       const Ints first = (lane_numbers() + u) * tables.samples;
       Floats sum = gather(rays.channel[c], first);
       for (int k = 1; k < tables.samples; ++k) sum += gather(rays.channel[c], first + k);
-      for (int l = 0; l < lane_width && u + l < list.count; ++l) sums[u + l][c] = sum[l];
+      using Doubles = double __attribute__((vector_size(8 * lane_width)));
+      const Doubles wide = __builtin_convertvector(sum, Doubles);
+      __builtin_memcpy(sums[c] + u, &wide, sizeof wide);
     }
 }
 
-// Responses from the sums of a block: the mean over all scrambles and, where asked for, its
-// standard error from their spread.
-void reduce(const BlockContext& context, const BlockTask& task,
-            const double (*sums)[channel_count]) {
+// Responses from the sums of a block: the mean over all scrambles.
+void reduce(const BlockContext& context, const BlockTask& task, const Sums& sums) {
+  const int scrambles = context.scrambles;
+  const double share = 1.0 / (static_cast<double>(context.directions->samples) * scrambles);
+  float means[channel_count][block_capacity];
+  for (int c = 0; c < channel_count; ++c)
+    for (int i = 0; i < task.count; ++i) {
+      double sum = sums[c][i * scrambles];
+      for (int r = 1; r < scrambles; ++r) sum += sums[c][i * scrambles + r];
+      means[c][i] = static_cast<float>(sum * share);
+    }
+  const std::int32_t* ommatidium = context.eye->ommatidium.data() + task.first;
+  for (int i = 0; i < task.count; ++i) {
+    float* out = task.responses + std::int64_t{ommatidium[i]} * channel_count;
+    for (int c = 0; c < channel_count; ++c) out[c] = means[c][i];
+  }
+}
+
+// Standard errors of the responses, from the spread of the scrambles.
+void reduce_errors(const BlockContext& context, const BlockTask& task, const Sums& sums) {
   const double samples = context.directions->samples;
   const int scrambles = context.scrambles;
   for (int i = 0; i < task.count; ++i) {
-    const std::size_t out =
-        static_cast<std::size_t>(context.eye->ommatidium.data()[task.first + i]) * channel_count;
+    const std::int64_t ommatidium = context.eye->ommatidium.data()[task.first + i];
     for (int c = 0; c < channel_count; ++c) {
-      double mean = 0;
-      for (int r = 0; r < scrambles; ++r) mean += sums[i * scrambles + r][c];
-      mean /= samples * scrambles;
-      task.responses[out + static_cast<std::size_t>(c)] = static_cast<float>(mean);
-      if (task.standard_error == nullptr) continue;
-      double squares = 0;
+      double mean = 0, squares = 0;
+      for (int r = 0; r < scrambles; ++r) mean += sums[c][i * scrambles + r] / samples;
+      mean /= scrambles;
       for (int r = 0; r < scrambles; ++r) {
-        const double d = sums[i * scrambles + r][c] / samples - mean;
+        const double d = sums[c][i * scrambles + r] / samples - mean;
         squares += d * d;
       }
-      task.standard_error[out + static_cast<std::size_t>(c)] =
+      task.standard_error[ommatidium * channel_count + c] =
           static_cast<float>(sqrt(squares / (scrambles * (scrambles - 1.0))));
     }
   }
@@ -124,11 +141,12 @@ void reduce(const BlockContext& context, const BlockTask& task,
 void render_block(const BlockContext& context, const BlockTask& task) {
   const DenormalsAreZero denormals_are_zero;
   const UnitList all{nullptr, 0, context.scrambles, task.count * context.scrambles};
-  double sums[block_capacity][channel_count];
-  for (int u = 0; u < all.count; ++u)
-    for (double& sum : sums[u]) sum = 0;
+  Sums sums;
+  for (auto& channel : sums)
+    for (int u = 0; u < all.count; ++u) channel[u] = 0;
   trace_units(context, task, *context.directions, all, sums);
   reduce(context, task, sums);
+  if (task.standard_error != nullptr) reduce_errors(context, task, sums);
 }
 
 void prepare_block(const BlockContext& context, const BlockTask& task, RTCRayHit16* packets) {
