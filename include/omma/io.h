@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 
@@ -16,6 +17,9 @@ struct SceneOptions {
   // With ColorRule::compoundray materials are what CompoundRay makes of them: opaque, seen from
   // both sides, without emission, their textures repeated, filtered and not transformed.
   ColorRule color_rule = ColorRule::gltf;
+  // Called from the calling thread several times a second with the finished share (0 to 1);
+  // false ends the loading, which then throws omma::Cancelled.
+  std::function<bool(double)> progress = nullptr;
 };
 
 // A glTF 2.0 file, .gltf or .glb. Cameras come in the order of the scene's nodes: roots by index,

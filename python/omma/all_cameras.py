@@ -7,6 +7,7 @@ import re
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from omma import _core
@@ -16,7 +17,7 @@ from omma.cameras import camera_eye, camera_projection, display, picture_size, r
 from omma.files import PathLike, check_target, load_scene, make_directory
 from omma.picture_files import paint_of_projection
 from omma.projections import LISTS, Picture, projection_size
-from omma.renderer import Progress, Renderer
+from omma.renderer import BUILDING, READING, Progress, Renderer
 from omma.rendering import Stage
 
 _LONGEST_NAME = 100
@@ -85,8 +86,8 @@ def render_all_cameras(
     """
     tell: Stage = progress if progress is not None else lambda stage, share: None
     start = time.perf_counter()
-    tell("Reading the scene", None)
-    world = load_scene(scene, scene_index)
+    tell(READING, None)
+    world = load_scene(scene, scene_index, progress=partial(tell, READING))
     cameras = world.cameras
     if not cameras:
         raise Error(f"{world.path}: has no camera")
@@ -106,7 +107,6 @@ def render_all_cameras(
         if warning is not None and projection is None:
             warnings.append(warning)
         projection_size(of_camera, shown[-1], *_size(shown[-1], width, height))
-    tell("Building the acceleration structure", None)
     renderer = Renderer(
         world,
         Eye([[0, 0, 0]], [[0, 0, -1]], 0.0),
@@ -116,6 +116,7 @@ def render_all_cameras(
         sampling=sampling,
         threads=threads,
         background=parse_background(background) if isinstance(background, str) else background,
+        progress=partial(tell, BUILDING),
     )
     target = Path(os.fsdecode(folder))
     make_directory(target)

@@ -14,9 +14,10 @@ from omma.all_cameras import render_all_cameras
 from omma.cli_eye import eye_app
 from omma.cli_measure import measure_app
 from omma.cli_report import camera_lines, report_lines
-from omma.cli_working import fail, interruptible, working
+from omma.cli_working import fail, working
 from omma.info import describe_file
 from omma.projections import PROJECTIONS
+from omma.renderer import READING
 from omma.rendering import SUFFIXES, render_file
 
 RENDER_HELP = """
@@ -263,8 +264,8 @@ def info(
     unit: UnitOption = None,
 ) -> None:
     """Say what is in a scene or an eye file."""
-    with interruptible():
-        lines = describe_file(file, "mm" if unit is None else unit)
+    with working() as bar:
+        lines = describe_file(file, "mm" if unit is None else unit, bar.share_of(READING))
     for what, value in lines:
         print(f"{what:<16} {value}")
 

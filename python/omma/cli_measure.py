@@ -12,9 +12,10 @@ from numpy.typing import ArrayLike
 
 from omma import _core
 from omma._core import Error, Eye, Scene
-from omma.cli_working import working
+from omma.cli_working import DelayedBar, working
 from omma.files import check_target, load_eye, load_scene
 from omma.poses import Matrices, load_poses, poses_from_angles
+from omma.renderer import BUILDING, READING, Renderer
 from omma.sampling_plots import (
     load_matplotlib,
     save_alias_curves,
@@ -29,6 +30,7 @@ from omma.sampling_tools import (
     Method,
     alias_curve,
     rays_per_ommatidium,
+    scene_renderer,
     solid_angles_sr,
     variance_map,
 )
@@ -170,7 +172,7 @@ def min_samples_command(
             where = Cylinder(cylinder[:3], *cylinder[3:])
         else:
             where = load_poses(path)  # type: ignore[arg-type]
-        world = load_scene(scene)
+        world = _open(scene, threads, bar)
         eyes = [(name, load_eye(name, unit)) for name in eye or ()]
         found = [
             minimum_samples(
@@ -222,7 +224,7 @@ def variance_map_command(
     write = _check_outputs(output, ".npy", ".csv", ".png")
     with working() as bar:
         found = variance_map(
-            load_scene(scene),
+            _open(scene, threads, bar),
             centre,
             size,
             steps=steps,
@@ -269,8 +271,8 @@ def aliasing_command(
     write = _check_outputs(output, ".csv", ".png")
     rays = [2**k for k in range(max(1, most_rays).bit_length())]
     with working() as bar:
-        world, head = load_scene(scene), _head(eye, unit)
-        pose = _pose(world, camera, position)
+        world, head = _open(scene, threads, bar), _head(eye, unit)
+        pose = _pose(world.scene, camera, position)
         curves = {
             method: alias_curve(
                 world,
@@ -319,7 +321,8 @@ def speed_command(
     except ValueError:
         raise Error(f"rays: expected whole numbers separated by commas, found '{rays}'") from None
     with working() as bar:
-        world, head = load_scene(scene), _head(eye, unit)
+        world = load_scene(scene, progress=bar.share_of(READING))
+        head = _head(eye, unit)
         found = measure_speed(
             world,
             head,
@@ -339,6 +342,12 @@ def speed_command(
     for n, alone, batch in zip(counts, found.frames_per_s, found.batch_frames_per_s, strict=True):
         print(f"{n:>6}  {alone:>10,.1f}  {batch:>11,.1f}")
     _say_written(write)
+
+
+def _open(scene: Path, threads: int, bar: DelayedBar) -> Renderer:
+    """A renderer of the scene, to make others from."""
+    world = load_scene(scene, progress=bar.share_of(READING))
+    return scene_renderer(world, threads, bar.share_of(BUILDING))
 
 
 def _head(files: Sequence[Path], unit: str) -> Eye:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 
 import typer
 from rich.console import Console
@@ -59,6 +60,10 @@ class DelayedBar:
             total=None if share is None else 1.0,
             completed=share or 0.0,
         )
+
+    def share_of(self, stage: str) -> Callable[[float], None]:
+        """Takes the finished share of that stage."""
+        return partial(self.show, stage)
 
     def __enter__(self) -> DelayedBar:
         if self._wanted:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import os
 import uuid
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from io import BufferedWriter
 from pathlib import Path
 from types import TracebackType
@@ -37,9 +37,15 @@ def metres_per_unit(unit: str | float) -> float:
 
 
 def load_scene(
-    path: PathLike, scene_index: int | None = None, *, color_rule: str = "gltf"
+    path: PathLike,
+    scene_index: int | None = None,
+    *,
+    color_rule: str = "gltf",
+    progress: Callable[[float], object] | None = None,
 ) -> Scene:
     """Read a glTF 2.0 scene, `.gltf` or `.glb`.
+
+    Other Python threads run meanwhile, and Ctrl-C stops the work within a second.
 
     Args:
         path: the file.
@@ -49,14 +55,18 @@ def load_scene(
             CompoundRay: vertex colours to the power 2.2 in place of all else, or else the factor
             times the texture to the power 2.2; everything opaque and seen from both sides
             (BrainsOnBoard/compound-ray, libEyeRenderer3/shaders.cu).
+        progress: called with the finished share (0 to 1), roughly, a few times a second. What it
+            raises ends the loading and is raised here.
 
     Raises:
         omma.Error: the file is missing, broken or needs an extension that is not supported; it
             names the file and what is wrong. What was only passed over is in ``Scene.warnings``.
+        KeyboardInterrupt: Ctrl-C.
     """
     if scene_index is not None and scene_index < 0:
         raise Error(f"scene_index: expected 0 or more, found {scene_index}")
-    return _core.load_scene(path, -1 if scene_index is None else scene_index, color_rule)
+    index = -1 if scene_index is None else scene_index
+    return _core.load_scene(path, index, color_rule, progress)
 
 
 def load_eye(path: PathLike, unit: str | float = "mm") -> Eye:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -29,14 +30,16 @@ def is_scene_file(path: PathLike) -> bool:
         return False
 
 
-def describe_file(path: PathLike, unit: str | float = "mm") -> Lines:
-    """What is in a scene or an eye file.
+def describe_file(
+    path: PathLike, unit: str | float = "mm", progress: Callable[[float], object] | None = None
+) -> Lines:
+    """What is in a scene or an eye file; ``progress`` is told how much of a scene is read.
 
     Raises:
         omma.Error: the file cannot be read.
     """
     if is_scene_file(path):
-        return describe_scene(load_scene(path))
+        return describe_scene(load_scene(path, progress=progress))
     return describe_eye(load_eye(path, unit))
 
 

@@ -19,6 +19,9 @@ Responses = NDArray[np.float32]
 Poses = ArrayLike | tuple[ArrayLike, ArrayLike] | str
 Progress = Callable[[float], object]
 
+# What tools that report stages call the first two.
+READING, BUILDING = "Reading the scene", "Building the acceleration structure"
+
 # render_iter's buffer: big enough to keep all threads busy, small enough to forget about.
 _CHUNK_BYTES = 32 << 20
 
@@ -42,6 +45,8 @@ class Renderer:
         sampling: "low_discrepancy" (Owen-scrambled Sobol points, Owen 1995) or "random".
         threads: 0 takes one per hardware thread.
         background: instead of the scene's own.
+        progress: called with the finished share (0 to 1) of the acceleration structure a few times
+            a second. What it raises ends the building and is raised here; so does Ctrl-C.
 
     Raises:
         omma.Error: an argument is out of its range.
@@ -59,6 +64,7 @@ class Renderer:
         sampling: str = "low_discrepancy",
         threads: int = 0,
         background: Background | None = None,
+        progress: Progress | None = None,
     ) -> None:
         _expect(scene, Scene, "scene", "omma.load_scene gives one")
         eye = _one_eye(eye)
@@ -67,7 +73,7 @@ class Renderer:
         self._scene = scene
         self._background = background
         self._engine = _core.Renderer(
-            scene, eye, *_settings(samples, seed, kernel, sampling, threads), background
+            scene, eye, *_settings(samples, seed, kernel, sampling, threads), background, progress
         )
 
     def with_eye(

@@ -6,6 +6,7 @@ import os
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -36,7 +37,7 @@ from omma.files import (
 )
 from omma.picture_files import PngWriter, paint_of_projection, paint_side_by_side
 from omma.poses import Matrices, load_poses, poses_from_angles
-from omma.renderer import Renderer
+from omma.renderer import BUILDING, READING, Renderer
 
 SUFFIXES = (".npy", ".csv", ".png")
 
@@ -143,8 +144,8 @@ def render_file(
         raise Error("look_at: needs a position to look from")
     eye_paths = [eyes] if isinstance(eyes, (str, os.PathLike)) else list(eyes)
     start = time.perf_counter()
-    tell("Reading the scene", None)
-    world = load_scene(scene, scene_index)
+    tell(READING, None)
+    world = load_scene(scene, scene_index, progress=partial(tell, READING))
     node = _camera(world, camera, chosen, bool(eye_paths))
     backdrop = parse_background(background) if isinstance(background, str) else background
     if node is not None and not eye_paths and node.type != "compound":
@@ -155,10 +156,15 @@ def render_file(
         }
         _check_picture_arguments(node, names, [name for name, given in of_eyes.items() if given])
         size = picture_size(node, width, height)
-        tell("Building the acceleration structure", None)
         nothing = Eye(np.zeros((1, 3)), [[0, 0, -1]], 0.0)
         renderer = Renderer(
-            world, nothing, samples=samples, seed=seed, threads=threads, background=backdrop
+            world,
+            nothing,
+            samples=samples,
+            seed=seed,
+            threads=threads,
+            background=backdrop,
+            progress=partial(tell, BUILDING),
         )
         return _render_picture(renderer, node, names, size, gamma, start, tell)
     tell("Reading the eye", None)
@@ -172,7 +178,6 @@ def render_file(
             warnings += [] if warning is None else [warning]
     elif side_by_side:
         raise Error("projection: side_by_side has its own")
-    tell("Building the acceleration structure", None)
     renderer = Renderer(
         world,
         head,
@@ -182,6 +187,7 @@ def render_file(
         sampling=sampling,
         threads=threads,
         background=backdrop,
+        progress=partial(tell, BUILDING),
     )
     built = time.perf_counter()
     shape = (len(poses), len(head), _core.channel_count)

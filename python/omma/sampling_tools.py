@@ -143,11 +143,13 @@ def response_variances(
     return result
 
 
-def scene_renderer(scene: Scene | Renderer, threads: int) -> Renderer:
+def scene_renderer(
+    scene: Scene | Renderer, threads: int, progress: Share | None = None
+) -> Renderer:
     """A renderer to make others of the same scene from."""
     if isinstance(scene, Renderer):
         return scene
-    return Renderer(scene, icosahedral_eye(), samples=1, threads=threads)
+    return Renderer(scene, icosahedral_eye(), samples=1, threads=threads, progress=progress)
 
 
 def further_seed(seed: int, number: int) -> int:

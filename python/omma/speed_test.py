@@ -12,6 +12,7 @@ import subprocess
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error, Eye, Scene
 from omma.arguments import whole
 from omma.poses import as_poses
-from omma.renderer import Renderer
+from omma.renderer import BUILDING, Renderer
 from omma.sampling_tools import OURS, Method, Progress
 
 # Frames/s of CompoundRay on an NVIDIA RTX 2080 Ti, by rays per ommatidium: eLife 2022, 73893.
@@ -88,7 +89,13 @@ def measure_speed(
     batch = np.repeat(matrix, frames, axis=0)
     single, together = [], []
     renderer = Renderer(
-        scene, eye, samples=1, kernel=method.kernel, sampling=method.sampling, threads=threads
+        scene,
+        eye,
+        samples=1,
+        kernel=method.kernel,
+        sampling=method.sampling,
+        threads=threads,
+        progress=partial(tell, BUILDING),
     )
     start = time.perf_counter()
     number = 0

@@ -91,14 +91,16 @@ void bind_renderer(nb::module_& m) {
           "__init__",
           [](Renderer* self, std::shared_ptr<Scene> scene, const Eye& eye, int samples,
              std::uint64_t seed, const std::string& kernel, const std::string& sampling,
-             int threads, std::optional<Background> background) {
+             int threads, std::optional<Background> background, const nb::object& progress) {
             RenderSettings settings =
                 settings_of(samples, seed, kernel, sampling, threads, std::move(background));
-            nb::gil_scoped_release release;
-            new (self) Renderer(std::move(scene), eye, std::move(settings));
+            run_with_progress(progress, [&](const std::function<bool(double)>& report) {
+              new (self) Renderer(std::move(scene), eye, std::move(settings), report);
+            });
           },
           nb::arg("scene"), nb::arg("eye"), nb::arg("samples"), nb::arg("seed"), nb::arg("kernel"),
-          nb::arg("sampling"), nb::arg("threads"), nb::arg("background").none())
+          nb::arg("sampling"), nb::arg("threads"), nb::arg("background").none(),
+          nb::arg("progress").none())
       .def(
           "__init__",
           [](Renderer* self, const Renderer& same_scene, const Eye& eye, int samples,

@@ -13,6 +13,7 @@
 #include "omma/error.h"
 #include "omma/io.h"
 #include "omma/scene.h"
+#include "progress.h"
 
 namespace omma::python {
 
@@ -276,18 +277,26 @@ void bind_scene(nb::module_& m) {
 
   m.def(
       "load_scene",
-      [](nb::handle path, int scene_index, const std::string& color_rule) {
+      [](nb::handle path, int scene_index, const std::string& color_rule,
+         const nb::object& progress) {
         const std::string name = path_text(path);
         if (color_rule != "gltf" && color_rule != "compoundray")
           throw Error("color_rule: expected gltf or compoundray, found '" + color_rule + "'");
-        const SceneOptions options{scene_index,
-                                   color_rule == "gltf" ? ColorRule::gltf : ColorRule::compoundray};
-        nb::gil_scoped_release release;
-        return std::make_shared<Scene>(load_scene(name, options));
+        SceneOptions options;
+        options.scene_index = scene_index;
+        if (color_rule == "compoundray") options.color_rule = ColorRule::compoundray;
+        auto scene = std::make_shared<Scene>();
+        run_with_progress(progress, [&](const std::function<bool(double)>& report) {
+          options.progress = report;
+          *scene = load_scene(name, options);
+        });
+        return scene;
       },
       nb::arg("path"), nb::arg("scene_index") = -1, nb::arg("color_rule") = "gltf",
+      nb::arg("progress") = nb::none(),
       nb::sig("def load_scene(path: str | os.PathLike[str], scene_index: int = -1, color_rule: str "
-              "= 'gltf') -> Scene"));
+              "= 'gltf', progress: collections.abc.Callable[[float], object] | None = None) -> "
+              "Scene"));
 }
 
 }  // namespace omma::python

@@ -1,6 +1,7 @@
 // Whole files in and out, with one wording for what the file system refuses.
 #include "io/atomic_file.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -21,7 +22,7 @@ std::string reason() {
 
 }  // namespace
 
-std::string read_file(const std::string& path) {
+std::string read_file(const std::string& path, const WorkPart& work) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (status.type() == fs::file_type::not_found) throw Error(path + ": there is no such file");
@@ -36,9 +37,13 @@ std::string read_file(const std::string& path) {
   const std::uintmax_t size = fs::file_size(path, error);
   if (error) throw Error(path + ": cannot be read: " + error.message());
   std::string bytes(size, '\0');
-  file.read(bytes.data(), static_cast<std::streamsize>(size));
-  if (static_cast<std::uintmax_t>(file.gcount()) != size)
-    throw Error(path + ": cannot be read to its end: " + reason());
+  constexpr std::uintmax_t piece = 1 << 24;
+  for (std::uintmax_t at = 0; at < size; at += piece) {
+    const auto count = static_cast<std::streamsize>(std::min(piece, size - at));
+    file.read(bytes.data() + at, count);
+    if (file.gcount() != count) throw Error(path + ": cannot be read to its end: " + reason());
+    work.reach(static_cast<double>(at) / static_cast<double>(size));
+  }
   return bytes;
 }
 

@@ -372,11 +372,12 @@ void add_hit_box(Loader& loader, GltfMeshReader& reader, std::size_t mesh,
   loader.scene.hit_boxes.push_back(std::move(box));
 }
 
-void add_nodes(Loader& loader, const std::vector<int>& roots) {
-  GltfMeshReader reader{{}, loader.scene.materials, loader.warnings, loader.budget};
+void add_nodes(Loader& loader, const std::vector<int>& roots, const WorkPart& work) {
+  GltfMeshReader reader{{}, loader.scene.materials, loader.warnings, loader.budget, work};
   for (std::size_t i = 0; i < loader.model.accessors.size(); ++i) {
     reader.accessors.push_back(describe_accessor(loader, i));
     if (reader.accessors[i].components > 0) check_accessor(reader.accessors[i]);
+    reader.all += reader.accessors[i].count;
   }
   std::map<std::size_t, std::vector<int>> meshes_of;  // by glTF mesh, once read
 
@@ -435,16 +436,17 @@ void use_compoundray_colors(Scene& scene) {
 // A file may grow into at most this many bytes: ample for meshes that share their vertices and
 // nodes that share their meshes, too little for a file made to exhaust the memory.
 std::uint64_t memory_budget(const GltfContainer& gltf) {
-  std::uint64_t bytes = gltf.file.size();
+  std::uint64_t bytes = gltf.file_size;
   for (const std::string& buffer : gltf.buffers) bytes += buffer.size();
   return (std::uint64_t{1} << 28) + 256 * bytes;
 }
 
 }  // namespace
 
-Scene parse_scene(std::string file, const std::string& path, const SceneOptions& options) {
+Scene parse_scene(std::string file, const std::string& path, const SceneOptions& options,
+                  const WorkPart& work) {
   Loader loader;
-  loader.gltf = open_gltf(std::move(file), path);
+  loader.gltf = open_gltf(std::move(file), path, work.part(0, 0.5));
   loader.scene.path = path;
   const std::uint64_t budget = memory_budget(loader.gltf);
   loader.budget = {path, budget, budget};
@@ -452,9 +454,9 @@ Scene parse_scene(std::string file, const std::string& path, const SceneOptions&
   parse_structure(loader);
   const std::vector<int> parent = checked_parents(loader);
   const std::vector<int> roots = scene_roots(loader, parent, options.scene_index);
-  read_materials(loader.gltf, loader.scene, loader.warnings);
+  read_materials(loader.gltf, loader.scene, loader.warnings, work.part(0.5, 0.7));
   if (options.color_rule == ColorRule::compoundray) use_compoundray_colors(loader.scene);
-  add_nodes(loader, roots);
+  add_nodes(loader, roots, work.part(0.7, 1));
   if (array_size(loader.gltf.document, "animations") > 0)
     loader.warnings.add("animations are ignored: the scene is shown as it stands");
   loader.scene.warnings = loader.warnings.sentences();
@@ -463,7 +465,12 @@ Scene parse_scene(std::string file, const std::string& path, const SceneOptions&
 }
 
 Scene load_scene(const std::string& path, const SceneOptions& options) {
-  return parse_scene(read_file(path), path, options);
+  Scene scene;
+  run_watched(options.progress, [&](WorkState& state) {
+    const WorkPart work{&state};
+    scene = parse_scene(read_file(path, work.part(0, 0.3)), path, options, work.part(0.3, 1));
+  });
+  return scene;
 }
 
 }  // namespace omma

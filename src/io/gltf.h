@@ -3,12 +3,15 @@
 
 #include <string>
 
+#include "model/long_work.h"
 #include "omma/io.h"
 #include "omma/scene.h"
 
 namespace omma {
 
 // From the bytes of a .gltf or .glb file; URIs in it are relative to the folder of `path`.
-Scene parse_scene(std::string file, const std::string& path, const SceneOptions& options = {});
+// Its progress goes to `work`, not to that of the options.
+Scene parse_scene(std::string file, const std::string& path, const SceneOptions& options = {},
+                  const WorkPart& work = {});
 
 }  // namespace omma

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstring>
 #include <filesystem>
+#include <iterator>
 #include <optional>
 #include <system_error>
 
@@ -51,12 +52,46 @@ bool deeper_than(std::string_view text, int limit) {
   return false;
 }
 
-json parse_json(std::string_view text, const std::string& path) {
+// Text that the work may be cancelled in: buffers as base64 make it long.
+struct WatchedText {
+  using iterator_category = std::input_iterator_tag;
+  using value_type = char;
+  using difference_type = std::ptrdiff_t;
+  using pointer = const char*;
+  using reference = const char&;
+  static constexpr std::ptrdiff_t piece = 1 << 20;
+
+  const char *at, *end, *next_look;
+  const WorkPart* work;
+  std::ptrdiff_t size;
+
+  static WatchedText begin_of(std::string_view text, const WorkPart& work) {
+    const auto size = static_cast<std::ptrdiff_t>(text.size());
+    const char* first = text.data();
+    return {first, first + size, first + std::min(piece, size), &work, size};
+  }
+  static WatchedText end_of(std::string_view text) {
+    const char* end = text.data() + text.size();
+    return {end, end, end, nullptr, 0};
+  }
+  reference operator*() const { return *at; }
+  WatchedText& operator++() {
+    if (++at == next_look) look();
+    return *this;
+  }
+  bool operator==(const WatchedText& other) const { return at == other.at; }
+  void look() {
+    work->reach(1.0 - static_cast<double>(end - at) / static_cast<double>(size));
+    next_look = at + std::min(piece, end - at);
+  }
+};
+
+json parse_json(std::string_view text, const std::string& path, const WorkPart& work) {
   if (deeper_than(text, max_json_depth))
     throw Error(path + ": its JSON is nested more than " + std::to_string(max_json_depth) +
                 " levels deep");
   try {
-    return json::parse(text);
+    return json::parse(WatchedText::begin_of(text, work), WatchedText::end_of(text));
   } catch (const json::parse_error& error) {
     // The parser's own message may quote bytes that are no text.
     throw Error(path + ": is not a glTF file: its JSON is malformed or cut off at byte " +
@@ -124,7 +159,7 @@ std::string percent_decoded(std::string_view text) {
 }
 
 // RFC 4648, padded or not. Empty where the text is not base64.
-std::optional<std::string> base64_decoded(std::string_view text) {
+std::optional<std::string> base64_decoded(std::string_view text, const WorkPart& work) {
   static const auto values = [] {
     std::array<std::int8_t, 256> table;
     table.fill(-1);
@@ -138,31 +173,48 @@ std::optional<std::string> base64_decoded(std::string_view text) {
     text.remove_suffix(1);
   if (text.size() % 4 == 1) return std::nullopt;
 
-  std::string bytes;
-  bytes.reserve(text.size() / 4 * 3 + 3);
-  std::uint32_t bits = 0;
-  int bit_count = 0;
-  for (const char c : text) {
-    const int value = values[static_cast<unsigned char>(c)];
-    if (value < 0) return std::nullopt;
-    bits = bits << 6 | static_cast<std::uint32_t>(value);
-    bit_count += 6;
-    if (bit_count >= 8) {
-      bit_count -= 8;
-      bytes += static_cast<char>(bits >> bit_count & 0xFF);
+  std::string bytes(text.size() * 3 / 4, '\0');
+  char* out = bytes.data();
+  constexpr std::size_t piece = 1 << 20;  // a multiple of 4
+  int all = 0;                            // negative once any character is no digit
+  for (std::size_t begin = 0; begin < text.size(); begin += piece) {
+    work.reach(static_cast<double>(begin) / static_cast<double>(text.size()));
+    const std::size_t end = std::min(text.size(), begin + piece);
+    std::uint32_t bits = 0;
+    std::size_t i = begin;
+    for (; i + 4 <= end; i += 4) {
+      bits = 0;
+      for (std::size_t k = 0; k < 4; ++k) {
+        const int value = values[static_cast<unsigned char>(text[i + k])];
+        all |= value;
+        bits = bits << 6 | static_cast<std::uint32_t>(value);
+      }
+      for (int shift = 16; shift >= 0; shift -= 8) *out++ = static_cast<char>(bits >> shift & 0xFF);
     }
+    if (i == end) continue;
+    const std::size_t left = end - i;  // 2 or 3 digits, of 1 or 2 bytes
+    bits = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const int value = k < left ? values[static_cast<unsigned char>(text[i + k])] : 0;
+      all |= value;
+      bits = bits << 6 | static_cast<std::uint32_t>(value);
+    }
+    for (std::size_t k = 0; k + 1 < left; ++k)
+      *out++ = static_cast<char>(bits >> (16 - 8 * k) & 0xFF);
   }
+  if (all < 0) return std::nullopt;
   return bytes;
 }
 
 // data:[media type][;base64],data (RFC 2397). The media type is not trusted, so not looked at.
-std::string read_data_uri(std::string_view uri, const std::string& place) {
+std::string read_data_uri(std::string_view uri, const std::string& place, const WorkPart& work) {
   const std::size_t comma = uri.find(',');
   if (comma == std::string_view::npos) throw Error(place + ": its data URI has no comma");
   const std::string_view data = uri.substr(comma + 1);
   if (!uri.substr(0, comma).ends_with(";base64")) return percent_decoded(data);
-  auto bytes = data.find('%') == std::string_view::npos ? base64_decoded(data)
-                                                        : base64_decoded(percent_decoded(data));
+  auto bytes = data.find('%') == std::string_view::npos
+                   ? base64_decoded(data, work)
+                   : base64_decoded(percent_decoded(data), work);
   if (!bytes) throw Error(place + ": its data URI is not valid base64");
   return *std::move(bytes);
 }
@@ -194,8 +246,8 @@ void check_version(const GltfContainer& gltf) {
 }  // namespace
 
 std::string read_uri(const std::string& scene_path, const std::string& uri,
-                     const std::string& place) {
-  if (uri.starts_with("data:")) return read_data_uri(uri, place);
+                     const std::string& place, const WorkPart& work) {
+  if (uri.starts_with("data:")) return read_data_uri(uri, place, work);
   const std::string name = percent_decoded(uri);
   const std::string refused = place + ": URI \"" + uri + "\" ";
   if (name.empty()) throw Error(refused + "is empty");
@@ -218,7 +270,7 @@ std::string read_uri(const std::string& scene_path, const std::string& uri,
   if (folder_end != folder.end()) throw Error(refused + "leads out of the scene's folder");
   const std::string path = target.string();
   try {
-    return read_file(path);
+    return read_file(path, work);
   } catch (const Error& problem) {
     // Without the decoded path, which need not be text.
     throw Error(refused + "cannot be read" + std::string(problem.what()).substr(path.size()));
@@ -246,24 +298,32 @@ std::span<const std::uint8_t> buffer_view_bytes(const GltfContainer& gltf, int v
   return bytes.subspan(offset, length);
 }
 
-GltfContainer open_gltf(std::string file, const std::string& path) {
+GltfContainer open_gltf(std::string file, const std::string& path, const WorkPart& work) {
   GltfContainer gltf;
   gltf.path = path;
   gltf.file = std::move(file);
+  gltf.file_size = gltf.file.size();
   if (gltf.file.empty()) throw Error(path + ": is empty, expected a glTF file");
   const bool binary = gltf.file.starts_with("glTF");
-  gltf.document = parse_json(binary ? open_glb(gltf) : std::string_view(gltf.file), path);
+  gltf.document =
+      parse_json(binary ? open_glb(gltf) : std::string_view(gltf.file), path, work.part(0, 0.5));
+  if (!binary) gltf.file = std::string();
   check_gltf_schema(gltf.document, path);
   check_version(gltf);
 
   if (!gltf.document.contains("buffers")) return gltf;
-  for (json& buffer : gltf.document["buffers"]) {
+  json& buffers = gltf.document["buffers"];
+  const WorkPart reading = work.part(0.5, 1);
+  const double each = 1.0 / static_cast<double>(buffers.size());
+  for (json& buffer : buffers) {
     const std::size_t index = gltf.buffers.size();
     gltf.buffer_is_binary_chunk.push_back(index == 0 && binary && !buffer.contains("uri"));
     gltf.buffers.emplace_back();
     if (!buffer.contains("uri")) continue;
-    gltf.buffers.back() = read_uri(path, buffer["uri"].get_ref<const std::string&>(),
-                                   path + ": buffer " + std::to_string(index));
+    const double before = each * static_cast<double>(index);
+    gltf.buffers.back() =
+        read_uri(path, buffer["uri"].get_ref<const std::string&>(),
+                 path + ": buffer " + std::to_string(index), reading.part(before, before + each));
     buffer.erase("uri");  // it may be most of the file
     buffer_bytes(gltf, index);
   }

@@ -4,6 +4,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <atomic>
 #include <exception>
 #include <map>
 
@@ -171,7 +172,7 @@ Image read_image(const GltfContainer& gltf, int index) {
     image = decode_image(buffer_view_bytes(gltf, source["bufferView"].get<int>(), place), place);
   } else if (source.contains("uri")) {
     const std::string& uri = source["uri"].get_ref<const std::string&>();
-    const std::string bytes = read_uri(gltf.path, uri, place);
+    const std::string bytes = read_uri(gltf.path, uri, place, {});
     if (!uri.starts_with("data:")) place += " (" + uri + ")";
     image =
         decode_image({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, place);
@@ -183,15 +184,18 @@ Image read_image(const GltfContainer& gltf, int index) {
 }
 
 // All images at once; of several errors the first image's is thrown, whatever the threads did.
-void read_images(MaterialReader& reader) {
+void read_images(MaterialReader& reader, const WorkPart& work) {
   reader.scene.images.resize(reader.image_of.size());
   std::vector<int> sources(reader.image_of.size());
   for (const auto& [source, image] : reader.image_of)
     sources[static_cast<std::size_t>(image)] = source;
   std::vector<std::exception_ptr> errors(sources.size());
+  std::atomic<std::size_t> finished{0};
   tbb::parallel_for(std::size_t{0}, sources.size(), [&](std::size_t i) {
     try {
+      work.reach(static_cast<double>(finished) / static_cast<double>(sources.size()));
       reader.scene.images[i] = read_image(reader.gltf, sources[i]);
+      ++finished;
     } catch (...) {
       errors[i] = std::current_exception();
     }
@@ -202,7 +206,8 @@ void read_images(MaterialReader& reader) {
 
 }  // namespace
 
-void read_materials(const GltfContainer& gltf, Scene& scene, GltfWarnings& warnings) {
+void read_materials(const GltfContainer& gltf, Scene& scene, GltfWarnings& warnings,
+                    const WorkPart& work) {
   if (!gltf.document.contains("materials")) return;
   MaterialReader reader{gltf, scene, warnings, {}, {}};
   for (const json& material : gltf.document["materials"])
@@ -210,7 +215,7 @@ void read_materials(const GltfContainer& gltf, Scene& scene, GltfWarnings& warni
                                             gltf.path + ": material " +
                                                 std::to_string(scene.materials.size()) +
                                                 quoted_name(material)));
-  read_images(reader);
+  read_images(reader, work);
 }
 
 }  // namespace omma

@@ -9,6 +9,7 @@ namespace omma {
 
 // Fills scene.materials (all of the file, same indices) and the textures and images that their base
 // colour and emission use, decoded. Throws omma::Error that names path, material or image.
-void read_materials(const GltfContainer& gltf, Scene& scene, GltfWarnings& warnings);
+void read_materials(const GltfContainer& gltf, Scene& scene, GltfWarnings& warnings,
+                    const WorkPart& work);
 
 }  // namespace omma

@@ -20,6 +20,11 @@ const GltfAccessor& accessor_at(const GltfMeshReader& reader, int index, const s
   return accessor;
 }
 
+void note_progress(GltfMeshReader& reader, std::uint64_t elements) {
+  reader.finished = std::min(reader.finished + elements, reader.all);
+  reader.work.reach(static_cast<double>(reader.finished) / static_cast<double>(reader.all));
+}
+
 // An attribute of every vertex: its accessor, checked for shape and numbers; none where it is not
 // there.
 struct Attribute {
@@ -99,6 +104,7 @@ Triangles read_triangles(GltfMeshReader& reader, const GltfPrimitive& primitive,
     read_indices(*indices, all);
     check_corners(all, vertices, primitive.place);
   }
+  note_progress(reader, count);
   if (list)
     triangles.resize(count / 3);
   else
@@ -125,15 +131,16 @@ std::vector<std::uint32_t> keep_used(Triangles& triangles, std::uint64_t vertice
 // The attribute of each vertex kept, `fill` where the accessor has fewer components. With room for
 // one more: Embree reads a little beyond the last position.
 template <typename T>
-std::vector<T> gathered(GltfBudget& budget, const Attribute& attribute,
+std::vector<T> gathered(GltfMeshReader& reader, const Attribute& attribute,
                         const std::vector<std::uint32_t>& kept, T fill = {}) {
   std::vector<T> result;
   if (!attribute.accessor) return result;
   const std::size_t count = kept.empty() ? attribute.accessor->count : kept.size();
-  budget.spend(count, sizeof(T));
+  reader.budget.spend(count, sizeof(T));
   result.reserve(count + 1);
   result.resize(count, fill);
   read_floats(*attribute.accessor, kept, sizeof(T) / sizeof(float), &result.data()->x);
+  note_progress(reader, attribute.accessor->count);
   return result;
 }
 
@@ -191,17 +198,17 @@ bool read_primitive(GltfMeshReader& reader, const GltfPrimitive& primitive, Mesh
   if (mesh.triangles.empty()) return false;
   const std::vector<std::uint32_t> kept = keep_used(mesh.triangles, vertices);
 
-  mesh.positions = gathered<Vec3>(reader.budget, positions, kept);
+  mesh.positions = gathered<Vec3>(reader, positions, kept);
   for (std::size_t set = 0; set < 2; ++set) {
     const std::string semantic = "TEXCOORD_" + std::to_string(set);
     const Attribute texcoords = read_attribute(reader, primitive, semantic, 2, 2);
     check_count(texcoords, vertices, place, semantic);
-    mesh.texcoords[set] = gathered<Vec2>(reader.budget, texcoords, kept);
+    mesh.texcoords[set] = gathered<Vec2>(reader, texcoords, kept);
   }
   const Attribute colors = read_attribute(reader, primitive, "COLOR_0", 3, 4);
   check_colors(colors, place);
   check_count(colors, vertices, place, "COLOR_0");
-  mesh.colors = gathered<Vec4>(reader.budget, colors, kept, Vec4{1, 1, 1, 1});
+  mesh.colors = gathered<Vec4>(reader, colors, kept, Vec4{1, 1, 1, 1});
   warn_of_missing_texcoords(reader, primitive, mesh);
   return true;
 }

@@ -10,6 +10,7 @@
 
 #include "io/gltf_accessor.h"
 #include "io/gltf_warnings.h"
+#include "model/long_work.h"
 #include "omma/scene.h"
 
 namespace omma {
@@ -35,7 +36,9 @@ struct GltfMeshReader {
   const std::vector<Material>& materials;
   GltfWarnings& warnings;
   GltfBudget& budget;
-  std::set<int> has_checked = {};  // accessors whose numbers are known to be finite
+  WorkPart work;
+  std::uint64_t finished = 0, all = 1;  // elements read, and to read as far as that is known
+  std::set<int> has_checked = {};       // accessors whose numbers are known to be finite
 };
 
 // Adds the primitive's triangles; false where it has none (points, lines, no positions).

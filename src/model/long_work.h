@@ -18,6 +18,20 @@ struct WorkState {
   void reach(double finished_share);
 };
 
+// The part of the work between two shares of it.
+struct WorkPart {
+  WorkState* state = nullptr;  // null: nobody watches
+  double from = 0, to = 1;
+
+  // Notes how much of the part is finished (0 to 1); throws omma::Cancelled.
+  void reach(double finished_share) const {
+    if (state != nullptr) state->reach(from + (to - from) * finished_share);
+  }
+  WorkPart part(double part_from, double part_to) const {
+    return {state, from + (to - from) * part_from, from + (to - from) * part_to};
+  }
+};
+
 // Runs `work`. With a progress function it runs on a thread of its own, because Embree and parallel
 // loops report from any thread, while `progress` must hear of it on this one, several times a
 // second and once at the end. Throws what either throws, and omma::Cancelled where `progress`
