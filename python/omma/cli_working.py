@@ -49,11 +49,16 @@ class DelayedBar:
             transient=True,
         )
         self._task = self._bar.add_task("", total=None)
+        self._stage = ""
         self._timer = threading.Timer(1.0, self._bar.start)
         self._timer.daemon = True
         self._wanted = sys.stderr.isatty() and sys.stdout.isatty()
 
     def show(self, stage: str, share: float | None) -> None:
+        if stage != self._stage:
+            # Else the time left would be that of the stage before, which is over.
+            self._bar.reset(self._task)
+            self._stage = stage
         self._bar.update(
             self._task,
             description=stage,
