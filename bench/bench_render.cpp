@@ -120,7 +120,7 @@ std::unique_ptr<Prepared> prepare(const Setup& setup, int samples) {
   p->shading = make_shading_data(*setup.scene);
   p->tracer = make_embree_tracer(*setup.scene, p->shading->view);
   p->directions = make_direction_tables(setup.eye, settings);
-  p->eye = make_eye_arrays(setup.eye, p->directions, settings);
+  p->eye = make_eye_arrays(setup.eye, p->directions);
   const int per_block = std::clamp(block_rays / samples, 1, block_capacity);
   const int ommatidia = static_cast<int>(setup.eye.size());
   for (int first = 0; first < ommatidia; first += per_block) {

@@ -32,6 +32,17 @@ void check_settings(const RenderSettings& s) {
   if (s.samples < 1 || s.samples > max_samples)
     throw Error("samples: expected 1 to " + std::to_string(max_samples) + ", found " +
                 std::to_string(s.samples));
+  if (!std::isfinite(s.error) || s.error < 0)
+    throw Error("error: expected 0 (none) or a positive radiance, found " +
+                std::to_string(s.error));
+  if (s.error > 0 && (s.samples < 4 || (s.samples & (s.samples - 1)) != 0))
+    throw Error(
+        "samples: expected a power of two from 4 on as the least number of rays where an "
+        "error is given, found " +
+        std::to_string(s.samples));
+  if (s.error > 0 && (s.most_samples < s.samples || s.most_samples > max_samples))
+    throw Error("most_samples: expected " + std::to_string(s.samples) + " (samples) to " +
+                std::to_string(max_samples) + ", found " + std::to_string(s.most_samples));
   if (s.threads < 0 || s.threads > max_threads)
     throw Error("threads: expected 0 (all) to " + std::to_string(max_threads) + ", found " +
                 std::to_string(s.threads));
@@ -85,8 +96,8 @@ struct Renderer::State {
   std::unique_ptr<oneapi::tbb::global_control> thread_limit;
   std::unique_ptr<oneapi::tbb::task_arena> arena;
 
-  SceneView view;  // of the built scene, with this background
-  DirectionTables directions;
+  SceneView view;                           // of the built scene, with this background
+  std::vector<DirectionTables> directions;  // [round]
   EyeArrays eye_arrays;
   BlockFunctions block;
 
@@ -124,8 +135,12 @@ void Renderer::State::prepare_eye(State& s, Eye eye, RenderSettings settings,
     s.view = s.built->shading->view;
     s.view.background = s.background->data.view;
     const auto start = Clock::now();
-    s.directions = make_direction_tables(s.eye, s.settings, known);
-    s.eye_arrays = make_eye_arrays(s.eye, s.directions, s.settings);
+    s.directions = {make_direction_tables(s.eye, s.settings, known)};
+    RenderSettings round = s.settings;
+    for (round.samples *= 2; s.settings.error > 0 && round.samples <= s.settings.most_samples;
+         round.samples *= 2)
+      s.directions.push_back(make_direction_tables(s.eye, round, &s.directions.front()));
+    s.eye_arrays = make_eye_arrays(s.eye, s.directions.front());
     s.times.directions_s = seconds_since(start);
   });
 }
@@ -161,7 +176,8 @@ Renderer::Renderer(const Renderer& same_scene, Eye eye, RenderSettings settings)
   State& s = *state_;
   State::prepare_threads(s, settings);
   s.built = same_scene.state_->built;
-  State::prepare_eye(s, std::move(eye), std::move(settings), &same_scene.state_->directions);
+  State::prepare_eye(s, std::move(eye), std::move(settings),
+                     &same_scene.state_->directions.front());
 }
 
 Renderer::Renderer(const Renderer& same_background, Eye rays, OneThread)
@@ -185,9 +201,14 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
   check_output("responses", responses, poses * pose_size);
   if (!call.standard_error.empty())
     check_output("standard_error", call.standard_error, poses * pose_size);
+  if (!call.rays.empty() && call.rays.size() != poses * ommatidia)
+    throw Error("rays: expected room for " + std::to_string(poses * ommatidia) +
+                " values (pose x ommatidium), found " + std::to_string(call.rays.size()));
+  const bool to_error = s.settings.error > 0;
   const std::size_t rays_size = pose_size * static_cast<std::size_t>(s.settings.samples);
   if (!call.ray_radiance.empty()) {
     if (!call.standard_error.empty()) throw Error("ray_radiance: not together with standard_error");
+    if (to_error) throw Error("ray_radiance: not where rays are spent to reach an error");
     if (call.ray_radiance.size() != poses * rays_size)
       throw Error("ray_radiance: expected room for " + std::to_string(poses * rays_size) +
                   " values (pose x ommatidium x sample x channel), found " +
@@ -196,12 +217,18 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
   for (std::size_t p = 0; p < poses; ++p) check_pose(world_from_head[p], p);
 
   // One block of ommatidia at one pose is a task: some 512 rays, but no more than fit its sums.
-  BlockContext context{s.built->tracer.get(), &s.view, &s.eye_arrays, &s.directions, 1};
-  if (!call.standard_error.empty()) context.scrambles = error_scrambles;
+  BlockContext context{s.built->tracer.get(), &s.view, &s.eye_arrays, s.directions.data()};
+  if (to_error) {
+    context.rounds = static_cast<int>(s.directions.size());
+    context.error = s.settings.error;
+    context.most_samples = s.settings.most_samples;
+  } else if (!call.standard_error.empty())
+    context.scrambles = error_scrambles;
   const int rays_each = s.settings.samples * context.scrambles;
   const int per_block = std::clamp(block_rays / rays_each, 1, block_capacity / context.scrambles);
   const std::size_t blocks =
       (ommatidia + static_cast<std::size_t>(per_block) - 1) / static_cast<std::size_t>(per_block);
+  if (!to_error) std::fill(call.rays.begin(), call.rays.end(), rays_each);
   const auto run_task = [&](std::size_t index) {
     const std::size_t p = index / blocks, block = index % blocks;
     BlockTask task;
@@ -214,6 +241,7 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
     task.responses = responses.data() + p * pose_size;
     if (!call.standard_error.empty())
       task.standard_error = call.standard_error.data() + p * pose_size;
+    if (!call.rays.empty()) task.rays = call.rays.data() + p * ommatidia;
     if (!call.ray_radiance.empty()) task.ray_radiance = call.ray_radiance.data() + p * rays_size;
     s.block.render(context, task);
   };

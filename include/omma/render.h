@@ -37,6 +37,11 @@ struct RenderSettings {
   // Rays read textures averaged over their share of the solid angle: less noise, and the acceptance
   // function's modulation transfer stays within 0.01.
   bool footprints = true;
+  // Above 0: rays go on in rounds, to the ommatidia that need them, until the standard error of
+  // each response is at most this (a radiance of 1 is full scale) or an ommatidium has had
+  // most_samples rays. `samples` is then the least, a power of two from 4 on.
+  double error = 0;
+  int most_samples = 4096;
 };
 
 // Scrambles that a standard error is computed from: with one asked for, every ommatidium gets this
@@ -46,6 +51,7 @@ inline constexpr int error_scrambles = 8;
 struct RenderCall {
   std::uint64_t first_pose = 0;     // index of the first pose, for renders done piece by piece
   std::span<float> standard_error;  // [pose, ommatidium, channel], or empty for none
+  std::span<std::int32_t> rays;     // [pose, ommatidium], rays spent, or empty
   // Radiance that each single ray brought, [pose, ommatidium, sample, channel], or empty for none.
   // Not together with standard_error.
   std::span<float> ray_radiance;

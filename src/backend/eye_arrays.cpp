@@ -3,13 +3,11 @@
 
 #include <cmath>
 
-#include "kernel/footprint.h"
 #include "model/curve_order.h"
 
 namespace omma {
 
-EyeArrays make_eye_arrays(const Eye& eye, const DirectionTables& directions,
-                          const RenderSettings& settings) {
+EyeArrays make_eye_arrays(const Eye& eye, const DirectionTables& directions) {
   EyeArrays a;
   for (const std::uint32_t i : order_along_curve(eye)) {
     const Vec3d axis = to_double(eye.axis[i]);
@@ -27,15 +25,11 @@ EyeArrays make_eye_arrays(const Eye& eye, const DirectionTables& directions,
     push(to_float(axis), a.axis_x, a.axis_y, a.axis_z);
     push(to_float(side), a.side_x, a.side_y, a.side_z);
     a.focal_offset_m.push_back(eye.focal_offset_m[i]);
-    const double footprint_rad =
-        footprint_width_rad(settings.kernel, eye.acceptance_angle_rad[i], settings.samples);
-    a.footprint_rad.push_back(settings.footprints ? static_cast<float>(footprint_rad) : 0.0f);
     a.warp.push_back(static_cast<std::int32_t>(directions.warp_of[i]));
     a.ommatidium.push_back(static_cast<std::int32_t>(i));
   }
-  for (std::vector<float>* values :
-       {&a.origin_x, &a.origin_y, &a.origin_z, &a.axis_x, &a.axis_y, &a.axis_z, &a.side_x,
-        &a.side_y, &a.side_z, &a.focal_offset_m, &a.footprint_rad})
+  for (std::vector<float>* values : {&a.origin_x, &a.origin_y, &a.origin_z, &a.axis_x, &a.axis_y,
+                                     &a.axis_z, &a.side_x, &a.side_y, &a.side_z, &a.focal_offset_m})
     values->resize(values->size() + 16, 0.0f);
   a.warp.resize(a.warp.size() + 16, 0);
   a.ommatidium.resize(a.ommatidium.size() + 16, 0);

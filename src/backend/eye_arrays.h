@@ -17,12 +17,10 @@ struct EyeArrays {
   std::vector<float> axis_x, axis_y, axis_z;        // unit
   std::vector<float> side_x, side_y, side_z;        // unit, across the axis
   std::vector<float> focal_offset_m;
-  std::vector<float> footprint_rad;      // width of each ray (kernel/footprint.h)
   std::vector<std::int32_t> warp;        // index into DirectionTables::warps
   std::vector<std::int32_t> ommatidium;  // index in the Eye
 };
 
-EyeArrays make_eye_arrays(const Eye& eye, const DirectionTables& directions,
-                          const RenderSettings& settings);
+EyeArrays make_eye_arrays(const Eye& eye, const DirectionTables& directions);
 
 }  // namespace omma

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "kernel/footprint.h"
 #include "kernel/hash.h"
 #include "kernel/sobol.h"
 
@@ -92,6 +93,12 @@ DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& sett
     tables.warps[i] =
         found != made.end() ? *found->second : make_acceptance_warp(settings.kernel, angles[i]);
   });
+
+  for (const float angle : angles)
+    tables.footprint_rad.push_back(
+        settings.footprints
+            ? static_cast<float>(footprint_width_rad(settings.kernel, angle, settings.samples))
+            : 0.0f);
 
   for (std::size_t i = 0; i < turn_count; ++i) {
     const double angle = 2 * pi * (static_cast<double>(i) + 0.5) / turn_count;

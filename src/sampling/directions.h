@@ -25,6 +25,7 @@ struct DirectionTables {
   std::uint64_t seed = 0;
   std::vector<AcceptanceWarp> warps;   // [distinct acceptance angle]
   std::vector<std::uint32_t> warp_of;  // [ommatidium], index into warps
+  std::vector<float> footprint_rad;    // [warp], width of each ray (kernel/footprint.h)
   int patterns = 0;                    // per distinct acceptance angle; 0: made on the fly
   // [warp][pattern][x, y, z][samples], unit, in a frame with z along the axis.
   std::vector<float> local;
@@ -33,7 +34,8 @@ struct DirectionTables {
   std::vector<float> polar;
 };
 
-// Warps for the same kernel and acceptance angle are taken from `known`, where there are some.
+// For estimates of settings.samples rays. Warps for the same kernel and acceptance angle are taken
+// from `known`, where there are some.
 DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& settings,
                                       const DirectionTables* known = nullptr);
 

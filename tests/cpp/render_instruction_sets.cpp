@@ -41,7 +41,7 @@ TEST(InstructionSets, GiveTheSameBits) {
     view.background = background.view;
     const auto tracer = make_embree_tracer(scene, shading->view);
     const DirectionTables directions = make_direction_tables(eye, settings);
-    const EyeArrays arrays = make_eye_arrays(eye, directions, settings);
+    const EyeArrays arrays = make_eye_arrays(eye, directions);
     const BlockContext context{tracer.get(), &view, &arrays, &directions, 1};
     std::vector<std::vector<float>> responses;
     for (const NamedBuild& build : builds) {

@@ -5,98 +5,10 @@
 // out of line that other files share, so that no code for a newer processor can leak into them.
 #include "backend/embree/block.h"
 
-#include "backend/embree/packet_light.h"
-#include "backend/embree/packet_rays.h"
+#include "backend/embree/packet_sums.h"
 
 namespace omma::OMMA_ISA {
 namespace {
-
-// Radiance of single rays, where units are shorter than a packet: summed when the block is done.
-struct ShortUnits {
-  alignas(64) float channel[channel_count][block_rays + lanes];
-};
-
-// Radiance summed over the samples of each unit.
-using Sums = double[channel_count][unit_room];
-
-// Adds what lanes [first, end) brought to one unit's sums, always in the same order.
-__attribute__((always_inline)) inline void add_lanes(const PacketLight& light, int first, int end,
-                                                     Sums& sums, int unit) {
-  for (int c = 0; c < channel_count; ++c) {
-    using Quad = float __attribute__((vector_size(16)));
-    alignas(64) float x[lanes];
-    for (int l = 0; l < lanes; l += lane_width) {
-      const Ints lane = lane_numbers() + l;
-      store(x + l, lane >= first && lane < end ? load<Floats>(light.channel[c] + l)
-                                               : broadcast<Floats>(0.0f));
-    }
-    const Quad quad =
-        (load<Quad>(x) + load<Quad>(x + 8)) + (load<Quad>(x + 4) + load<Quad>(x + 12));
-    sums[c][unit] += (quad[0] + quad[1]) + (quad[2] + quad[3]);
-  }
-}
-
-// What each single ray brought, where the caller asks; there is one scramble then.
-void keep_rays(const BlockContext& context, const BlockTask& task, const PacketPlace& place,
-               const Packet& packet) {
-  const int samples = context.directions->samples;
-  int unit = place.unit, sample = place.sample;
-  for (int l = 0; l < place.filled; ++l) {
-    const std::size_t ommatidium =
-        static_cast<std::size_t>(context.eye->ommatidium.data()[task.first + unit]);
-    float* out = task.ray_radiance + (ommatidium * static_cast<std::size_t>(samples) +
-                                      static_cast<std::size_t>(sample)) *
-                                         channel_count;
-    for (int c = 0; c < channel_count; ++c) out[c] = packet.light.channel[c][l];
-    if (++sample < samples) continue;
-    sample = 0;
-    ++unit;
-  }
-}
-
-// Traces and shades units, into their sums.
-void trace_units(const BlockContext& context, const BlockTask& task, const DirectionTables& tables,
-                 const UnitList& list, Sums& sums) {
-  Units units;
-  make_units(context, task, tables, list, units);
-  const bool is_short = tables.samples < lanes;
-  ShortUnits rays;
-  int traced = 0;
-  IntersectArguments arguments;
-  Packet packet;
-  clear(packet);
-  for_each_packet(tables, units, list.count, packet, [&](const PacketPlace& place) {
-    alignas(64) int valid[lanes];
-    for (int l = 0; l < lanes; ++l) valid[l] = l < place.filled ? -1 : 0;
-    if (context.scene->has_blend)
-      shade_blended(context, packet, valid, arguments);
-    else
-      shade_opaque(context, packet, valid, arguments);
-    if (is_short) {
-      for (int c = 0; c < channel_count; ++c)
-        __builtin_memcpy(rays.channel[c] + traced, packet.light.channel[c],
-                         sizeof packet.light.channel[c]);
-      traced += lanes;
-    } else {
-      const int left = tables.samples - place.sample, in_first = left < lanes ? left : lanes;
-      add_lanes(packet.light, 0, in_first < place.filled ? in_first : place.filled, sums,
-                place.unit);
-      if (in_first < place.filled)
-        add_lanes(packet.light, in_first, place.filled, sums, place.unit + 1);
-    }
-    if (task.ray_radiance != nullptr) keep_rays(context, task, place, packet);
-  });
-  if (!is_short) return;
-  for (int u = 0; u < list.count; u += lane_width)
-    for (int c = 0; c < channel_count; ++c) {
-      const Ints first = (lane_numbers() + u) * tables.samples;
-      Floats sum = gather(rays.channel[c], first);
-      for (int k = 1; k < tables.samples; ++k) sum += gather(rays.channel[c], first + k);
-      using Doubles = double __attribute__((vector_size(8 * lane_width)));
-      const Doubles wide = __builtin_convertvector(sum, Doubles);
-      __builtin_memcpy(sums[c] + u, &wide, sizeof wide);
-    }
-}
 
 // Responses from the sums of a block: the mean over all scrambles.
 void reduce(const BlockContext& context, const BlockTask& task, const Sums& sums) {
@@ -136,14 +48,138 @@ void reduce_errors(const BlockContext& context, const BlockTask& task, const Sum
   }
 }
 
+void clear(Sums& sums, int count) {
+  for (auto& channel : sums)
+    for (int u = 0; u < count; ++u) channel[u] = 0;
+}
+
+// Where the ommatidia of a block stand on the way to an error.
+struct Progress {
+  Sums sums, squares;                 // over all rays so far; squares of the differences of pairs
+  double roots[block_capacity];       // sum over the rounds of the square roots of their rays
+  std::int32_t rays[block_capacity];  // so far
+  std::int32_t next[block_capacity];  // round to come, index into the tables; -1 for none
+  float roughness[channel_count][block_capacity];  // see estimate_roughness
+};
+
+// Neighbours on either side along the curve of ommatidia that an estimate listens to.
+constexpr int listened_to = 4;
+
+// Half the squared difference of two samples that are neighbours in the pattern estimates the
+// variance of each around their mean, so the pairs' squares of a pattern of n rays sum up to n^2
+// times the variance of its mean; too much, as a net is more even than its pairs. Where edges are
+// seen that variance falls with the power -3/2 of n, so squares grow with the root of n: their
+// ratio, the roughness, is what rounds of different size have in common. Few rays may miss all that
+// varies, and then an ommatidium would stop by luck; so it takes the mean of its neighbours' where
+// its own is less. They see nearly the same.
+void estimate_roughness(const BlockTask& task, Progress& progress) {
+  for (int c = 0; c < channel_count; ++c) {
+    float own[block_capacity];
+    for (int i = 0; i < task.count; ++i)
+      own[i] = static_cast<float>(progress.squares[c][i] / progress.roots[i]);
+    for (int i = 0; i < task.count; ++i) {
+      const int first = i < listened_to ? 0 : i - listened_to;
+      const int end = i + listened_to < task.count ? i + listened_to + 1 : task.count;
+      float sum = 0;
+      for (int k = first; k < end; ++k) sum += own[k];
+      const float mean = sum / static_cast<float>(end - first);
+      progress.roughness[c][i] = own[i] > mean ? own[i] : mean;
+    }
+  }
+}
+
+// Of the mean over all rays so far.
+double variance(const Progress& progress, int i, int c) {
+  const double rays = progress.rays[i];
+  return progress.roughness[c][i] * progress.roots[i] / (rays * rays);
+}
+
+// The smallest round that should reach the error, or the largest that is left; -1 where none is
+// needed, or none left.
+int choose_round(const BlockContext& context, const Progress& progress, int i) {
+  const double rays = progress.rays[i];
+  double roughness = 0;
+  for (const auto& channel : progress.roughness)
+    if (channel[i] > roughness) roughness = channel[i];
+  const double allowed = context.error * context.error;
+  if (roughness * progress.roots[i] <= allowed * rays * rays) return -1;
+  int round = -1;
+  for (int k = 0; k < context.rounds; ++k) {
+    const double more = context.directions[k].samples;
+    if (rays + more > context.most_samples) break;
+    round = k;
+    if (roughness * (progress.roots[i] + sqrt(more)) <= allowed * (rays + more) * (rays + more))
+      break;
+  }
+  return round;
+}
+
+// One round of the ommatidia for which it comes next.
+void trace_round(const BlockContext& context, const BlockTask& task, int k, int scramble,
+                 Progress& progress) {
+  const DirectionTables& tables = context.directions[k];
+  const int most = tables.samples < lanes ? block_rays / tables.samples : block_capacity;
+  std::int32_t member[block_capacity + lanes], ordinal[block_capacity + lanes];
+  for (int i = 0; i < task.count;) {
+    int count = 0;
+    for (; i < task.count && count < most; ++i) {
+      if (progress.next[i] != k) continue;
+      member[count] = i;
+      ordinal[count++] = task.first + i;
+    }
+    if (count == 0) return;
+    Sums sums, squares;
+    clear(sums, count);
+    clear(squares, count);
+    const UnitList list{scramble == 0 ? nullptr : ordinal, scramble, 1, count};
+    trace_units(context, task, tables, list, sums, &squares);
+    for (int u = 0; u < count; ++u) {
+      progress.rays[member[u]] += tables.samples;
+      progress.roots[member[u]] += sqrt(static_cast<double>(tables.samples));
+      for (int c = 0; c < channel_count; ++c) {
+        progress.sums[c][member[u]] += sums[c][u];
+        progress.squares[c][member[u]] += squares[c][u];
+      }
+    }
+  }
+}
+
+void render_to_error(const BlockContext& context, const BlockTask& task) {
+  Progress progress;
+  clear(progress.sums, task.count);
+  clear(progress.squares, task.count);
+  for (int i = 0; i < task.count; ++i) progress.roots[i] = progress.rays[i] = progress.next[i] = 0;
+  trace_round(context, task, 0, 0, progress);
+  for (int scramble = 1;; ++scramble) {
+    bool any = false;
+    estimate_roughness(task, progress);
+    for (int i = 0; i < task.count; ++i) {
+      progress.next[i] = choose_round(context, progress, i);
+      any = any || progress.next[i] >= 0;
+    }
+    if (!any) break;
+    for (int k = 0; k < context.rounds; ++k) trace_round(context, task, k, scramble, progress);
+  }
+  for (int i = 0; i < task.count; ++i) {
+    const std::int64_t ommatidium = context.eye->ommatidium.data()[task.first + i];
+    if (task.rays != nullptr) task.rays[ommatidium] = progress.rays[i];
+    for (int c = 0; c < channel_count; ++c) {
+      const std::int64_t out = ommatidium * channel_count + c;
+      task.responses[out] = static_cast<float>(progress.sums[c][i] / progress.rays[i]);
+      if (task.standard_error != nullptr)
+        task.standard_error[out] = static_cast<float>(sqrt(variance(progress, i, c)));
+    }
+  }
+}
+
 }  // namespace
 
 void render_block(const BlockContext& context, const BlockTask& task) {
   const DenormalsAreZero denormals_are_zero;
+  if (context.error > 0) return render_to_error(context, task);
   const UnitList all{nullptr, 0, context.scrambles, task.count * context.scrambles};
   Sums sums;
-  for (auto& channel : sums)
-    for (int u = 0; u < all.count; ++u) channel[u] = 0;
+  clear(sums, all.count);
   trace_units(context, task, *context.directions, all, sums);
   reduce(context, task, sums);
   if (task.standard_error != nullptr) reduce_errors(context, task, sums);

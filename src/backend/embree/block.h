@@ -21,8 +21,14 @@ struct BlockContext {
   const EmbreeTracer* tracer = nullptr;
   const SceneView* scene = nullptr;
   const EyeArrays* eye = nullptr;
-  const DirectionTables* directions = nullptr;
-  int scrambles = 1;  // independent estimates of each response
+  const DirectionTables* directions = nullptr;  // [rounds]
+  int scrambles = 1;                            // independent estimates of each response
+  // Rendering to an error: a round of directions[k].samples rays, twice as many for each k, goes to
+  // the ommatidia that need it until their standard error is `error` or their rays are
+  // most_samples.
+  int rounds = 1;
+  double error = 0;
+  int most_samples = 0;
 };
 
 struct BlockTask {
@@ -31,6 +37,7 @@ struct BlockTask {
   int first = 0, count = 0;          // ommatidia, in the order of EyeArrays
   float* responses = nullptr;        // [ommatidium][channel] of this pose
   float* standard_error = nullptr;   // the same, or null
+  std::int32_t* rays = nullptr;      // [ommatidium] of this pose, spent; or null
   float* ray_radiance = nullptr;     // [ommatidium][sample][channel] of this pose, or null
 };
 

@@ -67,7 +67,6 @@ void make_units(const BlockContext& context, const BlockTask& task, const Direct
     }
     const Floats length_a = sqrt_lanes(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
     store(units.t_near + u, at(eye.focal_offset_m) * length_a);
-    store(units.footprint_rad + u, at(eye.footprint_rad));
     const Floats scale_a = 1.0f / length_a;
     for (Floats& x : a) x *= scale_a;
     const Floats along = s[0] * a[0] + s[1] * a[1] + s[2] * a[2];
@@ -90,6 +89,7 @@ void make_units(const BlockContext& context, const BlockTask& task, const Direct
       store(units.t[r] + u, t[r] * cosine - s[r] * sine);
     }
     const Ints warp = at(eye.warp);
+    store(units.footprint_rad + u, gather(tables.footprint_rad.data(), warp));
     if (tables.patterns > 0) {
       const Uints pattern = (hash + scramble) & static_cast<std::uint32_t>(tables.patterns - 1);
       store(units.directions + u, (warp * tables.patterns + (Ints)pattern) * (3 * tables.samples));
