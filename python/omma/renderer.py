@@ -44,6 +44,9 @@ class Renderer:
             with it.
         sampling: "low_discrepancy" (Owen-scrambled Sobol points, Owen 1995) or "random".
         threads: 0 takes one per hardware thread.
+        footprints: rays read textures averaged over their share of the solid angle, so that fine
+            texture does not become noise; the angular sensitivity's modulation transfer stays
+            within 0.01 of its own. False: point by point.
         background: instead of the scene's own.
         progress: called with the finished share (0 to 1) of the acceleration structure a few times
             a second. What it raises ends the building and is raised here; so does Ctrl-C.
@@ -63,6 +66,7 @@ class Renderer:
         kernel: str = "gaussian",
         sampling: str = "low_discrepancy",
         threads: int = 0,
+        footprints: bool = True,
         background: Background | None = None,
         progress: Progress | None = None,
     ) -> None:
@@ -73,7 +77,11 @@ class Renderer:
         self._scene = scene
         self._background = background
         self._engine = _core.Renderer(
-            scene, eye, *_settings(samples, seed, kernel, sampling, threads), background, progress
+            scene,
+            eye,
+            *_settings(samples, seed, kernel, sampling, threads, footprints),
+            background,
+            progress,
         )
 
     def with_eye(
@@ -84,6 +92,7 @@ class Renderer:
         seed: int | None = None,
         kernel: str | None = None,
         sampling: str | None = None,
+        footprints: bool | None = None,
     ) -> Renderer:
         """Another renderer of the same scene, for another eye or with other settings.
 
@@ -103,6 +112,7 @@ class Renderer:
                 self.kernel if kernel is None else kernel,
                 self.sampling if sampling is None else sampling,
                 self.threads,
+                self.footprints if footprints is None else footprints,
             ),
             self._background,
         )
@@ -306,6 +316,11 @@ class Renderer:
         return self._engine.sampling
 
     @property
+    def footprints(self) -> bool:
+        """Whether rays read textures averaged over their share of the solid angle."""
+        return self._engine.footprints
+
+    @property
     def threads(self) -> int:
         """Threads that a render uses."""
         return self._engine.threads
@@ -339,14 +354,15 @@ def _one_eye(eye: Eye | Sequence[Eye | tuple[Eye, ArrayLike]]) -> Eye:
 
 
 def _settings(
-    samples: int, seed: int, kernel: str, sampling: str, threads: int
-) -> tuple[int, int, str, str, int]:
+    samples: int, seed: int, kernel: str, sampling: str, threads: int, footprints: bool
+) -> tuple[int, int, str, str, int, bool]:
     return (
         whole(samples, "samples", 1, 1 << 20),
         whole(seed, "seed", 0, (1 << 64) - 1),
         kernel,
         sampling,
         whole(threads, "threads", 0, 1 << 16),
+        bool(footprints),
     )
 
 

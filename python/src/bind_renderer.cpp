@@ -65,14 +65,15 @@ void render(const Renderer& renderer, const Poses& poses, const Output& response
 }
 
 RenderSettings settings_of(int samples, std::uint64_t seed, const std::string& kernel,
-                           const std::string& sampling, int threads,
+                           const std::string& sampling, int threads, bool footprints,
                            std::optional<Background> background) {
   return {samples,
           seed,
           by_name(kernels, kernel, "kernel"),
           by_name(samplings, sampling, "sampling"),
           threads,
-          std::move(background)};
+          std::move(background),
+          footprints};
 }
 
 nb::object build_times(const Renderer& renderer) {
@@ -91,28 +92,30 @@ void bind_renderer(nb::module_& m) {
           "__init__",
           [](Renderer* self, std::shared_ptr<Scene> scene, const Eye& eye, int samples,
              std::uint64_t seed, const std::string& kernel, const std::string& sampling,
-             int threads, std::optional<Background> background, const nb::object& progress) {
-            RenderSettings settings =
-                settings_of(samples, seed, kernel, sampling, threads, std::move(background));
+             int threads, bool footprints, std::optional<Background> background,
+             const nb::object& progress) {
+            RenderSettings settings = settings_of(samples, seed, kernel, sampling, threads,
+                                                  footprints, std::move(background));
             run_with_progress(progress, [&](const std::function<bool(double)>& report) {
               new (self) Renderer(std::move(scene), eye, std::move(settings), report);
             });
           },
           nb::arg("scene"), nb::arg("eye"), nb::arg("samples"), nb::arg("seed"), nb::arg("kernel"),
-          nb::arg("sampling"), nb::arg("threads"), nb::arg("background").none(),
-          nb::arg("progress").none())
+          nb::arg("sampling"), nb::arg("threads"), nb::arg("footprints"),
+          nb::arg("background").none(), nb::arg("progress").none())
       .def(
           "__init__",
           [](Renderer* self, const Renderer& same_scene, const Eye& eye, int samples,
              std::uint64_t seed, const std::string& kernel, const std::string& sampling,
-             int threads, std::optional<Background> background) {
-            RenderSettings settings =
-                settings_of(samples, seed, kernel, sampling, threads, std::move(background));
+             int threads, bool footprints, std::optional<Background> background) {
+            RenderSettings settings = settings_of(samples, seed, kernel, sampling, threads,
+                                                  footprints, std::move(background));
             nb::gil_scoped_release release;
             new (self) Renderer(same_scene, eye, std::move(settings));
           },
           nb::arg("same_scene"), nb::arg("eye"), nb::arg("samples"), nb::arg("seed"),
-          nb::arg("kernel"), nb::arg("sampling"), nb::arg("threads"), nb::arg("background").none())
+          nb::arg("kernel"), nb::arg("sampling"), nb::arg("threads"), nb::arg("footprints"),
+          nb::arg("background").none())
       .def("render", &render, nb::arg("poses").noconvert(), nb::arg("responses").noconvert(),
            nb::arg("standard_error").noconvert().none(), nb::arg("rays").noconvert().none(),
            nb::arg("first_pose"), nb::arg("progress").none(),
@@ -128,6 +131,7 @@ void bind_renderer(nb::module_& m) {
                    [](const Renderer& r) { return name_of(kernels, r.settings().kernel); })
       .def_prop_ro("sampling",
                    [](const Renderer& r) { return name_of(samplings, r.settings().sampling); })
+      .def_prop_ro("footprints", [](const Renderer& r) { return r.settings().footprints; })
       .def_prop_ro("threads", &Renderer::threads)
       .def_prop_ro("backend", &Renderer::backend)
       .def_prop_ro("build_times", &build_times,

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <tuple>
 
 namespace omma {
 namespace {
@@ -12,41 +14,6 @@ namespace {
 // Texture coordinates beyond this have no fraction left in a float; legal in a file, but a texel
 // index must come of them.
 constexpr float most_repeats = 4194304.0f;  // 2^22
-
-// sRGB code value in [0, 1] to linear (IEC 61966-2-1).
-double linear_from_srgb(double s) {
-  return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
-}
-
-// An 8-bit sRGB image in linear light. 16 bits hold it to within 7.6e-6 of full scale, and reading
-// a texel then costs one load and one conversion instead of four table look-ups.
-// With CompoundRay's colours the code values themselves are kept: they are raised to their power
-// after interpolation.
-std::vector<std::int32_t> linear16_from_srgb8(const std::vector<std::uint8_t>& rgba,
-                                              ColorRule rule) {
-  std::uint32_t color[256];
-  for (int i = 0; i < 256; ++i) {
-    const double code = i / 255.0;
-    const double value = rule == ColorRule::gltf ? linear_from_srgb(code) : code;
-    color[i] = static_cast<std::uint32_t>(std::lround(65535.0 * value));
-  }
-  std::vector<std::int32_t> linear(rgba.size() / 2);
-  oneapi::tbb::parallel_for(std::size_t{0}, rgba.size() / 4, [&](std::size_t i) {
-    const std::uint8_t* p = rgba.data() + 4 * i;
-    linear[2 * i] = static_cast<std::int32_t>(color[p[0]] | color[p[1]] << 16);
-    linear[2 * i + 1] = static_cast<std::int32_t>(color[p[2]] | 257u * p[3] << 16);
-  });
-  return linear;
-}
-
-TextureView image_view(const Image& image, const std::vector<std::int32_t>& linear16) {
-  TextureView view;
-  view.width = image.width;
-  view.height = image.height;
-  if (!linear16.empty()) view.linear16 = linear16.data();
-  if (!image.rgba_linear.empty()) view.linear = image.rgba_linear.data();
-  return view;
-}
 
 // Per triangle corner: one place in memory per hit instead of an index and three vertices.
 template <typename T>
@@ -78,11 +45,46 @@ std::vector<Vec2> corner_texcoords(const Mesh& mesh, const TextureUse& use) {
   return uv;
 }
 
-MaterialView material_view(const Material& m) {
+// Textures as materials use them: where their alpha matters, coarser levels differ.
+struct TextureTable {
+  const Scene& scene;
+  ShadingData& data;
+  std::map<std::tuple<int, AlphaUse, bool>, const TextureLevels*> levels_of_image = {};
+  std::map<std::tuple<int, AlphaUse>, std::int32_t> view_of_texture = {};
+
+  // Index of the view, made where there is none yet.
+  std::int32_t find(int texture, AlphaUse alpha) {
+    if (texture < 0) return -1;
+    const auto [known, is_new] = view_of_texture.try_emplace(
+        {texture, alpha}, static_cast<std::int32_t>(data.textures.size()));
+    if (!is_new) return known->second;
+    const Texture& t = scene.textures[static_cast<std::size_t>(texture)];
+    const Image& image = scene.images[static_cast<std::size_t>(t.image)];
+    // CompoundRay's colours are not linear before they are interpolated, nearest texels are asked
+    // for as they are: neither can be averaged.
+    const bool levels = scene.color_rule == ColorRule::gltf && t.filter == Filter::linear;
+    const TextureLevels*& made = levels_of_image[{t.image, alpha, levels}];
+    if (made == nullptr) {
+      data.levels.push_back(make_texture_levels(image, scene.color_rule, alpha, levels));
+      made = &data.levels.back();
+    }
+    TextureView view = view_levels(image, *made);
+    view.wrap_u = t.wrap_u;
+    view.wrap_v = t.wrap_v;
+    view.filter = t.filter;
+    data.textures.push_back(view);
+    return known->second;
+  }
+};
+
+MaterialView material_view(const Material& m, TextureTable& textures) {
+  AlphaUse alpha{m.alpha_mode};
+  if (m.alpha_mode == AlphaMode::mask && m.base_color.w > 0)
+    alpha.cutoff = m.alpha_cutoff / m.base_color.w;
   return {m.base_color,
           m.unlit ? Vec3{} : m.emissive,  // KHR_materials_unlit: the base colour and nothing else
-          m.base_color_texture.texture,
-          m.emissive_texture.texture,
+          textures.find(m.base_color_texture.texture, alpha),
+          textures.find(m.emissive_texture.texture, {}),
           m.alpha_cutoff,
           m.alpha_mode,
           m.double_sided};
@@ -92,22 +94,11 @@ MaterialView material_view(const Material& m) {
 
 std::unique_ptr<ShadingData> make_shading_data(const Scene& scene) {
   auto data = std::make_unique<ShadingData>();
-  for (const Image& image : scene.images)
-    data->linear16.push_back(linear16_from_srgb8(image.rgba_srgb8, scene.color_rule));
-
-  for (const Texture& texture : scene.textures) {
-    const auto image = static_cast<std::size_t>(texture.image);
-    TextureView view = image_view(scene.images[image], data->linear16[image]);
-    view.wrap_u = texture.wrap_u;
-    view.wrap_v = texture.wrap_v;
-    view.filter = texture.filter;
-    data->textures.push_back(view);
-  }
-
   // The last material is glTF's default, for meshes without one: white, single-sided.
+  TextureTable textures{scene, *data};
   for (const Material& material : scene.materials)
-    data->materials.push_back(material_view(material));
-  data->materials.push_back(material_view({}));
+    data->materials.push_back(material_view(material, textures));
+  data->materials.push_back(material_view({}, textures));
   data->materials.back().double_sided = scene.color_rule == ColorRule::compoundray;
 
   for (const Mesh& mesh : scene.meshes) {
@@ -116,14 +107,20 @@ std::unique_ptr<ShadingData> make_shading_data(const Scene& scene) {
         mesh.material >= 0 ? mesh.material : static_cast<std::int32_t>(scene.materials.size());
     if (mesh.material >= 0) {
       const Material& material = scene.materials[static_cast<std::size_t>(mesh.material)];
-      if (material.base_color_texture.texture >= 0) {
-        data->corner_uvs.push_back(corner_texcoords(mesh, material.base_color_texture));
-        view.base_uv = &data->corner_uvs.back().data()->x;
-      }
-      if (material.emissive_texture.texture >= 0) {
-        data->corner_uvs.push_back(corner_texcoords(mesh, material.emissive_texture));
-        view.emissive_uv = &data->corner_uvs.back().data()->x;
-      }
+      const MaterialView& seen = data->materials[static_cast<std::size_t>(mesh.material)];
+      const auto lay_out = [&](const TextureUse& use, std::int32_t texture, const float*& uv,
+                               const float*& density) {
+        if (texture < 0) return;
+        data->corner_uvs.push_back(corner_texcoords(mesh, use));
+        uv = &data->corner_uvs.back().data()->x;
+        const TextureView& t = data->textures[static_cast<std::size_t>(texture)];
+        if (t.last_level == 0) return;
+        data->densities.push_back(texel_density(mesh, data->corner_uvs.back(), t));
+        density = data->densities.back().data();
+      };
+      lay_out(material.base_color_texture, seen.base_texture, view.base_uv, view.base_density);
+      lay_out(material.emissive_texture, seen.emissive_texture, view.emissive_uv,
+              view.emissive_density);
       data->view.has_blend |= material.alpha_mode == AlphaMode::blend;
     }
     if (!mesh.colors.empty()) {
@@ -150,9 +147,10 @@ BackgroundData make_background_data(const Background& background) {
   data.view.type = background.type;
   data.view.color = background.color;
   if (background.type == BackgroundType::image) {
-    data.linear16 = linear16_from_srgb8(background.image.rgba_srgb8, ColorRule::gltf);
-    data.view.image = image_view(background.image, data.linear16);
+    data.levels = make_texture_levels(background.image, ColorRule::gltf, {}, true);
+    data.view.image = view_levels(background.image, data.levels);
     data.view.image.wrap_v = Wrap::clamp_to_edge;
+    data.view.image_density = panorama_density(data.view.image);
   }
   return data;
 }

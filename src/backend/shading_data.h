@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cstdint>
+#include <list>
 #include <memory>
 #include <vector>
 
+#include "backend/texture_levels.h"
 #include "kernel/scene_view.h"
 
 namespace omma {
@@ -22,14 +24,15 @@ struct ShadingData {
   std::vector<TextureView> textures;
   std::vector<std::vector<Vec2>> corner_uvs;
   std::vector<std::vector<Vec4>> corner_colors;
-  std::vector<std::vector<std::int32_t>> linear16;  // [image], of the 8-bit ones
-  std::vector<float> power_22;                      // see SceneView, or empty
-  SceneView view;                                   // without a background
+  std::vector<std::vector<float>> densities;  // of texels, [textured mesh][triangle]
+  std::list<TextureLevels> levels;            // of the images, where they stay
+  std::vector<float> power_22;                // see SceneView, or empty
+  SceneView view;                             // without a background
 };
 
 // A background for the kernels. Owns what its `view` points to, or points into the Background.
 struct BackgroundData {
-  std::vector<std::int32_t> linear16;
+  TextureLevels levels;
   BackgroundView view;
 };
 

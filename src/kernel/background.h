@@ -40,15 +40,17 @@ OMMA_HD Radiance eval_test_pattern(Vec3 direction) {
 }
 
 // Equirectangular image: forward (-Z) in the middle, +X to the right, +Y at the top.
-OMMA_HD Radiance eval_background_image(const BackgroundView& background, Vec3 direction) {
+OMMA_HD Radiance eval_background_image(const BackgroundView& background, Vec3 direction,
+                                       float footprint_rad) {
   const float p = static_cast<float>(pi);
   const float y = fminf(fmaxf(direction.y, -1.0f), 1.0f);
   const Vec2 uv{0.5f + atan2f(direction.x, -direction.z) / (2 * p), 0.5f - asinf(y) / p};
-  const Color<float> c = eval_texture(background.image, uv.x, uv.y);
+  const Color<float> c =
+      eval_texture(background.image, uv.x, uv.y, footprint_rad * background.image_density);
   return {{c.r, c.g, c.b}};
 }
 
-OMMA_HD Radiance eval_background(const SceneView& scene, Vec3 direction) {
+OMMA_HD Radiance eval_background(const SceneView& scene, Vec3 direction, float footprint_rad) {
   switch (scene.background.type) {
     case BackgroundType::constant:
       break;
@@ -57,7 +59,7 @@ OMMA_HD Radiance eval_background(const SceneView& scene, Vec3 direction) {
     case BackgroundType::test_pattern:
       return eval_test_pattern(direction);
     case BackgroundType::image:
-      return eval_background_image(scene.background, direction);
+      return eval_background_image(scene.background, direction, footprint_rad);
   }
   const Vec3 c = scene.background.color;
   return {{c.x, c.y, c.z}};

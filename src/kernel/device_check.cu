@@ -1,6 +1,7 @@
 // Compiles the physics headers as device code. Nothing runs this; it keeps what is written once
 // good for both host and device.
 #include "kernel/acceptance.h"
+#include "kernel/footprint.h"
 #include "kernel/hash.h"
 #include "kernel/path.h"
 #include "kernel/random_direction.h"
@@ -22,7 +23,9 @@ __global__ void device_check(SceneView scene, AcceptanceWarpView warp, float* ou
     t_m = t_near_m + 1;
     return accept_hit(scene, hit, direction.z > 0) && may_reject(scene.materials[0]);
   };
-  const Radiance radiance = eval_path(scene, direction, 0, trace);
+  const Radiance radiance = eval_path(
+      scene, direction,
+      static_cast<float>(footprint_width_rad(warp.kernel, warp.acceptance_rad, 16)), 0, trace);
   for (int c = 0; c < channel_count; ++c) out[channel_count * i + c] = radiance.channel[c];
   const LocalDirection<float> random =
       sample_random_direction<float>(out, 0, scramble_hash(ommatidium_hash(scramble, i), 0u), i);

@@ -63,6 +63,9 @@ OMMA_HD Pair<T> gather_pair(const T* base, std::int32_t index) {
 OMMA_HD float sqrt_lanes(float x) {
   return sqrtf(x);
 }
+OMMA_HD bool any_lane(bool condition) {
+  return condition;
+}
 OMMA_HD std::int32_t int_of(std::uint32_t x) {
   return static_cast<std::int32_t>(x);
 }
@@ -138,6 +141,10 @@ OMMA_HD Floats sqrt_lanes(Floats x) {
   return Floats{sqrtf(x[0]), sqrtf(x[1]), sqrtf(x[2]), sqrtf(x[3])};
 }
 #endif
+
+OMMA_HD bool any_lane(Ints mask) {
+  return lane_bits(mask) != 0;
+}
 
 #if defined(__AVX512F__)
 // Masked with all lanes on: GCC 12 warns of an uninitialised register in the plain ones (bug

@@ -34,20 +34,21 @@ OMMA_HD void add_background(Path& path, const Radiance& radiance) {
     path.radiance.channel[c] += path.throughput * radiance.channel[c];
 }
 
-// Radiance along one ray. `trace(t_near_m, hit, t_m)` finds the closest accepted hit at or beyond
-// t_near, false for none. Packet backends run the same steps lane by lane.
+// Radiance along one ray with a footprint of that width. `trace(t_near_m, hit, t_m)` finds the
+// closest accepted hit at or beyond t_near and the footprint there, false for none. Packet backends
+// run the same steps lane by lane.
 template <typename Trace>
-OMMA_HD Radiance eval_path(const SceneView& scene, Vec3 direction, float t_near_m, Trace trace) {
+OMMA_HD Radiance eval_path(const SceneView& scene, Vec3 direction, float footprint_rad,
+                           float t_near_m, Trace trace) {
   Path path;
   for (;;) {
     SurfaceHit hit;
     float t_m = 0;
     if (!trace(t_near_m, hit, t_m)) {
-      add_background(path, eval_background(scene, direction));
+      add_background(path, eval_background(scene, direction, footprint_rad));
       return path.radiance;
     }
-    const SurfaceLight<float> light = eval_surface(
-        scene, scene.meshes[hit.mesh], static_cast<std::int32_t>(hit.triangle), hit.u, hit.v);
+    const SurfaceLight<float> light = eval_surface(scene, scene.meshes[hit.mesh], point_of(hit));
     if (!add_surface(path, light)) return path.radiance;
     t_near_m = step_behind(t_m);
   }

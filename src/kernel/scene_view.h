@@ -16,10 +16,12 @@ struct Radiance {
 
 struct TextureView {
   // Exactly one of the two is set. 16-bit: components 65535 for 1, two to a word, the even ones
-  // low.
-  const std::int32_t* linear16 = nullptr;  // [height][width][2], linear RG and BA
-  const float* linear = nullptr;           // [height][width][4], linear RGBA
-  std::int32_t width = 1, height = 1;
+  // low. Levels follow one another, each half as wide and high as the one before, rounded up.
+  const std::int32_t* linear16 = nullptr;  // [level][height][width][2], linear RG and BA
+  const float* linear = nullptr;           // [level][height][width][4], linear RGBA
+  std::int32_t width = 1, height = 1;      // of level 0
+  std::int32_t last_level = 0;
+  const std::int32_t* first_texel = nullptr;  // [level], where there is more than one
   Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
   Filter filter = Filter::linear;
 };
@@ -37,13 +39,17 @@ struct MeshView {
   const float* base_uv = nullptr;      // [triangle][3][u, v]; null where there is no texture
   const float* emissive_uv = nullptr;  // [triangle][3][u, v], or null
   const float* colors = nullptr;       // [triangle][3][linear r, g, b, a], or null
-  std::int32_t material = 0;           // index into SceneView::materials
+  // Texels of level 0 per metre of the mesh, along the direction in which they are least dense.
+  const float* base_density = nullptr;      // [triangle], where the texture has levels
+  const float* emissive_density = nullptr;  // [triangle], the same
+  std::int32_t material = 0;                // index into SceneView::materials
 };
 
 struct BackgroundView {
   BackgroundType type = BackgroundType::constant;
   Vec3 color{0, 0, 0};
   TextureView image;
+  float image_density = 0;  // least dense pixels of the image, per rad
 };
 
 inline constexpr std::int32_t power_22_size = 4097;
@@ -62,7 +68,8 @@ struct SceneView {
 struct SurfaceHit {
   std::int32_t mesh = -1;  // index into SceneView::meshes
   std::uint32_t triangle = 0;
-  float u = 0, v = 0;  // barycentric weights of the second and third vertex
+  float u = 0, v = 0;     // barycentric weights of the second and third vertex
+  float footprint_m = 0;  // width of the ray's footprint there, in metres of the mesh
 };
 
 }  // namespace omma

@@ -26,11 +26,22 @@ OMMA_HD Pair<F> interpolate(const float* corners, int pairs, int pair, I triangl
   return {a.first * w + b.first * u + c.first * v, a.second * w + b.second * u + c.second * v};
 }
 
+// Where on a mesh lanes ask for its light.
+template <typename F, typename I>
+struct SurfacePoint {
+  I triangle;
+  F u, v;         // barycentric weights of the second and third vertex
+  F footprint_m;  // width of the ray's footprint, in metres of the mesh
+};
+
 template <typename F, typename I>
 OMMA_HD Color<F> eval_texture_at(const SceneView& scene, int texture, const float* corner_uv,
-                                 I triangle, F u, F v) {
-  const Pair<F> uv = interpolate(corner_uv, 1, 0, triangle, u, v);
-  return eval_texture(scene.textures[texture], uv.first, uv.second);
+                                 const float* density, const SurfacePoint<F, I>& p) {
+  const Pair<F> uv = interpolate(corner_uv, 1, 0, p.triangle, p.u, p.v);
+  // Along the short side of a slanted footprint, so that nothing is blurred by more than its width.
+  const F width =
+      density != nullptr ? p.footprint_m * gather(density, p.triangle) : broadcast<F>(0.0f);
+  return eval_texture(scene.textures[texture], uv.first, uv.second, width);
 }
 
 // t^2.2 for t in [0, 1], from the table: within 2e-8.
@@ -49,48 +60,53 @@ OMMA_HD Color<F> eval_power_22(const float* table, const Color<F>& c) {
 }
 
 template <typename F, typename I>
-OMMA_HD Color<F> eval_vertex_color(const MeshView& mesh, I triangle, F u, F v) {
-  const Pair<F> red_green = interpolate(mesh.colors, 2, 0, triangle, u, v);
-  const Pair<F> blue_alpha = interpolate(mesh.colors, 2, 1, triangle, u, v);
+OMMA_HD Color<F> eval_vertex_color(const MeshView& mesh, const SurfacePoint<F, I>& p) {
+  const Pair<F> red_green = interpolate(mesh.colors, 2, 0, p.triangle, p.u, p.v);
+  const Pair<F> blue_alpha = interpolate(mesh.colors, 2, 1, p.triangle, p.u, p.v);
   return {red_green.first, red_green.second, blue_alpha.first, blue_alpha.second};
 }
 
 // Base colour: factor x texture x vertex colour (glTF 2.0, 3.9.2), or CompoundRay's rule: the
 // vertex colour in place of all else, textures and vertex colours to the power 2.2.
 template <typename F, typename I>
-OMMA_HD Color<F> eval_base_color(const SceneView& scene, const MeshView& mesh, I triangle, F u,
-                                 F v) {
+OMMA_HD Color<F> eval_base_color(const SceneView& scene, const MeshView& mesh,
+                                 const SurfacePoint<F, I>& p) {
   const MaterialView& material = scene.materials[mesh.material];
   const Vec4 factor = material.base_color;
   Color<F> color{broadcast<F>(factor.x), broadcast<F>(factor.y), broadcast<F>(factor.z),
                  broadcast<F>(factor.w)};
   if (scene.power_22 != nullptr) {
-    if (mesh.colors != nullptr)
-      return eval_power_22(scene.power_22, eval_vertex_color(mesh, triangle, u, v));
+    if (mesh.colors != nullptr) return eval_power_22(scene.power_22, eval_vertex_color(mesh, p));
     if (mesh.base_uv != nullptr)
-      color = color * eval_power_22(scene.power_22, eval_texture_at(scene, material.base_texture,
-                                                                    mesh.base_uv, triangle, u, v));
+      color = color *
+              eval_power_22(scene.power_22, eval_texture_at(scene, material.base_texture,
+                                                            mesh.base_uv, mesh.base_density, p));
     return color;
   }
   if (mesh.base_uv != nullptr)
-    color = color * eval_texture_at(scene, material.base_texture, mesh.base_uv, triangle, u, v);
-  if (mesh.colors != nullptr) color = color * eval_vertex_color(mesh, triangle, u, v);
+    color =
+        color * eval_texture_at(scene, material.base_texture, mesh.base_uv, mesh.base_density, p);
+  if (mesh.colors != nullptr) color = color * eval_vertex_color(mesh, p);
   return color;
 }
 
 template <typename F, typename I>
-OMMA_HD SurfaceLight<F> eval_surface(const SceneView& scene, const MeshView& mesh, I triangle, F u,
-                                     F v) {
+OMMA_HD SurfaceLight<F> eval_surface(const SceneView& scene, const MeshView& mesh,
+                                     const SurfacePoint<F, I>& p) {
   const MaterialView& material = scene.materials[mesh.material];
-  const Color<F> base = eval_base_color(scene, mesh, triangle, u, v);
+  const Color<F> base = eval_base_color(scene, mesh, p);
   Color<F> emitted{broadcast<F>(material.emissive.x), broadcast<F>(material.emissive.y),
                    broadcast<F>(material.emissive.z), broadcast<F>(1.0f)};
   if (mesh.emissive_uv != nullptr)
-    emitted = emitted *
-              eval_texture_at(scene, material.emissive_texture, mesh.emissive_uv, triangle, u, v);
+    emitted = emitted * eval_texture_at(scene, material.emissive_texture, mesh.emissive_uv,
+                                        mesh.emissive_density, p);
   const F alpha =
       material.alpha_mode == AlphaMode::blend ? clamp_unit_lanes(base.a) : broadcast<F>(1.0f);
   return {{base.r + emitted.r, base.g + emitted.g, base.b + emitted.b}, alpha};
+}
+
+OMMA_HD SurfacePoint<float, std::int32_t> point_of(const SurfaceHit& hit) {
+  return {static_cast<std::int32_t>(hit.triangle), hit.u, hit.v, hit.footprint_m};
 }
 
 // Whether the ray sees the surface there: the back of a single-sided one is invisible (glTF 2.0,
@@ -100,8 +116,7 @@ OMMA_HD bool accept_hit(const SceneView& scene, const SurfaceHit& hit, bool from
   const MaterialView& material = scene.materials[mesh.material];
   if (from_behind && !material.double_sided) return false;
   if (material.alpha_mode != AlphaMode::mask) return true;
-  const auto triangle = static_cast<std::int32_t>(hit.triangle);
-  return eval_base_color(scene, mesh, triangle, hit.u, hit.v).a >= material.alpha_cutoff;
+  return eval_base_color(scene, mesh, point_of(hit)).a >= material.alpha_cutoff;
 }
 
 // Whether accept_hit can ever say no: meshes for which it cannot are traced without asking.

@@ -1,16 +1,24 @@
 // Reading a texture: wrap modes, nearest and bilinear filtering in linear light (glTF 2.0, 3.8.4).
-// Row 0 is v = 0, as in glTF. One texture, any number of lanes (kernel/lanes.h).
+// Row 0 is v = 0, as in glTF. A footprint wider than a texel reads coarser levels of the image,
+// mixed so that it is continuous in the width. One texture, any number of lanes (kernel/lanes.h).
 #pragma once
+
+#include <type_traits>
 
 #include "kernel/lanes.h"
 #include "kernel/scene_view.h"
 
 namespace omma {
 
-// In units of 1/65535 for 16-bit images; eval_texture scales.
+// One level of a texture: the same for all lanes (I an integer), or one for each.
+template <typename I>
+struct TextureLevel {
+  I first_texel, width, height;
+};
+
+// In units of 1/65535 for 16-bit images; eval_level scales.
 template <typename F, typename I>
-OMMA_HD Color<F> load_texel(const TextureView& texture, I x, I y) {
-  const I texel = y * texture.width + x;
+OMMA_HD Color<F> load_texel(const TextureView& texture, I texel) {
   if (texture.linear16 != nullptr) {
     // A texel is two words of two components each.
     const Pair<I> words = gather_pair(texture.linear16, texel);
@@ -24,8 +32,8 @@ OMMA_HD Color<F> load_texel(const TextureView& texture, I x, I y) {
 
 // Texture coordinate to texel units, in [0, size]. Coordinates are bounded (backend/shading_data),
 // so that they have a fraction.
-template <typename F>
-OMMA_HD F wrap_coordinate(F u, Wrap wrap, float size) {
+template <typename F, typename Size>
+OMMA_HD F wrap_coordinate(F u, Wrap wrap, Size size) {
   if (wrap == Wrap::repeat) return (u - floor_lanes(u)) * size;
   if (wrap == Wrap::mirrored_repeat) {
     const F t = u - 2.0f * floor_lanes(0.5f * u);
@@ -36,40 +44,82 @@ OMMA_HD F wrap_coordinate(F u, Wrap wrap, float size) {
 
 // Texel index one before the first or one behind the last: goes round for repeat, stays for the
 // other two (where a mirrored neighbour is the edge texel itself).
-template <typename I>
-OMMA_HD I wrap_before(I i, Wrap wrap, int size) {
-  const int round = wrap == Wrap::repeat ? size : 1;
-  return i < 0 ? i + round : i;
+template <typename I, typename Size>
+OMMA_HD I wrap_before(I i, Wrap wrap, Size size) {
+  return i < 0 ? (wrap == Wrap::repeat ? i + size : i + 1) : i;
 }
-template <typename I>
-OMMA_HD I wrap_behind(I i, Wrap wrap, int size) {
-  const int round = wrap == Wrap::repeat ? size : 1;
-  return i >= size ? i - round : i;
+template <typename I, typename Size>
+OMMA_HD I wrap_behind(I i, Wrap wrap, Size size) {
+  return i >= size ? (wrap == Wrap::repeat ? i - size : i - 1) : i;
 }
 
-template <typename F>
-OMMA_HD Color<F> eval_texture(const TextureView& texture, F u, F v) {
+template <typename F, typename Level>
+OMMA_HD Color<F> eval_level(const TextureView& texture, const Level& level, F u, F v) {
   const float unit = texture.linear16 != nullptr ? 1.0f / 65535.0f : 1.0f;
-  const F x = wrap_coordinate(u, texture.wrap_u, static_cast<float>(texture.width));
-  const F y = wrap_coordinate(v, texture.wrap_v, static_cast<float>(texture.height));
+  const F x = wrap_coordinate(u, texture.wrap_u, to_float(level.width));
+  const F y = wrap_coordinate(v, texture.wrap_v, to_float(level.height));
   if (texture.filter == Filter::nearest) {
     // On the far edge the texel before it, whatever the wrap mode.
-    const auto i = wrap_behind(to_int(x), Wrap::clamp_to_edge, texture.width);
-    const auto j = wrap_behind(to_int(y), Wrap::clamp_to_edge, texture.height);
-    return load_texel<F>(texture, i, j) * broadcast<F>(unit);
+    const auto i = wrap_behind(to_int(x), Wrap::clamp_to_edge, level.width);
+    const auto j = wrap_behind(to_int(y), Wrap::clamp_to_edge, level.height);
+    return load_texel<F>(texture, j * level.width + i + level.first_texel) * broadcast<F>(unit);
   }
   // The texel whose centre lies at or before the point, -1 to size - 1, and the one behind it.
   const auto i = to_int(x + 0.5f) - 1, j = to_int(y + 0.5f) - 1;
   const F fx = x - 0.5f - to_float(i), fy = y - 0.5f - to_float(j);
-  const auto x0 = wrap_before(i, texture.wrap_u, texture.width);
-  const auto x1 = wrap_behind(i + 1, texture.wrap_u, texture.width);
-  const auto y0 = wrap_before(j, texture.wrap_v, texture.height);
-  const auto y1 = wrap_behind(j + 1, texture.wrap_v, texture.height);
+  const auto x0 = wrap_before(i, texture.wrap_u, level.width);
+  const auto x1 = wrap_behind(i + 1, texture.wrap_u, level.width);
+  const auto row0 = wrap_before(j, texture.wrap_v, level.height) * level.width + level.first_texel;
+  const auto row1 =
+      wrap_behind(j + 1, texture.wrap_v, level.height) * level.width + level.first_texel;
   const F upper = (1.0f - fy) * unit, lower = fy * unit;
-  return load_texel<F>(texture, x0, y0) * ((1.0f - fx) * upper) +
-         load_texel<F>(texture, x1, y0) * (fx * upper) +
-         load_texel<F>(texture, x0, y1) * ((1.0f - fx) * lower) +
-         load_texel<F>(texture, x1, y1) * (fx * lower);
+  return load_texel<F>(texture, row0 + x0) * ((1.0f - fx) * upper) +
+         load_texel<F>(texture, row0 + x1) * (fx * upper) +
+         load_texel<F>(texture, row1 + x0) * ((1.0f - fx) * lower) +
+         load_texel<F>(texture, row1 + x1) * (fx * lower);
+}
+
+// The finer of the two levels that a footprint reads and the weight of the next. Seen from level 0,
+// level n has a variance of (4^n - 1)/4 texels^2 along each axis (kernel/footprint.h); in between
+// the weight is such that the mixture has (width^2 - 1)/4. The level is the exponent of the width,
+// so no logarithm is needed.
+template <typename F, typename I>
+struct FoundLevel {
+  I level;
+  F next;
+};
+
+// `width`: of the footprint, in texels of level 0, at least 0.
+template <typename F>
+OMMA_HD auto find_level(F width, std::int32_t last_level) {
+  const F wide = width > 1.0f ? width : broadcast<F>(1.0f);
+  const auto bits = bits_of(wide);
+  const auto exponent = (bits >> 23) - 127;
+  const F mantissa = float_of((bits & 0x007fffff) | 0x3f800000);
+  const auto level = exponent < last_level ? exponent : exponent * 0 + last_level;
+  const F next = (mantissa * mantissa - 1.0f) * (1.0f / 3.0f);
+  using I = std::remove_const_t<decltype(exponent)>;
+  return FoundLevel<F, I>{level, exponent < last_level ? next : broadcast<F>(0.0f)};
+}
+
+template <typename I>
+OMMA_HD TextureLevel<I> level_of(const TextureView& texture, I level) {
+  const I one = level * 0 + 1;
+  return {gather(texture.first_texel, level), (((one * (texture.width - 1)) >> level) + 1),
+          (((one * (texture.height - 1)) >> level) + 1)};
+}
+
+// A texture averaged over `width` texels of level 0. Up to 1 that is the texture itself.
+template <typename F>
+OMMA_HD Color<F> eval_texture(const TextureView& texture, F u, F v, F width) {
+  if (texture.last_level == 0 || !any_lane(width > 1.0f))
+    return eval_level(texture, TextureLevel<std::int32_t>{0, texture.width, texture.height}, u, v);
+  const auto found = find_level(width, texture.last_level);
+  const Color<F> fine = eval_level(texture, level_of(texture, found.level), u, v);
+  if (!any_lane(found.next > 0.0f)) return fine;
+  const auto behind = found.level < texture.last_level ? found.level + 1 : found.level;
+  const Color<F> coarse = eval_level(texture, level_of(texture, behind), u, v);
+  return fine * (1.0f - found.next) + coarse * found.next;
 }
 
 }  // namespace omma

@@ -98,7 +98,9 @@ Coverage measure_coverage(const Scene& scene, Sampling sampling, int samples) {
   constexpr double t_quantile = 2.3646;  // Student, 97.5 %, 7 degrees of freedom
   double inside = 0, count = 0, errors = 0, reported = 0;
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
-    const Result result = render(scene, eye, {samples, seed, {}, sampling, 0, {}}, {}, true);
+    // The bias of footprints, up to 0.01 of the modulation, is no part of a standard error.
+    const RenderSettings settings{samples, seed, {}, sampling, 0, {}, false};
+    const Result result = render(scene, eye, settings, {}, true);
     for (std::size_t i = 0; i < result.response.size(); ++i) {
       const double error = result.response[i] - expected[i % expected.size()];
       const double standard_error = result.standard_error[i];

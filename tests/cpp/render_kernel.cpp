@@ -40,7 +40,7 @@ TEST(Kernel, PathOfOneRayIsWhatThePacketsSee) {
       }
     return false;
   };
-  const omma::Radiance one = eval_path(view, {0, 0, -1}, 0.0f, trace);
+  const omma::Radiance one = eval_path(view, {0, 0, -1}, 0.0f, 0.0f, trace);
   for (int c = 0; c < channel_count; ++c)  // the same operations in the same order
     EXPECT_FLOAT_EQ(one.channel[c], packets.at(0, c));
 }

@@ -8,20 +8,29 @@
 namespace omma::OMMA_ISA {
 namespace {
 
-// Index of the mesh that each lane hit, -1 for none.
-void find_meshes(const EmbreeTracer& tracer, const RTCHit16& hit, std::int32_t (&mesh)[lanes]) {
+// What each lane hit.
+struct Hits {
+  alignas(64) std::int32_t mesh[lanes];  // index, -1 for none
+  alignas(64) float footprint_m[lanes];  // of the ray there, in metres of the mesh
+};
+
+void find_meshes(const EmbreeTracer& tracer, const RTCRayHit16& rays, Hits& hits) {
+  static_assert(sizeof(PlacedMesh) == 8);
   for (int l = 0; l < lanes; l += lane_width) {
-    const Ints geometry = load<Ints>(hit.geomID + l), instance = load<Ints>(hit.instID[0] + l);
+    const Ints geometry = load<Ints>(rays.hit.geomID + l);
+    const Ints instance = load<Ints>(rays.hit.instID[0] + l);
     const Ints top = instance < 0 ? geometry : instance;  // an invalid id is -1
-    const Ints found = gather(tracer.mesh_of_geometry.data(), top < 0 ? top * 0 : top);
-    const Ints result = geometry < 0 ? geometry : found;
-    __builtin_memcpy(mesh + l, &result, sizeof result);
+    const Pair<Ints> placed = gather_pair(&tracer.placed.data()->mesh, top < 0 ? top * 0 : top);
+    store(hits.mesh + l, geometry < 0 ? geometry : placed.first);
+    store(hits.footprint_m + l, load<Floats>(rays.ray.id + l) * load<Floats>(rays.ray.tfar + l) *
+                                    float_of(placed.second));
   }
 }
 
 // Mesh by mesh: mostly all lanes see the same one.
-void eval_surfaces(const SceneView& scene, const RTCHit16& hit, const std::int32_t (&mesh)[lanes],
+void eval_surfaces(const SceneView& scene, const RTCHit16& hit, const Hits& hits,
                    PacketLight& light) {
+  const std::int32_t(&mesh)[lanes] = hits.mesh;
   unsigned left = 0;
   for (int l = 0; l < lanes; l += lane_width) left |= lane_bits(load<Ints>(mesh + l) >= 0) << l;
   while (left != 0) {
@@ -35,9 +44,13 @@ void eval_surfaces(const SceneView& scene, const RTCHit16& hit, const std::int32
       const Ints is_member = load<Ints>(mesh + l) == current;
       // Lanes of other meshes, and without a hit, hold anything; they go through as zeros.
       const Ints triangle = load<Ints>(hit.primID + l) & is_member;
-      const Ints u = load<Ints>(hit.u + l) & is_member, v = load<Ints>(hit.v + l) & is_member;
+      const auto of_members = [&](const float* p) {
+        return float_of(load<Ints>(p + l) & is_member);
+      };
       const SurfaceLight<Floats> s =
-          eval_surface(scene, scene.meshes[current], triangle, (Floats)u, (Floats)v);
+          eval_surface(scene, scene.meshes[current],
+                       SurfacePoint<Floats, Ints>{triangle, of_members(hit.u), of_members(hit.v),
+                                                  of_members(hits.footprint_m)});
       for (int c = 0; c < channel_count; ++c)
         store(light.channel[c] + l, is_member ? s.channel[c] : load<Floats>(light.channel[c] + l));
       store(light.alpha + l, is_member ? s.alpha : load<Floats>(light.alpha + l));
@@ -65,7 +78,8 @@ void background_radiance(const SceneView& scene, const RTCRay16& ray,
     case BackgroundType::test_pattern:
     case BackgroundType::image:
       for (int l = 0; l < lanes; ++l) {
-        const Radiance r = eval_background(scene, {ray.dir_x[l], ray.dir_y[l], ray.dir_z[l]});
+        const Radiance r = eval_background(scene, {ray.dir_x[l], ray.dir_y[l], ray.dir_z[l]},
+                                           float_of(static_cast<std::int32_t>(ray.id[l])));
         for (int c = 0; c < channel_count; ++c) out[c][l] = r.channel[c];
       }
       return;
@@ -77,12 +91,13 @@ void shade_opaque(const BlockContext& context, Packet& packet, const int* valid,
                   IntersectArguments& arguments) {
   prepare(packet.rays);
   intersect_16(context.tracer->scene, valid, packet.rays, arguments);
-  alignas(64) std::int32_t mesh[lanes];
-  find_meshes(*context.tracer, packet.rays.hit, mesh);
+  Hits hits;
+  find_meshes(*context.tracer, packet.rays, hits);
   unsigned misses = 0;
-  for (int l = 0; l < lanes; l += lane_width) misses |= lane_bits(load<Ints>(mesh + l) < 0) << l;
+  for (int l = 0; l < lanes; l += lane_width)
+    misses |= lane_bits(load<Ints>(hits.mesh + l) < 0) << l;
   if (misses != 0) background_radiance(*context.scene, packet.rays.ray, packet.light.channel);
-  eval_surfaces(*context.scene, packet.rays.hit, mesh, packet.light);
+  eval_surfaces(*context.scene, packet.rays.hit, hits, packet.light);
 }
 
 // Scenes with surfaces that let light through: on behind each, until nothing gets through.
@@ -97,13 +112,13 @@ void shade_blended(const BlockContext& context, Packet& packet, const int* valid
     prepare(packet.rays);
     intersect_16(context.tracer->scene, active, packet.rays, arguments);
     background_radiance(*context.scene, packet.rays.ray, background);
-    alignas(64) std::int32_t mesh[lanes];
-    find_meshes(*context.tracer, packet.rays.hit, mesh);
-    eval_surfaces(*context.scene, packet.rays.hit, mesh, packet.light);
+    Hits hits;
+    find_meshes(*context.tracer, packet.rays, hits);
+    eval_surfaces(*context.scene, packet.rays.hit, hits, packet.light);
     any = false;
     for (int l = 0; l < lanes; ++l) {
       if (active[l] == 0) continue;
-      if (mesh[l] < 0) {
+      if (hits.mesh[l] < 0) {
         add_background(paths[l], {{background[0][l], background[1][l], background[2][l]}});
         active[l] = 0;
         continue;

@@ -135,12 +135,36 @@ struct SharedScenes {
   }
 };
 
-void attach(EmbreeTracer& tracer, RTCScene scene, RTCGeometry geometry, std::int32_t mesh) {
+// Metres of a mesh per metre of the world, along the direction that its transform stretches most:
+// one over the largest singular value of A, whose square is the largest eigenvalue of B = A^T A
+// (closed form of a symmetric 3x3: O. K. Smith 1961, doi:10.1145/355578.366316).
+float mesh_per_world(const Mat4& world_from_mesh) {
+  double b[3][3] = {};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < 3; ++k) b[i][j] += world_from_mesh.m[k][i] * world_from_mesh.m[k][j];
+  const double mean = (b[0][0] + b[1][1] + b[2][2]) / 3;
+  for (int i = 0; i < 3; ++i) b[i][i] -= mean;
+  double squares = 0;
+  for (const auto& row : b)
+    for (const double value : row) squares += value * value;
+  const double spread = std::sqrt(squares / 6);
+  const double det = b[0][0] * (b[1][1] * b[2][2] - b[1][2] * b[2][1]) -
+                     b[0][1] * (b[1][0] * b[2][2] - b[1][2] * b[2][0]) +
+                     b[0][2] * (b[1][0] * b[2][1] - b[1][1] * b[2][0]);
+  const double cosine =
+      spread > 0 ? std::clamp(det / (2 * spread * spread * spread), -1.0, 1.0) : 1.0;
+  const double largest = mean + 2 * spread * std::cos(std::acos(cosine) / 3);
+  return largest > 0 ? static_cast<float>(1 / std::sqrt(largest)) : 0.0f;
+}
+
+void attach(EmbreeTracer& tracer, RTCScene scene, RTCGeometry geometry, std::int32_t mesh,
+            const Mat4& world_from_mesh) {
   const unsigned id = rtcAttachGeometry(scene, geometry);
   rtcReleaseGeometry(geometry);
   if (scene != tracer.scene) return;
-  if (tracer.mesh_of_geometry.size() <= id) tracer.mesh_of_geometry.resize(id + 1, -1);
-  tracer.mesh_of_geometry[id] = mesh;
+  if (tracer.placed.size() <= id) tracer.placed.resize(id + 1);
+  tracer.placed[id] = {mesh, mesh_per_world(world_from_mesh)};
 }
 
 }  // namespace
@@ -183,7 +207,7 @@ std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const Scene
   const auto build_shared = [&](std::size_t m) {
     shared[m] = new_scene(tracer->device, compact);
     const auto mesh = static_cast<std::int32_t>(m);
-    attach(*tracer, shared[m], make_geometry(*tracer, scene.meshes[m], mesh, {}, view), mesh);
+    attach(*tracer, shared[m], make_geometry(*tracer, scene.meshes[m], mesh, {}, view), mesh, {});
     build.commit(shared[m], scene.meshes[m].triangles.size());
   };
   for (std::size_t m = 0; m < scene.meshes.size(); ++m)
@@ -202,7 +226,7 @@ std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const Scene
     const bool invertible = std::fabs(det) > least_determinant;
     if (!invertible || (shared[m] == nullptr && det > 0)) {
       attach(*tracer, tracer->scene, make_geometry(*tracer, mesh, instance.mesh, t, view),
-             instance.mesh);
+             instance.mesh, t);
       placed_triangles += mesh.triangles.size();
       continue;
     }
@@ -214,7 +238,7 @@ std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const Scene
       for (int r = 0; r < 3; ++r) columns[3 * c + r] = static_cast<float>(t.m[r][c]);
     rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
     rtcCommitGeometry(geometry);
-    attach(*tracer, tracer->scene, geometry, instance.mesh);
+    attach(*tracer, tracer->scene, geometry, instance.mesh, t);
   }
   build.commit(tracer->scene, placed_triangles);
   return tracer;

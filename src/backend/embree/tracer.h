@@ -20,6 +20,13 @@ struct FilterData {
   std::int32_t mesh = 0;
 };
 
+// A geometry of the top scene: which mesh, and metres of the mesh per metre of the world along the
+// direction that its transform stretches most.
+struct PlacedMesh {
+  std::int32_t mesh = -1;
+  float mesh_per_world = 0;
+};
+
 struct EmbreeTracer {
   EmbreeTracer() = default;
   EmbreeTracer(const EmbreeTracer&) = delete;
@@ -28,9 +35,8 @@ struct EmbreeTracer {
 
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
-  // [geometry of the top scene], index into meshes. Never empty: packets look up entry 0 for lanes
-  // that missed.
-  std::vector<std::int32_t> mesh_of_geometry{-1};
+  // [geometry of the top scene]. Never empty: packets look up entry 0 for lanes that missed.
+  std::vector<PlacedMesh> placed{PlacedMesh{}};
   std::vector<std::unique_ptr<FilterData>> filters;
   std::string name;  // e.g. "embree 3.13.5"
 };

@@ -1,0 +1,228 @@
+// Averages images over ever larger squares, in linear light.
+#include "backend/texture_levels.h"
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace omma {
+namespace {
+
+// sRGB code value in [0, 1] to linear (IEC 61966-2-1).
+double linear_from_srgb(double s) {
+  return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+}
+
+// An 8-bit sRGB image in linear light. 16 bits hold it to within 7.6e-6 of full scale, and reading
+// a texel then costs one load and one conversion instead of four table look-ups.
+// With CompoundRay's colours the code values themselves are kept: they are raised to their power
+// after interpolation.
+void linear16_from_srgb8(const std::vector<std::uint8_t>& rgba, ColorRule rule,
+                         std::int32_t* linear) {
+  std::uint32_t color[256];
+  for (int i = 0; i < 256; ++i) {
+    const double code = i / 255.0;
+    const double value = rule == ColorRule::gltf ? linear_from_srgb(code) : code;
+    color[i] = static_cast<std::uint32_t>(std::lround(65535.0 * value));
+  }
+  oneapi::tbb::parallel_for(std::size_t{0}, rgba.size() / 4, [&](std::size_t i) {
+    const std::uint8_t* p = rgba.data() + 4 * i;
+    linear[2 * i] = static_cast<std::int32_t>(color[p[0]] | color[p[1]] << 16);
+    linear[2 * i + 1] = static_cast<std::int32_t>(color[p[2]] | 257u * p[3] << 16);
+  });
+}
+
+struct Texel {
+  float r, g, b, a;
+};
+
+// Levels other than the image itself, before they are rounded.
+struct Level {
+  int width = 0, height = 0;
+  std::vector<Texel> texels;
+};
+
+int half(int size) {
+  return (size + 1) / 2;
+}
+
+// Texels of the finer level that lie within texel i of the coarser, and how much of each. Sizes
+// that are not even make texels of one and a half and more: every one of the finer level has the
+// same weight altogether, which is what keeps the mean.
+struct Taps {
+  int first = 0, count = 0;
+  double weight[3] = {};  // sum 1
+
+  Taps(int i, int size) {
+    const double ratio = static_cast<double>(size) / half(size);
+    const double begin = i * ratio, end = begin + ratio;
+    first = static_cast<int>(begin);
+    for (; first + count < size && first + count < end && count < 3; ++count) {
+      const double covered =
+          std::min(end, first + count + 1.0) - std::max<double>(begin, first + count);
+      weight[count] = covered / ratio;
+    }
+  }
+};
+
+// `read(x, y)` gives a texel of the finer level, its alpha the weight that its colour is seen with.
+template <typename Read>
+Level make_level(int width, int height, const Read& read) {
+  Level level{half(width), half(height), {}};
+  level.texels.resize(static_cast<std::size_t>(level.width) *
+                      static_cast<std::size_t>(level.height));
+  oneapi::tbb::parallel_for(0, level.height, [&](int row) {
+    const Taps down(row, height);
+    for (int column = 0; column < level.width; ++column) {
+      const Taps across(column, width);
+      double seen[3] = {}, plain[3] = {}, alpha = 0;
+      for (int j = 0; j < down.count; ++j)
+        for (int i = 0; i < across.count; ++i) {
+          const Texel t = read(across.first + i, down.first + j);
+          const double w = down.weight[j] * across.weight[i];
+          const float color[3] = {t.r, t.g, t.b};
+          for (int c = 0; c < 3; ++c) seen[c] += w * t.a * color[c], plain[c] += w * color[c];
+          alpha += w * t.a;
+        }
+      // Where nothing is seen the colours still count for the neighbours that interpolate.
+      const auto value = [&](int c) {
+        return static_cast<float>(alpha > 0 ? seen[c] / alpha : plain[c]);
+      };
+      level.texels[static_cast<std::size_t>(row) * static_cast<std::size_t>(level.width) +
+                   static_cast<std::size_t>(column)] = {value(0), value(1), value(2),
+                                                        static_cast<float>(alpha)};
+    }
+  });
+  return level;
+}
+
+float visible_share(float alpha, AlphaUse use) {
+  if (use.mode == AlphaMode::opaque) return 1;
+  return use.mode == AlphaMode::blend ? alpha : (alpha >= use.cutoff ? 1.0f : 0.0f);
+}
+
+// A colour component or alpha as 16 bits.
+std::uint32_t round16(float value) {
+  return static_cast<std::uint32_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * 65535.0f));
+}
+
+}  // namespace
+
+TextureLevels make_texture_levels(const Image& image, ColorRule rule, AlphaUse alpha, bool levels) {
+  TextureLevels result;
+  result.first_texel.push_back(0);
+  const bool eight_bit = !image.rgba_srgb8.empty();
+  const auto width = static_cast<std::size_t>(image.width);
+  std::size_t texels = width * static_cast<std::size_t>(image.height);
+  if (levels)
+    for (int w = image.width, h = image.height; w > 1 || h > 1;) {
+      if (texels > INT32_MAX / 4) break;
+      result.first_texel.push_back(static_cast<std::int32_t>(texels));
+      w = half(w), h = half(h);
+      texels += static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
+    }
+  if (eight_bit) {
+    result.linear16.resize(2 * texels);
+    linear16_from_srgb8(image.rgba_srgb8, rule, result.linear16.data());
+  } else if (result.first_texel.size() > 1) {
+    result.linear.resize(4 * texels);
+    std::copy(image.rgba_linear.begin(), image.rgba_linear.end(), result.linear.begin());
+  }
+
+  Level finer;
+  for (std::size_t l = 1; l < result.first_texel.size(); ++l) {
+    const auto read_image = [&](int x, int y) {
+      const std::size_t i = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x);
+      Texel t;
+      if (eight_bit) {
+        const auto a = static_cast<std::uint32_t>(result.linear16[2 * i]);
+        const auto b = static_cast<std::uint32_t>(result.linear16[2 * i + 1]);
+        constexpr float unit = 1.0f / 65535.0f;
+        t = {static_cast<float>(a & 0xffff) * unit, static_cast<float>(a >> 16) * unit,
+             static_cast<float>(b & 0xffff) * unit, static_cast<float>(b >> 16) * unit};
+      } else {
+        const float* p = result.linear.data() + 4 * i;
+        t = {p[0], p[1], p[2], p[3]};
+      }
+      t.a = visible_share(t.a, alpha);
+      return t;
+    };
+    const auto read_level = [&](int x, int y) {
+      return finer.texels[static_cast<std::size_t>(y) * static_cast<std::size_t>(finer.width) +
+                          static_cast<std::size_t>(x)];
+    };
+    Level level = l == 1 ? make_level(image.width, image.height, read_image)
+                         : make_level(finer.width, finer.height, read_level);
+    const auto first = static_cast<std::size_t>(result.first_texel[l]);
+    oneapi::tbb::parallel_for(std::size_t{0}, level.texels.size(), [&](std::size_t i) {
+      const Texel t = level.texels[i];
+      if (eight_bit) {
+        result.linear16[2 * (first + i)] =
+            static_cast<std::int32_t>(round16(t.r) | round16(t.g) << 16);
+        result.linear16[2 * (first + i) + 1] =
+            static_cast<std::int32_t>(round16(t.b) | round16(t.a) << 16);
+      } else {
+        float* p = result.linear.data() + 4 * (first + i);
+        p[0] = t.r, p[1] = t.g, p[2] = t.b, p[3] = t.a;
+      }
+    });
+    finer = std::move(level);
+  }
+  return result;
+}
+
+TextureView view_levels(const Image& image, const TextureLevels& levels) {
+  TextureView view;
+  view.width = image.width;
+  view.height = image.height;
+  view.last_level = static_cast<std::int32_t>(levels.first_texel.size()) - 1;
+  view.first_texel = levels.first_texel.data();
+  if (!levels.linear16.empty())
+    view.linear16 = levels.linear16.data();
+  else
+    view.linear = levels.linear.empty() ? image.rgba_linear.data() : levels.linear.data();
+  return view;
+}
+
+std::vector<float> texel_density(const Mesh& mesh, const std::vector<Vec2>& corner_uv,
+                                 const TextureView& texture) {
+  std::vector<float> density(mesh.triangles.size());
+  oneapi::tbb::parallel_for(std::size_t{0}, density.size(), [&](std::size_t i) {
+    const auto corner = [&](std::size_t k) {
+      return to_double(mesh.positions[mesh.triangles[i][k]]);
+    };
+    const Vec3d e = corner(1) - corner(0), f = corner(2) - corner(0);
+    // In the plane of the triangle e = (along, 0) and f = (x, y).
+    const double along = length(e), twice_area = length(cross(e, f));
+    const double x = dot(e, f) / along, y = twice_area / along;
+    const auto texels = [&](std::size_t k, double& s, double& t) {
+      s = (static_cast<double>(corner_uv[3 * i + k].x) - corner_uv[3 * i].x) * texture.width;
+      t = (static_cast<double>(corner_uv[3 * i + k].y) - corner_uv[3 * i].y) * texture.height;
+    };
+    double s_e, t_e, s_f, t_f;
+    texels(1, s_e, t_e);
+    texels(2, s_f, t_f);
+    // Gradients of the two texel coordinates, and the smaller singular value of the matrix of both.
+    const double s_x = s_e / along, s_y = (s_f - s_x * x) / y;
+    const double t_x = t_e / along, t_y = (t_f - t_x * x) / y;
+    const double s2 = s_x * s_x + s_y * s_y, t2 = t_x * t_x + t_y * t_y;
+    const double det = s_x * t_y - s_y * t_x, both = s2 + t2;
+    double least2 = 2 * det * det / (both + std::sqrt(std::max(0.0, both * both - 4 * det * det)));
+    // Along an extent of one texel there is nothing to average.
+    if (texture.width == 1) least2 = t2;
+    if (texture.height == 1) least2 = s2;
+    const double least = std::sqrt(least2);
+    density[i] = std::isfinite(least) && least < 1e30 ? static_cast<float>(least) : 0.0f;
+  });
+  return density;
+}
+
+float panorama_density(const TextureView& image) {
+  const double across = image.width / (2 * pi), down = image.height / pi;
+  if (image.width == 1) return static_cast<float>(down);
+  if (image.height == 1) return static_cast<float>(across);
+  return static_cast<float>(std::min(across, down));
+}
+
+}  // namespace omma
