@@ -28,21 +28,32 @@ std::vector<T> per_corner(const Mesh& mesh, const std::vector<T>& per_vertex) {
 // KHR_texture_transform: uv' = offset + rotation * (scale * uv). The rotation is counter-clockwise
 // as seen with v pointing down, u' = cos u + sin v, v' = -sin u + cos v: what the test model and
 // the implementations do; the matrix printed in the extension's text turns the other way
-// (KhronosGroup/glTF issue 1563).
-std::vector<Vec2> corner_texcoords(const Mesh& mesh, const TextureUse& use) {
+// (KhronosGroup/glTF issue 1563). Of every corner, or of every vertex.
+std::vector<Vec2> made_texcoords(const Mesh& mesh, const TextureUse& use, bool of_vertices) {
   const auto& source = mesh.texcoords[static_cast<std::size_t>(use.texcoord_set)];
   const auto bounded = [](Vec2 t) {
     return Vec2{std::clamp(t.x, -most_repeats, most_repeats),
                 std::clamp(t.y, -most_repeats, most_repeats)};
   };
-  if (source.empty()) return std::vector<Vec2>(3 * mesh.triangles.size(), bounded(use.offset));
-  std::vector<Vec2> uv = per_corner(mesh, source);
+  const std::size_t count = of_vertices ? mesh.positions.size() : 3 * mesh.triangles.size();
+  if (source.empty()) return std::vector<Vec2>(count, bounded(use.offset));
+  std::vector<Vec2> uv = of_vertices ? source : per_corner(mesh, source);
   const float c = std::cos(use.rotation_rad), s = std::sin(use.rotation_rad);
   oneapi::tbb::parallel_for(std::size_t{0}, uv.size(), [&](std::size_t i) {
     const Vec2 p{uv[i].x * use.scale.x, uv[i].y * use.scale.y};
     uv[i] = bounded({c * p.x + s * p.y + use.offset.x, -s * p.x + c * p.y + use.offset.y});
   });
   return uv;
+}
+
+// Whether vertices' coordinates are what made_texcoords would make of them.
+bool is_as_made(const std::vector<Vec2>& source, const TextureUse& use) {
+  const auto bounded = [](Vec2 t) {
+    return std::fabs(t.x) <= most_repeats && std::fabs(t.y) <= most_repeats;
+  };
+  return !source.empty() && use.offset.x == 0 && use.offset.y == 0 && use.scale.x == 1 &&
+         use.scale.y == 1 && use.rotation_rad == 0 &&
+         std::all_of(source.begin(), source.end(), bounded);
 }
 
 // Textures as materials use them: where their alpha matters, coarser levels differ.
@@ -101,8 +112,14 @@ std::unique_ptr<ShadingData> make_shading_data(const Scene& scene) {
   data->materials.push_back(material_view({}, textures));
   data->materials.back().double_sided = scene.color_rule == ColorRule::compoundray;
 
+  std::size_t triangles = 0;
+  for (const Mesh& mesh : scene.meshes) triangles += mesh.triangles.size();
+  const bool large = triangles > most_fast_triangles;
+
   for (const Mesh& mesh : scene.meshes) {
     MeshView view;
+    if (large && !mesh.triangles.empty())
+      view.vertex_of_corner = reinterpret_cast<const std::int32_t*>(mesh.triangles[0].data());
     view.material =
         mesh.material >= 0 ? mesh.material : static_cast<std::int32_t>(scene.materials.size());
     if (mesh.material >= 0) {
@@ -111,11 +128,15 @@ std::unique_ptr<ShadingData> make_shading_data(const Scene& scene) {
       const auto lay_out = [&](const TextureUse& use, std::int32_t texture, const float*& uv,
                                const float*& density) {
         if (texture < 0) return;
-        data->corner_uvs.push_back(corner_texcoords(mesh, use));
-        uv = &data->corner_uvs.back().data()->x;
+        const std::vector<Vec2>* uvs = &mesh.texcoords[static_cast<std::size_t>(use.texcoord_set)];
+        if (!large || !is_as_made(*uvs, use)) {
+          data->uvs.push_back(made_texcoords(mesh, use, large));
+          uvs = &data->uvs.back();
+        }
+        uv = &uvs->data()->x;
         const TextureView& t = data->textures[static_cast<std::size_t>(texture)];
         if (t.last_level == 0) return;
-        data->densities.push_back(texel_density(mesh, data->corner_uvs.back(), t));
+        data->densities.push_back(texel_density(mesh, *uvs, large, t));
         density = data->densities.back().data();
       };
       lay_out(material.base_color_texture, seen.base_texture, view.base_uv, view.base_density);
@@ -124,8 +145,8 @@ std::unique_ptr<ShadingData> make_shading_data(const Scene& scene) {
       data->view.has_blend |= material.alpha_mode == AlphaMode::blend;
     }
     if (!mesh.colors.empty()) {
-      data->corner_colors.push_back(per_corner(mesh, mesh.colors));
-      view.colors = &data->corner_colors.back().data()->x;
+      if (!large) data->colors.push_back(per_corner(mesh, mesh.colors));
+      view.colors = large ? &mesh.colors.data()->x : &data->colors.back().data()->x;
     }
     data->meshes.push_back(view);
   }

@@ -1,7 +1,9 @@
-// A Scene turned into the flat arrays the kernels read: texture coordinates per triangle corner
-// with their transforms applied, images in linear light. Shared by all backends.
+// A Scene turned into the flat arrays the kernels read: texture coordinates per triangle corner (in
+// large scenes per vertex) with their transforms applied, images in linear light. Shared by all
+// backends.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <list>
 #include <memory>
@@ -12,8 +14,11 @@
 
 namespace omma {
 
-// Owns what its `view` points to; it also points into the images of the Scene, which must outlive
-// it. Not to be copied: the views are addresses.
+// Scenes of more triangles are large: there memory counts for more than the last of speed.
+inline constexpr std::size_t most_fast_triangles = std::size_t(1) << 22;
+
+// Owns what its `view` points to; it also points into the images and meshes of the Scene, which
+// must outlive it. Not to be copied: the views are addresses.
 struct ShadingData {
   ShadingData() = default;
   ShadingData(const ShadingData&) = delete;
@@ -22,8 +27,8 @@ struct ShadingData {
   std::vector<MeshView> meshes;
   std::vector<MaterialView> materials;
   std::vector<TextureView> textures;
-  std::vector<std::vector<Vec2>> corner_uvs;
-  std::vector<std::vector<Vec4>> corner_colors;
+  std::vector<std::vector<Vec2>> uvs;         // of corners or vertices, see MeshView
+  std::vector<std::vector<Vec4>> colors;      // of corners
   std::vector<std::vector<float>> densities;  // of texels, [textured mesh][triangle]
   std::list<TextureLevels> levels;            // of the images, where they stay
   std::vector<float> power_22;                // see SceneView, or empty

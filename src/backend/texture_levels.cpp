@@ -185,7 +185,7 @@ TextureView view_levels(const Image& image, const TextureLevels& levels) {
   return view;
 }
 
-std::vector<float> texel_density(const Mesh& mesh, const std::vector<Vec2>& corner_uv,
+std::vector<float> texel_density(const Mesh& mesh, const std::vector<Vec2>& uvs, bool of_vertices,
                                  const TextureView& texture) {
   std::vector<float> density(mesh.triangles.size());
   oneapi::tbb::parallel_for(std::size_t{0}, density.size(), [&](std::size_t i) {
@@ -196,9 +196,12 @@ std::vector<float> texel_density(const Mesh& mesh, const std::vector<Vec2>& corn
     // In the plane of the triangle e = (along, 0) and f = (x, y).
     const double along = length(e), twice_area = length(cross(e, f));
     const double x = dot(e, f) / along, y = twice_area / along;
+    const auto uv = [&](std::size_t k) {
+      return uvs[of_vertices ? mesh.triangles[i][k] : 3 * i + k];
+    };
     const auto texels = [&](std::size_t k, double& s, double& t) {
-      s = (static_cast<double>(corner_uv[3 * i + k].x) - corner_uv[3 * i].x) * texture.width;
-      t = (static_cast<double>(corner_uv[3 * i + k].y) - corner_uv[3 * i].y) * texture.height;
+      s = (static_cast<double>(uv(k).x) - uv(0).x) * texture.width;
+      t = (static_cast<double>(uv(k).y) - uv(0).y) * texture.height;
     };
     double s_e, t_e, s_f, t_f;
     texels(1, s_e, t_e);

@@ -33,8 +33,8 @@ TextureLevels make_texture_levels(const Image& image, ColorRule rule, AlphaUse a
 TextureView view_levels(const Image& image, const TextureLevels& levels);
 
 // Texels per metre of the mesh along the direction in which they are least dense, [triangle]; 0
-// where a triangle has no area in space or in the image. `corner_uv`: [triangle][3].
-std::vector<float> texel_density(const Mesh& mesh, const std::vector<Vec2>& corner_uv,
+// where a triangle has no area in space or in the image. `uvs`: of vertices or [triangle][3].
+std::vector<float> texel_density(const Mesh& mesh, const std::vector<Vec2>& uvs, bool of_vertices,
                                  const TextureView& texture);
 
 // The same of an equirectangular image, per rad.

@@ -36,9 +36,11 @@ struct MaterialView {
 };
 
 struct MeshView {
-  const float* base_uv = nullptr;      // [triangle][3][u, v]; null where there is no texture
-  const float* emissive_uv = nullptr;  // [triangle][3][u, v], or null
-  const float* colors = nullptr;       // [triangle][3][linear r, g, b, a], or null
+  // Values of corners, [triangle][3], or in large scenes of vertices: those of `vertex_of_corner`.
+  const float* base_uv = nullptr;                  // [.][u, v]; null where there is no texture
+  const float* emissive_uv = nullptr;              // [.][u, v], or null
+  const float* colors = nullptr;                   // [.][linear r, g, b, a], or null
+  const std::int32_t* vertex_of_corner = nullptr;  // [triangle][3], or null
   // Texels of level 0 per metre of the mesh, along the direction in which they are least dense.
   const float* base_density = nullptr;      // [triangle], where the texture has levels
   const float* emissive_density = nullptr;  // [triangle], the same

@@ -15,13 +15,17 @@ struct SurfaceLight {
   F alpha;                   // share of what lies behind that the surface covers
 };
 
-// Two of the values per triangle corner, of which there are `pairs` pairs, at barycentric weights
-// (1 - u - v, u, v).
+// Two of the mesh's values per corner or vertex, of which there are `pairs` pairs, at barycentric
+// weights (1 - u - v, u, v).
 template <typename F, typename I>
-OMMA_HD Pair<F> interpolate(const float* corners, int pairs, int pair, I triangle, F u, F v) {
-  const I at = triangle * (3 * pairs) + pair;
-  const Pair<F> a = gather_pair(corners, at), b = gather_pair(corners, at + pairs),
-                c = gather_pair(corners, at + 2 * pairs);
+OMMA_HD Pair<F> interpolate(const MeshView& mesh, const float* values, int pairs, int pair,
+                            I triangle, F u, F v) {
+  I at[3] = {triangle * 3, triangle * 3 + 1, triangle * 3 + 2};
+  if (mesh.vertex_of_corner != nullptr)
+    for (I& corner : at) corner = gather(mesh.vertex_of_corner, corner);
+  const Pair<F> a = gather_pair(values, at[0] * pairs + pair),
+                b = gather_pair(values, at[1] * pairs + pair),
+                c = gather_pair(values, at[2] * pairs + pair);
   const F w = 1.0f - u - v;
   return {a.first * w + b.first * u + c.first * v, a.second * w + b.second * u + c.second * v};
 }
@@ -35,9 +39,10 @@ struct SurfacePoint {
 };
 
 template <typename F, typename I>
-OMMA_HD Color<F> eval_texture_at(const SceneView& scene, int texture, const float* corner_uv,
-                                 const float* density, const SurfacePoint<F, I>& p) {
-  const Pair<F> uv = interpolate(corner_uv, 1, 0, p.triangle, p.u, p.v);
+OMMA_HD Color<F> eval_texture_at(const SceneView& scene, const MeshView& mesh, int texture,
+                                 const float* uvs, const float* density,
+                                 const SurfacePoint<F, I>& p) {
+  const Pair<F> uv = interpolate(mesh, uvs, 1, 0, p.triangle, p.u, p.v);
   // Along the short side of a slanted footprint, so that nothing is blurred by more than its width.
   const F width =
       density != nullptr ? p.footprint_m * gather(density, p.triangle) : broadcast<F>(0.0f);
@@ -61,8 +66,8 @@ OMMA_HD Color<F> eval_power_22(const float* table, const Color<F>& c) {
 
 template <typename F, typename I>
 OMMA_HD Color<F> eval_vertex_color(const MeshView& mesh, const SurfacePoint<F, I>& p) {
-  const Pair<F> red_green = interpolate(mesh.colors, 2, 0, p.triangle, p.u, p.v);
-  const Pair<F> blue_alpha = interpolate(mesh.colors, 2, 1, p.triangle, p.u, p.v);
+  const Pair<F> red_green = interpolate(mesh, mesh.colors, 2, 0, p.triangle, p.u, p.v);
+  const Pair<F> blue_alpha = interpolate(mesh, mesh.colors, 2, 1, p.triangle, p.u, p.v);
   return {red_green.first, red_green.second, blue_alpha.first, blue_alpha.second};
 }
 
@@ -79,13 +84,13 @@ OMMA_HD Color<F> eval_base_color(const SceneView& scene, const MeshView& mesh,
     if (mesh.colors != nullptr) return eval_power_22(scene.power_22, eval_vertex_color(mesh, p));
     if (mesh.base_uv != nullptr)
       color = color *
-              eval_power_22(scene.power_22, eval_texture_at(scene, material.base_texture,
+              eval_power_22(scene.power_22, eval_texture_at(scene, mesh, material.base_texture,
                                                             mesh.base_uv, mesh.base_density, p));
     return color;
   }
   if (mesh.base_uv != nullptr)
-    color =
-        color * eval_texture_at(scene, material.base_texture, mesh.base_uv, mesh.base_density, p);
+    color = color *
+            eval_texture_at(scene, mesh, material.base_texture, mesh.base_uv, mesh.base_density, p);
   if (mesh.colors != nullptr) color = color * eval_vertex_color(mesh, p);
   return color;
 }
@@ -98,7 +103,7 @@ OMMA_HD SurfaceLight<F> eval_surface(const SceneView& scene, const MeshView& mes
   Color<F> emitted{broadcast<F>(material.emissive.x), broadcast<F>(material.emissive.y),
                    broadcast<F>(material.emissive.z), broadcast<F>(1.0f)};
   if (mesh.emissive_uv != nullptr)
-    emitted = emitted * eval_texture_at(scene, material.emissive_texture, mesh.emissive_uv,
+    emitted = emitted * eval_texture_at(scene, mesh, material.emissive_texture, mesh.emissive_uv,
                                         mesh.emissive_density, p);
   const F alpha =
       material.alpha_mode == AlphaMode::blend ? clamp_unit_lanes(base.a) : broadcast<F>(1.0f);

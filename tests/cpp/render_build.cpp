@@ -82,5 +82,20 @@ TEST(Build, TheSameBitsWithAndWithoutCopies) {
   EXPECT_EQ(responses(std::move(scene)), responses(std::move(tight)));
 }
 
+// Large scenes keep texture coordinates and colours by vertex, small ones by corner.
+TEST(Build, TheSameBitsInALargeScene) {
+  const Eye eye = make_eye(sphere_directions(300), 0.2);
+  for (const ColorRule rule : {ColorRule::gltf, ColorRule::compoundray}) {
+    Scene scene = random_scene(7);
+    scene.color_rule = rule;
+    Scene large = scene;
+    Mesh nowhere;  // counts, though it is never placed
+    nowhere.positions.resize(1);
+    nowhere.triangles.resize((std::size_t(1) << 22) + 1);
+    add_mesh(large, std::move(nowhere));
+    EXPECT_EQ(render(large, eye).response, render(scene, eye).response);
+  }
+}
+
 }  // namespace
 }  // namespace omma::test
