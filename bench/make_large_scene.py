@@ -1,6 +1,6 @@
 """Writes a glTF scene of as many triangles as asked for: rolling hills with a checkerboard, indexed
 with 32 bits, for measuring what it takes to load and build large scenes. `.glb`, or `.gltf` with
-its numbers in a `.bin` beside it, by the name's ending. The hills are those of bench_render.cpp.
+its numbers in a `.bin` beside it, by the name's ending. The hills are those of bench/scenes.cpp.
 
     python bench/make_large_scene.py 10000000 hills.glb
 """

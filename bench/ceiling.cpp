@@ -1,0 +1,108 @@
+// How close the whole render comes to what Embree can trace, in one run and on the same rays: the
+// ceiling is rtcIntersect16, coherent, on prepared packets; the render adds directions, shading and
+// reduction. Frames of both take turns, so that a disturbance meets both.
+#include <oneapi/tbb/info.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+
+#include "backend/embree/block.h"
+#include "backend/shading_data.h"
+#include "scenes.h"
+
+namespace omma::bench {
+namespace {
+
+// What a Renderer holds inside, and its blocks at one pose.
+struct Prepared {
+  std::unique_ptr<ShadingData> shading;
+  std::unique_ptr<EmbreeTracer> tracer;
+  DirectionTables directions;
+  EyeArrays eye;
+  std::vector<BlockTask> tasks;
+};
+
+void prepare_rays(Prepared& p, const Setup& setup, int samples) {
+  RenderSettings settings;
+  settings.samples = samples;
+  p.directions = make_direction_tables(setup.eye, settings);
+  p.eye = make_eye_arrays(setup.eye, p.directions);
+  p.tasks.clear();
+  const int per_block = std::clamp(block_rays / samples, 1, block_capacity);
+  const int ommatidia = static_cast<int>(setup.eye.size());
+  for (int first = 0; first < ommatidia; first += per_block) {
+    BlockTask task;
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 4; ++c)
+        task.world_from_head[r][c] = static_cast<float>(setup.poses.front().m[r][c]);
+    task.first = first;
+    task.count = std::min(per_block, ommatidia - first);
+    p.tasks.push_back(task);
+  }
+}
+
+// Tracing alone, timed block by block on packets just prepared, which are in the cache as they are
+// in the render; the frame's time is the sum over all blocks shared by the threads.
+double trace_seconds(const Prepared& p, int samples, PrepareBlock prepare_block) {
+  const BlockContext context{p.tracer.get(), &p.shading->view, &p.eye, &p.directions};
+  std::atomic<std::int64_t> traced_ns{0};
+  oneapi::tbb::parallel_for(std::size_t{0}, p.tasks.size(), [&](std::size_t t) {
+    const BlockTask& task = p.tasks[t];
+    thread_local std::vector<RTCRayHit16> packets;
+    packets.resize(static_cast<std::size_t>((task.count * samples + 15) / 16));
+    prepare_block(context, task, packets.data());
+    const DenormalsAreZero denormals_are_zero;
+    IntersectArguments arguments;
+    alignas(64) int valid[16];
+    for (int& v : valid) v = -1;
+    const auto start = Clock::now();
+    for (RTCRayHit16& rays : packets) intersect_16(p.tracer->scene, valid, rays, arguments);
+    traced_ns += std::chrono::nanoseconds(Clock::now() - start).count();
+  });
+  return 1e-9 * static_cast<double>(traced_ns) / oneapi::tbb::info::default_concurrency();
+}
+
+}  // namespace
+
+void ceiling(bool quick) {
+  const std::vector<int> counts =
+      quick ? std::vector{1, 16} : std::vector{1, 2, 4, 8, 16, 32, 64, 256};
+  const double least_s = quick ? 0.02 : 1.2;
+  std::vector<Setup> setups;
+  if (have_data("the ceiling in natural-standin-sky")) setups.push_back(meadow());
+  setups.push_back(bundled());
+  setups.push_back(hills(quick ? 100 : 708));
+  std::printf("scene,triangles,ommatidia,rays,ceiling_mrays_per_s,render_mrays_per_s\n");
+  for (const Setup& setup : setups) {
+    Prepared p;
+    p.shading = make_shading_data(*setup.scene);
+    p.tracer = make_embree_tracer(*setup.scene, p.shading->view);
+    const Renderer built(setup.scene, setup.eye);
+    std::vector<float> responses(setup.eye.size() * channel_count);
+    const PrepareBlock prepare_block = choose_block_functions().prepare;
+    for (int samples : counts) {
+      RenderSettings settings;
+      settings.samples = samples;
+      const Renderer renderer(built, setup.eye, settings);
+      prepare_rays(p, setup, samples);
+      double trace_s = 1e9;
+      double render_s = 1e9;
+      const auto start = Clock::now();
+      for (int i = 0; i < 3 || seconds_since(start) < least_s; ++i) {
+        trace_s = std::min(trace_s, trace_seconds(p, samples, prepare_block));
+        const auto before = Clock::now();
+        renderer.render(setup.poses, responses);
+        render_s = std::min(render_s, seconds_since(before));
+      }
+      const double mrays = 1e-6 * static_cast<double>(setup.eye.size()) * samples;
+      std::printf("%s,%llu,%zu,%d,%.2f,%.2f\n", setup.name.c_str(),
+                  static_cast<unsigned long long>(triangle_count(*setup.scene)), setup.eye.size(),
+                  samples, mrays / trace_s, mrays / render_s);
+      std::fflush(stdout);
+    }
+  }
+}
+
+}  // namespace omma::bench

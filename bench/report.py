@@ -1,0 +1,388 @@
+"""Makes RESULTS.md of the tables of a bench run.
+
+python bench/report.py RESULTS_FOLDER > RESULTS.md
+"""
+
+from __future__ import annotations
+
+import sys
+import textwrap
+from pathlib import Path
+
+from curves import Reached, Row, crossing, least, pick, random_error, read
+
+from omma.speed_test import PUBLISHED_FRAMES_PER_S, PUBLISHED_RAYS
+
+NATURAL = "CompoundRay, RTX 2080 Ti, natural scene (published)"
+# The published honeybee: about 50 rays for each of 6,000 ommatidia (eLife 2022, 73893).
+BEE_RAYS, BEE_FRAMES_PER_S = 50, 3000
+FOUR_SCENES = ("meadow", "arena", "checkerboard", "grass")
+OURS = ("footprints", "target")  # how the names of our methods begin
+
+
+def table(head: str, rows: list[list[object]]) -> list[str]:
+    """Markdown; columns of the head are separated by |."""
+    names = [name.strip() for name in head.split("|")]
+    lines = [f"| {' | '.join(names)} |", "|" + " --- |" * len(names)]
+    return [*lines, *(f"| {' | '.join(str(cell) for cell in row)} |" for row in rows), ""]
+
+
+def text(*sentences: str) -> list[str]:
+    """A paragraph."""
+    return [*textwrap.wrap(" ".join(sentences), 98, break_on_hyphens=False), ""]
+
+
+def number(value: float) -> str:
+    """Three digits that count."""
+    return f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
+
+
+def names(rows: list[Row]) -> list[str]:
+    """The scenes of a table, in its order."""
+    return list(dict.fromkeys(row["scene"] for row in rows))
+
+
+def published() -> dict[int, int]:
+    """Frames/s of CompoundRay in a natural scene, by rays per ommatidium."""
+    return dict(zip(PUBLISHED_RAYS, PUBLISHED_FRAMES_PER_S[NATURAL], strict=True))
+
+
+def share_of_ceiling(row: Row) -> float:
+    """How much of what Embree can trace the whole render reaches."""
+    return float(row["render_mrays_per_s"]) / float(row["ceiling_mrays_per_s"])
+
+
+def ceiling(rows: list[Row]) -> list[str]:
+    """Section 1 of RESULTS.md."""
+    found: list[list[object]] = []
+    for row in rows:
+        top, whole = float(row["ceiling_mrays_per_s"]), float(row["render_mrays_per_s"])
+        frames = 1e6 * whole / float(row["rays"]) / float(row["ommatidia"])
+        cells = [row["scene"], f"{int(row['triangles']):,}", row["ommatidia"], row["rays"]]
+        share = f"{100 * share_of_ceiling(row):.0f} %"
+        found.append([*cells, number(top), number(whole), share, number(frames)])
+    return [
+        "## 1. Ceiling and whole render",
+        "",
+        *text(
+            "Best of each, one pose a call, all threads. The ceiling is tracing alone:",
+            "`rtcIntersect16`, coherent, on the render's own packets and in its own scene, which",
+            "is watertight (Embree's robust mode). Rays each: per ommatidium.",
+        ),
+        *table(
+            "scene | triangles | ommatidia | rays each | ceiling, million rays/s "
+            "| render, million rays/s | share | frames/s",
+            found,
+        ),
+    ]
+
+
+def ways_to(own: list[Row], error: float, random: Reached) -> list[tuple[str, Reached | None]]:
+    """What each method takes to an error in one scene."""
+    target = least(own, "target", error)
+    return [
+        ("random", random),
+        ("no footprints", crossing(pick(own, method="no footprints"), error)),
+        ("footprints", crossing(pick(own, method="footprints"), error)),
+        ("error target" if target is None else f"error {target.method}", target),
+    ]
+
+
+def error(rows: list[Row]) -> list[str]:
+    """Section 2 of RESULTS.md."""
+    found: list[list[object]] = []
+    bias: list[list[object]] = []
+    for scene in names(rows):
+        own = pick(rows, scene=scene)
+        e100 = random_error(own, 100)
+        base = pick(own, method="random", setting=100)[0]
+        random = Reached(100, float(base["ms_per_frame"]), "random")
+        for name, way in ways_to(own, e100, random):
+            cells: list[object] = [scene, own[0]["ommatidia"], f"{e100:.5f}", name]
+            if way is None:
+                found.append([*cells, "not reached", "", "", "", ""])
+                continue
+            cells += [number(way.rays), f"{100 / way.rays:.2f}", number(way.ms)]
+            found.append([*cells, number(1e3 / way.ms), f"{random.ms / way.ms:.1f}"])
+        at_16 = [pick(own, method=m, setting=16)[0] for m in ("no footprints", "footprints")]
+        bias.append([scene, *(row["bias"] for row in at_16), at_16[1]["rms"]])
+    references = [f"{n:,}" for n in sorted({int(row["reference_rays"]) for row in rows})]
+    return [
+        "## 2. To the error of 100 random rays",
+        "",
+        *text(
+            "Error: root mean square over all ommatidia and channels of the difference to a",
+            f"reference of {' or '.join(references)} rays (the fewer in grass) without footprints;",
+            "full scale is 1. Random: independent directions for every ray of every frame, as",
+            "CompoundRay has them. Rays per ommatidium; with an error target their mean, and the",
+            "least that an ommatidium gets behind `from`. Times are per frame in a batch. Between",
+            "the points of results/error.csv, straight lines on logarithmic axes.",
+        ),
+        *table(
+            "scene | ommatidia | error | method | rays | times fewer | ms per frame | frames/s "
+            "| times faster",
+            found,
+        ),
+        *text(
+            "Bias: the root mean square, over ommatidia and channels, of what is left of the",
+            "difference to the reference when noise is averaged away (0: less than this measures).",
+        ),
+        *table(
+            "scene | bias without footprints, 16 rays | bias with footprints, 16 rays "
+            "| error with footprints, 16 rays",
+            bias,
+        ),
+    ]
+
+
+def equal_error(rows: list[Row]) -> list[tuple[str, int, float, float, Reached]]:
+    """Ommatidia, random rays, their error, CompoundRay's frames/s, and what ours takes."""
+    asked = {"meadow 1000": published(), "meadow": {BEE_RAYS: BEE_FRAMES_PER_S}}
+    found = []
+    for scene, by_rays in asked.items():
+        own = pick(rows, scene=scene)
+        for rays, theirs in by_rays.items() if own else ():
+            wanted = random_error(own, rays)
+            ways = [least(own, begins, wanted, "ms") for begins in OURS]
+            best = min((way for way in ways if way), key=lambda way: way.ms, default=None)
+            if best is not None:
+                found.append((own[0]["ommatidia"], rays, wanted, theirs, best))
+    return found
+
+
+def frames(rows: list[Row], errors: list[Row]) -> list[str]:
+    """Section 3 of RESULTS.md."""
+    theirs = published()
+    small, large = sorted({int(row["ommatidia"]) for row in rows})
+    cells: list[list[object]] = []
+    for n in sorted({int(row["rays"]) for row in rows}):
+        ours = [pick(rows, ommatidia=e, rays=n)[0]["frames_per_s"] for e in (small, large)]
+        bee = f"{BEE_FRAMES_PER_S:,}" if n == BEE_RAYS else ""
+        natural = f"{theirs[n]:,}" if n in theirs else ""
+        cells.append([f"{n:,}", natural, number(float(ours[0])), bee, number(float(ours[1]))])
+    lines = [
+        "## 3. Frames per second beside CompoundRay's",
+        "",
+        *text(
+            "Published: Millward, Maddock, Mangan 2022, eLife 73893, on an NVIDIA RTX 2080 Ti,",
+            f"1,000 ommatidia in a natural scene and a honeybee of 6,000. Ours: {rows[0]['scene']}",
+            "(which comes with CompoundRay in place of the published one), many poses in one call,",
+            "all threads. At the same number of rays:",
+        ),
+        *table(
+            f"rays each | 1,000, CompoundRay | {small:,}, Omma | 6,000, CompoundRay "
+            f"| {large:,}, Omma",
+            cells,
+        ),
+    ]
+    equal = equal_error(errors)
+    if not equal:
+        return [*lines, *text("At equal error: not measured here.")]
+    return [
+        *lines,
+        *text(
+            "At equal error, that of CompoundRay's random rays in our scene, by the quickest of",
+            "our methods:",
+        ),
+        *table(
+            "ommatidia | random rays | error | CompoundRay, frames/s | Omma, frames/s | ratio "
+            "| Omma's rays | method",
+            [
+                [n, f"{rays:,}", f"{e:.5f}", f"{cr:,}", number(1e3 / way.ms),
+                 f"{1e3 / way.ms / cr:.2f}", number(way.rays), way.method]
+                for n, rays, e, cr, way in equal
+            ],
+        ),
+    ]  # fmt: skip
+
+
+def latency(rows: list[Row]) -> list[str]:
+    """Section 4 of RESULTS.md."""
+    found: list[list[object]] = []
+    for row in rows:
+        middle, slow, batch = (float(row[k]) for k in ("median_us", "p99_us", "batch_us"))
+        cells = [row["language"], row["scene"], row["ommatidia"], row["rays"]]
+        times = [number(value) for value in (middle, slow, batch)]
+        found.append([*cells, *times, f"{middle - batch:.1f}"])
+    return [
+        "## 4. Latency of one frame",
+        "",
+        *text(
+            "Closed loop: one pose, its responses, the next pose; all threads. Start-up is what a",
+            "frame takes longer so than in a batch.",
+        ),
+        *table(
+            "from | scene | ommatidia | rays each | median, µs | 99 % are below, µs "
+            "| in a batch, µs | start-up, µs",
+            found,
+        ),
+    ]
+
+
+def serial_share(one_s: float, many_s: float, threads: int) -> float:
+    """Of Amdahl's rule T(n) / T(1) = s + (1 - s) / n; below 0 where n threads are more than n
+    times faster, which is noise.
+    """
+    return (threads * many_s / one_s - 1) / (threads - 1)
+
+
+def threads(rows: list[Row]) -> list[str]:
+    """Section 5 of RESULTS.md."""
+    found = []
+    for row in rows:
+        n = int(row["threads"])
+        first = pick(rows, ommatidia=row["ommatidia"], rays=row["rays"], threads=1)[0]
+        cells: list[object] = [row["scene"], row["ommatidia"], row["rays"], n]
+        for key in ("batch_us", "single_us"):
+            one, now = float(first[key]), float(row[key])
+            if n == 1:
+                cells += [number(now), "", "", ""]
+                continue
+            serial = serial_share(one, now, n)
+            kept = max(0.0, serial)
+            on_16 = 1 / (kept + (1 - kept) / 16)
+            cells += [number(now), f"{one / now:.2f}", f"{100 * serial:.1f} %", f"{on_16:.1f}"]
+        found.append(cells)
+    return [
+        "## 5. Threads",
+        "",
+        *text(
+            "Best of several rounds in which the numbers of threads took turns; of single frames",
+            "their median. Serial: the share of a frame on one thread that more threads do not",
+            "shorten, by Amdahl's rule; on 16: the speedup that this share allows on 16 cores.",
+        ),
+        *table(
+            "scene | ommatidia | rays each | threads | batch, µs per frame | speedup | serial "
+            "| on 16 | single, µs | speedup | serial | on 16",
+            found,
+        ),
+    ]
+
+
+def build(rows: list[Row]) -> list[str]:
+    """Section 6 of RESULTS.md."""
+    keys = ("load_ms", "shading_ms", "acceleration_ms", "directions_ms", "first_frame_ms",
+            "mesh_mb", "image_mb", "peak_load_mb", "peak_mb")  # fmt: skip
+    found: list[list[object]] = []
+    for row in rows:
+        numbers = [number(float(row[key])) for key in keys]
+        ratio = float(row["peak_mb"]) / float(row["mesh_mb"])
+        found.append([row["scene"], f"{int(row['triangles']):,}", *numbers, f"{ratio:.1f}"])
+    return [
+        "## 6. Loading and building",
+        "",
+        *text(
+            "Each in a process of its own, the quickest of some; files that were read before.",
+            "Triangles as seen: the bundled meadow places few meshes many times. Meshes: vertices,",
+            "texture coordinates and triangles as the Scene holds them. Peaks are of the whole",
+            f"process, which starts with {number(float(rows[0]['peak_start_mb']))} MB.",
+        ),
+        *table(
+            "scene | triangles | file to Scene, ms | shading data, ms | acceleration structure, ms "
+            "| directions (16 rays), ms | file to first frame, ms | meshes, MB | images, MB "
+            "| peak after loading, MB | peak, MB | peak / meshes",
+            found,
+        ),
+    ]
+
+
+def instructions(rows: list[Row]) -> list[str]:
+    """Section 7 of RESULTS.md, the guard against getting slower unseen."""
+    found: list[list[object]] = []
+    for row in rows:
+        before = f"{int(row['previous']) / 1e6:.3f}" if row["previous"] else ""
+        change = f"{row['change_percent']} %" if row["change_percent"] else ""
+        found.append([row["render"], before, f"{int(row['now']) / 1e6:.3f}", change])
+    return [
+        "## 7. Instructions",
+        "",
+        *text(
+            "Of fixed small renders on one thread, counted by callgrind: four poses of 1,000",
+            "ommatidia over 20,000 triangles, at 1 and 16 rays, 16 without footprints, 16 random,",
+            "and to an error. A change is one of the program, the compiler or Embree, not of how",
+            "busy the machine was. valgrind knows no AVX-512: this is the AVX2 path. Previous:",
+            "what was checked in.",
+        ),
+        *table("render | previous, millions | now, millions | change", found),
+    ]
+
+
+def aims(results: Path) -> list[str]:
+    """What was aimed at, beside what the tables below say about it."""
+    cells: list[list[object]] = []
+    rows = read(results, "ceiling")
+    for name, least_rays, most_rays, aim in (("1 ray", 1, 1, 75), ("8 rays and more", 8, 1e9, 90)):
+        found = [share_of_ceiling(r) for r in rows if least_rays <= int(r["rays"]) <= most_rays]
+        if found:
+            span = f"{100 * min(found):.0f} to {100 * max(found):.0f} %"
+            cells.append([f"share of the ceiling, {name}", f"{aim} %", span])
+    errors = read(results, "error")
+    fewer = []
+    for scene in FOUR_SCENES:
+        if own := pick(errors, scene=scene):
+            ways = [least(own, begins, random_error(own, 100)) for begins in OURS]
+            rays = min((way.rays for way in ways if way), default=None)
+            fewer.append(f"{scene} {'-' if rays is None else f'{100 / rays:.1f}'}")
+    if fewer:
+        cells.append(["times fewer rays to the error of 100 random ones", "5", ", ".join(fewer)])
+    if own := pick(errors, scene="meadow"):
+        ways = [least(own, begins, random_error(own, 100), "ms") for begins in OURS]
+        ms = min((way.ms for way in ways if way), default=None)
+        what = "frames/s of the bee in the meadow at the error of 100 random rays"
+        cells.append([what, "900", "not reached" if ms is None else number(1e3 / ms)])
+    for row in pick(read(results, "frames"), ommatidia=1000, rays=1):
+        reached = number(float(row["frames_per_s"]))
+        cells.append(["frames/s of 1,000 ommatidia at 1 ray", "20,000", reached])
+    for row in pick(read(results, "latency"), ommatidia=1000, rays=1, language="C++"):
+        reached = f"{float(row['median_us']) - float(row['batch_us']):.1f} µs"
+        cells.append(["start-up of a single frame of 1,000 ommatidia at 1 ray", "20 µs", reached])
+    rows = read(results, "build")
+    for row in pick(rows, scene="natural-standin-sky"):
+        reached = f"{float(row['first_frame_ms']):.0f} ms"
+        cells.append(["natural-standin-sky from file to first frame", "300 ms", reached])
+    if large := max(rows, key=lambda row: int(row["triangles"]), default=None):
+        what = f"peak memory over that of the meshes, {int(large['triangles']):,} triangles"
+        ratio = float(large["peak_mb"]) / float(large["mesh_mb"])
+        cells.append([what, "about 2", f"{ratio:.1f}"])
+    return ["## Aims and what is reached", "", *table("what | aim | reached", cells)]
+
+
+def report(results: Path, quick: bool = False) -> list[str]:
+    """The lines of RESULTS.md."""
+    facts = {row["what"]: row["found"] for row in read(results, "machine")}
+    lines = [
+        "# How fast",
+        "",
+        *text(
+            f"Made by `scripts/bench` on {facts.pop('date')}. The numbers are in",
+            "[results](results), what they mean in [docs/performance.md](../docs/performance.md).",
+        ),
+        *(f"- {key}: {value}" for key, value in facts.items()),
+        "",
+    ]
+    if quick:
+        lines += text("**A quick run, which only tries everything: its numbers mean nothing.**")
+    lines += aims(results)
+    errors = read(results, "error")
+    parts = {
+        "ceiling": ceiling,
+        "error": error,
+        "frames": lambda rows: frames(rows, errors),
+        "latency": latency,
+        "threads": threads,
+        "build": build,
+        "instructions": instructions,
+    }
+    missing = []
+    for name, part in parts.items():
+        if rows := read(results, name):
+            lines += part(rows)
+        else:
+            missing.append(f"- {name} was not measured")
+    if errors and not pick(errors, scene="meadow"):
+        missing.append("- what needs CompoundRay's scenes and eyes, which are missing here")
+    return lines + (["## Left out", "", *missing, ""] if missing else [])
+
+
+if __name__ == "__main__":
+    print("\n".join(report(Path(sys.argv[1]))))

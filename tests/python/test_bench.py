@@ -1,0 +1,65 @@
+"""The arithmetic of the bench report, on curves whose answers are known."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "bench"))
+
+from curves import crossing, least, pick, random_error
+from report import report, serial_share
+from run import write_lines
+
+
+def curve(method, scale, power):
+    """Rows of an error that falls with a power of the rays, at 0.01 ms a ray."""
+    return [
+        {
+            "scene": "a", "ommatidia": "7", "reference_rays": "65536", "method": method,
+            "setting": str(n), "rays": str(n), "rms": str(scale * n**-power), "bias": "0",
+            "ms_per_frame": str(0.01 * n),
+        }
+        for n in (1, 4, 16, 64, 100, 256)
+    ]  # fmt: skip
+
+
+ROWS = curve("random", 0.3, 0.5) + curve("footprints", 0.3, 1.0) + curve("target from 4", 0.1, 0.5)
+
+
+def test_random_error_is_that_of_the_law():
+    assert random_error(ROWS, 100) == pytest.approx(0.03)
+    assert random_error(ROWS, 3200) == pytest.approx(0.3 / 3200**0.5)
+
+
+def test_crossing_is_exact_on_power_laws():
+    # 0.3 / n = 0.03 at 10 rays, between two points.
+    found = crossing(pick(ROWS, method="footprints"), 0.03)
+    assert found.rays == pytest.approx(10)
+    assert found.ms == pytest.approx(0.1)
+    # 0.1 / sqrt(n) = 0.03 at 100 / 9 rays, so the other method takes fewer.
+    assert crossing(pick(ROWS, method="target from 4"), 0.03).rays == pytest.approx(100 / 9)
+    assert least(ROWS, "", 0.03).method == "footprints"
+
+
+def test_crossing_at_the_ends():
+    assert crossing(pick(ROWS, method="footprints"), 0.5).rays == 1
+    assert crossing(pick(ROWS, method="footprints"), 1e-4) is None
+    assert least(ROWS, "no such method", 0.03) is None
+
+
+def test_serial_share():
+    assert serial_share(1.0, 0.5, 2) == pytest.approx(0)
+    assert serial_share(1.0, 1.0, 2) == pytest.approx(1)
+    assert serial_share(1.0, 0.1 + 0.9 / 16, 16) == pytest.approx(0.1)
+
+
+def test_report_says_what_was_not_measured(tmp_path):
+    write_lines(tmp_path / "machine.csv", ["what,found", "date,2026-01-01", 'memory,"1 GiB"'])
+    rows = ROWS + curve("no footprints", 0.3, 0.75)
+    lines = [",".join(ROWS[0]), *(",".join(row.values()) for row in rows)]
+    write_lines(tmp_path / "error.csv", lines)
+    text = "\n".join(report(tmp_path))
+    assert "| a | 7 | 0.03000 | footprints | 10 | 10.00 | 0.1 | 10,000 | 10.0 |" in text
+    assert "- ceiling was not measured" in text
+    assert "CompoundRay's scenes and eyes, which are missing here" in text
