@@ -3,28 +3,16 @@
 // neighbouring ommatidia. What happens inside a block is backend/embree/block.cpp.
 #include "omma/render.h"
 
-#include <oneapi/tbb/global_control.h>
+#include "render_state.h"
+
 #include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-
-#include "backend/embree/block.h"
-#include "backend/embree/tracer.h"
-#include "backend/shading_data.h"
-#include "sampling/directions.h"
 
 namespace omma {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 constexpr int max_threads = 4096;
 
@@ -43,6 +31,12 @@ void check_settings(const RenderSettings& s) {
   if (s.error > 0 && (s.most_samples < s.samples || s.most_samples > max_samples))
     throw Error("most_samples: expected " + std::to_string(s.samples) + " (samples) to " +
                 std::to_string(max_samples) + ", found " + std::to_string(s.most_samples));
+  if (s.share_rays && s.error > 0) throw Error("share_rays: not where rays go to reach an error");
+  if (s.share_rays && s.kernel == Kernel::compoundray)
+    throw Error("share_rays: not with the kernel compoundray, which is infinite at its axis");
+  if (s.share_rays && s.samples > max_shared_samples)
+    throw Error("samples: expected 1 to " + std::to_string(max_shared_samples) +
+                " where rays are shared, found " + std::to_string(s.samples));
   if (s.threads < 0 || s.threads > max_threads)
     throw Error("threads: expected 0 (all) to " + std::to_string(max_threads) + ", found " +
                 std::to_string(s.threads));
@@ -70,41 +64,6 @@ void check_output(const char* name, std::span<float> output, std::size_t expecte
 }
 
 }  // namespace
-
-// What depends on the scene alone, shared by all renderers of it.
-struct BuiltScene {
-  std::shared_ptr<const Scene> scene;
-  std::unique_ptr<ShadingData> shading;
-  std::unique_ptr<EmbreeTracer> tracer;
-};
-
-// A background ready to be looked at; it may be a large image, so renderers share it.
-struct BuiltBackground {
-  Background given;     // the data refer to its image
-  BackgroundData data;  // of `given`, or of the scene's own
-};
-
-struct Renderer::State {
-  std::shared_ptr<const BuiltScene> built;
-  std::shared_ptr<const BuiltBackground> background;
-  Eye eye;
-  RenderSettings settings;
-  BuildTimes times;
-  int threads = 1;
-
-  // More threads than the processor has, where asked for, need TBB's own limit raised.
-  std::unique_ptr<oneapi::tbb::global_control> thread_limit;
-  std::unique_ptr<oneapi::tbb::task_arena> arena;
-
-  SceneView view;                           // of the built scene, with this background
-  std::vector<DirectionTables> directions;  // [round]
-  EyeArrays eye_arrays;
-  BlockFunctions block;
-
-  static void prepare_threads(State& s, const RenderSettings& settings);
-  static void prepare_eye(State& s, Eye eye, RenderSettings settings,
-                          const DirectionTables* known = nullptr);
-};
 
 void Renderer::State::prepare_threads(State& s, const RenderSettings& settings) {
   const int hardware = oneapi::tbb::info::default_concurrency();
@@ -141,6 +100,7 @@ void Renderer::State::prepare_eye(State& s, Eye eye, RenderSettings settings,
          round.samples *= 2)
       s.directions.push_back(make_direction_tables(s.eye, round, &s.directions.front()));
     s.eye_arrays = make_eye_arrays(s.eye, s.directions.front());
+    if (s.settings.share_rays) shared_set(s, 0);
     s.times.directions_s = seconds_since(start);
   });
 }
@@ -208,7 +168,8 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
   const std::size_t rays_size = pose_size * static_cast<std::size_t>(s.settings.samples);
   if (!call.ray_radiance.empty()) {
     if (!call.standard_error.empty()) throw Error("ray_radiance: not together with standard_error");
-    if (to_error) throw Error("ray_radiance: not where rays are spent to reach an error");
+    if (to_error || s.settings.share_rays)
+      throw Error("ray_radiance: only where every ommatidium has its own, equally many rays");
     if (call.ray_radiance.size() != poses * rays_size)
       throw Error("ray_radiance: expected room for " + std::to_string(poses * rays_size) +
                   " values (pose x ommatidium x sample x channel), found " +
@@ -216,28 +177,27 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
   }
   for (std::size_t p = 0; p < poses; ++p) check_pose(world_from_head[p], p);
 
+  if (s.settings.share_rays) return render_shared(s, world_from_head, responses, call);
+
   // One block of ommatidia at one pose is a task: some 512 rays, but no more than fit its sums.
-  BlockContext context{s.built->tracer.get(), &s.view, &s.eye_arrays, s.directions.data()};
+  Blocks blocks{{s.built->tracer.get(), &s.view, &s.eye_arrays, s.directions.data()},
+                static_cast<int>(ommatidia)};
+  BlockContext& context = blocks.context;
   if (to_error) {
     context.rounds = static_cast<int>(s.directions.size());
     context.error = s.settings.error;
     context.most_samples = s.settings.most_samples;
-  } else if (!call.standard_error.empty())
+  } else if (!call.standard_error.empty()) {
     context.scrambles = error_scrambles;
+  }
   const int rays_each = s.settings.samples * context.scrambles;
-  const int per_block = std::clamp(block_rays / rays_each, 1, block_capacity / context.scrambles);
-  const std::size_t blocks =
-      (ommatidia + static_cast<std::size_t>(per_block) - 1) / static_cast<std::size_t>(per_block);
+  blocks.per_block = std::clamp(block_rays / rays_each, 1, block_capacity / context.scrambles);
   if (!to_error) std::fill(call.rays.begin(), call.rays.end(), rays_each);
+  const std::size_t blocks_per_pose = blocks.count();
   const auto run_task = [&](std::size_t index) {
-    const std::size_t p = index / blocks, block = index % blocks;
-    BlockTask task;
-    for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 4; ++c)
-        task.world_from_head[r][c] = static_cast<float>(world_from_head[p].m[r][c]);
-    task.pose = call.first_pose + p;
-    task.first = static_cast<int>(block) * per_block;
-    task.count = std::min(per_block, static_cast<int>(ommatidia) - task.first);
+    const std::size_t p = index / blocks_per_pose;
+    BlockTask task =
+        make_task(blocks, index % blocks_per_pose, world_from_head[p], call.first_pose + p);
     task.responses = responses.data() + p * pose_size;
     if (!call.standard_error.empty())
       task.standard_error = call.standard_error.data() + p * pose_size;
@@ -245,21 +205,37 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
     if (!call.ray_radiance.empty()) task.ray_radiance = call.ray_radiance.data() + p * rays_size;
     s.block.render(context, task);
   };
+  run_in_stretches(poses * blocks_per_pose, static_cast<double>(rays_each) * blocks.per_block,
+                   call.progress, [&](std::size_t begin, std::size_t end) {
+                     s.arena->execute([&] { oneapi::tbb::parallel_for(begin, end, run_task); });
+                   });
+}
 
-  // All tasks in stretches of about a fifth of a second, so that the caller hears of progress and
-  // can cancel; short renders are one stretch. The first is short enough for the slowest scenes.
-  const std::size_t tasks = poses * blocks;
-  const double rays_per_task = static_cast<double>(rays_each) * per_block;
+BlockTask make_task(const Blocks& blocks, std::size_t block, const Mat4& world_from_head,
+                    std::uint64_t pose) {
+  BlockTask task;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 4; ++c)
+      task.world_from_head[r][c] = static_cast<float>(world_from_head.m[r][c]);
+  task.pose = pose;
+  task.first = static_cast<int>(block) * blocks.per_block;
+  task.count = std::min(blocks.per_block, blocks.ommatidia - task.first);
+  return task;
+}
+
+void run_in_stretches(std::size_t tasks, double rays_per_task,
+                      const std::function<bool(double)>& progress,
+                      const std::function<void(std::size_t, std::size_t)>& run) {
   std::size_t stretch = static_cast<std::size_t>(std::max(1.0, 2.5e5 / rays_per_task));
   for (std::size_t done = 0; done < tasks;) {
     const auto start = Clock::now();
     const std::size_t end = std::min(tasks, done + stretch);
-    s.arena->execute([&] { oneapi::tbb::parallel_for(done, end, run_task); });
+    run(done, end);
     const double rate = static_cast<double>(end - done) / std::max(seconds_since(start), 1e-6);
     stretch = static_cast<std::size_t>(std::max(1.0, 0.2 * rate));
     done = end;
     const double share = static_cast<double>(done) / static_cast<double>(tasks);
-    if (call.progress && !call.progress(share)) throw Cancelled();
+    if (progress && !progress(share)) throw Cancelled();
   }
 }
 
@@ -278,6 +254,10 @@ const RenderSettings& Renderer::settings() const {
 }
 const BuildTimes& Renderer::build_times() const {
   return state_->times;
+}
+std::size_t Renderer::rays_per_frame() const {
+  if (state_->settings.share_rays) return shared_set(*state_, 0).rays.rays.size();
+  return state_->eye.size() * static_cast<std::size_t>(state_->settings.samples);
 }
 int Renderer::threads() const {
   return state_->threads;

@@ -26,6 +26,7 @@ enum class Sampling : std::uint8_t {
 };
 
 inline constexpr int max_samples = 1 << 20;
+inline constexpr int max_shared_samples = 256;
 
 struct RenderSettings {
   int samples = 16;  // rays per ommatidium and scramble, 1 to max_samples
@@ -42,6 +43,10 @@ struct RenderSettings {
   // most_samples rays. `samples` is then the least, a power of two from 4 on.
   double error = 0;
   int most_samples = 4096;
+  // Neighbouring ommatidia share rays: about `samples` per ommatidium in all, but each uses those of
+  // its neighbours too, through their nodal points. Far less error for the same rays; not exact for
+  // surfaces nearer than some millimetres. Not with `error`, nor with Kernel::compoundray.
+  bool share_rays = false;
 };
 
 // Scrambles that a standard error is computed from: with one asked for, every ommatidium gets this
@@ -51,7 +56,9 @@ inline constexpr int error_scrambles = 8;
 struct RenderCall {
   std::uint64_t first_pose = 0;     // index of the first pose, for renders done piece by piece
   std::span<float> standard_error;  // [pose, ommatidium, channel], or empty for none
-  std::span<std::int32_t> rays;     // [pose, ommatidium], rays spent, or empty
+  // [pose, ommatidium], rays that each response comes from, or empty; where rays are shared, each
+  // counts for all that use it.
+  std::span<std::int32_t> rays;
   // Radiance that each single ray brought, [pose, ommatidium, sample, channel], or empty for none.
   // Not together with standard_error.
   std::span<float> ray_radiance;
@@ -71,6 +78,8 @@ struct CameraSettings;  // camera.h
 
 class Renderer {
  public:
+  struct State;  // src/render_state.h
+
   // Builds the acceleration structure and the direction tables; throws omma::Error. The scene must
   // stay as it is: its arrays are read from where they are. `progress` is told of the finished
   // share of the acceleration structure as in RenderCall; false throws omma::Cancelled.
@@ -95,6 +104,8 @@ class Renderer {
   const RenderSettings& settings() const;
   const BuildTimes& build_times() const;
   int threads() const;          // that a render uses
+  // Rays that a frame takes without a standard error; with an error to reach, at least.
+  std::size_t rays_per_frame() const;
   std::string backend() const;  // e.g. "embree 3.13.5"
 
  private:
@@ -105,7 +116,6 @@ class Renderer {
   friend void render_camera(const Renderer&, const Camera&, const CameraSettings&, std::span<float>,
                             const std::function<bool(double)>&);
 
-  struct State;
   std::unique_ptr<State> state_;
 };
 

@@ -185,6 +185,28 @@ void render_block(const BlockContext& context, const BlockTask& task) {
   if (task.standard_error != nullptr) reduce_errors(context, task, sums);
 }
 
+// In sixteen running sums whatever the width of the lanes, so that the bits are the same.
+void weigh_rays(const SharedRays& shared, const float* radiance, std::int64_t first,
+                std::int64_t end, float* responses) {
+  const DenormalsAreZero denormals_are_zero;
+  static_assert(weight_group == lanes && channel_count == 3);
+  for (std::int64_t i = first; i < end; ++i) {
+    PacketLight light;
+    for (int l = 0; l < lanes; l += lane_width) {
+      Floats sums[channel_count] = {};
+      for (std::int64_t k = shared.first.data()[i] + l; k < shared.first.data()[i + 1];
+           k += lanes) {
+        const Ints ray = load<Ints>(shared.ray.data() + k) * channel_count;
+        const Floats weight = load<Floats>(shared.weight.data() + k);
+        for (int c = 0; c < channel_count; ++c) sums[c] += weight * gather(radiance + c, ray);
+      }
+      for (int c = 0; c < channel_count; ++c) store(light.channel[c] + l, sums[c]);
+    }
+    for (int c = 0; c < channel_count; ++c)
+      responses[i * channel_count + c] = static_cast<float>(sum_lanes(light.channel[c]));
+  }
+}
+
 void prepare_block(const BlockContext& context, const BlockTask& task, RTCRayHit16* packets) {
   const UnitList all{nullptr, 0, context.scrambles, task.count * context.scrambles};
   Units units;

@@ -8,6 +8,7 @@
 #include "backend/embree/tracer.h"
 #include "backend/eye_arrays.h"
 #include "sampling/directions.h"
+#include "sampling/shared_rays.h"
 
 namespace omma {
 
@@ -45,21 +46,33 @@ using RenderBlock = void (*)(const BlockContext&, const BlockTask&);
 // Only writes the packets that a block traces, for measuring what tracing alone takes.
 using PrepareBlock = void (*)(const BlockContext&, const BlockTask&, RTCRayHit16* packets);
 
+// Responses [ommatidium][channel] of ommatidia first to end, from the radiance [ray][channel] of
+// the rays they share (sampling/shared_rays.h).
+using WeighRays = void (*)(const SharedRays&, const float* radiance, std::int64_t first,
+                           std::int64_t end, float* responses);
+
 struct BlockFunctions {
   RenderBlock render = nullptr;
+  WeighRays weigh = nullptr;
   PrepareBlock prepare = nullptr;
 };
 
 namespace baseline {
 void render_block(const BlockContext& context, const BlockTask& task);
+void weigh_rays(const SharedRays& shared, const float* radiance, std::int64_t first,
+                std::int64_t end, float* responses);
 void prepare_block(const BlockContext& context, const BlockTask& task, RTCRayHit16* packets);
 }  // namespace baseline
 namespace avx2 {
 void render_block(const BlockContext& context, const BlockTask& task);
+void weigh_rays(const SharedRays& shared, const float* radiance, std::int64_t first,
+                std::int64_t end, float* responses);
 void prepare_block(const BlockContext& context, const BlockTask& task, RTCRayHit16* packets);
 }  // namespace avx2
 namespace avx512 {
 void render_block(const BlockContext& context, const BlockTask& task);
+void weigh_rays(const SharedRays& shared, const float* radiance, std::int64_t first,
+                std::int64_t end, float* responses);
 void prepare_block(const BlockContext& context, const BlockTask& task, RTCRayHit16* packets);
 }  // namespace avx512
 

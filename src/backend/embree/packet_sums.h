@@ -22,20 +22,24 @@ __attribute__((always_inline)) inline void store_wide(double* p, Floats x) {
   __builtin_memcpy(p, &wide, sizeof wide);
 }
 
-// Adds what lanes [first, end) brought to one unit's sums, always in the same order.
+// Always in the same order.
+__attribute__((always_inline)) inline float sum_lanes(const float (&x)[lanes]) {
+  using Quad = float __attribute__((vector_size(16)));
+  const Quad quad = (load<Quad>(x) + load<Quad>(x + 8)) + (load<Quad>(x + 4) + load<Quad>(x + 12));
+  return (quad[0] + quad[1]) + (quad[2] + quad[3]);
+}
+
+// Adds what lanes [first, end) brought to one unit's sums.
 __attribute__((always_inline)) inline void add_lanes(const PacketLight& light, int first, int end,
                                                      Sums& sums, int unit) {
   for (int c = 0; c < channel_count; ++c) {
-    using Quad = float __attribute__((vector_size(16)));
     alignas(64) float x[lanes];
     for (int l = 0; l < lanes; l += lane_width) {
       const Ints lane = lane_numbers() + l;
       store(x + l, lane >= first && lane < end ? load<Floats>(light.channel[c] + l)
                                                : broadcast<Floats>(0.0f));
     }
-    const Quad quad =
-        (load<Quad>(x) + load<Quad>(x + 8)) + (load<Quad>(x + 4) + load<Quad>(x + 12));
-    sums[c][unit] += (quad[0] + quad[1]) + (quad[2] + quad[3]);
+    sums[c][unit] += static_cast<double>(sum_lanes(x));
   }
 }
 

@@ -1,0 +1,118 @@
+// Rendering with rays that neighbouring ommatidia share (sampling/shared_rays.h): a frame traces
+// the rays of the eye, then weighs them into responses.
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "render_state.h"
+
+namespace omma {
+namespace {
+
+constexpr std::size_t rows_per_task = 256;
+
+// A frame with one set of rays; `parallel` where the threads are not busy with other poses.
+void render_frame(const Renderer::State& s, const SharedSet& set, const Mat4& world_from_head,
+                  std::uint64_t pose, bool parallel, float* responses) {
+  const Blocks blocks{{s.built->tracer.get(), &s.view, &set.arrays, &set.directions},
+                      static_cast<int>(set.rays.rays.size()),
+                      block_capacity};
+  thread_local std::vector<float> radiance;  // [ray][channel], the same room for all frames
+  radiance.resize(set.rays.rays.size() * channel_count);
+  float* const traced = radiance.data();
+  const auto trace = [&](std::size_t block) {
+    BlockTask task = make_task(blocks, block, world_from_head, pose);
+    task.responses = traced;
+    s.block.render(blocks.context, task);
+  };
+  const std::size_t rows = s.eye.size(), row_tasks = (rows + rows_per_task - 1) / rows_per_task;
+  const auto weigh = [&](std::size_t i) {
+    s.block.weigh(set.rays, traced, static_cast<std::int64_t>(i * rows_per_task),
+                  static_cast<std::int64_t>(std::min(rows, (i + 1) * rows_per_task)), responses);
+  };
+  if (parallel) {
+    oneapi::tbb::parallel_for(std::size_t{0}, blocks.count(), trace);
+    oneapi::tbb::parallel_for(std::size_t{0}, row_tasks, weigh);
+  } else {
+    for (std::size_t i = 0; i < blocks.count(); ++i) trace(i);
+    for (std::size_t i = 0; i < row_tasks; ++i) weigh(i);
+  }
+}
+
+// The mean of all sets, and its standard error from their spread.
+void render_with_error(const Renderer::State& s, const Mat4& world_from_head, std::uint64_t pose,
+                       bool parallel, float* responses, float* errors) {
+  const std::size_t size = s.eye.size() * channel_count;
+  std::vector<double> sum(size), squares(size);
+  for (int pattern = 0; pattern < error_scrambles; ++pattern) {
+    render_frame(s, shared_set(s, pattern), world_from_head, pose, parallel, responses);
+    for (std::size_t i = 0; i < size; ++i) {
+      const double x = static_cast<double>(responses[i]);
+      sum[i] += x;
+      squares[i] += x * x;
+    }
+  }
+  constexpr double n = error_scrambles;
+  for (std::size_t i = 0; i < size; ++i) {
+    const double mean = sum[i] / n;
+    responses[i] = static_cast<float>(mean);
+    errors[i] =
+        static_cast<float>(std::sqrt(std::max(0.0, squares[i] / n - mean * mean) / (n - 1)));
+  }
+}
+
+}  // namespace
+
+const SharedSet& shared_set(const Renderer::State& state, int pattern) {
+  const std::lock_guard lock(state.shared_mutex);
+  std::unique_ptr<const SharedSet>& set = state.shared[static_cast<std::size_t>(pattern)];
+  if (set != nullptr) return *set;
+  auto made = std::make_unique<SharedSet>();
+  made->rays = make_shared_rays(state.eye, state.directions.front(), pattern);
+  made->directions = make_ray_tables(made->rays.rays, state.settings);
+  made->arrays = make_eye_arrays(made->rays.rays, made->directions);
+  set = std::move(made);
+  return *set;
+}
+
+void render_shared(const Renderer::State& s, std::span<const Mat4> world_from_head,
+                   std::span<float> responses, const RenderCall& call) {
+  const std::size_t pose_size = s.eye.size() * channel_count;
+  const bool with_error = !call.standard_error.empty();
+  const int patterns = with_error ? error_scrambles : 1;
+  s.arena->execute([&] {
+    for (int pattern = 0; pattern < patterns; ++pattern) shared_set(s, pattern);
+  });
+  std::vector<std::int32_t> counts(call.rays.empty() ? 0 : s.eye.size(), 0);
+  for (int pattern = 0; pattern < patterns; ++pattern) {
+    const SharedRays& shared = shared_set(s, pattern).rays;
+    for (std::size_t i = 0; i < counts.size(); ++i)
+      counts[i] += static_cast<std::int32_t>(std::count_if(
+          shared.weight.begin() + shared.first[i], shared.weight.begin() + shared.first[i + 1],
+          [](float w) { return w > 0; }));
+  }
+  const auto frame = [&](std::size_t p, bool parallel) {
+    float* out = responses.data() + p * pose_size;
+    const std::uint64_t pose = call.first_pose + p;
+    std::copy(counts.begin(), counts.end(),
+              call.rays.begin() + static_cast<std::ptrdiff_t>(p * counts.size()));
+    if (with_error)
+      render_with_error(s, world_from_head[p], pose, parallel, out,
+                        call.standard_error.data() + p * pose_size);
+    else
+      render_frame(s, shared_set(s, 0), world_from_head[p], pose, parallel, out);
+  };
+  const double rays = static_cast<double>(shared_set(s, 0).rays.rays.size()) * patterns;
+  run_in_stretches(
+      world_from_head.size(), rays, call.progress, [&](std::size_t begin, std::size_t end) {
+        s.arena->execute([&] {
+          if (end - begin >= 2 * static_cast<std::size_t>(s.threads))
+            oneapi::tbb::parallel_for(begin, end, [&](std::size_t p) { frame(p, false); });
+          else
+            for (std::size_t p = begin; p < end; ++p) frame(p, true);
+        });
+      });
+}
+
+}  // namespace omma

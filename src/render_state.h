@@ -1,0 +1,106 @@
+// What a Renderer holds, and the parallel loops that its ways of rendering have in common:
+// render.cpp (each ommatidium its own rays) and render_shared.cpp (rays shared by neighbours).
+#pragma once
+
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <array>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "backend/embree/block.h"
+#include "backend/embree/tracer.h"
+#include "backend/shading_data.h"
+#include "omma/render.h"
+#include "sampling/directions.h"
+#include "sampling/shared_rays.h"
+
+namespace omma {
+
+using Clock = std::chrono::steady_clock;
+
+inline double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// What depends on the scene alone, shared by all renderers of it.
+struct BuiltScene {
+  std::shared_ptr<const Scene> scene;
+  std::unique_ptr<ShadingData> shading;
+  std::unique_ptr<EmbreeTracer> tracer;
+};
+
+// A background ready to be looked at; it may be a large image, so renderers share it.
+struct BuiltBackground {
+  Background given;     // the data refer to its image
+  BackgroundData data;  // of `given`, or of the scene's own
+};
+
+// Rays that neighbouring ommatidia share, ready to be traced.
+struct SharedSet {
+  SharedRays rays;
+  DirectionTables directions;
+  EyeArrays arrays;
+};
+
+struct Renderer::State {
+  std::shared_ptr<const BuiltScene> built;
+  std::shared_ptr<const BuiltBackground> background;
+  Eye eye;
+  RenderSettings settings;
+  BuildTimes times;
+  int threads = 1;
+
+  // More threads than the processor has, where asked for, need TBB's own limit raised.
+  std::unique_ptr<oneapi::tbb::global_control> thread_limit;
+  std::unique_ptr<oneapi::tbb::task_arena> arena;
+
+  SceneView view;                           // of the built scene, with this background
+  std::vector<DirectionTables> directions;  // [round]
+  EyeArrays eye_arrays;
+  BlockFunctions block;
+
+  // Rays shared by neighbours: the first set is used at all poses, the others for standard errors,
+  // made when first asked for.
+  mutable std::mutex shared_mutex;
+  mutable std::array<std::unique_ptr<const SharedSet>, error_scrambles> shared;
+
+  static void prepare_threads(State& s, const RenderSettings& settings);
+  static void prepare_eye(State& s, Eye eye, RenderSettings settings,
+                          const DirectionTables* known = nullptr);
+};
+
+// One frame's tracing as tasks of neighbouring ommatidia.
+struct Blocks {
+  BlockContext context;
+  int ommatidia = 0, per_block = 1;
+
+  std::size_t count() const {
+    return (static_cast<std::size_t>(ommatidia) + static_cast<std::size_t>(per_block) - 1) /
+           static_cast<std::size_t>(per_block);
+  }
+};
+
+// Task `block` of a frame; the caller adds where results go.
+BlockTask make_task(const Blocks& blocks, std::size_t block, const Mat4& world_from_head,
+                    std::uint64_t pose);
+
+// Runs run(begin, end) over all tasks in stretches of about a fifth of a second, so that the caller
+// hears of progress and can cancel; short renders are one stretch, and the first is short enough
+// for the slowest scenes.
+void run_in_stretches(std::size_t tasks, double rays_per_task,
+                      const std::function<bool(double)>& progress,
+                      const std::function<void(std::size_t, std::size_t)>& run);
+
+// The set of shared rays number `pattern`, made if it is not there yet.
+const SharedSet& shared_set(const Renderer::State& state, int pattern);
+
+// Renderer::render with settings.share_rays, arguments checked.
+void render_shared(const Renderer::State& state, std::span<const Mat4> world_from_head,
+                   std::span<float> responses, const RenderCall& call);
+
+}  // namespace omma
