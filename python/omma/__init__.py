@@ -49,6 +49,7 @@ from omma.sampling_plots import (
     save_speed_test,
     save_variance_map,
 )
+from omma.sampling_report import SamplingReport
 from omma.sampling_search import Box, Cylinder, MinimumSamples, minimum_samples
 from omma.sampling_tools import (
     Method,
@@ -77,6 +78,7 @@ __all__ = [
     "MinimumSamples",
     "RenderReport",
     "Renderer",
+    "SamplingReport",
     "Scene",
     "SpeedTest",
     "__version__",

@@ -311,22 +311,13 @@ def load_eye(path: str | os.PathLike[str], metres_per_unit: float) -> Eye: ...
 
 def save_eye(path: str | os.PathLike[str], eye: Eye, metres_per_unit: float) -> None: ...
 
-class Renderer:
-    """The engine; `omma.Renderer` is the one to use."""
+class RenderSettings:
+    """What `omma.Renderer` was asked for."""
 
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    @overload
-    def __init__(self, scene: Scene, eye: Eye, samples: int, seed: int, kernel: str, sampling: str, threads: int, footprints: bool, background: Background | None, progress: object | None) -> None: ...
-
-    @overload
-    def __init__(self, same_scene: Renderer, eye: Eye, samples: int, seed: int, kernel: str, sampling: str, threads: int, footprints: bool, background: Background | None) -> None: ...
-
-    def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: numpy.typing.NDArray[numpy.float32], standard_error: numpy.typing.NDArray[numpy.float32] | None, rays: numpy.typing.NDArray[numpy.float32] | None, first_pose: int, progress: Callable[[float], object] | None) -> None: ...
-
-    @property
-    def eye(self) -> Eye: ...
+    def __init__(self, *, samples: int, seed: int, kernel: str, sampling: str, threads: int, footprints: bool, error: float, most_samples: int, background: Background | None) -> None: ...
 
     @property
     def samples(self) -> int: ...
@@ -342,6 +333,32 @@ class Renderer:
 
     @property
     def footprints(self) -> bool: ...
+
+    @property
+    def error(self) -> float: ...
+
+    @property
+    def most_samples(self) -> int: ...
+
+class Renderer:
+    """The engine; `omma.Renderer` is the one to use."""
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    @overload
+    def __init__(self, scene: Scene, eye: Eye, settings: RenderSettings, progress: object | None) -> None: ...
+
+    @overload
+    def __init__(self, same_scene: Renderer, eye: Eye, settings: RenderSettings) -> None: ...
+
+    def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: numpy.typing.NDArray[numpy.float32], standard_error: numpy.typing.NDArray[numpy.float32] | None, rays: numpy.typing.NDArray[numpy.int32] | None, ray_radiance: numpy.typing.NDArray[numpy.float32] | None, first_pose: int, progress: Callable[[float], object] | None) -> None: ...
+
+    @property
+    def eye(self) -> Eye: ...
+
+    @property
+    def settings(self) -> RenderSettings: ...
 
     @property
     def threads(self) -> int: ...

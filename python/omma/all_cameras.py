@@ -17,6 +17,7 @@ from omma.cameras import camera_eye, camera_projection, display, picture_size, r
 from omma.files import PathLike, check_target, load_scene, make_directory
 from omma.picture_files import paint_of_projection
 from omma.projections import LISTS, Picture, projection_size
+from omma.render_settings import fixed_samples
 from omma.renderer import BUILDING, READING, Progress, Renderer
 from omma.rendering import Stage
 
@@ -60,6 +61,7 @@ def render_all_cameras(
     kernel: str = "gaussian",
     sampling: str = "low_discrepancy",
     threads: int = 0,
+    footprints: bool = True,
     background: Background | str | None = None,
     projection: str | None = None,
     width: int | None = None,
@@ -77,8 +79,8 @@ def render_all_cameras(
         width, height: of every picture, as in `render_camera` and `projection_ids`; but
             projections with a pixel for each ommatidium keep their own size.
         projection: of all eyes, instead of the one that their camera names.
-        scene_index, samples, seed, kernel, sampling, threads, background, gamma, progress: as in
-            `render_file`.
+        scene_index, samples, seed, kernel, sampling, threads, footprints, background, gamma,
+            progress: as in `render_file`.
 
     Raises:
         omma.Error: anything wrong with an input, an eye that a camera names and that is not to be
@@ -115,6 +117,7 @@ def render_all_cameras(
         kernel=kernel,
         sampling=sampling,
         threads=threads,
+        footprints=footprints,
         background=parse_background(background) if isinstance(background, str) else background,
         progress=partial(tell, BUILDING),
     )
@@ -174,7 +177,7 @@ def _picture(
         camera,
         width=width,
         height=height,
-        samples=renderer.samples,
+        samples=fixed_samples(renderer.samples, "pictures"),
         seed=renderer.seed,
         progress=progress,
     )

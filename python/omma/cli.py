@@ -17,6 +17,7 @@ from omma.cli_report import camera_lines, report_lines
 from omma.cli_working import fail, working
 from omma.info import describe_file
 from omma.projections import PROJECTIONS
+from omma.render_settings import Samples, fixed_samples
 from omma.renderer import READING
 from omma.rendering import SUFFIXES, render_file
 
@@ -43,6 +44,11 @@ A camera of the scene by name or index; a compound one with the eye file that it
 All cameras of the scene, each into a picture of its own:
 
 `omma render arena.gltf --all-cameras -o pictures/`
+
+As many rays as each ommatidium needs for a standard error of 0.01, at most 1,024:
+
+`omma render meadow.glb --eye honeybee.eye --samples auto --error 0.01 --max-samples 1024
+-o view.npy`
 
 A path of many poses, with standard errors (flight.npy and flight.error.npy):
 
@@ -149,7 +155,34 @@ def render(
     path: Annotated[
         Path | None, typer.Option(help="CSV file of poses, one a line.", metavar="CSV")
     ] = None,
-    samples: Annotated[int, typer.Option(help="Rays per ommatidium or pixel.", metavar="N")] = 16,
+    samples: Annotated[
+        str,
+        typer.Option(
+            help="Rays per ommatidium or pixel; auto: as many as each ommatidium needs for its "
+            "standard error to be --error.",
+            metavar="N|auto",
+        ),
+    ] = "16",
+    error: Annotated[
+        float | None,
+        typer.Option(
+            help="With --samples auto: standard error to reach; a radiance of 1 is full scale.",
+            metavar="E",
+        ),
+    ] = None,
+    min_samples: Annotated[
+        int | None,
+        typer.Option(
+            help="With --samples auto: least rays of an ommatidium, a power of two. Default: 8.",
+            metavar="N",
+        ),
+    ] = None,
+    max_samples: Annotated[
+        int | None,
+        typer.Option(
+            help="With --samples auto: most rays of an ommatidium. Default: 4096.", metavar="N"
+        ),
+    ] = None,
     kernel: Annotated[
         Literal["gaussian", "pillbox", "compoundray"],
         typer.Option(help="Angular sensitivity."),
@@ -167,9 +200,20 @@ def render(
         ),
     ] = None,
     standard_error: Annotated[
-        bool, typer.Option("--standard-error", help="Write standard errors too (8 times the rays).")
+        bool,
+        typer.Option(
+            "--standard-error",
+            help="Write standard errors too: 8 times the rays, but none more with --samples auto.",
+        ),
     ] = False,
     threads: Annotated[int, typer.Option(help="Threads; 0: all.", metavar="N")] = 0,
+    no_footprints: Annotated[
+        bool,
+        typer.Option(
+            "--no-footprints",
+            help="Read textures point by point, not averaged over each ray's share.",
+        ),
+    ] = False,
     projection: Annotated[
         str | None,
         typer.Option(
@@ -195,9 +239,14 @@ def render(
     ] = False,
 ) -> None:
     """Render what an eye sees in a scene, or a camera of the scene."""
+    rays = _samples(samples)
     if all_cameras:
         _check_all_cameras(
             {
+                "--samples auto": rays == "auto",
+                "--error": error is not None,
+                "--min-samples": min_samples is not None,
+                "--max-samples": max_samples is not None,
                 "--eye": bool(eye),
                 "--camera": camera is not None,
                 "--position": position is not None,
@@ -213,11 +262,12 @@ def render(
                 scene,
                 output[0],
                 unit=unit,
-                samples=samples,
+                samples=fixed_samples(rays, "pictures"),
                 seed=seed,
                 kernel=kernel,
                 sampling=sampling,
                 threads=threads,
+                footprints=not no_footprints,
                 background=background,
                 projection=projection,
                 width=width,
@@ -238,11 +288,15 @@ def render(
             position=position,
             look_at=look_at,
             path=path,
-            samples=samples,
+            samples=rays,
+            error=error,
+            min_samples=min_samples,
+            max_samples=max_samples,
             seed=seed,
             kernel=kernel,
             sampling=sampling,
             threads=threads,
+            footprints=not no_footprints,
             background=background,
             standard_error=standard_error,
             projection=projection,
@@ -302,6 +356,16 @@ def run(command: Callable[..., object]) -> int:
         if type(error).__name__ == "Abort":
             return fail("interrupted", 130)
         raise
+
+
+def _samples(text: str) -> Samples:
+    if text == "auto":
+        return "auto"
+    try:
+        return int(text)
+    except ValueError:
+        message = f"{text!r} is neither a whole number nor auto."
+        raise typer.BadParameter(message, param_hint="--samples") from None
 
 
 def _print_warnings(warnings: Sequence[str]) -> None:

@@ -14,6 +14,7 @@ from omma.files import check_target
 from omma.pictures import side_by_side_ids
 from omma.poses import Matrices
 from omma.projections import project, projection_ids
+from omma.render_settings import fixed_samples
 from omma.renderer import Renderer
 
 _DEFAULT_WIDTH = 1024
@@ -60,7 +61,7 @@ def paint_of_projection(
     eye = renderer.eye
     # What is wrong with a projection or a size shows here, before anything is rendered.
     if projection == "raw_ommatidial_samples":
-        rows = renderer.samples if height is None else height
+        rows = fixed_samples(renderer.samples, projection) if height is None else height
         projection_ids(eye, projection, width, rows)
 
         def paint_rays(pose: int, responses: NDArray[np.float32]) -> NDArray[Any]:

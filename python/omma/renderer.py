@@ -12,8 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma import _core
 from omma._core import Background, Error, Eye, Scene
-from omma.arguments import whole
+from omma.arguments import expect, output_array, whole
 from omma.poses import Matrices, as_poses, is_position_pair
+from omma.render_settings import Samples, fixed_samples, render_settings
+from omma.sampling_report import SamplingReport
 
 Responses = NDArray[np.float32]
 Poses = ArrayLike | tuple[ArrayLike, ArrayLike] | str
@@ -35,7 +37,11 @@ class Renderer:
     Args:
         scene: what there is to see.
         eye: who sees it; a list of eyes is merged as `merge_eyes` does.
-        samples: rays per ommatidium, 1 to 2**20.
+        samples: rays per ommatidium, 1 to 2**20; or "auto": as many as each ommatidium needs for
+            its standard error to be at most ``error``.
+        error: standard error to reach with samples="auto", in radiance (1 is full scale).
+        min_samples, max_samples: rays that an ommatidium gets at least, a power of two from 4 on,
+            and at most; with samples="auto", where None takes 8 and 4,096.
         seed: of the samples, 0 to 2**64 - 1. The same inputs and seed give the same bits, whatever
             the number of threads.
         kernel: angular sensitivity S(θ) per unit solid angle: "gaussian", exp(-4 ln2 (θ/Δρ)²);
@@ -61,7 +67,10 @@ class Renderer:
         scene: Scene,
         eye: Eye | Sequence[Eye | tuple[Eye, ArrayLike]],
         *,
-        samples: int = 16,
+        samples: Samples = 16,
+        error: float | None = None,
+        min_samples: int | None = None,
+        max_samples: int | None = None,
         seed: int = 0,
         kernel: str = "gaussian",
         sampling: str = "low_discrepancy",
@@ -70,25 +79,34 @@ class Renderer:
         background: Background | None = None,
         progress: Progress | None = None,
     ) -> None:
-        _expect(scene, Scene, "scene", "omma.load_scene gives one")
+        expect(scene, Scene, "scene", "omma.load_scene gives one")
         eye = _one_eye(eye)
         if background is not None:
-            _expect(background, Background, "background", "omma.Background.constant gives one")
+            expect(background, Background, "background", "omma.Background.constant gives one")
         self._scene = scene
         self._background = background
-        self._engine = _core.Renderer(
-            scene,
-            eye,
-            *_settings(samples, seed, kernel, sampling, threads, footprints),
-            background,
-            progress,
+        settings = render_settings(
+            samples=samples,
+            error=error,
+            min_samples=min_samples,
+            max_samples=max_samples,
+            seed=seed,
+            kernel=kernel,
+            sampling=sampling,
+            threads=threads,
+            footprints=footprints,
+            background=background,
         )
+        self._engine = _core.Renderer(scene, eye, settings, progress)
 
     def with_eye(
         self,
         eye: Eye | Sequence[Eye | tuple[Eye, ArrayLike]],
         *,
-        samples: int | None = None,
+        samples: Samples | None = None,
+        error: float | None = None,
+        min_samples: int | None = None,
+        max_samples: int | None = None,
         seed: int | None = None,
         kernel: str | None = None,
         sampling: str | None = None,
@@ -97,25 +115,27 @@ class Renderer:
         """Another renderer of the same scene, for another eye or with other settings.
 
         It shares the acceleration structure, so that it is made in milliseconds. What is not given
-        stays as it is here; either renderer lives on without the other.
+        stays as it is here; either renderer lives on without the other. ``error`` and its limits
+        stay as long as ``samples`` is "auto".
 
         Raises:
             omma.Error: an argument is out of its range.
         """
-        other = copy.copy(self)
-        other._engine = _core.Renderer(
-            self._engine,
-            _one_eye(eye),
-            *_settings(
-                self.samples if samples is None else samples,
-                self.seed if seed is None else seed,
-                self.kernel if kernel is None else kernel,
-                self.sampling if sampling is None else sampling,
-                self.threads,
-                self.footprints if footprints is None else footprints,
-            ),
-            self._background,
+        auto = (self.samples if samples is None else samples) == "auto"
+        settings = render_settings(
+            samples=self.samples if samples is None else samples,
+            error=self.error if auto and error is None else error,
+            min_samples=self.min_samples if auto and min_samples is None else min_samples,
+            max_samples=self.max_samples if auto and max_samples is None else max_samples,
+            seed=self.seed if seed is None else seed,
+            kernel=self.kernel if kernel is None else kernel,
+            sampling=self.sampling if sampling is None else sampling,
+            threads=self.threads,
+            footprints=self.footprints if footprints is None else footprints,
+            background=self._background,
         )
+        other = copy.copy(self)
+        other._engine = _core.Renderer(self._engine, _one_eye(eye), settings)
         return other
 
     @overload
@@ -124,6 +144,7 @@ class Renderer:
         poses: Poses,
         *,
         standard_error: Literal[False] = False,
+        report: Literal[False] = False,
         out: Responses | None = None,
         error_out: None = None,
         first_pose: int = 0,
@@ -136,22 +157,37 @@ class Renderer:
         poses: Poses,
         *,
         standard_error: Literal[True],
+        report: Literal[False] = False,
         out: Responses | None = None,
         error_out: Responses | None = None,
         first_pose: int = 0,
         progress: Progress | None = None,
     ) -> tuple[Responses, Responses]: ...
 
+    @overload
+    def render(
+        self,
+        poses: Poses,
+        *,
+        standard_error: Literal[False] = False,
+        report: Literal[True],
+        out: Responses | None = None,
+        error_out: Responses | None = None,
+        first_pose: int = 0,
+        progress: Progress | None = None,
+    ) -> tuple[Responses, SamplingReport]: ...
+
     def render(
         self,
         poses: Poses,
         *,
         standard_error: bool = False,
+        report: bool = False,
         out: Responses | None = None,
         error_out: Responses | None = None,
         first_pose: int = 0,
         progress: Progress | None = None,
-    ) -> Responses | tuple[Responses, Responses]:
+    ) -> Responses | tuple[Responses, Responses] | tuple[Responses, SamplingReport]:
         """Responses (P, N, C): float32, linear, never clipped; always three axes.
 
         The engine writes straight into the array that is returned. Other Python threads run
@@ -163,7 +199,9 @@ class Renderer:
                 scene, whose whole transform is the pose, its scale too.
             standard_error: return (responses, errors), errors the standard error of each response.
                 It comes from 8 independent scrambles, so 8 times the rays are traced and the
-                response is their mean.
+                response is their mean; with samples="auto" from the rays as they are.
+            report: return (responses, report) with samples="auto": rays spent, standard errors, and
+                who did not reach the error, see `SamplingReport`.
             out: a C-contiguous float32 (P, N, C) array of the caller's to write into; it is what
                 is returned.
             error_out: the same for the errors.
@@ -180,14 +218,22 @@ class Renderer:
         """
         matrices = self._matrices(poses)
         shape = (len(matrices), len(self.eye), _core.channel_count)
-        if error_out is not None and not standard_error:
+        if report and self.samples != "auto":
+            raise Error(f"report: is for samples='auto', found samples={self.samples}")
+        if report and standard_error:
+            raise Error("report: has the standard errors; not together with standard_error")
+        with_errors = standard_error or report
+        if error_out is not None and not with_errors:
             raise Error("error_out: given, but standard_error is False")
-        responses = _output(out, shape, "out")
-        errors = _output(error_out, shape, "error_out") if standard_error else None
+        responses = output_array(out, shape, "out")
+        errors = output_array(error_out, shape, "error_out") if with_errors else None
         if errors is not None and out is not None and np.shares_memory(errors, responses):
             raise Error("error_out: shares memory with out")
+        rays = np.empty(shape[:2], np.int32) if report else None
         first = whole(first_pose, "first_pose", 0, (1 << 63) - 1)
-        self._engine.render(matrices, responses, errors, None, first, progress)
+        self._engine.render(matrices, responses, errors, rays, None, first, progress)
+        if errors is not None and rays is not None:
+            return responses, SamplingReport(rays, errors, self._engine.settings.error)
         return responses if errors is None else (responses, errors)
 
     def render_rays(
@@ -196,14 +242,15 @@ class Renderer:
         """The radiance that each single ray brings: float32 (P, N, samples, C), linear.
 
         Their mean over the samples is what `render` gives, with the same rays. Other arguments and
-        errors are those of `render`; this needs ``samples`` times its memory.
+        errors are those of `render`; this needs ``samples`` times its memory, and a fixed number.
         """
         matrices = self._matrices(poses)
         shape = (len(matrices), len(self.eye), _core.channel_count)
-        rays = np.empty((*shape[:2], self.samples, shape[2]), np.float32)
+        samples = fixed_samples(self.samples, "render_rays")
+        rays = np.empty((*shape[:2], samples, shape[2]), np.float32)
         first = whole(first_pose, "first_pose", 0, (1 << 63) - 1)
         responses = np.empty(shape, np.float32)
-        self._engine.render(matrices, responses, None, rays, first, progress)
+        self._engine.render(matrices, responses, None, None, rays, first, progress)
         return rays
 
     @overload
@@ -296,29 +343,44 @@ class Renderer:
         return self._engine.eye
 
     @property
-    def samples(self) -> int:
-        """Rays per ommatidium (and scramble, where a standard error is asked for)."""
-        return self._engine.samples
+    def samples(self) -> Samples:
+        """Rays per ommatidium (and scramble, where a standard error is asked for), or "auto"."""
+        return "auto" if self._engine.settings.error > 0 else self._engine.settings.samples
+
+    @property
+    def error(self) -> float | None:
+        """Standard error to reach; None where the number of samples is fixed."""
+        return self._engine.settings.error if self.samples == "auto" else None
+
+    @property
+    def min_samples(self) -> int | None:
+        """Rays that an ommatidium gets at least; None where their number is fixed."""
+        return self._engine.settings.samples if self.samples == "auto" else None
+
+    @property
+    def max_samples(self) -> int | None:
+        """Rays that an ommatidium gets at most; None where their number is fixed."""
+        return self._engine.settings.most_samples if self.samples == "auto" else None
 
     @property
     def seed(self) -> int:
         """Seed of the samples."""
-        return self._engine.seed
+        return self._engine.settings.seed
 
     @property
     def kernel(self) -> str:
         """Name of the angular sensitivity."""
-        return self._engine.kernel
+        return self._engine.settings.kernel
 
     @property
     def sampling(self) -> str:
         """Name of the sampling."""
-        return self._engine.sampling
+        return self._engine.settings.sampling
 
     @property
     def footprints(self) -> bool:
         """Whether rays read textures averaged over their share of the solid angle."""
-        return self._engine.footprints
+        return self._engine.settings.footprints
 
     @property
     def threads(self) -> int:
@@ -336,8 +398,10 @@ class Renderer:
         return self._engine.build_times
 
     def __repr__(self) -> str:
+        fixed = self.samples != "auto"
+        rays = f"{self.samples} samples" if fixed else f"samples to an error of {self.error:g}"
         return (
-            f"<omma.Renderer {len(self.eye)} ommatidia, {self.samples} samples, {self.kernel}, "
+            f"<omma.Renderer {len(self.eye)} ommatidia, {rays}, {self.kernel}, "
             f"{self.backend}, {self.threads} threads>"
         )
 
@@ -351,35 +415,3 @@ def _one_eye(eye: Eye | Sequence[Eye | tuple[Eye, ArrayLike]]) -> Eye:
             "(omma.load_eye gives one)"
         )
     return _core.merge_eyes(eye)
-
-
-def _settings(
-    samples: int, seed: int, kernel: str, sampling: str, threads: int, footprints: bool
-) -> tuple[int, int, str, str, int, bool]:
-    return (
-        whole(samples, "samples", 1, 1 << 20),
-        whole(seed, "seed", 0, (1 << 64) - 1),
-        kernel,
-        sampling,
-        whole(threads, "threads", 0, 1 << 16),
-        bool(footprints),
-    )
-
-
-def _expect(value: object, kind: type, name: str, hint: str) -> None:
-    if not isinstance(value, kind):
-        found = type(value).__name__
-        raise TypeError(f"{name}: expected omma.{kind.__name__}, found {found} ({hint})")
-
-
-def _output(out: Any, shape: tuple[int, int, int], name: str) -> Responses:
-    if out is None:
-        return np.empty(shape, np.float32)
-    if not isinstance(out, np.ndarray) or out.dtype != np.float32:
-        found = f"{out.dtype} array" if isinstance(out, np.ndarray) else type(out).__name__
-        raise TypeError(f"{name}: expected a float32 array of shape {shape}, found {found}")
-    if out.shape != shape:
-        raise Error(f"{name}: expected shape {shape}, found {out.shape}")
-    if not out.flags.c_contiguous or not out.flags.writeable or not out.flags.aligned:
-        raise Error(f"{name}: expected a C-contiguous array that can be written to")
-    return out

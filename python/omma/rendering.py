@@ -37,7 +37,9 @@ from omma.files import (
 )
 from omma.picture_files import PngWriter, paint_of_projection, paint_side_by_side
 from omma.poses import Matrices, load_poses, poses_from_angles
-from omma.renderer import BUILDING, READING, Renderer
+from omma.render_settings import Samples, fixed_samples
+from omma.renderer import BUILDING, READING, Renderer, Responses
+from omma.sampling_report import SpentRays
 
 SUFFIXES = (".npy", ".csv", ".png")
 
@@ -64,6 +66,7 @@ class RenderReport:
     outputs: tuple[str, ...]  # files written
     warnings: tuple[str, ...]  # what the scene's loader passed over
     picture: tuple[int, int] | None = None  # width and height of a camera's picture
+    spent: SpentRays | None = None  # where rays were spent to reach an error
 
 
 def render_file(
@@ -77,11 +80,15 @@ def render_file(
     look_at: ArrayLike | None = None,
     path: PathLike | None = None,
     scene_index: int | None = None,
-    samples: int = 16,
+    samples: Samples = 16,
+    error: float | None = None,
+    min_samples: int | None = None,
+    max_samples: int | None = None,
     seed: int = 0,
     kernel: str = "gaussian",
     sampling: str = "low_discrepancy",
     threads: int = 0,
+    footprints: bool = True,
     background: Background | str | None = None,
     standard_error: bool = False,
     projection: str | None = None,
@@ -113,7 +120,7 @@ def render_file(
         path: instead, a CSV file of poses, see `load_poses`.
         scene_index: which of the scenes in the file; None takes its default.
         samples, seed: as in `Renderer`; of a camera's picture as in `render_camera`.
-        kernel, sampling, threads: as in `Renderer`.
+        error, min_samples, max_samples, kernel, sampling, threads, footprints: as in `Renderer`.
         background: a `Background`, or text as `parse_background` takes it.
         standard_error: also write standard errors of an eye's responses: beside OUT.npy an
             OUT.error.npy, in a `.csv` three more columns.
@@ -153,6 +160,10 @@ def render_file(
             "standard_error": standard_error,
             "projection": projection is not None,
             "side_by_side": side_by_side,
+            "samples='auto'": samples == "auto",
+            "error": error is not None,
+            "min_samples": min_samples is not None,
+            "max_samples": max_samples is not None,
         }
         _check_picture_arguments(node, names, [name for name, given in of_eyes.items() if given])
         size = picture_size(node, width, height)
@@ -163,6 +174,7 @@ def render_file(
             samples=samples,
             seed=seed,
             threads=threads,
+            footprints=footprints,
             background=backdrop,
             progress=partial(tell, BUILDING),
         )
@@ -182,10 +194,14 @@ def render_file(
         world,
         head,
         samples=samples,
+        error=error,
+        min_samples=min_samples,
+        max_samples=max_samples,
         seed=seed,
         kernel=kernel,
         sampling=sampling,
         threads=threads,
+        footprints=footprints,
         background=backdrop,
         progress=partial(tell, BUILDING),
     )
@@ -218,12 +234,17 @@ def render_file(
                 picture = PngWriter(name, len(poses), paint)
                 writers.append(picture)
                 written += [picture.name(i) for i in range(len(poses))]
-        seconds = _render(renderer, poses, standard_error, writers, tell)
-    scrambles = _core.error_scrambles if standard_error else 1
+        spent = None if renderer.error is None else SpentRays(renderer.error)
+        seconds = _render(renderer, poses, standard_error, writers, tell, spent)
+    if spent is None:
+        scrambles = _core.error_scrambles if standard_error else 1
+        rays = len(poses) * len(head) * fixed_samples(renderer.samples, "a frame") * scrambles
+    else:
+        rays = spent.total
     return RenderReport(
         ommatidia=len(head),
         poses=len(poses),
-        rays=len(poses) * len(head) * samples * scrambles,
+        rays=rays,
         seconds=seconds,
         build_seconds=built - start,
         frames_per_s=len(poses) / max(seconds, 1e-9),
@@ -233,6 +254,7 @@ def render_file(
         eyes=tuple(found),
         outputs=tuple(written),
         warnings=tuple(warnings),
+        spent=spent,
     )
 
 
@@ -262,13 +284,14 @@ def _render_picture(
     for name in names:
         make_directory(Path(name).parent)
         check_target(name)
+    samples = fixed_samples(renderer.samples, "a picture")
     built = time.perf_counter()
     picture = render_camera(
         renderer,
         node,
         width=size[0],
         height=size[1],
-        samples=renderer.samples,
+        samples=samples,
         seed=renderer.seed,
         progress=lambda done: tell("Rendering", done),
     )
@@ -283,7 +306,7 @@ def _render_picture(
     return RenderReport(
         ommatidia=0,
         poses=1,
-        rays=size[0] * size[1] * renderer.samples,
+        rays=size[0] * size[1] * samples,
         seconds=seconds,
         build_seconds=built - start,
         frames_per_s=1 / max(seconds, 1e-9),
@@ -303,8 +326,9 @@ def _render(
     standard_error: bool,
     writers: Sequence[Writer],
     tell: Stage,
+    spent: SpentRays | None,
 ) -> float:
-    """Render piece by piece into the writers; seconds spent rendering."""
+    """Render piece by piece into the writers, adding to ``spent``; seconds spent rendering."""
     pose_bytes = max(1, len(renderer.eye)) * _core.channel_count * 4
     chunk = max(1, _CHUNK_BYTES // pose_bytes)
     seconds = 0.0
@@ -315,11 +339,19 @@ def _render(
             tell("Rendering", (first + done * count) / len(poses))
 
         start = time.perf_counter()
-        responses, errors = (
-            renderer.render(piece, standard_error=True, first_pose=first, progress=share)
-            if standard_error
-            else (renderer.render(piece, first_pose=first, progress=share), None)
-        )
+        errors: Responses | None = None
+        if spent is not None:
+            responses, report = renderer.render(
+                piece, report=True, first_pose=first, progress=share
+            )
+            spent.add(report, first)
+            errors = report.standard_error if standard_error else None
+        elif standard_error:
+            responses, errors = renderer.render(
+                piece, standard_error=True, first_pose=first, progress=share
+            )
+        else:
+            responses = renderer.render(piece, first_pose=first, progress=share)
         seconds += time.perf_counter() - start
         tell("Writing", (first + len(piece)) / len(poses))
         for writer in writers:

@@ -42,6 +42,7 @@ const char* name_of(const Table& table, Value wanted) {
 
 using Poses = nb::ndarray<nb::numpy, const double, nb::shape<-1, 4, 4>, nb::c_contig>;
 using Output = nb::ndarray<nb::numpy, float, nb::ndim<3>, nb::c_contig>;
+using CountOutput = nb::ndarray<nb::numpy, std::int32_t, nb::ndim<2>, nb::c_contig>;
 using RayOutput = nb::ndarray<nb::numpy, float, nb::ndim<4>, nb::c_contig>;
 
 std::span<float> span_of(const Output& output) {
@@ -49,12 +50,14 @@ std::span<float> span_of(const Output& output) {
 }
 
 void render(const Renderer& renderer, const Poses& poses, const Output& responses,
-            const std::optional<Output>& standard_error, const std::optional<RayOutput>& rays,
-            std::uint64_t first_pose, const nb::object& progress) {
+            const std::optional<Output>& standard_error, const std::optional<CountOutput>& rays,
+            const std::optional<RayOutput>& ray_radiance, std::uint64_t first_pose,
+            const nb::object& progress) {
   RenderCall call;
   call.first_pose = first_pose;
   if (standard_error) call.standard_error = span_of(*standard_error);
-  if (rays) call.ray_radiance = {rays->data(), rays->size()};
+  if (rays) call.rays = {rays->data(), rays->size()};
+  if (ray_radiance) call.ray_radiance = {ray_radiance->data(), ray_radiance->size()};
   // The memory of a C-ordered (4, 4) float64 array is that of a Mat4.
   const std::span<const Mat4> world_from_head(reinterpret_cast<const Mat4*>(poses.data()),
                                               poses.shape(0));
@@ -65,15 +68,19 @@ void render(const Renderer& renderer, const Poses& poses, const Output& response
 }
 
 RenderSettings settings_of(int samples, std::uint64_t seed, const std::string& kernel,
-                           const std::string& sampling, int threads, bool footprints,
-                           std::optional<Background> background) {
-  return {samples,
-          seed,
-          by_name(kernels, kernel, "kernel"),
-          by_name(samplings, sampling, "sampling"),
-          threads,
-          std::move(background),
-          footprints};
+                           const std::string& sampling, int threads, bool footprints, double error,
+                           int most_samples, std::optional<Background> background) {
+  RenderSettings settings;
+  settings.samples = samples;
+  settings.seed = seed;
+  settings.kernel = by_name(kernels, kernel, "kernel");
+  settings.sampling = by_name(samplings, sampling, "sampling");
+  settings.threads = threads;
+  settings.background = std::move(background);
+  settings.footprints = footprints;
+  settings.error = error;
+  settings.most_samples = most_samples;
+  return settings;
 }
 
 nb::object build_times(const Renderer& renderer) {
@@ -87,51 +94,58 @@ nb::object build_times(const Renderer& renderer) {
 }  // namespace
 
 void bind_renderer(nb::module_& m) {
+  nb::class_<RenderSettings>(m, "RenderSettings", "What `omma.Renderer` was asked for.")
+      .def(
+          "__init__",
+          [](RenderSettings* self, int samples, std::uint64_t seed, const std::string& kernel,
+             const std::string& sampling, int threads, bool footprints, double error,
+             int most_samples, std::optional<Background> background) {
+            new (self)
+                RenderSettings(settings_of(samples, seed, kernel, sampling, threads, footprints,
+                                           error, most_samples, std::move(background)));
+          },
+          nb::kw_only(), nb::arg("samples"), nb::arg("seed"), nb::arg("kernel"),
+          nb::arg("sampling"), nb::arg("threads"), nb::arg("footprints"), nb::arg("error"),
+          nb::arg("most_samples"), nb::arg("background").none())
+      .def_ro("samples", &RenderSettings::samples)
+      .def_ro("seed", &RenderSettings::seed)
+      .def_prop_ro("kernel", [](const RenderSettings& s) { return name_of(kernels, s.kernel); })
+      .def_prop_ro("sampling",
+                   [](const RenderSettings& s) { return name_of(samplings, s.sampling); })
+      .def_ro("footprints", &RenderSettings::footprints)
+      .def_ro("error", &RenderSettings::error)
+      .def_ro("most_samples", &RenderSettings::most_samples);
+
   nb::class_<Renderer>(m, "Renderer", "The engine; `omma.Renderer` is the one to use.")
       .def(
           "__init__",
-          [](Renderer* self, std::shared_ptr<Scene> scene, const Eye& eye, int samples,
-             std::uint64_t seed, const std::string& kernel, const std::string& sampling,
-             int threads, bool footprints, std::optional<Background> background,
-             const nb::object& progress) {
-            RenderSettings settings = settings_of(samples, seed, kernel, sampling, threads,
-                                                  footprints, std::move(background));
+          [](Renderer* self, std::shared_ptr<Scene> scene, const Eye& eye,
+             const RenderSettings& settings, const nb::object& progress) {
             run_with_progress(progress, [&](const std::function<bool(double)>& report) {
-              new (self) Renderer(std::move(scene), eye, std::move(settings), report);
+              new (self) Renderer(std::move(scene), eye, settings, report);
             });
           },
-          nb::arg("scene"), nb::arg("eye"), nb::arg("samples"), nb::arg("seed"), nb::arg("kernel"),
-          nb::arg("sampling"), nb::arg("threads"), nb::arg("footprints"),
-          nb::arg("background").none(), nb::arg("progress").none())
+          nb::arg("scene"), nb::arg("eye"), nb::arg("settings"), nb::arg("progress").none())
       .def(
           "__init__",
-          [](Renderer* self, const Renderer& same_scene, const Eye& eye, int samples,
-             std::uint64_t seed, const std::string& kernel, const std::string& sampling,
-             int threads, bool footprints, std::optional<Background> background) {
-            RenderSettings settings = settings_of(samples, seed, kernel, sampling, threads,
-                                                  footprints, std::move(background));
+          [](Renderer* self, const Renderer& same_scene, const Eye& eye,
+             const RenderSettings& settings) {
             nb::gil_scoped_release release;
-            new (self) Renderer(same_scene, eye, std::move(settings));
+            new (self) Renderer(same_scene, eye, settings);
           },
-          nb::arg("same_scene"), nb::arg("eye"), nb::arg("samples"), nb::arg("seed"),
-          nb::arg("kernel"), nb::arg("sampling"), nb::arg("threads"), nb::arg("footprints"),
-          nb::arg("background").none())
+          nb::arg("same_scene"), nb::arg("eye"), nb::arg("settings"))
       .def("render", &render, nb::arg("poses").noconvert(), nb::arg("responses").noconvert(),
            nb::arg("standard_error").noconvert().none(), nb::arg("rays").noconvert().none(),
-           nb::arg("first_pose"), nb::arg("progress").none(),
+           nb::arg("ray_radiance").noconvert().none(), nb::arg("first_pose"),
+           nb::arg("progress").none(),
            nb::sig("def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: "
                    "numpy.typing.NDArray[numpy.float32], standard_error: "
                    "numpy.typing.NDArray[numpy.float32] | None, rays: "
+                   "numpy.typing.NDArray[numpy.int32] | None, ray_radiance: "
                    "numpy.typing.NDArray[numpy.float32] | None, first_pose: int, progress: "
                    "collections.abc.Callable[[float], object] | None) -> None"))
       .def_prop_ro("eye", &Renderer::eye, nb::rv_policy::reference_internal)
-      .def_prop_ro("samples", [](const Renderer& r) { return r.settings().samples; })
-      .def_prop_ro("seed", [](const Renderer& r) { return r.settings().seed; })
-      .def_prop_ro("kernel",
-                   [](const Renderer& r) { return name_of(kernels, r.settings().kernel); })
-      .def_prop_ro("sampling",
-                   [](const Renderer& r) { return name_of(samplings, r.settings().sampling); })
-      .def_prop_ro("footprints", [](const Renderer& r) { return r.settings().footprints; })
+      .def_prop_ro("settings", &Renderer::settings, nb::rv_policy::reference_internal)
       .def_prop_ro("threads", &Renderer::threads)
       .def_prop_ro("backend", &Renderer::backend)
       .def_prop_ro("build_times", &build_times,

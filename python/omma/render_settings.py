@@ -1,0 +1,62 @@
+"""How a renderer is asked for rays: the arguments of `omma.Renderer`, checked, for the engine."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from omma import _core
+from omma._core import Background, Error, RenderSettings
+from omma.arguments import positive, whole
+
+Samples = int | Literal["auto"]
+
+MIN_SAMPLES, MAX_SAMPLES = 8, 4096
+
+
+def render_settings(
+    *,
+    samples: Samples,
+    error: float | None,
+    min_samples: int | None,
+    max_samples: int | None,
+    background: Background | None,
+    **others: Any,
+) -> RenderSettings:
+    """Settings from the arguments of `omma.Renderer`; omma.Error or TypeError names one."""
+    seed = whole(others["seed"], "seed", 0, (1 << 64) - 1)
+    threads = whole(others["threads"], "threads", 0, 1 << 16)
+    if isinstance(samples, str):
+        if samples != "auto":
+            raise Error(f"samples: expected a whole number or 'auto', found {samples!r:.40}")
+        if error is None:
+            raise Error("error: expected the standard error that samples='auto' is to reach")
+        target = positive(error, "error")
+        least = whole(_or(min_samples, MIN_SAMPLES), "min_samples", 4, 1 << 20)
+        if least & (least - 1):
+            raise Error(f"min_samples: expected a power of two, found {least}")
+        most = whole(_or(max_samples, max(MAX_SAMPLES, least)), "max_samples", least, 1 << 20)
+    else:
+        given = {"error": error, "min_samples": min_samples, "max_samples": max_samples}
+        for name, value in given.items():
+            if value is not None:
+                raise Error(f"{name}: is for samples='auto', found samples={samples!r:.40}")
+        least = most = whole(samples, "samples", 1, 1 << 20)
+        target = 0.0
+    return _core.RenderSettings(
+        **(others | {"seed": seed, "threads": threads}),
+        samples=least,
+        error=target,
+        most_samples=most,
+        background=background,
+    )
+
+
+def fixed_samples(samples: Samples, what: str) -> int:
+    """``samples`` where it is a number; omma.Error says that ``what`` needs one."""
+    if isinstance(samples, str):
+        raise Error(f"samples: expected a number for {what}, found {samples!r}")
+    return samples
+
+
+def _or(value: int | None, default: int) -> int:
+    return default if value is None else value

@@ -1,0 +1,94 @@
+"""What a render with an error to reach spent, and who did not reach it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+# Ommatidia that are named where many missed the error.
+_NAMED = 8
+
+
+@dataclass(frozen=True, eq=False)
+class SamplingReport:
+    """Rays and standard errors of a render with ``samples="auto"``."""
+
+    rays: NDArray[np.int32]
+    """Rays spent, (P, N)."""
+    standard_error: NDArray[np.float32]
+    """Estimated standard error of each response, (P, N, C), radiance."""
+    error: float
+    """Standard error that was to be reached."""
+
+    @property
+    def total_rays(self) -> int:
+        """Rays of all ommatidia at all poses."""
+        return int(self.rays.sum(dtype=np.int64))
+
+    @property
+    def mean_rays(self) -> float:
+        """Rays per ommatidium and pose."""
+        return self.total_rays / max(1, self.rays.size)
+
+    @property
+    def missed(self) -> NDArray[np.int64]:
+        """Who had all rays and still a larger standard error: (M, 2), pose and ommatidium."""
+        return np.argwhere((self.standard_error > np.float32(self.error)).any(axis=-1))
+
+    def __str__(self) -> str:
+        spent = SpentRays(self.error)
+        spent.add(self, 0)
+        return f"{spent.rays_text()}; {spent.missed_text()}"
+
+
+@dataclass
+class SpentRays:
+    """What reports of the pieces of one render come to."""
+
+    error: float
+    poses: int = 0
+    responses: int = 0
+    """Ommatidia times poses."""
+    total: int = 0
+    least: int = 0
+    most: int = 0
+    missed: int = 0
+    """Responses that did not reach the error."""
+    first_missed: list[tuple[int, int]] = field(default_factory=list)
+    """The first of them: pose and ommatidium."""
+
+    def add(self, report: SamplingReport, first_pose: int) -> None:
+        """Add the report of the poses from ``first_pose`` on."""
+        rays, missed = report.rays, report.missed
+        if rays.size > 0:
+            least = int(rays.min())
+            self.least = min(self.least, least) if self.responses else least
+            self.most = max(self.most, int(rays.max()))
+        self.poses += len(rays)
+        self.responses += rays.size
+        self.total += report.total_rays
+        self.missed += len(missed)
+        for pose, ommatidium in missed[: max(0, _NAMED - len(self.first_missed))].tolist():
+            self.first_missed.append((first_pose + pose, ommatidium))
+
+    def rays_text(self) -> str:
+        """Rays spent, in words."""
+        mean = self.total / max(1, self.responses)
+        return f"{self.total:,} rays, {mean:,.1f} an ommatidium ({self.least:,} to {self.most:,})"
+
+    def missed_text(self) -> str:
+        """Who did not reach the error, in words."""
+        if self.missed == 0:
+            return f"all {self.responses:,} responses reached {self.error:g}"
+        named = ", ".join(
+            f"{ommatidium} (pose {pose})" if self.poses > 1 else str(ommatidium)
+            for pose, ommatidium in self.first_missed
+        )
+        more = ", ..." if self.missed > len(self.first_missed) else ""
+        which = "ommatidium" if self.missed == 1 else "ommatidia"
+        return (
+            f"{self.missed:,} of {self.responses:,} responses did not reach {self.error:g}: "
+            f"{which} {named}{more}"
+        )
