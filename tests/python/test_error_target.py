@@ -1,0 +1,218 @@
+"""Rendering to an error from Python and the command line: arguments, what is returned and said."""
+
+import numpy as np
+import pytest
+
+import omma
+
+
+@pytest.fixture(scope="module")
+def auto(scene, eye):
+    return omma.Renderer(scene, eye, samples="auto", error=0.01, max_samples=512)
+
+
+def test_reaches_the_error(scene, eye, flight):
+    renderer = omma.Renderer(scene, eye, samples="auto", error=0.005)
+    responses, report = renderer.render(flight, report=True)
+    assert responses.shape == report.standard_error.shape == (9, 60, 3)
+    assert report.rays.shape == (9, 60)
+    assert report.rays.dtype == np.int32
+    assert report.error == 0.005
+    assert report.rays.min() == 8
+    assert report.rays.max() > 8
+    assert report.standard_error.max() <= np.float32(0.005)
+    assert report.missed.shape == (0, 2)
+    assert report.total_rays == report.rays.sum()
+    assert report.mean_rays == pytest.approx(report.rays.mean())
+    truth = omma.Renderer(scene, eye, samples=8192).render(flight)
+    # Estimates are above the true error, so that its mean square over all is below the target's.
+    assert np.sqrt(np.mean((responses - truth) ** 2)) < 0.005
+
+
+def test_what_is_returned_is_one_render(auto, flight):
+    responses, report = auto.render(flight, report=True)
+    out, error_out = np.empty_like(responses), np.empty_like(responses)
+    again, errors = auto.render(flight, standard_error=True, out=out, error_out=error_out)
+    assert again is out
+    assert errors is error_out
+    assert (out == responses).all()
+    assert (error_out == report.standard_error).all()
+    assert (auto.render(flight) == responses).all()
+    pieces = list(auto.render_iter(flight, standard_error=True, chunk=4))
+    assert (np.stack([piece[0] for piece in pieces]) == responses).all()
+    assert (np.stack([piece[1] for piece in pieces]) == report.standard_error).all()
+    part, part_report = auto.render(flight[3:], report=True, first_pose=3)
+    assert (part == responses[3:]).all()
+    assert (part_report.rays == report.rays[3:]).all()
+
+
+def test_missed_ommatidia_are_named(scene, eye, flight):
+    renderer = omma.Renderer(scene, eye, samples="auto", error=1e-4, min_samples=4, max_samples=8)
+    _, report = renderer.render(flight, report=True)
+    expected = [
+        (pose, ommatidium)
+        for pose in range(9)
+        for ommatidium in range(60)
+        if report.standard_error[pose, ommatidium].max() > np.float32(1e-4)
+    ]
+    assert expected
+    assert report.missed.tolist() == [list(pair) for pair in expected]
+    assert set(np.unique(report.rays)) <= {4, 8}
+    pose, ommatidium = expected[0]
+    text = str(report)
+    assert f"{len(expected)} of 540 responses did not reach 0.0001: ommatidia {ommatidium}" in text
+    assert f"{ommatidium} (pose {pose})" in text
+    assert text.endswith(", ...") == (len(expected) > 8)
+
+
+def test_the_report_in_words():
+    errors = np.full((1, 1000, 3), 0.005, np.float32)
+    rays = np.full((1, 1000), 8, np.int32)
+    rays[0, 4] = 1024
+    report = omma.SamplingReport(rays, errors, 0.01)
+    assert str(report) == (
+        "9,016 rays, 9.0 an ommatidium (8 to 1,024); all 1,000 responses reached 0.01"
+    )
+    errors[0, [17, 204], 1] = 0.02
+    assert str(report).endswith(
+        "; 2 of 1,000 responses did not reach 0.01: ommatidia 17, 204"
+    )
+    errors[0, 204] = 0
+    assert str(report).endswith("; 1 of 1,000 responses did not reach 0.01: ommatidium 17")
+    # An error that the target itself rounds to is reached.
+    errors[0, 17] = 0.01
+    assert len(report.missed) == 0
+    nothing = omma.SamplingReport(rays[:0], errors[:0], 0.01)
+    assert (nothing.total_rays, nothing.mean_rays) == (0, 0)
+    assert str(nothing).startswith("0 rays")
+
+
+def test_settings_can_be_read(auto, renderer):
+    assert (auto.samples, auto.error) == ("auto", 0.01)
+    assert (auto.min_samples, auto.max_samples) == (8, 512)
+    assert "to an error of 0.01" in repr(auto)
+    assert (renderer.samples, renderer.error) == (8, None)
+    assert (renderer.min_samples, renderer.max_samples) == (None, None)
+
+
+def test_with_eye(auto, renderer, eye, flight):
+    finer = auto.with_eye(eye, error=0.002)
+    assert (finer.error, finer.min_samples, finer.max_samples) == (0.002, 8, 512)
+    fixed = auto.with_eye(eye, samples=8)
+    assert (fixed.samples, fixed.error) == (8, None)
+    assert (fixed.render(flight) == renderer.render(flight)).all()
+    back = renderer.with_eye(eye, samples="auto", error=0.01, min_samples=8, max_samples=512)
+    assert (back.render(flight) == auto.render(flight)).all()
+    assert auto.with_eye(eye, min_samples=16).min_samples == 16
+    assert auto.with_eye(eye, seed=4).error == 0.01
+    with pytest.raises(omma.Error, match="error: is for samples='auto', found samples=8"):
+        renderer.with_eye(eye, error=0.01)
+    with pytest.raises(omma.Error, match="error: expected the standard error"):
+        renderer.with_eye(eye, samples="auto")
+
+
+AUTO = {"samples": "auto", "error": 0.01}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "kind", "word"),
+    [
+        ({"samples": "auto"}, omma.Error, "^error: expected the standard error"),
+        ({"samples": "many"}, omma.Error, "^samples: expected a whole number or 'auto', .*'many'"),
+        ({"error": 0.01}, omma.Error, "^error: is for samples='auto', found samples=16"),
+        ({"min_samples": 8}, omma.Error, "^min_samples: is for samples='auto'"),
+        ({"max_samples": 8}, omma.Error, "^max_samples: is for samples='auto'"),
+        (AUTO | {"error": 0}, omma.Error, "^error: expected a number above 0, found 0"),
+        (AUTO | {"error": -1}, omma.Error, "^error: .*found -1"),
+        (AUTO | {"error": float("nan")}, omma.Error, "^error: .*found nan"),
+        (AUTO | {"error": float("inf")}, omma.Error, "^error: .*found inf"),
+        (AUTO | {"min_samples": 2}, omma.Error, "^min_samples: expected 4 to 1048576, found 2"),
+        (AUTO | {"min_samples": 12}, omma.Error, "^min_samples: expected a power of two, found 12"),
+        (AUTO | {"max_samples": 7}, omma.Error, "^max_samples: expected 8 to 1048576, found 7"),
+        (AUTO | {"max_samples": 9.5}, TypeError, "^max_samples: expected a whole number"),
+    ],
+)
+def test_wrong_arguments(scene, eye, arguments, kind, word):
+    with pytest.raises(kind, match=word):
+        omma.Renderer(scene, eye, **arguments)
+
+
+def test_wrong_calls(auto, renderer, flight):
+    with pytest.raises(omma.Error, match="report: is for samples='auto', found samples=8"):
+        renderer.render(flight, report=True)
+    with pytest.raises(omma.Error, match="report: has the standard errors"):
+        auto.render(flight, report=True, standard_error=True)
+    with pytest.raises(omma.Error, match="samples: expected a number for render_rays"):
+        auto.render_rays(flight)
+
+
+@pytest.fixture
+def omma_command(files, monkeypatch, run_omma):
+    monkeypatch.chdir(files)
+    return lambda *arguments: run_omma("render", "scene.gltf", *arguments)
+
+
+def test_command(omma_command, scene, eye, flight, tmp_path, monkeypatch):
+    monkeypatch.setattr("omma.rendering._CHUNK_BYTES", 60 * 12 * 2)  # two poses at once
+    path, out = tmp_path / "flight.csv", tmp_path / "a.npy"
+    path.write_text("x,y,z,qx,qy,qz,qw\n" + "".join(f"{x},1,0,0,0,0,1\n" for x in range(5)))
+    arguments = ("--eye", "bug.eye", "--path", path, "--samples", "auto", "--error", 0.002)
+    limits = ("--min-samples", 4, "--max-samples", 32)
+    code, said, err = omma_command(*arguments, *limits, "--standard-error", "-o", out)
+    assert (code, err) == (0, "")
+    renderer = omma.Renderer(
+        scene, eye, samples="auto", error=0.002, min_samples=4, max_samples=32
+    )
+    responses, report = renderer.render(omma.load_poses(path), report=True)
+    assert (np.load(out) == responses).all()
+    assert (np.load(tmp_path / "a.error.npy") == report.standard_error).all()
+    rays, missed = str(report).split("; ")
+    assert f"rays       {rays}\n" in said
+    assert f"error      {missed}\n" in said
+    assert "did not reach 0.002" in missed
+
+
+def test_command_that_reaches_it(omma_command, tmp_path):
+    code, said, _ = omma_command(
+        *("--eye", "bug.eye", "--samples", "auto", "--error", 0.05, "-o", tmp_path / "a.npy")
+    )
+    assert code == 0
+    assert "error      all 60 responses reached 0.05\n" in said
+    assert [path.name for path in tmp_path.iterdir()] == ["a.npy"]
+
+
+def test_footprints_can_be_left_out(omma_command, tmp_path):
+    # White noise that is far finer than the rays: only with footprints is little of it left.
+    noise = np.random.default_rng(5).integers(0, 256, (512, 1024, 1), np.uint8)
+    omma.save_png(tmp_path / "noise.png", np.repeat(noise, 3, axis=2))
+    spread = {}
+    for switch in ((), ("--no-footprints",)):
+        out = tmp_path / "a.npy"
+        background = ("--background", tmp_path / "noise.png", "--position", 0, -5, 0)
+        code, _, err = omma_command("--eye", "bug.eye", *background, *switch, "-o", out)
+        assert (code, err) == (0, "")
+        spread[switch] = np.load(out)
+    assert (spread[()] != spread["--no-footprints",]).any()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "word"),
+    [
+        (("--samples", "auto"), 1, "error: expected the standard error"),
+        (("--samples", "many"), 2, "--samples"),
+        (("--error", "0.01"), 1, "error: is for samples='auto'"),
+        (("--samples", "auto", "--error", "0"), 1, "error: expected a number above 0"),
+        (("--samples", "0"), 1, "samples: expected 1 to 1048576, found 0"),
+        (("--camera", "plain", "--samples", "auto", "--error", "1"), 1, "samples='auto'"),
+        (("--all-cameras", "--samples", "auto"), 1, "--samples auto"),
+        (("--all-cameras", "--error", "0.1"), 1, "--error"),
+    ],
+)
+def test_wrong_commands(omma_command, tmp_path, arguments, code, word):
+    of_eye = "--camera" not in arguments and "--all-cameras" not in arguments
+    eye = ("--eye", "bug.eye") if of_eye else ()
+    found, out, err = omma_command(*eye, *arguments, "-o", tmp_path / "a.npy")
+    assert (found, out) == (code, "")
+    assert err.startswith("omma: error: ")
+    assert word in err
+    assert list(tmp_path.iterdir()) == []
