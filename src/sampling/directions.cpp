@@ -1,5 +1,6 @@
 // Builds the direction tables: Owen-scrambled Sobol points, through the normal quantile per axis
-// (which keeps their strata compact), through the exact warp of each acceptance angle.
+// (which keeps their strata compact), moved apart where they are few, through the exact warp of
+// each acceptance angle.
 #include "sampling/directions.h"
 
 #include <oneapi/tbb/parallel_for.h>
@@ -11,12 +12,14 @@
 #include "kernel/footprint.h"
 #include "kernel/hash.h"
 #include "kernel/sobol.h"
+#include "sampling/even_points.h"
 
 namespace omma {
 namespace {
 
-// As many patterns as keep the tables of one acceptance angle in a core's second-level cache ...
-constexpr std::size_t points_per_warp = 16384;
+// Patterns enough that twice as many would lower no error by 1 %: the tables of one acceptance
+// angle stay in a core's second-level cache, nearly in its first ...
+constexpr std::size_t points_per_warp = 4096;
 constexpr int most_patterns = 1024;
 // ... all tables together under 100 MB, and their points made within some tenths of a second. Where
 // that leaves fewer patterns than scrambles there are no tables.
@@ -28,7 +31,7 @@ int choose_pattern_count(int samples, std::size_t warps) {
   const std::size_t n = static_cast<std::size_t>(samples);
   const std::size_t most =
       std::min(most_points / (n * std::max<std::size_t>(warps, 1)), most_scrambled_points / n);
-  const std::size_t wanted = std::max<std::size_t>(points_per_warp / n, least_patterns);
+  const std::size_t wanted = std::max<std::size_t>(points_per_warp / n, 2 * least_patterns);
   std::size_t patterns = most_patterns;
   while (patterns > 1 && (patterns > wanted || patterns > most)) patterns /= 2;
   return patterns >= least_patterns ? static_cast<int>(patterns) : 0;
@@ -124,8 +127,10 @@ DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& sett
     const std::uint64_t scramble = hash_combine(mix_bits(settings.seed), k);
     for (std::size_t j = 0; j < n; ++j)
       normals[k][j] = scrambled_normals(static_cast<std::uint32_t>(j), scramble);
-    sort_into_packets(normals[k]);
   });
+  move_apart(normals, settings.seed);
+  oneapi::tbb::parallel_for(std::size_t{0}, patterns,
+                            [&](std::size_t k) { sort_into_packets(normals[k]); });
   tables.local.resize(angles.size() * patterns * 3 * n);
   oneapi::tbb::parallel_for(std::size_t{0}, angles.size() * patterns, [&](std::size_t i) {
     const AcceptanceWarpView warp = view(tables.warps[i / patterns]);
