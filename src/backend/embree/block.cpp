@@ -62,9 +62,8 @@ struct Progress {
   float roughness[channel_count][block_capacity];  // see estimate_roughness
 };
 
-// Of the squares of pairs in even patterns: measured, the pairs alone give 1.45 times the true
-// error in clutter (the bundled meadow) and 2.2 to 2.9 times at edges; with this 1.03, and 1.6
-// to 2.1.
+// Of the squares of pairs in even patterns: measured, the pairs alone give 1.45 times the true error
+// in clutter (the bundled meadow) and 2.2 to 2.9 times at edges; with this 1.1, and 1.7 to 2.2.
 constexpr double even_share = 0.6;
 
 // Neighbours on either side along the curve of ommatidia that an estimate listens to.
