@@ -26,17 +26,20 @@ Eye make_eye() {
 }  // namespace
 
 void instructions(const std::string& which) {
+  if (which != "1" && which != "16" && which != "16-plain" && which != "16-random" &&
+      which != "16-shared" && which != "target")
+    throw Error("expected 1, 16, 16-plain, 16-random, 16-shared or target, found " + which);
   const Setup setup = hills(100);
   RenderSettings settings;
   settings.threads = 1;
   settings.samples = which == "1" ? 1 : 16;
   if (which == "16-random") settings.sampling = Sampling::random;
   settings.footprints = which != "16-plain" && which != "16-random";
+  settings.share_rays = which == "16-shared";
   if (which == "target") {
     settings.samples = 4;
     settings.error = 0.02;
-  } else if (which != "1" && which != "16" && which != "16-plain" && which != "16-random")
-    throw Error("instructions: expected 1, 16, 16-plain, 16-random or target, found " + which);
+  }
   const Renderer renderer(setup.scene, make_eye(), settings);
   const std::vector<Mat4> poses = flight(setup, 4);
   std::vector<float> out(poses.size() * renderer.eye().size() * channel_count);

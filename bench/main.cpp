@@ -2,7 +2,7 @@
 //
 //   omma_bench ceiling|error|frames|latency|threads [--quick]
 //   omma_bench build NAME SCENE
-//   omma_bench instructions 1|16|16-plain|16-random|target
+//   omma_bench instructions 1|16|16-plain|16-random|16-shared|target
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -37,6 +37,6 @@ int main(int argc, char** argv) {
   std::fprintf(stderr,
                "omma_bench ceiling|error|frames|latency|threads [--quick]\n"
                "omma_bench build NAME SCENE\n"
-               "omma_bench instructions 1|16|16-plain|16-random|target\n");
+               "omma_bench instructions 1|16|16-plain|16-random|16-shared|target\n");
   return 2;
 }

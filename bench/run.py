@@ -31,7 +31,7 @@ import report  # noqa: E402
 from make_large_scene import write_scene  # noqa: E402
 
 PARTS = ("ceiling", "error", "frames", "latency", "threads", "build", "instructions")
-COUNTED = ("1", "16", "16-plain", "16-random", "target")
+COUNTED = ("1", "16", "16-plain", "16-random", "16-shared", "target")
 
 
 def printed_table(command: list[str | Path]) -> list[str]:

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <numeric>
 
 namespace omma::bench {
 namespace {
@@ -83,9 +84,17 @@ Eye thousand_eye() {
   return load_eye(data + "/scenes/eyes/1000-equidistant.eye");
 }
 
-Eye thinned(const Eye& eye, std::size_t n) {
+Eye sector(const Eye& eye, std::size_t n) {
+  std::vector<std::size_t> order(eye.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return azimuth_elevation_rad(eye.axis[a]).x < azimuth_elevation_rad(eye.axis[b]).x;
+  });
+  const std::size_t end = eye.size() / 2;
+  order = {order.begin() + static_cast<std::ptrdiff_t>(end - std::min(end, eye.size() / n)),
+           order.begin() + static_cast<std::ptrdiff_t>(end)};
   Eye few;
-  for (std::size_t i = 0; i < eye.size(); i += n) {
+  for (std::size_t i : order) {
     few.position_m.push_back(eye.position_m[i]);
     few.axis.push_back(eye.axis[i]);
     few.acceptance_angle_rad.push_back(eye.acceptance_angle_rad[i]);

@@ -27,8 +27,9 @@ std::string data_folder();
 Eye bee_eye();
 // CompoundRay's eye of 1,000 ommatidia; needs the data.
 Eye thousand_eye();
-// Every n-th ommatidium.
-Eye thinned(const Eye& eye, std::size_t n);
+// One n-th of an eye, all ommatidia that look to the left of the middle: from the ground to the sky,
+// and each with its neighbours.
+Eye sector(const Eye& eye, std::size_t n);
 
 // natural-standin-sky.gltf, just above the ground in the middle, where CompoundRay's cameras stand.
 Setup meadow();

@@ -26,6 +26,7 @@ STYLES = {
     "random": ("#000000", "o", "-", "random, as CompoundRay"),
     "no footprints": ("#E69F00", "s", "-", "Omma without footprints"),
     "footprints": ("#0072B2", "D", "-", "Omma"),
+    "shared rays": ("#D55E00", "P", "-", "Omma, neighbours share rays"),
     "target from 4": ("#CC79A7", "^", "--", "Omma, error target, from 4 rays"),
     "target from 8": ("#009E73", "v", "--", "Omma, error target, from 8 rays"),
 }
@@ -39,7 +40,7 @@ TITLES = {
 
 def plain(value: float, _: int) -> str:
     """A number as people write it."""
-    return f"{value:,.0f}" if value >= 1 else f"{value:g}"
+    return f"{value:,g}"
 
 
 def tidy(axes: Axes) -> None:
@@ -106,7 +107,7 @@ def errors(rows: list[Row], across: str, label: str, path: Path) -> None:
                           ms=4.5, lw=1.4, label=name)  # fmt: skip
         e100 = random_error(own, 100)
         axes.axhline(e100, color="#777777", lw=1, ls=":")
-        axes.annotate("error of 100 random rays", (0, e100), (4, -10), ha="left", fontsize=8,
+        axes.annotate("error of 100 random rays", (1, e100), (-2, 3), ha="right", fontsize=8,
                       xycoords=("axes fraction", "data"), textcoords="offset points",
                       color="#555555")  # fmt: skip
         axes.set_xscale("log")
@@ -140,6 +141,7 @@ def frames(rows: list[Row], error_rows: list[Row], path: Path) -> None:
         axes.set_xscale("log")
         axes.set_yscale("log")
         tidy(axes)
+        axes.set_xticks(list(theirs))
         axes.set_xlabel("CompoundRay's random rays per ommatidium")
         of = "1,000" if table is theirs else "about 6,000"
         axes.set_title(f"{eye:,} ommatidia (published: {of})", fontsize=10)
