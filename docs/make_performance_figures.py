@@ -62,6 +62,15 @@ def save(figure: Figure, path: Path) -> None:
     partial.replace(path)
 
 
+def legend(figure: Figure) -> None:
+    """One for all panels, below."""
+    found = {}
+    for axes in figure.axes:
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            found.setdefault(label, handle)
+    figure.legend(found.values(), found.keys(), loc="outside lower center", ncols=3)
+
+
 def ceiling(rows: list[Row], path: Path) -> None:
     """Million rays/s of tracing alone and of the whole render."""
     scenes = list(dict.fromkeys(row["scene"] for row in rows))
@@ -83,9 +92,8 @@ def ceiling(rows: list[Row], path: Path) -> None:
         axes.margins(x=0.09)
         axes.set_title(f"{scene}\n{int(own[0]['triangles']):,} triangles", fontsize=10)
         axes.set_xlabel("rays per ommatidium")
-    first = figure.axes[0]
-    first.set_ylabel("million rays per second")
-    figure.legend(*first.get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    figure.axes[0].set_ylabel("million rays per second")
+    legend(figure)
     save(figure, path)
 
 
@@ -101,7 +109,8 @@ def errors(rows: list[Row], across: str, label: str, path: Path) -> None:
     for axes, scene in zip(panels, scenes, strict=False):
         own = pick(rows, scene=scene)
         for method, (colour, marker, dashes, name) in STYLES.items():
-            points = sorted((float(r[across]), float(r["rms"])) for r in pick(own, method=method))
+            by_rays = sorted(pick(own, method=method), key=lambda row: float(row["rays"]))
+            points = [(float(row[across]), float(row["rms"])) for row in by_rays]
             if points:
                 axes.plot(*zip(*points, strict=True), color=colour, marker=marker, ls=dashes,
                           ms=4.5, lw=1.4, label=name)  # fmt: skip
@@ -116,7 +125,7 @@ def errors(rows: list[Row], across: str, label: str, path: Path) -> None:
         axes.set_title(f"{TITLES[scene]}, {int(own[0]['ommatidia']):,} ommatidia", fontsize=10)
         axes.set_xlabel(label)
         axes.set_ylabel("error (RMS; full scale 1)")
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    legend(figure)
     save(figure, path)
 
 
@@ -146,7 +155,7 @@ def frames(rows: list[Row], error_rows: list[Row], path: Path) -> None:
         of = "1,000" if table is theirs else "about 6,000"
         axes.set_title(f"{eye:,} ommatidia (published: {of})", fontsize=10)
     panels[0].set_ylabel("frames per second")
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    legend(figure)
     save(figure, path)
 
 
