@@ -191,7 +191,8 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
     context.scrambles = error_scrambles;
   }
   const int rays_each = s.settings.samples * context.scrambles;
-  blocks.per_block = std::clamp(block_rays / rays_each, 1, block_capacity / context.scrambles);
+  blocks.per_block = std::clamp(block_rays / rays_each, 1,
+                                std::min(most_per_block, block_capacity / context.scrambles));
   if (!to_error) std::fill(call.rays.begin(), call.rays.end(), rays_each);
   const std::size_t blocks_per_pose = blocks.count();
   const auto run_task = [&](std::size_t index) {

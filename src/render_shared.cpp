@@ -17,7 +17,7 @@ void render_frame(const Renderer::State& s, const SharedSet& set, const Mat4& wo
                   std::uint64_t pose, bool parallel, float* responses) {
   const Blocks blocks{{s.built->tracer.get(), &s.view, &set.arrays, &set.directions},
                       static_cast<int>(set.rays.rays.size()),
-                      block_capacity};
+                      most_per_block};
   thread_local std::vector<float> radiance;  // [ray][channel], the same room for all frames
   radiance.resize(set.rays.rays.size() * channel_count);
   float* const traced = radiance.data();

@@ -1,6 +1,7 @@
-// Builds the lattice and the weights. Densities come in steps of two, so that one lattice
-// (Fibonacci points on the sphere: Swinbank and Purser 2006) serves each: where ommatidia ask for
-// 2^k rays per steradian, to the nearest k, the points of the lattice of that density are rays.
+// Builds the lattice and the weights. Densities come in steps of two, so that one lattice serves
+// each: where ommatidia ask for 2^k rays per steradian, to the nearest k, the points of the lattice
+// of that density are rays. What each ommatidium would draw itself is then weighed by the density
+// of all: the balance heuristic (Veach and Guibas 1995, SIGGRAPH, 419-428).
 #include "sampling/shared_rays.h"
 
 #include <oneapi/tbb/parallel_for.h>
@@ -13,6 +14,8 @@
 #include "model/curve_order.h"
 #include "model/nearest_axis.h"
 #include "omma/pose.h"
+#include "sampling/sphere_cells.h"
+#include "sampling/sphere_lattice.h"
 
 namespace omma {
 namespace {
@@ -20,8 +23,8 @@ namespace {
 // Beyond this many standard deviations a Gaussian has 0.2 % of its weight.
 constexpr double reach_sigmas = 3.5;
 
-// Density step of directions that no ommatidium looks in.
-constexpr int no_rays = -1000;
+// Intervals in a table of densities; between them they are within 2e-5.
+constexpr int pdf_intervals = 512;
 
 // Largest angle from the axis at which rays count.
 double reach_rad(Kernel kernel, double acceptance_rad) {
@@ -79,55 +82,88 @@ std::vector<std::vector<std::uint32_t>> sharing_groups(const Eye& eye) {
   return groups;
 }
 
-// One group of ommatidia.
-struct Group {
-  const DirectionTables* tables = nullptr;
-  std::vector<std::uint32_t> member;  // index in the eye
-  AxisTree tree{{}};                  // of the members' axes
-  std::vector<double> reach_chord2;   // [member]
-  double most_reach = 0;              // chord
+// Density of an ommatidium's own sampling per steradian, by the squared chord from its axis.
+struct PdfTable {
+  double reach_chord2 = -1;  // none count beyond
+  float scale = 0;           // intervals per squared chord
+  float acceptance_rad = 0;
+  std::array<float, pdf_intervals + 2> pdf{};
 };
 
-Group make_group(const Eye& eye, const DirectionTables& tables, std::vector<std::uint32_t> member) {
-  Group group;
-  group.tables = &tables;
-  std::vector<Vec3d> axes;
-  for (const std::uint32_t i : member) {
-    axes.push_back(to_double(eye.axis[i]));
-    const AcceptanceWarp& warp = tables.warps[tables.warp_of[i]];
-    const double reach = chord(reach_rad(warp.kernel, warp.acceptance_rad));
-    group.reach_chord2.push_back(reach * reach);
-    group.most_reach = std::max(group.most_reach, reach);
-  }
-  group.tree = AxisTree(std::move(axes));
-  group.member = std::move(member);
-  return group;
-}
-
-// Calls found(member, density) for each member that a ray in this direction is within reach of; the
-// density is that of its own sampling, per steradian.
-template <typename Found>
-void for_each_in_reach(const Group& group, Vec3d direction, const Found& found) {
-  group.tree.within(direction, group.most_reach, [&](std::uint32_t k, double chord2) {
-    const AcceptanceWarp& warp = group.tables->warps[group.tables->warp_of[group.member[k]]];
-    if (chord2 > group.reach_chord2[k] || warp.acceptance_rad == 0) return;
-    found(k, acceptance_pdf(view(warp), angle_from_chord_squared(chord2)));
+std::vector<PdfTable> make_pdf_tables(const std::vector<AcceptanceWarp>& warps) {
+  std::vector<PdfTable> tables(warps.size());
+  oneapi::tbb::parallel_for(std::size_t{0}, warps.size(), [&](std::size_t w) {
+    PdfTable& table = tables[w];
+    if (warps[w].acceptance_rad == 0) return;
+    const double reach = chord(reach_rad(warps[w].kernel, warps[w].acceptance_rad));
+    table.reach_chord2 = reach * reach;
+    table.scale = static_cast<float>(pdf_intervals / table.reach_chord2);
+    table.acceptance_rad = static_cast<float>(warps[w].acceptance_rad);
+    for (int i = 0; i <= pdf_intervals; ++i) {
+      // A hair inside, where a pillbox has not ended yet.
+      const double chord2 = table.reach_chord2 * (1 - 1e-12) * i / pdf_intervals;
+      table.pdf[static_cast<std::size_t>(i)] =
+          static_cast<float>(acceptance_pdf(view(warps[w]), angle_from_chord_squared(chord2)));
+    }
+    table.pdf[pdf_intervals + 1] = table.pdf[pdf_intervals];
   });
+  return tables;
 }
 
-// Step of the density that a direction is asked for: what all ommatidia would sample it with.
-int density_step(const Group& group, Vec3d direction) {
-  double demand = 0;
-  for_each_in_reach(group, direction, [&](std::uint32_t, double pdf) { demand += pdf; });
-  return demand > 0 ? static_cast<int>(std::lround(std::log2(group.tables->samples * demand)))
-                    : no_rays;
+float look_up(const PdfTable& table, double chord2) {
+  const float x = static_cast<float>(chord2) * table.scale;
+  const int i = std::min(static_cast<int>(x), pdf_intervals);
+  const float before = table.pdf[static_cast<std::size_t>(i)];
+  return before +
+         (x - static_cast<float>(i)) * (table.pdf[static_cast<std::size_t>(i) + 1] - before);
 }
+
+// One group of ommatidia.
+struct Group {
+  std::vector<std::uint32_t> member;   // index in the eye
+  std::vector<Vec3d> axes;             // [member]
+  std::vector<const PdfTable*> table;  // [member]
+  int samples = 0;
+  double most_reach = 0;  // chord
+};
 
 struct LatticeRay {
   Vec3d direction;
-  std::uint32_t start;  // ommatidium, index in the eye
-  double area_sr;       // that it stands for
+  std::uint32_t start;   // member
+  float acceptance_rad;  // the smallest of those it counts for
+  double area_sr;        // that it stands for
 };
+
+// What the members ask for in a direction.
+struct Demand {
+  float density = 0;  // per steradian, what all together would sample it with
+  std::uint32_t nearest = 0;
+  float acceptance_rad = 0;  // the smallest
+};
+
+Demand find_demand(const Group& group, const SphereCells& cells, Vec3d direction) {
+  Demand demand;
+  double nearest = 8;
+  float pdf = 0;
+  cells.for_each_near(direction, [&](std::uint32_t k, double chord2) {
+    if (chord2 < nearest || (chord2 == nearest && k < demand.nearest)) {
+      nearest = chord2;
+      demand.nearest = k;
+    }
+    const PdfTable& table = *group.table[k];
+    if (chord2 > table.reach_chord2) return;
+    pdf += look_up(table, chord2);
+    if (demand.acceptance_rad == 0 || table.acceptance_rad < demand.acceptance_rad)
+      demand.acceptance_rad = table.acceptance_rad;
+  });
+  demand.density = pdf * static_cast<float>(group.samples);
+  return demand;
+}
+
+// Step of the density asked for: the lattice of step k has 2^k points per steradian.
+int density_step(float density) {
+  return std::max(0, static_cast<int>(std::lround(std::log2(density))));
+}
 
 Mat4 random_rotation(std::uint64_t hash) {
   double q[4];
@@ -138,32 +174,42 @@ Mat4 random_rotation(std::uint64_t hash) {
 
 // The lattice points whose own density is the one asked for there.
 std::vector<LatticeRay> make_lattice(const Group& group, std::uint64_t hash) {
-  std::vector<LatticeRay> rays;
-  std::vector<int> steps(group.member.size());
-  oneapi::tbb::parallel_for(std::size_t{0}, steps.size(), [&](std::size_t k) {
-    steps[k] = density_step(group, group.tree.axis(k));
+  const SphereCells cells(group.axes, group.most_reach);
+  const AxisTree tree(group.axes);
+  // Nowhere is more asked for than at all peaks within reach together.
+  std::vector<float> bound(group.axes.size());
+  oneapi::tbb::parallel_for(std::size_t{0}, bound.size(), [&](std::size_t k) {
+    bound[k] = find_demand(group, cells, group.axes[k]).density;
   });
-  const int top = *std::max_element(steps.begin(), steps.end());
-  const double golden_angle = pi * (3 - std::sqrt(5.0));
-  // Below one in 2^12 of the highest density there is nothing to see.
-  for (int step = top; top != no_rays && step >= 0 && step > top - 12; --step) {
-    const auto points = static_cast<std::size_t>(std::ceil(4 * pi * std::exp2(step)));
-    const Mat4 turn = random_rotation(hash_combine(hash, static_cast<std::uint64_t>(step)));
-    std::vector<std::uint32_t> start(points, UINT32_MAX);
-    std::vector<Vec3d> direction(points);
-    oneapi::tbb::parallel_for(std::size_t{0}, points, [&](std::size_t i) {
-      const double z = 1 - (2 * static_cast<double>(i) + 1) / static_cast<double>(points);
-      const double across = std::sqrt(1 - z * z), azimuth = golden_angle * static_cast<double>(i);
-      direction[i] =
-          transform_vector(turn, {across * std::cos(azimuth), across * std::sin(azimuth), z});
-      double chord2 = 0;
-      const auto k = static_cast<std::size_t>(group.tree.nearest(direction[i], 0, chord2));
-      if (chord2 > group.most_reach * group.most_reach) return;
-      if (density_step(group, direction[i]) == step) start[i] = group.member[k];
+  const double most_angle =
+      angle_from_chord_squared(group.most_reach * group.most_reach) * (1 + 1e-9);
+  const auto wanted = [&](Vec3d centre, double radius) {
+    return radius >= pi ||
+           angle_from_chord_squared(tree.nearest(centre, 1).chord_squared[0]) <=
+               most_angle + radius;
+  };
+  const int at_axes = density_step(*std::max_element(bound.begin(), bound.end()));
+  std::vector<LatticeRay> rays;
+  // Between axes up to twice as much may be asked for (and is then halved); further out less.
+  const int top = at_axes + 1;
+  for (int step = top; step >= 0; --step) {
+    SphereLattice lattice;
+    lattice.points = static_cast<std::uint64_t>(std::ceil(4 * pi * std::exp2(step)));
+    if (lattice.points > most_lattice_points) return {};
+    lattice.turn = random_rotation(hash_combine(hash, static_cast<std::uint64_t>(step)));
+    const std::vector<LatticePatch> patches = lattice_patches(lattice, wanted);
+    std::vector<std::vector<LatticeRay>> found(patches.size());
+    oneapi::tbb::parallel_for(std::size_t{0}, patches.size(), [&](std::size_t p) {
+      for (const std::uint64_t i : points_of(patches[p])) {
+        const Vec3d direction = lattice_point(lattice, i);
+        const Demand demand = find_demand(group, cells, direction);
+        if (demand.density > 0 && std::min(top, density_step(demand.density)) == step)
+          found[p].push_back({direction, demand.nearest, demand.acceptance_rad,
+                              4 * pi / static_cast<double>(lattice.points)});
+      }
     });
-    for (std::size_t i = 0; i < points; ++i)
-      if (start[i] != UINT32_MAX)
-        rays.push_back({direction[i], start[i], 4 * pi / static_cast<double>(points)});
+    for (const std::vector<LatticeRay>& some : found)
+      rays.insert(rays.end(), some.begin(), some.end());
   }
   return rays;
 }
