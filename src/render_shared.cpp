@@ -1,6 +1,7 @@
 // Rendering with rays that neighbouring ommatidia share (sampling/shared_rays.h): a frame traces
 // the rays of the eye, then weighs them into responses.
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -32,8 +33,12 @@ void render_frame(const Renderer::State& s, const SharedSet& set, const Mat4& wo
                   static_cast<std::int64_t>(std::min(rows, (i + 1) * rows_per_task)), responses);
   };
   if (parallel) {
-    oneapi::tbb::parallel_for(std::size_t{0}, blocks.count(), trace);
-    oneapi::tbb::parallel_for(std::size_t{0}, row_tasks, weigh);
+    // Isolated: a thread that waits here may not take up a frame of another call, which would use
+    // this thread's room.
+    oneapi::tbb::this_task_arena::isolate([&] {
+      oneapi::tbb::parallel_for(std::size_t{0}, blocks.count(), trace);
+      oneapi::tbb::parallel_for(std::size_t{0}, row_tasks, weigh);
+    });
   } else {
     for (std::size_t i = 0; i < blocks.count(); ++i) trace(i);
     for (std::size_t i = 0; i < row_tasks; ++i) weigh(i);
@@ -69,9 +74,12 @@ const SharedSet& shared_set(const Renderer::State& state, int pattern) {
   std::unique_ptr<const SharedSet>& set = state.shared[static_cast<std::size_t>(pattern)];
   if (set != nullptr) return *set;
   auto made = std::make_unique<SharedSet>();
-  made->rays = make_shared_rays(state.eye, state.directions.front(), pattern);
-  made->directions = make_ray_tables(made->rays.rays, state.settings);
-  made->arrays = make_eye_arrays(made->rays.rays, made->directions);
+  // Isolated: while this thread holds the lock it may not take up a frame that asks for it.
+  oneapi::tbb::this_task_arena::isolate([&] {
+    made->rays = make_shared_rays(state.eye, state.directions.front(), pattern);
+    made->directions = make_ray_tables(made->rays.rays, state.settings);
+    made->arrays = make_eye_arrays(made->rays.rays, made->directions);
+  });
   set = std::move(made);
   return *set;
 }
