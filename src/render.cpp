@@ -206,8 +206,9 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
     if (!call.ray_radiance.empty()) task.ray_radiance = call.ray_radiance.data() + p * rays_size;
     s.block.render(context, task);
   };
-  run_in_stretches(poses * blocks_per_pose, static_cast<double>(rays_each) * blocks.per_block,
-                   call.progress, [&](std::size_t begin, std::size_t end) {
+  const int most_rays = to_error ? s.settings.most_samples : rays_each;
+  run_in_stretches(poses * blocks_per_pose, static_cast<double>(most_rays) * blocks.per_block,
+                   s.threads, call.progress, [&](std::size_t begin, std::size_t end) {
                      s.arena->execute([&] { oneapi::tbb::parallel_for(begin, end, run_task); });
                    });
 }
@@ -224,10 +225,12 @@ BlockTask make_task(const Blocks& blocks, std::size_t block, const Mat4& world_f
   return task;
 }
 
-void run_in_stretches(std::size_t tasks, double rays_per_task,
+void run_in_stretches(std::size_t tasks, double rays_per_task, int threads,
                       const std::function<bool(double)>& progress,
                       const std::function<void(std::size_t, std::size_t)>& run) {
-  std::size_t stretch = static_cast<std::size_t>(std::max(1.0, 2.5e5 / rays_per_task));
+  std::size_t stretch =
+      static_cast<std::size_t>(std::max(static_cast<double>(threads), 2.5e5 / rays_per_task));
+  if (!progress) stretch = tasks;
   for (std::size_t done = 0; done < tasks;) {
     const auto start = Clock::now();
     const std::size_t end = std::min(tasks, done + stretch);

@@ -113,7 +113,7 @@ void render_shared(const Renderer::State& s, std::span<const Mat4> world_from_he
   };
   const double rays = static_cast<double>(shared_set(s, 0).rays.rays.size()) * patterns;
   run_in_stretches(
-      world_from_head.size(), rays, call.progress, [&](std::size_t begin, std::size_t end) {
+      world_from_head.size(), rays, 1, call.progress, [&](std::size_t begin, std::size_t end) {
         s.arena->execute([&] {
           if (end - begin >= 2 * static_cast<std::size_t>(s.threads))
             oneapi::tbb::parallel_for(begin, end, [&](std::size_t p) { frame(p, false); });

@@ -91,8 +91,8 @@ BlockTask make_task(const Blocks& blocks, std::size_t block, const Mat4& world_f
 
 // Runs run(begin, end) over all tasks in stretches of about a fifth of a second, so that the caller
 // hears of progress and can cancel; short renders are one stretch, and the first is short enough
-// for the slowest scenes.
-void run_in_stretches(std::size_t tasks, double rays_per_task,
+// for the slowest scenes, but a task for each thread. Nobody to tell: all is one stretch.
+void run_in_stretches(std::size_t tasks, double rays_per_task, int threads,
                       const std::function<bool(double)>& progress,
                       const std::function<void(std::size_t, std::size_t)>& run);
 
