@@ -111,28 +111,39 @@ __attribute__((always_inline)) inline void write_rays(const DirectionTables& tab
                                                       const Units& units, int last_unit, int unit,
                                                       int sample, float per_sample, Packet& packet,
                                                       int l) {
-  const Ints lane_sample = lane_numbers() + sample;
+  const auto write = [&](const LocalDirection<Floats>& d, const auto& of_unit) {
+    RTCRay16& ray = packet.rays.ray;
+    float* const direction[3] = {ray.dir_x + l, ray.dir_y + l, ray.dir_z + l};
+    float* const origin[3] = {ray.org_x + l, ray.org_y + l, ray.org_z + l};
+    for (int r = 0; r < 3; ++r) {
+      store(origin[r], of_unit(units.origin[r]));
+      store(direction[r], without_noise(of_unit(units.s[r]) * d.x + of_unit(units.t[r]) * d.y +
+                                        of_unit(units.axis[r]) * d.z));
+    }
+    store(ray.tnear + l, of_unit(units.t_near));
+    // Where the candidate filter finds it too.
+    store(ray.id + l, of_unit(units.footprint_rad));
+  };
+
+  // All lanes are one unit's: straight from its pattern.
+  const float* local = tables.local.data();
+  if (tables.patterns > 0 && sample + lane_width <= tables.samples) {
+    const float* p = local + units.directions[unit] + sample;
+    write({load<Floats>(p), load<Floats>(p + tables.samples), load<Floats>(p + 2 * tables.samples)},
+          [&](const float* values) { return broadcast<Floats>(values[unit]); });
+    return;
+  }
+
   // Units that the lanes are ahead of the first one, and their sample within those.
+  const Ints lane_sample = lane_numbers() + sample;
   Ints ahead = to_int((to_float(lane_sample) + 0.5f) * per_sample);
   const Ints local_sample = lane_sample - ahead * tables.samples;
   ahead = ahead > last_unit - unit ? ahead * 0 + (last_unit - unit) : ahead;
-  const bool one = sample + lane_width <= tables.samples;
-  const auto of_unit = [&](const float* values) {
-    return one ? broadcast<Floats>(values[unit]) : pick(values + unit, ahead);
-  };
-
-  // Direction in the unit's frame.
   LocalDirection<Floats> d;
   if (tables.patterns > 0) {
-    const float* local = tables.local.data();
-    if (one) {
-      const float* p = local + units.directions[unit] + sample;
-      d = {load<Floats>(p), load<Floats>(p + tables.samples), load<Floats>(p + 2 * tables.samples)};
-    } else {
-      const Ints p = gather(units.directions + unit, ahead) + local_sample;
-      d = {gather(local, p), gather(local, p + tables.samples),
-           gather(local, p + 2 * tables.samples)};
-    }
+    const Ints p = gather(units.directions + unit, ahead) + local_sample;
+    d = {gather(local, p), gather(local, p + tables.samples),
+         gather(local, p + 2 * tables.samples)};
   } else if (tables.sampling == Sampling::random) {
     d = sample_random_direction<Floats>(tables.polar.data(), gather(units.directions + unit, ahead),
                                         (Uints)gather(units.hash + unit, ahead),
@@ -145,18 +156,7 @@ __attribute__((always_inline)) inline void write_rays(const DirectionTables& tab
                      y[k], z[k]);
     d = {load<Floats>(x), load<Floats>(y), load<Floats>(z)};
   }
-
-  RTCRay16& ray = packet.rays.ray;
-  float* const direction[3] = {ray.dir_x + l, ray.dir_y + l, ray.dir_z + l};
-  float* const origin[3] = {ray.org_x + l, ray.org_y + l, ray.org_z + l};
-  for (int r = 0; r < 3; ++r) {
-    store(origin[r], of_unit(units.origin[r]));
-    store(direction[r], without_noise(of_unit(units.s[r]) * d.x + of_unit(units.t[r]) * d.y +
-                                      of_unit(units.axis[r]) * d.z));
-  }
-  store(ray.tnear + l, of_unit(units.t_near));
-  // Where the candidate filter finds it too.
-  store(ray.id + l, of_unit(units.footprint_rad));
+  write(d, [&](const float* values) { return pick(values + unit, ahead); });
 }
 
 // Where a packet stands: its first ray is sample `sample` of unit `unit`; `filled` lanes hold rays.
@@ -177,7 +177,9 @@ __attribute__((always_inline)) inline void for_each_packet(const DirectionTables
     for (int l = 0; l < lanes; l += lane_width) {
       write_rays(tables, units, unit_count - 1, unit, sample, per_sample, packet, l);
       sample += lane_width;
-      for (; sample >= tables.samples; sample -= tables.samples) ++unit;
+      const int ahead = static_cast<int>((static_cast<float>(sample) + 0.5f) * per_sample);
+      unit += ahead;
+      sample -= ahead * tables.samples;
       if (unit >= unit_count) unit = unit_count - 1;
     }
     consume(place);

@@ -33,6 +33,10 @@ __attribute__((always_inline)) inline float sum_lanes(const float (&x)[lanes]) {
 __attribute__((always_inline)) inline void add_lanes(const PacketLight& light, int first, int end,
                                                      Sums& sums, int unit) {
   for (int c = 0; c < channel_count; ++c) {
+    if (end - first == lanes) {
+      sums[c][unit] += static_cast<double>(sum_lanes(light.channel[c]));
+      continue;
+    }
     alignas(64) float x[lanes];
     for (int l = 0; l < lanes; l += lane_width) {
       const Ints lane = lane_numbers() + l;
