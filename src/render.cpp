@@ -34,6 +34,8 @@ void check_settings(const RenderSettings& s) {
   if (s.share_rays && s.error > 0) throw Error("share_rays: not where rays go to reach an error");
   if (s.share_rays && s.kernel == Kernel::compoundray)
     throw Error("share_rays: not with the kernel compoundray, which is infinite at its axis");
+  if (s.share_rays && s.sampling == Sampling::random)
+    throw Error("share_rays: not with random sampling");
   if (s.share_rays && s.samples > max_shared_samples)
     throw Error("samples: expected 1 to " + std::to_string(max_shared_samples) +
                 " where rays are shared, found " + std::to_string(s.samples));

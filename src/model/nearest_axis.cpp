@@ -75,25 +75,6 @@ struct OrderedResults {
   }
 };
 
-// All points within a distance, in the order the tree finds them.
-struct WithinResults {
-  using DistanceType = double;
-  using IndexType = std::uint32_t;
-
-  double most_squared;
-  std::vector<std::pair<std::uint32_t, double>> items;
-
-  std::size_t size() const { return items.size(); }
-  bool empty() const { return items.empty(); }
-  bool full() const { return true; }
-  void sort() {}
-  double worstDist() const { return most_squared; }
-  bool addPoint(double chord_squared, std::uint32_t index) {
-    if (chord_squared <= most_squared) items.emplace_back(index, chord_squared);
-    return true;
-  }
-};
-
 }  // namespace
 
 struct AxisTree::Impl {
@@ -121,19 +102,6 @@ NearestAxes AxisTree::nearest(Vec3d direction, int count) const {
   results.capacity = std::clamp(count, 1, NearestAxes::most);
   impl_->search(results, direction);
   return results.found;
-}
-
-Vec3d AxisTree::axis(std::size_t index) const {
-  return impl_->cloud.axes[index];
-}
-
-void AxisTree::within(Vec3d direction, double chord,
-                      const std::function<void(std::uint32_t, double)>& found) const {
-  const double query[3] = {direction.x, direction.y, direction.z};
-  WithinResults results{chord * chord, {}};
-  impl_->tree.findNeighbors(results, query, {});
-  std::sort(results.items.begin(), results.items.end());
-  for (const auto& item : results.items) found(item.first, item.second);
 }
 
 std::int32_t AxisTree::nearest(Vec3d direction, std::int32_t guess, double& chord_squared) const {

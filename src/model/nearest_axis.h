@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <vector>
 
@@ -30,13 +29,6 @@ class AxisTree {
 
   // The `count` (1 to NearestAxes::most) axes nearest a unit vector, or all where there are fewer.
   NearestAxes nearest(Vec3d direction, int count) const;
-
-  Vec3d axis(std::size_t index) const;
-
-  // Calls found(index, chord squared) for each axis whose tip is within `chord` of the direction's,
-  // in order of index.
-  void within(Vec3d direction, double chord,
-              const std::function<void(std::uint32_t, double)>& found) const;
 
   // Index of the nearest axis, ties to the lower index. `guess` is the index of an axis expected to
   // be near; it changes the time this takes, never the answer. The tree must not be empty.

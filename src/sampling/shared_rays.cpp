@@ -7,6 +7,7 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -20,8 +21,9 @@
 namespace omma {
 namespace {
 
-// Beyond this many standard deviations a Gaussian has 0.2 % of its weight.
-constexpr double reach_sigmas = 3.5;
+// Beyond this many standard deviations a Gaussian has 0.03 % of its weight; leaving it out raises
+// the modulation transfer by 0.001 at most.
+constexpr double reach_sigmas = 4;
 
 // Intervals in a table of densities; between them they are within 2e-5.
 constexpr int pdf_intervals = 512;
@@ -160,9 +162,31 @@ Demand find_demand(const Group& group, const SphereCells& cells, Vec3d direction
   return demand;
 }
 
-// Step of the density asked for: the lattice of step k has 2^k points per steradian.
-int density_step(float density) {
-  return std::max(0, static_cast<int>(std::lround(std::log2(density))));
+// Steps of density: that of step k is 2^k of the median asked for at the axes, so that eyes that
+// are alike all over get what they ask for; 1 per steradian at least.
+struct DensitySteps {
+  double unit = 1;
+  int lowest = 0, top = 0;
+
+  double density(int step) const { return unit * std::exp2(step); }
+  int of(float asked) const {
+    const double step = std::log2(static_cast<double>(asked) / unit);
+    return std::clamp(static_cast<int>(std::lround(step)), lowest, top);
+  }
+};
+
+// More than at any axis may be asked for between axes, but nobody alone asks for more than there.
+DensitySteps make_steps(std::vector<float> at_axes) {
+  std::sort(at_axes.begin(), at_axes.end());
+  const auto first = std::upper_bound(at_axes.begin(), at_axes.end(), 0.0f);
+  DensitySteps steps;
+  if (first == at_axes.end()) return steps;
+  steps.unit = static_cast<double>(*(first + (at_axes.end() - first) / 2));
+  steps.lowest = static_cast<int>(std::ceil(-std::log2(steps.unit)));
+  steps.top = std::max(
+      steps.lowest,
+      static_cast<int>(std::lround(std::log2(static_cast<double>(at_axes.back()) / steps.unit))));
+  return steps;
 }
 
 Mat4 random_rotation(std::uint64_t hash) {
@@ -176,26 +200,22 @@ Mat4 random_rotation(std::uint64_t hash) {
 std::vector<LatticeRay> make_lattice(const Group& group, std::uint64_t hash) {
   const SphereCells cells(group.axes, group.most_reach);
   const AxisTree tree(group.axes);
-  // Nowhere is more asked for than at all peaks within reach together.
-  std::vector<float> bound(group.axes.size());
-  oneapi::tbb::parallel_for(std::size_t{0}, bound.size(), [&](std::size_t k) {
-    bound[k] = find_demand(group, cells, group.axes[k]).density;
+  std::vector<float> at_axes(group.axes.size());
+  oneapi::tbb::parallel_for(std::size_t{0}, at_axes.size(), [&](std::size_t k) {
+    at_axes[k] = find_demand(group, cells, group.axes[k]).density;
   });
+  const DensitySteps steps = make_steps(std::move(at_axes));
   const double most_angle =
       angle_from_chord_squared(group.most_reach * group.most_reach) * (1 + 1e-9);
   const auto wanted = [&](Vec3d centre, double radius) {
-    return radius >= pi ||
-           angle_from_chord_squared(tree.nearest(centre, 1).chord_squared[0]) <=
-               most_angle + radius;
+    return radius >= pi || angle_from_chord_squared(tree.nearest(centre, 1).chord_squared[0]) <=
+                               most_angle + radius;
   };
-  const int at_axes = density_step(*std::max_element(bound.begin(), bound.end()));
   std::vector<LatticeRay> rays;
-  // Between axes up to twice as much may be asked for (and is then halved); further out less.
-  const int top = at_axes + 1;
-  for (int step = top; step >= 0; --step) {
+  if (4 * pi * steps.density(steps.top) > most_lattice_points) return rays;
+  for (int step = steps.top; step >= steps.lowest; --step) {
     SphereLattice lattice;
-    lattice.points = static_cast<std::uint64_t>(std::ceil(4 * pi * std::exp2(step)));
-    if (lattice.points > most_lattice_points) return {};
+    lattice.points = static_cast<std::uint64_t>(std::ceil(4 * pi * steps.density(step)));
     lattice.turn = random_rotation(hash_combine(hash, static_cast<std::uint64_t>(step)));
     const std::vector<LatticePatch> patches = lattice_patches(lattice, wanted);
     std::vector<std::vector<LatticeRay>> found(patches.size());
@@ -203,7 +223,7 @@ std::vector<LatticeRay> make_lattice(const Group& group, std::uint64_t hash) {
       for (const std::uint64_t i : points_of(patches[p])) {
         const Vec3d direction = lattice_point(lattice, i);
         const Demand demand = find_demand(group, cells, direction);
-        if (demand.density > 0 && std::min(top, density_step(demand.density)) == step)
+        if (demand.density > 0 && steps.of(demand.density) == step)
           found[p].push_back({direction, demand.nearest, demand.acceptance_rad,
                               4 * pi / static_cast<double>(lattice.points)});
       }
@@ -214,22 +234,72 @@ std::vector<LatticeRay> make_lattice(const Group& group, std::uint64_t hash) {
   return rays;
 }
 
-void add_ray(SharedRays& shared, const Eye& eye, std::uint32_t start, Vec3d direction) {
+void add_ray(SharedRays& shared, const Eye& eye, std::uint32_t start, Vec3d direction,
+             float acceptance_rad) {
   // The engine takes the focal offset back along the ray; it is to start behind the ommatidium.
   const Vec3d origin =
       to_double(eye.position_m[start]) +
       (direction - to_double(eye.axis[start])) * static_cast<double>(eye.focal_offset_m[start]);
   shared.rays.position_m.push_back(to_float(origin));
   shared.rays.axis.push_back(to_float(direction));
-  shared.rays.acceptance_angle_rad.push_back(eye.acceptance_angle_rad[start]);
+  shared.rays.acceptance_angle_rad.push_back(acceptance_rad);
   shared.rays.focal_offset_m.push_back(eye.focal_offset_m[start]);
   shared.rays.eye_id.push_back(eye.eye_id[start]);
 }
 
 struct Entry {
   std::int32_t ray;
-  double weight;
+  float weight;
 };
+
+// The lattice rays of a group in an order along a curve, so that what follows one another in memory
+// does so in the packets too, and the weights they have in each member.
+struct GroupRays {
+  std::vector<std::uint32_t> member;
+  std::vector<LatticeRay> lattice;
+  std::vector<std::vector<Entry>> rows;  // [member], rays by their place in `lattice`
+};
+
+GroupRays make_group_rays(const Eye& eye, const DirectionTables& tables,
+                          const std::vector<PdfTable>& pdfs, std::vector<std::uint32_t> member,
+                          std::uint64_t hash) {
+  Group group;
+  group.samples = tables.samples;
+  for (const std::uint32_t i : member) {
+    const PdfTable& table = pdfs[tables.warp_of[i]];
+    group.axes.push_back(normalize(to_double(eye.axis[i])));
+    group.table.push_back(&table);
+    group.most_reach = std::max(group.most_reach, std::sqrt(std::max(0.0, table.reach_chord2)));
+  }
+  GroupRays rays;
+  rays.rows.resize(member.size());
+  rays.member = std::move(member);
+  if (rays.member.size() == 1) return rays;  // nobody to share with
+
+  const std::vector<LatticeRay> lattice = make_lattice(group, hash);
+  Eye along;
+  for (const LatticeRay& ray : lattice) {
+    along.axis.push_back(to_float(ray.direction));
+    along.eye_id.push_back(0);
+  }
+  std::vector<Vec3d> directions;
+  for (const std::uint32_t i : order_along_curve(along)) {
+    rays.lattice.push_back(lattice[i]);
+    directions.push_back(lattice[i].direction);
+  }
+  const SphereCells cells(directions, group.most_reach);
+  oneapi::tbb::parallel_for(std::size_t{0}, rays.rows.size(), [&](std::size_t k) {
+    std::vector<Entry>& row = rays.rows[k];
+    const PdfTable& table = *group.table[k];
+    cells.for_each_near(group.axes[k], [&](std::uint32_t ray, double chord2) {
+      if (chord2 > table.reach_chord2) return;
+      const float weight = look_up(table, chord2) * static_cast<float>(rays.lattice[ray].area_sr);
+      if (weight > 0) row.push_back({static_cast<std::int32_t>(ray), weight});
+    });
+    std::sort(row.begin(), row.end(), [](Entry a, Entry b) { return a.ray < b.ray; });
+  });
+  return rays;
+}
 
 // Rays of its own, for an ommatidium that the lattice leaves with too few.
 void add_own_rays(SharedRays& shared, const Eye& eye, const DirectionTables& tables,
@@ -238,16 +308,38 @@ void add_own_rays(SharedRays& shared, const Eye& eye, const DirectionTables& tab
   const Vec3d side =
       normalize(cross(std::fabs(axis.y) < 0.7 ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0}, axis));
   const Vec3d other = cross(axis, side);
+  const float acceptance_rad = eye.acceptance_angle_rad[i];
   row.clear();
-  for (int k = 0; k < tables.samples; ++k) {
+  // Along the axis all are the same.
+  const int count = acceptance_rad == 0 ? 1 : tables.samples;
+  for (int k = 0; k < count; ++k) {
     float x = 0, y = 0, z = 0;
     make_direction(tables, static_cast<int>(tables.warp_of[i]),
                    static_cast<std::uint32_t>(hash_combine(hash, i)), k, x, y, z);
-    row.push_back({static_cast<std::int32_t>(shared.rays.size()), 1.0});
+    row.push_back({static_cast<std::int32_t>(shared.rays.size()), 1.0f});
     add_ray(shared, eye, i,
             side * static_cast<double>(x) + other * static_cast<double>(y) +
-                axis * static_cast<double>(z));
+                axis * static_cast<double>(z),
+            acceptance_rad);
   }
+}
+
+// Adds the lattice rays that somebody uses, and lets the rows count them from the first of all.
+void add_lattice_rays(SharedRays& shared, const Eye& eye, int samples, GroupRays& group) {
+  std::vector<char> used(group.lattice.size(), 0);
+  for (std::vector<Entry>& row : group.rows) {
+    if (row.size() < static_cast<std::size_t>(samples)) row.clear();
+    for (const Entry& entry : row) used[static_cast<std::size_t>(entry.ray)] = 1;
+  }
+  std::vector<std::int32_t> index(group.lattice.size());
+  for (std::size_t r = 0; r < group.lattice.size(); ++r) {
+    index[r] = static_cast<std::int32_t>(shared.rays.size());
+    const LatticeRay& ray = group.lattice[r];
+    if (used[r] != 0)
+      add_ray(shared, eye, group.member[ray.start], ray.direction, ray.acceptance_rad);
+  }
+  for (std::vector<Entry>& row : group.rows)
+    for (Entry& entry : row) entry.ray = index[static_cast<std::size_t>(entry.ray)];
 }
 
 }  // namespace
@@ -257,53 +349,43 @@ SharedRays make_shared_rays(const Eye& eye, const DirectionTables& tables, int p
   std::vector<std::vector<Entry>> rows(eye.size());
   const std::uint64_t hash =
       hash_combine(mix_bits(tables.seed ^ 0x73686172ull), static_cast<std::uint64_t>(pattern));
+  const std::vector<PdfTable> pdfs = make_pdf_tables(tables.warps);
   for (std::vector<std::uint32_t>& member : sharing_groups(eye)) {
     const std::uint64_t group_hash = hash_combine(hash, member.front());
-    const Group group = make_group(eye, tables, std::move(member));
-    std::vector<LatticeRay> lattice = make_lattice(group, group_hash);
-
-    // Along a curve, so that what follows one another in memory does so in the packets too.
-    Eye along;
-    for (const LatticeRay& ray : lattice) {
-      along.axis.push_back(to_float(ray.direction));
-      along.eye_id.push_back(0);
-    }
-    for (const std::uint32_t i : order_along_curve(along)) {
-      const LatticeRay& ray = lattice[i];
-      const auto index = static_cast<std::int32_t>(shared.rays.size());
-      add_ray(shared, eye, ray.start, ray.direction);
-      for_each_in_reach(group, ray.direction, [&](std::uint32_t k, double pdf) {
-        if (pdf > 0) rows[group.member[k]].push_back({index, pdf * ray.area_sr});
-      });
-    }
+    GroupRays group = make_group_rays(eye, tables, pdfs, std::move(member), group_hash);
+    add_lattice_rays(shared, eye, tables.samples, group);
+    for (std::size_t k = 0; k < group.rows.size(); ++k)
+      rows[group.member[k]] = std::move(group.rows[k]);
   }
 
   shared.first.push_back(0);
   for (std::uint32_t i = 0; i < eye.size(); ++i) {
     std::vector<Entry>& row = rows[i];
-    if (row.size() < static_cast<std::size_t>(tables.samples))
-      add_own_rays(shared, eye, tables, i, hash, row);
+    if (row.empty()) add_own_rays(shared, eye, tables, i, hash, row);
     double sum = 0;
-    for (const Entry& entry : row) sum += entry.weight;
+    for (const Entry& entry : row) sum += static_cast<double>(entry.weight);
     for (const Entry& entry : row) {
       shared.ray.push_back(entry.ray);
-      shared.weight.push_back(static_cast<float>(entry.weight / sum));
+      shared.weight.push_back(static_cast<float>(static_cast<double>(entry.weight) / sum));
     }
     while (shared.ray.size() % weight_group != 0) {
       shared.ray.push_back(row.front().ray);
       shared.weight.push_back(0);
     }
     shared.first.push_back(static_cast<std::int64_t>(shared.ray.size()));
+    row = {};
   }
   return shared;
 }
 
 DirectionTables make_ray_tables(const Eye& rays, const RenderSettings& settings) {
-  DirectionTables tables = make_direction_tables(rays, settings);
+  RenderSettings without_points = settings;
+  without_points.sampling = Sampling::random;
+  DirectionTables tables = make_direction_tables(rays, without_points);
   tables.samples = 1;
   tables.patterns = 1;
   tables.sampling = Sampling::low_discrepancy;
-  tables.local.clear();
+  tables.polar.clear();
   for (std::size_t i = 0; i < tables.warps.size(); ++i)
     tables.local.insert(tables.local.end(), {0.0f, 0.0f, 1.0f});
   return tables;

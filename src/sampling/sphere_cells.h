@@ -22,8 +22,8 @@ class SphereCells {
     std::vector<std::uint32_t> cell;
     cell.reserve(points.size());
     for (const Vec3d p : points)
-      cell.push_back(static_cast<std::uint32_t>((place(p.z) * side_ + place(p.y)) * side_ +
-                                                place(p.x)));
+      cell.push_back(
+          static_cast<std::uint32_t>((place(p.z) * side_ + place(p.y)) * side_ + place(p.x)));
     first_.assign(static_cast<std::size_t>(side_) * side_ * side_ + 1, 0);
     for (const std::uint32_t c : cell) ++first_[c + 1];
     for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];

@@ -45,9 +45,8 @@ std::vector<LatticePatch> lattice_patches(const SphereLattice& lattice,
     open.pop_back();
     const double upper = polar_angle(lattice, static_cast<double>(patch.first));
     const double lower = polar_angle(lattice, static_cast<double>(patch.end));
-    const double widest = upper < pi / 2 && lower > pi / 2
-                              ? 1
-                              : std::max(std::sin(upper), std::sin(lower));
+    const double widest =
+        upper < pi / 2 && lower > pi / 2 ? 1 : std::max(std::sin(upper), std::sin(lower));
     const double height = lower - upper, width = 2 * pi * turns(patch.width) * widest;
     const std::uint64_t rows = patch.end - patch.first;
     const double half = std::sin(0.25 * (upper + lower));

@@ -18,7 +18,7 @@ struct SphereLattice {
 };
 
 // More than this, and doubles would not place them evenly.
-inline constexpr std::uint64_t most_lattice_points = std::uint64_t(1) << 36;
+inline constexpr double most_lattice_points = 0x1p36;
 
 // Points first to end whose azimuth is in [azimuth, azimuth + width); azimuths are in 2^-64 of a
 // full turn, so that each point is in one patch exactly.
