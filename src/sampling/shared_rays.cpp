@@ -9,12 +9,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 #include "kernel/hash.h"
 #include "model/curve_order.h"
 #include "model/nearest_axis.h"
 #include "omma/pose.h"
+#include "sampling/sharing_groups.h"
 #include "sampling/sphere_cells.h"
 #include "sampling/sphere_lattice.h"
 
@@ -39,51 +39,6 @@ double chord(double angle_rad) {
   return 2 * std::sin(std::min(angle_rad, pi) / 2);
 }
 
-// Ommatidia that may share: those of one eye, and of one cluster of nodal points, as some files
-// hold both eyes of a head under one number. Clusters lie further apart than several facets.
-std::vector<std::vector<std::uint32_t>> sharing_groups(const Eye& eye) {
-  const std::size_t n = eye.size();
-  std::vector<Vec3d> positions(n);
-  for (std::size_t i = 0; i < n; ++i) positions[i] = to_double(eye.position_m[i]);
-  const AxisTree tree(positions);
-  std::vector<NearestAxes> near(n);
-  oneapi::tbb::parallel_for(std::size_t{0}, n, [&](std::size_t i) {
-    near[i] = tree.nearest(positions[i], NearestAxes::most);
-  });
-  std::vector<double> spacing(n);  // squared distance to the farthest of the near ones
-  for (std::size_t i = 0; i < n; ++i)
-    spacing[i] = near[i].chord_squared[static_cast<std::size_t>(near[i].count - 1)];
-  std::vector<double> sorted = spacing;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(n / 2),
-                   sorted.end());
-  const double most = 9 * sorted[n / 2];
-
-  std::vector<std::uint32_t> parent(n);
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto root = [&](std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  for (std::uint32_t i = 0; i < n; ++i)
-    for (int k = 0; k < near[i].count; ++k) {
-      const auto j = static_cast<std::uint32_t>(near[i].index[static_cast<std::size_t>(k)]);
-      if (eye.eye_id[i] == eye.eye_id[j] &&
-          near[i].chord_squared[static_cast<std::size_t>(k)] <= most)
-        parent[std::max(root(i), root(j))] = std::min(root(i), root(j));
-    }
-  std::vector<std::vector<std::uint32_t>> groups;
-  std::vector<std::int64_t> group_of(n, -1);
-  for (std::uint32_t i = 0; i < n; ++i) {
-    std::int64_t& group = group_of[root(i)];
-    if (group < 0) {
-      group = static_cast<std::int64_t>(groups.size());
-      groups.emplace_back();
-    }
-    groups[static_cast<std::size_t>(group)].push_back(i);
-  }
-  return groups;
-}
-
 // Density of an ommatidium's own sampling per steradian, by the squared chord from its axis.
 struct PdfTable {
   double reach_chord2 = -1;  // none count beyond
@@ -92,24 +47,43 @@ struct PdfTable {
   std::array<float, pdf_intervals + 2> pdf{};
 };
 
-std::vector<PdfTable> make_pdf_tables(const std::vector<AcceptanceWarp>& warps) {
-  std::vector<PdfTable> tables(warps.size());
+PdfTable make_pdf_table(const AcceptanceWarp& warp, double reach_rad) {
+  PdfTable table;
+  table.reach_chord2 = chord(reach_rad) * chord(reach_rad);
+  table.scale = static_cast<float>(pdf_intervals / table.reach_chord2);
+  table.acceptance_rad = static_cast<float>(warp.acceptance_rad);
+  for (int i = 0; i <= pdf_intervals; ++i) {
+    // A hair inside, where a pillbox has not ended yet.
+    const double chord2 = table.reach_chord2 * (1 - 1e-12) * i / pdf_intervals;
+    table.pdf[static_cast<std::size_t>(i)] =
+        static_cast<float>(acceptance_pdf(view(warp), angle_from_chord_squared(chord2)));
+  }
+  table.pdf[pdf_intervals + 1] = table.pdf[pdf_intervals];
+  return table;
+}
+
+// For one warp: what weighs rays, and what decides how dense they are.
+struct Densities {
+  PdfTable weight, demand;
+};
+
+std::vector<Densities> make_densities(const std::vector<AcceptanceWarp>& warps) {
+  std::vector<Densities> all(warps.size());
   oneapi::tbb::parallel_for(std::size_t{0}, warps.size(), [&](std::size_t w) {
-    PdfTable& table = tables[w];
-    if (warps[w].acceptance_rad == 0) return;
-    const double reach = chord(reach_rad(warps[w].kernel, warps[w].acceptance_rad));
-    table.reach_chord2 = reach * reach;
-    table.scale = static_cast<float>(pdf_intervals / table.reach_chord2);
-    table.acceptance_rad = static_cast<float>(warps[w].acceptance_rad);
-    for (int i = 0; i <= pdf_intervals; ++i) {
-      // A hair inside, where a pillbox has not ended yet.
-      const double chord2 = table.reach_chord2 * (1 - 1e-12) * i / pdf_intervals;
-      table.pdf[static_cast<std::size_t>(i)] =
-          static_cast<float>(acceptance_pdf(view(warps[w]), angle_from_chord_squared(chord2)));
-    }
-    table.pdf[pdf_intervals + 1] = table.pdf[pdf_intervals];
+    const AcceptanceWarp& warp = warps[w];
+    if (warp.acceptance_rad == 0) return;
+    all[w].weight = make_pdf_table(warp, reach_rad(warp.kernel, warp.acceptance_rad));
+    all[w].demand = all[w].weight;
+    if (warp.kernel != Kernel::pillbox) return;
+    // Discs overlap in many small pieces, each of which would have a lattice of its own; the border
+    // of one is where points are too many or too few. Gaussians with 0.6 of the radius for standard
+    // deviation are as wide, and add up smoothly.
+    const double sigma = 0.6 * 0.5 * warp.acceptance_rad;
+    all[w].demand = make_pdf_table(make_acceptance_warp(Kernel::gaussian, sigma / sigma_per_fwhm),
+                                   std::min(3 * sigma, pi));
+    all[w].demand.acceptance_rad = all[w].weight.acceptance_rad;
   });
-  return tables;
+  return all;
 }
 
 float look_up(const PdfTable& table, double chord2) {
@@ -122,9 +96,9 @@ float look_up(const PdfTable& table, double chord2) {
 
 // One group of ommatidia.
 struct Group {
-  std::vector<std::uint32_t> member;   // index in the eye
-  std::vector<Vec3d> axes;             // [member]
-  std::vector<const PdfTable*> table;  // [member]
+  std::vector<std::uint32_t> member;        // index in the eye
+  std::vector<Vec3d> axes;                  // [member]
+  std::vector<const Densities*> densities;  // [member]
   int samples = 0;
   double most_reach = 0;  // chord
 };
@@ -152,7 +126,7 @@ Demand find_demand(const Group& group, const SphereCells& cells, Vec3d direction
       nearest = chord2;
       demand.nearest = k;
     }
-    const PdfTable& table = *group.table[k];
+    const PdfTable& table = group.densities[k]->demand;
     if (chord2 > table.reach_chord2) return;
     pdf += look_up(table, chord2);
     if (demand.acceptance_rad == 0 || table.acceptance_rad < demand.acceptance_rad)
@@ -261,15 +235,16 @@ struct GroupRays {
 };
 
 GroupRays make_group_rays(const Eye& eye, const DirectionTables& tables,
-                          const std::vector<PdfTable>& pdfs, std::vector<std::uint32_t> member,
-                          std::uint64_t hash) {
+                          const std::vector<Densities>& densities,
+                          std::vector<std::uint32_t> member, std::uint64_t hash) {
   Group group;
   group.samples = tables.samples;
   for (const std::uint32_t i : member) {
-    const PdfTable& table = pdfs[tables.warp_of[i]];
+    const Densities& both = densities[tables.warp_of[i]];
     group.axes.push_back(normalize(to_double(eye.axis[i])));
-    group.table.push_back(&table);
-    group.most_reach = std::max(group.most_reach, std::sqrt(std::max(0.0, table.reach_chord2)));
+    group.densities.push_back(&both);
+    group.most_reach =
+        std::max(group.most_reach, std::sqrt(std::max(0.0, both.demand.reach_chord2)));
   }
   GroupRays rays;
   rays.rows.resize(member.size());
@@ -290,7 +265,7 @@ GroupRays make_group_rays(const Eye& eye, const DirectionTables& tables,
   const SphereCells cells(directions, group.most_reach);
   oneapi::tbb::parallel_for(std::size_t{0}, rays.rows.size(), [&](std::size_t k) {
     std::vector<Entry>& row = rays.rows[k];
-    const PdfTable& table = *group.table[k];
+    const PdfTable& table = group.densities[k]->weight;
     cells.for_each_near(group.axes[k], [&](std::uint32_t ray, double chord2) {
       if (chord2 > table.reach_chord2) return;
       const float weight = look_up(table, chord2) * static_cast<float>(rays.lattice[ray].area_sr);
@@ -349,10 +324,10 @@ SharedRays make_shared_rays(const Eye& eye, const DirectionTables& tables, int p
   std::vector<std::vector<Entry>> rows(eye.size());
   const std::uint64_t hash =
       hash_combine(mix_bits(tables.seed ^ 0x73686172ull), static_cast<std::uint64_t>(pattern));
-  const std::vector<PdfTable> pdfs = make_pdf_tables(tables.warps);
+  const std::vector<Densities> densities = make_densities(tables.warps);
   for (std::vector<std::uint32_t>& member : sharing_groups(eye)) {
     const std::uint64_t group_hash = hash_combine(hash, member.front());
-    GroupRays group = make_group_rays(eye, tables, pdfs, std::move(member), group_hash);
+    GroupRays group = make_group_rays(eye, tables, densities, std::move(member), group_hash);
     add_lattice_rays(shared, eye, tables.samples, group);
     for (std::size_t k = 0; k < group.rows.size(); ++k)
       rows[group.member[k]] = std::move(group.rows[k]);

@@ -1,3 +1,4 @@
+// Finds patches by halving the sphere until a part is either out of reach or small.
 #include "sampling/sphere_lattice.h"
 
 #include <algorithm>
