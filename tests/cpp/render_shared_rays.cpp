@@ -229,8 +229,7 @@ TEST(SharedRaysRender, GratingsFollowEachKernelsLaw) {
         settings.footprints = with_wide;
         EXPECT_NEAR(measured_modulation(eye, looking, settings, cycles),
                     law(kernel, cycles * 4 / 360.0), with_wide ? 0.01 : alone)
-            << name_of(kernel) << ' ' << cycles << " cycles" << (footprints ? ", footprints" : "")
-            << (with_wide ? ", wide ones" : "");
+            << name_of(kernel) << ' ' << cycles << " cycles" << (with_wide ? ", wide ones" : "");
       }
   }
 }
