@@ -214,6 +214,14 @@ def render(
             help="Read textures point by point, not averaged over each ray's share.",
         ),
     ] = False,
+    share_rays: Annotated[
+        bool,
+        typer.Option(
+            "--share-rays",
+            help="Neighbouring ommatidia share rays: far less error for as many. Not for surfaces "
+            "within some ten eye radii.",
+        ),
+    ] = False,
     projection: Annotated[
         str | None,
         typer.Option(
@@ -253,6 +261,7 @@ def render(
                 "--look-at": look_at is not None,
                 "--path": path is not None,
                 "--standard-error": standard_error,
+                "--share-rays": share_rays,
                 "--side-by-side": side_by_side,
             },
             output,
@@ -297,6 +306,7 @@ def render(
             sampling=sampling,
             threads=threads,
             footprints=not no_footprints,
+            share_rays=share_rays,
             background=background,
             standard_error=standard_error,
             projection=projection,

@@ -53,6 +53,14 @@ class Renderer:
         footprints: rays read textures averaged over their share of the solid angle, so that fine
             texture does not become noise; the angular sensitivity's modulation transfer stays
             within 0.01 of its own. False: point by point.
+        share_rays: neighbouring ommatidia share rays: about ``samples`` per ommatidium are traced
+            in all, 1 to 256, and each uses those of its neighbours too. Where fields of view
+            overlap as in a honeybee's eye, that is some ten times fewer rays for the same error.
+            What it costs: a ray starts at the ommatidium nearest to its direction, so that of
+            things at a distance d an eye of radius of curvature R has an acceptance angle (1 + R/d)
+            times as wide; errors of neighbours go together; and the rays are fixed to the head, the
+            same at every pose. Not for surfaces within some ten radii, nor with samples="auto",
+            random sampling or the kernel "compoundray". See docs/shared-rays.md.
         background: instead of the scene's own.
         progress: called with the finished share (0 to 1) of the acceleration structure a few times
             a second. What it raises ends the building and is raised here; so does Ctrl-C.
@@ -76,6 +84,7 @@ class Renderer:
         sampling: str = "low_discrepancy",
         threads: int = 0,
         footprints: bool = True,
+        share_rays: bool = False,
         background: Background | None = None,
         progress: Progress | None = None,
     ) -> None:
@@ -95,6 +104,7 @@ class Renderer:
             sampling=sampling,
             threads=threads,
             footprints=footprints,
+            share_rays=share_rays,
             background=background,
         )
         self._engine = _core.Renderer(scene, eye, settings, progress)
@@ -111,6 +121,7 @@ class Renderer:
         kernel: str | None = None,
         sampling: str | None = None,
         footprints: bool | None = None,
+        share_rays: bool | None = None,
     ) -> Renderer:
         """Another renderer of the same scene, for another eye or with other settings.
 
@@ -132,6 +143,7 @@ class Renderer:
             sampling=self.sampling if sampling is None else sampling,
             threads=self.threads,
             footprints=self.footprints if footprints is None else footprints,
+            share_rays=self.share_rays if share_rays is None else share_rays,
             background=self._background,
         )
         other = copy.copy(self)
@@ -383,6 +395,16 @@ class Renderer:
         return self._engine.settings.footprints
 
     @property
+    def share_rays(self) -> bool:
+        """Whether neighbouring ommatidia share rays."""
+        return self._engine.settings.share_rays
+
+    @property
+    def rays_per_frame(self) -> int:
+        """Rays traced for a pose without a standard error; with samples="auto", at least."""
+        return self._engine.rays_per_frame
+
+    @property
     def threads(self) -> int:
         """Threads that a render uses."""
         return self._engine.threads
@@ -400,6 +422,7 @@ class Renderer:
     def __repr__(self) -> str:
         fixed = self.samples != "auto"
         rays = f"{self.samples} samples" if fixed else f"samples to an error of {self.error:g}"
+        rays += ", shared" if self.share_rays else ""
         return (
             f"<omma.Renderer {len(self.eye)} ommatidia, {rays}, {self.kernel}, "
             f"{self.backend}, {self.threads} threads>"

@@ -89,6 +89,7 @@ def render_file(
     sampling: str = "low_discrepancy",
     threads: int = 0,
     footprints: bool = True,
+    share_rays: bool = False,
     background: Background | str | None = None,
     standard_error: bool = False,
     projection: str | None = None,
@@ -120,7 +121,8 @@ def render_file(
         path: instead, a CSV file of poses, see `load_poses`.
         scene_index: which of the scenes in the file; None takes its default.
         samples, seed: as in `Renderer`; of a camera's picture as in `render_camera`.
-        error, min_samples, max_samples, kernel, sampling, threads, footprints: as in `Renderer`.
+        error, min_samples, max_samples, kernel, sampling, threads, footprints, share_rays: as in
+            `Renderer`.
         background: a `Background`, or text as `parse_background` takes it.
         standard_error: also write standard errors of an eye's responses: beside OUT.npy an
             OUT.error.npy, in a `.csv` three more columns.
@@ -164,6 +166,7 @@ def render_file(
             "error": error is not None,
             "min_samples": min_samples is not None,
             "max_samples": max_samples is not None,
+            "share_rays": share_rays,
         }
         _check_picture_arguments(node, names, [name for name, given in of_eyes.items() if given])
         size = picture_size(node, width, height)
@@ -202,6 +205,7 @@ def render_file(
         sampling=sampling,
         threads=threads,
         footprints=footprints,
+        share_rays=share_rays,
         background=backdrop,
         progress=partial(tell, BUILDING),
     )
@@ -238,7 +242,7 @@ def render_file(
         seconds = _render(renderer, poses, standard_error, writers, tell, spent)
     if spent is None:
         scrambles = _core.error_scrambles if standard_error else 1
-        rays = len(poses) * len(head) * fixed_samples(renderer.samples, "a frame") * scrambles
+        rays = len(poses) * renderer.rays_per_frame * scrambles
     else:
         rays = spent.total
     return RenderReport(

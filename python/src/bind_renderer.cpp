@@ -68,8 +68,9 @@ void render(const Renderer& renderer, const Poses& poses, const Output& response
 }
 
 RenderSettings settings_of(int samples, std::uint64_t seed, const std::string& kernel,
-                           const std::string& sampling, int threads, bool footprints, double error,
-                           int most_samples, std::optional<Background> background) {
+                           const std::string& sampling, int threads, bool footprints,
+                           bool share_rays, double error, int most_samples,
+                           std::optional<Background> background) {
   RenderSettings settings;
   settings.samples = samples;
   settings.seed = seed;
@@ -78,6 +79,7 @@ RenderSettings settings_of(int samples, std::uint64_t seed, const std::string& k
   settings.threads = threads;
   settings.background = std::move(background);
   settings.footprints = footprints;
+  settings.share_rays = share_rays;
   settings.error = error;
   settings.most_samples = most_samples;
   return settings;
@@ -98,21 +100,22 @@ void bind_renderer(nb::module_& m) {
       .def(
           "__init__",
           [](RenderSettings* self, int samples, std::uint64_t seed, const std::string& kernel,
-             const std::string& sampling, int threads, bool footprints, double error,
-             int most_samples, std::optional<Background> background) {
+             const std::string& sampling, int threads, bool footprints, bool share_rays,
+             double error, int most_samples, std::optional<Background> background) {
             new (self)
                 RenderSettings(settings_of(samples, seed, kernel, sampling, threads, footprints,
-                                           error, most_samples, std::move(background)));
+                                           share_rays, error, most_samples, std::move(background)));
           },
           nb::kw_only(), nb::arg("samples"), nb::arg("seed"), nb::arg("kernel"),
-          nb::arg("sampling"), nb::arg("threads"), nb::arg("footprints"), nb::arg("error"),
-          nb::arg("most_samples"), nb::arg("background").none())
+          nb::arg("sampling"), nb::arg("threads"), nb::arg("footprints"), nb::arg("share_rays"),
+          nb::arg("error"), nb::arg("most_samples"), nb::arg("background").none())
       .def_ro("samples", &RenderSettings::samples)
       .def_ro("seed", &RenderSettings::seed)
       .def_prop_ro("kernel", [](const RenderSettings& s) { return name_of(kernels, s.kernel); })
       .def_prop_ro("sampling",
                    [](const RenderSettings& s) { return name_of(samplings, s.sampling); })
       .def_ro("footprints", &RenderSettings::footprints)
+      .def_ro("share_rays", &RenderSettings::share_rays)
       .def_ro("error", &RenderSettings::error)
       .def_ro("most_samples", &RenderSettings::most_samples);
 
@@ -147,6 +150,7 @@ void bind_renderer(nb::module_& m) {
       .def_prop_ro("eye", &Renderer::eye, nb::rv_policy::reference_internal)
       .def_prop_ro("settings", &Renderer::settings, nb::rv_policy::reference_internal)
       .def_prop_ro("threads", &Renderer::threads)
+      .def_prop_ro("rays_per_frame", &Renderer::rays_per_frame)
       .def_prop_ro("backend", &Renderer::backend)
       .def_prop_ro("build_times", &build_times,
                    nb::for_getter(nb::sig("def build_times(self, /) -> dict[str, float]")));
