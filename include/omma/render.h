@@ -21,7 +21,7 @@
 namespace omma {
 
 enum class Sampling : std::uint8_t {
-  low_discrepancy,  // Owen-scrambled Sobol points, scrambled per pose and ommatidium
+  low_discrepancy,  // scrambled Sobol points moved apart, another set per pose and ommatidium
   random,           // independent pseudo-random samples
 };
 

@@ -48,7 +48,7 @@ class Renderer:
             "pillbox", 1 within Δρ/2; "compoundray", CompoundRay's, which is the Gaussian over
             sin θ (Millward, Maddock, Mangan, eLife 2022, 73893), for comparison with work done
             with it.
-        sampling: "low_discrepancy" (Owen-scrambled Sobol points, Owen 1995) or "random".
+        sampling: "low_discrepancy" (scrambled Sobol points, Owen 1995, moved apart) or "random".
         threads: 0 takes one per hardware thread.
         footprints: rays read textures averaged over their share of the solid angle, so that fine
             texture does not become noise; the angular sensitivity's modulation transfer stays
