@@ -44,8 +44,9 @@ struct RenderSettings {
   double error = 0;
   int most_samples = 4096;
   // Neighbouring ommatidia share rays: about `samples` per ommatidium in all, but each uses those of
-  // its neighbours too, through their nodal points. Far less error for the same rays; not exact for
-  // surfaces nearer than some millimetres. Not with `error`, nor with Kernel::compoundray.
+  // its neighbours too, through their nodal points. Far less error for the same rays; surfaces at a
+  // distance d are seen with an acceptance angle 1 + R/d times as wide on an eye of radius R. Not
+  // with `error`, Kernel::compoundray or Sampling::random.
   bool share_rays = false;
 };
 

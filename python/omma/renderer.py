@@ -55,7 +55,7 @@ class Renderer:
             within 0.01 of its own. False: point by point.
         share_rays: neighbouring ommatidia share rays: about ``samples`` per ommatidium are traced
             in all, 1 to 256, and each uses those of its neighbours too. Where fields of view
-            overlap as in a honeybee's eye, that is some ten times fewer rays for the same error.
+            overlap as in a honeybee's eye, that is six to seven times fewer for the same error.
             What it costs: a ray starts at the ommatidium nearest to its direction, so that of
             things at a distance d an eye of radius of curvature R has an acceptance angle (1 + R/d)
             times as wide; errors of neighbours go together; and the rays are fixed to the head, the

@@ -5,7 +5,8 @@
 // rays, and lattice points are spread more evenly than those of separate ommatidia.
 //
 // The price: a ray starts at the ommatidium nearest to its direction, so a response sees through
-// the nodal points of its neighbours, some tens of micrometres away.
+// the nodal points of its neighbours. On an eye of radius R that widens the acceptance angle for
+// things at a distance d by the factor 1 + R/d (tests/cpp/render_shared_rays.cpp).
 #pragma once
 
 #include <cstdint>
