@@ -9,20 +9,6 @@
 namespace omma::test {
 namespace {
 
-// A surround without edges: low frequencies in azimuth and elevation, on a fine image.
-Scene smooth_scene() {
-  Scene scene;
-  constexpr int width = 1024, height = 512;
-  scene.background = image_background(make_image(width, height, [](int column, int row) {
-    const double azimuth = 2 * pi * (column + 0.5) / width, elevation = pi * (row + 0.5) / height;
-    const double s = std::sin(elevation);
-    return Vec4{static_cast<float>(0.5 + 0.5 * s * s * std::cos(2 * azimuth)),
-                static_cast<float>(0.5 + 0.4 * s * std::sin(azimuth + 1)),
-                static_cast<float>(elevation / pi), 1};
-  }));
-  return scene;
-}
-
 Scene scene_with_edges() {
   Scene scene = flat_triangles(21, 60);
   scene.background = smooth_scene().background;

@@ -9,17 +9,6 @@
 namespace omma::test {
 namespace {
 
-bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
-}
-
-std::vector<Mat4> turning_poses(int count) {
-  std::vector<Mat4> poses;
-  for (int i = 0; i < count; ++i)
-    poses.push_back(translation({0.02 * i, 0, 0}) * rotation({0, 1, 0}, 0.3 * i));
-  return poses;
-}
-
 // An odd number of ommatidia, positions and angles that differ.
 Eye varied_eye(int ommatidia) {
   Eye eye = make_eye(sphere_directions(ommatidia), 10 * degree);

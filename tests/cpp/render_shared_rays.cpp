@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <thread>
 
@@ -23,20 +22,6 @@ RenderSettings shared(int samples, std::uint64_t seed = 0, Kernel kernel = Kerne
   settings.footprints = false;  // so that the reference of many rays sees the same textures
   settings.share_rays = true;
   return settings;
-}
-
-// A surround without edges: low frequencies in azimuth and elevation.
-Scene smooth_scene() {
-  Scene scene;
-  constexpr int width = 512, height = 256;
-  scene.background = image_background(make_image(width, height, [](int column, int row) {
-    const double azimuth = 2 * pi * (column + 0.5) / width, elevation = pi * (row + 0.5) / height;
-    const double s = std::sin(elevation);
-    return Vec4{static_cast<float>(0.5 + 0.5 * s * s * std::cos(2 * azimuth)),
-                static_cast<float>(0.5 + 0.4 * s * std::sin(azimuth + 1)),
-                static_cast<float>(elevation / pi), 1};
-  }));
-  return scene;
 }
 
 Scene clutter() {
@@ -290,16 +275,6 @@ TEST(SharedRaysRender, ParallaxWidensTheFieldOfWhatIsNear) {
 }
 
 // --- The same bits.
-bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
-}
-
-std::vector<Mat4> turning_poses(int count) {
-  std::vector<Mat4> poses;
-  for (int i = 0; i < count; ++i)
-    poses.push_back(translation({0.02 * i, 0, 0}) * rotation({0, 1, 0}, 0.3 * i));
-  return poses;
-}
 
 TEST(SharedRaysRender, SameBitsForAnyThreadsAndPieces) {
   const Scene scene = random_scene(4);

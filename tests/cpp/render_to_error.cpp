@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 
 #include "sampling/directions.h"
@@ -26,20 +25,6 @@ RenderSettings to_error(double error, int least = 8, int most = 4096) {
 Scene flat_scene() {
   Scene scene;
   scene.background = constant_background({0.25f, 0.5f, 1});
-  return scene;
-}
-
-// A surround without edges: low frequencies in azimuth and elevation.
-Scene smooth_scene() {
-  Scene scene;
-  constexpr int width = 512, height = 256;
-  scene.background = image_background(make_image(width, height, [](int column, int row) {
-    const double azimuth = 2 * pi * (column + 0.5) / width, elevation = pi * (row + 0.5) / height;
-    const double s = std::sin(elevation);
-    return Vec4{static_cast<float>(0.5 + 0.5 * s * s * std::cos(2 * azimuth)),
-                static_cast<float>(0.5 + 0.4 * s * std::sin(azimuth + 1)),
-                static_cast<float>(elevation / pi), 1};
-  }));
   return scene;
 }
 
@@ -317,10 +302,6 @@ TEST(RenderToError, DirectionsMadeOnTheFly) {
   const Outcome o = measure(checkerboard(), eye, settings, 2, 2048);
   EXPECT_GT(o.rays, 4096);  // so that such rounds came
   EXPECT_LT(o.rms, settings.error);
-}
-
-bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
 TEST(RenderToError, SameBitsHoweverTheWorkIsCutUp) {

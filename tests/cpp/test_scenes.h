@@ -2,7 +2,9 @@
 // that are the same with every standard library (std::uniform_real_distribution is not).
 #pragma once
 
+#include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <span>
 #include <string>
@@ -250,6 +252,31 @@ inline std::string name_of(Kernel kernel) {
 
 inline std::string name_of(Sampling sampling) {
   return sampling == Sampling::random ? "random" : "low_discrepancy";
+}
+
+// A surround without edges: low frequencies in azimuth and elevation, on a fine image.
+inline Scene smooth_scene() {
+  Scene scene;
+  constexpr int width = 1024, height = 512;
+  scene.background = image_background(make_image(width, height, [](int column, int row) {
+    const double azimuth = 2 * pi * (column + 0.5) / width, elevation = pi * (row + 0.5) / height;
+    const double s = std::sin(elevation);
+    return Vec4{static_cast<float>(0.5 + 0.5 * s * s * std::cos(2 * azimuth)),
+                static_cast<float>(0.5 + 0.4 * s * std::sin(azimuth + 1)),
+                static_cast<float>(elevation / pi), 1};
+  }));
+  return scene;
+}
+
+inline std::vector<Mat4> turning_poses(int count) {
+  std::vector<Mat4> poses;
+  for (int i = 0; i < count; ++i)
+    poses.push_back(translation({0.02 * i, 0, 0}) * rotation({0, 1, 0}, 0.3 * i));
+  return poses;
+}
+
+inline bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
 }  // namespace omma::test

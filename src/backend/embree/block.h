@@ -14,7 +14,7 @@ namespace omma {
 
 // Most ommatidia in one block, times their scrambles.
 inline constexpr int block_capacity = 256;
-// As many at one ray each, so that a thousand keep sixteen cores busy; larger blocks gain 2 %.
+// Most ommatidia at one ray each, so that a thousand keep sixteen cores busy; 256 gain 2 %.
 inline constexpr int most_per_block = 64;
 // Rays that a block has about; it has no more where an ommatidium has less than a packet's.
 inline constexpr int block_rays = 512;
