@@ -177,6 +177,7 @@ Eye parse_eye(const std::string& text, const std::string& path, double metres_pe
     if (line.read(values)) append(eye, line, values, metres_per_unit);
   }
   if (eye.size() == 0) throw Error(name + ": expected at least one ommatidium, found none");
+  validate_eye(eye);
   return eye;
 }
 

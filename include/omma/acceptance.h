@@ -1,0 +1,79 @@
+// The angular sensitivity (acceptance function) of an ommatidium: a kernel and its parameters.
+// Directions near the axis are given by their polar angle theta and their azimuth, which is 0
+// towards the ommatidium's up vector and grows towards its right (axis x up).
+//
+// Formulas: kernel/acceptance.h, kernel/airy.h and sampling/lens_rhabdom.h in src.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "omma/kernel.h"
+#include "omma/vec.h"
+
+namespace omma {
+
+// How light reaches a rhabdom through its lens.
+enum class RhabdomModel : std::uint8_t {
+  waveguide,  // Airy pattern coupled into the modes that the rhabdom carries (Stavenga 2004)
+  geometric,  // Airy pattern summed over the rhabdom's disc
+  snyder,     // a Gaussian with the square of its width the sum of both (Snyder 1979)
+};
+
+// A measured angular sensitivity, linear between its knots and 0 beyond the last.
+struct SensitivityTable {
+  std::string path;                 // the file it came from, "" for one made in memory
+  std::vector<double> right_rad;    // [column], ascending; of a radial profile the polar angles
+  std::vector<double> up_rad;       // [row], ascending; empty for a radial profile
+  std::vector<double> sensitivity;  // [row][column], or [column]; not negative, the largest 1
+};
+
+// Only what the kernel needs is read of these.
+struct Acceptance {
+  Kernel kernel = Kernel::gaussian;
+  // gaussian, pillbox, compoundray: full width at half maximum. A gaussian whose minor axis is
+  // narrower is elliptical: theta is then measured along a great circle from the axis, and its
+  // width at azimuth a is that of the ellipse.
+  double width_rad = 0;
+  double minor_width_rad = 0;  // gaussian; 0: round
+  double major_angle_rad = 0;  // gaussian; azimuth of the major axis
+  // airy, lens_rhabdom
+  double facet_diameter_m = 0;
+  double wavelength_nm = 0;  // in vacuum
+  // lens_rhabdom
+  RhabdomModel model = RhabdomModel::waveguide;
+  double focal_length_m = 0;  // from the nodal point to the rhabdom's tip
+  double rhabdom_diameter_m = 0;
+  double rhabdom_index = 1.363;   // n1
+  double surround_index = 1.340;  // n2
+  // table
+  std::shared_ptr<const SensitivityTable> table;
+
+  bool operator==(const Acceptance&) const = default;
+};
+
+// Throws omma::Error naming the parameter; `where` begins the message.
+void validate_acceptance(const Acceptance& acceptance, const std::string& where);
+
+// Whether the sensitivity depends on the polar angle alone.
+bool is_round(const Acceptance& acceptance);
+
+// Full width at half maximum, rad: of the profile through the axis at an azimuth; and the geometric
+// mean of the widest and the narrowest one.
+double acceptance_width_rad(const Acceptance& acceptance, double azimuth_rad);
+double mean_acceptance_width_rad(const Acceptance& acceptance);
+
+// Relative sensitivity in a direction; 1 at its largest.
+double eval_acceptance(const Acceptance& acceptance, double theta_rad, double azimuth_rad);
+
+// Directions drawn in proportion to the sensitivity, in a frame with x towards up, y right and z
+// along the axis; and their density per steradian.
+std::vector<Vec3> sample_acceptance(const Acceptance& acceptance, int count, std::uint64_t seed);
+double acceptance_pdf(const Acceptance& acceptance, double theta_rad, double azimuth_rad);
+
+// Modulation transfer for a sine grating of so many cycles per radian that varies along an
+// azimuth: the response's modulation over the grating's.
+double acceptance_mtf(const Acceptance& acceptance, double cycles_per_rad, double azimuth_rad);
+
+}  // namespace omma
