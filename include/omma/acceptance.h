@@ -5,7 +5,9 @@
 // Formulas: kernel/acceptance.h, kernel/airy.h and sampling/lens_rhabdom.h in src.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -64,16 +66,21 @@ bool is_round(const Acceptance& acceptance);
 double acceptance_width_rad(const Acceptance& acceptance, double azimuth_rad);
 double mean_acceptance_width_rad(const Acceptance& acceptance);
 
-// Relative sensitivity in a direction; 1 at its largest.
-double eval_acceptance(const Acceptance& acceptance, double theta_rad, double azimuth_rad);
+// Of many directions at once, as what a kernel needs is prepared once: polar angles and azimuths,
+// rad, and as many values. Relative sensitivity, 1 at its largest; density of sample_acceptance per
+// steradian.
+void eval_acceptance(const Acceptance& acceptance, std::span<const double> theta_rad,
+                     std::span<const double> azimuth_rad, std::span<double> sensitivity);
+void acceptance_pdf(const Acceptance& acceptance, std::span<const double> theta_rad,
+                    std::span<const double> azimuth_rad, std::span<double> per_sr);
 
 // Directions drawn in proportion to the sensitivity, in a frame with x towards up, y right and z
-// along the axis; and their density per steradian.
+// along the axis.
 std::vector<Vec3> sample_acceptance(const Acceptance& acceptance, int count, std::uint64_t seed);
-double acceptance_pdf(const Acceptance& acceptance, double theta_rad, double azimuth_rad);
 
-// Modulation transfer for a sine grating of so many cycles per radian that varies along an
-// azimuth: the response's modulation over the grating's.
-double acceptance_mtf(const Acceptance& acceptance, double cycles_per_rad, double azimuth_rad);
+// Modulation transfer for sine gratings of so many cycles per radian that vary along an azimuth:
+// the response's modulation over the grating's.
+void acceptance_mtf(const Acceptance& acceptance, std::span<const double> cycles_per_rad,
+                    std::span<const double> azimuth_rad, std::span<double> transfer);
 
 }  // namespace omma
