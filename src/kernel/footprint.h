@@ -30,15 +30,18 @@ OMMA_HD double widest_footprint(Kernel kernel) {
       return 0.055;
     case Kernel::compoundray:
       return 0.019;
+    default:
+      return 0;
   }
   return 0;
 }
 
-// Full width of the footprint of one of `samples` rays, as an angle. A Gaussian's solid angle is
-// 2 pi s^2 = (1.06 acceptance)^2, so a ray's share is a square of about acceptance / sqrt(samples):
-// with more rays the footprint vanishes, and with it the bias. 0 for single rays along the axis.
-OMMA_HD double footprint_width_rad(Kernel kernel, double acceptance_rad, int samples) {
-  return acceptance_rad * fmin(widest_footprint(kernel), 1 / sqrt(static_cast<double>(samples)));
+// Full width of the footprint of one of `samples` rays, as an angle; `widest`: as above. A
+// Gaussian's solid angle is 2 pi s^2 = (1.06 acceptance)^2, so a ray's share is a square of about
+// acceptance / sqrt(samples): with more rays the footprint vanishes, and with it the bias. 0 for
+// single rays along the axis.
+OMMA_HD double footprint_width_rad(double widest, double acceptance_rad, int samples) {
+  return acceptance_rad * fmin(widest, 1 / sqrt(static_cast<double>(samples)));
 }
 
 }  // namespace omma

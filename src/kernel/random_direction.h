@@ -51,11 +51,32 @@ struct LocalDirection {
   F x, y, z;  // z along the axis
 };
 
-// `polar`: [warp][AcceptanceWarpView::intervals + 1][theta, dtheta], as AcceptanceWarpView has
-// them; `warp_begin`: where the warp's begin in it. `index`: number of the sample, `hash`: of its
-// scramble.
+// The rows of theta(r) of all warps in floats, all with the same number of intervals; made by
+// sampling/polar_tables.
+struct PolarTablesView {
+  int intervals = 0;
+  const float* polar = nullptr;  // [row][intervals + 1][theta, dtheta], as AcceptanceWarpView
+  // Where all are round, row w is that of warp w, and this is null. Else, for each warp, where its
+  // part of `azimuth` begins ([AcceptanceWarpView::azimuths + 1][azimuth in rad, row]) and the
+  // first of its rows.
+  const float* azimuth = nullptr;
+  const std::int32_t* azimuth_begin = nullptr;  // [warp]
+  const std::int32_t* first_row = nullptr;      // [warp]
+};
+
+// `begin`: where a row begins in `polar`; `knot`: the radius in knots.
+template <typename F, typename I>
+OMMA_HD F polar_angle_lanes(const float* polar, I begin, F knot) {
+  const I whole = to_int(knot), i = begin + whole * 2;
+  const F t = knot - to_float(whole), t2 = t * t, t3 = t2 * t;
+  return gather(polar, i) * (2.0f * t3 - 3.0f * t2 + 1.0f) +
+         gather(polar, i + 1) * (t3 - 2.0f * t2 + t) +
+         gather(polar, i + 2) * (3.0f * t2 - 2.0f * t3) + gather(polar, i + 3) * (t3 - t2);
+}
+
+// `warp`: index of the warp; `index`: number of the sample, `hash`: of its scramble.
 template <typename F, typename I, typename U>
-OMMA_HD LocalDirection<F> sample_random_direction(const float* polar, I warp_begin, U hash,
+OMMA_HD LocalDirection<F> sample_random_direction(const PolarTablesView& tables, I warp, U hash,
                                                   U index) {
   const U key = mix_bits_32(index ^ hash);
   const U first = mix_bits_32(key + 0x9e3779b9u), second = mix_bits_32(first ^ (hash + key));
@@ -63,16 +84,31 @@ OMMA_HD LocalDirection<F> sample_random_direction(const float* polar, I warp_beg
   const F u = to_float(int_of(first >> 16)) * 0x1p-16f +
               (to_float(int_of(first & 0xffffu)) + 0.5f) * 0x1p-32f;
   const F r = sqrt_lanes(-2.0f * log_lanes(u));
-  constexpr auto knots_per_radius =
-      static_cast<float>(AcceptanceWarpView::intervals / AcceptanceWarpView::r_max);
+  const auto knots_per_radius = static_cast<float>(tables.intervals / AcceptanceWarpView::r_max);
   const F knot = r * knots_per_radius;  // r is under 6.7, so this stays inside
-  const I whole = to_int(knot), i = warp_begin + whole * 2;
-  const F t = knot - to_float(whole), t2 = t * t, t3 = t2 * t;
-  const F theta = gather(polar, i) * (2.0f * t3 - 3.0f * t2 + 1.0f) +
-                  gather(polar, i + 1) * (t3 - 2.0f * t2 + t) +
-                  gather(polar, i + 2) * (3.0f * t2 - 2.0f * t3) + gather(polar, i + 3) * (t3 - t2);
+  const int stride = 2 * (tables.intervals + 1);
   // (-1, 1) pi, from the upper 24 bits.
-  const F azimuth = (to_float(int_of(second >> 8)) + 0.5f) * (0x1p-23f * 3.14159265f) - 3.14159265f;
+  F azimuth = (to_float(int_of(second >> 8)) + 0.5f) * (0x1p-23f * 3.14159265f) - 3.14159265f;
+  F theta;
+  if (tables.azimuth == nullptr) {
+    theta = polar_angle_lanes(tables.polar, warp * stride, knot);
+  } else {
+    const F x = (to_float(int_of(second >> 8)) + 0.5f) *
+                (0x1p-24f * static_cast<float>(AcceptanceWarpView::azimuths));
+    constexpr int last = AcceptanceWarpView::azimuths - 1;
+    I whole = to_int(x);
+    whole = whole > last ? whole * 0 + last : whole;  // x may have been rounded up
+    const I i = gather(tables.azimuth_begin, warp) + whole * 2;
+    const F t = x - to_float(whole);
+    azimuth = gather(tables.azimuth, i) * (1.0f - t) + gather(tables.azimuth, i + 2) * t;
+    azimuth = azimuth > 3.14159265f ? azimuth - 6.28318531f : azimuth;
+    const F place = gather(tables.azimuth, i + 1) * (1.0f - t) + gather(tables.azimuth, i + 3) * t;
+    const I row = to_int(place);
+    const I begin = (gather(tables.first_row, warp) + row) * stride;
+    const F before = polar_angle_lanes(tables.polar, begin, knot);
+    const F after = polar_angle_lanes(tables.polar, begin + stride, knot);
+    theta = before + (place - to_float(row)) * (after - before);
+  }
   const SineCosine<F> p = sine_cosine(theta), a = sine_cosine(azimuth);
   return {p.sine * a.cosine, p.sine * a.sine, p.cosine};
 }

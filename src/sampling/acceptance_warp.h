@@ -1,22 +1,44 @@
-// Makes the warp tables of kernel/acceptance.h: for one kernel and acceptance angle the polar angle
-// as a function of the radius of a pair of standard normals, by inverting the exact distribution.
+// Makes what kernel/acceptance.h reads: the tables of a sensitivity, and its warp by inverting the
+// exact distribution.
 #pragma once
 
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "kernel/acceptance.h"
+#include "omma/acceptance.h"
 
 namespace omma {
 
-struct AcceptanceWarp {
-  Kernel kernel = Kernel::gaussian;
-  double acceptance_rad = 0;
-  double polar_integral = 0;   // of eval_polar_density over [0, pi]
-  std::vector<double> theta;   // [AcceptanceWarpView::intervals + 1], rad
-  std::vector<double> dtheta;  // [AcceptanceWarpView::intervals + 1], d theta / d knot
+// S with the tables it needs.
+struct Sensitivity {
+  Acceptance acceptance;
+  std::shared_ptr<const std::vector<double>> profile;  // as SensitivityView::profile
+  double knots_per_sine = 0, tail = 0;
 };
 
-AcceptanceWarp make_acceptance_warp(Kernel kernel, double acceptance_rad);
+Sensitivity make_sensitivity(const Acceptance& acceptance);
+
+SensitivityView view(const Sensitivity& sensitivity);
+
+// Rows of theta(r).
+struct WarpRows {
+  int intervals = 0;
+  std::vector<double> theta;   // [row][intervals + 1], rad
+  std::vector<double> dtheta;  // [row][intervals + 1], d theta / d knot
+};
+
+struct AcceptanceWarp {
+  Acceptance acceptance;
+  Sensitivity sensitivity;
+  bool round = true;
+  double integral_sr = 0;                // of S over the sphere
+  std::shared_ptr<const WarpRows> rows;  // none: all light comes along the axis
+  std::vector<double> azimuth;           // as AcceptanceWarpView::azimuth; empty: round
+};
+
+AcceptanceWarp make_acceptance_warp(const Acceptance& acceptance);
 
 AcceptanceWarpView view(const AcceptanceWarp& warp);
 

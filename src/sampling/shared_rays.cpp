@@ -51,12 +51,12 @@ PdfTable make_pdf_table(const AcceptanceWarp& warp, double reach_rad) {
   PdfTable table;
   table.reach_chord2 = chord(reach_rad) * chord(reach_rad);
   table.scale = static_cast<float>(pdf_intervals / table.reach_chord2);
-  table.acceptance_rad = static_cast<float>(warp.acceptance_rad);
+  table.acceptance_rad = static_cast<float>(warp.acceptance.width_rad);
   for (int i = 0; i <= pdf_intervals; ++i) {
     // A hair inside, where a pillbox has not ended yet.
     const double chord2 = table.reach_chord2 * (1 - 1e-12) * i / pdf_intervals;
     table.pdf[static_cast<std::size_t>(i)] =
-        static_cast<float>(acceptance_pdf(view(warp), angle_from_chord_squared(chord2)));
+        static_cast<float>(acceptance_pdf(view(warp), angle_from_chord_squared(chord2), 0));
   }
   table.pdf[pdf_intervals + 1] = table.pdf[pdf_intervals];
   return table;
@@ -71,16 +71,18 @@ std::vector<Densities> make_densities(const std::vector<AcceptanceWarp>& warps) 
   std::vector<Densities> all(warps.size());
   oneapi::tbb::parallel_for(std::size_t{0}, warps.size(), [&](std::size_t w) {
     const AcceptanceWarp& warp = warps[w];
-    if (warp.acceptance_rad == 0) return;
-    all[w].weight = make_pdf_table(warp, reach_rad(warp.kernel, warp.acceptance_rad));
+    const double width_rad = warp.acceptance.width_rad;
+    if (width_rad == 0) return;
+    all[w].weight = make_pdf_table(warp, reach_rad(warp.acceptance.kernel, width_rad));
     all[w].demand = all[w].weight;
-    if (warp.kernel != Kernel::pillbox) return;
+    if (warp.acceptance.kernel != Kernel::pillbox) return;
     // Discs overlap in many small pieces, each of which would have a lattice of its own; the border
     // of one is where points are too many or too few. Gaussians with 0.6 of the radius for standard
     // deviation are as wide, and add up smoothly.
-    const double sigma = 0.6 * 0.5 * warp.acceptance_rad;
-    all[w].demand = make_pdf_table(make_acceptance_warp(Kernel::gaussian, sigma / sigma_per_fwhm),
-                                   std::min(3 * sigma, pi));
+    const double sigma = 0.6 * 0.5 * width_rad;
+    Acceptance smooth;
+    smooth.width_rad = sigma / sigma_per_fwhm;
+    all[w].demand = make_pdf_table(make_acceptance_warp(smooth), std::min(3 * sigma, pi));
     all[w].demand.acceptance_rad = all[w].weight.acceptance_rad;
   });
   return all;
