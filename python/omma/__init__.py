@@ -19,10 +19,12 @@ scripts of CompoundRay.
 """
 
 from omma._core import (
+    Acceptance,
     Background,
     Camera,
     Error,
     Eye,
+    ReceptorType,
     Scene,
     __version__,
     encode_ids,
@@ -64,6 +66,7 @@ from omma.speed_test import SpeedTest, measure_speed
 
 __all__ = [
     "PROJECTIONS",
+    "Acceptance",
     "AcuteZone",
     "AllCamerasReport",
     "Background",
@@ -76,6 +79,7 @@ __all__ = [
     "Eye",
     "Method",
     "MinimumSamples",
+    "ReceptorType",
     "RenderReport",
     "Renderer",
     "SamplingReport",

@@ -1,6 +1,6 @@
 """The compiled engine behind the package `omma`; use it through `omma`."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 import os
 from typing import Any, overload
 
@@ -233,20 +233,237 @@ class Scene:
 
 def load_scene(path: str | os.PathLike[str], scene_index: int = -1, color_rule: str = 'gltf', progress: Callable[[float], object] | None = None) -> Scene: ...
 
+class Acceptance:
+    """
+    The angular sensitivity of an ommatidium: a kernel and its parameters.
+
+    Made by one of its static methods. Directions are given by their polar angle from the axis
+    and their azimuth, 0 towards the ommatidium's up vector and growing towards its right.
+    Raises `omma.Error` on a parameter out of range. Sources: docs/acceptance.md.
+    """
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    @staticmethod
+    def gaussian(width_rad: float, minor_width_rad: float | None = None, major_angle_rad: float = 0.0) -> Acceptance:
+        """
+        A Gaussian per solid angle, round or elliptical: full widths at half maximum and the
+        azimuth of the major axis.
+        """
+
+    @staticmethod
+    def pillbox(width_rad: float) -> Acceptance:
+        """The same all over a disc of this diameter."""
+
+    @staticmethod
+    def compoundray(width_rad: float) -> Acceptance:
+        """
+        CompoundRay's: the polar angle from a one-dimensional normal, for comparison.
+        """
+
+    @staticmethod
+    def airy(facet_diameter_m: float, wavelength_nm: float) -> Acceptance:
+        """
+        Diffraction at a round facet alone: [2 J1(x)/x]^2 with x = pi D sin(theta)/lambda.
+        """
+
+    @staticmethod
+    def lens_rhabdom(facet_diameter_m: float, focal_length_m: float, rhabdom_diameter_m: float, wavelength_nm: float, rhabdom_index: float = 1.363, surround_index: float = 1.34, model: str = 'waveguide') -> Acceptance:
+        """
+        Diffraction at the facet and what the rhabdom takes of it: "waveguide" (the modes it
+        carries; Stavenga 2004), "geometric" (its disc) or "snyder" (a Gaussian; Snyder 1979).
+        """
+
+    @staticmethod
+    def table(angle_rad: numpy.typing.ArrayLike, sensitivity: numpy.typing.ArrayLike, path: str | os.PathLike[str] = '') -> Acceptance:
+        """
+        A measured radial profile: polar angles (K,), ascending, rad, and sensitivities (K,);
+        linear between, 0 beyond the last. Divided by the largest.
+        """
+
+    @staticmethod
+    def table_2d(right_rad: numpy.typing.ArrayLike, up_rad: numpy.typing.ArrayLike, sensitivity: numpy.typing.ArrayLike, path: str | os.PathLike[str] = '') -> Acceptance:
+        """
+        A measured map: angles to the right (C,) and up (R,), ascending, rad, and
+        sensitivities (R, C); linear between, 0 outside. Divided by the largest.
+        """
+
+    @property
+    def kernel(self) -> str: ...
+
+    @property
+    def model(self) -> str: ...
+
+    @property
+    def width_parameter_rad(self) -> float:
+        """
+        Full width at half maximum that a gaussian (major axis), pillbox or compoundray was made with.
+        """
+
+    @property
+    def minor_width_rad(self) -> float: ...
+
+    @property
+    def major_angle_rad(self) -> float: ...
+
+    @property
+    def facet_diameter_m(self) -> float: ...
+
+    @property
+    def wavelength_nm(self) -> float: ...
+
+    @property
+    def focal_length_m(self) -> float: ...
+
+    @property
+    def rhabdom_diameter_m(self) -> float: ...
+
+    @property
+    def rhabdom_index(self) -> float: ...
+
+    @property
+    def surround_index(self) -> float: ...
+
+    @property
+    def table_right_rad(self) -> list[float]:
+        """
+        Of a table: angles to the right, or the polar angles of a radial profile, rad.
+        """
+
+    @property
+    def table_up_rad(self) -> list[float]:
+        """Of a two-dimensional table: angles up, rad."""
+
+    @property
+    def table_sensitivity(self) -> list[float]:
+        """Of a table: sensitivities, row by row."""
+
+    @property
+    def is_round(self) -> bool:
+        """Whether it depends on the polar angle alone."""
+
+    @property
+    def mean_width_rad(self) -> float:
+        """
+        Full width at half maximum; the geometric mean of the widest and the narrowest where not round.
+        """
+
+    def width_rad(self, azimuth_rad: float = 0.0) -> float:
+        """Full width at half maximum through the axis along an azimuth."""
+
+    def eval(self, theta_rad: numpy.typing.ArrayLike, azimuth_rad: numpy.typing.ArrayLike = 0.0) -> Any:
+        """
+        Relative sensitivity in directions, 1 at its largest; arrays are broadcast.
+        """
+
+    def pdf(self, theta_rad: numpy.typing.ArrayLike, azimuth_rad: numpy.typing.ArrayLike = 0.0) -> Any:
+        """Density of `sample` per steradian; arrays are broadcast."""
+
+    def mtf(self, cycles_per_rad: numpy.typing.ArrayLike, azimuth_rad: numpy.typing.ArrayLike = 0.0) -> Any:
+        """
+        Modulation transfer for sine gratings that vary along an azimuth; arrays are broadcast.
+        """
+
+    def sample(self, count: int, seed: int = 0) -> numpy.typing.NDArray[numpy.float32]:
+        """
+        Directions drawn in proportion to the sensitivity: (count, 3), with x towards up, y
+        towards the right and z along the axis.
+        """
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __repr__(self) -> str: ...
+
+class ReceptorType:
+    """
+    What a kind of photoreceptor is sensitive to.
+
+    Parameters
+    ----------
+    name : e.g. "green".
+    peak_wavelength_nm : of its visual pigment (template of Govardovskii et al. 2000).
+    wavelength_nm, sensitivity : (K,) instead: a table, linear between, 0 outside; divided by
+        the largest.
+    microvillus_angle_rad : from the ommatidium's up vector towards its right.
+    polarisation_sensitivity : PS, at least 1.
+    absorption_per_m, length_m : of the rhabdom; 0 where not known.
+    right_rad, up_rad : where it looks, from the ommatidium's axis.
+    acceptance : its own `Acceptance`; None: the ommatidium's.
+
+    Raises `omma.Error` on a parameter out of range.
+    """
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    def __init__(self, name: str, *, peak_wavelength_nm: float = 0.0, wavelength_nm: numpy.typing.ArrayLike | None = None, sensitivity: numpy.typing.ArrayLike | None = None, microvillus_angle_rad: float = 0.0, polarisation_sensitivity: float = 1.0, absorption_per_m: float = 0.0, length_m: float = 0.0, right_rad: float = 0.0, up_rad: float = 0.0, acceptance: Acceptance | None = None) -> None: ...
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def peak_wavelength_nm(self) -> float: ...
+
+    @property
+    def wavelength_nm(self) -> list[float]: ...
+
+    @property
+    def sensitivity(self) -> list[float]: ...
+
+    @property
+    def microvillus_angle_rad(self) -> float: ...
+
+    @property
+    def polarisation_sensitivity(self) -> float: ...
+
+    @property
+    def absorption_per_m(self) -> float: ...
+
+    @property
+    def length_m(self) -> float: ...
+
+    @property
+    def right_rad(self) -> float: ...
+
+    @property
+    def up_rad(self) -> float: ...
+
+    @property
+    def acceptance(self) -> Acceptance | None: ...
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __repr__(self) -> str: ...
+
 class Eye:
     """
     An eye, or all eyes of a head: N ommatidia, each with its own position, axis, acceptance.
 
     The frame is that of the head: right-handed, +X right, +Y up, looking along -Z. Read-only;
-    the arrays are views, not copies.
+    the arrays are views, not copies; `replace` makes a changed copy.
 
     Parameters
     ----------
     position_m : (N, 3), m. Nodal points.
     axis : (N, 3). Viewing directions; normalised.
-    acceptance_angle_rad : (N,) or a number. Full width at half maximum, 0 to 2 pi.
+    acceptance_angle_rad : (N,) or a number. Full width at half maximum, 0 to 2 pi, of round
+        Gaussians; may be left out where `acceptance` says more.
     focal_offset_m : (N,) or a number. How far behind the position rays start.
     eye_id : (N,) or a number. Which eye of the head an ommatidium belongs to.
+    up : (N, 3). The reference across the axis for what is not round; by default upwards.
+    facet_diameter_m : (N,) or a number; 0 where not known.
+    aperture_diameter_m : (N,) or a number. Rays start all over a disc this wide, as in
+        superposition eyes.
+    acceptance : an `Acceptance`, or a list of N; None stands for the round Gaussian.
+    receptor_types : list of `ReceptorType`.
+    receptors : indices into receptor_types, a list for all ommatidia or a list of N lists.
+    columns : dict from names to (N,) numbers or N texts, kept but not used.
+    path : the file it came from.
 
     Raises `omma.Error` on a wrong shape, a zero axis, an acceptance out of range, a NaN.
     """
@@ -254,7 +471,15 @@ class Eye:
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self, position_m: numpy.typing.ArrayLike, axis: numpy.typing.ArrayLike, acceptance_angle_rad: numpy.typing.ArrayLike, focal_offset_m: numpy.typing.ArrayLike = 0.0, eye_id: numpy.typing.ArrayLike = 0) -> None: ...
+    def __init__(self, position_m: numpy.typing.ArrayLike, axis: numpy.typing.ArrayLike, acceptance_angle_rad: numpy.typing.ArrayLike | None = None, focal_offset_m: numpy.typing.ArrayLike = 0.0, eye_id: numpy.typing.ArrayLike = 0, *, up: numpy.typing.ArrayLike | None = None, facet_diameter_m: numpy.typing.ArrayLike = 0.0, aperture_diameter_m: numpy.typing.ArrayLike = 0.0, acceptance: Acceptance | Sequence[Acceptance | None] = ..., receptor_types: Sequence[ReceptorType] | None = None, receptors: Sequence[Any] | None = None, columns: dict[str, Any] | None = None, path: str | os.PathLike[str] = '') -> None: ...
+
+    def replace(self, **changes: Any) -> Eye:
+        """
+        A copy with these properties changed, named as for making an eye; all else is kept.
+
+        acceptance_angle_rad alone makes all ommatidia round Gaussians. Raises `omma.Error` or
+        `TypeError` as making an eye does.
+        """
 
     @property
     def path(self) -> str:
@@ -269,16 +494,73 @@ class Eye:
         """Viewing directions: (N, 3), unit vectors, head frame."""
 
     @property
+    def up(self, /) -> numpy.typing.NDArray[numpy.float32]:
+        """
+        The reference for what is not round: (N, 3), unit vectors across the axes.
+        """
+
+    @property
+    def right(self, /) -> numpy.typing.NDArray[numpy.float32]:
+        """axis x up: (N, 3), unit vectors."""
+
+    @property
     def acceptance_angle_rad(self, /) -> numpy.typing.NDArray[numpy.float32]:
-        """Full width at half maximum of the angular sensitivity: (N,), rad."""
+        """
+        Full width at half maximum of the angular sensitivity (its mean where not round): (N,), rad.
+        """
 
     @property
     def focal_offset_m(self, /) -> numpy.typing.NDArray[numpy.float32]:
         """How far behind the position rays start: (N,), m."""
 
     @property
+    def facet_diameter_m(self, /) -> numpy.typing.NDArray[numpy.float32]:
+        """Facet diameters: (N,), m; 0 where not known."""
+
+    @property
+    def aperture_diameter_m(self, /) -> numpy.typing.NDArray[numpy.float32]:
+        """Discs on which rays start: (N,), m; 0: the position."""
+
+    @property
     def eye_id(self, /) -> numpy.typing.NDArray[numpy.int32]:
         """Which eye of the head an ommatidium belongs to: (N,)."""
+
+    @property
+    def acceptance_of(self, /) -> numpy.typing.NDArray[numpy.int32]:
+        """
+        Index into acceptances: (N,); -1: a round Gaussian of acceptance_angle_rad.
+        """
+
+    @property
+    def first_receptor(self, /) -> numpy.typing.NDArray[numpy.int32]:
+        """
+        Receptors of ommatidium i are first_receptor[i] to first_receptor[i + 1]: (N + 1,).
+        """
+
+    @property
+    def receptor_type(self, /) -> numpy.typing.NDArray[numpy.int32]:
+        """Index into receptor_types: (R,)."""
+
+    @property
+    def columns(self, /) -> dict[str, Any]:
+        """
+        Properties that Omma itself does not use, by name: (N,) float64, or N texts.
+        """
+
+    @property
+    def acceptances(self) -> list[Acceptance]:
+        """
+        Angular sensitivities that are not a round Gaussian; see acceptance_of.
+        """
+
+    @property
+    def receptor_types(self) -> list[ReceptorType]: ...
+
+    def acceptance(self, ommatidium: int) -> Acceptance:
+        """The angular sensitivity of one ommatidium."""
+
+    def take(self, ommatidia: numpy.typing.ArrayLike) -> Eye:
+        """The ommatidia with these indices, or where this mask (N,) is true."""
 
     def interommatidial_angle_rad(self) -> numpy.typing.NDArray[numpy.float32]:
         """

@@ -58,7 +58,7 @@ def render_all_cameras(
     scene_index: int | None = None,
     samples: int = 16,
     seed: int = 0,
-    kernel: str = "gaussian",
+    kernel: str = "own",
     sampling: str = "low_discrepancy",
     threads: int = 0,
     footprints: bool = True,

@@ -184,9 +184,9 @@ def render(
         ),
     ] = None,
     kernel: Annotated[
-        Literal["gaussian", "pillbox", "compoundray"],
-        typer.Option(help="Angular sensitivity."),
-    ] = "gaussian",
+        Literal["own", "gaussian", "pillbox", "compoundray"],
+        typer.Option(help="Angular sensitivity: each ommatidium's own, or one for all."),
+    ] = "own",
     sampling: Annotated[
         Literal["low_discrepancy", "random"], typer.Option(help="How samples are placed.")
     ] = "low_discrepancy",

@@ -44,10 +44,10 @@ class Renderer:
             and at most; with samples="auto", where None takes 8 and 4,096.
         seed: of the samples, 0 to 2**64 - 1. The same inputs and seed give the same bits, whatever
             the number of threads.
-        kernel: angular sensitivity S(θ) per unit solid angle: "gaussian", exp(-4 ln2 (θ/Δρ)²);
-            "pillbox", 1 within Δρ/2; "compoundray", CompoundRay's, which is the Gaussian over
-            sin θ (Millward, Maddock, Mangan, eLife 2022, 73893), for comparison with work done
-            with it.
+        kernel: "own", each ommatidium's own angular sensitivity, or one for all with its acceptance
+            angle Δρ, per unit solid angle: "gaussian", exp(-4 ln2 (θ/Δρ)²); "pillbox",
+            1 within Δρ/2; "compoundray", CompoundRay's, which is the Gaussian over sin θ (Millward,
+            Maddock, Mangan, eLife 2022, 73893), for comparison with work done with it.
         sampling: "low_discrepancy" (scrambled Sobol points, Owen 1995, moved apart) or "random".
         threads: 0 takes one per hardware thread.
         footprints: rays read textures averaged over their share of the solid angle, so that fine
@@ -80,7 +80,7 @@ class Renderer:
         min_samples: int | None = None,
         max_samples: int | None = None,
         seed: int = 0,
-        kernel: str = "gaussian",
+        kernel: str = "own",
         sampling: str = "low_discrepancy",
         threads: int = 0,
         footprints: bool = True,

@@ -85,7 +85,7 @@ def render_file(
     min_samples: int | None = None,
     max_samples: int | None = None,
     seed: int = 0,
-    kernel: str = "gaussian",
+    kernel: str = "own",
     sampling: str = "low_discrepancy",
     threads: int = 0,
     footprints: bool = True,

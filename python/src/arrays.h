@@ -56,6 +56,7 @@ std::string path_text(nb::handle path);
 
 void bind_camera(nb::module_& m);
 void bind_scene(nb::module_& m);
+void bind_acceptance(nb::module_& m);
 void bind_eye(nb::module_& m);
 void bind_renderer(nb::module_& m);
 void bind_projection(nb::module_& m);

@@ -1,12 +1,14 @@
 // Eye for Python: read-only NumPy views of its arrays, made from a file or from arrays.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <span>
 #include <vector>
 
 #include "arrays.h"
+#include "eye_arguments.h"
 #include "omma/error.h"
 #include "omma/eye.h"
 #include "omma/io.h"
@@ -14,39 +16,6 @@
 namespace omma::python {
 
 namespace {
-
-// A number for all ommatidia, or an array [ommatidium].
-std::vector<float> per_ommatidium(nb::handle values, const char* name, std::int64_t count) {
-  if (nb::isinstance<nb::float_>(values) || nb::isinstance<nb::int_>(values))
-    return std::vector<float>(static_cast<std::size_t>(count), nb::cast<float>(values));
-  const auto array = float_array(values, name, {count});
-  return {array.data(), array.data() + count};
-}
-
-std::vector<Vec3> vectors(const InputArray<float>& array) {
-  std::vector<Vec3> result(array.shape(0));
-  for (std::size_t i = 0; i < result.size(); ++i)
-    result[i] = {array.data()[3 * i], array.data()[3 * i + 1], array.data()[3 * i + 2]};
-  return result;
-}
-
-Eye make_eye(nb::handle position_m, nb::handle axis, nb::handle acceptance_angle_rad,
-             nb::handle focal_offset_m, nb::handle eye_id) {
-  Eye eye;
-  eye.axis = vectors(float_array(axis, "axis", {-1, 3}));
-  const auto count = static_cast<std::int64_t>(eye.axis.size());
-  eye.position_m = vectors(float_array(position_m, "position_m", {count, 3}));
-  eye.acceptance_angle_rad = per_ommatidium(acceptance_angle_rad, "acceptance_angle_rad", count);
-  eye.focal_offset_m = per_ommatidium(focal_offset_m, "focal_offset_m", count);
-  if (nb::isinstance<nb::int_>(eye_id)) {
-    eye.eye_id.assign(eye.axis.size(), nb::cast<std::int32_t>(eye_id));
-  } else {
-    const auto ids = int_array(eye_id, "eye_id", {count});
-    eye.eye_id.assign(ids.data(), ids.data() + count);
-  }
-  validate_eye(eye);
-  return eye;
-}
 
 // Items are eyes, or (eye, head_from_eye) pairs.
 Eye merge(nb::handle eyes) {
@@ -84,81 +53,189 @@ const Eye& eye_of(Self self) {
   return nb::cast<const Eye&>(self);
 }
 
+nb::object int_view(Self self, const std::vector<std::int32_t>& values) {
+  return view(self, values.data(), {values.size()});
+}
+
+nb::object length_view(Self self, const std::vector<float>& values) {
+  return view(self, values.data(), {values.size()});
+}
+
+nb::dict columns_of(Self self) {
+  nb::dict columns;
+  for (const EyeColumn& column : eye_of(self).columns)
+    columns[column.name.c_str()] = column.texts.empty()
+                                       ? view(self, column.numbers.data(), {column.numbers.size()})
+                                       : nb::cast(column.texts);
+  return columns;
+}
+
+nb::object right_of(const Eye& eye) {
+  std::vector<float> right;
+  right.reserve(3 * eye.size());
+  for (std::size_t i = 0; i < eye.size(); ++i) {
+    const Vec3 r = to_float(normalize(cross(to_double(eye.axis[i]), to_double(eye.up[i]))));
+    right.insert(right.end(), {r.x, r.y, r.z});
+  }
+  return take(std::move(right), {eye.size(), 3});
+}
+
+Eye take_rows(const Eye& eye, nb::handle ommatidia) {
+  const nb::module_ numpy = nb::module_::import_("numpy");
+  nb::object indices = numpy.attr("asarray")(ommatidia);
+  if (nb::cast<std::string>(indices.attr("dtype").attr("kind")) == "b")
+    indices = numpy.attr("flatnonzero")(indices);
+  const auto array = int_array(indices, "ommatidia", {-1});
+  return take_ommatidia(eye, std::vector<std::int64_t>(array.data(), array.data() + array.size()));
+}
+
 }  // namespace
 
 void bind_eye(nb::module_& m) {
-  nb::class_<Eye>(
+  nb::class_<Eye> eye(
       m, "Eye",
       "An eye, or all eyes of a head: N ommatidia, each with its own position, axis, "
       "acceptance.\n\n"
       "The frame is that of the head: right-handed, +X right, +Y up, looking along -Z. Read-only;\n"
-      "the arrays are views, not copies.\n\n"
+      "the arrays are views, not copies; `replace` makes a changed copy.\n\n"
       "Parameters\n----------\n"
       "position_m : (N, 3), m. Nodal points.\n"
       "axis : (N, 3). Viewing directions; normalised.\n"
-      "acceptance_angle_rad : (N,) or a number. Full width at half maximum, 0 to 2 pi.\n"
+      "acceptance_angle_rad : (N,) or a number. Full width at half maximum, 0 to 2 pi, of round\n"
+      "    Gaussians; may be left out where `acceptance` says more.\n"
       "focal_offset_m : (N,) or a number. How far behind the position rays start.\n"
-      "eye_id : (N,) or a number. Which eye of the head an ommatidium belongs to.\n\n"
-      "Raises `omma.Error` on a wrong shape, a zero axis, an acceptance out of range, a NaN.")
+      "eye_id : (N,) or a number. Which eye of the head an ommatidium belongs to.\n"
+      "up : (N, 3). The reference across the axis for what is not round; by default upwards.\n"
+      "facet_diameter_m : (N,) or a number; 0 where not known.\n"
+      "aperture_diameter_m : (N,) or a number. Rays start all over a disc this wide, as in\n"
+      "    superposition eyes.\n"
+      "acceptance : an `Acceptance`, or a list of N; None stands for the round Gaussian.\n"
+      "receptor_types : list of `ReceptorType`.\n"
+      "receptors : indices into receptor_types, a list for all ommatidia or a list of N lists.\n"
+      "columns : dict from names to (N,) numbers or N texts, kept but not used.\n"
+      "path : the file it came from.\n\n"
+      "Raises `omma.Error` on a wrong shape, a zero axis, an acceptance out of range, a NaN.");
+  const auto property = [&](const char* name, auto getter, const char* type, const char* doc) {
+    const std::string signature = "def " + std::string(name) + "(self, /) -> " + type;
+    eye.def_prop_ro(name, getter, nb::for_getter(nb::sig(signature.c_str())), doc);
+  };
+  constexpr const char* floats32 = "numpy.typing.NDArray[numpy.float32]";
+  constexpr const char* ints32 = "numpy.typing.NDArray[numpy.int32]";
+  eye.def(
+         "__init__",
+         [](Eye* self, nb::object position_m, nb::object axis, nb::object acceptance_angle_rad,
+            nb::object focal_offset_m, nb::object eye_id, nb::kwargs others) {
+           if (acceptance_angle_rad.is_none() && !others.contains("acceptance"))
+             throw Error("Eye: expected acceptance_angle_rad or acceptance, found neither");
+           others["position_m"] = position_m;
+           others["axis"] = axis;
+           if (!acceptance_angle_rad.is_none())
+             others["acceptance_angle_rad"] = acceptance_angle_rad;
+           others["focal_offset_m"] = focal_offset_m;
+           others["eye_id"] = eye_id;
+           Eye made;
+           change_eye(made, others);
+           new (self) Eye(std::move(made));
+         },
+         nb::arg("position_m"), nb::arg("axis"), nb::arg("acceptance_angle_rad") = nb::none(),
+         nb::arg("focal_offset_m") = 0.0, nb::arg("eye_id") = 0, nb::arg("others"),
+         nb::sig("def __init__(self, position_m: numpy.typing.ArrayLike, axis: "
+                 "numpy.typing.ArrayLike, acceptance_angle_rad: numpy.typing.ArrayLike | None = "
+                 "None, focal_offset_m: numpy.typing.ArrayLike = 0.0, eye_id: "
+                 "numpy.typing.ArrayLike = 0, *, up: numpy.typing.ArrayLike | None = None, "
+                 "facet_diameter_m: numpy.typing.ArrayLike = 0.0, aperture_diameter_m: "
+                 "numpy.typing.ArrayLike = 0.0, acceptance: Acceptance | "
+                 "collections.abc.Sequence[Acceptance | None] = ..., receptor_types: "
+                 "collections.abc.Sequence[ReceptorType] | None = None, receptors: "
+                 "collections.abc.Sequence[typing.Any] | None = None, columns: dict[str, "
+                 "typing.Any] | None = None, path: str | os.PathLike[str] = '') -> None"))
       .def(
-          "__init__",
-          [](Eye* self, nb::object position_m, nb::object axis, nb::object acceptance_angle_rad,
-             nb::object focal_offset_m, nb::object eye_id) {
-            new (self)
-                Eye(make_eye(position_m, axis, acceptance_angle_rad, focal_offset_m, eye_id));
+          "replace",
+          [](const Eye& self, const nb::kwargs& changes) {
+            Eye changed = self;
+            change_eye(changed, changes);
+            return changed;
           },
-          nb::arg("position_m"), nb::arg("axis"), nb::arg("acceptance_angle_rad"),
-          nb::arg("focal_offset_m") = 0.0, nb::arg("eye_id") = 0,
-          nb::sig("def __init__(self, position_m: numpy.typing.ArrayLike, axis: "
-                  "numpy.typing.ArrayLike, acceptance_angle_rad: numpy.typing.ArrayLike, "
-                  "focal_offset_m: numpy.typing.ArrayLike = 0.0, eye_id: numpy.typing.ArrayLike = "
-                  "0) -> None"))
-      .def_ro("path", &Eye::path, "The file it came from, '' for one made in memory.")
-      .def_prop_ro(
-          "position_m",
-          [](Self self) {
-            return view(self, floats(eye_of(self).position_m), {eye_of(self).size(), 3});
+          nb::sig("def replace(self, **changes: typing.Any) -> Eye"),
+          "A copy with these properties changed, named as for making an eye; all else is kept.\n\n"
+          "acceptance_angle_rad alone makes all ommatidia round Gaussians. Raises `omma.Error` or\n"
+          "`TypeError` as making an eye does.")
+      .def_ro("path", &Eye::path, "The file it came from, '' for one made in memory.");
+  property(
+      "position_m",
+      [](Self self) {
+        return view(self, floats(eye_of(self).position_m), {eye_of(self).size(), 3});
+      },
+      floats32, "Nodal points: (N, 3), m, head frame.");
+  property(
+      "axis",
+      [](Self self) {
+        return view(self, floats(eye_of(self).axis), {eye_of(self).size(), 3});
+      },
+      floats32, "Viewing directions: (N, 3), unit vectors, head frame.");
+  property(
+      "up",
+      [](Self self) {
+        return view(self, floats(eye_of(self).up), {eye_of(self).size(), 3});
+      },
+      floats32, "The reference for what is not round: (N, 3), unit vectors across the axes.");
+  property("right", &right_of, floats32, "axis x up: (N, 3), unit vectors.");
+  property(
+      "acceptance_angle_rad",
+      [](Self self) { return length_view(self, eye_of(self).acceptance_angle_rad); }, floats32,
+      "Full width at half maximum of the angular sensitivity (its mean where not round): (N,), "
+      "rad.");
+  property(
+      "focal_offset_m", [](Self self) { return length_view(self, eye_of(self).focal_offset_m); },
+      floats32, "How far behind the position rays start: (N,), m.");
+  property(
+      "facet_diameter_m",
+      [](Self self) { return length_view(self, eye_of(self).facet_diameter_m); }, floats32,
+      "Facet diameters: (N,), m; 0 where not known.");
+  property(
+      "aperture_diameter_m",
+      [](Self self) { return length_view(self, eye_of(self).aperture_diameter_m); }, floats32,
+      "Discs on which rays start: (N,), m; 0: the position.");
+  property(
+      "eye_id", [](Self self) { return int_view(self, eye_of(self).eye_id); }, ints32,
+      "Which eye of the head an ommatidium belongs to: (N,).");
+  property(
+      "acceptance_of", [](Self self) { return int_view(self, eye_of(self).acceptance_of); }, ints32,
+      "Index into acceptances: (N,); -1: a round Gaussian of acceptance_angle_rad.");
+  property(
+      "first_receptor", [](Self self) { return int_view(self, eye_of(self).first_receptor); },
+      ints32,
+      "Receptors of ommatidium i are first_receptor[i] to first_receptor[i + 1]: (N + 1,).");
+  property(
+      "receptor_type", [](Self self) { return int_view(self, eye_of(self).receptor_type); }, ints32,
+      "Index into receptor_types: (R,).");
+  property("columns", &columns_of, "dict[str, typing.Any]",
+           "Properties that Omma itself does not use, by name: (N,) float64, or N texts.");
+  eye.def_ro("acceptances", &Eye::acceptances, nb::rv_policy::copy,
+             "Angular sensitivities that are not a round Gaussian; see acceptance_of.")
+      .def_ro("receptor_types", &Eye::receptor_types, nb::rv_policy::copy)
+      .def(
+          "acceptance",
+          [](const Eye& self, std::int64_t ommatidium) {
+            if (ommatidium < 0 || ommatidium >= static_cast<std::int64_t>(self.size()))
+              throw Error("ommatidium: expected 0 to " + std::to_string(self.size() - 1) +
+                          ", found " + std::to_string(ommatidium));
+            return acceptance_at(self, static_cast<std::size_t>(ommatidium));
           },
-          nb::for_getter(nb::sig("def position_m(self, /) -> numpy.typing.NDArray[numpy.float32]")),
-          "Nodal points: (N, 3), m, head frame.")
-      .def_prop_ro(
-          "axis",
-          [](Self self) {
-            return view(self, floats(eye_of(self).axis), {eye_of(self).size(), 3});
-          },
-          nb::for_getter(nb::sig("def axis(self, /) -> numpy.typing.NDArray[numpy.float32]")),
-          "Viewing directions: (N, 3), unit vectors, head frame.")
-      .def_prop_ro(
-          "acceptance_angle_rad",
-          [](Self self) {
-            return view(self, eye_of(self).acceptance_angle_rad.data(), {eye_of(self).size()});
-          },
-          nb::for_getter(
-              nb::sig("def acceptance_angle_rad(self, /) -> numpy.typing.NDArray[numpy.float32]")),
-          "Full width at half maximum of the angular sensitivity: (N,), rad.")
-      .def_prop_ro(
-          "focal_offset_m",
-          [](Self self) {
-            return view(self, eye_of(self).focal_offset_m.data(), {eye_of(self).size()});
-          },
-          nb::for_getter(
-              nb::sig("def focal_offset_m(self, /) -> numpy.typing.NDArray[numpy.float32]")),
-          "How far behind the position rays start: (N,), m.")
-      .def_prop_ro(
-          "eye_id",
-          [](Self self) { return view(self, eye_of(self).eye_id.data(), {eye_of(self).size()}); },
-          nb::for_getter(nb::sig("def eye_id(self, /) -> numpy.typing.NDArray[numpy.int32]")),
-          "Which eye of the head an ommatidium belongs to: (N,).")
+          nb::arg("ommatidium"), "The angular sensitivity of one ommatidium.")
+      .def("take", &take_rows, nb::arg("ommatidia"),
+           nb::sig("def take(self, ommatidia: numpy.typing.ArrayLike) -> Eye"),
+           "The ommatidia with these indices, or where this mask (N,) is true.")
       .def(
           "interommatidial_angle_rad",
-          [](const Eye& eye) { return take(interommatidial_angle_rad(eye), {eye.size()}); },
+          [](const Eye& self) { return take(interommatidial_angle_rad(self), {self.size()}); },
           nb::sig("def interommatidial_angle_rad(self) -> numpy.typing.NDArray[numpy.float32]"),
           "Local interommatidial angle: the mean angle to the (up to) six nearest neighbours of\n"
           "the same eye. (N,), rad; 0 where there is no neighbour.")
       .def("select", &select_eye, nb::arg("eye_id"),
            "The ommatidia of one eye of a head.\n\nRaises `omma.Error` where there is no such eye.")
       .def("__len__", &Eye::size)
-      .def("__repr__", [](const Eye& eye) { return repr(eye); });
+      .def("__repr__", [](const Eye& self) { return repr(self); });
 
   m.def(
       "merge_eyes", &merge, nb::arg("eyes"),
@@ -179,8 +256,8 @@ void bind_eye(nb::module_& m) {
       nb::sig("def load_eye(path: str | os.PathLike[str], metres_per_unit: float) -> Eye"));
   m.def(
       "save_eye",
-      [](nb::handle path, const Eye& eye, double metres_per_unit) {
-        save_eye(path_text(path), eye, metres_per_unit);
+      [](nb::handle path, const Eye& saved, double metres_per_unit) {
+        save_eye(path_text(path), saved, metres_per_unit);
       },
       nb::arg("path"), nb::arg("eye"), nb::arg("metres_per_unit"),
       nb::sig("def save_eye(path: str | os.PathLike[str], eye: Eye, metres_per_unit: float) -> "

@@ -17,9 +17,11 @@ namespace omma::python {
 
 namespace {
 
-constexpr std::pair<const char*, Kernel> kernels[] = {{"gaussian", Kernel::gaussian},
-                                                      {"pillbox", Kernel::pillbox},
-                                                      {"compoundray", Kernel::compoundray}};
+constexpr std::pair<const char*, std::optional<Kernel>> kernels[] = {
+    {"own", std::nullopt},
+    {"gaussian", Kernel::gaussian},
+    {"pillbox", Kernel::pillbox},
+    {"compoundray", Kernel::compoundray}};
 constexpr std::pair<const char*, Sampling> samplings[] = {
     {"low_discrepancy", Sampling::low_discrepancy}, {"random", Sampling::random}};
 

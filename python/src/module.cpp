@@ -22,6 +22,7 @@ NB_MODULE(_core, m) {
 
   omma::python::bind_camera(m);
   omma::python::bind_scene(m);
+  omma::python::bind_acceptance(m);
   omma::python::bind_eye(m);
   omma::python::bind_renderer(m);
   omma::python::bind_projection(m);

@@ -1,0 +1,358 @@
+// Angular sensitivities and receptor types for Python.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include "arrays.h"
+#include "omma/error.h"
+#include "omma/receptor.h"
+
+namespace omma::python {
+namespace {
+
+constexpr const char* kernel_names[] = {"gaussian", "pillbox",      "compoundray",
+                                        "airy",     "lens_rhabdom", "table"};
+constexpr const char* model_names[] = {"waveguide", "geometric", "snyder"};
+
+RhabdomModel model_of(const std::string& name) {
+  for (std::size_t k = 0; k < std::size(model_names); ++k)
+    if (name == model_names[k]) return static_cast<RhabdomModel>(k);
+  throw Error("model: expected one of waveguide, geometric, snyder, found '" + name + "'");
+}
+
+Acceptance checked(Acceptance acceptance) {
+  validate_acceptance(acceptance, "Acceptance");
+  return acceptance;
+}
+
+std::vector<double> numbers(nb::handle values, const char* name) {
+  const auto array = double_array(values, name, {-1});
+  return {array.data(), array.data() + array.shape(0)};
+}
+
+Acceptance table(std::vector<double> right_rad, std::vector<double> up_rad,
+                 std::vector<double> sensitivity, std::string path) {
+  SensitivityTable table{std::move(path), std::move(right_rad), std::move(up_rad),
+                         std::move(sensitivity)};
+  // Relative to the largest; what is not a number is found by the check.
+  double largest = 0;
+  for (const double s : table.sensitivity) largest = std::max(largest, s);
+  if (largest > 0)
+    for (double& s : table.sensitivity) s /= largest;
+  Acceptance acceptance;
+  acceptance.kernel = Kernel::table;
+  acceptance.table = std::make_shared<const SensitivityTable>(std::move(table));
+  return checked(std::move(acceptance));
+}
+
+// A function of polar angles and azimuths, broadcast by NumPy.
+template <typename Function>
+nb::object at_angles(nb::handle first, const char* name, nb::handle azimuth_rad,
+                     const Function& function) {
+  const nb::module_ numpy = nb::module_::import_("numpy");
+  const nb::object pair = numpy.attr("broadcast_arrays")(
+      numpy.attr("asarray")(first, "float64"), numpy.attr("asarray")(azimuth_rad, "float64"));
+  const nb::object shape = pair[0].attr("shape");
+  const auto a = double_array(pair[0].attr("ravel")(), name, {-1});
+  const auto b = double_array(pair[1].attr("ravel")(), "azimuth_rad", {-1});
+  std::vector<double> values(a.shape(0));
+  {
+    nb::gil_scoped_release release;
+    function(a.data(), b.data(), values.data(), values.size());
+  }
+  const std::size_t size = values.size();
+  const nb::object flat = take(std::move(values), {size});
+  return flat.attr("reshape")(shape)[nb::tuple()];
+}
+
+constexpr const char* of_angles =
+    "(self, theta_rad: numpy.typing.ArrayLike, azimuth_rad: numpy.typing.ArrayLike = 0.0) -> "
+    "typing.Any";
+
+}  // namespace
+
+void bind_acceptance(nb::module_& m) {
+  nb::class_<Acceptance>(
+      m, "Acceptance",
+      "The angular sensitivity of an ommatidium: a kernel and its parameters.\n\n"
+      "Made by one of its static methods. Directions are given by their polar angle from the axis\n"
+      "and their azimuth, 0 towards the ommatidium's up vector and growing towards its right.\n"
+      "Raises `omma.Error` on a parameter out of range. Sources: docs/acceptance.md.")
+      .def_static(
+          "gaussian",
+          [](double width_rad, std::optional<double> minor_width_rad, double major_angle_rad) {
+            Acceptance a;
+            a.width_rad = width_rad;
+            a.minor_width_rad = minor_width_rad.value_or(0);
+            a.major_angle_rad = major_angle_rad;
+            return checked(a);
+          },
+          nb::arg("width_rad"), nb::arg("minor_width_rad") = nb::none(),
+          nb::arg("major_angle_rad") = 0.0,
+          "A Gaussian per solid angle, round or elliptical: full widths at half maximum and the\n"
+          "azimuth of the major axis.")
+      .def_static(
+          "pillbox",
+          [](double width_rad) {
+            Acceptance a;
+            a.kernel = Kernel::pillbox;
+            a.width_rad = width_rad;
+            return checked(a);
+          },
+          nb::arg("width_rad"), "The same all over a disc of this diameter.")
+      .def_static(
+          "compoundray",
+          [](double width_rad) {
+            Acceptance a;
+            a.kernel = Kernel::compoundray;
+            a.width_rad = width_rad;
+            return checked(a);
+          },
+          nb::arg("width_rad"),
+          "CompoundRay's: the polar angle from a one-dimensional normal, for comparison.")
+      .def_static(
+          "airy",
+          [](double facet_diameter_m, double wavelength_nm) {
+            Acceptance a;
+            a.kernel = Kernel::airy;
+            a.facet_diameter_m = facet_diameter_m;
+            a.wavelength_nm = wavelength_nm;
+            return checked(a);
+          },
+          nb::arg("facet_diameter_m"), nb::arg("wavelength_nm"),
+          "Diffraction at a round facet alone: [2 J1(x)/x]^2 with x = pi D sin(theta)/lambda.")
+      .def_static(
+          "lens_rhabdom",
+          [](double facet_diameter_m, double focal_length_m, double rhabdom_diameter_m,
+             double wavelength_nm, double rhabdom_index, double surround_index,
+             const std::string& model) {
+            Acceptance a;
+            a.kernel = Kernel::lens_rhabdom;
+            a.facet_diameter_m = facet_diameter_m;
+            a.focal_length_m = focal_length_m;
+            a.rhabdom_diameter_m = rhabdom_diameter_m;
+            a.wavelength_nm = wavelength_nm;
+            a.rhabdom_index = rhabdom_index;
+            a.surround_index = surround_index;
+            a.model = model_of(model);
+            return checked(a);
+          },
+          nb::arg("facet_diameter_m"), nb::arg("focal_length_m"), nb::arg("rhabdom_diameter_m"),
+          nb::arg("wavelength_nm"), nb::arg("rhabdom_index") = 1.363,
+          nb::arg("surround_index") = 1.340, nb::arg("model") = "waveguide",
+          "Diffraction at the facet and what the rhabdom takes of it: \"waveguide\" (the modes it\n"
+          "carries; Stavenga 2004), \"geometric\" (its disc) or \"snyder\" (a Gaussian; Snyder "
+          "1979).")
+      .def_static(
+          "table",
+          [](nb::object angle_rad, nb::object sensitivity, nb::object path) {
+            return table(numbers(angle_rad, "angle_rad"), {}, numbers(sensitivity, "sensitivity"),
+                         path_text(path));
+          },
+          nb::arg("angle_rad"), nb::arg("sensitivity"), nb::arg("path") = "",
+          nb::sig("def table(angle_rad: numpy.typing.ArrayLike, sensitivity: "
+                  "numpy.typing.ArrayLike, path: str | os.PathLike[str] = '') -> Acceptance"),
+          "A measured radial profile: polar angles (K,), ascending, rad, and sensitivities (K,);\n"
+          "linear between, 0 beyond the last. Divided by the largest.")
+      .def_static(
+          "table_2d",
+          [](nb::object right_rad, nb::object up_rad, nb::object sensitivity, nb::object path) {
+            std::vector<double> right = numbers(right_rad, "right_rad");
+            std::vector<double> up = numbers(up_rad, "up_rad");
+            const auto values = double_array(
+                sensitivity, "sensitivity",
+                {static_cast<std::int64_t>(up.size()), static_cast<std::int64_t>(right.size())});
+            if (up.empty()) throw Error("up_rad: expected at least two angles, found none");
+            return table(std::move(right), std::move(up),
+                         {values.data(), values.data() + values.size()}, path_text(path));
+          },
+          nb::arg("right_rad"), nb::arg("up_rad"), nb::arg("sensitivity"), nb::arg("path") = "",
+          nb::sig("def table_2d(right_rad: numpy.typing.ArrayLike, up_rad: numpy.typing.ArrayLike, "
+                  "sensitivity: numpy.typing.ArrayLike, path: str | os.PathLike[str] = '') -> "
+                  "Acceptance"),
+          "A measured map: angles to the right (C,) and up (R,), ascending, rad, and\n"
+          "sensitivities (R, C); linear between, 0 outside. Divided by the largest.")
+      .def_prop_ro("kernel",
+                   [](const Acceptance& a) { return kernel_names[static_cast<int>(a.kernel)]; })
+      .def_prop_ro("model",
+                   [](const Acceptance& a) { return model_names[static_cast<int>(a.model)]; })
+      .def_ro("width_parameter_rad", &Acceptance::width_rad,
+              "Full width at half maximum that a gaussian (major axis), pillbox or compoundray was "
+              "made with.")
+      .def_ro("minor_width_rad", &Acceptance::minor_width_rad)
+      .def_ro("major_angle_rad", &Acceptance::major_angle_rad)
+      .def_ro("facet_diameter_m", &Acceptance::facet_diameter_m)
+      .def_ro("wavelength_nm", &Acceptance::wavelength_nm)
+      .def_ro("focal_length_m", &Acceptance::focal_length_m)
+      .def_ro("rhabdom_diameter_m", &Acceptance::rhabdom_diameter_m)
+      .def_ro("rhabdom_index", &Acceptance::rhabdom_index)
+      .def_ro("surround_index", &Acceptance::surround_index)
+      .def_prop_ro(
+          "table_right_rad",
+          [](const Acceptance& a) { return a.table ? a.table->right_rad : std::vector<double>{}; },
+          "Of a table: angles to the right, or the polar angles of a radial profile, rad.")
+      .def_prop_ro(
+          "table_up_rad",
+          [](const Acceptance& a) { return a.table ? a.table->up_rad : std::vector<double>{}; },
+          "Of a two-dimensional table: angles up, rad.")
+      .def_prop_ro(
+          "table_sensitivity",
+          [](const Acceptance& a) {
+            return a.table ? a.table->sensitivity : std::vector<double>{};
+          },
+          "Of a table: sensitivities, row by row.")
+      .def_prop_ro("is_round", &is_round, "Whether it depends on the polar angle alone.")
+      .def_prop_ro("mean_width_rad", &mean_acceptance_width_rad,
+                   "Full width at half maximum; the geometric mean of the widest and the narrowest "
+                   "where not round.")
+      .def("width_rad", &acceptance_width_rad, nb::arg("azimuth_rad") = 0.0,
+           "Full width at half maximum through the axis along an azimuth.")
+      .def(
+          "eval",
+          [](const Acceptance& a, nb::object theta_rad, nb::object azimuth_rad) {
+            return at_angles(theta_rad, "theta_rad", azimuth_rad,
+                             [&](const double* t, const double* f, double* out, std::size_t n) {
+                               eval_acceptance(a, {t, n}, {f, n}, {out, n});
+                             });
+          },
+          nb::arg("theta_rad"), nb::arg("azimuth_rad") = 0.0,
+          nb::sig((std::string("def eval") + of_angles).c_str()),
+          "Relative sensitivity in directions, 1 at its largest; arrays are broadcast.")
+      .def(
+          "pdf",
+          [](const Acceptance& a, nb::object theta_rad, nb::object azimuth_rad) {
+            return at_angles(theta_rad, "theta_rad", azimuth_rad,
+                             [&](const double* t, const double* f, double* out, std::size_t n) {
+                               acceptance_pdf(a, {t, n}, {f, n}, {out, n});
+                             });
+          },
+          nb::arg("theta_rad"), nb::arg("azimuth_rad") = 0.0,
+          nb::sig((std::string("def pdf") + of_angles).c_str()),
+          "Density of `sample` per steradian; arrays are broadcast.")
+      .def(
+          "mtf",
+          [](const Acceptance& a, nb::object cycles_per_rad, nb::object azimuth_rad) {
+            return at_angles(cycles_per_rad, "cycles_per_rad", azimuth_rad,
+                             [&](const double* t, const double* f, double* out, std::size_t n) {
+                               acceptance_mtf(a, {t, n}, {f, n}, {out, n});
+                             });
+          },
+          nb::arg("cycles_per_rad"), nb::arg("azimuth_rad") = 0.0,
+          nb::sig("def mtf(self, cycles_per_rad: numpy.typing.ArrayLike, azimuth_rad: "
+                  "numpy.typing.ArrayLike = 0.0) -> typing.Any"),
+          "Modulation transfer for sine gratings that vary along an azimuth; arrays are "
+          "broadcast.")
+      .def(
+          "sample",
+          [](const Acceptance& a, int count, std::uint64_t seed) {
+            std::vector<Vec3> directions;
+            {
+              nb::gil_scoped_release release;
+              directions = sample_acceptance(a, count, seed);
+            }
+            std::vector<float> values;
+            for (const Vec3& d : directions) values.insert(values.end(), {d.x, d.y, d.z});
+            return take(std::move(values), {directions.size(), 3});
+          },
+          nb::arg("count"), nb::arg("seed") = 0,
+          nb::sig("def sample(self, count: int, seed: int = 0) -> "
+                  "numpy.typing.NDArray[numpy.float32]"),
+          "Directions drawn in proportion to the sensitivity: (count, 3), with x towards up, y\n"
+          "towards the right and z along the axis.")
+      .def(
+          "__eq__",
+          [](const Acceptance& a, nb::handle other) {
+            return nb::isinstance<Acceptance>(other) && a == nb::cast<const Acceptance&>(other);
+          },
+          nb::sig("def __eq__(self, other: object) -> bool"))
+      .def("__hash__",
+           [](const Acceptance& a) {
+             return std::hash<double>{}(a.width_rad + a.facet_diameter_m + a.rhabdom_diameter_m) +
+                    static_cast<std::size_t>(a.kernel);
+           })
+      .def("__repr__", [](const Acceptance& a) {
+        return "<omma.Acceptance " + std::string(kernel_names[static_cast<int>(a.kernel)]) + ", " +
+               std::to_string(mean_acceptance_width_rad(a) / degree) + " deg>";
+      });
+
+  nb::class_<ReceptorType>(
+      m, "ReceptorType",
+      "What a kind of photoreceptor is sensitive to.\n\n"
+      "Parameters\n----------\n"
+      "name : e.g. \"green\".\n"
+      "peak_wavelength_nm : of its visual pigment (template of Govardovskii et al. 2000).\n"
+      "wavelength_nm, sensitivity : (K,) instead: a table, linear between, 0 outside; divided by\n"
+      "    the largest.\n"
+      "microvillus_angle_rad : from the ommatidium's up vector towards its right.\n"
+      "polarisation_sensitivity : PS, at least 1.\n"
+      "absorption_per_m, length_m : of the rhabdom; 0 where not known.\n"
+      "right_rad, up_rad : where it looks, from the ommatidium's axis.\n"
+      "acceptance : its own `Acceptance`; None: the ommatidium's.\n\n"
+      "Raises `omma.Error` on a parameter out of range.")
+      .def(
+          "__init__",
+          [](ReceptorType* self, const std::string& name, double peak_wavelength_nm,
+             const nb::object& wavelength_nm, const nb::object& sensitivity,
+             double microvillus_angle_rad, double polarisation_sensitivity, double absorption_per_m,
+             double length_m, double right_rad, double up_rad,
+             const std::optional<Acceptance>& acceptance) {
+            ReceptorType type;
+            type.name = name;
+            type.peak_wavelength_nm = peak_wavelength_nm;
+            if (!wavelength_nm.is_none())
+              type.wavelength_nm = numbers(wavelength_nm, "wavelength_nm");
+            if (!sensitivity.is_none()) type.sensitivity = numbers(sensitivity, "sensitivity");
+            double largest = 0;
+            for (const double s : type.sensitivity) largest = std::max(largest, s);
+            if (largest > 0)
+              for (double& s : type.sensitivity) s /= largest;
+            type.microvillus_angle_rad = microvillus_angle_rad;
+            type.polarisation_sensitivity = polarisation_sensitivity;
+            type.absorption_per_m = absorption_per_m;
+            type.length_m = length_m;
+            type.right_rad = right_rad;
+            type.up_rad = up_rad;
+            type.acceptance = acceptance;
+            validate_receptor_type(type, "ReceptorType");
+            new (self) ReceptorType(std::move(type));
+          },
+          nb::arg("name"), nb::kw_only(), nb::arg("peak_wavelength_nm") = 0.0,
+          nb::arg("wavelength_nm") = nb::none(), nb::arg("sensitivity") = nb::none(),
+          nb::arg("microvillus_angle_rad") = 0.0, nb::arg("polarisation_sensitivity") = 1.0,
+          nb::arg("absorption_per_m") = 0.0, nb::arg("length_m") = 0.0, nb::arg("right_rad") = 0.0,
+          nb::arg("up_rad") = 0.0, nb::arg("acceptance") = nb::none(),
+          nb::sig("def __init__(self, name: str, *, peak_wavelength_nm: float = 0.0, "
+                  "wavelength_nm: numpy.typing.ArrayLike | None = None, sensitivity: "
+                  "numpy.typing.ArrayLike | None = None, microvillus_angle_rad: float = 0.0, "
+                  "polarisation_sensitivity: float = 1.0, absorption_per_m: float = 0.0, "
+                  "length_m: float = 0.0, right_rad: float = 0.0, up_rad: float = 0.0, "
+                  "acceptance: Acceptance | None = None) -> None"))
+      .def_ro("name", &ReceptorType::name)
+      .def_ro("peak_wavelength_nm", &ReceptorType::peak_wavelength_nm)
+      .def_ro("wavelength_nm", &ReceptorType::wavelength_nm)
+      .def_ro("sensitivity", &ReceptorType::sensitivity)
+      .def_ro("microvillus_angle_rad", &ReceptorType::microvillus_angle_rad)
+      .def_ro("polarisation_sensitivity", &ReceptorType::polarisation_sensitivity)
+      .def_ro("absorption_per_m", &ReceptorType::absorption_per_m)
+      .def_ro("length_m", &ReceptorType::length_m)
+      .def_ro("right_rad", &ReceptorType::right_rad)
+      .def_ro("up_rad", &ReceptorType::up_rad)
+      .def_ro("acceptance", &ReceptorType::acceptance)
+      .def(
+          "__eq__",
+          [](const ReceptorType& a, nb::handle other) {
+            return nb::isinstance<ReceptorType>(other) && a == nb::cast<const ReceptorType&>(other);
+          },
+          nb::sig("def __eq__(self, other: object) -> bool"))
+      .def("__hash__", [](const ReceptorType& a) { return std::hash<std::string>{}(a.name); })
+      .def("__repr__",
+           [](const ReceptorType& a) { return "<omma.ReceptorType '" + a.name + "'>"; });
+}
+
+}  // namespace omma::python
