@@ -88,7 +88,12 @@ Kernel kernel_from_environment() {
 
 // An eye of one ray, for the renderer that holds the acceleration structure.
 Eye smallest_eye() {
-  return {"", {{0, 0, 0}}, {{0, 0, -1}}, {0}, {0}, {0}};
+  Eye eye;
+  eye.position_m = {{0, 0, 0}};
+  eye.axis = {{0, 0, -1}};
+  eye.acceptance_angle_rad = eye.focal_offset_m = {0};
+  eye.eye_id = {0};
+  return eye;
 }
 
 // The box around the corners of a mesh's own box, once they are where the node puts them.

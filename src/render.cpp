@@ -32,8 +32,10 @@ void check_settings(const RenderSettings& s) {
     throw Error("most_samples: expected " + std::to_string(s.samples) + " (samples) to " +
                 std::to_string(max_samples) + ", found " + std::to_string(s.most_samples));
   if (s.share_rays && s.error > 0) throw Error("share_rays: not where rays go to reach an error");
-  if (s.share_rays && s.kernel == Kernel::compoundray)
-    throw Error("share_rays: not with the kernel compoundray, which is infinite at its axis");
+  if (s.kernel && *s.kernel > Kernel::compoundray)
+    throw Error(
+        "kernel: expected gaussian, pillbox or compoundray, which an acceptance angle says "
+        "all of; others belong to the eye");
   if (s.share_rays && s.sampling == Sampling::random)
     throw Error("share_rays: not with random sampling");
   if (s.share_rays && s.samples > max_shared_samples)
@@ -85,9 +87,23 @@ std::shared_ptr<const BuiltBackground> build_background(const BuiltScene& built,
   return background;
 }
 
+// What neighbours cannot share rays with.
+static void check_sharing(const Eye& eye, const RenderSettings& settings) {
+  if (!settings.share_rays) return;
+  for (std::size_t i = 0; i < eye.size(); ++i) {
+    const std::string place = "share_rays, ommatidium " + std::to_string(i) + ": not with ";
+    const Acceptance acceptance = rendered_acceptance(eye, settings, i);
+    if (acceptance.kernel == Kernel::compoundray)
+      throw Error(place + "the kernel compoundray, which is infinite at its axis");
+    if (!is_round(acceptance)) throw Error(place + "a sensitivity that is not round");
+    if (eye.aperture_diameter_m[i] > 0) throw Error(place + "an aperture");
+  }
+}
+
 // All that depends on the eye and the settings.
 void Renderer::State::prepare_eye(State& s, Eye eye, RenderSettings settings,
                                   const DirectionTables* known) {
+  check_sharing(eye, settings);
   s.eye = std::move(eye);
   s.settings = std::move(settings);
   s.block = choose_block_functions();

@@ -31,7 +31,9 @@ inline constexpr int max_shared_samples = 256;
 struct RenderSettings {
   int samples = 16;  // rays per ommatidium and scramble, 1 to max_samples
   std::uint64_t seed = 0;
-  Kernel kernel = Kernel::gaussian;
+  // None: each ommatidium's own angular sensitivity. Else all have this one (gaussian, pillbox or
+  // compoundray), as wide as their acceptance angles.
+  std::optional<Kernel> kernel = std::nullopt;
   Sampling sampling = Sampling::low_discrepancy;
   int threads = 0;                                      // 0: one per hardware thread
   std::optional<Background> background = std::nullopt;  // instead of the scene's own
@@ -46,7 +48,7 @@ struct RenderSettings {
   // Neighbouring ommatidia share rays: about `samples` per ommatidium in all, but each uses those of
   // its neighbours too, through their nodal points. Far less error for the same rays; surfaces at a
   // distance d are seen with an acceptance angle 1 + R/d times as wide on an eye of radius R. Not
-  // with `error`, Kernel::compoundray or Sampling::random.
+  // with `error`, Sampling::random, apertures, or sensitivities that are not round or `compoundray`.
   bool share_rays = false;
 };
 

@@ -15,10 +15,12 @@ namespace omma {
 struct EyeArrays {
   std::vector<float> origin_x, origin_y, origin_z;  // m, position - axis * focal offset
   std::vector<float> axis_x, axis_y, axis_z;        // unit
-  std::vector<float> side_x, side_y, side_z;        // unit, across the axis
+  std::vector<float> up_x, up_y, up_z;              // unit, across the axis
   std::vector<float> focal_offset_m;
+  std::vector<float> aperture_radius_m;
   std::vector<std::int32_t> warp;        // index into DirectionTables::warps
   std::vector<std::int32_t> ommatidium;  // index in the Eye
+  bool has_apertures = false;            // whether any radius is above 0
 };
 
 EyeArrays make_eye_arrays(const Eye& eye, const DirectionTables& directions);

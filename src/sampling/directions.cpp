@@ -7,12 +7,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <unordered_map>
 
-#include "kernel/footprint.h"
 #include "kernel/hash.h"
 #include "kernel/sobol.h"
 #include "sampling/even_points.h"
+#include "sampling/footprint_width.h"
 
 namespace omma {
 namespace {
@@ -68,7 +69,26 @@ void sort_into_packets(std::vector<Vec3d>& normals) {
   for (std::size_t i = 0; i < keyed.size(); ++i) normals[i] = keyed[i].second;
 }
 
+// As a key: equal acceptances have equal hashes.
+struct AcceptanceHash {
+  std::size_t operator()(const Acceptance& a) const {
+    std::uint64_t hash = static_cast<std::uint64_t>(a.kernel);
+    for (const double value : {a.width_rad, a.minor_width_rad, a.major_angle_rad,
+                               a.facet_diameter_m, a.focal_length_m, a.rhabdom_diameter_m})
+      hash = hash_combine(hash, std::hash<double>{}(value));
+    return hash;
+  }
+};
+
 }  // namespace
+
+Acceptance rendered_acceptance(const Eye& eye, const RenderSettings& settings, std::size_t i) {
+  if (!settings.kernel) return acceptance_at(eye, i);
+  Acceptance acceptance;
+  acceptance.kernel = *settings.kernel;
+  acceptance.width_rad = eye.acceptance_angle_rad[i];
+  return acceptance;
+}
 
 DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& settings,
                                       const DirectionTables* known_tables) {
@@ -77,46 +97,43 @@ DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& sett
   tables.sampling = settings.sampling;
   tables.seed = settings.seed;
 
-  // One warp per distinct acceptance angle.
-  std::unordered_map<float, std::uint32_t> known;
-  std::vector<float> angles;
-  for (float angle : eye.acceptance_angle_rad) {
+  // One warp per distinct acceptance.
+  std::unordered_map<Acceptance, std::uint32_t, AcceptanceHash> known;
+  std::vector<Acceptance> distinct;
+  for (std::size_t i = 0; i < eye.size(); ++i) {
+    const Acceptance acceptance = rendered_acceptance(eye, settings, i);
     const auto [found, is_new] =
-        known.try_emplace(angle, static_cast<std::uint32_t>(angles.size()));
-    if (is_new) angles.push_back(angle);
+        known.try_emplace(acceptance, static_cast<std::uint32_t>(distinct.size()));
+    if (is_new) distinct.push_back(acceptance);
     tables.warp_of.push_back(found->second);
   }
-  tables.warps.resize(angles.size());
-  std::unordered_map<float, const AcceptanceWarp*> made;
+  tables.warps.resize(distinct.size());
+  std::unordered_map<Acceptance, const AcceptanceWarp*, AcceptanceHash> made;
   if (known_tables != nullptr)
-    for (const AcceptanceWarp& warp : known_tables->warps)
-      if (warp.kernel == settings.kernel) made[static_cast<float>(warp.acceptance_rad)] = &warp;
-  oneapi::tbb::parallel_for(std::size_t{0}, angles.size(), [&](std::size_t i) {
-    const auto found = made.find(angles[i]);
-    tables.warps[i] =
-        found != made.end() ? *found->second : make_acceptance_warp(settings.kernel, angles[i]);
+    for (const AcceptanceWarp& warp : known_tables->warps) made[warp.acceptance] = &warp;
+  oneapi::tbb::parallel_for(std::size_t{0}, distinct.size(), [&](std::size_t i) {
+    const auto found = made.find(distinct[i]);
+    tables.warps[i] = found != made.end() ? *found->second : make_acceptance_warp(distinct[i]);
   });
 
-  for (const float angle : angles)
+  for (const AcceptanceWarp& warp : tables.warps) {
     tables.footprint_rad.push_back(
-        settings.footprints
-            ? static_cast<float>(footprint_width_rad(settings.kernel, angle, settings.samples))
-            : 0.0f);
+        settings.footprints ? static_cast<float>(footprint_width_rad(warp.acceptance, settings.samples))
+                            : 0.0f);
+    tables.fixed_turn.push_back(warp.round ? -1 : static_cast<std::int32_t>(turn_count));
+  }
 
   for (std::size_t i = 0; i < turn_count; ++i) {
     const double angle = 2 * pi * (static_cast<double>(i) + 0.5) / turn_count;
     tables.turns.push_back(
         {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))});
   }
+  tables.turns.push_back({1, 0});
   if (settings.sampling == Sampling::random) {
-    for (const AcceptanceWarp& warp : tables.warps)
-      for (std::size_t i = 0; i < warp.theta.size(); ++i) {
-        tables.polar.push_back(static_cast<float>(warp.theta[i]));
-        tables.polar.push_back(static_cast<float>(warp.dtheta[i]));
-      }
+    tables.polar = make_polar_tables(tables.warps);
     return tables;
   }
-  tables.patterns = choose_pattern_count(settings.samples, angles.size());
+  tables.patterns = choose_pattern_count(settings.samples, distinct.size());
   if (tables.patterns == 0) return tables;
 
   // The scrambled points are shared by all warps; the directions are not.
@@ -131,8 +148,8 @@ DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& sett
   move_apart(normals, settings.seed);
   oneapi::tbb::parallel_for(std::size_t{0}, patterns,
                             [&](std::size_t k) { sort_into_packets(normals[k]); });
-  tables.local.resize(angles.size() * patterns * 3 * n);
-  oneapi::tbb::parallel_for(std::size_t{0}, angles.size() * patterns, [&](std::size_t i) {
+  tables.local.resize(distinct.size() * patterns * 3 * n);
+  oneapi::tbb::parallel_for(std::size_t{0}, distinct.size() * patterns, [&](std::size_t i) {
     const AcceptanceWarpView warp = view(tables.warps[i / patterns]);
     float* out = tables.local.data() + i * 3 * n;
     for (std::size_t j = 0; j < n; ++j) {

@@ -1,8 +1,8 @@
 // Sample directions of all ommatidia of an eye, as tables, so that no ray needs a random number or
 // a sine: a number of independently scrambled patterns of unit directions around the axis for each
-// distinct acceptance angle. An estimate takes one pattern, chosen and turned about the axis by its
-// scramble hash. Where tables would be too large, the same directions are made on the fly; random
-// directions always are (kernel/random_direction.h).
+// distinct acceptance. An estimate takes one pattern, chosen by its scramble hash, and where the
+// sensitivity is round turned about the axis by it too. Where tables would be too large, the same
+// directions are made on the fly; random directions always are (kernel/random_direction.h).
 #pragma once
 
 #include <cstdint>
@@ -10,32 +10,35 @@
 
 #include "omma/render.h"
 #include "sampling/acceptance_warp.h"
+#include "sampling/polar_tables.h"
 
 namespace omma {
 
 // Turns about the axis that a scramble can have; a power of two.
 inline constexpr std::uint64_t turn_count = 1024;
 
-// Floats per warp in DirectionTables::polar.
-inline constexpr int polar_stride = 2 * (AcceptanceWarpView::intervals + 1);
-
 struct DirectionTables {
   int samples = 0;
   Sampling sampling = Sampling::low_discrepancy;
   std::uint64_t seed = 0;
-  std::vector<AcceptanceWarp> warps;   // [distinct acceptance angle]
+  std::vector<AcceptanceWarp> warps;   // [distinct acceptance]
   std::vector<std::uint32_t> warp_of;  // [ommatidium], index into warps
   std::vector<float> footprint_rad;    // [warp], width of each ray (kernel/footprint.h)
-  int patterns = 0;                    // per distinct acceptance angle; 0: made on the fly
-  // [warp][pattern][x, y, z][samples], unit, in a frame with z along the axis.
+  // [warp]: the turn about the axis that all have whose sensitivity is not round, else -1.
+  std::vector<std::int32_t> fixed_turn;
+  int patterns = 0;  // per warp; 0: made on the fly
+  // [warp][pattern][x, y, z][samples], unit, in a frame with x up, y right and z along the axis.
   std::vector<float> local;
-  std::vector<Vec2> turns;  // cosine and sine of the turns about the axis
-  // With random sampling: [warp][AcceptanceWarpView::intervals + 1][theta, dtheta], rad.
-  std::vector<float> polar;
+  std::vector<Vec2> turns;  // [turn_count + 1], cosine and sine; the last is no turn
+  PolarTables polar;        // with random sampling
 };
 
-// For estimates of settings.samples rays. Warps for the same kernel and acceptance angle are taken
-// from `known`, where there are some.
+// The sensitivity that an ommatidium is rendered with: its own, or where the settings name a kernel
+// that one, as wide.
+Acceptance rendered_acceptance(const Eye& eye, const RenderSettings& settings, std::size_t i);
+
+// For estimates of settings.samples rays. Warps for the same acceptance are taken from `known`,
+// where there are some.
 DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& settings,
                                       const DirectionTables* known = nullptr);
 

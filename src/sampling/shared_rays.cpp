@@ -352,6 +352,7 @@ SharedRays make_shared_rays(const Eye& eye, const DirectionTables& tables, int p
     shared.first.push_back(static_cast<std::int64_t>(shared.ray.size()));
     row = {};
   }
+  validate_eye(shared.rays);  // which fills what such rays have no use for
   return shared;
 }
 
@@ -362,7 +363,7 @@ DirectionTables make_ray_tables(const Eye& rays, const RenderSettings& settings)
   tables.samples = 1;
   tables.patterns = 1;
   tables.sampling = Sampling::low_discrepancy;
-  tables.polar.clear();
+  tables.polar = {};
   for (std::size_t i = 0; i < tables.warps.size(); ++i)
     tables.local.insert(tables.local.end(), {0.0f, 0.0f, 1.0f});
   return tables;

@@ -29,9 +29,12 @@ struct Units {
   alignas(64) float s[3][unit_room];
   alignas(64) float t[3][unit_room];
   alignas(64) float t_near[unit_room];
-  alignas(64) float footprint_rad[unit_room];      // width of each ray (kernel/footprint.h)
-  alignas(64) std::int32_t directions[unit_room];  // where its pattern, or its warp, begins
-  alignas(64) std::int32_t hash[unit_room];        // of its scramble, where no pattern is read
+  alignas(64) float footprint_rad[unit_room];  // width of each ray (kernel/footprint.h)
+  alignas(64) float aperture_radius[unit_room];
+  alignas(64) std::int32_t directions[unit_room];  // where its pattern begins, or which warp
+  alignas(64) std::int32_t hash[unit_room];        // of its scramble
+  bool has_apertures;
+  PolarTablesView polar;
 };
 
 // The eye's arrays are padded, so that the last lanes read something; lanes behind the last unit
@@ -42,6 +45,8 @@ void make_units(const BlockContext& context, const BlockTask& task, const Direct
   const float(&m)[3][4] = task.world_from_head;
   const std::uint64_t pose = pose_hash(tables.seed, task.pose);
   const bool in_order = list.ordinal == nullptr && list.scrambles == 1;
+  units.has_apertures = eye.has_apertures;
+  units.polar = view(tables.polar);
   const float per_scramble = 1.0f / static_cast<float>(list.scrambles);
   for (int u = 0; u < list.count; u += lane_width) {
     Ints unit = lane_numbers() + u;
@@ -57,13 +62,13 @@ void make_units(const BlockContext& context, const BlockTask& task, const Direct
     // The frame at this pose; orthonormal again, as a pose may scale.
     const Floats origin[3] = {at(eye.origin_x), at(eye.origin_y), at(eye.origin_z)};
     const Floats axis[3] = {at(eye.axis_x), at(eye.axis_y), at(eye.axis_z)};
-    const Floats side[3] = {at(eye.side_x), at(eye.side_y), at(eye.side_z)};
+    const Floats up[3] = {at(eye.up_x), at(eye.up_y), at(eye.up_z)};
     Floats a[3], s[3];
     for (int r = 0; r < 3; ++r) {
       store(units.origin[r] + u,
             m[r][0] * origin[0] + m[r][1] * origin[1] + m[r][2] * origin[2] + m[r][3]);
       a[r] = m[r][0] * axis[0] + m[r][1] * axis[1] + m[r][2] * axis[2];
-      s[r] = m[r][0] * side[0] + m[r][1] * side[1] + m[r][2] * side[2];
+      s[r] = m[r][0] * up[0] + m[r][1] * up[1] + m[r][2] * up[2];
     }
     const Floats length_a = sqrt_lanes(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
     store(units.t_near + u, at(eye.focal_offset_m) * length_a);
@@ -79,24 +84,27 @@ void make_units(const BlockContext& context, const BlockTask& task, const Direct
     // Its pattern, and its turn about the axis from other bits; scrambles of one ommatidium differ
     // in both.
     const Uints hash = ommatidium_hash(pose, (Uints)at(eye.ommatidium));
-    const Uints turn =
-        ((hash >> 20) + scramble * 389u) & static_cast<std::uint32_t>(turn_count - 1);
+    const Ints warp = at(eye.warp);
+    const Ints fixed_turn = gather(tables.fixed_turn.data(), warp);
+    const Ints own_turn =
+        (Ints)(((hash >> 20) + scramble * 389u) & static_cast<std::uint32_t>(turn_count - 1));
+    const Ints turn = fixed_turn < 0 ? own_turn : fixed_turn;
     const float* turns = &tables.turns.data()->x;
-    const Floats cosine = gather(turns, (Ints)turn * 2), sine = gather(turns, (Ints)turn * 2 + 1);
+    const Floats cosine = gather(turns, turn * 2), sine = gather(turns, turn * 2 + 1);
     for (int r = 0; r < 3; ++r) {
       store(units.axis[r] + u, a[r]);
       store(units.s[r] + u, s[r] * cosine + t[r] * sine);
       store(units.t[r] + u, t[r] * cosine - s[r] * sine);
     }
-    const Ints warp = at(eye.warp);
     store(units.footprint_rad + u, gather(tables.footprint_rad.data(), warp));
     if (tables.patterns > 0) {
       const Uints pattern = (hash + scramble) & static_cast<std::uint32_t>(tables.patterns - 1);
       store(units.directions + u, (warp * tables.patterns + (Ints)pattern) * (3 * tables.samples));
     } else {
-      store(units.directions + u, warp * polar_stride);
-      store(units.hash + u, scramble_hash(hash, scramble));
+      store(units.directions + u, warp);
     }
+    store(units.hash + u, scramble_hash(hash, scramble));
+    store(units.aperture_radius + u, at(eye.aperture_radius_m) * length_a);
   }
 }
 
@@ -106,17 +114,42 @@ __attribute__((always_inline)) inline Floats without_noise(Floats component) {
   return component < 1e-9f && component > -1e-9f ? component * 0.0f : component;
 }
 
+// Points all over the unit disc for samples of units: a lattice of two irrational steps (the
+// plastic number's, whose points stay apart at any count), shifted by the unit's hash. Each point
+// alone is uniform, so responses are unbiased.
+struct DiscPoints {
+  Floats x, y;
+};
+
+__attribute__((always_inline)) inline DiscPoints disc_points(Ints hash, Ints sample) {
+  const Uints shift = mix_bits_32((Uints)hash + 0x68bc21ebu);
+  const auto fraction = [&](Uints bits) { return (to_float((Ints)(bits >> 8)) + 0.5f) * 0x1p-24f; };
+  const Floats radius = sqrt_lanes(fraction(shift + (Uints)sample * 3242174889u));
+  const Floats turn = fraction(mix_bits_32(shift) + (Uints)sample * 2447445414u);
+  const SineCosine<Floats> a = sine_cosine((2.0f * turn - 1.0f) * 3.14159265f);
+  return {radius * a.cosine, radius * a.sine};
+}
+
 // Writes lane_width rays from lane l on: the first is sample `sample` of unit `unit`.
 __attribute__((always_inline)) inline void write_rays(const DirectionTables& tables,
                                                       const Units& units, int last_unit, int unit,
                                                       int sample, float per_sample, Packet& packet,
                                                       int l) {
-  const auto write = [&](const LocalDirection<Floats>& d, const auto& of_unit) {
+  const auto write = [&](const LocalDirection<Floats>& d, const auto& of_unit, const auto& points) {
     RTCRay16& ray = packet.rays.ray;
+    DiscPoints disc{};
+    if (units.has_apertures) {
+      disc = points();
+      const Floats radius = of_unit(units.aperture_radius);
+      disc = {disc.x * radius, disc.y * radius};
+    }
     float* const direction[3] = {ray.dir_x + l, ray.dir_y + l, ray.dir_z + l};
     float* const origin[3] = {ray.org_x + l, ray.org_y + l, ray.org_z + l};
     for (int r = 0; r < 3; ++r) {
-      store(origin[r], of_unit(units.origin[r]));
+      const Floats from = of_unit(units.origin[r]);
+      store(origin[r], units.has_apertures
+                           ? from + of_unit(units.s[r]) * disc.x + of_unit(units.t[r]) * disc.y
+                           : from);
       store(direction[r], without_noise(of_unit(units.s[r]) * d.x + of_unit(units.t[r]) * d.y +
                                         of_unit(units.axis[r]) * d.z));
     }
@@ -129,8 +162,12 @@ __attribute__((always_inline)) inline void write_rays(const DirectionTables& tab
   const float* local = tables.local.data();
   if (tables.patterns > 0 && sample + lane_width <= tables.samples) {
     const float* p = local + units.directions[unit] + sample;
-    write({load<Floats>(p), load<Floats>(p + tables.samples), load<Floats>(p + 2 * tables.samples)},
-          [&](const float* values) { return broadcast<Floats>(values[unit]); });
+    write(
+        {load<Floats>(p), load<Floats>(p + tables.samples), load<Floats>(p + 2 * tables.samples)},
+        [&](const float* values) { return broadcast<Floats>(values[unit]); },
+        [&] {
+          return disc_points(lane_numbers() * 0 + units.hash[unit], lane_numbers() + sample);
+        });
     return;
   }
 
@@ -145,18 +182,20 @@ __attribute__((always_inline)) inline void write_rays(const DirectionTables& tab
     d = {gather(local, p), gather(local, p + tables.samples),
          gather(local, p + 2 * tables.samples)};
   } else if (tables.sampling == Sampling::random) {
-    d = sample_random_direction<Floats>(tables.polar.data(), gather(units.directions + unit, ahead),
+    d = sample_random_direction<Floats>(units.polar, gather(units.directions + unit, ahead),
                                         (Uints)gather(units.hash + unit, ahead),
                                         (Uints)local_sample);
   } else {
     float x[lane_width], y[lane_width], z[lane_width];
     for (int k = 0; k < lane_width; ++k)
-      make_direction(tables, units.directions[unit + ahead[k]] / polar_stride,
+      make_direction(tables, units.directions[unit + ahead[k]],
                      static_cast<std::uint32_t>(units.hash[unit + ahead[k]]), local_sample[k], x[k],
                      y[k], z[k]);
     d = {load<Floats>(x), load<Floats>(y), load<Floats>(z)};
   }
-  write(d, [&](const float* values) { return pick(values + unit, ahead); });
+  write(
+      d, [&](const float* values) { return pick(values + unit, ahead); },
+      [&] { return disc_points(gather(units.hash + unit, ahead), local_sample); });
 }
 
 // Where a packet stands: its first ray is sample `sample` of unit `unit`; `filled` lanes hold rays.
