@@ -11,6 +11,7 @@ import numpy as np
 import typer
 
 from omma._core import Error, Eye, merge_eyes
+from omma.cli_eye_look import add_look_commands
 from omma.cli_working import working
 from omma.eye_design import AcuteZone, acute_zones, generate_eye
 from omma.eye_drawing import check_names, draw_eye
@@ -107,6 +108,7 @@ eye_app = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode="markdown",
 )
+add_look_commands(eye_app)
 
 EyeArgument = Annotated[Path, typer.Argument(help="Eye file.", metavar="EYE")]
 OutOption = Annotated[

@@ -1,0 +1,192 @@
+"""``omma eye info`` and ``omma eye plot``: what an eye is like, in numbers and in figures."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from omma._core import Eye, merge_eyes
+from omma.cli_working import working
+from omma.eye_maps import plot_eye_maps
+from omma.eye_measures import DIFFRACTION_LIMIT, diffraction_limit_m_rad, measure_eye
+from omma.eye_report import SPREADS, eye_summary, save_eye_table
+from omma.figure_files import figure_names
+from omma.files import WholeFiles, check_target, load_eye
+
+INFO_HELP = """
+Say what an eye is like: its size and visual field, the angles between its ommatidia, what they
+accept and how far they look askew; and which of them look wrong.
+
+Several files make one head. Every number is explained in docs/eye-measures.md.
+
+**Examples**
+
+`omma eye info honeybee_worker_left.eye honeybee_worker_right.eye`
+
+Everything about each ommatidium as a table, the summary for a program, maps as a figure:
+
+`omma eye info bee.eye -o ommatidia.csv --json summary.json --map maps.pdf`
+"""
+
+EyesArgument = Annotated[
+    list[Path], typer.Argument(help="Eye file; several make one head.", metavar="EYE...")
+]
+UnitOption = Annotated[
+    str,
+    typer.Option(
+        help="Unit of lengths in eye files: mm, um, m or a number of metres.", metavar="UNIT"
+    ),
+]
+_MOST_NAMED = 8
+
+
+def add_look_commands(app: typer.Typer) -> None:
+    """Register ``info`` and ``plot`` with ``omma eye``."""
+    app.command(name="info", help=INFO_HELP, short_help="Say what an eye is like, in numbers.")(
+        info
+    )
+
+
+def info(
+    eye: EyesArgument,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="Table of all ommatidia, .csv.", metavar="OUT"),
+    ] = None,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", help="The summary as JSON.", metavar="OUT")
+    ] = None,
+    map_file: Annotated[
+        Path | None,
+        typer.Option("--map", help="Maps of Δφ, Δρ and more: .pdf, .svg or .png.", metavar="OUT"),
+    ] = None,
+    unit: UnitOption = "mm",
+) -> None:
+    """Say what an eye is like."""
+    for target in (output, json_file):
+        if target is not None:
+            check_target(str(target))
+    names = figure_names([map_file]) if map_file is not None else []
+    with working() as bar:
+        head = load_head(eye, unit)
+        bar.show("measuring", None)
+        measures = measure_eye(head)
+        summary = eye_summary(head, measures)
+        if output is not None:
+            save_eye_table(output, head, measures)
+        if json_file is not None:
+            with WholeFiles() as files:
+                text = json.dumps(summary, indent=2, ensure_ascii=False) + "\n"
+                files.open(str(json_file)).write(text.encode())
+        if names:
+            plot_eye_maps(names, head, measures=measures, progress=bar.show)
+    _print_summary(", ".join(str(path) for path in eye), summary)
+    for target in (output, json_file, map_file):
+        if target is not None:
+            print(f"wrote {target}")
+
+
+def load_head(paths: list[Path], unit: str) -> Eye:
+    """The eye of a file, or the head of several."""
+    eyes = [load_eye(path, unit) for path in paths]
+    return eyes[0] if len(eyes) == 1 else merge_eyes(eyes)
+
+
+def _print_summary(name: str, summary: dict[str, Any]) -> None:
+    console = Console(highlight=False, soft_wrap=True)
+    lines = [("eye", name), ("ommatidia", _ommatidia(summary))]
+    size = " x ".join(f"{length:.4g}" for length in summary["size_mm"])
+    kernels = ", ".join(f"{n:,} {kind}" for kind, n in summary["acceptance_kernels"].items())
+    lines += [("size", f"{size} mm"), ("acceptance", kernels)]
+    if summary["receptors"]:
+        listed = ", ".join(f"{n:,} {kind}" for kind, n in summary["receptors"].items())
+        lines.append(("receptors", listed))
+    if summary["columns"]:
+        lines.append(("columns", ", ".join(summary["columns"])))
+    _print_lines(console, lines)
+    console.print(_spreads(summary["spread"]), soft_wrap=False)
+    _print_lines(console, _field_lines(summary) + _odd_lines(summary))
+
+
+def _print_lines(console: Console, lines: list[tuple[str, str]]) -> None:
+    for what, value in lines:
+        console.print(f"{what:<12} {value}", markup=False)
+
+
+def _ommatidia(summary: dict[str, Any]) -> str:
+    eyes = summary["eyes"]
+    each = f" ({' + '.join(f'{n:,}' for n in eyes.values())})" if len(eyes) > 1 else ""
+    inner, six = summary["inner_ommatidia"], summary["inner_with_six_neighbours"]
+    share = f"; {six / inner:.0%} of the {inner:,} inner ones have six neighbours" if inner else ""
+    return f"{summary['ommatidia']:,}{each}{share}"
+
+
+def _spreads(spread: dict[str, dict[str, Any]]) -> Table:
+    from rich import box
+
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table.add_column("", no_wrap=True)
+    for column in ("min", "5 %", "median", "95 %", "max"):
+        table.add_column(column, justify="right")
+    table.add_column("unit")
+    for name, what, unit in SPREADS:
+        values = spread[name]
+        if values["known"] == 0:
+            table.add_row(what, "", "", "not known", "", "", "")
+            continue
+        numbers = [_number(values[key]) for key in ("min", "p5", "median", "p95", "max")]
+        table.add_row(what, *numbers, unit)
+        if name == "eye_parameter_um_rad":
+            limit = diffraction_limit_m_rad() * 1e6
+            text = f"  diffraction limit {DIFFRACTION_LIMIT} λ, 500 nm"
+            table.add_row(text, "", "", _number(limit), "", "", unit)
+    return table
+
+
+def _field_lines(summary: dict[str, Any]) -> list[tuple[str, str]]:
+    sphere = 12.566370614
+    lines = []
+    if len(summary["eyes"]) > 1:
+        lines += [
+            (f"eye {which}", f"sees {sr:.3g} sr, {sr / sphere:.1%} of the sphere")
+            for which, sr in summary["field_sr"].items()
+        ]
+    seen, both = summary["seen_sr"], summary["binocular_sr"]
+    lines.append(("field", f"{seen:.3g} sr, {seen / sphere:.1%} of the sphere"))
+    share = f", {both / seen:.1%} of the field" if seen else ""
+    lines.append(("binocular", f"{both:.3g} sr{share}" if both else "none"))
+    zones = summary["blind_zones"]
+    lines += [
+        (
+            "blind" if k == 0 else "",
+            f"{zone['solid_angle_sr']:.3g} sr; a cone of {zone['radius_deg']:.1f}° half angle fits "
+            f"in, around azimuth {zone['azimuth_deg']:.0f}°, elevation "
+            f"{zone['elevation_deg']:.0f}°",
+        )
+        for k, zone in enumerate(zones[:_MOST_NAMED])
+    ]
+    if len(zones) > _MOST_NAMED:
+        lines.append(("", f"and {len(zones) - _MOST_NAMED} more blind zones"))
+    return lines if zones else [*lines, ("blind", "nowhere")]
+
+
+def _odd_lines(summary: dict[str, Any]) -> list[tuple[str, str]]:
+    odd = [f"{o['ommatidium']} ({o['differs_in']})" for o in summary["outliers"]]
+    same = [f"{d['ommatidium']} (as {d['same_as']})" for d in summary["duplicates"]]
+    return [("outliers", _listed(odd)), ("duplicates", _listed(same))]
+
+
+def _listed(names: list[str]) -> str:
+    if not names:
+        return "none"
+    more = ", ..." if len(names) > _MOST_NAMED else ""
+    return f"{len(names):,}: {', '.join(names[:_MOST_NAMED])}{more}"
+
+
+def _number(value: float) -> str:
+    return f"{value:.3g}" if abs(value) < 100 else f"{value:.0f}"
