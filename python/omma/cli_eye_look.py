@@ -110,7 +110,7 @@ def _print_summary(name: str, summary: dict[str, Any]) -> None:
         lines.append(("columns", ", ".join(summary["columns"])))
     _print_lines(console, lines)
     console.print(_spreads(summary["spread"]), soft_wrap=False)
-    _print_lines(console, _field_lines(summary) + _odd_lines(summary))
+    _print_lines(console, _parameter_lines(summary) + _field_lines(summary) + _odd_lines(summary))
 
 
 def _print_lines(console: Console, lines: list[tuple[str, str]]) -> None:
@@ -130,22 +130,26 @@ def _spreads(spread: dict[str, dict[str, Any]]) -> Table:
     from rich import box
 
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    table.add_column("", no_wrap=True)
-    for column in ("min", "5 %", "median", "95 %", "max"):
-        table.add_column(column, justify="right")
-    table.add_column("unit")
+    for column in ("", "min", "5 %", "median", "95 %", "max", "unit"):
+        table.add_column(
+            column, justify="right" if column not in ("", "unit") else "left", no_wrap=True
+        )
     for name, what, unit in SPREADS:
         values = spread[name]
         if values["known"] == 0:
-            table.add_row(what, "", "", "not known", "", "", "")
+            table.add_row(what, *[""] * 5, "not known")
             continue
         numbers = [_number(values[key]) for key in ("min", "p5", "median", "p95", "max")]
         table.add_row(what, *numbers, unit)
-        if name == "eye_parameter_um_rad":
-            limit = diffraction_limit_m_rad() * 1e6
-            text = f"  diffraction limit {DIFFRACTION_LIMIT} λ, 500 nm"
-            table.add_row(text, "", "", _number(limit), "", "", unit)
     return table
+
+
+def _parameter_lines(summary: dict[str, Any]) -> list[tuple[str, str]]:
+    if summary["spread"]["eye_parameter_um_rad"]["known"] == 0:
+        return []
+    limit = diffraction_limit_m_rad() * 1e6
+    text = f"the limit is {_number(limit)} µm rad: D·Δφ = {DIFFRACTION_LIMIT} λ at λ = 500 nm"
+    return [("diffraction", text)]
 
 
 def _field_lines(summary: dict[str, Any]) -> list[tuple[str, str]]:

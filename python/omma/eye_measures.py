@@ -99,13 +99,13 @@ class EyeMeasures:
     def sampling_per_rad(self) -> Floats:
         """Sampling frequency 1/(2Δφ), cycles/rad: of the finest grating whose stripes neighbours
         can tell apart (Götz 1964, Kybernetik 2:77)."""
-        return 1 / (2 * self.interommatidial_rad)
+        return np.asarray(1 / (2 * self.interommatidial_rad))
 
     @cached_property
     def hexagonal_sampling_per_rad(self) -> Floats:
         """1/(√3 Δφ), cycles/rad: the Nyquist frequency of the rows of a hexagonal lattice, which
         are √3/2 Δφ apart."""
-        return 1 / (np.sqrt(3) * self.interommatidial_rad)
+        return np.asarray(1 / (np.sqrt(3) * self.interommatidial_rad))
 
 
 def measure_eye(eye: Eye) -> EyeMeasures:
@@ -136,7 +136,7 @@ def measure_eye(eye: Eye) -> EyeMeasures:
     for which in np.unique(eye_id):
         members = eye_id == which
         outward[members] = position[members] - eye_centre(position[members])
-    diameter = _known(getattr(eye, "facet_diameter_m", np.zeros(len(eye))))
+    diameter = _known(eye.facet_diameter_m)
     return EyeMeasures(
         eye_id=eye_id,
         neighbours=directions.count(),

@@ -47,7 +47,8 @@ class Lattice:
 
     def count(self) -> Ints:
         """How many neighbours each has: (K,)."""
-        return np.bincount(self.pairs.ravel(), minlength=len(self.border))[self.first]
+        count = np.bincount(self.pairs.ravel(), minlength=len(self.border))
+        return np.asarray(count[self.first])
 
     def mean_over_neighbours(self, values: Floats) -> Floats:
         """The mean of ``values`` (K,) or (K, D) over the neighbours of each; NaN where none."""
@@ -210,7 +211,7 @@ def _chain(unit: Floats) -> Ints:
         return np.empty((0, 2), np.int64)
     near = cKDTree(unit).query(unit, k=min(3, count))[1][:, 1:]
     pairs = np.column_stack([np.repeat(np.arange(count), near.shape[1]), near.ravel()])
-    return np.unique(np.sort(pairs, axis=1), axis=0)
+    return np.asarray(np.unique(np.sort(pairs, axis=1), axis=0))
 
 
 def _without_bridges(unit: Floats, triangles: Ints) -> Ints:

@@ -72,13 +72,13 @@ def eye_property(eye: Eye, measures: EyeMeasures, name: str) -> EyeProperty:
             "eye",
             tuple(f"eye {which}" for which in eyes),
         )
-    if name in getattr(eye, "columns", {}):
+    if name in eye.columns:
         column = eye.columns[name]
         if isinstance(column, np.ndarray):
             return EyeProperty(column.astype(np.float64), name)
         classes, which = np.unique(np.array(column), return_inverse=True)
         return EyeProperty(which.astype(np.float64), name, tuple(classes.tolist()))
-    names = ", ".join([*PROPERTIES, *getattr(eye, "columns", {})])
+    names = ", ".join([*PROPERTIES, *eye.columns])
     raise Error(f"property: expected one of {names}, found {name!r}")
 
 

@@ -28,9 +28,9 @@ SPREADS: tuple[tuple[str, str, str], ...] = (
     ("eye_parameter_um_rad", "eye parameter D·Δφ", "µm rad"),
     ("sampling_cycles_per_deg", "sampling 1/(2Δφ)", "cycles/°"),
     ("hexagonal_sampling_cycles_per_deg", "hexagonal 1/(√3Δφ)", "cycles/°"),
-    ("skew_head_deg", "skew from the head's centre", "°"),
-    ("skew_eye_deg", "skew from the eye's centre", "°"),
-    ("skew_normal_deg", "skew from the surface normal", "°"),
+    ("skew_head_deg", "skew from head's centre", "°"),
+    ("skew_eye_deg", "skew from eye's centre", "°"),
+    ("skew_normal_deg", "skew from surface normal", "°"),
     ("sensitivity_um2_sr", "optical sensitivity S", "µm² sr"),
 )
 
