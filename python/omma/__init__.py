@@ -36,8 +36,17 @@ from omma._core import (
 from omma.all_cameras import AllCamerasReport, CameraReport, render_all_cameras
 from omma.cameras import camera_eye, display, render_camera
 from omma.compat import compoundray_library
+from omma.eye_angles import angle_table, load_angle_table, outline, window
 from omma.eye_design import AcuteZone, acute_zones, generate_eye
 from omma.eye_drawing import draw_eye
+from omma.eye_lattice import (
+    Lattice,
+    LatticeCheck,
+    azimuth_elevation_deg_of,
+    check_lattice,
+    direction,
+    lay_directions,
+)
 from omma.eye_tools import ConvertedEye, convert_eye, rescale_eye, set_acceptance, split_eye
 from omma.files import load_eye, load_scene, save_eye, save_responses
 from omma.pictures import equirectangular, equirectangular_ids, field_ids, side_by_side
@@ -77,6 +86,8 @@ __all__ = [
     "Cylinder",
     "Error",
     "Eye",
+    "Lattice",
+    "LatticeCheck",
     "Method",
     "MinimumSamples",
     "ReceptorType",
@@ -88,9 +99,13 @@ __all__ = [
     "__version__",
     "acute_zones",
     "alias_curve",
+    "angle_table",
+    "azimuth_elevation_deg_of",
     "camera_eye",
+    "check_lattice",
     "compoundray_library",
     "convert_eye",
+    "direction",
     "display",
     "draw_eye",
     "encode_ids",
@@ -99,6 +114,8 @@ __all__ = [
     "field_ids",
     "generate_eye",
     "icosahedral_eye",
+    "lay_directions",
+    "load_angle_table",
     "load_eye",
     "load_poses",
     "load_scene",
@@ -106,6 +123,7 @@ __all__ = [
     "measure_speed",
     "merge_eyes",
     "minimum_samples",
+    "outline",
     "paint",
     "poses_from_angles",
     "poses_from_quaternions",
@@ -129,4 +147,5 @@ __all__ = [
     "solid_angles_sr",
     "split_eye",
     "variance_map",
+    "window",
 ]

@@ -1,0 +1,355 @@
+"""Points spread over a surface until they make a lattice: what lies under the eyes made to order.
+
+A lattice is grown from a coarse one. Some hundred points are spread in proportion to the density
+wanted and annealed: they repel each other and are shaken ever less. Then points are put on the
+middle of every edge between neighbours, which gives four times as many, each new one with six
+neighbours, and the forces even out what is uneven; and again, until there are enough. A lattice
+relaxed from as many points at once freezes into grains with rows of defects between them; this one
+has the few defects of the coarse lattice.
+
+The force between two points a metric distance r apart is r^-7, in units of the spacing. In a
+hexagonal lattice such forces make a pressure that is a function of r alone, so pressures balance
+where r is the same everywhere, and the spacing follows the metric.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+Progress = Callable[[str, "float | None"], object]
+
+_FORCE_POWER = 7
+# Of the most the system of points can take without swinging, found by trying on 100 to 10,000.
+_STEP_SIZE = 0.0107
+_MOMENTUM = 0.8
+_COARSEST = 150  # points, or up to four times as many
+_COARSE_STEPS = 800
+_COARSE_SHAKE = 0.15
+_TRIALS = 3
+_STEPS = 150
+_SHAKE = 0.04
+MARGIN = 2.5  # spacings laid beyond where points are wanted, where the lattice meets a wall
+_HALF_ROW = 0.43
+_WIDENING = 1.0045  # of the spacing with every doubling, as the cut rows at the wall leave room
+NEIGHBOURS = 18  # two rings of a hexagonal lattice; the next is under a hundredth of the force
+_STEPS_PER_SEARCH = 10
+
+
+@dataclass(frozen=True)
+class Domain:
+    """Where points are laid and how far apart.
+
+    ``onto`` moves points (K, 3) near the surface onto it, ``normals`` are its unit normals there.
+    ``metric`` gives (K, 2, 3): two vectors along the surface at right angles, whose products with
+    a step are its lengths along them in units of the spacing wanted. ``outside`` is the metric
+    distance (K,) outside of where points are wanted, 0 within; None where they are wanted all over
+    a closed surface. ``samples`` (S, 3) cover the surface, at least as far as points may go,
+    each for its ``share`` (S,) of the number of points wanted.
+    """
+
+    onto: Callable[[Floats], Floats]
+    normals: Callable[[Floats], Floats]
+    metric: Callable[[Floats], Floats]
+    outside: Callable[[Floats], Floats] | None
+    samples: Floats
+    share: Floats
+
+
+def grown(
+    domain: Domain, count: int, random: np.random.Generator, tell: Callable[[float], object]
+) -> Floats:
+    """A lattice of ``count`` points (N, 3) on a closed surface; elsewhere about as many where they
+    are wanted, and more around them."""
+    doublings = max(0, math.floor(math.log(count / _COARSEST, 4)))
+    work = np.array([_COARSE_STEPS / 4**doublings, *(_STEPS * 4.0 ** -np.arange(doublings)[::-1])])
+    done = np.concatenate([[0], np.cumsum(work)]) / work.sum()
+
+    def part(level: int) -> Callable[[float], object]:
+        return lambda share: tell(float(done[level] + share * (done[level + 1] - done[level])))
+
+    points = _coarse(domain, count, 2.0**doublings, random, part(0))
+    for level in range(1, doublings + 1):
+        scale = 2.0 ** (doublings - level)
+        points = _refined(domain, points, scale)
+        if domain.outside is not None:
+            points = points[domain.outside(points) <= (MARGIN + _HALF_ROW) * scale]
+        points = _relaxed(domain, points, scale, _STEPS, _SHAKE, random, part(level))
+    if domain.outside is None and len(points) > count:
+        points = _thinned(domain, points, count)
+        points = _relaxed(domain, points, 1.0, _STEPS, 0.0, random, lambda share: None)
+    tell(1.0)
+    return points
+
+
+def _coarse(
+    domain: Domain,
+    count: int,
+    scale: float,
+    random: np.random.Generator,
+    tell: Callable[[float], object],
+) -> Floats:
+    # The points that make the lattice `scale` times as wide as wanted at the end.
+    share = domain.share / scale**2
+    if domain.outside is None:
+        # A closed net of V points has 3V - 6 edges, hence 4V - 6 points the next time.
+        number = math.ceil((count - 2) / scale**2) + 2 if scale > 1 else count
+        seeds = bisected(domain.samples, share, number)
+        return _relaxed(domain, seeds, scale, _COARSE_STEPS, _COARSE_SHAKE, random, tell)
+    within = domain.outside(domain.samples) <= MARGIN * scale
+    total = float(share[within].sum())
+    # Points on the wall have half of their cells outside; around a disc these are so many.
+    number = max(2, round(total + 1.9 * math.sqrt(total)))
+    target = _WIDENING ** -math.log2(scale)
+    best: tuple[float, Floats] | None = None
+    for _ in range(_TRIALS):
+        number = min(number, int(within.sum()))
+        seeds = bisected(domain.samples[within], share[within], number)
+        points = _relaxed(domain, seeds, scale, _COARSE_STEPS, _COARSE_SHAKE, random, tell)
+        spacing = _spacing(domain, _refined(domain, points, scale / 2), scale / 2)
+        error = abs(spacing / target - 1)
+        if best is None or error < best[0]:
+            best = error, points
+        following = max(2, round(number * (spacing / target) ** 2))
+        if error < 0.002 or following == number:
+            break
+        number = following
+    assert best is not None
+    return best[1]
+
+
+def _spacing(domain: Domain, points: Floats, scale: float) -> float:
+    # Median metric distance of neighbours where they are wanted.
+    net = cells(points, domain.metric(points) / scale)
+    assert domain.outside is not None
+    distance = net.distance[(domain.outside(points) == 0)[:, None] & net.is_neighbour]
+    return float(np.median(distance)) if len(distance) else 1.0
+
+
+def _refined(domain: Domain, points: Floats, scale: float) -> Floats:
+    # Points and the middles of edges: a lattice half as wide, of spacing ``scale``.
+    pairs = cells(points, domain.metric(points) / (2 * scale)).edges()
+    middles = 0.5 * (points[pairs[:, 0]] + points[pairs[:, 1]])
+    return np.concatenate([points, domain.onto(middles)])
+
+
+def _thinned(domain: Domain, points: Floats, count: int) -> Floats:
+    # Without those that are closest to their neighbours, not two from one place.
+    net = cells(points, domain.metric(points))
+    crowded = np.argsort(np.where(net.is_neighbour, net.distance, 0).sum(axis=1) / net.degree)
+    keep = np.ones(len(points), bool)
+    for point in crowded:
+        if keep.sum() == count:
+            break
+        keep[point] = keep[net.near[point]].all()
+    for point in crowded:
+        if keep.sum() == count:
+            break
+        keep[point] = False
+    return points[keep]
+
+
+def bisected(points: Floats, share: Floats, count: int) -> Floats:
+    """``count`` of many points (K, 3), each standing for the same sum of ``share`` (K,).
+
+    The set is halved again and again across its longest side into parts of as many to come each;
+    neighbours in the result are neighbours in space.
+    """
+    seeds = np.empty((count, 3))
+    parts = [(np.arange(len(share)), 0, count)]
+    while parts:
+        members, first, size = parts.pop()
+        inside, weight = points[members], share[members]
+        if size == 1:
+            # One of the points, as the middle itself may lie where there are to be none.
+            middle = np.average(inside, axis=0, weights=weight)
+            seeds[first] = inside[np.argmin(np.sum((inside - middle) ** 2, axis=1))]
+            continue
+        longest = int(np.argmax(np.ptp(inside, axis=0)))
+        order = np.argsort(inside[:, longest], kind="stable")
+        members, summed = members[order], np.cumsum(weight[order])
+        half = size // 2
+        cut = int(np.searchsorted(summed, summed[-1] * half / size))
+        cut = min(max(cut, half), len(members) - (size - half))
+        parts.append((members[:cut], first, half))
+        parts.append((members[cut:], first + half, size - half))
+    return seeds
+
+
+def _relaxed(
+    domain: Domain,
+    points: Floats,
+    scale: float,
+    steps: int,
+    shake: float,
+    random: np.random.Generator,
+    tell: Callable[[float], object],
+) -> Floats:
+    # Points (N, 3) after so many steps of repulsion at `scale` times the spacing. `shake` is the
+    # size of a random step at the start, in spacings; it falls to 0 over two thirds of the steps.
+    velocity = np.zeros_like(points)
+    metric = domain.metric(points) / scale
+    for step in range(steps):
+        if step % _STEPS_PER_SEARCH == 0:
+            near = nearest(points, metric, NEIGHBOURS)
+            bend = _bend(points, domain, metric)
+            tell(step / steps)
+        apart = points[:, None, :] - points[near]
+        # Not closer than half, so that two points on top of each other do not fly off.
+        squared = np.maximum(pair_distance_squared(apart, metric, metric[near]), 0.25)
+        strength = squared ** (-(_FORCE_POWER + 1) / 2)
+        force = np.einsum("nkc,nk->nc", apart, strength)
+        force += 0.25 * np.sum(squared * strength, axis=1, keepdims=True) * bend
+        velocity = _MOMENTUM * velocity + _STEP_SIZE * force
+        normal = domain.normals(points)
+        velocity -= np.sum(velocity * normal, axis=1, keepdims=True) * normal
+        speed = np.linalg.norm(np.einsum("nac,nc->na", metric, velocity), axis=1)
+        velocity *= np.minimum(1, 0.15 / np.maximum(speed, 1e-300))[:, None]
+        move = velocity
+        amount = shake * (1 - 1.5 * step / steps)
+        if amount > 0:
+            # Along the metric's two directions, whose lengths are one over the spacing.
+            stretch = metric / np.sum(metric**2, axis=2, keepdims=True)
+            jump = amount * random.standard_normal((len(points), 2))
+            move = velocity + np.einsum("nac,na->nc", stretch, jump)
+        moved = domain.onto(points + move)
+        if domain.outside is not None:
+            stays = domain.outside(moved) > MARGIN * scale
+            moved[stays], velocity[stays] = points[stays], 0
+        points = moved
+        metric = domain.metric(points) / scale
+    return points
+
+
+def _bend(points: Floats, domain: Domain, metric: Floats) -> Floats:
+    """How much the six neighbours of an even lattice are out of balance, as steps in space are not
+    straight in the metric: with steps d + Γ(d, d)/2 they would balance, and over six neighbours the
+    Christoffel symbols Γ add up to -1/√g ∂_a(√g g^ak), (N, 3). It is 0 where the metric is the same
+    in all directions."""
+    size = np.linalg.norm(metric, axis=2)
+    if np.allclose(size[:, 0], size[:, 1], rtol=1e-9):
+        return np.zeros_like(points)
+    divergence = np.zeros_like(points)
+    for along in range(2):
+        step = 0.5 * metric[:, along] / size[:, along, None] ** 2
+        ahead, behind = (_root_metric(domain, domain.onto(points + s * step)) for s in (1, -1))
+        per_length = step / (2 * np.sum(step**2, axis=1, keepdims=True))
+        divergence += np.einsum("nij,nj->ni", ahead - behind, per_length)
+    normal = domain.normals(points)
+    divergence -= np.sum(divergence * normal, axis=1, keepdims=True) * normal
+    return np.asarray(divergence / np.prod(size, axis=1)[:, None])
+
+
+def _root_metric(domain: Domain, points: Floats) -> Floats:
+    # √g g^-1 of a metric of two directions at right angles; no scale changes it. (N, 3, 3)
+    metric = domain.metric(points)
+    size = np.linalg.norm(metric, axis=2)
+    ratio = size[:, 1] / size[:, 0]
+    unit = metric / size[:, :, None]
+    weight = np.stack([ratio, 1 / ratio], axis=1)
+    return np.asarray(np.einsum("na,nai,naj->nij", weight, unit, unit))
+
+
+def pair_distance_squared(apart: Floats, own: Floats, other: Floats) -> Floats:
+    """Squared metric length (N, K) of steps (N, K, 3) from points of metric ``own`` (N, 2, 3) to
+    others of metric ``other`` (N, K, 2, 3): the geometric mean of what both say, which is close to
+    the integral between them."""
+    here = np.sum(np.matmul(apart, own.transpose(0, 2, 1)) ** 2, axis=2)
+    there = np.sum(np.matmul(other, apart[..., None])[..., 0] ** 2, axis=2)
+    return np.asarray(np.sqrt(here * there))
+
+
+def nearest(points: Floats, metric: Floats, count: int) -> Ints:
+    """The ``count`` (or all) nearest of each point in the metric, in no order: (N, count)."""
+    count = min(count, len(points) - 1)
+    size = np.linalg.norm(metric, axis=2)
+    # The nearest in space hold the nearest in the metric where enough of them are looked at.
+    stretch = size.max(axis=1) / size.min(axis=1)
+    found = np.empty((len(points), count), dtype=np.int64)
+    tree = cKDTree(points)
+    for low, high in ((1.0, 1.5), (1.5, 3.0), (3.0, 6.0), (6.0, np.inf)):
+        group = np.flatnonzero((stretch >= low) & (stretch < high))
+        looked = min(len(points), 1 + math.ceil(1.3 * count * min(high, 12.0)))
+        for start in range(0, len(group), 4096):
+            rows = group[start : start + 4096]
+            near = tree.query(points[rows], looked)[1].reshape(len(rows), -1)
+            apart = points[rows, None, :] - points[near]
+            length = pair_distance_squared(apart, metric[rows], metric[near])
+            length[near == rows[:, None]] = np.inf
+            chosen = np.argpartition(length, count - 1, axis=1)[:, :count]
+            found[rows] = np.take_along_axis(near, chosen, axis=1)
+    return found
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Cells of the lattice: which of its ``near`` (N, K) are neighbours, at what metric distance
+    (N, K), how many, and the widest angle between two neighbours next to each other (rad)."""
+
+    near: Ints
+    distance: Floats
+    is_neighbour: Bools
+    widest_gap_rad: Floats
+
+    @property
+    def degree(self) -> Ints:
+        return np.asarray(self.is_neighbour.sum(axis=1))
+
+    def edges(self) -> Ints:
+        """Pairs (E, 2) that are neighbours of each other, the lower index first."""
+        start, column = np.nonzero(self.is_neighbour)
+        end = self.near[start, column]
+        key = np.minimum(start, end) * len(self.near) + np.maximum(start, end)
+        unique, count = np.unique(key, return_counts=True)
+        key = unique[count == 2]
+        return np.stack([key // len(self.near), key % len(self.near)], axis=1)
+
+
+# Neighbours further away than this look at each other across a notch of the border.
+_LONGEST_EDGE = 1.75
+
+
+def cells(points: Floats, metric: Floats) -> Cells:
+    """The Voronoi cell of each point, in the plane of its own metric.
+
+    Inverted at the circle around the point, the others' corners of the convex hull are the
+    neighbours; a corner sees all the rest within half a turn.
+    """
+    near = nearest(points, metric, NEIGHBOURS)
+    n, k = near.shape
+    distance = np.empty((n, k))
+    is_neighbour = np.zeros((n, k), bool)
+    gap = np.empty(n)
+    for first in range(0, n, 4096):
+        rows = slice(first, min(first + 4096, n))
+        apart = points[near[rows]] - points[rows, None, :]
+        length = np.sqrt(pair_distance_squared(apart, metric[rows], metric[near[rows]]))
+        flat = np.matmul(apart, metric[rows].transpose(0, 2, 1))
+        flat *= (length / np.maximum(np.linalg.norm(flat, axis=2), 1e-300))[:, :, None]
+        inverse = flat / np.maximum(length**2, 1e-12)[:, :, None]
+        # The point itself, at infinity after inversion, is the origin of the dual hull.
+        inverse = np.concatenate([inverse, np.zeros((len(inverse), 1, 2))], axis=1)
+        to = inverse[:, None, :, :] - inverse[:, :k, None, :]
+        angle = np.arctan2(to[..., 1], to[..., 0])
+        own = np.arange(k)
+        angle[:, own, own] = angle[:, own, (own + 1) % k]  # none to itself: any other again
+        angle.sort(axis=2)
+        around = np.diff(angle, axis=2, append=angle[:, :, :1] + 2 * math.pi)
+        corner = (around.max(axis=2) > math.pi) & (length < _LONGEST_EDGE)
+        distance[rows], is_neighbour[rows] = length, corner
+        bearing = np.where(corner, np.arctan2(flat[..., 1], flat[..., 0]), np.inf)
+        bearing.sort(axis=1)
+        first_bearing = np.where(corner.any(axis=1), bearing[:, 0], 0.0)[:, None]
+        bearing = np.where(np.isinf(bearing), first_bearing + 2 * math.pi, bearing)
+        turn = np.diff(bearing, axis=1, append=first_bearing + 2 * math.pi)
+        gap[rows] = turn.max(axis=1)
+    return Cells(near, distance, is_neighbour, gap)
+
