@@ -39,6 +39,7 @@ from omma.compat import compoundray_library
 from omma.eye_angles import angle_table, load_angle_table, outline, window
 from omma.eye_design import AcuteZone, acute_zones, generate_eye
 from omma.eye_drawing import draw_eye
+from omma.eye_facets import acceptance_from_facets, facet_diameters_m, set_facets
 from omma.eye_lattice import (
     Lattice,
     LatticeCheck,
@@ -47,7 +48,17 @@ from omma.eye_lattice import (
     direction,
     lay_directions,
 )
-from omma.eye_tools import ConvertedEye, convert_eye, rescale_eye, set_acceptance, split_eye
+from omma.eye_tools import (
+    ConvertedEye,
+    convert_eye,
+    join_eyes,
+    mirror_eye,
+    pair_of_eyes,
+    place_on_head,
+    rescale_eye,
+    set_acceptance,
+    split_eye,
+)
 from omma.files import load_eye, load_scene, save_eye, save_responses
 from omma.pictures import equirectangular, equirectangular_ids, field_ids, side_by_side
 from omma.poses import load_poses, poses_from_angles, poses_from_quaternions
@@ -97,6 +108,7 @@ __all__ = [
     "Scene",
     "SpeedTest",
     "__version__",
+    "acceptance_from_facets",
     "acute_zones",
     "alias_curve",
     "angle_table",
@@ -111,9 +123,11 @@ __all__ = [
     "encode_ids",
     "equirectangular",
     "equirectangular_ids",
+    "facet_diameters_m",
     "field_ids",
     "generate_eye",
     "icosahedral_eye",
+    "join_eyes",
     "lay_directions",
     "load_angle_table",
     "load_eye",
@@ -123,8 +137,11 @@ __all__ = [
     "measure_speed",
     "merge_eyes",
     "minimum_samples",
+    "mirror_eye",
     "outline",
     "paint",
+    "pair_of_eyes",
+    "place_on_head",
     "poses_from_angles",
     "poses_from_quaternions",
     "project",
@@ -143,6 +160,7 @@ __all__ = [
     "save_speed_test",
     "save_variance_map",
     "set_acceptance",
+    "set_facets",
     "side_by_side",
     "solid_angles_sr",
     "split_eye",

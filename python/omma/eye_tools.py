@@ -1,20 +1,23 @@
-"""Eyes changed: rescaled, split in two, given other acceptance angles, or read from old files.
+"""Eyes changed: rescaled, split in two, mirrored, put on a head, given other acceptance angles, or
+read from old files.
 
-Eyes are values: each function returns a new one. What CompoundRay's own scripts do differently is
-said at each.
+Eyes are values: each function returns a new one that keeps every property it does not change. What
+CompoundRay's own scripts do differently is said at each.
 """
 
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from omma._core import Error, Eye
+from omma._core import Error, Eye, merge_eyes
 from omma.arguments import positive
 from omma.files import PathLike, metres_per_unit
+from omma.poses import poses_from_angles
 
 Floats = NDArray[np.float64]
 
@@ -22,11 +25,12 @@ Floats = NDArray[np.float64]
 def rescale_eye(
     eye: Eye, factor: float | None = None, *, mean_radius_m: float | None = None
 ) -> Eye:
-    """The eye ``factor`` times as large about the origin of its frame: positions, focal offsets.
+    """The eye ``factor`` times as large about the origin of its frame: positions, focal offsets,
+    facets and apertures.
 
     ``mean_radius_m`` instead of a factor makes the mean distance of the ommatidia from the origin
     that many metres, as CompoundRay's rescaler does (which leaves focal offsets as they are).
-    Directions and angles stay.
+    Directions and angular sensitivities stay.
 
     Raises:
         omma.Error: neither or both given, not above 0, or a mean radius for an eye all of whose
@@ -42,12 +46,9 @@ def rescale_eye(
         factor = mean_radius_m / radius_m
     assert factor is not None
     positive(factor, "factor")
-    return Eye(
-        eye.position_m.astype(np.float64) * factor,
-        eye.axis,
-        eye.acceptance_angle_rad,
-        eye.focal_offset_m.astype(np.float64) * factor,
-        eye.eye_id,
+    lengths = ("position_m", "focal_offset_m", "facet_diameter_m", "aperture_diameter_m")
+    return eye.replace(
+        **{name: getattr(eye, name).astype(np.float64) * factor for name in lengths}
     )
 
 
@@ -81,13 +82,54 @@ def split_eye(eye: Eye, shift_m: float = 0.0, overlap_m: float = 0.0) -> Eye:
     is_right = np.repeat([0, 1], [len(left), len(right)])
     position = eye.position_m[both].astype(np.float64)
     position[:, 0] += np.where(is_right == 1, shift_m, -shift_m)
-    return Eye(
-        position,
-        eye.axis[both],
-        eye.acceptance_angle_rad[both],
-        eye.focal_offset_m[both],
-        is_right.astype(np.int32),
-    )
+    return eye.take(both).replace(position_m=position, eye_id=is_right)
+
+
+def mirror_eye(eye: Eye) -> Eye:
+    """The mirror image of an eye, left for right: x becomes -x.
+
+    Angular sensitivities, microvilli and the offsets of receptors are mirrored too.
+    """
+    return merge_eyes([(eye, np.diag([-1.0, 1.0, 1.0, 1.0]))]).replace(eye_id=eye.eye_id)
+
+
+def pair_of_eyes(right: Eye) -> Eye:
+    """A head with an eye and its mirror image: ``eye_id`` 0 is left, the image; 1 is right, the
+    eye given."""
+    return merge_eyes([mirror_eye(right), right])
+
+
+def place_on_head(
+    eye: Eye,
+    position_m: ArrayLike = (0.0, 0.0, 0.0),
+    *,
+    yaw_deg: float = 0.0,
+    pitch_deg: float = 0.0,
+    roll_deg: float = 0.0,
+) -> Eye:
+    """The eye turned about the origin of its frame and then moved by ``position_m``.
+
+    Turned by yaw (to the right), then pitch (upwards), then roll (to the right), each about the
+    eye's own axes as they then are, as poses are.
+
+    Raises:
+        omma.Error: a position or angle that is none.
+    """
+    head_from_eye = poses_from_angles(position_m, (yaw_deg, pitch_deg, roll_deg))[0]
+    return merge_eyes([(eye, head_from_eye)]).replace(eye_id=eye.eye_id)
+
+
+def join_eyes(eyes: Sequence[Eye]) -> Eye:
+    """All eyes of several, which may be heads, as one head; ``eye_id`` numbers them in order.
+
+    `merge_eyes` takes each item as one eye.
+
+    Raises:
+        omma.Error: none given.
+    """
+    if not eyes:
+        raise Error("join_eyes: expected at least one eye, found none")
+    return merge_eyes([eye.select(int(one)) for eye in eyes for one in np.unique(eye.eye_id)])
 
 
 def set_acceptance(
@@ -99,7 +141,7 @@ def set_acceptance(
     non_overlapping: bool = False,
     compoundray_maximal: bool = False,
 ) -> Eye:
-    """The eye with other acceptance angles; exactly one rule says which.
+    """The eye with other acceptance angles, all round Gaussians; exactly one rule says which.
 
     - ``angle_rad``: this angle for all.
     - ``factor``: the present angles times this.
@@ -136,7 +178,7 @@ def set_acceptance(
         _check_neighbours(angle, "angle to the nearest axis")
         if compoundray_maximal:
             angle = 2 * (angle - angle[nearest] / 2)
-    return Eye(eye.position_m, eye.axis, angle, eye.focal_offset_m, eye.eye_id)
+    return eye.replace(acceptance_angle_rad=angle)
 
 
 def _check_neighbours(angle: Floats, what: str) -> None:
