@@ -9,7 +9,8 @@
 
 namespace omma {
 
-__global__ void device_check(SceneView scene, AcceptanceWarpView warp, float* out) {
+__global__ void device_check(SceneView scene, AcceptanceWarpView warp, PolarTablesView tables,
+                             float* out) {
   const unsigned i = threadIdx.x;
   const std::uint64_t scramble = hash_combine(pose_hash(0, blockIdx.x), i);
   const double u0 =
@@ -23,16 +24,18 @@ __global__ void device_check(SceneView scene, AcceptanceWarpView warp, float* ou
     t_m = t_near_m + 1;
     return accept_hit(scene, hit, direction.z > 0) && may_reject(scene.materials[0]);
   };
-  const Radiance radiance = eval_path(
-      scene, direction,
-      static_cast<float>(footprint_width_rad(warp.kernel, warp.acceptance_rad, 16)), 0, trace);
+  const double width_rad = warp.sensitivity.width_rad;
+  const double widest_rad = widest_footprint(warp.sensitivity.kernel, 1) * width_rad;
+  const Radiance radiance =
+      eval_path(scene, direction,
+                static_cast<float>(footprint_width_rad(widest_rad, width_rad, 16)), 0, trace);
   for (int c = 0; c < channel_count; ++c) out[channel_count * i + c] = radiance.channel[c];
-  const LocalDirection<float> random =
-      sample_random_direction<float>(out, 0, scramble_hash(ommatidium_hash(scramble, i), 0u), i);
+  const LocalDirection<float> random = sample_random_direction<float>(
+      tables, static_cast<int>(i), scramble_hash(ommatidium_hash(scramble, i), 0u), i);
   out[channel_count * blockDim.x + i] =
       random.x + random.y + random.z +
-      static_cast<float>(acceptance_pdf(warp, direction.z) +
-                         eval_polar_density(warp.kernel, direction.z, warp.acceptance_rad));
+      static_cast<float>(acceptance_pdf(warp, direction.z, direction.x) +
+                         eval_polar_density(warp.sensitivity, direction.z, direction.x));
 }
 
 }  // namespace omma

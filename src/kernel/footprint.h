@@ -13,7 +13,9 @@
 // what the average over a square lets pass (aliasing): T = 0.296 s = 0.126 of the full width at
 // half maximum. The same bound for the others, found numerically as the largest |M| (1 -
 // exp(-k^2 T^2/8)) over all k: a pillbox, M = 2 J1(x)/x with x = k/2 of its width, bears 0.055 of
-// it; CompoundRay's kernel, M = exp(-x/2) I0(x/2), with its cusp at the axis, 0.019.
+// it; CompoundRay's kernel, M = exp(-x/2) I0(x/2), with its cusp at the axis, 0.019; Airy's pattern
+// 0.122. With a rhabdom it is 0.119 to 0.145 of the width with one mode; it falls to a pillbox's as
+// the width grows over lambda/D.
 #pragma once
 
 #include "omma/kernel.h"
@@ -21,8 +23,9 @@
 
 namespace omma {
 
-// Widest footprint over acceptance angle that changes the modulation transfer by under 0.01.
-OMMA_HD double widest_footprint(Kernel kernel) {
+// Widest footprint over acceptance angle that changes the modulation transfer by under 0.01;
+// `lens_widths`: of a lens_rhabdom, its acceptance angle over lambda/D.
+OMMA_HD double widest_footprint(Kernel kernel, double lens_widths) {
   switch (kernel) {
     case Kernel::gaussian:
       return 0.126;
@@ -30,18 +33,22 @@ OMMA_HD double widest_footprint(Kernel kernel) {
       return 0.055;
     case Kernel::compoundray:
       return 0.019;
-    default:
-      return 0;
+    case Kernel::airy:
+      return 0.122;
+    case Kernel::lens_rhabdom:
+      return fmax(0.055, 0.11 - 0.006 * lens_widths);
+    case Kernel::table:
+      return 0;  // found from its own transfer
   }
   return 0;
 }
 
-// Full width of the footprint of one of `samples` rays, as an angle; `widest`: as above. A
+// Full width of the footprint of one of `samples` rays, as an angle; `widest`: that it may have. A
 // Gaussian's solid angle is 2 pi s^2 = (1.06 acceptance)^2, so a ray's share is a square of about
 // acceptance / sqrt(samples): with more rays the footprint vanishes, and with it the bias. 0 for
 // single rays along the axis.
-OMMA_HD double footprint_width_rad(double widest, double acceptance_rad, int samples) {
-  return acceptance_rad * fmin(widest, 1 / sqrt(static_cast<double>(samples)));
+OMMA_HD double footprint_width_rad(double widest_rad, double acceptance_rad, int samples) {
+  return fmin(widest_rad, acceptance_rad * (1 / sqrt(static_cast<double>(samples))));
 }
 
 }  // namespace omma

@@ -8,14 +8,14 @@
 
 #include "kernel/acceptance.h"
 #include "omma/acceptance.h"
+#include "sampling/lens_rhabdom.h"
 
 namespace omma {
 
 // S with the tables it needs.
 struct Sensitivity {
-  Acceptance acceptance;
-  std::shared_ptr<const std::vector<double>> profile;  // as SensitivityView::profile
-  double knots_per_sine = 0, tail = 0;
+  Acceptance acceptance;                       // a lens_rhabdom of Snyder's model as its Gaussian
+  std::shared_ptr<const LensProfile> profile;  // airy, lens_rhabdom
 };
 
 Sensitivity make_sensitivity(const Acceptance& acceptance);

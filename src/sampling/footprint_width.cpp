@@ -1,15 +1,56 @@
 #include "sampling/footprint_width.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "kernel/footprint.h"
+#include "sampling/lens_rhabdom.h"
 
 namespace omma {
+namespace {
 
-double widest_footprint_rad(const Acceptance& acceptance) {
-  return widest_footprint(acceptance.kernel) * acceptance_width_rad(acceptance, 0);
+// The bound of kernel/footprint.h, of a table along one azimuth: frequencies go on until a
+// footprint of a hundredth of the width would matter, in steps of a tenth of a cycle over the
+// width.
+double widest_along(const Acceptance& acceptance, double azimuth_rad, double width_rad) {
+  constexpr int count = 400;
+  std::vector<double> cycles, azimuth(count, azimuth_rad), transfer(count);
+  for (int i = 0; i < count; ++i) cycles.push_back(0.1 * (i + 1) / width_rad);
+  acceptance_mtf(acceptance, cycles, azimuth, transfer);
+  double low = 0, high = width_rad;
+  for (int step = 0; step < 30; ++step) {
+    const double t = 0.5 * (low + high);
+    double change = 0;
+    for (std::size_t i = 0; i < count; ++i)
+      change = std::max(
+          change, std::fabs(transfer[i]) * -std::expm1(-std::pow(2 * pi * cycles[i] * t, 2) / 8));
+    (change < 0.008 ? low : high) = t;
+  }
+  return low;
 }
 
-double footprint_width_rad(const Acceptance& acceptance, int samples) {
-  return footprint_width_rad(widest_footprint(acceptance.kernel), acceptance.width_rad, samples);
+double widest_ratio(const Acceptance& acceptance, double width_rad) {
+  const double waves = acceptance.wavelength_nm * 1e-9 / acceptance.facet_diameter_m;
+  const bool snyder =
+      acceptance.kernel == Kernel::lens_rhabdom && acceptance.model == RhabdomModel::snyder;
+  return widest_footprint(snyder ? Kernel::gaussian : acceptance.kernel, width_rad / waves);
+}
+
+}  // namespace
+
+double widest_footprint_rad(const Acceptance& a) {
+  if (a.kernel == Kernel::gaussian)
+    return (is_round(a) ? a.width_rad : a.minor_width_rad) * widest_ratio(a, 0);
+  const double width = mean_acceptance_width_rad(a);
+  if (a.kernel != Kernel::table) return widest_ratio(a, width) * width;
+  double widest = width;
+  for (int i = 0; i < (is_round(a) ? 1 : 8); ++i)
+    widest = std::min(widest, widest_along(a, i * pi / 8, width));
+  return widest;
+}
+
+double footprint_width_rad(const Acceptance& a, int samples) {
+  return footprint_width_rad(widest_footprint_rad(a), mean_acceptance_width_rad(a), samples);
 }
 
 }  // namespace omma
