@@ -51,12 +51,15 @@ TEST(Kernel, DensityOfSamplesIntegratesToOne) {
   constexpr int cells = 100'000;
   for (const Kernel kernel : {Kernel::gaussian, Kernel::pillbox, Kernel::compoundray})
     for (const double degrees : {2.6, 60.0, 360.0}) {
-      const AcceptanceWarp warp = make_acceptance_warp(kernel, degrees * degree);
+      Acceptance acceptance;
+      acceptance.kernel = kernel;
+      acceptance.width_rad = degrees * degree;
+      const AcceptanceWarp warp = make_acceptance_warp(acceptance);
       const double end = std::min(pi, 5 * degrees * degree), width = end / cells;
       double integral = 0;
       for (int i = 0; i < cells; ++i) {
         const double theta = (i + 0.5) * width;
-        integral += acceptance_pdf(view(warp), theta) * 2 * pi * std::sin(theta) * width;
+        integral += acceptance_pdf(view(warp), theta, 0) * 2 * pi * std::sin(theta) * width;
       }
       EXPECT_NEAR(integral, 1.0, 1e-4) << name_of(kernel) << ' ' << degrees;
     }
