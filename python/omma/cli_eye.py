@@ -14,8 +14,9 @@ from omma._core import Error, Eye, merge_eyes
 from omma.cli_eye_look import add_look_commands
 from omma.cli_working import working
 from omma.eye_design import AcuteZone, acute_zones, generate_eye
-from omma.eye_drawing import check_names, draw_eye
+from omma.eye_drawing import draw_eye
 from omma.eye_tools import convert_eye, rescale_eye, set_acceptance, split_eye
+from omma.figure_files import figure_names
 from omma.files import check_target, load_eye, save_eye
 
 RESCALE_HELP = """
@@ -224,7 +225,10 @@ def draw(
     output: Annotated[
         list[Path],
         typer.Option(
-            "-o", "--output", help="File to write: .svg or .png. May be repeated.", metavar="OUT"
+            "-o",
+            "--output",
+            help="File to write: .pdf, .svg or .png. May be repeated.",
+            metavar="OUT",
         ),
     ],
     yaw: Annotated[
@@ -234,11 +238,15 @@ def draw(
         float, typer.Option(help="Elevation to look from, in degrees.", metavar="DEG")
     ] = 0.0,
     style: Annotated[
-        Literal["facets", "axes"], typer.Option(help="Discs, or lines along the axes.")
+        Literal["facets", "axes", "both"],
+        typer.Option(help="Facets, lines along the axes, or both."),
     ] = "facets",
     colour: Annotated[
-        Literal["interommatidial", "acceptance", "eye", "none"],
-        typer.Option(help="What colours mean."),
+        str,
+        typer.Option(
+            help="What colours mean: none, a property (as in omma eye plot) or a column.",
+            metavar="PROPERTY",
+        ),
     ] = "interommatidial",
     back: Annotated[bool, typer.Option("--back", help="Draw what faces away too.")] = False,
     axis_length_mm: Annotated[
@@ -251,7 +259,7 @@ def draw(
     unit: UnitOption = "mm",
 ) -> None:
     """Draw an eye, to SVG and PNG, with a scale bar."""
-    names = check_names(output)
+    names = figure_names(output)
     with working():
         eyes = [load_eye(path, unit) for path in eye]
         head = eyes[0] if len(eyes) == 1 else merge_eyes(eyes)

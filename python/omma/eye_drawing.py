@@ -1,13 +1,11 @@
-"""Drawings of eyes: the ommatidia seen from afar, as facets or as axes, with a scale bar.
+"""Drawings of eyes: the ommatidia seen from afar, as facets and as axes, with a scale bar.
 
 Orthographic, from a direction given in the head's frame. Needs matplotlib, an optional extra.
 """
 
 from __future__ import annotations
 
-import io
 import math
-import os
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
@@ -18,17 +16,19 @@ from numpy.typing import NDArray
 
 from omma._core import Error, Eye
 from omma.arguments import positive
-from omma.files import PathLike, WholeFiles, check_target
+from omma.eye_maps import colour_scale
+from omma.eye_measures import EyeMeasures, measure_eye
+from omma.eye_neighbours import sides, surface_lattice, surface_normals
+from omma.eye_properties import EyeProperty, eye_property, is_known
+from omma.figure_files import INK, figure_names, figure_style, save_figure
+from omma.files import PathLike
 from omma.sampling_plots import load_matplotlib
 
 Floats = NDArray[np.float64]
-Style = Literal["facets", "axes"]
-Colour = Literal["interommatidial", "acceptance", "eye", "none"]
+Style = Literal["facets", "axes", "both"]
 
 _MM = 1e3  # drawings are laid out in millimetres
-_INK = "#222222"
-# Left and right as on ships would do, were red and green easy to tell apart for everyone.
-_EYE_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+_PLAIN = "#7a93ac"
 
 
 def draw_eye(
@@ -38,67 +38,62 @@ def draw_eye(
     yaw_deg: float = 0.0,
     pitch_deg: float = 0.0,
     style: Style = "facets",
-    colour: Colour = "interommatidial",
+    colour: str = "interommatidial",
     back: bool = False,
     axis_length_mm: float | None = None,
     size_mm: float = 150.0,
     title: str | None = None,
+    measures: EyeMeasures | None = None,
 ) -> None:
-    """Draw an eye to `.svg` and `.png` files.
+    """Draw an eye to `.pdf`, `.svg` and `.png` files.
 
     ``yaw_deg`` and ``pitch_deg`` are the azimuth and the elevation of the direction from which it
     is seen: yaw 0 is from ahead, so that the animal's right is on the left of the drawing; yaw 90
     is from its right, pitch 90 from above. Only what faces the viewer is drawn, unless ``back``.
 
     Args:
-        style: "facets" are discs, as wide as the distance to the six nearest positions and turned
-            as the axis is; "axes" are lines from the positions.
-        colour: "interommatidial" (local interommatidial angle), "acceptance" (acceptance angle),
-            "eye" (which eye) or "none".
+        style: "facets" fill the surface that the positions form, hexagons where these are a
+            hexagonal lattice; "axes" are lines from the positions; "both".
+        colour: what colours mean: one of `omma.EYE_PROPERTIES` ("interommatidial", "acceptance",
+            "facet", "eye" and others), one of the eye's columns, or "none".
         axis_length_mm: length of the lines; by default a tenth of the eye.
         size_mm: width of the drawing.
+        measures: of `measure_eye`, where they have been taken.
 
     Raises:
-        omma.Error: matplotlib is missing, a name ends in neither .svg nor .png, an argument is
-            wrong, a file cannot be written.
+        omma.Error: matplotlib is missing, a name ends in none of .pdf, .svg and .png, an argument
+            is wrong, a file cannot be written.
     """
-    names = check_names(paths)
-    _one_of(style, ("facets", "axes"), "style")
-    _one_of(colour, ("interommatidial", "acceptance", "eye", "none"), "colour")
+    names = figure_names(paths)
+    _one_of(style, ("facets", "axes", "both"), "style")
     for value, what in ((yaw_deg, "yaw_deg"), (pitch_deg, "pitch_deg")):
         if not math.isfinite(value):
             raise Error(f"{what}: expected a finite angle, found {value}")
     positive(size_mm, "size_mm")
     if axis_length_mm is not None:
         positive(axis_length_mm, "axis_length_mm")
-    view = _view(math.radians(yaw_deg), math.radians(pitch_deg))
+    prop = None
+    if colour != "none":
+        prop = eye_property(eye, measures or measure_eye(eye), colour, "colour")
+    view = view_from(math.radians(yaw_deg), math.radians(pitch_deg))
     drawing = _Drawing(eye, view, style, back, axis_length_mm)
-    load_matplotlib()
-    from matplotlib import rc_context
-
-    size_pt = min(9.0, max(3.0, 9 * size_mm / 150))
-    # Text as outlines, and no ids or dates that change: the same eye gives the same bytes.
-    with rc_context({"svg.fonttype": "path", "svg.hashsalt": "omma", "font.size": size_pt}):
+    with figure_style(min(9.0, max(3.0, 9 * size_mm / 150))):
         title = title or _title(eye, yaw_deg, pitch_deg, drawing)
-        figure = _figure(drawing, colour, size_mm, title)
-        with WholeFiles() as files:
-            for name in names:
-                kind = Path(name).suffix.lower()[1:]
-                picture = io.BytesIO()
-                metadata = {"Date": None} if kind == "svg" else {}
-                figure.savefig(picture, format=kind, dpi=200, metadata=metadata)
-                files.open(name).write(picture.getvalue())
+        save_figure(_figure(drawing, prop, size_mm, title), names)
 
 
-def check_names(paths: PathLike | Sequence[PathLike]) -> list[str]:
-    """The names; omma.Error where one ends in neither .svg nor .png or cannot be written."""
-    given = [paths] if isinstance(paths, (str, os.PathLike)) else paths
-    names = [os.fsdecode(path) for path in given]
-    for name in names:
-        if Path(name).suffix.lower() not in (".svg", ".png"):
-            raise Error(f"{name}: expected a name ending in .svg or .png")
-        check_target(name)
-    return names
+def draw_view(
+    figure: Any, panel: Any, eye: Eye, view: Floats, prop: EyeProperty, *, bar: bool
+) -> None:
+    """An eye's facets in a panel of a figure, with a scale bar and, if asked for, a colour bar."""
+    drawing = _Drawing(eye, view, "facets", False, None)
+    low, high = _frame(drawing)
+    _ready(panel, low, high)
+    marks = _facets(drawing)
+    panel.add_collection(marks)
+    _coloured(figure, panel, drawing, marks, prop, "right" if bar else None)
+    _scale_bar(panel, low, high)
+    _compass(drawing, panel, low, high)
 
 
 class _Drawing:
@@ -113,24 +108,26 @@ class _Drawing:
         self.length = axis_length_mm or 0.1 * extent or 1.0
         self.diameter = np.zeros(len(eye))
         self.lifted = False
-        if style == "facets":
+        if style != "axes":
             self.diameter = _facet_diameters(position)
             # Eyes with all their ommatidia at a point have facets of no size there.
             if np.median(self.diameter) <= 1e-4 * extent:
                 position = position + axis * self.length
                 self.diameter = _facet_diameters(position)
                 self.lifted = True
-        towards = axis @ view[2]
+        self.normal = axis
+        if style != "axes":
+            self.normal = _normals(position, axis, eye.eye_id)
+        towards = self.normal @ view[2]
         self.shown = np.arange(len(eye)) if back else np.flatnonzero(towards > 0)
         depth = position @ view[2]
         self.shown = self.shown[np.argsort(depth[self.shown], kind="stable")]
-        self.eye, self.style, self.view = eye, style, view
+        self.eye, self.style, self.view, self.position = eye, style, view, position
         self.start = (position @ view.T)[:, :2]
         self.along = (axis @ view.T)[:, :2]
-        self.towards = towards
 
 
-def _view(yaw: float, pitch: float) -> Floats:
+def view_from(yaw: float, pitch: float) -> Floats:
     # Rows: right, up and towards the viewer, in the head's frame. At yaw 0 the viewer is at -Z.
     towards = [math.cos(pitch) * math.sin(yaw), math.sin(pitch), -math.cos(pitch) * math.cos(yaw)]
     right = [-math.cos(yaw), 0.0, -math.sin(yaw)]
@@ -155,102 +152,130 @@ def _facet_diameters(position: Floats) -> Floats:
     return np.minimum(diameter, 3 * float(np.median(diameter)))
 
 
-def _figure(drawing: _Drawing, colour: Colour, size_mm: float, title: str) -> Any:
-    values, label, tell_apart = _values(drawing.eye, colour)
+def _normals(position: Floats, axis: Floats, eye_id: NDArray[np.int32]) -> Floats:
+    """The surface's normals, the axis where the positions form none: (N, 3)."""
+    which = sides(position, eye_id)
+    normal = surface_normals(position, surface_lattice(position, which))
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    return np.where(length > 1e-9, normal / np.maximum(length, 1e-9), axis)
+
+
+def _corners(drawing: _Drawing) -> list[Floats]:
+    """The corners of the facets shown, in the picture: (corners, 2) each, mm.
+
+    Inside the surface a facet's corners are the middles of the triangles around it, so that facets
+    fill the surface. At its border, where these are not all there, they are regular hexagons with
+    sides that face the neighbours: turned by the mean of e^{6iα} of the neighbours' azimuths α,
+    which hexagonal symmetry leaves as it is.
+    """
+    position, normal = drawing.position, drawing.normal
+    aside = np.cross(normal, np.array([0.0, 1.0, 0.0]))
+    flat = np.linalg.norm(aside, axis=1, keepdims=True) < 1e-6
+    aside = np.where(flat, np.array([1.0, 0.0, 0.0]), aside)
+    aside /= np.linalg.norm(aside, axis=1, keepdims=True)
+    over = np.cross(aside, normal)
+
+    def azimuth(of: NDArray[np.int64], point: Floats) -> Floats:
+        step = point - position[of]
+        along, across = (step * over[of]).sum(axis=1), (step * aside[of]).sum(axis=1)
+        return np.asarray(np.arctan2(along, across))
+
+    lattice = surface_lattice(position, sides(position, drawing.eye.eye_id))
+    turn = np.zeros(len(position), complex)
+    for one, other in (lattice.pairs.T, lattice.pairs.T[::-1]):
+        np.add.at(turn, one, np.exp(6j * azimuth(one, position[other])))
+    angle = (np.angle(turn) / 6 + np.pi / 6)[:, None] + np.arange(6) * np.pi / 3
+    radius = drawing.diameter[:, None, None] / math.sqrt(3)  # their width is across the flats
+    hexagons = position[:, None] + radius * (
+        np.cos(angle)[..., None] * aside[:, None] + np.sin(angle)[..., None] * over[:, None]
+    )
+    corners = list(hexagons)
+    around = lattice.triangles.ravel()
+    middle = np.repeat(position[lattice.triangles].mean(axis=1), 3, axis=0)
+    order = np.lexsort((azimuth(around, middle), around))
+    around, middle = around[order], middle[order]
+    starts = np.flatnonzero(np.diff(around, prepend=-1))
+    ends = np.append(starts[1:], len(around))
+    for first, end in zip(starts.tolist(), ends.tolist(), strict=False):
+        if not lattice.border[around[first]]:
+            corners[around[first]] = middle[first:end]
+    return [(corners[i] @ drawing.view.T)[:, :2] for i in drawing.shown]
+
+
+def _figure(drawing: _Drawing, prop: EyeProperty | None, size_mm: float, title: str) -> Any:
     low, high = _frame(drawing)
     inches = size_mm / 25.4
     across_over_up = (high[0] - low[0]) / (high[1] - low[1])
-    height = inches * ((0.85 if label else 1) / across_over_up + 0.1)  # a bar beside, a title above
+    height = inches * ((0.85 if prop else 1) / across_over_up + 0.1)  # a bar beside, a title above
     figure = load_matplotlib()(figsize=(inches, max(height, 0.45 * inches)), layout="constrained")
     axes = figure.add_subplot()
-    axes.set_aspect("equal")
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-    axes.set_axis_off()
-    marks = _marks(drawing, axes)
-    if values is not None:
-        least, most, extend = _limits(values)
-        marks.set_array(values[drawing.shown])
-        marks.set(clim=(least, most), cmap="viridis")
-        bar = figure.colorbar(marks, ax=axes, shrink=0.75, aspect=30, extend=extend, pad=0.02)
-        bar.set_label(label)
-        bar.outline.set_visible(False)
-    elif tell_apart:
-        which = drawing.eye.eye_id[drawing.shown]
-        marks.set_color([_EYE_COLOURS[i % len(_EYE_COLOURS)] for i in which])
-        _legend(axes, np.unique(which))
+    _ready(axes, low, high)
+    notes = []
+    if drawing.style != "axes":
+        marks = _facets(drawing)
+        axes.add_collection(marks)
+    if drawing.style != "facets":
+        lines = _lines(drawing)
+        axes.add_collection(lines)
+        if drawing.style == "both":
+            lines.set(color=INK, alpha=0.6)
+        else:
+            marks = lines
+    if prop is None:
+        marks.set_color(_PLAIN if drawing.style != "axes" else INK)
+    elif not is_known(prop):
+        marks.set_color(_PLAIN)
+        notes.append(f"{prop.label}: not known")
     else:
-        marks.set_color("#7a93ac" if drawing.style == "facets" else _INK)
-    if drawing.style == "facets":
+        _coloured(figure, axes, drawing, marks, prop, "right")
+    if drawing.style != "axes":
         marks.set_edgecolor("#ffffff60")
-    axes.add_collection(marks)
-    notes = [label] if values is None and label else []
     if drawing.lifted:
         notes.append(
             f"an eye's ommatidia are all at one point: drawn {_length(drawing.length)} out"
         )
     # As many letters as fit, at 150 mm; smaller drawings have smaller type.
-    lines = [line for text in [*title.splitlines(), *notes] for line in textwrap.wrap(text, 82)]
-    figure.suptitle("\n".join(lines), color=_INK, fontsize="medium")
+    words = [line for text in [*title.splitlines(), *notes] for line in textwrap.wrap(text, 82)]
+    figure.suptitle("\n".join(words), color=INK, fontsize="medium")
     _scale_bar(axes, low, high)
     _compass(drawing, axes, low, high)
     return figure
 
 
-def _marks(drawing: _Drawing, axes: Any) -> Any:
-    from matplotlib.collections import EllipseCollection, LineCollection
+def _ready(axes: Any, low: Floats, high: Floats) -> None:
+    axes.set_aspect("equal")
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    axes.set_axis_off()
+
+
+def _coloured(
+    figure: Any, axes: Any, drawing: _Drawing, marks: Any, prop: EyeProperty, bar: str | None
+) -> None:
+    marks.set_array(np.ma.masked_invalid(prop.values[drawing.shown]))
+    colour_scale(figure, axes, marks, prop, bar)
+
+
+def _lines(drawing: _Drawing) -> Any:
+    from matplotlib.collections import LineCollection
 
     shown = drawing.shown
-    if drawing.style == "axes":
-        end = drawing.start + drawing.along * drawing.length
-        lines = np.stack([drawing.start[shown], end[shown]], axis=1)
-        # Many lines would melt into one another.
-        return LineCollection(list(lines), linewidths=min(0.8, 25 / math.sqrt(len(shown) + 1)))
-    diameter = drawing.diameter[shown]
-    return EllipseCollection(
-        np.maximum(np.abs(drawing.towards[shown]), 0.02) * diameter,
-        diameter,
-        np.degrees(np.arctan2(drawing.along[shown, 1], drawing.along[shown, 0])),
-        units="xy",
-        offsets=drawing.start[shown],
-        offset_transform=axes.transData,
-        linewidths=0.2,
-    )
+    end = drawing.start + drawing.along * drawing.length
+    lines = np.stack([drawing.start[shown], end[shown]], axis=1)
+    # Many lines would melt into one another.
+    return LineCollection(list(lines), linewidths=min(0.8, 25 / math.sqrt(len(shown) + 1)))
 
 
-def _values(eye: Eye, colour: Colour) -> tuple[Floats | None, str, bool]:
-    # What colours mean: a number each, its label, or that they tell eyes apart.
-    if colour == "eye":
-        return None, "", True
-    if colour == "none":
-        return None, "", False
-    if colour == "acceptance":
-        values, label = eye.acceptance_angle_rad, "acceptance angle"
-    else:
-        values, label = eye.interommatidial_angle_rad(), "local interommatidial angle"
-    degrees = np.degrees(values.astype(np.float64))
-    if np.ptp(degrees) <= 1e-4 * degrees.max():
-        return None, f"{label} {degrees[0]:.3g}° throughout", False
-    return degrees, f"{label} (°)", False
+def _facets(drawing: _Drawing) -> Any:
+    from matplotlib.collections import PolyCollection
 
-
-def _limits(values: Floats) -> tuple[float, float, str]:
-    # A few ommatidia at the rim would take all the colours; where they are far out, the bar ends
-    # before them and says so.
-    least, low, high, most = np.percentile(values, [0, 1, 99, 100])
-    below, above = low - least > 0.25 * (high - low), most - high > 0.25 * (high - low)
-    extend = {(0, 0): "neither", (1, 0): "min", (0, 1): "max", (1, 1): "both"}
-    return (
-        float(low if below else least),
-        float(high if above else most),
-        extend[int(below), int(above)],
-    )
+    return PolyCollection(_corners(drawing), linewidths=0.2, edgecolors="#ffffff60")
 
 
 def _frame(drawing: _Drawing) -> tuple[Floats, Floats]:
     # Lower left and upper right corner: what is drawn, with room below for scale and compass.
     shown = drawing.shown if len(drawing.shown) else np.arange(len(drawing.start))
     reach = drawing.start[shown]
-    if drawing.style == "axes":
+    if drawing.style != "facets":
         reach = np.concatenate([reach, reach + drawing.along[shown] * drawing.length])
     half = 0.5 * float(drawing.diameter.max())
     low, high = reach.min(axis=0) - half, reach.max(axis=0) + half
@@ -267,7 +292,7 @@ def _scale_bar(axes: Any, low: Floats, high: Floats) -> None:
     side = float(high[0] - low[0])
     length = _round_length(0.25 * side)
     left, level = low[0] + 0.03 * side, low[1] + 0.03 * side
-    axes.plot([left, left + length], [level] * 2, color=_INK, linewidth=2, solid_capstyle="butt")
+    axes.plot([left, left + length], [level] * 2, color=INK, linewidth=2, solid_capstyle="butt")
     axes.text(left + length / 2, level + 0.015 * side, _length(length), ha="center", va="bottom")
 
 
@@ -288,7 +313,7 @@ def _compass(drawing: _Drawing, axes: Any, low: Floats, high: Floats) -> None:
             continue
         drawn.append(unit)
         end = centre + along * length
-        arrow = {"arrowstyle": "->", "color": _INK, "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
+        arrow = {"arrowstyle": "->", "color": INK, "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
         axes.annotate("", end, centre, arrowprops=arrow)
         sideways = abs(along[0]) > abs(along[1])
         axes.text(
@@ -297,17 +322,8 @@ def _compass(drawing: _Drawing, axes: Any, low: Floats, high: Floats) -> None:
             ha=("left" if along[0] > 0 else "right") if sideways else "center",
             va="center" if sideways else ("bottom" if along[1] > 0 else "top"),
             fontsize="small",
-            color=_INK,
+            color=INK,
         )
-
-
-def _legend(axes: Any, eyes: NDArray[np.int32]) -> None:
-    from matplotlib.patches import Patch
-
-    handles = [
-        Patch(color=_EYE_COLOURS[i % len(_EYE_COLOURS)], label=f"eye {i}") for i in eyes.tolist()
-    ]
-    axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0), ncol=6, frameon=False)
 
 
 def _title(eye: Eye, yaw_deg: float, pitch_deg: float, drawing: _Drawing) -> str:

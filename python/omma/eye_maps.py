@@ -224,8 +224,13 @@ def draw_map(
     colour_scale(figure, panel, image, prop, location="bottom")
 
 
-def colour_scale(figure: Figure, panel: Axes, marks: Any, prop: EyeProperty, location: str) -> None:
-    """The colours of ``marks`` and a bar (or a legend, for classes) that says what they mean."""
+def colour_scale(
+    figure: Figure, panel: Axes, marks: Any, prop: EyeProperty, location: str | None
+) -> None:
+    """The colours of ``marks`` and a bar, or of classes a legend, that says what they mean.
+
+    ``location`` of the bar is "right" or "bottom"; None leaves it out.
+    """
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
 
@@ -233,32 +238,26 @@ def colour_scale(figure: Figure, panel: Axes, marks: Any, prop: EyeProperty, loc
         colours = [COLOURS[k % len(COLOURS)] for k in range(len(prop.classes))]
         marks.set(cmap=ListedColormap(colours), clim=(-0.5, len(colours) - 0.5))
         handles = [Patch(color=c, label=n) for c, n in zip(colours, prop.classes, strict=True)]
-        panel.legend(
-            handles=handles,
-            title=prop.label,
-            loc="upper center",
-            bbox_to_anchor=(0.5, 0),
-            ncol=6,
-            frameon=False,
-        )
+        if location is not None:
+            panel.legend(
+                handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0), ncol=6, frameon=False
+            )
         return
     low, high, extend = colour_limits(prop.values)
     marks.set(cmap="viridis", clim=(low, high))
-    if high - low <= 1e-4 * max(abs(low), abs(high)):
+    constant = high - low <= 1e-4 * max(abs(low), abs(high))
+    if constant:
         marks.set_clim(low - 1, low + 1)
+    if location is None:
+        return
+    if constant:
         text = f"{prop.label}: {low:.3g} throughout"
         panel.text(0.5, -0.06, text, transform=panel.transAxes, ha="center", va="top")
         return
-    beside = location == "right"
     bar = figure.colorbar(
-        marks,
-        ax=panel,
-        location=location,
-        shrink=0.75 if beside else 0.6,
-        aspect=30,
-        pad=0.02,
-        extend=extend,
-    )
+        marks, ax=panel, location=location, shrink=0.75 if location == "right" else 0.6,
+        aspect=30, pad=0.02, extend=extend,
+    )  # fmt: skip
     bar.set_label(prop.label)
     bar.outline.set_visible(False)
 

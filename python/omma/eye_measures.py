@@ -23,6 +23,7 @@ from omma.eye_neighbours import (
     eye_centre,
     sides,
     surface_lattice,
+    surface_normals,
 )
 
 # An ommatidium differs from its neighbours where it is this many robust standard deviations above
@@ -149,7 +150,7 @@ def measure_eye(eye: Eye) -> EyeMeasures:
         facet_spacing_m=facet_spacing,
         skew_head_rad=_angle_between(position, axis),
         skew_eye_rad=_angle_between(outward, axis),
-        skew_normal_rad=_angle_between(_surface_normals(position, surface), axis),
+        skew_normal_rad=_angle_between(surface_normals(position, surface), axis),
         sensitivity_m2_sr=_sensitivity(eye, diameter),
         outlier=_outliers(position, axis, directions, surface, spacing, facet_spacing, eye_id),
         duplicate_of=_duplicates(position, axis),
@@ -202,15 +203,6 @@ def _local_metric(axis: Floats, lattice: Lattice) -> Floats:
     edges = corners - np.roll(corners, 1, axis=1)
     along = np.stack([np.einsum("tkc,tc->tk", edges, way) for way in (east, north)], axis=1)
     return np.asarray(lattice.mean_over_triangles((along**2).sum(axis=2) * 2 / 3))
-
-
-def _surface_normals(position: Floats, surface: Lattice) -> Floats:
-    """Normals by area of the triangles around each, out of the eye: (N, 3), zero where none."""
-    corners = position[surface.triangles]
-    area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return np.nan_to_num(surface.mean_over_triangles(area)) / max(
-        float(np.ptp(position, axis=0).max()) ** 2, 1e-300
-    )
 
 
 def _sensitivity(eye: Eye, diameter: Floats) -> Floats:

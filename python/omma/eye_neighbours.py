@@ -106,6 +106,15 @@ def surface_lattice(position: Floats, eye_id: NDArray[np.int32]) -> Lattice:
     return _joined(parts, len(position))
 
 
+def surface_normals(position: Floats, surface: Lattice) -> Floats:
+    """The normals of the surface, out of the eye, from the triangles around each position by their
+    area: (N, 3), of any length; zero where there are none."""
+    extent = float(np.ptp(position, axis=0).max()) or 1.0
+    corners = position[surface.triangles] / extent
+    area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return np.nan_to_num(surface.mean_over_triangles(area * len(position)))
+
+
 def eye_centre(position: Floats) -> Floats:
     """The centre of the sphere that fits positions (N, 3) best, or their middle where none does.
 
@@ -201,7 +210,7 @@ def _delaunay(unit: Floats) -> Ints:
     a, b, c = unit[triangles].transpose(1, 0, 2)
     inside = np.sum(np.cross(b - a, c - a) * (a - unit.mean(axis=0)), axis=1) < 0
     triangles[inside] = triangles[inside][:, ::-1]
-    return triangles
+    return np.asarray(triangles)
 
 
 def _chain(unit: Floats) -> Ints:

@@ -56,8 +56,11 @@ _KNOWN: dict[str, tuple[str, str, Callable[[EyeMeasures], Floats]]] = {
 PROPERTIES: tuple[str, ...] = (*_KNOWN, "eye")
 
 
-def eye_property(eye: Eye, measures: EyeMeasures, name: str) -> EyeProperty:
-    """A property of an eye: one of `PROPERTIES`, or one of its columns.
+def eye_property(
+    eye: Eye, measures: EyeMeasures, name: str, argument: str = "property"
+) -> EyeProperty:
+    """A property of an eye: one of `PROPERTIES`, or one of its columns; ``argument`` is what errors
+    call it.
 
     Raises:
         omma.Error: there is no such property.
@@ -79,7 +82,7 @@ def eye_property(eye: Eye, measures: EyeMeasures, name: str) -> EyeProperty:
         classes, which = np.unique(np.array(column), return_inverse=True)
         return EyeProperty(which.astype(np.float64), name, tuple(classes.tolist()))
     names = ", ".join([*PROPERTIES, *eye.columns])
-    raise Error(f"property: expected one of {names}, found {name!r}")
+    raise Error(f"{argument}: expected one of {names}, found {name!r}")
 
 
 def is_known(prop: EyeProperty) -> bool:

@@ -10,7 +10,7 @@ import pytest
 from conftest import make_eye
 
 import omma
-from omma.eye_drawing import _Drawing, _length, _round_length, _view
+from omma.eye_drawing import _Drawing, _length, _round_length, view_from
 
 pytest.importorskip("matplotlib")
 
@@ -24,7 +24,7 @@ def six():
 
 
 def seen(eye, yaw, pitch, back=False, style="facets"):
-    view = _view(np.radians(yaw), np.radians(pitch))
+    view = view_from(np.radians(yaw), np.radians(pitch))
     return _Drawing(eye, view, style, back, None)
 
 
@@ -39,14 +39,14 @@ def seen(eye, yaw, pitch, back=False, style="facets"):
     ],
 )
 def test_which_direction_is_where(yaw, pitch, right, up, towards):
-    assert _view(np.radians(yaw), np.radians(pitch)) == pytest.approx(
+    assert view_from(np.radians(yaw), np.radians(pitch)) == pytest.approx(
         np.array([right, up, towards]), abs=1e-12
     )
 
 
 def test_views_are_rotations():
     for yaw, pitch in np.random.default_rng(0).uniform(-3, 3, (20, 2)):
-        view = _view(yaw, pitch)
+        view = view_from(yaw, pitch)
         assert view @ view.T == pytest.approx(np.eye(3), abs=1e-12)
         assert np.linalg.det(view) == pytest.approx(1)
 
@@ -154,7 +154,7 @@ def test_eyes_with_little_to_show(tmp_path, axes):
         ({"paths": ["a.svg", "b"]}, ["b", ".png"]),
         ({"paths": "no/a.svg"}, ["no/a.svg", "directory"]),
         ({"style": "dots"}, ["style", "facets", "dots"]),
-        ({"colour": "red"}, ["colour", "none", "red"]),
+        ({"colour": "red"}, ["colour", "interommatidial", "red"]),
         ({"yaw_deg": np.inf}, ["yaw_deg", "inf"]),
         ({"size_mm": 0}, ["size_mm", "0"]),
         ({"axis_length_mm": -1}, ["axis_length_mm", "-1"]),
