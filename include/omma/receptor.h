@@ -2,7 +2,9 @@
 // type; types can be mixed over the eye.
 #pragma once
 
+#include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,5 +36,30 @@ struct ReceptorType {
 
 // Throws omma::Error naming the parameter; `where` begins the message.
 void validate_receptor_type(const ReceptorType& type, const std::string& where);
+
+// The light that receptors are asked about: RGB says something of the second part of this range and
+// nothing of the ultraviolet below it.
+inline constexpr double ultraviolet_from_nm = 300, visible_from_nm = 400, visible_to_nm = 700;
+
+// Absorbance of a visual pigment with chromophore A1 and an alpha band that peaks at a wavelength,
+// relative to that peak: its two bands, Govardovskii et al. 2000 (Vis Neurosci 17:509), equations
+// 1, 2 and 4, 5. A pigment's absorbance is their sum.
+double pigment_alpha_band(double peak_wavelength_nm, double wavelength_nm);
+double pigment_beta_band(double peak_wavelength_nm, double wavelength_nm);
+
+// Relative sensitivity of a receptor to equal numbers of photons at these wavelengths. That of a
+// pigment a(w) in a rhabdom of known absorption k and length l is what it absorbs,
+// [1 - exp(-k l a)] / [1 - exp(-k l)], which is broader than a; a table is taken as it is.
+void eval_spectral_sensitivity(const ReceptorType& type, std::span<const double> wavelength_nm,
+                               std::span<double> sensitivity);
+
+// What a receptor makes of linear sRGB: weights of red, green and blue,
+//   M_c = integral of R s_c dw / integral of R dw, over 300 to 700 nm.
+// R is its sensitivity, s_c the spectrum of a primary (receptor/primary_spectra.h). The three add
+// up to 1 from 400 to 700 nm and are 0 below, so that white is equal numbers of photons over what
+// is visible to us, and a receptor gets less from it by its share of ultraviolet. `ultraviolet`:
+// light from 300 to 400 nm is this mix of the three channels, as (0, 0, 1) for as much as blue.
+std::array<double, 3> receptor_weights(const ReceptorType& type,
+                                       std::array<double, 3> ultraviolet = {0, 0, 0});
 
 }  // namespace omma

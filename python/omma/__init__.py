@@ -59,10 +59,33 @@ from omma.eye_tools import (
     set_acceptance,
     split_eye,
 )
-from omma.files import load_eye, load_scene, save_eye, save_responses
+from omma.files import (
+    eye_file_heads,
+    eye_file_losses,
+    load_eye,
+    load_scene,
+    save_eye,
+    save_responses,
+)
 from omma.pictures import equirectangular, equirectangular_ids, field_ids, side_by_side
 from omma.poses import load_poses, poses_from_angles, poses_from_quaternions
 from omma.projections import PROJECTIONS, project, projection_ids
+from omma.receptor_mosaic import (
+    OmmatidiumType,
+    assign_receptors,
+    honeybee_ommatidia,
+    up_towards,
+)
+from omma.receptors import (
+    govardovskii,
+    microvillus_direction,
+    ommatidium_of_receptor,
+    optical_sensitivity,
+    receptor_axis,
+    receptor_matrix,
+    receptor_optical_sensitivity,
+    spectral_sensitivity,
+)
 from omma.renderer import Renderer
 from omma.rendering import RenderReport, render_file
 from omma.sampling_plots import (
@@ -83,6 +106,13 @@ from omma.sampling_tools import (
     variance_map,
 )
 from omma.speed_test import SpeedTest, measure_speed
+from omma.superposition import (
+    Wiring,
+    fly_receptors,
+    neural_superposition_wiring,
+    pool,
+    superposition_facets,
+)
 
 __all__ = [
     "PROJECTIONS",
@@ -101,17 +131,20 @@ __all__ = [
     "LatticeCheck",
     "Method",
     "MinimumSamples",
+    "OmmatidiumType",
     "ReceptorType",
     "RenderReport",
     "Renderer",
     "SamplingReport",
     "Scene",
     "SpeedTest",
+    "Wiring",
     "__version__",
     "acceptance_from_facets",
     "acute_zones",
     "alias_curve",
     "angle_table",
+    "assign_receptors",
     "azimuth_elevation_deg_of",
     "camera_eye",
     "check_lattice",
@@ -123,9 +156,14 @@ __all__ = [
     "encode_ids",
     "equirectangular",
     "equirectangular_ids",
+    "eye_file_heads",
+    "eye_file_losses",
     "facet_diameters_m",
     "field_ids",
+    "fly_receptors",
     "generate_eye",
+    "govardovskii",
+    "honeybee_ommatidia",
     "icosahedral_eye",
     "join_eyes",
     "lay_directions",
@@ -136,17 +174,25 @@ __all__ = [
     "look_at",
     "measure_speed",
     "merge_eyes",
+    "microvillus_direction",
     "minimum_samples",
     "mirror_eye",
+    "neural_superposition_wiring",
+    "ommatidium_of_receptor",
+    "optical_sensitivity",
     "outline",
     "paint",
     "pair_of_eyes",
     "place_on_head",
+    "pool",
     "poses_from_angles",
     "poses_from_quaternions",
     "project",
     "projection_ids",
     "rays_per_ommatidium",
+    "receptor_axis",
+    "receptor_matrix",
+    "receptor_optical_sensitivity",
     "render_all_cameras",
     "render_camera",
     "render_file",
@@ -163,7 +209,10 @@ __all__ = [
     "set_facets",
     "side_by_side",
     "solid_angles_sr",
+    "spectral_sensitivity",
     "split_eye",
+    "superposition_facets",
+    "up_towards",
     "variance_map",
     "window",
 ]

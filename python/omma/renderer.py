@@ -14,6 +14,7 @@ from omma import _core
 from omma._core import Background, Error, Eye, Scene
 from omma.arguments import expect, output_array, whole
 from omma.poses import Matrices, as_poses, is_position_pair
+from omma.receptors import ReceptorViews, render_receptors
 from omma.render_settings import Samples, fixed_samples, render_settings
 from omma.sampling_report import SamplingReport
 
@@ -108,6 +109,7 @@ class Renderer:
             background=background,
         )
         self._engine = _core.Renderer(scene, eye, settings, progress)
+        self._receptors: ReceptorViews | None = None
 
     def with_eye(
         self,
@@ -148,6 +150,7 @@ class Renderer:
         )
         other = copy.copy(self)
         other._engine = _core.Renderer(self._engine, _one_eye(eye), settings)
+        other._receptors = None
         return other
 
     @overload
@@ -247,6 +250,76 @@ class Renderer:
         if errors is not None and rays is not None:
             return responses, SamplingReport(rays, errors, self._engine.settings.error)
         return responses if errors is None else (responses, errors)
+
+    @overload
+    def render_receptors(
+        self,
+        poses: Poses,
+        *,
+        matrix: ArrayLike | None = None,
+        ultraviolet: ArrayLike | None = None,
+        standard_error: Literal[False] = False,
+        out: Responses | None = None,
+        first_pose: int = 0,
+        progress: Progress | None = None,
+    ) -> Responses: ...
+
+    @overload
+    def render_receptors(
+        self,
+        poses: Poses,
+        *,
+        matrix: ArrayLike | None = None,
+        ultraviolet: ArrayLike | None = None,
+        standard_error: Literal[True],
+        out: Responses | None = None,
+        first_pose: int = 0,
+        progress: Progress | None = None,
+    ) -> tuple[Responses, Responses]: ...
+
+    def render_receptors(
+        self,
+        poses: Poses,
+        *,
+        matrix: ArrayLike | None = None,
+        ultraviolet: ArrayLike | None = None,
+        standard_error: bool = False,
+        out: Responses | None = None,
+        first_pose: int = 0,
+        progress: Progress | None = None,
+    ) -> Responses | tuple[Responses, Responses]:
+        """What the eye's receptors answer, (P, R): float32, linear, never clipped.
+
+        Receptors come in the order of ``eye.receptor_type``. Those that look where their ommatidium
+        looks share its rays, and cost next to nothing; one beside the axis, or with an acceptance
+        of its own, costs as much as an ommatidium. RGB becomes responses through a matrix of types
+        and channels (docs/receptors.md). RGB says nothing of ultraviolet, so there is none, unless
+        ``ultraviolet`` or ``matrix`` says otherwise.
+
+        Args:
+            matrix: (T, 3), weights of red, green and blue for each of ``eye.receptor_types``; None
+                takes `receptor_matrix`.
+            ultraviolet: (3,), light below 400 nm as a mix of the channels, see `receptor_matrix`.
+            standard_error: return (responses, errors). The errors are the largest that those of
+                the channels allow: exact where the channels rise and fall together.
+            poses, out, first_pose, progress: as in `render`.
+
+        Raises:
+            omma.Error: an eye without receptors, a type without a sensitivity, a wrong shape.
+        """
+        if self._receptors is None:
+            self._receptors = ReceptorViews(self)
+        return render_receptors(
+            self,
+            self._receptors,
+            poses,
+            matrix,
+            ultraviolet,
+            standard_error,
+            out,
+            first_pose,
+            progress,
+        )
 
     def render_rays(
         self, poses: Poses, *, first_pose: int = 0, progress: Progress | None = None

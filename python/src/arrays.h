@@ -60,5 +60,6 @@ void bind_acceptance(nb::module_& m);
 void bind_eye(nb::module_& m);
 void bind_renderer(nb::module_& m);
 void bind_projection(nb::module_& m);
+void bind_receptor(nb::module_& m);
 
 }  // namespace omma::python

@@ -26,4 +26,5 @@ NB_MODULE(_core, m) {
   omma::python::bind_eye(m);
   omma::python::bind_renderer(m);
   omma::python::bind_projection(m);
+  omma::python::bind_receptor(m);
 }

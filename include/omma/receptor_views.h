@@ -1,0 +1,34 @@
+// From what an eye sees to what its receptors answer. Receptors that look where their ommatidium
+// looks share its rays; those beside the axis, or with an acceptance of their own, look through
+// views: an eye with one entry for each different way of looking, which is rendered as any other.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "omma/eye.h"
+
+namespace omma {
+
+struct ReceptorViews {
+  Eye eye;                                     // one entry for each view
+  std::vector<std::int32_t> view_of_receptor;  // [receptor], index into it
+};
+
+// The views of a validated eye. Where a receptor looks with its ommatidium the first entries are
+// the ommatidia as they are, and the others follow; so their rays are those of the eye itself. A
+// view beside the axis is turned through the nodal point, its up vector with it. Throws omma::Error
+// where there is no receptor.
+ReceptorViews receptor_views(const Eye& eye);
+
+// Responses of receptors [pose, receptor] from those of their views [pose, view, channel]: each is
+// its type's row of the matrix [type, channel] times its view's radiance. With `magnitudes` the
+// matrix counts by its magnitudes: standard errors, of which that gives the largest that they can
+// be.
+void apply_receptor_matrix(std::span<const float> radiance, std::span<const double> matrix,
+                           std::span<const std::int32_t> view_of_receptor,
+                           std::span<const std::int32_t> receptor_type, std::size_t view_count,
+                           bool magnitudes, std::span<float> responses);
+
+}  // namespace omma

@@ -1,0 +1,97 @@
+// Receptors for Python: what they are sensitive to, where they look, what they answer.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/string.h>
+
+#include <string>
+
+#include "arrays.h"
+#include "omma/error.h"
+#include "omma/receptor_views.h"
+#include "omma/scene.h"
+
+namespace omma::python {
+
+namespace {
+
+nb::object sensitivity(const ReceptorType& type, nb::handle wavelength_nm) {
+  const auto nm = double_array(wavelength_nm, "wavelength_nm", {-1});
+  std::vector<double> values(nm.size());
+  eval_spectral_sensitivity(type, {nm.data(), nm.size()}, values);
+  return take(std::move(values), {nm.size()});
+}
+
+nb::object bands(double peak_wavelength_nm, nb::handle wavelength_nm) {
+  const auto nm = double_array(wavelength_nm, "wavelength_nm", {-1});
+  std::vector<double> values(2 * nm.size());
+  for (std::size_t i = 0; i < nm.size(); ++i) {
+    values[i] = pigment_alpha_band(peak_wavelength_nm, nm.data()[i]);
+    values[nm.size() + i] = pigment_beta_band(peak_wavelength_nm, nm.data()[i]);
+  }
+  return take(std::move(values), {2, nm.size()});
+}
+
+nb::object views(const Eye& eye) {
+  ReceptorViews made;
+  {
+    nb::gil_scoped_release release;
+    made = receptor_views(eye);
+  }
+  const std::size_t receptors = made.view_of_receptor.size();
+  return nb::make_tuple(nb::cast(std::move(made.eye)),
+                        take(std::move(made.view_of_receptor), {receptors}));
+}
+
+using Output = nb::ndarray<nb::numpy, float, nb::ndim<2>, nb::c_contig>;
+
+void apply(nb::handle radiance_object, nb::handle matrix_object, nb::handle view_object,
+           nb::handle type_object, bool magnitudes, const Output& out) {
+  const auto radiance = float_array(radiance_object, "radiance", {-1, -1, channel_count});
+  const auto matrix = double_array(matrix_object, "matrix", {-1, channel_count});
+  const auto receptors = static_cast<std::int64_t>(out.shape(1));
+  const auto view = int_array(view_object, "view_of_receptor", {receptors});
+  const auto type = int_array(type_object, "receptor_type", {receptors});
+  if (radiance.shape(0) != out.shape(0))
+    throw Error("out: expected as many poses as radiance has, found " +
+                std::to_string(out.shape(0)));
+  // Indices of other eyes would be read outside of the arrays.
+  const auto check = [](const InputArray<std::int32_t>& indices, std::size_t end,
+                        const char* name) {
+    for (std::size_t r = 0; r < indices.size(); ++r)
+      if (indices.data()[r] < 0 || static_cast<std::size_t>(indices.data()[r]) >= end)
+        throw Error(std::string(name) + ": expected numbers under " + std::to_string(end) +
+                    ", found " + std::to_string(indices.data()[r]));
+  };
+  check(view, radiance.shape(1), "view_of_receptor");
+  check(type, matrix.shape(0), "matrix: fewer rows than types; receptor_type");
+  nb::gil_scoped_release release;
+  apply_receptor_matrix({radiance.data(), radiance.size()}, {matrix.data(), matrix.size()},
+                        {view.data(), view.size()}, {type.data(), type.size()}, radiance.shape(1),
+                        magnitudes, {out.data(), out.size()});
+}
+
+}  // namespace
+
+void bind_receptor(nb::module_& m) {
+  m.def("spectral_sensitivity", &sensitivity, nb::arg("type"), nb::arg("wavelength_nm"),
+        nb::sig("def spectral_sensitivity(type: ReceptorType, wavelength_nm: "
+                "numpy.typing.NDArray[numpy.float64]) -> numpy.typing.NDArray[numpy.float64]"));
+  m.def("pigment_bands", &bands, nb::arg("peak_wavelength_nm"), nb::arg("wavelength_nm"),
+        nb::sig("def pigment_bands(peak_wavelength_nm: float, wavelength_nm: "
+                "numpy.typing.NDArray[numpy.float64]) -> numpy.typing.NDArray[numpy.float64]"));
+  m.def("receptor_weights", &receptor_weights, nb::arg("type"), nb::arg("ultraviolet"),
+        nb::sig("def receptor_weights(type: ReceptorType, ultraviolet: "
+                "collections.abc.Sequence[float]) -> list[float]"));
+  m.def("receptor_views", &views, nb::arg("eye"),
+        nb::sig("def receptor_views(eye: Eye) -> tuple[Eye, numpy.typing.NDArray[numpy.int32]]"));
+  m.def("apply_receptor_matrix", &apply, nb::arg("radiance"), nb::arg("matrix"),
+        nb::arg("view_of_receptor"), nb::arg("receptor_type"), nb::arg("magnitudes"),
+        nb::arg("out"),
+        nb::sig("def apply_receptor_matrix(radiance: numpy.typing.NDArray[numpy.float32], matrix: "
+                "numpy.typing.NDArray[numpy.float64], view_of_receptor: "
+                "numpy.typing.NDArray[numpy.int32], receptor_type: "
+                "numpy.typing.NDArray[numpy.int32], magnitudes: bool, out: "
+                "numpy.typing.NDArray[numpy.float32]) -> None"));
+}
+
+}  // namespace omma::python

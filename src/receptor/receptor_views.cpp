@@ -1,0 +1,145 @@
+// The views of an eye's receptors, and receptors' responses from what those views see.
+#include "omma/receptor_views.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+#include <string>
+
+#include "omma/error.h"
+#include "omma/scene.h"
+
+namespace omma {
+namespace {
+
+bool looks_with_ommatidium(const ReceptorType& type) {
+  return type.right_rad == 0 && type.up_rad == 0 && !type.acceptance;
+}
+
+bool look_alike(const ReceptorType& a, const ReceptorType& b) {
+  return a.right_rad == b.right_rad && a.up_rad == b.up_rad && a.acceptance == b.acceptance;
+}
+
+// Turns the frame of ommatidium i by the offset: along the great circle from its axis that leaves
+// in the offset's direction, as far as the offset is long.
+void turn(const Eye& eye, std::size_t i, const ReceptorType& type, Vec3& axis, Vec3& up) {
+  const double angle = std::hypot(type.right_rad, type.up_rad);
+  const Vec3d a = normalize(to_double(eye.axis[i])), u = normalize(to_double(eye.up[i]));
+  const Vec3d side = cross(a, u) * (type.right_rad / angle) + u * (type.up_rad / angle);
+  const double c = std::cos(angle), s = std::sin(angle);
+  // The part of up along `side` goes with it, the rest stays.
+  const double along = type.up_rad / angle;
+  axis = to_float(normalize(a * c + side * s));
+  up = to_float(normalize(u + side * (along * (c - 1)) - a * (along * s)));
+}
+
+// Adds a view of ommatidium i: itself, or what a receptor of this type sees beside or in place of
+// it.
+void add_view(const Eye& eye, std::size_t i, const ReceptorType* type, Eye& views) {
+  views.position_m.push_back(eye.position_m[i]);
+  views.axis.push_back(eye.axis[i]);
+  views.up.push_back(eye.up[i]);
+  views.acceptance_angle_rad.push_back(eye.acceptance_angle_rad[i]);
+  views.focal_offset_m.push_back(eye.focal_offset_m[i]);
+  views.eye_id.push_back(eye.eye_id[i]);
+  views.facet_diameter_m.push_back(eye.facet_diameter_m[i]);
+  views.aperture_diameter_m.push_back(eye.aperture_diameter_m[i]);
+  views.acceptance_of.push_back(eye.acceptance_of[i]);
+  if (type == nullptr) return;
+  if (type->right_rad != 0 || type->up_rad != 0)
+    turn(eye, i, *type, views.axis.back(), views.up.back());
+}
+
+}  // namespace
+
+ReceptorViews receptor_views(const Eye& eye) {
+  const std::string name = eye.path.empty() ? "eye" : eye.path;
+  if (eye.receptor_type.empty())
+    throw Error(name + ": expected ommatidia with receptors, found none (Eye's receptor_types)");
+  ReceptorViews views;
+  views.eye.path = eye.path;
+  views.eye.acceptances = eye.acceptances;
+  views.view_of_receptor.resize(eye.receptor_type.size());
+  // A type's own acceptance is listed once behind those of the eye, and types that look the same
+  // way are one.
+  const std::size_t types = eye.receptor_types.size();
+  std::vector<std::size_t> way(types);
+  std::vector<std::int32_t> acceptance(types, -1);
+  for (std::size_t t = 0; t < types; ++t) {
+    const ReceptorType& type = eye.receptor_types[t];
+    way[t] = 0;
+    while (!look_alike(eye.receptor_types[way[t]], type)) ++way[t];
+    if (!type.acceptance) continue;
+    if (way[t] < t) {
+      acceptance[t] = acceptance[way[t]];
+      continue;
+    }
+    acceptance[t] = static_cast<std::int32_t>(views.eye.acceptances.size());
+    views.eye.acceptances.push_back(*type.acceptance);
+  }
+  bool plain = false;
+  for (const std::int32_t t : eye.receptor_type)
+    plain = plain || looks_with_ommatidium(eye.receptor_types[static_cast<std::size_t>(t)]);
+  if (plain)
+    for (std::size_t i = 0; i < eye.size(); ++i) add_view(eye, i, nullptr, views.eye);
+  for (std::size_t i = 0; i < eye.size(); ++i) {
+    const auto first = static_cast<std::size_t>(eye.first_receptor[i]);
+    const auto end = static_cast<std::size_t>(eye.first_receptor[i + 1]);
+    for (std::size_t r = first; r < end; ++r) {
+      const auto t = static_cast<std::size_t>(eye.receptor_type[r]);
+      const ReceptorType& type = eye.receptor_types[t];
+      if (looks_with_ommatidium(type)) {
+        views.view_of_receptor[r] = static_cast<std::int32_t>(i);
+        continue;
+      }
+      std::size_t same = first;
+      while (same < r && way[static_cast<std::size_t>(eye.receptor_type[same])] != way[t]) ++same;
+      if (same < r) {
+        views.view_of_receptor[r] = views.view_of_receptor[same];
+        continue;
+      }
+      views.view_of_receptor[r] = static_cast<std::int32_t>(views.eye.size());
+      add_view(eye, i, &type, views.eye);
+      if (acceptance[t] >= 0) {
+        views.eye.acceptance_of.back() = acceptance[t];
+        views.eye.acceptance_angle_rad.back() = 0;  // its mean width, found when validated
+      }
+    }
+  }
+  validate_eye(views.eye);
+  return views;
+}
+
+void apply_receptor_matrix(std::span<const float> radiance, std::span<const double> matrix,
+                           std::span<const std::int32_t> view_of_receptor,
+                           std::span<const std::int32_t> receptor_type, std::size_t view_count,
+                           bool magnitudes, std::span<float> responses) {
+  constexpr std::size_t channels = channel_count;
+  const std::size_t receptors = view_of_receptor.size();
+  std::vector<double> weights(matrix.begin(), matrix.end());
+  if (magnitudes)
+    for (double& weight : weights) weight = std::fabs(weight);
+  const std::size_t poses = receptors == 0 ? 0 : responses.size() / receptors;
+  // A few microseconds of work for each task.
+  constexpr std::size_t grain = 4096;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, poses * receptors, grain),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      std::size_t pose = range.begin() / receptors, r = range.begin() % receptors;
+                      for (std::size_t k = range.begin(); k < range.end(); ++k) {
+                        const auto view = static_cast<std::size_t>(view_of_receptor[r]);
+                        const float* light = &radiance[(pose * view_count + view) * channels];
+                        const double* row =
+                            &weights[static_cast<std::size_t>(receptor_type[r]) * channels];
+                        double sum = 0;
+                        for (std::size_t c = 0; c < channels; ++c) sum += row[c] * light[c];
+                        responses[k] = static_cast<float>(sum);
+                        if (++r == receptors) {
+                          r = 0;
+                          ++pose;
+                        }
+                      }
+                    });
+}
+
+}  // namespace omma
