@@ -1,0 +1,169 @@
+"""What the models have in common: blends over directions, and surfaces by their curvature.
+
+A facet of diameter D on a surface of radius of curvature R, looking along the surface's normal,
+is D/R away in angle from its neighbour. Where a fovea has both large facets and small angles, the
+surface is flat there: R = D/Δφ. So an eye with a steep fovea is made from its profile of curvature
+and its facets, and the angles along and across follow.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omma._core import Acceptance, Eye
+from omma.eye_facets import facet_diameters_m, set_facets
+from omma.eye_lattice import azimuth_elevation_deg_of, direction
+from omma.eye_lattice import lay_directions
+from omma.eye_surface import eye_on_surface, squeezed
+from omma.surfaces import ellipsoid
+from omma.eye_tools import join_eyes, pair_of_eyes
+from omma.species.facts import Species, facts, number
+
+Floats = NDArray[np.float64]
+Progress = Callable[[str, "float | None"], object]
+
+
+def smooth_step(x: Floats, low: float, high: float) -> Floats:
+    """0 below ``low``, 1 above ``high``, a cubic between."""
+    share = np.clip((x - low) / (high - low), 0.0, 1.0)
+    return share * share * (3 - 2 * share)
+
+
+def blended(first: float | Floats, second: float | Floats, share: Floats) -> Floats:
+    """From ``first`` (share 0) to ``second`` (share 1), evenly on a logarithmic scale."""
+    return np.exp((1 - share) * np.log(first) + share * np.log(second))
+
+
+def angle_from(directions: Floats, azimuth_deg: float, elevation_deg: float) -> Floats:
+    """Angles (K,) between directions (K, 3) and the one given, radians."""
+    towards = direction(azimuth_deg, elevation_deg)
+    # Near 0 the cosine alone would lose half the digits.
+    return np.arctan2(np.linalg.norm(np.cross(directions, towards), axis=1), directions @ towards)
+
+
+def elevation_rad(directions: Floats) -> Floats:
+    """Elevation (K,) of directions (K, 3)."""
+    return np.radians(azimuth_elevation_deg_of(directions)[1])
+
+
+def oval(
+    azimuth_deg: tuple[float, float], elevation_deg: tuple[float, float]
+) -> Callable[[Floats], NDArray[np.bool_]]:
+    """A field of view with a smooth outline: an ellipse in azimuth and elevation."""
+    middle = np.array([sum(azimuth_deg) / 2, sum(elevation_deg) / 2])
+    half = np.array([azimuth_deg[1] - azimuth_deg[0], elevation_deg[1] - elevation_deg[0]]) / 2
+
+    def seen(directions: Floats) -> NDArray[np.bool_]:
+        azimuth, elevation = azimuth_elevation_deg_of(directions)
+        across = (azimuth - middle[0] + 180) % 360 - 180
+        inside = (across / half[0]) ** 2 + ((elevation - middle[1]) / half[1]) ** 2 <= 1
+        return np.asarray(inside, dtype=bool)
+
+    return seen
+
+
+class Profile:
+    """A meridian of a surface, by its radius of curvature over the angle of its normal.
+
+    The angle is that between the normal and the axis of the surface (``from_pole``) or the
+    equatorial plane; ``radius_m`` gives the radius of curvature of the meridian there.
+    """
+
+    def __init__(
+        self, radius_m: Callable[[Floats], Floats], most_rad: float, equator_m: float | None = None
+    ) -> None:
+        self._angle = np.linspace(0.0, most_rad, 4001)
+        self._radius = radius_m(self._angle)
+        # Along the meridian ds = R dangle; the trapezium's error is far below a micrometre.
+        self._level = self._summed(np.cos(self._angle))
+        self._drop = self._summed(np.sin(self._angle))
+        self._equator_m = equator_m
+
+    def _summed(self, part: Floats) -> Floats:
+        slope = self._radius * part
+        steps = np.diff(self._angle) * (slope[1:] + slope[:-1]) / 2
+        return np.concatenate([[0.0], np.cumsum(steps)])
+
+    def radius(self, angle_rad: Floats) -> Floats:
+        """Radius of curvature of the meridian (K,), metres."""
+        return np.interp(np.abs(angle_rad), self._angle, self._radius)
+
+    def along(self, angle_rad: Floats) -> Floats:
+        """How far along the plane that touches at angle 0, metres, signed."""
+        return np.sign(angle_rad) * np.interp(np.abs(angle_rad), self._angle, self._level)
+
+    def drop(self, angle_rad: Floats) -> Floats:
+        """How far below that plane, metres."""
+        return np.interp(np.abs(angle_rad), self._angle, self._drop)
+
+
+def on_ellipsoid(
+    animal: str, axis: Floats, towards_deg: tuple[float, float], facet: str, share: float = 0.5
+) -> Eye:
+    """A right eye of these axes (N, 3), its lenses on an ellipsoid whose normals span less than the
+    axes do.
+
+    The table gives the ellipsoid's shape, its centre and by how much the angle between axis and
+    ``towards_deg`` (azimuth, elevation) shrinks for the normal. Its size follows from the facets:
+    the quantile ``share`` of the diameters is the table's ``facet``.
+    """
+    shape, centre = (
+        np.array([number(animal, f"eye_{what}_{way}") for way in ("right", "up", "forward")])
+        for what in ("shape", "centre")
+    )
+    centre = centre * [1.0, 1.0, -1.0]
+    normal = squeezed(direction(*towards_deg), number(animal, "surface_squeeze"))
+    eye = eye_on_surface(axis, ellipsoid(shape * 1e-3), normal=normal, eye_id=1)
+    size = number(animal, facet) / np.quantile(facet_diameters_m(eye), share)
+    return set_facets(eye.replace(position_m=centre + size * eye.position_m))
+
+
+def graded(width_rad: Floats, levels: int = 64) -> list[Acceptance]:
+    """Gaussians of these widths (N,), in at most ``levels`` classes of equal ratio."""
+    low, high = float(width_rad.min()), float(width_rad.max())
+    if high / low < 1 + 1e-9:
+        return [Acceptance.gaussian(low)] * len(width_rad)
+    step = math.log(high / low) / (levels - 1)
+    kind = np.round(np.log(width_rad / low) / step).astype(int)
+    classes = [Acceptance.gaussian(low * math.exp(step * k)) for k in range(levels)]
+    return [classes[k] for k in kind]
+
+
+def species(
+    name: str, latin: str, right: Eye, left: Eye | None = None
+) -> Species:
+    """The animal whose right eye this is; the left one is its mirror image unless given."""
+    head = pair_of_eyes(right) if left is None else joined(left, right)
+    return Species(name, latin, head, facts(name))
+
+
+def joined(left: Eye, right: Eye) -> Eye:
+    """A head of two different eyes, both given in the head frame."""
+    return join_eyes([left, right])
+
+
+def degrees(animal: str, quantity: str) -> float:
+    """A number of the table that is an angle, in degrees."""
+    return float(np.degrees(number(animal, quantity)))
+
+
+def laid(
+    animal: str,
+    horizontal_rad: Callable[[Floats], Floats],
+    vertical_rad: Callable[[Floats], Floats] | None,
+    field_of_view: Callable[[Floats], NDArray[np.bool_]],
+    progress: Progress | None = None,
+    count: str = "ommatidia",
+) -> Floats:
+    """Directions (N, 3) of a right eye with as many ommatidia as the table says."""
+    return lay_directions(
+        horizontal_rad,
+        vertical_rad,
+        field_of_view=field_of_view,
+        count=round(number(animal, count)),
+        progress=progress,
+    ).directions

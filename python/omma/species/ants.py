@@ -1,0 +1,140 @@
+"""Desert ants: Cataglyphis with its dorsal rim area, and Melophorus."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omma._core import Acceptance, Eye
+from omma.eye_lattice import azimuth_elevation_deg_of
+from omma.species._receptors import receptor, with_receptors
+from omma.species._shape import (
+    Floats,
+    Progress,
+    blended,
+    degrees,
+    elevation_rad,
+    graded,
+    laid,
+    on_ellipsoid,
+    oval,
+    smooth_step,
+    species,
+)
+from omma.species.facts import Species, number
+
+_CATAGLYPHIS = "cataglyphis"
+_MELOPHORUS = "melophorus"
+_FAN_STEPS = 12  # directions of microvilli in the rim: every 15 degrees of the half turn
+
+
+def cataglyphis(progress: Progress | None = None) -> Species:
+    """A desert ant worker, *Cataglyphis bicolor*, with its dorsal rim area.
+
+    1,000 ommatidia, 80 of them in the rim: Shuker 2001. Where the rim looks and how dense it is:
+    Duelli 1975, J Comp Physiol 102:43. Receptors (350 and 510 nm), polarisation sensitivities and
+    acceptance angles (3.0° in front, 5.4° in the rim): Labhart 1986, J Comp Physiol A 158:1. A band
+    of finer vertical angles along the horizon: Zollikofer et al. 1995, J Exp Biol 198:1637. Assumed:
+    the angles outside the rim, the field of view, the surface, and the rim's arrangement: in each
+    ommatidium two ultraviolet receptors with microvilli at right angles, turning evenly through
+    half a turn from the rim's front to its back.
+    """
+    outer, streak = number(_CATAGLYPHIS, "outer_angle"), number(_CATAGLYPHIS, "streak_vertical_angle")
+    level = number(_CATAGLYPHIS, "horizontal_angle")
+    rim_angle = number(_CATAGLYPHIS, "dorsal_rim_interommatidial_angle")
+
+    def horizontal(directions: Floats) -> Floats:
+        return blended(level, rim_angle, _rim_share(directions))
+
+    def vertical(directions: Floats) -> Floats:
+        off = smooth_step(np.abs(elevation_rad(directions)), 0.0, math.radians(45))
+        return blended(blended(streak, outer, off), rim_angle, _rim_share(directions))
+
+    axis = laid(_CATAGLYPHIS, horizontal, vertical, oval((-10, 150), (-50, 75)), progress)
+    count = round(number(_CATAGLYPHIS, "dorsal_rim_ommatidia"))
+    rim = np.zeros(len(axis), bool)
+    rim[np.argsort(_rim_distance(axis), kind="stable")[:count]] = True
+    usual, wide = (
+        number(_CATAGLYPHIS, name) for name in ("acceptance_angle", "dorsal_rim_acceptance_angle")
+    )
+    eye = on_ellipsoid(_CATAGLYPHIS, axis, (70, 12), "facet_diameter").replace(
+        acceptance=graded(np.where(rim, wide, usual)),
+        columns={"region": ["dorsal rim" if there else "eye" for there in rim]},
+    )
+    return species(_CATAGLYPHIS, "Cataglyphis bicolor", _ant_receptors(eye, rim))
+
+
+def _rim_distance(directions: Floats) -> Floats:
+    # From the rim's centre, in half heights, elevation as published and as far across.
+    low, high, centre = (
+        degrees(_CATAGLYPHIS, f"dorsal_rim_{name}")
+        for name in ("lowest_elevation", "highest_elevation", "azimuth")
+    )
+    azimuth, elevation = azimuth_elevation_deg_of(directions)
+    up = (elevation - (low + high) / 2) / ((high - low) / 2)
+    across = (azimuth - centre) * np.cos(np.radians(elevation)) / ((high - low) / 2)
+    return np.maximum(np.abs(up), np.abs(across))
+
+
+def _rim_share(directions: Floats) -> Floats:
+    return 1 - smooth_step(_rim_distance(directions), 0.9, 1.3)
+
+
+def _ant_receptors(eye: Eye, rim: NDArray[np.bool_]) -> Eye:
+    ultraviolet, green = (
+        receptor(_CATAGLYPHIS, name, peak, polarisation_sensitivity=number(_CATAGLYPHIS, ps))
+        for name, peak, ps in (
+            ("ultraviolet", "uv_peak", "uv_ps"),
+            ("green", "green_peak", "green_ps"),
+        )
+    )
+    fan = [
+        receptor(
+            _CATAGLYPHIS,
+            f"dorsal rim ultraviolet {180 * k // _FAN_STEPS} degrees",
+            "uv_peak",
+            polarisation_sensitivity=number(_CATAGLYPHIS, "dorsal_rim_uv_ps"),
+            microvillus_angle_rad=math.pi * k / _FAN_STEPS,
+        )
+        for k in range(_FAN_STEPS)
+    ]
+    sets = [[0, 1]] + [
+        [2 + k, 2 + (k + _FAN_STEPS // 2) % _FAN_STEPS, 1] for k in range(_FAN_STEPS)
+    ]
+    kind = np.zeros(len(eye), np.int64)
+    azimuth = azimuth_elevation_deg_of(eye.axis[rim])[0]
+    rank = np.argsort(np.argsort(azimuth, kind="stable"), kind="stable")
+    kind[rim] = 1 + rank * _FAN_STEPS // len(rank)
+    return with_receptors(eye, [ultraviolet, green, *fan], sets, kind)
+
+
+def melophorus(progress: Progress | None = None) -> Species:
+    """A desert ant worker of middling size, *Melophorus bagoti*.
+
+    Numbers of ommatidia, facets, mean interommatidial angle, horizontal field, rhabdom and lens
+    blur: Schwarz et al. 2011, Arthropod Struct Dev 40:128. The acceptance angle is Snyder's rule on
+    their two parts. Assumed: the vertical field (it follows from number and angle), an even
+    lattice, the surface, the receptors (those of *Cataglyphis*).
+    """
+    angle = number(_MELOPHORUS, "mean_interommatidial_angle")
+    width = degrees(_MELOPHORUS, "horizontal_field")
+    height = degrees(_MELOPHORUS, "vertical_field")
+    axis = laid(
+        _MELOPHORUS,
+        lambda directions: np.full(len(directions), angle),
+        None,
+        oval((-15, width - 15), (-height / 2, height / 2)),
+        progress,
+    )
+    eye = on_ellipsoid(_MELOPHORUS, axis, (60, 0), "facet_diameter").replace(
+        acceptance=Acceptance.gaussian(number(_MELOPHORUS, "acceptance_angle")),
+        columns={"region": ["eye"] * len(axis)},
+    )
+    types = [
+        receptor(_MELOPHORUS, "ultraviolet", "uv_peak"),
+        receptor(_MELOPHORUS, "green", "green_peak"),
+    ]
+    eye = with_receptors(eye, types, [[0, 1]], np.zeros(len(axis), np.int64))
+    return species(_MELOPHORUS, "Melophorus bagoti", eye)

@@ -1,0 +1,210 @@
+"""Bees: the honeybee's worker and drone, and a bumblebee worker.
+
+Worker: the directions are those of the model of Giger (1996) as given by Stürzl et al. (2010):
+rows of ommatidia at half the vertical interommatidial angle, every other row shifted by half a
+column. They are the same as those of examples/make_honeybee.py, to the last digit but rounding.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from omma._core import Acceptance, Eye
+from omma.eye_facets import set_facets
+from omma.eye_lattice import direction
+from omma.species._receptors import bee_receptors, drone_receptors
+from omma.species._shape import (
+    Floats,
+    Progress,
+    angle_from,
+    blended,
+    degrees,
+    elevation_rad,
+    graded,
+    laid,
+    on_ellipsoid,
+    oval,
+    smooth_step,
+    species,
+)
+from omma.species.facts import Species, number
+
+_WORKER = "honeybee_worker"
+_DRONE = "honeybee_drone"
+_BUMBLEBEE = "bumblebee"
+
+
+def honeybee_worker(progress: Progress | None = None) -> Species:
+    """A honeybee worker, *Apis mellifera*.
+
+    Directions: Giger 1996 as in Stürzl et al. 2010, Bioinspir Biomim 5:036002. Number of facets,
+    largest facet, focal length, rhabdom: Somanathan et al. 2009, J Exp Biol 212:2448. Acceptance:
+    Eheim & Wehner 1972. Receptors 344, 436 and 544 nm: Peitsch et al. 1992; three types of
+    ommatidia, 44:46:10, at random: Wakakuwa et al. 2005. Assumed: the ellipsoid on which the lenses
+    sit. Not modelled: the dorsal rim area.
+    """
+    if progress:
+        progress("placing ommatidia", None)
+    azimuth, elevation = worker_directions_deg()
+    axis = direction(azimuth, elevation)
+    eye = Eye(
+        _worker_surface_m(azimuth, elevation),
+        axis,
+        eye_id=1,
+        acceptance=Acceptance.gaussian(number(_WORKER, "acceptance_angle")),
+        columns={"region": ["eye"] * len(axis)},
+    )
+    return species(_WORKER, "Apis mellifera", bee_receptors(set_facets(eye), _WORKER))
+
+
+def worker_directions_deg() -> tuple[Floats, Floats]:
+    """Azimuth and elevation (N,) of the right eye's axes, row by row from below, the odd ones
+    counted the other way."""
+    azimuths: list[float] = []
+    elevations: list[float] = []
+    for count, (row, elevation) in enumerate(_row_elevations_deg()):
+        here = _row_azimuths_deg(row, elevation)
+        azimuths += here[::-1] if count % 2 else here
+        elevations += [elevation] * len(here)
+    return np.array(azimuths), np.array(elevations)
+
+
+def _row_elevations_deg() -> list[tuple[int, float]]:
+    level, pole = (degrees(_WORKER, f"vertical_angle_at_{at}") for at in ("equator", "pole"))
+    above = [0.0]
+    while True:
+        following = above[-1] + (level + (pole - level) * above[-1] / 90.0) / 2
+        if following >= 90:
+            break
+        above.append(following)
+    last = len(above) - 1
+    return [(k, math.copysign(above[abs(k)], k)) for k in range(-last, last + 1)]
+
+
+def _row_azimuths_deg(row: int, elevation: float) -> list[float]:
+    # Columns are counted from straight ahead, both ways.
+    first = _azimuth_step_deg(0, elevation) / 2 if row % 2 else 0.0
+    azimuths = []
+    azimuth = first
+    while azimuth <= _temporal_edge_deg(elevation):
+        azimuths.append(azimuth)
+        azimuth += _azimuth_step_deg(azimuth, elevation)
+    azimuth = first - _azimuth_step_deg(0, elevation)
+    while azimuth >= _nasal_edge_deg(elevation):
+        azimuths.insert(0, azimuth)
+        azimuth -= _azimuth_step_deg(azimuth, elevation)
+    return azimuths
+
+
+def _azimuth_step_deg(azimuth: float, elevation: float) -> float:
+    ahead, least, behind = (
+        degrees(_WORKER, f"horizontal_angle_{where}") for where in ("ahead", "least", "behind")
+    )
+    angle = float(np.interp(azimuth, [0, 45, 90, 150], [ahead, least, ahead, behind]))
+    if abs(elevation) > 50 and 90 < azimuth < 180:
+        angle = ahead + (angle - ahead) * (90 - abs(elevation)) / 40
+    # Near the poles the wanted angle is wider than the circle of latitude: half a turn then.
+    ratio = min(1.0, math.sin(math.radians(angle) / 2) / math.cos(math.radians(elevation)))
+    return 2 * math.degrees(math.asin(ratio))
+
+
+def _temporal_edge_deg(elevation: float) -> float:
+    at, edge = (
+        [degrees(_WORKER, f"temporal_edge_{k}_{what}") for k in range(1, 6)]
+        for what in ("elevation", "azimuth")
+    )
+    return float(np.interp(elevation, at, edge))
+
+
+def _nasal_edge_deg(elevation: float) -> float:
+    # Three values are published; the edge is smooth on the real eye, so a parabola on each side.
+    level = degrees(_WORKER, "nasal_edge_level")
+    far = degrees(_WORKER, "nasal_edge_up" if elevation > 0 else "nasal_edge_down")
+    return level + (far - level) * min(1.0, abs(elevation) / 60.0) ** 2
+
+
+def _worker_surface_m(azimuth: Floats, elevation: Floats) -> Floats:
+    # Latitude on the ellipsoid is the elevation of the axis; longitude runs evenly from the nasal
+    # to the temporal edge of the row.
+    nasal = np.array([_nasal_edge_deg(e) for e in elevation])
+    temporal = np.array([_temporal_edge_deg(e) for e in elevation])
+    share = 2 * (azimuth - nasal) / (temporal - nasal) - 1
+    longitude = number(_WORKER, "surface_half_width") * share
+    latitude = np.radians(elevation)
+    unit = np.stack(
+        [
+            np.cos(latitude) * np.cos(longitude),
+            np.sin(latitude),
+            np.cos(latitude) * np.sin(longitude),
+        ],
+        axis=1,
+    )
+    centre, semi_axes = (
+        np.array([number(_WORKER, f"eye_{what}_{way}") for way in ("right", "up", "forward")])
+        for what in ("centre", "semi_axis")
+    )
+    return centre * [1, 1, -1] + semi_axes * unit
+
+
+def honeybee_drone(progress: Progress | None = None) -> Species:
+    """A honeybee drone: a dorsal eye of large facets and small angles, which looks for queens.
+
+    The divided eye: Menzel et al. 1991, Tissue Cell 23:525. Acceptance of the dorsal eye: from
+    Vallet & Coles 1993, J Comp Physiol A 172:183 (0.41°, 8 %). Receptors: a thesis of the
+    University of Vienna, Phaidra o:1268073. About 8,000 facets: popular accounts. Assumed: the
+    dorsal angle and facet, the field of view, the surface.
+    """
+
+    def dorsal(directions: Floats) -> Floats:
+        border = number(_DRONE, "border_elevation")
+        half = number(_DRONE, "border_half_width")
+        return smooth_step(elevation_rad(directions), border - half, border + half)
+
+    def between(quantity: str, directions: Floats) -> Floats:
+        below, above = (number(_DRONE, f"{part}_{quantity}") for part in ("ventral", "dorsal"))
+        return blended(below, above, dorsal(directions))
+
+    axis = laid(
+        _DRONE,
+        lambda directions: between("interommatidial_angle", directions),
+        None,
+        oval((-20, 165), (-75, 95)),
+        progress,
+    )
+    upper = dorsal(axis) > 0.5
+    eye = on_ellipsoid(_DRONE, axis, (75, 10), "dorsal_facet_diameter", 0.95).replace(
+        acceptance=graded(between("acceptance_angle", axis)),
+        columns={"region": ["dorsal" if up else "ventral" for up in upper]},
+    )
+    return species(_DRONE, "Apis mellifera", drone_receptors(eye, _DRONE, upper))
+
+
+def bumblebee(progress: Progress | None = None) -> Species:
+    """A bumblebee worker, *Bombus terrestris*.
+
+    Number of ommatidia, angles, facets, extent and skew of the eye: computed from the micro-CT of
+    a worker, BT_77967, by Taylor et al. 2019 (eLife 8:e40613). Receptor peaks are those of
+    *B. hortorum*: Peitsch et al. 1992. Assumed: the smooth course of the angle between the scan's
+    percentiles, the acceptance angle and the shares of ommatidia types (the honeybee's).
+    """
+    least, largest = (
+        number(_BUMBLEBEE, f"{which}_interommatidial_angle") for which in ("least", "largest")
+    )
+
+    def angle(directions: Floats) -> Floats:
+        # The table's are percentiles; the course goes a little beyond both.
+        from_acute = angle_from(directions, 60, 0)
+        return blended(
+            0.94 * least, 1.25 * largest, smooth_step(from_acute, 0.0, math.radians(100))
+        )
+
+    axis = laid(_BUMBLEBEE, angle, None, oval((-30, 160), (-72, 70)), progress)
+    eye = on_ellipsoid(_BUMBLEBEE, axis, (65, 0), "median_facet_diameter").replace(
+        acceptance=Acceptance.gaussian(number(_BUMBLEBEE, "acceptance_angle")),
+        columns={"region": ["eye"] * len(axis)},
+    )
+    return species(
+        _BUMBLEBEE, "Bombus terrestris", bee_receptors(eye, _BUMBLEBEE)
+    )

@@ -1,0 +1,182 @@
+"""The numbers of all species: one table (facts.csv), with the source and the standing of each.
+
+Builders read their numbers here and nowhere else, so that the table says what the models are
+made of. A row is `measured` (a number that the source prints, or computed from its data),
+`interpolated` (worked out from such numbers) or `assumed` (nobody's measurement).
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+
+from omma._core import Error, Eye
+
+STATUSES = ("measured", "interpolated", "assumed")
+# To SI: what a unit in the table is worth. Counts, shares and ratios stay as they are.
+_UNITS = {"um": 1e-6, "mm": 1e-3, "nm": 1.0, "per um": 1e6, "deg": math.pi / 180.0}
+
+
+@dataclass(frozen=True)
+class Source:
+    """A citation, and how its numbers were read: the paper's table, its abstract, at second
+    hand, or not at all (recalled)."""
+
+    key: str
+    citation: str
+    read: str
+
+    def __str__(self) -> str:
+        return f"{self.citation} [{self.read}]" if self.read else self.citation
+
+
+@dataclass(frozen=True)
+class Fact:
+    """One number of one animal: ``value`` in ``unit`` as printed."""
+
+    animal: str
+    quantity: str
+    value: float
+    unit: str
+    status: str
+    source: Source
+    note: str
+
+    @property
+    def si(self) -> float:
+        """The value in metres, radians, per metre; wavelengths in nanometres."""
+        return self.value * _UNITS.get(self.unit, 1.0)
+
+
+@dataclass(frozen=True)
+class Species:
+    """An animal's two eyes, in the head frame, and what they are made of.
+
+    ``eye`` holds the whole head: eye 0 is the left one, 1 the right one, positions and facet
+    diameters in metres, an angular sensitivity and receptors for every ommatidium, and a text
+    column ``region``.
+    """
+
+    name: str
+    latin: str
+    eye: Eye
+    facts: tuple[Fact, ...]
+
+    @property
+    def sources(self) -> tuple[Source, ...]:
+        """The sources of the facts, each once."""
+        return tuple(dict.fromkeys(fact.source for fact in self.facts))
+
+    def fact(self, quantity: str) -> Fact:
+        """The row of this quantity."""
+        return _find(self.name, quantity)
+
+    def __repr__(self) -> str:
+        return f"Species({self.name}, {self.latin}, {len(self.eye)} ommatidia)"
+
+
+@cache
+def sources() -> tuple[Source, ...]:
+    """All sources, in the order of the table of sources."""
+    return tuple(Source(row["key"], row["citation"], row["read"]) for row in _rows("sources.csv"))
+
+
+@cache
+def facts(animal: str | None = None) -> tuple[Fact, ...]:
+    """The table of facts: of one animal, or of all. Raises Error for an animal not in it."""
+    known = {source.key: source for source in sources()}
+    table = tuple(
+        Fact(
+            row["animal"],
+            row["quantity"],
+            float(row["value"]),
+            row["unit"],
+            row["status"],
+            known[row["source"]],
+            row["note"],
+        )
+        for row in _rows("facts.csv")
+    )
+    if animal is None:
+        return table
+    found = tuple(fact for fact in table if fact.animal == animal)
+    if not found:
+        animals = ", ".join(dict.fromkeys(fact.animal for fact in table))
+        raise Error(f"animal: expected one of {animals}, found {animal!r}")
+    return found
+
+
+@cache
+def number(animal: str, quantity: str) -> float:
+    """A number of the table in SI units (radians, metres; nanometres for wavelengths)."""
+    return _find(animal, quantity).si
+
+
+def facts_text(animal: str | None = None, form: str = "markdown") -> str:
+    """The table as text: ``markdown`` or ``csv``."""
+    table = facts(animal)
+    if form == "csv":
+        return _csv(table)
+    if form == "markdown":
+        return _markdown(table, with_animal=animal is None)
+    raise Error(f"form: expected 'markdown' or 'csv', found {form!r}")
+
+
+def _find(animal: str, quantity: str) -> Fact:
+    for fact in facts(animal):
+        if fact.quantity == quantity:
+            return fact
+    known = ", ".join(fact.quantity for fact in facts(animal))
+    raise Error(f"quantity: expected one of {known}, found {quantity!r}")
+
+
+def _rows(name: str) -> list[dict[str, str]]:
+    text = files("omma.species").joinpath(name).read_text(encoding="utf-8")
+    return list(csv.DictReader(text.splitlines()))
+
+
+def _csv(table: tuple[Fact, ...]) -> str:
+    lines = ["animal,quantity,value,unit,status,source,read,note"]
+    for fact in table:
+        cells = (
+            fact.animal,
+            fact.quantity,
+            f"{fact.value:g}",
+            fact.unit,
+            fact.status,
+            fact.source.citation,
+            fact.source.read,
+            fact.note,
+        )
+        lines.append(",".join(_quoted(cell) for cell in cells))
+    return "\n".join(lines) + "\n"
+
+
+def _quoted(cell: str) -> str:
+    return '"' + cell.replace('"', '""') + '"' if any(c in cell for c in ',"\n') else cell
+
+
+def _markdown(table: tuple[Fact, ...], with_animal: bool) -> str:
+    head = ["animal"] if with_animal else []
+    head += ["quantity", "value", "standing", "source", "note"]
+    lines = ["| " + " | ".join(head) + " |", "| " + " | ".join(["---"] * len(head)) + " |"]
+    for fact in table:
+        cells = [fact.animal.replace("_", " ")] if with_animal else []
+        cells += [
+            fact.quantity.replace("_", " "),
+            printed(fact),
+            fact.status,
+            fact.source.key,
+            fact.note,
+        ]
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def printed(fact: Fact) -> str:
+    """Value and unit as people write them: 0.28°, 78 µm, 344 nm."""
+    unit = {"deg": "°", "um": " µm", "per um": " /µm", "1": ""}.get(fact.unit, f" {fact.unit}")
+    return f"{fact.value:,.6g}{unit}"

@@ -1,0 +1,125 @@
+"""Flies: Drosophila and the blowfly Calliphora, both with pale and yellow ommatidia.
+
+The rhabdomeres of a fly's ommatidium lie apart and look in different directions; those of
+neighbours that look the same way are pooled (neural superposition). Here the ommatidium's receptors
+R1-6 and R7 and R8 all look along its axis, which is what the pooled cartridge sees.
+"""
+
+from __future__ import annotations
+
+import math
+
+from omma._core import Acceptance, Eye
+from omma.eye_facets import acceptance_from_facets
+from omma.eye_tools import mirror_eye
+from omma.species._receptors import receptor, shared_out, with_receptors
+from omma.species._shape import (
+    Floats,
+    Progress,
+    angle_from,
+    blended,
+    laid,
+    on_ellipsoid,
+    oval,
+    smooth_step,
+    species,
+)
+from omma.species.facts import Species, number
+
+_DROSOPHILA = "drosophila"
+_CALLIPHORA = "calliphora"
+
+
+def drosophila(progress: Progress | None = None) -> Species:
+    """A female fruit fly, *Drosophila melanogaster*.
+
+    Lenses (857 right, 852 left), angles (median 4.9°, 5-95 %: 3.8-9.5°) and the spacing of lenses:
+    computed from the micro-CT of Zhao et al. 2025, Nature, s41586-025-09276-5. Acceptance:
+    Gonzalez-Bellido et al. 2011, at second hand. Rhodopsins: Salcedo et al. 1999, J Neurosci
+    19:10716. Pale and yellow ommatidia 30:70 at random. Assumed: the smooth course of the angle
+    from the eye's middle to its edge, the field of view, the surface.
+    """
+    right = _drosophila_eye("ommatidia", progress)
+    left = mirror_eye(_drosophila_eye("ommatidia_left", progress))
+    return species(_DROSOPHILA, "Drosophila melanogaster", right, left.replace(eye_id=0))
+
+
+def _drosophila_eye(count: str, progress: Progress | None) -> Eye:
+    least, largest = (
+        number(_DROSOPHILA, f"{which}_interommatidial_angle") for which in ("least", "largest")
+    )
+
+    def angle(directions: Floats) -> Floats:
+        # Such a course, in such a field, has the scan's percentiles and number of lenses.
+        from_middle = angle_from(directions, 80, 0)
+        edge = smooth_step(from_middle, math.radians(20), math.radians(95))
+        return blended(least, largest, edge)
+
+    axis = laid(
+        _DROSOPHILA,
+        angle,
+        None,
+        lambda directions: angle_from(directions, 80, 0) < math.radians(105),
+        progress,
+        count,
+    )
+    eye = on_ellipsoid(_DROSOPHILA, axis, (80, 0), "median_facet_diameter").replace(
+        acceptance=Acceptance.gaussian(number(_DROSOPHILA, "acceptance_angle")),
+        columns={"region": ["eye"] * len(axis)},
+    )
+    types = [
+        receptor(_DROSOPHILA, name, peak)
+        for name, peak in (
+            ("R1-6", "rh1_peak"),
+            ("R7 pale", "rh3_peak"),
+            ("R8 pale", "rh5_peak"),
+            ("R7 yellow", "rh4_peak"),
+            ("R8 yellow", "rh6_peak"),
+        )
+    ]
+    pale = number(_DROSOPHILA, "pale_share")
+    return with_receptors(eye, types, _FLY_SETS, shared_out([pale, 1 - pale], len(eye)))
+
+
+_FLY_SETS = [[0] * 6 + [1, 2], [0] * 6 + [3, 4]]  # R1-6, R7, R8 of pale and yellow ommatidia
+
+
+def calliphora(progress: Progress | None = None) -> Species:
+    """A female blowfly, *Calliphora*.
+
+    Facet 25 µm, F-number 2.2, rhabdomere 1.4-2.0 µm: the model fly of Stavenga 2004, J Exp Biol
+    207:1703, from which the acceptance functions are computed (mode and diffraction). R7 and R8,
+    and pale to yellow 2:3: Smola & Meffert 1979, J Comp Physiol 133:41. About 4,500 facets: a
+    picture's caption. Assumed: all angles between axes, the field of view, the surface.
+    """
+    ahead, lateral = (
+        number(_CALLIPHORA, f"{where}_interommatidial_angle") for where in ("least", "lateral")
+    )
+
+    def angle(directions: Floats) -> Floats:
+        return blended(
+            ahead, lateral, smooth_step(angle_from(directions, 0, 0), 0.0, math.radians(110))
+        )
+
+    axis = laid(_CALLIPHORA, angle, None, oval((-10, 165), (-85, 88)), progress)
+    eye = on_ellipsoid(_CALLIPHORA, axis, (77, 0), "facet_diameter")
+    eye = acceptance_from_facets(
+        eye,
+        wavelength_nm=number(_CALLIPHORA, "rh1_peak"),
+        rhabdom_diameter_m=number(_CALLIPHORA, "rhabdomere_diameter"),
+        f_number=number(_CALLIPHORA, "f_number"),
+    ).replace(columns={"region": ["eye"] * len(axis)})
+    length = number(_CALLIPHORA, "rhabdomere_length")
+    types = [
+        receptor(_CALLIPHORA, name, peak, length_m=length)
+        for name, peak in (
+            ("R1-6", "rh1_peak"),
+            ("R7 pale", "r7_pale_peak"),
+            ("R8 pale", "r8_pale_peak"),
+            ("R7 yellow", "r7_yellow_peak"),
+            ("R8 yellow", "r8_yellow_peak"),
+        )
+    ]
+    pale = number(_CALLIPHORA, "pale_share")
+    eye = with_receptors(eye, types, _FLY_SETS, shared_out([pale, 1 - pale], len(eye)))
+    return species(_CALLIPHORA, "Calliphora vicina", eye)

@@ -1,0 +1,179 @@
+"""Hunters with foveas: the robber fly Holcocephala fusca and the dragonfly Anax junius.
+
+Large facets and small angles between axes at once mean a surface that is nearly flat: radius of
+curvature R = D/Δφ. Both eyes are made from such radii and facets; axes are the surface's normals,
+and the angles along and across follow.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omma._core import Eye
+from omma.eye_facets import acceptance_from_facets
+from omma.species._receptors import receptor, with_receptors
+from omma.species._shape import Floats, Profile, Progress, blended, laid, smooth_step, species
+from omma.species.facts import Species, number
+
+_HOLCOCEPHALA = "holcocephala"
+_DRAGONFLY = "dragonfly"
+
+
+def holcocephala(progress: Progress | None = None) -> Species:
+    """A robber fly of 6 mm, *Holcocephala fusca*, each of whose eyes has a frontal fovea.
+
+    In the fovea Δφ 0.28° and lenses of 78 µm, elsewhere about 20 µm and several degrees: Wardill et
+    al. 2017, Curr Biol 27:854. "Several thousand lenses": news of the University of Cambridge on
+    it. The front's radius of curvature, 16 mm, follows from the first two. Assumed: the number of
+    ommatidia, how fast facets and curvature change outside the fovea, that it looks straight ahead,
+    and that diffraction alone sets the acceptance angle (the least it can be). Not modelled:
+    receptors.
+    """
+    # The eye is a surface of revolution about its fovea; the canonical frame has that on top.
+    front, side = (number(_HOLCOCEPHALA, f"{part}_radius_of_curvature") for part in ("front", "side"))
+    fovea = number(_HOLCOCEPHALA, "fovea_half_width")
+    profile = Profile(
+        lambda angle: blended(front, side, smooth_step(angle, 0.2 * fovea, 1.3 * fovea)),
+        math.pi,
+    )
+
+    def facet(angle: Floats) -> Floats:
+        inner, outer = (
+            number(_HOLCOCEPHALA, f"{which}_facet_diameter") for which in ("largest", "outer")
+        )
+        return blended(inner, outer, smooth_step(angle, 0.2 * fovea, 1.6 * fovea))
+
+    def from_fovea(directions: Floats) -> Floats:
+        return np.arctan2(np.hypot(directions[:, 0], directions[:, 2]), directions[:, 1])
+
+    def across(directions: Floats) -> Floats:
+        # The second radius of a surface of revolution: its normal's length to the axis.
+        angle = np.maximum(from_fovea(directions), 1e-9)
+        return facet(angle) * np.sin(angle) / profile.along(angle)
+
+    def outwards(directions: Floats) -> Floats:
+        angle = from_fovea(directions)
+        return facet(angle) / profile.radius(angle)
+
+    edge = number(_HOLCOCEPHALA, "eye_edge")
+    canonical = laid(
+        _HOLCOCEPHALA, across, outwards, lambda directions: from_fovea(directions) < edge, progress
+    )
+    angle = from_fovea(canonical)
+    radius, turn = profile.along(angle), np.arctan2(canonical[:, 0], canonical[:, 2])
+    # The canonical frame's up is ahead, its ahead up.
+    axis = np.stack([canonical[:, 0], -canonical[:, 2], -canonical[:, 1]], axis=1)
+    position = np.stack(
+        [radius * np.sin(turn), -radius * np.cos(turn), profile.drop(angle)], axis=1
+    )
+    position += [number(_HOLCOCEPHALA, "eye_centre_right"), 0.0, 0.0]
+    region = np.where(angle < fovea, "fovea", "eye").tolist()
+    eye = Eye(position, axis, 0.0, eye_id=1, facet_diameter_m=facet(angle))
+    eye = acceptance_from_facets(eye, wavelength_nm=number(_HOLCOCEPHALA, "wavelength"))
+    return species(_HOLCOCEPHALA, "Holcocephala fusca", eye.replace(columns={"region": region}))
+
+
+def dragonfly(progress: Progress | None = None) -> Species:
+    """A large dragonfly, *Anax junius*, with its dorsal acute zone.
+
+    Least Δφ 0.24°: Land 1997, Annu Rev Entomol 42:147. Large dorsal ommatidia, a third of the
+    surface, look at a narrow band from the side over the top: Sherk 1978, J Exp Zool 203:61.
+    "Up to 30,000" ommatidia: popular accounts. Receptors: *Sympetrum*, Meinertzhagen et al. 1983.
+    Assumed: that 0.24° is the angle across the band (along it the eye is far too curved), facets of
+    62 µm in it, the eye's size, everything below, the dorsal receptors, acceptance by diffraction.
+    """
+    barrel = _Barrel()
+    low, high, back, ahead = (
+        number(_DRAGONFLY, f"edge_{where}") for where in ("below", "above", "behind", "ahead")
+    )
+
+    def seen(directions: Floats) -> NDArray[np.bool_]:
+        around, forward = barrel.angles(directions)
+        middle, half = (low + high) / 2, (high - low) / 2
+        centre, reach = (ahead + back) / 2, (ahead - back) / 2
+        inside = ((around - middle) / half) ** 4 + ((forward - centre) / reach) ** 4 <= 1
+        return np.asarray(inside, dtype=bool)
+
+    canonical = laid(_DRAGONFLY, barrel.along_rad, barrel.across_rad, seen, progress)
+    around, forward = barrel.angles(canonical)
+    from_axis, to_front = barrel.surface(around, forward)
+    position = np.stack([from_axis * np.cos(around), from_axis * np.sin(around), -to_front], axis=1)
+    position += [number(_DRAGONFLY, "eye_centre_right"), 0.0, 0.0]
+    x, y, z = canonical.T
+    band = (barrel.dorsal(around) > 0.5) & (np.abs(forward) < barrel.half)
+    eye = Eye(
+        position,
+        np.stack([-z, x, -y], axis=1),
+        0.0,
+        eye_id=1,
+        facet_diameter_m=barrel.facet(around, forward),
+        columns={"region": np.where(band, "dorsal band", "eye").tolist()},
+    )
+    eye = acceptance_from_facets(eye, wavelength_nm=number(_DRAGONFLY, "wavelength"))
+    return species(_DRAGONFLY, "Anax junius", _dragonfly_receptors(eye, barrel.dorsal(around)))
+
+
+class _Barrel:
+    """The dragonfly's eye: a barrel whose axis runs along the animal, its profile flat above.
+
+    In the canonical frame that axis is up: ``around`` runs from the side (0) over the top (a
+    quarter turn), ``forward`` from the plane of the band to the front.
+    """
+
+    def __init__(self) -> None:
+        self.large, self.small = (
+            number(_DRAGONFLY, f"{which}_facet_diameter") for which in ("largest", "ventral")
+        )
+        self.radius = number(_DRAGONFLY, "eye_radius")
+        self.half = number(_DRAGONFLY, "band_half_width")
+        flat, end = number(_DRAGONFLY, "band_radius_of_curvature"), self.radius / 2
+        self._above = Profile(
+            lambda angle: blended(flat, end, smooth_step(angle, 0.3 * self.half, 2 * self.half)),
+            math.pi / 2,
+        )
+        self._below = Profile(lambda angle: np.full(len(angle), self.radius), math.pi / 2)
+
+    def angles(self, directions: Floats) -> tuple[Floats, Floats]:
+        x, y, z = directions.T
+        return np.arctan2(x, -z), np.arcsin(np.clip(y, -1.0, 1.0))
+
+    def dorsal(self, around: Floats) -> Floats:
+        """0 in the ventral eye, 1 in the dorsal."""
+        return smooth_step(around, math.radians(-20), math.radians(35))
+
+    def facet(self, around: Floats, forward: Floats) -> Floats:
+        """Facet diameter, metres."""
+        in_band = 1 - smooth_step(np.abs(forward), self.half, 6 * self.half)
+        return blended(self.small, self.large, self.dorsal(around) * in_band)
+
+    def surface(self, around: Floats, forward: Floats) -> tuple[Floats, Floats]:
+        """Distance from the barrel's axis and how far forward along it, metres."""
+        share = self.dorsal(around)
+        drop = (1 - share) * self._below.drop(forward) + share * self._above.drop(forward)
+        along = (1 - share) * self._below.along(forward) + share * self._above.along(forward)
+        return self.radius - drop, along
+
+    def across_rad(self, directions: Floats) -> Floats:
+        """The angle to a neighbour across the band."""
+        around, forward = self.angles(directions)
+        share = self.dorsal(around)
+        radius = (1 - share) * self._below.radius(forward) + share * self._above.radius(forward)
+        return self.facet(around, forward) / radius
+
+    def along_rad(self, directions: Floats) -> Floats:
+        """The angle to a neighbour along the band."""
+        around, forward = self.angles(directions)
+        from_axis = self.surface(around, forward)[0]
+        return self.facet(around, forward) * np.cos(forward) / from_axis
+
+
+def _dragonfly_receptors(eye: Eye, dorsal: Floats) -> Eye:
+    types = [
+        receptor(_DRAGONFLY, name, f"{name}_peak")
+        for name in ("ultraviolet", "violet", "green", "orange")
+    ]
+    kind = (dorsal > 0.5).astype(np.int64)
+    return with_receptors(eye, types, [[0, 1, 2, 3], [0, 1]], kind)
