@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 from rich.console import Console
 from rich.table import Table
 
-from omma._core import Eye, merge_eyes
+from omma._core import Error, Eye, merge_eyes
 from omma.cli_working import working
+from omma.eye_drawing import draw_eye
 from omma.eye_maps import plot_eye_maps
 from omma.eye_measures import DIFFRACTION_LIMIT, diffraction_limit_m_rad, measure_eye
+from omma.eye_plots import Chosen, plot_acceptance
+from omma.eye_poster import plot_poster, plot_species
 from omma.eye_report import SPREADS, eye_summary, save_eye_table
 from omma.figure_files import figure_names
 from omma.files import WholeFiles, check_target, load_eye
@@ -33,6 +36,31 @@ Everything about each ommatidium as a table, the summary for a program, maps as 
 `omma eye info bee.eye -o ommatidia.csv --json summary.json --map maps.pdf`
 """
 
+PLOT_HELP = """
+Make a figure of an eye: .pdf, .svg or .png.
+
+--what says which: **3d**, the ommatidia seen from the direction --yaw, --pitch (0 0 is from ahead,
+90 0 from its right, 0 90 from above), coloured by a property; **map**, properties over the
+directions that the eye sees; **acceptance**, the angular sensitivity of chosen ommatidia and its
+modulation transfer; **poster**, all of it on an A3 page.
+
+Properties are interommatidial, horizontal, vertical, acceptance, ratio, facet, spacing,
+eye-parameter, sampling, sensitivity, skew, skew-normal, neighbours, eye, and the names of the
+eye's own columns.
+
+**Examples**
+
+`omma eye plot left.eye right.eye -o bee.pdf --yaw 40 --pitch 20`
+
+`omma eye plot bee.eye -o axes.svg --style both --property facet`
+
+`omma eye plot bee.eye --what map -o map.pdf --property interommatidial --projection lambert`
+
+`omma eye plot bee.eye --what acceptance -o mtf.pdf --ommatidium 120 --ommatidium 30,-10`
+
+`omma eye plot --species honeybee_worker --what poster -o honeybee.pdf`
+"""
+
 EyesArgument = Annotated[
     list[Path], typer.Argument(help="Eye file; several make one head.", metavar="EYE...")
 ]
@@ -47,9 +75,8 @@ _MOST_NAMED = 8
 
 def add_look_commands(app: typer.Typer) -> None:
     """Register ``info`` and ``plot`` with ``omma eye``."""
-    app.command(name="info", help=INFO_HELP, short_help="Say what an eye is like, in numbers.")(
-        info
-    )
+    app.command(help=INFO_HELP, short_help="Say what an eye is like, in numbers.")(info)
+    app.command(help=PLOT_HELP, short_help="Make a figure of an eye.")(plot)
 
 
 def info(
@@ -89,6 +116,97 @@ def info(
     for target in (output, json_file, map_file):
         if target is not None:
             print(f"wrote {target}")
+
+
+def plot(
+    output: Annotated[
+        list[Path],
+        typer.Option(
+            "-o", "--output", help="Figure to write: .pdf, .svg, .png. May be repeated.",
+            metavar="OUT",
+        ),
+    ],
+    eye: Annotated[
+        list[Path] | None,
+        typer.Argument(help="Eye file; several make one head.", metavar="[EYE]..."),
+    ] = None,
+    species: Annotated[
+        str | None, typer.Option(help="An animal of omma.species instead.", metavar="NAME")
+    ] = None,
+    what: Annotated[
+        Literal["3d", "map", "acceptance", "poster"], typer.Option(help="Which figure.")
+    ] = "3d",
+    prop: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--property", help="What colours mean; for maps, may be repeated. Default: Δφ, for "
+            "maps all that are known.", metavar="PROPERTY",
+        ),
+    ] = None,
+    projection: Annotated[
+        Literal["mercator", "mollweide", "lambert"], typer.Option(help="Of maps.")
+    ] = "mollweide",
+    ommatidium: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="For acceptance: an index, or the azimuth and elevation (degrees) of one. May be "
+            "repeated. Default: those of least, median and large Δφ.", metavar="INDEX|AZ,EL",
+        ),
+    ] = None,
+    yaw: Annotated[float, typer.Option(help="Azimuth to look from, degrees.")] = 0.0,
+    pitch: Annotated[float, typer.Option(help="Elevation to look from, degrees.")] = 0.0,
+    style: Annotated[
+        Literal["facets", "axes", "both"],
+        typer.Option(help="3d: facets, lines along the axes, or both."),
+    ] = "facets",
+    back: Annotated[bool, typer.Option("--back", help="3d: what faces away too.")] = False,
+    title: Annotated[
+        str | None, typer.Option(help="Title. Default: the file's name.", metavar="TEXT")
+    ] = None,
+    unit: UnitOption = "mm",
+) -> None:  # fmt: skip
+    """Make a figure of an eye."""
+    names = figure_names(output)
+    if bool(eye) == (species is not None):
+        raise Error("plot: expected either eye files or --species")
+    if what == "3d" and prop is not None and len(prop) > 1:
+        raise Error("--property: expected one for --what 3d, found " + str(len(prop)))
+    with working() as bar:
+        animal = None
+        if species is not None:
+            # Only now: other commands start faster without it.
+            from omma.species import make
+
+            animal = make(species, bar.show)
+        head = animal.eye if animal is not None else load_head(eye or [], unit)
+        if what == "3d":
+            draw_eye(
+                names, head, yaw_deg=yaw, pitch_deg=pitch, style=style, back=back, title=title,
+                colour=prop[0] if prop else "interommatidial",
+            )  # fmt: skip
+        elif what == "map":
+            plot_eye_maps(names, head, prop, projection=projection, title=title, progress=bar.show)
+        elif what == "acceptance":
+            chosen = None if ommatidium is None else [_chosen(text) for text in ommatidium]
+            plot_acceptance(names, head, chosen, title=title)
+        elif animal is not None:
+            plot_species(names, animal, progress=bar.show)
+        else:
+            plot_poster(names, head, title=title, progress=bar.show)
+    for name in names:
+        print(f"wrote {name}")
+
+
+def _chosen(text: str) -> Chosen:
+    try:
+        if "," in text:
+            azimuth, elevation = (float(word) for word in text.split(","))
+            return azimuth, elevation
+        return int(text)
+    except ValueError:
+        raise Error(
+            f"--ommatidium: expected an index or azimuth,elevation, found {text!r:.60}"
+        ) from None
 
 
 def load_head(paths: list[Path], unit: str) -> Eye:

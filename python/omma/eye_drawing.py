@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from omma._core import Error, Eye
 from omma.arguments import positive
@@ -83,15 +84,22 @@ def draw_eye(
 
 
 def draw_view(
-    figure: Any, panel: Any, eye: Eye, view: Floats, prop: EyeProperty, *, bar: bool
+    panel: Any, eye: Eye, view: Floats, prop: EyeProperty, *, width_mm: float, shape: float
 ) -> None:
-    """An eye's facets in a panel of a figure, with a scale bar and, if asked for, a colour bar."""
+    """An eye's facets in a panel that is ``width_mm`` wide and ``shape`` times as wide as high:
+    for several views at one scale. With a scale bar."""
     drawing = _Drawing(eye, view, "facets", False, None)
     low, high = _frame(drawing)
+    middle = (low + high) / 2
+    half = np.array([width_mm, width_mm / shape]) / 2
+    low, high = middle - half, middle + half
     _ready(panel, low, high)
     marks = _facets(drawing)
+    # As lines they would only blur facets this small, and fill the file.
+    marks.set(linewidth=0, rasterized=True)
     panel.add_collection(marks)
-    _coloured(figure, panel, drawing, marks, prop, "right" if bar else None)
+    marks.set_array(np.ma.masked_invalid(prop.values[drawing.shown]))
+    colour_scale(None, panel, marks, prop, None)
     _scale_bar(panel, low, high)
     _compass(drawing, panel, low, high)
 
@@ -138,18 +146,11 @@ def _facet_diameters(position: Floats) -> Floats:
     # The mean distance to the six nearest positions: the diameter of hexagons that fill the
     # surface, across their flats.
     count = min(6, len(position) - 1)
-    diameter = np.zeros(len(position))
     if count == 0:
-        return diameter
-    squared = np.sum(position**2, axis=1)
-    for start in range(0, len(position), 512):
-        rows = position[start : start + 512]
-        distance = squared[start : start + 512, None] + squared - 2 * rows @ position.T
-        distance[np.arange(len(rows)), np.arange(start, start + len(rows))] = np.inf
-        nearest = np.partition(np.maximum(distance, 0), count - 1, axis=1)[:, :count]
-        diameter[start : start + 512] = np.sqrt(nearest).mean(axis=1)
+        return np.zeros(len(position))
+    diameter = cKDTree(position).query(position, k=count + 1)[0][:, 1:].mean(axis=1)
     # The rim of an eye, and where two eyes meet, must not grow huge discs.
-    return np.minimum(diameter, 3 * float(np.median(diameter)))
+    return np.asarray(np.minimum(diameter, 3 * float(np.median(diameter))))
 
 
 def _normals(position: Floats, axis: Floats, eye_id: NDArray[np.int32]) -> Floats:
@@ -227,7 +228,8 @@ def _figure(drawing: _Drawing, prop: EyeProperty | None, size_mm: float, title: 
         marks.set_color(_PLAIN)
         notes.append(f"{prop.label}: not known")
     else:
-        _coloured(figure, axes, drawing, marks, prop, "right")
+        marks.set_array(np.ma.masked_invalid(prop.values[drawing.shown]))
+        colour_scale(figure, axes, marks, prop, "right")
     if drawing.style != "axes":
         marks.set_edgecolor("#ffffff60")
     if drawing.lifted:
@@ -246,13 +248,6 @@ def _ready(axes: Any, low: Floats, high: Floats) -> None:
     axes.set_aspect("equal")
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     axes.set_axis_off()
-
-
-def _coloured(
-    figure: Any, axes: Any, drawing: _Drawing, marks: Any, prop: EyeProperty, bar: str | None
-) -> None:
-    marks.set_array(np.ma.masked_invalid(prop.values[drawing.shown]))
-    colour_scale(figure, axes, marks, prop, bar)
 
 
 def _lines(drawing: _Drawing) -> Any:

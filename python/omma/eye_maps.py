@@ -225,11 +225,11 @@ def draw_map(
 
 
 def colour_scale(
-    figure: Figure, panel: Axes, marks: Any, prop: EyeProperty, location: str | None
+    figure: Figure | None, panel: Axes, marks: Any, prop: EyeProperty, location: str | None
 ) -> None:
     """The colours of ``marks`` and a bar, or of classes a legend, that says what they mean.
 
-    ``location`` of the bar is "right" or "bottom"; None leaves it out.
+    ``location`` of the bar is "right" or "bottom"; None leaves it out, and needs no figure.
     """
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
@@ -248,7 +248,7 @@ def colour_scale(
     constant = high - low <= 1e-4 * max(abs(low), abs(high))
     if constant:
         marks.set_clim(low - 1, low + 1)
-    if location is None:
+    if location is None or figure is None:
         return
     if constant:
         text = f"{prop.label}: {low:.3g} throughout"

@@ -25,6 +25,7 @@ from omma.eye_neighbours import (
     surface_lattice,
     surface_normals,
 )
+from omma.receptors import ommatidium_of_receptor, receptor_optical_sensitivity
 
 # An ommatidium differs from its neighbours where it is this many robust standard deviations above
 # the median of its kind. Of a normal distribution one in 10^15 would be.
@@ -52,8 +53,8 @@ class EyeMeasures:
     skew_head_rad, skew_eye_rad, skew_normal_rad: the angle between the axis and the direction from
         the origin of the head's frame, that from the centre of the eye (the sphere that fits its
         positions best), the surface's normal.
-    sensitivity_m2_sr: Land's optical sensitivity S, m² sr, where D and the receptors' lengths are
-        known.
+    sensitivity_m2_sr: Land's optical sensitivity S of the most sensitive receptor, m² sr, where D
+        and the rhabdom's length and absorption are known; see `omma.optical_sensitivity`.
     outlier: what is far from the neighbours': "", or "spacing", "axis" or "position", or several
         with + between.
     duplicate_of: the first ommatidium with the same position and axis, -1 where there is none.
@@ -137,7 +138,6 @@ def measure_eye(eye: Eye) -> EyeMeasures:
     for which in np.unique(eye_id):
         members = eye_id == which
         outward[members] = position[members] - eye_centre(position[members])
-    diameter = _known(eye.facet_diameter_m)
     return EyeMeasures(
         eye_id=eye_id,
         neighbours=directions.count(),
@@ -146,12 +146,12 @@ def measure_eye(eye: Eye) -> EyeMeasures:
         horizontal_rad=np.sqrt(across[:, 0]),
         vertical_rad=np.sqrt(across[:, 1]),
         acceptance_rad=eye.acceptance_angle_rad.astype(np.float64),
-        facet_diameter_m=diameter,
+        facet_diameter_m=_known(eye.facet_diameter_m),
         facet_spacing_m=facet_spacing,
         skew_head_rad=_angle_between(position, axis),
         skew_eye_rad=_angle_between(outward, axis),
         skew_normal_rad=_angle_between(surface_normals(position, surface), axis),
-        sensitivity_m2_sr=_sensitivity(eye, diameter),
+        sensitivity_m2_sr=_sensitivity(eye),
         outlier=_outliers(position, axis, directions, surface, spacing, facet_spacing, eye_id),
         duplicate_of=_duplicates(position, axis),
         axis=axis,
@@ -205,8 +205,11 @@ def _local_metric(axis: Floats, lattice: Lattice) -> Floats:
     return np.asarray(lattice.mean_over_triangles((along**2).sum(axis=2) * 2 / 3))
 
 
-def _sensitivity(eye: Eye, diameter: Floats) -> Floats:
-    return np.full(len(eye), np.nan)
+def _sensitivity(eye: Eye) -> Floats:
+    """S of the most sensitive receptor of each ommatidium."""
+    most = np.full(len(eye), np.nan)
+    np.fmax.at(most, ommatidium_of_receptor(eye), receptor_optical_sensitivity(eye))
+    return most
 
 
 def _outliers(
