@@ -61,8 +61,8 @@ void validate_acceptance(const Acceptance& acceptance, const std::string& where)
 // Whether the sensitivity depends on the polar angle alone.
 bool is_round(const Acceptance& acceptance);
 
-// Full width at half maximum, rad: of the profile through the axis at an azimuth; and the geometric
-// mean of the widest and the narrowest one.
+// Full width at half maximum, rad: of the profile through the axis at an azimuth; and of the disc as
+// large as all that has half the largest sensitivity, of an ellipse the geometric mean of its axes.
 double acceptance_width_rad(const Acceptance& acceptance, double azimuth_rad);
 double mean_acceptance_width_rad(const Acceptance& acceptance);
 

@@ -58,6 +58,21 @@ double line_width_rad(const SensitivityView& s, double azimuth_rad) {
   return 2 * end / steps * (crossing(steps, -1) - crossing(0, 1));
 }
 
+// Diameter of the disc as large as all that has half of the largest sensitivity, which is 1.
+double area_width_rad(const SensitivityView& s) {
+  constexpr int steps = 512;
+  const double width = s.right_rad[s.columns - 1] - s.right_rad[0];
+  const double height = s.up_rad[s.rows - 1] - s.up_rad[0];
+  int inside = 0;
+  for (int j = 0; j < steps; ++j)
+    for (int i = 0; i < steps; ++i) {
+      const double right = s.right_rad[0] + width * (i + 0.5) / steps;
+      const double up = s.up_rad[0] + height * (j + 0.5) / steps;
+      if (eval_table(s, std::hypot(right, up), std::atan2(right, up)) >= 0.5) ++inside;
+    }
+  return 2 * std::sqrt(inside * width * height / (pi * steps * steps));
+}
+
 }  // namespace
 
 bool is_round(const Acceptance& a) {
@@ -97,13 +112,7 @@ double mean_acceptance_width_rad(const Acceptance& a) {
   if (is_round(a)) return acceptance_width_rad(a, 0);
   if (a.kernel == Kernel::gaussian) return std::sqrt(a.width_rad * a.minor_width_rad);
   const Sensitivity sensitivity = make_sensitivity(a);
-  double narrowest = 2 * pi, widest = 0;
-  for (int i = 0; i < 180; ++i) {
-    const double width = line_width_rad(view(sensitivity), i * degree);
-    narrowest = std::min(narrowest, width);
-    widest = std::max(widest, width);
-  }
-  return std::sqrt(narrowest * widest);
+  return area_width_rad(view(sensitivity));
 }
 
 void eval_acceptance(const Acceptance& acceptance, std::span<const double> theta_rad,

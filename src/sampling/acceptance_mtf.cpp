@@ -28,7 +28,7 @@ double compoundray_transfer(double cycles) {
 }
 
 const Quadrature& nodes() {
-  static const Quadrature made = gauss_legendre(16);
+  static const Quadrature made = gauss_legendre(10);
   return made;
 }
 

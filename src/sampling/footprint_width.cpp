@@ -13,7 +13,7 @@ namespace {
 // footprint of a hundredth of the width would matter, in steps of a tenth of a cycle over the
 // width.
 double widest_along(const Acceptance& acceptance, double azimuth_rad, double width_rad) {
-  constexpr int count = 400;
+  constexpr int count = 80;
   std::vector<double> cycles, azimuth(count, azimuth_rad), transfer(count);
   for (int i = 0; i < count; ++i) cycles.push_back(0.1 * (i + 1) / width_rad);
   acceptance_mtf(acceptance, cycles, azimuth, transfer);
@@ -44,8 +44,8 @@ double widest_footprint_rad(const Acceptance& a) {
   const double width = mean_acceptance_width_rad(a);
   if (a.kernel != Kernel::table) return widest_ratio(a, width) * width;
   double widest = width;
-  for (int i = 0; i < (is_round(a) ? 1 : 8); ++i)
-    widest = std::min(widest, widest_along(a, i * pi / 8, width));
+  for (int i = 0; i < (is_round(a) ? 1 : 4); ++i)
+    widest = std::min(widest, widest_along(a, i * pi / 4, width));
   return widest;
 }
 

@@ -136,6 +136,8 @@ double append_inverse(const SensitivityView& s, double azimuth, const PolarCells
       theta = next;
       if (done) break;
     }
+    // In the last 1e-12 of the tail rounding could turn it back.
+    if (uneven) theta = std::max(theta, theta_of[k - 1]);
     theta_of[k] = theta;
     const double density = eval_polar_density(s, theta, azimuth);
     dtheta_of[k] = density > 0 ? tail * r / density * r_step : 0.0;
