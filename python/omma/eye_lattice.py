@@ -18,7 +18,7 @@ from scipy.spatial import cKDTree
 
 from omma._core import Error
 from omma.arguments import whole
-from omma.eye_relaxation import MARGIN, Domain, Progress, cells, grown
+from omma.eye_relaxation import MARGIN, Domain, Progress, Region, cells, grown
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -105,13 +105,14 @@ class SphereCells:
         if not inside.any():
             raise Error(f"field_of_view: holds none of {len(middle):,} directions all round")
         self._set_inside(middle[inside])
+        region = Region(self.sees, self.metric, middle, inside)
         done: list[tuple[Floats, Floats]] = []
         while len(corner):
             middle, solid_angle = _cell_middle(corner, size, face)
             angles = self.angles(middle)
             share = solid_angle * 2 / (math.sqrt(3) * angles[:, 0] * angles[:, 1])
             # The wall is at the margin of the coarsest lattice, for which such cells are fine.
-            done_with = (share <= _CELL_SHARE) | (self.outside(middle) > 2 * MARGIN)
+            done_with = (share <= _CELL_SHARE) | (region.outside(middle) > 2 * MARGIN)
             done.append((middle[done_with], share[done_with]))
             rest = np.flatnonzero(~done_with)
             if sum(len(part) for part, _ in done) + 4 * len(rest) > _MOST_CELLS:
@@ -129,7 +130,7 @@ class SphereCells:
         self.closed = bool(inside.all())
         self.count = float(self.share[inside].sum())
         self._set_inside(self.middle[inside])
-        self._hidden = None if self.closed else cKDTree(self.middle[~inside])
+        self.region = Region(self.sees, self.metric, self.middle, inside)
 
     def rescale(self, scale: float) -> None:
         """All angles times ``scale``."""
@@ -163,36 +164,9 @@ class SphereCells:
         """What measures small steps in units of the wanted angles: (K, 2, 3)."""
         return metric_of(directions, self.angles(directions))
 
-    def outside(self, directions: Floats) -> Floats:
-        """Metric distance (K,) outside of the field of view, 0 in it."""
-        distance = np.zeros(len(directions))
-        hidden = np.flatnonzero(~self.sees(directions))
-        if len(hidden):
-            near = self._inside[self._tree.query(directions[hidden])[1]]
-            distance[hidden] = self._length(directions[hidden], near)
-        return distance
-
-    def deepest(self, directions: Floats, count: int) -> Floats:
-        """The ``count`` directions deepest inside; what is outside of those is moved in."""
-        depth = -self.outside(directions)
-        inner = np.flatnonzero(depth == 0)
-        assert self._hidden is not None
-        near = self._hidden.data[self._hidden.query(directions[inner])[1]]
-        depth[inner] = self._length(directions[inner], near)
-        chosen = np.sort(np.argsort(-depth, kind="stable")[:count])
-        directions, moved = directions[chosen], np.flatnonzero(depth[chosen] < 0)
-        if len(moved):
-            directions[moved] = self._inside[self._tree.query(directions[moved])[1]]
-        return directions
-
     def _set_inside(self, inside: Floats) -> None:
-        self._inside = inside
         self._inside_angles = angles_at(inside, self._horizontal, self._vertical)
         self._tree = cKDTree(inside)
-
-    def _length(self, start: Floats, end: Floats) -> Floats:
-        step = np.einsum("nac,nc->na", self.metric(start), end - start)
-        return np.asarray(np.linalg.norm(step, axis=1))
 
 
 def _base_cells() -> tuple[Floats, Floats, NDArray[np.int64]]:
@@ -272,15 +246,14 @@ def lay_directions(
     sphere.rescale(math.sqrt(total / wanted))
     domain = Domain(
         unit,
-        lambda points: points,
         sphere.metric,
-        None if sphere.closed else sphere.outside,
+        None if sphere.closed else sphere.region.outside,
         sphere.middle,
         sphere.share,
     )
     points = grown(domain, wanted, np.random.default_rng(seed), partial(tell, "placing ommatidia"))
     if not sphere.closed:
-        points = sphere.deepest(points, wanted)
+        points = sphere.region.deepest(points, wanted)
     return Lattice(points, sphere.scale)
 
 

@@ -48,20 +48,62 @@ _STEPS_PER_SEARCH = 10
 class Domain:
     """Where points are laid and how far apart.
 
-    ``onto`` moves points (K, 3) near the surface onto it, ``normals`` are its unit normals there.
-    ``metric`` gives (K, 2, 3): two vectors along the surface at right angles, whose products with
-    a step are its lengths along them in units of the spacing wanted. ``outside`` is the metric
-    distance (K,) outside of where points are wanted, 0 within; None where they are wanted all over
-    a closed surface. ``samples`` (S, 3) cover the surface, at least as far as points may go,
-    each for its ``share`` (S,) of the number of points wanted.
+    ``onto`` moves points (K, 3) near the surface onto it. ``metric`` gives (K, 2, 3): two vectors
+    along the surface at right angles, whose products with a step are its lengths along them in
+    units of the spacing wanted. ``outside`` is the metric distance (K,) outside of where points
+    are wanted, 0 within; None where they are wanted all over a closed surface. ``samples`` (S, 3)
+    cover the surface, at least as far as points may go, each for its ``share`` (S,) of the number
+    of points wanted.
     """
 
     onto: Callable[[Floats], Floats]
-    normals: Callable[[Floats], Floats]
     metric: Callable[[Floats], Floats]
     outside: Callable[[Floats], Floats] | None
     samples: Floats
     share: Floats
+
+
+class Region:
+    """Where on a surface points are wanted, known by samples (S, 3) of the surface of which
+    ``sees`` (a function of points (K, 3) to (K,)) says which are in it; distances are measured by
+    a ``metric`` as in `Domain`."""
+
+    def __init__(
+        self,
+        sees: Callable[[Floats], Bools],
+        metric: Callable[[Floats], Floats],
+        samples: Floats,
+        inside: Bools,
+    ) -> None:
+        self._sees, self._metric = sees, metric
+        self._inside, self._hidden = samples[inside], samples[~inside]
+        self._tree, self._hidden_tree = cKDTree(self._inside), cKDTree(self._hidden)
+
+    def outside(self, points: Floats) -> Floats:
+        """Metric distance (K,) outside of it, 0 in it."""
+        distance = np.zeros(len(points))
+        hidden = np.flatnonzero(~self._sees(points))
+        if len(hidden):
+            near = self._inside[self._tree.query(points[hidden])[1]]
+            distance[hidden] = self._length(points[hidden], near)
+        return distance
+
+    def deepest(self, points: Floats, count: int) -> Floats:
+        """The ``count`` points deepest inside; what is outside of those is moved in."""
+        depth = -self.outside(points)
+        inner = np.flatnonzero(depth == 0)
+        if len(inner) and len(self._hidden):
+            near = self._hidden[self._hidden_tree.query(points[inner])[1]]
+            depth[inner] = self._length(points[inner], near)
+        chosen = np.sort(np.argsort(-depth, kind="stable")[:count])
+        points, moved = points[chosen], np.flatnonzero(depth[chosen] < 0)
+        if len(moved):
+            points[moved] = self._inside[self._tree.query(points[moved])[1]]
+        return points
+
+    def _length(self, start: Floats, end: Floats) -> Floats:
+        step = np.einsum("nac,nc->na", self._metric(start), end - start)
+        return np.asarray(np.linalg.norm(step, axis=1))
 
 
 def grown(
@@ -209,7 +251,7 @@ def _relaxed(
         force = np.einsum("nkc,nk->nc", apart, strength)
         force += 0.25 * np.sum(squared * strength, axis=1, keepdims=True) * bend
         velocity = _MOMENTUM * velocity + _STEP_SIZE * force
-        normal = domain.normals(points)
+        normal = _normals(metric)
         velocity -= np.sum(velocity * normal, axis=1, keepdims=True) * normal
         speed = np.linalg.norm(np.einsum("nac,nc->na", metric, velocity), axis=1)
         velocity *= np.minimum(1, 0.15 / np.maximum(speed, 1e-300))[:, None]
@@ -243,9 +285,14 @@ def _bend(points: Floats, domain: Domain, metric: Floats) -> Floats:
         ahead, behind = (_root_metric(domain, domain.onto(points + s * step)) for s in (1, -1))
         per_length = step / (2 * np.sum(step**2, axis=1, keepdims=True))
         divergence += np.einsum("nij,nj->ni", ahead - behind, per_length)
-    normal = domain.normals(points)
+    normal = _normals(metric)
     divergence -= np.sum(divergence * normal, axis=1, keepdims=True) * normal
     return np.asarray(divergence / np.prod(size, axis=1)[:, None])
+
+
+def _normals(metric: Floats) -> Floats:
+    across = np.cross(metric[:, 0], metric[:, 1])
+    return np.asarray(across / np.linalg.norm(across, axis=1, keepdims=True))
 
 
 def _root_metric(domain: Domain, points: Floats) -> Floats:
