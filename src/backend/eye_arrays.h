@@ -18,9 +18,11 @@ struct EyeArrays {
   std::vector<float> up_x, up_y, up_z;              // unit, across the axis
   std::vector<float> focal_offset_m;
   std::vector<float> aperture_radius_m;
+  std::vector<float> scale;              // of its warp, as DirectionTables::scale_of
   std::vector<std::int32_t> warp;        // index into DirectionTables::warps
   std::vector<std::int32_t> ommatidium;  // index in the Eye
   bool has_apertures = false;            // whether any radius is above 0
+  bool has_scales = false;               // whether any scale is not 1
 };
 
 EyeArrays make_eye_arrays(const Eye& eye, const DirectionTables& directions);

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <functional>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "kernel/hash.h"
 #include "kernel/sobol.h"
@@ -80,6 +81,45 @@ struct AcceptanceHash {
   }
 };
 
+// Where an eye has more widths than this, nearby ones share a warp, so that its tables stay in the
+// cache: a warp for steps of width_step, scaled to each width (with 6,374 widths 1.5 times as fast,
+// and made in a tenth of the time). Sines scaled by k instead of angles change S by no more than
+// a factor 1 + 0.92 |k^2 - 1| theta^2 (theta/width)^2, where k is within half a step of 1: 1e-4 at
+// theta = width for the widest that are scaled.
+constexpr std::size_t most_exact_widths = 64;
+constexpr double width_step = 0.0025;
+constexpr double widest_scaled_rad = 0.2;
+
+// Puts the level's acceptance in place of each; how many times as wide each is as its level. Empty,
+// and nothing changed, where there are few widths.
+std::vector<float> use_width_levels(std::vector<Acceptance>& acceptances) {
+  const auto scales = [](const Acceptance& a) {
+    return a.kernel <= Kernel::compoundray && is_round(a) && a.width_rad > 0 &&
+           a.width_rad <= widest_scaled_rad;
+  };
+  std::unordered_set<double> widths;
+  for (const Acceptance& a : acceptances)
+    if (scales(a)) widths.insert(a.width_rad);
+  if (widths.size() <= most_exact_widths) return {};
+  std::vector<float> scale(acceptances.size(), 1.0f);
+  for (std::size_t i = 0; i < acceptances.size(); ++i) {
+    Acceptance& a = acceptances[i];
+    if (!scales(a)) continue;
+    const double level = std::exp(width_step * std::round(std::log(a.width_rad) / width_step));
+    scale[i] = static_cast<float>(a.width_rad / level);
+    a.width_rad = level;
+    a.minor_width_rad = 0;
+  }
+  return scale;
+}
+
+std::vector<Acceptance> rendered_acceptances(const Eye& eye, const RenderSettings& settings) {
+  std::vector<Acceptance> all;
+  all.reserve(eye.size());
+  for (std::size_t i = 0; i < eye.size(); ++i) all.push_back(rendered_acceptance(eye, settings, i));
+  return all;
+}
+
 }  // namespace
 
 Acceptance rendered_acceptance(const Eye& eye, const RenderSettings& settings, std::size_t i) {
@@ -97,11 +137,12 @@ DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& sett
   tables.sampling = settings.sampling;
   tables.seed = settings.seed;
 
-  // One warp per distinct acceptance.
+  // One warp per distinct acceptance, or per level of their widths.
+  std::vector<Acceptance> acceptances = rendered_acceptances(eye, settings);
+  if (!settings.share_rays) tables.scale_of = use_width_levels(acceptances);
   std::unordered_map<Acceptance, std::uint32_t, AcceptanceHash> known;
   std::vector<Acceptance> distinct;
-  for (std::size_t i = 0; i < eye.size(); ++i) {
-    const Acceptance acceptance = rendered_acceptance(eye, settings, i);
+  for (const Acceptance& acceptance : acceptances) {
     const auto [found, is_new] =
         known.try_emplace(acceptance, static_cast<std::uint32_t>(distinct.size()));
     if (is_new) distinct.push_back(acceptance);
@@ -117,9 +158,9 @@ DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& sett
   });
 
   for (const AcceptanceWarp& warp : tables.warps) {
-    tables.footprint_rad.push_back(
-        settings.footprints ? static_cast<float>(footprint_width_rad(warp.acceptance, settings.samples))
-                            : 0.0f);
+    tables.footprint_rad.push_back(settings.footprints ? static_cast<float>(footprint_width_rad(
+                                                             warp.acceptance, settings.samples))
+                                                       : 0.0f);
     tables.fixed_turn.push_back(warp.round ? -1 : static_cast<std::int32_t>(turn_count));
   }
 

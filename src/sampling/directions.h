@@ -23,6 +23,9 @@ struct DirectionTables {
   std::uint64_t seed = 0;
   std::vector<AcceptanceWarp> warps;   // [distinct acceptance]
   std::vector<std::uint32_t> warp_of;  // [ommatidium], index into warps
+  // [ommatidium], times as wide as its warp: sines of the polar angles are multiplied by it. Empty:
+  // all are 1.
+  std::vector<float> scale_of;
   std::vector<float> footprint_rad;    // [warp], width of each ray (kernel/footprint.h)
   // [warp]: the turn about the axis that all have whose sensitivity is not round, else -1.
   std::vector<std::int32_t> fixed_turn;

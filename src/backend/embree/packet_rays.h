@@ -31,9 +31,10 @@ struct Units {
   alignas(64) float t_near[unit_room];
   alignas(64) float footprint_rad[unit_room];  // width of each ray (kernel/footprint.h)
   alignas(64) float aperture_radius[unit_room];
+  alignas(64) float scale[unit_room];              // of sines of polar angles
   alignas(64) std::int32_t directions[unit_room];  // where its pattern begins, or which warp
   alignas(64) std::int32_t hash[unit_room];        // of its scramble
-  bool has_apertures;
+  bool has_apertures, has_scales;
   PolarTablesView polar;
 };
 
@@ -46,6 +47,7 @@ void make_units(const BlockContext& context, const BlockTask& task, const Direct
   const std::uint64_t pose = pose_hash(tables.seed, task.pose);
   const bool in_order = list.ordinal == nullptr && list.scrambles == 1;
   units.has_apertures = eye.has_apertures;
+  units.has_scales = eye.has_scales;
   units.polar = view(tables.polar);
   const float per_scramble = 1.0f / static_cast<float>(list.scrambles);
   for (int u = 0; u < list.count; u += lane_width) {
@@ -105,6 +107,7 @@ void make_units(const BlockContext& context, const BlockTask& task, const Direct
     }
     store(units.hash + u, scramble_hash(hash, scramble));
     store(units.aperture_radius + u, at(eye.aperture_radius_m) * length_a);
+    store(units.scale + u, at(eye.scale));
   }
 }
 
@@ -135,8 +138,16 @@ __attribute__((always_inline)) inline void write_rays(const DirectionTables& tab
                                                       const Units& units, int last_unit, int unit,
                                                       int sample, float per_sample, Packet& packet,
                                                       int l) {
-  const auto write = [&](const LocalDirection<Floats>& d, const auto& of_unit, const auto& points) {
+  const auto write = [&](LocalDirection<Floats> d, const auto& of_unit, const auto& points) {
     RTCRay16& ray = packet.rays.ray;
+    if (units.has_scales) {
+      const Floats scale = of_unit(units.scale);
+      d.x *= scale;
+      d.y *= scale;
+      const Floats sine2 = d.x * d.x + d.y * d.y;
+      const Floats cosine = sqrt_lanes(sine2 < 1.0f ? 1.0f - sine2 : 0.0f * sine2);
+      d.z = d.z < 0.0f ? -cosine : cosine;
+    }
     DiscPoints disc{};
     if (units.has_apertures) {
       disc = points();
