@@ -6,6 +6,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "omma/eye.h"
 #include "omma/scene.h"
@@ -26,11 +27,26 @@ struct SceneOptions {
 // children as their parent lists them.
 Scene load_scene(const std::string& path, const SceneOptions& options = {});
 
-// An `.eye` file: one ommatidium a line, position xyz, axis xyz, acceptance angle (rad), focal
-// offset; spaces, tabs or commas; comments from '#'. Lengths are in `metres_per_unit`.
+// An eye, by the ending of the file's name (docs/eye-files.md):
+//   .csv         named columns with units; keeps everything
+//   .gltf, .glb  the Open Compound Eye Standard, the glTF extension OCES_eyes: the eyes of the one
+//                head that is there; keeps everything
+//   else         an `.eye` file: one ommatidium a line, position xyz, axis xyz, acceptance angle
+//                (rad), focal offset; spaces, tabs or commas; comments from '#'. Lengths are in
+//                `metres_per_unit`, which the other formats do without.
 Eye load_eye(const std::string& path, double metres_per_unit = 1e-3);
 Eye parse_eye(const std::string& text, const std::string& path, double metres_per_unit = 1e-3);
-void save_eye(const std::string& path, const Eye& eye, double metres_per_unit = 1e-3);
+
+// The eyes of one head of an OCES file, by its node's name or its number among the heads; and the
+// names of the heads that are enabled.
+Eye load_eye_of_head(const std::string& path, const std::string& head);
+std::vector<std::string> eye_file_heads(const std::string& path);
+
+// An `.eye` file cannot hold all of an eye. Unless `lossy`, an eye that would lose something is an
+// omma::Error that names it; eye_file_losses says what a file of that name would lose.
+void save_eye(const std::string& path, const Eye& eye, double metres_per_unit = 1e-3,
+              bool lossy = false);
+std::vector<std::string> eye_file_losses(const std::string& path, const Eye& eye);
 
 // PNG, JPEG (8 and 16 bit) or Radiance HDR, for backgrounds. 8-bit data stay sRGB encoded, the
 // rest becomes linear float.

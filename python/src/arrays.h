@@ -58,6 +58,7 @@ void bind_camera(nb::module_& m);
 void bind_scene(nb::module_& m);
 void bind_acceptance(nb::module_& m);
 void bind_eye(nb::module_& m);
+void bind_eye_files(nb::module_& m);
 void bind_renderer(nb::module_& m);
 void bind_projection(nb::module_& m);
 void bind_receptor(nb::module_& m);

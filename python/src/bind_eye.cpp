@@ -11,7 +11,6 @@
 #include "eye_arguments.h"
 #include "omma/error.h"
 #include "omma/eye.h"
-#include "omma/io.h"
 
 namespace omma::python {
 
@@ -245,23 +244,6 @@ void bind_eye(nb::module_& m) {
       "Each item is an `Eye`, or a pair (eye, head_from_eye) with where it sits in the head as a\n"
       "(4, 4) transform, m.\n\n"
       "Raises `omma.Error` where an item is something else or a transform is not usable.");
-  m.def(
-      "load_eye",
-      [](nb::handle path, double metres_per_unit) {
-        const std::string name = path_text(path);
-        nb::gil_scoped_release release;
-        return load_eye(name, metres_per_unit);
-      },
-      nb::arg("path"), nb::arg("metres_per_unit"),
-      nb::sig("def load_eye(path: str | os.PathLike[str], metres_per_unit: float) -> Eye"));
-  m.def(
-      "save_eye",
-      [](nb::handle path, const Eye& saved, double metres_per_unit) {
-        save_eye(path_text(path), saved, metres_per_unit);
-      },
-      nb::arg("path"), nb::arg("eye"), nb::arg("metres_per_unit"),
-      nb::sig("def save_eye(path: str | os.PathLike[str], eye: Eye, metres_per_unit: float) -> "
-              "None"));
 }
 
 }  // namespace omma::python

@@ -24,6 +24,7 @@ NB_MODULE(_core, m) {
   omma::python::bind_scene(m);
   omma::python::bind_acceptance(m);
   omma::python::bind_eye(m);
+  omma::python::bind_eye_files(m);
   omma::python::bind_renderer(m);
   omma::python::bind_projection(m);
   omma::python::bind_receptor(m);

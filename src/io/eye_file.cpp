@@ -1,16 +1,18 @@
-// `.eye` files: one ommatidium a line, eight columns. Lengths are in the file's unit and its frame
-// is x right, y up, z forward; ours looks along -Z, so the z of positions and axes turns round both
-// ways.
+// Eyes from and to files: which format a name stands for, and `.eye` files: one ommatidium a line,
+// eight columns. Lengths are in the file's unit and its frame is x right, y up, z forward; ours
+// looks along -Z, so the z of positions and axes turns round both ways.
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
+#include <filesystem>
 #include <limits>
 #include <string_view>
 #include <system_error>
 
 #include "io/atomic_file.h"
+#include "io/eye_csv.h"
+#include "io/oces.h"
 #include "model/unit_axis.h"
 #include "omma/error.h"
 #include "omma/io.h"
@@ -181,27 +183,33 @@ Eye parse_eye(const std::string& text, const std::string& path, double metres_pe
   return eye;
 }
 
-Eye load_eye(const std::string& path, double metres_per_unit) {
-  return parse_eye(read_file(path), path, metres_per_unit);
+namespace {
+
+enum class EyeFormat { eye, csv, gltf, glb };
+
+EyeFormat format_of(const std::string& path) {
+  std::string ending = std::filesystem::path(path).extension().string();
+  for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return ending == ".csv"    ? EyeFormat::csv
+         : ending == ".gltf" ? EyeFormat::gltf
+         : ending == ".glb"  ? EyeFormat::glb
+                             : EyeFormat::eye;
 }
 
-void save_eye(const std::string& path, const Eye& eye, double metres_per_unit) {
-  check_unit(metres_per_unit);
-  Eye checked = eye;
-  validate_eye(checked);
+std::string eye_file_text(const Eye& eye, double metres_per_unit) {
   std::string text;
-  text.reserve(checked.size() * 100);
-  for (std::size_t i = 0; i < checked.size(); ++i) {
-    const Vec3 position = checked.position_m[i];
-    const Vec3 axis = checked.axis[i];
+  text.reserve(eye.size() * 100);
+  for (std::size_t i = 0; i < eye.size(); ++i) {
+    const Vec3 position = eye.position_m[i];
+    const Vec3 axis = eye.axis[i];
     const std::array<double, 8> values = {position.x / metres_per_unit,
                                           position.y / metres_per_unit,
                                           -position.z / metres_per_unit,
                                           axis.x,
                                           axis.y,
                                           -axis.z,
-                                          checked.acceptance_angle_rad[i],
-                                          checked.focal_offset_m[i] / metres_per_unit};
+                                          eye.acceptance_angle_rad[i],
+                                          eye.focal_offset_m[i] / metres_per_unit};
     for (std::size_t column = 0; column < values.size(); ++column) {
       // Nine significant digits tell every float from its neighbours. Adding 0 makes -0 plain 0.
       std::array<char, 32> buffer{};
@@ -211,7 +219,106 @@ void save_eye(const std::string& path, const Eye& eye, double metres_per_unit) {
       text += column + 1 < values.size() ? ' ' : '\n';
     }
   }
-  write_file_atomically(path, text);
+  return text;
+}
+
+// "12 of 60 ommatidia: facet diameters"
+template <typename Differs>
+void note_loss(std::vector<std::string>& losses, const Eye& eye, const char* what,
+               Differs differs) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < eye.size(); ++i) count += differs(i) ? 1 : 0;
+  if (count > 0)
+    losses.push_back(std::string(what) + " (" + std::to_string(count) + " of " +
+                     std::to_string(eye.size()) + " ommatidia)");
+}
+
+}  // namespace
+
+std::vector<std::string> eye_file_losses(const std::string& path, const Eye& given) {
+  std::vector<std::string> losses;
+  if (format_of(path) != EyeFormat::eye) return losses;
+  Eye eye = given;
+  validate_eye(eye);
+  note_loss(losses, eye, "which eye an ommatidium belongs to",
+            [&](std::size_t i) { return eye.eye_id[i] != eye.eye_id[0]; });
+  note_loss(losses, eye, "up vectors", [&](std::size_t i) {
+    const Vec3 up = default_up(eye.axis[i]);
+    return up.x != eye.up[i].x || up.y != eye.up[i].y || up.z != eye.up[i].z;
+  });
+  note_loss(losses, eye, "facet diameters",
+            [&](std::size_t i) { return eye.facet_diameter_m[i] != 0; });
+  note_loss(losses, eye, "aperture diameters",
+            [&](std::size_t i) { return eye.aperture_diameter_m[i] != 0; });
+  note_loss(losses, eye,
+            "angular sensitivities that are not a round Gaussian of the acceptance angle",
+            [&](std::size_t i) {
+              Acceptance round;
+              round.width_rad = eye.acceptance_angle_rad[i];
+              return acceptance_at(eye, i) != round;
+            });
+  note_loss(losses, eye, "receptors",
+            [&](std::size_t i) { return eye.first_receptor[i] != eye.first_receptor[i + 1]; });
+  if (!eye.receptor_types.empty() && eye.receptor_type.empty())
+    losses.push_back("receptor types (" + std::to_string(eye.receptor_types.size()) + ")");
+  for (const EyeColumn& column : eye.columns) losses.push_back("the column '" + column.name + "'");
+  return losses;
+}
+
+Eye load_eye(const std::string& path, double metres_per_unit) {
+  switch (format_of(path)) {
+    case EyeFormat::csv:
+      check_unit(metres_per_unit);
+      return parse_eye_csv(read_file(path), path);
+    case EyeFormat::gltf:
+    case EyeFormat::glb:
+      check_unit(metres_per_unit);
+      return parse_oces(read_file(path), path);
+    case EyeFormat::eye:
+      break;
+  }
+  return parse_eye(read_file(path), path, metres_per_unit);
+}
+
+Eye load_eye_of_head(const std::string& path, const std::string& head) {
+  return parse_oces(read_file(path), path, head);
+}
+
+std::vector<std::string> eye_file_heads(const std::string& path) {
+  return parse_oces_heads(read_file(path), path);
+}
+
+void save_eye(const std::string& path, const Eye& eye, double metres_per_unit, bool lossy) {
+  check_unit(metres_per_unit);
+  Eye checked = eye;
+  validate_eye(checked);
+  std::string bytes;
+  switch (format_of(path)) {
+    case EyeFormat::csv:
+      bytes = eye_csv_text(checked);
+      break;
+    case EyeFormat::gltf:
+    case EyeFormat::glb:
+      try {
+        bytes = oces_bytes(checked, format_of(path) == EyeFormat::glb);
+      } catch (const Error& error) {
+        throw Error(path + ": " + error.what());
+      }
+      break;
+    case EyeFormat::eye:
+      if (!lossy) {
+        std::string all;
+        for (const std::string& loss : eye_file_losses(path, checked))
+          all += (all.empty() ? "" : "; ") + loss;
+        if (!all.empty())
+          throw Error(path + ": an .eye file has no place for " + all +
+                      ". Write a .csv, .gltf or .glb file, which keep everything, or say that it "
+                      "may be lost (lossy)");
+      }
+      bytes = eye_file_text(checked, metres_per_unit);
+      break;
+  }
+  write_file_atomically(path, bytes);
 }
 
 }  // namespace omma

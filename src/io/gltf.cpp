@@ -15,6 +15,7 @@
 #include "io/gltf_container.h"
 #include "io/gltf_material.h"
 #include "io/gltf_mesh.h"
+#include "io/gltf_nodes.h"
 #include "io/gltf_warnings.h"
 #include "omma/error.h"
 #include "omma/io.h"
@@ -45,14 +46,15 @@ using nlohmann::json;
 struct Loader {
   GltfContainer gltf;
   tinygltf::Model model;
+  std::vector<GltfNode> nodes;
   GltfWarnings warnings;
   GltfBudget budget;
   Scene scene;
 };
 
-constexpr std::array<std::string_view, 4> supported_extensions = {
+constexpr std::array<std::string_view, 5> supported_extensions = {
     "KHR_materials_emissive_strength", "KHR_materials_unlit", "KHR_mesh_quantization",
-    "KHR_texture_transform"};
+    "KHR_texture_transform", "OCES_eyes"};  // eyes are nothing to see; load_eye reads them
 
 std::string place_of(const Loader& loader, const char* what, std::size_t index,
                      const std::string& name = "") {
@@ -107,45 +109,6 @@ void check_extensions(Loader& loader) {
       loader.warnings.add("the glTF extension " + extension + " is not supported; it is ignored");
 }
 
-// Every node has at most one parent and is not its own ancestor (glTF 2.0, section 3.5.2).
-std::vector<int> checked_parents(const Loader& loader) {
-  const auto& nodes = loader.model.nodes;
-  enum class State : std::uint8_t { unseen, open, done };
-  std::vector<State> state(nodes.size(), State::unseen);
-  std::vector<int> parent(nodes.size(), -1);
-  struct Visit {
-    std::size_t node, next_child;
-  };
-  std::vector<Visit> path;
-  const auto place = [&](std::size_t node) {
-    return place_of(loader, "node", node, nodes[node].name);
-  };
-  for (std::size_t start = 0; start < nodes.size(); ++start) {
-    if (state[start] == State::unseen) path.push_back({start, 0});
-    while (!path.empty()) {
-      Visit& visit = path.back();
-      state[visit.node] = State::open;
-      if (visit.next_child == nodes[visit.node].children.size()) {
-        state[visit.node] = State::done;
-        path.pop_back();
-        continue;
-      }
-      const auto child = static_cast<std::size_t>(nodes[visit.node].children[visit.next_child++]);
-      if (child >= nodes.size())
-        throw Error(place(visit.node) + ": its child " + std::to_string(child) +
-                    " is not there; there are " + std::to_string(nodes.size()) + " nodes");
-      if (state[child] == State::open)
-        throw Error(place(child) + ": the node graph has a cycle: it is its own ancestor");
-      if (parent[child] >= 0)
-        throw Error(place(child) + ": has two parents, nodes " + std::to_string(parent[child]) +
-                    " and " + std::to_string(visit.node));
-      parent[child] = static_cast<int>(visit.node);
-      if (state[child] == State::unseen) path.push_back({child, 0});
-    }
-  }
-  return parent;
-}
-
 Background read_background(Loader& loader, const json& scene) {
   Background background;
   const auto extras = scene.find("extras");
@@ -195,35 +158,6 @@ std::vector<int> scene_roots(Loader& loader, const std::vector<int>& parent, int
   }
   loader.scene.background = read_background(loader, loader.gltf.document["scenes"][index]);
   return {seen.begin(), seen.end()};
-}
-
-// parent_from_node = translation * rotation * scale, or the matrix (column major in glTF).
-Mat4 node_transform(const tinygltf::Node& node, const std::string& place) {
-  Mat4 t;
-  if (!node.matrix.empty()) {
-    for (std::size_t c = 0; c < 4; ++c)
-      for (std::size_t r = 0; r < 4; ++r) t.m[r][c] = node.matrix[4 * c + r];
-    if (t.m[3][0] != 0 || t.m[3][1] != 0 || t.m[3][2] != 0 || t.m[3][3] != 1)
-      throw Error(place + ": matrix: its bottom row is not 0 0 0 1");
-    return t;
-  }
-  if (!node.rotation.empty()) {
-    double x = node.rotation[0], y = node.rotation[1], z = node.rotation[2], w = node.rotation[3];
-    const double size = std::sqrt(x * x + y * y + z * z + w * w);
-    if (!(size > 1e-6) || !std::isfinite(size))
-      throw Error(place + ": rotation: is not a unit quaternion");
-    x /= size, y /= size, z /= size, w /= size;
-    const double rotation[3][3] = {
-        {1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
-        {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},
-        {2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}};
-    for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 3; ++c) t.m[r][c] = rotation[r][c];
-  }
-  for (std::size_t c = 0; c < node.scale.size(); ++c)
-    for (int r = 0; r < 3; ++r) t.m[r][c] *= node.scale[c];
-  for (std::size_t r = 0; r < node.translation.size(); ++r) t.m[r][3] = node.translation[r];
-  return t;
 }
 
 // CompoundRay's flags: true as a bool, or as a string in any case.
@@ -282,48 +216,6 @@ void add_camera(Loader& loader, const tinygltf::Node& node, const Mat4& world_fr
   loader.scene.cameras.push_back(std::move(camera));
 }
 
-int component_count(int type) {
-  switch (type) {
-    case TINYGLTF_TYPE_SCALAR:
-      return 1;
-    case TINYGLTF_TYPE_VEC2:
-      return 2;
-    case TINYGLTF_TYPE_VEC3:
-      return 3;
-    case TINYGLTF_TYPE_VEC4:
-      return 4;
-    default:
-      return 0;  // matrices, which no attribute read here has
-  }
-}
-
-GltfAccessor describe_accessor(const Loader& loader, std::size_t index) {
-  const tinygltf::Accessor& source = loader.model.accessors[index];
-  GltfAccessor accessor;
-  accessor.place = place_of(loader, "accessor", index, source.name);
-  accessor.component_type = source.componentType;
-  accessor.components = static_cast<std::size_t>(component_count(source.type));
-  accessor.normalized = source.normalized;
-  accessor.count = source.count;
-  accessor.byte_offset = source.byteOffset;
-  if (source.bufferView >= 0) {
-    accessor.has_view = true;
-    accessor.view = buffer_view_bytes(loader.gltf, source.bufferView, accessor.place);
-    accessor.byte_stride =
-        loader.model.bufferViews[static_cast<std::size_t>(source.bufferView)].byteStride;
-  }
-  if (!source.sparse.isSparse) return accessor;
-  accessor.sparse_count = static_cast<std::uint64_t>(source.sparse.count);
-  accessor.sparse_index_type = source.sparse.indices.componentType;
-  accessor.sparse_indices =
-      buffer_view_bytes(loader.gltf, source.sparse.indices.bufferView, accessor.place);
-  accessor.sparse_indices_offset = static_cast<std::uint64_t>(source.sparse.indices.byteOffset);
-  accessor.sparse_values =
-      buffer_view_bytes(loader.gltf, source.sparse.values.bufferView, accessor.place);
-  accessor.sparse_values_offset = static_cast<std::uint64_t>(source.sparse.values.byteOffset);
-  return accessor;
-}
-
 // The scene's meshes for one glTF mesh: one for each primitive that has triangles.
 std::vector<int> add_meshes(Loader& loader, GltfMeshReader& reader, std::size_t index) {
   const tinygltf::Mesh& source = loader.model.meshes[index];
@@ -375,7 +267,9 @@ void add_hit_box(Loader& loader, GltfMeshReader& reader, std::size_t mesh,
 void add_nodes(Loader& loader, const std::vector<int>& roots, const WorkPart& work) {
   GltfMeshReader reader{{}, loader.scene.materials, loader.warnings, loader.budget, work};
   for (std::size_t i = 0; i < loader.model.accessors.size(); ++i) {
-    reader.accessors.push_back(describe_accessor(loader, i));
+    reader.accessors.push_back(gltf_accessor(loader.gltf, i));
+    // No attribute read here is a matrix.
+    if (reader.accessors[i].matrix) reader.accessors[i].components = 0;
     if (reader.accessors[i].components > 0) check_accessor(reader.accessors[i]);
     reader.all += reader.accessors[i].count;
   }
@@ -394,7 +288,9 @@ void add_nodes(Loader& loader, const std::vector<int>& roots, const WorkPart& wo
     const tinygltf::Node& node = loader.model.nodes[static_cast<std::size_t>(visit.node)];
     const std::string place =
         place_of(loader, "node", static_cast<std::size_t>(visit.node), node.name);
-    const Mat4 world_from_node = visit.world_from_parent * node_transform(node, place);
+    const Mat4 world_from_node =
+        visit.world_from_parent *
+        gltf_node_transform(loader.nodes[static_cast<std::size_t>(visit.node)]);
     if (node.skin >= 0)
       loader.warnings.add("skins are ignored: the mesh is shown in its base pose", place);
     if (node.camera >= 0) add_camera(loader, node, world_from_node, place);
@@ -452,7 +348,8 @@ Scene parse_scene(std::string file, const std::string& path, const SceneOptions&
   loader.budget = {path, budget, budget};
   check_extensions(loader);
   parse_structure(loader);
-  const std::vector<int> parent = checked_parents(loader);
+  loader.nodes = read_gltf_nodes(loader.gltf.document, path);
+  const std::vector<int> parent = gltf_node_parents(loader.nodes);
   const std::vector<int> roots = scene_roots(loader, parent, options.scene_index);
   read_materials(loader.gltf, loader.scene, loader.warnings, work.part(0.5, 0.7));
   if (options.color_rule == ColorRule::compoundray) use_compoundray_colors(loader.scene);

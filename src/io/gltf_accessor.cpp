@@ -9,11 +9,15 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <type_traits>
 
 #include "omma/error.h"
 
 namespace omma {
+
+using nlohmann::json;
+
 namespace {
 
 // Calls `use(T{})` with the C++ type of a component type; false for an unknown one.
@@ -69,9 +73,9 @@ template <typename T, typename Out>
 Out converted(const std::uint8_t* from, bool normalized) {
   T value;
   std::memcpy(&value, from, sizeof(T));
-  if constexpr (std::is_same_v<Out, float> && std::is_integral_v<T>) {
+  if constexpr (std::is_floating_point_v<Out> && std::is_integral_v<T>) {
     if (normalized)  // glTF 2.0, section 3.6.2.2; the largest negative value is clamped
-      return static_cast<float>(
+      return static_cast<Out>(
           std::max(static_cast<double>(value) / std::numeric_limits<T>::max(), -1.0));
   }
   return static_cast<Out>(value);
@@ -124,6 +128,42 @@ using Range = tbb::blocked_range<std::size_t>;
 
 }  // namespace
 
+GltfAccessor gltf_accessor(const GltfContainer& gltf, std::size_t index) {
+  const json& source = gltf.document["accessors"][index];
+  const std::string name = source.value("name", "");
+  GltfAccessor accessor;
+  accessor.place =
+      gltf.path + ": accessor " + std::to_string(index) + (name.empty() ? "" : " \"" + name + "\"");
+  accessor.component_type = source["componentType"].get<int>();
+  const std::string& type = source["type"].get_ref<const std::string&>();
+  static const std::map<std::string, std::size_t> components = {
+      {"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT2", 4}, {"MAT3", 9}, {"MAT4", 16}};
+  const auto known = components.find(type);
+  accessor.components = known == components.end() ? 0 : known->second;
+  accessor.matrix = type.starts_with("MAT");
+  accessor.normalized = source.value("normalized", false);
+  accessor.count = source["count"].get<std::uint64_t>();
+  accessor.byte_offset = source.value("byteOffset", std::uint64_t{0});
+  if (source.contains("bufferView")) {
+    const int view = source["bufferView"].get<int>();
+    accessor.has_view = true;
+    accessor.view = buffer_view_bytes(gltf, view, accessor.place);
+    accessor.byte_stride = gltf.document["bufferViews"][static_cast<std::size_t>(view)].value(
+        "byteStride", std::uint64_t{0});
+  }
+  if (!source.contains("sparse")) return accessor;
+  const json& sparse = source["sparse"];
+  accessor.sparse_count = sparse["count"].get<std::uint64_t>();
+  accessor.sparse_index_type = sparse["indices"]["componentType"].get<int>();
+  accessor.sparse_indices =
+      buffer_view_bytes(gltf, sparse["indices"]["bufferView"].get<int>(), accessor.place);
+  accessor.sparse_indices_offset = sparse["indices"].value("byteOffset", std::uint64_t{0});
+  accessor.sparse_values =
+      buffer_view_bytes(gltf, sparse["values"]["bufferView"].get<int>(), accessor.place);
+  accessor.sparse_values_offset = sparse["values"].value("byteOffset", std::uint64_t{0});
+  return accessor;
+}
+
 void check_accessor(const GltfAccessor& accessor) {
   const std::uint64_t size =
       component_size(accessor, accessor.component_type) * accessor.components;
@@ -161,7 +201,7 @@ void check_floats(const GltfAccessor& accessor) {
   if (accessor.component_type != 5126 || !accessor.has_view) return;
   const Elements<float> elements(accessor);
   const auto bad_component = [&](std::size_t i) {
-    float values[4];
+    float values[16];
     elements.read(i, values);
     return std::find_if(values, values + elements.components,
                         [](float v) { return !std::isfinite(v); }) -
@@ -177,7 +217,7 @@ void check_floats(const GltfAccessor& accessor) {
       },
       [](std::size_t a, std::size_t b) { return std::min(a, b); });
   if (bad == accessor.count) return;
-  float values[4];
+  float values[16];
   elements.read(bad, values);
   fail(bad, values[bad_component(bad)]);
 }
@@ -207,6 +247,23 @@ void read_floats(const GltfAccessor& accessor, std::span<const std::uint32_t> wh
       for (std::size_t c = 0; c < accessor.components; ++c)
         out[i * out_components + c] =
             converted<T, float>(bytes + c * sizeof(T), accessor.normalized);
+    });
+  });
+}
+
+void read_doubles(const GltfAccessor& accessor, std::span<double> out) {
+  with_component_type(accessor.component_type, [&](auto zero) {
+    using T = decltype(zero);
+    std::fill(out.begin(), out.end(), 0.0);
+    if (accessor.has_view) {
+      const Elements<T> elements(accessor);
+      for (std::size_t i = 0; i < accessor.count; ++i)
+        elements.read(i, &out[i * accessor.components]);
+    }
+    for_each_replaced(accessor, [&](std::uint64_t at, const std::uint8_t* bytes) {
+      for (std::size_t c = 0; c < accessor.components; ++c)
+        out[at * accessor.components + c] =
+            converted<T, double>(bytes + c * sizeof(T), accessor.normalized);
     });
   });
 }

@@ -75,6 +75,19 @@ Filter read_filter(const json& sampler, const std::string& place) {
   return filter == 9728 ? Filter::nearest : Filter::linear;
 }
 
+// How a texture is sampled: its wrapping and filter.
+Texture read_sampling(const GltfContainer& gltf, const json& texture, const std::string& place) {
+  Texture made;
+  if (!texture.contains("sampler")) return made;
+  const int sampler_index = texture["sampler"].get<int>();
+  const json& sampler = element(gltf, "samplers", sampler_index, place);
+  const std::string inside = gltf.path + ": sampler " + std::to_string(sampler_index);
+  made.wrap_u = read_wrap(sampler, "wrapS", inside);
+  made.wrap_v = read_wrap(sampler, "wrapT", inside);
+  made.filter = read_filter(sampler, inside);
+  return made;
+}
+
 // Index of the scene's texture for a glTF texture, -1 where that has no image Omma can read.
 int read_texture(MaterialReader& reader, int index, const std::string& user) {
   const auto known = reader.texture_of.find(index);
@@ -87,16 +100,8 @@ int read_texture(MaterialReader& reader, int index, const std::string& user) {
     element(reader.gltf, "images", source, place);
     const auto [image, is_new] =
         reader.image_of.try_emplace(source, static_cast<int>(reader.image_of.size()));
-    Texture made;
+    Texture made = read_sampling(reader.gltf, texture, place);
     made.image = image->second;
-    if (texture.contains("sampler")) {
-      const int sampler_index = texture["sampler"].get<int>();
-      const json& sampler = element(reader.gltf, "samplers", sampler_index, place);
-      const std::string inside = reader.gltf.path + ": sampler " + std::to_string(sampler_index);
-      made.wrap_u = read_wrap(sampler, "wrapS", inside);
-      made.wrap_v = read_wrap(sampler, "wrapT", inside);
-      made.filter = read_filter(sampler, inside);
-    }
     result = static_cast<int>(reader.scene.textures.size());
     reader.scene.textures.push_back(made);
   } else {
@@ -205,6 +210,17 @@ void read_images(MaterialReader& reader, const WorkPart& work) {
 }
 
 }  // namespace
+
+Image read_gltf_texture(const GltfContainer& gltf, int index, const std::string& place,
+                        Texture& sampling) {
+  const json& texture = element(gltf, "textures", index, place);
+  const std::string inside = gltf.path + ": texture " + std::to_string(index);
+  sampling = read_sampling(gltf, texture, inside);
+  if (!texture.contains("source")) throw Error(inside + ": has no image, used by " + place);
+  const int source = texture["source"].get<int>();
+  element(gltf, "images", source, inside);
+  return read_image(gltf, source);
+}
 
 void read_materials(const GltfContainer& gltf, Scene& scene, GltfWarnings& warnings,
                     const WorkPart& work) {

@@ -68,9 +68,10 @@ void move_eye(Eye& eye, const Mat4& t) {
   for (std::size_t i = 0; i < eye.size(); ++i) {
     // The ray origin position - axis * focal_offset must move with the eye, so the offset
     // stretches as the axis does.
-    const Vec3d axis = transform_vector(t, to_double(eye.axis[i]));
+    const Vec3d before = to_double(eye.axis[i]), axis = transform_vector(t, before);
     eye.position_m[i] = to_float(transform_point(t, to_double(eye.position_m[i])));
-    eye.focal_offset_m[i] = static_cast<float>(eye.focal_offset_m[i] * length(axis));
+    eye.focal_offset_m[i] =
+        static_cast<float>(eye.focal_offset_m[i] * (length(axis) / length(before)));
     eye.axis[i] = unit_axis(axis);
     eye.up[i] = unit_axis(transform_vector(t, to_double(eye.up[i])));
     eye.facet_diameter_m[i] = static_cast<float>(eye.facet_diameter_m[i] * scale);

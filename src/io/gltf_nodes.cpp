@@ -1,0 +1,94 @@
+// The node tree of a glTF file.
+#include "io/gltf_nodes.h"
+
+#include <cmath>
+#include <cstdint>
+
+#include "omma/error.h"
+
+namespace omma {
+
+using nlohmann::json;
+
+std::vector<GltfNode> read_gltf_nodes(const json& document, const std::string& path) {
+  std::vector<GltfNode> nodes;
+  const auto described = document.find("nodes");
+  if (described == document.end()) return nodes;
+  for (const json& description : *described) {
+    GltfNode node;
+    node.name = description.value("name", "");
+    node.place = path + ": node " + std::to_string(nodes.size()) +
+                 (node.name.empty() ? "" : " \"" + node.name + "\"");
+    node.children = description.value("children", std::vector<int>());
+    node.matrix = description.value("matrix", std::vector<double>());
+    node.translation = description.value("translation", std::vector<double>());
+    node.rotation = description.value("rotation", std::vector<double>());
+    node.scale = description.value("scale", std::vector<double>());
+    nodes.push_back(std::move(node));
+  }
+  return nodes;
+}
+
+std::vector<int> gltf_node_parents(const std::vector<GltfNode>& nodes) {
+  enum class State : std::uint8_t { unseen, open, done };
+  std::vector<State> state(nodes.size(), State::unseen);
+  std::vector<int> parent(nodes.size(), -1);
+  struct Visit {
+    std::size_t node, next_child;
+  };
+  std::vector<Visit> path;
+  for (std::size_t start = 0; start < nodes.size(); ++start) {
+    if (state[start] == State::unseen) path.push_back({start, 0});
+    while (!path.empty()) {
+      Visit& visit = path.back();
+      state[visit.node] = State::open;
+      if (visit.next_child == nodes[visit.node].children.size()) {
+        state[visit.node] = State::done;
+        path.pop_back();
+        continue;
+      }
+      const auto child = static_cast<std::size_t>(nodes[visit.node].children[visit.next_child++]);
+      if (child >= nodes.size())
+        throw Error(nodes[visit.node].place + ": its child " + std::to_string(child) +
+                    " is not there; there are " + std::to_string(nodes.size()) + " nodes");
+      if (state[child] == State::open)
+        throw Error(nodes[child].place + ": the node graph has a cycle: it is its own ancestor");
+      if (parent[child] >= 0)
+        throw Error(nodes[child].place + ": has two parents, nodes " +
+                    std::to_string(parent[child]) + " and " + std::to_string(visit.node));
+      parent[child] = static_cast<int>(visit.node);
+      if (state[child] == State::unseen) path.push_back({child, 0});
+    }
+  }
+  return parent;
+}
+
+Mat4 gltf_node_transform(const GltfNode& node) {
+  Mat4 t;
+  if (!node.matrix.empty()) {  // column major
+    for (std::size_t c = 0; c < 4; ++c)
+      for (std::size_t r = 0; r < 4; ++r) t.m[r][c] = node.matrix[4 * c + r];
+    if (t.m[3][0] != 0 || t.m[3][1] != 0 || t.m[3][2] != 0 || t.m[3][3] != 1)
+      throw Error(node.place + ": matrix: its bottom row is not 0 0 0 1");
+    return t;
+  }
+  if (!node.rotation.empty()) {
+    double x = node.rotation[0], y = node.rotation[1], z = node.rotation[2], w = node.rotation[3];
+    const double size = std::sqrt(x * x + y * y + z * z + w * w);
+    if (!(size > 1e-6) || !std::isfinite(size))
+      throw Error(node.place + ": rotation: is not a unit quaternion");
+    x /= size, y /= size, z /= size, w /= size;
+    const double rotation[3][3] = {
+        {1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
+        {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},
+        {2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}};
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) t.m[r][c] = rotation[r][c];
+  }
+  for (std::size_t c = 0; c < node.scale.size(); ++c)
+    for (int r = 0; r < 3; ++r) t.m[r][c] *= node.scale[c];
+  for (std::size_t r = 0; r < node.translation.size(); ++r) t.m[r][3] = node.translation[r];
+  return t;
+}
+
+}  // namespace omma

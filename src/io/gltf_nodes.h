@@ -1,0 +1,29 @@
+// The node tree of a glTF file: who is whose child, and where a node sits in its parent.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "omma/vec.h"
+
+namespace omma {
+
+struct GltfNode {
+  std::string place;  // for errors, such as "scene.gltf: node 3 \"head\""
+  std::string name;
+  std::vector<int> children;
+  std::vector<double> matrix, translation, rotation, scale;  // as in the file, or empty
+};
+
+// The nodes of a document that check_gltf_schema has passed.
+std::vector<GltfNode> read_gltf_nodes(const nlohmann::json& document, const std::string& path);
+
+// Parent of each node, -1 for none. Throws omma::Error where a node has two parents, is its own
+// ancestor or names a child that is not there (glTF 2.0, section 3.5.2).
+std::vector<int> gltf_node_parents(const std::vector<GltfNode>& nodes);
+
+// parent_from_node = translation * rotation * scale, or the matrix.
+Mat4 gltf_node_transform(const GltfNode& node);
+
+}  // namespace omma
