@@ -97,7 +97,7 @@ std::vector<Polar> from_tables(Kernel kernel, double acceptance_rad) {
 
 Polar random_polar(const DirectionTables& tables, std::uint64_t hash, std::uint32_t index) {
   const LocalDirection<float> d = sample_random_direction<float>(
-      tables.polar.data(), 0, static_cast<std::uint32_t>(hash), index);
+      view(tables.polar), 0, static_cast<std::uint32_t>(hash), index);
   // Through the half angle the length is off by up to four times what its sine and cosine are, and
   // that for the azimuth too; those are off by a few 6e-8.
   EXPECT_NEAR(d.x * d.x + d.y * d.y + d.z * d.z, 1, 3e-6);
