@@ -33,6 +33,7 @@ from omma._core import (
     paint,
     save_png,
 )
+from omma import species
 from omma.all_cameras import AllCamerasReport, CameraReport, render_all_cameras
 from omma.cameras import camera_eye, display, render_camera
 from omma.compat import compoundray_library
@@ -225,6 +226,7 @@ __all__ = [
     "side_by_side",
     "skew_rad",
     "solid_angles_sr",
+    "species",
     "spectral_sensitivity",
     "sphere",
     "split_eye",

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-import numpy as np
-from numpy.typing import NDArray
-
 from omma._core import Eye, ReceptorType
+from omma.receptor_mosaic import OmmatidiumType, Region, assign_receptors
 from omma.species.facts import number
 
 _SEED = 20  # of the random arrangement of types over an eye: any number, always the same
@@ -18,43 +14,51 @@ def receptor(animal: str, name: str, peak: str, **properties: float) -> Receptor
     return ReceptorType(name, peak_wavelength_nm=number(animal, peak), **properties)
 
 
-def shared_out(shares: Sequence[float], count: int) -> NDArray[np.int64]:
-    """Kinds (count,) in these shares, exact to one, in a random order that is always the same."""
-    edges = np.round(np.cumsum(shares) / np.sum(shares) * count).astype(np.int64)
-    kinds = np.repeat(np.arange(len(shares)), np.diff(edges, prepend=0))
-    return np.random.default_rng(_SEED).permutation(kinds)
+def mixed(eye: Eye, kinds: list[OmmatidiumType], where: Region | None = None) -> Eye:
+    """The eye with these kinds of ommatidia at random, always in the same places."""
+    return assign_receptors(eye, kinds, where=where, seed=_SEED)
 
 
-def with_receptors(
-    eye: Eye, types: Sequence[ReceptorType], sets: Sequence[list[int]], kind: NDArray[np.int64]
-) -> Eye:
-    """The eye with the set ``kind[i]`` of receptors in ommatidium i."""
-    return eye.replace(receptor_types=list(types), receptors=[sets[k] for k in kind])
-
-
-def bee_receptors(eye: Eye, animal: str, **properties: float) -> Eye:
-    """Ommatidia of type I (1 ultraviolet, 1 blue, 6 green), II (2 UV, 6 green), III (2 blue, 6
-    green) at random: Wakakuwa et al. 2005."""
-    types = [
-        receptor(animal, name, peak, **properties)
-        for name, peak in (("ultraviolet", "uv_peak"), ("blue", "blue_peak"), ("green", "green_peak"))
+def bee_kinds(animal: str, shares_of: str, **properties: float) -> list[OmmatidiumType]:
+    """Types I (1 ultraviolet, 1 blue, 6 green), II (2 ultraviolet, 6 green) and III (2 blue, 6
+    green): Wakakuwa et al. 2005."""
+    ultraviolet, blue, green = bee_receptors(animal, **properties)
+    greens = (green,) * 6
+    first, second = (number(shares_of, f"type_{k}_share") for k in (1, 2))
+    return [
+        OmmatidiumType("I", (ultraviolet, blue, *greens), first),
+        OmmatidiumType("II", (ultraviolet, ultraviolet, *greens), second),
+        OmmatidiumType("III", (blue, blue, *greens), 1 - first - second),
     ]
-    first, second = number(animal, "type_1_share"), number(animal, "type_2_share")
-    kind = shared_out([first, second, 1 - first - second], len(eye))
-    green = [2] * 6
-    return with_receptors(eye, types, [[0, 1, *green], [0, 0, *green], [1, 1, *green]], kind)
 
 
-def drone_receptors(eye: Eye, animal: str, dorsal: NDArray[np.bool_]) -> Eye:
-    """Below, the worker's three types; above, blue with none, one or two ultraviolet receptors."""
-    types = [
-        receptor(animal, name, peak)
-        for name, peak in (("ultraviolet", "uv_peak"), ("blue", "blue_peak"), ("green", "green_peak"))
+def bee_receptors(animal: str, **properties: float) -> tuple[ReceptorType, ...]:
+    """Ultraviolet, blue and green."""
+    return (
+        receptor(animal, "ultraviolet", "uv_peak", **properties),
+        receptor(animal, "blue", "blue_peak", **properties),
+        receptor(animal, "green", "green_peak", **properties),
+    )
+
+
+def fly_kinds(
+    animal: str, peaks: tuple[str, str, str, str, str], **properties: float
+) -> list[OmmatidiumType]:
+    """Pale and yellow ommatidia, of the peaks of R1-6, R7 and R8 pale, R7 and R8 yellow."""
+    outer = (receptor(animal, "R1-6", peaks[0], **properties),) * 6
+    pale = number(animal, "pale_share")
+    return [
+        OmmatidiumType(
+            name,
+            (
+                *outer,
+                receptor(animal, f"R7 {name}", seven, **properties),
+                receptor(animal, f"R8 {name}", eight, **properties),
+            ),
+            share,
+        )
+        for name, seven, eight, share in (
+            ("pale", peaks[1], peaks[2], pale),
+            ("yellow", peaks[3], peaks[4], 1 - pale),
+        )
     ]
-    green = [2] * 6
-    sets = [[0, 1, *green], [0, 0, *green], [1, 1, *green], [1] * 8, [0] + [1] * 7, [0, 0] + [1] * 6]
-    shares = [number("honeybee_worker", f"type_{k}_share") for k in (1, 2, 3)]
-    kind = np.empty(len(eye), np.int64)
-    kind[~dorsal] = shared_out(shares, int((~dorsal).sum()))
-    kind[dorsal] = 3 + shared_out([1, 1, 1], int(dorsal.sum()))
-    return with_receptors(eye, types, sets, kind)

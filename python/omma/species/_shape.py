@@ -102,24 +102,56 @@ class Profile:
 
 
 def on_ellipsoid(
-    animal: str, axis: Floats, towards_deg: tuple[float, float], facet: str, share: float = 0.5
+    animal: str,
+    axis: Floats,
+    towards_deg: tuple[float, float],
+    facet: str,
+    share: float = 0.5,
+    angle_at: Callable[[Floats], Floats] | None = None,
 ) -> Eye:
-    """A right eye of these axes (N, 3), its lenses on an ellipsoid whose normals span less than the
-    axes do.
+    """A right eye of these axes (N, 3), its lenses on an ellipsoid that spans less than the axes.
 
-    The table gives the ellipsoid's shape, its centre and by how much the angle between axis and
-    ``towards_deg`` (azimuth, elevation) shrinks for the normal. Its size follows from the facets:
-    the quantile ``share`` of the diameters is the table's ``facet``.
+    A lens sits on the unit sphere where its axis is, but ``surface_squeeze`` times as far from
+    ``towards_deg`` (azimuth, elevation); the sphere is then stretched to the table's shape. Its
+    size follows from the facets: the quantile ``share`` of the diameters is the table's ``facet``.
+    With ``angle_at``, relative angles between axes over the angle from ``towards_deg``, places
+    are squeezed more where those are wide, so that facets differ less than angles do.
     """
     shape, centre = (
         np.array([number(animal, f"eye_{what}_{way}") for way in ("right", "up", "forward")])
         for what in ("shape", "centre")
     )
     centre = centre * [1.0, 1.0, -1.0]
-    normal = squeezed(direction(*towards_deg), number(animal, "surface_squeeze"))
-    eye = eye_on_surface(axis, ellipsoid(shape * 1e-3), normal=normal, eye_id=1)
+    towards, squeeze = direction(*towards_deg), number(animal, "surface_squeeze")
+    normal = squeezed(towards, squeeze)
+    if angle_at is not None:
+        normal = _evened(towards, squeeze, angle_at, float(np.arccos(axis @ towards).max()))
+    # The ellipsoid's normal at the stretched place p is along p over the shape's squares.
+    eye = eye_on_surface(
+        axis, ellipsoid(shape * 1e-3), normal=lambda axes: normal(axes) / shape, eye_id=1
+    )
     size = number(animal, facet) / np.quantile(facet_diameters_m(eye), share)
     return set_facets(eye.replace(position_m=centre + size * eye.position_m))
+
+
+def _evened(
+    towards: Floats, squeeze: float, angle_at: Callable[[Floats], Floats], most_rad: float
+) -> Callable[[Floats], Floats]:
+    # The normal's angle grows by 1/Δφ per angle of the axis, to ``squeeze`` times the most.
+    grid = np.linspace(0.0, most_rad, 1001)
+    slope = 1 / angle_at(grid)
+    turned = np.concatenate([[0.0], np.cumsum(slope[1:] + slope[:-1])])
+    turned *= squeeze * most_rad / turned[-1]
+
+    def normal(directions: Floats) -> Floats:
+        along = directions @ towards
+        across = directions - along[:, None] * towards
+        size = np.linalg.norm(across, axis=1)
+        angle = np.interp(np.arctan2(size, along), grid, turned)
+        across /= np.maximum(size, 1e-300)[:, None]
+        return np.asarray(np.cos(angle)[:, None] * towards + np.sin(angle)[:, None] * across)
+
+    return normal
 
 
 def graded(width_rad: Floats, levels: int = 64) -> list[Acceptance]:

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from omma._core import Acceptance, Eye
 from omma.eye_lattice import azimuth_elevation_deg_of
-from omma.species._receptors import receptor, with_receptors
+from omma.receptor_mosaic import OmmatidiumType
+from omma.species._receptors import mixed, receptor
 from omma.species._shape import (
     Floats,
     Progress,
@@ -27,7 +28,6 @@ from omma.species.facts import Species, number
 
 _CATAGLYPHIS = "cataglyphis"
 _MELOPHORUS = "melophorus"
-_FAN_STEPS = 12  # directions of microvilli in the rim: every 15 degrees of the half turn
 
 
 def cataglyphis(progress: Progress | None = None) -> Species:
@@ -90,24 +90,24 @@ def _ant_receptors(eye: Eye, rim: NDArray[np.bool_]) -> Eye:
             ("green", "green_peak", "green_ps"),
         )
     )
-    fan = [
+    along, across = (
         receptor(
             _CATAGLYPHIS,
-            f"dorsal rim ultraviolet {180 * k // _FAN_STEPS} degrees",
+            f"dorsal rim ultraviolet {name}",
             "uv_peak",
             polarisation_sensitivity=number(_CATAGLYPHIS, "dorsal_rim_uv_ps"),
-            microvillus_angle_rad=math.pi * k / _FAN_STEPS,
+            microvillus_angle_rad=angle,
         )
-        for k in range(_FAN_STEPS)
-    ]
-    sets = [[0, 1]] + [
-        [2 + k, 2 + (k + _FAN_STEPS // 2) % _FAN_STEPS, 1] for k in range(_FAN_STEPS)
-    ]
-    kind = np.zeros(len(eye), np.int64)
+        for name, angle in (("along", 0.0), ("across", math.pi / 2))
+    )
+    # The fan: the up vector, to which microvilli are referred, turns through half a turn.
     azimuth = azimuth_elevation_deg_of(eye.axis[rim])[0]
     rank = np.argsort(np.argsort(azimuth, kind="stable"), kind="stable")
-    kind[rim] = 1 + rank * _FAN_STEPS // len(rank)
-    return with_receptors(eye, [ultraviolet, green, *fan], sets, kind)
+    turn = (math.pi * (rank + 0.5) / len(rank))[:, None]
+    up = eye.up.copy()
+    up[rim] = np.cos(turn) * eye.up[rim] + np.sin(turn) * eye.right[rim]
+    eye = mixed(eye.replace(up=up), [OmmatidiumType("usual", (ultraviolet, green))], ~rim)
+    return mixed(eye, [OmmatidiumType("dorsal rim", (along, across, green))], rim)
 
 
 def melophorus(progress: Progress | None = None) -> Species:
@@ -132,9 +132,9 @@ def melophorus(progress: Progress | None = None) -> Species:
         acceptance=Acceptance.gaussian(number(_MELOPHORUS, "acceptance_angle")),
         columns={"region": ["eye"] * len(axis)},
     )
-    types = [
-        receptor(_MELOPHORUS, "ultraviolet", "uv_peak"),
-        receptor(_MELOPHORUS, "green", "green_peak"),
-    ]
-    eye = with_receptors(eye, types, [[0, 1]], np.zeros(len(axis), np.int64))
+    both = tuple(
+        receptor(_MELOPHORUS, name, peak)
+        for name, peak in (("ultraviolet", "uv_peak"), ("green", "green_peak"))
+    )
+    eye = mixed(eye, [OmmatidiumType("usual", both)])
     return species(_MELOPHORUS, "Melophorus bagoti", eye)

@@ -14,7 +14,8 @@ import numpy as np
 from omma._core import Acceptance, Eye
 from omma.eye_facets import set_facets
 from omma.eye_lattice import direction
-from omma.species._receptors import bee_receptors, drone_receptors
+from omma.receptor_mosaic import OmmatidiumType
+from omma.species._receptors import bee_kinds, bee_receptors, mixed
 from omma.species._shape import (
     Floats,
     Progress,
@@ -56,7 +57,13 @@ def honeybee_worker(progress: Progress | None = None) -> Species:
         acceptance=Acceptance.gaussian(number(_WORKER, "acceptance_angle")),
         columns={"region": ["eye"] * len(axis)},
     )
-    return species(_WORKER, "Apis mellifera", bee_receptors(set_facets(eye), _WORKER))
+    kinds = bee_kinds(
+        _WORKER,
+        _WORKER,
+        absorption_per_m=number(_WORKER, "absorption"),
+        length_m=number(_WORKER, "rhabdom_length"),
+    )
+    return species(_WORKER, "Apis mellifera", mixed(set_facets(eye), kinds))
 
 
 def worker_directions_deg() -> tuple[Floats, Floats]:
@@ -157,28 +164,46 @@ def honeybee_drone(progress: Progress | None = None) -> Species:
     dorsal angle and facet, the field of view, the surface.
     """
 
-    def dorsal(directions: Floats) -> Floats:
+    def dorsal(elevation: Floats) -> Floats:
         border = number(_DRONE, "border_elevation")
         half = number(_DRONE, "border_half_width")
-        return smooth_step(elevation_rad(directions), border - half, border + half)
+        return smooth_step(elevation, border - half, border + half)
 
-    def between(quantity: str, directions: Floats) -> Floats:
+    def between(quantity: str, elevation: Floats) -> Floats:
         below, above = (number(_DRONE, f"{part}_{quantity}") for part in ("ventral", "dorsal"))
-        return blended(below, above, dorsal(directions))
+        return blended(below, above, dorsal(elevation))
+
+    def angle_per_facet(from_zenith: Floats) -> Floats:
+        elevation = math.pi / 2 - from_zenith
+        return between("interommatidial_angle", elevation) / between("facet_diameter", elevation)
 
     axis = laid(
         _DRONE,
-        lambda directions: between("interommatidial_angle", directions),
+        lambda directions: between("interommatidial_angle", elevation_rad(directions)),
         None,
         oval((-20, 165), (-75, 95)),
         progress,
     )
-    upper = dorsal(axis) > 0.5
-    eye = on_ellipsoid(_DRONE, axis, (75, 10), "dorsal_facet_diameter", 0.95).replace(
-        acceptance=graded(between("acceptance_angle", axis)),
+    up = elevation_rad(axis)
+    upper = dorsal(up) > 0.5
+    eye = on_ellipsoid(
+        _DRONE, axis, (0, 90), "dorsal_facet_diameter", 0.75, angle_at=angle_per_facet
+    ).replace(
+        acceptance=graded(between("acceptance_angle", up)),
         columns={"region": ["dorsal" if up else "ventral" for up in upper]},
     )
-    return species(_DRONE, "Apis mellifera", drone_receptors(eye, _DRONE, upper))
+    eye = mixed(mixed(eye, bee_kinds(_DRONE, _WORKER), ~upper), _dorsal_kinds(), upper)
+    return species(_DRONE, "Apis mellifera", eye)
+
+
+def _dorsal_kinds() -> list[OmmatidiumType]:
+    # Blue, with none, one or two ultraviolet receptors; no green.
+    ultraviolet, blue, _ = bee_receptors(_DRONE)
+    most = round(number(_DRONE, "dorsal_uv_receptors_most"))
+    return [
+        OmmatidiumType(f"dorsal {k}", (ultraviolet,) * k + (blue,) * (8 - k))
+        for k in range(most + 1)
+    ]
 
 
 def bumblebee(progress: Progress | None = None) -> Species:
@@ -193,18 +218,27 @@ def bumblebee(progress: Progress | None = None) -> Species:
         number(_BUMBLEBEE, f"{which}_interommatidial_angle") for which in ("least", "largest")
     )
 
-    def angle(directions: Floats) -> Floats:
-        # The table's are percentiles; the course goes a little beyond both.
-        from_acute = angle_from(directions, 60, 0)
-        return blended(
-            0.94 * least, 1.25 * largest, smooth_step(from_acute, 0.0, math.radians(100))
-        )
+    wider = number(_BUMBLEBEE, "horizontal_over_vertical")
+    acute = degrees(_BUMBLEBEE, "acute_azimuth")
 
-    axis = laid(_BUMBLEBEE, angle, None, oval((-30, 160), (-72, 70)), progress)
-    eye = on_ellipsoid(_BUMBLEBEE, axis, (65, 0), "median_facet_diameter").replace(
+    def angle_at(from_acute: Floats) -> Floats:
+        # Such a course, in such a field, has the scan's percentiles and number of ommatidia.
+        edge = smooth_step(from_acute, 0.0, math.radians(80))
+        return blended(least, 1.15 * largest, edge)
+
+    axis = laid(
+        _BUMBLEBEE,
+        lambda directions: math.sqrt(wider) * angle_at(angle_from(directions, acute, 0)),
+        lambda directions: angle_at(angle_from(directions, acute, 0)) / math.sqrt(wider),
+        oval((-25, 110), (-72, 55)),
+        progress,
+    )
+    eye = on_ellipsoid(
+        _BUMBLEBEE, axis, (acute, 0), "median_facet_diameter", angle_at=angle_at
+    ).replace(
         acceptance=Acceptance.gaussian(number(_BUMBLEBEE, "acceptance_angle")),
         columns={"region": ["eye"] * len(axis)},
     )
     return species(
-        _BUMBLEBEE, "Bombus terrestris", bee_receptors(eye, _BUMBLEBEE)
+        _BUMBLEBEE, "Bombus terrestris", mixed(eye, bee_kinds(_BUMBLEBEE, _BUMBLEBEE))
     )

@@ -9,7 +9,8 @@ import numpy as np
 from omma._core import Eye
 from omma.eye_facets import acceptance_from_facets, set_facets
 from omma.eye_surface import eye_on_surface
-from omma.species._receptors import receptor, with_receptors
+from omma.receptor_mosaic import OmmatidiumType
+from omma.species._receptors import mixed, receptor
 from omma.species._shape import (
     Floats,
     Progress,
@@ -89,7 +90,6 @@ def _crab_receptors(eye: Eye) -> Eye:
         )
         for name, angle in (("R1, R2, R5, R6", 0.0), ("R3, R4, R7", math.pi / 2))
     )
-    types = [upright, level, receptor(_CRAB, "R8", "uv_peak")]
     many = round(number(_CRAB, "microvilli_cells_horizontal"))
-    sets = [[0] * (7 - many) + [1] * many + [2]]
-    return with_receptors(eye, types, sets, np.zeros(len(eye), np.int64))
+    cells = (upright,) * (7 - many) + (level,) * many + (receptor(_CRAB, "R8", "uv_peak"),)
+    return mixed(eye, [OmmatidiumType("usual", cells)])

@@ -12,7 +12,7 @@ import math
 from omma._core import Acceptance, Eye
 from omma.eye_facets import acceptance_from_facets
 from omma.eye_tools import mirror_eye
-from omma.species._receptors import receptor, shared_out, with_receptors
+from omma.species._receptors import fly_kinds, mixed
 from omma.species._shape import (
     Floats,
     Progress,
@@ -49,39 +49,27 @@ def _drosophila_eye(count: str, progress: Progress | None) -> Eye:
         number(_DROSOPHILA, f"{which}_interommatidial_angle") for which in ("least", "largest")
     )
 
-    def angle(directions: Floats) -> Floats:
+    def angle_at(from_middle: Floats) -> Floats:
         # Such a course, in such a field, has the scan's percentiles and number of lenses.
-        from_middle = angle_from(directions, 80, 0)
         edge = smooth_step(from_middle, math.radians(20), math.radians(95))
         return blended(least, largest, edge)
 
     axis = laid(
         _DROSOPHILA,
-        angle,
+        lambda directions: angle_at(angle_from(directions, 80, 0)),
         None,
         lambda directions: angle_from(directions, 80, 0) < math.radians(105),
         progress,
         count,
     )
-    eye = on_ellipsoid(_DROSOPHILA, axis, (80, 0), "median_facet_diameter").replace(
+    eye = on_ellipsoid(
+        _DROSOPHILA, axis, (80, 0), "median_facet_diameter", angle_at=angle_at
+    ).replace(
         acceptance=Acceptance.gaussian(number(_DROSOPHILA, "acceptance_angle")),
         columns={"region": ["eye"] * len(axis)},
     )
-    types = [
-        receptor(_DROSOPHILA, name, peak)
-        for name, peak in (
-            ("R1-6", "rh1_peak"),
-            ("R7 pale", "rh3_peak"),
-            ("R8 pale", "rh5_peak"),
-            ("R7 yellow", "rh4_peak"),
-            ("R8 yellow", "rh6_peak"),
-        )
-    ]
-    pale = number(_DROSOPHILA, "pale_share")
-    return with_receptors(eye, types, _FLY_SETS, shared_out([pale, 1 - pale], len(eye)))
-
-
-_FLY_SETS = [[0] * 6 + [1, 2], [0] * 6 + [3, 4]]  # R1-6, R7, R8 of pale and yellow ommatidia
+    peaks = ("rh1_peak", "rh3_peak", "rh5_peak", "rh4_peak", "rh6_peak")
+    return mixed(eye, fly_kinds(_DROSOPHILA, peaks))
 
 
 def calliphora(progress: Progress | None = None) -> Species:
@@ -96,30 +84,24 @@ def calliphora(progress: Progress | None = None) -> Species:
         number(_CALLIPHORA, f"{where}_interommatidial_angle") for where in ("least", "lateral")
     )
 
-    def angle(directions: Floats) -> Floats:
-        return blended(
-            ahead, lateral, smooth_step(angle_from(directions, 0, 0), 0.0, math.radians(110))
-        )
+    def angle_at(from_ahead: Floats) -> Floats:
+        return blended(ahead, lateral, smooth_step(from_ahead, 0.0, math.radians(110)))
 
-    axis = laid(_CALLIPHORA, angle, None, oval((-10, 165), (-85, 88)), progress)
-    eye = on_ellipsoid(_CALLIPHORA, axis, (77, 0), "facet_diameter")
+    axis = laid(
+        _CALLIPHORA,
+        lambda directions: angle_at(angle_from(directions, 0, 0)),
+        None,
+        oval((-10, 165), (-85, 88)),
+        progress,
+    )
+    eye = on_ellipsoid(_CALLIPHORA, axis, (0, 0), "facet_diameter", angle_at=angle_at)
     eye = acceptance_from_facets(
         eye,
         wavelength_nm=number(_CALLIPHORA, "rh1_peak"),
         rhabdom_diameter_m=number(_CALLIPHORA, "rhabdomere_diameter"),
         f_number=number(_CALLIPHORA, "f_number"),
     ).replace(columns={"region": ["eye"] * len(axis)})
+    peaks = ("rh1_peak", "r7_pale_peak", "r8_pale_peak", "r7_yellow_peak", "r8_yellow_peak")
     length = number(_CALLIPHORA, "rhabdomere_length")
-    types = [
-        receptor(_CALLIPHORA, name, peak, length_m=length)
-        for name, peak in (
-            ("R1-6", "rh1_peak"),
-            ("R7 pale", "r7_pale_peak"),
-            ("R8 pale", "r8_pale_peak"),
-            ("R7 yellow", "r7_yellow_peak"),
-            ("R8 yellow", "r8_yellow_peak"),
-        )
-    ]
-    pale = number(_CALLIPHORA, "pale_share")
-    eye = with_receptors(eye, types, _FLY_SETS, shared_out([pale, 1 - pale], len(eye)))
+    eye = mixed(eye, fly_kinds(_CALLIPHORA, peaks, length_m=length))
     return species(_CALLIPHORA, "Calliphora vicina", eye)

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from omma._core import Eye
 from omma.eye_facets import acceptance_from_facets
-from omma.species._receptors import receptor, with_receptors
+from omma.receptor_mosaic import OmmatidiumType
+from omma.species._receptors import mixed, receptor
 from omma.species._shape import Floats, Profile, Progress, blended, laid, smooth_step, species
 from omma.species.facts import Species, number
 
@@ -36,7 +37,7 @@ def holcocephala(progress: Progress | None = None) -> Species:
     front, side = (number(_HOLCOCEPHALA, f"{part}_radius_of_curvature") for part in ("front", "side"))
     fovea = number(_HOLCOCEPHALA, "fovea_half_width")
     profile = Profile(
-        lambda angle: blended(front, side, smooth_step(angle, 0.2 * fovea, 1.3 * fovea)),
+        lambda angle: blended(front, side, smooth_step(angle, 0.3 * fovea, 1.2 * fovea)),
         math.pi,
     )
 
@@ -44,7 +45,7 @@ def holcocephala(progress: Progress | None = None) -> Species:
         inner, outer = (
             number(_HOLCOCEPHALA, f"{which}_facet_diameter") for which in ("largest", "outer")
         )
-        return blended(inner, outer, smooth_step(angle, 0.2 * fovea, 1.6 * fovea))
+        return blended(inner, outer, smooth_step(angle, 0.3 * fovea, 1.5 * fovea))
 
     def from_fovea(directions: Floats) -> Floats:
         return np.arctan2(np.hypot(directions[:, 0], directions[:, 2]), directions[:, 1])
@@ -171,9 +172,10 @@ class _Barrel:
 
 
 def _dragonfly_receptors(eye: Eye, dorsal: Floats) -> Eye:
-    types = [
+    ultraviolet, violet, green, orange = (
         receptor(_DRAGONFLY, name, f"{name}_peak")
         for name in ("ultraviolet", "violet", "green", "orange")
-    ]
-    kind = (dorsal > 0.5).astype(np.int64)
-    return with_receptors(eye, types, [[0, 1, 2, 3], [0, 1]], kind)
+    )
+    below = OmmatidiumType("ventral", (ultraviolet, violet, green, orange))
+    above = OmmatidiumType("dorsal", (ultraviolet, violet))
+    return mixed(mixed(eye, [below], dorsal <= 0.5), [above], dorsal > 0.5)
