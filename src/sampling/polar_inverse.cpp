@@ -120,7 +120,10 @@ double append_inverse(const SensitivityView& s, double azimuth, const PolarCells
     const double low = cells.edge[cell];
     const double high = cells.width > 0 ? low + cells.width : cells.edge[cell + 1];
     const bool upper_half = tail < head;
-    double theta = 0.5 * (low + high), least = low, most = high;
+    double least = low, most = high;
+    double theta = 0.5 * (low + high);
+    const double guess = theta_of[k - 1] + dtheta_of[k - 1];
+    if (uneven && guess > low && guess < high) theta = guess;
     for (int step = 0; step < 8; ++step) {
       const double excess = upper_half
                                 ? tail - (above[cell + 1] + integrate(s, azimuth, theta, high))
@@ -132,7 +135,7 @@ double append_inverse(const SensitivityView& s, double azimuth, const PolarCells
       // At a dark ring Newton's steps are too long.
       if (!(next >= least && next <= most))
         next = uneven ? 0.5 * (least + most) : std::clamp(next, low, high);
-      const bool done = std::fabs(next - theta) < 1e-15 * end;
+      const bool done = std::fabs(next - theta) < (uneven ? 1e-12 : 1e-15) * end;
       theta = next;
       if (done) break;
     }
