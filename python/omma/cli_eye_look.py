@@ -247,7 +247,7 @@ def _ommatidia(summary: dict[str, Any]) -> str:
 def _spreads(spread: dict[str, dict[str, Any]]) -> Table:
     from rich import box
 
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
     for column in ("", "min", "5 %", "median", "95 %", "max", "unit"):
         table.add_column(
             column, justify="right" if column not in ("", "unit") else "left", no_wrap=True
@@ -255,7 +255,7 @@ def _spreads(spread: dict[str, dict[str, Any]]) -> Table:
     for name, what, unit in SPREADS:
         values = spread[name]
         if values["known"] == 0:
-            table.add_row(what, *[""] * 5, "not known")
+            table.add_row(what, "", "", "–", "", "", unit)
             continue
         numbers = [_number(values[key]) for key in ("min", "p5", "median", "p95", "max")]
         table.add_row(what, *numbers, unit)
@@ -311,4 +311,6 @@ def _listed(names: list[str]) -> str:
 
 
 def _number(value: float) -> str:
+    if abs(value) < 5e-4:
+        return "0"  # rounding of single precision, not a length or an angle
     return f"{value:.3g}" if abs(value) < 100 else f"{value:.0f}"

@@ -45,8 +45,8 @@ class EyeMeasures:
     eye_id: which eye; left 0 and right 1 where one `Eye` is clearly two.
     neighbours, border: how many neighbours in direction, and whether at the border of the field.
     interommatidial_rad: mean angle Δφ to the neighbours.
-    horizontal_rad, vertical_rad: what Δφ would be in a regular hexagonal lattice that is as dense
-        in that direction; along circles of latitude and longitude of the head.
+    horizontal_rad, vertical_rad: Δφ in the head's horizontal and vertical direction: a regular
+        hexagonal lattice of 1 rad, stretched by these two, has the same triangles.
     acceptance_rad, ratio: acceptance angle Δρ, and Δρ/Δφ.
     facet_diameter_m, eye_parameter_m_rad: D where known, and D·Δφ.
     facet_spacing_m: mean distance to the neighbours on the surface.

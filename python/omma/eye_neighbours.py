@@ -2,7 +2,8 @@
 
 Neighbours are those of the Delaunay triangulation on the sphere, which is the convex hull of the
 unit vectors (K. Q. Brown 1979, Information Processing Letters 9:223). In a hexagonal lattice these
-are the six around each, however much the lattice is stretched, where the six nearest may not be.
+are the six around each, also where it is stretched: along its rows by less than √3, across them by
+any factor. (Stretched further along its rows it is another lattice, with other neighbours.)
 A triangulation also closes over what an eye does not see: triangles far larger than the lattice
 are taken away, and then, from the border inwards, flat ones that only bridge notches in it. The
 triangles of a lattice are never obtuse, so none of its own is lost.
@@ -25,7 +26,10 @@ Flags = NDArray[np.bool_]
 # third nearest point; what is over twice the most of these spans a hole. Single missing ommatidia
 # (1.0) are bridged.
 _LARGEST_CIRCLE = 1.5
-_FLATTEST_RAD = np.radians(110)  # a right angle is the most a lattice has; the rest is disorder
+# A right angle is the most a lattice has; the rest is disorder. Triangles flatter than the first
+# are taken from the border again and again, those flatter than the second once, so that a
+# disordered eye is not eaten up.
+_FLATTEST_RAD, _FLATTEST_OUTER_RAD = np.radians(110), np.radians(95)
 _SAME_RAD = 1e-6  # directions in single precision are known to 1e-7
 
 
@@ -214,13 +218,16 @@ def _delaunay(unit: Floats) -> Ints:
 
 
 def _chain(unit: Floats) -> Ints:
-    # Points on one circle, or too few for a triangle: the two nearest of each.
+    # Points on one circle, or too few for a triangle: each with its nearest, and with its second
+    # nearest where that is so from both sides, which it is not at the ends of a row.
     count = len(unit)
     if count < 2:
         return np.empty((0, 2), np.int64)
     near = cKDTree(unit).query(unit, k=min(3, count))[1][:, 1:]
-    pairs = np.column_stack([np.repeat(np.arange(count), near.shape[1]), near.ravel()])
-    return np.asarray(np.unique(np.sort(pairs, axis=1), axis=0))
+    nearest = np.sort(np.column_stack([np.arange(count), near[:, 0]]), axis=1)
+    both = np.column_stack([np.repeat(np.arange(count), near.shape[1]), near.ravel()])
+    pairs, times = np.unique(np.sort(both, axis=1), axis=0, return_counts=True)
+    return np.asarray(np.unique(np.concatenate([pairs[times == 2], nearest]), axis=0))
 
 
 def _without_bridges(unit: Floats, triangles: Ints) -> Ints:
@@ -234,15 +241,21 @@ def _without_bridges(unit: Floats, triangles: Ints) -> Ints:
     kept = radius <= _LARGEST_CIRCLE * third[triangles].max(axis=1)
     triangles, edge = triangles[kept], edge[kept]
     while len(triangles):
-        ends = np.sort(triangles[:, [[1, 2], [2, 0], [0, 1]]], axis=2)
-        _, which, times = np.unique(
-            ends.reshape(-1, 2), axis=0, return_inverse=True, return_counts=True
-        )
-        outer = (times == 1)[which.reshape(-1)].reshape(-1, 3)
-        a, b, c = edge, np.roll(edge, -1, axis=1), np.roll(edge, 1, axis=1)
-        angle = np.arccos(np.clip((b**2 + c**2 - a**2) / (2 * b * c), -1, 1))
-        flat = (outer & (angle > _FLATTEST_RAD)).any(axis=1)
+        flat = _outer_angle(triangles, edge) > _FLATTEST_RAD
         if not flat.any():
             break
         triangles, edge = triangles[~flat], edge[~flat]
-    return np.asarray(triangles)
+    kept = _outer_angle(triangles, edge) <= _FLATTEST_OUTER_RAD
+    return np.asarray(triangles[kept])
+
+
+def _outer_angle(triangles: Ints, edge: Floats) -> Floats:
+    # The largest angle of each triangle that lies opposite a border edge, 0 where none does.
+    ends = np.sort(triangles[:, [[1, 2], [2, 0], [0, 1]]], axis=2)
+    _, which, times = np.unique(
+        ends.reshape(-1, 2), axis=0, return_inverse=True, return_counts=True
+    )
+    outer = (times == 1)[which.reshape(-1)].reshape(-1, 3)
+    a, b, c = edge, np.roll(edge, -1, axis=1), np.roll(edge, 1, axis=1)
+    angle = np.arccos(np.clip((b**2 + c**2 - a**2) / (2 * b * c), -1, 1))
+    return np.asarray(np.where(outer, angle, 0.0).max(axis=1, initial=0.0))

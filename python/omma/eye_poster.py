@@ -148,7 +148,7 @@ def _histograms(panel: Axes, eye: Eye, measures: EyeMeasures) -> None:
     known = [prop.values[np.isfinite(prop.values)] for prop in shown]
     everything = np.concatenate(known)
     most = float(np.percentile(everything, 99.5)) * 1.15 or 1.0
-    edges = np.linspace(0, most, 46)
+    edges = np.linspace(0, most, 46).tolist()
     for prop, values, colour in zip(shown, known, COLOURS, strict=False):
         label = prop.label.replace(" (°)", "")
         if len(values) and np.ptp(values) <= 1e-4 * values.max():
