@@ -39,14 +39,14 @@ All animals' numbers in one file, .csv or .md:
 def add_species_command(app: typer.Typer) -> None:
     """Register ``species`` with ``omma eye``."""
     app.command(
-        name="species", help=SPECIES_HELP, short_help="Make an animal's eyes from published numbers."
+        name="species",
+        help=SPECIES_HELP,
+        short_help="Make an animal's eyes from published numbers.",
     )(species_command)
 
 
 def species_command(
-    name: Annotated[
-        str | None, typer.Argument(help="The animal.", metavar="[NAME]")
-    ] = None,
+    name: Annotated[str | None, typer.Argument(help="The animal.", metavar="[NAME]")] = None,
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", help="Eye file to write: .csv, .glb, .eye.", metavar="OUT"),
@@ -97,8 +97,10 @@ def _show(name: str | None) -> None:
     for heading in ("quantity", "value", "standing", "source"):
         table.add_column(heading, overflow="fold")
     for fact in species.facts(name):
-        source = f"{fact.source.citation} ({fact.source.read})" if fact.source.read else (
-            fact.source.citation
+        source = (
+            f"{fact.source.citation} ({fact.source.read})"
+            if fact.source.read
+            else (fact.source.citation)
         )
         note = f"{fact.quantity.replace('_', ' ')}" + (f"\n  {fact.note}" if fact.note else "")
         table.add_row(note, printed(fact), fact.status, source)

@@ -14,10 +14,10 @@ from collections.abc import Callable
 from omma._core import Error
 from omma.species.ants import cataglyphis, melophorus
 from omma.species.bees import bumblebee, honeybee_drone, honeybee_worker
+from omma.species.facts import Fact, Source, Species, facts, facts_text, sources
 from omma.species.fiddler import fiddler_crab
 from omma.species.flies import calliphora, drosophila
 from omma.species.hunters import dragonfly, holcocephala
-from omma.species.facts import Fact, Source, Species, facts, facts_text, sources
 
 _MAKERS: dict[str, Callable[..., Species]] = {
     "honeybee_worker": honeybee_worker,

@@ -9,9 +9,25 @@ from omma.species.facts import number
 _SEED = 20  # of the random arrangement of types over an eye: any number, always the same
 
 
-def receptor(animal: str, name: str, peak: str, **properties: float) -> ReceptorType:
+def receptor(
+    animal: str,
+    name: str,
+    peak: str,
+    *,
+    microvillus_angle_rad: float = 0.0,
+    polarisation_sensitivity: float = 1.0,
+    absorption_per_m: float = 0.0,
+    length_m: float = 0.0,
+) -> ReceptorType:
     """A receptor whose visual pigment peaks at the table's ``peak``."""
-    return ReceptorType(name, peak_wavelength_nm=number(animal, peak), **properties)
+    return ReceptorType(
+        name,
+        peak_wavelength_nm=number(animal, peak),
+        microvillus_angle_rad=microvillus_angle_rad,
+        polarisation_sensitivity=polarisation_sensitivity,
+        absorption_per_m=absorption_per_m,
+        length_m=length_m,
+    )
 
 
 def mixed(eye: Eye, kinds: list[OmmatidiumType], where: Region | None = None) -> Eye:

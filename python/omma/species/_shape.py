@@ -1,10 +1,4 @@
-"""What the models have in common: blends over directions, and surfaces by their curvature.
-
-A facet of diameter D on a surface of radius of curvature R, looking along the surface's normal,
-is D/R away in angle from its neighbour. Where a fovea has both large facets and small angles, the
-surface is flat there: R = D/Δφ. So an eye with a steep fovea is made from its profile of curvature
-and its facets, and the angles along and across follow.
-"""
+"""What the models have in common: blends over directions, fields of view, ellipsoids."""
 
 from __future__ import annotations
 
@@ -16,12 +10,11 @@ from numpy.typing import NDArray
 
 from omma._core import Acceptance, Eye
 from omma.eye_facets import facet_diameters_m, set_facets
-from omma.eye_lattice import azimuth_elevation_deg_of, direction
-from omma.eye_lattice import lay_directions
+from omma.eye_lattice import azimuth_elevation_deg_of, direction, lay_directions
 from omma.eye_surface import eye_on_surface, squeezed
-from omma.surfaces import ellipsoid
 from omma.eye_tools import join_eyes, pair_of_eyes
 from omma.species.facts import Species, facts, number
+from omma.surfaces import ellipsoid
 
 Floats = NDArray[np.float64]
 Progress = Callable[[str, "float | None"], object]
@@ -30,24 +23,25 @@ Progress = Callable[[str, "float | None"], object]
 def smooth_step(x: Floats, low: float, high: float) -> Floats:
     """0 below ``low``, 1 above ``high``, a cubic between."""
     share = np.clip((x - low) / (high - low), 0.0, 1.0)
-    return share * share * (3 - 2 * share)
+    return np.asarray(share * share * (3 - 2 * share))
 
 
 def blended(first: float | Floats, second: float | Floats, share: Floats) -> Floats:
     """From ``first`` (share 0) to ``second`` (share 1), evenly on a logarithmic scale."""
-    return np.exp((1 - share) * np.log(first) + share * np.log(second))
+    return np.asarray(np.exp((1 - share) * np.log(first) + share * np.log(second)))
 
 
 def angle_from(directions: Floats, azimuth_deg: float, elevation_deg: float) -> Floats:
     """Angles (K,) between directions (K, 3) and the one given, radians."""
     towards = direction(azimuth_deg, elevation_deg)
     # Near 0 the cosine alone would lose half the digits.
-    return np.arctan2(np.linalg.norm(np.cross(directions, towards), axis=1), directions @ towards)
+    across = np.linalg.norm(np.cross(directions, towards), axis=1)
+    return np.asarray(np.arctan2(across, directions @ towards))
 
 
 def elevation_rad(directions: Floats) -> Floats:
     """Elevation (K,) of directions (K, 3)."""
-    return np.radians(azimuth_elevation_deg_of(directions)[1])
+    return np.asarray(np.radians(azimuth_elevation_deg_of(directions)[1]))
 
 
 def oval(
@@ -64,41 +58,6 @@ def oval(
         return np.asarray(inside, dtype=bool)
 
     return seen
-
-
-class Profile:
-    """A meridian of a surface, by its radius of curvature over the angle of its normal.
-
-    The angle is that between the normal and the axis of the surface (``from_pole``) or the
-    equatorial plane; ``radius_m`` gives the radius of curvature of the meridian there.
-    """
-
-    def __init__(
-        self, radius_m: Callable[[Floats], Floats], most_rad: float, equator_m: float | None = None
-    ) -> None:
-        self._angle = np.linspace(0.0, most_rad, 4001)
-        self._radius = radius_m(self._angle)
-        # Along the meridian ds = R dangle; the trapezium's error is far below a micrometre.
-        self._level = self._summed(np.cos(self._angle))
-        self._drop = self._summed(np.sin(self._angle))
-        self._equator_m = equator_m
-
-    def _summed(self, part: Floats) -> Floats:
-        slope = self._radius * part
-        steps = np.diff(self._angle) * (slope[1:] + slope[:-1]) / 2
-        return np.concatenate([[0.0], np.cumsum(steps)])
-
-    def radius(self, angle_rad: Floats) -> Floats:
-        """Radius of curvature of the meridian (K,), metres."""
-        return np.interp(np.abs(angle_rad), self._angle, self._radius)
-
-    def along(self, angle_rad: Floats) -> Floats:
-        """How far along the plane that touches at angle 0, metres, signed."""
-        return np.sign(angle_rad) * np.interp(np.abs(angle_rad), self._angle, self._level)
-
-    def drop(self, angle_rad: Floats) -> Floats:
-        """How far below that plane, metres."""
-        return np.interp(np.abs(angle_rad), self._angle, self._drop)
 
 
 def on_ellipsoid(
@@ -128,7 +87,7 @@ def on_ellipsoid(
         normal = _evened(towards, squeeze, angle_at, float(np.arccos(axis @ towards).max()))
     # The ellipsoid's normal at the stretched place p is along p over the shape's squares.
     eye = eye_on_surface(
-        axis, ellipsoid(shape * 1e-3), normal=lambda axes: normal(axes) / shape, eye_id=1
+        axis, ellipsoid((shape * 1e-3).tolist()), normal=lambda axes: normal(axes) / shape, eye_id=1
     )
     size = number(animal, facet) / np.quantile(facet_diameters_m(eye), share)
     return set_facets(eye.replace(position_m=centre + size * eye.position_m))
@@ -165,9 +124,7 @@ def graded(width_rad: Floats, levels: int = 64) -> list[Acceptance]:
     return [classes[k] for k in kind]
 
 
-def species(
-    name: str, latin: str, right: Eye, left: Eye | None = None
-) -> Species:
+def species(name: str, latin: str, right: Eye, left: Eye | None = None) -> Species:
     """The animal whose right eye this is; the left one is its mirror image unless given."""
     head = pair_of_eyes(right) if left is None else joined(left, right)
     return Species(name, latin, head, facts(name))

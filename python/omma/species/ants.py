@@ -36,12 +36,14 @@ def cataglyphis(progress: Progress | None = None) -> Species:
     1,000 ommatidia, 80 of them in the rim: Shuker 2001. Where the rim looks and how dense it is:
     Duelli 1975, J Comp Physiol 102:43. Receptors (350 and 510 nm), polarisation sensitivities and
     acceptance angles (3.0° in front, 5.4° in the rim): Labhart 1986, J Comp Physiol A 158:1. A band
-    of finer vertical angles along the horizon: Zollikofer et al. 1995, J Exp Biol 198:1637. Assumed:
-    the angles outside the rim, the field of view, the surface, and the rim's arrangement: in each
+    of finer vertical angles along the horizon: Zollikofer et al. 1995, J Exp Biol 198:1637.
+    Assumed: the angles outside the rim, the field of view, the surface, and the arrangement of the
+    rim: in each
     ommatidium two ultraviolet receptors with microvilli at right angles, turning evenly through
     half a turn from the rim's front to its back.
     """
-    outer, streak = number(_CATAGLYPHIS, "outer_angle"), number(_CATAGLYPHIS, "streak_vertical_angle")
+    outer = number(_CATAGLYPHIS, "outer_angle")
+    streak = number(_CATAGLYPHIS, "streak_vertical_angle")
     level = number(_CATAGLYPHIS, "horizontal_angle")
     rim_angle = number(_CATAGLYPHIS, "dorsal_rim_interommatidial_angle")
 
@@ -106,7 +108,7 @@ def _ant_receptors(eye: Eye, rim: NDArray[np.bool_]) -> Eye:
     turn = (math.pi * (rank + 0.5) / len(rank))[:, None]
     up = eye.up.copy()
     up[rim] = np.cos(turn) * eye.up[rim] + np.sin(turn) * eye.right[rim]
-    eye = mixed(eye.replace(up=up), [OmmatidiumType("usual", (ultraviolet, green))], ~rim)
+    eye = mixed(eye.replace(up=up), [OmmatidiumType("usual", (ultraviolet, green))])
     return mixed(eye, [OmmatidiumType("dorsal rim", (along, across, green))], rim)
 
 

@@ -152,7 +152,7 @@ def _worker_surface_m(azimuth: Floats, elevation: Floats) -> Floats:
         np.array([number(_WORKER, f"eye_{what}_{way}") for way in ("right", "up", "forward")])
         for what in ("centre", "semi_axis")
     )
-    return centre * [1, 1, -1] + semi_axes * unit
+    return np.asarray(centre * [1, 1, -1] + semi_axes * unit)
 
 
 def honeybee_drone(progress: Progress | None = None) -> Species:
@@ -192,7 +192,7 @@ def honeybee_drone(progress: Progress | None = None) -> Species:
         acceptance=graded(between("acceptance_angle", up)),
         columns={"region": ["dorsal" if up else "ventral" for up in upper]},
     )
-    eye = mixed(mixed(eye, bee_kinds(_DRONE, _WORKER), ~upper), _dorsal_kinds(), upper)
+    eye = mixed(mixed(eye, bee_kinds(_DRONE, _WORKER)), _dorsal_kinds(), upper)
     return species(_DRONE, "Apis mellifera", eye)
 
 
@@ -239,6 +239,4 @@ def bumblebee(progress: Progress | None = None) -> Species:
         acceptance=Acceptance.gaussian(number(_BUMBLEBEE, "acceptance_angle")),
         columns={"region": ["eye"] * len(axis)},
     )
-    return species(
-        _BUMBLEBEE, "Bombus terrestris", mixed(eye, bee_kinds(_BUMBLEBEE, _BUMBLEBEE))
-    )
+    return species(_BUMBLEBEE, "Bombus terrestris", mixed(eye, bee_kinds(_BUMBLEBEE, _BUMBLEBEE)))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from omma._core import Eye
 from omma.eye_facets import acceptance_from_facets, set_facets
@@ -57,17 +58,16 @@ def fiddler_crab(progress: Progress | None = None) -> Species:
         )
         angle = blended(streak, np.where(up > 0, above, below), off)
         # A little coarser on the horizon itself, between the two streaks.
-        return angle * (1 + number(_CRAB, "dip_between_streaks") * np.exp(-((2 * up / at) ** 2)))
+        between = number(_CRAB, "dip_between_streaks") * np.exp(-((2 * up / at) ** 2))
+        return np.asarray(angle * (1 + between))
 
     lowest, highest = (number(_CRAB, f"field_{end}") for end in ("lowest", "highest"))
 
-    def seen(directions: Floats) -> Floats:
+    def seen(directions: Floats) -> NDArray[np.bool_]:
         up = elevation_rad(directions)
-        return (up > lowest) & (up < highest)
+        return np.asarray((up > lowest) & (up < highest))
 
-    axis = laid(
-        _CRAB, lambda directions: np.full(len(directions), level), vertical, seen, progress
-    )
+    axis = laid(_CRAB, lambda directions: np.full(len(directions), level), vertical, seen, progress)
     # On an ellipsoid of revolution of semi-axes a (level) and c (upright) the radii of curvature
     # at the equator are a and c²/a, and a facet is a times the horizontal angle, c²/a times the
     # vertical one.

@@ -14,9 +14,11 @@ from numpy.typing import NDArray
 
 from omma._core import Eye
 from omma.eye_facets import acceptance_from_facets
+from omma.eye_surface import lay_on_surface
 from omma.receptor_mosaic import OmmatidiumType
 from omma.species._receptors import mixed, receptor
-from omma.species._shape import Floats, Profile, Progress, blended, laid, smooth_step, species
+from omma.species._revolution import Profile, Revolution
+from omma.species._shape import Floats, Progress, blended, laid, smooth_step, species
 from omma.species.facts import Species, number
 
 _HOLCOCEPHALA = "holcocephala"
@@ -33,48 +35,33 @@ def holcocephala(progress: Progress | None = None) -> Species:
     and that diffraction alone sets the acceptance angle (the least it can be). Not modelled:
     receptors.
     """
-    # The eye is a surface of revolution about its fovea; the canonical frame has that on top.
-    front, side = (number(_HOLCOCEPHALA, f"{part}_radius_of_curvature") for part in ("front", "side"))
+    front, side = (
+        number(_HOLCOCEPHALA, f"{part}_radius_of_curvature") for part in ("front", "side")
+    )
+    inner, outer = (
+        number(_HOLCOCEPHALA, f"{which}_facet_diameter") for which in ("largest", "outer")
+    )
     fovea = number(_HOLCOCEPHALA, "fovea_half_width")
     profile = Profile(
-        lambda angle: blended(front, side, smooth_step(angle, 0.3 * fovea, 1.2 * fovea)),
-        math.pi,
+        lambda angle: blended(front, side, smooth_step(angle, 0.3 * fovea, 1.2 * fovea)), math.pi
     )
+    tip = np.array([number(_HOLCOCEPHALA, "eye_centre_right"), 0.0, 0.0])
+    surface = Revolution(profile, number(_HOLCOCEPHALA, "eye_edge"), tip)
 
     def facet(angle: Floats) -> Floats:
-        inner, outer = (
-            number(_HOLCOCEPHALA, f"{which}_facet_diameter") for which in ("largest", "outer")
-        )
         return blended(inner, outer, smooth_step(angle, 0.3 * fovea, 1.5 * fovea))
 
-    def from_fovea(directions: Floats) -> Floats:
-        return np.arctan2(np.hypot(directions[:, 0], directions[:, 2]), directions[:, 1])
-
-    def across(directions: Floats) -> Floats:
-        # The second radius of a surface of revolution: its normal's length to the axis.
-        angle = np.maximum(from_fovea(directions), 1e-9)
-        return facet(angle) * np.sin(angle) / profile.along(angle)
-
-    def outwards(directions: Floats) -> Floats:
-        angle = from_fovea(directions)
-        return facet(angle) / profile.radius(angle)
-
-    edge = number(_HOLCOCEPHALA, "eye_edge")
-    canonical = laid(
-        _HOLCOCEPHALA, across, outwards, lambda directions: from_fovea(directions) < edge, progress
+    eye = lay_on_surface(
+        surface,
+        lambda points: facet(surface.angle(points)),
+        count=round(number(_HOLCOCEPHALA, "ommatidia")),
+        progress=progress,
     )
-    angle = from_fovea(canonical)
-    radius, turn = profile.along(angle), np.arctan2(canonical[:, 0], canonical[:, 2])
-    # The canonical frame's up is ahead, its ahead up.
-    axis = np.stack([canonical[:, 0], -canonical[:, 2], -canonical[:, 1]], axis=1)
-    position = np.stack(
-        [radius * np.sin(turn), -radius * np.cos(turn), profile.drop(angle)], axis=1
-    )
-    position += [number(_HOLCOCEPHALA, "eye_centre_right"), 0.0, 0.0]
+    angle = surface.angle(eye.position_m.astype(np.float64))
     region = np.where(angle < fovea, "fovea", "eye").tolist()
-    eye = Eye(position, axis, 0.0, eye_id=1, facet_diameter_m=facet(angle))
+    eye = eye.replace(eye_id=1, columns={"region": region})
     eye = acceptance_from_facets(eye, wavelength_nm=number(_HOLCOCEPHALA, "wavelength"))
-    return species(_HOLCOCEPHALA, "Holcocephala fusca", eye.replace(columns={"region": region}))
+    return species(_HOLCOCEPHALA, "Holcocephala fusca", eye)
 
 
 def dragonfly(progress: Progress | None = None) -> Species:
@@ -178,4 +165,4 @@ def _dragonfly_receptors(eye: Eye, dorsal: Floats) -> Eye:
     )
     below = OmmatidiumType("ventral", (ultraviolet, violet, green, orange))
     above = OmmatidiumType("dorsal", (ultraviolet, violet))
-    return mixed(mixed(eye, [below], dorsal <= 0.5), [above], dorsal > 0.5)
+    return mixed(mixed(eye, [below]), [above], dorsal > 0.5)
