@@ -130,7 +130,7 @@ def make_map(
             measures.eye_id,
             int(which),
             measures.lattice,
-            measures.interommatidial_rad,
+            measures.cell_rad,
         )
     any_eye = seen.any(axis=0)
     ommatidium = np.where(inside, np.int64(-1), np.int64(-2))

@@ -85,7 +85,13 @@ class EyeMeasures:
     @cached_property
     def field(self) -> Field:
         """Solid angles of what is seen, and what is not; takes a second at the first call."""
-        return field_of_view(self.axis, self.eye_id, self.lattice, self.interommatidial_rad)
+        return field_of_view(self.axis, self.eye_id, self.lattice, self.cell_rad)
+
+    @cached_property
+    def cell_rad(self) -> Floats:
+        """How wide an ommatidium's cell of the visual field is: Δφ; without neighbours, Δρ."""
+        alone = np.isnan(self.interommatidial_rad)
+        return np.where(alone, self.acceptance_rad, self.interommatidial_rad)
 
     @cached_property
     def ratio(self) -> Floats:

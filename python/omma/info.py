@@ -5,13 +5,14 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Eye, Scene
+from omma.eye_measures import measure_eye
 from omma.files import PathLike, azimuth_elevation_deg, load_eye, load_scene
-from omma.pictures import field_ids
 
 Lines = list[tuple[str, str]]  # what, and its value
 
@@ -83,33 +84,27 @@ def describe_scene(scene: Scene) -> Lines:
 
 
 def describe_eye(eye: Eye) -> Lines:
-    """Count, visual field, acceptance and interommatidial angles of an eye."""
-    numbers, counts = np.unique(eye.eye_id, return_counts=True)
+    """Count, visual field, acceptance and interommatidial angles of an eye, in short; all else is
+    in `measure_eye`."""
+    measures = measure_eye(eye)
+    numbers, counts = np.unique(measures.eye_id, return_counts=True)
     azimuth, elevation = azimuth_elevation_deg(eye)
     lines = [("eye", eye.path or "in memory"), ("ommatidia", f"{len(eye):,}")]
     if len(numbers) > 1:
         lines.append(("eyes", ", ".join(f"{c:,}" for c in counts)))
-    if len(eye) == 0:
-        return lines
     low, high = azimuth_range_deg(azimuth[np.abs(elevation) < 60])
     size = np.ptp(eye.position_m.astype(np.float64), axis=0) * 1e3
-    share = covered_share(eye)
+    seen_sr = measures.field.seen_sr
     return [
         *lines,
         ("azimuth", f"{low:.1f}° to {high:.1f}° (axes within 60° of the horizon; right is +)"),
         ("elevation", f"{elevation.min():.1f}° to {elevation.max():.1f}°"),
-        ("field", f"{share:.1%} of the sphere, {4 * np.pi * share:.2f} sr"),
+        ("field", f"{seen_sr / (4 * np.pi):.1%} of the sphere, {seen_sr:.2f} sr"),
         ("size", f"{size[0]:.4g} x {size[1]:.4g} x {size[2]:.4g} mm"),
         ("acceptance", _spread_deg(eye.acceptance_angle_rad)),
-        ("interommatidial", _spread_deg(eye.interommatidial_angle_rad())),
+        ("interommatidial", _spread_deg(measures.interommatidial_rad)),
+        ("more", f"omma eye info {eye.path}".rstrip()),
     ]
-
-
-def covered_share(eye: Eye) -> float:
-    """Share of the sphere inside the visual field, as `field_ids` has it, on a 1° grid."""
-    seen = field_ids(eye, 360, 180) >= 0
-    weight = np.cos(np.radians(89.5 - np.arange(180)))
-    return float((seen.mean(axis=1) * weight).sum() / weight.sum())
 
 
 def azimuth_range_deg(azimuth: NDArray[np.float64]) -> tuple[float, float]:
@@ -128,8 +123,10 @@ def azimuth_range_deg(azimuth: NDArray[np.float64]) -> tuple[float, float]:
     return low - turn, high - turn
 
 
-def _spread_deg(angle_rad: NDArray[np.float32]) -> str:
-    angle = np.degrees(angle_rad.astype(np.float64))
+def _spread_deg(angle_rad: NDArray[Any]) -> str:
+    angle = np.degrees(angle_rad[np.isfinite(angle_rad)].astype(np.float64))
+    if len(angle) == 0:
+        return "no neighbours"
     return f"min {angle.min():.2f}°, median {np.median(angle):.2f}°, max {angle.max():.2f}°"
 
 

@@ -307,6 +307,11 @@ def test_eyes_with_few_ommatidia(count):
     assert eye_summary(omma.Eye(1e-3 * axes, axes, 0.1), found)["ommatidia"] == count
 
 
+def test_a_single_ommatidium_sees_its_acceptance():
+    eye = omma.Eye([[0, 0, 0]], [[0, 1, 0]], np.radians(60))
+    assert measure_eye(eye).field.seen_sr == pytest.approx(cap_sr(30), rel=0.01)
+
+
 def test_ommatidia_in_a_row():
     angle = np.radians(np.arange(-20, 21, 2.0))
     axes = np.column_stack([np.sin(angle), 0 * angle, -np.cos(angle)])
