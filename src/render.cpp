@@ -91,12 +91,15 @@ std::shared_ptr<const BuiltBackground> build_background(const BuiltScene& built,
 static void check_sharing(const Eye& eye, const RenderSettings& settings) {
   if (!settings.share_rays) return;
   for (std::size_t i = 0; i < eye.size(); ++i) {
-    const std::string place = "share_rays, ommatidium " + std::to_string(i) + ": not with ";
+    const auto refuse = [&](const char* what) {
+      throw Error(std::string("share_rays: not with ") + what + ", as ommatidium " +
+                  std::to_string(i) + " has");
+    };
     const Acceptance acceptance = rendered_acceptance(eye, settings, i);
     if (acceptance.kernel == Kernel::compoundray)
-      throw Error(place + "the kernel compoundray, which is infinite at its axis");
-    if (!is_round(acceptance)) throw Error(place + "a sensitivity that is not round");
-    if (eye.aperture_diameter_m[i] > 0) throw Error(place + "an aperture");
+      refuse("the kernel compoundray, which is infinite at its axis");
+    if (!is_round(acceptance)) refuse("a sensitivity that is not round");
+    if (eye.aperture_diameter_m[i] > 0) refuse("an aperture");
   }
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <numeric>
 
 #include "test_scenes.h"
 
@@ -82,9 +83,9 @@ TEST_P(Determinism, SeedsPosesAndOmmatidiaDiffer) {
 TEST_P(Determinism, FirstOmmatidiaOfAnEyeAreTheSameAlone) {
   const Scene scene = random_scene(7);
   const Eye whole = varied_eye(203);
-  Eye part = whole;
-  part.position_m.resize(50), part.axis.resize(50), part.acceptance_angle_rad.resize(50);
-  part.focal_offset_m.resize(50), part.eye_id.resize(50);
+  std::vector<std::int64_t> first(50);
+  std::iota(first.begin(), first.end(), 0);
+  const Eye part = take_ommatidia(whole, first);
   const RenderSettings settings{16, 3, {}, GetParam(), 0, {}};
   Result all = render(scene, whole, settings);
   all.response.resize(50 * channel_count);
@@ -111,7 +112,7 @@ std::uint64_t fnv1a(const std::vector<float>& values) {
 TEST(Golden, FlatTriangles) {
   const Result result = render(flat_triangles(31, 60), make_eye(sphere_directions(97), 8 * degree),
                                {16, 12345, {}, {}, 0, {}});
-  EXPECT_EQ(fnv1a(result.response), 0xACA952F253E61A79u);
+  EXPECT_EQ(fnv1a(result.response), 0x9626E2F7E8A2DAEDu);
 }
 
 }  // namespace

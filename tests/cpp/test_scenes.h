@@ -98,6 +98,7 @@ inline Eye make_eye(std::span<const Vec3d> axes, double acceptance_rad) {
     eye.focal_offset_m.push_back(0);
     eye.eye_id.push_back(0);
   }
+  validate_eye(eye);
   return eye;
 }
 
