@@ -110,7 +110,7 @@ def main() -> None:
         f"inline constexpr int primary_knots = {len(knots)};\n"
         "inline constexpr double first_primary_nm = 400, primary_step_nm = 10;\n\n"
         "// [knot][red, green, blue]\n"
-        "inline constexpr double primary_spectra[primary_knots][3] = {\n"
+        "inline constexpr double primary_table[primary_knots][3] = {\n"
         + "\n".join(rows)
         + "\n};\n\n}  // namespace omma\n"
     )

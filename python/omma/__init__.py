@@ -200,6 +200,7 @@ __all__ = [
     "pair_of_eyes",
     "place_on_head",
     "pool",
+    "primary_spectra",
     "poses_from_angles",
     "poses_from_quaternions",
     "primary_spectra",

@@ -64,6 +64,17 @@ def govardovskii(
     return (alpha * bands[0] + beta * bands[1]).reshape(nm.shape)
 
 
+def primary_spectra(wavelength_nm: ArrayLike) -> Any:
+    """Spectra that stand for linear sRGB's red, green and blue: (..., 3) for wavelengths (...), nm.
+
+    Smooth shares of white's photons, at least 0, that add up to 1 from 400 to 700 nm and are 0
+    elsewhere; each has, under D65, the chromaticity of its primary (docs/receptors.md; after Mallett
+    and Yuksel, EGSR 2019).
+    """
+    nm = np.asarray(wavelength_nm, np.float64)
+    return _core.primary_spectra(np.ascontiguousarray(nm.ravel())).reshape(*nm.shape, 3)
+
+
 def receptor_matrix(
     types: Eye | ReceptorType | Sequence[ReceptorType], ultraviolet: ArrayLike | None = None
 ) -> Floats:
@@ -89,7 +100,7 @@ def receptor_matrix(
     mix = np.zeros(3) if ultraviolet is None else np.asarray(ultraviolet, np.float64)
     if mix.shape != (3,) or not np.all(np.isfinite(mix)) or np.any(mix < 0):
         raise Error(
-            f"ultraviolet: expected three weights of at least 0 (red, green, blue), found {mix.tolist()}"
+            f"ultraviolet: expected weights of red, green, blue, at least 0, found {mix.tolist()}"
         )
     rows = [_core.receptor_weights(one, mix.tolist()) for one in types]
     return np.array(rows, np.float64).reshape(len(rows), 3)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import breadth_first_order, connected_components
 from scipy.spatial import cKDTree
 
 from omma._core import Error, Eye, ReceptorType
@@ -289,9 +290,10 @@ def _lattice_rows(eye: Eye, axes: Floats, north: Floats, east: Floats, side: Flo
     """The six steps of the lattice of axes around each ommatidium: (N, 6, 2), east and north, rad.
 
     Fitted to its neighbours as the steps of a lattice, so that opposite ones are each other's
-    negative. Row k is the one at 30 + 60 k degrees from east, up to 45° more or 15° less on right
-    eyes (side 1), and the mirror image of that on left ones (-1): so a lattice with rows along the
-    horizon and none along the meridian is clear, too.
+    negative. In the middle of each eye row k is the one at 30 + 60 k degrees from east, up to 45°
+    more or 15° less on right eyes (side 1), and the mirror image of that on left ones (-1): so a
+    lattice with rows along the horizon and none along the meridian is clear, too. From there rows
+    go on from neighbour to neighbour, however the lattice turns.
     """
     lattice = direction_lattice(axes, eye.eye_id)
     pairs = np.concatenate([lattice.pairs, lattice.pairs[:, ::-1]])
@@ -310,6 +312,7 @@ def _lattice_rows(eye: Eye, axes: Floats, north: Floats, east: Floats, side: Flo
     wave = np.zeros(len(axes), complex)
     np.add.at(wave, one, (z / np.abs(z)) ** 6)
     phase = np.angle(wave * np.exp(-6j * middle)) / 6 + middle
+    phase = _continuous(phase, pairs, axes, north, east)
     which = np.rint((np.angle(z) - phase[one]) / (np.pi / 3)).astype(int) % 6
     # Least squares of z = a e0 + b e1 with (a, b) the lattice coordinates of the six steps.
     coordinates = np.array([[1, 0], [0, 1], [-1, 1], [-1, 0], [0, -1], [1, -1]], np.float64)
@@ -329,3 +332,29 @@ def _lattice_rows(eye: Eye, axes: Floats, north: Floats, east: Floats, side: Flo
     basis = hexagon
     basis[sound] = np.linalg.solve(normal[sound], both[sound])
     return np.asarray(np.einsum("kc,ncd->nkd", coordinates, basis))
+
+
+def _continuous(phase: Floats, pairs: Ints, axes: Floats, north: Floats, east: Floats) -> Floats:
+    """Directions known but for sixths of a turn, made to agree between neighbours, (N,), rad.
+
+    From the ommatidium in the middle of each connected part outwards.
+    """
+    one, other = pairs.T
+    count = len(axes)
+    graph = csr_matrix((np.ones(len(pairs)), (one, other)), shape=(count, count))
+    phase = phase.copy()
+    parts, labels = connected_components(graph, directed=False)
+    for part in range(parts):
+        members = np.flatnonzero(labels == part)
+        start = members[np.argmax(axes[members] @ axes[members].sum(axis=0))]
+        order, before = breadth_first_order(graph, start, directed=False)
+        to, origin = order[1:], before[order[1:]]
+        # East of the one before, carried along the great circle to the next.
+        seen = np.sum(east[origin] * axes[to], axis=1) / (
+            1 + np.sum(axes[origin] * axes[to], axis=1)
+        )
+        carried = east[origin] - seen[:, None] * (axes[origin] + axes[to])
+        turn = np.arctan2(np.sum(carried * north[to], axis=1), np.sum(carried * east[to], axis=1))
+        for i, p, t in zip(to.tolist(), origin.tolist(), turn.tolist(), strict=True):
+            phase[i] += np.pi / 3 * round((phase[p] + t - phase[i]) / (np.pi / 3))
+    return phase

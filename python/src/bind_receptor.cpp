@@ -31,6 +31,15 @@ nb::object bands(double peak_wavelength_nm, nb::handle wavelength_nm) {
   return take(std::move(values), {2, nm.size()});
 }
 
+nb::object primaries(nb::handle wavelength_nm) {
+  const auto nm = double_array(wavelength_nm, "wavelength_nm", {-1});
+  std::vector<double> values;
+  values.reserve(3 * nm.size());
+  for (std::size_t i = 0; i < nm.size(); ++i)
+    for (const double share : primary_spectra(nm.data()[i])) values.push_back(share);
+  return take(std::move(values), {nm.size(), 3});
+}
+
 nb::object views(const Eye& eye) {
   ReceptorViews made;
   {
@@ -79,6 +88,9 @@ void bind_receptor(nb::module_& m) {
   m.def("pigment_bands", &bands, nb::arg("peak_wavelength_nm"), nb::arg("wavelength_nm"),
         nb::sig("def pigment_bands(peak_wavelength_nm: float, wavelength_nm: "
                 "numpy.typing.NDArray[numpy.float64]) -> numpy.typing.NDArray[numpy.float64]"));
+  m.def("primary_spectra", &primaries, nb::arg("wavelength_nm"),
+        nb::sig("def primary_spectra(wavelength_nm: numpy.typing.NDArray[numpy.float64]) -> "
+                "numpy.typing.NDArray[numpy.float64]"));
   m.def("receptor_weights", &receptor_weights, nb::arg("type"), nb::arg("ultraviolet"),
         nb::sig("def receptor_weights(type: ReceptorType, ultraviolet: "
                 "collections.abc.Sequence[float]) -> list[float]"));

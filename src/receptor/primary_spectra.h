@@ -8,7 +8,7 @@ inline constexpr int primary_knots = 31;
 inline constexpr double first_primary_nm = 400, primary_step_nm = 10;
 
 // [knot][red, green, blue]
-inline constexpr double primary_spectra[primary_knots][3] = {
+inline constexpr double primary_table[primary_knots][3] = {
     {0.042929, 0.000000, 0.957071}, {0.042767, 0.000000, 0.957233}, {0.040452, 0.000000, 0.959548},
     {0.034859, 0.000000, 0.965141}, {0.027526, 0.000000, 0.972474}, {0.018159, 0.000000, 0.981841},
     {0.020017, 0.000000, 0.979983}, {0.000000, 0.115278, 0.884722}, {0.000000, 0.295237, 0.704763},

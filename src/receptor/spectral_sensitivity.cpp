@@ -19,15 +19,18 @@ double table_value(const ReceptorType& type, double wavelength_nm) {
   return type.sensitivity[k - 1] * (1 - t) + type.sensitivity[k] * t;
 }
 
-// Of primary c, between its knots; wavelengths from 400 to 700 nm.
-double primary_value(int c, double wavelength_nm) {
-  const double at = (wavelength_nm - first_primary_nm) / primary_step_nm;
-  const int k = std::clamp(static_cast<int>(at), 0, primary_knots - 2);
-  const double t = at - k;
-  return primary_spectra[k][c] * (1 - t) + primary_spectra[k + 1][c] * t;
-}
-
 }  // namespace
+
+std::array<double, 3> primary_spectra(double wavelength_nm) {
+  std::array<double, 3> shares{};
+  if (!(wavelength_nm >= visible_from_nm && wavelength_nm <= visible_to_nm)) return shares;
+  const double at = (wavelength_nm - first_primary_nm) / primary_step_nm;
+  const int k = std::min(static_cast<int>(at), primary_knots - 2);
+  const double t = at - k;
+  for (std::size_t c = 0; c < 3; ++c)
+    shares[c] = primary_table[k][c] * (1 - t) + primary_table[k + 1][c] * t;
+  return shares;
+}
 
 double pigment_alpha_band(double peak_wavelength_nm, double wavelength_nm) {
   const double x = peak_wavelength_nm / wavelength_nm;
@@ -77,15 +80,14 @@ std::array<double, 3> receptor_weights(const ReceptorType& type,
   double hidden = 0;  // what the receptor has below 400 nm
   std::array<double, 3> seen{};
   for (int i = 0; i < count; ++i) {
-    const double s = sensitivity[static_cast<std::size_t>(i)];
-    const double end = i == 0 || i == count - 1 ? 0.5 : 1;
-    // At 400 nm half the step is on either side.
-    if (i <= below) hidden += (i == below ? 0.5 : end) * s;
+    const auto k = static_cast<std::size_t>(i);
+    // Half a step at the ends, and on either side of 400 nm.
+    const bool half = i == 0 || i == below || i == count - 1;
+    const double share = (half ? 0.5 : 1) * sensitivity[k];
+    if (i <= below) hidden += share;
     if (i < below) continue;
-    for (int c = 0; c < 3; ++c)
-      seen[static_cast<std::size_t>(c)] +=
-          (i == below ? 0.5 : end) * s *
-          primary_value(c, wavelength_nm[static_cast<std::size_t>(i)]);
+    const std::array<double, 3> primaries = primary_spectra(wavelength_nm[k]);
+    for (std::size_t c = 0; c < 3; ++c) seen[c] += share * primaries[c];
   }
   // The primaries add up to 1, so that this is the whole.
   const double whole = hidden + seen[0] + seen[1] + seen[2];

@@ -1,0 +1,273 @@
+"""Neural superposition in flies, pooling, and the facets of optical superposition eyes."""
+
+import numpy as np
+import pytest
+
+import omma
+from omma.superposition import TRAPEZOID
+
+SPACING = np.radians(4.5)
+
+
+def fly_eye(*, side=1, rows_along_meridian=True, steps=12, stretch=1.0):
+    """A hexagonal lattice of axes around the right (side 1) or the left, and where each axis is in
+    steps of the lattice: right (backwards on a right eye) and up."""
+    a, b = np.mgrid[-2 * steps : 2 * steps + 1, -2 * steps : 2 * steps + 1].reshape(2, -1)
+    place = np.stack([a * np.sqrt(3) / 2, b + a / 2], axis=1)
+    if not rows_along_meridian:
+        place = place[:, ::-1]
+    place = place[np.all(np.abs(place) < steps + 0.01, axis=1)] * [1, stretch]
+    angle = np.hypot(*place.T) * SPACING
+    shrink = np.sinc(angle / np.pi) * SPACING
+    axis = np.stack(
+        [side * np.cos(angle), shrink * place[:, 1], side * shrink * place[:, 0]], axis=1
+    )
+    return omma.Eye(1e-3 * axis, axis, np.radians(5)), place
+
+
+def inner(place, margin=4, steps=12, stretch=1.0):
+    return np.all(np.abs(place / [1, stretch]) < steps - margin, axis=1)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("rows_along_meridian", [True, False])
+@pytest.mark.parametrize("stretch", [1.0, 1.3])
+def test_six_of_six_facets_meet_in_a_cartridge(side, rows_along_meridian, stretch):
+    eye, place = fly_eye(side=side, rows_along_meridian=rows_along_meridian, stretch=stretch)
+    fly = omma.fly_receptors(eye)
+    wiring = omma.neural_superposition_wiring(fly)
+    far = inner(place, stretch=stretch) & (np.abs(place[:, 1]) > 2.5 * stretch)
+    assert far.sum() > 100
+    assert np.all(wiring.members[far] == 6)
+    owner, names = omma.ommatidium_of_receptor(fly), [t.name for t in fly.receptor_types]
+    looking = omma.receptor_axis(fly)
+    for target in np.flatnonzero(far):
+        pooled = wiring.index[wiring.first[target] : wiring.first[target + 1]]
+        assert len(set(owner[pooled])) == 6
+        assert sorted(names[fly.receptor_type[r]] for r in pooled) == list(TRAPEZOID)
+        angle = np.arccos(np.clip(looking[pooled] @ eye.axis[target], -1, 1))
+        # Offsets are rounded to a tenth of the spacing, at most 0.07 off; the sphere's curvature
+        # and steps of the lattice that change across it add as much.
+        assert np.all(angle < 0.16 * SPACING * stretch)
+
+
+def test_seven_or_eight_meet_along_the_equator():
+    """In six rows of cartridges (Wernet and Desplan, Cell 162:20, 2015, figure 1E)."""
+    eye, place = fly_eye()
+    wiring = omma.neural_superposition_wiring(omma.fly_receptors(eye))
+    middle = inner(place)
+    heights = np.unique(np.round(place[middle, 1], 3))
+    rows = [
+        set(wiring.members[middle & (np.abs(place[:, 1] - height) < 0.1)].tolist())
+        for height in heights
+    ]
+    assert all(len(row) == 1 for row in rows)
+    members = [row.pop() for row in rows]
+    assert set(members) == {6, 7, 8}
+    more = [height for height, count in zip(heights, members, strict=True) if count > 6]
+    assert len(more) == 6
+    assert np.ptp(more) == pytest.approx(2.5)  # half a step apart, in a row
+    assert members[0] == 6
+    assert members[-1] == 6
+
+
+def test_the_pattern_is_mirrored_across_the_equator_and_between_eyes():
+    offsets = {}
+    for side in (1, -1):
+        eye, place = fly_eye(side=side)
+        fly = omma.fly_receptors(eye)
+        types = fly.receptor_types
+        for half in (1, -1):
+            one = np.argmin(np.hypot(place[:, 0], place[:, 1] - 4 * half))
+            own = fly.receptor_type[fly.first_receptor[one] : fly.first_receptor[one + 1]]
+            offsets[side, half] = {
+                types[t].name: np.array([types[t].right_rad, types[t].up_rad]) / SPACING
+                for t in own
+                if types[t].name in TRAPEZOID
+            }
+    tolerance = 0.12  # twice the rounding
+    for name in TRAPEZOID:
+        right_dorsal = offsets[1, 1][name]
+        assert np.allclose(offsets[1, -1][name], right_dorsal * [1, -1], atol=tolerance)
+        assert np.allclose(offsets[-1, 1][name], right_dorsal * [-1, 1], atol=tolerance)
+    # On the right eye R3 is the dorsal tip, anterior: it looks down and back (right).
+    assert np.allclose(offsets[1, 1]["R3"], [np.sqrt(3) / 2, -1.5], atol=tolerance)
+    assert np.allclose(offsets[1, 1]["R4"], [0, -1], atol=tolerance)
+    distances = {name: np.hypot(*offset) for name, offset in offsets[1, 1].items()}
+    assert max(distances, key=distances.get) == "R3"
+    # R1, R2, R3 lie in a row.
+    r1, r2, r3 = (offsets[1, 1][name] for name in ("R1", "R2", "R3"))
+    assert np.allclose(r2 - r1, r3 - r2, atol=tolerance)
+
+
+def test_up_vectors_may_be_any():
+    """Offsets are told in the eye's own frame: where receptors look does not depend on it."""
+    eye, _ = fly_eye(steps=5)
+    turned = eye.replace(up=np.cross(eye.axis, [0.3, 0.5, 1]))
+    first, second = (omma.receptor_axis(omma.fly_receptors(e)) for e in (eye, turned))
+    # Each rounded by up to a tenth by the square root of 2, over 2.
+    assert np.allclose(first, second, atol=2 * 0.071 * SPACING)
+
+
+def test_pale_and_yellow_ommatidia_are_mixed():
+    eye, _ = fly_eye()
+    fly = omma.fly_receptors(eye, seed=2)
+    pale = np.array(fly.columns["ommatidium_type"]) == "pale"
+    assert abs(pale.mean() - 0.3) < 4 * np.sqrt(0.21 / len(eye))
+    peaks = {t.name: t.peak_wavelength_nm for t in fly.receptor_types}
+    expected = {"R7p": 345, "R7y": 375, "R8p": 437, "R8y": 508}
+    assert peaks == expected | dict.fromkeys(TRAPEZOID, 478)
+    for i in range(0, len(eye), 40):
+        own = fly.receptor_type[fly.first_receptor[i] : fly.first_receptor[i + 1]]
+        names = [fly.receptor_types[t].name for t in own]
+        assert names == [*TRAPEZOID, *(["R7p", "R8p"] if pale[i] else ["R7y", "R8y"])]
+    blowfly = omma.fly_receptors(eye, pale_share=1, peaks_nm={"R1-6": 490})
+    assert {t.peak_wavelength_nm for t in blowfly.receptor_types} == {490, 345, 437}
+
+
+def test_two_eyes_are_wired_apart():
+    right, _ = fly_eye(steps=6)
+    left, _ = fly_eye(steps=6, side=-1)
+    head = omma.merge_eyes([left, right])
+    both = omma.neural_superposition_wiring(omma.fly_receptors(head))
+    alone = omma.neural_superposition_wiring(omma.fly_receptors(left))
+    assert np.array_equal(both.members[: len(left)], alone.members)
+    fly = omma.fly_receptors(head)
+    target = np.repeat(np.arange(len(head)), both.members)
+    owner = omma.ommatidium_of_receptor(fly)[both.index]
+    assert np.array_equal(head.eye_id[target], head.eye_id[owner])
+
+
+def test_pooling_sees_a_distant_scene_as_one_ommatidium_with_less_noise(scene):
+    eye, place = fly_eye(steps=9)
+    fly = omma.fly_receptors(eye)
+    background = omma.Background.test_pattern()
+    renderer = omma.Renderer(scene, fly, samples=4, background=background, threads=2)
+    high = omma.poses_from_angles(np.tile([0, 1e4, 0], (40, 1)), np.zeros((40, 3)))
+    matrix = np.tile([0.2, 0.3, 0.5], (len(fly.receptor_types), 1))  # all alike, R7 too
+    responses = renderer.render_receptors(high, matrix=matrix)
+    wiring = omma.neural_superposition_wiring(fly)
+    pooled = omma.pool(responses, wiring)
+    names = np.array([t.name[:2] for t in fly.receptor_types])[fly.receptor_type]
+    central = responses[:, names == "R7"]
+    ahead = inner(place, steps=9) & (np.abs(place[:, 1]) > 2.5)
+    assert ahead.sum() > 20
+    exact = renderer.with_eye(eye, samples=4096).render(high[0])[0] @ matrix[0]
+    noise_of_one = central[:, ahead].std(axis=0)
+    noise = pooled[:, ahead].std(axis=0)
+    # Samples of six views are independent: the noise drops by the square root of 6. Forty poses
+    # know each deviation to 11 %; their mean over 20 and more ommatidia to 3 %.
+    ratio = np.sqrt(np.mean(noise_of_one**2) / np.mean(noise**2))
+    assert ratio == pytest.approx(np.sqrt(6), rel=0.1)
+    # The mean of the six is what the ommatidium sees, but for their being 0.16 of a spacing off at
+    # most: the pattern's colours change by 1 over half a turn.
+    assert np.allclose(pooled[:, ahead].mean(axis=0), exact[ahead], atol=0.01)
+
+
+def test_pooling_is_a_weighted_mean():
+    wiring = omma.Wiring(
+        np.array([0, 2, 2, 5]), np.array([3, 0, 1, 1, 2]), np.array([1.0, 3, 1, 1, 2])
+    )
+    responses = np.array([[4.0, 8, 2, 0], [0, 1, 0, 4]])
+    pooled = omma.pool(responses, wiring)
+    assert pooled.dtype == np.float32
+    assert np.array_equal(pooled, [[3, np.nan, 5], [1, np.nan, 0.5]], equal_nan=True)
+    assert np.array_equal(omma.pool(responses[0], wiring), pooled[0], equal_nan=True)
+    colours = np.repeat(responses[:, :, None], 3, axis=2) * [1, 2, 3]
+    assert np.array_equal(
+        omma.pool(colours, wiring, axis=1), pooled[..., None] * [1, 2, 3], equal_nan=True
+    )
+    assert wiring.histogram() == {0: 1, 2: 1, 3: 1}
+    assert len(wiring) == 3
+    with pytest.raises(omma.Error, match="expected at least 4 along axis -1, found 3"):
+        omma.pool(responses[:, :3], wiring)
+
+
+def test_receptors_to_pool_are_chosen_by_name_and_reach():
+    eye, _ = fly_eye(steps=6)
+    fly = omma.fly_receptors(eye)
+    central = omma.neural_superposition_wiring(fly, receptors=["R7p", "R7y"])
+    assert np.all(central.members == 1)  # each its own
+    assert np.array_equal(omma.ommatidium_of_receptor(fly)[central.index], np.arange(len(eye)))
+    tight = omma.neural_superposition_wiring(fly, reach=1e-4)
+    assert tight.members.sum() < 0.2 * omma.neural_superposition_wiring(fly).members.sum()
+    with pytest.raises(omma.Error, match="expected receptors called R9, found none"):
+        omma.neural_superposition_wiring(fly, receptors=["R9"])
+    plain = eye.replace(
+        receptor_types=[omma.ReceptorType("g", peak_wavelength_nm=500)], receptors=[0]
+    )
+    with pytest.raises(omma.Error, match="expected receptors beside the axis, found none"):
+        omma.neural_superposition_wiring(plain)
+    with pytest.raises(omma.Error, match="reach"):
+        omma.neural_superposition_wiring(fly, reach=0)
+
+
+def test_wrong_flies_are_named():
+    eye, _ = fly_eye(steps=2)
+    with pytest.raises(omma.Error, match="pale_share: expected 0 to 1, found 2"):
+        omma.fly_receptors(eye, pale_share=2)
+    with pytest.raises(omma.Error, match=r"peaks_nm: expected names from R1-6, .* found R9"):
+        omma.fly_receptors(eye, peaks_nm={"R9": 500})
+    with pytest.raises(omma.Error, match="at least four ommatidia, found 1"):
+        omma.fly_receptors(eye.take([0]))
+
+
+def flat_eye(**others):
+    """Facets 20 µm apart on a plane, all looking ahead."""
+    x, y = np.mgrid[-5:6, -5:6].reshape(2, -1) * 20e-6
+    position = np.stack([x, y, 0 * x], axis=1)
+    return omma.Eye(position, np.tile([0, 0, -1], (len(x), 1)), 0.02, **others)
+
+
+def test_facets_of_an_aperture_are_those_within_it():
+    eye = flat_eye(facet_diameter_m=20e-6)
+    views, wiring = omma.superposition_facets(eye, 85e-6)
+    middle = len(eye) // 2
+    pooled = wiring.index[wiring.first[middle] : wiring.first[middle + 1]]
+    # Within 2.125 spacings: 13 points of a square lattice.
+    assert len(pooled) == 13
+    away = views.position_m[pooled] - eye.position_m[middle]
+    assert np.all(np.hypot(away[:, 0], away[:, 1]) < 42.5e-6)
+    assert np.all(views.aperture_diameter_m == 0)
+    assert len(views.receptor_type) == 0
+    assert np.all(wiring.members >= 6)  # at the corners
+    # A facet of twice the diameter counts four times.
+    large = np.full(len(eye), 20e-6)
+    large[middle + 1] = 40e-6
+    views, wiring = omma.superposition_facets(
+        eye.replace(facet_diameter_m=large, aperture_diameter_m=85e-6)
+    )
+    weight = wiring.weight[wiring.first[middle] : wiring.first[middle + 1]]
+    assert np.sort(weight / weight.min()) == pytest.approx([1] * 12 + [4], rel=1e-5)
+
+
+def test_facets_turned_away_or_of_the_other_eye_do_not_count():
+    eye = flat_eye()
+    axis, number = eye.axis.copy(), np.zeros(len(eye), int)
+    middle = len(eye) // 2
+    axis[middle + 1] = (0, 0, 1)
+    number[middle + 11] = 1
+    views, wiring = omma.superposition_facets(eye.replace(axis=axis, eye_id=number), 85e-6)
+    assert wiring.members[middle] == 11
+    assert wiring.members[middle + 11] == 1  # alone in its eye
+    assert np.all(views.eye_id == np.repeat(number, wiring.members))
+    with pytest.raises(omma.Error, match="aperture_diameter_m: ommatidium 0 has none"):
+        omma.superposition_facets(eye)
+
+
+def test_facets_pooled_see_what_the_aperture_sees(scene):
+    """A near scene: an eye of 2 m across above the coloured ground, so that parallax counts."""
+    scale = 1e4
+    facets = flat_eye()
+    eye = facets.replace(position_m=facets.position_m * scale, aperture_diameter_m=85e-6 * scale)
+    pose = omma.look_at((0, 3, 0), (3, 0, -1))
+    renderer = omma.Renderer(scene, eye, samples=4096, threads=2)
+    views, wiring = omma.superposition_facets(eye)
+    pooled = omma.pool(renderer.with_eye(views, samples=512).render(pose), wiring, axis=1)
+    disc = renderer.render(pose)
+    pin = renderer.with_eye(eye.replace(aperture_diameter_m=0.0)).render(pose)
+    middle = wiring.members == 13
+    difference = np.abs(pooled - disc)[:, middle]
+    # Thirteen points stand for a disc: of linear colours exactly, and here nearly.
+    assert difference.max() < 0.01
+    assert np.isfinite(pin).all()
