@@ -81,7 +81,8 @@ bool is_round(const Acceptance& a) {
   return a.kernel != Kernel::table || a.table->up_rad.empty();
 }
 
-double acceptance_width_rad(const Acceptance& a, double azimuth_rad) {
+double width_rad(const Sensitivity& sensitivity, double azimuth_rad) {
+  const Acceptance& a = sensitivity.acceptance;
   switch (a.kernel) {
     case Kernel::gaussian:
       if (!is_round(a))
@@ -93,26 +94,30 @@ double acceptance_width_rad(const Acceptance& a, double azimuth_rad) {
       return a.width_rad;
     case Kernel::airy:
     case Kernel::lens_rhabdom: {
-      if (a.kernel == Kernel::lens_rhabdom && a.model == RhabdomModel::snyder)
-        return snyder_width_rad(a);
-      const double sine = half_maximum_x(*make_lens_profile(a)) * a.wavelength_nm * 1e-9 /
-                          (pi * a.facet_diameter_m);
+      const double sine =
+          half_maximum_x(*sensitivity.profile) * a.wavelength_nm * 1e-9 / (pi * a.facet_diameter_m);
       return 2 * std::asin(std::min(sine, 1.0));
     }
-    case Kernel::table: {
-      if (is_round(a)) return 2 * half_maximum_rad(*a.table);
-      const Sensitivity sensitivity = make_sensitivity(a);
-      return line_width_rad(view(sensitivity), azimuth_rad);
-    }
+    case Kernel::table:
+      return is_round(a) ? 2 * half_maximum_rad(*a.table)
+                         : line_width_rad(view(sensitivity), azimuth_rad);
   }
   return 0;
 }
 
-double mean_acceptance_width_rad(const Acceptance& a) {
-  if (is_round(a)) return acceptance_width_rad(a, 0);
+double mean_width_rad(const Sensitivity& sensitivity) {
+  const Acceptance& a = sensitivity.acceptance;
+  if (is_round(a)) return width_rad(sensitivity, 0);
   if (a.kernel == Kernel::gaussian) return std::sqrt(a.width_rad * a.minor_width_rad);
-  const Sensitivity sensitivity = make_sensitivity(a);
   return area_width_rad(view(sensitivity));
+}
+
+double acceptance_width_rad(const Acceptance& acceptance, double azimuth_rad) {
+  return width_rad(make_sensitivity(acceptance), azimuth_rad);
+}
+
+double mean_acceptance_width_rad(const Acceptance& acceptance) {
+  return mean_width_rad(make_sensitivity(acceptance));
 }
 
 void eval_acceptance(const Acceptance& acceptance, std::span<const double> theta_rad,

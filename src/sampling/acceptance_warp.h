@@ -22,6 +22,10 @@ Sensitivity make_sensitivity(const Acceptance& acceptance);
 
 SensitivityView view(const Sensitivity& sensitivity);
 
+// As acceptance_width_rad and mean_acceptance_width_rad, with the tables at hand.
+double width_rad(const Sensitivity& sensitivity, double azimuth_rad);
+double mean_width_rad(const Sensitivity& sensitivity);
+
 // Rows of theta(r).
 struct WarpRows {
   int intervals = 0;

@@ -159,7 +159,7 @@ DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& sett
 
   for (const AcceptanceWarp& warp : tables.warps) {
     tables.footprint_rad.push_back(settings.footprints ? static_cast<float>(footprint_width_rad(
-                                                             warp.acceptance, settings.samples))
+                                                             warp.sensitivity, settings.samples))
                                                        : 0.0f);
     tables.fixed_turn.push_back(warp.round ? -1 : static_cast<std::int32_t>(turn_count));
   }

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "kernel/footprint.h"
-#include "sampling/lens_rhabdom.h"
 
 namespace omma {
 namespace {
@@ -29,19 +28,20 @@ double widest_along(const Acceptance& acceptance, double azimuth_rad, double wid
   return low;
 }
 
-double widest_ratio(const Acceptance& acceptance, double width_rad) {
-  const double waves = acceptance.wavelength_nm * 1e-9 / acceptance.facet_diameter_m;
-  const bool snyder =
-      acceptance.kernel == Kernel::lens_rhabdom && acceptance.model == RhabdomModel::snyder;
-  return widest_footprint(snyder ? Kernel::gaussian : acceptance.kernel, width_rad / waves);
+// Widest footprint over the width of a kernel that has a rule.
+double widest_ratio(const Acceptance& a, double width_rad) {
+  const bool lens = a.kernel == Kernel::lens_rhabdom;
+  return widest_footprint(a.kernel,
+                          lens ? width_rad / (a.wavelength_nm * 1e-9 / a.facet_diameter_m) : 0);
 }
 
 }  // namespace
 
-double widest_footprint_rad(const Acceptance& a) {
+double widest_footprint_rad(const Sensitivity& sensitivity) {
+  const Acceptance& a = sensitivity.acceptance;
   if (a.kernel == Kernel::gaussian)
     return (is_round(a) ? a.width_rad : a.minor_width_rad) * widest_ratio(a, 0);
-  const double width = mean_acceptance_width_rad(a);
+  const double width = mean_width_rad(sensitivity);
   if (a.kernel != Kernel::table) return widest_ratio(a, width) * width;
   double widest = width;
   for (int i = 0; i < (is_round(a) ? 1 : 4); ++i)
@@ -49,8 +49,9 @@ double widest_footprint_rad(const Acceptance& a) {
   return widest;
 }
 
-double footprint_width_rad(const Acceptance& a, int samples) {
-  return footprint_width_rad(widest_footprint_rad(a), mean_acceptance_width_rad(a), samples);
+double footprint_width_rad(const Sensitivity& sensitivity, int samples) {
+  return footprint_width_rad(widest_footprint_rad(sensitivity), mean_width_rad(sensitivity),
+                             samples);
 }
 
 }  // namespace omma

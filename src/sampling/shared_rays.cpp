@@ -28,11 +28,22 @@ constexpr double reach_sigmas = 4;
 // Intervals in a table of densities; between them they are within 2e-5.
 constexpr int pdf_intervals = 512;
 
-// Largest angle from the axis at which rays count.
-double reach_rad(Kernel kernel, double acceptance_rad) {
-  const double reach = kernel == Kernel::pillbox ? 0.5 * acceptance_rad
-                                                 : reach_sigmas * sigma_per_fwhm * acceptance_rad;
-  return std::min(reach, pi);
+// Largest angle from the axis at which rays count. A lens's dark rings go on to the side: what is
+// left out beyond a few widths would be percents. Those share nothing, and have rays of their own.
+double reach_rad(const Acceptance& a) {
+  switch (a.kernel) {
+    case Kernel::gaussian:
+    case Kernel::compoundray:
+      return std::min(reach_sigmas * sigma_per_fwhm * a.width_rad, pi);
+    case Kernel::pillbox:
+      return std::min(0.5 * a.width_rad, pi);
+    case Kernel::table:
+      return a.table->right_rad.back();
+    case Kernel::airy:
+    case Kernel::lens_rhabdom:
+      return 0;
+  }
+  return 0;
 }
 
 double chord(double angle_rad) {
@@ -51,7 +62,7 @@ PdfTable make_pdf_table(const AcceptanceWarp& warp, double reach_rad) {
   PdfTable table;
   table.reach_chord2 = chord(reach_rad) * chord(reach_rad);
   table.scale = static_cast<float>(pdf_intervals / table.reach_chord2);
-  table.acceptance_rad = static_cast<float>(warp.acceptance.width_rad);
+  table.acceptance_rad = static_cast<float>(acceptance_width_rad(warp.acceptance, 0));
   for (int i = 0; i <= pdf_intervals; ++i) {
     // A hair inside, where a pillbox has not ended yet.
     const double chord2 = table.reach_chord2 * (1 - 1e-12) * i / pdf_intervals;
@@ -71,11 +82,12 @@ std::vector<Densities> make_densities(const std::vector<AcceptanceWarp>& warps) 
   std::vector<Densities> all(warps.size());
   oneapi::tbb::parallel_for(std::size_t{0}, warps.size(), [&](std::size_t w) {
     const AcceptanceWarp& warp = warps[w];
-    const double width_rad = warp.acceptance.width_rad;
-    if (width_rad == 0) return;
-    all[w].weight = make_pdf_table(warp, reach_rad(warp.acceptance.kernel, width_rad));
+    const Acceptance& acceptance = warp.sensitivity.acceptance;
+    const double reach = reach_rad(acceptance), width_rad = acceptance_width_rad(acceptance, 0);
+    if (reach == 0) return;
+    all[w].weight = make_pdf_table(warp, reach);
     all[w].demand = all[w].weight;
-    if (warp.acceptance.kernel != Kernel::pillbox) return;
+    if (acceptance.kernel != Kernel::pillbox) return;
     // Discs overlap in many small pieces, each of which would have a lattice of its own; the border
     // of one is where points are too many or too few. Gaussians with 0.6 of the radius for standard
     // deviation are as wide, and add up smoothly.

@@ -115,7 +115,8 @@ TEST(OpticsNumbers, TablesOfAGaussian) {
   for (const Acceptance& a : {measured(angle, sensitivity), map}) {
     EXPECT_NEAR(acceptance_width_rad(a, 1), width, 2e-3 * width);
     EXPECT_NEAR(mean_acceptance_width_rad(a), width, 2e-3 * width);
-    EXPECT_NEAR(widest_footprint_rad(a), widest_footprint_rad(exact), 0.02 * width);
+    EXPECT_NEAR(widest_footprint_rad(make_sensitivity(a)),
+                widest_footprint_rad(make_sensitivity(exact)), 0.02 * width);
     // Straight lines between knots, 0.05 of the width apart, add 0.05^2/6 to a variance of 0.18.
     for (const double cycles : {2.0, 8.0, 15.0})
       EXPECT_NEAR(mtf_one(a, cycles, 0.4), mtf_one(exact, cycles), 1e-3);
@@ -214,7 +215,8 @@ TEST(OpticsNumbers, FootprintsKeepTheTransfer) {
                      lens_rhabdom(RhabdomModel::geometric, 25, 2, wide)});
     }
   for (const auto& [name, a] : all) {
-    const double width = mean_acceptance_width_rad(a), t = widest_footprint_rad(a);
+    const double width = mean_acceptance_width_rad(a),
+                 t = widest_footprint_rad(make_sensitivity(a));
     std::vector<double> cycles;
     for (int i = 1; i < 80; ++i) cycles.push_back(0.04 * i / width);
     double most = 0, most_of_three = 0;
@@ -231,7 +233,8 @@ TEST(OpticsNumbers, FootprintsKeepTheTransfer) {
     }
     EXPECT_LT(most, 0.0085) << name;
     EXPECT_GT(most_of_three, 0.0085) << name;
-    EXPECT_NEAR(footprint_width_rad(a, 1 << 20), width / 1024, 1e-3 * width) << name;
+    EXPECT_NEAR(footprint_width_rad(make_sensitivity(a), 1 << 20), width / 1024, 1e-3 * width)
+        << name;
   }
 }
 
