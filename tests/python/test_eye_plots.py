@@ -1,0 +1,195 @@
+"""Figures of acceptance functions and posters: the right ommatidia, labels, units, clear errors."""
+
+import re
+
+import numpy as np
+import pytest
+
+import omma
+from omma.eye_measures import measure_eye
+from omma.eye_plots import choose, plot_acceptance
+from omma.eye_poster import plot_poster, plot_species
+from omma.eye_properties import PROPERTIES, eye_property
+
+pytest.importorskip("matplotlib")
+
+
+def texts(path):
+    """The words in an SVG are outlines; what they say is in comments."""
+    return re.findall(r"<!-- (.*?) -->", path.read_text())
+
+
+@pytest.fixture(scope="module")
+def eye():
+    zone = omma.AcuteZone(0.0, 0.0, 0.7, 5.0)
+    made = omma.generate_eye(300, density=zone.density)
+    kinds = [
+        omma.Acceptance.gaussian(0.08),
+        omma.Acceptance.gaussian(0.1, 0.05, np.radians(30)),
+        omma.Acceptance.airy(20e-6, 500),
+    ]
+    return made.replace(acceptance=[kinds[i % 3] for i in range(300)])
+
+
+def test_default_choice_is_the_least_the_median_and_the_large_angle(eye):
+    measures = measure_eye(eye)
+    least, middle, large = choose(eye, measures, None)
+    angle = measures.interommatidial_rad
+    assert angle[least] == angle.min()
+    assert angle[middle] == pytest.approx(np.median(angle), rel=0.02)
+    assert angle[large] == pytest.approx(np.percentile(angle, 95), rel=0.02)
+
+
+def test_choice_by_index_and_direction(eye):
+    measures = measure_eye(eye)
+    ahead = int(eye.axis[:, 2].argmin())
+    right_up = int((eye.axis @ np.array([np.sqrt(0.5), np.sqrt(0.5), 0])).argmax())
+    assert choose(eye, measures, [7, (0.0, 0.0), (90.0, 45.0), 7]) == [7, ahead, right_up]
+
+
+@pytest.mark.parametrize(
+    ("ommatidia", "words"),
+    [([], ["1 to 6", "0"]), (list(range(7)), ["6", "7"]), ([300], ["299", "300"]), ([-1], ["-1"])],
+)
+def test_wrong_choices_are_named(tmp_path, eye, ommatidia, words):
+    with pytest.raises(omma.Error) as caught:
+        plot_acceptance(tmp_path / "a.svg", eye, ommatidia)
+    for word in words:
+        assert word in str(caught.value)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_acceptance_figure_says_what_it_shows(tmp_path, eye):
+    plot_acceptance([tmp_path / "a.svg", tmp_path / "a.pdf"], eye, [0, 1, 2])
+    said = texts(tmp_path / "a.svg")
+    sampling = np.radians(measure_eye(eye).sampling_per_rad[0])
+    airy = np.degrees(1.0290 * 500e-9 / 20e-6)
+    for words in (
+        "angle from the axis θ (°)",
+        "relative sensitivity S(θ)",
+        "spatial frequency ν (cycles/°)",
+        "modulation transfer M(ν)",
+        "half maximum",
+        "Gaussian of the same Δρ",
+        f"0: gaussian, Δρ {np.degrees(0.08):.2f}°",
+        f"1 widest, at 30°: gaussian, Δρ {np.degrees(0.1):.2f}°",
+        f"1 narrowest, at 120°: gaussian, Δρ {np.degrees(0.05):.2f}°",
+        f"2: airy, Δρ {airy:.2f}°",
+        f"0: 1/(2Δφ) = {sampling:.3g} cycles/°",
+        "S of ommatidium 1",
+        "to its right (°)",
+    ):
+        assert words in said
+    assert "S of ommatidium 0" not in said  # it is round
+
+
+def test_equal_acceptances_are_one_curve(tmp_path, eye):
+    plot_acceptance(tmp_path / "a.svg", eye, [0, 3, 6])
+    said = texts(tmp_path / "a.svg")
+    assert f"0, 3, 6: gaussian, Δρ {np.degrees(0.08):.2f}°" in said
+
+
+def test_the_same_eye_gives_the_same_bytes(tmp_path, eye):
+    for name in ("a", "b"):
+        plot_acceptance([tmp_path / f"{name}.svg", tmp_path / f"{name}.pdf"], eye)
+    for ending in ("svg", "pdf"):
+        assert (tmp_path / f"a.{ending}").read_bytes() == (tmp_path / f"b.{ending}").read_bytes()
+
+
+@pytest.mark.parametrize("name", PROPERTIES)
+def test_every_property_has_a_label_and_a_number_for_each(eye, name):
+    found = eye_property(eye, measure_eye(eye), name)
+    assert len(found.values) == len(eye)
+    assert found.label
+
+
+def test_eyes_and_text_columns_are_classes(eye):
+    head = omma.merge_eyes([eye, eye]).replace(columns={"kind": ["b", "a"] * 300})
+    measures = measure_eye(head)
+    found = eye_property(head, measures, "eye")
+    assert found.classes == ("eye 0", "eye 1")
+    assert (found.values == np.repeat([0, 1], 300)).all()
+    found = eye_property(head, measures, "kind")
+    assert found.classes == ("a", "b")
+    assert found.values[:3].tolist() == [1, 0, 1]
+
+
+@pytest.fixture(scope="module")
+def head(eye):
+    types = [
+        omma.ReceptorType("green", peak_wavelength_nm=544, absorption_per_m=6700, length_m=3e-4),
+        omma.ReceptorType("blue", peak_wavelength_nm=436),
+        omma.ReceptorType("blue, crossed", peak_wavelength_nm=436, microvillus_angle_rad=1.0),
+    ]
+    return omma.merge_eyes([eye, eye]).replace(
+        facet_diameter_m=20e-6, receptor_types=types, receptors=[0, 1, 2]
+    )
+
+
+def test_poster_says_what_it_shows(tmp_path, head):
+    plot_poster(
+        tmp_path / "a.svg",
+        head,
+        title="A fly",
+        facts=[("facets", "-20 µm", "measured, somebody 1999")],
+        sources=["[somebody 1999] A paper"],
+    )
+    said = texts(tmp_path / "a.svg")
+    for words in ("A fly", "from ahead", "from its right", "from above", "facets", "−20 µm",
+                  "measured, somebody 1999", "interommatidial angle Δφ (°)", "wavelength (nm)",
+                  "green: 544 nm", "blue: 436 nm", "ommatidia", "Facts it is made of",
+                  "Sources: [somebody 1999] A paper", "optical sensitivity S",
+                  "facet diameter D (µm): 20 throughout"):  # fmt: skip
+        assert words in said, words
+    assert "blue, crossed: 436 nm" not in said  # the same curve
+
+
+def test_poster_of_an_eye_of_which_little_is_known(tmp_path):
+    plot_poster(tmp_path / "a.png", omma.generate_eye(60))
+    assert (tmp_path / "a.png").read_bytes()[:4] == b"\x89PNG"
+
+
+def test_poster_of_a_species_names_the_standing_of_each_fact(tmp_path):
+    bee = omma.species.make("honeybee_worker")
+    small = omma.species.Species(bee.name, bee.latin, bee.eye.take(range(0, 10760, 10)), bee.facts)
+    plot_species(tmp_path / "a.svg", small)
+    said = texts(tmp_path / "a.svg")
+    assert "Honeybee worker, Apis mellifera" in said
+    assert "measured, sturzl2010" in said
+    assert any("Bioinspir Biomim 5:036002" in words for words in said)
+
+
+def test_commands(tmp_path, monkeypatch, run_omma):
+    monkeypatch.chdir(tmp_path)
+    omma.save_eye("a.eye", omma.generate_eye(90))
+    for what in ("3d", "acceptance", "poster"):
+        code, out, err = run_omma("eye", "plot", "a.eye", "--what", what, "-o", f"{what}.svg")
+        assert (code, out, err) == (0, f"wrote {what}.svg\n", "")
+    assert "interommatidial angle Δφ (°)" in texts(tmp_path / "3d.svg")
+    code, _, err = run_omma(
+        "eye", "plot", "a.eye", "--what", "acceptance", "--ommatidium", "3", "--ommatidium",
+        "10,-20", "-o", "c.svg",
+    )  # fmt: skip
+    assert (code, err) == (0, "")
+    assert any(words.startswith("3: gaussian") for words in texts(tmp_path / "c.svg"))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["-o", "a.svg"], ["--species"]),
+        (["a.eye", "--species", "honeybee_worker", "-o", "a.svg"], ["--species"]),
+        (["a.eye", "-o", "a.bmp"], ["a.bmp", ".pdf"]),
+        (["a.eye", "-o", "a.svg", "--property", "no"], ["no", "interommatidial"]),
+        (["a.eye", "-o", "a.svg", "--property", "eye", "--property", "ratio"], ["--property"]),
+        (["a.eye", "--what", "acceptance", "-o", "a.svg", "--ommatidium", "x"], ["x", "azimuth"]),
+        (["--species", "unicorn", "-o", "a.svg"], ["unicorn", "honeybee_worker"]),
+    ],
+)
+def test_command_says_what_is_wrong(tmp_path, monkeypatch, run_omma, arguments, words):
+    monkeypatch.chdir(tmp_path)
+    omma.save_eye("a.eye", omma.generate_eye(40))
+    code, _, err = run_omma("eye", "plot", *arguments)
+    assert code == 1
+    for word in words:
+        assert word in err
