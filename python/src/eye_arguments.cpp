@@ -116,9 +116,11 @@ void set_receptors(Eye& eye, nb::handle value) {
     eye.first_receptor.clear();
     return;
   }
-  const auto types_of = [](nb::handle list, const std::string& name) {
+  const auto types_of = [](nb::handle list, const std::string& name) -> std::vector<std::int32_t> {
+    // NumPy makes floats of an empty list.
+    if (nb::hasattr(list, "__len__") && nb::len(list) == 0) return {};
     const auto array = int_array(list, name.c_str(), {-1});
-    return std::vector<std::int32_t>(array.data(), array.data() + array.shape(0));
+    return {array.data(), array.data() + array.shape(0)};
   };
   const auto add = [&](const std::vector<std::int32_t>& types) {
     eye.receptor_type.insert(eye.receptor_type.end(), types.begin(), types.end());
