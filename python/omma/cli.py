@@ -55,6 +55,10 @@ A path of many poses, with standard errors (flight.npy and flight.error.npy):
 `omma render meadow.glb --eye honeybee.eye --path flight.csv --samples 64 --standard-error
 -o flight.npy`
 
+What the receptors of an eye answer, with blue standing for ultraviolet, too:
+
+`omma render meadow.glb --eye bee.csv --receptors --ultraviolet 0 0 1 -o receptors.csv`
+
 The path is a CSV file with a header, x,y,z,qx,qy,qz,qw or x,y,z,yaw_deg,pitch_deg,roll_deg.
 """
 
@@ -206,6 +210,22 @@ def render(
             help="Write standard errors too: 8 times the rays, but none more with --samples auto.",
         ),
     ] = False,
+    receptors: Annotated[
+        bool,
+        typer.Option(
+            "--receptors",
+            help="Write what the eye's receptors answer: .npy [pose, receptor], and .csv with a "
+            "line for each pose and receptor.",
+        ),
+    ] = False,
+    ultraviolet: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option(
+            help="With --receptors: light below 400 nm as a mix of red, green and blue. Default: "
+            "none, as RGB says nothing of it.",
+            metavar="R G B",
+        ),
+    ] = None,
     threads: Annotated[int, typer.Option(help="Threads; 0: all.", metavar="N")] = 0,
     no_footprints: Annotated[
         bool,
@@ -261,6 +281,8 @@ def render(
                 "--look-at": look_at is not None,
                 "--path": path is not None,
                 "--standard-error": standard_error,
+                "--receptors": receptors,
+                "--ultraviolet": ultraviolet is not None,
                 "--share-rays": share_rays,
                 "--side-by-side": side_by_side,
             },
@@ -309,6 +331,8 @@ def render(
             share_rays=share_rays,
             background=background,
             standard_error=standard_error,
+            receptors=receptors,
+            ultraviolet=ultraviolet,
             projection=projection,
             width=width,
             height=height,

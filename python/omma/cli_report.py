@@ -38,6 +38,7 @@ def report_lines(report: RenderReport) -> list[str]:
         what = [
             ("eye", ", ".join(report.eyes)),
             ("ommatidia", f"{report.ommatidia:,}"),
+            *([("receptors", f"{report.receptors:,}")] if report.receptors else []),
             ("poses", f"{report.poses:,} ({report.view})"),
             ("rays", f"{report.rays:,} ({each:,} per ommatidium and pose)"),
         ]

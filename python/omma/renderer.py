@@ -307,11 +307,9 @@ class Renderer:
         Raises:
             omma.Error: an eye without receptors, a type without a sensitivity, a wrong shape.
         """
-        if self._receptors is None:
-            self._receptors = ReceptorViews(self)
         return render_receptors(
             self,
-            self._receptors,
+            self._receptor_views(),
             poses,
             matrix,
             ultraviolet,
@@ -320,6 +318,11 @@ class Renderer:
             first_pose,
             progress,
         )
+
+    def _receptor_views(self) -> ReceptorViews:
+        if self._receptors is None:
+            self._receptors = ReceptorViews(self)
+        return self._receptors
 
     def render_rays(
         self, poses: Poses, *, first_pose: int = 0, progress: Progress | None = None
@@ -476,6 +479,11 @@ class Renderer:
     def rays_per_frame(self) -> int:
         """Rays traced for a pose without a standard error; with samples="auto", at least."""
         return self._engine.rays_per_frame
+
+    @property
+    def rays_per_receptor_frame(self) -> int:
+        """Rays traced for a pose by `render_receptors`, as `rays_per_frame` counts them."""
+        return self._receptor_views().renderer._engine.rays_per_frame
 
     @property
     def threads(self) -> int:

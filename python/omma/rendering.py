@@ -35,8 +35,9 @@ from omma.files import (
     make_directory,
     metres_per_unit,
 )
-from omma.picture_files import PngWriter, paint_of_projection, paint_side_by_side
+from omma.picture_files import Paint, PngWriter, paint_of_projection, paint_side_by_side
 from omma.poses import Matrices, load_poses, poses_from_angles
+from omma.receptor_files import receptor_writers, render_receptors_into
 from omma.render_settings import Samples, fixed_samples
 from omma.renderer import BUILDING, READING, Renderer, Responses
 from omma.sampling_report import SpentRays
@@ -67,6 +68,7 @@ class RenderReport:
     warnings: tuple[str, ...]  # what the scene's loader passed over
     picture: tuple[int, int] | None = None  # width and height of a camera's picture
     spent: SpentRays | None = None  # where rays were spent to reach an error
+    receptors: int = 0  # where their responses were asked for
 
 
 def render_file(
@@ -92,6 +94,8 @@ def render_file(
     share_rays: bool = False,
     background: Background | str | None = None,
     standard_error: bool = False,
+    receptors: bool = False,
+    ultraviolet: ArrayLike | None = None,
     projection: str | None = None,
     width: int | None = None,
     height: int | None = None,
@@ -126,6 +130,9 @@ def render_file(
         background: a `Background`, or text as `parse_background` takes it.
         standard_error: also write standard errors of an eye's responses: beside OUT.npy an
             OUT.error.npy, in a `.csv` three more columns.
+        receptors: write responses of the eye's receptors: `.npy`, float32 (P, R), and `.csv`, a
+            line for each pose and receptor. Not with samples="auto".
+        ultraviolet: light below 400 nm for receptors, see `Renderer.render_receptors`.
         projection: of an eye in a picture, see `omma.project`. None: for a camera's own eye the
             camera's ``compound-projection``, else "spherical_orientationwise".
         width, height: pixels of a picture, see `render_camera` and `projection_ids`. Of one panel
@@ -160,6 +167,7 @@ def render_file(
     if node is not None and not eye_paths and node.type != "compound":
         of_eyes = {
             "standard_error": standard_error,
+            "receptors": receptors,
             "projection": projection is not None,
             "side_by_side": side_by_side,
             "samples='auto'": samples == "auto",
@@ -182,6 +190,10 @@ def render_file(
             progress=partial(tell, BUILDING),
         )
         return _render_picture(renderer, node, names, size, gamma, start, tell)
+    if ultraviolet is not None and not receptors:
+        raise Error("ultraviolet: is for receptors=True")
+    if receptors:
+        fixed_samples(samples, "receptors")
     tell("Reading the eye", None)
     head, found = _head(world, eye_paths, node, unit)
     poses, view = _poses(node, position, look_at, path)
@@ -210,39 +222,34 @@ def render_file(
         progress=partial(tell, BUILDING),
     )
     built = time.perf_counter()
-    shape = (len(poses), len(head), _core.channel_count)
     for name in names:
         make_directory(Path(name).parent)
+    spent = None if renderer.error is None else SpentRays(renderer.error)
     with WholeFiles() as files:
-        writers: list[Writer] = []
-        written: list[str] = []
-        for name in names:
-            suffix = Path(name).suffix.lower()
-            if suffix == ".npy":
-                writers.append(NpyWriter(files, name, shape))
-                written.append(name)
-                if standard_error:
-                    beside = error_name(name)
-                    writers.append(NpyWriter(files, beside, shape, of_errors=True))
-                    written.append(beside)
-            elif suffix == ".csv":
-                writers.append(CsvWriter(files, name, head, standard_error))
-                written.append(name)
-            else:
-                tell("Preparing the picture", None)
-                paint = (
+        if receptors:
+            writers, written = receptor_writers(files, names, head, len(poses), standard_error)
+            seconds = render_receptors_into(
+                writers, renderer, poses, ultraviolet, standard_error, tell
+            )
+        else:
+            writers, written = _writers(
+                files,
+                names,
+                renderer,
+                poses,
+                standard_error,
+                tell,
+                lambda: (
                     paint_side_by_side(renderer, width, height, gamma)
                     if side_by_side
                     else paint_of_projection(renderer, poses, projection, width, height, gamma)
-                )
-                picture = PngWriter(name, len(poses), paint)
-                writers.append(picture)
-                written += [picture.name(i) for i in range(len(poses))]
-        spent = None if renderer.error is None else SpentRays(renderer.error)
-        seconds = _render(renderer, poses, standard_error, writers, tell, spent)
+                ),
+            )
+            seconds = _render(renderer, poses, standard_error, writers, tell, spent)
     if spent is None:
         scrambles = _core.error_scrambles if standard_error else 1
-        rays = len(poses) * renderer.rays_per_frame * scrambles
+        each = renderer.rays_per_receptor_frame if receptors else renderer.rays_per_frame
+        rays = len(poses) * each * scrambles
     else:
         rays = spent.total
     return RenderReport(
@@ -259,7 +266,41 @@ def render_file(
         outputs=tuple(written),
         warnings=tuple(warnings),
         spent=spent,
+        receptors=len(head.receptor_type) if receptors else 0,
     )
+
+
+def _writers(
+    files: WholeFiles,
+    names: Sequence[str],
+    renderer: Renderer,
+    poses: Matrices,
+    standard_error: bool,
+    tell: Stage,
+    make_paint: Callable[[], Paint],
+) -> tuple[list[Writer], list[str]]:
+    """Writers of the files named, and the names of all files written."""
+    shape = (len(poses), len(renderer.eye), _core.channel_count)
+    writers: list[Writer] = []
+    written: list[str] = []
+    for name in names:
+        suffix = Path(name).suffix.lower()
+        if suffix == ".npy":
+            writers.append(NpyWriter(files, name, shape))
+            written.append(name)
+            if standard_error:
+                beside = error_name(name)
+                writers.append(NpyWriter(files, beside, shape, of_errors=True))
+                written.append(beside)
+        elif suffix == ".csv":
+            writers.append(CsvWriter(files, name, renderer.eye, standard_error))
+            written.append(name)
+        else:
+            tell("Preparing the picture", None)
+            picture = PngWriter(name, len(poses), make_paint())
+            writers.append(picture)
+            written += [picture.name(i) for i in range(len(poses))]
+    return writers, written
 
 
 def _check_picture_arguments(node: Camera, names: Sequence[str], of_eyes: Sequence[str]) -> None:

@@ -1,0 +1,104 @@
+"""``omma render --receptors``: responses of receptors in files."""
+
+import csv
+
+import numpy as np
+import pytest
+
+import omma
+from omma.receptor_files import quoted
+
+PATH = "x,y,z,yaw_deg,pitch_deg,roll_deg\n0,1,0,0,0,0\n1,2,0,40,-20,5\n"
+
+
+@pytest.fixture
+def fly(tmp_path, eye, files, monkeypatch):
+    """An eye file with a receptor along the axis and one beside it; a path of two poses."""
+    types = [
+        omma.ReceptorType('R7, "pale"', peak_wavelength_nm=345),
+        omma.ReceptorType("R1", peak_wavelength_nm=478, right_rad=0.1),
+    ]
+    receptors = [[0, 1] if i % 2 else [1] for i in range(len(eye))]
+    made = eye.replace(receptor_types=types, receptors=receptors)
+    omma.save_eye(tmp_path / "fly.csv", made)
+    (tmp_path / "path.csv").write_text(PATH)
+    monkeypatch.chdir(tmp_path)
+    return omma.load_eye("fly.csv")
+
+
+def test_receptors_are_written_as_they_are_rendered(run_omma, fly, files):
+    arguments = ["render", files / "scene.gltf", "--eye", "fly.csv", "--path", "path.csv"]
+    code, out, err = run_omma(
+        *arguments, "--receptors", "--ultraviolet", 0, 0.5, 1, "-o", "r.npy", "-o", "r.csv"
+    )
+    assert (code, err) == (0, "")
+    assert "receptors  90" in out
+    # All 60 beside the axis and, as some look along it, all along it: 120 views, 16 rays, 2 poses.
+    assert "rays       3,840" in out
+    renderer = omma.Renderer(omma.load_scene(files / "scene.gltf"), fly)
+    poses = omma.load_poses("path.csv")
+    expected = renderer.render_receptors(poses, ultraviolet=(0, 0.5, 1))
+    found = np.load("r.npy")
+    assert found.dtype == np.float32
+    assert np.array_equal(found, expected)
+    with open("r.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert list(rows[0]) == [
+        "pose", "ommatidium", "eye_id", "receptor", "azimuth_deg", "elevation_deg", "response",
+    ]  # fmt: skip
+    assert len(rows) == 180
+    values = np.array([float(row["response"]) for row in rows], np.float32)
+    assert np.array_equal(values.reshape(2, 90), expected)
+    assert [int(row["ommatidium"]) for row in rows[:90]] == (
+        omma.ommatidium_of_receptor(fly).tolist()
+    )
+    assert [row["receptor"] for row in rows[:3]] == ["R1", 'R7, "pale"', "R1"]
+    assert [row["pose"] for row in rows[::90]] == ["0", "1"]
+    looking = omma.receptor_axis(fly)[2]
+    assert float(rows[2]["azimuth_deg"]) == pytest.approx(
+        np.degrees(np.arctan2(looking[0], -looking[2])), abs=1e-3
+    )
+    assert float(rows[2]["elevation_deg"]) == pytest.approx(
+        np.degrees(np.arcsin(looking[1])), abs=1e-3
+    )
+
+
+def test_standard_errors_are_written_beside(run_omma, fly, files):
+    arguments = ["render", files / "scene.gltf", "--eye", "fly.csv", "--position", 0, 1, 0]
+    code, _, err = run_omma(
+        *arguments, "--receptors", "--standard-error", "-o", "r.npy", "-o", "r.csv"
+    )
+    assert (code, err) == (0, "")
+    with open("r.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    for column, name in (("response", "r.npy"), ("response_error", "r.error.npy")):
+        values = np.array([float(row[column]) for row in rows], np.float32)
+        assert np.array_equal(values, np.load(name)[0])
+    assert np.load("r.error.npy").max() > 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--eye", "fly.csv", "--receptors", "-o", "r.png"], "r.png: expected .npy or .csv"),
+        (["--eye", "bug.eye", "--receptors", "-o", "r.npy"], "expected receptors, found none"),
+        (["--eye", "fly.csv", "--ultraviolet", 0, 0, 1, "-o", "r.npy"], "ultraviolet: is for"),
+        (["--camera", "plain", "--receptors", "-o", "r.npy"], "receptors: is for eyes"),
+        (["--all-cameras", "--receptors", "-o", "r"], "--receptors: not together with"),
+        (
+            ["--eye", "fly.csv", "--receptors", "--samples", "auto", "--error", 0.1, "-o", "r.npy"],
+            "samples: expected a number for receptors",
+        ),
+    ],
+)
+def test_what_cannot_be_is_said(run_omma, fly, files, tmp_path, eye, arguments, message):
+    omma.save_eye("bug.eye", eye)
+    code, _, err = run_omma("render", files / "scene.gltf", *arguments)
+    assert code == 1
+    assert message in err
+    assert not list(tmp_path.glob("r.*"))
+
+
+def test_texts_are_quoted_where_they_must_be():
+    assert quoted("R1") == "R1"
+    assert quoted('a "b", c') == '"a ""b"", c"'
