@@ -20,7 +20,7 @@ namespace omma {
 enum class RhabdomModel : std::uint8_t {
   waveguide,  // Airy pattern coupled into the modes that the rhabdom carries (Stavenga 2004)
   geometric,  // Airy pattern summed over the rhabdom's disc
-  snyder,     // a Gaussian with the square of its width the sum of both (Snyder 1979)
+  snyder,     // Snyder's rule: a Gaussian with the square of its width the sum of both
 };
 
 // A measured angular sensitivity, linear between its knots and 0 beyond the last.
@@ -61,8 +61,9 @@ void validate_acceptance(const Acceptance& acceptance, const std::string& where)
 // Whether the sensitivity depends on the polar angle alone.
 bool is_round(const Acceptance& acceptance);
 
-// Full width at half maximum, rad: of the profile through the axis at an azimuth; and of the disc as
-// large as all that has half the largest sensitivity, of an ellipse the geometric mean of its axes.
+// Full width at half maximum, rad: of the profile through the axis at an azimuth; and of the disc
+// as large as all that has half the largest sensitivity, of an ellipse the geometric mean of its
+// axes.
 double acceptance_width_rad(const Acceptance& acceptance, double azimuth_rad);
 double mean_acceptance_width_rad(const Acceptance& acceptance);
 

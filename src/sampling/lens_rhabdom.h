@@ -2,10 +2,12 @@
 //
 // A distant point at the angle theta makes an Airy pattern in the focal plane, centred f sin(theta)
 // from the rhabdom's axis. A rhabdom thin against the wavelength is a waveguide: it takes what of
-// the pattern's amplitude overlaps with its modes LP_lm, and of each mode it absorbs in proportion
-// to the share of the mode's power inside it, as long as little is absorbed (Snyder 1979; modes and
-// shares: Stavenga 2004, J Comp Physiol A 190, appendix 1). A wide one takes all light that falls
-// on its tip: the geometric limit.
+// the pattern's amplitude overlaps with its modes LP_lm (with one mode S is thus that mode's far
+// field: van Hateren 1984, J Comp Physiol A 154, 761), and of each mode it absorbs in proportion to
+// the share of the mode's power inside it. That is so as long as little of the light is absorbed: a
+// long rhabdom takes all of every mode in the end, and weighs them alike. Modes: Stavenga 2004, J
+// Comp Physiol A 190, 115, equations A1 to A4. A wide rhabdom takes all light that falls on its
+// tip: the geometric limit.
 //
 // All lengths in the focal plane are over (lambda f)/(pi D), so that x = (pi D/lambda) sin(theta)
 // is where the pattern is, the pupil is the disc of spatial frequencies under 1, and the rhabdom's
