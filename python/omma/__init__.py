@@ -56,6 +56,7 @@ from omma.eye_surface import (
     squeeze_for_skew,
     squeezed,
 )
+from omma.eye_import import ImportedEye, LensConeEye, import_lens_cone, import_oda
 from omma.eye_tools import (
     ConvertedEye,
     convert_eye,
@@ -137,8 +138,10 @@ __all__ = [
     "Cylinder",
     "Error",
     "Eye",
+    "ImportedEye",
     "Lattice",
     "LatticeCheck",
+    "LensConeEye",
     "Method",
     "MinimumSamples",
     "OmmatidiumType",
@@ -177,6 +180,8 @@ __all__ = [
     "govardovskii",
     "honeybee_ommatidia",
     "icosahedral_eye",
+    "import_lens_cone",
+    "import_oda",
     "join_eyes",
     "lay_directions",
     "lay_on_surface",
@@ -200,7 +205,6 @@ __all__ = [
     "pair_of_eyes",
     "place_on_head",
     "pool",
-    "primary_spectra",
     "poses_from_angles",
     "poses_from_quaternions",
     "primary_spectra",
