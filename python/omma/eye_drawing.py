@@ -30,6 +30,7 @@ Style = Literal["facets", "axes", "both"]
 
 _MM = 1e3  # drawings are laid out in millimetres
 _PLAIN = "#7a93ac"
+_MOST_AXES_OVER_FACETS = 500
 
 
 def draw_eye(
@@ -54,7 +55,8 @@ def draw_eye(
 
     Args:
         style: "facets" fill the surface that the positions form, hexagons where these are a
-            hexagonal lattice; "axes" are lines from the positions; "both".
+            hexagonal lattice; "axes" are lines from the positions; "both" draws facets and some
+            500 of the axes.
         colour: what colours mean: one of `omma.EYE_PROPERTIES` ("interommatidial", "acceptance",
             "facet", "eye" and others), one of the eye's columns, or "none".
         axis_length_mm: length of the lines; by default a tenth of the eye.
@@ -216,12 +218,18 @@ def _figure(drawing: _Drawing, prop: EyeProperty | None, size_mm: float, title: 
         marks = _facets(drawing)
         axes.add_collection(marks)
     if drawing.style != "facets":
-        lines = _lines(drawing)
-        axes.add_collection(lines)
+        every = 1
         if drawing.style == "both":
-            lines.set(color=INK, alpha=0.6)
-        else:
+            # More would hide the facets.
+            every = max(1, round(len(drawing.shown) / _MOST_AXES_OVER_FACETS))
+        lines = _lines(drawing, np.sort(drawing.shown)[::every])
+        axes.add_collection(lines)
+        if drawing.style == "axes":
             marks = lines
+        else:
+            lines.set(color=INK, alpha=0.7, linewidth=0.5)
+        if every > 1:
+            notes.append(f"one axis in {every} is drawn")
     if prop is None:
         marks.set_color(_PLAIN if drawing.style != "axes" else INK)
     elif not is_known(prop):
@@ -250,10 +258,9 @@ def _ready(axes: Any, low: Floats, high: Floats) -> None:
     axes.set_axis_off()
 
 
-def _lines(drawing: _Drawing) -> Any:
+def _lines(drawing: _Drawing, shown: NDArray[np.int64]) -> Any:
     from matplotlib.collections import LineCollection
 
-    shown = drawing.shown
     end = drawing.start + drawing.along * drawing.length
     lines = np.stack([drawing.start[shown], end[shown]], axis=1)
     # Many lines would melt into one another.

@@ -177,7 +177,7 @@ def plot_eye_maps(
         columns = min(columns, len(shown))
         rows = math.ceil(len(shown) / columns)
         each = 130.0 if columns == 1 else 180.0 / columns
-        tall = {"mercator": 0.88, "mollweide": 0.6, "lambert": 1.08}[projection]
+        tall = {"mercator": 0.84, "mollweide": 0.58, "lambert": 1.08}[projection]
         figure = load_matplotlib()(
             figsize=(each * columns * MM, (each * tall * rows + 9) * MM), layout="constrained"
         )

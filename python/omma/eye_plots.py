@@ -104,6 +104,10 @@ def draw_profiles(panel: Axes, eye: Eye, chosen: Sequence[int]) -> None:
             values = _signed(acceptance, theta, azimuth)
             label = f"{members}{which}: {acceptance.kernel.replace('_', ' ')}"
             label += f", Δρ {math.degrees(width):.2f}°"
+            if acceptance.kernel == "compoundray":
+                # Per solid angle it has no largest value: it grows as 1/θ towards the axis.
+                values = 0.5 * values / acceptance.eval(width / 2)
+                label += ", drawn as ½ at Δρ/2"
             panel.plot(np.degrees(theta), values, style, color=colour, label=label)
             gaussian = np.exp(-4 * math.log(2) * (theta / max(width, 1e-9)) ** 2)
             panel.plot(np.degrees(theta), gaussian, **_thin(colour))
