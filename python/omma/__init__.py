@@ -49,6 +49,12 @@ from omma.eye_lattice import (
     direction,
     lay_directions,
 )
+from omma.eye_maps import plot_eye_maps
+from omma.eye_measures import EyeMeasures, measure_eye
+from omma.eye_plots import plot_acceptance
+from omma.eye_poster import plot_poster, plot_species
+from omma.eye_properties import PROPERTIES as EYE_PROPERTIES
+from omma.eye_report import eye_summary, eye_table, save_eye_table
 from omma.eye_surface import (
     eye_on_surface,
     lay_on_surface,
@@ -126,6 +132,7 @@ from omma.superposition import (
 from omma.surfaces import ellipsoid, load_surface, mesh_surface, sphere
 
 __all__ = [
+    "EYE_PROPERTIES",
     "PROJECTIONS",
     "Acceptance",
     "AcuteZone",
@@ -138,6 +145,7 @@ __all__ = [
     "Cylinder",
     "Error",
     "Eye",
+    "EyeMeasures",
     "ImportedEye",
     "Lattice",
     "LatticeCheck",
@@ -173,6 +181,8 @@ __all__ = [
     "eye_file_heads",
     "eye_file_losses",
     "eye_on_surface",
+    "eye_summary",
+    "eye_table",
     "facet_diameters_m",
     "field_ids",
     "fly_receptors",
@@ -191,6 +201,7 @@ __all__ = [
     "load_scene",
     "load_surface",
     "look_at",
+    "measure_eye",
     "measure_speed",
     "merge_eyes",
     "mesh_surface",
@@ -204,6 +215,10 @@ __all__ = [
     "paint",
     "pair_of_eyes",
     "place_on_head",
+    "plot_acceptance",
+    "plot_eye_maps",
+    "plot_poster",
+    "plot_species",
     "pool",
     "poses_from_angles",
     "poses_from_quaternions",
@@ -221,6 +236,7 @@ __all__ = [
     "response_variances",
     "save_alias_curves",
     "save_eye",
+    "save_eye_table",
     "save_minimum_samples",
     "save_png",
     "save_responses",
