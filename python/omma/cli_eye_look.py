@@ -128,7 +128,7 @@ def plot(
     ],
     eye: Annotated[
         list[Path] | None,
-        typer.Argument(help="Eye file; several make one head.", metavar="[EYE]..."),
+        typer.Argument(help="Eye file; several make one head.", metavar="EYE..."),
     ] = None,
     species: Annotated[
         str | None, typer.Option(help="An animal of omma.species instead.", metavar="NAME")

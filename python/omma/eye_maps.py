@@ -98,10 +98,10 @@ class EyeMap:
 def make_map(
     measures: EyeMeasures,
     projection: Projection,
-    width: int = _PIXELS,
+    width: int | None = None,
     progress: Callable[[str, float | None], object] | None = None,
 ) -> EyeMap:
-    """The map of an eye, ``width`` pixels wide.
+    """The map of an eye, ``width`` pixels wide; 1100 where it is left out.
 
     Raises:
         omma.Error: there is no such projection.
@@ -113,6 +113,7 @@ def make_map(
         "mollweide": (2 * math.sqrt(2), math.sqrt(2)),
         "lambert": (2.0, 2.0),
     }[projection]
+    width = width or _PIXELS
     height = round(width * top / right)
     x = ((np.arange(width) + 0.5) / width * 2 - 1) * right
     y = (1 - (np.arange(height) + 0.5) / height * 2) * top

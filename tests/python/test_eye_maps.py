@@ -22,6 +22,13 @@ from omma.eye_measures import measure_eye
 
 pytest.importorskip("matplotlib")
 
+
+@pytest.fixture(autouse=True)
+def coarse_maps(monkeypatch):
+    """Maps of few pixels: quicker, and as good for what is tested here."""
+    monkeypatch.setattr("omma.eye_maps._PIXELS", 200)
+
+
 AHEAD, RIGHT, LEFT, UP = [0, 0, -1], [1, 0, 0], [-1, 0, 0], [0, 1, 0]
 
 

@@ -14,6 +14,12 @@ from omma.eye_properties import PROPERTIES, eye_property
 pytest.importorskip("matplotlib")
 
 
+@pytest.fixture(autouse=True)
+def coarse_maps(monkeypatch):
+    """Maps of few pixels: quicker, and as good for what is tested here."""
+    monkeypatch.setattr("omma.eye_maps._PIXELS", 200)
+
+
 def texts(path):
     """The words in an SVG are outlines; what they say is in comments."""
     return re.findall(r"<!-- (.*?) -->", path.read_text())
