@@ -18,6 +18,7 @@ drawings, `minimum_samples` says how many rays a scene needs, `compoundray_libra
 scripts of CompoundRay.
 """
 
+from omma import species
 from omma._core import (
     Acceptance,
     Background,
@@ -33,14 +34,14 @@ from omma._core import (
     paint,
     save_png,
 )
-from omma import species
 from omma.all_cameras import AllCamerasReport, CameraReport, render_all_cameras
 from omma.cameras import camera_eye, display, render_camera
 from omma.compat import compoundray_library
-from omma.eye_angles import angle_table, load_angle_table, outline, window
+from omma.eye_angles import acute_angle, angle_table, load_angle_table, outline, window
 from omma.eye_design import AcuteZone, acute_zones, generate_eye
 from omma.eye_drawing import draw_eye
 from omma.eye_facets import acceptance_from_facets, facet_diameters_m, set_facets
+from omma.eye_import import ImportedEye, LensConeEye, import_lens_cone, import_oda
 from omma.eye_lattice import (
     Lattice,
     LatticeCheck,
@@ -62,7 +63,6 @@ from omma.eye_surface import (
     squeeze_for_skew,
     squeezed,
 )
-from omma.eye_import import ImportedEye, LensConeEye, import_lens_cone, import_oda
 from omma.eye_tools import (
     ConvertedEye,
     convert_eye,
@@ -162,6 +162,7 @@ __all__ = [
     "Wiring",
     "__version__",
     "acceptance_from_facets",
+    "acute_angle",
     "acute_zones",
     "alias_curve",
     "angle_table",

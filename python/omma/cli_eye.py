@@ -1,33 +1,23 @@
-"""``omma eye``: a thin skin over the eye tools, the drawings and the generator."""
+"""``omma eye``: a thin skin over the eye tools and the drawings."""
 
 from __future__ import annotations
 
 import math
-import sys
 from pathlib import Path
 from typing import Annotated, Literal
 
-import numpy as np
 import typer
 
-from omma._core import Error, Eye, merge_eyes
+from omma._core import Error, merge_eyes
+from omma.cli_eye_convert import add_convert_command
+from omma.cli_eye_files import EyeArgument, OutOption, UnitOption, save
 from omma.cli_eye_look import add_look_commands
+from omma.cli_eye_make import add_make_commands
 from omma.cli_working import working
-from omma.eye_design import AcuteZone, acute_zones, generate_eye
 from omma.eye_drawing import draw_eye
-from omma.eye_tools import convert_eye, rescale_eye, set_acceptance, split_eye
+from omma.eye_tools import set_acceptance, split_eye
 from omma.figure_files import figure_names
-from omma.files import check_target, load_eye, save_eye
-
-RESCALE_HELP = """
-Make an eye larger or smaller: positions and focal offsets, not angles.
-
-**Examples**
-
-`omma eye rescale honeybee.eye --factor 2 -o large.eye`
-
-`omma eye rescale 1000.eye --mean-radius-mm 0.1 -o small.eye`
-"""
+from omma.files import check_target, load_eye
 
 SPLIT_HELP = """
 Split an eye in two by the side on which its ommatidia sit, left where x is below 0.
@@ -72,75 +62,15 @@ left), 90 0 from its right, 0 90 from above. What faces away is left out unless 
 `omma eye draw 1000.eye --style axes --colour none --back -o axes.svg`
 """
 
-CONVERT_HELP = """
-Convert an old eye file of 7 or 9 columns to today's 8.
-
-What is assumed and what is lost is printed: 7 columns have no focal offset, which becomes 0; of 9
-the first 8 are kept, as CompoundRay reads them, and the ninth is dropped.
-
-**Examples**
-
-`omma eye convert old.eye -o new.eye`
-
-`omma eye convert old-in-degrees.eye --degrees -o new.eye`
-"""
-
-GENERATE_HELP = """
-Make an eye of N ommatidia spread evenly over a sphere or an ellipsoid, or with acute zones.
-
-An acute zone has FACTOR times as many ommatidia per steradian at its centre as there would be
-without it, and falls off as a Gaussian of full width at half maximum WIDTH. Azimuth 0 is ahead and
-grows to the right. Several zones multiply. Axes are normal to the surface.
-
-**Examples**
-
-`omma eye generate 1000 -o even.eye`
-
-`omma eye generate 3000 --semi-axes-mm 0.8 1.4 0.9 --acceptance-ratio 1.2 -o oval.eye`
-
-`omma eye generate 2000 --acute-zone 0,20,40,6 -o acute.eye`
-
-`omma eye generate 2000 --acute-band 0,20,4 -o horizon.eye`
-"""
-
 eye_app = typer.Typer(
     name="eye",
-    help="Rescale, split, draw, convert and make eyes.",
+    help="Make, change, convert, check and draw eyes.",
     no_args_is_help=True,
     rich_markup_mode="markdown",
 )
+add_make_commands(eye_app)
 add_look_commands(eye_app)
-
-EyeArgument = Annotated[Path, typer.Argument(help="Eye file.", metavar="EYE")]
-OutOption = Annotated[
-    Path, typer.Option("-o", "--output", help="Eye file to write.", metavar="OUT")
-]
-UnitOption = Annotated[
-    str,
-    typer.Option(
-        help="Unit of lengths in eye files: mm, um, m or a number of metres.", metavar="UNIT"
-    ),
-]
-
-
-@eye_app.command(help=RESCALE_HELP, short_help="Make an eye larger or smaller.")
-def rescale(
-    eye: EyeArgument,
-    output: OutOption,
-    factor: Annotated[float | None, typer.Option(help="Times as large.", metavar="FACTOR")] = None,
-    mean_radius_mm: Annotated[
-        float | None,
-        typer.Option(help="Mean distance from the origin to come to, in mm.", metavar="MM"),
-    ] = None,
-    unit: UnitOption = "mm",
-) -> None:
-    """Make an eye larger or smaller."""
-    if (factor is None) == (mean_radius_mm is None):
-        raise Error("rescale: expected either --factor or --mean-radius-mm")
-    with working():
-        radius_m = None if mean_radius_mm is None else mean_radius_mm / 1e3
-        _save(output, rescale_eye(load_eye(eye, unit), factor, mean_radius_m=radius_m), unit)
-
+add_convert_command(eye_app)
 
 @eye_app.command(help=SPLIT_HELP, short_help="Split an eye in two by side.")
 def split(
@@ -173,7 +103,7 @@ def split(
         both = split_eye(load_eye(eye, unit), shift_mm / 1e3, overlap_mm / 1e3)
         for target, which in targets:
             if target is not None:
-                _save(target, both if which is None else both.select(which), unit)
+                save(target, both if which is None else both.select(which), unit)
 
 
 @eye_app.command(help=ACCEPTANCE_HELP, short_help="Set acceptance angles.")
@@ -213,7 +143,7 @@ def acceptance(
             non_overlapping=non_overlapping,
             compoundray_maximal=compoundray_maximal,
         )
-        _save(output, changed, unit)
+        save(output, changed, unit)
 
 
 @eye_app.command(help=DRAW_HELP, short_help="Draw an eye, to SVG and PNG.")
@@ -276,107 +206,3 @@ def draw(
         )
     for name in names:
         print(f"wrote {name}")
-
-
-@eye_app.command(help=CONVERT_HELP, short_help="Convert an old eye file.")
-def convert(
-    eye: EyeArgument,
-    output: OutOption,
-    degrees: Annotated[
-        bool, typer.Option("--degrees", help="The file's acceptance angles are degrees.")
-    ] = False,
-    unit: UnitOption = "mm",
-) -> None:
-    """Convert an old eye file to today's columns."""
-    with working():
-        converted = convert_eye(eye, unit, degrees=degrees)
-        _save(output, converted.eye, unit)
-    for note in converted.notes:
-        print(f"omma: warning: {eye}: {note}", file=sys.stderr)
-
-
-@eye_app.command(help=GENERATE_HELP, short_help="Make an eye.")
-def generate(
-    count: Annotated[int, typer.Argument(help="Number of ommatidia.", metavar="N")],
-    output: OutOption,
-    radius_mm: Annotated[
-        float | None, typer.Option(help="Radius of a sphere, in mm. Default: 1.", metavar="MM")
-    ] = None,
-    semi_axes_mm: Annotated[
-        tuple[float, float, float] | None,
-        typer.Option(
-            help="Of an ellipsoid: half its width (right), height and length, in mm.",
-            metavar="X Y Z",
-        ),
-    ] = None,
-    acute_zone: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Acute zone: azimuth, elevation and width in degrees, and factor. "
-            "May be repeated.",
-            metavar="AZ,EL,WIDTH,FACTOR",
-        ),
-    ] = None,
-    acute_band: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Acute zone all around: elevation and width in degrees, and factor. "
-            "May be repeated.",
-            metavar="EL,WIDTH,FACTOR",
-        ),
-    ] = None,
-    acceptance_ratio: Annotated[
-        float,
-        typer.Option(help="Acceptance angle over interommatidial angle.", metavar="RATIO"),
-    ] = 1.0,
-    seed: Annotated[int, typer.Option(help="Seed of the arrangement.", metavar="N")] = 0,
-    unit: UnitOption = "mm",
-) -> None:
-    """Make an eye of N ommatidia."""
-    if radius_mm is not None and semi_axes_mm is not None:
-        raise Error("generate: expected --radius-mm or --semi-axes-mm, not both")
-    check_target(str(output))
-    zones = [_zone("--acute-zone", text, 4) for text in acute_zone or ()]
-    zones += [_zone("--acute-band", text, 3) for text in acute_band or ()]
-    size_mm = semi_axes_mm or (1.0 if radius_mm is None else radius_mm,) * 3
-    with working() as bar:
-        eye = generate_eye(
-            count,
-            radius_m=[length / 1e3 for length in size_mm],
-            density=acute_zones(zones) if zones else None,
-            acceptance_ratio=acceptance_ratio,
-            seed=seed,
-            progress=bar.show,
-        )
-        _save(output, eye, unit)
-
-
-def _zone(option: str, text: str, count: int) -> AcuteZone:
-    try:
-        values = [float(word) for word in text.split(",")]
-    except ValueError:
-        values = []
-    if len(values) != count:
-        raise Error(f"{option}: expected {count} numbers with commas between, found {text!r:.60}")
-    *azimuth, elevation, width, factor = values
-    if not (width > 0 and factor > 0):
-        raise Error(f"{option}: expected width and factor above 0, found {text!r:.60}")
-    return AcuteZone(
-        math.radians(azimuth[0] if azimuth else 0.0),
-        math.radians(elevation),
-        math.radians(width),
-        factor,
-        band=not azimuth,
-    )
-
-
-def _save(path: Path, eye: Eye, unit: str) -> None:
-    save_eye(path, eye, unit)
-    # What the file's next user wants to know, so that a wrong unit is seen at once.
-    radius_mm = 1e3 * float(np.linalg.norm(eye.position_m.astype(np.float64), axis=1).mean())
-    degrees = np.degrees(eye.acceptance_angle_rad.astype(np.float64))
-    low, high = f"{degrees.min():.4g}", f"{degrees.max():.4g}"
-    print(
-        f"wrote {path}: {len(eye):,} ommatidia, mean radius {radius_mm:.4g} mm, acceptance "
-        + (f"{low}°" if low == high else f"{low} to {high}°")
-    )

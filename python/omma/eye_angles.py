@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
-from omma.eye_lattice import azimuth_elevation_deg_of
+from omma.eye_lattice import Angle, azimuth_elevation_deg_of
 from omma.files import PathLike
 
 Floats = NDArray[np.float64]
@@ -186,3 +186,21 @@ def _numbers(words: list[str], count: int, place: str) -> list[float]:
     if len(values) != count or not all(math.isfinite(value) for value in values):
         raise Error(f"{place}: expected {count} numbers, found {','.join(words)!r:.60}")
     return values
+
+
+def acute_angle(
+    angle_rad: Angle, density: Callable[[Floats], ArrayLike], *, one_way: bool = False
+) -> Callable[[Floats], Floats]:
+    """Angles made smaller where ``density`` (as of `AcuteZone` or `acute_zones`) is above 1.
+
+    Divided by its square root, for horizontal and vertical angles alike, they give that many times
+    as many ommatidia. With ``one_way`` they are divided by it, so that it is enough to do that to
+    the vertical (or the horizontal) angles: a streak.
+    """
+
+    def angle(directions: Floats) -> Floats:
+        base = np.asarray(angle_rad(directions) if callable(angle_rad) else angle_rad, np.float64)
+        times = np.asarray(density(directions), dtype=np.float64)
+        return np.asarray(base / (times if one_way else np.sqrt(times)))
+
+    return angle

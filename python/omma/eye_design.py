@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye
 from omma.arguments import positive, whole
+from omma.eye_relaxation import bisected
 
 Floats = NDArray[np.float64]
 Density = Callable[[Floats], ArrayLike]
@@ -178,8 +179,6 @@ class _Surface:
 
 
 def _seeds(surface: _Surface, count: int, random: np.random.Generator) -> Floats:
-    # A fine set of points, each with its share of the ommatidia, is halved again and again across
-    # its longest side into parts of as many ommatidia each; a part of one gives one point.
     turn = _random_turn(random)
     number = 32 * count
     for _ in range(2):
@@ -199,23 +198,7 @@ def _seeds(surface: _Surface, count: int, random: np.random.Generator) -> Floats
     candidates, share = candidates[kept], share[kept]
     if len(share) < count:
         raise Error("density: is above 0 in too narrow a spot for that many ommatidia")
-    seeds = np.empty((count, 3))
-    parts = [(np.arange(len(share)), 0, count)]
-    while parts:
-        members, first, size = parts.pop()
-        points, weight = candidates[members], share[members]
-        if size == 1:
-            seeds[first] = _middle(points, weight)
-            continue
-        longest = int(np.argmax(np.ptp(points, axis=0)))
-        order = np.argsort(points[:, longest], kind="stable")
-        members, summed = members[order], np.cumsum(weight[order])
-        half = size // 2
-        cut = int(np.searchsorted(summed, summed[-1] * half / size))
-        cut = min(max(cut, half), len(members) - (size - half))
-        parts.append((members[:cut], first, half))
-        parts.append((members[cut:], first + half, size - half))
-    return seeds
+    return bisected(candidates, share, count)
 
 
 def _candidates(surface: _Surface, number: int, turn: Floats) -> tuple[Floats, Floats]:
@@ -229,12 +212,6 @@ def _candidates(surface: _Surface, number: int, turn: Floats) -> tuple[Floats, F
     stretch = np.prod(surface.semi_axes) * np.linalg.norm(sphere / surface.semi_axes, axis=1)
     points = sphere * surface.semi_axes
     return points, surface.per_area(points) * stretch * (4 * math.pi / number)
-
-
-def _middle(points: Floats, weight: Floats) -> Floats:
-    # One of the points, as the middle itself may lie where there are to be no ommatidia.
-    middle = np.average(points, axis=0, weights=weight)
-    return np.asarray(points[np.argmin(np.sum((points - middle) ** 2, axis=1))])
 
 
 def _relaxed(surface: _Surface, points: Floats, tell: Progress) -> Floats:

@@ -18,7 +18,8 @@ from scipy.spatial import cKDTree
 
 from omma._core import Error
 from omma.arguments import whole
-from omma.eye_relaxation import MARGIN, Domain, Progress, Region, cells, grown
+from omma.eye_cells import cells
+from omma.eye_relaxation import MARGIN, Domain, Progress, Region, grown
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -94,23 +95,29 @@ class SphereCells:
     angles are those of the nearest cell inside."""
 
     def __init__(
-        self, horizontal: Angle, vertical: Angle | None, field_of_view: FieldOfView | None
+        self,
+        horizontal: Angle,
+        vertical: Angle | None,
+        field_of_view: FieldOfView | None,
+        count: int | None,
     ) -> None:
         self._horizontal, self._vertical = horizontal, vertical
         self._field_of_view = field_of_view
         self.scale = 1.0
         corner, size, face = _base_cells()
-        middle, _ = _cell_middle(corner, size, face)
+        middle, solid_angle = _cell_middle(corner, size, face)
         inside = self.sees(middle)
         if not inside.any():
             raise Error(f"field_of_view: holds none of {len(middle):,} directions all round")
         self._set_inside(middle[inside])
+        if count is not None:
+            # Roughly at first, so that cells are as fine as that many ommatidia need.
+            self.scale = math.sqrt(float(self._shares(middle, solid_angle)[inside].sum()) / count)
         region = Region(self.sees, self.metric, middle, inside)
         done: list[tuple[Floats, Floats]] = []
         while len(corner):
             middle, solid_angle = _cell_middle(corner, size, face)
-            angles = self.angles(middle)
-            share = solid_angle * 2 / (math.sqrt(3) * angles[:, 0] * angles[:, 1])
+            share = self._shares(middle, solid_angle)
             # The wall is at the margin of the coarsest lattice, for which such cells are fine.
             done_with = (share <= _CELL_SHARE) | (region.outside(middle) > 2 * MARGIN)
             done.append((middle[done_with], share[done_with]))
@@ -128,14 +135,14 @@ class SphereCells:
         self.share = np.concatenate([part for _, part in done])
         inside = self.sees(self.middle)
         self.closed = bool(inside.all())
-        self.count = float(self.share[inside].sum())
+        total = float(self.share[inside].sum())
+        self.count = count or round(total)
+        if self.count < 2:
+            raise Error("horizontal_rad: the field of view holds less than 2 ommatidia")
+        self.share *= self.count / total
+        self.scale *= math.sqrt(total / self.count)
         self._set_inside(self.middle[inside])
         self.region = Region(self.sees, self.metric, self.middle, inside)
-
-    def rescale(self, scale: float) -> None:
-        """All angles times ``scale``."""
-        self.scale *= scale
-        self.share = self.share / scale**2
 
     def sees(self, directions: Floats) -> Bools:
         """Which directions (K, 3) are in the field of view."""
@@ -163,6 +170,10 @@ class SphereCells:
     def metric(self, directions: Floats) -> Floats:
         """What measures small steps in units of the wanted angles: (K, 2, 3)."""
         return metric_of(directions, self.angles(directions))
+
+    def _shares(self, directions: Floats, solid_angle: Floats) -> Floats:
+        angles = self.angles(directions)
+        return np.asarray(solid_angle * 2 / (math.sqrt(3) * angles[:, 0] * angles[:, 1]))
 
     def _set_inside(self, inside: Floats) -> None:
         self._inside_angles = angles_at(inside, self._horizontal, self._vertical)
@@ -238,12 +249,7 @@ def lay_directions(
     whole(seed, "seed", 0, 2**63 - 1)
     tell = progress or (lambda stage, share: None)
     tell("placing ommatidia", None)
-    sphere = SphereCells(horizontal_rad, vertical_rad, field_of_view)
-    total = sphere.count
-    wanted = count or round(total)
-    if wanted < 2:
-        raise Error("horizontal_rad: the field of view holds less than 2 ommatidia of that angle")
-    sphere.rescale(math.sqrt(total / wanted))
+    sphere = SphereCells(horizontal_rad, vertical_rad, field_of_view, count)
     domain = Domain(
         unit,
         sphere.metric,
@@ -251,9 +257,10 @@ def lay_directions(
         sphere.middle,
         sphere.share,
     )
-    points = grown(domain, wanted, np.random.default_rng(seed), partial(tell, "placing ommatidia"))
+    random = np.random.default_rng(seed)
+    points = grown(domain, sphere.count, random, partial(tell, "placing ommatidia"))
     if not sphere.closed:
-        points = sphere.region.deepest(points, wanted)
+        points = sphere.region.deepest(points, sphere.count)
     return Lattice(points, sphere.scale)
 
 

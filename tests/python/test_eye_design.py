@@ -1,7 +1,5 @@
 """Eyes made to order: as many as asked, even, as dense as asked, normal to the surface."""
 
-from functools import partial
-
 import numpy as np
 import pytest
 
@@ -275,50 +273,3 @@ def test_progress_is_told_and_may_stop_it():
 
     with pytest.raises(KeyboardInterrupt):
         omma.generate_eye(20, progress=stop)
-
-
-@pytest.fixture
-def omma_eye(tmp_path, monkeypatch, run_omma):
-    """Runs ``omma eye ARGUMENTS`` in a directory of its own: exit code, stdout, stderr."""
-    monkeypatch.chdir(tmp_path)
-    return partial(run_omma, "eye")
-
-
-def test_command_writes_the_eye_of_the_api(omma_eye, tmp_path):
-    arguments = ["80", "--semi-axes-mm", 1, 2, 0.5, "--acute-zone", "-30,10,40,6", "--acute-band"]
-    code, out, err = omma_eye(
-        "generate", *arguments, "0,20,2", "--acceptance-ratio", 1.5, "--seed", 3, "-o", "made.eye"
-    )
-    assert (code, err) == (0, "")
-    assert "80 ommatidia" in out
-    zones = omma.acute_zones(
-        [
-            omma.AcuteZone(np.radians(-30), np.radians(10), np.radians(40), 6),
-            omma.AcuteZone(0, 0, np.radians(20), 2, band=True),
-        ]
-    )
-    expected = omma.generate_eye(
-        80, radius_m=(1e-3, 2e-3, 0.5e-3), density=zones, acceptance_ratio=1.5, seed=3
-    )
-    made = omma.load_eye(tmp_path / "made.eye")
-    assert made.position_m == pytest.approx(expected.position_m, abs=1e-9)
-    assert made.acceptance_angle_rad == pytest.approx(expected.acceptance_angle_rad, rel=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["1"], ["count"]),
-        (["50", "--acute-zone", "0,0,10"], ["--acute-zone", "4 numbers", "0,0,10"]),
-        (["50", "--acute-band", "0,0,2"], ["--acute-band", "width"]),
-        (["50", "--radius-mm", "1", "--semi-axes-mm", "1", "1", "1"], ["--radius-mm", "both"]),
-        (["50", "--radius-mm", "0"], ["radius_m"]),
-        (["50", "-o", "no/where.eye"], ["no/where.eye", "directory"]),
-    ],
-)
-def test_command_errors_are_one_line(omma_eye, tmp_path, arguments, words):
-    code, out, err = omma_eye("generate", "-o", "made.eye", *arguments)
-    assert (code, out, err.count("\n")) == (1, "", 1)
-    for word in words:
-        assert word in err
-    assert list(tmp_path.iterdir()) == []

@@ -263,11 +263,11 @@ def omma_eye(tmp_path, monkeypatch, run_omma):
     return partial(run_omma, "eye")
 
 
-def test_rescale_command(omma_eye):
-    code, out, err = omma_eye("rescale", "bug.eye", "--mean-radius-mm", 0.1, "-o", "small.eye")
+def test_scale_command(omma_eye):
+    code, out, err = omma_eye("scale", "bug.eye", "--mean-radius-mm", 0.1, "-o", "small.eye")
     assert (code, err) == (0, "")
     assert "60 ommatidia, mean radius 0.1 mm" in out
-    assert omma_eye("rescale", "small.eye", "--factor", 10, "-o", "again.eye")[0] == 0
+    assert omma_eye("scale", "small.eye", "--factor", 10, "-o", "again.eye")[0] == 0
     again, eye = omma.load_eye("again.eye"), omma.load_eye("bug.eye")
     assert again.position_m == pytest.approx(eye.position_m, rel=1e-5)
 
@@ -313,15 +313,15 @@ def test_convert_command_says_what_is_lost(omma_eye, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["rescale", "bug.eye", "-o", "x.eye"], ["--factor", "--mean-radius-mm"]),
-        (["rescale", "none.eye", "--factor", 2, "-o", "x.eye"], ["none.eye"]),
-        (["rescale", "bug.eye", "--factor", 2, "-o", "no/x.eye"], ["no/x.eye"]),
+        (["scale", "bug.eye", "-o", "x.eye"], ["--factor", "--mean-radius-mm"]),
+        (["scale", "none.eye", "--factor", 2, "-o", "x.eye"], ["none.eye"]),
+        (["scale", "bug.eye", "--factor", 2, "-o", "no/x.eye"], ["no/x.eye"]),
         (["split", "bug.eye"], ["--left"]),
         (["split", "bug.eye", "--left", "x.eye", "--right", "no/x.eye"], ["no/x.eye"]),
         (["acceptance", "bug.eye", "-o", "x.eye"], ["exactly one", "--ratio"]),
         (["acceptance", "bug.eye", "--ratio", 1, "--factor", 1, "-o", "x.eye"], ["exactly one"]),
         (["convert", "none.eye", "-o", "x.eye"], ["none.eye", "cannot be read"]),
-        (["rescale", "bug.eye", "--factor", 2, "--unit", "ell", "-o", "x.eye"], ["unit", "ell"]),
+        (["scale", "bug.eye", "--factor", 2, "--unit", "ell", "-o", "x.eye"], ["unit", "ell"]),
     ],
 )
 def test_command_errors_are_one_line(omma_eye, tmp_path, arguments, words):
@@ -333,7 +333,8 @@ def test_command_errors_are_one_line(omma_eye, tmp_path, arguments, words):
 
 
 @pytest.mark.parametrize(
-    "command", ["rescale", "split", "acceptance", "draw", "convert", "generate"]
+    "command",
+    ["make", "mirror", "place", "scale", "join", "split", "acceptance", "draw", "convert"],
 )
 def test_help_shows_examples(omma_eye, command):
     code, out, _ = omma_eye(command, "--help")

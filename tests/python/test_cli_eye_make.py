@@ -1,0 +1,149 @@
+"""omma eye make, mirror, place, scale, join: the eyes of the API, and errors of one line."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+
+import omma
+
+D = np.radians
+
+
+@pytest.fixture
+def omma_eye(tmp_path, monkeypatch, run_omma):
+    """Runs ``omma eye ARGUMENTS`` in a directory of its own: exit code, stdout, stderr."""
+    monkeypatch.chdir(tmp_path)
+    return partial(run_omma, "eye")
+
+
+def same(one, other):
+    for name in ("position_m", "axis", "acceptance_angle_rad", "facet_diameter_m", "eye_id"):
+        assert (getattr(one, name) == getattr(other, name)).all(), name
+    return True
+
+
+def test_make_is_the_api_put_together(omma_eye):
+    code, out, err = omma_eye(
+        "make", 90, "--acute-zone", "60,10,40,6", "--streak", "0,30,2", "--fov", "-20,150,-70,70",
+        "--semi-axes-mm", 0.4, 1.2, 0.5, "--centre-mm", 1.4, 0, 0, "--skew", 20, "--pair",
+        "--acceptance-ratio", 1.5, "--seed", 3, "-o", "made.csv",
+    )  # fmt: skip
+    assert (code, err) == (0, "")
+    assert "180 ommatidia" in out
+    zone = omma.AcuteZone(D(60), D(10), D(40), 6)
+    band = omma.AcuteZone(0, 0, D(30), 2, band=True)
+    across = omma.acute_angle(D(1), zone.density)
+    lattice = omma.lay_directions(
+        across,
+        omma.acute_angle(across, band.density, one_way=True),
+        field_of_view=omma.window((-20, 150), (-70, 70)),
+        count=90,
+        seed=3,
+    )
+    surface = omma.ellipsoid((0.4e-3, 1.2e-3, 0.5e-3), (1.4e-3, 0, 0))
+    middle = lattice.directions.sum(axis=0)
+    squeeze = omma.squeeze_for_skew(lattice.directions, surface, middle, D(20))
+    eye = omma.eye_on_surface(
+        lattice.directions,
+        surface,
+        normal=omma.squeezed(middle, squeeze),
+        acceptance_ratio=1.5,
+    )
+    assert np.median(omma.skew_rad(eye, surface=surface)) == pytest.approx(D(20), rel=1e-4)
+    assert same(omma.load_eye("made.csv"), omma.pair_of_eyes(eye))
+
+
+def test_make_from_a_table(omma_eye, tmp_path):
+    lines = ["# two angles", "azimuth_deg,elevation_deg,dphi_h_deg,dphi_v_deg"]
+    lines += [f"{a},{e},{12 - e / 30},9" for e in (-90, 90) for a in (-90, 90)]
+    (tmp_path / "field.csv").write_text("\n".join(lines))
+    assert omma_eye("make", "--field", "field.csv", "-o", "made.csv")[0] == 0
+    made = omma.load_eye("made.csv")
+    lattice = omma.lay_directions(*omma.load_angle_table("field.csv"))
+    assert made.axis == pytest.approx(lattice.directions, abs=1e-6)
+
+
+def test_make_by_facets(omma_eye):
+    assert omma_eye("make", "--facet-um", 200, "--radius-mm", 0.8, "-o", "a.csv")[0] == 0
+    eye = omma.load_eye("a.csv")
+    assert np.median(eye.facet_diameter_m) == pytest.approx(200e-6, rel=0.02)
+    assert same(eye, omma.lay_on_surface(omma.sphere(0.8e-3), 200 * 1e-6))
+    assert omma_eye("make", 150, "--even-facets", "--semi-axes-mm", 1, 2, 1, "-o", "b.csv")[0] == 0
+    assert len(omma.load_eye("b.csv")) == 150
+
+
+@pytest.mark.parametrize(
+    ("options", "kernel"), [(["--airy"], "airy"), (["--rhabdom-um", 2, "--f-number", 2], "lens")]
+)
+def test_make_with_optics(omma_eye, options, kernel):
+    code, _, err = omma_eye("make", 60, "--radius-mm", 0.05, *options, "-o", "a.csv")
+    assert (code, err) == (0, "")
+    made = omma.load_eye("a.csv")
+    assert all(one.kernel.startswith(kernel) for one in made.acceptances)
+    assert (made.acceptance_of >= 0).all()
+
+
+def test_mirror_place_scale_join(omma_eye):
+    assert omma_eye("make", 40, "--centre-mm", 2, 0, 0, "-o", "right.csv")[0] == 0
+    right = omma.load_eye("right.csv")
+    assert omma_eye("mirror", "right.csv", "-o", "left.csv")[0] == 0
+    left = omma.load_eye("left.csv")
+    assert same(left, omma.mirror_eye(right))
+    assert omma_eye("mirror", "right.csv", "--pair", "-o", "pair.csv")[0] == 0
+    assert omma_eye("join", "left.csv", "right.csv", "-o", "joined.csv")[0] == 0
+    assert same(omma.load_eye("pair.csv"), omma.pair_of_eyes(right))
+    assert same(omma.load_eye("joined.csv"), omma.load_eye("pair.csv"))
+    place = ["--position-mm", 1, 2, 3, "--yaw", 30, "--pitch", 20, "--roll", 10]
+    assert omma_eye("place", "right.csv", *place, "-o", "placed.csv")[0] == 0
+    expected = omma.place_on_head(
+        right, (1e-3, 2e-3, 3e-3), yaw_deg=30, pitch_deg=20, roll_deg=10
+    )
+    assert same(omma.load_eye("placed.csv"), expected)
+    assert omma_eye("scale", "right.csv", "--factor", 2, "-o", "large.csv")[0] == 0
+    assert same(omma.load_eye("large.csv"), omma.rescale_eye(right, 2))
+
+
+def test_what_an_eye_file_loses_is_said(omma_eye):
+    code, out, err = omma_eye("make", 40, "-o", "a.eye")
+    assert (code, out.count("wrote")) == (0, 1)
+    assert err.startswith("omma: warning: a.eye: lost: facet diameters")
+    assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["make"], ["N", "--dphi"]),
+        (["make", "1"], ["count"]),
+        (["make", "50", "--acute-zone", "0,0,10"], ["--acute-zone", "4 numbers", "0,0,10"]),
+        (["make", "50", "--acute-band", "0,0,2"], ["--acute-band", "width"]),
+        (["make", "50", "--streak", "a,b,c"], ["--streak", "3 numbers"]),
+        (["make", "50", "--fov", "0,10,20"], ["--fov", "4 numbers"]),
+        (["make", "50", "--fov", "10,0,0,20"], ["--fov", "ascending"]),
+        (["make", "50", "--radius-mm", "1", "--mesh", "a.stl"], ["--radius-mm", "--mesh"]),
+        (["make", "50", "--mesh", "none.stl"], ["none.stl"]),
+        (["make", "50", "--mesh", "none.stl", "--centre-mm", "1", "1", "1"], ["--centre-mm"]),
+        (["make", "50", "--radius-mm", "0"], ["semi_axes_m"]),
+        (["make", "50", "--facet-um", "20"], ["N", "--facet-um"]),
+        (["make", "--even-facets"], ["N", "--even-facets"]),
+        (["make", "--facet-um", "20", "--skew", "10"], ["--skew", "--facet-um"]),
+        (["make", "--dphi", "0"], ["horizontal_rad", "0"]),
+        (["make", "9", "--dphi-vertical", "2"], ["--dphi-vertical"]),
+        (["make", "--dphi", "9", "--field", "f.csv"], ["--field", "--dphi"]),
+        (["make", "9", "--airy", "--acceptance-ratio", "1"], ["--airy"]),
+        (["make", "9", "--rhabdom-um", "1"], ["--f-number"]),
+        (["make", "40", "--skew", "170"], ["median_rad", "170"]),
+        (["make", "50", "-o", "no/where.eye"], ["no/where.eye", "directory"]),
+        (["join", "none.csv"], ["none.csv"]),
+        (["mirror", "none.csv"], ["none.csv"]),
+        (["place", "none.csv"], ["none.csv"]),
+        (["scale", "none.csv"], ["--factor", "--mean-radius-mm"]),
+    ],
+)
+def test_command_errors_are_one_line(omma_eye, tmp_path, arguments, words):
+    code, out, err = omma_eye(*arguments, *([] if "-o" in arguments else ["-o", "made.csv"]))
+    assert (code, out, err.count("\n")) == (1, "", 1)
+    for word in words:
+        assert word in err
+    assert list(tmp_path.iterdir()) == []
