@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import omma
+from omma import receptor_files
 from omma.receptor_files import quoted
 
 PATH = "x,y,z,yaw_deg,pitch_deg,roll_deg\n0,1,0,0,0,0\n1,2,0,40,-20,5\n"
@@ -61,6 +62,27 @@ def test_receptors_are_written_as_they_are_rendered(run_omma, fly, files):
     assert float(rows[2]["elevation_deg"]) == pytest.approx(
         np.degrees(np.arcsin(looking[1])), abs=1e-3
     )
+
+
+@pytest.mark.parametrize("standard_error", [False, True])
+def test_many_poses_are_written_in_pieces(fly, files, monkeypatch, standard_error):
+    def write(name):
+        told = []
+        omma.render_file(
+            files / "scene.gltf",
+            name,
+            eyes="fly.csv",
+            path="path.csv",
+            receptors=True,
+            standard_error=standard_error,
+            progress=lambda stage, share: told.append(share) if stage == "Rendering" else None,
+        )
+        assert told == sorted(told)
+        return np.load(name)
+
+    whole = write("whole.npy")
+    monkeypatch.setattr(receptor_files, "_CHUNK_BYTES", 4 * 90)  # one pose
+    assert np.array_equal(write("pieces.npy"), whole)
 
 
 def test_standard_errors_are_written_beside(run_omma, fly, files):

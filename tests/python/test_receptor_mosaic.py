@@ -37,6 +37,14 @@ def test_honeybee_ommatidia_are_mixed_as_they_are_in_bees():
     assert np.array_equal(eye.columns["area"], np.arange(len(eye)))
 
 
+def test_shares_are_relative():
+    green = omma.ReceptorType("green", peak_wavelength_nm=544)
+    types = [omma.OmmatidiumType(name, (green,), share) for name, share in (("a", 60), ("b", 20))]
+    found = shares(omma.assign_receptors(round_eye(), types), ["a", "b"])
+    # Binomial, within four standard deviations.
+    assert np.allclose(found, [0.75, 0.25], atol=4 * np.sqrt(0.1875 / 4000))
+
+
 def test_the_draw_is_by_chance_but_known():
     types = omma.honeybee_ommatidia()
     eye = round_eye(800)

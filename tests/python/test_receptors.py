@@ -154,8 +154,11 @@ def test_optical_sensitivity_of_an_eyes_receptors():
         **known,
     )
     eye = one_line(thick, wide, GREEN, facet_diameter_m=[20e-6, 25e-6, 0])
-    s = omma.receptor_optical_sensitivity(eye).reshape(3, 3)
-    of = omma.optical_sensitivity
+    s = 1e12 * omma.receptor_optical_sensitivity(eye).reshape(3, 3)
+
+    def of(diameter, angle, length, absorption, **others):
+        return 1e12 * omma.optical_sensitivity(diameter, angle, length, absorption, **others)
+
     assert s[0, 0] == pytest.approx(of(20e-6, np.radians(3), 320e-6, 6700), rel=1e-6)
     assert s[1, 0] == pytest.approx(of(25e-6, np.radians(5), 320e-6, 6700), rel=1e-6)
     assert s[0, 1] == pytest.approx(of(20e-6, np.radians(4), 320e-6, 6700), rel=1e-6)
@@ -163,7 +166,7 @@ def test_optical_sensitivity_of_an_eyes_receptors():
     assert np.isnan(s[2]).all()  # no facet
     peak = omma.receptor_optical_sensitivity(eye, monochromatic=True)
     expected = of(20e-6, np.radians(3), 320e-6, 6700, monochromatic=True)
-    assert peak[0] == pytest.approx(expected, rel=1e-6)
+    assert 1e12 * peak[0] == pytest.approx(expected, rel=1e-6)
 
 
 def test_microvilli_turn_from_up_to_right():
@@ -269,12 +272,34 @@ def test_those_along_the_axis_keep_their_rays_among_others(colourful, flight):
     assert np.array_equal(mixed[:, [1, 2, 4, 5, 7, 8]], alone)
 
 
+@pytest.mark.parametrize("offset", [{"right_rad": 0.3}, {"up_rad": 0.3}])
+def test_either_offset_counts(colourful, flight, offset):
+    aside = omma.ReceptorType("aside", peak_wavelength_nm=544, **offset)
+    found = colourful.with_eye(one_line(aside)).render_receptors(flight)
+    straight = colourful.with_eye(one_line(GREEN)).render_receptors(flight)
+    assert np.abs(found - straight).mean() > 0.02
+
+
+def test_another_eye_has_its_own_receptors(colourful, flight):
+    first = colourful.with_eye(one_line(GREEN))
+    first.render_receptors(flight)
+    second = first.with_eye(one_line(UV, BLUE))
+    assert np.array_equal(
+        second.render_receptors(flight),
+        colourful.with_eye(one_line(UV, BLUE)).render_receptors(flight),
+    )
+
+
 def test_receptors_in_pieces_are_the_same(colourful, flight, monkeypatch):
     renderer = colourful.with_eye(one_line(GREEN, UV))
     whole = renderer.render_receptors(flight)
     monkeypatch.setattr(receptors, "_CHUNK_BYTES", 2 * 3 * 3 * 4)  # two poses
     assert np.array_equal(renderer.render_receptors(flight), whole)
     assert np.array_equal(renderer.render_receptors(flight[4:], first_pose=4), whole[4:])
+    both = renderer.render_receptors(flight, standard_error=True)
+    monkeypatch.undo()
+    assert np.array_equal(both, renderer.render_receptors(flight, standard_error=True))
+    monkeypatch.setattr(receptors, "_CHUNK_BYTES", 2 * 3 * 3 * 4)
     shares = []
     renderer.render_receptors(flight, progress=shares.append)
     assert shares == sorted(shares)

@@ -128,9 +128,11 @@ def test_pale_and_yellow_ommatidia_are_mixed():
 def test_two_eyes_are_wired_apart():
     right, _ = fly_eye(steps=6)
     left, _ = fly_eye(steps=6, side=-1)
-    head = omma.merge_eyes([left, right])
+    turn = np.eye(4)  # so that it looks where the right eye looks
+    turn[0, 0] = turn[2, 2] = -1
+    head = omma.merge_eyes([(left, turn), right])
     both = omma.neural_superposition_wiring(omma.fly_receptors(head))
-    alone = omma.neural_superposition_wiring(omma.fly_receptors(left))
+    alone = omma.neural_superposition_wiring(omma.fly_receptors(omma.merge_eyes([(left, turn)])))
     assert np.array_equal(both.members[: len(left)], alone.members)
     fly = omma.fly_receptors(head)
     target = np.repeat(np.arange(len(head)), both.members)
@@ -231,6 +233,11 @@ def test_facets_of_an_aperture_are_those_within_it():
     assert np.all(views.aperture_diameter_m == 0)
     assert len(views.receptor_type) == 0
     assert np.all(wiring.members >= 6)  # at the corners
+    # How far in front or behind a facet lies does not count.
+    position = eye.position_m.copy()
+    position[middle + 1, 2] += 60e-6
+    moved = omma.superposition_facets(eye.replace(position_m=position), 85e-6)[1]
+    assert moved.members[middle] == 13
     # A facet of twice the diameter counts four times.
     large = np.full(len(eye), 20e-6)
     large[middle + 1] = 40e-6
