@@ -86,25 +86,39 @@ struct AcceptanceHash {
 // and made in a tenth of the time). Sines scaled by k instead of angles change S by no more than
 // a factor 1 + 0.92 |k^2 - 1| theta^2 (theta/width)^2, where k is within half a step of 1: 1e-4 at
 // theta = width for the widest that are scaled.
+//
+// The S of a lens is one of sines, which scale as lambda/D; the angle of its rhabdom, over that, is
+// a level's too, so that its width is within half a step.
 constexpr std::size_t most_exact_widths = 64;
 constexpr double width_step = 0.0025;
 constexpr double widest_scaled_rad = 0.2;
+
+bool is_lens(const Acceptance& a) {
+  return a.kernel == Kernel::airy ||
+         (a.kernel == Kernel::lens_rhabdom && a.model != RhabdomModel::snyder);
+}
 
 // Puts the level's acceptance in place of each; how many times as wide each is as its level. Empty,
 // and nothing changed, where there are few widths.
 std::vector<float> use_width_levels(std::vector<Acceptance>& acceptances) {
   const auto scales = [](const Acceptance& a) {
-    return a.kernel <= Kernel::compoundray && is_round(a) && a.width_rad > 0 &&
-           a.width_rad <= widest_scaled_rad;
+    return is_lens(a) || (a.kernel <= Kernel::compoundray && is_round(a) && a.width_rad > 0 &&
+                          a.width_rad <= widest_scaled_rad);
   };
   std::unordered_set<double> widths;
   for (const Acceptance& a : acceptances)
-    if (scales(a)) widths.insert(a.width_rad);
+    if (scales(a)) widths.insert(is_lens(a) ? a.facet_diameter_m : a.width_rad);
   if (widths.size() <= most_exact_widths) return {};
   std::vector<float> scale(acceptances.size(), 1.0f);
   for (std::size_t i = 0; i < acceptances.size(); ++i) {
     Acceptance& a = acceptances[i];
     if (!scales(a)) continue;
+    if (is_lens(a)) {
+      const Acceptance level = lens_level(a, width_step);
+      scale[i] = static_cast<float>(level.facet_diameter_m / a.facet_diameter_m);
+      a = level;
+      continue;
+    }
     const double level = std::exp(width_step * std::round(std::log(a.width_rad) / width_step));
     scale[i] = static_cast<float>(a.width_rad / level);
     a.width_rad = level;

@@ -86,7 +86,7 @@ struct BesselRows {
 
 // x t goes up to 202, which is 32 turns: Gauss-Legendre needs more than half that number of nodes,
 // and some for what it is multiplied with.
-constexpr int pupil_nodes = 192, transfer_nodes = 512;
+constexpr int pupil_nodes = 192, transfer_nodes = 640;
 
 BesselRows make_rows(int l, Quadrature quadrature) {
   BesselRows made{std::move(quadrature), {}};
@@ -194,6 +194,15 @@ double waveguide_parameter(const Acceptance& a) {
 double rhabdom_radius_x(const Acceptance& a) {
   return 0.5 * pi * a.facet_diameter_m * a.rhabdom_diameter_m /
          (a.wavelength_nm * 1e-9 * a.focal_length_m);
+}
+
+Acceptance lens_level(const Acceptance& acceptance, double step) {
+  const auto to_step = [&](double x) { return std::exp(step * std::round(std::log(x) / step)); };
+  Acceptance level = acceptance;
+  level.facet_diameter_m = to_step(acceptance.facet_diameter_m);
+  if (acceptance.kernel == Kernel::lens_rhabdom)
+    level.focal_length_m *= rhabdom_radius_x(level) / to_step(rhabdom_radius_x(acceptance));
+  return level;
 }
 
 double snyder_width_rad(const Acceptance& a) {

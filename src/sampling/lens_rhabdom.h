@@ -60,6 +60,10 @@ double airy_transfer(double frequency);
 std::vector<double> waveguide_transfer(const Acceptance& acceptance,
                                        std::span<const double> frequency);
 
+// A lens of nearly the same S over x, out of few: its facet diameter and the angle of its rhabdom
+// over lambda/D are whole numbers of steps, of a share `step` each. With as much the same rhabdom.
+Acceptance lens_level(const Acceptance& acceptance, double step);
+
 // Full width of Snyder's Gaussian: its square is (lambda/D)^2 + (d/f)^2.
 double snyder_width_rad(const Acceptance& acceptance);
 
