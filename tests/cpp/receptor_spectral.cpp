@@ -69,6 +69,10 @@ TEST(Pigment, AlphaBandFollowsTheFormula) {
   // (800 - 300)^2 / 11940 = 20.938: a = 0.8795 + 0.0459 * 8.07e-10.
   EXPECT_NEAR(pigment_alpha_band(800, 800),
               1 / (std::exp(69.7 * -0.1205) + std::exp(-2.184) + std::exp(-1.5496) + 0.674), 1e-8);
+  // (400 - 300)^2 / 11940 = 0.83752: a = 0.8795 + 0.0459 * 0.43278 = 0.899365.
+  EXPECT_NEAR(pigment_alpha_band(400, 400),
+              1 / (std::exp(69.7 * -0.100635) + std::exp(-2.184) + std::exp(-1.5496) + 0.674),
+              1e-7);  // a is rounded at 5e-7, times 69.7 * 9e-4
   // At half the peak's wavelength x is 2: the first two exponentials are gone.
   EXPECT_NEAR(pigment_alpha_band(600, 300),
               1 / (std::exp(69.7 * (0.8795 + 0.0459 * std::exp(-90000.0 / 11940) - 2)) +
@@ -127,7 +131,8 @@ TEST(Primaries, ShareWhiteBetweenThem) {
     EXPECT_NEAR(s[0] + s[1] + s[2], 1, 1e-6) << nm;
     for (const double share : s) EXPECT_TRUE(share >= 0 && share <= 1) << nm;
   }
-  for (const double nm : {399.9, 700.1}) EXPECT_EQ(primary_spectra(nm)[2], 0);
+  for (const double nm : {399.9, 700.1})
+    EXPECT_EQ(primary_spectra(nm), (std::array<double, 3>{0, 0, 0})) << nm;
   EXPECT_GT(primary_spectra(650)[0], 0.9);
   EXPECT_GT(primary_spectra(540)[1], 0.9);
   EXPECT_GT(primary_spectra(440)[2], 0.9);

@@ -107,6 +107,20 @@ TEST(ReceptorViews, SharedWhereTheyAreTheSame) {
   EXPECT_EQ(views.eye.axis[5].x, eye.axis[1].x);
 }
 
+TEST(ReceptorViews, DifferByEachOfTheirAngles) {
+  const Eye eye =
+      make_eye({looking(0.1, 0), looking(0.1, 0.1), looking(0, 0.1)}, {{0, 1, 2}, {2, 1}, {}});
+  EXPECT_EQ(receptor_views(eye).view_of_receptor, (std::vector<std::int32_t>{0, 1, 2, 3, 4}));
+}
+
+TEST(ReceptorViews, HaveTheAcceptanceOfTheirTypeWhicheverComesFirst) {
+  const Eye eye = make_eye({wide(0.2), wide(0.2)}, {{1}, {0, 1}, {1}});
+  const ReceptorViews views = receptor_views(eye);
+  EXPECT_EQ(views.view_of_receptor, (std::vector<std::int32_t>{0, 1, 1, 2}));
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_EQ(acceptance_at(views.eye, i).kernel, Kernel::pillbox) << i;
+}
+
 TEST(ReceptorViews, KeepTheOmmatidiumsOwnAcceptance) {
   Eye eye = make_eye({looking(0.1, 0)}, {{0}, {0}, {0}});
   Acceptance ellipse;

@@ -66,6 +66,8 @@ def test_receptors_are_written_as_they_are_rendered(run_omma, fly, files):
 
 @pytest.mark.parametrize("standard_error", [False, True])
 def test_many_poses_are_written_in_pieces(fly, files, monkeypatch, standard_error):
+    shares = []
+
     def write(name):
         told = []
         omma.render_file(
@@ -78,11 +80,13 @@ def test_many_poses_are_written_in_pieces(fly, files, monkeypatch, standard_erro
             progress=lambda stage, share: told.append(share) if stage == "Rendering" else None,
         )
         assert told == sorted(told)
+        shares.append(set(told))
         return np.load(name)
 
     whole = write("whole.npy")
     monkeypatch.setattr(receptor_files, "_CHUNK_BYTES", 4 * 90)  # one pose
     assert np.array_equal(write("pieces.npy"), whole)
+    assert {0.5, 1.0} <= shares[1]
 
 
 def test_standard_errors_are_written_beside(run_omma, fly, files):
