@@ -12,6 +12,7 @@ from omma._core import Error, merge_eyes
 from omma.cli_eye_convert import add_convert_command
 from omma.cli_eye_files import EyeArgument, OutOption, UnitOption, save
 from omma.cli_eye_look import add_look_commands
+from omma.cli_eye_species import add_species_command
 from omma.cli_eye_make import add_make_commands
 from omma.cli_working import working
 from omma.eye_drawing import draw_eye
@@ -70,6 +71,7 @@ eye_app = typer.Typer(
 )
 add_make_commands(eye_app)
 add_look_commands(eye_app)
+add_species_command(eye_app)
 add_convert_command(eye_app)
 
 @eye_app.command(help=SPLIT_HELP, short_help="Split an eye in two by side.")

@@ -175,7 +175,9 @@ def honeybee_drone(progress: Progress | None = None) -> Species:
 
     def angle_per_facet(from_zenith: Floats) -> Floats:
         elevation = math.pi / 2 - from_zenith
-        return between("interommatidial_angle", elevation) / between("facet_diameter", elevation)
+        ratio = between("interommatidial_angle", elevation) / between("facet_diameter", elevation)
+        # All of it would give facets four times as long as wide below.
+        return np.asarray(np.sqrt(ratio))
 
     axis = laid(
         _DRONE,
@@ -187,8 +189,9 @@ def honeybee_drone(progress: Progress | None = None) -> Species:
     up = elevation_rad(axis)
     upper = dorsal(up) > 0.5
     eye = on_ellipsoid(
-        _DRONE, axis, (0, 90), "dorsal_facet_diameter", 0.75, angle_at=angle_per_facet
+        _DRONE, axis, (0, 90), "dorsal_facet_diameter", angle_at=angle_per_facet
     ).replace(
+        facet_diameter_m=between("facet_diameter", up),
         acceptance=graded(between("acceptance_angle", up)),
         columns={"region": ["dorsal" if up else "ventral" for up in upper]},
     )

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Eye
-from omma.eye_facets import acceptance_from_facets, set_facets
-from omma.eye_surface import eye_on_surface
+from omma.eye_facets import acceptance_from_facets
 from omma.receptor_mosaic import OmmatidiumType
 from omma.species._receptors import mixed, receptor
+from omma.species._revolution import Profile
 from omma.species._shape import (
     Floats,
     Progress,
@@ -22,7 +22,6 @@ from omma.species._shape import (
     species,
 )
 from omma.species.facts import Species, number
-from omma.surfaces import ellipsoid
 
 _CRAB = "fiddler_crab"
 
@@ -48,18 +47,32 @@ def fiddler_crab(progress: Progress | None = None) -> Species:
         )
     )
     at = number(_CRAB, "streak_elevation")
+    equator, outer = number(_CRAB, "facet_diameter"), number(_CRAB, "outer_facet_diameter")
 
-    def vertical(directions: Floats) -> Floats:
-        up = elevation_rad(directions)
-        off = np.where(
+    def off(up: Floats) -> Floats:
+        """0 at the streaks and between them, 1 where the gradient has ended."""
+        return np.where(
             up > 0,
             smooth_step(up - at, 0.0, number(_CRAB, "dorsal_gradient_reach")),
             smooth_step(-up - at, 0.0, number(_CRAB, "ventral_gradient_reach")),
         )
-        angle = blended(streak, np.where(up > 0, above, below), off)
+
+    def facet(up: Floats) -> Floats:
+        return blended(equator, outer, off(up))
+
+    def vertical(up: Floats) -> Floats:
+        angle = blended(streak, np.where(up > 0, above, below), off(up))
         # A little coarser on the horizon itself, between the two streaks.
         between = number(_CRAB, "dip_between_streaks") * np.exp(-((2 * up / at) ** 2))
         return np.asarray(angle * (1 + between))
+
+    # A surface of revolution about the upright: facets and vertical angles give the curvature of
+    # its meridian, that its girth, and that the horizontal angles.
+    upper = Profile(lambda angle: facet(angle) / vertical(angle), math.pi / 2)
+    lower = Profile(lambda angle: facet(-angle) / vertical(-angle), math.pi / 2)
+
+    def girth_m(up: Floats) -> Floats:
+        return equator / level - np.where(up > 0, upper.drop(up), lower.drop(up))
 
     lowest, highest = (number(_CRAB, f"field_{end}") for end in ("lowest", "highest"))
 
@@ -67,16 +80,20 @@ def fiddler_crab(progress: Progress | None = None) -> Species:
         up = elevation_rad(directions)
         return np.asarray((up > lowest) & (up < highest))
 
-    axis = laid(_CRAB, lambda directions: np.full(len(directions), level), vertical, seen, progress)
-    # On an ellipsoid of revolution of semi-axes a (level) and c (upright) the radii of curvature
-    # at the equator are a and c²/a, and a facet is a times the horizontal angle, c²/a times the
-    # vertical one.
-    across = number(_CRAB, "facet_diameter") / level
-    upright = across * math.sqrt(level / streak)
-    centre = (number(_CRAB, "eye_centre_right"), number(_CRAB, "eye_centre_up"), 0.0)
-    eye = eye_on_surface(axis, ellipsoid((across, upright, across), centre), eye_id=1)
-    eye = acceptance_from_facets(set_facets(eye), wavelength_nm=number(_CRAB, "green_peak"))
+    def horizontal(directions: Floats) -> Floats:
+        up = elevation_rad(directions)
+        return np.asarray(facet(up) * np.cos(up) / girth_m(up))
+
+    axis = laid(
+        _CRAB, horizontal, lambda directions: vertical(elevation_rad(directions)), seen, progress
+    )
     up = elevation_rad(axis)
+    girth, height = girth_m(up), np.where(up > 0, upper.along(up), lower.along(up))
+    across = axis[:, [0, 2]] / np.cos(up)[:, None] * girth[:, None]
+    centre = [number(_CRAB, "eye_centre_right"), number(_CRAB, "eye_centre_up"), 0.0]
+    position = np.stack([across[:, 0], height, across[:, 1]], axis=1) + centre
+    eye = Eye(position, axis, 0.0, eye_id=1, facet_diameter_m=facet(up))
+    eye = acceptance_from_facets(eye, wavelength_nm=number(_CRAB, "green_peak"))
     region = np.where(np.abs(up) < 2 * at, "streaks", np.where(up > 0, "dorsal", "ventral"))
     eye = eye.replace(columns={"region": region.tolist()})
     return species(_CRAB, "Gelasimus vomeris", _crab_receptors(eye))

@@ -51,9 +51,11 @@ def holcocephala(progress: Progress | None = None) -> Species:
     def facet(angle: Floats) -> Floats:
         return blended(inner, outer, smooth_step(angle, 0.3 * fovea, 1.5 * fovea))
 
+    nasal = math.sin(number(_HOLCOCEPHALA, "nasal_edge"))
     eye = lay_on_surface(
         surface,
         lambda points: facet(surface.angle(points)),
+        inside=lambda points: surface.normals(points)[:, 0] > -nasal,
         count=round(number(_HOLCOCEPHALA, "ommatidia")),
         progress=progress,
     )

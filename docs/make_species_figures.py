@@ -1,0 +1,92 @@
+"""Makes docs/species.md, the page of all animals' numbers, and its figures.
+
+.venv/bin/python docs/make_species_figures.py            the page only, at once
+.venv/bin/python docs/make_species_figures.py figures    the figures too, minutes
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import omma
+from omma.eye_maps import plot_eye_maps
+
+DOCS = Path(__file__).resolve().parent
+FIGURES = ("holcocephala", "honeybee_drone", "fiddler_crab")
+
+HEAD = """# Species
+
+Eyes of animals, made from published numbers:
+
+    robber_fly = omma.species.holcocephala()
+    renderer = omma.Renderer(scene, robber_fly.eye)
+
+or `omma eye species holcocephala -o robber_fly.csv`. Each is a whole head: both eyes, with
+positions, axes, facets, an angular sensitivity and receptors for every ommatidium, and a column
+`region`. The same call gives the same eye.
+
+Every number that goes into them is below and in `omma.species.facts()`, with its standing:
+**measured**, a number that the source prints or that is computed from its data; **interpolated**,
+worked out from such numbers; **assumed**, nobody's measurement. Below the tables it is said how
+each source was read: many only as an abstract, some at second hand, and those marked "recalled" not
+at all. Who knows better numbers changes `python/omma/species/facts.csv`; the builders read nothing
+else. This page is made by `docs/make_species_figures.py`.
+
+![Interommatidial angle, robber fly](species-holcocephala.png)
+![Interommatidial angle, honeybee drone](species-honeybee_drone.png)
+![Interommatidial angle, fiddler crab](species-fiddler_crab.png)
+
+## How they are made
+
+- The honeybee worker's axes are rows by the published formulas.
+- Most others: a function of direction gives the local interommatidial angle, `omma.lay_directions`
+  a hexagonal lattice in it with as many ommatidia as counted. Lenses sit on an ellipsoid whose
+  size follows from the facets; the axes are skewed against it.
+- The robber fly and the dragonfly are made from the surface. Facets of 78 µm that look 0.28° apart
+  along the surface's normals need a radius of curvature of 16 mm, on a fly of 6 mm: the front of
+  the eye is nearly flat. Outside the fovea the surface bends, and angles grow to several degrees
+  away from the fovea but much less around it. So with the dragonfly's dorsal band, where 0.24° is
+  the angle across.
+"""
+
+
+def page():
+    parts = [HEAD]
+    for name in (*omma.species.names(), "megalopta"):
+        title = name.replace("_", " ").capitalize()
+        parts += [f"## {title}\n"]
+        if name == "megalopta":
+            example = "[an example](../examples/python/nocturnal_bee.py)"
+            parts += [f"For {example} only; no eye is made.\n"]
+        else:
+            maker = getattr(omma.species, name)
+            lines = [line.strip() for line in maker.__doc__.strip().splitlines()]
+            parts += ["\n".join(lines) + "\n"]
+        parts += [omma.species.facts_text(name)]
+    parts += ["## Sources\n"]
+    parts += [
+        f"- `{source.key}`: {source.citation}" + (f" (read: {source.read})" if source.read else "")
+        for source in omma.species.sources()
+    ]
+    return "\n".join(parts) + "\n"
+
+
+def main():
+    if sys.argv[1:] == ["figures"]:
+        for name in FIGURES:
+            animal = omma.species.make(name)
+            angle = np.degrees(animal.eye.interommatidial_angle_rad())
+            plot_eye_maps(
+                DOCS / f"species-{name}.png",
+                animal.eye,
+                ["interommatidial", "facet"],
+                title=animal.latin,
+            )
+            print(f"wrote species-{name}.png: Δφ {angle.min():.2f} to {angle.max():.2f}°")
+    (DOCS / "species.md").write_text(page(), encoding="utf-8")
+    print("wrote species.md")
+
+
+if __name__ == "__main__":
+    main()
