@@ -12,8 +12,8 @@ from omma._core import Error, merge_eyes
 from omma.cli_eye_convert import add_convert_command
 from omma.cli_eye_files import EyeArgument, OutOption, UnitOption, save
 from omma.cli_eye_look import add_look_commands
-from omma.cli_eye_species import add_species_command
 from omma.cli_eye_make import add_make_commands
+from omma.cli_eye_species import add_species_command
 from omma.cli_working import working
 from omma.eye_drawing import draw_eye
 from omma.eye_tools import set_acceptance, split_eye

@@ -94,14 +94,12 @@ def _show(name: str | None) -> None:
             print(animal)
         return
     table = Table(title=name.replace("_", " "), title_justify="left")
-    for heading in ("quantity", "value", "standing", "source"):
+    for heading in ("quantity", "value", "standing", "source", "note"):
         table.add_column(heading, overflow="fold")
     for fact in species.facts(name):
-        source = (
-            f"{fact.source.citation} ({fact.source.read})"
-            if fact.source.read
-            else (fact.source.citation)
-        )
-        note = f"{fact.quantity.replace('_', ' ')}" + (f"\n  {fact.note}" if fact.note else "")
-        table.add_row(note, printed(fact), fact.status, source)
+        quantity = fact.quantity.replace("_", " ")
+        table.add_row(quantity, printed(fact), fact.status, fact.source.key, fact.note)
     console.print(table)
+    for source in dict.fromkeys(fact.source for fact in species.facts(name)):
+        read = f" (read: {source.read})" if source.read else ""
+        print(f"{source.key}: {source.citation}{read}")
