@@ -135,11 +135,15 @@ TEST(OpticsWarp, RandomDirectionsFollowTheirSensitivity) {
     EXPECT_EQ(tables.azimuth.empty(), only_round);
     for (std::size_t w = 0; w < warps.size(); ++w) {
       std::vector<Vec3> directions;
+      float off = 0;
       for (std::uint32_t i = 0; i < samples; ++i) {
         const auto d = sample_random_direction<float>(view(tables), static_cast<int>(w),
                                                       mix_bits_32(i / 100 + 77u), i % 100);
         directions.push_back({d.x, d.y, d.z});
+        off = std::max(off, std::fabs(d.x * d.x + d.y * d.y + d.z * d.z - 1));
       }
+      // Through the half angles, as in render_warp.cpp.
+      EXPECT_LT(off, 3e-6f) << of[w]->name;
       EXPECT_LT(chi_square_ratio(directions, integrate(of[w]->acceptance)), 1) << of[w]->name;
     }
   }
