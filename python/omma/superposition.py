@@ -7,7 +7,7 @@ rhabdom. Either way there is a wiring: which responses are pooled into which.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -136,7 +136,7 @@ def fly_receptors(
     pale_share: float = 0.3,
     seed: int = 0,
     dorsal: Region | None = None,
-    peaks_nm: dict[str, float] | None = None,
+    types: Mapping[str, ReceptorType] | None = None,
 ) -> Eye:
     """The eye with a fly's receptors: R1 to R6 around R7 and R8, in the trapezoid of neural
     superposition.
@@ -152,35 +152,34 @@ def fly_receptors(
         seed: of their draw.
         dorsal: the dorsal half, a mask (N,) or a function of azimuth and elevation (N,), rad.
             None: axes above the horizon.
-        peaks_nm: peaks of the pigments of "R1-6", "R7p", "R7y", "R8p", "R8y", where not those of
-            Drosophila: 478, 345, 375, 437, 508 nm (Salcedo et al., J Neurosci 19:10716, 1999, as
-            quoted by others). The sensitising pigment that makes R1 to R6 see ultraviolet is not in
-            the template, nor how R7 filters R8's light.
+        types: what "R1-6", "R7p", "R7y", "R8p" and "R8y" are, but for where R1 to R6 look and their
+            names. Those left out have the pigments of Drosophila, 478, 345, 375, 437 and 508 nm
+            (Salcedo et al., J Neurosci 19:10716, 1999, as quoted by others). The sensitising
+            pigment that makes R1 to R6 see ultraviolet is not in the template, nor how R7 filters
+            R8's light.
 
     Raises:
-        omma.Error: fewer than four ommatidia, a share out of range, an unknown name of a pigment.
+        omma.Error: fewer than four ommatidia, a share out of range, an unknown name of a type.
     """
     peaks = {"R1-6": 478.0, "R7p": 345.0, "R7y": 375.0, "R8p": 437.0, "R8y": 508.0}
-    unknown = set(peaks_nm or {}) - set(peaks)
+    plan = {name: ReceptorType(name, peak_wavelength_nm=peak) for name, peak in peaks.items()}
+    unknown = set(types or {}) - set(plan)
     if unknown:
-        raise Error(f"peaks_nm: expected names from {', '.join(peaks)}, found {min(unknown)}")
-    peaks |= peaks_nm or {}
+        raise Error(f"types: expected names from {', '.join(plan)}, found {min(unknown)}")
+    plan |= types or {}
     if not 0 <= pale_share <= 1:
         raise Error(f"pale_share: expected 0 to 1, found {pale_share}")
     upper = eye.axis[:, 1] > 0 if dorsal is None else region_mask(eye, dorsal)
     offsets = _trapezoid_offsets(eye, upper)
     median = np.median(eye.interommatidial_angle_rad())
     step = _OFFSET_STEP * (float(median) if median > 0 else 1.0)
-    types: list[ReceptorType] = []
+    made: list[ReceptorType] = []
     known: dict[tuple[str, int, int], int] = {}
 
-    def index_of(name: str, peak: str, right: int = 0, up: int = 0) -> int:
+    def index_of(name: str, kind: str, right: int = 0, up: int = 0) -> int:
         if (name, right, up) not in known:
-            known[name, right, up] = len(types)
-            one = ReceptorType(
-                name, peak_wavelength_nm=peaks[peak], right_rad=right * step, up_rad=up * step
-            )
-            types.append(one)
+            known[name, right, up] = len(made)
+            made.append(_looking(plan[kind], name, right * step, up * step))
         return known[name, right, up]
 
     rounded = np.rint(offsets / step).astype(int)
@@ -194,7 +193,7 @@ def fly_receptors(
         inner = [index_of(name + kind, name + kind) for name in ("R7", "R8")]
         receptors.append(around + inner)
     columns = {**eye.columns, COLUMN: ["pale" if one else "yellow" for one in pale]}
-    return eye.replace(receptor_types=types, receptors=receptors, columns=columns)
+    return eye.replace(receptor_types=made, receptors=receptors, columns=columns)
 
 
 def superposition_facets(eye: Eye, aperture_diameter_m: float | None = None) -> tuple[Eye, Wiring]:
@@ -244,6 +243,24 @@ def superposition_facets(eye: Eye, aperture_diameter_m: float | None = None) -> 
 def _unit(vectors: ArrayLike) -> Floats:
     given = np.asarray(vectors, np.float64)
     return np.asarray(given / np.linalg.norm(given, axis=1, keepdims=True))
+
+
+def _looking(kind: ReceptorType, name: str, right_rad: float, up_rad: float) -> ReceptorType:
+    """A receptor type by another name, looking elsewhere."""
+    pigment = kind.peak_wavelength_nm != 0
+    return ReceptorType(
+        name,
+        peak_wavelength_nm=kind.peak_wavelength_nm,
+        wavelength_nm=None if pigment else kind.wavelength_nm,
+        sensitivity=None if pigment else kind.sensitivity,
+        microvillus_angle_rad=kind.microvillus_angle_rad,
+        polarisation_sensitivity=kind.polarisation_sensitivity,
+        absorption_per_m=kind.absorption_per_m,
+        length_m=kind.length_m,
+        right_rad=right_rad,
+        up_rad=up_rad,
+        acceptance=kind.acceptance,
+    )
 
 
 def _wiring(target: Ints, index: Ints, weight: Floats, count: int) -> Wiring:

@@ -222,6 +222,19 @@ def test_responses_are_the_matrix_times_radiance(colourful, flight):
     assert not np.allclose(found, renderer.render_receptors(flight), rtol=0.01)
 
 
+@pytest.mark.parametrize(
+    "settings",
+    [{"samples": "auto", "error": 0.02}, {"share_rays": True}, {"sampling": "random"}],
+)
+def test_every_way_of_rendering_will_do(colourful, flight, eye, settings):
+    bee = omma.assign_receptors(eye, omma.honeybee_ommatidia())
+    renderer = colourful.with_eye(bee, **settings)
+    matrix = omma.receptor_matrix(bee)[bee.receptor_type]
+    radiance = renderer.render(flight)[:, omma.ommatidium_of_receptor(bee)].astype(np.float64)
+    expected = np.sum(radiance * matrix, axis=-1)
+    assert np.allclose(renderer.render_receptors(flight), expected, rtol=1e-6, atol=1e-9)
+
+
 def test_white_gives_each_receptor_its_share_of_visible_light(scene, flight):
     renderer = omma.Renderer(
         omma.load_scene(scene.path),

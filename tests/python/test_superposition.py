@@ -121,8 +121,47 @@ def test_pale_and_yellow_ommatidia_are_mixed():
         own = fly.receptor_type[fly.first_receptor[i] : fly.first_receptor[i + 1]]
         names = [fly.receptor_types[t].name for t in own]
         assert names == [*TRAPEZOID, *(["R7p", "R8p"] if pale[i] else ["R7y", "R8y"])]
-    blowfly = omma.fly_receptors(eye, pale_share=1, peaks_nm={"R1-6": 490})
-    assert {t.peak_wavelength_nm for t in blowfly.receptor_types} == {490, 345, 437}
+
+
+def test_flies_may_have_other_receptors():
+    eye, _ = fly_eye(steps=3)
+    outer = omma.ReceptorType(
+        "outer",
+        peak_wavelength_nm=490,
+        absorption_per_m=5000,
+        length_m=250e-6,
+        microvillus_angle_rad=0.5,
+        polarisation_sensitivity=2,
+        acceptance=omma.Acceptance.gaussian(0.03),
+    )
+    inner_pale = omma.ReceptorType("x", wavelength_nm=[300, 340, 400], sensitivity=[0.2, 1, 0])
+    types = {"R1-6": outer, "R7p": inner_pale}
+    fly = omma.fly_receptors(eye, pale_share=1, types=types)
+    by_name = {t.name: t for t in fly.receptor_types}
+    assert sorted(by_name) == [*TRAPEZOID, "R7p", "R8p"]
+    for name in TRAPEZOID:
+        one = by_name[name]
+        assert one.peak_wavelength_nm == 490
+        assert (one.absorption_per_m, one.length_m) == (5000, 250e-6)
+        assert (one.microvillus_angle_rad, one.polarisation_sensitivity) == (0.5, 2)
+        assert one.acceptance == outer.acceptance
+        assert np.hypot(one.right_rad, one.up_rad) > 0.8 * SPACING
+    assert by_name["R7p"].sensitivity == [0.2, 1, 0]
+    assert by_name["R8p"].peak_wavelength_nm == 437
+
+
+def test_a_mirrored_fly_is_the_fly_of_the_other_side():
+    """As merging mirrors what receptors look at: the left eye from the right one."""
+    right, _ = fly_eye(steps=5)
+    mirror = np.diag([-1.0, 1, 1, 1])
+    mirrored = omma.merge_eyes([(omma.fly_receptors(right), mirror)])
+    made = omma.fly_receptors(omma.merge_eyes([(right, mirror)]))
+    first, second = (omma.receptor_axis(fly) for fly in (mirrored, made))
+    # Rounded offsets, on either side of a half.
+    assert np.allclose(first, second, atol=0.101 * SPACING)
+    assert np.mean(np.abs(first - second)) < 0.01 * SPACING
+    wirings = [omma.neural_superposition_wiring(fly).members for fly in (mirrored, made)]
+    assert np.array_equal(*wirings)
 
 
 def test_two_eyes_are_wired_apart():
@@ -208,8 +247,8 @@ def test_wrong_flies_are_named():
     eye, _ = fly_eye(steps=2)
     with pytest.raises(omma.Error, match="pale_share: expected 0 to 1, found 2"):
         omma.fly_receptors(eye, pale_share=2)
-    with pytest.raises(omma.Error, match=r"peaks_nm: expected names from R1-6, .* found R9"):
-        omma.fly_receptors(eye, peaks_nm={"R9": 500})
+    with pytest.raises(omma.Error, match=r"types: expected names from R1-6, .* found R9"):
+        omma.fly_receptors(eye, types={"R9": omma.ReceptorType("R9", peak_wavelength_nm=500)})
     with pytest.raises(omma.Error, match="at least four ommatidia, found 1"):
         omma.fly_receptors(eye.take([0]))
 
