@@ -11,8 +11,8 @@ from omma.arguments import positive, whole
 
 Floats = NDArray[np.float64]
 
-# Of the mean distance to the three nearest. In a hexagonal lattice the next ring begins at 1.73;
-# stretched by a half it has its own six within 1.24.
+# Of the mean distance to the two nearest. In a hexagonal lattice the next ring begins at 1.73;
+# stretched by a half across its rows it has its own six within 1.39.
 _SAME_RING = 1.45
 
 
@@ -34,7 +34,7 @@ def facet_diameters_m(eye: Eye) -> Floats:
             raise Error(f"facet_diameters_m: eye {one} has one ommatidium, hence no spacing")
         near = min(7, len(members))
         distance = cKDTree(position[members]).query(position[members], near)[0][:, 1:]
-        limit = _SAME_RING * distance[:, :3].mean(axis=1, keepdims=True)
+        limit = _SAME_RING * distance[:, :2].mean(axis=1, keepdims=True)
         same = distance <= limit
         diameter[members] = np.sum(distance * same, axis=1) / same.sum(axis=1)
         if not diameter[members].all():

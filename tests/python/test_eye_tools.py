@@ -48,6 +48,114 @@ def test_rescaled_as_compoundray_did():
     assert again.position_m == pytest.approx(small.position_m, abs=1e-10)  # float, at 1e-4 m
 
 
+@pytest.fixture
+def rich_eye():
+    """40 ommatidia with everything an eye can have, all different."""
+    eye = make_eye(40)
+    rest = np.random.default_rng(1)
+    types = [
+        omma.ReceptorType("green", peak_wavelength_nm=544),
+        omma.ReceptorType("uv", peak_wavelength_nm=344, microvillus_angle_rad=0.3),
+    ]
+    return omma.Eye(
+        eye.position_m,
+        eye.axis,
+        None,
+        rest.uniform(1e-5, 2e-5, 40),
+        np.arange(40) % 2 + 3,
+        up=rest.standard_normal((40, 3)),
+        facet_diameter_m=rest.uniform(1e-5, 3e-5, 40),
+        aperture_diameter_m=rest.uniform(1e-5, 3e-5, 40),
+        acceptance=[omma.Acceptance.gaussian(0.05, 0.03, 0.01 * i) for i in range(40)],
+        receptor_types=types,
+        receptors=[[0], [1, 0]] * 20,
+        columns={"number": np.arange(40.0), "name": [f"o{i}" for i in range(40)]},
+    )
+
+
+def kept(before, after, order=None, *, but=()):
+    """Whether ommatidia have what they had: those of ``before`` in this order."""
+    before = before if order is None else before.take(order)
+    for name in ("axis", "up", "position_m", "focal_offset_m", "facet_diameter_m", "eye_id",
+                 "aperture_diameter_m", "first_receptor", "receptor_type"):  # fmt: skip
+        if name not in but:
+            assert (getattr(before, name) == getattr(after, name)).all(), name
+    if "acceptance" not in but:
+        for i in range(len(before)):
+            assert before.acceptance(i) == after.acceptance(i)
+    assert after.receptor_types == before.receptor_types
+    assert (after.columns["number"] == before.columns["number"]).all()
+    assert after.columns["name"] == before.columns["name"]
+    return True
+
+
+def test_every_tool_keeps_what_it_does_not_change(rich_eye):
+    large = omma.rescale_eye(rich_eye, 2)
+    lengths = ("position_m", "focal_offset_m", "facet_diameter_m", "aperture_diameter_m")
+    assert kept(rich_eye, large, but=lengths)
+    for name in lengths:
+        assert getattr(large, name) == pytest.approx(2 * getattr(rich_eye, name), rel=1e-6)
+    x = rich_eye.position_m[:, 0]
+    order = np.concatenate([np.flatnonzero(x < 0), np.flatnonzero(x >= 0)])
+    assert kept(rich_eye, omma.split_eye(rich_eye), order, but=["eye_id"])
+    changed = omma.set_acceptance(rich_eye, angle_rad=0.1)
+    assert kept(rich_eye, changed, but=["acceptance"])
+    assert changed.acceptance(3) == omma.Acceptance.gaussian(np.float32(0.1))
+    assert kept(rich_eye, omma.place_on_head(rich_eye, (1e-3, 0, 0)), but=["position_m"])
+    joined = omma.join_eyes([rich_eye])
+    order = np.concatenate([np.arange(0, 40, 2), np.arange(1, 40, 2)])
+    assert kept(rich_eye, joined, order, but=["eye_id"])
+    assert joined.eye_id.tolist() == [0] * 20 + [1] * 20
+
+
+def test_mirroring_turns_what_is_not_round(rich_eye):
+    image = omma.mirror_eye(rich_eye)
+    flip = np.array([-1, 1, 1])
+    assert image.position_m == pytest.approx(rich_eye.position_m * flip)
+    assert image.axis == pytest.approx(rich_eye.axis * flip, abs=1e-6)
+    assert image.up == pytest.approx(rich_eye.up * flip, abs=1e-6)
+    assert (image.eye_id == rich_eye.eye_id).all()
+    # A direction and its mirror image are seen alike: azimuths turn over.
+    for i in (0, 7, 33):
+        assert image.acceptance(i).eval(0.02, -0.7) == pytest.approx(
+            rich_eye.acceptance(i).eval(0.02, 0.7)
+        )
+    assert image.acceptance(7) != rich_eye.acceptance(7)
+    twice = omma.mirror_eye(image)
+    assert twice.position_m == pytest.approx(rich_eye.position_m)
+    assert all(twice.acceptance(i).eval(0.02, 1.0) == pytest.approx(
+        rich_eye.acceptance(i).eval(0.02, 1.0)) for i in range(40))  # fmt: skip
+
+
+def test_a_pair_is_left_then_right():
+    right = make_eye(30)
+    right = right.replace(position_m=right.position_m + np.float32([2e-3, 0, 0]))
+    head = omma.pair_of_eyes(right)
+    assert head.eye_id.tolist() == [0] * 30 + [1] * 30
+    assert (head.select(1).position_m == right.position_m).all()
+    assert head.select(0).position_m[:, 0] == pytest.approx(-right.position_m[:, 0])
+    assert head.select(0).position_m[:, 0].max() < 0
+
+
+def test_placed_as_a_pose_says():
+    ahead = omma.Eye([[0, 0, -1e-3]], [[0, 0, -1]], 0.1, up=[[0, 1, 0]])
+    right = omma.place_on_head(ahead, (0, 2e-3, 0), yaw_deg=90)
+    assert right.axis[0] == pytest.approx([1, 0, 0], abs=1e-6)
+    assert right.position_m[0] == pytest.approx([1e-3, 2e-3, 0], abs=1e-9)
+    assert omma.place_on_head(ahead, pitch_deg=90).axis[0] == pytest.approx([0, 1, 0], abs=1e-6)
+    rolled = omma.place_on_head(ahead, roll_deg=90)
+    assert rolled.up[0] == pytest.approx([1, 0, 0], abs=1e-6)
+    with pytest.raises(omma.Error, match="nan"):
+        omma.place_on_head(ahead, (0, np.nan, 0))
+    with pytest.raises(omma.Error, match="at least one"):
+        omma.join_eyes([])
+
+
+def test_joined_heads_keep_their_eyes_apart():
+    head = omma.pair_of_eyes(make_eye(20))
+    assert omma.join_eyes([head, make_eye(5)]).eye_id.tolist() == [0] * 20 + [1] * 20 + [2] * 5
+
+
 def test_split_by_side(offset_eye):
     both = omma.split_eye(offset_eye, shift_m=2e-3)
     left, right = both.select(0), both.select(1)
