@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 PosterFact = tuple[str, str, str]
 
 _VIEWS = (("from ahead", 0.0, 0.0), ("from its right", 90.0, 0.0), ("from above", 0.0, 90.0))
+_LIGHTS = ((400, "#cc79a7"), (480, "#0072b2"), (570, "#009e73"), (700, "#d55e00"))
 _SHAPE = 1.6  # of the panels with these views: width over height
 _WAVELENGTHS = np.arange(300.0, 701.0, 2.0)
 _SHOWN_SPREADS = (
@@ -165,6 +166,7 @@ def _histograms(panel: Axes, eye: Eye, measures: EyeMeasures) -> None:
 def _spectra(panel: Axes, eye: Eye) -> None:
     count = np.bincount(eye.receptor_type, minlength=len(eye.receptor_types))
     drawn: list[Floats] = []
+    colours: list[str] = []
     for receptor, many in zip(eye.receptor_types, count.tolist(), strict=True):
         values = np.asarray(spectral_sensitivity(receptor, _WAVELENGTHS))
         # Types that differ in something else than their spectrum are one curve.
@@ -174,7 +176,8 @@ def _spectra(panel: Axes, eye: Eye) -> None:
         label = f"{receptor.name}: {peak:.0f} nm"
         if many == 0:
             label += " (in no ommatidium)"
-        panel.plot(_WAVELENGTHS, values, color=_light(peak, len(drawn)), label=label)
+        colours.append(_light(peak, colours))
+        panel.plot(_WAVELENGTHS, values, color=colours[-1], label=label)
         drawn.append(values)
     panel.set(
         xlabel="wavelength (nm)", ylabel="relative spectral sensitivity",
@@ -185,12 +188,11 @@ def _spectra(panel: Axes, eye: Eye) -> None:
     )
 
 
-def _light(peak_nm: float, count: int) -> str:
-    # About the colour of the light, out of those that everyone can tell apart.
-    for most, colour in ((400, "#cc79a7"), (480, "#0072b2"), (570, "#009e73"), (700, "#d55e00")):
-        if peak_nm < most and count < 4:
-            return colour
-    return COLOURS[count % len(COLOURS)]
+def _light(peak_nm: float, taken: list[str]) -> str:
+    # About the colour of the light, out of those that everyone can tell apart; each once.
+    wanted = [c for most, c in _LIGHTS if peak_nm < most]
+    free = [c for c in (*wanted, *COLOURS) if c not in taken]
+    return (free or list(COLOURS))[0]
 
 
 def _found(summary: dict[str, Any]) -> list[PosterFact]:

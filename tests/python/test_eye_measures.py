@@ -399,3 +399,12 @@ def test_real_bees(name, skew_deg):
     assert found.field.blind_zones[0].solid_angle_sr > 4
     assert (found.duplicate_of == -1).all()
     assert np.mean(found.outlier != "") < 0.02
+
+
+def test_a_few_missing_ommatidia_are_bridged_and_many_are_a_blind_zone():
+    directions = sphere_directions(6000)
+    from_ahead = np.arccos(np.clip(-directions[:, 2], -1, 1))
+    spacing = np.sqrt(4 * np.pi / 6000 * 2 / np.sqrt(3))
+    for missing, zones in ((0.5, 0), (1.1, 0), (5, 1)):
+        field = measure_eye(on_sphere(directions[from_ahead > missing * spacing])).field
+        assert len(field.blind_zones) == zones
