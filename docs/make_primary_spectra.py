@@ -8,8 +8,8 @@ reflectance, EGSR 2019) ask for: the shares of white's light that red, green and
 sRGB primary. White is CIE D65, as in sRGB. Here they reach from 400 to 700 nm, because below that
 RGB says nothing of what a bee sees.
 
-Colour matching functions: the fit of Wyman, Sloan and Shirley (JCGT 2(2), 2013, equation 4, table
-1). Under it, and within 400 to 700 nm, D65 has a white of its own, within 0.001 of sRGB's in x and y; the
+Colour matching functions: the multi-lobe fit of Wyman, Sloan and Shirley (JCGT 2(2), 2013). Under
+it, and within 400 to 700 nm, D65 has a white of its own, within 0.001 of sRGB's in x and y; the
 primaries are scaled to add up to that one, their chromaticities are sRGB's.
 """
 

@@ -68,8 +68,8 @@ def primary_spectra(wavelength_nm: ArrayLike) -> Any:
     """Spectra that stand for linear sRGB's red, green and blue: (..., 3) for wavelengths (...), nm.
 
     Smooth shares of white's photons, at least 0, that add up to 1 from 400 to 700 nm and are 0
-    elsewhere; each has, under D65, the chromaticity of its primary (docs/receptors.md; after Mallett
-    and Yuksel, EGSR 2019).
+    elsewhere; each has, under D65, the chromaticity of its primary (docs/receptors.md; after
+    Mallett and Yuksel, EGSR 2019).
     """
     nm = np.asarray(wavelength_nm, np.float64)
     return _core.primary_spectra(np.ascontiguousarray(nm.ravel())).reshape(*nm.shape, 3)
