@@ -271,7 +271,7 @@ def _inward_axes(table: ScanTable, position: Floats, axis: str, notes: list[str]
     }
     other = "approx" if axis == "anatomical" else "anatomical"
     chosen = kinds.get(axis, np.full_like(position, np.nan))
-    missing = ~np.isfinite(chosen).all(axis=1)
+    missing = np.asarray(~np.isfinite(chosen).all(axis=1))
     if missing.any():
         if other in kinds:
             chosen = np.where(missing[:, None], kinds[other], chosen)

@@ -163,23 +163,30 @@ void add_own_properties(Writer& writer, const Members& members, const std::vecto
   const auto angle_of = [&](std::size_t i) {
     return static_cast<float>(oces_acceptance_rad(facets[i].diameter_m, facets[i].distance_m));
   };
-  if (any([&](std::size_t i) { return angle_of(i) != eye.acceptance_angle_rad[i]; }))
+  const bool focal =
+      any([&](std::size_t i) { return facets[i].distance_m != eye.focal_offset_m[i]; });
+  const bool facet =
+      any([&](std::size_t i) { return facets[i].diameter_m != eye.facet_diameter_m[i]; });
+  const bool acceptance = any([&](std::size_t i) { return eye.acceptance_of[i] >= 0; });
+  // The angle tells the reader whether the rest still belongs to the standard's properties.
+  if (focal || facet || acceptance ||
+      any([&](std::size_t i) { return angle_of(i) != eye.acceptance_angle_rad[i]; }))
     list[oces_name::acceptance_angle] =
         writer.scalar(members, [&](std::size_t i) { return eye.acceptance_angle_rad[i]; });
-  if (any([&](std::size_t i) { return facets[i].distance_m != eye.focal_offset_m[i]; }))
+  if (focal)
     list[oces_name::focal_offset] =
         writer.scalar(members, [&](std::size_t i) { return eye.focal_offset_m[i]; });
-  if (any([&](std::size_t i) { return facets[i].diameter_m != eye.facet_diameter_m[i]; }))
+  if (facet)
     list[oces_name::facet_diameter] =
         writer.scalar(members, [&](std::size_t i) { return eye.facet_diameter_m[i]; });
+  if (acceptance)
+    list[oces_name::acceptance] =
+        writer.scalar(members, [&](std::size_t i) { return eye.acceptance_of[i] + 1; });
   if (any([&](std::size_t i) { return eye.aperture_diameter_m[i] != 0; }))
     list[oces_name::aperture_diameter] =
         writer.scalar(members, [&](std::size_t i) { return eye.aperture_diameter_m[i]; });
   if (any([&](std::size_t i) { return !same_bits(eye.up[i], default_up(eye.axis[i])); }))
     list[oces_name::up] = writer.vector(members, eye.up);
-  if (any([&](std::size_t i) { return eye.acceptance_of[i] >= 0; }))
-    list[oces_name::acceptance] =
-        writer.scalar(members, [&](std::size_t i) { return eye.acceptance_of[i] + 1; });
 }
 
 json one_eye(Writer& writer, std::int32_t id, const Members& members,

@@ -160,7 +160,8 @@ Vec3 default_up(Vec3 axis) {
   const Vec3d a = normalize(to_double(axis));
   const Vec3d across = Vec3d{0, 1, 0} - a * a.y;
   if (length(across) > 1e-6) return to_float(normalize(across));
-  return {0, 0, a.y > 0 ? 1.0f : -1.0f};
+  const Vec3d back{0, 0, a.y > 0 ? 1.0 : -1.0};
+  return to_float(normalize(back - a * dot(back, a)));
 }
 
 Acceptance acceptance_at(const Eye& eye, std::size_t ommatidium) {
