@@ -114,7 +114,7 @@ def in_field(
 
 def sphere_directions(count: int) -> Floats:
     """``count`` unit vectors spread evenly over the sphere, each for the same solid angle: the
-    Fibonacci lattice (González 2010, Mathematical Geosciences 42:49)."""
+    Fibonacci lattice, turned by the golden angle from one to the next."""
     index = np.arange(count)
     height = 1 - (2 * index + 1) / count
     turn = index * np.pi * (3 - np.sqrt(5))

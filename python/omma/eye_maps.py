@@ -41,8 +41,8 @@ def project_directions(directions: Floats, projection: Projection) -> Floats:
     """Where directions, unit vectors (..., 3) in the head's frame, are on a map: (..., 2).
 
     Mercator: x is the azimuth, y the isometric latitude; Mollweide: x to 2√2, y to √2; Lambert's
-    azimuthal equal-area map about straight ahead: the rim, at radius 2, is straight behind (Snyder
-    1987, USGS Professional Paper 1395, equations 7-1, 7-2, 31-1 to 31-4, 24-1 to 24-4).
+    azimuthal equal-area map about straight ahead: the rim, at radius 2, is straight behind (all as
+    in J. P. Snyder 1987, USGS Professional Paper 1395).
     """
     x, y, z = np.moveaxis(directions, -1, 0)
     azimuth, elevation = np.arctan2(x, -z), np.arcsin(np.clip(y, -1, 1))

@@ -33,7 +33,7 @@ _OUTLIER_SD = 8.0
 _SAME = 1e-6  # of the eye's extent, and radians: what counts as the same place and direction
 _WAVELENGTH_NM = 500.0  # of the diffraction limit, where no other is asked for
 
-#: Snyder (1977, J Comp Physiol A 116:161): D·Δφ of a diffraction-limited hexagonal eye, times λ.
+#: Snyder (1977, J Comp Physiol 116:161): D·Δφ of a diffraction-limited hexagonal eye, times λ.
 DIFFRACTION_LIMIT = 0.58
 
 
@@ -106,7 +106,7 @@ class EyeMeasures:
     @cached_property
     def sampling_per_rad(self) -> Floats:
         """Sampling frequency 1/(2Δφ), cycles/rad: of the finest grating whose stripes neighbours
-        can tell apart (Götz 1964, Kybernetik 2:77)."""
+        can tell apart."""
         return np.asarray(1 / (2 * self.interommatidial_rad))
 
     @cached_property
@@ -167,7 +167,7 @@ def measure_eye(eye: Eye) -> EyeMeasures:
 
 def diffraction_limit_m_rad(wavelength_nm: float = _WAVELENGTH_NM) -> float:
     """The least D·Δφ, m rad, at which diffraction lets a hexagonal eye resolve what it samples:
-    about 0.58 λ (Snyder 1977, J Comp Physiol A 116:161)."""
+    about 0.58 λ (Snyder 1977, J Comp Physiol 116:161)."""
     return DIFFRACTION_LIMIT * wavelength_nm * 1e-9
 
 
