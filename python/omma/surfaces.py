@@ -244,7 +244,7 @@ class Mesh:
             holds = np.all(weight >= -1e-9, axis=1)
             share = weight[holds] / weight[holds].sum(axis=1, keepdims=True)
             points[holds] = np.einsum("kc,kcx->kx", share, self.vertices[faces[holds]])
-        return points
+        return np.asarray(points)
 
     def samples(self, count: int) -> tuple[Floats, Floats]:
         points, of = self._points, self._of
