@@ -1,7 +1,7 @@
 // Angular sensitivity of an ommatidium: S per unit solid angle, and the exact warp from uniform
 // numbers to directions. Directions have a polar angle theta from the axis and an azimuth, from the
 // up vector towards right. What is heavy (Bessel integrals, waveguide modes, distributions) is
-// tabulated on the host (sampling/acceptance_warp) and only read here.
+// tabulated on the host (optics/acceptance_warp) and only read here.
 //
 // A sample starts from two independent standard normals. Their radius r is Rayleigh distributed, so
 // u = 1 - exp(-r^2/2) is uniform, and theta is the inverse of the distribution over the polar angle
@@ -134,7 +134,7 @@ OMMA_HD double eval_polar_density(const SensitivityView& s, double theta_rad, do
   return eval_sensitivity(s, theta_rad, azimuth_rad) * sin(theta_rad);
 }
 
-// The warp of one sensitivity, made on the host by sampling/acceptance_warp: rows of theta(r),
+// The warp of one sensitivity, made on the host by optics/acceptance_warp: rows of theta(r),
 // cubic Hermite between knots. Round: one row. Else, for the azimuth of the pair of normals, the
 // azimuth of the direction and the row (a number with a fraction) that gives its polar angle.
 struct AcceptanceWarpView {

@@ -14,7 +14,7 @@
 #include "kernel/hash.h"
 #include "kernel/sobol.h"
 #include "sampling/even_points.h"
-#include "sampling/footprint_width.h"
+#include "optics/footprint_width.h"
 
 namespace omma {
 namespace {

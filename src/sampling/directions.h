@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "omma/render.h"
-#include "sampling/acceptance_warp.h"
+#include "optics/acceptance_warp.h"
 #include "sampling/polar_tables.h"
 
 namespace omma {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "kernel/random_direction.h"
-#include "sampling/acceptance_warp.h"
+#include "optics/acceptance_warp.h"
 
 namespace omma {
 

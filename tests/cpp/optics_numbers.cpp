@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "optics_acceptances.h"
-#include "sampling/footprint_width.h"
-#include "sampling/lens_rhabdom.h"
+#include "optics/footprint_width.h"
+#include "optics/lens_rhabdom.h"
 
 namespace omma::test {
 namespace {

@@ -8,7 +8,7 @@
 #include "kernel/hash.h"
 #include "kernel/random_direction.h"
 #include "optics_acceptances.h"
-#include "sampling/acceptance_warp.h"
+#include "optics/acceptance_warp.h"
 #include "sampling/polar_tables.h"
 
 namespace omma::test {

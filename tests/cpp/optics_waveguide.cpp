@@ -5,7 +5,7 @@
 #include <map>
 
 #include "optics_acceptances.h"
-#include "sampling/lens_rhabdom.h"
+#include "optics/lens_rhabdom.h"
 
 namespace omma::test {
 namespace {
@@ -69,7 +69,7 @@ TEST(OpticsWaveguide, ModesSolveTheirEquation) {
   EXPECT_NEAR(static_cast<double>(waveguide_modes(39.9).size()), 39.9 * 39.9 / 8 + 39.9 / pi, 10);
 }
 
-// --- The slow way. Lengths are over (lambda f)/(pi D), as in sampling/lens_rhabdom.h.
+// --- The slow way. Lengths are over (lambda f)/(pi D), as in optics/lens_rhabdom.h.
 double field(const WaveguideMode& mode, double r) {
   return r < 1 ? std::cyl_bessel_j(mode.l, mode.u * r) / std::cyl_bessel_j(mode.l, mode.u)
                : std::cyl_bessel_k(mode.l, mode.w * r) / std::cyl_bessel_k(mode.l, mode.w);

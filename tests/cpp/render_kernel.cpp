@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "backend/shading_data.h"
-#include "sampling/acceptance_warp.h"
+#include "optics/acceptance_warp.h"
 #include "test_scenes.h"
 
 namespace omma::test {

@@ -7,9 +7,9 @@
 #include <complex>
 
 #include "omma/acceptance.h"
-#include "sampling/acceptance_warp.h"
-#include "sampling/gauss_legendre.h"
-#include "sampling/lens_rhabdom.h"
+#include "optics/acceptance_warp.h"
+#include "optics/gauss_legendre.h"
+#include "optics/lens_rhabdom.h"
 
 namespace omma {
 namespace {

@@ -1,7 +1,7 @@
 // Round sensitivities have one row of theta(r). The rows of elliptical Gaussians are those of round
 // ones of all widths, which all of them share: at one azimuth they are the same. The rows of tables
 // are those of evenly spaced azimuths.
-#include "sampling/acceptance_warp.h"
+#include "optics/acceptance_warp.h"
 
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
@@ -10,8 +10,8 @@
 #include <cmath>
 #include <functional>
 
-#include "sampling/gauss_legendre.h"
-#include "sampling/polar_inverse.h"
+#include "optics/gauss_legendre.h"
+#include "optics/polar_inverse.h"
 
 namespace omma {
 namespace {

@@ -1,6 +1,6 @@
 // Bessel functions of a grid of x and the nodes of a quadrature are the same for every lens; they
 // are made once, and a profile is then a matrix times a vector for each mode.
-#include "sampling/lens_rhabdom.h"
+#include "optics/lens_rhabdom.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 #include <mutex>
 
 #include "kernel/acceptance.h"
-#include "sampling/gauss_legendre.h"
+#include "optics/gauss_legendre.h"
 
 namespace omma {
 namespace {

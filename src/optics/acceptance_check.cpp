@@ -4,7 +4,7 @@
 
 #include "omma/acceptance.h"
 #include "omma/error.h"
-#include "sampling/lens_rhabdom.h"
+#include "optics/lens_rhabdom.h"
 
 namespace omma {
 namespace {

@@ -1,11 +1,11 @@
 // Gauss-Legendre quadrature on the cells, summed from both ends so that the tail keeps its relative
 // accuracy, then Newton's method.
-#include "sampling/polar_inverse.h"
+#include "optics/polar_inverse.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "sampling/lens_rhabdom.h"
+#include "optics/lens_rhabdom.h"
 
 namespace omma {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "kernel/acceptance.h"
 #include "omma/acceptance.h"
-#include "sampling/lens_rhabdom.h"
+#include "optics/lens_rhabdom.h"
 
 namespace omma {
 

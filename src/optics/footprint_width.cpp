@@ -1,4 +1,4 @@
-#include "sampling/footprint_width.h"
+#include "optics/footprint_width.h"
 
 #include <algorithm>
 #include <cmath>

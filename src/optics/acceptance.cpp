@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "kernel/hash.h"
-#include "sampling/acceptance_warp.h"
-#include "sampling/lens_rhabdom.h"
+#include "optics/acceptance_warp.h"
+#include "optics/lens_rhabdom.h"
 
 namespace omma {
 namespace {

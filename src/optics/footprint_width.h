@@ -1,7 +1,7 @@
 // How wide the rays of an acceptance may be and are; kernel/footprint.h says why.
 #pragma once
 
-#include "sampling/acceptance_warp.h"
+#include "optics/acceptance_warp.h"
 
 namespace omma {
 
