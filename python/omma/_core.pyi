@@ -272,7 +272,7 @@ class Acceptance:
     def lens_rhabdom(facet_diameter_m: float, focal_length_m: float, rhabdom_diameter_m: float, wavelength_nm: float, rhabdom_index: float = 1.363, surround_index: float = 1.34, model: str = 'waveguide') -> Acceptance:
         """
         Diffraction at the facet and what the rhabdom takes of it: "waveguide" (the modes it
-        carries; Stavenga 2004), "geometric" (its disc) or "snyder" (a Gaussian; Snyder 1979).
+        carries; Stavenga 2004), "geometric" (its disc) or "snyder" (a Gaussian).
         """
 
     @staticmethod

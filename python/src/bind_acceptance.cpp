@@ -147,7 +147,7 @@ void bind_acceptance(nb::module_& m) {
           nb::arg("wavelength_nm"), nb::arg("rhabdom_index") = 1.363,
           nb::arg("surround_index") = 1.340, nb::arg("model") = "waveguide",
           "Diffraction at the facet and what the rhabdom takes of it: \"waveguide\" (the modes it\n"
-          "carries; Stavenga 2004), \"geometric\" (its disc) or \"snyder\" (a Gaussian)."")
+          "carries; Stavenga 2004), \"geometric\" (its disc) or \"snyder\" (a Gaussian).")
       .def_static(
           "table",
           [](nb::object angle_rad, nb::object sensitivity, nb::object path) {
