@@ -55,13 +55,13 @@ def holcocephala(progress: Progress | None = None) -> Species:
     eye = lay_on_surface(
         surface,
         lambda points: facet(surface.angle(points)),
-        inside=lambda points: surface.normals(points)[:, 0] > -nasal,
-        count=round(number(_HOLCOCEPHALA, "ommatidia")),
         progress=progress,
     )
+    # What would look too far across the head is left out.
+    eye = eye.take(np.flatnonzero(eye.axis[:, 0] > -nasal))
     angle = surface.angle(eye.position_m.astype(np.float64))
     region = np.where(angle < fovea, "fovea", "eye").tolist()
-    eye = eye.replace(eye_id=1, columns={"region": region})
+    eye = eye.replace(eye_id=1, facet_diameter_m=facet(angle), columns={"region": region})
     eye = acceptance_from_facets(eye, wavelength_nm=number(_HOLCOCEPHALA, "wavelength"))
     return species(_HOLCOCEPHALA, "Holcocephala fusca", eye)
 
