@@ -38,7 +38,7 @@ Eye load_eye(const std::string& path, double metres_per_unit = 1e-3);
 Eye parse_eye(const std::string& text, const std::string& path, double metres_per_unit = 1e-3);
 
 // The eyes of one head of an OCES file, by its node's name or its number among the heads; and the
-// names of the heads that are enabled.
+// names of the heads that are enabled, none where a glTF file has no eyes.
 Eye load_eye_of_head(const std::string& path, const std::string& head);
 std::vector<std::string> eye_file_heads(const std::string& path);
 

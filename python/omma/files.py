@@ -96,10 +96,11 @@ def load_eye(path: PathLike, unit: str | float = "mm", *, head: str | int | None
 
 
 def eye_file_heads(path: PathLike) -> list[str]:
-    """The names of the heads in an OCES file (`.gltf`, `.glb`) that are enabled.
+    """The names of the heads in an OCES file (`.gltf`, `.glb`) that are enabled; none where a glTF
+    file has no eyes.
 
     Raises:
-        omma.Error: the file is missing, wrong, or has no eyes.
+        omma.Error: the file is missing or wrong.
     """
     return _core.eye_file_heads(path)
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from omma._core import Eye, Scene
 from omma.eye_measures import measure_eye
-from omma.files import PathLike, azimuth_elevation_deg, load_eye, load_scene
+from omma.files import PathLike, azimuth_elevation_deg, eye_file_heads, load_eye, load_scene
 
 Lines = list[tuple[str, str]]  # what, and its value
 
@@ -40,7 +40,14 @@ def describe_file(
         omma.Error: the file cannot be read.
     """
     if is_scene_file(path):
-        return describe_scene(load_scene(path, progress=progress))
+        lines = describe_scene(load_scene(path, progress=progress))
+        # A glTF file may hold a scene, eyes of the Open Compound Eye Standard, or both.
+        heads = eye_file_heads(path)
+        if len(heads) == 1:
+            lines += [("head", heads[0] or "(no name)"), *describe_eye(load_eye(path))[1:]]
+        elif heads:
+            lines.append(("heads", ", ".join(head or "(no name)" for head in heads)))
+        return lines
     return describe_eye(load_eye(path, unit))
 
 

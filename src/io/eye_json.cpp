@@ -87,11 +87,11 @@ template <typename T>
 T read(const std::vector<Member<T>>& members, const json& object, const std::string& place) {
   if (!object.is_object()) fail(place, "an object", object);
   T result;
-  for (const auto& [name, value] : object.items()) {
+  for (const auto& item : object.items()) {
     const auto member = std::find_if(members.begin(), members.end(),
-                                     [&](const Member<T>& m) { return m.name == name; });
-    if (member == members.end()) throw Error(place + ": has no member " + shown_text(name));
-    member->read(result, value, place + "." + name);
+                                     [&](const Member<T>& m) { return m.name == item.key(); });
+    if (member == members.end()) throw Error(place + ": has no member " + shown_text(item.key()));
+    member->read(result, item.value(), place + "." + item.key());
   }
   return result;
 }

@@ -16,7 +16,8 @@ namespace omma {
 // the only one. `file` holds the bytes of a .gltf or .glb file, `path` names it in errors.
 Eye parse_oces(std::string file, const std::string& path, const std::string& head = "");
 
-// Names of the heads of a file that are enabled, "" where a node has none.
+// Names of the heads of a file that are enabled, "" where a node has none; no heads where the file
+// has no eyes.
 std::vector<std::string> parse_oces_heads(std::string file, const std::string& path);
 
 // The bytes of a .glb file, or of a .gltf file with its numbers inside.

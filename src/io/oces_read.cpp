@@ -50,16 +50,15 @@ const json* extension_of(const json& object, const std::string& place) {
   return own;
 }
 
-OcesFile open(std::string bytes, const std::string& path) {
+// From an open glTF file that has the extension.
+OcesFile open(GltfContainer gltf, const std::string& path) {
   OcesFile file;
-  file.gltf = open_gltf(std::move(bytes), path, {});
+  file.gltf = std::move(gltf);
   std::uint64_t size = file.gltf.file_size;
   for (const std::string& buffer : file.gltf.buffers) size += buffer.size();
   // Ample for properties and pictures; too little for a file made to exhaust the memory.
   const std::uint64_t budget = (std::uint64_t{1} << 28) + 256 * size;
   file.budget = {path, budget, budget};
-  if (extension_of(file.gltf.document, path) == nullptr)
-    throw Error(path + ": has no eyes: expected the glTF extension OCES_eyes, found none");
   const json& extension = file.extension();
   const std::string version = oces_text(extension, "version", path + ": OCES_eyes");
   if (!version.starts_with("0."))
@@ -321,7 +320,10 @@ const json& OcesFile::extension() const {
 }
 
 Eye parse_oces(std::string bytes, const std::string& path, const std::string& wanted) {
-  OcesFile file = open(std::move(bytes), path);
+  GltfContainer gltf = open_gltf(std::move(bytes), path, {});
+  if (extension_of(gltf.document, path) == nullptr)
+    throw Error(path + ": has no eyes: expected the glTF extension OCES_eyes, found none");
+  OcesFile file = open(std::move(gltf), path);
   const Tree tree = read_tree(file);
   const Head& head = choose(tree.heads, wanted, path);
   std::vector<PlacedEye> placed;
@@ -353,8 +355,10 @@ Eye parse_oces(std::string bytes, const std::string& path, const std::string& wa
 }
 
 std::vector<std::string> parse_oces_heads(std::string bytes, const std::string& path) {
-  const OcesFile file = open(std::move(bytes), path);
   std::vector<std::string> names;
+  GltfContainer gltf = open_gltf(std::move(bytes), path, {});
+  if (extension_of(gltf.document, path) == nullptr) return names;
+  const OcesFile file = open(std::move(gltf), path);
   for (const Head& head : read_tree(file).heads)
     if (head.enabled) names.push_back(head.name);
   return names;
