@@ -218,6 +218,7 @@ def test_cataglyphis_dorsal_rim():
         turns.append(math.atan2(microvilli[first] @ level, microvilli[first] @ upright) % math.pi)
     # A fan: every direction of the half turn, evenly.
     assert np.diff(np.sort(turns)).max() < math.pi / 80 + 0.02
+    assert np.ptp(turns) > math.pi - 0.1
     outside = eye.receptor_type[eye.first_receptor[np.flatnonzero(~rim)[0]]]
     assert types[outside].polarisation_sensitivity == 2.9
 
