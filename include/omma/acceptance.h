@@ -29,6 +29,8 @@ struct SensitivityTable {
   std::vector<double> right_rad;    // [column], ascending; of a radial profile the polar angles
   std::vector<double> up_rad;       // [row], ascending; empty for a radial profile
   std::vector<double> sensitivity;  // [row][column], or [column]; not negative, the largest 1
+
+  bool operator==(const SensitivityTable&) const = default;
 };
 
 // Only what the kernel needs is read of these.
@@ -52,7 +54,7 @@ struct Acceptance {
   // table
   std::shared_ptr<const SensitivityTable> table;
 
-  bool operator==(const Acceptance&) const = default;
+  bool operator==(const Acceptance&) const;
 };
 
 // Throws omma::Error naming the parameter; `where` begins the message.
@@ -68,8 +70,8 @@ double acceptance_width_rad(const Acceptance& acceptance, double azimuth_rad);
 double mean_acceptance_width_rad(const Acceptance& acceptance);
 
 // Of many directions at once, as what a kernel needs is prepared once: polar angles and azimuths,
-// rad, and as many values. Relative sensitivity, 1 at its largest; density of sample_acceptance per
-// steradian.
+// rad, and as many values. Relative sensitivity, 1 at its largest (but for compoundray, infinite at
+// the axis and not normalised); density of sample_acceptance per steradian.
 void eval_acceptance(const Acceptance& acceptance, std::span<const double> theta_rad,
                      std::span<const double> azimuth_rad, std::span<double> sensitivity);
 void acceptance_pdf(const Acceptance& acceptance, std::span<const double> theta_rad,

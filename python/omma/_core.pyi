@@ -355,6 +355,7 @@ class Acceptance:
     def eval(self, theta_rad: numpy.typing.ArrayLike, azimuth_rad: numpy.typing.ArrayLike = 0.0) -> Any:
         """
         Relative sensitivity in directions, 1 at its largest; arrays are broadcast.
+        compoundray's is infinite at the axis and not normalised.
         """
 
     def pdf(self, theta_rad: numpy.typing.ArrayLike, azimuth_rad: numpy.typing.ArrayLike = 0.0) -> Any:
@@ -471,7 +472,7 @@ class Eye:
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self, position_m: numpy.typing.ArrayLike, axis: numpy.typing.ArrayLike, acceptance_angle_rad: numpy.typing.ArrayLike | None = None, focal_offset_m: numpy.typing.ArrayLike = 0.0, eye_id: numpy.typing.ArrayLike = 0, *, up: numpy.typing.ArrayLike | None = None, facet_diameter_m: numpy.typing.ArrayLike = 0.0, aperture_diameter_m: numpy.typing.ArrayLike = 0.0, acceptance: Acceptance | Sequence[Acceptance | None] = ..., receptor_types: Sequence[ReceptorType] | None = None, receptors: Sequence[Any] | None = None, columns: dict[str, Any] | None = None, path: str | os.PathLike[str] = '') -> None: ...
+    def __init__(self, position_m: numpy.typing.ArrayLike, axis: numpy.typing.ArrayLike, acceptance_angle_rad: numpy.typing.ArrayLike | None = None, focal_offset_m: numpy.typing.ArrayLike = 0.0, eye_id: numpy.typing.ArrayLike = 0, *, up: numpy.typing.ArrayLike | None = None, facet_diameter_m: numpy.typing.ArrayLike = 0.0, aperture_diameter_m: numpy.typing.ArrayLike = 0.0, acceptance: Acceptance | Sequence[Acceptance | None] | None = None, receptor_types: Sequence[ReceptorType] | None = None, receptors: Sequence[Any] | None = None, columns: dict[str, Any] | None = None, path: str | os.PathLike[str] = '') -> None: ...
 
     def replace(self, **changes: Any) -> Eye:
         """

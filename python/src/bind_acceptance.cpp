@@ -87,11 +87,11 @@ void bind_acceptance(nb::module_& m) {
       .def_static(
           "gaussian",
           [](double width_rad, std::optional<double> minor_width_rad, double major_angle_rad) {
-    Acceptance a;
-    a.width_rad = width_rad;
-    a.minor_width_rad = minor_width_rad.value_or(0);
-    a.major_angle_rad = major_angle_rad;
-    return checked(a);
+            Acceptance a;
+            a.width_rad = width_rad;
+            a.minor_width_rad = minor_width_rad.value_or(0);
+            a.major_angle_rad = major_angle_rad;
+            return checked(a);
           },
           nb::arg("width_rad"), nb::arg("minor_width_rad") = nb::none(),
           nb::arg("major_angle_rad") = 0.0,
@@ -100,30 +100,30 @@ void bind_acceptance(nb::module_& m) {
       .def_static(
           "pillbox",
           [](double width_rad) {
-    Acceptance a;
-    a.kernel = Kernel::pillbox;
-    a.width_rad = width_rad;
-    return checked(a);
+            Acceptance a;
+            a.kernel = Kernel::pillbox;
+            a.width_rad = width_rad;
+            return checked(a);
           },
           nb::arg("width_rad"), "The same all over a disc of this diameter.")
       .def_static(
           "compoundray",
           [](double width_rad) {
-    Acceptance a;
-    a.kernel = Kernel::compoundray;
-    a.width_rad = width_rad;
-    return checked(a);
+            Acceptance a;
+            a.kernel = Kernel::compoundray;
+            a.width_rad = width_rad;
+            return checked(a);
           },
           nb::arg("width_rad"),
           "CompoundRay's: the polar angle from a one-dimensional normal, for comparison.")
       .def_static(
           "airy",
           [](double facet_diameter_m, double wavelength_nm) {
-    Acceptance a;
-    a.kernel = Kernel::airy;
-    a.facet_diameter_m = facet_diameter_m;
-    a.wavelength_nm = wavelength_nm;
-    return checked(a);
+            Acceptance a;
+            a.kernel = Kernel::airy;
+            a.facet_diameter_m = facet_diameter_m;
+            a.wavelength_nm = wavelength_nm;
+            return checked(a);
           },
           nb::arg("facet_diameter_m"), nb::arg("wavelength_nm"),
           "Diffraction at a round facet alone: [2 J1(x)/x]^2 with x = pi D sin(theta)/lambda.")
@@ -132,16 +132,16 @@ void bind_acceptance(nb::module_& m) {
           [](double facet_diameter_m, double focal_length_m, double rhabdom_diameter_m,
              double wavelength_nm, double rhabdom_index, double surround_index,
              const std::string& model) {
-    Acceptance a;
-    a.kernel = Kernel::lens_rhabdom;
-    a.facet_diameter_m = facet_diameter_m;
-    a.focal_length_m = focal_length_m;
-    a.rhabdom_diameter_m = rhabdom_diameter_m;
-    a.wavelength_nm = wavelength_nm;
-    a.rhabdom_index = rhabdom_index;
-    a.surround_index = surround_index;
-    a.model = model_of(model);
-    return checked(a);
+            Acceptance a;
+            a.kernel = Kernel::lens_rhabdom;
+            a.facet_diameter_m = facet_diameter_m;
+            a.focal_length_m = focal_length_m;
+            a.rhabdom_diameter_m = rhabdom_diameter_m;
+            a.wavelength_nm = wavelength_nm;
+            a.rhabdom_index = rhabdom_index;
+            a.surround_index = surround_index;
+            a.model = model_of(model);
+            return checked(a);
           },
           nb::arg("facet_diameter_m"), nb::arg("focal_length_m"), nb::arg("rhabdom_diameter_m"),
           nb::arg("wavelength_nm"), nb::arg("rhabdom_index") = 1.363,
@@ -151,8 +151,8 @@ void bind_acceptance(nb::module_& m) {
       .def_static(
           "table",
           [](nb::object angle_rad, nb::object sensitivity, nb::object path) {
-    return table(numbers(angle_rad, "angle_rad"), {}, numbers(sensitivity, "sensitivity"),
-                 path_text(path));
+            return table(numbers(angle_rad, "angle_rad"), {}, numbers(sensitivity, "sensitivity"),
+                         path_text(path));
           },
           nb::arg("angle_rad"), nb::arg("sensitivity"), nb::arg("path") = "",
           nb::sig("def table(angle_rad: numpy.typing.ArrayLike, sensitivity: "
@@ -162,14 +162,14 @@ void bind_acceptance(nb::module_& m) {
       .def_static(
           "table_2d",
           [](nb::object right_rad, nb::object up_rad, nb::object sensitivity, nb::object path) {
-    std::vector<double> right = numbers(right_rad, "right_rad");
-    std::vector<double> up = numbers(up_rad, "up_rad");
-    const auto values = double_array(
-        sensitivity, "sensitivity",
-        {static_cast<std::int64_t>(up.size()), static_cast<std::int64_t>(right.size())});
-    if (up.empty()) throw Error("up_rad: expected at least two angles, found none");
-    return table(std::move(right), std::move(up), {values.data(), values.data() + values.size()},
-                 path_text(path));
+            std::vector<double> right = numbers(right_rad, "right_rad");
+            std::vector<double> up = numbers(up_rad, "up_rad");
+            const auto values = double_array(
+                sensitivity, "sensitivity",
+                {static_cast<std::int64_t>(up.size()), static_cast<std::int64_t>(right.size())});
+            if (up.empty()) throw Error("up_rad: expected at least two angles, found none");
+            return table(std::move(right), std::move(up),
+                         {values.data(), values.data() + values.size()}, path_text(path));
           },
           nb::arg("right_rad"), nb::arg("up_rad"), nb::arg("sensitivity"), nb::arg("path") = "",
           nb::sig("def table_2d(right_rad: numpy.typing.ArrayLike, up_rad: numpy.typing.ArrayLike, "
@@ -178,11 +178,9 @@ void bind_acceptance(nb::module_& m) {
           "A measured map: angles to the right (C,) and up (R,), ascending, rad, and\n"
           "sensitivities (R, C); linear between, 0 outside. Divided by the largest.")
       .def_prop_ro("kernel",
-                   [](const Acceptance& a) {
-    return kernel_names[static_cast<int>(a.kernel)]; })
+                   [](const Acceptance& a) { return kernel_names[static_cast<int>(a.kernel)]; })
       .def_prop_ro("model",
-                   [](const Acceptance& a) {
-    return model_names[static_cast<int>(a.model)]; })
+                   [](const Acceptance& a) { return model_names[static_cast<int>(a.model)]; })
       .def_ro("width_parameter_rad", &Acceptance::width_rad,
               "Full width at half maximum that a gaussian (major axis), pillbox or compoundray was "
               "made with.")
@@ -196,18 +194,16 @@ void bind_acceptance(nb::module_& m) {
       .def_ro("surround_index", &Acceptance::surround_index)
       .def_prop_ro(
           "table_right_rad",
-          [](const Acceptance& a) {
-    return a.table ? a.table->right_rad : std::vector<double>{}; },
+          [](const Acceptance& a) { return a.table ? a.table->right_rad : std::vector<double>{}; },
           "Of a table: angles to the right, or the polar angles of a radial profile, rad.")
       .def_prop_ro(
           "table_up_rad",
-          [](const Acceptance& a) {
-    return a.table ? a.table->up_rad : std::vector<double>{}; },
+          [](const Acceptance& a) { return a.table ? a.table->up_rad : std::vector<double>{}; },
           "Of a two-dimensional table: angles up, rad.")
       .def_prop_ro(
           "table_sensitivity",
           [](const Acceptance& a) {
-    return a.table ? a.table->sensitivity : std::vector<double>{};
+            return a.table ? a.table->sensitivity : std::vector<double>{};
           },
           "Of a table: sensitivities, row by row.")
       .def_prop_ro("is_round", &is_round, "Whether it depends on the polar angle alone.")
@@ -219,21 +215,22 @@ void bind_acceptance(nb::module_& m) {
       .def(
           "eval",
           [](const Acceptance& a, nb::object theta_rad, nb::object azimuth_rad) {
-    return at_angles(theta_rad, "theta_rad", azimuth_rad,
-                     [&](const double* t, const double* f, double* out, std::size_t n) {
-                       eval_acceptance(a, {t, n}, {f, n}, {out, n});
-                     });
+            return at_angles(theta_rad, "theta_rad", azimuth_rad,
+                             [&](const double* t, const double* f, double* out, std::size_t n) {
+                               eval_acceptance(a, {t, n}, {f, n}, {out, n});
+                             });
           },
           nb::arg("theta_rad"), nb::arg("azimuth_rad") = 0.0,
           nb::sig((std::string("def eval") + of_angles).c_str()),
-          "Relative sensitivity in directions, 1 at its largest; arrays are broadcast.")
+          "Relative sensitivity in directions, 1 at its largest; arrays are broadcast.\n"
+          "compoundray's is infinite at the axis and not normalised.")
       .def(
           "pdf",
           [](const Acceptance& a, nb::object theta_rad, nb::object azimuth_rad) {
-    return at_angles(theta_rad, "theta_rad", azimuth_rad,
-                     [&](const double* t, const double* f, double* out, std::size_t n) {
-                       acceptance_pdf(a, {t, n}, {f, n}, {out, n});
-                     });
+            return at_angles(theta_rad, "theta_rad", azimuth_rad,
+                             [&](const double* t, const double* f, double* out, std::size_t n) {
+                               acceptance_pdf(a, {t, n}, {f, n}, {out, n});
+                             });
           },
           nb::arg("theta_rad"), nb::arg("azimuth_rad") = 0.0,
           nb::sig((std::string("def pdf") + of_angles).c_str()),
@@ -241,10 +238,10 @@ void bind_acceptance(nb::module_& m) {
       .def(
           "mtf",
           [](const Acceptance& a, nb::object cycles_per_rad, nb::object azimuth_rad) {
-    return at_angles(cycles_per_rad, "cycles_per_rad", azimuth_rad,
-                     [&](const double* t, const double* f, double* out, std::size_t n) {
-                       acceptance_mtf(a, {t, n}, {f, n}, {out, n});
-                     });
+            return at_angles(cycles_per_rad, "cycles_per_rad", azimuth_rad,
+                             [&](const double* t, const double* f, double* out, std::size_t n) {
+                               acceptance_mtf(a, {t, n}, {f, n}, {out, n});
+                             });
           },
           nb::arg("cycles_per_rad"), nb::arg("azimuth_rad") = 0.0,
           nb::sig("def mtf(self, cycles_per_rad: numpy.typing.ArrayLike, azimuth_rad: "
@@ -254,14 +251,14 @@ void bind_acceptance(nb::module_& m) {
       .def(
           "sample",
           [](const Acceptance& a, int count, std::uint64_t seed) {
-    std::vector<Vec3> directions;
-    {
-      nb::gil_scoped_release release;
-      directions = sample_acceptance(a, count, seed);
-    }
-    std::vector<float> values;
-    for (const Vec3& d : directions) values.insert(values.end(), {d.x, d.y, d.z});
-    return take(std::move(values), {directions.size(), 3});
+            std::vector<Vec3> directions;
+            {
+              nb::gil_scoped_release release;
+              directions = sample_acceptance(a, count, seed);
+            }
+            std::vector<float> values;
+            for (const Vec3& d : directions) values.insert(values.end(), {d.x, d.y, d.z});
+            return take(std::move(values), {directions.size(), 3});
           },
           nb::arg("count"), nb::arg("seed") = 0,
           nb::sig("def sample(self, count: int, seed: int = 0) -> "
@@ -271,17 +268,17 @@ void bind_acceptance(nb::module_& m) {
       .def(
           "__eq__",
           [](const Acceptance& a, nb::handle other) {
-    return nb::isinstance<Acceptance>(other) && a == nb::cast<const Acceptance&>(other);
+            return nb::isinstance<Acceptance>(other) && a == nb::cast<const Acceptance&>(other);
           },
           nb::sig("def __eq__(self, other: object) -> bool"))
       .def("__hash__",
            [](const Acceptance& a) {
-    return std::hash<double>{}(a.width_rad + a.facet_diameter_m + a.rhabdom_diameter_m) +
-           static_cast<std::size_t>(a.kernel);
+             return std::hash<double>{}(a.width_rad + a.facet_diameter_m + a.rhabdom_diameter_m) +
+                    static_cast<std::size_t>(a.kernel);
            })
       .def("__repr__", [](const Acceptance& a) {
-    return "<omma.Acceptance " + std::string(kernel_names[static_cast<int>(a.kernel)]) + ", " +
-           std::to_string(mean_acceptance_width_rad(a) / degree) + " deg>";
+        return "<omma.Acceptance " + std::string(kernel_names[static_cast<int>(a.kernel)]) + ", " +
+               std::to_string(mean_acceptance_width_rad(a) / degree) + " deg>";
       });
 
   nb::class_<ReceptorType>(
@@ -305,24 +302,25 @@ void bind_acceptance(nb::module_& m) {
              double microvillus_angle_rad, double polarisation_sensitivity, double absorption_per_m,
              double length_m, double right_rad, double up_rad,
              const std::optional<Acceptance>& acceptance) {
-    ReceptorType type;
-    type.name = name;
-    type.peak_wavelength_nm = peak_wavelength_nm;
-    if (!wavelength_nm.is_none()) type.wavelength_nm = numbers(wavelength_nm, "wavelength_nm");
-    if (!sensitivity.is_none()) type.sensitivity = numbers(sensitivity, "sensitivity");
-    double largest = 0;
-    for (const double s : type.sensitivity) largest = std::max(largest, s);
-    if (largest > 0)
-      for (double& s : type.sensitivity) s /= largest;
-    type.microvillus_angle_rad = microvillus_angle_rad;
-    type.polarisation_sensitivity = polarisation_sensitivity;
-    type.absorption_per_m = absorption_per_m;
-    type.length_m = length_m;
-    type.right_rad = right_rad;
-    type.up_rad = up_rad;
-    type.acceptance = acceptance;
-    validate_receptor_type(type, "ReceptorType");
-    new (self) ReceptorType(std::move(type));
+            ReceptorType type;
+            type.name = name;
+            type.peak_wavelength_nm = peak_wavelength_nm;
+            if (!wavelength_nm.is_none())
+              type.wavelength_nm = numbers(wavelength_nm, "wavelength_nm");
+            if (!sensitivity.is_none()) type.sensitivity = numbers(sensitivity, "sensitivity");
+            double largest = 0;
+            for (const double s : type.sensitivity) largest = std::max(largest, s);
+            if (largest > 0)
+              for (double& s : type.sensitivity) s /= largest;
+            type.microvillus_angle_rad = microvillus_angle_rad;
+            type.polarisation_sensitivity = polarisation_sensitivity;
+            type.absorption_per_m = absorption_per_m;
+            type.length_m = length_m;
+            type.right_rad = right_rad;
+            type.up_rad = up_rad;
+            type.acceptance = acceptance;
+            validate_receptor_type(type, "ReceptorType");
+            new (self) ReceptorType(std::move(type));
           },
           nb::arg("name"), nb::kw_only(), nb::arg("peak_wavelength_nm") = 0.0,
           nb::arg("wavelength_nm") = nb::none(), nb::arg("sensitivity") = nb::none(),
@@ -349,14 +347,12 @@ void bind_acceptance(nb::module_& m) {
       .def(
           "__eq__",
           [](const ReceptorType& a, nb::handle other) {
-    return nb::isinstance<ReceptorType>(other) && a == nb::cast<const ReceptorType&>(other);
+            return nb::isinstance<ReceptorType>(other) && a == nb::cast<const ReceptorType&>(other);
           },
           nb::sig("def __eq__(self, other: object) -> bool"))
-      .def("__hash__", [](const ReceptorType& a) {
-    return std::hash<std::string>{}(a.name); })
+      .def("__hash__", [](const ReceptorType& a) { return std::hash<std::string>{}(a.name); })
       .def("__repr__",
-           [](const ReceptorType& a) {
-    return "<omma.ReceptorType '" + a.name + "'>"; });
+           [](const ReceptorType& a) { return "<omma.ReceptorType '" + a.name + "'>"; });
 }
 
 }  // namespace omma::python

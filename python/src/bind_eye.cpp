@@ -124,7 +124,9 @@ void bind_eye(nb::module_& m) {
          "__init__",
          [](Eye* self, nb::object position_m, nb::object axis, nb::object acceptance_angle_rad,
             nb::object focal_offset_m, nb::object eye_id, nb::kwargs others) {
-           if (acceptance_angle_rad.is_none() && !others.contains("acceptance"))
+           const bool own =
+               others.contains("acceptance") && !nb::object(others["acceptance"]).is_none();
+           if (acceptance_angle_rad.is_none() && !own)
              throw Error("Eye: expected acceptance_angle_rad or acceptance, found neither");
            others["position_m"] = position_m;
            others["axis"] = axis;
@@ -144,7 +146,7 @@ void bind_eye(nb::module_& m) {
                  "numpy.typing.ArrayLike = 0, *, up: numpy.typing.ArrayLike | None = None, "
                  "facet_diameter_m: numpy.typing.ArrayLike = 0.0, aperture_diameter_m: "
                  "numpy.typing.ArrayLike = 0.0, acceptance: Acceptance | "
-                 "collections.abc.Sequence[Acceptance | None] = ..., receptor_types: "
+                 "collections.abc.Sequence[Acceptance | None] | None = None, receptor_types: "
                  "collections.abc.Sequence[ReceptorType] | None = None, receptors: "
                  "collections.abc.Sequence[typing.Any] | None = None, columns: dict[str, "
                  "typing.Any] | None = None, path: str | os.PathLike[str] = '') -> None"))

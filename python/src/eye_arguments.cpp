@@ -11,6 +11,7 @@
 
 #include "arrays.h"
 #include "omma/error.h"
+#include "optics/acceptance_hash.h"
 
 namespace omma::python {
 namespace {
@@ -54,6 +55,7 @@ void set_acceptances(Eye& eye, nb::handle value, bool angles_given) {
   eye.acceptances.clear();
   eye.acceptance_of.assign(eye.size(), -1);
   eye.acceptance_angle_rad.resize(eye.size(), 0.0f);
+  if (value.is_none()) return;
   const auto set = [&](std::size_t i, std::int32_t which) {
     eye.acceptance_of[i] = which;
     eye.acceptance_angle_rad[i] = 0;  // found when the eye is checked
@@ -71,23 +73,20 @@ void set_acceptances(Eye& eye, nb::handle value, bool angles_given) {
   if (nb::len(value) != eye.size())
     throw Error("acceptance: expected one for all, or as many as there are ommatidia (" +
                 std::to_string(eye.size()) + "), found " + std::to_string(nb::len(value)));
-  std::unordered_map<const PyObject*, std::int32_t> seen;
+  std::unordered_map<Acceptance, std::int32_t, AcceptanceHash> seen;
   std::size_t i = 0;
   for (nb::handle item : nb::iter(value)) {
     if (item.is_none()) {
       if (!angles_given && eye.acceptance_angle_rad[i] == 0)
         throw Error("acceptance[" + std::to_string(i) +
                     "]: None needs an acceptance_angle_rad, found neither");
-    } else if (const auto known = seen.find(item.ptr()); known != seen.end()) {
-      set(i, known->second);
     } else {
       if (!nb::isinstance<Acceptance>(item)) refuse("[" + std::to_string(i) + "]", item);
       const auto& acceptance = nb::cast<const Acceptance&>(item);
-      const auto same = std::find(eye.acceptances.begin(), eye.acceptances.end(), acceptance);
-      const auto which = static_cast<std::int32_t>(same - eye.acceptances.begin());
-      if (same == eye.acceptances.end()) eye.acceptances.push_back(acceptance);
-      seen[item.ptr()] = which;
-      set(i, which);
+      const auto next = static_cast<std::int32_t>(eye.acceptances.size());
+      const auto [place, is_new] = seen.try_emplace(acceptance, next);
+      if (is_new) eye.acceptances.push_back(acceptance);
+      set(i, place->second);
     }
     ++i;
   }

@@ -3,10 +3,12 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <unordered_map>
 
 #include "model/unit_axis.h"
 #include "omma/error.h"
 #include "omma/eye.h"
+#include "optics/acceptance_hash.h"
 
 namespace omma {
 namespace {
@@ -15,14 +17,8 @@ std::string name_of(const Eye& eye) {
   return eye.path.empty() ? "eye" : eye.path;
 }
 
-// Index of a value in a list, where it is put if it is not there yet.
-template <typename Value>
-std::int32_t index_in(std::vector<Value>& list, const Value& value) {
-  const auto found = std::find(list.begin(), list.end(), value);
-  if (found != list.end()) return static_cast<std::int32_t>(found - list.begin());
-  list.push_back(value);
-  return static_cast<std::int32_t>(list.size() - 1);
-}
+// The acceptances that a growing eye has already, and where.
+using Known = std::unordered_map<Acceptance, std::int32_t, AcceptanceHash>;
 
 // What an angular sensitivity becomes when its eye is seen in a mirror: right and left change.
 Acceptance mirrored(Acceptance acceptance) {
@@ -119,7 +115,7 @@ void append(std::vector<Value>& to, const std::vector<Value>& from) {
 }
 
 // Both validated, `to` perhaps empty.
-void append_eye(Eye& to, const Eye& from, std::int32_t eye_id) {
+void append_eye(Eye& to, Known& known, const Eye& from, std::int32_t eye_id) {
   append_columns(to, from);
   append(to.position_m, from.position_m);
   append(to.axis, from.axis);
@@ -130,10 +126,19 @@ void append_eye(Eye& to, const Eye& from, std::int32_t eye_id) {
   append(to.facet_diameter_m, from.facet_diameter_m);
   append(to.aperture_diameter_m, from.aperture_diameter_m);
   std::vector<std::int32_t> acceptance, type;
-  for (const Acceptance& a : from.acceptances) acceptance.push_back(index_in(to.acceptances, a));
+  for (const Acceptance& a : from.acceptances) {
+    const auto next = static_cast<std::int32_t>(to.acceptances.size());
+    const auto [place, is_new] = known.try_emplace(a, next);
+    if (is_new) to.acceptances.push_back(a);
+    acceptance.push_back(place->second);
+  }
   for (const std::int32_t which : from.acceptance_of)
     to.acceptance_of.push_back(which < 0 ? -1 : acceptance[static_cast<std::size_t>(which)]);
-  for (const ReceptorType& t : from.receptor_types) type.push_back(index_in(to.receptor_types, t));
+  for (const ReceptorType& t : from.receptor_types) {
+    const auto same = std::find(to.receptor_types.begin(), to.receptor_types.end(), t);
+    type.push_back(static_cast<std::int32_t>(same - to.receptor_types.begin()));
+    if (same == to.receptor_types.end()) to.receptor_types.push_back(t);
+  }
   const auto receptors = static_cast<std::int32_t>(to.receptor_type.size());
   if (to.first_receptor.empty()) to.first_receptor.push_back(0);
   for (std::size_t i = 1; i < from.first_receptor.size(); ++i)
@@ -147,13 +152,14 @@ void append_eye(Eye& to, const Eye& from, std::int32_t eye_id) {
 Eye merge_eyes(std::span<const PlacedEye> eyes) {
   if (eyes.empty()) throw Error("merge_eyes: there must be at least one eye");
   Eye head;
+  Known known;
   for (std::size_t e = 0; e < eyes.size(); ++e) {
     Eye eye = eyes[e].eye;
     validate_eye(eye);
     check_transform(eyes[e].head_from_eye, "merge_eyes: head_from_eye of eye " + std::to_string(e) +
                                                " (" + name_of(eye) + ")");
     move_eye(eye, eyes[e].head_from_eye);
-    append_eye(head, eye, static_cast<std::int32_t>(e));
+    append_eye(head, known, eye, static_cast<std::int32_t>(e));
     if (!eye.path.empty()) head.path += (head.path.empty() ? "" : " + ") + eye.path;
   }
   validate_eye(head);  // a transform may have carried a number out of the range of float

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "kernel/hash.h"
 #include "optics/acceptance_warp.h"
@@ -74,6 +75,16 @@ double area_width_rad(const SensitivityView& s) {
 }
 
 }  // namespace
+
+bool Acceptance::operator==(const Acceptance& b) const {
+  const auto fields = [](const Acceptance& a) {
+    return std::tie(a.kernel, a.width_rad, a.minor_width_rad, a.major_angle_rad, a.facet_diameter_m,
+                    a.wavelength_nm, a.model, a.focal_length_m, a.rhabdom_diameter_m,
+                    a.rhabdom_index, a.surround_index);
+  };
+  if (fields(*this) != fields(b)) return false;
+  return table == b.table || (table != nullptr && b.table != nullptr && *table == *b.table);
+}
 
 bool is_round(const Acceptance& a) {
   if (a.kernel == Kernel::gaussian)

@@ -13,8 +13,9 @@
 
 #include "kernel/hash.h"
 #include "kernel/sobol.h"
-#include "sampling/even_points.h"
+#include "optics/acceptance_hash.h"
 #include "optics/footprint_width.h"
+#include "sampling/even_points.h"
 
 namespace omma {
 namespace {
@@ -69,17 +70,6 @@ void sort_into_packets(std::vector<Vec3d>& normals) {
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   for (std::size_t i = 0; i < keyed.size(); ++i) normals[i] = keyed[i].second;
 }
-
-// As a key: equal acceptances have equal hashes.
-struct AcceptanceHash {
-  std::size_t operator()(const Acceptance& a) const {
-    std::uint64_t hash = static_cast<std::uint64_t>(a.kernel);
-    for (const double value : {a.width_rad, a.minor_width_rad, a.major_angle_rad,
-                               a.facet_diameter_m, a.focal_length_m, a.rhabdom_diameter_m})
-      hash = hash_combine(hash, std::hash<double>{}(value));
-    return hash;
-  }
-};
 
 // Where an eye has more widths than this, nearby ones share a warp, so that its tables stay in the
 // cache: a warp for steps of width_step, scaled to each width (with 6,374 widths 1.5 times as fast,

@@ -83,6 +83,9 @@ def test_what_is_replaced_changes_alone() -> None:
     assert narrow.acceptances == []
     same(eye, narrow, but=("acceptance_angle_rad", "acceptance_of", "acceptances"))
     assert eye.replace(acceptance=LENS).acceptance_of.tolist() == [0, 0, 0]
+    round_ones = eye.replace(acceptance=None)
+    assert round_ones.acceptance_of.tolist() == [-1, -1, -1]
+    np.testing.assert_array_equal(round_ones.acceptance_angle_rad, eye.acceptance_angle_rad)
     # None keeps the acceptance angle that was there.
     kept = eye.replace(acceptance=[None, None, LENS])
     assert kept.acceptance_angle_rad[0] == eye.acceptance_angle_rad[0]
@@ -143,6 +146,8 @@ def test_acceptances_know_their_parameters() -> None:
     assert ELLIPSE.width_rad(0.3 + math.pi / 2) == pytest.approx(0.01)
     assert ELLIPSE != omma.Acceptance.gaussian(0.04, 0.01, 0.4)
     profile = omma.Acceptance.table([0, 0.02], [2, 0])
+    assert profile == omma.Acceptance.table([0, 0.02], [2, 0])
+    assert profile != omma.Acceptance.table([0, 0.02], [2, 1])
     assert profile.table_sensitivity == [1, 0]
     with pytest.raises(omma.Error, match="model: expected one of waveguide"):
         omma.Acceptance.lens_rhabdom(20e-6, 50e-6, 2e-6, 500, model="ray")
