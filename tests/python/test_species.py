@@ -236,9 +236,83 @@ def test_drosophila_is_as_scanned():
     # By chance: standard deviation 1.1 % of 1,709.
     assert pale == pytest.approx(0.3, abs=0.04)
     peaks = {t.name: t.peak_wavelength_nm for t in eye.receptor_types}
-    assert peaks == {
-        "R1-6": 478, "R7 pale": 345, "R8 pale": 437, "R7 yellow": 375, "R8 yellow": 508,
+    assert peaks == dict.fromkeys(("R1", "R2", "R3", "R4", "R5", "R6"), 478) | {
+        "R7p": 345, "R8p": 437, "R7y": 375, "R8y": 508,
     }  # fmt: skip
+
+
+@cache
+def looking_deg(name):
+    """Where R1 to R6 look from their ommatidium's axis, (N, 6), both eyes."""
+    eye = animal(name).eye
+    own = eye.axis[omma.ommatidium_of_receptor(eye)]
+    chord = np.linalg.norm(omma.receptor_axis(eye).astype(float) - own, axis=1)
+    return np.degrees(2 * np.arcsin(chord / 2)).reshape(len(eye), 8)
+
+
+@pytest.mark.parametrize("name", ["drosophila", "calliphora"])
+def test_fly_receptors_look_along_neighbours_axes(name):
+    eye = animal(name).eye
+    apart, angle = looking_deg(name), np.degrees(eye.interommatidial_angle_rad())
+    # R7 and R8 look ahead; single precision leaves 1e-5 degrees and less.
+    np.testing.assert_allclose(apart[:, 6:], 0, atol=1e-4)
+    # R1 to R6: one step of the local lattice, R3 being the far corner (sqrt(3) steps) and the
+    # others next to R7. The lattice's own unevenness and offsets in tenths of a step: 10 %.
+    ratio = np.median(apart[:, :6] / angle[:, None], axis=0)
+    assert ratio == pytest.approx([1, 1, math.sqrt(3), 1, 1, 1], rel=0.1)
+
+
+@pytest.mark.parametrize("name", ["drosophila", "calliphora"])
+def test_fly_cartridges_pool_six(name):
+    eye = animal(name).eye
+    wiring = omma.neural_superposition_wiring(eye)
+    border = np.concatenate([measure_eye(eye.select(side)).border for side in (0, 1)])
+    angle = eye.interommatidial_angle_rad().astype(float)
+    up = np.abs(np.arcsin(eye.axis[:, 1].astype(float)))
+    # The pattern is mirrored at the horizon: R3 reaches 1.7 steps over it.
+    away, level = ~border & (up > 2 * angle), ~border & (up < 0.9 * angle)
+    members = wiring.members
+    # The lattice has dislocations, where its rows end as the angle grows: five or seven there.
+    assert np.mean(members[away] == 6) > 0.65
+    assert np.mean(np.abs(members[away] - 6) <= 1) > 0.9
+    assert np.median(members[level]) in (7, 8)
+    # What is pooled looks along the cartridge's axis, all within half Δφ, most within a quarter.
+    target = np.repeat(np.arange(len(eye)), members)
+    chord = np.linalg.norm(
+        omma.receptor_axis(eye)[wiring.index].astype(float) - eye.axis[target], axis=1
+    )
+    beside = 2 * np.arcsin(chord / 2) / angle[target]
+    inner = ~border[target]
+    assert beside.max() <= 0.5
+    assert np.median(beside[inner]) < 0.1
+    assert np.percentile(beside[inner], 95) < 0.25
+
+
+def test_left_fly_receptors_mirror_the_right():
+    eye = animal("calliphora").eye
+    left, right_eye = eye.select(0), eye.select(1)
+    mirrored = omma.receptor_axis(left) * [-1, 1, 1]
+    np.testing.assert_allclose(mirrored, omma.receptor_axis(right_eye), atol=1e-6)
+    names = [[e.receptor_types[k].name for k in e.receptor_type] for e in (left, right_eye)]
+    assert names[0] == names[1]
+    # R3 looks to the outside of the eye: a lens inverts, and R3 lies in front and above.
+    third = omma.receptor_axis(right_eye)[2::8] - right_eye.axis
+    middle = right_eye.axis[:, 0] > 0.8
+    assert np.mean(third[middle, 2] > 0) > 0.95  # behind the axis: +Z
+
+
+def test_fly_receptors_are_rendered():
+    eye = right("drosophila")
+    renderer = omma.Renderer(
+        omma.Scene(), eye, background=omma.Background.constant((1, 1, 1)), samples=4
+    )
+    seen = renderer.render_receptors(np.eye(4))
+    assert seen.shape == (1, 8 * len(eye))
+    wiring = omma.neural_superposition_wiring(eye)
+    pooled = omma.pool(seen, wiring)
+    assert pooled.shape == (1, len(eye))
+    # All R1 to R6 have one pigment and see the same white.
+    np.testing.assert_allclose(pooled[:, wiring.members > 0], seen[0, 0], rtol=1e-5)
 
 
 def test_bumblebee_is_as_scanned():

@@ -5,6 +5,7 @@ from __future__ import annotations
 from omma._core import Eye, ReceptorType
 from omma.receptor_mosaic import OmmatidiumType, Region, assign_receptors
 from omma.species.facts import number
+from omma.superposition import fly_receptors
 
 _SEED = 3  # of the random arrangement of types over an eye: any number, always the same
 
@@ -57,24 +58,14 @@ def bee_receptors(animal: str, **properties: float) -> tuple[ReceptorType, ...]:
     )
 
 
-def fly_kinds(
-    animal: str, peaks: tuple[str, str, str, str, str], **properties: float
-) -> list[OmmatidiumType]:
-    """Pale and yellow ommatidia, of the peaks of R1-6, R7 and R8 pale, R7 and R8 yellow."""
-    outer = (receptor(animal, "R1-6", peaks[0], **properties),) * 6
-    pale = number(animal, "pale_share")
-    return [
-        OmmatidiumType(
-            name,
-            (
-                *outer,
-                receptor(animal, f"R7 {name}", seven, **properties),
-                receptor(animal, f"R8 {name}", eight, **properties),
-            ),
-            share,
-        )
-        for name, seven, eight, share in (
-            ("pale", peaks[1], peaks[2], pale),
-            ("yellow", peaks[3], peaks[4], 1 - pale),
-        )
-    ]
+def with_fly_receptors(
+    eye: Eye, animal: str, peaks: tuple[str, str, str, str, str], **properties: float
+) -> Eye:
+    """The eye with a fly's receptors, of the table's peaks of R1-6, R7 and R8 pale, R7 and R8
+    yellow; R1 to R6 look beside the axis as neural superposition wants."""
+    names = ("R1-6", "R7p", "R8p", "R7y", "R8y")
+    types = {
+        name: receptor(animal, name, peak, **properties)
+        for name, peak in zip(names, peaks, strict=True)
+    }
+    return fly_receptors(eye, pale_share=number(animal, "pale_share"), seed=_SEED, types=types)

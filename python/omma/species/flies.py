@@ -1,8 +1,8 @@
 """Flies: Drosophila and the blowfly Calliphora, both with pale and yellow ommatidia.
 
-The rhabdomeres of a fly's ommatidium lie apart and look in different directions; those of
-neighbours that look the same way are pooled (neural superposition). Here the ommatidium's receptors
-R1-6 and R7 and R8 all look along its axis, which is what the pooled cartridge sees.
+The rhabdomeres of a fly's ommatidium lie apart and look in different directions: R1 to R6 along the
+axes of six neighbours, R7 and R8 along its own (`omma.fly_receptors`). The cartridges pool those
+that look the same way: `omma.pool` with `omma.neural_superposition_wiring`.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import math
 from omma._core import Acceptance, Eye
 from omma.eye_facets import acceptance_from_facets
 from omma.eye_tools import mirror_eye
-from omma.species._receptors import fly_kinds, mixed
+from omma.species._receptors import with_fly_receptors
 from omma.species._shape import (
     Floats,
     Progress,
@@ -69,7 +69,7 @@ def _drosophila_eye(count: str, progress: Progress | None) -> Eye:
         columns={"region": ["eye"] * len(axis)},
     )
     peaks = ("rh1_peak", "rh3_peak", "rh5_peak", "rh4_peak", "rh6_peak")
-    return mixed(eye, fly_kinds(_DROSOPHILA, peaks))
+    return with_fly_receptors(eye, _DROSOPHILA, peaks)
 
 
 def calliphora(progress: Progress | None = None) -> Species:
@@ -103,5 +103,5 @@ def calliphora(progress: Progress | None = None) -> Species:
     ).replace(columns={"region": ["eye"] * len(axis)})
     peaks = ("rh1_peak", "r7_pale_peak", "r8_pale_peak", "r7_yellow_peak", "r8_yellow_peak")
     length = number(_CALLIPHORA, "rhabdomere_length")
-    eye = mixed(eye, fly_kinds(_CALLIPHORA, peaks, length_m=length))
+    eye = with_fly_receptors(eye, _CALLIPHORA, peaks, length_m=length)
     return species(_CALLIPHORA, "Calliphora vicina", eye)
