@@ -43,7 +43,7 @@ rhabdom.
 
 `omma eye make 1000 -o even.csv`
 
-A right eye of 2° and its mirror image, acute ahead, looking 38° askew from a tall ellipsoid:
+A right eye of 2° and its mirror image, acute ahead, looking askew from a tall ellipsoid:
 
 `omma eye make --dphi 2 --fov -15,160,-80,80 --acute-zone 0,0,40,4 --semi-axes-mm 0.4 1.2 0.5
 --centre-mm 1.4 0 0 --skew 20 --pair -o head.csv`

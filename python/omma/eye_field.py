@@ -15,7 +15,8 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from omma.eye_neighbours import Flags, Floats, Lattice
+from omma.eye_lattice import azimuth_elevation_deg_of
+from omma.eye_neighbours import Flags, Floats, Neighbours
 
 # Directions that the sphere is asked in: 0.57° apart, each 0.1 msr.
 _DIRECTIONS = 1 << 17
@@ -48,7 +49,7 @@ class Field:
 
 
 def field_of_view(
-    axis: Floats, eye_id: NDArray[np.int32], lattice: Lattice, spacing_rad: Floats
+    axis: Floats, eye_id: NDArray[np.int32], lattice: Neighbours, spacing_rad: Floats
 ) -> Field:
     """The field of the axes (N, 3) with that lattice and local interommatidial angle (N,), rad.
 
@@ -79,7 +80,7 @@ def in_field(
     axis: Floats,
     eye_id: NDArray[np.int32],
     which: int,
-    lattice: Lattice,
+    lattice: Neighbours,
     spacing_rad: Floats,
 ) -> Flags:
     """Whether unit vectors (K, 3) are in the field of the eye ``which``: (K,)."""
@@ -122,7 +123,7 @@ def sphere_directions(count: int) -> Floats:
     return np.column_stack([level * np.sin(turn), height, -level * np.cos(turn)])
 
 
-def _triangles_at(lattice: Lattice, count: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _triangles_at(lattice: Neighbours, count: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     # The triangles at each point, (N, most at one, 3), and how many there are.
     flat = lattice.triangles.ravel()
     order = np.argsort(flat, kind="stable")
@@ -155,14 +156,9 @@ def _zones(directions: Floats, blind: Flags, each: float, least_sr: float) -> tu
             continue
         inside = directions[label == zone]
         place, radius = _widest_cone(inside, rim, step)
-        x, y, z = place
+        azimuth, elevation = azimuth_elevation_deg_of(place)
         zones.append(
-            BlindZone(
-                many * each,
-                float(np.degrees(np.arctan2(x, -z))),
-                float(np.degrees(np.arcsin(y))),
-                float(np.degrees(radius)),
-            )
+            BlindZone(many * each, float(azimuth), float(elevation), float(np.degrees(radius)))
         )
     return tuple(sorted(zones, key=lambda zone: -zone.solid_angle_sr))
 

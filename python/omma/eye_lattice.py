@@ -82,7 +82,8 @@ def direction(azimuth_deg: ArrayLike, elevation_deg: ArrayLike) -> Floats:
 def azimuth_elevation_deg_of(directions: ArrayLike) -> tuple[Floats, Floats]:
     """Azimuth (-180 to 180) and elevation of directions (..., 3), degrees."""
     x, y, z = np.moveaxis(np.asarray(directions, dtype=np.float64), -1, 0)
-    return np.degrees(np.arctan2(x, -z)), np.degrees(np.arctan2(y, np.hypot(x, z)))
+    # Adding 0 turns -0 into 0.
+    return np.degrees(np.arctan2(x, -z)) + 0.0, np.degrees(np.arctan2(y, np.hypot(x, z))) + 0.0
 
 
 _FACE_CELLS = 96  # to a side of the cube that the sphere is cut along; a cell is just under 1°

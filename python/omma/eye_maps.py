@@ -17,6 +17,7 @@ from scipy.spatial import cKDTree
 
 from omma._core import Error, Eye
 from omma.eye_field import in_field
+from omma.eye_lattice import direction
 from omma.eye_measures import EyeMeasures, measure_eye
 from omma.eye_neighbours import Flags, Floats, Ints
 from omma.eye_properties import EyeProperty, eye_property, is_known
@@ -309,7 +310,7 @@ def _degrees(panel: Axes, projection: Projection) -> None:
     low = {"mercator": -80.0}.get(projection, 0.0)
     step = 90 if projection == "lambert" else 60
     for azimuth in range(-180 + step, 180, step):
-        x, y = project_directions(_direction(azimuth, low), projection)
+        x, y = project_directions(direction(azimuth, low), projection)
         name = {-90: "left −90°", 0: "ahead 0°", 90: "right 90°"}.get(
             azimuth, f"{azimuth}°".replace("-", "−")
         )
@@ -324,7 +325,7 @@ def _degrees(panel: Axes, projection: Projection) -> None:
         )
     for elevation in (-60, -30, 30, 60):
         at = 0.0 if projection == "lambert" else -180 + 1e-6
-        x, y = project_directions(_direction(at, elevation), projection)
+        x, y = project_directions(direction(at, elevation), projection)
         panel.annotate(
             f"{elevation}°".replace("-", "−"),
             (x, y),
@@ -339,13 +340,7 @@ def _degrees(panel: Axes, projection: Projection) -> None:
 def _line(
     panel: Axes, projection: Projection, azimuth: Floats, elevation: Floats, style: dict[str, Any]
 ) -> None:
-    panel.plot(*project_directions(_direction(azimuth, elevation), projection).T, **style)
-
-
-def _direction(azimuth_deg: Any, elevation_deg: Any) -> Floats:
-    azimuth, elevation = np.radians(azimuth_deg), np.radians(elevation_deg)
-    level = np.cos(elevation)
-    return np.stack([level * np.sin(azimuth), np.sin(elevation), -level * np.cos(azimuth)], axis=-1)
+    panel.plot(*project_directions(direction(azimuth, elevation), projection).T, **style)
 
 
 def _outlines(panel: Axes, the_map: EyeMap) -> None:

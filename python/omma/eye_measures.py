@@ -18,13 +18,14 @@ from omma.eye_neighbours import (
     Flags,
     Floats,
     Ints,
-    Lattice,
+    Neighbours,
     direction_lattice,
     eye_centre,
     sides,
     surface_lattice,
     surface_normals,
 )
+from omma.eye_surface import angle_between
 from omma.receptors import ommatidium_of_receptor, receptor_optical_sensitivity
 
 # An ommatidium differs from its neighbours where it is this many robust standard deviations above
@@ -77,7 +78,7 @@ class EyeMeasures:
     outlier: NDArray[np.str_]
     duplicate_of: Ints
     axis: Floats
-    lattice: Lattice
+    lattice: Neighbours
 
     def __len__(self) -> int:
         return len(self.eye_id)
@@ -187,11 +188,10 @@ def _pair_lengths(points: Floats, pairs: Ints) -> Floats:
 def _angle_between(vectors: Floats, unit: Floats) -> Floats:
     # NaN where a vector is zero: the lengths are metres, so that rounding leaves less than 1e-12.
     length = np.linalg.norm(vectors, axis=1)
-    cross = np.linalg.norm(np.cross(vectors, unit), axis=1)
-    return np.where(length > 1e-12, np.arctan2(cross, np.sum(vectors * unit, axis=1)), np.nan)
+    return np.where(length > 1e-12, angle_between(vectors, unit), np.nan)
 
 
-def _local_metric(axis: Floats, lattice: Lattice) -> Floats:
+def _local_metric(axis: Floats, lattice: Neighbours) -> Floats:
     """Squares of the horizontal and of the vertical interommatidial angle: (N, 2), rad².
 
     Of a triangle of a hexagonal lattice with sides e, Σ e eᵀ = (3/2) Δφ² 1. Stretching the lattice
@@ -221,8 +221,8 @@ def _sensitivity(eye: Eye) -> Floats:
 def _outliers(
     position: Floats,
     axis: Floats,
-    directions: Lattice,
-    surface: Lattice,
+    directions: Neighbours,
+    surface: Neighbours,
     spacing: Floats,
     facet_spacing: Floats,
     eye_id: NDArray[np.int32],
@@ -250,7 +250,7 @@ def _outliers(
     return reasons
 
 
-def _median_over_neighbours(values: Floats, lattice: Lattice) -> Floats:
+def _median_over_neighbours(values: Floats, lattice: Neighbours) -> Floats:
     both = np.concatenate([lattice.pairs, lattice.pairs[:, ::-1]])
     order = np.lexsort((values[both[:, 1]], both[:, 0]))
     sorted_values = values[both[order, 1]]

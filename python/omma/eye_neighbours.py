@@ -34,7 +34,7 @@ _SAME_RAD = 1e-6  # directions in single precision are known to 1e-7
 
 
 @dataclass(frozen=True)
-class Lattice:
+class Neighbours:
     """The neighbours among K points.
 
     pairs: (E, 2), each pair of neighbours once, as indices into the K points.
@@ -83,7 +83,7 @@ class Lattice:
         return np.asarray(mean[self.first])
 
 
-def direction_lattice(axis: Floats, eye_id: NDArray[np.int32]) -> Lattice:
+def direction_lattice(axis: Floats, eye_id: NDArray[np.int32]) -> Neighbours:
     """The lattice of axes (N, 3), each eye's for itself. Ommatidia of one eye with the same axis
     count as one."""
     parts = []
@@ -94,7 +94,7 @@ def direction_lattice(axis: Floats, eye_id: NDArray[np.int32]) -> Lattice:
     return _joined(parts, len(axis))
 
 
-def surface_lattice(position: Floats, eye_id: NDArray[np.int32]) -> Lattice:
+def surface_lattice(position: Floats, eye_id: NDArray[np.int32]) -> Neighbours:
     """The lattice of positions (N, 3), each eye's for itself, seen from its centre.
 
     Meant for surfaces that bulge, as eyes do. Eyes with fewer than four positions, or with all of
@@ -110,7 +110,7 @@ def surface_lattice(position: Floats, eye_id: NDArray[np.int32]) -> Lattice:
     return _joined(parts, len(position))
 
 
-def surface_normals(position: Floats, surface: Lattice) -> Floats:
+def surface_normals(position: Floats, surface: Neighbours) -> Floats:
     """The normals of the surface, out of the eye, from the triangles around each position by their
     area: (N, 3), of any length; zero where there are none."""
     extent = float(np.ptp(position, axis=0).max()) or 1.0
@@ -155,7 +155,7 @@ def sides(position: Floats, eye_id: NDArray[np.int32]) -> NDArray[np.int32]:
     return (x >= 0).astype(np.int32)
 
 
-def _joined(parts: Iterable[tuple[Ints, Floats]], count: int) -> Lattice:
+def _joined(parts: Iterable[tuple[Ints, Floats]], count: int) -> Neighbours:
     pairs, triangles = [], []
     border, same = np.ones(count, bool), np.arange(count)
     for members, unit in parts:
@@ -165,7 +165,7 @@ def _joined(parts: Iterable[tuple[Ints, Floats]], count: int) -> Lattice:
         triangles.append(members[first][corners])
         border[members] = outer[inverse]
         same[members] = members[first][inverse]
-    return Lattice(
+    return Neighbours(
         np.concatenate(pairs or [np.empty((0, 2), np.int64)]).astype(np.int64),
         np.concatenate(triangles or [np.empty((0, 3), np.int64)]).astype(np.int64),
         border,

@@ -13,7 +13,7 @@ from omma.eye_maps import eye_title
 from omma.eye_measures import EyeMeasures, measure_eye
 from omma.eye_neighbours import Floats
 from omma.figure_files import COLOURS, GREY, INK, MM, figure_names, figure_style, save_figure
-from omma.files import PathLike, azimuth_elevation_deg
+from omma.files import PathLike
 from omma.sampling_plots import load_matplotlib
 
 if TYPE_CHECKING:
@@ -99,6 +99,7 @@ def draw_profiles(panel: Axes, eye: Eye, chosen: Sequence[int]) -> None:
     reach = max(_widest(eye.acceptance(i))[1] for i in chosen) * 1.6 or math.radians(1)
     theta = np.linspace(-reach, reach, 601)
     panel.axhline(0.5, color=GREY, linewidth=0.6, linestyle=":")
+    compared = False
     for acceptance, members, colour in _shared(eye, chosen):
         for azimuth, width, style, which in _profiles(acceptance):
             values = _signed(acceptance, theta, azimuth)
@@ -109,12 +110,15 @@ def draw_profiles(panel: Axes, eye: Eye, chosen: Sequence[int]) -> None:
                 values = 0.5 * values / acceptance.eval(width / 2)
                 label += ", drawn as ½ at Δρ/2"
             panel.plot(np.degrees(theta), values, style, color=colour, label=label)
-            gaussian = np.exp(-4 * math.log(2) * (theta / max(width, 1e-9)) ** 2)
-            panel.plot(np.degrees(theta), gaussian, **_thin(colour))
+            if acceptance.kernel != "gaussian":
+                gaussian = np.exp(-4 * math.log(2) * (theta / max(width, 1e-9)) ** 2)
+                panel.plot(np.degrees(theta), gaussian, **_thin(colour))
+                compared = True
             ends = _half_maximum(theta, values)
             if ends is not None:
                 panel.plot(np.degrees(ends), [0.5, 0.5], "|", color=colour, markersize=7)
-    panel.plot([], [], **_thin(GREY), label="Gaussian of the same Δρ")
+    if compared:
+        panel.plot([], [], **_thin(GREY), label="Gaussian of the same Δρ")
     panel.set(
         xlabel="angle from the axis θ (°)",
         ylabel="relative sensitivity S(θ)",
@@ -143,8 +147,9 @@ def draw_transfer(panel: Axes, eye: Eye, measures: EyeMeasures, chosen: Sequence
             values = np.asarray(acceptance.mtf(frequency, azimuth), dtype=np.float64)
             least = min(least, 1.1 * float(values.min()))
             panel.plot(np.radians(frequency), values, style, color=colour)
-            gaussian = np.exp(-(math.pi**2 / (4 * math.log(2))) * (frequency * width) ** 2)
-            panel.plot(np.radians(frequency), gaussian, **_thin(colour))
+            if acceptance.kernel != "gaussian":
+                gaussian = np.exp(-(math.pi**2 / (4 * math.log(2))) * (frequency * width) ** 2)
+                panel.plot(np.radians(frequency), gaussian, **_thin(colour))
     for i, each in zip(chosen, sampling.tolist(), strict=True):
         if math.isfinite(each):
             at = math.radians(each)  # per degree there is less of it
@@ -254,10 +259,3 @@ def _legend(panel: Axes, title: str) -> None:
         title=title, fontsize="x-small", title_fontsize="x-small", labelspacing=0.25,
         frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.17), handlelength=2.6,
     )  # fmt: skip
-
-
-def ommatidium_name(eye: Eye, which: int) -> str:
-    """An ommatidium and where it looks, in words."""
-    azimuth, elevation = azimuth_elevation_deg(eye.take([which]))
-    text = f"ommatidium {which} (azimuth {azimuth[0]:.0f}°, elevation {elevation[0]:.0f}°)"
-    return text.replace("-", "−")

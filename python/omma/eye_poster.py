@@ -15,7 +15,7 @@ from omma.eye_maps import draw_map, eye_title, make_map
 from omma.eye_measures import DIFFRACTION_LIMIT, EyeMeasures, diffraction_limit_m_rad, measure_eye
 from omma.eye_neighbours import Floats
 from omma.eye_plots import choose, draw_profiles, draw_transfer
-from omma.eye_properties import EyeProperty, eye_property, is_known
+from omma.eye_properties import eye_property, is_known
 from omma.eye_report import SPREADS, eye_summary
 from omma.figure_files import COLOURS, GREY, INK, MM, figure_names, figure_style, save_figure
 from omma.files import PathLike
@@ -92,7 +92,7 @@ def plot_poster(
             draw_view(panel, eye, view, angle, width_mm=width_mm, shape=_SHAPE)
         for k, prop in enumerate((angle, second)):
             draw_map(maps, maps.add_subplot(2, 1, k + 1), the_map, prop)
-        _lower(lower, eye, measures, (angle, second))
+        _lower(lower, eye, measures)
         _text(text.add_subplot(), _found(summary), facts)
         save_figure(figure, names, dpi=200)
 
@@ -132,9 +132,7 @@ def plot_species(
     )
 
 
-def _lower(
-    figure: Any, eye: Eye, measures: EyeMeasures, shown: tuple[EyeProperty, EyeProperty]
-) -> None:
+def _lower(figure: Any, eye: Eye, measures: EyeMeasures) -> None:
     grid = figure.add_gridspec(1, 4 if eye.receptor_types else 3)
     chosen = choose(eye, measures, None)
     _histograms(figure.add_subplot(grid[0]), eye, measures)

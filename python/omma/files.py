@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma import _core
 from omma._core import Error, Eye, Scene
+from omma.eye_lattice import azimuth_elevation_deg_of
 
 PathLike = str | os.PathLike[str]
 
@@ -283,9 +284,7 @@ class CsvWriter:
 
 def azimuth_elevation_deg(eye: Eye) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Azimuth (0 ahead, to the right positive) and elevation of each axis: (N,), degrees."""
-    x, y, z = eye.axis.astype(np.float64).T
-    # Adding 0 turns -0 into 0.
-    return np.degrees(np.arctan2(x, -z)) + 0.0, np.degrees(np.arctan2(y, np.hypot(x, z))) + 0.0
+    return azimuth_elevation_deg_of(eye.axis)
 
 
 def _responses(values: ArrayLike, eye: Eye, name: str) -> NDArray[np.float32]:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye
+from omma.eye_lattice import azimuth_elevation_deg_of
 from omma.files import NpyWriter, WholeFiles, Writer
 from omma.poses import Matrices
 from omma.receptors import ommatidium_of_receptor, receptor_axis
@@ -27,9 +28,7 @@ class ReceptorCsvWriter:
         header = "pose,ommatidium,eye_id,receptor,azimuth_deg,elevation_deg,response"
         self._file.write((header + (",response_error" if with_errors else "") + "\n").encode())
         names = [quoted(kind.name) for kind in eye.receptor_types]
-        x, y, z = receptor_axis(eye).astype(np.float64).T
-        azimuth = np.degrees(np.arctan2(x, -z)) + 0.0  # turns -0 into 0
-        elevation = np.degrees(np.arctan2(y, np.hypot(x, z))) + 0.0
+        azimuth, elevation = azimuth_elevation_deg_of(receptor_axis(eye))
         self._places = [
             f"{i},{eye.eye_id[i]},{names[t]},{a:.6g},{e:.6g}"
             for i, t, a, e in zip(

@@ -18,6 +18,7 @@ from scipy.spatial import cKDTree
 
 from omma._core import Error, Eye, ReceptorType
 from omma.arguments import positive
+from omma.eye_lattice import unit
 from omma.eye_neighbours import direction_lattice
 from omma.receptor_mosaic import COLUMN, Region, region_mask
 from omma.receptors import ommatidium_of_receptor, receptor_axis
@@ -117,7 +118,7 @@ def neural_superposition_wiring(
         wanted = "beside the axis" if receptors is None else f"called {', '.join(receptors)}"
         raise Error(f"{eye.path or 'eye'}: expected receptors {wanted}, found none")
     owner = ommatidium_of_receptor(eye)[index]
-    axes = _unit(eye.axis)
+    axes = unit(eye.axis.astype(np.float64))
     spacing = eye.interommatidial_angle_rad().astype(np.float64)
     target = np.full(len(index), -1)
     for number in np.unique(eye.eye_id):
@@ -217,7 +218,7 @@ def superposition_facets(eye: Eye, aperture_diameter_m: float | None = None) -> 
         aperture = np.full(len(eye), positive(aperture_diameter_m, "aperture_diameter_m"))
     if np.any(aperture <= 0):
         raise Error(f"aperture_diameter_m: ommatidium {np.argmin(aperture)} has none")
-    axes = _unit(eye.axis)
+    axes = unit(eye.axis.astype(np.float64))
     position = eye.position_m.astype(np.float64)
     owners, facets = [], []
     for i in range(len(eye)):
@@ -238,11 +239,6 @@ def superposition_facets(eye: Eye, aperture_diameter_m: float | None = None) -> 
         receptors=None,
     )
     return views, _wiring(owner, np.arange(len(owner)), weight, len(eye))
-
-
-def _unit(vectors: ArrayLike) -> Floats:
-    given = np.asarray(vectors, np.float64)
-    return np.asarray(given / np.linalg.norm(given, axis=1, keepdims=True))
 
 
 def _looking(kind: ReceptorType, name: str, right_rad: float, up_rad: float) -> ReceptorType:
@@ -273,12 +269,12 @@ def _wiring(target: Ints, index: Ints, weight: Floats, count: int) -> Wiring:
 
 def _trapezoid_offsets(eye: Eye, dorsal: Flags) -> Floats:
     """Where R1 to R6 look: (N, 6, 2), to the ommatidium's right and up, rad."""
-    axes = _unit(eye.axis)
+    axes = unit(eye.axis.astype(np.float64))
     # A frame that does not depend on the up vectors: towards the zenith, and what is right of it.
     north = np.array([0.0, 1.0, 0.0]) - axes * axes[:, 1:2]
     steep = np.linalg.norm(north, axis=1) < 1e-6
     north[steep] = eye.up[steep]
-    north = _unit(north)
+    north = unit(north)
     east = np.cross(axes, north)
     # Anterior is left on a right eye, whose axes point to +x, and right on a left one.
     left_eye = np.zeros(len(eye), bool)

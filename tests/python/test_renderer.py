@@ -132,7 +132,11 @@ def test_wrong_poses(renderer, poses, word):
         ({"seed": -1}, omma.Error, "seed"),
         ({"seed": 1 << 64}, omma.Error, "seed"),
         ({"threads": -1}, omma.Error, "threads"),
-        ({"kernel": "box"}, omma.Error, "kernel: expected one of own, gaussian, pillbox, compoundray"),
+        (
+            {"kernel": "box"},
+            omma.Error,
+            "kernel: expected one of own, gaussian, pillbox, compoundray",
+        ),
         ({"sampling": "sobol"}, omma.Error, "sampling: expected one of low_discrepancy, random"),
         ({"background": (1, 1, 1)}, TypeError, "background: expected omma.Background"),
         ({"eye": "bee.eye"}, TypeError, "eye: expected omma.Eye.*found str.*omma.load_eye"),
