@@ -30,8 +30,10 @@ Every number that goes into them is below and in `omma.species.facts()`, with it
 **measured**, a number that the source prints or that is computed from its data; **interpolated**,
 worked out from such numbers; **assumed**, nobody's measurement. Below the tables it is said how
 each source was read: many only as an abstract, some at second hand, and those marked "recalled" not
-at all. Who knows better numbers changes `python/omma/species/facts.csv`; the builders read nothing
-else. This page is made by `docs/make_species_figures.py`.
+at all. Who knows better numbers changes `python/omma/species/facts.csv`. Not in the table are some
+shapes, all of them assumed and written where they are used, in `bees.py`, `flies.py`, `ants.py` and
+`hunters.py` of `python/omma/species`: outlines of fields of view, and from where to where one angle
+or facet blends into another. This page is made by `docs/make_species_figures.py`.
 
 ![Interommatidial angle, robber fly](species-holcocephala.png)
 ![Interommatidial angle, honeybee drone](species-honeybee_drone.png)
@@ -43,11 +45,23 @@ else. This page is made by `docs/make_species_figures.py`.
 - Most others: a function of direction gives the local interommatidial angle, `omma.lay_directions`
   a hexagonal lattice in it with as many ommatidia as counted. Lenses sit on an ellipsoid whose
   size follows from the facets; the axes are skewed against it.
+- Where the table has no course of facets, they are as wide as the lenses are apart on the assumed
+  surface. In the honeybee worker this gives 10 to 28 µm where the largest measured is 20 µm: do not
+  take its facets for the animal's.
+- *Drosophila* and *Calliphora* have R1 to R6 look along the axes of six neighbours
+  (`omma.fly_receptors`), so `Renderer.render_receptors` renders each in its own direction, and
+  `omma.pool` with `omma.neural_superposition_wiring` gives what the cartridges see. In *Drosophila*
+  seven in ten inner cartridges away from the equator pool six, in *Calliphora* nine in ten; the
+  others pool mostly five or seven, because rows of such a lattice end where the angle grows.
 - The robber fly and the dragonfly are made from the surface. Facets of 78 µm that look 0.28° apart
   along the surface's normals need a radius of curvature of 16 mm, on a fly of 6 mm: the front of
   the eye is nearly flat. Outside the fovea the surface bends, and angles grow to several degrees
   away from the fovea but much less around it. So with the dragonfly's dorsal band, where 0.24° is
   the angle across.
+- In such a stretched lattice the six nearest axes are not the six neighbours on the surface. The
+  map of the robber fly goes by the nearest axes, and so shows a star that is not the eye's: by
+  neighbours on the surface, Δφ (as a root mean square) 10 to 45° from the fovea is even around it
+  to 8 %. There steps away from the fovea are four to six times those around it.
 """
 
 

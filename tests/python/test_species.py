@@ -164,6 +164,15 @@ def test_honeybee_median_angle():
     assert np.median(angles_deg("honeybee_worker")) == pytest.approx(2.25, rel=0.03)
 
 
+def test_honeybee_facets_are_as_the_table_owns_up():
+    facets = right("honeybee_worker").facet_diameter_m
+    assert np.median(facets) == pytest.approx(
+        number("honeybee_worker", "model_facet_diameter"), 0.01
+    )
+    # "10 to 28 µm": to the digits printed.
+    assert [round(float(d) * 1e6) for d in (facets.min(), facets.max())] == [10, 28]
+
+
 def test_honeybee_ommatidia_are_of_three_types():
     eye = right("honeybee_worker")
     kinds, counts = np.unique(eye.columns["ommatidium_type"], return_counts=True)

@@ -44,7 +44,7 @@ def honeybee_worker(progress: Progress | None = None) -> Species:
     largest facet, focal length, rhabdom: Somanathan et al. 2009, J Exp Biol 212:2448. Acceptance:
     Eheim & Wehner 1972. Receptors 344, 436 and 544 nm: Peitsch et al. 1992; three types of
     ommatidia, 44:46:10, at random: Wakakuwa et al. 2005. Assumed: the ellipsoid on which the lenses
-    sit. Not modelled: the dorsal rim area.
+    sit, from whose spacing follow the facets. Not modelled: the dorsal rim area.
     """
     if progress:
         progress("placing ommatidia", None)

@@ -36,8 +36,9 @@ def drosophila(progress: Progress | None = None) -> Species:
     Lenses (857 right, 852 left), angles (median 4.9°, 5-95 %: 3.8-9.5°) and the spacing of lenses:
     computed from the micro-CT of Zhao et al. 2025, Nature, s41586-025-09276-5. Acceptance:
     Gonzalez-Bellido et al. 2011, at second hand. Rhodopsins: Salcedo et al. 1999, J Neurosci
-    19:10716. Pale and yellow ommatidia 30:70 at random. Assumed: the smooth course of the angle
-    from the eye's middle to its edge, the field of view, the surface.
+    19:10716. Pale and yellow ommatidia 30:70 at random. R1 to R6 in neural
+    superposition. Assumed: the smooth course of the angle from the eye's middle to its edge, the
+    field of view, the surface.
     """
     right = _drosophila_eye("ommatidia", progress)
     left = mirror_eye(_drosophila_eye("ommatidia_left", progress))
