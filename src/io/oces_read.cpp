@@ -157,8 +157,8 @@ const Head& choose(const std::vector<Head>& heads, const std::string& wanted,
     throw Error(path + ": expected the name or number of one head, of " + list_of(heads));
   if (found.empty())
     throw Error(path + ": has no head " +
-                (wanted.empty() ? "that is enabled" : shown_text(wanted)) + ", it has " +
-                list_of(heads));
+                (wanted.empty() ? "that is enabled" : shown_text(wanted)) +
+                "; expected the name or number of one head, of " + list_of(heads));
   if (!found.front()->enabled)
     throw Error(found.front()->place + ": this head is disabled, and its eyes with it");
   return *found.front();
