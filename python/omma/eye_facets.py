@@ -8,38 +8,34 @@ from scipy.spatial import cKDTree
 
 from omma._core import Acceptance, Error, Eye
 from omma.arguments import positive, whole
+from omma.eye_neighbours import surface_lattice
 
 Floats = NDArray[np.float64]
-
-# Of the mean distance to the two nearest. In a hexagonal lattice the next ring begins at 1.73;
-# stretched by a half across its rows it has its own six within 1.39.
-_SAME_RING = 1.45
-
 
 def facet_diameters_m(eye: Eye) -> Floats:
     """Facet diameters as the spacing of the lenses: (N,), metres.
 
-    The mean distance to the six nearest positions of the same eye, which in a hexagonal lattice is
-    the facets' width across flats. Where there are fewer around, at the edge of an eye, the next
-    ring is left out.
+    The mean distance to the neighbours on the surface (docs/eye-measures.md), which in a hexagonal
+    lattice is the facets' width across flats; of an ommatidium without neighbours the distance to
+    the nearest.
 
     Raises:
         omma.Error: an eye of one ommatidium, several at one position.
     """
-    diameter = np.zeros(len(eye))
     position = eye.position_m.astype(np.float64)
+    surface = surface_lattice(position, eye.eye_id)
+    ends = position[surface.pairs]
+    diameter = surface.mean_over_pairs(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
     for one in np.unique(eye.eye_id):
         members = np.flatnonzero(eye.eye_id == one)
         if len(members) == 1:
             raise Error(f"facet_diameters_m: eye {one} has one ommatidium, hence no spacing")
-        near = min(7, len(members))
-        distance = cKDTree(position[members]).query(position[members], near)[0][:, 1:]
-        limit = _SAME_RING * distance[:, :2].mean(axis=1, keepdims=True)
-        same = distance <= limit
-        diameter[members] = np.sum(distance * same, axis=1) / same.sum(axis=1)
-        if not diameter[members].all():
-            where = int(members[np.argmin(diameter[members])])
+        nearest = cKDTree(position[members]).query(position[members], 2)[0][:, 1]
+        if not nearest.all():
+            where = int(members[np.argmin(nearest)])
             raise Error(f"facet_diameters_m: ommatidium {where} sits where its neighbours do")
+        alone = np.isnan(diameter[members])
+        diameter[members[alone]] = nearest[alone]
     return diameter
 
 

@@ -123,7 +123,8 @@ def eye_centre(position: Floats) -> Floats:
     """The centre of the sphere that fits positions (N, 3) best, or their middle where none does.
 
     Least squares in |p|² = 2 p·c + k, linear in c. Where the positions bulge so little that the
-    centre would be over ten times their extent away, it is put there.
+    centre would be over ten times their extent away, it is put there; where they lie in a plane,
+    across it.
     """
     middle = position.mean(axis=0)
     shifted = position - middle
@@ -131,6 +132,9 @@ def eye_centre(position: Floats) -> Floats:
     if extent == 0 or len(position) < 4:
         return np.asarray(middle)
     scaled = shifted / extent
+    spread, directions = np.linalg.svd(scaled, full_matrices=False)[1:]
+    if spread[2] < 1e-4 * spread[1]:
+        return np.asarray(middle - 10 * extent * directions[2])
     unknowns = np.column_stack([2 * scaled, np.ones(len(scaled))])
     found = np.linalg.lstsq(unknowns, np.sum(scaled**2, axis=1), rcond=1e-9)[0][:3]
     far = float(np.linalg.norm(found))

@@ -252,7 +252,7 @@ BAD_INPUT = [
     (["render", "OUT", "--eye", "bug.eye", "-o", "OUT/a.npy"], "director"),
     (["render", "scene.gltf", "--eye", "OUT", "-o", "OUT/a.npy"], "director"),
     (["render", "bug.eye", "--eye", "bug.eye", "-o", "OUT/a.npy"], "bug.eye"),
-    (["render", "scene.gltf", "--eye", "scene.gltf", "-o", "OUT/a.npy"], "scene.gltf, line 1"),
+    (["render", "scene.gltf", "--eye", "scene.gltf", "-o", "OUT/a.npy"], "scene.gltf: has no eyes"),
     ([*RENDER, "--camera", "nobody"], "nobody"),
     (["render", "scene.gltf", "--camera", "2", "-o", "OUT/a.npy"], '0 "plain", 1 "insect"'),
     ([*PICTURE, "-o", "OUT/a.csv"], "plain"),

@@ -169,8 +169,8 @@ def test_honeybee_facets_are_as_the_table_owns_up():
     assert np.median(facets) == pytest.approx(
         number("honeybee_worker", "model_facet_diameter"), 0.01
     )
-    # "10 to 28 µm": to the digits printed.
-    assert [round(float(d) * 1e6) for d in (facets.min(), facets.max())] == [10, 28]
+    # "15 to 31 µm": to the digits printed.
+    assert [round(float(d) * 1e6) for d in (facets.min(), facets.max())] == [15, 31]
 
 
 def test_honeybee_ommatidia_are_of_three_types():
