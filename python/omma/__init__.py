@@ -34,6 +34,7 @@ from omma._core import (
     paint,
     save_png,
 )
+from omma.acceptance_files import load_acceptance
 from omma.all_cameras import AllCamerasReport, CameraReport, render_all_cameras
 from omma.cameras import camera_eye, display, render_camera
 from omma.compat import compoundray_library
@@ -196,6 +197,7 @@ __all__ = [
     "join_eyes",
     "lay_directions",
     "lay_on_surface",
+    "load_acceptance",
     "load_angle_table",
     "load_eye",
     "load_poses",

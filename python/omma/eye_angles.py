@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import math
 import os
 from collections.abc import Callable
 
@@ -13,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error
 from omma.eye_lattice import Angle, azimuth_elevation_deg_of
 from omma.files import PathLike
+from omma.grid_tables import as_grid, read_table
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -139,53 +138,13 @@ def load_angle_table(
     Raises:
         omma.Error: the file cannot be read or is no such table; it names the line.
     """
-    name = os.fsdecode(path)
+    _, table = read_table(path, _COLUMNS[:3], _COLUMNS)
+    azimuths, elevations, *angles = as_grid(path, table, "azimuths", "elevations")
     try:
-        with open(name, encoding="utf-8-sig", newline="") as file:
-            lines = [(n, line) for n, line in enumerate(file, start=1)]
-    except OSError as error:
-        raise Error(f"{name}: cannot be read: {error.strerror}") from None
-    except ValueError:
-        raise Error(f"{name}: cannot be read: it is no text") from None
-    lines = [(n, line) for n, line in lines if line.strip() and not line.startswith("#")]
-    rows = [(n, next(csv.reader([line], skipinitialspace=True))) for n, line in lines]
-    header = [word.strip() for word in rows[0][1]] if rows else []
-    if header not in (list(_COLUMNS[:3]), list(_COLUMNS)):
-        raise Error(f"{name}: expected the columns {', '.join(_COLUMNS)} (the last may be left "
-                    f"out), found {', '.join(header) or 'none'}")  # fmt: skip
-    table = np.array([_numbers(words, len(header), f"{name}, line {n}") for n, words in rows[1:]])
-    if len(table) == 0:
-        raise Error(f"{name}: expected at least one line of numbers")
-    azimuths, column = np.unique(table[:, 0], return_inverse=True)
-    elevations, row = np.unique(table[:, 1], return_inverse=True)
-    cell = row * len(azimuths) + column
-    filled = np.bincount(cell, minlength=len(azimuths) * len(elevations))
-    if (filled != 1).any():
-        wrong = int(np.flatnonzero(filled != 1)[0])
-        raise Error(
-            f"{name}: expected one line for each of {len(azimuths)} azimuths at each of "
-            f"{len(elevations)} elevations, found {filled[wrong]} for azimuth "
-            f"{azimuths[wrong % len(azimuths)]:g}, elevation {elevations[wrong // len(azimuths)]:g}"
-        )
-    fields = []
-    for values in table[:, 2:].T:
-        grid = np.empty(len(cell))
-        grid[cell] = values
-        try:
-            fields.append(angle_table(azimuths, elevations, grid.reshape(len(elevations), -1)))
-        except Error as error:
-            raise Error(f"{name}: {error}") from None
+        fields = [angle_table(azimuths, elevations, angle) for angle in angles]
+    except Error as error:
+        raise Error(f"{os.fsdecode(path)}: {error}") from None
     return fields[0], fields[1] if len(fields) > 1 else None
-
-
-def _numbers(words: list[str], count: int, place: str) -> list[float]:
-    try:
-        values = [float(word) for word in words]
-    except ValueError:
-        values = []
-    if len(values) != count or not all(math.isfinite(value) for value in values):
-        raise Error(f"{place}: expected {count} numbers, found {','.join(words)!r:.60}")
-    return values
 
 
 def acute_angle(
