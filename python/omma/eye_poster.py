@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from omma._core import Eye
+from omma._core import Eye, ReceptorType
 from omma.eye_drawing import draw_view, view_from
 from omma.eye_maps import draw_map, eye_title, make_map
 from omma.eye_measures import DIFFRACTION_LIMIT, EyeMeasures, diffraction_limit_m_rad, measure_eye
@@ -162,21 +162,27 @@ def _histograms(panel: Axes, eye: Eye, measures: EyeMeasures) -> None:
 
 
 def _spectra(panel: Axes, eye: Eye) -> None:
+    # Types that differ in something else than their spectrum are one curve.
     count = np.bincount(eye.receptor_type, minlength=len(eye.receptor_types))
-    drawn: list[Floats] = []
-    colours: list[str] = []
+    curves: list[tuple[ReceptorType, Floats, list[str], list[int]]] = []
     for receptor, many in zip(eye.receptor_types, count.tolist(), strict=True):
         values = np.asarray(spectral_sensitivity(receptor, _WAVELENGTHS))
-        # Types that differ in something else than their spectrum are one curve.
-        if any(np.allclose(values, other, atol=1e-6) for other in drawn):
-            continue
+        same = [curve for curve in curves if np.allclose(values, curve[1], atol=1e-6)]
+        curve = same[0] if same else (receptor, values, [], [])
+        if not same:
+            curves.append(curve)
+        if receptor.name not in curve[2]:
+            curve[2].append(receptor.name)
+        curve[3].append(many)
+    colours: list[str] = []
+    for receptor, values, names, counts in curves:
         peak = receptor.peak_wavelength_nm or float(_WAVELENGTHS[values.argmax()])
-        label = f"{receptor.name}: {peak:.0f} nm"
-        if many == 0:
+        name = ", ".join(names) if len(names) <= 3 else f"{names[0]} to {names[-1]}"
+        label = f"{name}: {peak:.0f} nm"
+        if sum(counts) == 0:
             label += " (in no ommatidium)"
         colours.append(_light(peak, colours))
         panel.plot(_WAVELENGTHS, values, color=colours[-1], label=label)
-        drawn.append(values)
     panel.set(
         xlabel="wavelength (nm)", ylabel="relative spectral sensitivity",
         xlim=(300, 700), ylim=(-0.02, 1.05),
