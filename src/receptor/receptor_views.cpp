@@ -34,21 +34,40 @@ void turn(const Eye& eye, std::size_t i, const ReceptorType& type, Vec3& axis, V
   up = to_float(normalize(u + side * (along * (c - 1)) - a * (along * s)));
 }
 
-// Adds a view of ommatidium i: itself, or what a receptor of this type sees beside or in place of
-// it.
-void add_view(const Eye& eye, std::size_t i, const ReceptorType* type, Eye& views) {
-  views.position_m.push_back(eye.position_m[i]);
-  views.axis.push_back(eye.axis[i]);
-  views.up.push_back(eye.up[i]);
-  views.acceptance_angle_rad.push_back(eye.acceptance_angle_rad[i]);
-  views.focal_offset_m.push_back(eye.focal_offset_m[i]);
-  views.eye_id.push_back(eye.eye_id[i]);
-  views.facet_diameter_m.push_back(eye.facet_diameter_m[i]);
-  views.aperture_diameter_m.push_back(eye.aperture_diameter_m[i]);
-  views.acceptance_of.push_back(eye.acceptance_of[i]);
-  if (type == nullptr) return;
-  if (type->right_rad != 0 || type->up_rad != 0)
-    turn(eye, i, *type, views.axis.back(), views.up.back());
+// What a view is made of: an ommatidium, and the receptor that sees beside its axis or with an
+// acceptance of its own, or null.
+struct ViewPlan {
+  std::vector<std::int64_t> ommatidium;     // [view]
+  std::vector<const ReceptorType*> type;    // [view]
+  std::vector<std::int32_t> acceptance_of;  // [view], index into the views' acceptances; -1: own
+
+  void add(std::size_t i, const ReceptorType* of_type, std::int32_t acceptance) {
+    ommatidium.push_back(static_cast<std::int64_t>(i));
+    type.push_back(of_type);
+    acceptance_of.push_back(acceptance);
+  }
+};
+
+// `acceptances`: the eye's, with those of receptors behind.
+Eye make_views(const Eye& eye, std::vector<Acceptance> acceptances, const ViewPlan& plan) {
+  Eye bare = eye;
+  bare.receptor_types.clear();
+  bare.receptor_type.clear();
+  bare.first_receptor.clear();
+  bare.columns.clear();
+  validate_eye(bare);
+  Eye views = take_ommatidia(bare, plan.ommatidium);
+  views.acceptances = std::move(acceptances);
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const ReceptorType* type = plan.type[v];
+    if (type != nullptr && (type->right_rad != 0 || type->up_rad != 0))
+      turn(eye, static_cast<std::size_t>(plan.ommatidium[v]), *type, views.axis[v], views.up[v]);
+    if (plan.acceptance_of[v] < 0) continue;
+    views.acceptance_of[v] = plan.acceptance_of[v];
+    views.acceptance_angle_rad[v] = 0;  // its mean width, found when validated
+  }
+  validate_eye(views);
+  return views;
 }
 
 }  // namespace
@@ -58,8 +77,8 @@ ReceptorViews receptor_views(const Eye& eye) {
   if (eye.receptor_type.empty())
     throw Error(name + ": expected ommatidia with receptors, found none (Eye's receptor_types)");
   ReceptorViews views;
-  views.eye.path = eye.path;
-  views.eye.acceptances = eye.acceptances;
+  ViewPlan plan;
+  std::vector<Acceptance> acceptances = eye.acceptances;
   views.view_of_receptor.resize(eye.receptor_type.size());
   // A type's own acceptance is listed once behind those of the eye, and types that look the same
   // way are one.
@@ -75,14 +94,14 @@ ReceptorViews receptor_views(const Eye& eye) {
       acceptance[t] = acceptance[way[t]];
       continue;
     }
-    acceptance[t] = static_cast<std::int32_t>(views.eye.acceptances.size());
-    views.eye.acceptances.push_back(*type.acceptance);
+    acceptance[t] = static_cast<std::int32_t>(acceptances.size());
+    acceptances.push_back(*type.acceptance);
   }
   bool plain = false;
   for (const std::int32_t t : eye.receptor_type)
     plain = plain || looks_with_ommatidium(eye.receptor_types[static_cast<std::size_t>(t)]);
   if (plain)
-    for (std::size_t i = 0; i < eye.size(); ++i) add_view(eye, i, nullptr, views.eye);
+    for (std::size_t i = 0; i < eye.size(); ++i) plan.add(i, nullptr, -1);
   for (std::size_t i = 0; i < eye.size(); ++i) {
     const auto first = static_cast<std::size_t>(eye.first_receptor[i]);
     const auto end = static_cast<std::size_t>(eye.first_receptor[i + 1]);
@@ -99,15 +118,11 @@ ReceptorViews receptor_views(const Eye& eye) {
         views.view_of_receptor[r] = views.view_of_receptor[same];
         continue;
       }
-      views.view_of_receptor[r] = static_cast<std::int32_t>(views.eye.size());
-      add_view(eye, i, &type, views.eye);
-      if (acceptance[t] >= 0) {
-        views.eye.acceptance_of.back() = acceptance[t];
-        views.eye.acceptance_angle_rad.back() = 0;  // its mean width, found when validated
-      }
+      views.view_of_receptor[r] = static_cast<std::int32_t>(plan.type.size());
+      plan.add(i, &type, acceptance[t]);
     }
   }
-  validate_eye(views.eye);
+  views.eye = make_views(eye, std::move(acceptances), plan);
   return views;
 }
 
