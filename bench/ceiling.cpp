@@ -34,9 +34,12 @@ void prepare_rays(Prepared& p, const Setup& setup, int samples) {
   const int ommatidia = static_cast<int>(setup.eye.size());
   for (int first = 0; first < ommatidia; first += per_block) {
     BlockTask task;
+    const Vec3d o = p.tracer->origin_m;
+    const double origin[3] = {o.x, o.y, o.z};
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 4; ++c)
-        task.world_from_head[r][c] = static_cast<float>(setup.poses.front().m[r][c]);
+        task.world_from_head[r][c] =
+            static_cast<float>(setup.poses.front().m[r][c] - (c == 3 ? origin[r] : 0));
     task.first = first;
     task.count = std::min(per_block, ommatidia - first);
     p.tasks.push_back(task);

@@ -1,5 +1,6 @@
 # The installed CMake package: find_package(omma), then link omma::omma. The library is static, so
-# whoever links it needs Embree and TBB too; ommaConfig.cmake finds them.
+# whoever links it needs Embree, TBB and the libraries of image formats too; ommaConfig.cmake finds
+# them.
 include(CMakePackageConfigHelpers)
 set(omma_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/omma)
 string(REGEX MATCH "^[0-9]+" omma_embree_major "${embree_VERSION}")

@@ -3,10 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 
 #include "omma/error.h"
+#include "omma/io.h"
 
 namespace omma::compat {
 
@@ -39,18 +38,7 @@ void save_ppm(const std::string& path, const Frame& frame) {
       const Rgba& pixel = frame.pixels[row * width + column];
       for (std::size_t k = 0; k < 3; ++k) bytes.push_back(static_cast<char>(pixel[k]));
     }
-  // Under another name first, so that a reader never meets half a file.
-  const std::string part = path + ".part";
-  std::ofstream file(part, std::ios::binary);
-  file << bytes;
-  file.close();
-  std::error_code error;
-  if (file) std::filesystem::rename(part, path, error);
-  if (!file || error) {
-    std::error_code ignored;
-    std::filesystem::remove(part, ignored);
-    throw Error("the frame could not be written to \"" + path + "\"");
-  }
+  write_file_atomically(path, bytes);
 }
 
 }  // namespace omma::compat

@@ -142,6 +142,54 @@ def measure(name: str, scene: omma.Scene, eye: omma.Eye, pose: np.ndarray, many:
     return curves
 
 
+def measure_overlap(scene: omma.Scene, eye: omma.Eye, poses: np.ndarray) -> None:
+    """Error with share_rays over that without, where fields overlap more and more."""
+    axes = np.asarray(eye.axis)
+    cosine = axes @ axes.T
+    np.fill_diagonal(cosine, -1)
+    spacing = np.degrees(np.median(np.arccos(cosine.max(axis=1))))
+    print(f"\n{len(eye)} axes, nearest neighbours {spacing:.1f} degrees apart")
+    print("| acceptance, degrees | sharing | rays | 4 samples | 16 | 64 |")
+    built = omma.Renderer(scene, eye, samples=1)
+    for acceptance in (2.6, 4, 5, 6, 8, 10, 16):
+        as_wide = eye.replace(acceptance=np.radians(acceptance))
+        exact = built.with_eye(as_wide, samples=4096, seed=99).render(poses)
+        row = []
+        for samples in (4, 16, 64):
+            errors = []
+            for share in (True, False):
+                found = [
+                    built.with_eye(as_wide, samples=samples, seed=seed, share_rays=share)
+                    for seed in range(6)
+                ]
+                errors.append(rms(np.stack([one.render(poses) for one in found]) - exact))
+                if share and samples == 16:
+                    sharing = np.mean(found[0].shared_ommatidia)
+                    rays = found[0].rays_per_frame / len(eye) / samples
+            row.append(errors[0] / errors[1])
+        print(
+            f"| {acceptance:g} | {100 * sharing:.0f} % | {rays:.2f} | "
+            + " | ".join(f"{ratio:.2f}" for ratio in row) + " |", flush=True,
+        )  # fmt: skip
+
+
+def measure_building(scene: omma.Scene, eye: omma.Eye) -> None:
+    """Seconds on one thread that shared rays take to make, and how many share."""
+    print(f"\nmade for {len(eye)} ommatidia, on one thread:")
+    built = omma.Renderer(scene, eye, samples=1, threads=1)
+    for samples in (1, 2, 4, 16, 64, 256):
+        seconds = [
+            min(
+                built.with_eye(
+                    eye, samples=samples, share_rays=share, seed=seed
+                ).build_times["directions_s"]
+                for seed in range(3)
+            )
+            for share in (True, False)
+        ]  # fmt: skip
+        print(f"{samples:4d} samples: {seconds[0] - seconds[1]:.3f} s", flush=True)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     everything = ROOT.parent / "shared" / "data" / "compound-ray"
@@ -167,6 +215,12 @@ def main() -> None:
     bundled = omma.load_scene(EXAMPLES / "meadow.glb")
     cases.append(("bundled meadow", bundled, np.array(bundled.camera("bee").world_from_camera)))
     draw_lattice(left, eye, 4, 4.2)
+    measure_building(cases[0][1], eye)
+    if data.is_dir() and not arguments.quick:
+        turned = np.stack([cases[0][2], cases[0][2]])
+        turned[1, :3, :3] = [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]
+        few = omma.load_eye(data / "scenes" / "eyes" / "1000-equidistant.eye")
+        measure_overlap(cases[1][1], few, turned)
     print("| scene | own | shared | times fewer | nodal points | neighbours |")
     for k, (name, scene, pose) in enumerate(cases[: 1 if arguments.quick else None]):
         curves = measure(name, scene, eye, pose, 4096)

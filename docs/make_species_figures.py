@@ -19,8 +19,10 @@ HEAD = """# Species
 
 Eyes of animals, made from published numbers:
 
-    robber_fly = omma.species.holcocephala()
-    renderer = omma.Renderer(scene, robber_fly.eye)
+```python
+robber_fly = omma.species.holcocephala()
+renderer = omma.Renderer(scene, robber_fly.eye)
+```
 
 or `omma eye species holcocephala -o robber_fly.csv`. Each is a whole head: both eyes, with
 positions, axes, facets, an angular sensitivity and receptors for every ommatidium, and a column

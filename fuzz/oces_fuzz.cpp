@@ -1,5 +1,5 @@
-// Arbitrary bytes as an OCES file, .gltf or .glb: each is a valid eye or an omma::Error. URIs lead
-// into a folder that is not there.
+// Arbitrary bytes as an OCES file, .gltf or .glb: each is a valid eye or an omma::Error. URIs may
+// lead to the files in fuzz/beside.
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -10,7 +10,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   try {
     omma::parse_oces(std::string(reinterpret_cast<const char*>(data), size),
-                     "no-such-folder/eyes.gltf");
+                     OMMA_FUZZ_BESIDE "/eyes.gltf");
   } catch (const omma::Error&) {
   }
   return 0;

@@ -1,5 +1,5 @@
-// Arbitrary bytes as a .gltf or .glb file: each is a valid scene or an omma::Error. URIs lead into
-// a folder that is not there.
+// Arbitrary bytes as a .gltf or .glb file: each is a valid scene or an omma::Error. URIs may lead
+// to the files in fuzz/beside. Sizes that are odd are read by the colour rule `compoundray`.
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -8,9 +8,12 @@
 #include "omma/error.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  omma::SceneOptions options;
+  if (size % 2 == 1) options.color_rule = omma::ColorRule::compoundray;
   try {
-    const omma::Scene scene = omma::parse_scene(
-        std::string(reinterpret_cast<const char*>(data), size), "no-such-folder/scene.gltf");
+    const omma::Scene scene =
+        omma::parse_scene(std::string(reinterpret_cast<const char*>(data), size),
+                          OMMA_FUZZ_BESIDE "/scene.gltf", options);
     omma::scene_bounds(scene);
     omma::triangle_count(scene);
   } catch (const omma::Error&) {

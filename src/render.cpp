@@ -3,13 +3,15 @@
 // neighbouring ommatidia. What happens inside a block is backend/embree/block.cpp.
 #include "omma/render.h"
 
-#include "render_state.h"
-
 #include <oneapi/tbb/info.h>
-#include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
+
+#include "render_poses.h"
+#include "render_state.h"
+#include "threads/arena.h"
+#include "threads/parallel.h"
 
 namespace omma {
 namespace {
@@ -52,15 +54,6 @@ void check_settings(const RenderSettings& s) {
   }
 }
 
-void check_pose(const Mat4& pose, std::size_t index) {
-  bool good = pose.m[3][0] == 0 && pose.m[3][1] == 0 && pose.m[3][2] == 0 && pose.m[3][3] == 1;
-  for (const auto& row : pose.m)
-    for (double value : row) good = good && std::isfinite(value);
-  if (!good || std::fabs(determinant(pose)) < 1e-30)
-    throw Error("poses[" + std::to_string(index) +
-                "]: expected a finite, invertible 4x4 transform with last row 0 0 0 1");
-}
-
 void check_output(const char* name, std::span<float> output, std::size_t expected) {
   if (output.size() != expected)
     throw Error(std::string(name) + ": expected room for " + std::to_string(expected) +
@@ -69,13 +62,19 @@ void check_output(const char* name, std::span<float> output, std::size_t expecte
 
 }  // namespace
 
+Renderer::State::~State() {
+  if (threads_are_gone()) (void)arena.release();
+}
+
 void Renderer::State::prepare_threads(State& s, const RenderSettings& settings) {
-  const int hardware = oneapi::tbb::info::default_concurrency();
-  s.threads = settings.threads > 0 ? settings.threads : hardware;
-  if (s.threads > hardware)
-    s.thread_limit = std::make_unique<oneapi::tbb::global_control>(
-        oneapi::tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(s.threads));
-  s.arena = std::make_unique<oneapi::tbb::task_arena>(s.threads);
+  if (threads_are_gone()) {
+    s.arena = std::make_unique<oneapi::tbb::task_arena>(1);  // which nobody enters
+    return;
+  }
+  note_threads_are_used();
+  s.arena = make_thread_arena(settings.threads > 0 ? settings.threads
+                                                   : oneapi::tbb::info::default_concurrency());
+  s.threads = s.arena->max_concurrency();
 }
 
 std::shared_ptr<const BuiltBackground> build_background(const BuiltScene& built,
@@ -110,7 +109,7 @@ void Renderer::State::prepare_eye(State& s, Eye eye, RenderSettings settings,
   s.eye = std::move(eye);
   s.settings = std::move(settings);
   s.block = choose_block_functions();
-  s.arena->execute([&] {
+  run_in_arena(*s.arena, [&] {
     if (s.background == nullptr) s.background = build_background(*s.built, s.settings);
     s.view = s.built->shading->view;
     s.view.background = s.background->data.view;
@@ -121,6 +120,7 @@ void Renderer::State::prepare_eye(State& s, Eye eye, RenderSettings settings,
          round.samples *= 2)
       s.directions.push_back(make_direction_tables(s.eye, round, &s.directions.front()));
     s.eye_arrays = make_eye_arrays(s.eye, s.directions.front());
+    if (s.settings.error > 0) s.nearest = nearest_in_blocks(s.eye_arrays, most_per_block);
     if (s.settings.share_rays) shared_set(s, 0);
     s.times.directions_s = seconds_since(start);
   });
@@ -146,8 +146,10 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, Eye eye, RenderSettings s
     s.times.acceleration_s = seconds_since(before_tracer);
     s.built = std::move(built);
   };
-  run_watched(progress, [&](WorkState& work) { s.arena->execute([&] { build(work); }); });
-  State::prepare_eye(s, std::move(eye), std::move(settings));
+  run_watched(progress, [&](WorkState& work) {
+    run_in_arena(*s.arena, [&] { build(work); });
+    State::prepare_eye(s, std::move(eye), std::move(settings));
+  });
 }
 
 Renderer::Renderer(const Renderer& same_scene, Eye eye, RenderSettings settings)
@@ -196,9 +198,10 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
                   " values (pose x ommatidium x sample x channel), found " +
                   std::to_string(call.ray_radiance.size()));
   }
-  for (std::size_t p = 0; p < poses; ++p) check_pose(world_from_head[p], p);
+  const std::vector<Mat4> traced =
+      traced_poses(world_from_head, s.eye_arrays, s.built->tracer->origin_m);
 
-  if (s.settings.share_rays) return render_shared(s, world_from_head, responses, call);
+  if (s.settings.share_rays) return render_shared(s, traced, responses, call);
 
   // One block of ommatidia at one pose is a task: some 512 rays, but no more than fit its sums.
   Blocks blocks{{s.built->tracer.get(), &s.view, &s.eye_arrays, s.directions.data()},
@@ -208,18 +211,20 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
     context.rounds = static_cast<int>(s.directions.size());
     context.error = s.settings.error;
     context.most_samples = s.settings.most_samples;
+    context.nearest = s.nearest.data();
   } else if (!call.standard_error.empty()) {
     context.scrambles = error_scrambles;
   }
   const int rays_each = s.settings.samples * context.scrambles;
   blocks.per_block = std::clamp(block_rays / rays_each, 1,
                                 std::min(most_per_block, block_capacity / context.scrambles));
+  // Neighbours are heard within a block, so that it is large whatever the least number of rays.
+  if (to_error) blocks.per_block = most_per_block;
   if (!to_error) std::fill(call.rays.begin(), call.rays.end(), rays_each);
   const std::size_t blocks_per_pose = blocks.count();
   const auto run_task = [&](std::size_t index) {
     const std::size_t p = index / blocks_per_pose;
-    BlockTask task =
-        make_task(blocks, index % blocks_per_pose, world_from_head[p], call.first_pose + p);
+    BlockTask task = make_task(blocks, index % blocks_per_pose, traced[p], call.first_pose + p);
     task.responses = responses.data() + p * pose_size;
     if (!call.standard_error.empty())
       task.standard_error = call.standard_error.data() + p * pose_size;
@@ -230,7 +235,7 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
   const int most_rays = to_error ? s.settings.most_samples : rays_each;
   run_in_stretches(poses * blocks_per_pose, static_cast<double>(most_rays) * blocks.per_block,
                    s.threads, call.progress, [&](std::size_t begin, std::size_t end) {
-                     s.arena->execute([&] { oneapi::tbb::parallel_for(begin, end, run_task); });
+                     run_in_arena(*s.arena, [&] { parallel_for(begin, end, run_task); });
                    });
 }
 
@@ -283,6 +288,14 @@ const BuildTimes& Renderer::build_times() const {
 std::size_t Renderer::rays_per_frame() const {
   if (state_->settings.share_rays) return shared_set(*state_, 0).rays.rays.size();
   return state_->eye.size() * static_cast<std::size_t>(state_->settings.samples);
+}
+std::vector<char> Renderer::shared_ommatidia() const {
+  if (!state_->settings.share_rays) return std::vector<char>(state_->eye.size(), 0);
+  return shared_set(*state_, 0).rays.is_shared;
+}
+std::string Renderer::precision_warning(std::span<const Mat4> world_from_head) const {
+  return omma::precision_warning(world_from_head, state_->built->tracer->origin_m,
+                                 state_->built->tracer->half_size_m);
 }
 int Renderer::threads() const {
   return state_->threads;

@@ -1,8 +1,5 @@
 // Pictures: their rays in bands of pixels, each band an eye that is rendered and averaged. Bands go
 // in parallel, one thread each, so that laying out their rays is done by all threads too.
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
-
 #include <algorithm>
 #include <chrono>
 
@@ -10,6 +7,7 @@
 #include "kernel/sobol.h"
 #include "model/camera.h"
 #include "omma/camera.h"
+#include "threads/parallel.h"
 
 namespace omma {
 namespace {
@@ -120,7 +118,7 @@ void render_camera(const Renderer& same_scene, const Camera& camera, const Camer
   for (std::size_t done = 0; done < bands;) {
     const auto start = Clock::now();
     const std::size_t end = std::min(bands, done + stretch);
-    arena.execute([&] { oneapi::tbb::parallel_for(done, end, run_band); });
+    run_in_arena(arena, [&] { parallel_for(done, end, run_band); });
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
     const double rate = static_cast<double>(end - done) / std::max(seconds, 1e-6);
     stretch = static_cast<std::size_t>(std::max(1.0, 0.2 * rate));

@@ -1,12 +1,10 @@
 // Rendering with rays that neighbouring ommatidia share (sampling/shared_rays.h): a frame traces
 // the rays of the eye, then weighs them into responses.
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "render_state.h"
+#include "threads/parallel.h"
 
 namespace omma {
 namespace {
@@ -35,9 +33,9 @@ void render_frame(const Renderer::State& s, const SharedSet& set, const Mat4& wo
   if (parallel) {
     // Isolated: a thread that waits here may not take up a frame of another call, which would use
     // this thread's room.
-    oneapi::tbb::this_task_arena::isolate([&] {
-      oneapi::tbb::parallel_for(std::size_t{0}, blocks.count(), trace);
-      oneapi::tbb::parallel_for(std::size_t{0}, row_tasks, weigh);
+    run_isolated([&] {
+      parallel_for(std::size_t{0}, blocks.count(), trace);
+      parallel_for(std::size_t{0}, row_tasks, weigh);
     });
   } else {
     for (std::size_t i = 0; i < blocks.count(); ++i) trace(i);
@@ -70,18 +68,13 @@ void render_with_error(const Renderer::State& s, const Mat4& world_from_head, st
 }  // namespace
 
 const SharedSet& shared_set(const Renderer::State& state, int pattern) {
-  const std::lock_guard lock(state.shared_mutex);
-  std::unique_ptr<const SharedSet>& set = state.shared[static_cast<std::size_t>(pattern)];
-  if (set != nullptr) return *set;
-  auto made = std::make_unique<SharedSet>();
-  // Isolated: while this thread holds the lock it may not take up a frame that asks for it.
-  oneapi::tbb::this_task_arena::isolate([&] {
-    made->rays = make_shared_rays(state.eye, state.directions.front(), pattern);
-    made->directions = make_ray_tables(made->rays.rays, state.settings);
-    made->arrays = make_eye_arrays(made->rays.rays, made->directions);
+  return state.shared[static_cast<std::size_t>(pattern)].get([&] {
+    SharedSet made;
+    made.rays = make_shared_rays(state.eye, state.directions.front(), pattern);
+    made.directions = make_ray_tables(state.directions.front(), made.rays);
+    made.arrays = make_eye_arrays(made.rays.rays, made.directions);
+    return made;
   });
-  set = std::move(made);
-  return *set;
 }
 
 void render_shared(const Renderer::State& s, std::span<const Mat4> world_from_head,
@@ -89,9 +82,16 @@ void render_shared(const Renderer::State& s, std::span<const Mat4> world_from_he
   const std::size_t pose_size = s.eye.size() * channel_count;
   const bool with_error = !call.standard_error.empty();
   const int patterns = with_error ? error_scrambles : 1;
-  s.arena->execute([&] {
-    for (int pattern = 0; pattern < patterns; ++pattern) shared_set(s, pattern);
-  });
+  // The sets are there from the first time on; until then nothing of the render is finished.
+  const auto prepare = [&] {
+    run_in_arena(*s.arena, [&] {
+      for (int pattern = 0; pattern < patterns; ++pattern) shared_set(s, pattern);
+    });
+  };
+  if (call.progress)
+    run_watched([&](double) { return call.progress(0); }, [&](WorkState&) { prepare(); });
+  else
+    prepare();
   std::vector<std::int32_t> counts(call.rays.empty() ? 0 : s.eye.size(), 0);
   for (int pattern = 0; pattern < patterns; ++pattern) {
     const SharedRays& shared = shared_set(s, pattern).rays;
@@ -112,15 +112,15 @@ void render_shared(const Renderer::State& s, std::span<const Mat4> world_from_he
       render_frame(s, shared_set(s, 0), world_from_head[p], pose, parallel, out);
   };
   const double rays = static_cast<double>(shared_set(s, 0).rays.rays.size()) * patterns;
-  run_in_stretches(
-      world_from_head.size(), rays, 1, call.progress, [&](std::size_t begin, std::size_t end) {
-        s.arena->execute([&] {
-          if (end - begin >= 2 * static_cast<std::size_t>(s.threads))
-            oneapi::tbb::parallel_for(begin, end, [&](std::size_t p) { frame(p, false); });
-          else
-            for (std::size_t p = begin; p < end; ++p) frame(p, true);
-        });
-      });
+  run_in_stretches(world_from_head.size(), rays, 1, call.progress,
+                   [&](std::size_t begin, std::size_t end) {
+                     run_in_arena(*s.arena, [&] {
+                       if (end - begin >= 2 * static_cast<std::size_t>(s.threads))
+                         parallel_for(begin, end, [&](std::size_t p) { frame(p, false); });
+                       else
+                         for (std::size_t p = begin; p < end; ++p) frame(p, true);
+                     });
+                   });
 }
 
 }  // namespace omma

@@ -2,22 +2,22 @@
 // render.cpp (each ommatidium its own rays) and render_shared.cpp (rays shared by neighbours).
 #pragma once
 
-#include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <array>
 #include <chrono>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include "backend/embree/block.h"
 #include "backend/embree/tracer.h"
 #include "backend/shading_data.h"
+#include "model/long_work.h"
 #include "omma/render.h"
 #include "sampling/directions.h"
 #include "sampling/shared_rays.h"
+#include "threads/made_once.h"
 
 namespace omma {
 
@@ -55,19 +55,19 @@ struct Renderer::State {
   BuildTimes times;
   int threads = 1;
 
-  // More threads than the processor has, where asked for, need TBB's own limit raised.
-  std::unique_ptr<oneapi::tbb::global_control> thread_limit;
   std::unique_ptr<oneapi::tbb::task_arena> arena;
 
   SceneView view;                           // of the built scene, with this background
   std::vector<DirectionTables> directions;  // [round]
   EyeArrays eye_arrays;
+  std::vector<std::uint8_t> nearest;  // nearest_in_blocks, where there is an error to reach
   BlockFunctions block;
 
-  // Rays shared by neighbours: the first set is used at all poses, the others for standard errors,
-  // made when first asked for.
-  mutable std::mutex shared_mutex;
-  mutable std::array<std::unique_ptr<const SharedSet>, error_scrambles> shared;
+  // Rays shared by neighbours: the first set is used at all poses, the others for standard errors.
+  mutable std::array<MadeOnce<SharedSet>, error_scrambles> shared;
+
+  // In a process without threads (threads_are_gone) what has to do with them is left where it is.
+  ~State();
 
   static void prepare_threads(State& s, const RenderSettings& settings);
   static void prepare_eye(State& s, Eye eye, RenderSettings settings,

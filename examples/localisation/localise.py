@@ -45,7 +45,10 @@ LEARNING_RATE = 1e-3
 TRAINING_SHARE = 0.8
 PART = 500  # views in one file: what is lost, at most, when a render is stopped
 
-PUBLISHED = {"AM_60185-real": 0.4136, "AM_60185-single": 0.4167, "AM_60185-split": 0.4372}
+PUBLISHED = {  # the last of the paper's curves
+    **{"AM_60185-real": 0.4136, "AM_60185-single": 0.4167, "AM_60185-split": 0.4372},
+    **{"BT_77973-real": 0.4855, "BT_77973-single": 0.4871, "BT_77973-split": 0.5001},
+}
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#000000")
 
 Tick = Callable[[], object]
@@ -249,25 +252,28 @@ def lowest_loss(views: Views) -> tuple[float, float]:
 
 # Plot --------------------------------------------------------------------------------------------
 
-# Of each eye, for each of its networks, (training, validation) loss after each epoch.
-Curves = dict[str, list[list[tuple[float, float]]]]
+# Of each eye, for each draw of places and each network, (training, validation) loss after each
+# epoch.
+Curves = dict[str, list[list[list[tuple[float, float]]]]]
 
 
 def save_curves(file: Path, curves: Curves) -> None:
-    """All curves as a table: eye, network, epoch, training_l1, validation_l1."""
+    """All curves as a table: eye, draw, network, epoch, training_l1, validation_l1."""
     with file.open("w", newline="") as stream:
         table = csv.writer(stream)
-        table.writerow(["eye", "network", "epoch", "training_l1", "validation_l1"])
-        for eye, networks in curves.items():
-            for number, curve in enumerate(networks):
-                for epoch, (training, validation) in enumerate(curve, start=1):
-                    table.writerow([eye, number, epoch, f"{training:.6f}", f"{validation:.6f}"])
+        table.writerow(["eye", "draw", "network", "epoch", "training_l1", "validation_l1"])
+        for eye, draws in curves.items():
+            for draw, networks in enumerate(draws):
+                for number, curve in enumerate(networks):
+                    for epoch, losses in enumerate(curve, start=1):
+                        table.writerow([eye, draw, number, epoch, *(f"{x:.6f}" for x in losses)])
 
 
 def plot_curves(file: Path, curves: Curves, title: str) -> None:
     """Validation loss against epochs, a colour for each eye; dotted where the paper's ended."""
     figure, axes = plt.subplots(figsize=(7, 4.5), layout="constrained")
-    for (eye, networks), colour in zip(curves.items(), COLOURS * len(curves)):
+    for (eye, draws), colour in zip(curves.items(), COLOURS * len(curves)):
+        networks = [curve for draw in draws for curve in draw]
         validation = np.array(networks)[:, :, 1]
         epochs = np.arange(1, validation.shape[1] + 1)
         mean = validation.mean(axis=0)
@@ -288,6 +294,43 @@ def plot_curves(file: Path, curves: Curves, title: str) -> None:
     plt.close(figure)
 
 
+# Compare -----------------------------------------------------------------------------------------
+
+
+@dataclass
+class Comparison:
+    """What several draws of places say about an eye, beside the first of them all."""
+
+    final: float  # mean over draws
+    final_scatter: float  # standard deviation over draws, nan for one draw
+    above: float  # final loss less the lowest possible one for the same places, mean
+    less_first: float  # ``above`` less that of the first eye, at the same places, mean
+    less_first_error: float  # its standard error
+    anew: float  # standard deviation of that difference, had each eye places of its own
+
+
+def compare(finals: dict[str, np.ndarray], lowest: dict[str, np.ndarray]) -> dict[str, Comparison]:
+    """From the final losses (draws, networks) and the lowest possible ones (draws,) of each eye."""
+    above = {eye: final.mean(axis=1) - lowest[eye] for eye, final in finals.items()}
+    first = next(iter(above.values()))
+
+    def scatter(values: np.ndarray) -> float:
+        return float(np.std(values, ddof=1)) if len(values) > 1 else math.nan
+
+    result = {}
+    for eye, final in finals.items():
+        apart = above[eye] - first
+        result[eye] = Comparison(
+            final=float(final.mean()),
+            final_scatter=scatter(final.mean(axis=1)),
+            above=float(above[eye].mean()),
+            less_first=float(apart.mean()),
+            less_first_error=scatter(apart) / math.sqrt(len(apart)),
+            anew=math.hypot(scatter(above[eye]), scatter(first)),
+        )
+    return result
+
+
 # The way through ---------------------------------------------------------------------------------
 
 EXAMPLES = """examples:
@@ -295,8 +338,8 @@ EXAMPLES = """examples:
     python localise.py --scene env_2.gltf AM_60185-{real,single,split}.eye -o out
   The paper's size (the views are kept, and more are added to those that are there):
     python localise.py --scene env_2.gltf AM_60185-{real,single,split}.eye -o out --frames 100000
-  Is a difference more than luck? Five networks for each eye:
-    python localise.py --scene env_2.gltf AM_60185-{real,single,split}.eye -o out --networks 5
+  Is a difference more than luck? Five draws of places, and of each another network:
+    python localise.py --scene env_2.gltf BT_77973-{real,single}.eye -o out --draws 5
 """
 
 
@@ -310,13 +353,14 @@ def arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--frames", type=int, default=10_000, help="views per eye (10000)")
     parser.add_argument("--rays", type=int, default=16, help="rays per ommatidium (16)")
     parser.add_argument("--epochs", type=int, default=100, help="times over the training set (100)")
-    parser.add_argument("--networks", type=int, default=1, help="networks trained per eye (1)")
+    parser.add_argument("--draws", type=int, default=1, help="times that places are drawn anew (1)")
+    parser.add_argument("--networks", type=int, default=1, help="networks per eye and draw (1)")
     parser.add_argument("--seed", type=int, default=0, help="of places and networks (0)")
     parser.add_argument(
         "--kernel", default="gaussian", choices=["gaussian", "compoundray"], help="(gaussian)"
     )
     given = parser.parse_args(argv)
-    for name in ("frames", "rays", "epochs", "networks"):
+    for name in ("frames", "rays", "epochs", "draws", "networks"):
         if getattr(given, name) < (10 if name == "frames" else 1):
             parser.error(f"--{name}: {getattr(given, name)} is too few")
     for file in (given.scene, *given.eyes):
@@ -335,32 +379,58 @@ def bar(what: str, steps: int) -> Iterator[Tick]:
 
 def main(argv: list[str] | None = None) -> Curves:
     given = arguments(argv)
-    curves: Curves = {}
-    bounds: dict[str, tuple[float, float]] = {}
-    for eye in given.eyes:
-        setting = (given.rays, given.kernel, given.seed)
-        folder = views_folder(given.out, given.scene, eye, *setting)
-        with bar(f"{eye.stem}: rendering", math.ceil(given.frames / PART)) as tick:
-            render_views(given.scene, eye, folder, given.frames, *setting, tick)
-        views = load_views(folder, given.frames)
-        with bar(f"{eye.stem}: training", given.epochs * given.networks) as tick:
-            curves[eye.stem] = [
-                train(views, given.epochs, given.seed + number, tick)
-                for number in range(given.networks)
-            ]
-        save_curves(given.out / "curves.csv", curves)
-        bounds[eye.stem] = lowest_loss(views)
-        title = f"{given.frames:,} views, {given.rays} rays per ommatidium, {given.kernel} kernel"
-        plot_curves(given.out / "curves.png", curves, title)
-
-    table = Table("eye", "final validation L1", "published", "sees the sphere in", "lowest L1")
-    for eye, networks in curves.items():
-        final = ", ".join(f"{curve[-1][1]:.4f}" for curve in networks)
-        published = f"{PUBLISHED[eye]:.4f}" if eye in PUBLISHED else ""
-        seen, lowest = bounds[eye]
-        table.add_row(eye, final, published, f"{seen:.1%}", f"{lowest:.4f}")
-    Console().print(table, f"Curves: {given.out / 'curves.png'}, {given.out / 'curves.csv'}")
+    curves: Curves = {eye.stem: [] for eye in given.eyes}
+    bounds: dict[str, list[tuple[float, float]]] = {eye.stem: [] for eye in given.eyes}
+    title = f"{given.frames:,} views, {given.rays} rays per ommatidium, {given.kernel} kernel"
+    for draw in range(given.draws):
+        setting = (given.rays, given.kernel, given.seed + draw)
+        for eye in given.eyes:
+            what = eye.stem if given.draws == 1 else f"{eye.stem}, draw {draw}"
+            folder = views_folder(given.out, given.scene, eye, *setting)
+            with bar(f"{what}: rendering", math.ceil(given.frames / PART)) as tick:
+                render_views(given.scene, eye, folder, given.frames, *setting, tick)
+            views = load_views(folder, given.frames)
+            first = given.seed + draw * given.networks
+            with bar(f"{what}: training", given.epochs * given.networks) as tick:
+                curves[eye.stem].append(
+                    [
+                        train(views, given.epochs, first + number, tick)
+                        for number in range(given.networks)
+                    ]
+                )
+            bounds[eye.stem].append(lowest_loss(views))
+            done = {name: draws for name, draws in curves.items() if draws}
+            save_curves(given.out / "curves.csv", done)
+            plot_curves(given.out / "curves.png", done, title)
+    print_results(curves, bounds)
+    Console().print(f"Curves: {given.out / 'curves.png'}, {given.out / 'curves.csv'}")
     return curves
+
+
+def print_results(curves: Curves, bounds: dict[str, list[tuple[float, float]]]) -> None:
+    """A line for each eye and draw, and where there are several draws what they say together."""
+    table = Table("eye", "draw", "final L1", "published", "sees the sphere in", "lowest L1")
+    for eye, draws in curves.items():
+        for draw, networks in enumerate(draws):
+            final = ", ".join(f"{curve[-1][1]:.4f}" for curve in networks)
+            published = f"{PUBLISHED[eye]:.4f}" if eye in PUBLISHED else ""
+            seen, lowest = bounds[eye][draw]
+            table.add_row(eye, str(draw), final, published, f"{seen:.1%}", f"{lowest:.4f}")
+    Console().print(table)
+    if len(next(iter(curves.values()))) == 1:
+        return
+    finals = {
+        eye: np.array([[curve[-1][1] for curve in networks] for networks in draws])
+        for eye, draws in curves.items()
+    }
+    compared = compare(finals, {eye: np.array(b)[:, 1] for eye, b in bounds.items()})
+    first = next(iter(compared))
+    table = Table("eye", "final L1 ± scatter", "above the lowest", f"less {first}", "drawn anew")
+    for eye, c in compared.items():
+        less = "" if eye == first else f"{c.less_first:+.4f} ± {c.less_first_error:.4f}"
+        anew = "" if eye == first else f"± {c.anew:.4f}"
+        table.add_row(eye, f"{c.final:.4f} ± {c.final_scatter:.4f}", f"{c.above:.4f}", less, anew)
+    Console().print(table)
 
 
 if __name__ == "__main__":

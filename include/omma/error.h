@@ -7,14 +7,15 @@
 
 namespace omma {
 
-// Anything wrong with an input: a file, an argument, a device.
+// Anything wrong with an input: a file, an argument, a device. The message is made valid UTF-8 in
+// one line: control characters, and bytes that are no UTF-8, become \n, \t, \xNN.
 class Error : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit Error(const std::string& message);
 };
 
 // Thrown out of a render, or out of loading or building a scene, whose progress callback returned
-// false. Outputs are then incomplete.
+// false, and out of all that is run as part of work that is to end. Outputs are then incomplete.
 class Cancelled : public std::runtime_error {
  public:
   Cancelled() : std::runtime_error("the work was cancelled") {}

@@ -1,5 +1,6 @@
 // Files in and out. Every function throws omma::Error that names the file and the place; writers
 // write to a temporary name beside the target and rename, so that no half-written file is left.
+// Only regular files are read and written; links are followed.
 #pragma once
 
 #include <cstdint>
@@ -48,15 +49,23 @@ void save_eye(const std::string& path, const Eye& eye, double metres_per_unit = 
               bool lossy = false);
 std::vector<std::string> eye_file_losses(const std::string& path, const Eye& eye);
 
-// PNG, JPEG (8 and 16 bit) or Radiance HDR, for backgrounds. 8-bit data stay sRGB encoded, the
-// rest becomes linear float.
-Image load_image(const std::string& path);
+// PNG, JPEG, Radiance HDR or OpenEXR, for backgrounds. 8-bit data stay sRGB encoded, the rest
+// becomes linear float. `progress` as that of load_scene.
+Image load_image(const std::string& path, const std::function<bool(double)>& progress = nullptr);
 
 // From encoded bytes; `place` names them in errors.
 Image decode_image(std::span<const std::uint8_t> bytes, const std::string& place);
 
-// 8-bit RGB or RGBA, row 0 at the top.
+// 8-bit RGB or RGBA, row 0 at the top, into a file; and its bytes alone, where `path` only names it
+// in errors. `progress` as that of load_scene; where it ends the writing nothing is left of the
+// file.
+std::string png_bytes(const std::string& path, std::span<const std::uint8_t> pixels, int width,
+                      int height, int components,
+                      const std::function<bool(double)>& progress = nullptr);
 void save_png(const std::string& path, std::span<const std::uint8_t> pixels, int width, int height,
-              int components);
+              int components, const std::function<bool(double)>& progress = nullptr);
+
+// Any other bytes, in the same way: the file is then either what it was or complete.
+void write_file_atomically(const std::string& path, std::span<const char> bytes);
 
 }  // namespace omma

@@ -12,6 +12,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "omma/error.h"
 #include "omma/eye.h"
@@ -40,15 +41,16 @@ struct RenderSettings {
   // Rays read textures averaged over their share of the solid angle: less noise, and the acceptance
   // function's modulation transfer stays within 0.01.
   bool footprints = true;
-  // Above 0: rays go on in rounds, to the ommatidia that need them, until the standard error of
-  // each response is at most this (a radiance of 1 is full scale) or an ommatidium has had
+  // Above 0: rays go on in rounds, to the ommatidia that need them, until the estimated standard
+  // error of each response is at most this (a radiance of 1 is full scale) or an ommatidium has had
   // most_samples rays. `samples` is then the least, a power of two from 4 on.
   double error = 0;
   int most_samples = 4096;
   // Neighbouring ommatidia share rays: about `samples` per ommatidium in all, but each uses those of
   // its neighbours too, through their nodal points. Far less error for the same rays; surfaces at a
   // distance d are seen with an acceptance angle 1 + R/d times as wide on an eye of radius R. Not
-  // with `error`, Sampling::random, apertures, or sensitivities that are not round or `compoundray`.
+  // with `error`, Sampling::random, apertures, or sensitivities that are not round or `compoundray`,
+  // nor where rays or weights would be too many (2^23 rays, 2^27 weights).
   bool share_rays = false;
 };
 
@@ -85,7 +87,8 @@ class Renderer {
 
   // Builds the acceleration structure and the direction tables; throws omma::Error. The scene must
   // stay as it is: its arrays are read from where they are. `progress` is told of the finished
-  // share of the acceleration structure as in RenderCall; false throws omma::Cancelled.
+  // share of the acceleration structure as in RenderCall; false throws omma::Cancelled. In a process
+  // forked from one that had used threads omma::Error is thrown: Embree cannot build there.
   Renderer(std::shared_ptr<const Scene> scene, Eye eye, RenderSettings settings = {},
            const std::function<bool(double)>& progress = {});
   // Another eye, or other settings, in the same scene: shares its acceleration structure, so that
@@ -97,18 +100,29 @@ class Renderer {
 
   // Responses [pose, ommatidium, channel], linear float32, for poses `world_from_head`. Safe to
   // call from several threads. The same inputs and seed give the same bits whatever the number of
-  // threads. Throws omma::Error on a pose that is not finite and invertible or an output of the
-  // wrong size, omma::Cancelled when the progress callback says so.
+  // threads. Throws omma::Error on an output of the wrong size and a pose that is not invertible or
+  // starts rays over 1e18 m from the scene, omma::Cancelled when the progress callback says so.
   void render(std::span<const Mat4> world_from_head, std::span<float> responses,
               const RenderCall& call = {}) const;
+
+  // A scene is traced in single precision relative to an origin near it, so that it may lie
+  // anywhere; but in one of many kilometres, or from very far, rays and surfaces are placed less
+  // exactly. A sentence that says how exactly at the worst of these poses, where that matters; else
+  // "".
+  std::string precision_warning(std::span<const Mat4> world_from_head) const;
 
   const Scene& scene() const;
   const Eye& eye() const;
   const RenderSettings& settings() const;
   const BuildTimes& build_times() const;
-  int threads() const;          // that a render uses
+  // That a render uses: as many as were asked for, at most those that oneTBB allows.
+  int threads() const;
   // Rays that a frame takes without a standard error; with an error to reach, at least.
   std::size_t rays_per_frame() const;
+  // [ommatidium], 1 where its rays count for its neighbours too (settings.share_rays) and theirs for
+  // it. Those have their own that would gain nothing, and those that cannot: an acceptance angle of
+  // 0, `airy` and `lens_rhabdom`, fields too narrow for a lattice over the sphere.
+  std::vector<char> shared_ommatidia() const;
   std::string backend() const;  // e.g. "embree 3.13.5"
 
  private:

@@ -18,6 +18,8 @@ drawings, `minimum_samples` says how many rays a scene needs, `compoundray_libra
 scripts of CompoundRay.
 """
 
+import inspect
+
 from omma import species
 from omma._core import (
     Acceptance,
@@ -36,8 +38,10 @@ from omma._core import (
 )
 from omma.acceptance_files import load_acceptance
 from omma.all_cameras import AllCamerasReport, CameraReport, render_all_cameras
+from omma.arguments import checked
 from omma.cameras import camera_eye, display, render_camera
 from omma.compat import compoundray_library
+from omma.confidence import confidence_interval
 from omma.eye_angles import acute_angle, angle_table, load_angle_table, outline, window
 from omma.eye_design import AcuteZone, acute_zones, generate_eye
 from omma.eye_drawing import draw_eye
@@ -172,6 +176,7 @@ __all__ = [
     "camera_eye",
     "check_lattice",
     "compoundray_library",
+    "confidence_interval",
     "convert_eye",
     "direction",
     "display",
@@ -261,3 +266,8 @@ __all__ = [
     "variance_map",
     "window",
 ]
+
+for _name in __all__:
+    if inspect.isfunction(globals()[_name]):
+        _edge = globals()[_name] = checked(globals()[_name])
+        _edge.__module__ = "omma"  # where it is found, so that it can be pickled

@@ -21,6 +21,40 @@ class Error(RuntimeError):
     found.
     """
 
+class WholeFiles:
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    def __init__(self) -> None: ...
+
+    def open(self, path: str | os.PathLike[str]) -> int: ...
+
+    def open_kept(self, path: str | os.PathLike[str], bytes: int) -> int: ...
+
+    def write(self, file: int, data: object) -> None: ...
+
+    def close(self, file: int) -> None: ...
+
+    def sync(self, file: int) -> int: ...
+
+    def finish(self) -> None: ...
+
+    def discard(self) -> None: ...
+
+def check_target(path: str | os.PathLike[str]) -> None: ...
+
+def kept_bytes(path: str | os.PathLike[str]) -> int: ...
+
+def read_file(path: str | os.PathLike[str]) -> bytes:
+    """
+    All bytes of a regular file; `omma.Error` where it is none or cannot be read.
+    """
+
+def left_behind(paths: Sequence[str | os.PathLike[str]]) -> list[tuple[str, int]]:
+    """
+    What runs that were killed left of files with these names: names and sizes in bytes.
+    """
+
 class Camera:
     """A camera node of a scene. It looks along its -Z, +Y is up."""
 
@@ -118,8 +152,9 @@ class Background:
         An equirectangular image: forward (-Z) in the middle, +X to the right of it, +Y
         at the top.
 
-        A path to a PNG or JPEG (8 bit: sRGB) or Radiance HDR file, or an array of shape
-        (height, width, 3 or 4): uint8 is sRGB, float is linear radiance.
+        A path to a PNG or JPEG (8 and 16 bit: sRGB), Radiance HDR or OpenEXR file (float:
+        linear radiance), or an array of shape (height, width, 3 or 4): uint8 is sRGB, float is
+        linear radiance. OpenEXR has channels R, G and B, or Y alone.
 
         Raises `omma.Error` where the file or the array is not such an image.
         """
@@ -148,7 +183,7 @@ class Scene:
     def __init__(self) -> None: ...
 
     @property
-    def path(self) -> str:
+    def path(self, /) -> str:
         """The file it came from, '' for one made in memory."""
 
     @property
@@ -483,7 +518,7 @@ class Eye:
         """
 
     @property
-    def path(self) -> str:
+    def path(self, /) -> str:
         """The file it came from, '' for one made in memory."""
 
     @property
@@ -644,6 +679,8 @@ class Renderer:
 
     def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: numpy.typing.NDArray[numpy.float32], standard_error: numpy.typing.NDArray[numpy.float32] | None, rays: numpy.typing.NDArray[numpy.int32] | None, ray_radiance: numpy.typing.NDArray[numpy.float32] | None, first_pose: int, progress: Callable[[float], object] | None) -> None: ...
 
+    def precision_warning(self, poses: numpy.typing.NDArray[numpy.float64]) -> str: ...
+
     @property
     def eye(self) -> Eye: ...
 
@@ -655,6 +692,9 @@ class Renderer:
 
     @property
     def rays_per_frame(self) -> int: ...
+
+    @property
+    def shared_ommatidia(self, /) -> numpy.typing.NDArray[numpy.uint8]: ...
 
     @property
     def backend(self) -> str: ...
@@ -707,6 +747,8 @@ def save_png(path: str | os.PathLike[str], pixels: numpy.typing.NDArray[numpy.ui
     It is written under another name and renamed, so that no half of a file is left.
     Raises `omma.Error` where the pixels or the path do not do.
     """
+
+def encode_png(path: str | os.PathLike[str], pixels: numpy.typing.NDArray[numpy.uint8]) -> bytes: ...
 
 def spectral_sensitivity(type: ReceptorType, wavelength_nm: numpy.typing.NDArray[numpy.float64]) -> numpy.typing.NDArray[numpy.float64]: ...
 

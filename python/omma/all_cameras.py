@@ -10,12 +10,18 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from omma import _core
 from omma._core import Background, Camera, Error, Eye
 from omma.backgrounds import parse_background
 from omma.cameras import camera_eye, camera_projection, display, picture_size, render_camera
-from omma.files import PathLike, check_target, load_scene, make_directory
-from omma.picture_files import paint_of_projection
+from omma.files import (
+    PathLike,
+    WholeFiles,
+    check_target,
+    left_behind,
+    load_scene,
+    make_directory,
+)
+from omma.picture_files import paint_of_projection, write_png
 from omma.projections import LISTS, Picture, projection_size
 from omma.render_settings import fixed_samples
 from omma.renderer import BUILDING, READING, Progress, Renderer
@@ -126,35 +132,37 @@ def render_all_cameras(
     files = [target / f"{name}.png" for name in file_names([camera.name for camera in cameras])]
     for file in files:
         check_target(str(file))
+    warnings += left_behind([str(file) for file in files])
     built = time.perf_counter()
     reports = []
-    for index, camera in enumerate(cameras):
+    with WholeFiles() as whole:
+        for index, camera in enumerate(cameras):
 
-        def share(done: float, index: int = index) -> None:
-            tell(f"Rendering {cameras[index].name}", (index + done) / len(cameras))
+            def share(done: float, index: int = index) -> None:
+                tell(f"Rendering {cameras[index].name}", (index + done) / len(cameras))
 
-        began = time.perf_counter()
-        eye, name, file = eyes[index], shown[index], files[index]
-        pixels = (
-            _picture(renderer, camera, width, height, gamma, share)
-            if eye is None
-            else _eye_picture(renderer.with_eye(eye), camera, name, width, height, gamma, share)
-        )
-        seconds = time.perf_counter() - began
-        _core.save_png(file, pixels)
-        reports.append(
-            CameraReport(
-                index=index,
-                name=camera.name,
-                type=camera.type,
-                width=pixels.shape[1],
-                height=pixels.shape[0],
-                seconds=seconds,
-                output=str(file),
-                eye="" if eye is None else eye.path,
-                projection=name,
+            began = time.perf_counter()
+            eye, name, file = eyes[index], shown[index], files[index]
+            pixels = (
+                _picture(renderer, camera, width, height, gamma, share)
+                if eye is None
+                else _eye_picture(renderer.with_eye(eye), camera, name, width, height, gamma, share)
             )
-        )
+            seconds = time.perf_counter() - began
+            write_png(whole, str(file), pixels)
+            reports.append(
+                CameraReport(
+                    index=index,
+                    name=camera.name,
+                    type=camera.type,
+                    width=pixels.shape[1],
+                    height=pixels.shape[0],
+                    seconds=seconds,
+                    output=str(file),
+                    eye="" if eye is None else eye.path,
+                    projection=name,
+                )
+            )
     return AllCamerasReport(
         cameras=tuple(reports),
         build_seconds=built - start,

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from omma import _core
 from omma._core import Background, Camera, Error, Eye, Scene
-from omma.arguments import whole
+from omma.arguments import array_of, whole
 from omma.files import load_eye
 from omma.projections import PROJECTIONS, LinearPicture
-from omma.renderer import Progress, Renderer
+from omma.renderer import Progress, Renderer, warn_of_precision
 
 DEFAULT_PROJECTION = "spherical_orientationwise"
 
@@ -78,6 +78,7 @@ def render_camera(
         whole(seed, "seed", 0, (1 << 64) - 1),
         progress,
     )
+    warn_of_precision(engine.precision_warning(which.world_from_camera[None]))
     return picture
 
 
@@ -86,6 +87,7 @@ def display(picture: LinearPicture, gamma: float = 2.2) -> NDArray[np.uint8]:
 
     Display value = 255 * clamp(radiance) ** (1 / gamma).
     """
+    picture = array_of(picture, "picture", (None, None, 3), np.float32)
     height, width = picture.shape[:2]
     pixels = np.arange(height * width, dtype=np.int32).reshape(height, width)
     return _core.paint(pixels, picture.reshape(-1, picture.shape[2]), gamma)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated, Literal
@@ -14,7 +15,14 @@ from omma.all_cameras import render_all_cameras
 from omma.cli_eye import eye_app
 from omma.cli_measure import measure_app
 from omma.cli_report import camera_lines, report_lines
-from omma.cli_working import fail, working
+from omma.cli_working import (
+    fail,
+    interrupted,
+    open_missing_streams,
+    unwinding_on_signals,
+    warn,
+    working,
+)
 from omma.info import describe_file
 from omma.projections import PROJECTIONS
 from omma.render_settings import Samples, fixed_samples
@@ -53,6 +61,12 @@ As many rays as each ommatidium needs for a standard error of 0.01, at most 1,02
 A path of many poses, with standard errors (flight.npy and flight.error.npy):
 
 `omma render meadow.glb --eye honeybee.eye --path flight.csv --samples 64 --standard-error
+-o flight.npy`
+
+A path that takes hours; after Ctrl-C, a kill or a loss of power the same command goes on from where
+it was, to the same numbers:
+
+`omma render meadow.glb --eye honeybee.eye --path flight.csv --samples 4096 --resume
 -o flight.npy`
 
 What the receptors of an eye answer, with blue standing for ultraviolet, too:
@@ -163,7 +177,7 @@ def render(
         str,
         typer.Option(
             help="Rays per ommatidium or pixel; auto: as many as each ommatidium needs for its "
-            "standard error to be --error.",
+            "estimated standard error to be --error.",
             metavar="N|auto",
         ),
     ] = "16",
@@ -177,7 +191,8 @@ def render(
     min_samples: Annotated[
         int | None,
         typer.Option(
-            help="With --samples auto: least rays of an ommatidium, a power of two. Default: 8.",
+            help="With --samples auto: least rays of an ommatidium, a power of two. Default: 8, "
+            "more from an error of 0.00625 down.",
             metavar="N",
         ),
     ] = None,
@@ -265,6 +280,14 @@ def render(
     side_by_side: Annotated[
         bool, typer.Option("--side-by-side", help="Paint each eye apart in a .png.")
     ] = False,
+    resume: Annotated[
+        bool,
+        typer.Option(
+            "--resume",
+            help="Of a --path: keep what is rendered when cut off (OUT.partial, OUT.resume), and "
+            "go on from there where that is left of the same inputs.",
+        ),
+    ] = False,
 ) -> None:
     """Render what an eye sees in a scene, or a camera of the scene."""
     rays = _samples(samples)
@@ -285,6 +308,7 @@ def render(
                 "--ultraviolet": ultraviolet is not None,
                 "--share-rays": share_rays,
                 "--side-by-side": side_by_side,
+                "--resume": resume,
             },
             output,
         )
@@ -338,6 +362,7 @@ def render(
             height=height,
             gamma=gamma,
             side_by_side=side_by_side,
+            resume=resume,
             progress=bar.show,
         )
     _print_warnings(report.warnings)
@@ -359,8 +384,13 @@ def info(
 
 
 def main() -> None:
-    """Run the command line: exit code 0, 1 for an error, 2 for wrong usage, 130 for Ctrl-C."""
-    sys.exit(run(app))
+    """Run the command line: exit code 0, 1 for an error, 2 for wrong usage, 130 for Ctrl-C, 143 and
+    129 for SIGTERM and SIGHUP."""
+    warnings.formatwarning = _warning_line
+    open_missing_streams()
+    with unwinding_on_signals():
+        code = run(app)
+    sys.exit(code)
 
 
 def run(command: Callable[..., object]) -> int:
@@ -371,8 +401,8 @@ def run(command: Callable[..., object]) -> int:
         return code if isinstance(code, int) else 0
     except Error as error:
         return fail(str(error), 1)
-    except KeyboardInterrupt:
-        return fail("interrupted", 130)
+    except KeyboardInterrupt as error:
+        return interrupted(error)
     except MemoryError:
         return fail("not enough memory", 1)
     except BrokenPipeError:
@@ -388,7 +418,7 @@ def run(command: Callable[..., object]) -> int:
         if message is not None and isinstance(code, int):
             return fail(message(), code) if message() else code
         if type(error).__name__ == "Abort":
-            return fail("interrupted", 130)
+            return interrupted(KeyboardInterrupt())
         raise
 
 
@@ -402,9 +432,13 @@ def _samples(text: str) -> Samples:
         raise typer.BadParameter(message, param_hint="--samples") from None
 
 
+def _warning_line(message: Warning | str, *_: object, **__: object) -> str:
+    return f"omma: warning: {message}\n"
+
+
 def _print_warnings(warnings: Sequence[str]) -> None:
     for warning in warnings:
-        print(f"omma: warning: {warning}", file=sys.stderr)
+        warn(warning)
 
 
 def _check_all_cameras(others: dict[str, bool], output: list[Path]) -> None:

@@ -14,7 +14,7 @@ from omma.cli_eye_files import EyeArgument, OutOption, UnitOption, save
 from omma.cli_eye_look import add_look_commands
 from omma.cli_eye_make import add_make_commands
 from omma.cli_eye_species import add_species_command
-from omma.cli_working import working
+from omma.cli_working import check_outputs, working
 from omma.eye_drawing import draw_eye
 from omma.eye_tools import set_acceptance, split_eye
 from omma.figure_files import figure_names
@@ -192,6 +192,7 @@ def draw(
 ) -> None:
     """Draw an eye, to SVG and PNG, with a scale bar."""
     names = figure_names(output)
+    check_outputs(*output)
     with working():
         eyes = [load_eye(path, unit) for path in eye]
         head = eyes[0] if len(eyes) == 1 else merge_eyes(eyes)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -11,7 +10,7 @@ import typer
 
 from omma._core import Error, Eye
 from omma.cli_eye_files import EyeArgument, OutOption, UnitOption, save
-from omma.cli_working import working
+from omma.cli_working import warn, working
 from omma.eye_import import import_lens_cone, import_oda
 from omma.eye_tools import convert_eye
 from omma.files import OCES_SUFFIXES, check_target, eye_file_losses, load_eye
@@ -25,9 +24,10 @@ only: what would be lost is said, and it is written only with --lossy. Old .eye 
 columns are read too; what is assumed of them is said.
 
 With --from, the file is a measurement. **oda**: ommatidial_data.csv of the Ommatidia Detecting
-Algorithm. **lens-cone**: a CSV file of the points x, y, z where lenses are in a scan, with --cones
-a second one of the tips of the crystalline cones, in any order; each axis points from a tip to its
-lens. --scan-unit, --ahead and --up say what the scan's numbers and directions are.
+Algorithm. **lens-cone**: a CSV file of the points x, y, z where lenses are in a scan, or the
+positions that Imaris exports, with --cones a second one of the tips of the crystalline cones, in
+any order; each axis points from a tip to its lens. Both eyes of a head may be in one pair of files.
+--scan-unit, --ahead and --up say what the scan's numbers and directions are.
 
 **Examples**
 
@@ -63,7 +63,8 @@ def convert(
     scan_unit: Annotated[
         str | None,
         typer.Option(
-            help="With --from: unit of lengths: um, mm, m or a number of metres. Default: um.",
+            help="With --from: unit of lengths: um, mm, m or a number of metres. Default: what a "
+            "file of points says, else um.",
             metavar="UNIT",
         ),
     ] = None,
@@ -134,7 +135,7 @@ def convert(
                 notes = tuple(n for n in notes if not n.startswith("Nothing to convert"))
         else:
             options = {
-                "unit": scan_unit or "um",
+                "unit": scan_unit or ("um" if source == "oda" else None),
                 "ahead": _vector("--ahead", ahead or "0,0,-1"),
                 "up": _vector("--up", up or "0,1,0"),
                 "acceptance_ratio": 1.0 if acceptance_ratio is None else acceptance_ratio,
@@ -155,7 +156,7 @@ def convert(
                 )
             found, notes = imported.eye, imported.notes
         for note in notes:
-            print(f"omma: warning: {eye}: {note}", file=sys.stderr)
+            warn(f"{eye}: {note}")
         losses = eye_file_losses(output, found)
         if losses and not lossy:
             raise Error(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -10,6 +9,7 @@ import numpy as np
 import typer
 
 from omma._core import Eye
+from omma.cli_working import check_outputs, warn
 from omma.files import eye_file_losses, save_eye
 
 EyeArgument = Annotated[Path, typer.Argument(help="Eye file.", metavar="EYE")]
@@ -29,8 +29,9 @@ UnitOption = Annotated[
 
 def save(path: Path, eye: Eye, unit: str) -> None:
     """Write an eye file and say what is in it."""
+    check_outputs(path)
     for loss in eye_file_losses(path, eye):
-        print(f"omma: warning: {path}: lost: {loss}", file=sys.stderr)
+        warn(f"{path}: lost: {loss}")
     save_eye(path, eye, unit, lossy=True)
     # What the file's next user wants to know, so that a wrong unit is seen at once.
     radius_mm = 1e3 * float(np.linalg.norm(eye.position_m.astype(np.float64), axis=1).mean())

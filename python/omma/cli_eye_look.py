@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 from omma._core import Error, Eye, merge_eyes
-from omma.cli_working import working
+from omma.cli_working import check_outputs, working
 from omma.eye_drawing import draw_eye
 from omma.eye_maps import plot_eye_maps
 from omma.eye_measures import DIFFRACTION_LIMIT, diffraction_limit_m_rad, measure_eye
@@ -19,7 +19,7 @@ from omma.eye_plots import Chosen, plot_acceptance
 from omma.eye_poster import plot_poster, plot_species
 from omma.eye_report import SPREADS, eye_summary, save_eye_table
 from omma.figure_files import figure_names
-from omma.files import WholeFiles, check_target, load_eye
+from omma.files import WholeFiles, load_eye
 
 INFO_HELP = """
 Say what an eye is like: its size and visual field, the angles between its ommatidia, what they
@@ -95,9 +95,7 @@ def info(
     unit: UnitOption = "mm",
 ) -> None:
     """Say what an eye is like."""
-    for target in (output, json_file):
-        if target is not None:
-            check_target(str(target))
+    check_outputs(output, json_file, map_file)
     names = figure_names([map_file]) if map_file is not None else []
     with working() as bar:
         head = load_head(eye, unit)
@@ -109,7 +107,8 @@ def info(
         if json_file is not None:
             with WholeFiles() as files:
                 text = json.dumps(summary, indent=2, ensure_ascii=False) + "\n"
-                files.open(str(json_file)).write(text.encode())
+                # A name that is not UTF-8 becomes JSON's own escapes.
+                files.open(str(json_file)).write(text.encode(errors="backslashreplace"))
         if names:
             plot_eye_maps(names, head, measures=measures, progress=bar.show)
     _print_summary(", ".join(str(path) for path in eye), summary)
@@ -167,6 +166,7 @@ def plot(
 ) -> None:  # fmt: skip
     """Make a figure of an eye."""
     names = figure_names(output)
+    check_outputs(*output)
     if bool(eye) == (species is not None):
         raise Error("plot: expected either eye files or --species")
     if what == "3d" and prop is not None and len(prop) > 1:

@@ -11,8 +11,8 @@ from rich.table import Table
 
 from omma import species
 from omma._core import Error
-from omma.cli_working import working
-from omma.files import WholeFiles, check_target, save_eye
+from omma.cli_working import check_outputs, working
+from omma.files import WholeFiles, save_eye
 from omma.species.facts import printed
 
 SPECIES_HELP = """
@@ -60,9 +60,7 @@ def species_command(
     ] = False,
 ) -> None:
     """Make the eyes of an animal."""
-    for target in (output, facts):
-        if target is not None:
-            check_target(str(target))
+    check_outputs(output, facts)
     if name is not None:
         species.facts(name)  # an unknown animal is said before anything is written
     if facts is not None:

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 
 from omma import _core
 from omma._core import Error, Eye, Scene
-from omma.cli_working import DelayedBar, working
-from omma.files import check_target, load_eye, load_scene
+from omma.cli_working import DelayedBar, check_outputs, working
+from omma.files import load_eye, load_scene
 from omma.poses import Matrices, load_poses, poses_from_angles
 from omma.renderer import BUILDING, READING, Renderer
 from omma.sampling_plots import (
@@ -373,9 +373,9 @@ def _check_outputs(outputs: list[Path] | None, *known: str) -> list[Path]:
     for name in outputs or ():
         if name.suffix.lower() not in known:
             raise Error(f"{name}: expected an output ending in {' or '.join(known)}")
-        check_target(str(name))
         if name.suffix.lower() == ".png":
             load_matplotlib()
+    check_outputs(*(outputs or ()))
     return outputs or []
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
+from omma.arguments import array_of
 from omma.eye_lattice import Angle, azimuth_elevation_deg_of
 from omma.files import PathLike
 from omma.grid_tables import as_grid, read_table
@@ -30,7 +31,8 @@ def window(
     Raises:
         omma.Error: limits that are not in order, azimuths more than 360 apart.
     """
-    (left, right), (low, high) = azimuth_deg, elevation_deg
+    left, right = array_of(azimuth_deg, "azimuth_deg", (2,)).tolist()
+    low, high = array_of(elevation_deg, "elevation_deg", (2,)).tolist()
     if not (left < right <= left + 360):
         raise Error(f"azimuth_deg: expected two ascending, 360 apart at most, found {azimuth_deg}")
     if not (-90 <= low < high <= 90):
@@ -51,7 +53,7 @@ def outline(azimuth_elevation_deg: ArrayLike) -> Callable[[Floats], Bools]:
     Raises:
         omma.Error: less than three corners, or corners that are none.
     """
-    corners = np.asarray(azimuth_elevation_deg, dtype=np.float64)
+    corners = array_of(azimuth_elevation_deg, "outline")
     if corners.ndim != 2 or corners.shape[1:] != (2,) or len(corners) < 3:
         raise Error(f"outline: expected at least 3 corners, (M, 2), found {corners.shape}")
     if not np.isfinite(corners).all() or np.abs(corners[:, 1]).max() > 90:
@@ -90,9 +92,9 @@ def angle_table(
     Raises:
         omma.Error: not such a grid.
     """
-    azimuths = np.asarray(azimuth_deg, dtype=np.float64)
-    elevations = np.asarray(elevation_deg, dtype=np.float64)
-    angles = np.asarray(angle_deg, dtype=np.float64)
+    azimuths = array_of(azimuth_deg, "azimuth_deg")
+    elevations = array_of(elevation_deg, "elevation_deg")
+    angles = array_of(angle_deg, "angle_deg")
     for name, values in (("azimuth_deg", azimuths), ("elevation_deg", elevations)):
         if values.ndim != 1 or len(values) < 1 or not np.all(np.diff(values) > 0):
             raise Error(f"{name}: expected ascending numbers, found {values!r:.60}")

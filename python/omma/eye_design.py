@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye
-from omma.arguments import positive, whole
+from omma.arguments import array_of, positive, whole
 from omma.eye_relaxation import bisected
 
 Floats = NDArray[np.float64]
@@ -59,6 +59,7 @@ class AcuteZone:
 
     def density(self, directions: Floats) -> Floats:
         """Relative number of ommatidia per steradian at unit vectors (K, 3), head frame: (K,)."""
+        directions = array_of(directions, "directions", (None, 3))
         if self.band:
             elevation = np.arcsin(np.clip(directions[:, 1], -1, 1))
             angle = np.abs(elevation - self.elevation_rad)

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
 from omma._core import Acceptance, Error, Eye
-from omma.arguments import positive, whole
+from omma.arguments import array_of, positive, whole
 from omma.eye_neighbours import surface_lattice
 
 Floats = NDArray[np.float64]
@@ -108,7 +108,7 @@ def acceptance_from_facets(
 
 
 def _lengths(values: ArrayLike | None, name: str, count: int) -> Floats:
-    lengths = np.asarray(values, dtype=np.float64)
+    lengths = array_of(values, name)
     if lengths.shape not in ((), (count,)):
         raise Error(f"{name}: expected a number or shape ({count},), found {lengths.shape}")
     if not np.all(np.isfinite(lengths) & (lengths > 0)):

@@ -12,14 +12,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import min_weight_full_bipartite_matching
 from scipy.spatial import cKDTree
 
 from omma._core import Error, Eye
+from omma.arguments import array_of
 from omma.eye_facets import facet_diameters_m
 from omma.eye_tools import set_acceptance
 from omma.files import PathLike, metres_per_unit
+from omma.scan_pairs import match_tips, split_eyes
 from omma.scan_tables import ScanTable, read_points
 
 Floats = NDArray[np.float64]
@@ -75,7 +75,8 @@ def import_oda(
 
     Its axes point into the eye, towards the centre, and are turned round. Facet diameters are its
     ``lens_diameter`` (the mean distance to the neighbours), or that of ``lens_area``. All other
-    columns are kept under their names.
+    columns are kept under their names. Rows of the cluster of noise (``label`` 0 or less), which
+    are no ommatidia, are left out.
 
     Args:
         unit: unit of the pixel size that ODA was given: "um", "mm", "m" or a number of metres.
@@ -101,6 +102,18 @@ def import_oda(
             f"anatomical_axis, approx_axis), found {', '.join(table.columns)[:120]}"
         )
     notes: list[str] = []
+    if "label" in table.columns:
+        # measure_ommatidia in its analysis_tools.py: clusters have labels above 0; 0 and -1 are
+        # points that are of none.
+        noise = table.numbers("label") <= 0
+        if noise.all():
+            raise Error(f"{name}: expected labels above 0, found only those of noise")
+        if noise.any():
+            table.drop(noise)
+            notes.append(
+                f"Left out: {int(noise.sum())} rows of points that belong to no ommatidium (label "
+                "0 or less)."
+            )
     position = np.stack([table.numbers(column) for column in names], axis=1) * metres
     if not np.isfinite(position).all():
         raise Error(f"{name}: expected a position for every ommatidium, found nan")
@@ -128,7 +141,7 @@ def import_oda(
 def import_lens_cone(
     lenses: PathLike | ArrayLike,
     cones: PathLike | ArrayLike,
-    unit: str | float = "um",
+    unit: str | float | None = None,
     *,
     allow_unmatched: bool = False,
     acceptance_ratio: float = 1.0,
@@ -136,7 +149,8 @@ def import_lens_cone(
     ahead: ArrayLike = (0, 0, -1),
     up: ArrayLike = (0, 1, 0),
 ) -> LensConeEye:
-    """An eye from the lenses and the tips of the crystalline cones marked in a scan, in any order.
+    """An eye, or both of a head, from the lenses and the tips of the crystalline cones marked in a
+    scan, in any order.
 
     Axes point from the tip to the lens, positions are the lenses, facet diameters come from the
     distances between them. Each lens gets one tip. The nearest one can be a neighbour's where
@@ -144,41 +158,73 @@ def import_lens_cone(
     lenses lie (a polynomial of second order, fitted and matched in turn), and lenses and tips are
     matched one to one with the least sum of squared distances under that map.
 
+    Points of both eyes of a head, apart from each other by more than four times their spacing, are
+    matched eye by eye; ``eye_id`` is then 0 for the left eye and 1 for the right one, which ``up``
+    and ``ahead`` tell apart.
+
     Args:
-        lenses, cones: (N, 3) points, or CSV files with columns x, y, z, which a header may name,
-            in ``unit``.
-        unit: "um", "mm", "m" or a number of metres.
-        allow_unmatched: as many lenses as cones are expected. With this the points left over are
-            reported in the result instead of being an error.
+        lenses, cones: (N, 3) points, or text files with a point a line: columns x, y, z, which a
+            header may name, or what Imaris exports as positions (Position X, Position Y,
+            Position Z, Unit, with or without the title above).
+        unit: "um", "mm", "m" or a number of metres; it goes before what a file says. None takes
+            the unit that each file says, in a column Unit or behind the names (x_mm), else "um".
+        allow_unmatched: as many lenses as cones are expected, in each eye. With this the points
+            left over are reported in the result instead of being an error.
         acceptance_ratio, acceptance_angle_rad, ahead, up: as in `import_oda`.
 
     Raises:
         omma.Error: a file cannot be read, there are fewer than 12 points, or not as many lenses as
-            cones.
+            cones; points in more than two groups, or in two that are not left and right of each
+            other: the error says what to do.
     """
-    metres = metres_per_unit(unit)
-    lens = read_points(lenses, "lenses") * metres
-    cone = read_points(cones, "cones") * metres
-    if len(lens) != len(cone) and not allow_unmatched:
-        raise Error(
-            f"lenses and cones: expected as many of each, found {len(lens)} and {len(cone)}; "
-            "allow_unmatched leaves out those without a partner"
-        )
-    which_lens, which_cone, misfit = _match(lens, cone)
+    metres = None if unit is None else metres_per_unit(unit)
+    lens = read_points(lenses, "lenses", metres)
+    cone = read_points(cones, "cones", metres)
+    head_from_scan = _rotation(ahead, up)
+    lens_eye, cone_eye = split_eyes(lens, cone, head_from_scan[0])
+    two = bool(lens_eye.any())
+    pairs = []
+    for one in range(2 if two else 1):
+        members, tips = np.flatnonzero(lens_eye == one), np.flatnonzero(cone_eye == one)
+        if len(members) != len(tips) and not allow_unmatched:
+            raise Error(
+                f"lenses and cones{(' of the left eye', ' of the right eye')[one] if two else ''}: "
+                f"expected as many of each, found {len(members)} and {len(tips)}; "
+                "allow_unmatched leaves out those without a partner"
+            )
+        matched_lens, matched_cone, missed = match_tips(lens[members], cone[tips])
+        apart = cKDTree(cone[tips]).query(cone[tips[matched_cone]], k=2)[0][:, 1]
+        pairs.append((members[matched_lens], tips[matched_cone], missed, missed > apart / 2))
+    which_lens, which_cone, misfit, doubtful = (
+        np.concatenate(part)[np.argsort(np.concatenate([pair[0] for pair in pairs]))]
+        for part in zip(*pairs, strict=True)
+    )
     lens_position, tip = lens[which_lens], cone[which_cone]
     direction = lens_position - tip
     distance = np.linalg.norm(direction, axis=1)
     if (distance == 0).any():
         at = which_lens[np.argmin(distance)]
         raise Error(f"lens {at}: expected a cone's tip apart from it, found one at the same place")
-    spacing = cKDTree(cone).query(tip, k=2)[0][:, 1]
-    doubtful = misfit > spacing / 2
     notes = [
         f"Matched {len(distance):,} lenses and cones, {_spread(distance)} apart; tips are "
         f"{_spread(misfit)} from where their neighbours' say they should be."
     ]
+    eye_id = lens_eye[which_lens]
+    if two:
+        left, right = np.bincount(eye_id)
+        notes.append(
+            f"Two eyes that lie apart: {left:,} ommatidia of the left one (eye_id 0) and {right:,} "
+            "of the right one (eye_id 1), as ahead and up say."
+        )
     if doubtful.any():
-        notes.append(f"Doubtful: {int(doubtful.sum())} pairs, where another tip would fit as well.")
+        note = f"Doubtful: {int(doubtful.sum())} pairs, where another tip would fit as well"
+        if doubtful.mean() > 0.05:
+            # The map of one eye leaves hardly any, that of two eyes taken for one every sixth.
+            note += (
+                ": too many for marks of one eye. If they are of two eyes that touch, import each "
+                "from points of its own and join them with merge_eyes"
+            )
+        notes.append(note + ".")
     left_lenses = np.setdiff1d(np.arange(len(lens)), which_lens)
     left_cones = np.setdiff1d(np.arange(len(cone)), which_cone)
     if len(left_lenses) or len(left_cones):
@@ -187,7 +233,7 @@ def import_lens_cone(
         lens_position,
         direction,
         None,
-        _rotation(ahead, up),
+        head_from_scan,
         {
             "lens_to_cone_um": distance * 1e6,
             "misfit_um": misfit * 1e6,
@@ -196,6 +242,7 @@ def import_lens_cone(
         notes,
         acceptance_ratio,
         acceptance_angle_rad,
+        eye_id,
     )
     return LensConeEye(
         eye,
@@ -213,55 +260,6 @@ def import_lens_cone(
 def _spread(lengths_m: Floats) -> str:
     low, middle, high = np.percentile(lengths_m * 1e6, [0, 50, 100])
     return f"{low:.3g} to {high:.3g} µm (median {middle:.3g})"
-
-
-def _match(lens: Floats, cone: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
-    """Indices of the pairs by lens, and how far the map misses the tips."""
-    middle = lens.mean(axis=0)
-    size = np.linalg.norm(lens - middle, axis=1).max()
-    if not size > 0:
-        raise Error("lenses: expected points apart from one another, found one place")
-    # The first guess: the lenses' cloud shrunk and moved to that of the tips.
-    shrink = np.sqrt(np.var(cone, axis=0).sum() / np.var(lens, axis=0).sum())
-    predicted = (lens - middle) * shrink + cone.mean(axis=0)
-    x, y, z = ((lens - middle) / size).T
-    terms = np.stack([np.ones_like(x), x, y, z, x * x, y * y, z * z, x * y, y * z, z * x], axis=1)
-    tree = cKDTree(cone)
-    pairs = _assign(predicted, cone, tree)
-    for _ in range(20):
-        which_lens, which_cone = pairs
-        missed = np.linalg.norm(predicted[which_lens] - cone[which_cone], axis=1)
-        good = missed <= 3 * np.median(missed) + 1e-12
-        fitted = np.linalg.lstsq(terms[which_lens][good], cone[which_cone][good], rcond=None)[0]
-        predicted = terms @ fitted
-        before, pairs = pairs, _assign(predicted, cone, tree)
-        if np.array_equal(before, pairs):
-            break
-    which_lens, which_cone = pairs
-    return which_lens, which_cone, np.linalg.norm(predicted[which_lens] - cone[which_cone], axis=1)
-
-
-def _assign(
-    predicted: Floats, cone: Floats, tree: cKDTree
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """One to one, with the least sum of squared distances among near candidates."""
-    candidates = 8
-    while True:
-        candidates = min(candidates, len(cone))
-        distance, index = tree.query(predicted, k=candidates)
-        rows = np.repeat(np.arange(len(predicted)), candidates)
-        # A weight of 0 would mean no edge.
-        weights = np.square(distance.ravel() / (distance.max() or 1.0)) + 1e-12
-        graph = csr_array((weights, (rows, index.ravel())), shape=(len(predicted), len(cone)))
-        try:
-            lens, matched = min_weight_full_bipartite_matching(graph)
-        except ValueError:  # some have only candidates that others need
-            if candidates == len(cone):
-                raise
-            candidates *= 4
-            continue
-        order = np.argsort(lens)
-        return lens[order].astype(np.int64), matched[order].astype(np.int64)
 
 
 def _inward_axes(table: ScanTable, position: Floats, axis: str, notes: list[str]) -> Floats:
@@ -308,7 +306,7 @@ def _rotation(ahead: ArrayLike, up: ArrayLike) -> Floats:
     """(3, 3), head from scan."""
     vectors = []
     for name, value in (("ahead", ahead), ("up", up)):
-        vector = np.asarray(value, dtype=np.float64)
+        vector = array_of(value, name)
         if vector.shape != (3,) or not np.isfinite(vector).all() or not np.linalg.norm(vector) > 0:
             raise Error(f"{name}: expected three numbers that are not all 0, found {value!r}")
         vectors.append(vector / np.linalg.norm(vector))
@@ -329,11 +327,13 @@ def _make_eye(
     notes: list[str],
     acceptance_ratio: float,
     acceptance_angle_rad: ArrayLike | None,
+    eye_id: ArrayLike = 0,
 ) -> Eye:
     eye = Eye(
         position @ head_from_scan.T,
         axis @ head_from_scan.T,
         0.0 if acceptance_angle_rad is None else acceptance_angle_rad,
+        eye_id=eye_id,
         columns=columns,
     )
     spacing = facet_diameters_m(eye)

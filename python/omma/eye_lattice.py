@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
 from omma._core import Error
-from omma.arguments import whole
+from omma.arguments import array_of, arrays_of, whole
 from omma.eye_cells import cells
 from omma.eye_relaxation import MARGIN, Domain, Progress, Region, grown
 
@@ -56,7 +56,7 @@ def angles_at(directions: Floats, horizontal: Angle, vertical: Angle | None) -> 
 
 
 def _values(angle: Angle, directions: Floats, name: str) -> Floats:
-    values = np.asarray(angle(directions) if callable(angle) else angle, dtype=np.float64)
+    values = array_of(angle(directions) if callable(angle) else angle, name)
     if values.ndim == 0:
         values = np.full(len(directions), float(values))
     if values.shape != (len(directions),):
@@ -74,14 +74,16 @@ def _values(angle: Angle, directions: Floats, name: str) -> Floats:
 
 def direction(azimuth_deg: ArrayLike, elevation_deg: ArrayLike) -> Floats:
     """Unit vectors (..., 3) in the head frame; azimuth 0 is ahead and grows to the right."""
-    a, e = np.radians(azimuth_deg), np.radians(elevation_deg)
-    a, e = np.broadcast_arrays(a, e)
+    a, e = np.radians(arrays_of(azimuth_deg=azimuth_deg, elevation_deg=elevation_deg))
     return np.stack([np.cos(e) * np.sin(a), np.sin(e), -np.cos(e) * np.cos(a)], axis=-1)
 
 
 def azimuth_elevation_deg_of(directions: ArrayLike) -> tuple[Floats, Floats]:
     """Azimuth (-180 to 180) and elevation of directions (..., 3), degrees."""
-    x, y, z = np.moveaxis(np.asarray(directions, dtype=np.float64), -1, 0)
+    vectors = array_of(directions, "directions")
+    if vectors.shape[-1:] != (3,):
+        raise Error(f"directions: expected shape (..., 3), found {vectors.shape}")
+    x, y, z = np.moveaxis(vectors, -1, 0)
     # Adding 0 turns -0 into 0.
     return np.degrees(np.arctan2(x, -z)) + 0.0, np.degrees(np.arctan2(y, np.hypot(x, z))) + 0.0
 
@@ -297,7 +299,7 @@ def check_lattice(
     Raises:
         omma.Error: directions that are none, fewer than 8 of them, angles that are none.
     """
-    points = np.asarray(directions, dtype=np.float64)
+    points = array_of(directions, "directions")
     if points.ndim != 2 or points.shape[1] != 3 or len(points) < 8:
         raise Error(f"directions: expected at least 8 of shape (N, 3), found {points.shape}")
     metric = metric_of(points, angles_at(points, horizontal_rad, vertical_rad))

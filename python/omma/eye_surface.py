@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye
-from omma.arguments import positive, whole
+from omma.arguments import array_of, positive, whole
 from omma.eye_facets import set_facets
 from omma.eye_lattice import unit
 from omma.eye_relaxation import Bools, Domain, Progress, Region, grown
@@ -60,7 +60,7 @@ def squeezed(towards: ArrayLike, factor: float) -> NormalOf:
     Raises:
         omma.Error: a direction that is none, a factor that is not above 0.
     """
-    centre = _vectors(np.atleast_2d(np.asarray(towards)), "towards", 1)[0]
+    centre = _vectors(np.atleast_2d(array_of(towards, "towards")), "towards", 1)[0]
     positive(factor, "factor")
 
     def normal(directions: Floats) -> Floats:
@@ -96,7 +96,7 @@ def squeeze_for_skew(
         normals = squeezed(towards, factor)(axes)
         places = normals
         if centre_m is not None:
-            places = unit(surface.point_of_normal(normals) - np.asarray(centre_m))
+            places = unit(surface.point_of_normal(normals) - array_of(centre_m, "centre_m", (3,)))
         return float(np.median(angle_between(axes, places)))
 
     factors = np.linspace(1.0, 0.02, 50)
@@ -134,7 +134,7 @@ def skew_rad(
     if surface is not None:
         across = surface.normals(surface.onto(position))
     else:
-        across = position - np.asarray(centre_m, dtype=np.float64)
+        across = position - array_of(centre_m, "centre_m", (3,))
         if not np.linalg.norm(across, axis=1).all():
             raise Error("skew_rad: an ommatidium sits at the centre, so it has no direction")
     return angle_between(eye.axis.astype(np.float64), across)
@@ -245,7 +245,7 @@ def _finished(eye: Eye, acceptance_ratio: float) -> Eye:
 
 
 def _spacings(spacing_m: float | Callable[[Floats], ArrayLike], points: Floats) -> Floats:
-    values = np.asarray(spacing_m(points) if callable(spacing_m) else spacing_m, dtype=np.float64)
+    values = array_of(spacing_m(points) if callable(spacing_m) else spacing_m, "spacing_m")
     if values.ndim == 0:
         values = np.full(len(points), float(values))
     if values.shape != (len(points),):
@@ -256,7 +256,7 @@ def _spacings(spacing_m: float | Callable[[Floats], ArrayLike], points: Floats) 
 
 
 def _vectors(values: ArrayLike, name: str, count: int | None = None) -> Floats:
-    vectors = np.asarray(values, dtype=np.float64)
+    vectors = array_of(values, name)
     if vectors.ndim != 2 or vectors.shape[1] != 3 or (count is not None and len(vectors) != count):
         wanted = "N" if count is None else count
         raise Error(f"{name}: expected shape ({wanted}, 3), found {vectors.shape}")

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye, merge_eyes
 from omma.arguments import positive
-from omma.files import PathLike, metres_per_unit
+from omma.files import PathLike, metres_per_unit, open_text
 from omma.poses import poses_from_angles
 
 Floats = NDArray[np.float64]
@@ -291,16 +291,9 @@ def _column_notes(table: Floats) -> tuple[str, ...]:
 
 
 def _read_table(name: str) -> Floats:
-    try:
-        with open(name, encoding="utf-8-sig") as file:
-            lines = file.read().splitlines()
-    except OSError as error:
-        raise Error(f"{name}: cannot be read: {error.strerror}") from None
-    except ValueError:
-        raise Error(f"{name}: cannot be read: it is no text") from None
     rows: list[list[float]] = []
     first = 0
-    for number, line in enumerate(lines, start=1):
+    for number, line in enumerate(open_text(name), start=1):
         words = line.split("#")[0].replace(",", " ").split()
         if not words:
             continue

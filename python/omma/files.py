@@ -4,25 +4,29 @@ whole, so that no half of a file is ever left under its final name.
 
 from __future__ import annotations
 
+import io
 import os
-import uuid
-from collections.abc import Callable, Sequence
-from io import BufferedWriter
+import shlex
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from types import TracebackType
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma import _core
 from omma._core import Error, Eye, Scene
+from omma.arguments import array_of
 from omma.eye_lattice import azimuth_elevation_deg_of
 
 PathLike = str | os.PathLike[str]
 
 # Files of the Open Compound Eye Standard.
 OCES_SUFFIXES = (".gltf", ".glb")
+
+# Files that are named where many were left behind; and what ends their names, .TOKEN.partial.
+_NAMED = 3
+_TAIL = len(".0123456789ab.partial")
 
 METRES_PER_UNIT = {"mm": 1e-3, "um": 1e-6, "m": 1.0}
 
@@ -130,6 +134,24 @@ def eye_file_losses(path: PathLike, eye: Eye) -> list[str]:
     return _core.eye_file_losses(path, eye)
 
 
+def open_text(path: PathLike) -> io.TextIOWrapper:
+    """The text of a file, to be read as an open one is; line ends are as they stand there.
+
+    Raises:
+        omma.Error: it is no regular file (a pipe may never end), cannot be read or is not UTF-8.
+    """
+    data = _core.read_file(path)
+    try:
+        data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise Error(
+            f"{os.fsdecode(path)}, line {line}: expected UTF-8 text, found other bytes"
+        ) from None
+    # Decoded again line by line: a million poses are then not in memory as text.
+    return io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig", newline="")
+
+
 def save_responses(
     path: PathLike, responses: ArrayLike, eye: Eye, errors: ArrayLike | None = None
 ) -> None:
@@ -161,62 +183,89 @@ def save_responses(
 
 
 class WholeFiles:
-    """Files that get their names together, when the block ends well, or are removed."""
+    """Files that get their names together, when the block ends well, or are removed.
 
-    def __init__(self) -> None:
-        self._open: list[tuple[BufferedWriter, Path, Path]] = []
+    Written by the engine's one writer: links are followed, permissions of a file that is replaced
+    are kept, and everything is on the disk before it gets its name. omma.Error where the system
+    refuses, or where a name is that of a directory, a device or a pipe.
+    """
 
-    def open(self, name: str) -> BufferedWriter:
+    def __init__(self, kept: Mapping[str, int] | None = None) -> None:
+        """With ``kept`` what is written stays as NAME.partial where the block does not end well,
+        and goes on after so many bytes of each file."""
+        self._files = _core.WholeFiles()
+        self.kept = kept
+        self._numbers: dict[str, int] = {}
+
+    def open(self, name: str) -> WholeFile:
         """A file to write to that will be called ``name``."""
-        check_target(name)
-        target = Path(name)
-        # The ending stays, because it says what is inside.
-        temporary = target.parent / f".{target.stem}.{uuid.uuid4().hex[:12]}{target.suffix}"
-        try:
-            file = temporary.open("xb")
-        except OSError as error:
-            raise Error(f"{name}: cannot be written: {error.strerror}") from None
-        self._open.append((file, temporary, target))
-        return file
+        if self.kept is None:
+            return WholeFile(self._files, self._files.open(name))
+        begun = self.kept.get(name, 0)
+        self._numbers[name] = self._files.open_kept(name, begun)
+        return WholeFile(self._files, self._numbers[name], begun > 0)
+
+    def sync(self) -> dict[str, int]:
+        """Brings what is kept to the disk; the sizes of these files."""
+        return {name: self._files.sync(number) for name, number in self._numbers.items()}
 
     def __enter__(self) -> WholeFiles:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        name = ""
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        # What has no name yet is removed with the object too, should Ctrl-C come right here.
         try:
-            for file, _, target in self._open:
-                name = str(target)
-                file.close()
             if kind is None:
-                for _, temporary, target in self._open:
-                    name = str(target)
-                    temporary.replace(target)
-        except OSError as failure:
-            # Closing flushes, so a full disk may show only here.
-            if kind is None:
-                raise Error(f"{name}: cannot be written: {failure.strerror}") from None
+                self._files.finish()
         finally:
-            for _, temporary, _ in self._open:
-                temporary.unlink(missing_ok=True)
-        if isinstance(error, OSError) and error.filename is None and self._open:
-            raise Error(f"{self._names()}: cannot be written: {error.strerror}") from None
+            self._files.discard()
 
-    def _names(self) -> str:
-        return ", ".join(str(target) for _, _, target in self._open)
+
+class WholeFile:
+    """One of `WholeFiles`, as far as NumPy and others need a file."""
+
+    def __init__(self, files: _core.WholeFiles, number: int, begun: bool = False) -> None:
+        self._files, self._number, self._begun = files, number, begun
+
+    def write_header(self, data: bytes) -> None:
+        """Begin with these bytes, if it has not begun before."""
+        if not self._begun:
+            self.write(data)
+
+    def write(self, data: Any) -> None:
+        """Add bytes, or what can be read as such."""
+        self._files.write(self._number, data)
+
+    def close(self) -> None:
+        """Nothing more will be written to it. Only needed where there are thousands."""
+        self._files.close(self._number)
 
 
 def check_target(name: str) -> None:
     """Throws omma.Error where a file of that name cannot be made."""
-    if Path(name).is_dir():
-        raise Error(f"{name}: cannot be written: it is a directory")
-    if not Path(name).parent.is_dir():
-        raise Error(f"{name}: cannot be written: there is no directory {Path(name).parent}")
+    _core.check_target(name)
+
+
+def left_behind(names: Sequence[str]) -> list[str]:
+    """Warnings of what runs that were killed left of files with these names, and how to remove it.
+
+    Nothing is said of runs that still go on.
+    """
+    found = _core.left_behind(names)
+    if not found:
+        return []
+    size = sum(bytes_ for _, bytes_ in found) / 1e6
+    listed = ", ".join(path for path, _ in found[:_NAMED])
+    more = f" and {len(found) - _NAMED} more" if len(found) > _NAMED else ""
+    # One pattern for all files of one run.
+    patterns = dict.fromkeys(
+        f"{shlex.quote(folder + os.sep if folder else '')}.*{name[-_TAIL:]}"
+        for folder, name in (os.path.split(path) for path, _ in found)
+    )
+    return [
+        f"runs that were killed left {size:,.1f} MB behind: {listed}{more}; to remove it: "
+        f"rm {' '.join(patterns)}"
+    ]
 
 
 def make_directory(directory: Path) -> None:
@@ -244,9 +293,11 @@ class NpyWriter:
     ) -> None:
         self._file = files.open(name)
         self._of_errors = of_errors
+        header = io.BytesIO()
         np.lib.format.write_array_header_1_0(
-            self._file, {"descr": "<f4", "fortran_order": False, "shape": tuple(shape)}
+            header, {"descr": "<f4", "fortran_order": False, "shape": tuple(shape)}
         )
+        self._file.write_header(header.getvalue())
 
     def write(
         self, responses: NDArray[np.float32], errors: NDArray[np.float32] | None, first: int
@@ -262,9 +313,8 @@ class CsvWriter:
     def __init__(self, files: WholeFiles, name: str, eye: Eye, with_errors: bool) -> None:
         self._file = files.open(name)
         header = "pose,ommatidium,eye_id,azimuth_deg,elevation_deg,r,g,b"
-        self._file.write(
-            (header + (",r_error,g_error,b_error" if with_errors else "") + "\n").encode()
-        )
+        header += ",r_error,g_error,b_error" if with_errors else ""
+        self._file.write_header(f"{header}\n".encode())
         azimuth, elevation = azimuth_elevation_deg(eye)
         numbered = enumerate(zip(eye.eye_id.tolist(), azimuth, elevation, strict=True))
         self._places = [f"{i},{which},{a:.6g},{e:.6g}" for i, (which, a, e) in numbered]
@@ -288,7 +338,7 @@ def azimuth_elevation_deg(eye: Eye) -> tuple[NDArray[np.float64], NDArray[np.flo
 
 
 def _responses(values: ArrayLike, eye: Eye, name: str) -> NDArray[np.float32]:
-    array = np.asarray(values, dtype=np.float32)
+    array = array_of(values, name, dtype=np.float32)
     array = array[None] if array.ndim == 2 else array
     if array.ndim != 3 or array.shape[1:] != (len(eye), _core.channel_count):
         expected = f"(P, {len(eye)}, {_core.channel_count})"

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Error
-from omma.files import PathLike
+from omma.files import PathLike, open_text
 
 Floats = NDArray[np.float64]
 
@@ -25,15 +25,15 @@ def read_table(path: PathLike, *headers: Sequence[str]) -> tuple[list[str], Floa
         omma.Error: the file cannot be read or is no such table; it names the line.
     """
     name = os.fsdecode(path)
+    lines = [
+        (n, line)
+        for n, line in enumerate(open_text(path), start=1)
+        if line.strip() and not line.startswith("#")
+    ]
     try:
-        with open(name, encoding="utf-8-sig", newline="") as file:
-            lines = [(n, line) for n, line in enumerate(file, start=1)]
-    except OSError as error:
-        raise Error(f"{name}: cannot be read: {error.strerror}") from None
-    except ValueError:
-        raise Error(f"{name}: cannot be read: it is no text") from None
-    lines = [(n, line) for n, line in lines if line.strip() and not line.startswith("#")]
-    rows = [(n, next(csv.reader([line], skipinitialspace=True))) for n, line in lines]
+        rows = [(n, next(csv.reader([line], skipinitialspace=True))) for n, line in lines]
+    except csv.Error as error:
+        raise Error(f"{name}: is not CSV: {error}") from None
     header = [word.strip() for word in rows[0][1]] if rows else []
     if header not in [list(known) for known in headers]:
         expected = " or ".join(", ".join(known) for known in headers)

@@ -24,6 +24,8 @@ def is_scene_file(path: PathLike) -> bool:
         return True
     if name.suffix.lower() == ".eye":
         return False
+    if not name.is_file():  # opening a pipe may wait for ever
+        return False
     try:
         with name.open("rb") as file:
             return file.read(256).lstrip()[:1] in (b"{", b"g")

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma import _core
-from omma.files import check_target
+from omma.files import WholeFiles, check_target
 from omma.pictures import side_by_side_ids
 from omma.poses import Matrices
 from omma.projections import project, projection_ids
@@ -26,14 +26,16 @@ Paint = Callable[[int, NDArray[np.float32]], NDArray[Any]]
 class PngWriter:
     """A picture of each pose: ``name`` where there is one, else name_0000.png, name_0001.png, ...
 
-    The number is that of the pose.
+    The number is that of the pose. They get their names together: a series is there whole or not at
+    all, and needs its place on the disk twice where an older one is replaced. In a render that
+    may go on later each gets its name at once.
     """
 
-    def __init__(self, name: str, pose_count: int, paint: Paint) -> None:
-        check_target(name)
-        self._paint = paint
+    def __init__(self, files: WholeFiles, name: str, pose_count: int, paint: Paint) -> None:
+        self._files, self._paint = files, paint
         self._target, self._numbered = Path(name), pose_count > 1
         self._digits = max(4, len(str(pose_count - 1)))
+        check_target(self.name(0))
 
     def name(self, pose: int) -> str:
         """The file that shows a pose."""
@@ -46,7 +48,18 @@ class PngWriter:
         self, responses: NDArray[np.float32], errors: NDArray[np.float32] | None, first: int
     ) -> None:
         for number, pose in enumerate(responses, start=first):
-            _core.save_png(self.name(number), self._paint(number, pose))
+            name, pixels = self.name(number), self._paint(number, pose)
+            if self._files.kept is None:
+                write_png(self._files, name, pixels)
+            else:
+                _core.save_png(name, pixels)
+
+
+def write_png(files: WholeFiles, name: str, pixels: NDArray[Any]) -> None:
+    """Writes a picture (height, width, 3 or 4), one of several files."""
+    file = files.open(name)
+    file.write(_core.encode_png(name, pixels))
+    file.close()
 
 
 def paint_of_projection(

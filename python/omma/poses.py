@@ -8,13 +8,14 @@ from __future__ import annotations
 import os
 from array import array
 from collections.abc import Iterable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
+from omma.arguments import array_of
+from omma.files import open_text
 
 Matrices = NDArray[np.float64]
 
@@ -24,10 +25,7 @@ ANGLE_COLUMNS = ("x", "y", "z", "yaw_deg", "pitch_deg", "roll_deg")
 
 def numbers(values: Any, name: str, columns: int) -> Matrices:
     """``values`` as float64 (P, columns); a single row is one pose."""
-    try:
-        given = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise Error(f"{name}: expected numbers of shape (P, {columns})") from None
+    given = array_of(values, name)
     rows = given[None] if given.ndim == 1 else given
     if rows.ndim != 2 or rows.shape[1] != columns:
         raise Error(f"{name}: expected shape (P, {columns}) or ({columns},), found {given.shape}")
@@ -99,12 +97,7 @@ def load_poses(path: str | os.PathLike[str]) -> Matrices:
         omma.Error: the file cannot be read, or a line is wrong; it names the line.
     """
     name = os.fsdecode(path)
-    try:
-        with Path(name).open(encoding="utf-8-sig") as file:
-            columns, table = _read_table(file, name)
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not a text file"
-        raise Error(f"{name}: cannot be read: {reason}") from None
+    columns, table = _read_table(open_text(path), name)
     if columns == QUATERNION_COLUMNS:
         return poses_from_quaternions(table[:, :3], table[:, 3:])
     return poses_from_angles(table[:, :3], table[:, 3:])

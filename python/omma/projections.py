@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma import _core
 from omma._core import Error, Eye
-from omma.arguments import whole
+from omma.arguments import array_of, whole
 
 Ids = NDArray[np.int32]
 Picture = NDArray[np.uint8]
@@ -167,7 +167,7 @@ def kept_ids(eye: Eye, picture: tuple[object, ...], make: Callable[[], Ids]) -> 
 
 def one_pose(eye: Eye, responses: Any) -> NDArray[np.float32]:
     """``responses`` as float32 (N, 3) of one pose of this eye."""
-    array = np.asarray(responses, dtype=np.float32)
+    array = array_of(responses, "responses", dtype=np.float32)
     if array.ndim == 3 and len(array) == 1:
         array = array[0]
     expected = (len(eye), _core.channel_count)
@@ -177,7 +177,7 @@ def one_pose(eye: Eye, responses: Any) -> NDArray[np.float32]:
 
 
 def _rays_of_one_pose(eye: Eye, rays: Any) -> NDArray[np.float32]:
-    array = np.asarray(rays, dtype=np.float32)
+    array = array_of(rays, "responses", dtype=np.float32)
     if array.ndim == 4 and len(array) == 1:
         array = array[0]
     good = array.ndim == 3 and array.shape[1] > 0

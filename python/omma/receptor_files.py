@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from omma._core import Error, Eye
 from omma.eye_lattice import azimuth_elevation_deg_of
 from omma.files import NpyWriter, WholeFiles, Writer
-from omma.poses import Matrices
 from omma.receptors import ommatidium_of_receptor, receptor_axis
-from omma.renderer import Renderer
-
-_CHUNK_BYTES = 64 << 20
 
 
 class ReceptorCsvWriter:
@@ -26,7 +21,8 @@ class ReceptorCsvWriter:
     def __init__(self, files: WholeFiles, name: str, eye: Eye, with_errors: bool) -> None:
         self._file = files.open(name)
         header = "pose,ommatidium,eye_id,receptor,azimuth_deg,elevation_deg,response"
-        self._file.write((header + (",response_error" if with_errors else "") + "\n").encode())
+        header += ",response_error" if with_errors else ""
+        self._file.write_header(f"{header}\n".encode())
         names = [quoted(kind.name) for kind in eye.receptor_types]
         azimuth, elevation = azimuth_elevation_deg_of(receptor_axis(eye))
         self._places = [
@@ -80,41 +76,3 @@ def receptor_writers(
             writers.append(NpyWriter(files, beside, shape, of_errors=True))
             written.append(beside)
     return writers, written
-
-
-def render_receptors_into(
-    writers: Sequence[Writer],
-    renderer: Renderer,
-    poses: Matrices,
-    ultraviolet: ArrayLike | None,
-    standard_error: bool,
-    tell: Callable[[str, float | None], object],
-) -> float:
-    """Render piece by piece into the writers; seconds spent rendering."""
-    chunk = max(1, _CHUNK_BYTES // (4 * len(renderer.eye.receptor_type)))
-    seconds = 0.0
-    for first in range(0, len(poses), chunk):
-        piece = poses[first : first + chunk]
-
-        def share(done: float, first: int = first, count: int = len(piece)) -> None:
-            tell("Rendering", (first + done * count) / len(poses))
-
-        start = time.perf_counter()
-        errors = None
-        if standard_error:
-            responses, errors = renderer.render_receptors(
-                piece,
-                ultraviolet=ultraviolet,
-                standard_error=True,
-                first_pose=first,
-                progress=share,
-            )
-        else:
-            responses = renderer.render_receptors(
-                piece, ultraviolet=ultraviolet, first_pose=first, progress=share
-            )
-        seconds += time.perf_counter() - start
-        tell("Writing", (first + len(piece)) / len(poses))
-        for writer in writers:
-            writer.write(responses, errors, first)
-    return seconds

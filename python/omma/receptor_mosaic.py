@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye, ReceptorType
+from omma.arguments import array_of
 
 Flags = NDArray[np.bool_]
 
@@ -101,7 +102,7 @@ def up_towards(eye: Eye, direction: ArrayLike, *, where: Region | None = None) -
         omma.Error: a direction that is not finite or zero, or along an axis; a mask of another
             shape.
     """
-    target = np.asarray(direction, np.float64)
+    target = array_of(direction, "direction")
     if target.shape != (3,) or not np.all(np.isfinite(target)) or not target.any():
         raise Error(f"direction: expected three numbers, not all 0, found {target.tolist()}")
     up = eye.up.astype(np.float64)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma import _core
 from omma._core import Error, Eye, ReceptorType
-from omma.arguments import output_array, whole
+from omma.arguments import array_of, arrays_of, output_array, whole
 
 if TYPE_CHECKING:
     from omma.renderer import Poses, Progress, Renderer
@@ -39,7 +39,7 @@ def spectral_sensitivity(receptor: ReceptorType | float, wavelength_nm: ArrayLik
     """
     if not isinstance(receptor, ReceptorType):
         receptor = ReceptorType("", peak_wavelength_nm=float(receptor))
-    nm = np.asarray(wavelength_nm, np.float64)
+    nm = array_of(wavelength_nm, "wavelength_nm")
     return _core.spectral_sensitivity(receptor, np.ascontiguousarray(nm.ravel())).reshape(nm.shape)
 
 
@@ -59,7 +59,7 @@ def govardovskii(
     peak = ReceptorType("", peak_wavelength_nm=float(peak_wavelength_nm)).peak_wavelength_nm
     if peak == 0:
         raise Error("peak_wavelength_nm: expected 300 to 800 nm, found 0")
-    nm = np.asarray(wavelength_nm, np.float64)
+    nm = array_of(wavelength_nm, "wavelength_nm")
     bands = _core.pigment_bands(peak, np.ascontiguousarray(nm.ravel()))
     return (alpha * bands[0] + beta * bands[1]).reshape(nm.shape)
 
@@ -71,7 +71,7 @@ def primary_spectra(wavelength_nm: ArrayLike) -> Any:
     elsewhere; each has, under D65, the chromaticity of its primary (docs/receptors.md; after
     Mallett and Yuksel, EGSR 2019).
     """
-    nm = np.asarray(wavelength_nm, np.float64)
+    nm = array_of(wavelength_nm, "wavelength_nm")
     return _core.primary_spectra(np.ascontiguousarray(nm.ravel())).reshape(*nm.shape, 3)
 
 
@@ -97,7 +97,7 @@ def receptor_matrix(
         types = types.receptor_types
     elif isinstance(types, ReceptorType):
         types = [types]
-    mix = np.zeros(3) if ultraviolet is None else np.asarray(ultraviolet, np.float64)
+    mix = np.zeros(3) if ultraviolet is None else array_of(ultraviolet, "ultraviolet")
     if mix.shape != (3,) or not np.all(np.isfinite(mix)) or np.any(mix < 0):
         raise Error(
             f"ultraviolet: expected weights of red, green, blue, at least 0, found {mix.tolist()}"
@@ -121,10 +121,14 @@ def optical_sensitivity(
     1998), or of light at the pigment's peak 1 - exp(-kl). With k = 0.0067 per µm this gives what is
     published for honeybees (J Exp Biol 212:2448, table 1).
     """
-    depth = np.asarray(absorption_per_m, np.float64) * np.asarray(length_m, np.float64)
+    diameter, angle, length, absorption = arrays_of(
+        facet_diameter_m=facet_diameter_m,
+        acceptance_angle_rad=acceptance_angle_rad,
+        length_m=length_m,
+        absorption_per_m=absorption_per_m,
+    )
+    depth = absorption * length
     absorbed = -np.expm1(-depth) if monochromatic else depth / (2.3 + depth)
-    diameter = np.asarray(facet_diameter_m, np.float64)
-    angle = np.asarray(acceptance_angle_rad, np.float64)
     return (np.pi / 4) ** 2 * diameter**2 * angle**2 * absorbed
 
 

@@ -10,7 +10,21 @@ from omma.arguments import positive, whole
 
 Samples = int | Literal["auto"]
 
-MIN_SAMPLES, MAX_SAMPLES = 8, 4096
+MAX_SAMPLES = 4096
+
+
+def least_samples(error: float, most: int) -> int:
+    """Rays that an ommatidium gets at least where nobody says: 8, and from an error of
+    0.00625 down the power of two below 0.1 / error, up to 64.
+
+    What few rays and those of all neighbours miss nothing tells of, and it is the more errors the
+    smaller these are. In the arena 32 instead of 8 rays take the worst of 50,000 from 28 times an
+    error of 0.003 to 4 times, for 7 % more rays (docs/error-target.md).
+    """
+    least = 8
+    while least < 64 and 2 * least * error <= 0.1 and 2 * least <= most:
+        least *= 2
+    return least
 
 
 def render_settings(
@@ -31,7 +45,8 @@ def render_settings(
         if error is None:
             raise Error("error: expected the standard error that samples='auto' is to reach")
         target = positive(error, "error")
-        least = whole(_or(min_samples, MIN_SAMPLES), "min_samples", 4, 1 << 20)
+        ceiling = whole(_or(max_samples, MAX_SAMPLES), "max_samples", 4, 1 << 20)
+        least = whole(_or(min_samples, least_samples(target, ceiling)), "min_samples", 4, 1 << 20)
         if least & (least - 1):
             raise Error(f"min_samples: expected a power of two, found {least}")
         most = whole(_or(max_samples, max(MAX_SAMPLES, least)), "max_samples", least, 1 << 20)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import copy
 import itertools
+import sys
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, Literal, overload
 
@@ -12,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma import _core
 from omma._core import Background, Error, Eye, Scene
-from omma.arguments import expect, output_array, whole
+from omma.arguments import checked, expect, output_array, whole
 from omma.poses import Matrices, as_poses, is_position_pair
 from omma.receptors import ReceptorViews, render_receptors
 from omma.render_settings import Samples, fixed_samples, render_settings
@@ -29,6 +31,16 @@ READING, BUILDING = "Reading the scene", "Building the acceleration structure"
 _CHUNK_BYTES = 32 << 20
 
 
+def warn_of_precision(sentence: str) -> None:
+    """Tell the caller of the package what single precision loses, where it does."""
+    if not sentence:
+        return
+    level, frame = 1, sys._getframe()
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith("omma."):
+        level, frame = level + 1, frame.f_back
+    warnings.warn(sentence, RuntimeWarning, stacklevel=level)
+
+
 class Renderer:
     """A scene and an eye, ready to render: acceleration structure and direction tables are built.
 
@@ -39,10 +51,11 @@ class Renderer:
         scene: what there is to see.
         eye: who sees it; a list of eyes is merged as `merge_eyes` does.
         samples: rays per ommatidium, 1 to 2**20; or "auto": as many as each ommatidium needs for
-            its standard error to be at most ``error``.
+            its standard error, as estimated, to be at most ``error``.
         error: standard error to reach with samples="auto", in radiance (1 is full scale).
         min_samples, max_samples: rays that an ommatidium gets at least, a power of two from 4 on,
-            and at most; with samples="auto", where None takes 8 and 4,096.
+            and at most; with samples="auto", where None takes 8 (16 from an error of 0.006 down, 32
+            from 0.003, 64 from 0.0015) and 4,096.
         seed: of the samples, 0 to 2**64 - 1. The same inputs and seed give the same bits, whatever
             the number of threads.
         kernel: "own", each ommatidium's own angular sensitivity, or one for all with its acceptance
@@ -60,17 +73,24 @@ class Renderer:
             What it costs: a ray starts at the ommatidium nearest to its direction, so that of
             things at a distance d an eye of radius of curvature R has an acceptance angle (1 + R/d)
             times as wide; errors of neighbours go together; and the rays are fixed to the head, the
-            same at every pose. Not for surfaces within some ten radii, nor with samples="auto",
-            random sampling or the kernel "compoundray". See docs/shared-rays.md.
+            same at every pose. Ommatidia that would gain nothing trace their own rays;
+            `shared_ommatidia` says who shares. Not for surfaces within some ten radii, nor with
+            samples="auto", random sampling, the kernel "compoundray", apertures or sensitivities
+            that are not round. See docs/shared-rays.md.
         background: instead of the scene's own.
         progress: called with the finished share (0 to 1) of the acceleration structure a few times
             a second. What it raises ends the building and is raised here; so does Ctrl-C.
+
+    In a process made by fork from one that had used a renderer, those made before the fork go on to
+    work, on one thread; new ones of a scene are refused (docs/processes.md). Other start methods
+    have no such limits.
 
     Raises:
         omma.Error: an argument is out of its range.
         TypeError: an argument is of another type.
     """
 
+    @checked
     def __init__(
         self,
         scene: Scene,
@@ -109,8 +129,10 @@ class Renderer:
             background=background,
         )
         self._engine = _core.Renderer(scene, eye, settings, progress)
+        self._min_samples = min_samples  # as given: where it is None, it goes by the error
         self._receptors: ReceptorViews | None = None
 
+    @checked
     def with_eye(
         self,
         eye: Eye | Sequence[Eye | tuple[Eye, ArrayLike]],
@@ -135,10 +157,12 @@ class Renderer:
             omma.Error: an argument is out of its range.
         """
         auto = (self.samples if samples is None else samples) == "auto"
+        if auto and min_samples is None:
+            min_samples = self._min_samples
         settings = render_settings(
             samples=self.samples if samples is None else samples,
             error=self.error if auto and error is None else error,
-            min_samples=self.min_samples if auto and min_samples is None else min_samples,
+            min_samples=min_samples,
             max_samples=self.max_samples if auto and max_samples is None else max_samples,
             seed=self.seed if seed is None else seed,
             kernel=self.kernel if kernel is None else kernel,
@@ -150,6 +174,7 @@ class Renderer:
         )
         other = copy.copy(self)
         other._engine = _core.Renderer(self._engine, _one_eye(eye), settings)
+        other._min_samples = min_samples
         other._receptors = None
         return other
 
@@ -192,6 +217,7 @@ class Renderer:
         progress: Progress | None = None,
     ) -> tuple[Responses, SamplingReport]: ...
 
+    @checked
     def render(
         self,
         poses: Poses,
@@ -214,9 +240,11 @@ class Renderer:
                 scene, whose whole transform is the pose, its scale too.
             standard_error: return (responses, errors), errors the standard error of each response.
                 It comes from 8 independent scrambles, so 8 times the rays are traced and the
-                response is their mean; with samples="auto" from the rays as they are.
-            report: return (responses, report) with samples="auto": rays spent, standard errors, and
-                who did not reach the error, see `SamplingReport`.
+                response is their mean; with samples="auto" it is estimated from the rays as they
+                are. Where all rays miss something it is too small: `confidence_interval` gives
+                bounds that heed the neighbours.
+            report: return (responses, report) with samples="auto": rays spent, estimated
+                standard errors, and who did not reach the error, see `SamplingReport`.
             out: a C-contiguous float32 (P, N, C) array of the caller's to write into; it is what
                 is returned.
             error_out: the same for the errors.
@@ -227,9 +255,16 @@ class Renderer:
                 ends the render and is raised here.
 
         Raises:
-            omma.Error: a wrong shape, a pose that is not finite or not invertible, no such camera.
+            omma.Error: a wrong shape, a pose that is not finite or not invertible or at which rays
+                would start 1e18 m or more from the scene, no such camera.
             TypeError: ``out`` is no float32 array.
             KeyboardInterrupt: Ctrl-C; ``out`` is then incomplete.
+
+        Warns:
+            RuntimeWarning: single precision places rays and surfaces at one of the poses less than
+                a millimetre exactly, as in scenes of tens of kilometres, or by more than 1e-4 of
+                the size of a scene that is far away; it says how exactly. Scenes far from the
+                world's origin are traced from an origin of their own and lose nothing.
         """
         matrices = self._matrices(poses)
         shape = (len(matrices), len(self.eye), _core.channel_count)
@@ -247,6 +282,7 @@ class Renderer:
         rays = np.empty(shape[:2], np.int32) if report else None
         first = whole(first_pose, "first_pose", 0, (1 << 63) - 1)
         self._engine.render(matrices, responses, errors, rays, None, first, progress)
+        warn_of_precision(self._engine.precision_warning(matrices))
         if errors is not None and rays is not None:
             return responses, SamplingReport(rays, errors, self._engine.settings.error)
         return responses if errors is None else (responses, errors)
@@ -277,6 +313,7 @@ class Renderer:
         progress: Progress | None = None,
     ) -> tuple[Responses, Responses]: ...
 
+    @checked
     def render_receptors(
         self,
         poses: Poses,
@@ -324,6 +361,7 @@ class Renderer:
             self._receptors = ReceptorViews(self)
         return self._receptors
 
+    @checked
     def render_rays(
         self, poses: Poses, *, first_pose: int = 0, progress: Progress | None = None
     ) -> NDArray[np.float32]:
@@ -339,6 +377,7 @@ class Renderer:
         first = whole(first_pose, "first_pose", 0, (1 << 63) - 1)
         responses = np.empty(shape, np.float32)
         self._engine.render(matrices, responses, None, None, rays, first, progress)
+        warn_of_precision(self._engine.precision_warning(matrices))
         return rays
 
     @overload
@@ -361,6 +400,7 @@ class Renderer:
         first_pose: int = 0,
     ) -> Iterator[tuple[Responses, Responses]]: ...
 
+    @checked
     def render_iter(
         self,
         poses: Poses | Iterable[ArrayLike],
@@ -476,6 +516,12 @@ class Renderer:
         return self._engine.settings.share_rays
 
     @property
+    def shared_ommatidia(self) -> NDArray[np.bool_]:
+        """Which ommatidia share rays with their neighbours, (N,) bool: with ``share_rays`` those
+        whose fields overlap enough to make it worth while, without it none."""
+        return self._engine.shared_ommatidia.astype(bool)
+
+    @property
     def rays_per_frame(self) -> int:
         """Rays traced for a pose without a standard error; with samples="auto", at least."""
         return self._engine.rays_per_frame
@@ -503,7 +549,8 @@ class Renderer:
     def __repr__(self) -> str:
         fixed = self.samples != "auto"
         rays = f"{self.samples} samples" if fixed else f"samples to an error of {self.error:g}"
-        rays += ", shared" if self.share_rays else ""
+        if self.share_rays:
+            rays += f", shared by {np.count_nonzero(self.shared_ommatidia)}"
         return (
             f"<omma.Renderer {len(self.eye)} ommatidia, {rays}, {self.kernel}, "
             f"{self.backend}, {self.threads} threads>"

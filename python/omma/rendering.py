@@ -30,16 +30,25 @@ from omma.files import (
     WholeFiles,
     Writer,
     check_target,
+    left_behind,
     load_eye,
     load_scene,
     make_directory,
     metres_per_unit,
 )
-from omma.picture_files import Paint, PngWriter, paint_of_projection, paint_side_by_side
+from omma.picture_files import (
+    Paint,
+    PngWriter,
+    paint_of_projection,
+    paint_side_by_side,
+    write_png,
+)
 from omma.poses import Matrices, load_poses, poses_from_angles
-from omma.receptor_files import receptor_writers, render_receptors_into
+from omma.receptor_files import receptor_writers
+from omma.render_pieces import render_of_ommatidia, render_of_receptors, render_pieces
 from omma.render_settings import Samples, fixed_samples
-from omma.renderer import BUILDING, READING, Renderer, Responses
+from omma.renderer import BUILDING, READING, Renderer
+from omma.resuming import KeptRender, inputs_of
 from omma.sampling_report import SpentRays
 
 SUFFIXES = (".npy", ".csv", ".png")
@@ -47,7 +56,8 @@ SUFFIXES = (".npy", ".csv", ".png")
 # Called with what is being done and its finished share (0 to 1), None where that is not known.
 Stage = Callable[[str, float | None], object]
 
-_CHUNK_BYTES = 64 << 20
+# What makes no difference to responses, or is told by what is in the files.
+_NO_SETTINGS = ("scene", "outputs", "eyes", "path", "threads", "progress", "resume")
 
 
 @dataclass(frozen=True)
@@ -101,6 +111,7 @@ def render_file(
     height: int | None = None,
     gamma: float = 2.2,
     side_by_side: bool = False,
+    resume: bool = False,
     progress: Stage | None = None,
 ) -> RenderReport:
     """Render a scene file through eye files, or one of its cameras, into files.
@@ -138,6 +149,10 @@ def render_file(
         width, height: pixels of a picture, see `render_camera` and `projection_ids`. Of one panel
             where ``side_by_side``, which paints each eye apart, see `omma.side_by_side`.
         gamma: of pictures.
+        resume: of a path. What is rendered so far is kept where the work is cut off, by Ctrl-C, a
+            kill or a loss of power, and the same call goes on from there, to the same bits: beside
+            an output OUT there are then OUT.partial and, beside the first, OUT.resume. Pictures of
+            several poses get their names one by one.
         progress: called with what is being done and its finished share, None where not known.
 
     Without camera, position and path the head is at the scene's first camera, or at the origin
@@ -145,8 +160,11 @@ def render_file(
     first of all where none is.
 
     Raises:
-        omma.Error: anything wrong with an input, named in the message. No output is left then.
+        omma.Error: anything wrong with an input, named in the message; with ``resume`` also where
+            what is kept was made from other inputs. No output is left then.
+        KeyboardInterrupt: Ctrl-C. But for ``resume`` nothing is left.
     """
+    settings = {name: value for name, value in locals().items() if name not in _NO_SETTINGS}
     tell: Stage = progress if progress is not None else lambda stage, share: None
     names = _output_names(outputs, standard_error, path)
     chosen = [
@@ -156,6 +174,8 @@ def render_file(
     ]
     if len(chosen) > 1:
         raise Error(f"{chosen[0]} and {chosen[1]}: only one of them can say where the head is")
+    if resume and path is None:
+        raise Error("resume: expected a path of poses")
     if look_at is not None and position is None:
         raise Error("look_at: needs a position to look from")
     eye_paths = [eyes] if isinstance(eyes, (str, os.PathLike)) else list(eyes)
@@ -170,6 +190,7 @@ def render_file(
             "receptors": receptors,
             "projection": projection is not None,
             "side_by_side": side_by_side,
+            "resume": resume,
             "samples='auto'": samples == "auto",
             "error": error is not None,
             "min_samples": min_samples is not None,
@@ -221,16 +242,31 @@ def render_file(
         background=backdrop,
         progress=partial(tell, BUILDING),
     )
+    if share_rays and not receptors:
+        shared = np.count_nonzero(renderer.shared_ommatidia)
+        if 2 * shared < len(head):
+            warnings.append(
+                f"share_rays: {shared:,} of {len(head):,} ommatidia share rays; the others would "
+                "gain nothing and trace their own"
+            )
     built = time.perf_counter()
     for name in names:
         make_directory(Path(name).parent)
-    spent = None if renderer.error is None else SpentRays(renderer.error)
-    with WholeFiles() as files:
+    kept: KeptRender | None = None
+    if resume:
+        read = [scene, *found, *([] if path is None else [path])]
+        if isinstance(background, str) and Path(background).exists():
+            read.append(background)
+        kept = KeptRender(names, inputs_of(settings, read, names, renderer.backend))
+        view += f", resumed at pose {kept.done:,}" if kept.done else ""
+    spent = kept.spent if kept is not None else None
+    if spent is None and renderer.error is not None:
+        spent = SpentRays(renderer.error)
+    with WholeFiles(None if kept is None else kept.bytes) as files:
         if receptors:
             writers, written = receptor_writers(files, names, head, len(poses), standard_error)
-            seconds = render_receptors_into(
-                writers, renderer, poses, ultraviolet, standard_error, tell
-            )
+            render = render_of_receptors(renderer, ultraviolet, standard_error)
+            pose_bytes = 4 * len(head.receptor_type)
         else:
             writers, written = _writers(
                 files,
@@ -245,7 +281,17 @@ def render_file(
                     else paint_of_projection(renderer, poses, projection, width, height, gamma)
                 ),
             )
-            seconds = _render(renderer, poses, standard_error, writers, tell, spent)
+            render = render_of_ommatidia(renderer, standard_error, spent)
+            pose_bytes = 4 * max(1, len(head)) * _core.channel_count
+        if kept is None:
+            seconds = render_pieces(render, writers, poses, pose_bytes, tell)
+        else:
+            save = partial(kept.save, files, spent)
+            seconds = kept.seconds
+            seconds += render_pieces(render, writers, poses, pose_bytes, tell, save, kept.done)
+    if kept is not None:
+        kept.remove()
+    warnings += left_behind(written)
     if spent is None:
         scrambles = _core.error_scrambles if standard_error else 1
         each = renderer.rays_per_receptor_frame if receptors else renderer.rays_per_frame
@@ -297,7 +343,7 @@ def _writers(
             written.append(name)
         else:
             tell("Preparing the picture", None)
-            picture = PngWriter(name, len(poses), make_paint())
+            picture = PngWriter(files, name, len(poses), make_paint())
             writers.append(picture)
             written += [picture.name(i) for i in range(len(poses))]
     return writers, written
@@ -347,7 +393,7 @@ def _render_picture(
             if Path(name).suffix.lower() == ".npy":
                 np.lib.format.write_array(files.open(name), picture)
             else:
-                _core.save_png(name, display(picture, gamma))
+                write_png(files, name, display(picture, gamma))
     return RenderReport(
         ommatidia=0,
         poses=1,
@@ -360,48 +406,9 @@ def _render_picture(
         view=f"camera {node.name}, {node.type}",
         eyes=(),
         outputs=tuple(names),
-        warnings=tuple(renderer.scene.warnings),
+        warnings=(*renderer.scene.warnings, *left_behind(names)),
         picture=size,
     )
-
-
-def _render(
-    renderer: Renderer,
-    poses: Matrices,
-    standard_error: bool,
-    writers: Sequence[Writer],
-    tell: Stage,
-    spent: SpentRays | None,
-) -> float:
-    """Render piece by piece into the writers, adding to ``spent``; seconds spent rendering."""
-    pose_bytes = max(1, len(renderer.eye)) * _core.channel_count * 4
-    chunk = max(1, _CHUNK_BYTES // pose_bytes)
-    seconds = 0.0
-    for first in range(0, len(poses), chunk):
-        piece = poses[first : first + chunk]
-
-        def share(done: float, first: int = first, count: int = len(piece)) -> None:
-            tell("Rendering", (first + done * count) / len(poses))
-
-        start = time.perf_counter()
-        errors: Responses | None = None
-        if spent is not None:
-            responses, report = renderer.render(
-                piece, report=True, first_pose=first, progress=share
-            )
-            spent.add(report, first)
-            errors = report.standard_error if standard_error else None
-        elif standard_error:
-            responses, errors = renderer.render(
-                piece, standard_error=True, first_pose=first, progress=share
-            )
-        else:
-            responses = renderer.render(piece, first_pose=first, progress=share)
-        seconds += time.perf_counter() - start
-        tell("Writing", (first + len(piece)) / len(poses))
-        for writer in writers:
-            writer.write(responses, errors, first)
-    return seconds
 
 
 def _output_names(

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
+from omma.arguments import array_of
 from omma.files import PathLike, WholeFiles
 from omma.sampling_search import MinimumSamples
 from omma.sampling_tools import COMPOUNDRAY, OURS, Measure, Method, cell_middles
@@ -84,7 +85,7 @@ def save_variance_map(
     Raises:
         omma.Error: another ending, no Matplotlib, another shape, no such folder.
     """
-    values = np.asarray(variance, dtype=np.float64)
+    values = array_of(variance, "variance")
     if values.ndim != 2 or values.shape[0] != values.shape[1]:
         raise Error(f"variance: expected shape (n, n), found {values.shape}")
     values = values if as_variance else np.sqrt(values)
@@ -118,19 +119,26 @@ def save_alias_curves(
     Raises:
         omma.Error: another ending, no Matplotlib, no such folder.
     """
+    if not isinstance(curves, Mapping):
+        raise TypeError(f"curves: expected a mapping of methods, found {type(curves).__name__}")
+    counts = array_of(rays, "rays", (None,), np.int64)
+    both = {
+        method: [array_of(curve, f"curves, {method.name}", counts.shape) for curve in pair]
+        for method, pair in curves.items()
+    }
     if _suffix(path, ".csv", ".png") == ".csv":
         rows = [
-            (*_names(method), n, float(a), float(b))
-            for method, (per_sr, rms) in curves.items()
-            for n, a, b in zip(rays, np.asarray(per_sr), np.asarray(rms), strict=True)
+            (*_names(method), int(n), float(a), float(b))
+            for method, (per_sr, rms) in both.items()
+            for n, a, b in zip(counts, per_sr, rms, strict=True)
         ]
         header = ("kernel", "sampling", "rays_per_ommatidium", "mean_sd_per_sr", "rms_sd")
         _save_csv(path, header, rows)
         return
     figure, axes = _figure("rays per ommatidium", "mean of standard deviation / solid angle (1/sr)")
-    for method, (per_sr, _) in curves.items():
+    for method, (per_sr, _) in both.items():
         colour = _COLOURS.get(method, _OTHER)
-        axes.loglog(rays, np.asarray(per_sr), "o-", ms=4, color=colour, label=method.name)
+        axes.loglog(counts, per_sr, "o-", ms=4, color=colour, label=method.name)
     scale = "1 = full scale" if measure == "linear" else "8-bit RGB distance, full scale 441.7"
     axes.set_title(f"Scatter of responses against rays ({scale})")
     _finish(axes)

@@ -13,7 +13,12 @@ _NAMED = 8
 
 @dataclass(frozen=True, eq=False)
 class SamplingReport:
-    """Rays and standard errors of a render with ``samples="auto"``."""
+    """Rays and standard errors of a render with ``samples="auto"``.
+
+    Errors are estimated from the rays themselves, mostly a little too large. They tell nothing of
+    what an ommatidium's rays and those around it all missed: of those that reached the error about
+    one true error in 200 is more than twice it, see docs/error-target.md.
+    """
 
     rays: NDArray[np.int32]
     """Rays spent, (P, N)."""
@@ -34,7 +39,7 @@ class SamplingReport:
 
     @property
     def missed(self) -> NDArray[np.int64]:
-        """Who had all rays and still a larger standard error: (M, 2), pose and ommatidium."""
+        """Who had all rays and still a larger estimate: (M, 2), pose and ommatidium."""
         return np.argwhere((self.standard_error > np.float32(self.error)).any(axis=-1))
 
     def __str__(self) -> str:
@@ -81,7 +86,7 @@ class SpentRays:
     def missed_text(self) -> str:
         """Who did not reach the error, in words."""
         if self.missed == 0:
-            return f"all {self.responses:,} responses reached {self.error:g}"
+            return f"all {self.responses:,} responses reached {self.error:g} (estimated)"
         named = ", ".join(
             f"{ommatidium} (pose {pose})" if self.poses > 1 else str(ommatidium)
             for pose, ommatidium in self.first_missed
@@ -89,6 +94,6 @@ class SpentRays:
         more = ", ..." if self.missed > len(self.first_missed) else ""
         which = "ommatidium" if self.missed == 1 else "ommatidia"
         return (
-            f"{self.missed:,} of {self.responses:,} responses did not reach {self.error:g}: "
-            f"{which} {named}{more}"
+            f"{self.missed:,} of {self.responses:,} responses did not reach {self.error:g} "
+            f"(estimated): {which} {named}{more}"
         )

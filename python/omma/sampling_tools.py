@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye, Scene
-from omma.arguments import whole
+from omma.arguments import positive, whole
 from omma.poses import as_poses, numbers
 from omma.renderer import Renderer
 
@@ -67,7 +67,10 @@ def solid_angles_sr(eye: Eye) -> Array:
 
 def rays_per_ommatidium(eye: Eye, rays_per_sr: float) -> int:
     """Rays for the widest ommatidium of an eye at a number of rays per steradian; at least 1."""
-    return max(1, int(np.ceil(solid_angles_sr(eye).max() * rays_per_sr)))
+    rays = solid_angles_sr(eye).max(initial=0.0) * positive(float(rays_per_sr), "rays_per_sr")
+    if not rays < 1 << 62:
+        raise Error(f"rays_per_sr: expected less, found {rays_per_sr:g}")
+    return max(1, int(np.ceil(rays)))
 
 
 def response_variances(

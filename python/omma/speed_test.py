@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye, Scene
-from omma.arguments import whole
+from omma.arguments import array_of, whole
 from omma.poses import as_poses
 from omma.renderer import BUILDING, Renderer
 from omma.sampling_tools import OURS, Method, Progress
@@ -82,6 +82,7 @@ def measure_speed(
     whole(frames, "frames", 1, 1 << 20)
     if not 0 <= warm_up_s <= 3600:
         raise Error(f"warm_up_s: expected 0 to 3600, found {warm_up_s}")
+    rays = array_of(rays, "rays", (None,), np.int64).tolist()
     if not len(rays):
         raise Error("rays: expected at least one number")
     tell: Progress = progress or (lambda stage, share: None)

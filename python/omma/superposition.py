@@ -17,7 +17,7 @@ from scipy.sparse.csgraph import breadth_first_order, connected_components
 from scipy.spatial import cKDTree
 
 from omma._core import Error, Eye, ReceptorType
-from omma.arguments import positive
+from omma.arguments import array_of, positive, whole
 from omma.eye_lattice import unit
 from omma.eye_neighbours import direction_lattice
 from omma.receptor_mosaic import COLUMN, Region, region_mask
@@ -48,6 +48,21 @@ class Wiring:
     index: Ints
     weight: Floats
 
+    def __post_init__(self) -> None:
+        for name, kind in (("first", np.int64), ("index", np.int64), ("weight", np.float64)):
+            object.__setattr__(self, name, array_of(getattr(self, name), name, (None,), kind))
+        ends = (0, len(self.index))
+        if (
+            not len(self.first)
+            or (self.first[0], self.first[-1]) != ends
+            or np.any(self.members < 0)
+        ):
+            raise Error(
+                f"first: expected ascending numbers from 0 to {ends[1]}, one more than targets"
+            )
+        if len(self.weight) != len(self.index) or np.any(self.index < 0):
+            raise Error("index, weight: expected as many of both, indices of at least 0")
+
     def __len__(self) -> int:
         """How many targets there are."""
         return len(self.first) - 1
@@ -72,7 +87,10 @@ def pool(responses: ArrayLike, wiring: Wiring, *, axis: int = -1) -> NDArray[np.
     Raises:
         omma.Error: fewer responses than the wiring speaks of.
     """
-    given = np.moveaxis(np.asarray(responses, np.float32), axis, 0)
+    given = array_of(responses, "responses", dtype=np.float32)
+    if given.ndim == 0:
+        raise Error("responses: expected an array with an axis of receptors, found one number")
+    given = np.moveaxis(given, whole(axis, "axis", -given.ndim, given.ndim - 1), 0)
     if len(wiring.index) and len(given) <= wiring.index.max():
         raise Error(
             f"responses: expected at least {wiring.index.max() + 1} along axis {axis}, found "
@@ -184,7 +202,8 @@ def fly_receptors(
         return known[name, right, up]
 
     rounded = np.rint(offsets / step).astype(int)
-    pale = np.random.default_rng(seed).random(len(eye)) < pale_share
+    draw = np.random.default_rng(whole(seed, "seed", 0, (1 << 64) - 1))
+    pale = draw.random(len(eye)) < pale_share
     receptors = []
     for i in range(len(eye)):
         around = [

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
 from omma._core import Error
-from omma.arguments import positive
+from omma.arguments import array_of, positive, whole
 from omma.eye_lattice import unit
 from omma.files import PathLike, metres_per_unit
 
@@ -26,6 +26,8 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 _MESH_SAMPLES = 200_000
+# Of an ellipsoid: far more than anything asks for, in some gigabytes.
+_MOST_SAMPLES = 1 << 24
 
 
 class Surface(Protocol):
@@ -67,6 +69,7 @@ class Ellipsoid:
             )
 
     def onto(self, points: Floats) -> Floats:
+        points = array_of(points, "points", (None, 3))
         from_centre = points - self.centre_m
         sphere = from_centre / self.semi_axes_m
         return np.asarray(
@@ -74,6 +77,7 @@ class Ellipsoid:
         )
 
     def normals(self, points: Floats) -> Floats:
+        points = array_of(points, "points", (None, 3))
         return unit((points - self.centre_m) / np.square(self.semi_axes_m))
 
     def near(self, points: Floats) -> tuple[Floats, Floats]:
@@ -81,6 +85,7 @@ class Ellipsoid:
         return on_surface, self.normals(on_surface)
 
     def point_of_normal(self, directions: Floats) -> Floats:
+        directions = array_of(directions, "directions", (None, 3))
         stretched = directions * np.square(self.semi_axes_m)
         size = np.linalg.norm(directions * np.asarray(self.semi_axes_m), axis=1, keepdims=True)
         return np.asarray(self.centre_m + stretched / size)
@@ -88,7 +93,7 @@ class Ellipsoid:
     def samples(self, count: int) -> tuple[Floats, Floats]:
         # A Fibonacci lattice has equal areas on the sphere; stretching it to the ellipsoid by A
         # makes the area at u det(A) |A⁻¹u| times as large.
-        index = np.arange(count) + 0.5
+        index = np.arange(whole(count, "count", 1, _MOST_SAMPLES)) + 0.5
         z = 1 - 2 * index / count
         angle = math.pi * (1 + math.sqrt(5)) * index
         level = np.sqrt(1 - z * z)
@@ -118,12 +123,8 @@ def ellipsoid(
     Raises:
         omma.Error: lengths that are not above 0, a centre that is none.
     """
-    lengths, centre = [tuple(map(float, values)) for values in (semi_axes_m, centre_m)]
-    if len(lengths) != 3 or len(centre) != 3:
-        raise Error(
-            f"ellipsoid: expected three semi-axes and a centre of three, found {semi_axes_m}, "
-            f"{centre_m}"
-        )
+    lengths = array_of(semi_axes_m, "semi_axes_m", (3,)).tolist()
+    centre = array_of(centre_m, "centre_m", (3,)).tolist()
     return Ellipsoid((lengths[0], lengths[1], lengths[2]), (centre[0], centre[1], centre[2]))
 
 
@@ -173,8 +174,8 @@ class Mesh:
     """A triangle mesh as a surface; made by `mesh_surface` or `load_surface`."""
 
     def __init__(self, vertices_m: ArrayLike, triangles: ArrayLike) -> None:
-        vertices = np.asarray(vertices_m, dtype=np.float64)
-        faces = np.asarray(triangles, dtype=np.int64)
+        vertices = array_of(vertices_m, "vertices")
+        faces = array_of(triangles, "triangles", dtype=np.int64)
         if vertices.ndim != 2 or vertices.shape[1] != 3 or not np.isfinite(vertices).all():
             raise Error(f"vertices: expected finite (V, 3), found shape {vertices.shape}")
         if faces.ndim != 2 or faces.shape[1] != 3 or len(faces) == 0:

@@ -99,4 +99,9 @@ std::string path_text(nb::handle path) {
   return text;
 }
 
+nb::object path_object(const std::string& path) {
+  return nb::steal(
+      PyUnicode_DecodeFSDefaultAndSize(path.data(), static_cast<Py_ssize_t>(path.size())));
+}
+
 }  // namespace omma::python

@@ -51,14 +51,17 @@ nb::object take(std::vector<T> values, std::initializer_list<std::size_t> shape)
 std::string str_of(nb::handle object);        // str(object)
 std::string type_name_of(nb::handle object);  // of the object's type
 
-// os.fspath(path) as text; a TypeError where that is not a path.
+// os.fsencode(path), the bytes of a name, which need not be UTF-8; a TypeError where that is not a
+// path. And back: what os.fsdecode makes of them.
 std::string path_text(nb::handle path);
+nb::object path_object(const std::string& path);
 
 void bind_camera(nb::module_& m);
 void bind_scene(nb::module_& m);
 void bind_acceptance(nb::module_& m);
 void bind_eye(nb::module_& m);
 void bind_eye_files(nb::module_& m);
+void bind_files(nb::module_& m);
 void bind_renderer(nb::module_& m);
 void bind_projection(nb::module_& m);
 void bind_receptor(nb::module_& m);

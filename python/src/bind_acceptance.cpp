@@ -12,6 +12,7 @@
 #include "arrays.h"
 #include "omma/error.h"
 #include "omma/receptor.h"
+#include "progress.h"
 
 namespace omma::python {
 namespace {
@@ -27,7 +28,7 @@ RhabdomModel model_of(const std::string& name) {
 }
 
 Acceptance checked(Acceptance acceptance) {
-  validate_acceptance(acceptance, "Acceptance");
+  run_long_work([&] { validate_acceptance(acceptance, "Acceptance"); });
   return acceptance;
 }
 
@@ -62,10 +63,7 @@ nb::object at_angles(nb::handle first, const char* name, nb::handle azimuth_rad,
   const auto a = double_array(pair[0].attr("ravel")(), name, {-1});
   const auto b = double_array(pair[1].attr("ravel")(), "azimuth_rad", {-1});
   std::vector<double> values(a.shape(0));
-  {
-    nb::gil_scoped_release release;
-    function(a.data(), b.data(), values.data(), values.size());
-  }
+  run_long_work([&] { function(a.data(), b.data(), values.data(), values.size()); });
   const std::size_t size = values.size();
   const nb::object flat = take(std::move(values), {size});
   return flat.attr("reshape")(shape)[nb::tuple()];
@@ -207,11 +205,20 @@ void bind_acceptance(nb::module_& m) {
           },
           "Of a table: sensitivities, row by row.")
       .def_prop_ro("is_round", &is_round, "Whether it depends on the polar angle alone.")
-      .def_prop_ro("mean_width_rad", &mean_acceptance_width_rad,
-                   "Full width at half maximum; the geometric mean of the widest and the narrowest "
-                   "where not round.")
-      .def("width_rad", &acceptance_width_rad, nb::arg("azimuth_rad") = 0.0,
-           "Full width at half maximum through the axis along an azimuth.")
+      .def_prop_ro(
+          "mean_width_rad",
+          [](const Acceptance& a) {
+            return run_long([&] { return mean_acceptance_width_rad(a); });
+          },
+          "Full width at half maximum; the geometric mean of the widest and the narrowest "
+          "where not round.")
+      .def(
+          "width_rad",
+          [](const Acceptance& a, double azimuth_rad) {
+            return run_long([&] { return acceptance_width_rad(a, azimuth_rad); });
+          },
+          nb::arg("azimuth_rad") = 0.0,
+          "Full width at half maximum through the axis along an azimuth.")
       .def(
           "eval",
           [](const Acceptance& a, nb::object theta_rad, nb::object azimuth_rad) {
@@ -251,11 +258,8 @@ void bind_acceptance(nb::module_& m) {
       .def(
           "sample",
           [](const Acceptance& a, int count, std::uint64_t seed) {
-            std::vector<Vec3> directions;
-            {
-              nb::gil_scoped_release release;
-              directions = sample_acceptance(a, count, seed);
-            }
+            const std::vector<Vec3> directions =
+                run_long([&] { return sample_acceptance(a, count, seed); });
             std::vector<float> values;
             for (const Vec3& d : directions) values.insert(values.end(), {d.x, d.y, d.z});
             return take(std::move(values), {directions.size(), 3});

@@ -9,8 +9,10 @@
 
 #include "arrays.h"
 #include "eye_arguments.h"
+#include "model/text.h"
 #include "omma/error.h"
 #include "omma/eye.h"
+#include "progress.h"
 
 namespace omma::python {
 
@@ -38,7 +40,8 @@ Eye merge(nb::handle eyes) {
 std::string repr(const Eye& eye) {
   const auto [low, high] = std::minmax_element(eye.eye_id.begin(), eye.eye_id.end());
   const int eyes = eye.size() == 0 ? 0 : *high - *low + 1;
-  return "<omma.Eye " + (eye.path.empty() ? "in memory" : "'" + eye.path + "'") + ": " +
+  return "<omma.Eye " +
+         (eye.path.empty() ? "in memory" : "'" + readable_text(eye.path) + "'") + ": " +
          std::to_string(eye.size()) + " ommatidia" +
          (eyes > 1 ? ", " + std::to_string(eyes) + " eyes" : "") + ">";
 }
@@ -161,7 +164,9 @@ void bind_eye(nb::module_& m) {
           "A copy with these properties changed, named as for making an eye; all else is kept.\n\n"
           "acceptance_angle_rad alone makes all ommatidia round Gaussians. Raises `omma.Error` or\n"
           "`TypeError` as making an eye does.")
-      .def_ro("path", &Eye::path, "The file it came from, '' for one made in memory.");
+      .def_prop_ro(
+          "path", [](const Eye& e) { return path_object(e.path); },
+          nb::sig("def path(self, /) -> str"), "The file it came from, '' for one made in memory.");
   property(
       "position_m",
       [](Self self) {
@@ -229,7 +234,9 @@ void bind_eye(nb::module_& m) {
            "The ommatidia with these indices, or where this mask (N,) is true.")
       .def(
           "interommatidial_angle_rad",
-          [](const Eye& self) { return take(interommatidial_angle_rad(self), {self.size()}); },
+          [](const Eye& self) {
+            return take(run_long([&] { return interommatidial_angle_rad(self); }), {self.size()});
+          },
           nb::sig("def interommatidial_angle_rad(self) -> numpy.typing.NDArray[numpy.float32]"),
           "Local interommatidial angle: the mean angle to the (up to) six nearest neighbours of\n"
           "the same eye. (N,), rad; 0 where there is no neighbour.")

@@ -6,6 +6,7 @@
 
 #include "arrays.h"
 #include "omma/io.h"
+#include "progress.h"
 
 namespace omma::python {
 
@@ -14,8 +15,9 @@ void bind_eye_files(nb::module_& m) {
       "load_eye",
       [](nb::handle path, double metres_per_unit, const std::string& head) {
         const std::string name = path_text(path);
-        nb::gil_scoped_release release;
-        return head.empty() ? load_eye(name, metres_per_unit) : load_eye_of_head(name, head);
+        return run_long([&] {
+          return head.empty() ? load_eye(name, metres_per_unit) : load_eye_of_head(name, head);
+        });
       },
       nb::arg("path"), nb::arg("metres_per_unit"), nb::arg("head"),
       nb::sig("def load_eye(path: str | os.PathLike[str], metres_per_unit: float, head: str) -> "
@@ -24,19 +26,23 @@ void bind_eye_files(nb::module_& m) {
       "save_eye",
       [](nb::handle path, const Eye& eye, double metres_per_unit, bool lossy) {
         const std::string name = path_text(path);
-        nb::gil_scoped_release release;
-        save_eye(name, eye, metres_per_unit, lossy);
+        run_long_work([&] { save_eye(name, eye, metres_per_unit, lossy); });
       },
       nb::arg("path"), nb::arg("eye"), nb::arg("metres_per_unit"), nb::arg("lossy"),
       nb::sig("def save_eye(path: str | os.PathLike[str], eye: Eye, metres_per_unit: float, lossy: "
               "bool) -> None"));
   m.def(
       "eye_file_losses",
-      [](nb::handle path, const Eye& eye) { return eye_file_losses(path_text(path), eye); },
+      [](nb::handle path, const Eye& eye) {
+        return run_long([&, name = path_text(path)] { return eye_file_losses(name, eye); });
+      },
       nb::arg("path"), nb::arg("eye"),
       nb::sig("def eye_file_losses(path: str | os.PathLike[str], eye: Eye) -> list[str]"));
   m.def(
-      "eye_file_heads", [](nb::handle path) { return eye_file_heads(path_text(path)); },
+      "eye_file_heads",
+      [](nb::handle path) {
+        return run_long([name = path_text(path)] { return eye_file_heads(name); });
+      },
       nb::arg("path"), nb::sig("def eye_file_heads(path: str | os.PathLike[str]) -> list[str]"));
 }
 

@@ -9,43 +9,40 @@
 #include "omma/error.h"
 #include "omma/io.h"
 #include "omma/projection.h"
+#include "progress.h"
 
 namespace omma::python {
 
 namespace {
 
 nb::object ids(const Eye& eye, int width, int height, bool by_position, float max_angle_rad) {
-  std::vector<std::int32_t> map;
-  {
-    nb::gil_scoped_release release;
-    map = by_position ? equirectangular_ids_by_position(eye, width, height, max_angle_rad)
-                      : equirectangular_ids(eye, width, height, max_angle_rad);
-  }
+  auto map = run_long([&] {
+    return by_position ? equirectangular_ids_by_position(eye, width, height, max_angle_rad)
+                       : equirectangular_ids(eye, width, height, max_angle_rad);
+  });
   return take(std::move(map), {static_cast<std::size_t>(height), static_cast<std::size_t>(width)});
 }
 
 nb::object projection_map(const Eye& eye, const std::string& projection, int width, int height) {
-  std::vector<std::int32_t> map;
-  {
-    nb::gil_scoped_release release;
-    map = projection_ids(eye, projection_from_name(projection), width, height);
-  }
+  auto map = run_long(
+      [&] { return projection_ids(eye, projection_from_name(projection), width, height); });
   return take(std::move(map), {static_cast<std::size_t>(height), static_cast<std::size_t>(width)});
 }
 
 nb::object field_map(const Eye& eye, int width, int height, bool side_by_side) {
-  std::vector<std::int32_t> map;
-  {
-    nb::gil_scoped_release release;
-    map = side_by_side ? side_by_side_ids(eye, width, height) : field_ids(eye, width, height);
-  }
+  auto map = run_long([&] {
+    return side_by_side ? side_by_side_ids(eye, width, height) : field_ids(eye, width, height);
+  });
   const std::size_t columns = map.size() / static_cast<std::size_t>(height);
   return take(std::move(map), {static_cast<std::size_t>(height), columns});
 }
 
 nb::object encode_array(nb::handle ids_object) {
   const auto map = int_array(ids_object, "ids", {-1, -1});
-  return take(encode_ids({map.data(), map.size()}), {map.shape(0), map.shape(1), 4});
+  return take(run_long([&] {
+                return encode_ids({map.data(), map.size()});
+              }),
+              {map.shape(0), map.shape(1), 4});
 }
 
 nb::object paint_array(nb::handle ids_object, nb::handle responses_object, double gamma) {
@@ -54,16 +51,19 @@ nb::object paint_array(nb::handle ids_object, nb::handle responses_object, doubl
   if (!(gamma > 0)) throw Error("gamma: expected a number over 0, found " + std::to_string(gamma));
   const auto count = static_cast<std::int32_t>(responses.shape(0));
   const std::span<const std::int32_t> map_span(map.data(), map.size());
-  for (const std::int32_t id : map_span)
-    if (id < -1 || id >= count)
-      throw Error("ids: expected numbers under " + std::to_string(count) +
-                  " (the ommatidia in responses), found " + std::to_string(id));
-  return take(paint(map_span, {responses.data(), responses.size()}, gamma),
-              {map.shape(0), map.shape(1), 3});
+  auto pixels = run_long([&] {
+    for (const std::int32_t id : map_span)
+      if (id < -1 || id >= count)
+        throw Error("ids: expected numbers under " + std::to_string(count) +
+                    " (the ommatidia in responses), found " + std::to_string(id));
+    return paint(map_span, {responses.data(), responses.size()}, gamma);
+  });
+  return take(std::move(pixels), {map.shape(0), map.shape(1), 3});
 }
 
-void save_png_array(nb::handle path, nb::handle pixels) {
-  using Pixels = nb::ndarray<nb::numpy, const std::uint8_t, nb::ndim<3>, nb::c_contig>;
+using Pixels = nb::ndarray<nb::numpy, const std::uint8_t, nb::ndim<3>, nb::c_contig>;
+
+Pixels to_pixels(nb::handle pixels) {
   const nb::object packed = nb::module_::import_("numpy").attr("ascontiguousarray")(pixels);
   Pixels array;
   const bool matches =
@@ -71,10 +71,27 @@ void save_png_array(nb::handle path, nb::handle pixels) {
   if (!matches || array.size() == 0 || array.shape(0) > 1 << 16 || array.shape(1) > 1 << 16)
     throw Error("pixels: expected uint8 of shape (height, width, 3 or 4), found " +
                 str_of(packed.attr("dtype")) + " of shape " + str_of(packed.attr("shape")));
+  return array;
+}
+
+void save_png_array(nb::handle path, nb::handle pixels) {
+  const Pixels array = to_pixels(pixels);
   const std::string name = path_text(path);
-  nb::gil_scoped_release release;
-  save_png(name, {array.data(), array.size()}, static_cast<int>(array.shape(1)),
-           static_cast<int>(array.shape(0)), static_cast<int>(array.shape(2)));
+  run_with_progress(nb::none(), [&](const std::function<bool(double)>& report) {
+    save_png(name, {array.data(), array.size()}, static_cast<int>(array.shape(1)),
+             static_cast<int>(array.shape(0)), static_cast<int>(array.shape(2)), report);
+  });
+}
+
+nb::bytes encode_png_array(nb::handle path, nb::handle pixels) {
+  const Pixels array = to_pixels(pixels);
+  const std::string name = path_text(path);
+  std::string bytes;
+  run_with_progress(nb::none(), [&](const std::function<bool(double)>& report) {
+    bytes = png_bytes(name, {array.data(), array.size()}, static_cast<int>(array.shape(1)),
+                      static_cast<int>(array.shape(0)), static_cast<int>(array.shape(2)), report);
+  });
+  return nb::bytes(bytes.data(), bytes.size());
 }
 
 }  // namespace
@@ -117,6 +134,9 @@ void bind_projection(nb::module_& m) {
         "Write 8-bit pixels (height, width, 3 or 4), row 0 at the top, as a PNG file.\n\n"
         "It is written under another name and renamed, so that no half of a file is left.\n"
         "Raises `omma.Error` where the pixels or the path do not do.");
+  m.def("encode_png", &encode_png_array, nb::arg("path"), nb::arg("pixels"),
+        nb::sig("def encode_png(path: str | os.PathLike[str], pixels: "
+                "numpy.typing.NDArray[numpy.uint8]) -> bytes"));
 }
 
 }  // namespace omma::python

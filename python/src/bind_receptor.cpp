@@ -9,6 +9,7 @@
 #include "omma/error.h"
 #include "omma/receptor_views.h"
 #include "omma/scene.h"
+#include "progress.h"
 
 namespace omma::python {
 
@@ -41,11 +42,7 @@ nb::object primaries(nb::handle wavelength_nm) {
 }
 
 nb::object views(const Eye& eye) {
-  ReceptorViews made;
-  {
-    nb::gil_scoped_release release;
-    made = receptor_views(eye);
-  }
+  ReceptorViews made = run_long([&] { return receptor_views(eye); });
   const std::size_t receptors = made.view_of_receptor.size();
   return nb::make_tuple(nb::cast(std::move(made.eye)),
                         take(std::move(made.view_of_receptor), {receptors}));
@@ -73,10 +70,11 @@ void apply(nb::handle radiance_object, nb::handle matrix_object, nb::handle view
   };
   check(view, radiance.shape(1), "view_of_receptor");
   check(type, matrix.shape(0), "matrix: fewer rows than types; receptor_type");
-  nb::gil_scoped_release release;
-  apply_receptor_matrix({radiance.data(), radiance.size()}, {matrix.data(), matrix.size()},
-                        {view.data(), view.size()}, {type.data(), type.size()}, radiance.shape(1),
-                        magnitudes, {out.data(), out.size()});
+  run_long_work([&] {
+    apply_receptor_matrix({radiance.data(), radiance.size()}, {matrix.data(), matrix.size()},
+                          {view.data(), view.size()}, {type.data(), type.size()}, radiance.shape(1),
+                          magnitudes, {out.data(), out.size()});
+  });
 }
 
 }  // namespace

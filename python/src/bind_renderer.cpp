@@ -135,8 +135,7 @@ void bind_renderer(nb::module_& m) {
           "__init__",
           [](Renderer* self, const Renderer& same_scene, const Eye& eye,
              const RenderSettings& settings) {
-            nb::gil_scoped_release release;
-            new (self) Renderer(same_scene, eye, settings);
+            run_long_work([&] { new (self) Renderer(same_scene, eye, settings); });
           },
           nb::arg("same_scene"), nb::arg("eye"), nb::arg("settings"))
       .def("render", &render, nb::arg("poses").noconvert(), nb::arg("responses").noconvert(),
@@ -149,10 +148,28 @@ void bind_renderer(nb::module_& m) {
                    "numpy.typing.NDArray[numpy.int32] | None, ray_radiance: "
                    "numpy.typing.NDArray[numpy.float32] | None, first_pose: int, progress: "
                    "collections.abc.Callable[[float], object] | None) -> None"))
+      .def(
+          "precision_warning",
+          [](const Renderer& renderer, const Poses& poses) {
+            return renderer.precision_warning(
+                {reinterpret_cast<const Mat4*>(poses.data()), poses.shape(0)});
+          },
+          nb::arg("poses").noconvert(),
+          nb::sig("def precision_warning(self, poses: numpy.typing.NDArray[numpy.float64]) -> str"))
       .def_prop_ro("eye", &Renderer::eye, nb::rv_policy::reference_internal)
       .def_prop_ro("settings", &Renderer::settings, nb::rv_policy::reference_internal)
       .def_prop_ro("threads", &Renderer::threads)
       .def_prop_ro("rays_per_frame", &Renderer::rays_per_frame)
+      .def_prop_ro(
+          "shared_ommatidia",
+          [](const Renderer& renderer) {
+            const std::vector<char> shared = renderer.shared_ommatidia();
+            std::vector<std::uint8_t> values(shared.begin(), shared.end());
+            const std::size_t size = values.size();
+            return take(std::move(values), {size});
+          },
+          nb::for_getter(nb::sig(
+              "def shared_ommatidia(self, /) -> numpy.typing.NDArray[numpy.uint8]")))
       .def_prop_ro("backend", &Renderer::backend)
       .def_prop_ro("build_times", &build_times,
                    nb::for_getter(nb::sig("def build_times(self, /) -> dict[str, float]")));

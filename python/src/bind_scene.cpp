@@ -9,11 +9,13 @@
 #include <memory>
 
 #include "arrays.h"
+#include "model/text.h"
 #include "omma/camera.h"
 #include "omma/error.h"
 #include "omma/io.h"
 #include "omma/scene.h"
 #include "progress.h"
+#include "threads/parallel.h"
 
 namespace omma::python {
 
@@ -62,7 +64,10 @@ std::vector<T> to_rgba(const Array& pixels, std::size_t components, T opaque) {
 Background image_background(nb::handle source) {
   Background background = background_of_type(BackgroundType::image);
   if (nb::isinstance<nb::str>(source) || nb::hasattr(source, "__fspath__")) {
-    background.image = load_image(path_text(source));
+    const std::string path = path_text(source);
+    run_with_progress(nb::none(), [&](const std::function<bool(double)>& report) {
+      background.image = load_image(path, report);
+    });
     return background;
   }
   const nb::object array = nb::module_::import_("numpy").attr("asarray")(source);
@@ -107,7 +112,8 @@ std::string repr(const Background& background) {
 }
 
 std::string repr(const Scene& scene) {
-  return "<omma.Scene " + (scene.path.empty() ? "in memory" : "'" + scene.path + "'") + ": " +
+  return "<omma.Scene " +
+         (scene.path.empty() ? "in memory" : "'" + readable_text(scene.path) + "'") + ": " +
          std::to_string(triangle_count(scene)) + " triangles, " +
          std::to_string(scene.cameras.size()) + " cameras>";
 }
@@ -160,12 +166,14 @@ nb::object inside_hit_box(const Scene& scene, const std::string& name, nb::handl
   const std::size_t count = array.shape(0);
   auto* inside = new bool[count];
   nb::capsule owner(inside, [](void* p) noexcept { delete[] static_cast<bool*>(p); });
-  for (std::size_t i = 0; i < count; ++i) {
-    const double* p = array.data() + 3 * i;
-    inside[i] = std::any_of(boxes.begin(), boxes.end(), [&](const HitBox* box) {
-      return is_inside(*box, {p[0], p[1], p[2]});
+  run_long_work([&] {
+    parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+      const double* p = array.data() + 3 * i;
+      inside[i] = std::any_of(boxes.begin(), boxes.end(), [&](const HitBox* box) {
+        return is_inside(*box, {p[0], p[1], p[2]});
+      });
     });
-  }
+  });
   return nb::cast(nb::ndarray<nb::numpy, bool>(inside, {count}, owner), nb::rv_policy::reference);
 }
 
@@ -200,8 +208,9 @@ void bind_scene(nb::module_& m) {
                   "Background"),
           "An equirectangular image: forward (-Z) in the middle, +X to the right of it, +Y\n"
           "at the top.\n\n"
-          "A path to a PNG or JPEG (8 bit: sRGB) or Radiance HDR file, or an array of shape\n"
-          "(height, width, 3 or 4): uint8 is sRGB, float is linear radiance.\n\n"
+          "A path to a PNG or JPEG (8 and 16 bit: sRGB), Radiance HDR or OpenEXR file (float:\n"
+          "linear radiance), or an array of shape (height, width, 3 or 4): uint8 is sRGB, float is\n"
+          "linear radiance. OpenEXR has channels R, G and B, or Y alone.\n\n"
           "Raises `omma.Error` where the file or the array is not such an image.")
       .def_prop_ro(
           "type", [](const Background& b) { return word(b.type); },
@@ -219,7 +228,9 @@ void bind_scene(nb::module_& m) {
       "glTF's world frame (right-handed, +Y up, metres). Read-only.\n\n"
       "`omma.load_scene` reads one; ``Scene()`` is empty: nothing but background.")
       .def("__init__", [](Scene* self) { new (self) Scene(); })
-      .def_ro("path", &Scene::path, "The file it came from, '' for one made in memory.")
+      .def_prop_ro(
+          "path", [](const Scene& s) { return path_object(s.path); },
+          nb::sig("def path(self, /) -> str"), "The file it came from, '' for one made in memory.")
       .def_prop_ro(
           "cameras", [](const Scene& s) { return s.cameras; },
           "Camera nodes in the order of the file.")
@@ -271,7 +282,13 @@ void bind_scene(nb::module_& m) {
            "Which points (N, 3), m, lie inside a hit box, taken as a closed surface: bool (N,).\n\n"
            "Raises `omma.Error`, with the names there are.")
       .def_prop_ro(
-          "warnings", [](const Scene& s) { return s.warnings; },
+          "warnings",
+          [](const Scene& s) {
+            std::vector<std::string> sentences;
+            for (const std::string& sentence : s.warnings)
+              sentences.push_back(readable_text(sentence));
+            return sentences;
+          },
           "What the loader passed over, a sentence each.")
       .def("__repr__", [](const Scene& s) { return repr(s); });
 

@@ -12,6 +12,7 @@
 #include "arrays.h"
 #include "omma/error.h"
 #include "optics/acceptance_hash.h"
+#include "progress.h"
 
 namespace omma::python {
 namespace {
@@ -221,7 +222,7 @@ void change_eye(Eye& eye, const nb::kwargs& changes) {
   if (given("receptors")) set_receptors(eye, changes["receptors"]);
   if (given("columns")) eye.columns = columns(changes["columns"], count);
   if (given("path")) eye.path = path_text(changes["path"]);
-  validate_eye(eye);
+  run_long_work([&] { validate_eye(eye); });
 }
 
 }  // namespace omma::python

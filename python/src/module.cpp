@@ -1,9 +1,31 @@
 // omma._core: the engine as Python sees it. The package's Python files put defaults, conversions
 // and the command line around it.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
 
 #include "arrays.h"
+#include "model/text.h"
 #include "omma/error.h"
+#include "progress.h"
+
+namespace {
+
+// What str() makes of an omma.Error that Python code raised: readable as those of the engine, and
+// with the bytes of names that are not UTF-8.
+std::string error_text(nanobind::handle error) {
+  namespace nb = nanobind;
+  const nb::object text = nb::handle(PyExc_RuntimeError).attr("__str__")(error);
+  const nb::object bytes =
+      nb::steal(PyUnicode_AsEncodedString(text.ptr(), "utf-8", "surrogateescape"));
+  if (!bytes.is_valid()) {  // other lone surrogates than those that stand for bytes
+    PyErr_Clear();
+    return nb::cast<std::string>(nb::repr(text));
+  }
+  const auto encoded = nb::borrow<nb::bytes>(bytes);
+  return omma::readable_text({encoded.c_str(), encoded.size()});
+}
+
+}  // namespace
 
 NB_MODULE(_core, m) {
   namespace nb = nanobind;
@@ -20,6 +42,9 @@ NB_MODULE(_core, m) {
       "The message names the file or argument, the place in it, what was expected and what was "
       "found.";
 
+  error.attr("__str__") = nb::cpp_function(&error_text, nb::is_method());
+
+  omma::python::bind_files(m);
   omma::python::bind_camera(m);
   omma::python::bind_scene(m);
   omma::python::bind_acceptance(m);
@@ -28,4 +53,5 @@ NB_MODULE(_core, m) {
   omma::python::bind_renderer(m);
   omma::python::bind_projection(m);
   omma::python::bind_receptor(m);
+  omma::python::end_work_at_exit();
 }

@@ -1,6 +1,10 @@
 // Lays out an Eye for the hot loops.
 #include "backend/eye_arrays.h"
 
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
 #include "model/curve_order.h"
 
 namespace omma {
@@ -17,6 +21,11 @@ EyeArrays make_eye_arrays(const Eye& eye, const DirectionTables& directions) {
       y.push_back(v.y);
       z.push_back(v.z);
     };
+    const double along[3] = {origin.x, origin.y, origin.z};
+    for (int k = 0; k < 3; ++k)
+      a.most_origin_m[k] = std::max(a.most_origin_m[k], std::fabs(along[k]));
+    a.most_offset_m = std::max({a.most_offset_m, static_cast<double>(eye.focal_offset_m[i]),
+                                0.5 * static_cast<double>(eye.aperture_diameter_m[i])});
     push(to_float(origin), a.origin_x, a.origin_y, a.origin_z);
     push(to_float(axis), a.axis_x, a.axis_y, a.axis_z);
     push(eye.up[i], a.up_x, a.up_y, a.up_z);
@@ -34,6 +43,29 @@ EyeArrays make_eye_arrays(const Eye& eye, const DirectionTables& directions) {
   a.warp.resize(a.warp.size() + 16, 0);
   a.ommatidium.resize(a.ommatidium.size() + 16, 0);
   return a;
+}
+
+std::vector<std::uint8_t> nearest_in_blocks(const EyeArrays& eye, int block) {
+  const std::size_t size = eye.ommatidium.size() - 16;
+  std::vector<std::uint8_t> nearest;
+  nearest.reserve(size * listened_to);
+  std::vector<std::pair<float, std::uint8_t>> others;  // minus the cosine of the angle, place
+  for (std::size_t i = 0; i < size; ++i) {
+    const std::size_t first = i - i % static_cast<std::size_t>(block);
+    const std::size_t count = std::min(static_cast<std::size_t>(block), size - first);
+    others.clear();
+    for (std::size_t k = first; k < first + count; ++k) {
+      const float cosine = eye.axis_x[i] * eye.axis_x[k] + eye.axis_y[i] * eye.axis_y[k] +
+                           eye.axis_z[i] * eye.axis_z[k];
+      if (k != i) others.emplace_back(-cosine, static_cast<std::uint8_t>(k - first));
+    }
+    const std::size_t heard = std::min(others.size(), std::size_t{listened_to});
+    std::partial_sort(others.begin(), others.begin() + static_cast<std::ptrdiff_t>(heard),
+                      others.end());
+    for (std::size_t k = 0; k < listened_to; ++k)
+      nearest.push_back(k < heard ? others[k].second : static_cast<std::uint8_t>(i - first));
+  }
+  return nearest;
 }
 
 }  // namespace omma

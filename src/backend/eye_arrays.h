@@ -23,8 +23,18 @@ struct EyeArrays {
   std::vector<std::int32_t> ommatidium;  // index in the Eye
   bool has_apertures = false;            // whether any radius is above 0
   bool has_scales = false;               // whether any scale is not 1
+  // Bounds of all, for checking poses: the largest origin_x, _y, _z, and focal offset or radius.
+  double most_origin_m[3] = {};
+  double most_offset_m = 0;
 };
 
 EyeArrays make_eye_arrays(const Eye& eye, const DirectionTables& directions);
+
+// Ommatidia that each listens to where rays go on to an error.
+inline constexpr int listened_to = 8;
+
+// [ommatidium][listened_to]: those nearest to it in direction among its block, which are as many in
+// a row as `block` says; by their place in the block, itself where there are too few.
+std::vector<std::uint8_t> nearest_in_blocks(const EyeArrays& eye, int block);
 
 }  // namespace omma

@@ -1,12 +1,12 @@
 // Flattens a validated Scene for the kernels.
 #include "backend/shading_data.h"
 
-#include <oneapi/tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <tuple>
+
+#include "threads/parallel.h"
 
 namespace omma {
 namespace {
@@ -19,7 +19,7 @@ constexpr float most_repeats = 4194304.0f;  // 2^22
 template <typename T>
 std::vector<T> per_corner(const Mesh& mesh, const std::vector<T>& per_vertex) {
   std::vector<T> corners(3 * mesh.triangles.size());
-  oneapi::tbb::parallel_for(std::size_t{0}, mesh.triangles.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, mesh.triangles.size(), [&](std::size_t i) {
     for (std::size_t k = 0; k < 3; ++k) corners[3 * i + k] = per_vertex[mesh.triangles[i][k]];
   });
   return corners;
@@ -39,7 +39,7 @@ std::vector<Vec2> made_texcoords(const Mesh& mesh, const TextureUse& use, bool o
   if (source.empty()) return std::vector<Vec2>(count, bounded(use.offset));
   std::vector<Vec2> uv = of_vertices ? source : per_corner(mesh, source);
   const float c = std::cos(use.rotation_rad), s = std::sin(use.rotation_rad);
-  oneapi::tbb::parallel_for(std::size_t{0}, uv.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, uv.size(), [&](std::size_t i) {
     const Vec2 p{uv[i].x * use.scale.x, uv[i].y * use.scale.y};
     uv[i] = bounded({c * p.x + s * p.y + use.offset.x, -s * p.x + c * p.y + use.offset.y});
   });
@@ -60,6 +60,7 @@ bool is_as_made(const std::vector<Vec2>& source, const TextureUse& use) {
 struct TextureTable {
   const Scene& scene;
   ShadingData& data;
+  bool large;  // see most_fast_texels
   std::map<std::tuple<int, AlphaUse, bool>, const TextureLevels*> levels_of_image = {};
   std::map<std::tuple<int, AlphaUse>, std::int32_t> view_of_texture = {};
 
@@ -76,7 +77,7 @@ struct TextureTable {
     const bool levels = scene.color_rule == ColorRule::gltf && t.filter == Filter::linear;
     const TextureLevels*& made = levels_of_image[{t.image, alpha, levels}];
     if (made == nullptr) {
-      data.levels.push_back(make_texture_levels(image, scene.color_rule, alpha, levels));
+      data.levels.push_back(make_texture_levels(image, scene.color_rule, alpha, levels, large));
       made = &data.levels.back();
     }
     TextureView view = view_levels(image, *made);
@@ -87,6 +88,12 @@ struct TextureTable {
     return known->second;
   }
 };
+
+std::size_t texels_of_8_bits(const Scene& scene) {
+  std::size_t texels = 0;
+  for (const Image& image : scene.images) texels += image.rgba_srgb8.size() / 4;
+  return texels;
+}
 
 MaterialView material_view(const Material& m, TextureTable& textures) {
   AlphaUse alpha{m.alpha_mode};
@@ -106,7 +113,7 @@ MaterialView material_view(const Material& m, TextureTable& textures) {
 std::unique_ptr<ShadingData> make_shading_data(const Scene& scene) {
   auto data = std::make_unique<ShadingData>();
   // The last material is glTF's default, for meshes without one: white, single-sided.
-  TextureTable textures{scene, *data};
+  TextureTable textures{scene, *data, texels_of_8_bits(scene) > most_fast_texels};
   for (const Material& material : scene.materials)
     data->materials.push_back(material_view(material, textures));
   data->materials.push_back(material_view({}, textures));
@@ -168,7 +175,9 @@ BackgroundData make_background_data(const Background& background) {
   data.view.type = background.type;
   data.view.color = background.color;
   if (background.type == BackgroundType::image) {
-    data.levels = make_texture_levels(background.image, ColorRule::gltf, {}, true);
+    const Image& image = background.image;
+    const bool large = image.rgba_srgb8.size() / 4 > most_fast_texels;
+    data.levels = make_texture_levels(image, ColorRule::gltf, {}, true, large);
     data.view.image = view_levels(background.image, data.levels);
     data.view.image.wrap_v = Wrap::clamp_to_edge;
     data.view.image_density = panorama_density(data.view.image);

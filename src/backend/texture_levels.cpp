@@ -1,10 +1,10 @@
 // Averages images over ever larger squares, in linear light.
 #include "backend/texture_levels.h"
 
-#include <oneapi/tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
+
+#include "threads/parallel.h"
 
 namespace omma {
 namespace {
@@ -14,22 +14,26 @@ double linear_from_srgb(double s) {
   return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
 }
 
-// An 8-bit sRGB image in linear light. 16 bits hold it to within 7.6e-6 of full scale, and reading
-// a texel then costs one load and one conversion instead of four table look-ups.
-// With CompoundRay's colours the code values themselves are kept: they are raised to their power
-// after interpolation.
-void linear16_from_srgb8(const std::vector<std::uint8_t>& rgba, ColorRule rule,
-                         std::int32_t* linear) {
-  std::uint32_t color[256];
+// What an 8-bit code of colour stands for. 16 bits hold linear light to within 7.6e-6 of full
+// scale. With CompoundRay's colours the code values themselves are kept: they are raised to their
+// power after interpolation.
+std::vector<std::int32_t> values_of_codes(ColorRule rule) {
+  std::vector<std::int32_t> values;
   for (int i = 0; i < 256; ++i) {
     const double code = i / 255.0;
     const double value = rule == ColorRule::gltf ? linear_from_srgb(code) : code;
-    color[i] = static_cast<std::uint32_t>(std::lround(65535.0 * value));
+    values.push_back(static_cast<std::int32_t>(std::lround(65535.0 * value)));
   }
-  oneapi::tbb::parallel_for(std::size_t{0}, rgba.size() / 4, [&](std::size_t i) {
+  return values;
+}
+
+// Reading a texel of this costs one load and one conversion instead of four table look-ups.
+void linear16_from_srgb8(const std::vector<std::uint8_t>& rgba,
+                         const std::vector<std::int32_t>& color, std::int32_t* linear) {
+  parallel_for(std::size_t{0}, rgba.size() / 4, [&](std::size_t i) {
     const std::uint8_t* p = rgba.data() + 4 * i;
-    linear[2 * i] = static_cast<std::int32_t>(color[p[0]] | color[p[1]] << 16);
-    linear[2 * i + 1] = static_cast<std::int32_t>(color[p[2]] | 257u * p[3] << 16);
+    linear[2 * i] = color[p[0]] | color[p[1]] << 16;
+    linear[2 * i + 1] = color[p[2]] | 257 * p[3] << 16;
   });
 }
 
@@ -66,33 +70,55 @@ struct Taps {
   }
 };
 
-// `read(x, y)` gives a texel of the finer level, its alpha the weight that its colour is seen with.
+// The mean of the texels that the taps name. `read(x, y)` gives a texel of the finer level, its
+// alpha the weight that its colour is seen with.
 template <typename Read>
-Level make_level(int width, int height, const Read& read) {
-  Level level{half(width), half(height), {}};
-  level.texels.resize(static_cast<std::size_t>(level.width) *
-                      static_cast<std::size_t>(level.height));
-  oneapi::tbb::parallel_for(0, level.height, [&](int row) {
-    const Taps down(row, height);
-    for (int column = 0; column < level.width; ++column) {
-      const Taps across(column, width);
-      double seen[3] = {}, plain[3] = {}, alpha = 0;
-      for (int j = 0; j < down.count; ++j)
-        for (int i = 0; i < across.count; ++i) {
-          const Texel t = read(across.first + i, down.first + j);
-          const double w = down.weight[j] * across.weight[i];
-          const float color[3] = {t.r, t.g, t.b};
-          for (int c = 0; c < 3; ++c) seen[c] += w * t.a * color[c], plain[c] += w * color[c];
-          alpha += w * t.a;
-        }
-      // Where nothing is seen the colours still count for the neighbours that interpolate.
-      const auto value = [&](int c) {
-        return static_cast<float>(alpha > 0 ? seen[c] / alpha : plain[c]);
-      };
-      level.texels[static_cast<std::size_t>(row) * static_cast<std::size_t>(level.width) +
-                   static_cast<std::size_t>(column)] = {value(0), value(1), value(2),
-                                                        static_cast<float>(alpha)};
+Texel mean_of(const Taps& across, const Taps& down, const Read& read) {
+  double seen[3] = {}, plain[3] = {}, alpha = 0;
+  for (int j = 0; j < down.count; ++j)
+    for (int i = 0; i < across.count; ++i) {
+      const Texel t = read(across.first + i, down.first + j);
+      const double w = down.weight[j] * across.weight[i];
+      const float color[3] = {t.r, t.g, t.b};
+      for (int c = 0; c < 3; ++c) seen[c] += w * t.a * color[c], plain[c] += w * color[c];
+      alpha += w * t.a;
     }
+  // Where nothing is seen the colours still count for the neighbours that interpolate.
+  const auto value = [&](int c) {
+    return static_cast<float>(alpha > 0 ? seen[c] / alpha : plain[c]);
+  };
+  return {value(0), value(1), value(2), static_cast<float>(alpha)};
+}
+
+// The level that is half as wide and high, row by row, and the next after it, which alone is held:
+// level 1 of a large image would need as much memory as the image. `keep(row, texels)` takes the
+// rows of the first.
+template <typename Read, typename Keep>
+Level make_two_levels(int width, int height, const Read& read, const Keep& keep) {
+  const int first_width = half(width), first_height = half(height);
+  const auto row_size = static_cast<std::size_t>(first_width);
+  Level level{half(first_width), half(first_height), {}};
+  const auto level_row = static_cast<std::size_t>(level.width);
+  level.texels.resize(level_row * static_cast<std::size_t>(level.height));
+  parallel_for(0, level.height, [&](int row) {
+    const Taps down(row, first_height);
+    std::vector<Texel> rows(row_size * static_cast<std::size_t>(down.count));
+    for (int j = 0; j < down.count; ++j) {
+      const Taps above(down.first + j, height);
+      for (int column = 0; column < first_width; ++column)
+        rows[static_cast<std::size_t>(j) * row_size + static_cast<std::size_t>(column)] =
+            mean_of(Taps(column, width), above, read);
+      // Rows that two rows of the next level share are the upper one's or the lower one's.
+      if ((down.first + j) / 2 == row)
+        keep(down.first + j, rows.data() + static_cast<std::size_t>(j) * row_size);
+    }
+    const auto read_row = [&](int x, int y) {
+      return rows[static_cast<std::size_t>(y - down.first) * row_size +
+                  static_cast<std::size_t>(x)];
+    };
+    for (int column = 0; column < level.width; ++column)
+      level.texels[static_cast<std::size_t>(row) * level_row + static_cast<std::size_t>(column)] =
+          mean_of(Taps(column, first_width), down, read_row);
   });
   return level;
 }
@@ -109,12 +135,14 @@ std::uint32_t round16(float value) {
 
 }  // namespace
 
-TextureLevels make_texture_levels(const Image& image, ColorRule rule, AlphaUse alpha, bool levels) {
+TextureLevels make_texture_levels(const Image& image, ColorRule rule, AlphaUse alpha, bool levels,
+                                  bool large) {
   TextureLevels result;
   result.first_texel.push_back(0);
   const bool eight_bit = !image.rgba_srgb8.empty();
   const auto width = static_cast<std::size_t>(image.width);
-  std::size_t texels = width * static_cast<std::size_t>(image.height);
+  const std::size_t image_texels = width * static_cast<std::size_t>(image.height);
+  std::size_t texels = image_texels;
   if (levels)
     for (int w = image.width, h = image.height; w > 1 || h > 1;) {
       if (texels > INT32_MAX / 4) break;
@@ -122,51 +150,65 @@ TextureLevels make_texture_levels(const Image& image, ColorRule rule, AlphaUse a
       w = half(w), h = half(h);
       texels += static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
     }
+  const std::vector<std::int32_t> value_of_code = values_of_codes(rule);
+  // Where the 16-bit values of a texel are.
+  const std::size_t texels_elsewhere = large ? image_texels : 0;
   if (eight_bit) {
-    result.linear16.resize(2 * texels);
-    linear16_from_srgb8(image.rgba_srgb8, rule, result.linear16.data());
+    result.linear16.resize(2 * (texels - texels_elsewhere));
+    if (large)
+      result.value_of_code = value_of_code;
+    else
+      linear16_from_srgb8(image.rgba_srgb8, value_of_code, result.linear16.data());
   } else if (result.first_texel.size() > 1) {
     result.linear.resize(4 * texels);
     std::copy(image.rgba_linear.begin(), image.rgba_linear.end(), result.linear.begin());
   }
 
+  const auto read_image = [&](int x, int y) {
+    const std::size_t i = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x);
+    Texel t;
+    if (eight_bit) {
+      constexpr float unit = 1.0f / 65535.0f;
+      const std::uint8_t* p = image.rgba_srgb8.data() + 4 * i;
+      const auto color = [&](int c) { return static_cast<float>(value_of_code[p[c]]) * unit; };
+      t = {color(0), color(1), color(2), static_cast<float>(257 * p[3]) * unit};
+    } else {
+      const float* p = image.rgba_linear.data() + 4 * i;
+      t = {p[0], p[1], p[2], p[3]};
+    }
+    t.a = visible_share(t.a, alpha);
+    return t;
+  };
+  const auto keep = [&](std::size_t i, const Texel& t) {
+    if (eight_bit) {
+      std::int32_t* p = result.linear16.data() + 2 * (i - texels_elsewhere);
+      p[0] = static_cast<std::int32_t>(round16(t.r) | round16(t.g) << 16);
+      p[1] = static_cast<std::int32_t>(round16(t.b) | round16(t.a) << 16);
+    } else {
+      float* p = result.linear.data() + 4 * i;
+      p[0] = t.r, p[1] = t.g, p[2] = t.b, p[3] = t.a;
+    }
+  };
   Level finer;
-  for (std::size_t l = 1; l < result.first_texel.size(); ++l) {
-    const auto read_image = [&](int x, int y) {
-      const std::size_t i = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x);
-      Texel t;
-      if (eight_bit) {
-        const auto a = static_cast<std::uint32_t>(result.linear16[2 * i]);
-        const auto b = static_cast<std::uint32_t>(result.linear16[2 * i + 1]);
-        constexpr float unit = 1.0f / 65535.0f;
-        t = {static_cast<float>(a & 0xffff) * unit, static_cast<float>(a >> 16) * unit,
-             static_cast<float>(b & 0xffff) * unit, static_cast<float>(b >> 16) * unit};
-      } else {
-        const float* p = result.linear.data() + 4 * i;
-        t = {p[0], p[1], p[2], p[3]};
-      }
-      t.a = visible_share(t.a, alpha);
-      return t;
-    };
-    const auto read_level = [&](int x, int y) {
-      return finer.texels[static_cast<std::size_t>(y) * static_cast<std::size_t>(finer.width) +
-                          static_cast<std::size_t>(x)];
-    };
-    Level level = l == 1 ? make_level(image.width, image.height, read_image)
-                         : make_level(finer.width, finer.height, read_level);
+  const auto read_level = [&](int x, int y) {
+    return finer.texels[static_cast<std::size_t>(y) * static_cast<std::size_t>(finer.width) +
+                        static_cast<std::size_t>(x)];
+  };
+  for (std::size_t l = 1; l < result.first_texel.size(); l += 2) {
     const auto first = static_cast<std::size_t>(result.first_texel[l]);
-    oneapi::tbb::parallel_for(std::size_t{0}, level.texels.size(), [&](std::size_t i) {
-      const Texel t = level.texels[i];
-      if (eight_bit) {
-        result.linear16[2 * (first + i)] =
-            static_cast<std::int32_t>(round16(t.r) | round16(t.g) << 16);
-        result.linear16[2 * (first + i) + 1] =
-            static_cast<std::int32_t>(round16(t.b) | round16(t.a) << 16);
-      } else {
-        float* p = result.linear.data() + 4 * (first + i);
-        p[0] = t.r, p[1] = t.g, p[2] = t.b, p[3] = t.a;
-      }
-    });
+    const int finer_width = l == 1 ? image.width : finer.width;
+    const auto keep_row = [&](int row, const Texel* row_texels) {
+      const auto count = static_cast<std::size_t>(half(finer_width));
+      for (std::size_t i = 0; i < count; ++i)
+        keep(first + static_cast<std::size_t>(row) * count + i, row_texels[i]);
+    };
+    Level level = l == 1 ? make_two_levels(image.width, image.height, read_image, keep_row)
+                         : make_two_levels(finer.width, finer.height, read_level, keep_row);
+    if (l + 1 < result.first_texel.size()) {
+      const auto second = static_cast<std::size_t>(result.first_texel[l + 1]);
+      parallel_for(std::size_t{0}, level.texels.size(),
+                   [&](std::size_t i) { keep(second + i, level.texels[i]); });
+    }
     finer = std::move(level);
   }
   return result;
@@ -178,7 +220,11 @@ TextureView view_levels(const Image& image, const TextureLevels& levels) {
   view.height = image.height;
   view.last_level = static_cast<std::int32_t>(levels.first_texel.size()) - 1;
   view.first_texel = levels.first_texel.data();
-  if (!levels.linear16.empty())
+  if (!levels.value_of_code.empty()) {
+    view.codes = image.rgba_srgb8.data();
+    view.value_of_code = levels.value_of_code.data();
+  }
+  if (!image.rgba_srgb8.empty())
     view.linear16 = levels.linear16.data();
   else
     view.linear = levels.linear.empty() ? image.rgba_linear.data() : levels.linear.data();
@@ -188,7 +234,7 @@ TextureView view_levels(const Image& image, const TextureLevels& levels) {
 std::vector<float> texel_density(const Mesh& mesh, const std::vector<Vec2>& uvs, bool of_vertices,
                                  const TextureView& texture) {
   std::vector<float> density(mesh.triangles.size());
-  oneapi::tbb::parallel_for(std::size_t{0}, density.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, density.size(), [&](std::size_t i) {
     const auto corner = [&](std::size_t k) {
       return to_double(mesh.positions[mesh.triangles[i][k]]);
     };

@@ -18,16 +18,23 @@ struct AlphaUse {
   auto operator<=>(const AlphaUse&) const = default;
 };
 
-// Exactly one of the two arrays is filled, laid out as TextureView says; 8-bit images become 16-bit
-// linear light.
+// Images of more texels altogether are large: there memory counts for more than the last of speed.
+inline constexpr std::size_t most_fast_texels = std::size_t(1) << 24;
+
+// Laid out as TextureView says; 8-bit images become 16-bit linear light. What the image itself has
+// as it is needed stays there.
 struct TextureLevels {
   std::vector<std::int32_t> linear16;
   std::vector<float> linear;
-  std::vector<std::int32_t> first_texel;  // [level]
+  std::vector<std::int32_t> value_of_code;  // [256], where level 0 stays 8-bit
+  std::vector<std::int32_t> first_texel;    // [level]
 };
 
-// The image alone, where `levels` is false; float images are then left where they are.
-TextureLevels make_texture_levels(const Image& image, ColorRule rule, AlphaUse alpha, bool levels);
+// The image alone, where `levels` is false; float images are then left where they are, and 8-bit
+// images where they are `large`, whose level 0 stays 8-bit in any case: half the memory, and the
+// same light.
+TextureLevels make_texture_levels(const Image& image, ColorRule rule, AlphaUse alpha, bool levels,
+                                  bool large = false);
 
 // `levels` and the image stay where they are.
 TextureView view_levels(const Image& image, const TextureLevels& levels);

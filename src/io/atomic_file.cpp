@@ -6,10 +6,11 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <random>
 #include <system_error>
 
+#include "io/whole_files.h"
 #include "omma/error.h"
+#include "threads/parallel.h"
 
 namespace omma {
 namespace {
@@ -42,42 +43,16 @@ std::string read_file(const std::string& path, const WorkPart& work) {
     const auto count = static_cast<std::streamsize>(std::min(piece, size - at));
     file.read(bytes.data() + at, count);
     if (file.gcount() != count) throw Error(path + ": cannot be read to its end: " + reason());
+    check_cancelled();
     work.reach(static_cast<double>(at) / static_cast<double>(size));
   }
   return bytes;
 }
 
 void write_file_atomically(const std::string& path, std::span<const char> bytes) {
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (fs::is_directory(status)) throw Error(path + ": is a directory, expected a file to write");
-  // Renaming over a device or a pipe would replace it by a file.
-  if (fs::exists(status) && !fs::is_regular_file(status))
-    throw Error(path + ": exists and is not a regular file");
-  // Through a symbolic link the file it points to is replaced, not the link.
-  const fs::path target = fs::is_symlink(fs::symlink_status(path, error)) && fs::exists(status)
-                              ? fs::canonical(path, error)
-                              : fs::path(path);
-  if (target.filename().empty()) throw Error("\"" + path + "\": is not the name of a file");
-
-  const std::string temporary =
-      target.string() + "." + std::to_string(std::random_device{}()) + ".tmp";
-  errno = 0;
-  std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
-  if (!file) throw Error(path + ": cannot be written: " + reason());
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (!file) {
-    const std::string why = reason();
-    fs::remove(temporary, error);
-    throw Error(path + ": cannot be written: " + why);
-  }
-  fs::rename(temporary, target, error);
-  if (error) {
-    const std::string why = error.message();
-    fs::remove(temporary, error);
-    throw Error(path + ": cannot be written: " + why);
-  }
+  WholeFiles files;
+  files.write(files.open(path), bytes);
+  files.finish();
 }
 
 }  // namespace omma

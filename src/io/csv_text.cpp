@@ -3,9 +3,9 @@
 
 #include <array>
 #include <charconv>
-#include <cstdint>
 #include <system_error>
 
+#include "model/text.h"
 #include "omma/error.h"
 
 namespace omma {
@@ -23,21 +23,6 @@ std::string_view trimmed(std::string_view text) {
 
 [[noreturn]] void fail(const std::string& name, std::size_t line, const std::string& what) {
   throw Error(name + ", line " + std::to_string(line) + ": " + what);
-}
-
-// Bytes of the UTF-8 character that begins `text` (RFC 3629), 0 where none does.
-std::size_t utf8_length(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  if (byte(0) < 0x80) return 1;
-  const std::size_t length = byte(0) >= 0xF0 ? 4 : byte(0) >= 0xE0 ? 3 : 2;
-  if (byte(0) < 0xC2 || byte(0) > 0xF4 || text.size() < length) return 0;
-  std::uint32_t code = byte(0) & (0x7Fu >> length);
-  for (std::size_t i = 1; i < length; ++i) {
-    if ((byte(i) & 0xC0) != 0x80) return 0;
-    code = code << 6 | (byte(i) & 0x3Fu);
-  }
-  const bool overlong = (length == 3 && code < 0x800) || (length == 4 && code < 0x10000);
-  return overlong || (code >= 0xD800 && code < 0xE000) || code > 0x10FFFF ? 0 : length;
 }
 
 void check_utf8(std::string_view text, const std::string& name) {

@@ -12,6 +12,7 @@
 #include "io/eye_json.h"
 #include "model/unit_axis.h"
 #include "omma/error.h"
+#include "optics/acceptance_hash.h"
 
 namespace omma {
 namespace {
@@ -30,7 +31,9 @@ struct Reader {
   std::unordered_map<std::string, Found> found;             // by name without unit
   std::vector<std::pair<std::string, std::size_t>> extras;  // name and cell, in the file's order
   std::unordered_map<std::string, std::shared_ptr<const SensitivityTable>> tables;
-  std::unordered_map<std::string, std::int32_t> acceptances;  // index by the text of its cells
+  std::unordered_map<std::string, std::size_t> receptor_types;  // by name, the first of a name
+  std::unordered_map<std::string, std::int32_t> acceptances;    // index by the text of its cells
+  std::unordered_map<Acceptance, std::int32_t, AcceptanceHash> same_acceptances;
 
   bool has(const std::string& column) const { return found.contains(column); }
 };
@@ -74,6 +77,7 @@ bool match(const CsvColumnKind& kind, std::string name, const std::string& place
 
 void read_header(Reader& reader) {
   const CsvRecord& header = reader.csv.records.front();
+  std::unordered_map<std::string, std::size_t> extras;  // cell by name
   for (std::size_t c = 0; c < header.cells.size(); ++c) {
     const std::string& name = header.cells[c].text;
     const std::string place =
@@ -86,10 +90,10 @@ void read_header(Reader& reader) {
     if (known.empty()) {
       const bool prefixed = name.starts_with(csv_extra_prefix) && name != csv_extra_prefix;
       const std::string extra = prefixed ? name.substr(csv_extra_prefix.size()) : name;
-      for (const auto& [other, cell] : reader.extras)
-        if (other == extra)
-          throw Error(place + ": " + shown_text(extra) + " is there twice, in column " +
-                      std::to_string(cell + 1) + " too");
+      const auto [before, is_new] = extras.try_emplace(extra, c);
+      if (!is_new)
+        throw Error(place + ": " + shown_text(extra) + " is there twice, in column " +
+                    std::to_string(before->second + 1) + " too");
       reader.extras.emplace_back(extra, c);
       continue;
     }
@@ -250,9 +254,9 @@ void add_kernel(Reader& reader, const CsvRecord& record, Eye& eye) {
   const auto [known, is_new] = reader.acceptances.try_emplace(key, 0);
   if (is_new) {
     const Acceptance acceptance = kernel(reader, record, eye);
-    const auto same = std::find(eye.acceptances.begin(), eye.acceptances.end(), acceptance);
-    known->second = static_cast<std::int32_t>(same - eye.acceptances.begin());
-    if (same == eye.acceptances.end()) eye.acceptances.push_back(acceptance);
+    const auto next = static_cast<std::int32_t>(eye.acceptances.size());
+    known->second = reader.same_acceptances.try_emplace(acceptance, next).first->second;
+    if (known->second == next) eye.acceptances.push_back(acceptance);
   }
   eye.acceptance_of.push_back(known->second);
 }
@@ -273,8 +277,9 @@ void add_receptors(const Reader& reader, const CsvRecord& record, Eye& eye) {
       good = error == std::errc{} && last == name.data() + name.size() && name.size() > 1 &&
              type < eye.receptor_types.size();
     } else {
-      while (type < eye.receptor_types.size() && eye.receptor_types[type].name != name) ++type;
-      good = type < eye.receptor_types.size();
+      const auto known = reader.receptor_types.find(std::string(name));
+      good = known != reader.receptor_types.end();
+      if (good) type = known->second;
     }
     if (!good)
       fail(reader, record, reader.found.at("receptors").cell,
@@ -310,6 +315,7 @@ void read_comments(Reader& reader, Eye& eye) {
     if (type) {
       eye.receptor_types.push_back(read_receptor_type(object, place));
       validate_receptor_type(eye.receptor_types.back(), place);
+      reader.receptor_types.emplace(eye.receptor_types.back().name, eye.receptor_types.size() - 1);
     } else if (!reader.tables
                     .try_emplace(
                         name, std::make_shared<const SensitivityTable>(read_table(object, place)))

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <unordered_set>
 
 #include "io/csv_text.h"
 #include "io/eye_csv.h"
@@ -192,12 +193,13 @@ void add_kernels(Writer& writer, const Eye& eye, std::string& comments) {
 // Types by name where names tell them apart, else by number: "#0".
 void add_receptors(Writer& writer, const Eye& eye, std::string& comments) {
   std::vector<std::string> names;
+  std::unordered_set<std::string> distinct;
   bool by_name = true;
   for (const ReceptorType& type : eye.receptor_types) {
     comments += "# receptor_type " + receptor_type_json(type).dump() + "\n";
     by_name = by_name && !type.name.empty() && type.name.front() != '#' &&
               type.name.find_first_of("; \t\r\n") == std::string::npos &&
-              std::find(names.begin(), names.end(), type.name) == names.end();
+              distinct.insert(type.name).second;
     names.push_back(type.name);
   }
   if (eye.receptor_type.empty()) return;

@@ -12,6 +12,7 @@
 
 #include "io/atomic_file.h"
 #include "io/gltf_schema.h"
+#include "model/text.h"
 #include "omma/error.h"
 
 namespace omma {
@@ -169,38 +170,21 @@ std::optional<std::string> base64_decoded(std::string_view text, const WorkPart&
       table[static_cast<unsigned char>(digits[i])] = static_cast<std::int8_t>(i);
     return table;
   }();
-  for (int padding = 0; padding < 2 && !text.empty() && text.back() == '='; ++padding)
-    text.remove_suffix(1);
+  for (int padding = 0; padding < 2 && text.ends_with('='); ++padding) text.remove_suffix(1);
   if (text.size() % 4 == 1) return std::nullopt;
 
   std::string bytes(text.size() * 3 / 4, '\0');
-  char* out = bytes.data();
-  constexpr std::size_t piece = 1 << 20;  // a multiple of 4
-  int all = 0;                            // negative once any character is no digit
-  for (std::size_t begin = 0; begin < text.size(); begin += piece) {
-    work.reach(static_cast<double>(begin) / static_cast<double>(text.size()));
-    const std::size_t end = std::min(text.size(), begin + piece);
+  int all = 0;  // negative once any character is no digit
+  for (std::size_t i = 0, out = 0; i < text.size(); i += 4) {
+    if (i % (1 << 20) == 0) work.reach(static_cast<double>(i) / static_cast<double>(text.size()));
     std::uint32_t bits = 0;
-    std::size_t i = begin;
-    for (; i + 4 <= end; i += 4) {
-      bits = 0;
-      for (std::size_t k = 0; k < 4; ++k) {
-        const int value = values[static_cast<unsigned char>(text[i + k])];
-        all |= value;
-        bits = bits << 6 | static_cast<std::uint32_t>(value);
-      }
-      for (int shift = 16; shift >= 0; shift -= 8) *out++ = static_cast<char>(bits >> shift & 0xFF);
-    }
-    if (i == end) continue;
-    const std::size_t left = end - i;  // 2 or 3 digits, of 1 or 2 bytes
-    bits = 0;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const int value = k < left ? values[static_cast<unsigned char>(text[i + k])] : 0;
+    for (std::size_t k = i; k < i + 4; ++k) {
+      const int value = k < text.size() ? values[static_cast<unsigned char>(text[k])] : 0;
       all |= value;
       bits = bits << 6 | static_cast<std::uint32_t>(value);
     }
-    for (std::size_t k = 0; k + 1 < left; ++k)
-      *out++ = static_cast<char>(bits >> (16 - 8 * k) & 0xFF);
+    const std::size_t end = std::min(out + 3, bytes.size());
+    for (int shift = 16; out < end; shift -= 8) bytes[out++] = static_cast<char>(bits >> shift);
   }
   if (all < 0) return std::nullopt;
   return bytes;
@@ -219,35 +203,9 @@ std::string read_data_uri(std::string_view uri, const std::string& place, const 
   return *std::move(bytes);
 }
 
-// The bytes of a buffer, cut to its byteLength.
-std::span<const std::uint8_t> buffer_bytes(const GltfContainer& gltf, std::size_t buffer) {
-  const json& description = gltf.document["buffers"][buffer];
-  const std::string_view bytes =
-      gltf.buffer_is_binary_chunk[buffer]
-          ? std::string_view(gltf.file).substr(gltf.binary_begin, gltf.binary_size)
-          : std::string_view(gltf.buffers[buffer]);
-  const std::uint64_t length = description["byteLength"].get<std::uint64_t>();
-  if (bytes.size() < length)
-    throw Error(gltf.path + ": buffer " + std::to_string(buffer) + ": claims " +
-                std::to_string(length) + " bytes, there are " + std::to_string(bytes.size()));
-  return {reinterpret_cast<const std::uint8_t*>(bytes.data()), length};
-}
-
-void check_version(const GltfContainer& gltf) {
-  const json& asset = gltf.document.at("asset");
-  const std::string version = asset.at("version").get<std::string>();
-  if (!version.starts_with("2."))
-    throw Error(gltf.path + ": asset.version: expected glTF 2.0, found \"" + version + "\"");
-  if (asset.contains("minVersion") && asset["minVersion"].get<std::string>() != "2.0")
-    throw Error(gltf.path + ": asset.minVersion: expected at most \"2.0\", found \"" +
-                asset["minVersion"].get<std::string>() + "\"");
-}
-
-}  // namespace
-
-std::string read_uri(const std::string& scene_path, const std::string& uri,
-                     const std::string& place, const WorkPart& work) {
-  if (uri.starts_with("data:")) return read_data_uri(uri, place, work);
+// Where a URI that is no data URI leads: a file in the scene's folder or below, links resolved.
+std::string uri_file(const std::string& scene_path, const std::string& uri,
+                     const std::string& place) {
   const std::string name = percent_decoded(uri);
   const std::string refused = place + ": URI \"" + uri + "\" ";
   if (name.empty()) throw Error(refused + "is empty");
@@ -268,27 +226,113 @@ std::string read_uri(const std::string& scene_path, const std::string& uri,
   const auto [folder_end, ignored] =
       std::mismatch(folder.begin(), folder.end(), target.begin(), target.end());
   if (folder_end != folder.end()) throw Error(refused + "leads out of the scene's folder");
-  const std::string path = target.string();
+  return target.string();
+}
+
+std::string read_uri_file(const std::string& path, const std::string& uri, const std::string& place,
+                          const WorkPart& work) {
   try {
     return read_file(path, work);
   } catch (const Error& problem) {
-    // Without the decoded path, which need not be text.
-    throw Error(refused + "cannot be read" + std::string(problem.what()).substr(path.size()));
+    // Without the decoded path, which begins the text of the problem.
+    throw Error(place + ": URI \"" + uri + "\" cannot be read" +
+                std::string(problem.what()).substr(readable_text(path).size()));
   }
 }
 
-std::span<const std::uint8_t> buffer_view_bytes(const GltfContainer& gltf, int view,
+// All bytes of a buffer. Buffers that name one file share what was read of it.
+std::string_view read_buffer(GltfContainer& gltf, json& description, std::size_t index,
+                             const std::string& place) {
+  if (!description.contains("uri"))
+    return index == 0 ? std::string_view(gltf.file).substr(gltf.binary_begin, gltf.binary_size)
+                      : std::string_view();
+  std::string& uri = description["uri"].get_ref<std::string&>();
+  const bool data = uri.starts_with("data:");
+  const std::string file = data ? "" : uri_file(gltf.path, uri, place);
+  const auto [bytes, is_new] = gltf.read.try_emplace(data ? place : file);
+  if (is_new) {
+    const double each = 1.0 / static_cast<double>(gltf.buffers.size());
+    const double before = each * static_cast<double>(index);
+    const WorkPart work = gltf.reading.part(before, before + each);
+    bytes->second = data ? read_data_uri(uri, place, work) : read_uri_file(file, uri, place, work);
+    gltf.budget.grow(bytes->second.size());
+  }
+  uri = std::string();  // it may be most of the file
+  return bytes->second;
+}
+
+// The bytes of a buffer, cut to its byteLength.
+std::span<const std::uint8_t> buffer_bytes(GltfContainer& gltf, std::size_t index) {
+  json& description = gltf.document["buffers"][index];
+  const std::string place = gltf.path + ": buffer " + std::to_string(index);
+  std::string_view& bytes = gltf.buffers[index];
+  if (bytes.data() == nullptr) bytes = read_buffer(gltf, description, index, place);
+  const auto length = description["byteLength"].get<std::uint64_t>();
+  if (bytes.size() < length)
+    throw Error(place + ": claims " + std::to_string(length) + " bytes, there are " +
+                std::to_string(bytes.size()));
+  return {reinterpret_cast<const std::uint8_t*>(bytes.data()), length};
+}
+
+void check_version(const GltfContainer& gltf) {
+  const json& asset = gltf.document.at("asset");
+  const std::string version = asset.at("version").get<std::string>();
+  if (!version.starts_with("2."))
+    throw Error(gltf.path + ": asset.version: expected glTF 2.0, found \"" + version + "\"");
+  if (asset.contains("minVersion") && asset["minVersion"].get<std::string>() != "2.0")
+    throw Error(gltf.path + ": asset.minVersion: expected at most \"2.0\", found \"" +
+                asset["minVersion"].get<std::string>() + "\"");
+}
+
+}  // namespace
+
+void GltfBudget::grow(std::uint64_t bytes_read) {
+  total += 256 * bytes_read;
+  left += 256 * bytes_read;
+}
+
+void GltfBudget::spend(std::uint64_t count, std::uint64_t bytes_each) {
+  if (count > left / bytes_each)
+    throw Error(path + ": the scene is too large for its file: it asks for " +
+                std::to_string(count) + " elements of " + std::to_string(bytes_each) +
+                " bytes where at most " + std::to_string(total >> 20) +
+                " MiB may come from a file of this size");
+  left -= count * bytes_each;
+}
+
+const json& gltf_list(const json& document, const char* array) {
+  static const json none = json::array();
+  const auto found = document.find(array);
+  return found == document.end() ? none : *found;
+}
+
+const json& gltf_element(const GltfContainer& gltf, const char* array, const char* what, int index,
+                         const std::string& place) {
+  const json& list = gltf_list(gltf.document, array);
+  if (static_cast<std::size_t>(index) >= list.size())
+    throw Error(place + ": refers to " + what + " " + std::to_string(index) + ", there are " +
+                std::to_string(list.size()));
+  return list[static_cast<std::size_t>(index)];
+}
+
+std::string gltf_name(const json& object) {
+  const std::string name = object.value("name", "");
+  return name.empty() ? name : " \"" + name + "\"";
+}
+
+std::string read_uri(const std::string& scene_path, const std::string& uri,
+                     const std::string& place, const WorkPart& work) {
+  if (uri.starts_with("data:")) return read_data_uri(uri, place, work);
+  return read_uri_file(uri_file(scene_path, uri, place), uri, place, work);
+}
+
+std::span<const std::uint8_t> buffer_view_bytes(GltfContainer& gltf, int view,
                                                 const std::string& place) {
-  const auto views = gltf.document.find("bufferViews");
-  if (views == gltf.document.end() || static_cast<std::size_t>(view) >= views->size())
-    throw Error(place + ": refers to buffer view " + std::to_string(view) + ", which is not there");
-  const json& description = (*views)[static_cast<std::size_t>(view)];
-  const auto buffer = description["buffer"].get<std::size_t>();
+  const json& description = gltf_element(gltf, "bufferViews", "buffer view", view, place);
   const std::string inside = place + ": buffer view " + std::to_string(view);
-  if (buffer >= gltf.buffers.size())
-    throw Error(inside + ": refers to buffer " + std::to_string(buffer) + ", there are " +
-                std::to_string(gltf.buffers.size()));
-  const std::span<const std::uint8_t> bytes = buffer_bytes(gltf, buffer);
+  const int buffer = description["buffer"].get<int>();
+  gltf_element(gltf, "buffers", "buffer", buffer, inside);
+  const std::span<const std::uint8_t> bytes = buffer_bytes(gltf, static_cast<std::size_t>(buffer));
   const std::uint64_t offset = description.value("byteOffset", std::uint64_t{0});
   const auto length = description["byteLength"].get<std::uint64_t>();
   if (offset > bytes.size() || length > bytes.size() - offset)
@@ -302,31 +346,15 @@ GltfContainer open_gltf(std::string file, const std::string& path, const WorkPar
   GltfContainer gltf;
   gltf.path = path;
   gltf.file = std::move(file);
-  gltf.file_size = gltf.file.size();
   if (gltf.file.empty()) throw Error(path + ": is empty, expected a glTF file");
+  gltf.budget = {path, std::uint64_t{1} << 28, std::uint64_t{1} << 28};
+  gltf.budget.grow(gltf.file.size());
   const bool binary = gltf.file.starts_with("glTF");
-  gltf.document =
-      parse_json(binary ? open_glb(gltf) : std::string_view(gltf.file), path, work.part(0, 0.5));
+  gltf.document = parse_json(binary ? open_glb(gltf) : std::string_view(gltf.file), path, work);
   if (!binary) gltf.file = std::string();
   check_gltf_schema(gltf.document, path);
   check_version(gltf);
-
-  if (!gltf.document.contains("buffers")) return gltf;
-  json& buffers = gltf.document["buffers"];
-  const WorkPart reading = work.part(0.5, 1);
-  const double each = 1.0 / static_cast<double>(buffers.size());
-  for (json& buffer : buffers) {
-    const std::size_t index = gltf.buffers.size();
-    gltf.buffer_is_binary_chunk.push_back(index == 0 && binary && !buffer.contains("uri"));
-    gltf.buffers.emplace_back();
-    if (!buffer.contains("uri")) continue;
-    const double before = each * static_cast<double>(index);
-    gltf.buffers.back() =
-        read_uri(path, buffer["uri"].get_ref<const std::string&>(),
-                 path + ": buffer " + std::to_string(index), reading.part(before, before + each));
-    buffer.erase("uri");  // it may be most of the file
-    buffer_bytes(gltf, index);
-  }
+  gltf.buffers.resize(gltf_list(gltf.document, "buffers").size());
   return gltf;
 }
 

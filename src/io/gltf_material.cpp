@@ -2,14 +2,15 @@
 // KHR_texture_transform, KHR_materials_emissive_strength and KHR_materials_unlit.
 #include "io/gltf_material.h"
 
-#include <tbb/parallel_for.h>
-
 #include <atomic>
 #include <exception>
 #include <map>
+#include <string_view>
+#include <utility>
 
+#include "io/image.h"
 #include "omma/error.h"
-#include "omma/io.h"
+#include "threads/parallel.h"
 
 namespace omma {
 namespace {
@@ -17,27 +18,20 @@ namespace {
 using nlohmann::json;
 
 struct MaterialReader {
-  const GltfContainer& gltf;
+  GltfContainer& gltf;
   Scene& scene;
   GltfWarnings& warnings;
   std::map<int, int> texture_of;  // scene texture by glTF texture
   std::map<int, int> image_of;    // scene image by glTF image
+  // The first glTF image of those bytes: a buffer view, or a URI.
+  std::map<std::pair<int, std::string_view>, int> source_of;
 };
 
-std::string quoted_name(const json& object) {
-  const std::string name = object.value("name", "");
-  return name.empty() ? name : " \"" + name + "\"";
-}
-
-// The element of a top-level array that an index names.
-const json& element(const GltfContainer& gltf, const char* array, int index,
-                    const std::string& place) {
-  const auto found = gltf.document.find(array);
-  const std::size_t size = found == gltf.document.end() ? 0 : found->size();
-  if (static_cast<std::size_t>(index) >= size)
-    throw Error(place + ": refers to " + array + "[" + std::to_string(index) + "], there are " +
-                std::to_string(size));
-  return (*found)[static_cast<std::size_t>(index)];
+// Which bytes an image is made of.
+std::pair<int, std::string_view> image_bytes(const json& image) {
+  const auto uri = image.find("uri");
+  return {image.value("bufferView", -1),
+          uri == image.end() ? std::string_view() : uri->get_ref<const std::string&>()};
 }
 
 // An extension of an object; an empty object where it is not there.
@@ -80,7 +74,7 @@ Texture read_sampling(const GltfContainer& gltf, const json& texture, const std:
   Texture made;
   if (!texture.contains("sampler")) return made;
   const int sampler_index = texture["sampler"].get<int>();
-  const json& sampler = element(gltf, "samplers", sampler_index, place);
+  const json& sampler = gltf_element(gltf, "samplers", "sampler", sampler_index, place);
   const std::string inside = gltf.path + ": sampler " + std::to_string(sampler_index);
   made.wrap_u = read_wrap(sampler, "wrapS", inside);
   made.wrap_v = read_wrap(sampler, "wrapT", inside);
@@ -92,14 +86,15 @@ Texture read_sampling(const GltfContainer& gltf, const json& texture, const std:
 int read_texture(MaterialReader& reader, int index, const std::string& user) {
   const auto known = reader.texture_of.find(index);
   if (known != reader.texture_of.end()) return known->second;
-  const json& texture = element(reader.gltf, "textures", index, user);
+  const json& texture = gltf_element(reader.gltf, "textures", "texture", index, user);
   const std::string place = reader.gltf.path + ": texture " + std::to_string(index);
   int result = -1;
   if (texture.contains("source")) {
     const int source = texture["source"].get<int>();
-    element(reader.gltf, "images", source, place);
+    const json& image_source = gltf_element(reader.gltf, "images", "image", source, place);
+    const int first = reader.source_of.try_emplace(image_bytes(image_source), source).first->second;
     const auto [image, is_new] =
-        reader.image_of.try_emplace(source, static_cast<int>(reader.image_of.size()));
+        reader.image_of.try_emplace(first, static_cast<int>(reader.image_of.size()));
     Texture made = read_sampling(reader.gltf, texture, place);
     made.image = image->second;
     result = static_cast<int>(reader.scene.textures.size());
@@ -119,6 +114,7 @@ TextureUse read_texture_use(MaterialReader& reader, const json& parent, const ch
   if (info == parent.end()) return use;
   const json& transform = extension(*info, "KHR_texture_transform");
   use.texture = read_texture(reader, (*info)["index"].get<int>(), place + ": " + name);
+  if (use.texture < 0) return use;
   use.texcoord_set = transform.value("texCoord", info->value("texCoord", 0));
   if (use.texcoord_set > 1)
     throw Error(place + ": " + name + ": uses texture coordinate set " +
@@ -169,37 +165,80 @@ Material read_material(MaterialReader& reader, const json& material, const std::
   return result;
 }
 
-Image read_image(const GltfContainer& gltf, int index) {
+// An image as it is in the file, not decoded.
+struct EncodedFile {
+  std::string place;  // for errors
+  std::string name;
+  std::string file;   // the bytes that a URI stands for, or
+  EncodedImage view;  // those in a buffer
+
+  EncodedImage bytes() const {
+    if (view.data() != nullptr) return view;
+    return {reinterpret_cast<const std::uint8_t*>(file.data()), file.size()};
+  }
+};
+
+// Reads buffers, so one at a time.
+EncodedFile read_encoded(GltfContainer& gltf, int index, const WorkPart& work) {
   const json& source = gltf.document["images"][static_cast<std::size_t>(index)];
-  std::string place = gltf.path + ": image " + std::to_string(index) + quoted_name(source);
-  Image image;
+  EncodedFile image;
+  image.name = source.value("name", "");
+  image.place = gltf.path + ": image " + std::to_string(index) + gltf_name(source);
   if (source.contains("bufferView")) {
-    image = decode_image(buffer_view_bytes(gltf, source["bufferView"].get<int>(), place), place);
+    image.view = buffer_view_bytes(gltf, source["bufferView"].get<int>(), image.place);
   } else if (source.contains("uri")) {
     const std::string& uri = source["uri"].get_ref<const std::string&>();
-    const std::string bytes = read_uri(gltf.path, uri, place, {});
-    if (!uri.starts_with("data:")) place += " (" + uri + ")";
-    image =
-        decode_image({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, place);
+    image.file = read_uri(gltf.path, uri, image.place, work);
+    if (!uri.starts_with("data:")) image.place += " (" + uri + ")";
   } else {
-    throw Error(place + ": has neither a URI nor a buffer view");
+    throw Error(image.place + ": has neither a URI nor a buffer view");
   }
-  image.name = source.value("name", "");
   return image;
+}
+
+// What all images claim to have is charged to one budget before any is decoded: a small file can
+// name many that unpack to much.
+void charge_images(const std::vector<EncodedFile>& images) {
+  std::uint64_t encoded = 0, charged = 0;
+  for (const EncodedFile& image : images) encoded += image.bytes().size();
+  const std::uint64_t budget = image_budget(encoded);
+  for (const EncodedFile& image : images) {
+    const ImageClaim claim = image_claim(image.bytes(), image.place);
+    if (claim.memory > budget - charged)
+      throw Error(image.place + ": its " + std::to_string(claim.width) + " x " +
+                  std::to_string(claim.height) + " pixels need " + std::to_string(claim.memory) +
+                  " bytes of memory and those before it " + std::to_string(charged) +
+                  "; for images of " + std::to_string(encoded) + " bytes at most " +
+                  std::to_string(budget) + " are expected");
+    charged += claim.memory;
+  }
 }
 
 // All images at once; of several errors the first image's is thrown, whatever the threads did.
 void read_images(MaterialReader& reader, const WorkPart& work) {
-  reader.scene.images.resize(reader.image_of.size());
   std::vector<int> sources(reader.image_of.size());
   for (const auto& [source, image] : reader.image_of)
     sources[static_cast<std::size_t>(image)] = source;
+  std::vector<EncodedFile> encoded;
+  const double all = static_cast<double>(sources.size());
+  for (const int source : sources) {
+    const double read = static_cast<double>(encoded.size());
+    encoded.push_back(
+        read_encoded(reader.gltf, source, work.part(0.2 * read / all, 0.2 * (read + 1) / all)));
+  }
+  charge_images(encoded);
+  reader.scene.images.resize(sources.size());
   std::vector<std::exception_ptr> errors(sources.size());
   std::atomic<std::size_t> finished{0};
-  tbb::parallel_for(std::size_t{0}, sources.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, sources.size(), [&](std::size_t i) {
     try {
-      work.reach(static_cast<double>(finished) / static_cast<double>(sources.size()));
-      reader.scene.images[i] = read_image(reader.gltf, sources[i]);
+      // Each tells of its own share, which of many is the more exact the more there are.
+      const double before = 0.2 + 0.8 * static_cast<double>(finished) / all;
+      Image& image = reader.scene.images[i];
+      image = decode_claimed_image(encoded[i].bytes(), encoded[i].place,
+                                   work.part(before, before + 0.8 / all));
+      image.name = std::move(encoded[i].name);
+      encoded[i].file = std::string();
       ++finished;
     } catch (...) {
       errors[i] = std::current_exception();
@@ -211,26 +250,26 @@ void read_images(MaterialReader& reader, const WorkPart& work) {
 
 }  // namespace
 
-Image read_gltf_texture(const GltfContainer& gltf, int index, const std::string& place,
+Image read_gltf_texture(GltfContainer& gltf, int index, const std::string& place,
                         Texture& sampling) {
-  const json& texture = element(gltf, "textures", index, place);
+  const json& texture = gltf_element(gltf, "textures", "texture", index, place);
   const std::string inside = gltf.path + ": texture " + std::to_string(index);
   sampling = read_sampling(gltf, texture, inside);
   if (!texture.contains("source")) throw Error(inside + ": has no image, used by " + place);
   const int source = texture["source"].get<int>();
-  element(gltf, "images", source, inside);
-  return read_image(gltf, source);
+  gltf_element(gltf, "images", "image", source, inside);
+  const std::vector<EncodedFile> encoded = {read_encoded(gltf, source, {})};
+  charge_images(encoded);
+  return decode_claimed_image(encoded[0].bytes(), encoded[0].place, {});
 }
 
-void read_materials(const GltfContainer& gltf, Scene& scene, GltfWarnings& warnings,
+void read_materials(GltfContainer& gltf, Scene& scene, GltfWarnings& warnings,
                     const WorkPart& work) {
-  if (!gltf.document.contains("materials")) return;
-  MaterialReader reader{gltf, scene, warnings, {}, {}};
-  for (const json& material : gltf.document["materials"])
-    scene.materials.push_back(read_material(reader, material,
-                                            gltf.path + ": material " +
-                                                std::to_string(scene.materials.size()) +
-                                                quoted_name(material)));
+  MaterialReader reader{gltf, scene, warnings, {}, {}, {}};
+  for (const json& material : gltf_list(gltf.document, "materials"))
+    scene.materials.push_back(read_material(
+        reader, material,
+        gltf.path + ": material " + std::to_string(scene.materials.size()) + gltf_name(material)));
   read_images(reader, work);
 }
 

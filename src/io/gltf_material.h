@@ -9,12 +9,12 @@ namespace omma {
 
 // Fills scene.materials (all of the file, same indices) and the textures and images that their base
 // colour and emission use, decoded. Throws omma::Error that names path, material or image.
-void read_materials(const GltfContainer& gltf, Scene& scene, GltfWarnings& warnings,
+void read_materials(GltfContainer& gltf, Scene& scene, GltfWarnings& warnings,
                     const WorkPart& work);
 
 // The image of a texture, decoded, and how it is sampled. There is a texture of that index; throws
 // omma::Error that names path, texture or image, or `place` where the texture has no image.
-Image read_gltf_texture(const GltfContainer& gltf, int index, const std::string& place,
+Image read_gltf_texture(GltfContainer& gltf, int index, const std::string& place,
                         Texture& sampling);
 
 }  // namespace omma

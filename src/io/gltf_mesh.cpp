@@ -10,49 +10,43 @@
 namespace omma {
 namespace {
 
-const GltfAccessor& accessor_at(const GltfMeshReader& reader, int index, const std::string& place) {
-  if (static_cast<std::size_t>(index) >= reader.accessors.size())
-    throw Error(place + ": refers to accessor " + std::to_string(index) + ", there are " +
-                std::to_string(reader.accessors.size()));
-  const GltfAccessor& accessor = reader.accessors[static_cast<std::size_t>(index)];
-  if (accessor.components == 0)
-    throw Error(place + ": " + accessor.place + " holds matrices, expected scalars or vectors");
-  return accessor;
+using nlohmann::json;
+
+const GltfAccessor& accessor_at(GltfMeshReader& reader, int index, const std::string& place) {
+  const auto known = reader.accessors.find(index);
+  if (known != reader.accessors.end()) return known->second;
+  const json& source = gltf_element(reader.gltf, "accessors", "accessor", index, place);
+  if (source["type"].get_ref<const std::string&>().starts_with("MAT"))
+    throw Error(place + ": accessor " + std::to_string(index) + gltf_name(source) +
+                " holds matrices, expected scalars or vectors");
+  return reader.accessors.emplace(index, read_accessor(reader.gltf, index, place)).first->second;
 }
 
 void note_progress(GltfMeshReader& reader, std::uint64_t elements) {
-  reader.finished = std::min(reader.finished + elements, reader.all);
-  reader.work.reach(static_cast<double>(reader.finished) / static_cast<double>(reader.all));
+  reader.finished = std::min(reader.finished + static_cast<double>(elements), reader.all);
+  reader.work.reach(reader.finished / reader.all);
 }
 
-// An attribute of every vertex: its accessor, checked for shape and numbers; none where it is not
-// there.
-struct Attribute {
-  const GltfAccessor* accessor = nullptr;
-  std::size_t components = 0;
-};
-
-Attribute read_attribute(GltfMeshReader& reader, const GltfPrimitive& primitive,
-                         const std::string& semantic, std::size_t fewest, std::size_t most) {
-  const auto found = primitive.attributes.find(semantic);
-  if (found == primitive.attributes.end()) return {};
-  const std::string place = primitive.place + ", " + semantic;
-  const GltfAccessor& accessor = accessor_at(reader, found->second, place);
+// An attribute of every vertex; null where it is not there.
+const GltfAccessor* attribute(GltfMeshReader& reader, const json& primitive,
+                              const std::string& primitive_place, const std::string& semantic,
+                              std::size_t fewest, std::size_t most) {
+  const json& attributes = primitive["attributes"];
+  const auto found = attributes.find(semantic);
+  if (found == attributes.end()) return nullptr;
+  const std::string place = primitive_place + ", " + semantic;
+  const GltfAccessor& accessor = accessor_at(reader, found->get<int>(), place);
   if (accessor.components < fewest || accessor.components > most)
     throw Error(place + ": " + accessor.place + " has " + std::to_string(accessor.components) +
                 " components, expected " + std::to_string(fewest) +
                 (most > fewest ? " or " + std::to_string(most) : ""));
-  if (reader.has_checked.insert(found->second).second) {
-    reader.budget.spend(accessor.count, accessor.components * sizeof(float));
-    check_floats(accessor);
-  }
-  return {&accessor, accessor.components};
+  return &accessor;
 }
 
-void check_count(const Attribute& attribute, std::uint64_t vertices, const std::string& place,
+void check_count(const GltfAccessor* accessor, std::uint64_t vertices, const std::string& place,
                  const std::string& semantic) {
-  if (attribute.accessor && attribute.accessor->count != vertices)
-    throw Error(place + ": " + semantic + " has " + std::to_string(attribute.accessor->count) +
+  if (accessor && accessor->count != vertices)
+    throw Error(place + ": " + semantic + " has " + std::to_string(accessor->count) +
                 " elements, POSITION has " + std::to_string(vertices));
 }
 
@@ -81,17 +75,18 @@ Triangles assemble(int mode, const std::vector<std::uint32_t>& corners) {
 }
 
 // The corners are those of the indices, or 0, 1, 2 ... where there are none.
-Triangles read_triangles(GltfMeshReader& reader, const GltfPrimitive& primitive,
-                         std::uint64_t vertices) {
-  const GltfAccessor* indices = primitive.indices < 0 ? nullptr
-                                                      : &accessor_at(reader, primitive.indices,
-                                                                     primitive.place + ", indices");
+Triangles read_triangles(GltfMeshReader& reader, const json& primitive, const std::string& place,
+                         int mode, std::uint64_t vertices) {
+  const int index = primitive.value("indices", -1);
+  const GltfAccessor* indices =
+      index < 0 ? nullptr : &accessor_at(reader, index, place + ", indices");
   const std::uint64_t count = indices ? indices->count : vertices;
-  if (count < 3 || (primitive.mode == 4 && count % 3 != 0))
-    reader.warnings.add("corners that make no whole triangle are passed over", primitive.place);
-  const bool list = primitive.mode == 4;
+  const bool list = mode == 4;
+  if (count < 3 || (list && count % 3 != 0))
+    reader.warnings.add("corners that make no whole triangle are passed over", place);
   if (count == 0) return {};
-  reader.budget.spend(count, list ? sizeof(std::uint32_t) : sizeof(std::array<std::uint32_t, 4>));
+  reader.gltf.budget.spend(count,
+                           list ? sizeof(std::uint32_t) : sizeof(std::array<std::uint32_t, 4>));
 
   // A list of triangles is read into its place; corners beyond the last whole one are dropped then.
   std::vector<std::uint32_t> corners(list ? 0 : count);
@@ -102,13 +97,13 @@ Triangles read_triangles(GltfMeshReader& reader, const GltfPrimitive& primitive,
     std::iota(all.begin(), all.end(), 0u);
   } else {
     read_indices(*indices, all);
-    check_corners(all, vertices, primitive.place);
+    check_corners(all, vertices, place);
   }
   note_progress(reader, count);
   if (list)
     triangles.resize(count / 3);
   else
-    triangles = assemble(primitive.mode, corners);
+    triangles = assemble(mode, corners);
   return triangles;
 }
 
@@ -131,27 +126,26 @@ std::vector<std::uint32_t> keep_used(Triangles& triangles, std::uint64_t vertice
 // The attribute of each vertex kept, `fill` where the accessor has fewer components. With room for
 // one more: Embree reads a little beyond the last position.
 template <typename T>
-std::vector<T> gathered(GltfMeshReader& reader, const Attribute& attribute,
+std::vector<T> gathered(GltfMeshReader& reader, const GltfAccessor* accessor,
                         const std::vector<std::uint32_t>& kept, T fill = {}) {
   std::vector<T> result;
-  if (!attribute.accessor) return result;
-  const std::size_t count = kept.empty() ? attribute.accessor->count : kept.size();
-  reader.budget.spend(count, sizeof(T));
+  if (accessor == nullptr) return result;
+  const std::size_t count = kept.empty() ? accessor->count : kept.size();
+  reader.gltf.budget.spend(count, sizeof(T));
   result.reserve(count + 1);
   result.resize(count, fill);
-  read_floats(*attribute.accessor, kept, sizeof(T) / sizeof(float), &result.data()->x);
-  note_progress(reader, attribute.accessor->count);
+  read_floats(*accessor, kept, sizeof(T) / sizeof(float), &result.data()->x);
+  note_progress(reader, accessor->count);
   return result;
 }
 
-void check_colors(const Attribute& colors, const std::string& place) {
-  if (colors.accessor && colors.accessor->component_type != 5126 && !colors.accessor->normalized)
+void check_colors(const GltfAccessor* colors, const std::string& place) {
+  if (colors && colors->component_type != 5126 && !colors->normalized)
     throw Error(place + ": COLOR_0 is of integers that are not normalised");
 }
 
 // A texture coordinate set that the material reads and the primitive lacks counts as (0, 0).
-void warn_of_missing_texcoords(GltfMeshReader& reader, const GltfPrimitive& primitive,
-                               const Mesh& mesh) {
+void warn_of_missing_texcoords(GltfMeshReader& reader, const std::string& place, const Mesh& mesh) {
   if (mesh.material < 0) return;
   const Material& material = reader.materials[static_cast<std::size_t>(mesh.material)];
   for (const TextureUse* use : {&material.base_color_texture, &material.emissive_texture})
@@ -159,57 +153,48 @@ void warn_of_missing_texcoords(GltfMeshReader& reader, const GltfPrimitive& prim
       reader.warnings.add(
           "a mesh has no texture coordinates for its material's texture; (0, 0) is "
           "taken",
-          primitive.place);
+          place);
 }
 
 }  // namespace
 
-void GltfBudget::spend(std::uint64_t count, std::uint64_t bytes_each) {
-  if (count > left / bytes_each)
-    throw Error(path + ": the scene is too large for its file: it asks for " +
-                std::to_string(count) + " elements of " + std::to_string(bytes_each) +
-                " bytes where at most " + std::to_string(total >> 20) +
-                " MiB may come from a file of this size");
-  left -= count * bytes_each;
-}
-
-bool read_primitive(GltfMeshReader& reader, const GltfPrimitive& primitive, Mesh& mesh) {
-  const std::string& place = primitive.place;
-  if (primitive.mode > 6)
-    throw Error(place + ": mode: expected 0 to 6, found " + std::to_string(primitive.mode));
-  if (primitive.mode < 4) {
+bool read_primitive(GltfMeshReader& reader, const json& primitive, const std::string& place,
+                    Mesh& mesh) {
+  const int mode = primitive.value("mode", 4);
+  if (mode > 6) throw Error(place + ": mode: expected 0 to 6, found " + std::to_string(mode));
+  if (mode < 4) {
     reader.warnings.add("points and lines are not shown", place);
     return false;
   }
-  mesh.material = primitive.material;
-  if (mesh.material >= 0 && static_cast<std::size_t>(mesh.material) >= reader.materials.size())
-    throw Error(place + ": refers to material " + std::to_string(mesh.material) + ", there are " +
-                std::to_string(reader.materials.size()));
-  const Attribute positions = read_attribute(reader, primitive, "POSITION", 3, 3);
-  if (!positions.accessor) {
+  if (primitive.contains("targets") && !primitive["targets"].empty())
+    reader.warnings.add("morph targets are ignored: the base shape is shown", place);
+  mesh.material = primitive.value("material", -1);
+  if (mesh.material >= 0) gltf_element(reader.gltf, "materials", "material", mesh.material, place);
+  const GltfAccessor* positions = attribute(reader, primitive, place, "POSITION", 3, 3);
+  if (positions == nullptr) {
     reader.warnings.add("a primitive without positions is not shown", place);
     return false;
   }
-  const std::uint64_t vertices = positions.accessor->count;
+  const std::uint64_t vertices = positions->count;
   if (vertices > std::numeric_limits<std::uint32_t>::max())
     throw Error(place + ": has " + std::to_string(vertices) + " vertices, more than 32 bits count");
 
-  mesh.triangles = read_triangles(reader, primitive, vertices);
+  mesh.triangles = read_triangles(reader, primitive, place, mode, vertices);
   if (mesh.triangles.empty()) return false;
   const std::vector<std::uint32_t> kept = keep_used(mesh.triangles, vertices);
 
   mesh.positions = gathered<Vec3>(reader, positions, kept);
   for (std::size_t set = 0; set < 2; ++set) {
     const std::string semantic = "TEXCOORD_" + std::to_string(set);
-    const Attribute texcoords = read_attribute(reader, primitive, semantic, 2, 2);
+    const GltfAccessor* texcoords = attribute(reader, primitive, place, semantic, 2, 2);
     check_count(texcoords, vertices, place, semantic);
     mesh.texcoords[set] = gathered<Vec2>(reader, texcoords, kept);
   }
-  const Attribute colors = read_attribute(reader, primitive, "COLOR_0", 3, 4);
+  const GltfAccessor* colors = attribute(reader, primitive, place, "COLOR_0", 3, 4);
   check_colors(colors, place);
   check_count(colors, vertices, place, "COLOR_0");
   mesh.colors = gathered<Vec4>(reader, colors, kept, Vec4{1, 1, 1, 1});
-  warn_of_missing_texcoords(reader, primitive, mesh);
+  warn_of_missing_texcoords(reader, place, mesh);
   return true;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "io/gltf_container.h"
 #include "omma/error.h"
 
 namespace omma {
@@ -12,14 +13,14 @@ using nlohmann::json;
 
 std::vector<GltfNode> read_gltf_nodes(const json& document, const std::string& path) {
   std::vector<GltfNode> nodes;
-  const auto described = document.find("nodes");
-  if (described == document.end()) return nodes;
-  for (const json& description : *described) {
+  for (const json& description : gltf_list(document, "nodes")) {
     GltfNode node;
     node.name = description.value("name", "");
-    node.place = path + ": node " + std::to_string(nodes.size()) +
-                 (node.name.empty() ? "" : " \"" + node.name + "\"");
+    node.place = path + ": node " + std::to_string(nodes.size()) + gltf_name(description);
     node.children = description.value("children", std::vector<int>());
+    node.mesh = description.value("mesh", -1);
+    node.camera = description.value("camera", -1);
+    node.skin = description.value("skin", -1);
     node.matrix = description.value("matrix", std::vector<double>());
     node.translation = description.value("translation", std::vector<double>());
     node.rotation = description.value("rotation", std::vector<double>());

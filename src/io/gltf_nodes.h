@@ -13,6 +13,7 @@ struct GltfNode {
   std::string place;  // for errors, such as "scene.gltf: node 3 \"head\""
   std::string name;
   std::vector<int> children;
+  int mesh = -1, camera = -1, skin = -1;                     // -1 for none
   std::vector<double> matrix, translation, rotation, scale;  // as in the file, or empty
 };
 

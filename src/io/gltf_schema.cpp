@@ -1,9 +1,11 @@
 // The glTF 2.0 schema as tables: one row a property.
 #include "io/gltf_schema.h"
 
-#include <cstdint>
-#include <initializer_list>
+#include <algorithm>
+#include <cmath>
 #include <limits>
+#include <string_view>
+#include <vector>
 
 #include "omma/error.h"
 
@@ -12,98 +14,58 @@ namespace {
 
 using nlohmann::json;
 
-enum class Kind {
-  boolean,
-  string,
-  strings,
-  number,
-  numbers,  // of the given length, 0 for any
-  integer,  // of the size of an int, not negative: indices, enumerations
-  integers,
-  byte_size,  // any unsigned 64-bit integer: sizes, offsets, counts
-  integer_map,
-  object,
-  objects,
+bool is_string(const json& value) {
+  return value.is_string();
+}
+bool is_number(const json& value) {
+  return value.is_number();
+}
+bool is_object(const json& value) {
+  return value.is_object();
+}
+bool is_integer(const json& value) {
+  const auto whole = gltf_whole_number(value);
+  return whole && *whole <= static_cast<std::uint64_t>(std::numeric_limits<int>::max());
+}
+template <bool (*test)(const json&)>
+bool is_list(const json& value) {
+  return value.is_array() && std::all_of(value.begin(), value.end(), test);
+}
+template <std::size_t length>
+bool is_numbers(const json& value) {
+  return is_list<is_number>(value) && value.size() == length;
+}
+
+struct Kind {
+  const char* expected;
+  bool (*matches)(const json&);
 };
+constexpr Kind boolean{"true or false", [](const json& v) { return v.is_boolean(); }};
+constexpr Kind string{"a string", is_string};
+constexpr Kind strings{"an array of strings", is_list<is_string>};
+constexpr Kind number{"a number", is_number};
+constexpr Kind two_numbers{"an array of 2 numbers", is_numbers<2>};
+constexpr Kind three_numbers{"an array of 3 numbers", is_numbers<3>};
+constexpr Kind four_numbers{"an array of 4 numbers", is_numbers<4>};
+constexpr Kind sixteen_numbers{"an array of 16 numbers", is_numbers<16>};
+// Indices and enumerations; sizes, offsets and counts.
+constexpr Kind integer{"an integer from 0 to 2147483647", is_integer};
+constexpr Kind integers{"an array of integers from 0 to 2147483647", is_list<is_integer>};
+constexpr Kind byte_size{"an integer that is not negative",
+                         [](const json& v) { return gltf_whole_number(v).has_value(); }};
+constexpr Kind integer_map{"an object of accessor indices", [](const json& v) {
+                             return v.is_object() && std::all_of(v.begin(), v.end(), is_integer);
+                           }};
+constexpr Kind object{"an object", is_object};
+constexpr Kind objects{"an array of objects", is_list<is_object>};
 
 struct Property {
   const char* name;
   Kind kind;
   bool required = false;
-  std::size_t length = 0;
 };
 
 constexpr bool required = true;
-
-bool is_integer(const json& value) {
-  return value.is_number_unsigned() &&
-         value.get<std::uint64_t>() <= static_cast<std::uint64_t>(std::numeric_limits<int>::max());
-}
-
-template <typename Test>
-bool all_of(const json& values, Test test) {
-  for (const json& value : values)
-    if (!test(value)) return false;
-  return true;
-}
-
-bool matches(const json& value, const Property& property) {
-  switch (property.kind) {
-    case Kind::boolean:
-      return value.is_boolean();
-    case Kind::string:
-      return value.is_string();
-    case Kind::strings:
-      return value.is_array() && all_of(value, [](const json& v) { return v.is_string(); });
-    case Kind::number:
-      return value.is_number();
-    case Kind::numbers:
-      return value.is_array() && (property.length == 0 || value.size() == property.length) &&
-             all_of(value, [](const json& v) { return v.is_number(); });
-    case Kind::integer:
-      return is_integer(value);
-    case Kind::integers:
-      return value.is_array() && all_of(value, is_integer);
-    case Kind::byte_size:
-      return value.is_number_unsigned();
-    case Kind::integer_map:
-      return value.is_object() && all_of(value, is_integer);
-    case Kind::object:
-      return value.is_object();
-    case Kind::objects:
-      return value.is_array() && all_of(value, [](const json& v) { return v.is_object(); });
-  }
-  return false;
-}
-
-std::string expected(const Property& property) {
-  switch (property.kind) {
-    case Kind::boolean:
-      return "true or false";
-    case Kind::string:
-      return "a string";
-    case Kind::strings:
-      return "an array of strings";
-    case Kind::number:
-      return "a number";
-    case Kind::numbers:
-      return "an array of " + (property.length ? std::to_string(property.length) + " " : "") +
-             "numbers";
-    case Kind::integer:
-      return "an integer from 0 to 2147483647";
-    case Kind::integers:
-      return "an array of integers from 0 to 2147483647";
-    case Kind::byte_size:
-      return "an integer that is not negative";
-    case Kind::integer_map:
-      return "an object of accessor indices";
-    case Kind::object:
-      return "an object";
-    case Kind::objects:
-      return "an array of objects";
-  }
-  return "";
-}
 
 std::string shortened(const json& value) {
   if (value.is_structured() && value.size() > 16)
@@ -114,201 +76,166 @@ std::string shortened(const json& value) {
   return text.size() <= 60 ? text : text.substr(0, 57) + "...";
 }
 
-void check(const json& object, const std::string& place,
-           std::initializer_list<Property> properties) {
+// Properties of the objects that a path leads to; "[]" stands for every element of a list.
+struct Object {
+  const char* path;
+  std::vector<Property> properties;
+};
+
+// Every list and object is checked before what is in it.
+const std::vector<Object>& schema() {
+  static const std::vector<Property> texture_use = {
+      {"index", integer, required}, {"texCoord", integer}, {"extensions", object}};
+  static const std::vector<Property> texture_extensions = {{"KHR_texture_transform", object}};
+  static const std::vector<Property> texture_transform = {
+      {"offset", two_numbers}, {"scale", two_numbers}, {"rotation", number}, {"texCoord", integer}};
+  static const std::vector<Object> all = {
+      {"",
+       {{"asset", object, required},
+        {"extensionsUsed", strings},
+        {"extensionsRequired", strings},
+        {"scene", integer},
+        {"scenes", objects},
+        {"nodes", objects},
+        {"meshes", objects},
+        {"materials", objects},
+        {"textures", objects},
+        {"samplers", objects},
+        {"images", objects},
+        {"cameras", objects},
+        {"accessors", objects},
+        {"bufferViews", objects},
+        {"buffers", objects},
+        {"animations", objects}}},
+      {"asset", {{"version", string, required}, {"minVersion", string}}},
+      {"scenes[]", {{"name", string}, {"nodes", integers}}},
+      {"nodes[]",
+       {{"name", string},
+        {"children", integers},
+        {"mesh", integer},
+        {"camera", integer},
+        {"skin", integer},
+        {"matrix", sixteen_numbers},
+        {"translation", three_numbers},
+        {"rotation", four_numbers},
+        {"scale", three_numbers}}},
+      {"meshes[]", {{"name", string}, {"primitives", objects, required}}},
+      {"meshes[].primitives[]",
+       {{"attributes", integer_map, required},
+        {"indices", integer},
+        {"material", integer},
+        {"mode", integer},
+        {"targets", objects}}},
+      {"materials[]",
+       {{"name", string},
+        {"pbrMetallicRoughness", object},
+        {"emissiveFactor", three_numbers},
+        {"emissiveTexture", object},
+        {"alphaMode", string},
+        {"alphaCutoff", number},
+        {"doubleSided", boolean},
+        {"extensions", object}}},
+      {"materials[].emissiveTexture", texture_use},
+      {"materials[].emissiveTexture.extensions", texture_extensions},
+      {"materials[].emissiveTexture.extensions.KHR_texture_transform", texture_transform},
+      {"materials[].pbrMetallicRoughness",
+       {{"baseColorFactor", four_numbers}, {"baseColorTexture", object}}},
+      {"materials[].pbrMetallicRoughness.baseColorTexture", texture_use},
+      {"materials[].pbrMetallicRoughness.baseColorTexture.extensions", texture_extensions},
+      {"materials[].pbrMetallicRoughness.baseColorTexture.extensions.KHR_texture_transform",
+       texture_transform},
+      {"materials[].extensions",
+       {{"KHR_materials_unlit", object}, {"KHR_materials_emissive_strength", object}}},
+      {"materials[].extensions.KHR_materials_emissive_strength", {{"emissiveStrength", number}}},
+      {"textures[]", {{"sampler", integer}, {"source", integer}}},
+      {"samplers[]",
+       {{"magFilter", integer}, {"minFilter", integer}, {"wrapS", integer}, {"wrapT", integer}}},
+      {"images[]", {{"name", string}, {"uri", string}, {"bufferView", integer}}},
+      {"cameras[]",
+       {{"name", string},
+        {"type", string, required},
+        {"perspective", object},
+        {"orthographic", object}}},
+      {"cameras[].perspective",
+       {{"yfov", number, required},
+        {"znear", number, required},
+        {"zfar", number},
+        {"aspectRatio", number}}},
+      {"cameras[].orthographic",
+       {{"xmag", number, required},
+        {"ymag", number, required},
+        {"znear", number, required},
+        {"zfar", number, required}}},
+      {"accessors[]",
+       {{"name", string},
+        {"bufferView", integer},
+        {"byteOffset", byte_size},
+        {"componentType", integer, required},
+        {"normalized", boolean},
+        {"count", byte_size, required},
+        {"type", string, required},
+        {"sparse", object}}},
+      {"accessors[].sparse",
+       {{"count", integer, required}, {"indices", object, required}, {"values", object, required}}},
+      {"accessors[].sparse.indices",
+       {{"bufferView", integer, required},
+        {"byteOffset", integer},
+        {"componentType", integer, required}}},
+      {"accessors[].sparse.values", {{"bufferView", integer, required}, {"byteOffset", integer}}},
+      {"bufferViews[]",
+       {{"buffer", integer, required},
+        {"byteOffset", byte_size},
+        {"byteLength", byte_size, required},
+        {"byteStride", integer}}},
+      {"buffers[]", {{"uri", string}, {"byteLength", byte_size, required}}}};
+  return all;
+}
+
+void check_object(const json& value, const std::string& place,
+                  const std::vector<Property>& properties) {
   for (const Property& property : properties) {
-    const auto found = object.find(property.name);
-    if (found == object.end()) {
+    const auto found = value.find(property.name);
+    if (found == value.end()) {
       if (property.required)
-        throw Error(place + property.name + ": is missing, expected " + expected(property));
-    } else if (!matches(*found, property)) {
-      throw Error(place + property.name + ": expected " + expected(property) + ", found " +
+        throw Error(place + property.name + ": is missing, expected " + property.kind.expected);
+    } else if (!property.kind.matches(*found)) {
+      throw Error(place + property.name + ": expected " + property.kind.expected + ", found " +
                   shortened(*found));
     }
   }
 }
 
-// Calls `visit(element, place)` for the elements of an array that is there.
-template <typename Visit>
-void each(const json& parent, const std::string& place, const char* name, Visit visit) {
-  const auto found = parent.find(name);
-  if (found == parent.end()) return;
+// Checks the objects that `path` leads to from `value`.
+void check_path(const json& value, const std::string& place, std::string_view path,
+                const std::vector<Property>& properties) {
+  if (path.empty()) return check_object(value, place, properties);
+  std::string name(path.substr(0, path.find('.')));
+  path.remove_prefix(std::min(name.size() + 1, path.size()));
+  const bool list = name.ends_with("[]");
+  if (list) name.resize(name.size() - 2);
+  const auto found = value.find(name);
+  if (found == value.end()) return;
+  if (!list) return check_path(*found, place + name + ".", path, properties);
   std::size_t index = 0;
   for (const json& element : *found)
-    visit(element, place + name + "[" + std::to_string(index++) + "].");
-}
-
-void check_texture_info(const json& parent, const std::string& place, const char* name) {
-  const auto found = parent.find(name);
-  if (found == parent.end()) return;
-  const std::string inside = place + name + ".";
-  check(*found, inside,
-        {{"index", Kind::integer, required},
-         {"texCoord", Kind::integer},
-         {"extensions", Kind::object}});
-  if (!found->contains("extensions")) return;
-  const json& extensions = (*found)["extensions"];
-  const std::string extension = inside + "extensions.";
-  check(extensions, extension, {{"KHR_texture_transform", Kind::object}});
-  if (extensions.contains("KHR_texture_transform"))
-    check(extensions["KHR_texture_transform"], extension + "KHR_texture_transform.",
-          {{"offset", Kind::numbers, false, 2},
-           {"scale", Kind::numbers, false, 2},
-           {"rotation", Kind::number},
-           {"texCoord", Kind::integer}});
-}
-
-void check_material(const json& material, const std::string& place) {
-  check(material, place,
-        {{"name", Kind::string},
-         {"pbrMetallicRoughness", Kind::object},
-         {"emissiveFactor", Kind::numbers, false, 3},
-         {"emissiveTexture", Kind::object},
-         {"alphaMode", Kind::string},
-         {"alphaCutoff", Kind::number},
-         {"doubleSided", Kind::boolean},
-         {"extensions", Kind::object}});
-  check_texture_info(material, place, "emissiveTexture");
-  if (material.contains("pbrMetallicRoughness")) {
-    const json& pbr = material["pbrMetallicRoughness"];
-    const std::string inside = place + "pbrMetallicRoughness.";
-    check(pbr, inside,
-          {{"baseColorFactor", Kind::numbers, false, 4}, {"baseColorTexture", Kind::object}});
-    check_texture_info(pbr, inside, "baseColorTexture");
-  }
-  if (!material.contains("extensions")) return;
-  const json& extensions = material["extensions"];
-  const std::string inside = place + "extensions.";
-  check(extensions, inside,
-        {{"KHR_materials_unlit", Kind::object}, {"KHR_materials_emissive_strength", Kind::object}});
-  if (extensions.contains("KHR_materials_emissive_strength"))
-    check(extensions["KHR_materials_emissive_strength"],
-          inside + "KHR_materials_emissive_strength.", {{"emissiveStrength", Kind::number}});
-}
-
-void check_accessor(const json& accessor, const std::string& place) {
-  check(accessor, place,
-        {{"name", Kind::string},
-         {"bufferView", Kind::integer},
-         {"byteOffset", Kind::byte_size},
-         {"componentType", Kind::integer, required},
-         {"normalized", Kind::boolean},
-         {"count", Kind::byte_size, required},
-         {"type", Kind::string, required},
-         {"sparse", Kind::object}});
-  if (!accessor.contains("sparse")) return;
-  const json& sparse = accessor["sparse"];
-  const std::string inside = place + "sparse.";
-  check(sparse, inside,
-        {{"count", Kind::integer, required},
-         {"indices", Kind::object, required},
-         {"values", Kind::object, required}});
-  check(sparse["indices"], inside + "indices.",
-        {{"bufferView", Kind::integer, required},
-         {"byteOffset", Kind::integer},
-         {"componentType", Kind::integer, required}});
-  check(sparse["values"], inside + "values.",
-        {{"bufferView", Kind::integer, required}, {"byteOffset", Kind::integer}});
-}
-
-void check_camera(const json& camera, const std::string& place) {
-  check(camera, place,
-        {{"name", Kind::string},
-         {"type", Kind::string, required},
-         {"perspective", Kind::object},
-         {"orthographic", Kind::object}});
-  if (camera.contains("perspective"))
-    check(camera["perspective"], place + "perspective.",
-          {{"yfov", Kind::number, required},
-           {"znear", Kind::number, required},
-           {"zfar", Kind::number},
-           {"aspectRatio", Kind::number}});
-  if (camera.contains("orthographic"))
-    check(camera["orthographic"], place + "orthographic.",
-          {{"xmag", Kind::number, required},
-           {"ymag", Kind::number, required},
-           {"znear", Kind::number, required},
-           {"zfar", Kind::number, required}});
+    check_path(element, place + name + "[" + std::to_string(index++) + "].", path, properties);
 }
 
 }  // namespace
 
-void check_gltf_schema(const json& document, const std::string& path) {
-  const std::string root = path + ": ";
-  if (!document.is_object()) throw Error(path + ": is not a glTF file: its JSON is not an object");
-  check(document, root,
-        {{"asset", Kind::object, required},
-         {"extensionsUsed", Kind::strings},
-         {"extensionsRequired", Kind::strings},
-         {"scene", Kind::integer},
-         {"scenes", Kind::objects},
-         {"nodes", Kind::objects},
-         {"meshes", Kind::objects},
-         {"materials", Kind::objects},
-         {"textures", Kind::objects},
-         {"samplers", Kind::objects},
-         {"images", Kind::objects},
-         {"cameras", Kind::objects},
-         {"accessors", Kind::objects},
-         {"bufferViews", Kind::objects},
-         {"buffers", Kind::objects},
-         {"animations", Kind::objects}});
-  check(document["asset"], root + "asset.",
-        {{"version", Kind::string, required}, {"minVersion", Kind::string}});
+std::optional<std::uint64_t> gltf_whole_number(const json& value) {
+  if (value.is_number_unsigned()) return value.get<std::uint64_t>();
+  if (!value.is_number()) return std::nullopt;
+  const auto whole = value.get<double>();
+  constexpr double most = 1ull << 53;  // beyond which a double may be another whole number
+  if (!(whole >= 0 && whole <= most) || whole != std::floor(whole)) return std::nullopt;
+  return static_cast<std::uint64_t>(whole);
+}
 
-  each(document, root, "scenes", [](const json& scene, const std::string& place) {
-    check(scene, place, {{"name", Kind::string}, {"nodes", Kind::integers}});
-  });
-  each(document, root, "nodes", [](const json& node, const std::string& place) {
-    check(node, place,
-          {{"name", Kind::string},
-           {"children", Kind::integers},
-           {"mesh", Kind::integer},
-           {"camera", Kind::integer},
-           {"skin", Kind::integer},
-           {"matrix", Kind::numbers, false, 16},
-           {"translation", Kind::numbers, false, 3},
-           {"rotation", Kind::numbers, false, 4},
-           {"scale", Kind::numbers, false, 3}});
-  });
-  each(document, root, "meshes", [](const json& mesh, const std::string& place) {
-    check(mesh, place, {{"name", Kind::string}, {"primitives", Kind::objects, required}});
-    each(mesh, place, "primitives", [](const json& primitive, const std::string& inside) {
-      check(primitive, inside,
-            {{"attributes", Kind::integer_map, required},
-             {"indices", Kind::integer},
-             {"material", Kind::integer},
-             {"mode", Kind::integer},
-             {"targets", Kind::objects}});
-    });
-  });
-  each(document, root, "materials", check_material);
-  each(document, root, "textures", [](const json& texture, const std::string& place) {
-    check(texture, place, {{"sampler", Kind::integer}, {"source", Kind::integer}});
-  });
-  each(document, root, "samplers", [](const json& sampler, const std::string& place) {
-    check(sampler, place,
-          {{"magFilter", Kind::integer},
-           {"minFilter", Kind::integer},
-           {"wrapS", Kind::integer},
-           {"wrapT", Kind::integer}});
-  });
-  each(document, root, "images", [](const json& image, const std::string& place) {
-    check(image, place,
-          {{"name", Kind::string}, {"uri", Kind::string}, {"bufferView", Kind::integer}});
-  });
-  each(document, root, "cameras", check_camera);
-  each(document, root, "accessors", check_accessor);
-  each(document, root, "bufferViews", [](const json& view, const std::string& place) {
-    check(view, place,
-          {{"buffer", Kind::integer, required},
-           {"byteOffset", Kind::byte_size},
-           {"byteLength", Kind::byte_size, required},
-           {"byteStride", Kind::integer}});
-  });
-  each(document, root, "buffers", [](const json& buffer, const std::string& place) {
-    check(buffer, place, {{"uri", Kind::string}, {"byteLength", Kind::byte_size, required}});
-  });
+void check_gltf_schema(const json& document, const std::string& path) {
+  if (!document.is_object()) throw Error(path + ": is not a glTF file: its JSON is not an object");
+  for (const Object& checked : schema())
+    check_path(document, path + ": ", checked.path, checked.properties);
 }
 
 }  // namespace omma

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 namespace omma {
@@ -12,15 +13,13 @@ struct GltfWarnings {
     int count = 0;
   };
   std::vector<Entry> entries;
+  std::unordered_map<std::string, std::size_t> entry_of;  // by sentence
 
   // `place` is where the sentence holds, "" for the whole file.
   void add(const std::string& sentence, const std::string& place = "") {
-    for (Entry& entry : entries)
-      if (entry.sentence == sentence) {
-        ++entry.count;
-        return;
-      }
-    entries.push_back({sentence, place, 1});
+    const auto [found, is_new] = entry_of.try_emplace(sentence, entries.size());
+    if (is_new) entries.push_back({sentence, place, 0});
+    ++entries[found->second].count;
   }
 
   std::vector<std::string> sentences() const {

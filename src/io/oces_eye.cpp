@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <unordered_map>
 
 #include "io/csv_text.h"
 #include "io/oces_file.h"
@@ -209,8 +210,8 @@ void add_property_columns(OcesFile& file, const OcesProperties& properties,
                           const std::vector<OcesSite>& sites, Eye& eye) {
   for (const auto& [name, property] : properties) {
     if (is_known(name)) continue;
-    file.budget.spend(sites.size(), property.components * sizeof(double));
-    file.budget.spend(property.components, sizeof(EyeColumn) + name.size() + 8);
+    file.gltf.budget.spend(sites.size(), property.components * sizeof(double));
+    file.gltf.budget.spend(property.components, sizeof(EyeColumn) + name.size() + 8);
     const std::size_t first = eye.columns.size();
     for (std::size_t c = 0; c < property.components; ++c) {
       constexpr std::array<const char*, 4> letters = {"_x", "_y", "_z", "_w"};
@@ -231,6 +232,8 @@ void add_property_columns(OcesFile& file, const OcesProperties& properties,
 
 // Columns of texts, and of numbers that float cannot hold.
 void add_stored_columns(const json& columns, Eye& eye, const std::string& place) {
+  std::unordered_map<std::string, std::size_t> column_of;
+  for (std::size_t c = 0; c < eye.columns.size(); ++c) column_of.emplace(eye.columns[c].name, c);
   for (const auto& [name, values] : columns.items()) {
     const std::string where = place + ": extras.omma.columns." + name;
     if (!values.is_array() || values.size() != eye.size())
@@ -253,12 +256,11 @@ void add_stored_columns(const json& columns, Eye& eye, const std::string& place)
     }
     if (!column.texts.empty() && !column.numbers.empty())
       throw Error(where + ": expected numbers or texts, found both");
-    const auto same = std::find_if(eye.columns.begin(), eye.columns.end(),
-                                   [&](const EyeColumn& c) { return c.name == column.name; });
-    if (same == eye.columns.end())
+    const auto same = column_of.find(name);
+    if (same == column_of.end())
       eye.columns.push_back(std::move(column));
     else
-      *same = std::move(column);
+      eye.columns[same->second] = std::move(column);
   }
 }
 
@@ -296,7 +298,9 @@ Eye read_oces_eye(OcesFile& file, const json& description, const std::string& pl
                                       : type == "SURFACE"
                                           ? oces_surface_sites(file, description, properties, place)
                                           : oces_sphere_sites(description, properties, place);
-  file.budget.spend(sites.size(), 200);
+  file.gltf.budget.spend(sites.size(), 200);
+  file.gltf.budget.spend(file.acceptances.size(), sizeof(Acceptance));
+  file.gltf.budget.spend(file.receptor_types.size(), sizeof(ReceptorType));
   Eye eye;
   eye.path = file.gltf.path;
   eye.acceptances = file.acceptances;

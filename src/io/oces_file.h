@@ -10,7 +10,6 @@
 
 #include "io/gltf_accessor.h"
 #include "io/gltf_container.h"
-#include "io/gltf_mesh.h"
 #include "omma/eye.h"
 #include "omma/scene.h"
 #include "omma/vec.h"
@@ -45,8 +44,8 @@ struct OcesImage {
 
 struct OcesFile {
   GltfContainer gltf;
-  GltfBudget budget;
   std::map<int, OcesImage> images;  // by texture, once read
+  std::map<int, Eye> eyes;          // by number in the list, once read
   // Of Omma's own extras, for all eyes.
   std::vector<Acceptance> acceptances;
   std::vector<ReceptorType> receptor_types;
@@ -96,8 +95,8 @@ void oces_value(const OcesProperty& property, const OcesSite& site, double* out)
 double oces_scalar(const OcesProperty& property, const OcesSite& site);
 
 // The elements of an accessor as numbers, with what it says of itself.
-std::vector<double> read_oces_accessor(OcesFile& file, int index, GltfAccessor& accessor,
-                                       const std::string& place);
+std::vector<double> read_oces_accessor(OcesFile& file, const nlohmann::json& index,
+                                       GltfAccessor& accessor, const std::string& place);
 
 using OcesProperties = std::map<std::string, OcesProperty>;
 

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 #include <set>
+#include <unordered_map>
 
 #include "io/csv_text.h"
 #include "io/eye_json.h"
@@ -54,11 +55,6 @@ const json* extension_of(const json& object, const std::string& place) {
 OcesFile open(GltfContainer gltf, const std::string& path) {
   OcesFile file;
   file.gltf = std::move(gltf);
-  std::uint64_t size = file.gltf.file_size;
-  for (const std::string& buffer : file.gltf.buffers) size += buffer.size();
-  // Ample for properties and pictures; too little for a file made to exhaust the memory.
-  const std::uint64_t budget = (std::uint64_t{1} << 28) + 256 * size;
-  file.budget = {path, budget, budget};
   const json& extension = file.extension();
   const std::string version = oces_text(extension, "version", path + ": OCES_eyes");
   if (!version.starts_with("0."))
@@ -239,10 +235,13 @@ void place_eye(OcesFile& file, const Tree& tree, std::size_t node, const Mat4& h
   std::vector<json> planes = oces.mirror_planes;
   if (const json* own = oces_member(description, "mirrorPlanes")) {
     if (!own->is_array()) throw Error(place + ": mirrorPlanes: expected an array");
+    std::set<json> there(planes.begin(), planes.end());
     for (const json& plane : *own)
-      if (std::find(planes.begin(), planes.end(), plane) == planes.end()) planes.push_back(plane);
+      if (there.insert(plane).second) planes.push_back(plane);
   }
-  Eye eye = read_oces_eye(file, description, place);
+  const auto [read, is_new] = file.eyes.try_emplace(oces.eye_index.get<int>());
+  if (is_new) read->second = read_oces_eye(file, description, place);
+  Eye eye = read->second;
   const json& own = oces_extras(description);
   const bool named = !name.empty() && !own.contains("unnamed");
   const auto set_name = [&](const std::string& text) {
@@ -258,7 +257,7 @@ void place_eye(OcesFile& file, const Tree& tree, std::size_t node, const Mat4& h
   // Half a turn about Y: OCES's +Z ahead to our -Z.
   Mat4 ours_from_oces;
   ours_from_oces.m[0][0] = ours_from_oces.m[2][2] = -1;
-  file.budget.spend(planes.size() + 1, eye.size() * (200 + 8 * eye.columns.size()));
+  file.gltf.budget.spend(planes.size() + 1, eye.size() * (200 + 8 * eye.columns.size()));
   set_name(name);
   placed.push_back({eye, ours_from_oces * head_from_node});
   extras.push_back(own);
@@ -300,16 +299,15 @@ Eye restore_order(const OcesFile& file, Eye eye, const std::vector<json>& extras
   }
   const json* order = oces_member(oces_extras(file.extension()), "columns");
   if (order == nullptr || !order->is_array()) return eye;
-  auto next = eye.columns.begin();
-  for (const json& name : *order) {
-    if (!name.is_string()) continue;
-    const auto found = std::find_if(next, eye.columns.end(), [&](const EyeColumn& column) {
-      return column.name == name.get_ref<const std::string&>();
-    });
-    if (found == eye.columns.end()) continue;
-    std::rotate(next, found, found + 1);
-    ++next;
-  }
+  std::unordered_map<std::string, std::size_t> rank;
+  for (const json& name : *order)
+    if (name.is_string()) rank.try_emplace(name.get<std::string>(), rank.size());
+  const auto rank_of = [&](const EyeColumn& column) {
+    const auto found = rank.find(column.name);
+    return found == rank.end() ? rank.size() : found->second;  // the others follow as they are
+  };
+  std::stable_sort(eye.columns.begin(), eye.columns.end(),
+                   [&](const EyeColumn& a, const EyeColumn& b) { return rank_of(a) < rank_of(b); });
   return eye;
 }
 
@@ -349,6 +347,14 @@ Eye parse_oces(std::string bytes, const std::string& path, const std::string& wa
     visit_children(visit.node, head_from_node);
   }
   if (placed.empty()) throw Error(head.place + ": this head has no eye that is enabled");
+  // Put together every eye has the columns of all.
+  std::set<std::string> columns;
+  std::uint64_t ommatidia = 0;
+  for (const PlacedEye& one : placed) {
+    for (const EyeColumn& column : one.eye.columns) columns.insert(column.name);
+    ommatidia += one.eye.size();
+  }
+  file.gltf.budget.spend(columns.size(), ommatidia * sizeof(double));
   Eye eye = merge_eyes(placed);
   eye.path = path;
   return restore_order(file, std::move(eye), extras);

@@ -7,8 +7,10 @@
 #include <limits>
 
 #include "io/csv_text.h"
+#include "io/gltf_schema.h"
 #include "io/oces_file.h"
 #include "omma/error.h"
+#include "threads/parallel.h"
 
 namespace omma {
 
@@ -16,7 +18,7 @@ using nlohmann::json;
 
 namespace {
 
-constexpr std::int64_t most_ommatidia = 200000;
+constexpr std::uint64_t most_ommatidia = 200000;
 
 struct Triangle {
   std::array<OcesSite, 3> corner;
@@ -24,11 +26,12 @@ struct Triangle {
 
 std::size_t ommatidial_count(const json& eye, const std::string& place) {
   const json* value = oces_member(eye, "ommatidialCount");
-  if (value == nullptr || !value->is_number_integer() || *value < 1 || *value > most_ommatidia)
+  const std::uint64_t count = value == nullptr ? 0 : gltf_whole_number(*value).value_or(0);
+  if (count < 1 || count > most_ommatidia)
     throw Error(place + ": ommatidialCount: expected a whole number from 1 to " +
                 std::to_string(most_ommatidia) + ", found " +
                 (value == nullptr ? "none" : shown_text(value->dump(-1, ' ', true))));
-  return value->get<std::size_t>();
+  return count;
 }
 
 // A point in a triangle by its barycentric weights.
@@ -92,6 +95,7 @@ Pieces cut(const std::vector<Triangle>& triangles, const OcesProperty& diameter)
   const std::size_t each = pieces.rows * pieces.rows;
   double sum = 0;
   for (std::size_t piece = 0; piece < triangles.size() * each; ++piece) {
+    check_cancelled();
     const double d = diameter_at(diameter, pieces.point(piece, 1.0 / 3, 1.0 / 3));
     sum += area(triangles[piece / each]) / static_cast<double>(each) / (d * d);
     pieces.up_to.push_back(sum);
@@ -128,6 +132,7 @@ std::vector<OcesSite> spread(const std::vector<OcesSite>& candidates,
   std::vector<double> distance(candidates.size(), std::numeric_limits<double>::infinity());
   std::vector<std::size_t> taken;
   while (taken.size() < count) {
+    check_cancelled();
     const Group& best =
         *std::max_element(groups.begin(), groups.end(),
                           [](const Group& a, const Group& b) { return a.furthest < b.furthest; });
@@ -167,6 +172,7 @@ std::vector<OcesSite> place(const std::vector<Triangle>& triangles, const OcesPr
   std::vector<OcesSite> candidates;
   std::vector<double> diameter_m;
   for (std::size_t k = 0; k < candidate_count; ++k) {
+    check_cancelled();
     const auto index = static_cast<double>(k);
     const double at = (index + 0.5) / static_cast<double>(candidate_count) * room;
     const auto found = std::lower_bound(pieces.up_to.begin(), pieces.up_to.end() - 1, at);
@@ -192,12 +198,9 @@ Attribute read_attribute(OcesFile& file, const json& surface, const char* name,
   const std::string where = place + ": surface." + name;
   const json* index = oces_member(surface, name);
   if (index == nullptr) throw Error(where + ": is missing, expected an accessor");
-  const auto accessors = file.gltf.document.find("accessors");
-  const std::size_t there = accessors == file.gltf.document.end() ? 0 : accessors->size();
   GltfAccessor accessor;
   Attribute attribute;
-  attribute.values =
-      read_oces_accessor(file, oces_index(*index, there, "accessors", where), accessor, where);
+  attribute.values = read_oces_accessor(file, *index, accessor, where);
   attribute.count = accessor.count;
   if (accessor.components != components || accessor.matrix)
     throw Error(where + ": expected " + std::to_string(components) + " numbers for each, found " +
@@ -283,7 +286,7 @@ std::vector<OcesSite> oces_surface_sites(OcesFile& file, const json& eye,
         throw Error(property.place + ": a texture needs surface.TEXTURE_COORD, which is missing");
   }
 
-  file.budget.spend(corners.size() / 3, sizeof(Triangle) + sizeof(double));
+  file.gltf.budget.spend(corners.size() / 3, sizeof(Triangle) + sizeof(double));
   std::vector<Triangle> triangles(corners.size() / 3);
   for (std::size_t t = 0; t < corners.size(); ++t) {
     OcesSite& corner = triangles[t / 3].corner[t % 3];

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 
 #include "omma/vec.h"
 #if defined(__AVX2__) && !defined(__CUDACC__)
@@ -59,6 +60,13 @@ OMMA_HD T gather(const T* base, std::int32_t index) {
 template <typename T>
 OMMA_HD Pair<T> gather_pair(const T* base, std::int32_t index) {
   return {base[2 * index], base[2 * index + 1]};
+}
+// Four bytes from 4 * index on, the first lowest.
+OMMA_HD std::int32_t gather_bytes(const std::uint8_t* base, std::int32_t index) {
+  const std::uint8_t* at = base + 4 * static_cast<std::ptrdiff_t>(index);
+  std::int32_t bytes;
+  memcpy(&bytes, at, sizeof bytes);
+  return bytes;
 }
 OMMA_HD float sqrt_lanes(float x) {
   return sqrtf(x);
@@ -146,6 +154,16 @@ OMMA_HD bool any_lane(Ints mask) {
   return lane_bits(mask) != 0;
 }
 
+// Of the elements of a and those of b behind them: the ones at even places, and at odd ones.
+template <int... k>
+OMMA_HD Pair<Ints> every_second(Ints a, Ints b, std::integer_sequence<int, k...>) {
+#if defined(__clang__) || __GNUC__ >= 12
+  return {__builtin_shufflevector(a, b, (2 * k)...), __builtin_shufflevector(a, b, (2 * k + 1)...)};
+#else  // GCC 11 knows the same under another name
+  return {__builtin_shuffle(a, b, Ints{(2 * k)...}), __builtin_shuffle(a, b, Ints{(2 * k + 1)...})};
+#endif
+}
+
 #if defined(__AVX512F__)
 // Masked with all lanes on: GCC 12 warns of an uninitialised register in the plain ones (bug
 // 105593).
@@ -162,8 +180,7 @@ OMMA_HD Pair<Ints> gather_pairs_of_bits(const void* base, Ints i) {
   const __m256i high = _mm512_maskz_extracti64x4_epi64(0xf, (__m512i)i, 1);
   const Ints a = (Ints)_mm512_mask_i32gather_epi64(zero, 0xff, low, base, 8);
   const Ints b = (Ints)_mm512_mask_i32gather_epi64(zero, 0xff, high, base, 8);
-  return {__builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30),
-          __builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31)};
+  return every_second(a, b, std::make_integer_sequence<int, lane_width>{});
 }
 #elif defined(__AVX2__)
 OMMA_HD Floats gather(const float* base, Ints i) {
@@ -178,8 +195,7 @@ OMMA_HD Pair<Ints> gather_pairs_of_bits(const void* base, Ints i) {
   const __m256i index = (__m256i)i;
   const Ints a = (Ints)_mm256_i32gather_epi64(pairs, _mm256_castsi256_si128(index), 8);
   const Ints b = (Ints)_mm256_i32gather_epi64(pairs, _mm256_extracti128_si256(index, 1), 8);
-  return {__builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14),
-          __builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15)};
+  return every_second(a, b, std::make_integer_sequence<int, lane_width>{});
 }
 #else
 OMMA_HD Floats gather(const float* base, Ints i) {
@@ -196,9 +212,19 @@ OMMA_HD Pair<Ints> gather_pairs_of_bits(const void* base, Ints i) {
   };
   using Wide = std::int64_t __attribute__((vector_size(16)));
   const Ints a = (Ints)Wide{pair(0), pair(1)}, b = (Ints)Wide{pair(2), pair(3)};
-  return {__builtin_shufflevector(a, b, 0, 2, 4, 6), __builtin_shufflevector(a, b, 1, 3, 5, 7)};
+  return every_second(a, b, std::make_integer_sequence<int, lane_width>{});
 }
 #endif
+OMMA_HD Ints gather_bytes(const std::uint8_t* base, Ints i) {
+#if defined(__AVX512F__)
+  return (Ints)_mm512_mask_i32gather_epi32(_mm512_setzero_si512(), 0xffff, (__m512i)i, base, 4);
+#elif defined(__AVX2__)
+  return (Ints)_mm256_i32gather_epi32(reinterpret_cast<const int*>(base), (__m256i)i, 4);
+#else
+  return Ints{gather_bytes(base, i[0]), gather_bytes(base, i[1]), gather_bytes(base, i[2]),
+              gather_bytes(base, i[3])};
+#endif
+}
 OMMA_HD Pair<Ints> gather_pair(const std::int32_t* base, Ints i) {
   return gather_pairs_of_bits(base, i);
 }

@@ -15,10 +15,19 @@ struct Path {
 // Below this share the rest cannot change a response: less than a float's resolution of 1.
 inline constexpr float least_throughput = 1e-7f;
 
-// Where a ray goes on behind the surface it crossed at t: a step above float's resolution, and
-// above zero for an eye that lies in the surface, or it would meet the same one for ever.
+// Surfaces this near to each other, as a share of their distance, may come in any order: hits are
+// computed with an error of about float's resolution, more on slanted and large triangles.
+inline constexpr float same_place = 1e-5f;
+
+// Where a ray that passes a surface at t looks for the next one: a little before it, as others may
+// lie in the same place. A backend leaves out those that the ray has passed.
+OMMA_HD float search_from(float t_m) {
+  return t_m * (1.0f - same_place);
+}
+
+// Behind that place, for a backend that can remember no more surfaces there.
 OMMA_HD float step_behind(float t_m) {
-  return t_m * (1.0f + 1e-6f) + 1e-30f;
+  return t_m * (1.0f + same_place) + 1e-30f;
 }
 
 // Adds a surface; true where the ray goes on behind it.
@@ -35,8 +44,8 @@ OMMA_HD void add_background(Path& path, const Radiance& radiance) {
 }
 
 // Radiance along one ray with a footprint of that width. `trace(t_near_m, hit, t_m)` finds the
-// closest accepted hit at or beyond t_near and the footprint there, false for none. Packet backends
-// run the same steps lane by lane.
+// closest accepted hit at or beyond t_near that it has not found before, and the footprint there;
+// false for none. Packet backends run the same steps lane by lane.
 template <typename Trace>
 OMMA_HD Radiance eval_path(const SceneView& scene, Vec3 direction, float footprint_rad,
                            float t_near_m, Trace trace) {
@@ -50,7 +59,8 @@ OMMA_HD Radiance eval_path(const SceneView& scene, Vec3 direction, float footpri
     }
     const SurfaceLight<float> light = eval_surface(scene, scene.meshes[hit.mesh], point_of(hit));
     if (!add_surface(path, light)) return path.radiance;
-    t_near_m = step_behind(t_m);
+    const float from = search_from(t_m);
+    t_near_m = from > t_near_m ? from : t_near_m;
   }
 }
 

@@ -15,10 +15,13 @@ struct Radiance {
 };
 
 struct TextureView {
-  // Exactly one of the two is set. 16-bit: components 65535 for 1, two to a word, the even ones
-  // low. Levels follow one another, each half as wide and high as the one before, rounded up.
+  // Levels follow one another, each half as wide and high as the one before, rounded up. Floats,
+  // or 16 bits: components 65535 for 1, two to a word, the even ones low; where `codes` is set these
+  // begin with level 1, and level 0 is its 8 bits, that stand for the values of a table.
+  const float* linear = nullptr;           // [level][height][width][4], linear RGBA; else null
   const std::int32_t* linear16 = nullptr;  // [level][height][width][2], linear RG and BA
-  const float* linear = nullptr;           // [level][height][width][4], linear RGBA
+  const std::uint8_t* codes = nullptr;     // [height][width][4], sRGB and alpha, or null
+  const std::int32_t* value_of_code = nullptr;  // [256], 0 to 65535, of colours, or null
   std::int32_t width = 1, height = 1;      // of level 0
   std::int32_t last_level = 0;
   const std::int32_t* first_texel = nullptr;  // [level], where there is more than one

@@ -16,14 +16,36 @@ struct TextureLevel {
   I first_texel, width, height;
 };
 
-// In units of 1/65535 for 16-bit images; eval_level scales.
+// A texel of two words of two components each.
+template <typename F, typename I>
+OMMA_HD Color<F> load_linear16(const std::int32_t* linear16, I texel) {
+  const Pair<I> words = gather_pair(linear16, texel);
+  return {to_float(words.first & 0xffff), to_float((words.first >> 16) & 0xffff),
+          to_float(words.second & 0xffff), to_float((words.second >> 16) & 0xffff)};
+}
+
+// The same of 8 bits.
+template <typename F, typename I>
+OMMA_HD Color<F> load_code(const TextureView& texture, I texel) {
+  const I codes = gather_bytes(texture.codes, texel);
+  const auto value = [&](int shift) {
+    return to_float(gather(texture.value_of_code, (codes >> shift) & 0xff));
+  };
+  return {value(0), value(8), value(16), to_float(((codes >> 24) & 0xff) * 257)};
+}
+
+// In units of 1/65535 where the image is not of floats; eval_level scales.
 template <typename F, typename I>
 OMMA_HD Color<F> load_texel(const TextureView& texture, I texel) {
-  if (texture.linear16 != nullptr) {
-    // A texel is two words of two components each.
-    const Pair<I> words = gather_pair(texture.linear16, texel);
-    return {to_float(words.first & 0xffff), to_float((words.first >> 16) & 0xffff),
-            to_float(words.second & 0xffff), to_float((words.second >> 16) & 0xffff)};
+  if (texture.linear == nullptr) {
+    if (texture.codes == nullptr) return load_linear16<F>(texture.linear16, texel);
+    const I first = texel * 0, behind = texel - texture.width * texture.height;
+    if (!any_lane(behind >= 0)) return load_code<F>(texture, texel);
+    const Color<F> coarse = load_linear16<F>(texture.linear16, behind < 0 ? first : behind);
+    if (!any_lane(behind < 0)) return coarse;
+    const Color<F> fine = load_code<F>(texture, behind < 0 ? texel : first);
+    return {behind < 0 ? fine.r : coarse.r, behind < 0 ? fine.g : coarse.g,
+            behind < 0 ? fine.b : coarse.b, behind < 0 ? fine.a : coarse.a};
   }
   const Pair<F> red_green = gather_pair(texture.linear, texel * 2);
   const Pair<F> blue_alpha = gather_pair(texture.linear, texel * 2 + 1);
@@ -55,7 +77,7 @@ OMMA_HD I wrap_behind(I i, Wrap wrap, Size size) {
 
 template <typename F, typename Level>
 OMMA_HD Color<F> eval_level(const TextureView& texture, const Level& level, F u, F v) {
-  const float unit = texture.linear16 != nullptr ? 1.0f / 65535.0f : 1.0f;
+  const float unit = texture.linear == nullptr ? 1.0f / 65535.0f : 1.0f;
   const F x = wrap_coordinate(u, texture.wrap_u, to_float(level.width));
   const F y = wrap_coordinate(v, texture.wrap_v, to_float(level.height));
   if (texture.filter == Filter::nearest) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "model/camera.h"
+#include "model/pose_check.h"
 #include "omma/error.h"
 
 namespace omma {
@@ -45,12 +46,17 @@ void check_picture_camera(const Camera& camera) {
   const auto refuse = [&](const std::string& why) {
     throw Error("camera \"" + camera.name + "\": " + why);
   };
-  const Mat4& t = camera.world_from_camera;
-  bool finite = true;
-  for (const auto& row : t.m)
-    for (const double value : row) finite = finite && std::isfinite(value);
-  if (!finite || std::fabs(determinant(t)) < 1e-30)
-    refuse("its transform is not finite or has no inverse (a scale of 0?)");
+  const std::string fault = pose_fault(camera.world_from_camera);
+  if (!fault.empty()) refuse("its transform: " + fault);
+  double reach_m = 0;
+  for (int r = 0; r < 3; ++r)
+    reach_m = std::max(reach_m, std::fabs(camera.world_from_camera.m[r][3]));
+  if (camera.type == CameraType::orthographic)
+    reach_m += most_stretch(camera.world_from_camera) *
+               std::max(std::fabs(camera.xmag_m), std::fabs(camera.ymag_m));
+  if (reach_m > most_distance_m)
+    refuse("its rays must start within 1e18 m of the origin, start up to " +
+           std::to_string(reach_m) + " m from it");
   switch (camera.type) {
     case CameraType::perspective:
       if (!(camera.yfov_rad > 0 && camera.yfov_rad < pi))

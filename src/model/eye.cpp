@@ -1,16 +1,17 @@
 // Eyes as values: checking them, what fills a gap, and how closely their axes lie.
 #include "omma/eye.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <string>
+#include <string_view>
+#include <unordered_set>
 
 #include "model/nearest_axis.h"
 #include "model/unit_axis.h"
 #include "omma/error.h"
+#include "threads/parallel.h"
 
 namespace omma {
 namespace {
@@ -90,6 +91,7 @@ void check_receptors(const Eye& eye) {
 }
 
 void check_columns(const Eye& eye) {
+  std::unordered_set<std::string_view> names;
   for (const EyeColumn& column : eye.columns) {
     const std::string place = name_of(eye) + ", column '" + column.name + "'";
     if (column.name.empty()) throw Error(place + ": a column must have a name");
@@ -99,9 +101,7 @@ void check_columns(const Eye& eye) {
     if (size != eye.size())
       throw Error(place + ": must have as many entries as there are ommatidia (" +
                   std::to_string(eye.size()) + "), has " + std::to_string(size));
-    for (const EyeColumn& other : eye.columns)
-      if (&other != &column && other.name == column.name)
-        throw Error(place + ": the name is there twice");
+    if (!names.insert(column.name).second) throw Error(place + ": the name is there twice");
   }
 }
 
@@ -119,10 +119,13 @@ void validate_eye(Eye& eye) {
   check_size(eye, "acceptance_of", eye.acceptance_of.size());
   if (eye.size() == 0) throw Error(name_of(eye) + ": an eye must have at least one ommatidium");
   std::vector<float> mean_width_rad(eye.acceptances.size(), 0.0f);  // where asked for
-  for (std::size_t k = 0; k < eye.acceptances.size(); ++k)
+  for (std::size_t k = 0; k < eye.acceptances.size(); ++k) {
+    check_cancelled();
     validate_acceptance(eye.acceptances[k], name_of(eye) + ", acceptance " + std::to_string(k));
+  }
   constexpr auto full_turn = static_cast<float>(2 * pi);
   for (std::size_t i = 0; i < eye.size(); ++i) {
+    check_cancelled();
     if (!finite(eye.position_m[i])) fail_at(eye, i, "the position must be finite");
     const std::int32_t which = eye.acceptance_of[i];
     if (which < -1 || which >= static_cast<std::int32_t>(eye.acceptances.size()))
@@ -182,7 +185,7 @@ std::vector<float> interommatidial_angle_rad(const Eye& eye) {
     axes.reserve(ommatidia.size());
     for (const std::size_t i : ommatidia) axes.push_back(normalize(to_double(eye.axis[i])));
     const AxisTree tree(axes);
-    tbb::parallel_for(std::size_t{0}, ommatidia.size(), [&](std::size_t k) {
+    parallel_for(std::size_t{0}, ommatidia.size(), [&](std::size_t k) {
       // Seven, as the ommatidium itself is among them unless others share its axis.
       const NearestAxes near = tree.nearest(axes[k], 7);
       double sum = 0;

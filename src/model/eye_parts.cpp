@@ -3,7 +3,9 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "model/unit_axis.h"
 #include "omma/error.h"
@@ -17,8 +19,26 @@ std::string name_of(const Eye& eye) {
   return eye.path.empty() ? "eye" : eye.path;
 }
 
-// The acceptances that a growing eye has already, and where.
-using Known = std::unordered_map<Acceptance, std::int32_t, AcceptanceHash>;
+struct ReceptorTypeHash {
+  std::size_t operator()(const ReceptorType& t) const {
+    std::uint64_t hash = std::hash<std::string>{}(t.name);
+    const auto add = [&](double value) { hash = hash_combine(hash, std::hash<double>{}(value)); };
+    for (const double value :
+         {t.peak_wavelength_nm, t.microvillus_angle_rad, t.polarisation_sensitivity,
+          t.absorption_per_m, t.length_m, t.right_rad, t.up_rad})
+      add(value);
+    for (const double value : t.wavelength_nm) add(value);
+    for (const double value : t.sensitivity) add(value);
+    return t.acceptance ? hash_combine(hash, AcceptanceHash{}(*t.acceptance)) : hash;
+  }
+};
+
+// What a growing eye has already, and where.
+struct Known {
+  std::unordered_map<Acceptance, std::int32_t, AcceptanceHash> acceptances;
+  std::unordered_map<ReceptorType, std::int32_t, ReceptorTypeHash> receptor_types;
+  std::unordered_set<std::string> columns;
+};
 
 // What an angular sensitivity becomes when its eye is seen in a mirror: right and left change.
 Acceptance mirrored(Acceptance acceptance) {
@@ -77,11 +97,12 @@ void move_eye(Eye& eye, const Mat4& t) {
 }
 
 // Columns of both by name; where one eye has none of a name, its ommatidia get NaN or "".
-void append_columns(Eye& to, const Eye& from) {
+void append_columns(Eye& to, Known& known, const Eye& from) {
   const std::size_t before = to.size();
-  for (const EyeColumn& column : from.columns)
-    if (std::none_of(to.columns.begin(), to.columns.end(),
-                     [&](const EyeColumn& known) { return known.name == column.name; })) {
+  std::unordered_map<std::string_view, const EyeColumn*> by_name;
+  for (const EyeColumn& column : from.columns) {
+    by_name.emplace(column.name, &column);
+    if (known.columns.insert(column.name).second) {
       EyeColumn added{column.name, {}, {}};
       if (column.texts.empty())
         added.numbers.assign(before, std::numeric_limits<double>::quiet_NaN());
@@ -89,11 +110,11 @@ void append_columns(Eye& to, const Eye& from) {
         added.texts.assign(before, "");
       to.columns.push_back(std::move(added));
     }
+  }
   for (EyeColumn& column : to.columns) {
-    const auto found =
-        std::find_if(from.columns.begin(), from.columns.end(),
-                     [&](const EyeColumn& other) { return other.name == column.name; });
-    const bool there = found != from.columns.end();
+    const auto named = by_name.find(column.name);
+    const bool there = named != by_name.end();
+    const EyeColumn* found = there ? named->second : nullptr;
     const bool text = column.numbers.empty() && (before > 0 || (there && found->numbers.empty()));
     if (there && text == found->texts.empty())
       throw Error(name_of(from) + ", column '" + column.name + "': expected " +
@@ -116,7 +137,7 @@ void append(std::vector<Value>& to, const std::vector<Value>& from) {
 
 // Both validated, `to` perhaps empty.
 void append_eye(Eye& to, Known& known, const Eye& from, std::int32_t eye_id) {
-  append_columns(to, from);
+  append_columns(to, known, from);
   append(to.position_m, from.position_m);
   append(to.axis, from.axis);
   append(to.acceptance_angle_rad, from.acceptance_angle_rad);
@@ -128,16 +149,17 @@ void append_eye(Eye& to, Known& known, const Eye& from, std::int32_t eye_id) {
   std::vector<std::int32_t> acceptance, type;
   for (const Acceptance& a : from.acceptances) {
     const auto next = static_cast<std::int32_t>(to.acceptances.size());
-    const auto [place, is_new] = known.try_emplace(a, next);
+    const auto [place, is_new] = known.acceptances.try_emplace(a, next);
     if (is_new) to.acceptances.push_back(a);
     acceptance.push_back(place->second);
   }
   for (const std::int32_t which : from.acceptance_of)
     to.acceptance_of.push_back(which < 0 ? -1 : acceptance[static_cast<std::size_t>(which)]);
   for (const ReceptorType& t : from.receptor_types) {
-    const auto same = std::find(to.receptor_types.begin(), to.receptor_types.end(), t);
-    type.push_back(static_cast<std::int32_t>(same - to.receptor_types.begin()));
-    if (same == to.receptor_types.end()) to.receptor_types.push_back(t);
+    const auto next = static_cast<std::int32_t>(to.receptor_types.size());
+    const auto [place, is_new] = known.receptor_types.try_emplace(t, next);
+    if (is_new) to.receptor_types.push_back(t);
+    type.push_back(place->second);
   }
   const auto receptors = static_cast<std::int32_t>(to.receptor_type.size());
   if (to.first_receptor.empty()) to.first_receptor.push_back(0);

@@ -8,11 +8,15 @@
 #include <thread>
 
 #include "omma/error.h"
+#include "threads/parallel.h"
 
 namespace omma {
 
 void WorkState::reach(double finished_share) {
-  share = finished_share;
+  // Threads and readers of several things do not report in order.
+  double before = share;
+  while (finished_share > before && !share.compare_exchange_weak(before, finished_share)) {
+  }
   if (cancelled) throw Cancelled();
 }
 
@@ -24,37 +28,43 @@ void run_watched(const Progress& progress, const std::function<void(WorkState&)>
   }
   std::mutex mutex;
   std::condition_variable ended;
-  bool has_ended = false;
+  bool has_ended = false, cancelled = false;
   std::exception_ptr failure;
-  std::thread worker([&] {
-    try {
-      work(state);
-    } catch (...) {
-      failure = std::current_exception();
+  {
+    // However this is left, the work has ended: by an exception of `progress` too, or because its
+    // thread is made to end there.
+    struct Worker {
+      WorkState& state;
+      std::thread thread;
+      ~Worker() {
+        state.cancelled = true;
+        thread.join();
+      }
+    };
+    bool goes_on = true;
+    const Worker worker{state, std::thread([&] {
+                          try {
+                            const TakingPart part(&state.cancelled);
+                            work(state);
+                          } catch (...) {
+                            failure = std::current_exception();
+                          }
+                          const std::lock_guard lock(mutex);
+                          has_ended = true;
+                          ended.notify_one();
+                        })};
+    std::unique_lock lock(mutex);
+    while (!ended.wait_for(lock, std::chrono::milliseconds(100), [&] { return has_ended; })) {
+      if (!goes_on) continue;
+      lock.unlock();
+      goes_on = progress(state.share);
+      if (!goes_on) state.cancelled = true;
+      lock.lock();
     }
-    const std::lock_guard lock(mutex);
-    has_ended = true;
-    ended.notify_one();
-  });
-
-  std::exception_ptr refusal;  // what `progress` threw
-  std::unique_lock lock(mutex);
-  while (!ended.wait_for(lock, std::chrono::milliseconds(100), [&] { return has_ended; })) {
-    if (state.cancelled) continue;
-    lock.unlock();
-    try {
-      if (!progress(state.share)) state.cancelled = true;
-    } catch (...) {
-      refusal = std::current_exception();
-      state.cancelled = true;
-    }
-    lock.lock();
+    cancelled = !goes_on;
   }
-  lock.unlock();
-  worker.join();
-  if (refusal) std::rethrow_exception(refusal);
   if (failure) std::rethrow_exception(failure);
-  if (state.cancelled || !progress(1.0)) throw Cancelled();
+  if (cancelled || !progress(1.0)) throw Cancelled();
 }
 
 }  // namespace omma

@@ -14,7 +14,7 @@ struct WorkState {
   std::atomic<double> share{0};
   std::atomic<bool> cancelled{false};
 
-  // Notes the share; throws omma::Cancelled where the work is to end.
+  // Notes the share, which never falls; throws omma::Cancelled where the work is to end.
   void reach(double finished_share);
 };
 

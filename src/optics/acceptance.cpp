@@ -8,6 +8,7 @@
 #include "kernel/hash.h"
 #include "optics/acceptance_warp.h"
 #include "optics/lens_rhabdom.h"
+#include "threads/parallel.h"
 
 namespace omma {
 namespace {
@@ -135,16 +136,20 @@ void eval_acceptance(const Acceptance& acceptance, std::span<const double> theta
                      std::span<const double> azimuth_rad, std::span<double> sensitivity) {
   const Sensitivity made = make_sensitivity(acceptance);
   const SensitivityView s = view(made);
-  for (std::size_t i = 0; i < theta_rad.size(); ++i)
+  for (std::size_t i = 0; i < theta_rad.size(); ++i) {
+    check_cancelled();
     sensitivity[i] = eval_sensitivity(s, theta_rad[i], azimuth_rad[i]);
+  }
 }
 
 void acceptance_pdf(const Acceptance& acceptance, std::span<const double> theta_rad,
                     std::span<const double> azimuth_rad, std::span<double> per_sr) {
   const AcceptanceWarp warp = make_acceptance_warp(acceptance);
   const AcceptanceWarpView v = view(warp);
-  for (std::size_t i = 0; i < theta_rad.size(); ++i)
+  for (std::size_t i = 0; i < theta_rad.size(); ++i) {
+    check_cancelled();
     per_sr[i] = acceptance_pdf(v, theta_rad[i], azimuth_rad[i]);
+  }
 }
 
 std::vector<Vec3> sample_acceptance(const Acceptance& acceptance, int count, std::uint64_t seed) {
@@ -153,6 +158,7 @@ std::vector<Vec3> sample_acceptance(const Acceptance& acceptance, int count, std
   std::vector<Vec3> directions;
   directions.reserve(static_cast<std::size_t>(std::max(count, 0)));
   for (int i = 0; i < count; ++i) {
+    check_cancelled();
     const std::uint64_t hash = hash_combine(mix_bits(seed), static_cast<std::uint64_t>(i));
     directions.push_back(
         to_float(sample_acceptance(v, normal_quantile(unit_interval(hash_combine(hash, 0))),

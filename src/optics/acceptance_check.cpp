@@ -21,14 +21,21 @@ constexpr double most_axis_ratio = 50;
 // Below this a waveguide's only mode has under 0.17 of its power inside and is wide.
 constexpr double least_waveguide_parameter = 1;
 
+// An angle whose square would still count for something in a double; floats end at 1e-45.
+constexpr double least_angle_rad = 1e-50;
+
+// What is smaller or larger is a slip, in units mostly; and what is made of it would take for ever.
+constexpr double least_length_m = 1e-9, most_length_m = 1;
+constexpr double least_wavelength_nm = 1, most_wavelength_nm = 1e5;
+constexpr double least_facet_waves = 0.1, most_facet_waves = 1e7;
+
 struct Check {
   const std::string& where;
 
   [[noreturn]] void fail(const std::string& what) const { throw Error(where + ": " + what); }
 
-  // More than 0, or at least 0, and not more than `most`.
-  void between(const char* name, double x, bool zero, double most, const char* expected) const {
-    if (!((zero ? x >= 0 : x > 0) && x <= most))
+  void between(const char* name, double x, double least, double most, const char* expected) const {
+    if (!(x >= least && x <= most))
       fail(std::string(name) + " must be " + expected + ", is " + show(x));
   }
 
@@ -79,14 +86,25 @@ void check_table(const Check& check, const SensitivityTable* table) {
     check.fail("sensitivity must have " + std::to_string(count) + " entries, has " +
                std::to_string(table->sensitivity.size()));
   double largest = 0;
+  std::size_t at = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const double s = table->sensitivity[i];
     if (!(s >= 0 && std::isfinite(s)))
       check.fail("sensitivity, entry " + std::to_string(i) + ": must be 0 or more, is " + show(s));
+    if (s > largest) at = i;
     largest = std::fmax(largest, s);
   }
   if (largest == 0) check.fail("sensitivity must not be 0 everywhere");
   if (largest != 1) check.fail("sensitivity must have 1 for its largest, has " + show(largest));
+  // The peak may be as narrow as the knots allow, but not vanish.
+  const auto reach = [](const std::vector<double>& x, std::size_t i) {
+    return std::fmax(i > 0 ? x[i] - x[i - 1] : x[i], i + 1 < x.size() ? x[i + 1] - x[i] : 0);
+  };
+  const std::size_t columns = table->right_rad.size();
+  if (!(reach(table->right_rad, at % columns) >= least_angle_rad &&
+        (radial || reach(table->up_rad, at / columns) >= least_angle_rad)))
+    check.fail("sensitivity, entry " + std::to_string(at) + ": the peak must be at least " +
+               show(least_angle_rad) + " rad wide");
 }
 
 }  // namespace
@@ -94,13 +112,16 @@ void check_table(const Check& check, const SensitivityTable* table) {
 void validate_acceptance(const Acceptance& a, const std::string& where) {
   const Check check{where};
   const auto length = [&](const char* name, double x) {
-    check.between(name, x, false, 1, "a length of more than 0 and at most 1 m");
+    check.between(name, x, least_length_m, most_length_m, "a length from 1e-9 to 1 m");
   };
   switch (a.kernel) {
     case Kernel::gaussian:
     case Kernel::pillbox:
     case Kernel::compoundray:
-      check.between("width_rad", a.width_rad, true, 2 * pi, "from 0 to 2 pi rad");
+      check.between("width_rad", a.width_rad, 0, 2 * pi, "from 0 to 2 pi rad");
+      if (a.width_rad > 0 && a.width_rad < least_angle_rad)
+        check.fail("width_rad must be 0 or at least " + show(least_angle_rad) + " rad, is " +
+                   show(a.width_rad));
       if (a.kernel != Kernel::gaussian || a.minor_width_rad == 0) return;
       if (!(a.minor_width_rad > 0 && a.minor_width_rad <= a.width_rad))
         check.fail("minor_width_rad must be more than 0 and at most width_rad (" +
@@ -114,8 +135,12 @@ void validate_acceptance(const Acceptance& a, const std::string& where) {
     case Kernel::airy:
     case Kernel::lens_rhabdom:
       length("facet_diameter_m", a.facet_diameter_m);
-      check.between("wavelength_nm", a.wavelength_nm, false, 1e5,
-                    "more than 0 and at most 100,000 nm");
+      check.between("wavelength_nm", a.wavelength_nm, least_wavelength_nm, most_wavelength_nm,
+                    "from 1 to 100,000 nm");
+      if (const double waves = a.facet_diameter_m / (a.wavelength_nm * 1e-9);
+          !(waves >= least_facet_waves && waves <= most_facet_waves))
+        check.fail("facet_diameter_m must be from 0.1 to 10,000,000 wavelengths, is " +
+                   show(waves));
       if (a.kernel == Kernel::airy) return;
       length("focal_length_m", a.focal_length_m);
       length("rhabdom_diameter_m", a.rhabdom_diameter_m);
@@ -123,7 +148,11 @@ void validate_acceptance(const Acceptance& a, const std::string& where) {
         if (!(index >= 1 && index <= 4))
           check.fail(std::string(index == a.rhabdom_index ? "rhabdom" : "surround") +
                      "_index must be from 1 to 4, is " + show(index));
-      if (a.model != RhabdomModel::snyder) check_size(check, a);
+      if (a.model != RhabdomModel::snyder)
+        check_size(check, a);
+      else
+        check.between("the width of Snyder's Gaussian", snyder_width_rad(a), 0, 2 * pi,
+                      "at most 2 pi rad");
       return;
     case Kernel::table:
       check_table(check, a.table.get());

@@ -10,6 +10,7 @@
 #include "optics/acceptance_warp.h"
 #include "optics/gauss_legendre.h"
 #include "optics/lens_rhabdom.h"
+#include "threads/parallel.h"
 
 namespace omma {
 namespace {
@@ -32,9 +33,14 @@ const Quadrature& nodes() {
   return made;
 }
 
+// Up to so many turns of k in an interval are summed; beyond, closed forms are as exact, and cost
+// the same however fast gratings are.
+constexpr double most_turns = 8;
+
 // Integral of f over [a, b] in pieces of which none holds more than a turn of k.
 template <typename Function>
 auto integrate(double a, double b, double k, const Function& f) {
+  check_cancelled();
   const int pieces = 1 + static_cast<int>(std::fabs(k) * (b - a) / (2 * pi));
   auto sum = f(a) * 0.0;
   for (int p = 0; p < pieces; ++p)
@@ -43,14 +49,48 @@ auto integrate(double a, double b, double k, const Function& f) {
   return sum;
 }
 
-double radial_transfer(const SensitivityView& s, double k) {
+bool is_fast(double a, double b, double k) {
+  return std::fabs(k) * (b - a) > 2 * pi * most_turns;
+}
+
+// Integral of J0 from x on. Partly integrated again and again the integrals of J0(t)/t^n follow
+// from each other, and where x is over 25 the terms fall below 1e-10.
+double bessel_integral_beyond(double x) {
+  if (x < 25) return 1 - integrate(0, x, 1, [](double t) { return j0(t); });
+  const double from_j0 = j0(x) / x, from_j1 = j1(x);
+  double sum = 0, factor = 1;  // of what is left, and x^-n
+  for (int n = 0; n < 24; n += 2) {
+    sum += factor * ((n + 1) * from_j0 - from_j1);
+    factor *= -(n + 1.0) * (n + 1.0) / (x * x);
+  }
+  return sum;
+}
+
+// Integral of (value + slope (theta - a)) theta J0(k theta) over [a, b].
+double fast_radial(double a, double b, double value, double slope, double k) {
+  const double level = value - slope * a;
+  const auto below = [&](double theta) {
+    const double x = k * theta;
+    return (level + slope * theta) * theta * j1(x) / k +
+           slope / (k * k) * (theta * j0(x) + bessel_integral_beyond(x) / k);
+  };
+  return below(b) - below(a);
+}
+
+double radial_transfer(const SensitivityView& s, double cycles_k) {
+  const double k = std::fabs(cycles_k);
   double sum = 0, whole = 0;
   for (int i = -1; i + 1 < s.columns; ++i) {
     const double a = i < 0 ? 0 : s.right_rad[i], b = s.right_rad[i + 1];
     if (!(b > a)) continue;
     const auto density = [&](double theta) { return eval_table(s, theta, 0) * theta; };
-    sum += integrate(a, b, k, [&](double theta) { return density(theta) * j0(k * theta); });
     whole += integrate(a, b, 0, density);
+    if (is_fast(a, b, k)) {
+      const double at_b = s.table[i + 1], at_a = i < 0 ? at_b : s.table[i];
+      sum += fast_radial(a, b, at_a, (at_b - at_a) / (b - a), k);
+    } else {
+      sum += integrate(a, b, k, [&](double theta) { return density(theta) * j0(k * theta); });
+    }
   }
   return sum / whole;
 }
@@ -61,10 +101,17 @@ std::vector<std::complex<double>> tents(const double* knots, int count, double k
   for (int i = 0; i + 1 < count; ++i) {
     const double a = knots[i], b = knots[i + 1];
     const auto wave = [&](double x) { return std::polar(1.0, k * x); };
-    result[static_cast<std::size_t>(i)] +=
-        integrate(a, b, k, [&](double x) { return wave(x) * ((b - x) / (b - a)); });
-    result[static_cast<std::size_t>(i) + 1] +=
-        integrate(a, b, k, [&](double x) { return wave(x) * ((x - a) / (b - a)); });
+    std::complex<double>& falling = result[static_cast<std::size_t>(i)];
+    std::complex<double>& rising = result[static_cast<std::size_t>(i) + 1];
+    if (is_fast(a, b, k)) {
+      const std::complex<double> step(0, 1 / k);
+      const std::complex<double> both = (wave(a) - wave(b)) / (k * k * (b - a));
+      falling += wave(a) * step + both;
+      rising -= wave(b) * step + both;
+      continue;
+    }
+    falling += integrate(a, b, k, [&](double x) { return wave(x) * ((b - x) / (b - a)); });
+    rising += integrate(a, b, k, [&](double x) { return wave(x) * ((x - a) / (b - a)); });
   }
   return result;
 }

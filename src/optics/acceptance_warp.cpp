@@ -3,15 +3,14 @@
 // are those of evenly spaced azimuths.
 #include "optics/acceptance_warp.h"
 
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
 
 #include "optics/gauss_legendre.h"
 #include "optics/polar_inverse.h"
+#include "threads/made_once.h"
+#include "threads/parallel.h"
 
 namespace omma {
 namespace {
@@ -56,20 +55,18 @@ SensitivityView gaussian(double width_rad) {
 }
 
 const GaussianFamily& gaussian_family() {
-  static const GaussianFamily family = [] {
+  static MadeOnce<GaussianFamily> family;
+  return family.get([] {
     std::vector<WarpRows> made(gaussian_rows + 1);
     GaussianFamily all;
     all.integral.assign(gaussian_rows + 1, 0.125 / std::log(2.0));
-    // Isolated, so that no thread comes upon this a second time while it waits.
-    oneapi::tbb::this_task_arena::isolate([&] {
-      oneapi::tbb::parallel_for(1, gaussian_rows + 1, [&](int i) {
-        const auto k = static_cast<std::size_t>(i);
-        const double width = 2 * pi * i / gaussian_rows;
-        const SensitivityView s = gaussian(width);
-        all.integral[k] =
-            append_inverse(s, 0, polar_cells(s), smooth_intervals, made[k].theta, made[k].dtheta) /
-            (width * width);
-      });
+    parallel_for(1, gaussian_rows + 1, [&](int i) {
+      const auto k = static_cast<std::size_t>(i);
+      const double width = 2 * pi * i / gaussian_rows;
+      const SensitivityView s = gaussian(width);
+      all.integral[k] =
+          append_inverse(s, 0, polar_cells(s), smooth_intervals, made[k].theta, made[k].dtheta) /
+          (width * width);
     });
     const auto rows = std::make_shared<WarpRows>();
     rows->intervals = smooth_intervals;
@@ -81,8 +78,7 @@ const GaussianFamily& gaussian_family() {
     }
     all.rows = rows;
     return all;
-  }();
-  return family;
+  });
 }
 
 // Polar integral of a round Gaussian: a cubic through four neighbours, within 1e-9.
@@ -135,13 +131,13 @@ PolarCells line_cells(const SensitivityView& s, double azimuth) {
 
 void make_from_table(const SensitivityView& s, AcceptanceWarp& warp) {
   std::vector<double> density(marginal_steps);
-  oneapi::tbb::parallel_for(0, marginal_steps, [&](int i) {
+  parallel_for(0, marginal_steps, [&](int i) {
     const double azimuth = 2 * pi * (i + 0.5) / marginal_steps;
     density[static_cast<std::size_t>(i)] = polar_integral(s, azimuth, line_cells(s, azimuth));
   });
   std::vector<WarpRows> made(table_rows);
   std::vector<char> dark(table_rows);
-  oneapi::tbb::parallel_for(0, table_rows, [&](int i) {
+  parallel_for(0, table_rows, [&](int i) {
     const auto k = static_cast<std::size_t>(i);
     const double azimuth = 2 * pi * i / table_rows;
     dark[k] = !(append_inverse(s, azimuth, line_cells(s, azimuth), ring_intervals, made[k].theta,

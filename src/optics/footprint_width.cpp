@@ -43,6 +43,7 @@ double widest_footprint_rad(const Sensitivity& sensitivity) {
     return (is_round(a) ? a.width_rad : a.minor_width_rad) * widest_ratio(a, 0);
   const double width = mean_width_rad(sensitivity);
   if (a.kernel != Kernel::table) return widest_ratio(a, width) * width;
+  if (width == 0) return 0;  // a peak narrower than any step of a table
   double widest = width;
   for (int i = 0; i < (is_round(a) ? 1 : 4); ++i)
     widest = std::min(widest, widest_along(a, i * pi / 4, width));

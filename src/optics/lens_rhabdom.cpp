@@ -6,10 +6,10 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <mutex>
 
 #include "kernel/acceptance.h"
 #include "optics/gauss_legendre.h"
+#include "threads/made_once.h"
 
 namespace omma {
 namespace {
@@ -28,7 +28,7 @@ double bessel_k_ratio(int l, double w) {
 // twice (Illinois).
 double find_zero(const std::function<double(double)>& f, double low, double high) {
   double at_low = f(low), at_high = f(high);
-  for (int step = 0; step < 200 && high - low > 1e-15 * high; ++step) {
+  for (int step = 0; step < 200 && high - low > 1e-15 * std::max(1.0, std::fabs(high)); ++step) {
     double x = high - at_high * (high - low) / (at_high - at_low);
     if (!(x > low && x < high)) x = 0.5 * (low + high);
     const double value = f(x);
@@ -59,18 +59,24 @@ std::vector<double> bessel_zeros(int l, double last) {
   return zeros;
 }
 
-WaveguideMode solve_mode(int l, int m, double v, double low, double high) {
+// Looks for w rather than u, and for its logarithm: a mode LP_0m that begins at V = c has w =
+// exp(-1/(c (V - c))) at first, which u close to V does not tell. One that reaches out further than
+// 1/least_w radii has nothing inside (its part in S is as w^4), wherever it ends.
+WaveguideMode solve_mode(int l, int m, double v, double low_u, double high_u) {
+  constexpr double least_w = 1e-100;
+  const auto other = [v](double x) { return std::sqrt(std::max((v - x) * (v + x), 0.0)); };
   WaveguideMode mode{l, m, 0, 0, 0, 0};
-  mode.u = find_zero(
-      [&](double u) {
-        const double w = std::sqrt(std::max(v * v - u * u, 1e-24));
+  mode.w = std::exp(find_zero(
+      [&](double log_w) {
+        const double w = std::exp(log_w), u = other(w);
         return u * jn(l + 1, u) - w * bessel_k_ratio(l, w) * jn(l, u);
       },
-      low, high);
-  mode.w = std::sqrt(std::max(v * v - mode.u * mode.u, 1e-24));
+      std::log(std::max(other(high_u), least_w)), std::log(other(low_u))));
+  mode.u = other(mode.w);
   const double j = jn(l, mode.u), ratio = bessel_k_ratio(l, mode.w);
-  // K_{l-1}/K_l from the recurrence; J_{-1} = -J_1.
-  const double k_below = ratio - 2 * l / mode.w, j_below = l == 0 ? -j1(mode.u) : jn(l - 1, mode.u);
+  // K_{-1} = K_1, J_{-1} = -J_1.
+  const double k_below = l == 0 ? ratio : 1 / bessel_k_ratio(l - 1, mode.w);
+  const double j_below = l == 0 ? -j1(mode.u) : jn(l - 1, mode.u);
   const double inside = 0.5 * (1 - j_below * jn(l + 1, mode.u) / (j * j));
   const double outside = 0.5 * (k_below * ratio - 1);
   mode.norm = inside + outside;
@@ -96,25 +102,24 @@ BesselRows make_rows(int l, Quadrature quadrature) {
 }
 
 const BesselRows& pupil_rows(int l) {
-  static std::array<std::once_flag, static_cast<std::size_t>(most_waveguide_parameter) + 2> once;
-  static std::array<BesselRows, static_cast<std::size_t>(most_waveguide_parameter) + 2> made;
-  const auto i = static_cast<std::size_t>(l);
-  std::call_once(once[i], [&] { made[i] = make_rows(l, gauss_legendre(pupil_nodes)); });
-  return made[i];
+  static std::array<MadeOnce<BesselRows>, static_cast<std::size_t>(most_waveguide_parameter) + 2>
+      made;
+  return made[static_cast<std::size_t>(l)].get(
+      [&] { return make_rows(l, gauss_legendre(pupil_nodes)); });
 }
 
 // Nodes over the frequencies from 0 to 2: 2 (1 - t^2), which takes the root out of the end of
 // airy_transfer.
 const BesselRows& transfer_rows() {
-  static const BesselRows made = [] {
+  static MadeOnce<BesselRows> made;
+  return made.get([] {
     Quadrature q = gauss_legendre(transfer_nodes);
     for (std::size_t i = 0; i < q.node.size(); ++i) {
       q.weight[i] *= 4 * q.node[i];
       q.node[i] = 2 * (1 - q.node[i] * q.node[i]);
     }
     return make_rows(0, std::move(q));
-  }();
-  return made;
+  });
 }
 
 // For each row the sum of value * amplitude.
@@ -253,12 +258,12 @@ std::shared_ptr<const LensProfile> make_lens_profile(const Acceptance& acceptanc
   if (acceptance.kernel == Kernel::lens_rhabdom)
     return to_profile(acceptance.model == RhabdomModel::waveguide ? waveguide_values(acceptance)
                                                                   : geometric_values(acceptance));
-  static const std::shared_ptr<const LensProfile> airy = [] {
+  static MadeOnce<std::shared_ptr<const LensProfile>> airy;
+  return airy.get([] {
     std::vector<double> values;
     for (int i = 0; i < rows; ++i) values.push_back(std::pow(disc_transform(i * profile_step), 2));
     return to_profile(std::move(values));
-  }();
-  return airy;
+  });
 }
 
 namespace {

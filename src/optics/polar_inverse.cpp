@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "optics/lens_rhabdom.h"
+#include "threads/parallel.h"
 
 namespace omma {
 namespace {
@@ -98,6 +99,7 @@ double append_inverse(const SensitivityView& s, double azimuth, const PolarCells
   const std::size_t count = cells.edge.size() - 1;
   std::vector<double> below(count + 1, 0.0), above(count + 1, 0.0);
   for (std::size_t i = 0; i < count; ++i) {
+    check_cancelled();
     above[i] = integrate(s, azimuth, cells.edge[i], cells.edge[i + 1]);
     below[i + 1] = below[i] + above[i];
   }
@@ -110,6 +112,7 @@ double append_inverse(const SensitivityView& s, double azimuth, const PolarCells
   const double r_step = AcceptanceWarpView::r_max / intervals;
   std::size_t cell = 0;
   for (int k = 1; k <= intervals; ++k) {
+    check_cancelled();
     // What must lie above theta for this radius: exp(-r^2/2) of the whole.
     const double r = k * r_step;
     const double tail = std::exp(-0.5 * r * r) * total;

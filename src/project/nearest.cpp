@@ -1,20 +1,18 @@
 // Which ommatidium lies nearest each of many directions, by its axis or by its position.
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include "omma/projection.h"
 #include "project/sites.h"
+#include "threads/parallel.h"
 
 namespace omma {
 namespace {
 
 std::vector<std::int32_t> nearest_site(const Sites& sites, std::span<const Vec3> directions) {
   std::vector<std::int32_t> ids(directions.size());
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, directions.size(), 256),
-      [&](const tbb::blocked_range<std::size_t>& range) {
+  parallel_ranges(
+      std::size_t{0}, directions.size(), std::size_t{256}, [&](std::size_t begin, std::size_t end) {
         std::int32_t guess = 0;
-        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+        for (std::size_t i = begin; i < end; ++i) {
+          check_cancelled();
           const Vec3d direction = to_double(directions[i]);
           ids[i] = has_direction(direction) ? sites.nearest(normalize(direction), guess) : -1;
         }

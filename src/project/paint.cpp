@@ -6,6 +6,7 @@
 #include "omma/error.h"
 #include "omma/projection.h"
 #include "omma/scene.h"
+#include "threads/parallel.h"
 
 namespace omma {
 namespace {
@@ -31,6 +32,7 @@ std::vector<std::uint8_t> paint(std::span<const std::int32_t> ids, std::span<con
   std::vector<std::uint8_t> pixels;
   pixels.reserve(ids.size() * channel_count);
   for (const std::int32_t id : ids) {
+    check_cancelled();
     if (id == -1) {
       pixels.insert(pixels.end(), channel_count, nothing_seen);
       continue;
@@ -47,9 +49,11 @@ std::vector<std::uint8_t> paint(std::span<const std::int32_t> ids, std::span<con
 std::vector<std::uint8_t> encode_ids(std::span<const std::int32_t> ids) {
   std::vector<std::uint8_t> pixels;
   pixels.reserve(ids.size() * 4);
-  for (const std::int32_t id : ids)
+  for (const std::int32_t id : ids) {
+    check_cancelled();
     for (const int shift : {24, 16, 8, 0})
       pixels.push_back(static_cast<std::uint8_t>(static_cast<std::uint32_t>(id) >> shift));
+  }
   return pixels;
 }
 

@@ -94,7 +94,7 @@ Sites sites_by_position(const Eye& eye, Vec3d centre) {
 
 std::vector<double> spacing(const AxisTree& tree, const std::vector<Vec3d>& points, int count) {
   std::vector<double> mean(points.size(), 0.0);
-  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t k) {
+  parallel_for(std::size_t{0}, points.size(), [&](std::size_t k) {
     const NearestAxes near = tree.nearest(points[k], count + 1);  // the point itself is among them
     double sum = 0;
     int found = 0;

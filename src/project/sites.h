@@ -2,15 +2,13 @@
 // head, and the loop over the pixels of an id map.
 #pragma once
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "model/nearest_axis.h"
 #include "omma/eye.h"
+#include "threads/parallel.h"
 
 namespace omma {
 
@@ -61,12 +59,14 @@ void check_picture(const std::string& projection, const Eye& eye, int width, int
 template <typename IdAt>
 std::vector<std::int32_t> fill_ids(int width, int height, const IdAt& id_at) {
   std::vector<std::int32_t> ids(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-  tbb::parallel_for(tbb::blocked_range<int>(0, height), [&](const tbb::blocked_range<int>& rows) {
+  parallel_ranges(0, height, 1, [&](int begin, int end) {
     std::int32_t guess = 0;
-    for (int row = rows.begin(); row < rows.end(); ++row)
-      for (int column = 0; column < width; ++column)
+    for (int row = begin; row < end; ++row)
+      for (int column = 0; column < width; ++column) {
+        check_cancelled();
         ids[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
             static_cast<std::size_t>(column)] = id_at(column, row, guess);
+      }
   });
   return ids;
 }

@@ -1,14 +1,12 @@
 // The views of an eye's receptors, and receptors' responses from what those views see.
 #include "omma/receptor_views.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <cmath>
 #include <string>
 
 #include "omma/error.h"
 #include "omma/scene.h"
+#include "threads/parallel.h"
 
 namespace omma {
 namespace {
@@ -86,6 +84,7 @@ ReceptorViews receptor_views(const Eye& eye) {
   std::vector<std::size_t> way(types);
   std::vector<std::int32_t> acceptance(types, -1);
   for (std::size_t t = 0; t < types; ++t) {
+    check_cancelled();
     const ReceptorType& type = eye.receptor_types[t];
     way[t] = 0;
     while (!look_alike(eye.receptor_types[way[t]], type)) ++way[t];
@@ -103,6 +102,7 @@ ReceptorViews receptor_views(const Eye& eye) {
   if (plain)
     for (std::size_t i = 0; i < eye.size(); ++i) plan.add(i, nullptr, -1);
   for (std::size_t i = 0; i < eye.size(); ++i) {
+    check_cancelled();
     const auto first = static_cast<std::size_t>(eye.first_receptor[i]);
     const auto end = static_cast<std::size_t>(eye.first_receptor[i + 1]);
     for (std::size_t r = first; r < end; ++r) {
@@ -138,23 +138,22 @@ void apply_receptor_matrix(std::span<const float> radiance, std::span<const doub
   const std::size_t poses = receptors == 0 ? 0 : responses.size() / receptors;
   // A few microseconds of work for each task.
   constexpr std::size_t grain = 4096;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, poses * receptors, grain),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      std::size_t pose = range.begin() / receptors, r = range.begin() % receptors;
-                      for (std::size_t k = range.begin(); k < range.end(); ++k) {
-                        const auto view = static_cast<std::size_t>(view_of_receptor[r]);
-                        const float* light = &radiance[(pose * view_count + view) * channels];
-                        const double* row =
-                            &weights[static_cast<std::size_t>(receptor_type[r]) * channels];
-                        double sum = 0;
-                        for (std::size_t c = 0; c < channels; ++c) sum += row[c] * light[c];
-                        responses[k] = static_cast<float>(sum);
-                        if (++r == receptors) {
-                          r = 0;
-                          ++pose;
-                        }
-                      }
-                    });
+  parallel_ranges(
+      std::size_t{0}, poses * receptors, grain, [&](std::size_t begin, std::size_t end) {
+        std::size_t pose = begin / receptors, r = begin % receptors;
+        for (std::size_t k = begin; k < end; ++k) {
+          const auto view = static_cast<std::size_t>(view_of_receptor[r]);
+          const float* light = &radiance[(pose * view_count + view) * channels];
+          const double* row = &weights[static_cast<std::size_t>(receptor_type[r]) * channels];
+          double sum = 0;
+          for (std::size_t c = 0; c < channels; ++c) sum += row[c] * light[c];
+          responses[k] = static_cast<float>(sum);
+          if (++r == receptors) {
+            r = 0;
+            ++pose;
+          }
+        }
+      });
 }
 
 }  // namespace omma

@@ -3,8 +3,6 @@
 // each acceptance angle.
 #include "sampling/directions.h"
 
-#include <oneapi/tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -16,6 +14,7 @@
 #include "optics/acceptance_hash.h"
 #include "optics/footprint_width.h"
 #include "sampling/even_points.h"
+#include "threads/parallel.h"
 
 namespace omma {
 namespace {
@@ -156,7 +155,7 @@ DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& sett
   std::unordered_map<Acceptance, const AcceptanceWarp*, AcceptanceHash> made;
   if (known_tables != nullptr)
     for (const AcceptanceWarp& warp : known_tables->warps) made[warp.acceptance] = &warp;
-  oneapi::tbb::parallel_for(std::size_t{0}, distinct.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, distinct.size(), [&](std::size_t i) {
     const auto found = made.find(distinct[i]);
     tables.warps[i] = found != made.end() ? *found->second : make_acceptance_warp(distinct[i]);
   });
@@ -185,16 +184,15 @@ DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& sett
   const std::size_t n = static_cast<std::size_t>(settings.samples);
   const std::size_t patterns = static_cast<std::size_t>(tables.patterns);
   std::vector<std::vector<Vec3d>> normals(patterns, std::vector<Vec3d>(n));
-  oneapi::tbb::parallel_for(std::size_t{0}, patterns, [&](std::size_t k) {
+  parallel_for(std::size_t{0}, patterns, [&](std::size_t k) {
     const std::uint64_t scramble = hash_combine(mix_bits(settings.seed), k);
     for (std::size_t j = 0; j < n; ++j)
       normals[k][j] = scrambled_normals(static_cast<std::uint32_t>(j), scramble);
   });
   move_apart(normals, settings.seed);
-  oneapi::tbb::parallel_for(std::size_t{0}, patterns,
-                            [&](std::size_t k) { sort_into_packets(normals[k]); });
+  parallel_for(std::size_t{0}, patterns, [&](std::size_t k) { sort_into_packets(normals[k]); });
   tables.local.resize(distinct.size() * patterns * 3 * n);
-  oneapi::tbb::parallel_for(std::size_t{0}, distinct.size() * patterns, [&](std::size_t i) {
+  parallel_for(std::size_t{0}, distinct.size() * patterns, [&](std::size_t i) {
     const AcceptanceWarpView warp = view(tables.warps[i / patterns]);
     float* out = tables.local.data() + i * 3 * n;
     for (std::size_t j = 0; j < n; ++j) {

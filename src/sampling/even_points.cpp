@@ -5,12 +5,11 @@
 // few steps the radii of all patterns together are put back, by rank, onto those of the normal.
 #include "sampling/even_points.h"
 
-#include <oneapi/tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "kernel/hash.h"
+#include "threads/parallel.h"
 
 namespace omma {
 namespace {
@@ -84,7 +83,7 @@ void move_apart(std::vector<std::vector<Vec3d>>& patterns, std::uint64_t seed) {
   }
   restore_radii(patterns, radii, ranked);
   for (int round = 0; round < (points > 1 ? rounds : 0); ++round) {
-    oneapi::tbb::parallel_for(std::size_t{0}, patterns.size(), [&](std::size_t k) {
+    parallel_for(std::size_t{0}, patterns.size(), [&](std::size_t k) {
       std::vector<Vec3d> push;
       for (int step = 0; step < steps_per_round; ++step) take_step(patterns[k], push);
     });

@@ -4,150 +4,120 @@
 // of all: the balance heuristic (Veach and Guibas 1995, SIGGRAPH, 419-428).
 #include "sampling/shared_rays.h"
 
-#include <oneapi/tbb/parallel_for.h>
-
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "kernel/hash.h"
 #include "model/curve_order.h"
 #include "model/nearest_axis.h"
+#include "omma/error.h"
 #include "omma/pose.h"
+#include "sampling/sharing_densities.h"
 #include "sampling/sharing_groups.h"
 #include "sampling/sphere_cells.h"
 #include "sampling/sphere_lattice.h"
+#include "threads/parallel.h"
 
 namespace omma {
 namespace {
-
-// Beyond this many standard deviations a Gaussian has 0.03 % of its weight; leaving it out raises
-// the modulation transfer by 0.001 at most.
-constexpr double reach_sigmas = 4;
-
-// Intervals in a table of densities; between them they are within 2e-5.
-constexpr int pdf_intervals = 512;
-
-// Largest angle from the axis at which rays count. A lens's dark rings go on to the side: what is
-// left out beyond a few widths would be percents. Those share nothing, and have rays of their own.
-double reach_rad(const Acceptance& a) {
-  switch (a.kernel) {
-    case Kernel::gaussian:
-    case Kernel::compoundray:
-      return std::min(reach_sigmas * sigma_per_fwhm * a.width_rad, pi);
-    case Kernel::pillbox:
-      return std::min(0.5 * a.width_rad, pi);
-    case Kernel::table:
-      return a.table->right_rad.back();
-    case Kernel::airy:
-    case Kernel::lens_rhabdom:
-      return 0;
-  }
-  return 0;
-}
 
 double chord(double angle_rad) {
   return 2 * std::sin(std::min(angle_rad, pi) / 2);
 }
 
-// Density of an ommatidium's own sampling per steradian, by the squared chord from its axis.
-struct PdfTable {
-  double reach_chord2 = -1;  // none count beyond
-  float scale = 0;           // intervals per squared chord
-  float acceptance_rad = 0;
-  std::array<float, pdf_intervals + 2> pdf{};
-};
-
-PdfTable make_pdf_table(const AcceptanceWarp& warp, double reach_rad) {
-  PdfTable table;
-  table.reach_chord2 = chord(reach_rad) * chord(reach_rad);
-  table.scale = static_cast<float>(pdf_intervals / table.reach_chord2);
-  table.acceptance_rad = static_cast<float>(acceptance_width_rad(warp.acceptance, 0));
-  for (int i = 0; i <= pdf_intervals; ++i) {
-    // A hair inside, where a pillbox has not ended yet.
-    const double chord2 = table.reach_chord2 * (1 - 1e-12) * i / pdf_intervals;
-    table.pdf[static_cast<std::size_t>(i)] =
-        static_cast<float>(acceptance_pdf(view(warp), angle_from_chord_squared(chord2), 0));
-  }
-  table.pdf[pdf_intervals + 1] = table.pdf[pdf_intervals];
-  return table;
+// A direction at an angle from an axis; azimuths are from an arbitrary one.
+Vec3d direction_about(Vec3d axis, Vec3d local) {
+  const Vec3d side =
+      normalize(cross(std::fabs(axis.y) < 0.7 ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0}, axis));
+  return side * local.x + cross(axis, side) * local.y + axis * local.z;
 }
 
-// For one warp: what weighs rays, and what decides how dense they are.
-struct Densities {
-  PdfTable weight, demand;
-};
-
-std::vector<Densities> make_densities(const std::vector<AcceptanceWarp>& warps) {
-  std::vector<Densities> all(warps.size());
-  oneapi::tbb::parallel_for(std::size_t{0}, warps.size(), [&](std::size_t w) {
-    const AcceptanceWarp& warp = warps[w];
-    const Acceptance& acceptance = warp.sensitivity.acceptance;
-    const double reach = reach_rad(acceptance), width_rad = acceptance_width_rad(acceptance, 0);
-    if (reach == 0) return;
-    all[w].weight = make_pdf_table(warp, reach);
-    all[w].demand = all[w].weight;
-    if (acceptance.kernel != Kernel::pillbox) return;
-    // Discs overlap in many small pieces, each of which would have a lattice of its own; the border
-    // of one is where points are too many or too few. Gaussians with 0.6 of the radius for standard
-    // deviation are as wide, and add up smoothly.
-    const double sigma = 0.6 * 0.5 * width_rad;
-    Acceptance smooth;
-    smooth.width_rad = sigma / sigma_per_fwhm;
-    all[w].demand = make_pdf_table(make_acceptance_warp(smooth), std::min(3 * sigma, pi));
-    all[w].demand.acceptance_rad = all[w].weight.acceptance_rad;
-  });
-  return all;
-}
-
-float look_up(const PdfTable& table, double chord2) {
-  const float x = static_cast<float>(chord2) * table.scale;
-  const int i = std::min(static_cast<int>(x), pdf_intervals);
-  const float before = table.pdf[static_cast<std::size_t>(i)];
-  return before +
-         (x - static_cast<float>(i)) * (table.pdf[static_cast<std::size_t>(i) + 1] - before);
-}
-
-// One group of ommatidia.
+// One class of a group of ommatidia.
 struct Group {
-  std::vector<std::uint32_t> member;        // index in the eye
-  std::vector<Vec3d> axes;                  // [member]
-  std::vector<const Densities*> densities;  // [member]
+  std::vector<std::uint32_t> member;               // index in the eye
+  std::vector<Vec3d> axes;                         // [member]
+  std::vector<std::uint32_t> warp;                 // [member]
+  std::vector<const SharingDensities*> densities;  // [member]
+  std::vector<char> shares;                        // [member], whether it is worth it
   int samples = 0;
   double most_reach = 0;  // chord
 };
 
 struct LatticeRay {
   Vec3d direction;
-  std::uint32_t start;   // member
-  float acceptance_rad;  // the smallest of those it counts for
-  double area_sr;        // that it stands for
+  std::uint32_t warp;  // the narrowest of those that ask for it
+  std::uint32_t users;
+  double area_sr;  // that it stands for
 };
 
 // What the members ask for in a direction.
 struct Demand {
   float density = 0;  // per steradian, what all together would sample it with
-  std::uint32_t nearest = 0;
-  float acceptance_rad = 0;  // the smallest
+  std::uint32_t warp = 0;
+  std::uint32_t users = 0;  // members that would count such a ray
 };
 
 Demand find_demand(const Group& group, const SphereCells& cells, Vec3d direction) {
   Demand demand;
-  double nearest = 8;
+  double narrowest = 8;
   float pdf = 0;
-  cells.for_each_near(direction, [&](std::uint32_t k, double chord2) {
-    if (chord2 < nearest || (chord2 == nearest && k < demand.nearest)) {
-      nearest = chord2;
-      demand.nearest = k;
+  cells.for_each_near(direction, group.most_reach, [&](std::uint32_t k, double chord2) {
+    const SharingDensities& member = *group.densities[k];
+    if (group.shares[k] != 0 && chord2 <= member.weight.reach_chord2) ++demand.users;
+    if (chord2 > member.demand.reach_chord2) return;
+    pdf += member.demand.at(chord2);
+    if (member.width_rad < narrowest) {
+      narrowest = member.width_rad;
+      demand.warp = group.warp[k];
     }
-    const PdfTable& table = group.densities[k]->demand;
-    if (chord2 > table.reach_chord2) return;
-    pdf += look_up(table, chord2);
-    if (demand.acceptance_rad == 0 || table.acceptance_rad < demand.acceptance_rad)
-      demand.acceptance_rad = table.acceptance_rad;
   });
   demand.density = pdf * static_cast<float>(group.samples);
   return demand;
+}
+
+// How many times as many rays as its own an ommatidium would have at work. One that draws rays with
+// the density q to weigh them by p has 1/mean(p/q) times as many as if it drew them with p, the
+// mean over what it draws with p.
+double sharing_gain(const Group& group, const SphereCells& cells, std::size_t k) {
+  constexpr int angles = SharingDensities::polar_angles;
+  const DensityTable& own = group.densities[k]->weight;
+  double sum = 0;
+  for (int i = 0; i < angles; ++i) {
+    const double theta = group.densities[k]->polar_rad[static_cast<std::size_t>(i)];
+    const double azimuth = 2.399963229728653 * i;  // the golden angle: as even as it gets
+    const Vec3d direction =
+        direction_about(group.axes[k], {std::sin(theta) * std::cos(azimuth),
+                                        std::sin(theta) * std::sin(azimuth), std::cos(theta)});
+    const double chord2 = chord(theta) * chord(theta);
+    if (chord2 > own.reach_chord2) continue;
+    const float density = find_demand(group, cells, direction).density;
+    if (density > 0)
+      sum += static_cast<double>(own.at(chord2) * static_cast<float>(group.samples) / density);
+  }
+  return angles / sum;
+}
+
+[[noreturn]] void refuse_weights(std::size_t ommatidia, double weights) {
+  throw Error("share_rays: " + std::to_string(ommatidia) +
+              " ommatidia whose fields overlap would count about " +
+              std::to_string(static_cast<long long>(weights)) +
+              " rays together, each for itself, more than " + std::to_string(most_shared_weights) +
+              ": take fewer samples");
+}
+
+// Throws where members would count too many rays: about as many as there are pairs of an ommatidium
+// and another in its field, times samples; from some of the members.
+void check_weights(const Group& group) {
+  constexpr std::size_t some = 64;
+  const std::size_t n = group.axes.size(), step = (n + some - 1) / some;
+  double pairs = 0, looked_at = 0;
+  for (std::size_t k = 0; k < n; k += step, ++looked_at)
+    for (const Vec3d& axis : group.axes) {
+      const Vec3d apart = axis - group.axes[k];
+      if (dot(apart, apart) <= group.densities[k]->weight.reach_chord2) ++pairs;
+    }
+  const double weights = pairs / looked_at * static_cast<double>(n) * group.samples;
+  if (weights > static_cast<double>(most_shared_weights)) refuse_weights(n, weights);
 }
 
 // Steps of density: that of step k is 2^k of the median asked for at the axes, so that eyes that
@@ -171,9 +141,11 @@ DensitySteps make_steps(std::vector<float> at_axes) {
   if (first == at_axes.end()) return steps;
   steps.unit = static_cast<double>(*(first + (at_axes.end() - first) / 2));
   steps.lowest = static_cast<int>(std::ceil(-std::log2(steps.unit)));
-  steps.top = std::max(
-      steps.lowest,
-      static_cast<int>(std::lround(std::log2(static_cast<double>(at_axes.back()) / steps.unit))));
+  // No finer than a lattice can be, where many crowd together.
+  const double top =
+      std::min(std::round(std::log2(static_cast<double>(at_axes.back()) / steps.unit)),
+               std::floor(std::log2(most_lattice_points / (4 * pi * steps.unit))));
+  steps.top = std::max(steps.lowest, static_cast<int>(top));
   return steps;
 }
 
@@ -184,55 +156,83 @@ Mat4 random_rotation(std::uint64_t hash) {
   return pose_from_quaternion({0, 0, 0}, q[0], q[1], q[2], q[3]);
 }
 
-// The lattice points whose own density is the one asked for there.
-std::vector<LatticeRay> make_lattice(const Group& group, std::uint64_t hash) {
-  const SphereCells cells(group.axes, group.most_reach);
-  const AxisTree tree(group.axes);
+// The most that the members ask for anywhere within an angle of a direction.
+float most_demand(const Group& group, const SphereCells& cells, Vec3d centre, double radius) {
+  const double reach_rad = angle_from_chord_squared(group.most_reach * group.most_reach);
+  float pdf = 0;
+  cells.for_each_near(centre, chord(reach_rad + radius), [&](std::uint32_t k, double chord2) {
+    const DensityTable& most = group.densities[k]->most;
+    const double apart = angle_from_chord_squared(chord2) - radius;
+    const double nearest2 = apart > 0 ? chord(apart) * chord(apart) : 0;
+    if (nearest2 * (1 - 1e-9) <= most.reach_chord2)
+      pdf += most.density[static_cast<std::size_t>(most.place(nearest2 * (1 - 1e-6)))];
+  });
+  return pdf * static_cast<float>(group.samples);
+}
+
+struct Lattice {
+  std::vector<LatticeRay> rays;
+  std::uint64_t tried = 0;  // directions that were looked at
+};
+
+// The lattice points whose own density is the one asked for there, and that somebody will use.
+Lattice make_lattice(const Group& group, const SphereCells& cells, std::uint64_t hash) {
   std::vector<float> at_axes(group.axes.size());
-  oneapi::tbb::parallel_for(std::size_t{0}, at_axes.size(), [&](std::size_t k) {
+  parallel_for(std::size_t{0}, at_axes.size(), [&](std::size_t k) {
     at_axes[k] = find_demand(group, cells, group.axes[k]).density;
   });
   const DensitySteps steps = make_steps(std::move(at_axes));
-  const double most_angle =
-      angle_from_chord_squared(group.most_reach * group.most_reach) * (1 + 1e-9);
-  const auto wanted = [&](Vec3d centre, double radius) {
-    return radius >= pi || angle_from_chord_squared(tree.nearest(centre, 1).chord_squared[0]) <=
-                               most_angle + radius;
-  };
-  std::vector<LatticeRay> rays;
-  if (4 * pi * steps.density(steps.top) > most_lattice_points) return rays;
+  Lattice found_rays;
+  double weights = 0;
   for (int step = steps.top; step >= steps.lowest; --step) {
     SphereLattice lattice;
     lattice.points = static_cast<std::uint64_t>(std::ceil(4 * pi * steps.density(step)));
     lattice.turn = random_rotation(hash_combine(hash, static_cast<std::uint64_t>(step)));
-    const std::vector<LatticePatch> patches = lattice_patches(lattice, wanted);
+    // Nothing below half a step is of this step, but all of the lowest. Large patches are halved
+    // without a look.
+    constexpr double large_rad = 0.25;
+    const double least = step == steps.lowest ? 0 : 0.7 * steps.density(step);
+    const std::vector<LatticePatch> patches =
+        lattice_patches(lattice, [&](Vec3d centre, double radius) {
+          return radius > large_rad ||
+                 static_cast<double>(most_demand(group, cells, centre, radius)) > least;
+        });
     std::vector<std::vector<LatticeRay>> found(patches.size());
-    oneapi::tbb::parallel_for(std::size_t{0}, patches.size(), [&](std::size_t p) {
-      for (const std::uint64_t i : points_of(patches[p])) {
+    std::vector<std::uint64_t> tried(patches.size());
+    parallel_for(std::size_t{0}, patches.size(), [&](std::size_t p) {
+      const std::vector<std::uint64_t> points = points_of(patches[p]);
+      tried[p] = points.size();
+      for (const std::uint64_t i : points) {
         const Vec3d direction = lattice_point(lattice, i);
         const Demand demand = find_demand(group, cells, direction);
-        if (demand.density > 0 && steps.of(demand.density) == step)
-          found[p].push_back({direction, demand.nearest, demand.acceptance_rad,
-                              4 * pi / static_cast<double>(lattice.points)});
+        if (demand.density > 0 && demand.users > 0 && steps.of(demand.density) == step)
+          found[p].push_back(
+              {direction, demand.warp, demand.users, 4 * pi / static_cast<double>(lattice.points)});
       }
     });
-    for (const std::vector<LatticeRay>& some : found)
-      rays.insert(rays.end(), some.begin(), some.end());
+    for (std::size_t p = 0; p < patches.size(); ++p) {
+      found_rays.tried += tried[p];
+      for (const LatticeRay& ray : found[p]) weights += ray.users;
+      found_rays.rays.insert(found_rays.rays.end(), found[p].begin(), found[p].end());
+    }
+    // An eighth more than foreseen: sets differ a little.
+    if (weights > 1.125 * static_cast<double>(most_shared_weights))
+      refuse_weights(group.axes.size(), weights);
   }
-  return rays;
+  return found_rays;
 }
 
 void add_ray(SharedRays& shared, const Eye& eye, std::uint32_t start, Vec3d direction,
-             float acceptance_rad) {
+             std::uint32_t warp) {
   // The engine takes the focal offset back along the ray; it is to start behind the ommatidium.
   const Vec3d origin =
       to_double(eye.position_m[start]) +
       (direction - to_double(eye.axis[start])) * static_cast<double>(eye.focal_offset_m[start]);
   shared.rays.position_m.push_back(to_float(origin));
   shared.rays.axis.push_back(to_float(direction));
-  shared.rays.acceptance_angle_rad.push_back(acceptance_rad);
   shared.rays.focal_offset_m.push_back(eye.focal_offset_m[start]);
   shared.rays.eye_id.push_back(eye.eye_id[start]);
+  shared.warp.push_back(warp);
 }
 
 struct Entry {
@@ -240,117 +240,158 @@ struct Entry {
   float weight;
 };
 
-// The lattice rays of a group in an order along a curve, so that what follows one another in memory
-// does so in the packets too, and the weights they have in each member.
-struct GroupRays {
-  std::vector<std::uint32_t> member;
-  std::vector<LatticeRay> lattice;
-  std::vector<std::vector<Entry>> rows;  // [member], rays by their place in `lattice`
-};
-
-GroupRays make_group_rays(const Eye& eye, const DirectionTables& tables,
-                          const std::vector<Densities>& densities,
-                          std::vector<std::uint32_t> member, std::uint64_t hash) {
+Group make_group(const Eye& eye, const DirectionTables& tables,
+                 const std::vector<SharingDensities>& densities,
+                 std::vector<std::uint32_t> member) {
   Group group;
   group.samples = tables.samples;
   for (const std::uint32_t i : member) {
-    const Densities& both = densities[tables.warp_of[i]];
+    const std::uint32_t warp = tables.warp_of[i];
     group.axes.push_back(normalize(to_double(eye.axis[i])));
-    group.densities.push_back(&both);
-    group.most_reach =
-        std::max(group.most_reach, std::sqrt(std::max(0.0, both.demand.reach_chord2)));
+    group.warp.push_back(warp);
+    group.densities.push_back(&densities[warp]);
+    const double reach2 =
+        std::max(densities[warp].demand.reach_chord2, densities[warp].weight.reach_chord2);
+    group.most_reach = std::max(group.most_reach, std::sqrt(reach2));
   }
-  GroupRays rays;
-  rays.rows.resize(member.size());
-  rays.member = std::move(member);
-  if (rays.member.size() == 1) return rays;  // nobody to share with
+  group.shares.assign(member.size(), 1);
+  group.member = std::move(member);
+  return group;
+}
 
-  const std::vector<LatticeRay> lattice = make_lattice(group, hash);
+// Adds the rays that the members of a class share, in an order along a curve, so that what follows
+// one another in memory does so in the packets too, and their rows.
+void add_shared_rays(SharedRays& shared, const Eye& eye, const AxisTree& all_axes,
+                     const std::vector<std::uint32_t>& all_members, Group& group,
+                     std::uint64_t hash, std::vector<std::vector<Entry>>& rows) {
+  const std::size_t members = group.member.size();
+  if (members == 1) return;  // nobody to share with
+  check_weights(group);
+  Lattice lattice;
+  {
+    const SphereCells cells(group.axes, group.most_reach);
+    std::vector<char> shares(members);
+    parallel_for(std::size_t{0}, members, [&](std::size_t k) {
+      shares[k] = sharing_gain(group, cells, k) > least_sharing_gain;
+    });
+    if (std::find(shares.begin(), shares.end(), 1) == shares.end()) return;
+    group.shares = std::move(shares);
+    lattice = make_lattice(group, cells, hash);
+  }
+  shared.directions_tried += lattice.tried;
   Eye along;
-  for (const LatticeRay& ray : lattice) {
+  for (const LatticeRay& ray : lattice.rays) {
     along.axis.push_back(to_float(ray.direction));
     along.eye_id.push_back(0);
   }
   std::vector<Vec3d> directions;
-  for (const std::uint32_t i : order_along_curve(along)) {
-    rays.lattice.push_back(lattice[i]);
-    directions.push_back(lattice[i].direction);
+  std::vector<double> area_sr;
+  std::vector<std::uint32_t> start(lattice.rays.size());
+  const std::vector<std::uint32_t> order = order_along_curve(along);
+  for (const std::uint32_t i : order) {
+    directions.push_back(lattice.rays[i].direction);
+    area_sr.push_back(lattice.rays[i].area_sr);
   }
+  parallel_for(std::size_t{0}, start.size(), [&](std::size_t r) {
+    const NearestAxes nearest = all_axes.nearest(directions[r], 1);
+    start[r] = all_members[static_cast<std::size_t>(nearest.index[0])];
+  });
   const SphereCells cells(directions, group.most_reach);
-  oneapi::tbb::parallel_for(std::size_t{0}, rays.rows.size(), [&](std::size_t k) {
-    std::vector<Entry>& row = rays.rows[k];
-    const PdfTable& table = group.densities[k]->weight;
-    cells.for_each_near(group.axes[k], [&](std::uint32_t ray, double chord2) {
-      if (chord2 > table.reach_chord2) return;
-      const float weight = look_up(table, chord2) * static_cast<float>(rays.lattice[ray].area_sr);
-      if (weight > 0) row.push_back({static_cast<std::int32_t>(ray), weight});
-    });
+  parallel_for(std::size_t{0}, members, [&](std::size_t k) {
+    if (group.shares[k] == 0) return;
+    std::vector<Entry>& row = rows[group.member[k]];
+    const DensityTable& own = group.densities[k]->weight;
+    cells.for_each_near(group.axes[k], std::sqrt(own.reach_chord2),
+                        [&](std::uint32_t ray, double chord2) {
+                          if (chord2 > own.reach_chord2) return;
+                          const float weight = own.at(chord2) * static_cast<float>(area_sr[ray]);
+                          if (weight > 0) row.push_back({static_cast<std::int32_t>(ray), weight});
+                        });
+    // Fewer rays than its own may be left where a lattice is as coarse as it gets.
+    if (row.size() < static_cast<std::size_t>(group.samples)) row.clear();
     std::sort(row.begin(), row.end(), [](Entry a, Entry b) { return a.ray < b.ray; });
   });
-  return rays;
-}
-
-// Rays of its own, for an ommatidium that the lattice leaves with too few.
-void add_own_rays(SharedRays& shared, const Eye& eye, const DirectionTables& tables,
-                  std::uint32_t i, std::uint64_t hash, std::vector<Entry>& row) {
-  const Vec3d axis = to_double(eye.axis[i]);
-  const Vec3d side =
-      normalize(cross(std::fabs(axis.y) < 0.7 ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0}, axis));
-  const Vec3d other = cross(axis, side);
-  const float acceptance_rad = eye.acceptance_angle_rad[i];
-  row.clear();
-  // Along the axis all are the same.
-  const int count = acceptance_rad == 0 ? 1 : tables.samples;
-  for (int k = 0; k < count; ++k) {
-    float x = 0, y = 0, z = 0;
-    make_direction(tables, static_cast<int>(tables.warp_of[i]),
-                   static_cast<std::uint32_t>(hash_combine(hash, i)), k, x, y, z);
-    row.push_back({static_cast<std::int32_t>(shared.rays.size()), 1.0f});
-    add_ray(shared, eye, i,
-            side * static_cast<double>(x) + other * static_cast<double>(y) +
-                axis * static_cast<double>(z),
-            acceptance_rad);
-  }
-}
-
-// Adds the lattice rays that somebody uses, and lets the rows count them from the first of all.
-void add_lattice_rays(SharedRays& shared, const Eye& eye, int samples, GroupRays& group) {
-  std::vector<char> used(group.lattice.size(), 0);
-  for (std::vector<Entry>& row : group.rows) {
-    if (row.size() < static_cast<std::size_t>(samples)) row.clear();
-    for (const Entry& entry : row) used[static_cast<std::size_t>(entry.ray)] = 1;
-  }
-  std::vector<std::int32_t> index(group.lattice.size());
-  for (std::size_t r = 0; r < group.lattice.size(); ++r) {
+  // Only rays that somebody uses are traced; the rows count them from the first of all.
+  std::vector<std::int32_t> index(order.size(), -1);
+  for (const std::uint32_t i : group.member)
+    for (const Entry& entry : rows[i]) index[static_cast<std::size_t>(entry.ray)] = 0;
+  for (std::size_t r = 0; r < order.size(); ++r) {
+    if (index[r] < 0) continue;
     index[r] = static_cast<std::int32_t>(shared.rays.size());
-    const LatticeRay& ray = group.lattice[r];
-    if (used[r] != 0)
-      add_ray(shared, eye, group.member[ray.start], ray.direction, ray.acceptance_rad);
+    add_ray(shared, eye, start[r], directions[r], lattice.rays[order[r]].warp);
   }
-  for (std::vector<Entry>& row : group.rows)
-    for (Entry& entry : row) entry.ray = index[static_cast<std::size_t>(entry.ray)];
+  for (const std::uint32_t i : group.member)
+    for (Entry& entry : rows[i]) entry.ray = index[static_cast<std::size_t>(entry.ray)];
+}
+
+// Rays of its own, those that it would have if it did not share.
+void add_own_rays(SharedRays& shared, const Eye& eye, const DirectionTables& tables,
+                  std::uint32_t i, int set, std::vector<Entry>& row) {
+  const Vec3d axis = to_double(eye.axis[i]);
+  const std::uint32_t warp = tables.warp_of[i];
+  const std::uint64_t hash = hash_combine(mix_bits(tables.seed), i);
+  // Another pattern for each set.
+  const std::uint64_t scramble = hash + static_cast<std::uint64_t>(set);
+  const auto n = static_cast<std::size_t>(tables.samples);
+  const auto patterns = static_cast<std::uint64_t>(tables.patterns);
+  const Vec2 turn = tables.turns[mix_bits(scramble) % turn_count];
+  // Along the axis all are the same.
+  const bool single = tables.warps[warp].rows == nullptr;
+  for (std::size_t k = 0; k < (single ? 1 : n); ++k) {
+    float x = 0, y = 0, z = 1;
+    if (patterns > 0 && !single) {
+      const float* local =
+          tables.local.data() + (warp * patterns + scramble % patterns) * 3 * n + k;
+      x = turn.x * local[0] - turn.y * local[n];
+      y = turn.y * local[0] + turn.x * local[n];
+      z = local[2 * n];
+    } else if (!single) {
+      make_direction(tables, static_cast<int>(warp), static_cast<std::uint32_t>(mix_bits(scramble)),
+                     static_cast<int>(k), x, y, z);
+    }
+    row.push_back({static_cast<std::int32_t>(shared.rays.size()), 1.0f});
+    add_ray(shared, eye, i, direction_about(axis, to_double(Vec3{x, y, z})), warp);
+  }
 }
 
 }  // namespace
 
-SharedRays make_shared_rays(const Eye& eye, const DirectionTables& tables, int pattern) {
+SharedRays make_shared_rays(const Eye& eye, const DirectionTables& tables, int set) {
+  const double most_rays = static_cast<double>(eye.size()) * tables.samples;
+  if (most_rays > static_cast<double>(most_shared_rays))
+    throw Error("share_rays: expected at most " + std::to_string(most_shared_rays) +
+                " rays, found " + std::to_string(static_cast<long long>(most_rays)) + " (" +
+                std::to_string(eye.size()) + " ommatidia, " + std::to_string(tables.samples) +
+                " samples): take fewer samples");
   SharedRays shared;
   std::vector<std::vector<Entry>> rows(eye.size());
   const std::uint64_t hash =
-      hash_combine(mix_bits(tables.seed ^ 0x73686172ull), static_cast<std::uint64_t>(pattern));
-  const std::vector<Densities> densities = make_densities(tables.warps);
-  for (std::vector<std::uint32_t>& member : sharing_groups(eye)) {
-    const std::uint64_t group_hash = hash_combine(hash, member.front());
-    GroupRays group = make_group_rays(eye, tables, densities, std::move(member), group_hash);
-    add_lattice_rays(shared, eye, tables.samples, group);
-    for (std::size_t k = 0; k < group.rows.size(); ++k)
-      rows[group.member[k]] = std::move(group.rows[k]);
+      hash_combine(mix_bits(tables.seed ^ 0x73686172ull), static_cast<std::uint64_t>(set));
+  const std::vector<SharingDensities> densities =
+      make_sharing_densities(tables.warps, tables.samples);
+  std::vector<double> width(eye.size());
+  for (std::size_t i = 0; i < eye.size(); ++i) width[i] = densities[tables.warp_of[i]].width_rad;
+  for (const std::vector<std::uint32_t>& members : sharing_groups(eye)) {
+    std::vector<Vec3d> axes;
+    for (const std::uint32_t i : members) axes.push_back(normalize(to_double(eye.axis[i])));
+    const AxisTree tree(std::move(axes));
+    for (std::vector<std::uint32_t>& one : width_classes(members, width)) {
+      const std::uint64_t class_hash = hash_combine(hash, one.front());
+      Group group = make_group(eye, tables, densities, std::move(one));
+      add_shared_rays(shared, eye, tree, members, group, class_hash, rows);
+    }
   }
 
+  std::size_t weights = 0;
+  for (const std::vector<Entry>& row : rows) weights += row.size() + weight_group;
+  shared.ray.reserve(weights);
+  shared.weight.reserve(weights);
   shared.first.push_back(0);
   for (std::uint32_t i = 0; i < eye.size(); ++i) {
+    check_cancelled();
     std::vector<Entry>& row = rows[i];
-    if (row.empty()) add_own_rays(shared, eye, tables, i, hash, row);
+    shared.is_shared.push_back(row.empty() ? 0 : 1);
+    if (row.empty()) add_own_rays(shared, eye, tables, i, set, row);
     double sum = 0;
     for (const Entry& entry : row) sum += static_cast<double>(entry.weight);
     for (const Entry& entry : row) {
@@ -368,15 +409,16 @@ SharedRays make_shared_rays(const Eye& eye, const DirectionTables& tables, int p
   return shared;
 }
 
-DirectionTables make_ray_tables(const Eye& rays, const RenderSettings& settings) {
-  RenderSettings without_points = settings;
-  without_points.sampling = Sampling::random;
-  DirectionTables tables = make_direction_tables(rays, without_points);
+DirectionTables make_ray_tables(const DirectionTables& of_eye, const SharedRays& shared) {
+  DirectionTables tables;
   tables.samples = 1;
   tables.patterns = 1;
-  tables.sampling = Sampling::low_discrepancy;
-  tables.polar = {};
-  for (std::size_t i = 0; i < tables.warps.size(); ++i)
+  tables.seed = of_eye.seed;
+  tables.warp_of = shared.warp;
+  tables.footprint_rad = of_eye.footprint_rad;
+  tables.fixed_turn = of_eye.fixed_turn;
+  tables.turns = of_eye.turns;
+  for (std::size_t i = 0; i < of_eye.warps.size(); ++i)
     tables.local.insert(tables.local.end(), {0.0f, 0.0f, 1.0f});
   return tables;
 }

@@ -20,18 +20,32 @@ namespace omma {
 // Rows of weights are padded with zeros to whole groups of so many.
 inline constexpr int weight_group = 16;
 
+// An ommatidium shares rays where those of its neighbours make its own worth more than so many;
+// else it has its own, spread better for it alone than a lattice cut off at the border of its
+// field. Measured (docs/shared-rays.md): below, errors grow with samples up to 2.5 times; above,
+// they fall.
+inline constexpr double least_sharing_gain = 2;
+
+// Most rays, and most weights of those that are shared: a set then takes up to about 2 GB.
+inline constexpr std::int64_t most_shared_rays = std::int64_t(1) << 23;
+inline constexpr std::int64_t most_shared_weights = std::int64_t(1) << 27;
+
 struct SharedRays {
-  Eye rays;  // each an ommatidium of its own, its axis the direction
+  Eye rays;                         // each an ommatidium of its own, its axis the direction
+  std::vector<std::uint32_t> warp;  // [ray], of the eye's tables: the narrowest that it counts for
+  std::vector<char> is_shared;      // [ommatidium], whether its rays count for others too
   // response[i] = sum of weight[k] * radiance[ray[k]], k from first[i] to first[i + 1].
-  std::vector<std::int64_t> first;  // [ommatidium + 1]
-  std::vector<std::int32_t> ray;    // [entry]
-  std::vector<float> weight;        // [entry], 1 in sum over each row
+  std::vector<std::int64_t> first;     // [ommatidium + 1]
+  std::vector<std::int32_t> ray;       // [entry]
+  std::vector<float> weight;           // [entry], 1 in sum over each row
+  std::uint64_t directions_tried = 0;  // of lattice points; what making them has cost
 };
 
-// About tables.samples rays per ommatidium in all, another set for each `pattern`.
-SharedRays make_shared_rays(const Eye& eye, const DirectionTables& tables, int pattern);
+// About tables.samples rays per ommatidium in all, different ones in each `set`. Throws omma::Error
+// where rays or weights would be more than the most.
+SharedRays make_shared_rays(const Eye& eye, const DirectionTables& tables, int set);
 
-// Tables for tracing each of the rays along its axis, once.
-DirectionTables make_ray_tables(const Eye& rays, const RenderSettings& settings);
+// Tables for tracing each of the rays along its axis, once, as wide as the eye's.
+DirectionTables make_ray_tables(const DirectionTables& of_eye, const SharedRays& shared);
 
 }  // namespace omma

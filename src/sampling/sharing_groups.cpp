@@ -1,12 +1,12 @@
 // Clusters of nodal points: ommatidia are joined to those of their nearest that are near enough.
 #include "sampling/sharing_groups.h"
 
-#include <oneapi/tbb/parallel_for.h>
-
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "model/nearest_axis.h"
+#include "threads/parallel.h"
 
 namespace omma {
 
@@ -16,9 +16,8 @@ std::vector<std::vector<std::uint32_t>> sharing_groups(const Eye& eye) {
   for (std::size_t i = 0; i < n; ++i) positions[i] = to_double(eye.position_m[i]);
   const AxisTree tree(positions);
   std::vector<NearestAxes> near(n);
-  oneapi::tbb::parallel_for(std::size_t{0}, n, [&](std::size_t i) {
-    near[i] = tree.nearest(positions[i], NearestAxes::most);
-  });
+  parallel_for(std::size_t{0}, n,
+               [&](std::size_t i) { near[i] = tree.nearest(positions[i], NearestAxes::most); });
   std::vector<double> spacing(n);  // squared distance to the farthest of the near ones
   for (std::size_t i = 0; i < n; ++i)
     spacing[i] = near[i].chord_squared[static_cast<std::size_t>(near[i].count - 1)];
@@ -51,6 +50,27 @@ std::vector<std::vector<std::uint32_t>> sharing_groups(const Eye& eye) {
     groups[static_cast<std::size_t>(group)].push_back(i);
   }
   return groups;
+}
+
+std::vector<std::vector<std::uint32_t>> width_classes(std::span<const std::uint32_t> member,
+                                                      std::span<const double> width) {
+  double narrowest = 0, widest = 0;
+  for (const std::uint32_t i : member) {
+    if (width[i] > 0 && (narrowest == 0 || width[i] < narrowest)) narrowest = width[i];
+    widest = std::max(widest, width[i]);
+  }
+  if (widest == 0) return {};
+  const double span = std::log(widest / narrowest);
+  // A hair less, as the widest may be just so many times as wide.
+  const double count = std::max(1.0, std::ceil(span / std::log(most_width_ratio) * (1 - 1e-9)));
+  std::vector<std::vector<std::uint32_t>> classes(static_cast<std::size_t>(count));
+  for (const std::uint32_t i : member) {
+    if (width[i] == 0) continue;
+    const double place = span > 0 ? std::log(width[i] / narrowest) / span * count : 0;
+    classes[static_cast<std::size_t>(std::min(place, count - 1))].push_back(i);
+  }
+  std::erase_if(classes, [](const auto& one) { return one.empty(); });
+  return classes;
 }
 
 }  // namespace omma

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "omma/eye.h"
@@ -12,5 +13,14 @@ namespace omma {
 // hold both eyes of a head under one number. Clusters lie further apart than several facets.
 // [group][member], indices in the eye; each ommatidium is in one group.
 std::vector<std::vector<std::uint32_t>> sharing_groups(const Eye& eye);
+
+// Within a class nobody's field is more than this many times as wide as another's. A ray of the
+// narrowest is worth little to the widest, who would count so many squared of them.
+inline constexpr double most_width_ratio = 4;
+
+// The members of a group by their width [ommatidium]: as few classes as that takes, each as wide on
+// a logarithmic scale. Those of width 0 are in none.
+std::vector<std::vector<std::uint32_t>> width_classes(std::span<const std::uint32_t> member,
+                                                      std::span<const double> width);
 
 }  // namespace omma

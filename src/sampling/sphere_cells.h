@@ -1,4 +1,4 @@
-// Points on the unit sphere, sorted into the cells of a cube, so that all those within reach of a
+// Points on the unit sphere, sorted into rows along x, so that all those within reach of a
 // direction are found without a tree.
 #pragma once
 
@@ -9,63 +9,80 @@
 #include <vector>
 
 #include "omma/vec.h"
+#include "threads/parallel.h"
 
 namespace omma {
 
 class SphereCells {
  public:
-  // Unit vectors, looked up within `reach` (a chord, at most 2) at most.
-  SphereCells(std::span<const Vec3d> points, double reach) : reach_(reach) {
-    // No finer than the points are, and a table that fits a second-level cache.
-    const int most = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(points.size()))));
-    side_ = std::clamp(static_cast<int>(2 / std::max(reach, 1e-3)), 1, std::clamp(most, 1, 64));
-    std::vector<std::uint32_t> cell;
-    cell.reserve(points.size());
-    for (const Vec3d p : points)
-      cell.push_back(
-          static_cast<std::uint32_t>((place(p.z) * side_ + place(p.y)) * side_ + place(p.x)));
-    first_.assign(static_cast<std::size_t>(side_) * side_ * side_ + 1, 0);
-    for (const std::uint32_t c : cell) ++first_[c + 1];
-    for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
-    std::vector<std::uint32_t> next = first_;
-    point_.resize(points.size());
-    index_.resize(points.size());
-    for (std::uint32_t i = 0; i < points.size(); ++i) {
-      const std::uint32_t k = next[cell[i]]++;
-      point_[k] = points[i];
-      index_[k] = i;
+  // Unit vectors, looked up within about `reach` (a chord, at most 2). Rows are as wide as that, in
+  // the box that holds the points; a row's points are in the order of their x.
+  SphereCells(std::span<const Vec3d> points, double reach) {
+    double end[2] = {-1, -1};
+    for (const Vec3d& p : points) {
+      begin_[0] = std::min(begin_[0], p.y);
+      begin_[1] = std::min(begin_[1], p.z);
+      end[0] = std::max(end[0], p.y);
+      end[1] = std::max(end[1], p.z);
     }
+    const double extent = std::max({end[0] - begin_[0], end[1] - begin_[1], 1e-9});
+    width_ = std::max(reach, extent / most_rows);
+    for (int i = 0; i < 2; ++i)
+      rows_[i] = 1 + static_cast<int>(std::max(0.0, end[i] - begin_[i]) / width_);
+    std::vector<std::uint32_t> row;
+    row.reserve(points.size());
+    for (const Vec3d& p : points)
+      row.push_back(static_cast<std::uint32_t>(place(p.z, 1) * rows_[0] + place(p.y, 0)));
+    first_.assign(static_cast<std::size_t>(rows_[0]) * static_cast<std::size_t>(rows_[1]) + 1, 0);
+    for (const std::uint32_t r : row) ++first_[r + 1];
+    for (std::size_t r = 1; r < first_.size(); ++r) first_[r] += first_[r - 1];
+    std::vector<std::uint32_t> next = first_;
+    index_.resize(points.size());
+    for (std::uint32_t i = 0; i < points.size(); ++i) index_[next[row[i]]++] = i;
+    point_.resize(points.size());
+    parallel_for(std::size_t{0}, first_.size() - 1, [&](std::size_t r) {
+      const auto at = [&](std::uint32_t k) { return index_.begin() + k; };
+      std::sort(at(first_[r]), at(first_[r + 1]), [&](std::uint32_t a, std::uint32_t b) {
+        return points[a].x != points[b].x ? points[a].x < points[b].x : a < b;
+      });
+      for (std::uint32_t k = first_[r]; k < first_[r + 1]; ++k) point_[k] = points[index_[k]];
+    });
   }
 
   // Calls found(index, chord squared) for each point within reach, always in the same order.
   template <typename Found>
-  void for_each_near(Vec3d direction, const Found& found) const {
-    const double most = reach_ * reach_;
+  void for_each_near(Vec3d direction, double reach, const Found& found) const {
+    const double most = reach * reach;
     // A hair more, as distances are rounded.
-    const double reach = reach_ * (1 + 1e-9);
-    const int x0 = place(direction.x - reach), x1 = place(direction.x + reach);
-    const int y0 = place(direction.y - reach), y1 = place(direction.y + reach);
-    const int z0 = place(direction.z - reach), z1 = place(direction.z + reach);
+    const double wide = reach * (1 + 1e-9) + 1e-15;
+    const int y0 = place(direction.y - wide, 0), y1 = place(direction.y + wide, 0);
+    const int z0 = place(direction.z - wide, 1), z1 = place(direction.z + wide, 1);
     for (int z = z0; z <= z1; ++z)
       for (int y = y0; y <= y1; ++y) {
-        const std::size_t row = static_cast<std::size_t>((z * side_ + y) * side_);
-        const std::uint32_t end = first_[row + static_cast<std::size_t>(x1) + 1];
-        for (std::uint32_t k = first_[row + static_cast<std::size_t>(x0)]; k < end; ++k) {
-          const Vec3d apart = point_[k] - direction;
+        const auto row = static_cast<std::size_t>(z * rows_[0] + y);
+        const Vec3d* const end = point_.data() + first_[row + 1];
+        const Vec3d* p = std::lower_bound(point_.data() + first_[row], end, direction.x - wide,
+                                          [](const Vec3d& a, double x) { return a.x < x; });
+        for (; p != end && p->x <= direction.x + wide; ++p) {
+          const Vec3d apart = *p - direction;
           const double chord2 = dot(apart, apart);
-          if (chord2 <= most) found(index_[k], chord2);
+          if (chord2 <= most) found(index_[static_cast<std::size_t>(p - point_.data())], chord2);
         }
       }
   }
 
  private:
-  int place(double coordinate) const {
-    return std::clamp(static_cast<int>((coordinate + 1) * 0.5 * side_), 0, side_ - 1);
+  static constexpr int most_rows = 1023;  // a table of some megabytes at most
+
+  int place(double coordinate, int which) const {
+    return static_cast<int>(
+        std::clamp((coordinate - begin_[which]) / width_, 0.0, rows_[which] - 1.0));
   }
 
-  double reach_;
-  int side_ = 1;
-  std::vector<std::uint32_t> first_;  // [cell + 1], cells along x, then y, then z
+  double begin_[2] = {1, 1};  // of y and z
+  double width_ = 2;
+  int rows_[2] = {1, 1};
+  std::vector<std::uint32_t> first_;  // [row + 1]
   std::vector<Vec3d> point_;
   std::vector<std::uint32_t> index_;  // of each point as given
 };

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "omma/pose.h"
+#include "threads/parallel.h"
 
 namespace omma {
 namespace {
@@ -42,6 +43,7 @@ std::vector<LatticePatch> lattice_patches(const SphereLattice& lattice,
   constexpr std::uint64_t quarter = std::uint64_t(1) << 62;
   for (std::uint64_t k = 4; k-- > 0;) open.push_back({0, lattice.points, k * quarter, quarter});
   while (!open.empty()) {
+    check_cancelled();
     const LatticePatch patch = open.back();
     open.pop_back();
     const double upper = polar_angle(lattice, static_cast<double>(patch.first));

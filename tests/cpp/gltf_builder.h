@@ -95,22 +95,21 @@ inline std::string from_base64(const std::string& text) {
   return bytes;
 }
 
+// A chunk of a PNG with its checksum.
+inline std::string png_chunk(const std::string& type, const std::string& data) {
+  std::uint32_t crc = 0xFFFFFFFF;
+  for (const char c : type + data) {
+    crc ^= static_cast<unsigned char>(c);
+    for (int k = 0; k < 8; ++k) crc = crc & 1 ? crc >> 1 ^ 0xEDB88320 : crc >> 1;
+  }
+  return big_endian_u32(static_cast<std::uint32_t>(data.size())) + type + data +
+         big_endian_u32(~crc);
+}
+
 // A PNG with its data stored, not packed. `samples` are of 8 or 16 bit, [height][width][component];
 // components 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA.
 template <typename T>
 std::string png(int width, int height, int components, const std::vector<T>& samples) {
-  const auto crc32 = [](const std::string& bytes) {
-    std::uint32_t crc = 0xFFFFFFFF;
-    for (const char c : bytes) {
-      crc ^= static_cast<unsigned char>(c);
-      for (int k = 0; k < 8; ++k) crc = crc & 1 ? crc >> 1 ^ 0xEDB88320 : crc >> 1;
-    }
-    return ~crc;
-  };
-  const auto chunk = [&](const std::string& type, const std::string& data) {
-    return big_endian_u32(static_cast<std::uint32_t>(data.size())) + type + data +
-           big_endian_u32(crc32(type + data));
-  };
   std::string rows;
   const auto row = static_cast<std::size_t>(width * components);
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -137,7 +136,8 @@ std::string png(int width, int height, int components, const std::vector<T>& sam
   header += static_cast<char>(8 * sizeof(T));
   header += color_type[components];
   header += std::string(3, '\0');
-  return "\x89PNG\r\n\x1a\n" + chunk("IHDR", header) + chunk("IDAT", packed) + chunk("IEND", "");
+  return "\x89PNG\r\n\x1a\n" + png_chunk("IHDR", header) + png_chunk("IDAT", packed) +
+         png_chunk("IEND", "");
 }
 
 inline std::string png_1x1(std::uint8_t r, std::uint8_t g, std::uint8_t b, std::uint8_t a = 255) {

@@ -142,13 +142,13 @@ TEST(GltfTexture, WithoutAnImageCountsAsWhite) {
 TEST(GltfTexture, HandlesThatLeadNowhere) {
   GltfBuilder b = red_triangle();
   b.document["textures"][0]["source"] = 7;
-  expect_load_error(b, {"texture 0", "images[7]", "there are 1"});
+  expect_load_error(b, {"texture 0", "image 7", "there are 1"});
   b = red_triangle();
   b.document["textures"][0]["sampler"] = 7;
-  expect_load_error(b, {"texture 0", "samplers[7]", "there are 0"});
+  expect_load_error(b, {"texture 0", "sampler 7", "there are 0"});
   b = red_triangle();
   b.document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["index"] = 7;
-  expect_load_error(b, {"material 0", "textures[7]", "there are 1"});
+  expect_load_error(b, {"material 0", "texture 7", "there are 1"});
 }
 
 TEST(GltfImage, FromABufferView) {
@@ -197,6 +197,50 @@ TEST(GltfImage, ManyAreReadInTheirOrder) {
     EXPECT_EQ(scene.images[static_cast<std::size_t>(scene.textures[texture].image)].rgba_srgb8[0],
               i);
   }
+}
+
+// A material for each of the file's images.
+void show_all_images(GltfBuilder& b, int count) {
+  for (int i = 1; i < count; ++i) {
+    b.push("textures", {{"source", i}});
+    b.push("materials", {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", i}}}}}});
+  }
+}
+
+TEST(GltfImage, TheSameBytesAreReadOnce) {
+  const std::string uri = data_uri(png_1x1(3, 2, 1));
+  GltfBuilder b = textured_triangle({{"uri", uri}});
+  const int view = b.view(png_1x1(1, 2, 3));
+  b.push("images", {{"bufferView", view}, {"mimeType", "image/png"}});
+  b.push("images", {{"uri", uri}});
+  b.push("images", {{"bufferView", view}, {"mimeType", "image/png"}});
+  show_all_images(b, 4);
+  const Scene scene = load(b);
+  ASSERT_EQ(scene.images.size(), 2u);
+  ASSERT_EQ(scene.textures.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_EQ(scene.images[static_cast<std::size_t>(scene.textures[i].image)].rgba_srgb8[0],
+              i % 2 == 0 ? 3 : 1);
+}
+
+// 17 kB may be an image of 16,384 x 8,192 pixels, half a GB. Two of them are read, and there are
+// files with more; but then they are not so small. Refused by their headers: what would be decoded
+// here is not there.
+TEST(GltfImage, PixelsAreChargedBeforeTheyAreDecoded) {
+  const std::string one = png_1x1(0, 0, 0);
+  const std::string header = big_endian_u32(16384) + big_endian_u32(8192) + one.substr(24, 5);
+  GltfBuilder b = one_triangle();
+  for (int i = 0; i < 30; ++i) {
+    const std::string filler = png_chunk("fiLl", std::string(17000, static_cast<char>(i)));
+    const int view = b.view(one.substr(0, 8) + png_chunk("IHDR", header) + filler + one.substr(33));
+    b.push("images", {{"bufferView", view}, {"mimeType", "image/png"}});
+  }
+  b.push("textures", {{"source", 0}});
+  b.push("materials", {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
+  show_all_images(b, 30);
+  // 2^30 bytes, and 256 for each of the file's.
+  expect_load_error(b, {"image 2", "16384 x 8192 pixels need 536870912 bytes",
+                        "those before it 1073741824", "images of 512"});
 }
 
 TEST(GltfImage, OnlyThoseShownAreRead) {

@@ -1,16 +1,38 @@
-// Images: PNG of every kind glTF has, JPEG, Radiance HDR, and those that are broken; whole files
+// Images: PNG, JPEG, Radiance HDR and OpenEXR of every kind, and those that are broken; whole files
 // written at once.
+#include "encoded_images.h"
 #include "gltf_builder.h"
 #include "io/atomic_file.h"
+#include "io/image.h"
 
 namespace omma::test {
 namespace {
 
+std::span<const std::uint8_t> bytes_in(const std::string& text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
 Image decode(const std::string& bytes) {
-  return decode_image({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, "place");
+  return decode_image(bytes_in(bytes), "place");
+}
+
+template <typename Work>
+void expect_cancelled(const Work& work) {
+  EXPECT_THROW(work(), Cancelled);
 }
 
 using Bytes = std::vector<std::uint8_t>;
+
+void expect_as(const Image& image, const EncodedKind& kind) {
+  EXPECT_EQ(image.width, kind.expected.width);
+  EXPECT_EQ(image.height, kind.expected.height);
+  ASSERT_EQ(image.rgba_srgb8.size(), kind.expected.rgba_srgb8.size());
+  ASSERT_EQ(image.rgba_linear.size(), kind.expected.rgba_linear.size());
+  for (std::size_t i = 0; i < image.rgba_srgb8.size(); ++i)
+    ASSERT_NEAR(image.rgba_srgb8[i], kind.expected.rgba_srgb8[i], kind.tolerance) << i;
+  for (std::size_t i = 0; i < image.rgba_linear.size(); ++i)
+    ASSERT_NEAR(image.rgba_linear[i], kind.expected.rgba_linear[i], kind.tolerance) << i;
+}
 
 TEST(Image, PngOf8Bits) {
   EXPECT_EQ(decode(png<std::uint8_t>(1, 1, 1, {7})).rgba_srgb8, (Bytes{7, 7, 7, 255}));
@@ -85,38 +107,144 @@ TEST(Image, TruncationsAreErrors) {
   Bytes noise(16 * 16 * 3);
   for (std::size_t i = 0; i < noise.size(); ++i) noise[i] = static_cast<std::uint8_t>(i * 97);
   const std::string png_bytes = png<std::uint8_t>(16, 16, 3, noise);
-  // The last chunk, 12 bytes, marks the end and holds nothing; its checksum is not read.
-  for (std::size_t size = 0; size + 4 < png_bytes.size(); ++size)
+  for (std::size_t size = 0; size < png_bytes.size(); ++size)
     expect_error([&] { decode(png_bytes.substr(0, size)); }, {"place"});
   const std::string jpeg_bytes = color_jpeg();
   for (std::size_t size = 0; size < jpeg_bytes.size(); ++size)
     expect_error([&] { decode(jpeg_bytes.substr(0, size)); }, {"place"});
 }
 
+// The same with another size in its header.
+std::string with_size(const std::string& png, std::uint32_t width, std::uint32_t height) {
+  const std::string header =
+      big_endian_u32(width) + big_endian_u32(height) + png.substr(24, 5);  // 13 bytes from 16 on
+  return png.substr(0, 8) + png_chunk("IHDR", header) + png.substr(33);
+}
+
 TEST(Image, ClaimsOfSizeDoNotAllocate) {
-  std::string claim = png<std::uint8_t>(1, 1, 1, {0});
-  claim.replace(16, 8, big_endian_u32(60000) + big_endian_u32(60000));
-  expect_error([&] { decode(claim); }, {"place", "claims too much"});
-  claim.replace(16, 8, big_endian_u32(20000) + big_endian_u32(20000));
-  expect_error([&] { decode(claim); }, {"place", "20000 x 20000", "too large"});
-  claim.replace(16, 8, big_endian_u32(10000) + big_endian_u32(10000));
-  expect_error([&] { decode(claim); }, {"place", "10000 x 10000", "can hold"});
-  claim.replace(16, 8, big_endian_u32(0xFFFFFFFF) + big_endian_u32(0xFFFFFFFF));
-  expect_error([&] { decode(claim); }, {"place"});
-  claim.replace(16, 8, big_endian_u32(0) + big_endian_u32(1));
-  expect_error([&] { decode(claim); }, {"place"});
+  const std::string one = png<std::uint8_t>(1, 1, 1, {0});
+  const auto expect_refused = [&](std::uint32_t width, std::uint32_t height,
+                                  const std::vector<std::string>& parts) {
+    expect_error([&] { decode(with_size(one, width, height)); }, parts);
+  };
+  expect_refused(70000, 60, {"place", "70000 x 60", "at most 65536 each way"});
+  expect_refused(60000, 60000, {"place", "60000 x 60000", "too large"});
+  expect_refused(20000, 20000, {"place", "20000 x 20000", "too large"});
+  expect_refused(10000, 10000, {"place", "10000 x 10000", "can hold"});
+  expect_refused(0xFFFFFFFF, 0xFFFFFFFF, {"place", "does not decode"});
+  expect_refused(0, 1, {"place", "does not decode"});
+}
+
+TEST(Image, EveryKind) {
+  for (const EncodedKind& kind : images_of_every_kind()) {
+    SCOPED_TRACE(kind.name);
+    expect_as(decode(kind.bytes), kind);
+    // Those that the fuzzers start from, whatever versions of the libraries made them.
+    expect_as(load_image(OMMA_SEEDS "/image/" + kind.name), kind);
+  }
+}
+
+// Whatever comes of it, it is an image or an omma::Error, and nothing is printed.
+TEST(Image, EveryKindCutOffAndBroken) {
+  testing::internal::CaptureStderr();
+  testing::internal::CaptureStdout();
+  for (const EncodedKind& kind : images_of_every_kind()) {
+    SCOPED_TRACE(kind.name);
+    for (std::size_t size = 0; size < kind.bytes.size(); ++size)
+      expect_error([&] { decode(kind.bytes.substr(0, size)); }, {"place"});
+    std::size_t refused = 0;
+    for (std::size_t at = 0; at < kind.bytes.size(); ++at)
+      for (const int flipped : {1, 0x80, 0xFF}) {
+        std::string bytes = kind.bytes;
+        bytes[at] = static_cast<char>(bytes[at] ^ flipped);
+        try {
+          decode(bytes);
+        } catch (const Error& error) {
+          EXPECT_TRUE(std::string(error.what()).starts_with("place: ")) << error.what();
+          ++refused;
+        }
+      }
+    EXPECT_GT(refused, 0u);
+    // All of a PNG is under checksums, its signature tells what it is.
+    if (kind.name.ends_with(".png")) {
+      EXPECT_EQ(refused, 3 * kind.bytes.size());
+    }
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+TEST(Image, JpegsOfOtherKinds) {
+  for (const EncodedKind& kind :
+       {jpeg_image("whole chroma", {}), jpeg_image("progressive, 4:2:0", {true, false, true, 2}),
+        jpeg_image("ink", {false, true, false}), jpeg_image("progressive ink", {true, true})}) {
+    SCOPED_TRACE(kind.name);
+    expect_as(decode(kind.bytes), kind);
+  }
+}
+
+TEST(Image, JpegOfTooManyScans) {
+  // A scan for each coefficient of each component; over a large image, each takes its time.
+  JpegWay way{true};
+  way.scan_each_coefficient = true;
+  expect_error([&] { decode(jpeg_image("", way).bytes); }, {"place", "100 scans"});
+}
+
+TEST(Image, OpenExrOfEveryCompression) {
+  // None, RLE, ZIP by line and by 16, PIZ: those that keep all bits.
+  for (int compression = 0; compression <= 4; ++compression)
+    for (const bool half : {false, true})
+      for (const bool tiled : {false, true}) {
+        SCOPED_TRACE(compression);
+        const EncodedKind kind = exr_image("", {{"R", "G", "B"}, half, tiled, compression, -5});
+        expect_as(decode(kind.bytes), kind);
+      }
+}
+
+TEST(Image, OpenExrThatIsNoPanorama) {
+  const auto decode_exr = [](const ExrWay& way) { decode(exr_image("", way).bytes); };
+  expect_error([&] { decode_exr({{"R", "G"}}); }, {"place", "R, G and B", "found G, R"});
+  expect_error([&] { decode_exr({{"Z"}}); }, {"place", "R, G and B", "found Z"});
+  expect_error([&] { decode_exr({{"Y", "RY", "BY"}}); }, {"place", "found BY, RY, Y"});
+  ExrWay cropped;
+  cropped.crop_x = 4;
+  expect_error([&] { decode_exr(cropped); },
+               {"place", "display window (0 3 to 12 13)", "data window 0 3 to 16 13"});
+}
+
+TEST(Image, OpenExrClaimsDoNotAllocate) {
+  ExrWay way;
+  way.attribute = "words";
+  way.tiled = true;
+  const std::string bytes = exr_image("", way).bytes;
+  // With other bytes from `skip` behind the name and type of an attribute on.
+  const auto with = [&](std::string claim, const std::string& attribute, std::size_t skip,
+                        const std::string& value) {
+    return claim.replace(claim.find(attribute) + attribute.size() + skip, value.size(), value);
+  };
+  // 2 GiB of text, and of something that the library does not know.
+  const std::string huge = little_endian_u32(0x7FFFFFF0);
+  const std::string text("text\0string\0", 12);
+  const std::string claim = with(bytes, text, 0, huge);
+  expect_error([&] { decode(claim); }, {"place", "cut off in its header"});
+  expect_error([&] { decode(with(claim, std::string("text\0", 5), 0, "S")); },
+               {"place", "cut off in its header"});
+  const std::string tiles("tiles\0tiledesc\0", 15);
+  expect_error(
+      [&] { decode(with(bytes, tiles, 4, little_endian_u32(8191) + little_endian_u32(8191))); },
+      {"place", "17 x 11", "need 16", "are expected"});
+  std::string large = bytes;
+  const std::string corner = little_endian_u32(15999) + little_endian_u32(15999);
+  for (const char* window : {"dataWindow", "displayWindow"})
+    large = with(large, std::string(window) + '\0' + "box2i" + '\0', 4 + 8, corner);
+  expect_error([&] { decode(large); }, {"place"});
 }
 
 TEST(Image, BrokenJpegTables) {
   // Tables of 16 x 255 codes, which some decoders write past their array for.
-  const std::string whole = grey_jpeg();
-  const std::size_t table = whole.find("\xFF\xC4");
-  std::string bad = whole;
-  bad.replace(table + 5, 16, std::string(16, '\xFF'));
-  expect_error([&] { decode(bad); }, {"place", "broken Huffman table"});
-  bad = whole;
-  bad[table + 4] = 1;  // renamed, so that the scan's table is not there
-  expect_error([&] { decode(bad); }, {"place", "Huffman table that is not there"});
+  std::string bad = grey_jpeg();
+  bad.replace(bad.find("\xFF\xC4") + 5, 16, std::string(16, '\xFF'));
+  expect_error([&] { decode(bad); }, {"place", "does not decode", "Huffman table"});
 }
 
 TEST(Image, PackedDataThatUnpackForever) {
@@ -152,6 +280,25 @@ TEST(Image, Files) {
   expect_error([&] { save_png(path, rgb, 1 << 30, 1 << 30, 3); }, {path});
   expect_error([&] { load_image((folder.path / "none.png").string()); },
                {"none.png", "no such file"});
+}
+
+TEST(Image, PngsThatAreNotWanted) {
+  const TemporaryFolder folder;
+  const std::string path = (folder.path / "picture.png").string();
+  const Bytes pixels(64 * 64 * 3);
+  save_png(path, Bytes{1, 2, 3}, 1, 1, 3);
+  expect_cancelled([&] { save_png(path, pixels, 64, 64, 3, [](double) { return false; }); });
+  EXPECT_EQ(load_image(path).width, 1);  // the old one
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path), {}), 1);
+  expect_cancelled([&] { load_image(path, [](double) { return false; }); });
+  // Before the first rows are coded and decoded it is looked at.
+  WorkState ended;
+  ended.cancelled = true;
+  expect_cancelled([&] { encode_png(pixels, 64, 64, 3, path, {&ended}); });
+  for (const EncodedKind& kind : images_of_every_kind()) {
+    SCOPED_TRACE(kind.name);
+    expect_cancelled([&] { decode_claimed_image(bytes_in(kind.bytes), "place", {&ended}); });
+  }
 }
 
 TEST(AtomicFile, NothingHalfWrittenIsLeft) {

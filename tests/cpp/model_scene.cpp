@@ -118,6 +118,45 @@ TEST(ValidateScene, Numbers) {
       "image 0: a pixel is not finite");
 }
 
+// Sums, and sums of squares, must stay within single precision whatever is seen.
+TEST(ValidateScene, RefusesRadianceBeyondSinglePrecision) {
+  expect_invalid([](Scene& s) { s.materials[0].base_color.x = 1.1e15f; },
+                 "its colour (factor x texture x vertex colour) would reach 1.1e+15, expected");
+  expect_invalid([](Scene& s) { s.materials[0].base_color.w = 1e38f; }, "its colour");
+  expect_invalid([](Scene& s) { s.materials[0].emissive.y = 1e38f; },
+                 "its emission (factor x texture) would reach 1e+38");
+  expect_invalid([](Scene& s) { s.background.color.z = -1e38f; }, "background: its radiance");
+  const auto bright_image = [](Scene& s) {
+    s.images[0].rgba_srgb8.clear();
+    s.images[0].rgba_linear = {0, 0, 1e8f, 1};
+  };
+  expect_invalid(
+      [&](Scene& s) {
+        bright_image(s);
+        s.materials[0].base_color_texture.texture = 0;
+        s.materials[0].base_color.y = 1e8f;
+      },
+      "material 0");
+  expect_invalid(
+      [&](Scene& s) {
+        s.materials[0].base_color.y = 1e8f;
+        s.meshes[0].colors[1].x = -1e8f;
+      },
+      "mesh 0 \"Tri\": its colour");
+  expect_invalid(
+      [&](Scene& s) {
+        bright_image(s);
+        s.background.type = BackgroundType::image;
+        s.background.image = s.images[0];
+        s.background.image.rgba_linear[1] = 1e16f;
+      },
+      "background: its radiance would reach 1e+16");
+  Scene bright = good_scene();
+  bright.materials[0].base_color = {1e15f, 0, 0, 1};
+  bright.background.color = {1e15f, 1, 1};
+  EXPECT_NO_THROW(validate_scene(bright));
+}
+
 TEST(SceneBounds, AroundAllInstances) {
   const Bounds bounds = scene_bounds(good_scene());
   EXPECT_FALSE(bounds.empty);

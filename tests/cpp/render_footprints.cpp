@@ -2,8 +2,10 @@
 // noise, and the acceptance function stays what it is.
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <filesystem>
 
+#include "backend/shading_data.h"
 #include "backend/texture_levels.h"
 #include "kernel/footprint.h"
 #include "kernel/texture.h"
@@ -35,7 +37,7 @@ struct LevelSums {
 LevelSums mean_of_level(const TextureView& view, int level, AlphaUse use) {
   const auto l = level_of(view, level);
   LevelSums sums;
-  const float unit = view.linear16 != nullptr ? 1 / 65535.0f : 1;
+  const float unit = view.linear == nullptr ? 1 / 65535.0f : 1;
   const double share = 1.0 / (l.width * l.height);
   for (int i = 0; i < l.width * l.height; ++i) {
     const Color<float> c = load_texel<float>(view, l.first_texel + i) * unit;
@@ -108,6 +110,65 @@ TEST(TextureLevels, OneLaneIsManyLanes) {
           EXPECT_EQ(eval_texture<float>(view, u[l], v[l], width[l]).g, many.g[l]);
       }
     }
+}
+
+// The image of a large scene stays 8-bit; what is read is the same to the last bit, by one lane and
+// by many, whose levels differ. Level 0 costs nothing then, the others a third of it.
+TEST(TextureLevels, OfLargeScenesAreTheSameBits) {
+  Random random{4};
+  for (const auto& [width, height] :
+       {std::pair{1, 1}, {2, 1}, {5, 3}, {64, 64}, {33, 1}, {1, 90}, {250, 101}, {6, 11}})
+    for (const ColorRule rule : {ColorRule::gltf, ColorRule::compoundray})
+      for (const AlphaUse use : {AlphaUse{}, AlphaUse{AlphaMode::mask, 0.4f}})
+        for (const bool with_levels : {true, false}) {
+          const Image image = random_image(width, height, 6, true);
+          const TextureLevels small = make_texture_levels(image, rule, use, with_levels);
+          const TextureLevels large = make_texture_levels(image, rule, use, with_levels, true);
+          ASSERT_EQ(large.linear16.size() + 2 * static_cast<std::size_t>(width * height),
+                    small.linear16.size());
+          const TextureView a = view_levels(image, small), b = view_levels(image, large);
+          const auto expect_same = [](const auto& x, const auto& y) {
+            EXPECT_EQ(std::memcmp(&x, &y, sizeof x), 0);
+          };
+          for (int i = 0; i < 300; ++i) {
+            Floats u{}, v{}, wide{};
+            for (int l = 0; l < lane_width; ++l) {
+              u[l] = static_cast<float>(random.uniform(-3, 3));
+              v[l] = static_cast<float>(random.uniform(-3, 3));
+              wide[l] = static_cast<float>(std::exp2(random.uniform(i % 3 - 2, 4)));
+            }
+            expect_same(eval_texture(a, u, v, wide), eval_texture(b, u, v, wide));
+            expect_same(eval_texture<float>(a, u[0], v[0], wide[0]),
+                        eval_texture<float>(b, u[0], v[0], wide[0]));
+          }
+        }
+}
+
+// A scene is large by the texels of all its images; what is built of it then has no copy of them.
+TEST(TextureLevels, OfLargeImagesAreNoCopies) {
+  Scene scene;
+  Image image;
+  image.width = 4096;
+  for (const bool large : {false, true}) {
+    image.height = large ? 4097 : 4096;
+    image.rgba_srgb8.assign(static_cast<std::size_t>(image.width * image.height) * 4, 7);
+    Material material;
+    scene = {};
+    material.base_color_texture.texture = add_texture(scene, image);
+    add_material(scene, material);
+    const auto shading = make_shading_data(scene);
+    std::size_t bytes = 0;
+    for (const TextureLevels& levels : shading->levels)
+      bytes += levels.linear16.size() * sizeof(std::int32_t);
+    const std::size_t texels = image.rgba_srgb8.size() / 4;
+    // Levels 1, 2, ... have a third of the texels of level 0, and a few for what is rounded up.
+    const double expected = static_cast<double>(texels) * 8 * (large ? 1 / 3.0 : 4 / 3.0);
+    EXPECT_NEAR(static_cast<double>(bytes), expected, 0.001 * expected);
+    scene.background.type = BackgroundType::image;
+    scene.background.image = image;
+    const BackgroundData background = make_background_data(scene.background);
+    EXPECT_EQ(background.levels.linear16.size() * sizeof(std::int32_t), bytes);
+  }
 }
 
 // --- What an ommatidium sees.

@@ -31,14 +31,13 @@ TEST(Kernel, PathOfOneRayIsWhatThePacketsSee) {
   SceneView view = shading->view;
   const BackgroundData background = make_background_data(scene.background);
   view.background = background.view;
-  const auto trace = [](float t_near_m, SurfaceHit& hit, float& t_m) {
-    for (int k = 0; k < 3; ++k)
-      if (static_cast<float>(k + 1) >= t_near_m) {
-        hit = {k, 0, 0.25f, 0.25f};
-        t_m = static_cast<float>(k + 1);
-        return true;
-      }
-    return false;
+  int next = 0;
+  const auto trace = [&](float t_near_m, SurfaceHit& hit, float& t_m) {
+    if (next == 3) return false;
+    hit = {next, 0, 0.25f, 0.25f};
+    t_m = static_cast<float>(++next);
+    EXPECT_LT(t_near_m, t_m);
+    return true;
   };
   const omma::Radiance one = eval_path(view, {0, 0, -1}, 0.0f, 0.0f, trace);
   for (int c = 0; c < channel_count; ++c)  // the same operations in the same order

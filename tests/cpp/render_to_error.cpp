@@ -160,9 +160,11 @@ struct Case {
 
 class ToError : public testing::TestWithParam<Case> {};
 
-// The reported error is above the true one, as even patterns do better than their pairs tell: 1.1
-// to 1.5 times at edges, among clutter and lamps, 4 times in smooth surroundings. Measured here, in
-// targets: true error 0.14 (smooth), 0.57 (checkerboard), 0.44 (clutter), 0.7 (lamps).
+// The reported error is above the true one, as even patterns do better than their pairs tell: 1.4
+// to 1.8 times at edges, among clutter and lamps. In smooth surroundings it is 9 times: neighbours
+// 18 degrees apart differ there by up to a tenth, which eight rays could miss if it were an edge.
+// Measured here, in targets: true error 0.06 (smooth), 0.49 (checkerboard), 0.37 (clutter), 0.63
+// (lamps).
 TEST_P(ToError, IsReached) {
   const Case& c = GetParam();
   const Outcome o = measure(c.scene(), all_round(), to_error(target, c.least), 32);
@@ -199,7 +201,7 @@ TEST_P(ToError, IsUnbiased) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, ToError,
-                         testing::Values(Case{"smooth", smooth_scene, 8, 6},
+                         testing::Values(Case{"smooth", smooth_scene, 8, 11},
                                          Case{"checkerboard", checkerboard, 8, 2.3},
                                          Case{"clutter", clutter, 8, 2.3},
                                          Case{"lamps", lamps, 16, 2.3}),
@@ -235,9 +237,10 @@ TEST(RenderToError, FlatSurroundCostsTheLeast) {
 
 // Whoever has rays left has reached the error; whoever has not says so.
 TEST(RenderToError, TellsWhoDidNotReachIt) {
+  constexpr double error = 1.2 * target;
   for (const int most : {8, 15, 16, 64, 100, 512}) {
     const std::vector<Mat4> poses(3);
-    const Renderer renderer = make_renderer(checkerboard(), all_round(), to_error(target, 8, most));
+    const Renderer renderer = make_renderer(checkerboard(), all_round(), to_error(error, 8, most));
     const Spent spent = render_spent(renderer, poses);
     int missed = 0, least = most;
     for (std::size_t i = 0; i < spent.rays.size(); ++i) {
@@ -245,11 +248,11 @@ TEST(RenderToError, TellsWhoDidNotReachIt) {
       EXPECT_LE(spent.rays[i], most);
       least = std::min(least, spent.rays[i]);
       const float* e = spent.standard_error.data() + i * channel_count;
-      if (*std::max_element(e, e + channel_count) <= static_cast<float>(target)) continue;
+      if (*std::max_element(e, e + channel_count) <= static_cast<float>(error)) continue;
       ++missed;
       EXPECT_GT(spent.rays[i] + 8, most) << "one more round was left";
     }
-    // Some see one square only, others need 1,500 rays.
+    // Some see one square and little of others and need 400 rays, some 800.
     EXPECT_GT(missed, 0) << most;
     if (most > 64) {
       EXPECT_LT(least, most);

@@ -2,7 +2,9 @@
 
 import base64
 import json
+import signal
 import sys
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +12,11 @@ import pytest
 
 import omma
 from omma import cli
+
+# Where a shell started the tests in the background Ctrl-C is ignored, by them and by the programs
+# that they start and interrupt; a handler ends that.
+if threading.current_thread() is threading.main_thread():
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 

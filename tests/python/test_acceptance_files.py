@@ -55,5 +55,5 @@ def test_a_map(tmp_path):
 def test_what_is_wrong_is_named(tmp_path, text, message):
     with pytest.raises(omma.Error, match=message):
         omma.load_acceptance(written(tmp_path, text))
-    with pytest.raises(omma.Error, match="cannot be read"):
+    with pytest.raises(omma.Error, match="there is no such file"):
         omma.load_acceptance(tmp_path / "none.csv")

@@ -134,7 +134,7 @@ def test_path_with_standard_errors_and_pictures(omma_command, scene, eye, flight
 
 
 def test_many_poses_go_through_memory_in_pieces(monkeypatch, rendered, scene, eye, tmp_path):
-    monkeypatch.setattr("omma.rendering._CHUNK_BYTES", 60 * 12 * 4)  # four poses
+    monkeypatch.setattr("omma.render_pieces._PIECE_BYTES", 60 * 12 * 4)  # four poses
     path = tmp_path / "flight.csv"
     rows = "".join(f"{x / 5},1,0,0,0,0,1\n" for x in range(11))
     path.write_text("x,y,z,qx,qy,qz,qw\n" + rows)
@@ -431,3 +431,56 @@ def test_progress_bar_in_a_terminal(files, tmp_path):
     seen = run_in_terminal(quick, lambda text: False)
     assert "wrote" in seen
     assert "Rendering" not in seen
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        "render scene.gltf --eye bug.eye --samples 1 -o {0}/a.npy",
+        "info scene.gltf",
+        "eye info bug.eye",
+        "eye species honeybee_worker",
+        "eye acceptance bug.eye --degrees 3 -o {0}/a.csv",
+        "--help",
+    ],
+)
+@pytest.mark.parametrize(
+    ("redirected", "code", "says"),
+    [
+        ("| head -0", None, ""),  # whoever reads has enough
+        (">&-", 0, ""),
+        ("2>&-", 0, None),
+        ("<&- >&- 2>&-", 0, ""),
+        (">/dev/full", 1, "omma: error: system: No space left on device\n"),
+    ],
+)
+def test_output_that_goes_nowhere(files, tmp_path, arguments, redirected, code, says):
+    command = f"'{sys.executable}' -m omma {arguments.format(tmp_path)} {redirected}"
+    done = subprocess.run(["bash", "-c", command], cwd=files, capture_output=True, text=True)
+    assert "Traceback" not in done.stderr
+    assert code in (None, done.returncode)
+    assert says in (None, done.stderr)
+    assert (done.stdout == "") == (redirected != "2>&-")
+    if "-o" in arguments:  # and what was asked for is there
+        assert [p.stat().st_size > 100 for p in tmp_path.iterdir()] == [True]
+
+
+def test_a_closed_stream_is_not_written_into_a_file(files, tmp_path):
+    """What the first file opened would get is the number of the stream that is missing."""
+    command = (
+        f"'{sys.executable}' -m omma render scene.gltf --eye bug.eye --samples 1 "
+        f"-o {tmp_path}/a.csv -o {tmp_path}/b.csv >&- 2>&-"
+    )
+    subprocess.run(["bash", "-c", command], cwd=files, check=True)
+    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
+
+
+def test_names_that_are_no_utf8_in_the_command_line(files, tmp_path):
+    name = os.fsencode(tmp_path) + b"/K\xe4fer\n\x1b[31m"
+    command = [sys.executable, "-m", "omma", "eye", "acceptance", "bug.eye", "--degrees", "3", "-o"]
+    done = subprocess.run([*command, name + b".csv"], cwd=files, capture_output=True, check=True)
+    assert os.listdir(os.fsencode(tmp_path)) == [b"K\xe4fer\n\x1b[31m.csv"]
+    assert done.stdout.startswith(b"wrote ")
+    done = subprocess.run([*command, name + b"/a.csv"], cwd=files, capture_output=True)
+    assert done.returncode == 1
+    assert rb"K\xe4fer\n\x1b[31m/a.csv: cannot be written" in done.stderr

@@ -75,6 +75,15 @@ def test_before_a_scene(fresh, capfd):
     assert position(fresh) == [0, 0, 0]
 
 
+def test_a_camera_too_far_away_is_an_error(lib, capfd):
+    # Embree ends the process at rays from beyond 1.84e18 m.
+    for camera in range(lib.getCameraCount()):
+        lib.gotoCamera(camera)
+        lib.setCameraPosition(2e18, 0, 0)
+        lib.renderFrame()
+        assert "within 1e18 m" in capfd.readouterr().err.replace("e+18", "e18")
+
+
 def test_bad_files_are_errors_and_change_nothing(lib, tmp_path, capfd):
     broken = tmp_path / "broken.gltf"
     broken.write_text("{")

@@ -278,7 +278,7 @@ def test_tables_from_files(tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (None, ["cannot be read"]),
+        (None, ["there is no such file"]),
         ("", ["columns", "none"]),
         ("azimuth,elevation\n1,2\n", ["azimuth_deg", "azimuth, elevation"]),
         ("azimuth_deg,elevation_deg,dphi_h_deg\n", ["at least one line"]),

@@ -1,14 +1,23 @@
-"""Responses in files: what is in them, and that no half of one is ever left."""
+"""Files: what is in them, that they are written whole or not at all, and read if they are files."""
 
 import csv
 import os
+import re
+import resource
+import stat
+import subprocess
+import sys
+from contextlib import contextmanager
+from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import make_eye
+from conftest import make_eye, write_gltf
 
 import omma
-from omma.files import NpyWriter, WholeFiles
+from omma import _core
+from omma.files import NpyWriter, WholeFiles, left_behind
+from omma.info import describe_file
 
 
 def responses_of(eye, poses=2):
@@ -84,20 +93,210 @@ def test_nothing_is_left_when_writing_fails(tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["a.npy"]
 
 
-@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full here")
-def test_a_full_disk_is_an_error_that_names_the_file(tmp_path):
-    class Full(WholeFiles):
-        def open(self, name):
-            file = super().open(name)
-            os.dup2(os.open("/dev/full", os.O_WRONLY), file.fileno())
-            return file
+@contextmanager
+def small_disk(size):
+    """No file can grow beyond ``size`` bytes: what a full disk does, without one."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
-    for size in (3, 3_000_000):  # found out when closing, and while writing
-        with pytest.raises(omma.Error, match=r"a\.npy: cannot be written: No space left"), \
-                Full() as files:  # fmt: skip
-            writer = NpyWriter(files, str(tmp_path / "a.npy"), (1, 1, size))
-            writer.write(np.zeros((1, 1, size), np.float32), None, 0)
-        assert list(tmp_path.iterdir()) == []
+
+def test_a_full_disk_is_an_error_that_names_the_file(tmp_path):
+    wrong = pytest.raises(omma.Error, match=r"a\.npy: cannot be written: File too large")
+    with small_disk(1000), wrong, WholeFiles() as files:
+        writer = NpyWriter(files, str(tmp_path / "a.npy"), (1, 1, 3000))
+        writer.write(np.zeros((1, 1, 3000), np.float32), None, 0)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_series_of_pictures_is_there_whole_or_not_at_all(files, tmp_path, monkeypatch):
+    path = tmp_path / "path.csv"
+    path.write_text("x,y,z,yaw_deg,pitch_deg,roll_deg\n" + "0,1,0,0,0,0\n" * 3 + "0,1,0,90,0,0\n")
+    render = {"eyes": files / "bug.eye", "path": path, "samples": 1, "width": 64}
+    whole = _core.encode_png
+
+    def encode(name, pixels):
+        return whole(name, pixels) + (b"x" * 100_000 if "0003" in name else b"")
+
+    monkeypatch.setattr(_core, "encode_png", encode)
+    with small_disk(50_000), pytest.raises(omma.Error, match=r"out_0003\.png: cannot be written"):
+        omma.render_file(files / "scene.gltf", tmp_path / "out.png", **render)
+    assert [p.name for p in tmp_path.iterdir()] == ["path.csv"]
+    monkeypatch.undo()
+    omma.render_file(files / "scene.gltf", tmp_path / "out.png", **render)
+    assert len(list(tmp_path.glob("out_*.png"))) == 4
+
+
+def write_any(path, eye):
+    """Write something to a file of whatever kind its name says."""
+    suffix = Path(path).suffix
+    if suffix == ".npy":
+        omma.save_responses(path, responses_of(eye), eye)
+    elif suffix == ".csv":
+        omma.save_eye_table(path, eye, omma.measure_eye(eye))
+    elif suffix == ".png":
+        omma.save_png(path, np.zeros((2, 3, 3), np.uint8))
+    else:
+        omma.save_eye(path, eye)
+
+
+KINDS = (".npy", ".csv", ".png", ".eye", ".gltf")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_links_are_followed_and_permissions_kept(tmp_path, eye, kind):
+    (tmp_path / "far").mkdir()
+    link, target = tmp_path / f"link{kind}", tmp_path / f"far/target{kind}"
+    link.symlink_to(f"far/target{kind}")
+    write_any(link, eye)  # where there is nothing yet
+    assert target.stat().st_size > 10
+    target.chmod(0o604)
+    target.write_bytes(b"old")
+    write_any(link, eye)
+    assert link.is_symlink()
+    assert target.read_bytes() != b"old"
+    assert stat.S_IMODE(target.stat().st_mode) == 0o604
+    assert sorted(p.name for p in tmp_path.rglob("*")) == ["far", link.name, target.name]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_new_files_have_the_mode_of_the_umask(tmp_path, eye, kind):
+    before = os.umask(0o027)
+    try:
+        write_any(tmp_path / f"new{kind}", eye)
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((tmp_path / f"new{kind}").stat().st_mode) == 0o640
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_pipes_are_refused(tmp_path, eye, kind):
+    os.mkfifo(tmp_path / f"pipe{kind}")
+    with pytest.raises(omma.Error, match="cannot be written: it is not a regular file"):
+        write_any(tmp_path / f"pipe{kind}", eye)
+    assert (tmp_path / f"pipe{kind}").is_fifo()
+
+
+READERS = [
+    omma.load_poses,
+    omma.load_acceptance,
+    omma.load_angle_table,
+    omma.load_eye,
+    omma.load_scene,
+    omma.convert_eye,
+    omma.import_oda,
+    lambda path: omma.import_lens_cone(path, path),
+    omma.eye_file_heads,
+    omma.Background.image,
+    describe_file,
+]
+
+
+@pytest.mark.parametrize("read", READERS)
+@pytest.mark.parametrize("kind", ["pipe", "device", "folder", "nothing"])
+def test_only_regular_files_are_read(tmp_path, read, kind):
+    path = Path("/dev/zero") if kind == "device" else tmp_path / "p"
+    if kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "folder":
+        path.mkdir()
+    with pytest.raises(omma.Error, match=re.escape(str(path))):
+        read(path)
+
+
+@pytest.mark.parametrize("read", READERS[:3])
+def test_text_that_is_no_utf8(tmp_path, read):
+    (tmp_path / "a.csv").write_bytes(b"x,y\nK\xe4fer\n")
+    with pytest.raises(omma.Error, match=r"a\.csv, line 2: expected UTF-8 text"):
+        read(tmp_path / "a.csv")
+
+
+LATIN = os.fsdecode(b"K\xe4fer")  # a name that is not UTF-8
+
+
+def test_names_that_are_no_utf8(tmp_path, eye):
+    for kind in KINDS:
+        path = tmp_path / f"{LATIN}{kind}"
+        write_any(path, eye)
+        assert os.fsencode(path.name) in os.listdir(os.fsencode(tmp_path))
+    back = omma.load_eye(tmp_path / f"{LATIN}.eye")
+    assert back.path == str(tmp_path / f"{LATIN}.eye")
+    assert r"K\xe4fer.eye" in repr(back)
+    scene = write_gltf(tmp_path / f"{LATIN}.gltf")
+    assert omma.load_scene(scene).path == str(scene)
+
+
+@pytest.mark.parametrize("read", READERS)
+def test_errors_name_them_readably(tmp_path, read):
+    with pytest.raises(omma.Error, match=r"K\\xe4fer\\nx\\x1b\[31m") as caught:
+        read(tmp_path / f"{LATIN}\nx\x1b[31m")
+    str(caught.value).encode()  # no lone surrogates
+    assert str(caught.value).isprintable()
+
+
+def test_errors_of_python_are_readable():
+    assert str(omma.Error(f"{LATIN}\n\x85 蜂")) == r"K\xe4fer\n\xc2\x85 蜂"
+    assert str(omma.Error("\ud800")).encode() == rb"'\ud800'"
+
+
+def test_a_chunk_of_a_png_whose_name_is_no_text(tmp_path):
+    omma.save_png(tmp_path / "a.png", np.zeros((2, 3, 3), np.uint8))
+    data = (tmp_path / "a.png").read_bytes()
+    (tmp_path / "a.png").write_bytes(data[:12] + b"\xc4\xd6\xdc\xdf" + data[16:])
+    with pytest.raises(omma.Error, match=r"a\.png"):
+        omma.Background.image(tmp_path / "a.png")
+
+
+KILLED = """
+import os, signal, sys
+import numpy as np
+from omma.files import NpyWriter, WholeFiles
+
+with WholeFiles() as files:
+    for name in sys.argv[1:]:
+        NpyWriter(files, name, (1, 1, 1)).write(np.zeros((1, 1, 250_000), np.float32), None, 0)
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_what_a_killed_run_left_is_named(files, tmp_path, monkeypatch, run_omma):
+    monkeypatch.chdir(tmp_path)
+    subprocess.run([sys.executable, "-c", KILLED, "a.npy", "b c.csv"], check=False)
+    render = ["render", files / "scene.gltf", "--eye", files / "bug.eye", "--samples", "1"]
+    code, _, err = run_omma(*render, "-o", "a.npy", "-o", "b c.csv")
+    assert code == 0
+    left = sorted(p.name for p in tmp_path.glob(".*.partial"))
+    assert len(left) == 2
+    assert err.startswith("omma: warning: runs that were killed left 2.0 MB behind: ")
+    assert all(name in err for name in left)
+    # Another target's are not ours, and nothing is removed unasked.
+    assert run_omma(*render, "-o", "other.npy")[2] == ""
+    subprocess.run(err.partition("to remove it: ")[2], shell=True, check=True)
+    assert list(tmp_path.glob(".*.partial")) == []
+    assert run_omma(*render, "-o", "a.npy")[2] == ""
+
+
+def test_a_run_that_goes_on_left_nothing(tmp_path):
+    name = str(tmp_path / "a.npy")
+    with WholeFiles() as files:
+        NpyWriter(files, name, (1, 1, 1)).write(np.zeros((1, 1, 1), np.float32), None, 0)
+        assert left_behind([name]) == []
+
+
+def test_another_command_names_it_too(files, tmp_path, monkeypatch, run_omma):
+    monkeypatch.chdir(tmp_path)
+    subprocess.run([sys.executable, "-c", KILLED, "a.csv"], check=False)
+    for command in (
+        ["eye", "acceptance", files / "bug.eye", "-o", "a.csv", "--degrees", "3"],
+        ["eye", "info", files / "bug.eye", "-o", "a.csv"],
+        ["eye", "species", "--facts", "a.csv"],
+    ):
+        code, _, err = run_omma(*command)
+        assert code == 0
+        assert "left 1.0 MB behind: ./.a.csv." in err
 
 
 def test_save_eye_leaves_nothing_behind(tmp_path):

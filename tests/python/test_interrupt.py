@@ -5,6 +5,8 @@ import subprocess
 import sys
 import time
 
+import pytest
+
 PROGRAM = """
 import os, sys, time
 import numpy as np
@@ -39,9 +41,7 @@ def test_ctrl_c_stops_a_render():
         assert process.stdout.readline() == "rendering\n"
         time.sleep(0.5)
         process.send_signal(signal.SIGINT)
-        sent = time.perf_counter()
         assert process.stdout.readline() == "interrupted\n"
-        assert time.perf_counter() - sent < 1.0
         busy = float(process.stdout.readline().removeprefix("busy for"))
         # Of 0.5 s on every core; the interpreter itself needs next to nothing asleep.
         assert busy < 0.1
@@ -52,7 +52,8 @@ def test_ctrl_c_stops_a_render():
         process.communicate()
 
 
-def test_ctrl_c_in_the_command_line(files, tmp_path):
+def long_render(files, tmp_path, *more):
+    """``omma render`` of a path that takes minutes, once it is at work."""
     path = tmp_path / "long.csv"
     rows = "0,1,0,0,0,0\n" * 5000
     path.write_text("x,y,z,yaw_deg,pitch_deg,roll_deg\n" + rows)
@@ -60,23 +61,68 @@ def test_ctrl_c_in_the_command_line(files, tmp_path):
         [
             *(sys.executable, "-m", "omma", "render", files / "scene.gltf"),
             *("--eye", files / "bug.eye", "--path", path, "--samples", "200000"),
-            *("-o", tmp_path / "out.npy", "-o", tmp_path / "out.csv"),
+            *("-o", tmp_path / "out.npy", "-o", tmp_path / "out.csv", *more),
         ],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
     )
-    deadline = time.perf_counter() + 20
-    while not list(tmp_path.glob(".out*.npy")):  # the temporary file: rendering has begun
+    deadline = time.perf_counter() + 60
+    while not list(tmp_path.glob(".out.npy*.partial")):  # the temporary file: rendering has begun
         assert time.perf_counter() < deadline
         assert process.poll() is None, process.stderr.read()
         time.sleep(0.02)
     time.sleep(0.3)
-    process.send_signal(signal.SIGINT)
-    sent = time.perf_counter()
-    out, err = process.communicate(timeout=20)
-    # A second for the render, and some for the interpreter to go down.
-    assert time.perf_counter() - sent < 2.0
-    assert process.returncode == 130
-    assert (out, err) == ("", "omma: error: interrupted\n")
+    return process
+
+
+@pytest.mark.parametrize(
+    ("number", "says"),
+    [
+        (signal.SIGINT, "interrupted"),
+        (signal.SIGTERM, "interrupted by SIGTERM"),
+        (signal.SIGHUP, "interrupted by SIGHUP"),
+    ],
+)
+def test_signals_in_the_command_line(files, tmp_path, number, says):
+    process = long_render(files, tmp_path)
+    process.send_signal(number)
+    out, err = process.communicate(timeout=20)  # against hangs: the render would take an hour
+    assert process.returncode == 128 + number
+    assert (out, err) == ("", f"omma: error: {says}\n")
     assert [p.name for p in tmp_path.iterdir()] == ["long.csv"]
+
+
+def test_several_signals_at_once(files, tmp_path):
+    process = long_render(files, tmp_path)
+    for _ in range(3):
+        process.send_signal(signal.SIGTERM)
+        process.send_signal(signal.SIGINT)
+        time.sleep(0.01)
+    process.communicate(timeout=20)
+    assert process.returncode not in (0, None)
+    assert [p.name for p in tmp_path.iterdir()] == ["long.csv"]
+
+
+def test_what_is_ignored_stays_ignored(files, tmp_path):
+    """nohup: the terminal goes, the work goes on."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # children inherit it
+    try:
+        process = long_render(files, tmp_path)
+    finally:
+        signal.signal(signal.SIGHUP, before)
+    process.send_signal(signal.SIGHUP)
+    time.sleep(0.5)
+    assert process.poll() is None
+    process.send_signal(signal.SIGTERM)
+    process.communicate(timeout=20)
+    assert process.returncode == 128 + signal.SIGTERM
+
+
+def test_importing_omma_changes_no_signal():
+    program = (
+        "import signal, omma, omma.cli\n"
+        "print([signal.getsignal(s) == signal.SIG_DFL for s in (signal.SIGTERM, signal.SIGHUP)])"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.stdout == "[True, True]\n"

@@ -190,6 +190,50 @@ def test_a_stopped_experiment_goes_on_and_ends_the_same(tiny):
     assert [file.stat().st_mtime_ns == time for file, time in zip(files, kept)] == [1, 0, 1]
 
 
+@needs_data
+def test_draws_have_places_of_their_own(tiny):
+    """The second draw is what another seed gives, for every eye; the first is as without draws."""
+    arguments, out = tiny
+    short = ["--frames", "500", "--epochs", "2"]
+    start, scene = arguments[:2], arguments[5:7]
+
+    def curves(eyes, folder, *more):
+        where = ["--out", out.parent / folder]
+        command = [*start, *eyes, *scene, *short, *where, *more]
+        subprocess.run(command, check=True, capture_output=True)
+        with (out.parent / folder / "curves.csv").open() as file:
+            return [
+                (row["eye"], row["draw"], row["validation_l1"]) for row in csv.DictReader(file)
+            ]
+
+    both = curves(arguments[2:4], "draws", "--draws", "2")
+    assert [row[:2] for row in both[::2]] == [
+        (eye.stem, draw) for eye in EYES[:2] for draw in ("0", "1")
+    ]
+    seeded = curves(arguments[2:3], "seeded", "--seed", "1")
+    assert [row[2] for row in both[2:4]] == [row[2] for row in seeded]
+    assert both[0][2] != both[2][2]
+
+
+def test_what_several_draws_say():
+    finals = {
+        "real": np.array([[0.40, 0.42], [0.44, 0.46], [0.42, 0.42]]),  # means .41 .45 .42
+        "single": np.array([[0.41, 0.43], [0.44, 0.46], [0.45, 0.45]]),  # .42 .45 .45
+    }
+    lowest = {"real": np.array([0.36, 0.40, 0.37]), "single": np.array([0.36, 0.40, 0.37])}
+    real, single = localise.compare(finals, lowest).values()
+    # Above the lowest: 0.05 each time, and 0.06, 0.05, 0.08.
+    assert (real.above, real.less_first, real.less_first_error) == pytest.approx((0.05, 0, 0))
+    assert single.final == pytest.approx(0.44)
+    assert single.final_scatter == pytest.approx(np.sqrt(3e-4))
+    assert single.less_first == pytest.approx(0.04 / 3)
+    scatter = np.std([0.01, 0.0, 0.03], ddof=1)
+    assert single.less_first_error == pytest.approx(scatter / np.sqrt(3))
+    assert single.anew == pytest.approx(scatter)  # real scatters by nothing
+    lone = localise.compare({"real": finals["real"][:1]}, {"real": lowest["real"][:1]})["real"]
+    assert np.isnan(lone.final_scatter)
+
+
 def test_help_has_examples_and_a_missing_file_is_named():
     shown = subprocess.run([sys.executable, SCRIPT, "--help"], capture_output=True, text=True)
     assert shown.returncode == 0

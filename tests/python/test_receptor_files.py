@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import omma
-from omma import receptor_files
+from omma import render_pieces
 from omma.receptor_files import quoted
 
 PATH = "x,y,z,yaw_deg,pitch_deg,roll_deg\n0,1,0,0,0,0\n1,2,0,40,-20,5\n"
@@ -84,7 +84,7 @@ def test_many_poses_are_written_in_pieces(fly, files, monkeypatch, standard_erro
         return np.load(name)
 
     whole = write("whole.npy")
-    monkeypatch.setattr(receptor_files, "_CHUNK_BYTES", 4 * 90)  # one pose
+    monkeypatch.setattr(render_pieces, "_PIECE_BYTES", 4 * 90)  # one pose
     assert np.array_equal(write("pieces.npy"), whole)
     assert {0.5, 1.0} <= shares[1]
 

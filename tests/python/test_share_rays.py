@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -32,13 +33,18 @@ def sharing(scene: omma.Scene, eye: omma.Eye) -> omma.Renderer:
 
 def test_properties(sharing: omma.Renderer, eye: omma.Eye) -> None:
     assert sharing.share_rays
-    assert "4 samples, shared" in repr(sharing)
+    assert f"4 samples, shared by {np.count_nonzero(sharing.shared_ommatidia)}" in repr(sharing)
+    assert sharing.shared_ommatidia.shape == (len(eye),)
+    assert sharing.shared_ommatidia.dtype == bool
+    # All but some at the border of the field.
+    assert np.mean(sharing.shared_ommatidia) > 0.97
     # Acceptance angles differ over the eye, and densities come in steps of two.
     assert sharing.rays_per_frame == pytest.approx(4 * len(eye), rel=0.1)
     own = sharing.with_eye(eye, share_rays=False)
     assert not own.share_rays
     assert own.rays_per_frame == 4 * len(eye)
     assert "shared" not in repr(own)
+    assert not own.shared_ommatidia.any()
     assert sharing.with_eye(eye).share_rays
     assert not omma.Renderer(sharing.scene, eye).share_rays
     own_auto = own.with_eye(eye, samples="auto", error=0.01)
@@ -74,6 +80,20 @@ def test_standard_error(sharing: omma.Renderer, eye: omma.Eye) -> None:
     assert within > 0.85
 
 
+def test_own_rays_where_nothing_is_gained(sharing: omma.Renderer, eye: omma.Eye) -> None:
+    narrow = [eye.replace(acceptance_angle_rad=angle) for angle in (math.radians(0.3), 1e-20)]
+    for alone in (*narrow, eye.replace(acceptance=omma.Acceptance.airy(25e-6, 500))):
+        renderer = sharing.with_eye(alone)
+        assert not renderer.shared_ommatidia.any()
+        assert renderer.rays_per_frame == 4 * len(eye)
+        assert np.isfinite(renderer.render("bee")).all()
+
+
+def test_refuses_what_takes_too_much(sharing: omma.Renderer, eye: omma.Eye) -> None:
+    with pytest.raises(omma.Error, match=r"fields overlap would count about .* fewer samples"):
+        sharing.with_eye(eye.replace(acceptance_angle_rad=2 * math.pi), samples=64)
+
+
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
@@ -102,6 +122,15 @@ def test_command_line(sharing: omma.Renderer, tmp_path: Path) -> None:
     assert result.exit_code == 0, result.output
     assert np.array_equal(np.load(out), sharing.render("bee"))
     assert f"{sharing.rays_per_frame:,} (4 per ommatidium and pose)" in result.output
+
+
+def test_command_line_says_where_it_gains_nothing(tmp_path: Path) -> None:
+    eye = tmp_path / "narrow.csv"
+    omma.save_eye(eye, omma.load_eye(EYE).replace(acceptance_angle_rad=0.001))
+    command = ["render", str(SCENE), "--eye", str(eye), "--share-rays", "--samples", "1"]
+    result = CliRunner().invoke(app, [*command, "-o", str(tmp_path / "out.npy")])
+    assert result.exit_code == 0, result.output
+    assert "share_rays: 0 of 5,380 ommatidia share rays" in result.output
 
 
 def test_command_line_refuses_pictures(tmp_path: Path) -> None:

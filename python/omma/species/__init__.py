@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from omma._core import Error
+from omma.arguments import checked
 from omma.species.ants import cataglyphis, melophorus
 from omma.species.bees import bumblebee, honeybee_drone, honeybee_worker
 from omma.species.facts import Fact, Source, Species, facts, facts_text, sources
@@ -40,6 +41,7 @@ def names() -> list[str]:
     return list(_MAKERS)
 
 
+@checked
 def make(name: str, progress: Callable[[str, float | None], object] | None = None) -> Species:
     """The animal of this name, as its own function makes it. Raises Error for another name."""
     if name not in _MAKERS:

@@ -14,6 +14,7 @@ from functools import cache
 from importlib.resources import files
 
 from omma._core import Error, Eye
+from omma.arguments import checked
 
 STATUSES = ("measured", "interpolated", "assumed")
 # To SI: what a unit in the table is worth. Counts, shares and ratios stay as they are.
@@ -115,6 +116,7 @@ def number(animal: str, quantity: str) -> float:
     return _find(animal, quantity).si
 
 
+@checked
 def facts_text(animal: str | None = None, form: str = "markdown") -> str:
     """The table as text: ``markdown`` or ``csv``."""
     table = facts(animal)

@@ -32,6 +32,7 @@ struct BlockContext {
   int rounds = 1;
   double error = 0;
   int most_samples = 0;
+  const std::uint8_t* nearest = nullptr;  // nearest_in_blocks
 };
 
 struct BlockTask {

@@ -11,6 +11,8 @@
 #include <xmmintrin.h>
 #endif
 
+#include "backend/embree/passed.h"
+
 namespace omma {
 
 // While it lives, this thread's denormal numbers count as zero, as Embree's manual asks: idle lanes
@@ -31,14 +33,23 @@ struct DenormalsAreZero {
   DenormalsAreZero& operator=(const DenormalsAreZero&) = delete;
 };
 
-// Rays of one ommatidium run close together, which is what coherent traversal is for.
+// Rays of one ommatidium run close together, which is what coherent traversal is for. Filters find
+// the context again, and in it what the rays have passed.
 #if RTC_VERSION_MAJOR >= 4
+struct QueryContext : RTCRayQueryContext {
+  const PassedSurfaces* passed = nullptr;
+};
 struct IntersectArguments {
+  QueryContext context;
   RTCIntersectArguments arguments;
   IntersectArguments() {
+    rtcInitRayQueryContext(&context);
     rtcInitIntersectArguments(&arguments);
     arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+    arguments.context = &context;
   }
+  IntersectArguments(const IntersectArguments&) = delete;
+  IntersectArguments& operator=(const IntersectArguments&) = delete;
 };
 __attribute__((always_inline)) inline void intersect_16(RTCScene scene, const int* valid,
                                                         RTCRayHit16& rays,
@@ -46,8 +57,11 @@ __attribute__((always_inline)) inline void intersect_16(RTCScene scene, const in
   rtcIntersect16(valid, scene, &rays, &arguments.arguments);
 }
 #else
+struct QueryContext : RTCIntersectContext {
+  const PassedSurfaces* passed = nullptr;
+};
 struct IntersectArguments {
-  RTCIntersectContext context;
+  QueryContext context;
   IntersectArguments() {
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;

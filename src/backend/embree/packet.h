@@ -19,6 +19,7 @@ struct PacketLight {
 
 struct Packet {
   RTCRayHit16 rays;
+  alignas(64) float footprint_rad[lanes];  // width of each ray (kernel/footprint.h)
   PacketLight light;
 };
 
@@ -57,6 +58,7 @@ void clear(Packet& packet) {
     packet.rays.ray.time[l] = 0;
     packet.rays.ray.mask[l] = 0xffffffffu;
     packet.rays.ray.flags[l] = 0;
+    packet.rays.ray.id[l] = static_cast<unsigned>(l);  // filters are asked in any order
   }
 }
 

@@ -14,7 +14,8 @@ struct Hits {
   alignas(64) float footprint_m[lanes];  // of the ray there, in metres of the mesh
 };
 
-void find_meshes(const EmbreeTracer& tracer, const RTCRayHit16& rays, Hits& hits) {
+void find_meshes(const EmbreeTracer& tracer, const Packet& packet, Hits& hits) {
+  const RTCRayHit16& rays = packet.rays;
   static_assert(sizeof(PlacedMesh) == 8);
   for (int l = 0; l < lanes; l += lane_width) {
     const Ints geometry = load<Ints>(rays.hit.geomID + l);
@@ -22,8 +23,8 @@ void find_meshes(const EmbreeTracer& tracer, const RTCRayHit16& rays, Hits& hits
     const Ints top = instance < 0 ? geometry : instance;  // an invalid id is -1
     const Pair<Ints> placed = gather_pair(&tracer.placed.data()->mesh, top < 0 ? top * 0 : top);
     store(hits.mesh + l, geometry < 0 ? geometry : placed.first);
-    store(hits.footprint_m + l, load<Floats>(rays.ray.id + l) * load<Floats>(rays.ray.tfar + l) *
-                                    float_of(placed.second));
+    store(hits.footprint_m + l, load<Floats>(packet.footprint_rad + l) *
+                                    load<Floats>(rays.ray.tfar + l) * float_of(placed.second));
   }
 }
 
@@ -59,8 +60,9 @@ void eval_surfaces(const SceneView& scene, const RTCHit16& hit, const Hits& hits
 }
 
 // Background of all lanes at once.
-void background_radiance(const SceneView& scene, const RTCRay16& ray,
+void background_radiance(const SceneView& scene, const Packet& packet,
                          float (&out)[channel_count][lanes]) {
+  const RTCRay16& ray = packet.rays.ray;
   switch (scene.background.type) {
     case BackgroundType::constant:
       for (int l = 0; l < lanes; ++l) {
@@ -79,7 +81,7 @@ void background_radiance(const SceneView& scene, const RTCRay16& ray,
     case BackgroundType::image:
       for (int l = 0; l < lanes; ++l) {
         const Radiance r = eval_background(scene, {ray.dir_x[l], ray.dir_y[l], ray.dir_z[l]},
-                                           float_of(static_cast<std::int32_t>(ray.id[l])));
+                                           packet.footprint_rad[l]);
         for (int c = 0; c < channel_count; ++c) out[c][l] = r.channel[c];
       }
       return;
@@ -92,18 +94,39 @@ void shade_opaque(const BlockContext& context, Packet& packet, const int* valid,
   prepare(packet.rays);
   intersect_16(context.tracer->scene, valid, packet.rays, arguments);
   Hits hits;
-  find_meshes(*context.tracer, packet.rays, hits);
+  find_meshes(*context.tracer, packet, hits);
   unsigned misses = 0;
   for (int l = 0; l < lanes; l += lane_width)
     misses |= lane_bits(load<Ints>(hits.mesh + l) < 0) << l;
-  if (misses != 0) background_radiance(*context.scene, packet.rays.ray, packet.light.channel);
+  if (misses != 0) background_radiance(*context.scene, packet, packet.light.channel);
   eval_surfaces(*context.scene, packet.rays.hit, hits, packet.light);
+}
+
+// Remembers the surface that a ray met and passes, and where it goes on from.
+void pass(PassedSurfaces& passed, int lane, RTCRayHit16& rays) {
+  const float t = rays.ray.tfar[lane], from = search_from(t);
+  PassedSurface(&surfaces)[PassedSurfaces::room] = passed.surface[lane];
+  int count = 0;
+  for (int k = 0; k < passed.count[lane]; ++k)
+    if (surfaces[k].t_m >= search_from(from)) surfaces[count++] = surfaces[k];
+  float& near = rays.ray.tnear[lane];
+  if (count == PassedSurfaces::room) {
+    passed.count[lane] = 0;
+    near = step_behind(t);
+    return;
+  }
+  surfaces[count] = {rays.hit.instID[0][lane], rays.hit.geomID[lane], rays.hit.primID[lane], t,
+                     rays.hit.u[lane],         rays.hit.v[lane]};
+  passed.count[lane] = count + 1;
+  near = from > near ? from : near;
 }
 
 // Scenes with surfaces that let light through: on behind each, until nothing gets through.
 void shade_blended(const BlockContext& context, Packet& packet, const int* valid,
                    IntersectArguments& arguments) {
   Path paths[lanes];
+  PassedSurfaces passed;
+  arguments.context.passed = &passed;
   alignas(64) float background[channel_count][lanes];
   alignas(64) int active[lanes];
   for (int l = 0; l < lanes; ++l) active[l] = valid[l];
@@ -111,9 +134,9 @@ void shade_blended(const BlockContext& context, Packet& packet, const int* valid
   while (any) {
     prepare(packet.rays);
     intersect_16(context.tracer->scene, active, packet.rays, arguments);
-    background_radiance(*context.scene, packet.rays.ray, background);
+    background_radiance(*context.scene, packet, background);
     Hits hits;
-    find_meshes(*context.tracer, packet.rays, hits);
+    find_meshes(*context.tracer, packet, hits);
     eval_surfaces(*context.scene, packet.rays.hit, hits, packet.light);
     any = false;
     for (int l = 0; l < lanes; ++l) {
@@ -129,9 +152,10 @@ void shade_blended(const BlockContext& context, Packet& packet, const int* valid
       const bool on = add_surface(paths[l], light);
       active[l] = on ? -1 : 0;
       any = any || on;
-      packet.rays.ray.tnear[l] = step_behind(packet.rays.ray.tfar[l]);
+      if (on) pass(passed, l, packet.rays);
     }
   }
+  arguments.context.passed = nullptr;
   for (int l = 0; l < lanes; ++l)
     for (int c = 0; c < channel_count; ++c)
       packet.light.channel[c][l] = paths[l].radiance.channel[c];

@@ -165,8 +165,7 @@ __attribute__((always_inline)) inline void write_rays(const DirectionTables& tab
                                         of_unit(units.axis[r]) * d.z));
     }
     store(ray.tnear + l, of_unit(units.t_near));
-    // Where the candidate filter finds it too.
-    store(ray.id + l, of_unit(units.footprint_rad));
+    store(packet.footprint_rad + l, of_unit(units.footprint_rad));
   };
 
   // All lanes are one unit's: straight from its pattern.

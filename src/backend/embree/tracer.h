@@ -3,6 +3,7 @@
 // instanced. The Scene and its shading data hold every mesh once in any case.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -14,10 +15,15 @@
 
 namespace omma {
 
+struct EmbreeTracer;
+
 // What the candidate filter of one geometry needs.
 struct FilterData {
   const SceneView* scene = nullptr;
   std::int32_t mesh = 0;
+  const EmbreeTracer* tracer = nullptr;
+  const Vec3* position_m = nullptr;                         // [vertex], in Embree's frame
+  const std::array<std::uint32_t, 3>* triangles = nullptr;  // [triangle]
 };
 
 // A geometry of the top scene: which mesh, and metres of the mesh per metre of the world along the
@@ -35,9 +41,13 @@ struct EmbreeTracer {
 
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
+  Vec3d origin_m;          // of the traced frame, in the world: rays are relative to it too
+  double half_size_m = 0;  // of the box around the scene, its longest side
   // [geometry of the top scene]. Never empty: packets look up entry 0 for lanes that missed.
   std::vector<PlacedMesh> placed{PlacedMesh{}};
   std::vector<std::unique_ptr<FilterData>> filters;
+  // [geometry of the top scene], null for instances and what needs no filter.
+  std::vector<const FilterData*> filter_of;
   std::string name;  // e.g. "embree 3.13.5"
 };
 

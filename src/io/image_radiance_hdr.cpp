@@ -1,22 +1,22 @@
 // Radiance HDR pictures, after G. Ward, "Real Pixels", Graphics Gems II (1991), and Radiance's own
 // description of the format: a text header, a line with the size, then scanlines that are plain or
-// run-length encoded by component.
-#include "io/radiance_hdr.h"
-
+// run-length encoded by component. Read by hand: what reads them in distributions' packages is part
+// of whole image systems (OpenImageIO, FreeImage, ImageMagick), each many times the size of Omma.
 #include <cmath>
 #include <cstdio>
 #include <string_view>
 #include <vector>
 
+#include "io/image_formats.h"
 #include "omma/error.h"
 
 namespace omma {
 namespace {
 
 struct Reader {
-  std::span<const std::uint8_t> bytes;
-  std::size_t at;
+  EncodedImage bytes;
   std::string place;
+  std::size_t at = 0;
 
   std::uint8_t next() {
     if (at >= bytes.size()) throw Error(place + ": the image is cut off");
@@ -55,35 +55,48 @@ void read_scanline(Reader& reader, std::vector<std::uint8_t>& rgbe, int width) {
     for (std::size_t i = 4; i < rgbe.size(); ++i) rgbe[i] = reader.next();
 }
 
-}  // namespace
-
-bool is_radiance_hdr(std::span<const std::uint8_t> bytes) {
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  return text.starts_with("#?RADIANCE") || text.starts_with("#?RGBE");
-}
-
-Image decode_radiance_hdr(std::span<const std::uint8_t> bytes, const std::string& place) {
-  Reader reader{bytes, 0, place};
+// The header, up to the pixels.
+ImageClaim read_header(Reader& reader) {
+  const std::string& place = reader.place;
   bool rgbe_format = false;
   for (std::string line = reader.line(); !line.empty(); line = reader.line())
     if (line == "FORMAT=32-bit_rle_rgbe") rgbe_format = true;
   if (!rgbe_format) throw Error(place + ": expected FORMAT=32-bit_rle_rgbe in its header");
-  Image image;
   const std::string size = reader.line();
-  if (std::sscanf(size.c_str(), "-Y %9d +X %9d", &image.height, &image.width) != 2)
+  int width = 0, height = 0;
+  if (std::sscanf(size.c_str(), "-Y %9d +X %9d", &height, &width) != 2)
     throw Error(place + ": expected its size as \"-Y height +X width\"");
+  ImageClaim claim{width, height, 0, 0};
+  if (width < 1 || height < 1) return claim;
+  claim.memory = static_cast<std::uint64_t>(claim.width * claim.height) * 4 * sizeof(float);
   // A run packs at most 127 pixels into 2 bytes of each component.
-  const std::size_t left = bytes.size() - reader.at;
-  if (image.width < 1 || image.height < 1 ||
-      static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) > left * 16)
-    throw Error(place + ": the image claims " + std::to_string(image.width) + " x " +
-                std::to_string(image.height) + " pixels, more than its " +
-                std::to_string(bytes.size()) + " bytes can hold");
+  claim.most_pixels = std::uint64_t{reader.bytes.size() - reader.at} * 16;
+  return claim;
+}
 
+}  // namespace
+
+bool is_radiance_hdr(EncodedImage bytes) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  return text.starts_with("#?RADIANCE") || text.starts_with("#?RGBE");
+}
+
+ImageClaim radiance_hdr_claim(EncodedImage bytes, const std::string& place) {
+  Reader reader{bytes, place};
+  return read_header(reader);
+}
+
+Image decode_radiance_hdr(EncodedImage bytes, const std::string& place, const WorkPart& work) {
+  Reader reader{bytes, place};
+  const ImageClaim claim = read_header(reader);
+  Image image;
+  image.width = static_cast<int>(claim.width);
+  image.height = static_cast<int>(claim.height);
   const auto row = static_cast<std::size_t>(image.width) * 4;
   image.rgba_linear.resize(row * static_cast<std::size_t>(image.height));
   std::vector<std::uint8_t> rgbe(row);
   for (std::size_t first = 0; first < image.rgba_linear.size(); first += row) {
+    work.reach(static_cast<double>(first) / static_cast<double>(image.rgba_linear.size()));
     read_scanline(reader, rgbe, image.width);
     for (std::size_t i = 0; i < row; i += 4) {
       float* pixel = &image.rgba_linear[first + i];

@@ -1,0 +1,144 @@
+// Boxes of meshes and scenes, the origin to trace from, and warnings of what rounding does.
+#include "model/scene_place.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "model/pose_check.h"
+
+namespace omma {
+namespace {
+
+// A box this many times its half size away from the origin is traced from an origin of its own.
+// Below, moving would not gain two bits.
+constexpr double far_away = 4;
+
+// Rounding by more than this share of the scene's half size is told.
+constexpr double notable_share = 1e-6;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr Bounds nothing{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}, true};
+
+void include(Bounds& box, Vec3d p) {
+  box.lower = {std::min(box.lower.x, p.x), std::min(box.lower.y, p.y), std::min(box.lower.z, p.z)};
+  box.upper = {std::max(box.upper.x, p.x), std::max(box.upper.y, p.y), std::max(box.upper.z, p.z)};
+  box.empty = false;
+}
+
+Bounds box_around(const Bounds& a, const Bounds& b) {
+  Bounds both = a;
+  if (b.empty) return both;
+  include(both, b.lower);
+  include(both, b.upper);
+  return both;
+}
+
+Bounds placed_box(const Bounds& box, const Mat4& t) {
+  Bounds placed = nothing;
+  if (box.empty) return placed;
+  for (int corner = 0; corner < 8; ++corner)
+    include(placed, transform_point(t, {corner & 1 ? box.upper.x : box.lower.x,
+                                        corner & 2 ? box.upper.y : box.lower.y,
+                                        corner & 4 ? box.upper.z : box.lower.z}));
+  return placed;
+}
+
+double largest(Vec3d v) {
+  return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
+}
+
+// Boxes of the meshes that are placed somewhere, [mesh].
+std::vector<Bounds> boxes_of_used_meshes(const Scene& scene) {
+  std::vector<Bounds> boxes(scene.meshes.size(), nothing);
+  for (const Instance& instance : scene.instances) {
+    const auto m = static_cast<std::size_t>(instance.mesh);
+    if (boxes[m].empty) boxes[m] = mesh_bounds(scene.meshes[m]);
+  }
+  return boxes;
+}
+
+// Distance from zero of the interval, which is what its numbers were rounded for at least.
+double nearest_to_zero(double lower, double upper) {
+  return lower <= 0 && upper >= 0 ? 0 : std::min(std::fabs(lower), std::fabs(upper));
+}
+
+std::string text(const char* format, double a, double b = 0) {
+  char buffer[300];
+  std::snprintf(buffer, sizeof buffer, format, a, b);
+  return buffer;
+}
+
+}  // namespace
+
+Bounds mesh_bounds(const Mesh& mesh) {
+  Bounds box = nothing;
+  if (mesh.triangles.empty()) return box;
+  for (const Vec3 position : mesh.positions) include(box, to_double(position));
+  return box;
+}
+
+Bounds rough_scene_bounds(const Scene& scene) {
+  const std::vector<Bounds> boxes = boxes_of_used_meshes(scene);
+  Bounds all = nothing;
+  for (const Instance& instance : scene.instances)
+    all = box_around(
+        all, placed_box(boxes[static_cast<std::size_t>(instance.mesh)], instance.world_from_mesh));
+  return all.empty ? Bounds{} : all;
+}
+
+double half_size_m(const Bounds& box) {
+  return box.empty ? 0 : 0.5 * largest(box.upper - box.lower);
+}
+
+Vec3d origin_near(const Bounds& box) {
+  if (box.empty) return {};
+  const Vec3d middle = (box.lower + box.upper) * 0.5;
+  const double half = half_size_m(box), distance = largest(middle);
+  if (!(distance > far_away * half) || !std::isfinite(distance)) return {};
+  const double step = std::exp2(std::floor(std::log2(std::max(half, distance * 0x1p-20))));
+  const auto rounded = [&](double x) { return std::round(x / step) * step; };
+  return {rounded(middle.x), rounded(middle.y), rounded(middle.z)};
+}
+
+std::vector<std::string> place_warnings(const Scene& scene) {
+  const std::vector<Bounds> boxes = boxes_of_used_meshes(scene);
+  const Bounds all = rough_scene_bounds(scene);
+  const double half = half_size_m(all);
+  const Vec3d origin = origin_near(all);
+  double rounding = 0;
+  std::size_t rounded = 0, unseen = 0;
+  std::string first_unseen;
+  for (const Instance& instance : scene.instances) {
+    const Bounds& box = boxes[static_cast<std::size_t>(instance.mesh)];
+    if (box.empty) continue;
+    const double from_zero = std::max({nearest_to_zero(box.lower.x, box.upper.x),
+                                       nearest_to_zero(box.lower.y, box.upper.y),
+                                       nearest_to_zero(box.lower.z, box.upper.z)});
+    // The mean stretch of all directions, exact where they are stretched alike.
+    const double stretch = most_stretch(instance.world_from_mesh) / std::sqrt(3.0);
+    const double off = float_rounding * from_zero * stretch;
+    if (off > notable_share * half) ++rounded;
+    rounding = std::max(rounding, off);
+    const Bounds placed = placed_box(box, instance.world_from_mesh);
+    const double reach = std::max(largest(placed.lower - origin), largest(placed.upper - origin));
+    if (reach < most_geometry_m) continue;
+    if (unseen++ == 0) first_unseen = instance.name;
+  }
+  std::vector<std::string> warnings;
+  if (unseen > 0)
+    warnings.push_back("surfaces more than " + text("%.0e", most_geometry_m) +
+                       " m away are not seen reliably (node \"" + first_unseen + "\"" +
+                       (unseen > 1 ? " and " + std::to_string(unseen - 1) + " more" : "") + ")");
+  if (rounded > 0)
+    warnings.push_back(
+        std::to_string(rounded) + " of " + std::to_string(scene.instances.size()) +
+        text(" placed meshes lie so far from the origin of their own coordinates that single "
+             "precision in the file may have moved vertices by up to %.2g m, in a scene of %.3g m; "
+             "coordinates near zero, placed by a node, would not be",
+             rounding, 2 * half));
+  return warnings;
+}
+
+}  // namespace omma

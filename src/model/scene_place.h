@@ -1,0 +1,38 @@
+// Where a scene lies in the world. It is traced in single precision, so the numbers that count are
+// distances from an origin near it, found here in double; and what is lost all the same is told.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "omma/scene.h"
+
+namespace omma {
+
+// Half an interval between floats, as a share of the number: what rounding to single precision
+// changes at most.
+inline constexpr double float_rounding = 0x1p-24;
+
+// Surfaces may lie this far away: beyond, Embree's products of coordinates leave single precision.
+inline constexpr double most_geometry_m = 1e12;
+
+// Corners of the box around the vertices of a mesh, in its own frame; empty without triangles.
+Bounds mesh_bounds(const Mesh& mesh);
+
+// Corners of a box around all instances; not the tightest where they are turned or have vertices
+// that no triangle uses, but found without placing every vertex.
+Bounds rough_scene_bounds(const Scene& scene);
+
+// Half the longest side of a box, m.
+double half_size_m(const Bounds& box);
+
+// The point to trace from what lies in a box: the origin itself unless that lies far from the box
+// compared with its size, else one within it. Numbers in it have few digits, so that subtracting it
+// changes no vertex.
+Vec3d origin_near(const Bounds& box);
+
+// What single precision does to a scene: vertices that it has rounded in the file, instances too
+// far away to be seen. A sentence each.
+std::vector<std::string> place_warnings(const Scene& scene);
+
+}  // namespace omma

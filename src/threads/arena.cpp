@@ -1,0 +1,37 @@
+// oneTBB's limit of threads, raised for all of the process.
+#include "threads/arena.h"
+
+#include <oneapi/tbb/global_control.h>
+
+#include <algorithm>
+#include <mutex>
+
+namespace omma {
+
+using oneapi::tbb::global_control;
+
+std::unique_ptr<oneapi::tbb::task_arena> make_thread_arena(int threads) {
+  // One limit for all renderers, the highest that was asked for: of several the lowest counts, and
+  // an arena that asks for more makes oneTBB print a warning. It is raised by putting the new one
+  // beside the old, so that it never falls, and stays until the process ends.
+  static std::mutex mutex;
+  static global_control* limit = nullptr;
+  static std::size_t raised_to = 0;
+  const std::lock_guard lock(mutex);
+  const auto wanted = static_cast<std::size_t>(threads);
+  const auto allowed = [] {
+    return global_control::active_value(global_control::max_allowed_parallelism);
+  };
+  if (allowed() < wanted && raised_to < wanted) {
+    auto* higher = new global_control(global_control::max_allowed_parallelism, wanted);
+    delete limit;
+    limit = higher;
+    raised_to = wanted;
+  }
+  auto arena =
+      std::make_unique<oneapi::tbb::task_arena>(static_cast<int>(std::min(wanted, allowed())));
+  arena->initialize();
+  return arena;
+}
+
+}  // namespace omma

@@ -1,0 +1,49 @@
+// Who takes part in which work, and whether there are threads.
+#include "threads/parallel.h"
+
+#include <pthread.h>
+
+#include "omma/error.h"
+
+namespace omma {
+namespace {
+
+thread_local const std::atomic<bool>* flag_of_this_thread = nullptr;
+
+std::atomic<bool> used = false, gone = false;
+
+// Run in the child of a fork.
+void lose_threads() {
+  if (used) gone = true;
+}
+
+// Once, when the library is loaded: before any fork that matters.
+[[maybe_unused]] const int registered = pthread_atfork(nullptr, nullptr, lose_threads);
+
+}  // namespace
+
+const std::atomic<bool>* cancel_flag() {
+  return flag_of_this_thread;
+}
+
+void check_cancelled() {
+  if (flag_of_this_thread != nullptr && *flag_of_this_thread) throw Cancelled();
+}
+
+TakingPart::TakingPart(const std::atomic<bool>* flag) : before_(flag_of_this_thread) {
+  flag_of_this_thread = flag;
+}
+
+TakingPart::~TakingPart() {
+  flag_of_this_thread = before_;
+}
+
+bool threads_are_gone() {
+  return gone.load(std::memory_order_relaxed);
+}
+
+void note_threads_are_used() {
+  if (!used.load(std::memory_order_relaxed)) used = true;
+}
+
+}  // namespace omma

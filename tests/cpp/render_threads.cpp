@@ -1,0 +1,39 @@
+// Renderers with any numbers of threads side by side: the numbers asked for are used, the bits are
+// the same, and nothing is printed (oneTBB warns on stderr where an arena asks for more threads
+// than its limit allows).
+#include <gtest/gtest.h>
+
+#include "omma/camera.h"
+#include "test_scenes.h"
+
+namespace omma::test {
+namespace {
+
+TEST(Threads, NumbersMixWithoutAWord) {
+  const Scene scene = flat_triangles(5, 60);
+  const Eye eye = make_eye(sphere_directions(300), 5 * degree);
+  const Mat4 pose;
+  Camera camera;
+  camera.type = CameraType::panoramic;
+  std::vector<float> picture(64 * 32 * channel_count);
+  testing::internal::CaptureStderr();
+  std::vector<Renderer> renderers;
+  std::vector<std::vector<float>> responses;
+  for (const int threads : {3, 1, 64, 2, 7, 200, 0, 65}) {
+    renderers.push_back(make_renderer(scene, eye, {.samples = 16, .threads = threads}));
+    if (threads > 0) {
+      EXPECT_EQ(renderers.back().threads(), threads);
+    }
+    render_camera(renderers.back(), camera, {{64, 32}, 1, 0}, picture);
+    // All that there are render again: their arenas were made under lower limits.
+    for (const Renderer& renderer : renderers)
+      responses.push_back(render(renderer, std::span(&pose, 1)).response);
+    if (threads == 64) renderers.erase(renderers.begin());
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  for (const std::vector<float>& response : responses)
+    EXPECT_TRUE(same_bits(response, responses.front()));
+}
+
+}  // namespace
+}  // namespace omma::test

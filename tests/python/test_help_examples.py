@@ -1,0 +1,123 @@
+"""The examples in the help of each command, run as they stand, on small files of those names."""
+
+import re
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+import typer
+from conftest import make_eye, write_gltf
+from oces_builder import OcesFile
+from test_eye_files_import import grid, oda_file
+
+import omma
+from omma import cli
+
+EXAMPLES_FOLDER = Path(__file__).resolve().parents[2] / "examples"
+
+# Beginnings of examples that are not run, and why.
+NOT_RUN = {
+    "omma render arena.gltf --camera 2": "118 million rays; test_cameras.py has smaller pictures",
+    "omma render arena.gltf --all-cameras": "ten seconds; test_cameras.py has smaller pictures",
+    "omma measure": "minutes each; test_sampling_tools.py and test_speed_test.py have smaller ones",
+    "omma eye make 5000": "twelve seconds; test_cli_eye_make.py has fewer ommatidia",
+    "omma eye make --dphi 2": "ten seconds; test_cli_eye_make.py has fewer ommatidia",
+    "omma eye species holcocephala": "half a minute; test_species.py makes all ten",
+    "omma eye plot --species": "ten seconds; test_eye_plots.py draws posters",
+}
+
+
+def examples():
+    """All commands in backquotes in the help, each on one line."""
+
+    def of(command):
+        yield from re.findall(r"`(omma [^`]+)`", command.help or "")
+        for below in getattr(command, "commands", {}).values():
+            yield from of(below)
+
+    return [" ".join(text.split()) for text in of(typer.main.get_command(cli.app))]
+
+
+@pytest.fixture(scope="module")
+def named_files(tmp_path_factory):
+    """A folder with small files of the names that the help uses."""
+    folder = tmp_path_factory.mktemp("help")
+    eye = make_eye(200)
+    receptors = omma.assign_receptors(eye, omma.honeybee_ommatidia())
+    for name in ("honeybee", "left", "right", "1000", "bee", "honeybee_worker_left"):
+        omma.save_eye(folder / f"{name}.eye", eye)
+    omma.save_eye(folder / "honeybee_worker_right.eye", eye)
+    omma.save_eye(folder / "eye-in-micrometres.eye", eye, "um")
+    for name in ("honeybee", "right", "eye"):
+        omma.save_eye(folder / f"{name}.csv", eye)
+    omma.save_eye(folder / "bee.csv", receptors)
+    halves = omma.split_eye(eye, 0.5e-3)
+    omma.save_eye(folder / "head.eye", halves, lossy=True)
+    old = np.column_stack([eye.position_m * 1e3, eye.axis, np.full(len(eye), 5.0)])
+    np.savetxt(folder / "old-in-degrees.eye", old, fmt="%.9g")
+    lens, normal = grid(8)
+    oda_file(folder / "ommatidial_data.csv", lens, normal)
+    for name, points in (("lenses", lens), ("cones", lens - 60 * normal)):
+        np.savetxt(folder / f"{name}.csv", points / 1e3, delimiter=",", fmt="%.9g")
+    oces_head(folder / "eyes.glb")
+    write_gltf(
+        folder / "arena.gltf",
+        cameras=[
+            ("plain", None, {}),
+            (
+                "insect-eye",
+                {"compound-eye": "true", "compound-structure": "bee.eye"},
+                {"translation": [0, 1, 0]},
+            ),
+            ("panoramic", {"panoramic": "true"}, {"translation": [0, 1, 0]}),
+        ],
+    )
+    shutil.copy(EXAMPLES_FOLDER / "meadow.glb", folder)
+    few = (EXAMPLES_FOLDER / "flight.csv").read_text().splitlines()[:4]
+    (folder / "flight.csv").write_text("\n".join(few) + "\n")
+    sphere(folder / "eye.stl")
+    return folder
+
+
+def oces_head(path):
+    """Two heads, a queen's and a worker's, of one eye each."""
+    file = OcesFile()
+    for name in ("queen", "worker"):
+        eye = file.node({"eye": file.simple_eye()})
+        file.node({"head": True}, name=name, children=[eye])
+    file.write(path.with_suffix(".gltf"))
+    path.with_suffix(".gltf").rename(path)
+
+
+def sphere(path):
+    """A mesh of 0.1 mm, in millimetres, as text."""
+    turn, up = np.meshgrid(np.linspace(0, 2 * np.pi, 25), np.linspace(-np.pi / 2, np.pi / 2, 13))
+    points = 0.1 * np.stack([np.cos(up) * np.cos(turn), np.sin(up), np.cos(up) * np.sin(turn)], -1)
+    lines = ["solid eye"]
+    for i in range(12):
+        for j in range(24):
+            a, b, c, d = points[i, j], points[i + 1, j], points[i + 1, j + 1], points[i, j + 1]
+            for corners in ((a, b, c), (a, c, d)):
+                lines += ["facet normal 0 0 0", "outer loop"]
+                lines += ["vertex " + " ".join(f"{v:.6e}" for v in corner) for corner in corners]
+                lines += ["endloop", "endfacet"]
+    path.write_text("\n".join([*lines, "endsolid eye", ""]))
+
+
+@pytest.mark.parametrize(
+    "example", [text for text in examples() if not text.startswith(tuple(NOT_RUN))]
+)
+def test_example_runs(example, named_files, run_omma, monkeypatch):
+    monkeypatch.chdir(named_files)
+    if "--mesh" in example:
+        pytest.importorskip("trimesh")
+    if "eye plot" in example or "eye info" in example:
+        pytest.importorskip("matplotlib")
+    code, _, err = run_omma(*example.split()[1:])
+    assert code == 0, err
+
+
+def test_what_is_not_run_is_an_example():
+    for beginning in NOT_RUN:
+        assert any(text.startswith(beginning) for text in examples()), beginning

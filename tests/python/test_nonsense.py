@@ -1,0 +1,59 @@
+"""Nonsense where an eye, a scene or another thing of Omma's is expected is named at the door."""
+
+import inspect
+import pickle
+
+import numpy as np
+import pytest
+
+import omma
+
+OWN = {
+    "Camera", "Eye", "EyeMeasures", "Method", "Renderer", "Scene", "SpeedTest", "Species", "Wiring",
+}  # fmt: skip
+
+NONSENSE = [
+    -1, True, float("nan"), 1e300, 2**63, 1j, "", "x", "a\udce4", b"x", [], [[]], [1, [2, 3]], {},
+    {1}, object(), int, omma.Eye, lambda: None, np.empty((0, 3)), np.full((3, 3), np.nan),
+    np.zeros(3, complex), np.array([None, 1, "x"]), np.datetime64("2020-01-01"),
+]  # fmt: skip
+
+
+def calls():
+    """Functions of the package, and a parameter that is to be one of ``OWN``."""
+    for name in omma.__all__:
+        function = getattr(omma, name)
+        if inspect.isfunction(function):
+            for parameter in inspect.signature(function).parameters.values():
+                words = set(str(parameter.annotation).split(" | "))
+                if words & OWN and words <= OWN | {"None"}:
+                    yield function, parameter.name
+
+
+def test_there_are_many():
+    assert len(list(calls())) > 50
+
+
+@pytest.mark.parametrize(("function", "parameter"), list(calls()))
+def test_it_is_named(function, parameter):
+    needed = [
+        other.name
+        for other in inspect.signature(function).parameters.values()
+        if other.default is other.empty
+    ]
+    owned = {name for called, name in calls() if called is function}
+    for value in NONSENSE:
+        arguments = dict.fromkeys(needed, value) | {parameter: value}
+        with pytest.raises(TypeError) as caught:
+            function(**arguments)
+        assert str(caught.value).split(":")[0] in owned
+        assert "expected omma." in str(caught.value)
+
+
+def test_functions_are_what_they_were(tmp_path, eye):
+    assert omma.measure_eye.__doc__ == omma.eye_measures.measure_eye.__doc__
+    assert pickle.loads(pickle.dumps(omma.measure_eye)) is omma.measure_eye
+    with pytest.raises(TypeError, match="missing a required argument"):
+        omma.save_eye(tmp_path / "a.eye")
+    with pytest.raises(TypeError, match="unexpected keyword argument 'units'"):
+        omma.save_eye(tmp_path / "a.eye", eye, units="mm")

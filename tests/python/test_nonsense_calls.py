@@ -1,0 +1,350 @@
+"""Nonsense in calls: whatever is passed for an argument, the call works or is an omma.Error or a
+TypeError; nothing from inside.
+
+Each public function, constructor and method is called with arguments that do, of which one is
+replaced by a piece of nonsense; which, is drawn, the same each time.
+"""
+
+import dataclasses
+import json
+import random
+import re
+import warnings
+from inspect import signature
+
+import numpy as np
+import pytest
+from conftest import make_eye, write_gltf
+
+import omma
+from omma import species
+
+# Calls of each function, and of those where one that works takes a second or more.
+CALLS = 16
+CALLS_OF_SLOW = 4
+SLOW = {"plot_acceptance", "plot_eye_maps", "plot_poster", "plot_species", "species.make"}
+
+# Known to let something else through, by function and parameter, and why. Whoever mends one takes
+# it off the list.
+_ARRAYS = "the engine hands it to NumPy and lets NumPy's ValueError through"
+_TEXT = "a text that is no Unicode comes out of the engine as a RuntimeError"
+LEFT = {
+    "Acceptance.eval(theta_rad)": _ARRAYS,
+    "Acceptance.eval(azimuth_rad)": _ARRAYS,
+    "Acceptance.pdf(theta_rad)": _ARRAYS,
+    "Acceptance.pdf(azimuth_rad)": _ARRAYS,
+    "Acceptance.mtf(cycles_per_rad)": _ARRAYS,
+    "Acceptance.mtf(azimuth_rad)": _ARRAYS,
+    "Background.image(image)": _ARRAYS,
+    "Eye.take(ommatidia)": _ARRAYS,
+    "Scene.camera(name_or_index)": _TEXT,
+    "render_file(camera)": _TEXT,
+}
+
+# Without a call that works: these want what only other parts of the tests make.
+WITHOUT = {
+    "compoundray_library": "the library of CompoundRay's interface, which is built on request",
+    "plot_species": "a species, which takes seconds to make",
+}
+
+
+NONSENSE = [
+    None, -1, 0, True, 1.5, float("nan"), float("inf"), -1e300, 1e300, 2**31, 2**63, 2**70,
+    -(10**30), 1j, "", "x", "\0", "a\udce4", b"x", [], [[]], [1, [2, 3]], ["a", None], (1, 2), {},
+    {"x": None}, {1}, object(), int, lambda: None, np.empty(0), np.empty((0, 3)), np.zeros((2, 5)),
+    np.full((3, 3), np.nan), np.zeros((4, 4)), np.zeros(3, complex), np.array(["a", "b", "c"]),
+    np.array([None, 1, "x"]), np.datetime64("2020-01-01"), np.zeros((1, 1, 1, 1, 1)),
+]  # fmt: skip
+
+
+def parameters_of(function):
+    """Names of the parameters, positional first; those of a compiled one from its signature."""
+    compiled = getattr(function, "__init__", function)
+    signatures = getattr(
+        function, "__nb_signature__", getattr(compiled, "__nb_signature__", None)
+    )
+    if signatures is None:
+        return [name for name in signature(function).parameters if name != "self"]
+    inside = re.search(r"\((.*)\) ->", signatures[0][0], re.S).group(1)
+    names = re.findall(r"(?:^|, )(\w+)(?=[:=,]|$)", inside)
+    return [name for name in names if name != "self"]
+
+
+def public_calls(folder):
+    scene_file = write_gltf(
+        folder / "scene.gltf",
+        cameras=[
+            ("plain", None, {}),
+            ("bug", {"compound-eye": True, "compound-structure": "bug.eye"}, {}),
+        ],
+    )
+    document = json.loads(scene_file.read_text())
+    box = {**document["meshes"][0], "name": "box", "extras": {"hitbox": "true"}}
+    document["meshes"].append(box)
+    document["nodes"].append({"name": "box", "mesh": 1})
+    document["scenes"][0]["nodes"].append(len(document["nodes"]) - 1)
+    scene_file.write_text(json.dumps(document))
+    eye = make_eye(24)
+    omma.save_eye(folder / "bug.eye", eye)
+    (folder / "poses.csv").write_text("x,y,z,yaw_deg,pitch_deg,roll_deg\n0,1,0,0,0,0\n")
+    (folder / "s.csv").write_text("angle_deg,sensitivity\n0,1\n1,0.5\n2,0\n")
+    (folder / "angles.csv").write_text(
+        "azimuth_deg,elevation_deg,dphi_h_deg\n0,0,5\n1,0,5\n0,1,5\n1,1,5\n"
+    )
+    scene = omma.load_scene(scene_file)
+    renderer = omma.Renderer(scene, eye, samples=1, threads=1)
+    pose = np.eye(4)
+    rgb = np.zeros((24, 3), np.float32)
+    bee = omma.assign_receptors(eye, omma.honeybee_ommatidia())
+    large = omma.generate_eye(200, radius_m=1e-3)
+    fly = omma.fly_receptors(large)
+    rows = [",".join(map(str, 1e3 * row)) for row in large.position_m]
+    axes = ["[" + " ".join(map(str, row)) + "]" for row in large.axis]
+    (folder / "oda.csv").write_text(
+        "x,y,z,anatomical_axis,approx_axis\n"
+        + "".join(f"{row},{axis},{axis}\n" for row, axis in zip(rows, axes, strict=True))
+    )
+    measures = omma.measure_eye(eye)
+    sphere = omma.sphere(1e-3)
+    (folder / "face.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    directions = eye.axis.astype(float)
+    curve = ([1, 2], {omma.Method(): ([1, 2], [0.2, 0.1])})
+    found = omma.minimum_samples(renderer, pose[None], share=0.5, poses=1)
+    speed = omma.measure_speed(scene, eye, pose, [1], frames=1, warm_up_s=0)
+    png, csv = str(folder / "o.png"), str(folder / "o.csv")
+    table = omma.Acceptance.table([0, 0.1, 0.2], [1, 0.5, 0])
+    green = omma.ReceptorType("green", peak_wavelength_nm=540.0)
+    good = {
+        "AcuteZone": (0.0, 0.0, 0.5, 2.0),
+        "Box": ((0, 0, 0), (1, 1, 1)),
+        "Cylinder": ((0, 0, 0), 1.0, 1.0),
+        "Method": (),
+        "OmmatidiumType": ("a", (green,)),
+        "Wiring": ([0, 1], [0], [1.0]),
+        "Renderer": (scene, eye),
+        "Scene": (),
+        "Eye": ([[0, 0, 0]], [[0, 0, -1]], 0.1),
+        "ReceptorType": {"name": "green", "peak_wavelength_nm": 540.0},
+        "Acceptance.table": ([0, 0.1, 0.2], [1, 0.5, 0]),
+        "Acceptance.table_2d": ([-0.1, 0, 0.1], [-0.1, 0, 0.1], np.eye(3)[::-1] + 0.1),
+        "Acceptance.gaussian": (0.1,),
+        "Acceptance.pillbox": (0.1,),
+        "Acceptance.compoundray": (0.1,),
+        "Acceptance.lens_rhabdom": (25e-6, 60e-6, 2e-6, 500.0),
+        "Acceptance.airy": (25e-6, 500.0),
+        "Background.constant": ((1, 1, 1),),
+        "Background.image": (np.zeros((2, 4, 3), np.float32),),
+        "acceptance_from_facets": (omma.set_facets(eye),),
+        "acute_angle": (0.1, lambda v: np.ones(len(v))),
+        "acute_zones": ([omma.AcuteZone(0.0, 0.0, 0.5, 2.0)],),
+        "alias_curve": (renderer, eye, pose, [1]),
+        "angle_table": ([0, 1], [0, 1], [[5, 5], [5, 5]]),
+        "assign_receptors": (eye, omma.honeybee_ommatidia()),
+        "azimuth_elevation_deg_of": (directions,),
+        "camera_eye": (scene, "bug"),
+        "check_lattice": (omma.lay_directions(0.3).directions, 0.3),
+        "confidence_interval": {
+            "eye": eye, "responses": rgb, "standard_errors": rgb, "rays": 8,
+        },
+        "convert_eye": (folder / "bug.eye",),
+        "direction": (0.0, 0.0),
+        "display": (np.zeros((2, 2, 3), np.float32),),
+        "draw_eye": (png, eye),
+        "ellipsoid": ((1e-3, 1e-3, 2e-3),),
+        "encode_ids": (np.zeros((2, 2), np.int32),),
+        "equirectangular": (eye, rgb, 16, 8),
+        "equirectangular_ids": (eye, 16, 8),
+        "eye_file_heads": (folder / "scene.gltf",),
+        "eye_file_losses": ("a.eye", eye),
+        "eye_on_surface": (directions, sphere),
+        "eye_summary": (eye, measures),
+        "eye_table": (eye, measures),
+        "facet_diameters_m": (eye,),
+        "field_ids": (eye, 16, 8),
+        "fly_receptors": (large,),
+        "generate_eye": (20,),
+        "govardovskii": (540.0, [500.0]),
+        "import_lens_cone": (1e-4 * directions, 0.9e-4 * directions),
+        "import_oda": (folder / "oda.csv",),
+        "join_eyes": ([eye, eye],),
+        "lay_directions": {
+            "horizontal_rad": 0.3, "field_of_view": omma.window((-30.0, 30.0), (-30.0, 30.0)),
+        },
+        "lay_on_surface": (sphere, 0.5e-3),
+        "load_acceptance": (folder / "s.csv",),
+        "load_angle_table": (folder / "angles.csv",),
+        "load_eye": (folder / "bug.eye",),
+        "load_poses": (folder / "poses.csv",),
+        "load_scene": (folder / "scene.gltf",),
+        "load_surface": (folder / "face.obj",),
+        "look_at": ((0, 0, 0), (0, 0, -1)),
+        "measure_eye": (eye,),
+        "measure_speed": {
+            "scene": scene, "eye": eye, "pose": pose, "rays": [1], "frames": 1, "warm_up_s": 0.0,
+        },
+        "merge_eyes": ([eye, eye],),
+        "mesh_surface": ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]),
+        "microvillus_direction": (bee,),
+        "minimum_samples": {"scene": renderer, "where": pose[None], "share": 0.5, "poses": 1},
+        "mirror_eye": (eye,),
+        "neural_superposition_wiring": (fly,),
+        "ommatidium_of_receptor": (bee,),
+        "optical_sensitivity": (25e-6, 0.02, 1e-4, 1e4),
+        "outline": ([[-90, -45], [90, -45], [90, 45], [-90, 45]],),
+        "paint": (np.zeros((2, 2), np.int32), rgb),
+        "pair_of_eyes": (omma.place_on_head(eye, (1e-3, 0, 0)),),
+        "place_on_head": (eye,),
+        "plot_acceptance": (png, eye),
+        "plot_eye_maps": (png, eye),
+        "plot_poster": (png, eye),
+        "pool": (np.zeros(1, np.float32), omma.Wiring([0, 1], [0], [1.0])),
+        "poses_from_angles": ((0, 0, 0), (0, 0, 0)),
+        "poses_from_quaternions": ((0, 0, 0), (0, 0, 0, 1)),
+        "primary_spectra": ([500.0],),
+        "project": (eye, rgb, "spherical_orientationwise", 16, 8),
+        "projection_ids": (eye, "spherical_orientationwise", 16, 8),
+        "rays_per_ommatidium": (eye, 1000.0),
+        "receptor_axis": (bee,),
+        "receptor_matrix": (bee,),
+        "receptor_optical_sensitivity": (bee,),
+        "render_all_cameras": {
+            "scene": scene_file, "folder": folder / "all", "width": 8, "height": 4, "samples": 1,
+        },
+        "render_camera": {"scene": renderer, "camera": 0, "width": 8, "height": 4, "samples": 1},
+        "render_file": {
+            "scene": scene_file, "outputs": [csv], "eyes": [folder / "bug.eye"], "samples": 1,
+        },
+        "rescale_eye": (eye, 2.0),
+        "response_variances": {
+            "scene": renderer, "eye": eye, "poses": pose, "rays": 1, "repeats": 2,
+        },
+        "save_alias_curves": (png, *curve),
+        "save_eye": (csv, eye),
+        "save_eye_table": (csv, eye, measures),
+        "save_minimum_samples": (png, [found]),
+        "save_png": (png, np.zeros((2, 2, 3), np.uint8)),
+        "save_responses": (csv, rgb, eye),
+        "save_speed_test": (png, speed),
+        "save_variance_map": (csv, np.ones((2, 2)), (0, 0, 0), 1.0),
+        "set_acceptance": {"eye": eye, "angle_rad": 0.1},
+        "set_facets": (eye,),
+        "side_by_side": (eye, rgb, 16, 8),
+        "skew_rad": (eye,),
+        "solid_angles_sr": (eye,),
+        "spectral_sensitivity": (green, [500.0]),
+        "sphere": (1e-3,),
+        "split_eye": (eye,),
+        "squeeze_for_skew": (directions, sphere, (0, 0, -1), 0.1),
+        "squeezed": ((0, 0, -1), 1.0),
+        "superposition_facets": (eye, 1e-3),
+        "up_towards": (eye, (0, 1, 0)),
+        "variance_map": {
+            "scene": renderer, "centre_m": (0, 1, 0), "size_m": 1.0, "steps": 2, "repeats": 2,
+        },
+        "window": (),
+        "species.make": ("melophorus",),
+        "species.facts": ("honeybee_worker",),
+        "species.facts_text": ("honeybee_worker",),
+    }  # fmt: skip
+    methods = {
+        "Renderer": (omma.Renderer(scene, bee, samples=1, threads=1), {
+            "render": (pose,), "render_rays": (pose,), "render_receptors": (pose,),
+            "with_eye": (eye,), "render_iter": ([pose],),
+        }),
+        "Eye": (bee, {"select": (0,), "acceptance": (0,), "take": ([0, 1],)}),
+        "Acceptance": (table, {"eval": ([0.1],), "pdf": ([0.1],), "mtf": ([1.0],), "sample": (3,)}),
+        "Scene": (scene, {
+            "camera": ("plain",), "hit_box_bounds": ("box",), "is_inside": ("box", [[0, 0, 0]]),
+        }),
+        "Lattice": (omma.lay_directions(0.3), {}),
+        "EyeMeasures": (measures, {}),
+        "Ellipsoid": (sphere, {
+            "onto": (1e-3 * directions,), "normals": (1e-3 * directions,),
+            "near": (1e-3 * directions,), "point_of_normal": (directions,), "samples": (9,),
+            "to_edge": (1e-3 * directions,),
+        }),
+        "AcuteZone": (omma.AcuteZone(0.0, 0.0, 0.5, 2.0), {"density": (directions,)}),
+        "Box": (omma.Box((0, 0, 0), (1, 1, 1)), {}),
+        "Wiring": (omma.Wiring([0, 1], [0], [1.0]), {}),
+        "SamplingReport": (omma.SamplingReport(np.ones((1, 1)), np.ones((1, 1, 3)), 0.1), {}),
+    }  # fmt: skip
+    places = [("", omma, omma.__all__), ("species.", species, species.__all__)]
+    for prefix, module, names in places:
+        for name in names:
+            thing = getattr(module, name)
+            if name in ("Error", "species") or not callable(thing):
+                continue
+            if prefix and name in species.names():
+                continue  # they take seconds, and one argument, which `make` has too
+            if name in ("Acceptance", "Background", "Camera"):
+                continue  # made by static methods, or by the engine alone
+            if dataclasses.is_dataclass(thing) and prefix + name not in good:
+                continue  # results: whoever makes one knows what of
+            yield prefix + name, thing, good.get(prefix + name, ())
+    for kind in (omma.Acceptance, omma.Background):
+        for name, thing in vars(kind).items():
+            if isinstance(thing, staticmethod) or type(thing).__name__ == "nb_func":
+                full = f"{kind.__name__}.{name}"
+                yield full, getattr(kind, name), good.get(full, ())
+    for kind, (owner, known) in methods.items():
+        for name in dir(owner):
+            method = None if name.startswith("_") else getattr(owner, name)
+            if callable(method) and f"{kind}.{name}" not in good:
+                yield f"{kind}.{name}", method, known.get(name, ())
+
+
+@pytest.fixture(scope="module")
+def calls(tmp_path_factory):
+    """(name, function, arguments that do) of everything public."""
+    folder = tmp_path_factory.mktemp("nonsense")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)  # what writes to a nonsensical path, writes there
+        yield list(public_calls(folder))
+
+
+def by_name(function, good):
+    if isinstance(good, dict):
+        return good
+    return dict(zip(parameters_of(function), good, strict=False))
+
+
+def outcome(function, named):
+    """None where it works or says what is wrong, else what came."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            function(**named)
+        except (omma.Error, TypeError):
+            return None
+        except Exception as error:  # whatever it is, it is what the test is after
+            return f"{type(error).__name__}: {error}"[:160]
+
+
+def test_nonsense_is_refused(calls):
+    total, wrong = 0, {}
+    for name, function, good in calls:
+        named = by_name(function, good)
+        drawn = random.Random(name)
+        every = [(key, value) for key in parameters_of(function) for value in NONSENSE]
+        count = CALLS_OF_SLOW if name in SLOW else CALLS
+        picked = drawn.sample(every, min(count, len(every)))
+        # All of it where some is known to come through, so that the list stays true.
+        picked += [(key, value) for key, value in every if f"{name}({key})" in LEFT]
+        for key, value in picked:
+            total += 1
+            came = outcome(function, {**named, key: value})
+            if came:
+                wrong.setdefault(f"{name}({key})", []).append(f"{value!r:.60}: {came}")
+    assert total > 2000
+    unexpected = [
+        f"{place}, {text}" for place in wrong if place not in LEFT for text in wrong[place]
+    ]
+    assert not unexpected, f"{len(unexpected)} of {total} calls:\n" + "\n".join(unexpected)
+    assert set(wrong) == set(LEFT), "mended, so off the list"
+
+
+def test_every_call_does_without_nonsense(calls):
+    """Else the nonsense would never come to where it can do harm."""
+    for name, function, good in calls:
+        if name not in WITHOUT and name not in SLOW:
+            function(**by_name(function, good))

@@ -1,0 +1,232 @@
+"""What the pages say to type, typed: every Python snippet and every command of README.md, docs and
+examples, in a folder that holds what the page speaks of.
+
+A snippet is a fenced block of Python, a command a line of an indented block. All of a page's
+snippets run after one another in one Python, all of its commands in one folder. What is not run is
+listed here with the reason; a command that is neither run nor listed fails.
+"""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import DATA
+
+import omma
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = sorted(
+    str(page.relative_to(ROOT))
+    for page in [ROOT / "README.md", *ROOT.glob("docs/*.md"), *ROOT.glob("examples/**/*.md")]
+)
+COMPOUND_RAY = DATA / "compound-ray"
+
+# What pages that do not begin with an import take as given: the variables that their prose speaks
+# of.
+GIVEN = """
+import math
+import multiprocessing
+import numpy as np
+import omma
+scene = omma.load_scene("meadow.glb")
+eye = omma.merge_eyes([omma.load_eye("left.eye"), omma.load_eye("right.eye")])
+poses = np.stack([omma.look_at((x, 1, 0), (x, 1, -5)) for x in (0.0, 0.1)])
+renderer = omma.Renderer(scene, eye, samples=1)
+responses = renderer.render("bee")[0]
+"""
+
+# And what besides, ahead of a snippet of a page (counted from 0).
+GIVEN_BESIDES = {
+    "docs/receptors.md": {
+        1: """
+assert responses.shape == (1, 43040) == (1, len(eye.receptor_type))
+import numpy as np
+scene = omma.load_scene("meadow.glb")
+poses = np.stack([omma.look_at((x, 1, 0), (x, 1, -5)) for x in (0.0, 0.1)])
+M = np.ones((3, 3)) / 3
+r7p, r8p, r7y, r8y = (
+    omma.ReceptorType(name, peak_wavelength_nm=peak)
+    for name, peak in (("R7p", 345), ("R8p", 437), ("R7y", 375), ("R8y", 508))
+)
+dorsal_rim = [omma.OmmatidiumType("rim", (r7p, r7y))]
+""",
+        # A smaller eye, on which what follows takes a second.
+        3: "eye = omma.generate_eye(300)",
+    },
+}
+
+# What a page says comes out of it.
+COMES_OUT = {
+    "README.md": "assert responses.shape == (1, 10760, 3) and len(receptors) == 1",
+    "docs/acceptance.md": "assert f'{math.degrees(fly.width_rad()):.1f}' == '2.2'",
+    "docs/error-target.md": "assert report.rays.shape == (1, 10_760) and (low <= high).all()",
+    "docs/eye-design.md": "assert len(omma.load_eye('head.csv')) == len(head)",
+    "docs/receptors.md": "assert cartridges.shape == (2, 300) and responses.shape == (2, 300, 3)",
+    "examples/from_compoundray.md": """
+old = np.array(frames) / 255.0  # the same picture, within sampling and 8 bits
+new = np.clip(responses, 0, 1) ** (1 / 2.2)
+assert np.abs(new - old).mean() < 2 / 255
+""",
+}
+
+NEEDS_DATA = "examples/from_compoundray.md"
+
+# Pages whose snippets are not run, and why.
+SNIPPETS_NOT_RUN = {"docs/species.md": "half a minute to grow; test_species.py makes all ten"}
+
+# Commands that are not run, by regular expressions of how they begin, and why.
+NOT_RUN = {
+    "scripts/quickstart": "installs; scripts/test starts with the same set-up",
+    "scripts/test": "it is what runs this",
+    "scripts/bench": "ten minutes, and says nothing on a machine with other work",
+    "pip install": "installs; it is what scripts/setup does",
+    "omma render examples/meadow.glb --all-cameras": "half a minute; test_cameras.py has smaller",
+    "omma eye species holcocephala": "half a minute to grow; test_species.py makes all ten",
+    "omma measure min-samples examples/meadow.glb": "two minutes; see the next",
+    "omma measure min-samples arena.gltf": "minutes; test_sampling_tools.py has smaller ones",
+    "omma measure variance-map meadow.glb": "minutes; test_sampling_tools.py has smaller ones",
+    "omma measure aliasing meadow.glb": "minutes; test_sampling_tools.py has smaller ones",
+    "omma measure speed arena.gltf": "minutes; test_speed_test.py has smaller ones",
+    "omma_render_tests": "a test of the C++ build, which scripts/test runs as a whole",
+    r"(\.venv/bin/)?python docs/make_": "figures and tables of the pages: minutes to half an hour",
+    "cd compound-ray": "needs a clone of CompoundRay's repository; test_compoundray.py",
+    "mkdir -p build/make/lib": "see above",
+    "ln -s ": "see above",
+    "cd python-examples": "see above",
+    "OMMA_COMPAT_KERNEL=gaussian": "see above",
+    "python examples/localisation/localise.py": "minutes; test_localisation.py has it small",
+}
+
+# Indented blocks that are no commands: what comes out, formulas, lines of files.
+NO_COMMANDS = (r"[\d,]+ rays", "rays  ", "# receptor_type", "R_t = ", "[\u2212+]0\\.0")
+
+
+def blocks(page, kind):
+    """The fenced Python ("python") or the indented blocks ("") of a page, from the top."""
+    found, lines, in_fence, body = [], (ROOT / page).read_text().split("\n"), None, []
+    for line in [*lines, ""]:
+        if in_fence is not None:
+            if line == "```":
+                if in_fence == kind:
+                    found.append("\n".join(body))
+                in_fence, body = None, []
+            else:
+                body.append(line)
+        elif line.startswith("```"):
+            in_fence, body = line[3:], []
+        elif kind == "":
+            if line.startswith("    "):
+                body.append(line[4:])
+            elif body:
+                found.append("\n".join(body))
+                body = []
+    return found
+
+
+def commands(page):
+    """Lines of shell; one that ends in a backslash goes on in the next."""
+    no_command = re.compile("|".join(NO_COMMANDS))
+    shell = [block for block in blocks(page, "") if not no_command.match(block)]
+    return [line for block in shell for line in block.replace("\\\n", " ").split("\n") if line]
+
+
+def spoken_of(page):
+    """Commands in the text of a page, between backquotes and with a file to write."""
+    return re.findall(r"`(omma [^`]* -o [^` ]+\.\w+)`", (ROOT / page).read_text())
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """What pages speak of: the clone's files where README.md has them, and beside, as the other
+    pages do, a meadow and eyes."""
+    examples = ROOT / "examples"
+    (tmp_path / "examples").mkdir()
+    for name in examples.iterdir():
+        if name.name != "flight.csv":
+            (tmp_path / "examples" / name.name).symlink_to(name)
+    few_poses = (examples / "flight.csv").read_text().splitlines()[:4]
+    for path in (tmp_path / "flight.csv", tmp_path / "examples" / "flight.csv"):
+        path.write_text("\n".join(few_poses) + "\n")
+    (tmp_path / "meadow.glb").symlink_to(examples / "meadow.glb")
+    left, right = (examples / f"honeybee_worker_{side}.eye" for side in ("left", "right"))
+    for name, eye in (("left", left), ("right", right), ("bee", left)):
+        (tmp_path / f"{name}.eye").symlink_to(eye)
+    for eye in (left, right):
+        (tmp_path / eye.name).symlink_to(eye)
+    few = tmp_path / "honeybee.eye"  # every twentieth, for what takes many rays
+    few.write_text("\n".join([*left.read_text().splitlines()[::20], ""]))
+    receptors = omma.assign_receptors(omma.load_eye(few), omma.honeybee_ommatidia())
+    omma.save_eye(tmp_path / "bee.csv", receptors)
+    if COMPOUND_RAY.is_dir():
+        scenes = COMPOUND_RAY / "scenes"
+        (tmp_path / "eyes").symlink_to(scenes / "eyes")
+        for name in ("ofstad-arena.gltf", "arena.gltf"):
+            (tmp_path / name).symlink_to(scenes / "ofstad-arena.gltf")
+        for eye in scenes.glob("*.eye"):
+            (tmp_path / eye.name).symlink_to(eye)
+    library = tmp_path / "build" / "make" / "lib"
+    library.mkdir(parents=True)
+    (library / "libEyeRenderer3.so").symlink_to(omma.compoundray_library())
+    return tmp_path
+
+
+def run(command, folder):
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    environment = os.environ | {"PATH": path, "MPLBACKEND": "Agg"}
+    # A watchdog against hanging only: each takes seconds.
+    return subprocess.run(
+        command, cwd=folder, env=environment, capture_output=True, text=True, timeout=900
+    )
+
+
+@pytest.mark.parametrize(
+    "page", [page for page in PAGES if blocks(page, "python") and page not in SNIPPETS_NOT_RUN]
+)
+def test_snippets_run(page, folder):
+    if page == NEEDS_DATA and not COMPOUND_RAY.is_dir():
+        pytest.skip(f"needs {COMPOUND_RAY}, which is not here")
+    snippets, given = blocks(page, "python"), GIVEN_BESIDES.get(page, {})
+    parts = [] if snippets[0].startswith(("import ", "from ")) else [GIVEN]
+    for number, snippet in enumerate(snippets):
+        parts += [given.get(number, ""), snippet]
+    (folder / "page.py").write_text("\n".join([*parts, COMES_OUT.get(page, "")]))
+    done = run([sys.executable, "page.py"], folder)
+    assert done.returncode == 0, f"{page}:\n{done.stderr}"
+    if page == "docs/error-target.md":
+        said = next(block for block in blocks(page, "") if re.match(r"[\d,]+ rays", block))
+        # Where rounding differs, as between instruction sets, a few ommatidia take a round more.
+        assert numbers(done.stdout) == pytest.approx(numbers(said), rel=0.02)
+
+
+def numbers(text):
+    return [float(word.replace(",", "")) for word in re.findall(r"\d[\d,]*(?:\.\d+)?", text)]
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if commands(page) or spoken_of(page)])
+def test_commands_run(page, folder):
+    failed = []
+    for command in [*commands(page), *spoken_of(page)]:
+        if any(re.match(beginning, command) for beginning in NOT_RUN):
+            continue
+        if "arena.gltf" in command and not COMPOUND_RAY.is_dir():
+            continue
+        assert command.startswith(("omma ", "python ")), f"{page}: what is this? {command}"
+        done = run(["bash", "-c", command], folder)
+        if done.returncode != 0:
+            failed.append(f"{command}\n{done.stderr}")
+    assert not failed, f"{page}:\n" + "\n".join(failed)
+
+
+def test_what_is_not_run_is_on_a_page():
+    """So that the lists above do not outlive the pages."""
+    everything = [c for page in PAGES for c in [*commands(page), *spoken_of(page)]]
+    indented = [block for page in PAGES for block in blocks(page, "")]
+    for beginning in NOT_RUN:
+        assert any(re.match(beginning, command) for command in everything), beginning
+    for beginning in NO_COMMANDS:
+        assert any(re.match(beginning, block) for block in indented), beginning
+    for page in {*GIVEN_BESIDES, *COMES_OUT, *SNIPPETS_NOT_RUN}:
+        assert blocks(page, "python"), page
