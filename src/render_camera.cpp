@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <chrono>
 
-#include "kernel/hash.h"
-#include "kernel/sobol.h"
+#include "physics/hash.h"
+#include "physics/sobol.h"
 #include "model/camera.h"
 #include "omma/camera.h"
 #include "threads/parallel.h"

@@ -1,4 +1,4 @@
-// Flattens a validated Scene for the kernels.
+// Flattens a validated Scene for the physics.
 #include "backend/shading_data.h"
 
 #include <algorithm>

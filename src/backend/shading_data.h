@@ -1,4 +1,4 @@
-// A Scene turned into the flat arrays the kernels read: texture coordinates per triangle corner (in
+// A Scene turned into the flat arrays that the physics reads: texture coordinates per triangle corner (in
 // large scenes per vertex) with their transforms applied, images in linear light. Shared by all
 // backends.
 #pragma once
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "backend/texture_levels.h"
-#include "kernel/scene_view.h"
+#include "physics/scene_view.h"
 
 namespace omma {
 
@@ -35,7 +35,7 @@ struct ShadingData {
   SceneView view;                             // without a background
 };
 
-// A background for the kernels. Owns what its `view` points to, or points into the Background.
+// A background for the physics. Owns what its `view` points to, or points into the Background.
 struct BackgroundData {
   TextureLevels levels;
   BackgroundView view;

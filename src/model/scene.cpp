@@ -13,7 +13,7 @@
 namespace omma {
 namespace {
 
-// The kernels count with 32-bit integers in the arrays of one mesh (12 numbers a triangle) and of
+// The physics counts with 32-bit integers in the arrays of one mesh (12 numbers a triangle) and of
 // one image (4 numbers a pixel).
 constexpr std::size_t most_triangles = std::size_t(1) << 27;
 constexpr std::size_t most_pixels = std::size_t(1) << 28;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "kernel/hash.h"
+#include "physics/hash.h"
 #include "optics/acceptance_warp.h"
 #include "optics/lens_rhabdom.h"
 #include "threads/parallel.h"

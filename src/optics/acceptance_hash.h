@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "kernel/hash.h"
+#include "physics/hash.h"
 #include "omma/acceptance.h"
 
 namespace omma {

@@ -1,4 +1,4 @@
-// Makes what kernel/acceptance.h reads: the tables of a sensitivity, and its warp by inverting the
+// Makes what physics/acceptance.h reads: the tables of a sensitivity, and its warp by inverting the
 // exact distribution.
 #pragma once
 
@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "kernel/acceptance.h"
+#include "physics/acceptance.h"
 #include "omma/acceptance.h"
 #include "optics/lens_rhabdom.h"
 

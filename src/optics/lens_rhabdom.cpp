@@ -7,7 +7,7 @@
 #include <cmath>
 #include <functional>
 
-#include "kernel/acceptance.h"
+#include "physics/acceptance.h"
 #include "optics/gauss_legendre.h"
 #include "threads/made_once.h"
 

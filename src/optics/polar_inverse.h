@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "kernel/acceptance.h"
+#include "physics/acceptance.h"
 
 namespace omma {
 

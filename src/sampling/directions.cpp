@@ -9,8 +9,8 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "kernel/hash.h"
-#include "kernel/sobol.h"
+#include "physics/hash.h"
+#include "physics/sobol.h"
 #include "optics/acceptance_hash.h"
 #include "optics/footprint_width.h"
 #include "sampling/even_points.h"

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernel/hash.h"
+#include "physics/hash.h"
 #include "threads/parallel.h"
 
 namespace omma {

@@ -1,11 +1,11 @@
-// The tables that random directions (kernel/random_direction.h) are read from.
+// The tables that random directions (physics/random_direction.h) are read from.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "kernel/random_direction.h"
+#include "physics/random_direction.h"
 #include "optics/acceptance_warp.h"
 
 namespace omma {

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernel/hash.h"
+#include "physics/hash.h"
 #include "model/curve_order.h"
 #include "model/nearest_axis.h"
 #include "omma/error.h"

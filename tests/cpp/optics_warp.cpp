@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "kernel/hash.h"
-#include "kernel/random_direction.h"
+#include "physics/hash.h"
+#include "physics/random_direction.h"
 #include "optics_acceptances.h"
 #include "optics/acceptance_warp.h"
 #include "sampling/polar_tables.h"

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernel/acceptance.h"
-#include "kernel/hash.h"
-#include "kernel/sobol.h"
+#include "physics/acceptance.h"
+#include "physics/hash.h"
+#include "physics/sobol.h"
 #include "sampling/even_points.h"
 
 namespace omma::test {

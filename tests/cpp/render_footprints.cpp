@@ -7,8 +7,8 @@
 
 #include "backend/shading_data.h"
 #include "backend/texture_levels.h"
-#include "kernel/footprint.h"
-#include "kernel/texture.h"
+#include "physics/footprint.h"
+#include "physics/texture.h"
 #include "omma/camera.h"
 #include "omma/io.h"
 #include "test_scenes.h"

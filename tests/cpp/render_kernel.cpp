@@ -1,6 +1,6 @@
 // Kernel functions that only other backends call, run here on the host: the path of a single ray
 // against what the packets of the renderer see, the density of a sample against the sphere.
-#include "kernel/path.h"
+#include "physics/path.h"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "kernel/hash.h"
-#include "kernel/random_direction.h"
+#include "physics/hash.h"
+#include "physics/random_direction.h"
 #include "reference.h"
 #include "sampling/directions.h"
 #include "test_scenes.h"

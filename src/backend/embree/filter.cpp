@@ -2,7 +2,7 @@
 // those that the ray has not passed yet.
 #include "backend/embree/filter.h"
 
-#include "kernel/surface.h"
+#include "physics/surface.h"
 
 namespace omma {
 namespace {

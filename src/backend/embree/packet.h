@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "backend/embree/block.h"
-#include "kernel/lanes.h"
+#include "physics/lanes.h"
 
 namespace omma::OMMA_ISA {
 namespace {
@@ -19,7 +19,7 @@ struct PacketLight {
 
 struct Packet {
   RTCRayHit16 rays;
-  alignas(64) float footprint_rad[lanes];  // width of each ray (kernel/footprint.h)
+  alignas(64) float footprint_rad[lanes];  // width of each ray (physics/footprint.h)
   PacketLight light;
 };
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "backend/embree/packet.h"
-#include "kernel/path.h"
+#include "physics/path.h"
 
 namespace omma::OMMA_ISA {
 namespace {

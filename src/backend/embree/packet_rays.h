@@ -5,8 +5,8 @@
 #pragma once
 
 #include "backend/embree/packet.h"
-#include "kernel/hash.h"
-#include "kernel/random_direction.h"
+#include "physics/hash.h"
+#include "physics/random_direction.h"
 
 namespace omma::OMMA_ISA {
 namespace {
@@ -29,7 +29,7 @@ struct Units {
   alignas(64) float s[3][unit_room];
   alignas(64) float t[3][unit_room];
   alignas(64) float t_near[unit_room];
-  alignas(64) float footprint_rad[unit_room];  // width of each ray (kernel/footprint.h)
+  alignas(64) float footprint_rad[unit_room];  // width of each ray (physics/footprint.h)
   alignas(64) float aperture_radius[unit_room];
   alignas(64) float scale[unit_room];              // of sines of polar angles
   alignas(64) std::int32_t directions[unit_room];  // where its pattern begins, or which warp

@@ -11,7 +11,7 @@ struct PassedSurface {
 };
 
 struct PassedSurfaces {
-  // Most surfaces in one place, which is a hundred-thousandth of the distance (kernel/path.h); a
+  // Most surfaces in one place, which is a hundred-thousandth of the distance (physics/path.h); a
   // ray goes on behind that place where there are more.
   static constexpr int room = 64;
   int count[16] = {};               // [ray]

@@ -2,8 +2,8 @@
 // gives one thing, the closest accepted hit; these steps are shared by all of them.
 #pragma once
 
-#include "kernel/background.h"
-#include "kernel/surface.h"
+#include "physics/background.h"
+#include "physics/surface.h"
 
 namespace omma {
 

@@ -1,11 +1,11 @@
-// Independent directions around an axis, any number of lanes (kernel/lanes.h) at once: a hash, the
-// radius of a pair of normals, the warp of kernel/acceptance.h, an azimuth. In floats: the polar
+// Independent directions around an axis, any number of lanes (physics/lanes.h) at once: a hash, the
+// radius of a pair of normals, the warp of physics/acceptance.h, an azimuth. In floats: the polar
 // angle is within a few 1e-7 of its value in doubles, relative to the acceptance angle.
 #pragma once
 
-#include "kernel/acceptance.h"
-#include "kernel/hash.h"
-#include "kernel/lanes.h"
+#include "physics/acceptance.h"
+#include "physics/hash.h"
+#include "physics/lanes.h"
 
 namespace omma {
 

@@ -1,11 +1,11 @@
 // Compiles the physics headers as device code. Nothing runs this; it keeps what is written once
 // good for both host and device.
-#include "kernel/acceptance.h"
-#include "kernel/footprint.h"
-#include "kernel/hash.h"
-#include "kernel/path.h"
-#include "kernel/random_direction.h"
-#include "kernel/sobol.h"
+#include "physics/acceptance.h"
+#include "physics/footprint.h"
+#include "physics/hash.h"
+#include "physics/path.h"
+#include "physics/random_direction.h"
+#include "physics/sobol.h"
 
 namespace omma {
 

@@ -12,7 +12,7 @@
 // two neighbouring rows of a table, mixed.
 #pragma once
 
-#include "kernel/normal_quantile.h"
+#include "physics/normal_quantile.h"
 #include "omma/kernel.h"
 #include "omma/vec.h"
 

@@ -1,5 +1,5 @@
 // How wide a ray is. A ray stands for its share of an ommatidium's solid angle; a texture finer
-// than that share is read from a coarser level of its image (kernel/texture.h) instead of at one
+// than that share is read from a coarser level of its image (physics/texture.h) instead of at one
 // texel by chance. The price is that texels of that level widen the acceptance function a little.
 //
 // How wide they may be. A level with texels of width T is the image averaged over T (variance

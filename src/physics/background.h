@@ -1,7 +1,7 @@
 // Radiance of directions in which there is no surface. World frame, +Y up, unit directions.
 #pragma once
 
-#include "kernel/texture.h"
+#include "physics/texture.h"
 
 namespace omma {
 

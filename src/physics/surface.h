@@ -1,11 +1,11 @@
 // What a surface sends towards the eye, and which surfaces a ray sees at all. One mesh, any number
-// of lanes (kernel/lanes.h).
+// of lanes (physics/lanes.h).
 //
 // This is the seam where light comes in: eval_surface returns the unlit base colour plus emission
 // (CompoundRay's default shading); illumination will multiply the base colour here.
 #pragma once
 
-#include "kernel/texture.h"
+#include "physics/texture.h"
 
 namespace omma {
 

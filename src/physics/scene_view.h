@@ -1,4 +1,4 @@
-// The scene as the kernels see it: flat arrays behind pointers, the same on host and device. Made
+// The scene as the physics sees it: flat arrays behind pointers, the same on host and device. Made
 // from a Scene by backend/shading_data, which has baked texture transforms into the coordinates.
 #pragma once
 

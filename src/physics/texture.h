@@ -1,12 +1,12 @@
 // Reading a texture: wrap modes, nearest and bilinear filtering in linear light (glTF 2.0, 3.8.4).
 // Row 0 is v = 0, as in glTF. A footprint wider than a texel reads coarser levels of the image,
-// mixed so that it is continuous in the width. One texture, any number of lanes (kernel/lanes.h).
+// mixed so that it is continuous in the width. One texture, any number of lanes (physics/lanes.h).
 #pragma once
 
 #include <type_traits>
 
-#include "kernel/lanes.h"
-#include "kernel/scene_view.h"
+#include "physics/lanes.h"
+#include "physics/scene_view.h"
 
 namespace omma {
 
@@ -102,7 +102,7 @@ OMMA_HD Color<F> eval_level(const TextureView& texture, const Level& level, F u,
 }
 
 // The finer of the two levels that a footprint reads and the weight of the next. Seen from level 0,
-// level n has a variance of (4^n - 1)/4 texels^2 along each axis (kernel/footprint.h); in between
+// level n has a variance of (4^n - 1)/4 texels^2 along each axis (physics/footprint.h); in between
 // the weight is such that the mixture has (width^2 - 1)/4. The level is the exponent of the width,
 // so no logarithm is needed.
 template <typename F, typename I>

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "kernel/hash.h"
+#include "physics/hash.h"
 #include "omma/vec.h"
 
 namespace omma {
