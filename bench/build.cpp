@@ -53,7 +53,7 @@ void build(const std::string& name, const std::string& scene_file) {
   const double load_mb = peak_mb();
   const Renderer renderer(scene, eye);
   const double built_s = seconds_since(start);
-  std::vector<float> out(eye.size() * channel_count);
+  std::vector<float> out(eye.size() * rgb_bands);
   const Mat4 pose;
   renderer.render({&pose, 1}, out);
   const double first_frame_s = seconds_since(start);

@@ -8,7 +8,9 @@
 #include <atomic>
 #include <cstdio>
 
-#include "backend/embree/block.h"
+#include "backend/embree/backend.h"
+#include "backend/embree/search.h"
+#include "backend/eye_arrays.h"
 #include "backend/shading_data.h"
 #include "scenes.h"
 
@@ -18,9 +20,11 @@ namespace {
 // What a Renderer holds inside, and its blocks at one pose.
 struct Prepared {
   std::unique_ptr<ShadingData> shading;
-  std::unique_ptr<EmbreeTracer> tracer;
+  Acceleration acceleration;
   DirectionTables directions;
+  DirectionsView directions_view;
   EyeArrays eye;
+  EyeView eye_view;
   std::vector<BlockTask> tasks;
 };
 
@@ -28,13 +32,15 @@ void prepare_rays(Prepared& p, const Setup& setup, int samples) {
   RenderSettings settings;
   settings.samples = samples;
   p.directions = make_direction_tables(setup.eye, settings);
+  p.directions_view = view(p.directions);
   p.eye = make_eye_arrays(setup.eye, p.directions);
+  p.eye_view = view(p.eye);
   p.tasks.clear();
   const int per_block = std::clamp(block_rays / samples, 1, block_capacity);
   const int ommatidia = static_cast<int>(setup.eye.size());
   for (int first = 0; first < ommatidia; first += per_block) {
     BlockTask task;
-    const Vec3d o = p.tracer->origin_m;
+    const Vec3d o = p.acceleration.origin_m;
     const double origin[3] = {o.x, o.y, o.z};
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 4; ++c)
@@ -48,20 +54,20 @@ void prepare_rays(Prepared& p, const Setup& setup, int samples) {
 
 // Tracing alone, timed block by block on packets just prepared, which are in the cache as they are
 // in the render; the frame's time is the sum over all blocks shared by the threads.
-double trace_seconds(const Prepared& p, int samples, PrepareBlock prepare_block) {
-  const BlockContext context{p.tracer.get(), &p.shading->view, &p.eye, &p.directions};
+double trace_seconds(const Prepared& p, int samples, const BlockFunctions& block) {
+  const FrameView frame{&p.shading->view, &p.eye_view, &p.directions_view};
   std::atomic<std::int64_t> traced_ns{0};
   oneapi::tbb::parallel_for(std::size_t{0}, p.tasks.size(), [&](std::size_t t) {
     const BlockTask& task = p.tasks[t];
-    thread_local std::vector<RTCRayHit16> packets;
+    thread_local std::vector<RayPacket<packet_rays>> packets;
     packets.resize(static_cast<std::size_t>((task.count * samples + 15) / 16));
-    prepare_block(context, task, packets.data());
+    block.prepare(frame, task, packets.data());
     const DenormalsAreZero denormals_are_zero;
-    IntersectArguments arguments;
+    EmbreeSearch search{static_cast<const EmbreeTracer*>(p.acceleration.tracer.get()), {}};
     alignas(64) int valid[16];
     for (int& v : valid) v = -1;
     const auto start = Clock::now();
-    for (RTCRayHit16& rays : packets) intersect_16(p.tracer->scene, valid, rays, arguments);
+    for (RayPacket<packet_rays>& rays : packets) search.closest(valid, rays, nullptr);
     traced_ns += std::chrono::nanoseconds(Clock::now() - start).count();
   });
   return 1e-9 * static_cast<double>(traced_ns) / oneapi::tbb::info::default_concurrency();
@@ -81,10 +87,10 @@ void ceiling(bool quick) {
   for (const Setup& setup : setups) {
     Prepared p;
     p.shading = make_shading_data(*setup.scene);
-    p.tracer = make_embree_tracer(*setup.scene, p.shading->view);
+    p.acceleration = embree_backend().build(*setup.scene, p.shading->view, nullptr);
     const Renderer built(setup.scene, setup.eye);
-    std::vector<float> responses(setup.eye.size() * channel_count);
-    const PrepareBlock prepare_block = choose_block_functions().prepare;
+    std::vector<float> responses(setup.eye.size() * rgb_bands);
+    const BlockFunctions block = embree_backend().block_functions();
     for (int samples : counts) {
       RenderSettings settings;
       settings.samples = samples;
@@ -94,7 +100,7 @@ void ceiling(bool quick) {
       double render_s = 1e9;
       const auto start = Clock::now();
       for (int i = 0; i < 3 || seconds_since(start) < least_s; ++i) {
-        trace_s = std::min(trace_s, trace_seconds(p, samples, prepare_block));
+        trace_s = std::min(trace_s, trace_seconds(p, samples, block));
         const auto before = Clock::now();
         renderer.render(setup.poses, responses);
         render_s = std::min(render_s, seconds_since(before));

@@ -27,7 +27,7 @@ std::vector<float> make_reference(const Renderer& built, const Case& of) {
   settings.samples = of.reference_rays;
   settings.footprints = false;
   settings.seed = 1;  // not the points that are measured
-  std::vector<float> reference(of.setup.poses.size() * of.setup.eye.size() * channel_count);
+  std::vector<float> reference(of.setup.poses.size() * of.setup.eye.size() * rgb_bands);
   Renderer(built, of.setup.eye, settings).render(of.setup.poses, reference);
   return reference;
 }
@@ -61,7 +61,7 @@ Point measure(const Renderer& built, const Case& of, const std::vector<float>& r
       static_cast<std::size_t>(std::clamp(of.rays_per_point / frame_rays, 4.0, 16.0));
   std::vector<Mat4> poses;
   for (std::size_t r = 0; r < repeats; ++r) poses.insert(poses.end(), views.begin(), views.end());
-  std::vector<float> out(poses.size() * ommatidia * channel_count);
+  std::vector<float> out(poses.size() * ommatidia * rgb_bands);
   std::vector<std::int32_t> rays(poses.size() * ommatidia);
   RenderCall call;
   call.rays = rays;

@@ -45,14 +45,14 @@ std::size_t batch_size(const Setup& setup, int samples, bool quick) {
 }
 
 double batch_seconds(const Renderer& renderer, const std::vector<Mat4>& poses, double least_s) {
-  std::vector<float> out(poses.size() * renderer.eye().size() * channel_count);
+  std::vector<float> out(poses.size() * renderer.eye().size() * rgb_bands);
   return best_seconds(least_s, [&] { renderer.render(poses, out); }) /
          static_cast<double>(poses.size());
 }
 
 // Each of many single frames, s, sorted. The first ones warm up and do not count.
 std::vector<double> single_seconds(const Renderer& renderer, const std::vector<Mat4>& poses) {
-  std::vector<float> out(renderer.eye().size() * channel_count);
+  std::vector<float> out(renderer.eye().size() * rgb_bands);
   std::vector<double> seconds;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     RenderCall call;

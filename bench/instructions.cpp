@@ -42,7 +42,7 @@ void instructions(const std::string& which) {
   }
   const Renderer renderer(setup.scene, make_eye(), settings);
   const std::vector<Mat4> poses = flight(setup, 4);
-  std::vector<float> out(poses.size() * renderer.eye().size() * channel_count);
+  std::vector<float> out(poses.size() * renderer.eye().size() * rgb_bands);
   renderer.render(poses, out);
 }
 

@@ -117,7 +117,7 @@ void kernels(bool quick) {
     std::vector<Renderer> renderers;
     for (const Kind& kind : kinds) renderers.emplace_back(built, kind.eye, settings);
     const auto poses = flight(setup, quick ? 1 : static_cast<std::size_t>(64 / mode.samples + 4));
-    std::vector<float> out(poses.size() * setup.eye.size() * channel_count);
+    std::vector<float> out(poses.size() * setup.eye.size() * rgb_bands);
     std::vector<double> seconds(kinds.size(), 1e9);
     // In turns, so that a disturbance meets all.
     for (int round = 0; round < (quick ? 1 : 7); ++round)

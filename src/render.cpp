@@ -1,6 +1,6 @@
 // The main path: a scene and an eye become a Renderer, poses become responses. Read top to bottom:
 // check what comes in, build once, then per call one parallel loop over poses and blocks of
-// neighbouring ommatidia. What happens inside a block is backend/embree/block.cpp.
+// neighbouring ommatidia. What happens inside a block is physics/block.h.
 #include "omma/render.h"
 
 #include <oneapi/tbb/info.h>
@@ -12,11 +12,14 @@
 #include "render_state.h"
 #include "threads/arena.h"
 #include "threads/parallel.h"
+#include "threads/thread_memory.h"
 
 namespace omma {
 namespace {
 
 constexpr int max_threads = 4096;
+// Radiance is at most 1e15, and sums of it stay in single precision.
+constexpr double most_output_weight = 1e6;
 
 void check_settings(const RenderSettings& s) {
   if (s.samples < 1 || s.samples > max_samples)
@@ -57,7 +60,27 @@ void check_settings(const RenderSettings& s) {
 void check_output(const char* name, std::span<float> output, std::size_t expected) {
   if (output.size() != expected)
     throw Error(std::string(name) + ": expected room for " + std::to_string(expected) +
-                " values (pose x ommatidium x channel), found " + std::to_string(output.size()));
+                " values (pose x ommatidium x band), found " + std::to_string(output.size()));
+}
+
+Outputs make_outputs(std::span<const double> output_from_band, int bands) {
+  if (output_from_band.empty()) return {bands, {}};
+  const auto row = static_cast<std::size_t>(bands);
+  if (output_from_band.size() % row != 0)
+    throw Error("output_from_band: expected rows of " + std::to_string(bands) +
+                " weights (output x band), found " + std::to_string(output_from_band.size()) +
+                " in all");
+  if (output_from_band.size() / row > most_bands)
+    throw Error("output_from_band: expected at most " + std::to_string(most_bands) +
+                " rows (output x band), found " + std::to_string(output_from_band.size() / row));
+  Outputs outputs{static_cast<int>(output_from_band.size() / row), {}};
+  for (const double weight : output_from_band) {
+    if (!(std::fabs(weight) <= most_output_weight))
+      throw Error("output_from_band: expected weights of at most " +
+                  std::to_string(most_output_weight) + ", found " + std::to_string(weight));
+    outputs.from_band.push_back(static_cast<float>(weight));
+  }
+  return outputs;
 }
 
 }  // namespace
@@ -108,18 +131,19 @@ void Renderer::State::prepare_eye(State& s, Eye eye, RenderSettings settings,
   check_sharing(eye, settings);
   s.eye = std::move(eye);
   s.settings = std::move(settings);
-  s.block = choose_block_functions();
   run_in_arena(*s.arena, [&] {
     if (s.background == nullptr) s.background = build_background(*s.built, s.settings);
     s.view = s.built->shading->view;
     s.view.background = s.background->data.view;
     const auto start = Clock::now();
-    s.directions = {make_direction_tables(s.eye, s.settings, known)};
+    s.directions.push_back(make_direction_tables(s.eye, s.settings, known));
     RenderSettings round = s.settings;
     for (round.samples *= 2; s.settings.error > 0 && round.samples <= s.settings.most_samples;
          round.samples *= 2)
       s.directions.push_back(make_direction_tables(s.eye, round, &s.directions.front()));
     s.eye_arrays = make_eye_arrays(s.eye, s.directions.front());
+    s.eye_view = omma::view(s.eye_arrays);
+    for (const DirectionTables& tables : s.directions) s.direction_views.push_back(omma::view(tables));
     if (s.settings.error > 0) s.nearest = nearest_in_blocks(s.eye_arrays, most_per_block);
     if (s.settings.share_rays) shared_set(s, 0);
     s.times.directions_s = seconds_since(start);
@@ -141,9 +165,11 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, Eye eye, RenderSettings s
     const auto start = Clock::now();
     built->shading = make_shading_data(*built->scene);
     s.times.scene_s = seconds_since(start);
-    const auto before_tracer = Clock::now();
-    built->tracer = make_embree_tracer(*built->scene, built->shading->view, &work);
-    s.times.acceleration_s = seconds_since(before_tracer);
+    const auto before_building = Clock::now();
+    const Backend& backend = find_backend("");
+    built->functions = backend.block_functions();
+    built->acceleration = backend.build(*built->scene, built->shading->view, &work);
+    s.times.acceleration_s = seconds_since(before_building);
     s.built = std::move(built);
   };
   run_watched(progress, [&](WorkState& work) {
@@ -180,7 +206,8 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
                       const RenderCall& call) const {
   const State& s = *state_;
   const std::size_t ommatidia = s.eye.size(), poses = world_from_head.size();
-  const std::size_t pose_size = ommatidia * channel_count;
+  const Outputs outputs = make_outputs(call.output_from_band, s.view.bands);
+  const std::size_t pose_size = ommatidia * static_cast<std::size_t>(outputs.count);
   check_output("responses", responses, poses * pose_size);
   if (!call.standard_error.empty())
     check_output("standard_error", call.standard_error, poses * pose_size);
@@ -195,29 +222,32 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
       throw Error("ray_radiance: only where every ommatidium has its own, equally many rays");
     if (call.ray_radiance.size() != poses * rays_size)
       throw Error("ray_radiance: expected room for " + std::to_string(poses * rays_size) +
-                  " values (pose x ommatidium x sample x channel), found " +
+                  " values (pose x ommatidium x sample x band), found " +
                   std::to_string(call.ray_radiance.size()));
   }
   const std::vector<Mat4> traced =
-      traced_poses(world_from_head, s.eye_arrays, s.built->tracer->origin_m);
+      traced_poses(world_from_head, s.eye_arrays, s.built->acceleration.origin_m);
 
-  if (s.settings.share_rays) return render_shared(s, traced, responses, call);
+  if (s.settings.share_rays) return render_shared(s, traced, responses, call, outputs);
 
   // One block of ommatidia at one pose is a task: some 512 rays, but no more than fit its sums.
-  Blocks blocks{{s.built->tracer.get(), &s.view, &s.eye_arrays, s.directions.data()},
+  Blocks blocks{{&s.view, &s.eye_view, s.direction_views.data()},
+                s.built.get(),
                 static_cast<int>(ommatidia)};
-  BlockContext& context = blocks.context;
+  FrameView& frame = blocks.frame;
+  frame.outputs = outputs.count;
+  if (!outputs.from_band.empty()) frame.output_from_band = outputs.from_band.data();
   if (to_error) {
-    context.rounds = static_cast<int>(s.directions.size());
-    context.error = s.settings.error;
-    context.most_samples = s.settings.most_samples;
-    context.nearest = s.nearest.data();
+    frame.rounds = static_cast<int>(s.directions.size());
+    frame.error = s.settings.error;
+    frame.most_samples = s.settings.most_samples;
+    frame.nearest = s.nearest.data();
   } else if (!call.standard_error.empty()) {
-    context.scrambles = error_scrambles;
+    frame.scrambles = error_scrambles;
   }
-  const int rays_each = s.settings.samples * context.scrambles;
+  const int rays_each = s.settings.samples * frame.scrambles;
   blocks.per_block = std::clamp(block_rays / rays_each, 1,
-                                std::min(most_per_block, block_capacity / context.scrambles));
+                                std::min(most_per_block, block_capacity / frame.scrambles));
   // Neighbours are heard within a block, so that it is large whatever the least number of rays.
   if (to_error) blocks.per_block = most_per_block;
   if (!to_error) std::fill(call.rays.begin(), call.rays.end(), rays_each);
@@ -230,7 +260,7 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
       task.standard_error = call.standard_error.data() + p * pose_size;
     if (!call.rays.empty()) task.rays = call.rays.data() + p * ommatidia;
     if (!call.ray_radiance.empty()) task.ray_radiance = call.ray_radiance.data() + p * rays_size;
-    s.block.render(context, task);
+    trace_task(blocks, task);
   };
   const int most_rays = to_error ? s.settings.most_samples : rays_each;
   run_in_stretches(poses * blocks_per_pose, static_cast<double>(most_rays) * blocks.per_block,
@@ -251,6 +281,11 @@ BlockTask make_task(const Blocks& blocks, std::size_t block, const Mat4& world_f
   return task;
 }
 
+void trace_task(const Blocks& blocks, const BlockTask& task) {
+  blocks.built->functions.render(blocks.frame, task, blocks.built->acceleration.tracer.get(),
+                                 thread_memory(block_memory_bytes(blocks.frame)));
+}
+
 void run_in_stretches(std::size_t tasks, double rays_per_task, int threads,
                       const std::function<bool(double)>& progress,
                       const std::function<void(std::size_t, std::size_t)>& run) {
@@ -264,8 +299,8 @@ void run_in_stretches(std::size_t tasks, double rays_per_task, int threads,
     const double rate = static_cast<double>(end - done) / std::max(seconds_since(start), 1e-6);
     stretch = static_cast<std::size_t>(std::max(1.0, 0.2 * rate));
     done = end;
-    const double share = static_cast<double>(done) / static_cast<double>(tasks);
-    if (progress && !progress(share)) throw Cancelled();
+    if (progress && !progress(static_cast<double>(done) / static_cast<double>(tasks)))
+      throw Cancelled();
   }
 }
 
@@ -294,14 +329,14 @@ std::vector<char> Renderer::shared_ommatidia() const {
   return shared_set(*state_, 0).rays.is_shared;
 }
 std::string Renderer::precision_warning(std::span<const Mat4> world_from_head) const {
-  return omma::precision_warning(world_from_head, state_->built->tracer->origin_m,
-                                 state_->built->tracer->half_size_m);
+  return omma::precision_warning(world_from_head, state_->built->acceleration.origin_m,
+                                 state_->built->acceleration.half_size_m);
 }
 int Renderer::threads() const {
   return state_->threads;
 }
 std::string Renderer::backend() const {
-  return state_->built->tracer->name;
+  return state_->built->acceleration.name;
 }
 
 }  // namespace omma

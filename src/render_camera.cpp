@@ -65,15 +65,15 @@ Eye rays_of_pixels(const Picture& picture, std::size_t first, std::size_t count)
 // Renders the rays of `count` pixels and averages them.
 void render_pixels(const Renderer& renderer, const Picture& picture, std::size_t first,
                    std::size_t count) {
-  std::vector<float> radiance(renderer.eye().size() * channel_count);
+  std::vector<float> radiance(renderer.eye().size() * rgb_bands);
   renderer.render(std::span(&picture.camera->world_from_camera, 1), radiance);
   const std::size_t samples = picture.points.size();
   for (std::size_t pixel = 0; pixel < count; ++pixel)
-    for (std::size_t c = 0; c < channel_count; ++c) {
+    for (std::size_t c = 0; c < rgb_bands; ++c) {
       double sum = 0;
       for (std::size_t i = 0; i < samples; ++i)
-        sum += radiance[(pixel * samples + i) * channel_count + c];
-      picture.out[(first + pixel) * channel_count + c] =
+        sum += radiance[(pixel * samples + i) * rgb_bands + c];
+      picture.out[(first + pixel) * rgb_bands + c] =
           static_cast<float>(sum / static_cast<double>(samples));
     }
 }
@@ -89,7 +89,7 @@ void check(const Camera& camera, const CameraSettings& settings, std::span<float
     throw Error("samples: expected 1 to " + std::to_string(max_samples) + ", found " +
                 std::to_string(settings.samples));
   const std::size_t expected =
-      static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * channel_count;
+      static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * rgb_bands;
   if (picture.size() != expected)
     throw Error("picture: expected room for " + std::to_string(expected) +
                 " values (row x column x channel), found " + std::to_string(picture.size()));
@@ -102,7 +102,7 @@ void render_camera(const Renderer& same_scene, const Camera& camera, const Camer
   check(camera, settings, picture);
   const Picture whole{&camera, &settings, points_within_pixel(settings.samples, settings.seed),
                       picture};
-  const std::size_t pixels = picture.size() / channel_count;
+  const std::size_t pixels = picture.size() / rgb_bands;
   const std::size_t per_band =
       std::max<std::size_t>(1, band_rays / static_cast<std::size_t>(settings.samples));
   const std::size_t bands = (pixels + per_band - 1) / per_band;

@@ -13,21 +13,24 @@ constexpr std::size_t rows_per_task = 256;
 
 // A frame with one set of rays; `parallel` where the threads are not busy with other poses.
 void render_frame(const Renderer::State& s, const SharedSet& set, const Mat4& world_from_head,
-                  std::uint64_t pose, bool parallel, float* responses) {
-  const Blocks blocks{{s.built->tracer.get(), &s.view, &set.arrays, &set.directions},
-                      static_cast<int>(set.rays.rays.size()),
-                      most_per_block};
-  thread_local std::vector<float> radiance;  // [ray][channel], the same room for all frames
-  radiance.resize(set.rays.rays.size() * channel_count);
+                  std::uint64_t pose, const Outputs& outputs, bool parallel, float* responses) {
+  Blocks blocks{{&s.view, &set.eye_view, &set.directions_view},
+                s.built.get(),
+                static_cast<int>(set.rays.rays.size()),
+                most_per_block};
+  blocks.frame.outputs = outputs.count;
+  if (!outputs.from_band.empty()) blocks.frame.output_from_band = outputs.from_band.data();
+  thread_local std::vector<float> radiance;  // [ray][output], the same room for all frames
+  radiance.resize(set.rays.rays.size() * static_cast<std::size_t>(outputs.count));
   float* const traced = radiance.data();
   const auto trace = [&](std::size_t block) {
     BlockTask task = make_task(blocks, block, world_from_head, pose);
     task.responses = traced;
-    s.block.render(blocks.context, task);
+    trace_task(blocks, task);
   };
   const std::size_t rows = s.eye.size(), row_tasks = (rows + rows_per_task - 1) / rows_per_task;
   const auto weigh = [&](std::size_t i) {
-    s.block.weigh(set.rays, traced, static_cast<std::int64_t>(i * rows_per_task),
+    s.built->functions.weigh(omma::view(set.rays), traced, outputs.count, static_cast<std::int64_t>(i * rows_per_task),
                   static_cast<std::int64_t>(std::min(rows, (i + 1) * rows_per_task)), responses);
   };
   if (parallel) {
@@ -45,11 +48,11 @@ void render_frame(const Renderer::State& s, const SharedSet& set, const Mat4& wo
 
 // The mean of all sets, and its standard error from their spread.
 void render_with_error(const Renderer::State& s, const Mat4& world_from_head, std::uint64_t pose,
-                       bool parallel, float* responses, float* errors) {
-  const std::size_t size = s.eye.size() * channel_count;
+                       const Outputs& outputs, bool parallel, float* responses, float* errors) {
+  const std::size_t size = s.eye.size() * static_cast<std::size_t>(outputs.count);
   std::vector<double> sum(size), squares(size);
   for (int pattern = 0; pattern < error_scrambles; ++pattern) {
-    render_frame(s, shared_set(s, pattern), world_from_head, pose, parallel, responses);
+    render_frame(s, shared_set(s, pattern), world_from_head, pose, outputs, parallel, responses);
     for (std::size_t i = 0; i < size; ++i) {
       const double x = static_cast<double>(responses[i]);
       sum[i] += x;
@@ -73,13 +76,15 @@ const SharedSet& shared_set(const Renderer::State& state, int pattern) {
     made.rays = make_shared_rays(state.eye, state.directions.front(), pattern);
     made.directions = make_ray_tables(state.directions.front(), made.rays);
     made.arrays = make_eye_arrays(made.rays.rays, made.directions);
+    made.directions_view = omma::view(made.directions);
+    made.eye_view = omma::view(made.arrays);
     return made;
   });
 }
 
 void render_shared(const Renderer::State& s, std::span<const Mat4> world_from_head,
-                   std::span<float> responses, const RenderCall& call) {
-  const std::size_t pose_size = s.eye.size() * channel_count;
+                   std::span<float> responses, const RenderCall& call, const Outputs& outputs) {
+  const std::size_t pose_size = s.eye.size() * static_cast<std::size_t>(outputs.count);
   const bool with_error = !call.standard_error.empty();
   const int patterns = with_error ? error_scrambles : 1;
   // The sets are there from the first time on; until then nothing of the render is finished.
@@ -106,10 +111,10 @@ void render_shared(const Renderer::State& s, std::span<const Mat4> world_from_he
     std::copy(counts.begin(), counts.end(),
               call.rays.begin() + static_cast<std::ptrdiff_t>(p * counts.size()));
     if (with_error)
-      render_with_error(s, world_from_head[p], pose, parallel, out,
+      render_with_error(s, world_from_head[p], pose, outputs, parallel, out,
                         call.standard_error.data() + p * pose_size);
     else
-      render_frame(s, shared_set(s, 0), world_from_head[p], pose, parallel, out);
+      render_frame(s, shared_set(s, 0), world_from_head[p], pose, outputs, parallel, out);
   };
   const double rays = static_cast<double>(shared_set(s, 0).rays.rays.size()) * patterns;
   run_in_stretches(world_from_head.size(), rays, 1, call.progress,

@@ -10,8 +10,8 @@
 #include <memory>
 #include <vector>
 
-#include "backend/embree/block.h"
-#include "backend/embree/tracer.h"
+#include "backend/backend.h"
+#include "backend/eye_arrays.h"
 #include "backend/shading_data.h"
 #include "model/long_work.h"
 #include "omma/render.h"
@@ -31,7 +31,8 @@ inline double seconds_since(Clock::time_point start) {
 struct BuiltScene {
   std::shared_ptr<const Scene> scene;
   std::unique_ptr<ShadingData> shading;
-  std::unique_ptr<EmbreeTracer> tracer;
+  BlockFunctions functions;
+  Acceleration acceleration;
 };
 
 // A background ready to be looked at; it may be a large image, so renderers share it.
@@ -45,6 +46,8 @@ struct SharedSet {
   SharedRays rays;
   DirectionTables directions;
   EyeArrays arrays;
+  DirectionsView directions_view;
+  EyeView eye_view;
 };
 
 struct Renderer::State {
@@ -60,8 +63,9 @@ struct Renderer::State {
   SceneView view;                           // of the built scene, with this background
   std::vector<DirectionTables> directions;  // [round]
   EyeArrays eye_arrays;
+  std::vector<DirectionsView> direction_views;  // [round]
+  EyeView eye_view;
   std::vector<std::uint8_t> nearest;  // nearest_in_blocks, where there is an error to reach
-  BlockFunctions block;
 
   // Rays shared by neighbours: the first set is used at all poses, the others for standard errors.
   mutable std::array<MadeOnce<SharedSet>, error_scrambles> shared;
@@ -76,7 +80,8 @@ struct Renderer::State {
 
 // One frame's tracing as tasks of neighbouring ommatidia.
 struct Blocks {
-  BlockContext context;
+  FrameView frame;
+  const BuiltScene* built = nullptr;
   int ommatidia = 0, per_block = 1;
 
   std::size_t count() const {
@@ -88,6 +93,15 @@ struct Blocks {
 // Task `block` of a frame; the caller adds where results go.
 BlockTask make_task(const Blocks& blocks, std::size_t block, const Mat4& world_from_head,
                     std::uint64_t pose);
+
+// Traces a task, on this thread.
+void trace_task(const Blocks& blocks, const BlockTask& task);
+
+// What the call's responses are made of: the bands themselves, or a mixture of them for each output.
+struct Outputs {
+  int count = 0;
+  std::vector<float> from_band;  // [output][band], empty for the bands
+};
 
 // Runs run(begin, end) over all tasks in stretches of about a fifth of a second, so that the caller
 // hears of progress and can cancel; short renders are one stretch, and the first is short enough
@@ -101,6 +115,6 @@ const SharedSet& shared_set(const Renderer::State& state, int pattern);
 
 // Renderer::render with settings.share_rays, arguments checked.
 void render_shared(const Renderer::State& state, std::span<const Mat4> world_from_head,
-                   std::span<float> responses, const RenderCall& call);
+                   std::span<float> responses, const RenderCall& call, const Outputs& outputs);
 
 }  // namespace omma

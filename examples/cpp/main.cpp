@@ -29,12 +29,12 @@ void see(const std::string& scene_path, const std::string& left_path, const std:
                                          ? omma::look_at({0, 1.5, 0}, {0, 1.5, -1})
                                          : scene->cameras.front().world_from_camera;
   const std::size_t ommatidia = renderer.eye().size();
-  std::vector<float> responses(ommatidia * omma::channel_count);  // [ommatidium][channel], linear
+  std::vector<float> responses(ommatidia * omma::rgb_bands);  // [ommatidium][channel], linear
   renderer.render({&world_from_head, 1}, responses);
 
-  double mean[omma::channel_count] = {};
+  double mean[omma::rgb_bands] = {};
   for (std::size_t i = 0; i < responses.size(); ++i)
-    mean[i % omma::channel_count] += responses[i] / static_cast<double>(ommatidia);
+    mean[i % omma::rgb_bands] += responses[i] / static_cast<double>(ommatidia);
   std::printf("%zu ommatidia, %d rays each, %s, mean response %.4f %.4f %.4f\n", ommatidia,
               settings.samples, renderer.backend().c_str(), mean[0], mean[1], mean[2]);
 

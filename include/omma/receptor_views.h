@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "omma/eye.h"
@@ -21,14 +20,5 @@ struct ReceptorViews {
 // view beside the axis is turned through the nodal point, its up vector with it. Throws omma::Error
 // where there is no receptor.
 ReceptorViews receptor_views(const Eye& eye);
-
-// Responses of receptors [pose, receptor] from those of their views [pose, view, channel]: each is
-// its type's row of the matrix [type, channel] times its view's radiance. With `magnitudes` the
-// matrix counts by its magnitudes: standard errors, of which that gives the largest that they can
-// be.
-void apply_receptor_matrix(std::span<const float> radiance, std::span<const double> matrix,
-                           std::span<const std::int32_t> view_of_receptor,
-                           std::span<const std::int32_t> receptor_type, std::size_t view_count,
-                           bool magnitudes, std::span<float> responses);
 
 }  // namespace omma

@@ -1,9 +1,9 @@
 // The renderer: a scene and an eye in, the response of every ommatidium out.
 //
-//   R[p,i,c] = integral of S_i(w) L_c(x_i, w) dw / integral of S_i(w) dw
+//   R[p,i,b] = integral of S_i(w) L_b(x_i, w) dw / integral of S_i(w) dw
 //
-// S_i is the angular sensitivity around the axis of ommatidium i, L_c the radiance arriving at its
-// nodal point in channel c. A surround of radiance 1 gives 1. Linear, never clipped.
+// S_i is the angular sensitivity around the axis of ommatidium i, L_b the radiance arriving at its
+// nodal point in band b. A surround of radiance 1 gives 1. Linear, never clipped.
 #pragma once
 
 #include <cstdint>
@@ -60,11 +60,14 @@ inline constexpr int error_scrambles = 8;
 
 struct RenderCall {
   std::uint64_t first_pose = 0;     // index of the first pose, for renders done piece by piece
-  std::span<float> standard_error;  // [pose, ommatidium, channel], or empty for none
+  std::span<float> standard_error;  // [pose, ommatidium, band], or empty for none
   // [pose, ommatidium], rays that each response comes from, or empty; where rays are shared, each
   // counts for all that use it.
   std::span<std::int32_t> rays;
-  // Radiance that each single ray brought, [pose, ommatidium, sample, channel], or empty for none.
+  // Where not empty, responses are mixtures of the bands, one for each row: [output, band]. What was
+  // [.., band] everywhere else is then [.., output], and errors are those of the mixtures.
+  std::span<const double> output_from_band;
+  // Radiance that each single ray brought, [pose, ommatidium, sample, band], or empty for none.
   // Not together with standard_error.
   std::span<float> ray_radiance;
   // Called from the calling thread several times a second with the finished share (0 to 1);
@@ -98,7 +101,7 @@ class Renderer {
   Renderer& operator=(Renderer&&) noexcept;
   ~Renderer();
 
-  // Responses [pose, ommatidium, channel], linear float32, for poses `world_from_head`. Safe to
+  // Responses [pose, ommatidium, band], linear float32, for poses `world_from_head`. Safe to
   // call from several threads. The same inputs and seed give the same bits whatever the number of
   // threads. Throws omma::Error on an output of the wrong size and a pose that is not invertible or
   // starts rays over 1e18 m from the scene, omma::Cancelled when the progress callback says so.

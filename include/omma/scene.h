@@ -12,8 +12,9 @@
 
 namespace omma {
 
-// Radiance channels. RGB (linear, sRGB primaries) for now; nothing outside may assume the 3.
-inline constexpr int channel_count = 3;
+// Radiance comes in bands: those of linear RGB (sRGB primaries), unless the caller says otherwise,
+// and at most so many.
+inline constexpr int rgb_bands = 3, most_bands = 128;
 
 // An image in memory, row 0 at the top, RGBA. Exactly one of the two arrays is filled.
 struct Image {

@@ -45,6 +45,19 @@ EyeArrays make_eye_arrays(const Eye& eye, const DirectionTables& directions) {
   return a;
 }
 
+EyeView view(const EyeArrays& a) {
+  return {{a.origin_x.data(), a.origin_y.data(), a.origin_z.data()},
+          {a.axis_x.data(), a.axis_y.data(), a.axis_z.data()},
+          {a.up_x.data(), a.up_y.data(), a.up_z.data()},
+          a.focal_offset_m.data(),
+          a.aperture_radius_m.data(),
+          a.scale.data(),
+          a.warp.data(),
+          a.ommatidium.data(),
+          a.has_apertures,
+          a.has_scales};
+}
+
 std::vector<std::uint8_t> nearest_in_blocks(const EyeArrays& eye, int block) {
   const std::size_t size = eye.ommatidium.size() - 16;
   std::vector<std::uint8_t> nearest;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "omma/eye.h"
+#include "physics/frame_view.h"
 #include "sampling/directions.h"
 
 namespace omma {
@@ -30,8 +31,8 @@ struct EyeArrays {
 
 EyeArrays make_eye_arrays(const Eye& eye, const DirectionTables& directions);
 
-// Ommatidia that each listens to where rays go on to an error.
-inline constexpr int listened_to = 8;
+// Points into the arrays.
+EyeView view(const EyeArrays& arrays);
 
 // [ommatidium][listened_to]: those nearest to it in direction among its block, which are as many in
 // a row as `block` says; by their place in the block, itself where there are too few.

@@ -1,4 +1,5 @@
-// Radiance of directions in which there is no surface. World frame, +Y up, unit directions.
+// Light from directions in which there is no surface, linear RGB, which path.h lifts to the bands of
+// the scene. World frame, +Y up, unit directions.
 #pragma once
 
 #include "physics/texture.h"
@@ -20,37 +21,37 @@ OMMA_HD float asin_positive(float x) {
 }
 
 // CompoundRay's `simple_sky`: from the horizon colour linearly in elevation to the zenith colour.
-OMMA_HD Radiance eval_simple_sky(Vec3 direction) {
+OMMA_HD Vec3 eval_simple_sky(Vec3 direction) {
   const float up = clamp_unit_lanes(direction.y);
-  const float share = asin_positive(up) * 0.636619772f;  // elevation over pi/2
+  const float height = asin_positive(up) * 0.636619772f;  // elevation over pi/2
   const float s = 0.8f / 255.0f, z = 1.0f / 255.0f;
-  return {{143.0f * s + share * (1.0f * z - 143.0f * s),
-           179.0f * s + share * (31.0f * z - 179.0f * s),
-           203.0f * s + share * (117.0f * z - 203.0f * s)}};
+  return {143.0f * s + height * (1.0f * z - 143.0f * s),
+          179.0f * s + height * (31.0f * z - 179.0f * s),
+          203.0f * s + height * (117.0f * z - 203.0f * s)};
 }
 
 // CompoundRay's `default_background`: azimuth in red, elevation in green, black great circles.
-OMMA_HD Radiance eval_test_pattern(Vec3 direction) {
+OMMA_HD Vec3 eval_test_pattern(Vec3 direction) {
   const float line = 0.01f;
   if (fabsf(direction.x) < line || fabsf(direction.y) < line || fabsf(direction.z) < line)
     return {};
   const float p = static_cast<float>(pi);
   const float y = fminf(fmaxf(direction.y, -1.0f), 1.0f);
-  return {{(atan2f(direction.z, direction.x) + p) / (2 * p), (asinf(y) + p / 2) / p, 0.0f}};
+  return {(atan2f(direction.z, direction.x) + p) / (2 * p), (asinf(y) + p / 2) / p, 0.0f};
 }
 
 // Equirectangular image: forward (-Z) in the middle, +X to the right, +Y at the top.
-OMMA_HD Radiance eval_background_image(const BackgroundView& background, Vec3 direction,
+OMMA_HD Vec3 eval_background_image(const BackgroundView& background, Vec3 direction,
                                        float footprint_rad) {
   const float p = static_cast<float>(pi);
   const float y = fminf(fmaxf(direction.y, -1.0f), 1.0f);
   const Vec2 uv{0.5f + atan2f(direction.x, -direction.z) / (2 * p), 0.5f - asinf(y) / p};
   const Color<float> c =
       eval_texture(background.image, uv.x, uv.y, footprint_rad * background.image_density);
-  return {{c.r, c.g, c.b}};
+  return {c.r, c.g, c.b};
 }
 
-OMMA_HD Radiance eval_background(const SceneView& scene, Vec3 direction, float footprint_rad) {
+OMMA_HD Vec3 eval_background(const SceneView& scene, Vec3 direction, float footprint_rad) {
   switch (scene.background.type) {
     case BackgroundType::constant:
       break;
@@ -61,8 +62,7 @@ OMMA_HD Radiance eval_background(const SceneView& scene, Vec3 direction, float f
     case BackgroundType::image:
       return eval_background_image(scene.background, direction, footprint_rad);
   }
-  const Vec3 c = scene.background.color;
-  return {{c.x, c.y, c.z}};
+  return scene.background.color;
 }
 
 }  // namespace omma

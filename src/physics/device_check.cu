@@ -1,41 +1,50 @@
-// Compiles the physics headers as device code. Nothing runs this; it keeps what is written once
-// good for both host and device.
-#include "physics/acceptance.h"
+// Compiles the physics as device code: the hot loop in one lane, with a search that meets a triangle
+// everywhere. Nothing runs this; it keeps what is written once good for both host and device.
+#include "physics/block.h"
 #include "physics/footprint.h"
-#include "physics/hash.h"
-#include "physics/path.h"
-#include "physics/random_direction.h"
-#include "physics/sobol.h"
+#include "physics/weigh.h"
 
 namespace omma {
+namespace {
 
-__global__ void device_check(SceneView scene, AcceptanceWarpView warp, PolarTablesView tables,
-                             float* out) {
-  const unsigned i = threadIdx.x;
-  const std::uint64_t scramble = hash_combine(pose_hash(0, blockIdx.x), i);
-  const double u0 =
-      unit_interval(static_cast<std::uint64_t>(owen_scramble(sobol_0(i), scramble)) << 32);
-  const double u1 =
-      unit_interval(static_cast<std::uint64_t>(owen_scramble(sobol_1(i), scramble)) << 32);
-  const Vec3 direction =
-      to_float(sample_acceptance(warp, normal_quantile(u0), normal_quantile(u1)));
-  const auto trace = [&](float t_near_m, SurfaceHit& hit, float& t_m) {
-    hit = {0, i, 0.25f, 0.25f};
-    t_m = t_near_m + 1;
-    return accept_hit(scene, hit, direction.z > 0) && may_reject(scene.materials[0]);
-  };
-  const double width_rad = warp.sensitivity.width_rad;
-  const double widest_rad = widest_footprint(warp.sensitivity.kernel, 1) * width_rad;
-  const Radiance radiance =
-      eval_path(scene, direction,
-                static_cast<float>(footprint_width_rad(widest_rad, width_rad, 16)), 0, trace);
-  for (int c = 0; c < channel_count; ++c) out[channel_count * i + c] = radiance.channel[c];
-  const LocalDirection<float> random = sample_random_direction<float>(
-      tables, static_cast<int>(i), scramble_hash(ommatidium_hash(scramble, i), 0u), i);
-  out[channel_count * blockDim.x + i] =
-      random.x + random.y + random.z +
-      static_cast<float>(acceptance_pdf(warp, direction.z, direction.x) +
-                         eval_polar_density(warp.sensitivity, direction.z, direction.x));
+struct OneTriangle {
+  const SceneView* scene;
+  PlacedMesh mesh{0, 1};
+
+  OMMA_HD void closest(const std::int32_t* valid, RayPacket<1>& rays,
+                       const PassedSurfaces<1>* passed) {
+    if (valid[0] == 0) return;
+    const SurfaceHit hit{0, 0, 0.25f, 0.25f};
+    if (!may_reject(scene->materials[0]) || accept_hit(*scene, hit, rays.direction[2][0] > 0))
+      rays.geometry[0] = 0;
+    const auto corners = [](unsigned, unsigned, unsigned) { return Triangle{}; };
+    if (passed != nullptr && has_passed(*passed, 0, {none, 0, 0, 1, 0.25f, 0.25f}, {}, corners))
+      rays.geometry[0] = none;
+    rays.t_far_m[0] = rays.t_near_m[0] + 1;
+  }
+  OMMA_HD const PlacedMesh* placed() const {
+    return &mesh;
+  }
+};
+
+}  // namespace
+
+using OneLane = Lanes<1, 1>;
+
+__global__ void device_check(FrameView frame, BlockTask task, std::byte* memory) {
+  OneTriangle search{frame.scene};
+  Room room{memory};
+  render_block<OneLane>(frame, task, search, lay_out(room, frame.scene->bands, frame, 1));
+}
+
+__global__ void device_check_weights(SharedWeights shared, const float* radiance, float* responses) {
+  weigh_rays<Lanes<weight_group, 1>>(shared, radiance, 3, 0, 1, responses);
+}
+
+__global__ void device_check_acceptance(AcceptanceWarpView warp, double* out) {
+  const SensitivityView& s = warp.sensitivity;
+  out[0] = acceptance_pdf(warp, 0.1, 0.2) + eval_polar_density(s, 0.1, 0.2) +
+           footprint_width_rad(widest_footprint(s.kernel, 1) * s.width_rad, s.width_rad, 16);
 }
 
 }  // namespace omma

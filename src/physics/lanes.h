@@ -1,7 +1,9 @@
-// The physics of surfaces is written once for any number of lanes: `F` is a float (one ray: device
-// code, filters, tests) or a vector of floats (the CPU's packets, `Floats`), `I` the integer
-// beside it. Arithmetic, comparisons and `mask ? a : b` read the same for both; what differs is
-// here.
+// The physics is written once for any number of lanes: `F` is a float (one ray: device code, filters,
+// tests) or a vector of floats (a processor's packets, `Floats`), `I` and `U` the integers beside it.
+// Arithmetic, comparisons and `mask ? a : b` read the same for both; what differs is here.
+//
+// A packet of rays lies in memory as [lane] (ray_packet.h) and goes through the arithmetic some
+// lanes at a time; Lanes says how many there are and how many go at once.
 #pragma once
 
 #include <cstddef>
@@ -46,6 +48,18 @@ OMMA_HD F broadcast(float x) {
   return F{} + x;
 }
 
+// Lanes that lie in memory one behind the other; T is a lane's type, or any of that size.
+template <typename Vector, typename T>
+OMMA_HD Vector load(const T* p) {
+  Vector v;
+  memcpy(&v, p, sizeof v);
+  return v;
+}
+template <typename Vector, typename T>
+OMMA_HD void store(T* p, Vector v) {
+  memcpy(p, &v, sizeof v);
+}
+
 OMMA_HD std::int32_t to_int(float x) {
   return static_cast<std::int32_t>(x);
 }
@@ -74,8 +88,27 @@ OMMA_HD float sqrt_lanes(float x) {
 OMMA_HD bool any_lane(bool condition) {
   return condition;
 }
+// A bit for each lane where a comparison holds, the first lane lowest.
+OMMA_HD unsigned lane_bits(bool condition) {
+  return condition ? 1 : 0;
+}
+// x where a comparison holds, else zero.
+template <typename T>
+OMMA_HD T keep(bool condition, T x) {
+  return condition ? x : T{};
+}
+// Lane l of the result is p[index[l]], 0 <= index[l] < the number of lanes.
+OMMA_HD float pick(const float* p, std::int32_t index) {
+  return p[index];
+}
+OMMA_HD void store_wide(double* p, float x) {
+  *p = static_cast<double>(x);
+}
 OMMA_HD std::int32_t int_of(std::uint32_t x) {
   return static_cast<std::int32_t>(x);
+}
+OMMA_HD std::uint32_t uint_of(std::int32_t x) {
+  return static_cast<std::uint32_t>(x);
 }
 OMMA_HD std::int32_t bits_of(float x) {
   std::int32_t bits;
@@ -117,6 +150,9 @@ OMMA_HD Floats to_float(Ints i) {
 OMMA_HD Ints int_of(Uints x) {
   return (Ints)x;
 }
+OMMA_HD Uints uint_of(Ints x) {
+  return (Uints)x;
+}
 OMMA_HD Ints bits_of(Floats x) {
   return (Ints)x;
 }
@@ -152,6 +188,17 @@ OMMA_HD Floats sqrt_lanes(Floats x) {
 
 OMMA_HD bool any_lane(Ints mask) {
   return lane_bits(mask) != 0;
+}
+OMMA_HD Ints keep(Ints mask, Ints x) {
+  return x & mask;
+}
+OMMA_HD Floats keep(Ints mask, Floats x) {
+  return float_of(bits_of(x) & mask);
+}
+OMMA_HD void store_wide(double* p, Floats x) {
+  using Doubles = double __attribute__((vector_size(8 * lane_width)));
+  const Doubles wide = __builtin_convertvector(x, Doubles);
+  memcpy(p, &wide, sizeof wide);
 }
 
 // Of the elements of a and those of b behind them: the ones at even places, and at odd ones.
@@ -233,6 +280,87 @@ OMMA_HD Pair<Floats> gather_pair(const float* base, Ints i) {
   return {float_of(bits.first), float_of(bits.second)};
 }
 #endif
+
+#if !defined(__CUDACC__)
+OMMA_HD Floats pick(const float* p, Ints index) {
+#if defined(__AVX512F__)
+  return (Floats)_mm512_maskz_permutexvar_ps(0xffff, (__m512i)index, (__m512)load<Floats>(p));
+#elif defined(__AVX2__)
+  return (Floats)_mm256_permutevar8x32_ps((__m256)load<Floats>(p), (__m256i)index);
+#else
+  return gather(p, index);
+#endif
+}
+#endif
+
+// Packets of `count` rays, of which `width` go through the arithmetic at once.
+template <int count_, int width_>
+struct Lanes;
+
+template <int count_>
+struct Lanes<count_, 1> {
+  static constexpr int count = count_, width = 1;
+  using F = float;
+  using I = std::int32_t;
+  using U = std::uint32_t;
+};
+
+#if !defined(__CUDACC__)
+template <int count_>
+struct Lanes<count_, lane_width> {
+  static constexpr int count = count_, width = lane_width;
+  using F = Floats;
+  using I = Ints;
+  using U = Uints;
+};
+#endif
+
+// The number of each of the lanes that go at once.
+template <typename L>
+OMMA_HD typename L::I lane_numbers() {
+  if constexpr (L::width == 1) {
+    return 0;
+  } else {
+    typename L::I number;
+    for (int l = 0; l < L::width; ++l) number[l] = l;
+    return number;
+  }
+}
+
+// Whether any of a packet's lanes is on; the bits of a mask [lane] of 0 and -1.
+template <typename L>
+OMMA_HD unsigned packet_bits(const std::int32_t* mask) {
+  unsigned bits = 0;
+  for (int l = 0; l < L::count; l += L::width)
+    bits |= lane_bits(load<typename L::I>(mask + l) != 0) << l;
+  return bits;
+}
+
+OMMA_HD int lowest_bit(unsigned bits) {
+#if defined(__CUDA_ARCH__)
+  return __ffs(static_cast<int>(bits)) - 1;
+#else
+  return __builtin_ctz(bits);
+#endif
+}
+
+// The sum of a packet's lanes, always in the same order: of sixteen, lanes 4 apart first.
+template <typename L>
+OMMA_HD float sum_lanes(const float* x) {
+  if constexpr (L::count == 1) {
+    return x[0];
+  } else {
+    static_assert(L::count == 16);
+    float quad[4];
+#if !defined(__CUDACC__)
+    using Quad = float __attribute__((vector_size(16)));
+    store(quad, (load<Quad>(x) + load<Quad>(x + 8)) + (load<Quad>(x + 4) + load<Quad>(x + 12)));
+#else
+    for (int k = 0; k < 4; ++k) quad[k] = (x[k] + x[k + 8]) + (x[k + 4] + x[k + 12]);
+#endif
+    return (quad[0] + quad[1]) + (quad[2] + quad[3]);
+  }
+}
 
 // The greatest integer not above x, |x| < 2^31; the same steps for one lane and for many.
 template <typename F>

@@ -1,66 +1,200 @@
-// Light gathered along one ray through surfaces that cover it in part, front to back. A backend
-// gives one thing, the closest accepted hit; these steps are shared by all of them.
+// The light that comes along rays: surfaces front to back, through those that cover what lies
+// behind in part, and the background behind all. A backend gives one thing, the closest accepted
+// hits of a packet; everything else along rays is here.
 #pragma once
 
 #include "physics/background.h"
+#include "physics/passed.h"
+#include "physics/rays.h"
 #include "physics/surface.h"
 
 namespace omma {
 
-struct Path {
-  Radiance radiance;
-  float throughput = 1;  // share of what lies behind that still gets through
-};
-
-// Below this share the rest cannot change a response: less than a float's resolution of 1.
+// Below this fraction what lies behind cannot change a response: it is less than a float's
+// resolution of 1.
 inline constexpr float least_throughput = 1e-7f;
 
-// Surfaces this near to each other, as a share of their distance, may come in any order: hits are
-// computed with an error of about float's resolution, more on slanted and large triangles.
-inline constexpr float same_place = 1e-5f;
+// What each ray met, [lane].
+template <typename L>
+struct Hits {
+  alignas(L::count * 4) std::int32_t mesh[L::count];  // index, -1 for none
+  alignas(L::count * 4) float footprint_m[L::count];  // of the ray there, in metres of the mesh
+};
 
-// Where a ray that passes a surface at t looks for the next one: a little before it, as others may
-// lie in the same place. A backend leaves out those that the ray has passed.
-OMMA_HD float search_from(float t_m) {
-  return t_m * (1.0f - same_place);
+// Linear RGB and the fraction of what lies behind that is covered, [lane].
+template <typename L>
+struct PacketColor {
+  alignas(L::count * 4) float rgb[3][L::count];
+  alignas(L::count * 4) float alpha[L::count];
+};
+
+// Nothing found yet.
+template <typename L>
+OMMA_HD void clear_hits(RayPacket<L::count>& rays) {
+  for (int l = 0; l < L::count; ++l) {
+    rays.t_far_m[l] = INFINITY;
+    rays.geometry[l] = none;
+    rays.instance[l] = none;
+  }
 }
 
-// Behind that place, for a backend that can remember no more surfaces there.
-OMMA_HD float step_behind(float t_m) {
-  return t_m * (1.0f + same_place) + 1e-30f;
+template <typename L>
+OMMA_HD void find_meshes(const PlacedMesh* placed, const Packet<L>& packet, Hits<L>& hits) {
+  using F = typename L::F;
+  using I = typename L::I;
+  static_assert(sizeof(PlacedMesh) == 8);
+  for (int l = 0; l < L::count; l += L::width) {
+    const I geometry = load<I>(packet.rays.geometry + l), instance = load<I>(packet.rays.instance + l);
+    const I top = instance < 0 ? geometry : instance;  // `none` is -1
+    const Pair<I> found = gather_pair(&placed->mesh, top < 0 ? top * 0 : top);
+    store(hits.mesh + l, geometry < 0 ? geometry : found.first);
+    store(hits.footprint_m + l, load<F>(packet.footprint_rad + l) *
+                                    load<F>(packet.rays.t_far_m + l) * float_of(found.second));
+  }
 }
 
-// Adds a surface; true where the ray goes on behind it.
-OMMA_HD bool add_surface(Path& path, const SurfaceLight<float>& light) {
-  for (int c = 0; c < channel_count; ++c)
-    path.radiance.channel[c] += path.throughput * light.alpha * light.channel[c];
-  path.throughput *= 1 - light.alpha;
-  return path.throughput > least_throughput;
-}
-
-OMMA_HD void add_background(Path& path, const Radiance& radiance) {
-  for (int c = 0; c < channel_count; ++c)
-    path.radiance.channel[c] += path.throughput * radiance.channel[c];
-}
-
-// Radiance along one ray with a footprint of that width. `trace(t_near_m, hit, t_m)` finds the
-// closest accepted hit at or beyond t_near that it has not found before, and the footprint there;
-// false for none. Packet backends run the same steps lane by lane.
-template <typename Trace>
-OMMA_HD Radiance eval_path(const SceneView& scene, Vec3 direction, float footprint_rad,
-                           float t_near_m, Trace trace) {
-  Path path;
-  for (;;) {
-    SurfaceHit hit;
-    float t_m = 0;
-    if (!trace(t_near_m, hit, t_m)) {
-      add_background(path, eval_background(scene, direction, footprint_rad));
-      return path.radiance;
+// Colours of the lanes that met a surface, mesh by mesh: mostly all lanes see the same one.
+template <typename L>
+OMMA_HD void eval_surfaces(const SceneView& scene, const RayPacket<L::count>& rays,
+                           const Hits<L>& hits, PacketColor<L>& color) {
+  using F = typename L::F;
+  using I = typename L::I;
+  unsigned left = 0;
+  for (int l = 0; l < L::count; l += L::width)
+    left |= lane_bits(load<I>(hits.mesh + l) >= 0) << l;
+  while (left != 0) {
+    const std::int32_t current = hits.mesh[lowest_bit(left)];
+    unsigned members = 0;
+    for (int l = 0; l < L::count; l += L::width)
+      members |= lane_bits(load<I>(hits.mesh + l) == current) << l;
+    left &= ~members;
+    for (int l = 0; l < L::count; l += L::width) {
+      if ((members >> l & ((1u << L::width) - 1)) == 0) continue;
+      const auto is_member = load<I>(hits.mesh + l) == current;
+      // Lanes of other meshes, and without a hit, hold anything; they go through as zeros.
+      const auto of_members = [&](const float* p) { return keep(is_member, load<F>(p + l)); };
+      const SurfaceColor<F> s =
+          eval_surface(scene, scene.meshes[current],
+                       SurfacePoint<F, I>{keep(is_member, load<I>(rays.triangle + l)),
+                                          of_members(rays.u), of_members(rays.v),
+                                          of_members(hits.footprint_m)});
+      for (int c = 0; c < 3; ++c)
+        store(color.rgb[c] + l, is_member ? s.rgb[c] : load<F>(color.rgb[c] + l));
+      store(color.alpha + l, is_member ? s.alpha : load<F>(color.alpha + l));
     }
-    const SurfaceLight<float> light = eval_surface(scene, scene.meshes[hit.mesh], point_of(hit));
-    if (!add_surface(path, light)) return path.radiance;
-    const float from = search_from(t_m);
-    t_near_m = from > t_near_m ? from : t_near_m;
+  }
+}
+
+// The background, which covers all, of all lanes at once.
+template <typename L>
+OMMA_HD void eval_backgrounds(const SceneView& scene, const Packet<L>& packet,
+                              PacketColor<L>& color) {
+  const float(&direction)[3][L::count] = packet.rays.direction;
+  const auto write = [&](int l, Vec3 rgb) {
+    color.rgb[0][l] = rgb.x;
+    color.rgb[1][l] = rgb.y;
+    color.rgb[2][l] = rgb.z;
+  };
+  for (int l = 0; l < L::count; ++l) color.alpha[l] = 1;
+  switch (scene.background.type) {
+    case BackgroundType::constant:
+      for (int l = 0; l < L::count; ++l) write(l, scene.background.color);
+      return;
+    case BackgroundType::simple_sky:
+      for (int l = 0; l < L::count; ++l)
+        write(l, eval_simple_sky({direction[0][l], direction[1][l], direction[2][l]}));
+      return;
+    case BackgroundType::test_pattern:
+    case BackgroundType::image:
+      for (int l = 0; l < L::count; ++l)
+        write(l, eval_background(scene, {direction[0][l], direction[1][l], direction[2][l]},
+                                 packet.footprint_rad[l]));
+      return;
+  }
+}
+
+// Hands each band of some lanes' colours to `consume(band, radiance)`: linear RGB itself, or what
+// the scene's matrix makes of it.
+template <typename F, typename Consume>
+OMMA_HD void lift(const SceneView& scene, const F (&rgb)[3], const Consume& consume) {
+  if (scene.band_from_rgb == nullptr) {
+    for (int b = 0; b < 3; ++b) consume(b, rgb[b]);
+    return;
+  }
+  for (int b = 0; b < scene.bands; ++b) {
+    const float* row = scene.band_from_rgb + 3 * b;
+    consume(b, rgb[0] * row[0] + rgb[1] * row[1] + rgb[2] * row[2]);
+  }
+}
+
+// Closest hits and the colours there, or the background's.
+template <typename L, typename Search>
+OMMA_HD void eval_closest(const SceneView& scene, Search& search, const std::int32_t* active,
+                          const PassedSurfaces<L::count>* passed, Packet<L>& packet, Hits<L>& hits,
+                          PacketColor<L>& color) {
+  using I = typename L::I;
+  clear_hits<L>(packet.rays);
+  search.closest(active, packet.rays, passed);
+  find_meshes<L>(search.placed(), packet, hits);
+  unsigned misses = 0;
+  for (int l = 0; l < L::count; l += L::width)
+    misses |= lane_bits(load<I>(hits.mesh + l) < 0) << l;
+  if (misses != 0) eval_backgrounds<L>(scene, packet, color);
+  eval_surfaces<L>(scene, packet.rays, hits, color);
+}
+
+// Radiance [band][lane] of the rays of a packet, where `valid` [lane] is not 0.
+template <typename L, typename Search>
+OMMA_HD void eval_path(const SceneView& scene, Search& search, const std::int32_t* valid,
+                       Packet<L>& packet, float* radiance) {
+  using F = typename L::F;
+  using I = typename L::I;
+  Hits<L> hits;
+  PacketColor<L> color;
+  const auto colors_at = [&](int l, F(&rgb)[3]) {
+    for (int c = 0; c < 3; ++c) rgb[c] = load<F>(color.rgb[c] + l);
+  };
+
+  // Nothing lets light through: what is met first is all there is.
+  if (!scene.has_blend) {
+    eval_closest<L>(scene, search, valid, nullptr, packet, hits, color);
+    for (int l = 0; l < L::count; l += L::width) {
+      F rgb[3];
+      colors_at(l, rgb);
+      lift(scene, rgb, [&](int b, F x) { store(radiance + b * L::count + l, x); });
+    }
+    return;
+  }
+
+  // On behind each surface, until nothing gets through.
+  PassedSurfaces<L::count> passed;
+  alignas(L::count * 4) float throughput[L::count];  // fraction of what lies behind that still counts
+  alignas(L::count * 4) std::int32_t active[L::count];
+  for (int l = 0; l < L::count; ++l) {
+    throughput[l] = 1;
+    active[l] = valid[l];
+  }
+  for (int i = 0; i < scene.bands * L::count; ++i) radiance[i] = 0;
+  for (unsigned on = packet_bits<L>(active); on != 0;) {
+    eval_closest<L>(scene, search, active, &passed, packet, hits, color);
+    on = 0;
+    for (int l = 0; l < L::count; l += L::width) {
+      const auto is_active = load<I>(active + l) != 0;
+      const F before = load<F>(throughput + l), alpha = load<F>(color.alpha + l);
+      F rgb[3];
+      colors_at(l, rgb);
+      lift(scene, rgb, [&](int b, F x) {
+        float* sum = radiance + b * L::count + l;
+        store(sum, is_active ? load<F>(sum) + before * alpha * x : load<F>(sum));
+      });
+      const F after = before * (1.0f - alpha);
+      store(throughput + l, is_active ? after : before);
+      on |= lane_bits(is_active) << l & lane_bits(after > least_throughput) << l;
+    }
+    for (int l = 0; l < L::count; ++l) {
+      active[l] = (on >> l & 1u) != 0 ? -1 : 0;
+      if (active[l] != 0) pass(passed, l, packet.rays);
+    }
   }
 }
 

@@ -9,11 +9,6 @@
 
 namespace omma {
 
-// Radiance in all channels. (Stokes components will stand beside these.)
-struct Radiance {
-  float channel[channel_count] = {};
-};
-
 struct TextureView {
   // Levels follow one another, each half as wide and high as the one before, rounded up. Floats,
   // or 16 bits: components 65535 for 1, two to a word, the even ones low; where `codes` is set these
@@ -67,6 +62,9 @@ struct SceneView {
   // [power_22_size] t^2.2 at t = i / (power_22_size - 1) with ColorRule::compoundray, else null.
   const float* power_22 = nullptr;
   bool has_blend = false;  // whether any surface lets light through in part
+  // What linear RGB is in each band: [bands][3], or null where the bands are RGB itself.
+  int bands = 3;
+  const float* band_from_rgb = nullptr;
 };
 
 // Where a ray met a surface.

@@ -2,7 +2,8 @@
 // of lanes (physics/lanes.h).
 //
 // This is the seam where light comes in: eval_surface returns the unlit base colour plus emission
-// (CompoundRay's default shading); illumination will multiply the base colour here.
+// (CompoundRay's default shading); illumination will multiply the base colour here. Colours are
+// linear RGB, as files have them; path.h lifts them to the bands of the scene.
 #pragma once
 
 #include "physics/texture.h"
@@ -10,9 +11,9 @@
 namespace omma {
 
 template <typename F>
-struct SurfaceLight {
-  F channel[channel_count];  // radiance
-  F alpha;                   // share of what lies behind that the surface covers
+struct SurfaceColor {
+  F rgb[3];  // linear
+  F alpha;   // fraction of what lies behind that the surface covers
 };
 
 // Two of the mesh's values per corner or vertex, of which there are `pairs` pairs, at barycentric
@@ -96,7 +97,7 @@ OMMA_HD Color<F> eval_base_color(const SceneView& scene, const MeshView& mesh,
 }
 
 template <typename F, typename I>
-OMMA_HD SurfaceLight<F> eval_surface(const SceneView& scene, const MeshView& mesh,
+OMMA_HD SurfaceColor<F> eval_surface(const SceneView& scene, const MeshView& mesh,
                                      const SurfacePoint<F, I>& p) {
   const MaterialView& material = scene.materials[mesh.material];
   const Color<F> base = eval_base_color(scene, mesh, p);

@@ -19,8 +19,8 @@ std::vector<std::uint8_t> paint(std::span<const std::int32_t> ids, std::span<con
                                 double gamma) {
   if (!(gamma > 0) || !std::isfinite(gamma))
     throw Error("paint: gamma must be positive and finite, is " + std::to_string(gamma));
-  if (responses.size() % channel_count != 0)
-    throw Error("paint: responses must be [ommatidium][" + std::to_string(channel_count) +
+  if (responses.size() % rgb_bands != 0)
+    throw Error("paint: responses must be [ommatidium][" + std::to_string(rgb_bands) +
                 "], have " + std::to_string(responses.size()) + " values");
   std::vector<std::uint8_t> display(responses.size());
   std::transform(responses.begin(), responses.end(), display.begin(), [&](float response) {
@@ -28,20 +28,20 @@ std::vector<std::uint8_t> paint(std::span<const std::int32_t> ids, std::span<con
     const double value = std::pow(std::min(1.0, static_cast<double>(response)), 1 / gamma);
     return static_cast<std::uint8_t>(std::lround(255 * value));
   });
-  const std::size_t ommatidia = responses.size() / channel_count;
+  const std::size_t ommatidia = responses.size() / rgb_bands;
   std::vector<std::uint8_t> pixels;
-  pixels.reserve(ids.size() * channel_count);
+  pixels.reserve(ids.size() * rgb_bands);
   for (const std::int32_t id : ids) {
     check_cancelled();
     if (id == -1) {
-      pixels.insert(pixels.end(), channel_count, nothing_seen);
+      pixels.insert(pixels.end(), rgb_bands, nothing_seen);
       continue;
     }
     if (id < 0 || static_cast<std::size_t>(id) >= ommatidia)
       throw Error("paint: id " + std::to_string(id) + " is not -1 and not one of the " +
                   std::to_string(ommatidia) + " ommatidia");
-    const auto first = display.begin() + static_cast<std::ptrdiff_t>(id) * channel_count;
-    pixels.insert(pixels.end(), first, first + channel_count);
+    const auto first = display.begin() + static_cast<std::ptrdiff_t>(id) * rgb_bands;
+    pixels.insert(pixels.end(), first, first + rgb_bands);
   }
   return pixels;
 }

@@ -1,11 +1,10 @@
-// The views of an eye's receptors, and receptors' responses from what those views see.
+// The views of an eye's receptors.
 #include "omma/receptor_views.h"
 
 #include <cmath>
 #include <string>
 
 #include "omma/error.h"
-#include "omma/scene.h"
 #include "threads/parallel.h"
 
 namespace omma {
@@ -124,36 +123,6 @@ ReceptorViews receptor_views(const Eye& eye) {
   }
   views.eye = make_views(eye, std::move(acceptances), plan);
   return views;
-}
-
-void apply_receptor_matrix(std::span<const float> radiance, std::span<const double> matrix,
-                           std::span<const std::int32_t> view_of_receptor,
-                           std::span<const std::int32_t> receptor_type, std::size_t view_count,
-                           bool magnitudes, std::span<float> responses) {
-  constexpr std::size_t channels = channel_count;
-  const std::size_t receptors = view_of_receptor.size();
-  std::vector<double> weights(matrix.begin(), matrix.end());
-  if (magnitudes)
-    for (double& weight : weights) weight = std::fabs(weight);
-  const std::size_t poses = receptors == 0 ? 0 : responses.size() / receptors;
-  // A few microseconds of work for each task.
-  constexpr std::size_t grain = 4096;
-  parallel_ranges(
-      std::size_t{0}, poses * receptors, grain, [&](std::size_t begin, std::size_t end) {
-        std::size_t pose = begin / receptors, r = begin % receptors;
-        for (std::size_t k = begin; k < end; ++k) {
-          const auto view = static_cast<std::size_t>(view_of_receptor[r]);
-          const float* light = &radiance[(pose * view_count + view) * channels];
-          const double* row = &weights[static_cast<std::size_t>(receptor_type[r]) * channels];
-          double sum = 0;
-          for (std::size_t c = 0; c < channels; ++c) sum += row[c] * light[c];
-          responses[k] = static_cast<float>(sum);
-          if (++r == receptors) {
-            r = 0;
-            ++pose;
-          }
-        }
-      });
 }
 
 }  // namespace omma

@@ -9,8 +9,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "physics/hash.h"
-#include "physics/sobol.h"
+#include "physics/low_discrepancy.h"
 #include "optics/acceptance_hash.h"
 #include "optics/footprint_width.h"
 #include "sampling/even_points.h"
@@ -37,16 +36,6 @@ int choose_pattern_count(int samples, std::size_t warps) {
   std::size_t patterns = most_patterns;
   while (patterns > 1 && (patterns > wanted || patterns > most)) patterns /= 2;
   return patterns >= least_patterns ? static_cast<int>(patterns) : 0;
-}
-
-// Two independent standard normals for sample `index` of the scrambled Sobol set.
-Vec3d scrambled_normals(std::uint32_t index, std::uint64_t scramble) {
-  const auto uniform = [&](std::uint32_t value, std::uint64_t dimension) {
-    const std::uint32_t bits = owen_scramble(value, hash_combine(scramble, dimension));
-    return unit_interval(static_cast<std::uint64_t>(bits) << 32);
-  };
-  return {normal_quantile(uniform(sobol_0(index), 0)), normal_quantile(uniform(sobol_1(index), 1)),
-          0};
 }
 
 // Sorts a pattern along a Morton curve, so that each 16 consecutive directions are near each other
@@ -161,6 +150,7 @@ DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& sett
   });
 
   for (const AcceptanceWarp& warp : tables.warps) {
+    tables.warp_views.push_back(view(warp));
     tables.footprint_rad.push_back(settings.footprints ? static_cast<float>(footprint_width_rad(
                                                              warp.sensitivity, settings.samples))
                                                        : 0.0f);
@@ -193,7 +183,7 @@ DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& sett
   parallel_for(std::size_t{0}, patterns, [&](std::size_t k) { sort_into_packets(normals[k]); });
   tables.local.resize(distinct.size() * patterns * 3 * n);
   parallel_for(std::size_t{0}, distinct.size() * patterns, [&](std::size_t i) {
-    const AcceptanceWarpView warp = view(tables.warps[i / patterns]);
+    const AcceptanceWarpView& warp = tables.warp_views[i / patterns];
     float* out = tables.local.data() + i * 3 * n;
     for (std::size_t j = 0; j < n; ++j) {
       const Vec3d& p = normals[i % patterns][j];
@@ -206,14 +196,17 @@ DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& sett
   return tables;
 }
 
-void make_direction(const DirectionTables& tables, int warp, std::uint32_t scramble_hash, int index,
-                    float& x, float& y, float& z) {
-  const Vec3d p = scrambled_normals(static_cast<std::uint32_t>(index), mix_bits(scramble_hash));
-  const Vec3 d =
-      to_float(sample_acceptance(view(tables.warps[static_cast<std::size_t>(warp)]), p.x, p.y));
-  x = d.x;
-  y = d.y;
-  z = d.z;
+DirectionsView view(const DirectionTables& t) {
+  return {t.samples,
+          t.sampling == Sampling::random,
+          t.seed,
+          t.patterns,
+          t.local.data(),
+          t.turns.data(),
+          t.fixed_turn.data(),
+          t.footprint_rad.data(),
+          t.warp_views.data(),
+          view(t.polar)};
 }
 
 }  // namespace omma

@@ -10,18 +10,22 @@
 
 #include "omma/render.h"
 #include "optics/acceptance_warp.h"
+#include "physics/frame_view.h"
 #include "sampling/polar_tables.h"
 
 namespace omma {
 
-// Turns about the axis that a scramble can have; a power of two.
-inline constexpr std::uint64_t turn_count = 1024;
-
+// Not to be copied: the views are addresses.
 struct DirectionTables {
+  DirectionTables() = default;
+  DirectionTables(DirectionTables&&) = default;
+  DirectionTables& operator=(DirectionTables&&) = default;
+
   int samples = 0;
   Sampling sampling = Sampling::low_discrepancy;
   std::uint64_t seed = 0;
   std::vector<AcceptanceWarp> warps;   // [distinct acceptance]
+  std::vector<AcceptanceWarpView> warp_views;  // of them
   std::vector<std::uint32_t> warp_of;  // [ommatidium], index into warps
   // [ommatidium], times as wide as its warp: sines of the polar angles are multiplied by it. Empty:
   // all are 1.
@@ -45,8 +49,7 @@ Acceptance rendered_acceptance(const Eye& eye, const RenderSettings& settings, s
 DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& settings,
                                       const DirectionTables* known = nullptr);
 
-// Low-discrepancy direction `index` of a scramble, where no tables exist; into x, y, z.
-void make_direction(const DirectionTables& tables, int warp, std::uint32_t scramble_hash, int index,
-                    float& x, float& y, float& z);
+// Points into the tables.
+DirectionsView view(const DirectionTables& tables);
 
 }  // namespace omma

@@ -7,11 +7,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "physics/hash.h"
 #include "model/curve_order.h"
 #include "model/nearest_axis.h"
 #include "omma/error.h"
 #include "omma/pose.h"
+#include "physics/low_discrepancy.h"
 #include "sampling/sharing_densities.h"
 #include "sampling/sharing_groups.h"
 #include "sampling/sphere_cells.h"
@@ -346,8 +346,10 @@ void add_own_rays(SharedRays& shared, const Eye& eye, const DirectionTables& tab
       y = turn.y * local[0] + turn.x * local[n];
       z = local[2 * n];
     } else if (!single) {
-      make_direction(tables, static_cast<int>(warp), static_cast<std::uint32_t>(mix_bits(scramble)),
-                     static_cast<int>(k), x, y, z);
+      const Vec3 d = low_discrepancy_direction(
+          tables.warp_views[warp], static_cast<std::uint32_t>(mix_bits(scramble)),
+          static_cast<int>(k));
+      x = d.x, y = d.y, z = d.z;
     }
     row.push_back({static_cast<std::int32_t>(shared.rays.size()), 1.0f});
     add_ray(shared, eye, i, direction_about(axis, to_double(Vec3{x, y, z})), warp);
@@ -407,6 +409,10 @@ SharedRays make_shared_rays(const Eye& eye, const DirectionTables& tables, int s
   }
   validate_eye(shared.rays);  // which fills what such rays have no use for
   return shared;
+}
+
+SharedWeights view(const SharedRays& shared) {
+  return {shared.first.data(), shared.ray.data(), shared.weight.data()};
 }
 
 DirectionTables make_ray_tables(const DirectionTables& of_eye, const SharedRays& shared) {

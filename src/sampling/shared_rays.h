@@ -13,12 +13,10 @@
 #include <vector>
 
 #include "omma/eye.h"
+#include "physics/weigh.h"
 #include "sampling/directions.h"
 
 namespace omma {
-
-// Rows of weights are padded with zeros to whole groups of so many.
-inline constexpr int weight_group = 16;
 
 // An ommatidium shares rays where those of its neighbours make its own worth more than so many;
 // else it has its own, spread better for it alone than a lattice cut off at the border of its
@@ -44,6 +42,9 @@ struct SharedRays {
 // About tables.samples rays per ommatidium in all, different ones in each `set`. Throws omma::Error
 // where rays or weights would be more than the most.
 SharedRays make_shared_rays(const Eye& eye, const DirectionTables& tables, int set);
+
+// Points into the rays.
+SharedWeights view(const SharedRays& shared);
 
 // Tables for tracing each of the rays along its axis, once, as wide as the eye's.
 DirectionTables make_ray_tables(const DirectionTables& of_eye, const SharedRays& shared);

@@ -140,34 +140,5 @@ TEST(ReceptorViews, NeedReceptors) {
   EXPECT_THROW(receptor_views(eye), Error);
 }
 
-TEST(ReceptorMatrix, AppliedIsASumOfChannels) {
-  constexpr std::size_t poses = 5, views = 700, receptors = 3001, types = 4;
-  std::vector<float> radiance(poses * views * 3);
-  for (std::size_t i = 0; i < radiance.size(); ++i)
-    radiance[i] = static_cast<float>((i * 37) % 101) / 64;  // exact in binary, as the matrix is
-  std::vector<double> matrix(types * 3);
-  for (std::size_t i = 0; i < matrix.size(); ++i) matrix[i] = (static_cast<double>(i % 5) - 2) / 4;
-  std::vector<std::int32_t> view(receptors), type(receptors);
-  for (std::size_t r = 0; r < receptors; ++r) {
-    view[r] = static_cast<std::int32_t>((r * 11) % views);
-    type[r] = static_cast<std::int32_t>((r * 7) % types);
-  }
-  std::vector<float> plain(poses * receptors), magnitudes(poses * receptors);
-  apply_receptor_matrix(radiance, matrix, view, type, views, false, plain);
-  apply_receptor_matrix(radiance, matrix, view, type, views, true, magnitudes);
-  for (std::size_t p = 0; p < poses; ++p)
-    for (std::size_t r = 0; r < receptors; ++r) {
-      double sum = 0, size = 0;
-      for (std::size_t c = 0; c < 3; ++c) {
-        const double weight = matrix[static_cast<std::size_t>(type[r]) * 3 + c];
-        const float light = radiance[(p * views + static_cast<std::size_t>(view[r])) * 3 + c];
-        sum += weight * light;
-        size += std::fabs(weight) * light;
-      }
-      ASSERT_EQ(plain[p * receptors + r], static_cast<float>(sum)) << p << " " << r;
-      ASSERT_EQ(magnitudes[p * receptors + r], static_cast<float>(size)) << p << " " << r;
-    }
-}
-
 }  // namespace
 }  // namespace omma

@@ -36,7 +36,7 @@ TEST(Build, LargeScenesAreWatertightToo) {
   const Eye eye = make_eye(sphere_directions(2000), 0.05);
   const Renderer renderer(large_surround(), eye, {.samples = 64});
   const Mat4 pose;
-  std::vector<float> responses(eye.size() * channel_count);
+  std::vector<float> responses(eye.size() * rgb_bands);
   renderer.render({&pose, 1}, responses);
   // Sums of 64 ones in single precision are exact.
   for (const float response : responses) ASSERT_EQ(response, 1.0f);
@@ -75,7 +75,7 @@ TEST(Build, TheSameBitsWithAndWithoutCopies) {
   const auto responses = [&](Scene&& one) {
     const Renderer renderer(std::make_shared<const Scene>(std::move(one)), eye);
     const Mat4 pose;
-    std::vector<float> result(eye.size() * channel_count);
+    std::vector<float> result(eye.size() * rgb_bands);
     renderer.render({&pose, 1}, result);
     return result;
   };

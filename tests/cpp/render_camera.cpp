@@ -31,7 +31,7 @@ Renderer renderer_of(const Scene& scene, const RenderSettings& settings = {}) {
 
 Picture picture_of(const Renderer& renderer, const Camera& camera, const CameraSettings& settings) {
   Picture picture(
-      static_cast<std::size_t>(settings.size.width * settings.size.height) * channel_count, -1.0f);
+      static_cast<std::size_t>(settings.size.width * settings.size.height) * rgb_bands, -1.0f);
   render_camera(renderer, camera, settings, picture);
   return picture;
 }
@@ -57,7 +57,7 @@ TEST(CameraPicture, SquareFillsItsShareOfAPerspectivePicture) {
   for (int row = 0; row < 64; ++row)
     for (int column = 0; column < 64; ++column) {
       const bool inside = column >= 32 && column < 48 && row >= 8 && row < 24;
-      EXPECT_EQ(picture[static_cast<std::size_t>(64 * row + column) * channel_count], inside)
+      EXPECT_EQ(picture[static_cast<std::size_t>(64 * row + column) * rgb_bands], inside)
           << row << ' ' << column;
     }
   // Twice the aspect: half as wide in as many pixels.
@@ -96,7 +96,7 @@ TEST(CameraPicture, PanoramaShowsSixWallsWhereTheyAre) {
       picture_of(renderer_of(scene), camera_of(CameraType::panoramic), {{360, 180}, 1});
   const auto wall_at = [&](int azimuth_deg, int elevation_deg) {
     const int column = std::min(azimuth_deg + 180, 359), row = std::min(90 - elevation_deg, 179);
-    return picture[static_cast<std::size_t>(360 * row + column) * channel_count] * 8;
+    return picture[static_cast<std::size_t>(360 * row + column) * rgb_bands] * 8;
   };
   EXPECT_EQ(wall_at(0, 0), 1);
   EXPECT_EQ(wall_at(-40, 0), 1);
@@ -136,7 +136,7 @@ TEST(CameraPicture, PanoramaOfTheSkyIsTheReferencesPixelByPixel) {
       const Radiance expected = background_radiance(
           scene.background,
           transform_vector(camera.world_from_camera, from_azimuth_elevation(azimuth, elevation)));
-      for (std::size_t c = 0; c < channel_count; ++c)
+      for (std::size_t c = 0; c < rgb_bands; ++c)
         EXPECT_NEAR(picture[static_cast<std::size_t>(size.width * row + column) * 3 + c],
                     expected.channel[c], 1e-6);  // directions are floats
     }
@@ -164,9 +164,9 @@ TEST(CameraPicture, EveryPixelIsTheReferences) {
         ++pixels;
         doubtful += expected.doubtful;
         if (expected.doubtful) continue;
-        for (std::size_t c = 0; c < channel_count; ++c) {
+        for (std::size_t c = 0; c < rgb_bands; ++c) {
           // The tolerance of render_reference.cpp: textures are 16 bit, texture coordinates float.
-          wrong += std::fabs(picture[i * channel_count + c] - expected.channel[c]) > 2e-3;
+          wrong += std::fabs(picture[i * rgb_bands + c] - expected.channel[c]) > 2e-3;
           lit += expected.channel[c] > 0;
         }
       }
@@ -189,7 +189,7 @@ TEST(CameraPicture, ManyRaysCoverAnEdgeByItsShare) {
   std::vector<float> edge;
   for (int row = 0; row < 8; ++row) {
     const auto at = [&](int column) {
-      return picture[static_cast<std::size_t>(8 * row + column) * channel_count];
+      return picture[static_cast<std::size_t>(8 * row + column) * rgb_bands];
     };
     EXPECT_EQ(at(3), 1);
     EXPECT_EQ(at(5), 0);
@@ -214,7 +214,7 @@ TEST(CameraPicture, RaysDifferFromPixelToPixel) {
   const Camera camera = camera_of(CameraType::orthographic);
   const Picture picture = picture_of(renderer, camera, {{columns, rows}, 3});
   int one_of_three = 0;
-  for (std::size_t i = 0; i < picture.size(); i += channel_count) {
+  for (std::size_t i = 0; i < picture.size(); i += rgb_bands) {
     const bool one = std::fabs(picture[i] - 1.0f / 3) < 1e-6;
     EXPECT_TRUE(one || std::fabs(picture[i] - 2.0f / 3) < 1e-6) << picture[i];
     one_of_three += one;
@@ -262,7 +262,7 @@ TEST(CameraPicture, ProgressGrowsAndCancels) {
   const Renderer renderer = renderer_of(random_scene(1), {.threads = 1});
   const Camera camera = camera_of(CameraType::perspective);
   const CameraSettings settings{{300, 300}, 4};
-  Picture picture(300 * 300 * channel_count);
+  Picture picture(300 * 300 * rgb_bands);
   double last = 0;
   render_camera(renderer, camera, settings, picture, [&](double done) {
     EXPECT_GT(done, last);
@@ -277,7 +277,7 @@ TEST(CameraPicture, ProgressGrowsAndCancels) {
 TEST(CameraPicture, ChecksItsArguments) {
   const Renderer renderer = renderer_of(Scene{});
   Camera camera = camera_of(CameraType::perspective);
-  Picture picture(12 * channel_count);
+  Picture picture(12 * rgb_bands);
   EXPECT_NO_THROW(render_camera(renderer, camera, {{4, 3}, 1}, picture));
   EXPECT_THROW(render_camera(renderer, camera, {{4, 4}, 1}, picture), Error);
   EXPECT_THROW(render_camera(renderer, camera, {{0, 0}, 1}, {}), Error);

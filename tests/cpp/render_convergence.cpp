@@ -30,7 +30,7 @@ Eye copied_eye(int copies) {
 std::vector<double> truth(const Scene& scene) {
   constexpr int copies = 16;
   const Result result = render(scene, copied_eye(copies), {1 << 14, 99, {}, {}, 0, {}});
-  std::vector<double> mean(axis_count * channel_count);
+  std::vector<double> mean(axis_count * rgb_bands);
   for (std::size_t i = 0; i < result.response.size(); ++i)
     mean[i % mean.size()] += result.response[i] / static_cast<double>(copies);
   return mean;

@@ -68,10 +68,10 @@ TEST_P(Determinism, SeedsPosesAndOmmatidiaDiffer) {
   EXPECT_TRUE(same_bits(a, again));
   const std::size_t pose_size = a.size() / 2;
   int same_seed = 0, same_pose = 0, same_neighbour = 0;
-  for (std::size_t i = 0; i + channel_count < pose_size; i += channel_count) {
+  for (std::size_t i = 0; i + rgb_bands < pose_size; i += rgb_bands) {
     same_seed += a[i] == b[i] ? 1 : 0;
     same_pose += a[i] == a[pose_size + i] ? 1 : 0;
-    same_neighbour += a[i] == a[i + channel_count] ? 1 : 0;
+    same_neighbour += a[i] == a[i + rgb_bands] ? 1 : 0;
   }
   EXPECT_LT(same_seed, 8);
   EXPECT_LT(same_pose, 8);
@@ -88,7 +88,7 @@ TEST_P(Determinism, FirstOmmatidiaOfAnEyeAreTheSameAlone) {
   const Eye part = take_ommatidia(whole, first);
   const RenderSettings settings{16, 3, {}, GetParam(), 0, {}};
   Result all = render(scene, whole, settings);
-  all.response.resize(50 * channel_count);
+  all.response.resize(50 * rgb_bands);
   EXPECT_TRUE(same_bits(all.response, render(scene, part, settings).response));
 }
 

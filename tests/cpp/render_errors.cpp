@@ -91,7 +91,7 @@ TEST(Errors, OutputsOfTheWrongSize) {
 
 TEST(Errors, PosesMustBeFiniteAndInvertible) {
   const Renderer renderer = make_renderer(lit_scene(), make_eye(Vec3d{0, 0, -1}, 0.1));
-  std::vector<float> output(3 * channel_count);
+  std::vector<float> output(3 * rgb_bands);
   std::vector<Mat4> bad(7);
   bad[0] = scaling({1, 0, 1});
   bad[1].m[0][3] = std::numeric_limits<double>::quiet_NaN();
@@ -120,7 +120,7 @@ TEST(Cancel, ThrowsAndTheNextRenderWorks) {
       make_renderer(flat_triangles(1, 50), make_eye(sphere_directions(2000), 5 * degree),
                     {256, 0, {}, {}, 0, {}});
   const std::vector<Mat4> poses(20);
-  std::vector<float> output(poses.size() * renderer.eye().size() * channel_count);
+  std::vector<float> output(poses.size() * renderer.eye().size() * rgb_bands);
   int calls = 0;
   RenderCall call;
   call.progress = [&](double) { return ++calls < 2; };
@@ -139,7 +139,7 @@ TEST(Cancel, ExceptionsOfTheCallbackPassThrough) {
   const Renderer renderer =
       make_renderer(lit_scene(), make_eye(sphere_directions(100), 5 * degree));
   const std::vector<Mat4> poses(1);
-  std::vector<float> output(poses.size() * renderer.eye().size() * channel_count);
+  std::vector<float> output(poses.size() * renderer.eye().size() * rgb_bands);
   RenderCall call;
   call.progress = [](double) -> bool { throw std::out_of_range("mine"); };
   EXPECT_THROW(renderer.render(poses, output, call), std::out_of_range);
@@ -149,7 +149,7 @@ TEST(Progress, RisesToOneFromTheCallingThread) {
   const Renderer renderer = make_renderer(
       flat_triangles(1, 50), make_eye(sphere_directions(2000), 5 * degree), {64, 0, {}, {}, 0, {}});
   const std::vector<Mat4> poses(50);
-  std::vector<float> output(poses.size() * renderer.eye().size() * channel_count);
+  std::vector<float> output(poses.size() * renderer.eye().size() * rgb_bands);
   std::vector<double> shares;
   bool same_thread = true;
   const auto caller = std::this_thread::get_id();

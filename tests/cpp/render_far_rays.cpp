@@ -30,7 +30,7 @@ constexpr double too_far_m = 2e18;
 std::string message_at(const Eye& eye, const Mat4& pose, RenderSettings settings = {}) {
   const Renderer renderer = make_renderer(walled_scene(), eye, settings);
   const std::vector<Mat4> poses = {Mat4{}, pose};
-  std::vector<float> responses(2 * eye.size() * channel_count);
+  std::vector<float> responses(2 * eye.size() * rgb_bands);
   return message_of([&] { renderer.render(poses, responses); });
 }
 
@@ -98,7 +98,7 @@ TEST(FarRays, PosesThatStretchBeyondSinglePrecisionAreRefused) {
 
 TEST(FarRays, OfACameraAreRefused) {
   const Renderer renderer = make_renderer(walled_scene(), make_eye(Vec3d{0, 0, -1}, 0.1));
-  std::vector<float> picture(4 * 4 * channel_count);
+  std::vector<float> picture(4 * 4 * rgb_bands);
   const CameraSettings settings{{4, 4}, 1, 0};
   Camera camera;
   camera.name = "far";

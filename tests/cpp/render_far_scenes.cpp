@@ -88,7 +88,7 @@ TEST(FarScenes, CamerasAndSingleRaysSeeThemToo) {
   const Scene scene = random_scene(4);
   const Eye eye = make_eye(sphere_directions(50), 6 * degree);
   const auto rays_at = [&](const Scene& s, const Mat4& pose) {
-    std::vector<float> responses(50 * channel_count), rays(50 * 64 * channel_count);
+    std::vector<float> responses(50 * rgb_bands), rays(50 * 64 * rgb_bands);
     RenderCall call;
     call.ray_radiance = rays;
     make_renderer(s, eye, {.samples = 64}).render(std::span(&pose, 1), responses, call);
@@ -99,7 +99,7 @@ TEST(FarScenes, CamerasAndSingleRaysSeeThemToo) {
     camera.type = CameraType::perspective;
     camera.yfov_rad = 1;
     camera.world_from_camera = pose;
-    std::vector<float> picture(48 * 64 * channel_count);
+    std::vector<float> picture(48 * 64 * rgb_bands);
     render_camera(make_renderer(s, eye), camera, {{64, 48}, 64, 1}, picture);
     return picture;
   };

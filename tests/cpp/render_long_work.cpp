@@ -135,15 +135,13 @@ TEST(LongWork, EverythingLongAsksWhetherItIsToEnd) {
   const std::vector<Vec3> directions(10, Vec3{0, 0, 1});
   const std::vector<double> numbers(10, 0.1);
   std::vector<double> out(10);
-  const std::vector<float> radiance(eye.size() * channel_count);
+  const std::vector<float> radiance(eye.size() * rgb_bands);
   const std::vector<std::int32_t> ids(10, 0);
-  std::vector<float> responses(10);
-  const std::vector<double> matrix(channel_count, 1.0);
   const Scene scene = random_scene(3);
   const Renderer renderer = make_renderer(scene, eye);
   const Renderer sharing = make_renderer(scene, eye, {.share_rays = true});
   const Mat4 pose;
-  std::vector<float> whole(eye.size() * channel_count);
+  std::vector<float> whole(eye.size() * rgb_bands);
   Acceptance gaussian;
   gaussian.width_rad = 0.1;
 
@@ -171,8 +169,6 @@ TEST(LongWork, EverythingLongAsksWhetherItIsToEnd) {
       {"nearest", [&] { nearest_by_axis(eye, directions); }},
       {"painting", [&] { paint(ids, radiance); }},
       {"ids as colours", [&] { encode_ids(ids); }},
-      {"receptors",
-       [&] { apply_receptor_matrix(radiance, matrix, ids, ids, eye.size(), false, responses); }},
       {"an OCES sphere",
        [&] {
          OcesProperty diameter;

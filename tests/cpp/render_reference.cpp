@@ -52,7 +52,7 @@ void compare(const Scene& known, const Scene& rendered, const Eye& eye, std::spa
         continue;
       }
       double difference = 0;
-      for (int c = 0; c < channel_count; ++c)
+      for (int c = 0; c < rgb_bands; ++c)
         difference = std::max(difference, std::fabs(result.at(p * eye.size() + i, c) -
                                                     expected.channel[static_cast<std::size_t>(c)]));
       sum.worst = std::max(sum.worst, difference);
@@ -140,7 +140,7 @@ TEST(Reference, SameIntegral) {
     const Result result = render(scene, eye, {1 << 14, 2, kernel, {}, 0, {}}, pose);
     for (std::size_t i = 0; i < eye.size(); ++i) {
       const auto expected = reference_response(reference, pose, eye, i, kernel, 500, 1000);
-      for (int c = 0; c < channel_count; ++c)
+      for (int c = 0; c < rgb_bands; ++c)
         EXPECT_NEAR(result.at(i, c), expected[static_cast<std::size_t>(c)], 1e-3)
             << name_of(kernel) << ", ommatidium " << i << ", channel " << c;
     }

@@ -7,7 +7,7 @@ namespace omma::test {
 namespace {
 
 std::vector<float> responses_of(const Renderer& renderer) {
-  std::vector<float> responses(renderer.eye().size() * channel_count);
+  std::vector<float> responses(renderer.eye().size() * rgb_bands);
   const Mat4 pose;
   renderer.render({&pose, 1}, responses);
   return responses;
@@ -59,7 +59,7 @@ TEST(SameScene, ChecksWhatItIsGiven) {
 std::vector<float> rays_of(const Renderer& renderer, std::uint64_t first_pose = 0) {
   const std::size_t ommatidia = renderer.eye().size();
   const auto samples = static_cast<std::size_t>(renderer.settings().samples);
-  std::vector<float> responses(ommatidia * channel_count), rays(responses.size() * samples, -1.0f);
+  std::vector<float> responses(ommatidia * rgb_bands), rays(responses.size() * samples, -1.0f);
   const Mat4 pose;
   RenderCall call;
   call.first_pose = first_pose;
@@ -67,11 +67,11 @@ std::vector<float> rays_of(const Renderer& renderer, std::uint64_t first_pose = 
   renderer.render({&pose, 1}, responses, call);
   // Sums of at most 37 floats under 10 in another order.
   for (std::size_t i = 0; i < ommatidia; ++i)
-    for (std::size_t c = 0; c < channel_count; ++c) {
+    for (std::size_t c = 0; c < rgb_bands; ++c) {
       double mean = 0;
       for (std::size_t s = 0; s < samples; ++s)
-        mean += rays[(i * samples + s) * channel_count + c] / static_cast<double>(samples);
-      EXPECT_NEAR(responses[i * channel_count + c], mean, 1e-5);
+        mean += rays[(i * samples + s) * rgb_bands + c] / static_cast<double>(samples);
+      EXPECT_NEAR(responses[i * rgb_bands + c], mean, 1e-5);
     }
   return rays;
 }
@@ -102,8 +102,8 @@ TEST(RayRadiance, IsThatOfEachRay) {
   int white = 0;
   const std::vector<float> rays = rays_of(renderer);
   for (std::size_t s = 0; s < 64; ++s) {
-    EXPECT_TRUE(rays[s * channel_count] == 0 || rays[s * channel_count] == 1);
-    white += rays[s * channel_count] == 1;
+    EXPECT_TRUE(rays[s * rgb_bands] == 0 || rays[s * rgb_bands] == 1);
+    white += rays[s * rgb_bands] == 1;
   }
   EXPECT_NEAR(white, 32, 4);  // stratified points: at most a few cross the edge
 }
@@ -111,12 +111,12 @@ TEST(RayRadiance, IsThatOfEachRay) {
 TEST(RayRadiance, ChecksItsRoom) {
   const Renderer renderer(std::make_shared<const Scene>(), make_eye(Vec3d{0, 0, -1}, 0.1),
                           {.samples = 4});
-  std::vector<float> responses(channel_count), rays(4 * channel_count - 1), errors(channel_count);
+  std::vector<float> responses(rgb_bands), rays(4 * rgb_bands - 1), errors(rgb_bands);
   const Mat4 pose;
   RenderCall call;
   call.ray_radiance = rays;
   EXPECT_THROW(renderer.render({&pose, 1}, responses, call), Error);
-  rays.resize(4 * channel_count);
+  rays.resize(4 * rgb_bands);
   call.ray_radiance = rays;
   EXPECT_NO_THROW(renderer.render({&pose, 1}, responses, call));
   call.standard_error = errors;

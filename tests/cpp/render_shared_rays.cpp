@@ -51,7 +51,7 @@ std::vector<double> truth(const Scene& scene, const Eye& eye, RenderSettings set
   settings.seed = 99;
   const std::vector<Mat4> poses(8);
   const Result result = render(make_renderer(scene, eye, settings), poses);
-  std::vector<double> mean(eye.size() * channel_count);
+  std::vector<double> mean(eye.size() * rgb_bands);
   for (std::size_t i = 0; i < result.response.size(); ++i)
     mean[i % mean.size()] += result.response[i] / static_cast<double>(poses.size());
   return mean;
@@ -276,7 +276,7 @@ TEST(SharedRaysRender, ParallaxWidensTheFieldOfWhatIsNear) {
     }
     double most = 0;
     for (std::size_t i = 0; i < mean.size(); ++i)
-      if (eye.axis[i / channel_count].z < -0.8)
+      if (eye.axis[i / rgb_bands].z < -0.8)
         most = std::max(most, std::fabs(mean[i] - exact[i]));
     const double bound = 0.242 * radius / distance;
     // The largest of 500 with noise of 0.0006 left.
@@ -347,7 +347,7 @@ TEST(SharedRaysRender, CountsTheRaysOfEachResponse) {
   const Renderer renderer = make_renderer(clutter(), eye, shared(4));
   EXPECT_NEAR(static_cast<double>(renderer.rays_per_frame()) / (4.0 * 250), 1, 0.1);
   const std::vector<Mat4> poses(2);
-  std::vector<float> responses(2 * eye.size() * channel_count), errors(responses.size());
+  std::vector<float> responses(2 * eye.size() * rgb_bands), errors(responses.size());
   std::vector<std::int32_t> rays(2 * eye.size(), -1);
   RenderCall call;
   call.rays = rays;
@@ -393,7 +393,7 @@ TEST(SharedRaysRender, RefusesWhatItCannotDo) {
   EXPECT_EQ(refused(shared(max_shared_samples + 1)).rfind("samples:", 0), 0u);
   EXPECT_EQ(refused(shared(max_shared_samples)), "");
   const Renderer renderer = make_renderer(clutter(), eye, shared(1));
-  std::vector<float> responses(eye.size() * channel_count), rays(responses.size());
+  std::vector<float> responses(eye.size() * rgb_bands), rays(responses.size());
   RenderCall call;
   call.ray_radiance = rays;
   const Mat4 pose;

@@ -203,7 +203,7 @@ TEST(Surround, RaysAlmostAlongAnAxisLoseNothing) {
         p = to_float(
             Vec3d{random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3)});
       const Renderer renderer(shared, eye, {.samples = 1});
-      std::vector<float> responses(eye.size() * channel_count);
+      std::vector<float> responses(eye.size() * rgb_bands);
       const Mat4 pose;
       renderer.render({&pose, 1}, responses);
       EXPECT_EQ(std::count(responses.begin(), responses.end(), 1.0f),

@@ -15,7 +15,7 @@ TEST(Threads, NumbersMixWithoutAWord) {
   const Mat4 pose;
   Camera camera;
   camera.type = CameraType::panoramic;
-  std::vector<float> picture(64 * 32 * channel_count);
+  std::vector<float> picture(64 * 32 * rgb_bands);
   testing::internal::CaptureStderr();
   std::vector<Renderer> renderers;
   std::vector<std::vector<float>> responses;

@@ -74,8 +74,8 @@ Spent render_spent(const Renderer& renderer, std::span<const Mat4> poses,
                    std::uint64_t first_pose = 0) {
   Spent spent;
   const std::size_t ommatidia = poses.size() * renderer.eye().size();
-  spent.response.resize(ommatidia * channel_count, -1e30f);
-  spent.standard_error.resize(ommatidia * channel_count, -1e30f);
+  spent.response.resize(ommatidia * rgb_bands, -1e30f);
+  spent.standard_error.resize(ommatidia * rgb_bands, -1e30f);
   spent.rays.resize(ommatidia, -1);
   RenderCall call;
   call.first_pose = first_pose;
@@ -96,7 +96,7 @@ std::vector<double> truth(const Scene& scene, const Eye& eye, const RenderSettin
   settings.footprints = false;
   const std::vector<Mat4> poses(32);
   const Result result = render(make_renderer(scene, eye, settings), poses);
-  std::vector<double> mean(eye.size() * channel_count);
+  std::vector<double> mean(eye.size() * rgb_bands);
   for (std::size_t i = 0; i < result.response.size(); ++i)
     mean[i % mean.size()] += result.response[i] / static_cast<double>(poses.size());
   return mean;
@@ -146,7 +146,7 @@ Outcome measure(const Scene& scene, const Eye& eye, const RenderSettings& settin
   }
   o.rms = std::sqrt(o.rms), o.reported = std::sqrt(o.reported);
   o.bias = std::sqrt(std::max(0.0, bias_squared));
-  for (const std::int32_t n : spent.rays) o.rays += static_cast<double>(n) * channel_count / count;
+  for (const std::int32_t n : spent.rays) o.rays += static_cast<double>(n) * rgb_bands / count;
   return o;
 }
 
@@ -228,7 +228,7 @@ TEST(RenderToError, FlatSurroundCostsTheLeast) {
         render_spent(make_renderer(flat_scene(), all_round(), to_error(1e-6, least)), poses);
     for (const std::int32_t n : spent.rays) EXPECT_EQ(n, least);
     for (const float e : spent.standard_error) EXPECT_EQ(e, 0);
-    for (std::size_t i = 0; i < spent.response.size(); i += channel_count) {
+    for (std::size_t i = 0; i < spent.response.size(); i += rgb_bands) {
       EXPECT_EQ(spent.response[i], 0.25f);
       EXPECT_EQ(spent.response[i + 2], 1.0f);
     }
@@ -247,8 +247,8 @@ TEST(RenderToError, TellsWhoDidNotReachIt) {
       EXPECT_GE(spent.rays[i], 8);
       EXPECT_LE(spent.rays[i], most);
       least = std::min(least, spent.rays[i]);
-      const float* e = spent.standard_error.data() + i * channel_count;
-      if (*std::max_element(e, e + channel_count) <= static_cast<float>(error)) continue;
+      const float* e = spent.standard_error.data() + i * rgb_bands;
+      if (*std::max_element(e, e + rgb_bands) <= static_cast<float>(error)) continue;
       ++missed;
       EXPECT_GT(spent.rays[i] + 8, most) << "one more round was left";
     }

@@ -72,10 +72,10 @@ std::vector<double> errors_of_reached(const Scene& scene, const Eye& eye, const 
   const Result result =
       render(make_renderer(scene, eye, settings), std::vector<Mat4>(renders, pose), true);
   std::vector<double> errors;
-  for (std::size_t i = 0; i < result.response.size(); i += channel_count) {
+  for (std::size_t i = 0; i < result.response.size(); i += rgb_bands) {
     double largest = 0;
     float reported = 0;
-    for (std::size_t c = i; c < i + channel_count; ++c) {
+    for (std::size_t c = i; c < i + rgb_bands; ++c) {
       const double e = static_cast<double>(result.response[c]) - truth[c % truth.size()];
       largest = std::max(largest, std::fabs(e));
       reported = std::max(reported, result.standard_error[c]);

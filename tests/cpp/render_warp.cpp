@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "physics/hash.h"
+#include "physics/low_discrepancy.h"
 #include "physics/random_direction.h"
 #include "reference.h"
 #include "sampling/directions.h"
@@ -118,9 +118,9 @@ std::vector<Polar> on_the_fly(Kernel kernel, Sampling sampling, double acceptanc
       result.push_back(random_polar(tables, hash, static_cast<std::uint32_t>(index)));
       continue;
     }
-    float x = 0, y = 0, z = 0;
-    make_direction(tables, 0, static_cast<std::uint32_t>(hash), index, x, y, z);
-    result.push_back(polar(x, y, z));
+    const Vec3 d = low_discrepancy_direction(tables.warp_views[0],
+                                             static_cast<std::uint32_t>(hash), index);
+    result.push_back(polar(d.x, d.y, d.z));
   }
   return result;
 }

@@ -220,7 +220,7 @@ struct Result {
   std::vector<float> response, standard_error;  // [pose][ommatidium][channel]
 
   double at(std::size_t ommatidium, int channel = 0) const {
-    return response[ommatidium * channel_count + static_cast<std::size_t>(channel)];
+    return response[ommatidium * rgb_bands + static_cast<std::size_t>(channel)];
   }
 };
 
@@ -232,7 +232,7 @@ inline Renderer make_renderer(const Scene& scene, const Eye& eye,
 inline Result render(const Renderer& renderer, std::span<const Mat4> poses, bool with_error = false,
                      std::uint64_t first_pose = 0) {
   Result result;
-  result.response.resize(poses.size() * renderer.eye().size() * channel_count, -1e30f);
+  result.response.resize(poses.size() * renderer.eye().size() * rgb_bands, -1e30f);
   if (with_error) result.standard_error.resize(result.response.size(), -1e30f);
   RenderCall call;
   call.first_pose = first_pose;

@@ -7,11 +7,13 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include <cstddef>
+
 #if defined(__SSE__)
 #include <xmmintrin.h>
 #endif
 
-#include "backend/embree/passed.h"
+#include "physics/passed.h"
 
 namespace omma {
 
@@ -20,10 +22,10 @@ namespace omma {
 struct DenormalsAreZero {
 #if defined(__SSE__)
   unsigned before = _mm_getcsr();
-  DenormalsAreZero() {
+  OMMA_HD DenormalsAreZero() {
     _mm_setcsr(before | 0x8040u);
   }  // flush to zero, denormals are zero
-  ~DenormalsAreZero() {
+  OMMA_HD ~DenormalsAreZero() {
     _mm_setcsr(before);
   }
 #else
@@ -33,16 +35,37 @@ struct DenormalsAreZero {
   DenormalsAreZero& operator=(const DenormalsAreZero&) = delete;
 };
 
+// A packet of ours is laid out as one of Embree's, which may be longer by what newer versions write.
+OMMA_HD RTCRayHit16& rays_of(RayPacket<16>& packet) {
+  using Packet = RayPacket<16>;
+  static_assert(sizeof(RTCRayHit16) <= sizeof(Packet) && alignof(Packet) == alignof(RTCRayHit16));
+  static_assert(offsetof(RTCRayHit16, ray.org_x) == offsetof(Packet, origin));
+  static_assert(offsetof(RTCRayHit16, ray.tnear) == offsetof(Packet, t_near_m));
+  static_assert(offsetof(RTCRayHit16, ray.dir_x) == offsetof(Packet, direction));
+  static_assert(offsetof(RTCRayHit16, ray.time) == offsetof(Packet, time));
+  static_assert(offsetof(RTCRayHit16, ray.tfar) == offsetof(Packet, t_far_m));
+  static_assert(offsetof(RTCRayHit16, ray.mask) == offsetof(Packet, mask));
+  static_assert(offsetof(RTCRayHit16, ray.id) == offsetof(Packet, id));
+  static_assert(offsetof(RTCRayHit16, ray.flags) == offsetof(Packet, flags));
+  static_assert(offsetof(RTCRayHit16, hit.Ng_x) == offsetof(Packet, normal));
+  static_assert(offsetof(RTCRayHit16, hit.u) == offsetof(Packet, u));
+  static_assert(offsetof(RTCRayHit16, hit.v) == offsetof(Packet, v));
+  static_assert(offsetof(RTCRayHit16, hit.primID) == offsetof(Packet, triangle));
+  static_assert(offsetof(RTCRayHit16, hit.geomID) == offsetof(Packet, geometry));
+  static_assert(offsetof(RTCRayHit16, hit.instID) == offsetof(Packet, instance));
+  return reinterpret_cast<RTCRayHit16&>(packet);
+}
+
 // Rays of one ommatidium run close together, which is what coherent traversal is for. Filters find
 // the context again, and in it what the rays have passed.
 #if RTC_VERSION_MAJOR >= 4
 struct QueryContext : RTCRayQueryContext {
-  const PassedSurfaces* passed = nullptr;
+  const PassedSurfaces<16>* passed = nullptr;
 };
 struct IntersectArguments {
   QueryContext context;
   RTCIntersectArguments arguments;
-  IntersectArguments() {
+  OMMA_HD IntersectArguments() {
     rtcInitRayQueryContext(&context);
     rtcInitIntersectArguments(&arguments);
     arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
@@ -51,23 +74,23 @@ struct IntersectArguments {
   IntersectArguments(const IntersectArguments&) = delete;
   IntersectArguments& operator=(const IntersectArguments&) = delete;
 };
-__attribute__((always_inline)) inline void intersect_16(RTCScene scene, const int* valid,
+OMMA_HD void intersect_16(RTCScene scene, const int* valid,
                                                         RTCRayHit16& rays,
                                                         IntersectArguments& arguments) {
   rtcIntersect16(valid, scene, &rays, &arguments.arguments);
 }
 #else
 struct QueryContext : RTCIntersectContext {
-  const PassedSurfaces* passed = nullptr;
+  const PassedSurfaces<16>* passed = nullptr;
 };
 struct IntersectArguments {
   QueryContext context;
-  IntersectArguments() {
+  OMMA_HD IntersectArguments() {
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   }
 };
-__attribute__((always_inline)) inline void intersect_16(RTCScene scene, const int* valid,
+OMMA_HD void intersect_16(RTCScene scene, const int* valid,
                                                         RTCRayHit16& rays,
                                                         IntersectArguments& arguments) {
   rtcIntersect16(valid, scene, &arguments.context, &rays);

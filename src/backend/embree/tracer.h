@@ -26,13 +26,6 @@ struct FilterData {
   const std::array<std::uint32_t, 3>* triangles = nullptr;  // [triangle]
 };
 
-// A geometry of the top scene: which mesh, and metres of the mesh per metre of the world along the
-// direction that its transform stretches most.
-struct PlacedMesh {
-  std::int32_t mesh = -1;
-  float mesh_per_world = 0;
-};
-
 struct EmbreeTracer {
   EmbreeTracer() = default;
   EmbreeTracer(const EmbreeTracer&) = delete;

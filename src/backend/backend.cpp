@@ -1,0 +1,31 @@
+// The backends that are built in.
+#include "backend/backend.h"
+
+#include <array>
+
+#include "backend/embree/backend.h"
+#include "omma/error.h"
+
+namespace omma {
+
+std::span<const Backend> backends() {
+  static const std::array all{embree_backend()};
+  return all;
+}
+
+const Backend& find_backend(const std::string& name) {
+  std::string names;
+  for (const Backend& backend : backends()) {
+    if (name.empty() || name == backend.name) return backend;
+    names += (names.empty() ? "" : ", ") + std::string(backend.name);
+  }
+  throw Error("backend: expected one that is built in (" + names + "), found \"" + name + "\"");
+}
+
+std::size_t block_memory_bytes(const FrameView& frame) {
+  Room room;
+  lay_out(room, frame.scene->bands, frame, packet_rays);
+  return room.used;
+}
+
+}  // namespace omma

@@ -1,0 +1,38 @@
+// A way of finding where rays meet surfaces. A backend builds an acceleration structure of a scene
+// and runs the hot loop (physics/block.h) with a search of its own; all that lies between a pose and
+// a response besides is the same for all of them.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+
+#include "backend/block_functions.h"
+#include "model/long_work.h"
+#include "omma/scene.h"
+
+namespace omma {
+
+// What a backend has built of a scene.
+struct Acceleration {
+  std::shared_ptr<void> tracer;  // the backend's own
+  std::string name;              // e.g. "embree 3.13.5"
+  Vec3d origin_m;                // of the traced frame, in the world: rays are relative to it too
+  double half_size_m = 0;        // of the box around the scene, its longest side
+};
+
+struct Backend {
+  const char* name;
+  // Refers to the Scene's vertices and triangles, which must outlive it unchanged. Throws
+  // omma::Error where it fails, and omma::Cancelled where `work`, if there is any, is cancelled.
+  Acceleration (*build)(const Scene& scene, const SceneView& view, WorkState* work);
+  BlockFunctions (*block_functions)();  // of this processor
+};
+
+// Those built in, the fastest first.
+std::span<const Backend> backends();
+
+// The one of that name, "" for the fastest; throws omma::Error that lists them.
+const Backend& find_backend(const std::string& name);
+
+}  // namespace omma

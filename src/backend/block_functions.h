@@ -1,0 +1,28 @@
+// The hot loop (physics/block.h) as a backend has built it for a kind of processor, chosen at run
+// time.
+#pragma once
+
+#include <cstddef>
+
+#include "physics/block.h"
+#include "physics/weigh.h"
+
+namespace omma {
+
+// Packets of the processors that the loop is built for.
+inline constexpr int packet_rays = 16;
+static_assert(packet_rays == weight_group);
+
+struct BlockFunctions {
+  // `tracer`: what the backend built; `memory`: block_memory_bytes, aligned to 64 bytes.
+  void (*render)(const FrameView&, const BlockTask&, const void* tracer,
+                 std::byte* memory) = nullptr;
+  void (*weigh)(const SharedWeights&, const float* radiance, int outputs, std::int64_t first,
+                std::int64_t end, float* responses) = nullptr;
+  void (*prepare)(const FrameView&, const BlockTask&, RayPacket<packet_rays>* packets) = nullptr;
+};
+
+// What `render` needs, on each thread.
+std::size_t block_memory_bytes(const FrameView& frame);
+
+}  // namespace omma

@@ -1,0 +1,35 @@
+// Puts the Embree backend together, and chooses the build of its hot loop for the processor.
+#include "backend/embree/backend.h"
+
+#include "backend/embree/builds.h"
+#include "backend/embree/tracer.h"
+#include "backend/processor.h"
+
+namespace omma {
+namespace {
+
+Acceleration build(const Scene& scene, const SceneView& view, WorkState* work) {
+  std::shared_ptr<EmbreeTracer> tracer = make_embree_tracer(scene, view, work);
+  return {tracer, tracer->name, tracer->origin_m, tracer->half_size_m};
+}
+
+BlockFunctions block_functions() {
+#if defined(OMMA_PLAIN_LANES)
+  return plain::embree_block();
+#endif
+#if defined(OMMA_HAS_AVX512)
+  if (has_avx512()) return avx512::embree_block();
+#endif
+#if defined(OMMA_HAS_AVX2)
+  if (has_avx2()) return avx2::embree_block();
+#endif
+  return baseline::embree_block();
+}
+
+}  // namespace
+
+Backend embree_backend() {
+  return {"embree", build, block_functions};
+}
+
+}  // namespace omma

@@ -1,0 +1,10 @@
+// The backend that traces with Embree: the fastest on a processor of the x86 family.
+#pragma once
+
+#include "backend/backend.h"
+
+namespace omma {
+
+Backend embree_backend();
+
+}  // namespace omma

@@ -1,0 +1,82 @@
+// The hot loop: one block of neighbouring ommatidia at one pose, from directions to responses. A
+// backend runs it with a search of its own, which has two members:
+//
+//   closest(valid, rays, passed)  the closest accepted hits (surface.h) of a RayPacket, between
+//     t_near_m and t_far_m, of the lanes where valid[lane] is not 0; where `passed` is not null,
+//     surfaces that a ray has passed (passed.h) do not count
+//   placed()                      the table of placed meshes that hits point into
+//
+// Nothing is allocated, nothing is called out of line that other instruction sets share.
+#pragma once
+
+#include "physics/estimate.h"
+
+namespace omma {
+
+// Responses from the sums of a block: the mean over all scrambles.
+OMMA_HD void reduce(const FrameView& frame, const BlockTask& task, const double* sums) {
+  const int scrambles = frame.scrambles;
+  const double weight = 1.0 / (static_cast<double>(frame.directions->samples) * scrambles);
+  const std::int32_t* ommatidium = frame.eye->ommatidium + task.first;
+  for (int o = 0; o < frame.outputs; ++o, sums += unit_room) {
+    float means[block_capacity];
+    for (int i = 0; i < task.count; ++i) {
+      double sum = sums[i * scrambles];
+      for (int r = 1; r < scrambles; ++r) sum += sums[i * scrambles + r];
+      means[i] = static_cast<float>(sum * weight);
+    }
+    for (int i = 0; i < task.count; ++i)
+      task.responses[std::int64_t{ommatidium[i]} * frame.outputs + o] = means[i];
+  }
+}
+
+// Standard errors of the responses, from the spread of the scrambles.
+OMMA_HD void reduce_errors(const FrameView& frame, const BlockTask& task, const double* sums) {
+  const double samples = frame.directions->samples;
+  const int scrambles = frame.scrambles;
+  for (int i = 0; i < task.count; ++i) {
+    const auto ommatidium = static_cast<std::int64_t>(frame.eye->ommatidium[task.first + i]);
+    for (int o = 0; o < frame.outputs; ++o) {
+      const double* estimates = sums + o * unit_room + i * scrambles;
+      double mean = 0, squares = 0;
+      for (int r = 0; r < scrambles; ++r) mean += estimates[r] / samples;
+      mean /= scrambles;
+      for (int r = 0; r < scrambles; ++r) {
+        const double d = estimates[r] / samples - mean;
+        squares += d * d;
+      }
+      task.standard_error[ommatidium * frame.outputs + o] =
+          static_cast<float>(sqrt(squares / (scrambles * (scrambles - 1.0))));
+    }
+  }
+}
+
+// `memory`: of this thread, lay_out for this frame.
+template <typename L, typename Search>
+OMMA_HD void render_block(const FrameView& frame, const BlockTask& task, Search& search,
+                          const BlockMemory& memory) {
+  if (frame.error > 0) return render_to_error<L>(frame, task, search, memory);
+  const UnitList all{nullptr, 0, frame.scrambles, task.count * frame.scrambles};
+  clear(memory.sums, frame.outputs, all.count);
+  trace_units<L>(frame, task, *frame.directions, all, search, memory, memory.sums,
+                 static_cast<double*>(nullptr));
+  reduce(frame, task, memory.sums);
+  if (task.standard_error != nullptr) reduce_errors(frame, task, memory.sums);
+}
+
+// Only writes the packets that a block traces, for measuring what tracing alone takes.
+template <typename L>
+OMMA_HD void prepare_block(const FrameView& frame, const BlockTask& task,
+                           RayPacket<L::count>* packets) {
+  const UnitList all{nullptr, 0, frame.scrambles, task.count * frame.scrambles};
+  Units units;
+  make_units<L>(*frame.eye, task, *frame.directions, all, units);
+  Packet<L> packet;
+  clear<L>(packet.rays);
+  for_each_packet<L>(*frame.directions, units, all.count, packet, [&](const PacketPlace&) {
+    clear_hits<L>(packet.rays);
+    *packets++ = packet.rays;
+  });
+}
+
+}  // namespace omma

@@ -1,0 +1,78 @@
+// What frames are rendered from besides the scene (scene_view.h), as the physics sees it: an eye and
+// its patterns of directions, as flat arrays behind pointers, the same on host and device. Made by
+// backend/eye_arrays and sampling/directions.
+#pragma once
+
+#include <cstdint>
+
+#include "physics/acceptance.h"
+#include "physics/random_direction.h"
+#include "physics/scene_view.h"
+
+namespace omma {
+
+// Turns about the axis that a scramble can have; a power of two.
+inline constexpr std::uint64_t turn_count = 1024;
+
+// All arrays [ommatidium], in an order along which neighbours in memory are neighbours in
+// direction, with a packet's width of zeros behind, which vector loops may read. Frame: head.
+struct EyeView {
+  const float* origin[3] = {};  // m, position - axis * focal offset
+  const float* axis[3] = {};    // unit
+  const float* up[3] = {};      // unit, across the axis
+  const float* focal_offset_m = nullptr;
+  const float* aperture_radius_m = nullptr;
+  const float* scale = nullptr;              // of its warp: sines of polar angles times this
+  const std::int32_t* warp = nullptr;        // index into the warps of DirectionsView
+  const std::int32_t* ommatidium = nullptr;  // index in the Eye
+  bool has_apertures = false;                // whether any radius is above 0
+  bool has_scales = false;                   // whether any scale is not 1
+};
+
+struct DirectionsView {
+  int samples = 0;
+  bool random = false;  // independent directions; else low-discrepancy patterns
+  std::uint64_t seed = 0;
+  int patterns = 0;  // per warp, a power of two; 0: directions are made on the way
+  // [warp][pattern][x, y, z][samples], unit, in a frame with x up, y right and z along the axis.
+  const float* local = nullptr;
+  const Vec2* turns = nullptr;                 // [turn_count + 1], cosine, sine; the last is no turn
+  const std::int32_t* fixed_turn = nullptr;    // [warp], the turn that all have, or -1
+  const float* footprint_rad = nullptr;        // [warp], width of each ray (footprint.h)
+  const AcceptanceWarpView* warps = nullptr;   // [warp]
+  PolarTablesView polar;                       // with random sampling
+};
+
+// Ommatidia that each listens to where rays go on to an error.
+inline constexpr int listened_to = 8;
+
+// Everything that stays the same between frames.
+struct FrameView {
+  const SceneView* scene = nullptr;
+  const EyeView* eye = nullptr;
+  const DirectionsView* directions = nullptr;  // [rounds]
+  int scrambles = 1;                           // independent estimates of each response
+  // Responses have so many numbers: the bands of the scene or, where there is a matrix, its rows.
+  int outputs = 3;
+  const float* output_from_band = nullptr;  // [output][band], or null: the bands themselves
+  // Rendering to an error: a round of directions[k].samples rays, twice as many for each k, goes to
+  // the ommatidia that need it until their standard error is `error` or their rays are
+  // most_samples.
+  int rounds = 1;
+  double error = 0;
+  int most_samples = 0;
+  const std::uint8_t* nearest = nullptr;  // [ommatidium][listened_to], place in its block
+};
+
+// A block of neighbouring ommatidia at one pose.
+struct BlockTask {
+  float world_from_head[3][4] = {};  // row major
+  std::uint64_t pose = 0;            // index, for the random numbers
+  int first = 0, count = 0;          // ommatidia, in the order of EyeView
+  float* responses = nullptr;        // [ommatidium][output] of this pose
+  float* standard_error = nullptr;   // the same, or null
+  std::int32_t* rays = nullptr;      // [ommatidium] of this pose, spent; or null
+  float* ray_radiance = nullptr;     // [ommatidium][sample][output] of this pose, or null
+};
+
+}  // namespace omma

@@ -1,0 +1,166 @@
+// Rays of a block, written straight into packets: packets run through the samples of one unit (an
+// ommatidium under one scramble) and on into the next, so that none is left half full. All of it
+// runs in lanes, whether a packet holds one unit or many.
+#pragma once
+
+#include "physics/low_discrepancy.h"
+#include "physics/random_direction.h"
+#include "physics/ray_packet.h"
+#include "physics/units.h"
+
+namespace omma {
+
+// Rays on their way, and how wide they are.
+template <typename L>
+struct Packet {
+  RayPacket<L::count> rays;
+  alignas(L::count * 4) float footprint_rad[L::count];  // width of each ray (footprint.h)
+};
+
+// What is the same for all rays.
+template <typename L>
+OMMA_HD void clear(RayPacket<L::count>& rays) {
+  for (int l = 0; l < L::count; ++l) {
+    rays.time[l] = 0;
+    rays.mask[l] = 0xffffffffu;
+    rays.flags[l] = 0;
+    rays.id[l] = static_cast<unsigned>(l);  // candidates are asked about in any order
+  }
+}
+
+// A component far below the rounding of a unit vector becomes zero: Embree's packets miss boxes
+// where one is 1e-14 to 1e-17 (tests/cpp/render_surround.cpp), but not where it is zero.
+template <typename F>
+OMMA_HD F without_noise(F component) {
+  return component < 1e-9f && component > -1e-9f ? component * 0.0f : component;
+}
+
+// Points all over the unit disc for samples of units: a lattice of two irrational steps (the
+// plastic number's, whose points stay apart at any count), shifted by the unit's hash. Each point
+// alone is uniform, so responses are unbiased.
+template <typename F>
+struct DiscPoints {
+  F x, y;
+};
+
+template <typename L>
+OMMA_HD DiscPoints<typename L::F> disc_points(typename L::I hash, typename L::I sample) {
+  using F = typename L::F;
+  using U = typename L::U;
+  const U shift = mix_bits_32(uint_of(hash) + 0x68bc21ebu);
+  const auto fraction = [&](U bits) { return (to_float(int_of(bits >> 8)) + 0.5f) * 0x1p-24f; };
+  const F radius = sqrt_lanes(fraction(shift + uint_of(sample) * 3242174889u));
+  const F turn = fraction(mix_bits_32(shift) + uint_of(sample) * 2447445414u);
+  const SineCosine<F> a = sine_cosine((2.0f * turn - 1.0f) * 3.14159265f);
+  return {radius * a.cosine, radius * a.sine};
+}
+
+// Writes L::width rays from lane l on: the first is sample `sample` of unit `unit`.
+template <typename L>
+OMMA_HD void write_rays(const DirectionsView& directions, const Units& units, int last_unit,
+                        int unit, int sample, float per_sample, Packet<L>& packet, int l) {
+  using F = typename L::F;
+  using I = typename L::I;
+  const auto write = [&](LocalDirection<F> d, const auto& of_unit, const auto& points) {
+    RayPacket<L::count>& rays = packet.rays;
+    if (units.has_scales) {
+      const F scale = of_unit(units.scale);
+      d.x *= scale;
+      d.y *= scale;
+      const F sine2 = d.x * d.x + d.y * d.y;
+      const F cosine = sqrt_lanes(sine2 < 1.0f ? 1.0f - sine2 : 0.0f * sine2);
+      d.z = d.z < 0.0f ? -cosine : cosine;
+    }
+    DiscPoints<F> disc{};
+    if (units.has_apertures) {
+      disc = points();
+      const F radius = of_unit(units.aperture_radius_m);
+      disc = {disc.x * radius, disc.y * radius};
+    }
+    for (int r = 0; r < 3; ++r) {
+      const F from = of_unit(units.origin[r]);
+      store(rays.origin[r] + l, units.has_apertures ? from + of_unit(units.s[r]) * disc.x +
+                                                          of_unit(units.t[r]) * disc.y
+                                                    : from);
+      store(rays.direction[r] + l,
+            without_noise(of_unit(units.s[r]) * d.x + of_unit(units.t[r]) * d.y +
+                          of_unit(units.axis[r]) * d.z));
+    }
+    store(rays.t_near_m + l, of_unit(units.t_near_m));
+    store(packet.footprint_rad + l, of_unit(units.footprint_rad));
+  };
+
+  // All lanes are one unit's: straight from its pattern.
+  const float* local = directions.local;
+  const int samples = directions.samples;
+  if (directions.patterns > 0 && sample + L::width <= samples) {
+    const float* p = local + units.directions[unit] + sample;
+    write({load<F>(p), load<F>(p + samples), load<F>(p + 2 * samples)},
+          [&](const float* values) { return broadcast<F>(values[unit]); },
+          [&] {
+            return disc_points<L>(lane_numbers<L>() * 0 + units.hash[unit],
+                                  lane_numbers<L>() + sample);
+          });
+    return;
+  }
+
+  // Units that the lanes are ahead of the first one, and their sample within those.
+  const I lane_sample = lane_numbers<L>() + sample;
+  I ahead = to_int((to_float(lane_sample) + 0.5f) * per_sample);
+  const I local_sample = lane_sample - ahead * samples;
+  ahead = ahead > last_unit - unit ? ahead * 0 + (last_unit - unit) : ahead;
+  LocalDirection<F> d;
+  if (directions.patterns > 0) {
+    const I p = gather(units.directions + unit, ahead) + local_sample;
+    d = {gather(local, p), gather(local, p + samples), gather(local, p + 2 * samples)};
+  } else if (directions.random) {
+    d = sample_random_direction<F>(directions.polar, gather(units.directions + unit, ahead),
+                                   uint_of(gather(units.hash + unit, ahead)),
+                                   uint_of(local_sample));
+  } else {
+    std::int32_t unit_of[L::width], sample_of[L::width];
+    store(unit_of, ahead + unit);
+    store(sample_of, local_sample);
+    float x[L::width], y[L::width], z[L::width];
+    for (int k = 0; k < L::width; ++k) {
+      const Vec3 made = low_discrepancy_direction(
+          directions.warps[units.directions[unit_of[k]]],
+          static_cast<std::uint32_t>(units.hash[unit_of[k]]), sample_of[k]);
+      x[k] = made.x, y[k] = made.y, z[k] = made.z;
+    }
+    d = {load<F>(x), load<F>(y), load<F>(z)};
+  }
+  write(
+      d, [&](const float* values) { return pick(values + unit, ahead); },
+      [&] { return disc_points<L>(gather(units.hash + unit, ahead), local_sample); });
+}
+
+// Where a packet stands: its first ray is sample `sample` of unit `unit`; `filled` lanes hold rays.
+struct PacketPlace {
+  int unit, sample, filled;
+};
+
+// Writes the rays of all units into packets, in order, and hands each one to `consume`.
+template <typename L, typename Consume>
+OMMA_HD void for_each_packet(const DirectionsView& directions, const Units& units, int unit_count,
+                             Packet<L>& packet, const Consume& consume) {
+  const int samples = directions.samples;
+  const float per_sample = 1.0f / static_cast<float>(samples);
+  PacketPlace place{0, 0, L::count};
+  for (std::int64_t left = std::int64_t{unit_count} * samples; left > 0; left -= L::count) {
+    if (left < L::count) place.filled = static_cast<int>(left);
+    int unit = place.unit, sample = place.sample;
+    for (int l = 0; l < L::count; l += L::width) {
+      write_rays<L>(directions, units, unit_count - 1, unit, sample, per_sample, packet, l);
+      sample += L::width;
+      const int ahead = static_cast<int>((static_cast<float>(sample) + 0.5f) * per_sample);
+      unit += ahead;
+      sample -= ahead * samples;
+      if (unit >= unit_count) unit = unit_count - 1;
+    }
+    consume(place);
+    place = {unit, sample, L::count};
+  }
+}
+
+}  // namespace omma

@@ -1,0 +1,120 @@
+// Where the rays of a block start and what their directions turn about: the world frame of each
+// unit, which is an ommatidium under one scramble, at one pose.
+#pragma once
+
+#include "physics/frame_view.h"
+#include "physics/hash.h"
+#include "physics/lanes.h"
+
+namespace omma {
+
+// Most ommatidia in one block, times their scrambles.
+inline constexpr int block_capacity = 256;
+// Most ommatidia at one ray each, so that a thousand keep sixteen cores busy; 256 gain 2 %.
+inline constexpr int most_per_block = 64;
+// Rays that a block has about; it has no more where an ommatidium has less than a packet's.
+inline constexpr int block_rays = 512;
+
+// Vector loops read a packet's width past the last unit.
+inline constexpr int unit_room = block_capacity + 16;
+
+// Which ommatidia of a block are rendered, each under which scrambles: unit u is the ommatidium
+// ordinal[u / scrambles] of the eye's arrays under scramble first_scramble + u % scrambles.
+struct UnitList {
+  const std::int32_t* ordinal = nullptr;  // null: task.first and on
+  int first_scramble = 0, scrambles = 1;
+  int count = 0;  // of units
+};
+
+// World frames of units; s and t lie across the axis, the scramble's turn about it applied.
+struct Units {
+  alignas(64) float origin[3][unit_room];
+  alignas(64) float axis[3][unit_room];
+  alignas(64) float s[3][unit_room];
+  alignas(64) float t[3][unit_room];
+  alignas(64) float t_near_m[unit_room];
+  alignas(64) float footprint_rad[unit_room];  // width of each ray (footprint.h)
+  alignas(64) float aperture_radius_m[unit_room];
+  alignas(64) float scale[unit_room];              // of sines of polar angles
+  alignas(64) std::int32_t directions[unit_room];  // where its pattern begins, or which warp
+  alignas(64) std::int32_t hash[unit_room];        // of its scramble
+  bool has_apertures, has_scales;
+};
+
+// The eye's arrays are padded, so that the last lanes read something; lanes behind the last unit
+// repeat it.
+template <typename L>
+OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const DirectionsView& directions,
+                        const UnitList& list, Units& units) {
+  using F = typename L::F;
+  using I = typename L::I;
+  using U = typename L::U;
+  const float(&m)[3][4] = task.world_from_head;
+  const std::uint64_t pose = pose_hash(directions.seed, task.pose);
+  const bool in_order = list.ordinal == nullptr && list.scrambles == 1;
+  units.has_apertures = eye.has_apertures;
+  units.has_scales = eye.has_scales;
+  const float per_scramble = 1.0f / static_cast<float>(list.scrambles);
+  for (int u = 0; u < list.count; u += L::width) {
+    I unit = lane_numbers<L>() + u;
+    unit = unit < list.count ? unit : unit * 0 + (list.count - 1);
+    const I listed = to_int((to_float(unit) + 0.5f) * per_scramble);
+    const U scramble = uint_of(unit - listed * list.scrambles + list.first_scramble);
+    const I e = list.ordinal == nullptr ? listed + task.first : gather(list.ordinal, listed);
+    const auto at = [&](const auto* values) {
+      using Vector = decltype(gather(values, e));
+      return in_order ? load<Vector>(values + task.first + u) : gather(values, e);
+    };
+
+    // The frame at this pose; orthonormal again, as a pose may scale.
+    const F origin[3] = {at(eye.origin[0]), at(eye.origin[1]), at(eye.origin[2])};
+    const F axis[3] = {at(eye.axis[0]), at(eye.axis[1]), at(eye.axis[2])};
+    const F up[3] = {at(eye.up[0]), at(eye.up[1]), at(eye.up[2])};
+    F a[3], s[3];
+    for (int r = 0; r < 3; ++r) {
+      store(units.origin[r] + u,
+            m[r][0] * origin[0] + m[r][1] * origin[1] + m[r][2] * origin[2] + m[r][3]);
+      a[r] = m[r][0] * axis[0] + m[r][1] * axis[1] + m[r][2] * axis[2];
+      s[r] = m[r][0] * up[0] + m[r][1] * up[1] + m[r][2] * up[2];
+    }
+    const F length_a = sqrt_lanes(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+    store(units.t_near_m + u, at(eye.focal_offset_m) * length_a);
+    const F scale_a = 1.0f / length_a;
+    for (F& x : a) x *= scale_a;
+    const F along = s[0] * a[0] + s[1] * a[1] + s[2] * a[2];
+    for (int r = 0; r < 3; ++r) s[r] -= along * a[r];
+    const F scale_s = 1.0f / sqrt_lanes(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
+    for (F& x : s) x *= scale_s;
+    const F t[3] = {a[1] * s[2] - a[2] * s[1], a[2] * s[0] - a[0] * s[2],
+                    a[0] * s[1] - a[1] * s[0]};
+
+    // Its pattern, and its turn about the axis from other bits; scrambles of one ommatidium differ
+    // in both.
+    const U hash = ommatidium_hash(pose, uint_of(at(eye.ommatidium)));
+    const I warp = at(eye.warp);
+    const I fixed_turn = gather(directions.fixed_turn, warp);
+    const I own_turn =
+        int_of(((hash >> 20) + scramble * 389u) & static_cast<std::uint32_t>(turn_count - 1));
+    const I turn = fixed_turn < 0 ? own_turn : fixed_turn;
+    const float* turns = &directions.turns->x;
+    const F cosine = gather(turns, turn * 2), sine = gather(turns, turn * 2 + 1);
+    for (int r = 0; r < 3; ++r) {
+      store(units.axis[r] + u, a[r]);
+      store(units.s[r] + u, s[r] * cosine + t[r] * sine);
+      store(units.t[r] + u, t[r] * cosine - s[r] * sine);
+    }
+    store(units.footprint_rad + u, gather(directions.footprint_rad, warp));
+    if (directions.patterns > 0) {
+      const U pattern = (hash + scramble) & static_cast<std::uint32_t>(directions.patterns - 1);
+      store(units.directions + u,
+            (warp * directions.patterns + int_of(pattern)) * (3 * directions.samples));
+    } else {
+      store(units.directions + u, warp);
+    }
+    store(units.hash + u, scramble_hash(hash, scramble));
+    store(units.aperture_radius_m + u, at(eye.aperture_radius_m) * length_a);
+    store(units.scale + u, at(eye.scale));
+  }
+}
+
+}  // namespace omma
