@@ -1,0 +1,110 @@
+// What the search of a hierarchy does side by side: the rays of a packet (the lanes of
+// physics/lanes.h, or one), the eight children of a node, the four triangles of a block. On a
+// graphics card, where every ray is a thread, each of these goes one by one.
+#pragma once
+
+#include "physics/bvh.h"
+#include "physics/lanes.h"
+
+namespace omma {
+
+#if defined(__CUDACC__)
+inline constexpr int child_lanes = 1;
+using ChildFloats = float;
+inline constexpr int block_lanes = 1;
+using BlockFloats = float;
+OMMA_HD float read_children(const std::uint8_t* byte) {
+  return static_cast<float>(*byte);
+}
+OMMA_HD unsigned child_bits(bool condition) {
+  return condition ? 1u : 0u;
+}
+#else
+inline constexpr int block_lanes = 4;
+using BlockFloats = float __attribute__((vector_size(16)));
+#if defined(__AVX2__)
+inline constexpr int child_lanes = 8;
+using ChildFloats = float __attribute__((vector_size(32)));
+using ChildInts = std::int32_t __attribute__((vector_size(32)));
+// Bytes as numbers; GCC 12 converts them one by one.
+OMMA_HD ChildFloats read_children(const std::uint8_t* bytes) {
+  const __m128i eight = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(bytes));
+  return (ChildFloats)_mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(eight));
+}
+OMMA_HD unsigned child_bits(ChildInts mask) {
+  return static_cast<unsigned>(_mm256_movemask_ps((__m256)mask));
+}
+#else
+inline constexpr int child_lanes = 4;
+using ChildFloats = float __attribute__((vector_size(16)));
+using ChildInts = std::int32_t __attribute__((vector_size(16)));
+OMMA_HD ChildFloats read_children(const std::uint8_t* bytes) {
+  return __builtin_convertvector((ChildInts{bytes[0], bytes[1], bytes[2], bytes[3]}), ChildFloats);
+}
+OMMA_HD unsigned child_bits(ChildInts mask) {
+  return (mask[0] & 1u) | (mask[1] & 2u) | (mask[2] & 4u) | (mask[3] & 8u);
+}
+#endif
+#endif
+
+template <typename Vector, typename T>
+OMMA_HD Vector read_lanes(const T* p) {
+  Vector v;
+  memcpy(&v, p, sizeof v);
+  return v;
+}
+template <typename Vector, typename T>
+OMMA_HD void write_lanes(T* p, Vector v) {
+  memcpy(p, &v, sizeof v);
+}
+
+template <typename F>
+OMMA_HD F least(F a, F b) {
+  return a < b ? a : b;
+}
+template <typename F>
+OMMA_HD F most(F a, F b) {
+  return a > b ? a : b;
+}
+
+OMMA_HD unsigned lane_bits(bool condition) {
+  return condition ? 1u : 0u;
+}
+// Index of the lowest bit that is set, of which there is one.
+OMMA_HD int lowest_bit(unsigned bits) {
+#if defined(__CUDA_ARCH__)
+  return __ffs(static_cast<int>(bits)) - 1;
+#else
+  return __builtin_ctz(bits);
+#endif
+}
+
+// The lanes that the rays of a packet go through, some at a time.
+template <int count>
+struct RayLanes;
+template <>
+struct RayLanes<1> {
+  using F = float;
+  using I = std::int32_t;
+  using Mask = bool;
+  static constexpr int width = 1;
+  // Of a bit for each ray, those from ray l on.
+  static OMMA_HD bool mask_of(unsigned bits, int l) { return (bits >> l & 1u) != 0; }
+};
+#if !defined(__CUDACC__)
+template <int count>
+struct RayLanes {
+  static_assert(count % lane_width == 0 && count <= 32);
+  using F = Floats;
+  using I = Ints;
+  using Mask = Ints;
+  static constexpr int width = lane_width;
+  static OMMA_HD Ints mask_of(unsigned bits, int l) {
+    Ints bit;
+    for (int i = 0; i < lane_width; ++i) bit[i] = 1 << i;
+    return (bit & static_cast<std::int32_t>(bits >> l)) != 0;
+  }
+};
+#endif
+
+}  // namespace omma
