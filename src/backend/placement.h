@@ -29,11 +29,15 @@ struct Placement {
   std::vector<Vec3d> mesh_origin_m;  // [mesh], where it is shared: the point it is kept about
 };
 
-// `moving` [instance of the scene, or none at all]: not 0 for those that are to move, which are
-// shared whatever their size.
-Placement place_instances(const Scene& scene, std::span<const std::uint8_t> moving = {});
+// Whether a mesh with that transform can be shared: a flattened one has no inverse.
+bool can_be_shared(const Mat4& world_from_mesh);
 
-// Where an instance of the scene is, or goes, with that transform.
+// `world_from_mesh` [instance of the scene] is where they are now. `is_moving` [the same]: not 0 for
+// those that move, which are shared whatever their size, where they can be.
+Placement place_instances(const Scene& scene, std::span<const Mat4> world_from_mesh,
+                          std::span<const std::uint8_t> is_moving);
+
+// Moves an instance: only its transform changes, and what follows from it.
 void place_instance(const Placement& placement, const Mat4& world_from_mesh,
                     PlacedInstance& instance, PlacedMesh& placed);
 

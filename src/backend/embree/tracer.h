@@ -12,6 +12,7 @@
 #include "backend/shading_data.h"
 #include "model/long_work.h"
 #include "omma/scene.h"
+#include "physics/ray_packet.h"
 
 namespace omma {
 
@@ -24,13 +25,6 @@ struct FilterData {
   const EmbreeTracer* tracer = nullptr;
   const Vec3* position_m = nullptr;                         // [vertex], in Embree's frame
   const std::array<std::uint32_t, 3>* triangles = nullptr;  // [triangle]
-};
-
-// A geometry of the top scene: which mesh, and metres of the mesh per metre of the world along the
-// direction that its transform stretches most.
-struct PlacedMesh {
-  std::int32_t mesh = -1;
-  float mesh_per_world = 0;
 };
 
 struct EmbreeTracer {

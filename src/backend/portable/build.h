@@ -9,27 +9,19 @@
 
 namespace omma {
 
-struct BuildTriangle {
-  float corner[3][3];  // [vertex][axis], m
-  std::uint32_t triangle, placed;  // as in TriangleBlock
-};
-
 struct BuildBox {
-  float lower[3];
-  std::uint32_t index;
-  float upper[3];
-  std::uint32_t spare;
+  float lower[3], upper[3];  // m
+  std::uint32_t index;       // of what it is around
 };
 
-// A tree over boxes before what is in its leaves is written: first the nodes, of which the first is
-// the root, then the boxes' indices in the order of the leaves.
+// A tree whose leaves name the boxes they hold.
 struct BuiltTree {
-  std::vector<WideNode> nodes;
-  std::vector<std::uint32_t> order;     // [item] index of a box; leaves are filled up with `none`
+  std::vector<WideNode> nodes;       // the first is the root; none without boxes
+  std::vector<std::uint32_t> order;  // [block of a leaf][place]: index of a box, or `none`
 };
 
-// Leaves hold up to `most_in_leaf` boxes in blocks of `block`. Boxes are moved about. Empty without
-// boxes. Throws omma::Cancelled.
+// Leaves hold up to `most_in_leaf` boxes, in blocks of `block`. Moves the boxes about. The same
+// boxes give the same tree whatever the number of threads. Throws omma::Cancelled.
 BuiltTree build_tree(std::vector<BuildBox>& boxes, int most_in_leaf, int block);
 
 }  // namespace omma

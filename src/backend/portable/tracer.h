@@ -15,6 +15,12 @@
 
 namespace omma {
 
+// A tree of triangles.
+struct TreeRoot {
+  std::uint32_t index = none;              // of its root among the nodes; `none`: nothing to hit
+  float lower[3] = {}, upper[3] = {};  // m, the box around it in its frame
+};
+
 struct PortableTracer {
   Vec3d origin_m;          // of the traced frame, in the world: rays are relative to it too
   double half_size_m = 0;  // of the box around the scene, its longest side
@@ -23,16 +29,20 @@ struct PortableTracer {
   std::string name = "portable";
   BvhView view;  // of the arrays below
 
-  const Scene* scene = nullptr;
-  const SceneView* scene_view = nullptr;
-  std::vector<std::uint8_t> moving;  // [instance of the scene]
-  Placement placement;
   std::vector<WideNode> top_nodes, nodes;
   std::vector<PlacedTree> trees;
   std::vector<TriangleBlock> blocks;
+
+  const Scene* scene = nullptr;
+  const SceneView* scene_view = nullptr;
+  std::vector<Mat4> world_from_mesh;    // [instance of the scene], now
+  std::vector<std::uint8_t> is_moving;  // [instance of the scene], whether it ever moved
+  Placement placement;
+  TreeRoot copies;                // of all that is not shared
+  std::vector<TreeRoot> of_mesh;  // [mesh], where it is shared
 };
 
-// Reads the Scene only while it builds and updates; it must outlive the tracer all the same. Throws
+// Reads the Scene where it builds and updates: it must outlive the tracer unchanged. Throws
 // omma::Cancelled where `work` is cancelled.
 std::unique_ptr<PortableTracer> make_portable_tracer(const Scene& scene, const SceneView& view,
                                                      WorkState* work = nullptr);

@@ -1,0 +1,35 @@
+// One instruction set's functions of portable_search.h; OMMA_ISA names it. Calls nothing out of line.
+#include "portable_search.h"
+
+#include "physics/surface.h"
+#include "physics/traverse.h"
+
+namespace omma::OMMA_ISA {
+namespace {
+
+auto accept_of(const PortableTracer& tracer) {
+  return [scene = tracer.scene_view, placed = tracer.placed.data()](
+             int, float, float u, float v, std::uint32_t triangle, std::uint32_t index,
+             bool from_behind) {
+    return accept_hit(*scene, {placed[index].mesh, triangle, u, v, 0}, from_behind);
+  };
+}
+
+template <int count>
+void closest_of(const PortableTracer& tracer, const int* valid, RayPacket<count>* rays,
+                std::size_t packets) {
+  for (std::size_t p = 0; p < packets; ++p) closest(tracer.view, valid, rays[p], accept_of(tracer));
+}
+
+template <int count>
+unsigned occluded_of(const PortableTracer& tracer, const int* valid, const RayPacket<count>& rays) {
+  return occluded(tracer.view, valid, rays, accept_of(tracer));
+}
+
+}  // namespace
+
+PortableSearch portable_search() {
+  return {closest_of<16>, closest_of<1>, occluded_of<16>, occluded_of<1>};
+}
+
+}  // namespace omma::OMMA_ISA
