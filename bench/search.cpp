@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
+#include <numeric>
 
-#include "portable_search.h"
+#include "packet_search.h"
 #include "backend/embree/block.h"
 #include "backend/shading_data.h"
 #include "scenes.h"
@@ -44,20 +45,25 @@ std::vector<RayPacket<16>> packets_of(const Setup& setup, int samples, const Sha
 
 constexpr std::size_t together = 32;  // packets that are in the cache, as in a render
 
-// Seconds that `trace(packets, count)` takes for copies of all.
-template <typename Packet, typename Trace>
-double seconds(const std::vector<Packet>& made, std::vector<Packet>& traced, const Trace& trace) {
-  const DenormalsAreZero denormals_are_zero;
-  double sum_s = 0;
-  for (std::size_t p = 0; p < made.size(); p += together) {
-    const std::size_t count = std::min(together, made.size() - p);
-    std::copy_n(made.data() + p, count, traced.data() + p);
-    const auto start = Clock::now();
-    trace(traced.data() + p, count);
-    sum_s += seconds_since(start);
+// Of each part of the packets, the shortest time that tracing it took.
+struct BestTimes {
+  std::vector<double> part_s;
+
+  // Takes the times of `trace(packets, count)` on copies of all.
+  template <typename Packet, typename Trace>
+  void take(const std::vector<Packet>& made, std::vector<Packet>& traced, const Trace& trace) {
+    const DenormalsAreZero denormals_are_zero;
+    part_s.resize((made.size() + together - 1) / together, 1e9);
+    for (std::size_t k = 0; k < part_s.size(); ++k) {
+      const std::size_t first = k * together, count = std::min(together, made.size() - first);
+      std::copy_n(made.data() + first, count, traced.data() + first);
+      const auto start = Clock::now();
+      trace(traced.data() + first, count);
+      part_s[k] = std::min(part_s[k], seconds_since(start));
+    }
   }
-  return sum_s;
-}
+  double sum() const { return std::accumulate(part_s.begin(), part_s.end(), 0.0); }
+};
 
 RayPacket<1> ray_of(const RayPacket<16>& packet, int l) {
   RayPacket<1> ray;
@@ -118,30 +124,27 @@ void search(bool quick) {
         for (int l = 0; l < 16; ++l) singles.push_back(ray_of(made[p], l));
       std::vector<RayPacket<16>> theirs(made), ours(made);
       std::vector<RayPacket<1>> single_hits(singles);
-      double embree_s = 1e9, portable_s = 1e9, one_s = 1e9;
+      BestTimes embree_times, portable_times, single_times;
       const auto start = Clock::now();
       for (int i = 0; i < 3 || seconds_since(start) < least_s; ++i) {
-        embree_s = std::min(
-            embree_s, seconds(made, theirs, [&](RayPacket<16>* packets, std::size_t count) {
-              IntersectArguments arguments;
-              for (std::size_t p = 0; p < count; ++p)
-                intersect_16(embree->scene, valid, reinterpret_cast<RTCRayHit16&>(packets[p]),
-                             arguments);
-            }));
-        portable_s = std::min(
-            portable_s, seconds(made, ours, [&](RayPacket<16>* packets, std::size_t count) {
-              search.closest_16(*portable, valid, packets, count);
-            }));
+        embree_times.take(made, theirs, [&](RayPacket<16>* packets, std::size_t count) {
+          IntersectArguments arguments;
+          for (std::size_t p = 0; p < count; ++p)
+            intersect_16(embree->scene, valid, reinterpret_cast<RTCRayHit16&>(packets[p]),
+                         arguments);
+        });
+        portable_times.take(made, ours, [&](RayPacket<16>* packets, std::size_t count) {
+          search.closest_16(*portable, valid, packets, count);
+        });
         if (i < 3)
-          one_s = std::min(one_s, seconds(singles, single_hits,
-                                          [&](RayPacket<1>* rays, std::size_t count) {
-                                            search.closest_1(*portable, valid, rays, count);
-                                          }));
+          single_times.take(singles, single_hits, [&](RayPacket<1>* rays, std::size_t count) {
+            search.closest_1(*portable, valid, rays, count);
+          });
       }
       const Differences d = compare(ours, theirs);
       const double mrays = 16e-6 * static_cast<double>(made.size());
       std::printf("%s,%d,%.0f,%.2f,%.2f,%.2f,%zu,%zu,%.3f\n", setup.name.c_str(), samples,
-                  1e6 * mrays, mrays / embree_s, mrays / portable_s, mrays / one_s, d.in_one,
+                  1e6 * mrays, mrays / embree_times.sum(), mrays / portable_times.sum(), mrays / single_times.sum(), d.in_one,
                   d.elsewhere, build_s);
       std::fflush(stdout);
     }

@@ -24,8 +24,10 @@
 namespace omma {
 
 // Boxes are widened by this fraction of their greatest distance from the rays' origins along an axis:
-// sixteen roundings, where those of box and triangle test add up to less than ten.
-inline constexpr float box_slack = 0x1p-20f;
+// 64 roundings. An edge that lies across a ray is off by 16 at most where the triangle test decides
+// on which side the ray passes, less than half as many add up in the box test, and edges that a ray
+// sees slantwise are off by more.
+inline constexpr float box_slack = 0x1p-18f;
 
 // Components of directions that are a smaller fraction of the largest one are taken for as large:
 // reciprocals stay finite, and rays move by far less than boxes are widened by.
@@ -384,27 +386,43 @@ OMMA_HD unsigned valid_bits(const int* valid) {
   return bits;
 }
 
-// Of lanes that cross a triangle, those for which it counts.
-template <int count, typename Packet, typename Accept>
-OMMA_HD unsigned accepted(const Packet& rays, const PlacedTree& tree, int l, unsigned bits,
-                          const Crossing<typename RayLanes<count>::F>& crossing,
-                          const TriangleBlock& block, int k, const Accept& accept) {
-  using L = RayLanes<count>;
-  using F = typename L::F;
-  const F t_far_m = read_lanes<F>(rays.t_far_m + l);
-  bits &= lane_bits(crossing.t_m > read_lanes<F>(rays.t_near_m + l)) &
-          lane_bits(crossing.t_m <= t_far_m);
-  if (bits == 0) return 0;
-  const std::uint32_t own = block.placed[k] & ~ask_flag;
-  const std::uint32_t placed = tree.placed != none ? tree.placed : own;
-  for (unsigned ties = bits & lane_bits(crossing.t_m == t_far_m); ties != 0; ties &= ties - 1) {
+// Of lanes that cross a triangle, those that do where they look.
+template <int count, typename Packet>
+OMMA_HD unsigned in_reach(const Packet& rays, int l, unsigned bits,
+                          const Crossing<typename RayLanes<count>::F>& crossing) {
+  using F = typename RayLanes<count>::F;
+  return bits & lane_bits(crossing.t_m > read_lanes<F>(rays.t_near_m + l)) &
+         lane_bits(crossing.t_m <= read_lanes<F>(rays.t_far_m + l));
+}
+
+OMMA_HD std::uint32_t placed_of(const PlacedTree& tree, const TriangleBlock& block, int k) {
+  return tree.placed != none ? tree.placed : block.placed[k] & ~ask_flag;
+}
+
+// Of those, the ones that have not met what counts instead in the same place.
+template <int count, typename Packet>
+OMMA_HD unsigned first_in_place(const Packet& rays, int l, unsigned bits,
+                                const Crossing<typename RayLanes<count>::F>& crossing,
+                                std::uint32_t placed, std::uint32_t triangle) {
+  using F = typename RayLanes<count>::F;
+  unsigned ties = bits & lane_bits(crossing.t_m == read_lanes<F>(rays.t_far_m + l));
+  for (; ties != 0; ties &= ties - 1) {
     const int i = lowest_bit(ties);
     const std::uint32_t other = rays.geometry[l + i];
-    if (other < placed || (other == placed && rays.triangle[l + i] <= block.triangle[k]))
-      bits &= ~(1u << i);
+    if (other < placed || (other == placed && rays.triangle[l + i] <= triangle)) bits &= ~(1u << i);
   }
+  return bits;
+}
+
+// Of those, the ones for which the surface counts.
+template <int count, typename Accept>
+OMMA_HD unsigned accepted(int l, unsigned bits,
+                          const Crossing<typename RayLanes<count>::F>& crossing,
+                          const TriangleBlock& block, int k, std::uint32_t placed,
+                          const Accept& accept) {
+  constexpr int width = RayLanes<count>::width;
   if ((block.placed[k] & ask_flag) == 0 || bits == 0) return bits;
-  float t_m[L::width], u[L::width], v[L::width], facing[L::width];
+  float t_m[width], u[width], v[width], facing[width];
   write_lanes(t_m, crossing.t_m);
   write_lanes(u, weight_fraction(crossing, 1));
   write_lanes(v, weight_fraction(crossing, 2));
@@ -431,7 +449,11 @@ OMMA_HD void closest(const BvhView& bvh, const int* valid, RayPacket<count>& ray
       bvh, valid_bits<count>(valid), rays,
       [&](const PlacedTree& tree, unsigned lanes, int l, unsigned bits,
           const Crossing<F>& crossing, const float (&normal)[3], const TriangleBlock& block, int k) {
-        bits = accepted<count>(rays, tree, l, bits, crossing, block, k, accept);
+        bits = in_reach<count>(rays, l, bits, crossing);
+        if (bits == 0) return lanes;
+        const std::uint32_t placed = placed_of(tree, block, k), triangle = block.triangle[k];
+        bits = first_in_place<count>(rays, l, bits, crossing, placed, triangle);
+        bits = accepted<count>(l, bits, crossing, block, k, placed, accept);
         if (bits == 0) return lanes;
         const auto hit = L::mask_of(bits, 0);
         const auto set = [&](float* values, F value) {
@@ -445,8 +467,8 @@ OMMA_HD void closest(const BvhView& bvh, const int* valid, RayPacket<count>& ray
         set(rays.u, weight_fraction(crossing, 1));
         set(rays.v, weight_fraction(crossing, 2));
         for (int a = 0; a < 3; ++a) set(rays.normal[a], broadcast<F>(normal[a]));
-        set_number(rays.triangle, block.triangle[k]);
-        set_number(rays.geometry, tree.placed != none ? tree.placed : block.placed[k] & ~ask_flag);
+        set_number(rays.triangle, triangle);
+        set_number(rays.geometry, placed);
         set_number(rays.instance, none);
         return lanes;
       });
@@ -463,7 +485,9 @@ OMMA_HD unsigned occluded(const BvhView& bvh, const int* valid, const RayPacket<
                 [&](const PlacedTree& tree, unsigned lanes, int l, unsigned bits,
                     const Crossing<F>& crossing, const float (&)[3], const TriangleBlock& block,
                     int k) {
-                  bits = accepted<count>(rays, tree, l, bits, crossing, block, k, accept);
+                  bits = in_reach<count>(rays, l, bits, crossing);
+                  bits = accepted<count>(l, bits, crossing, block, k, placed_of(tree, block, k),
+                                         accept);
                   found |= bits << l;
                   return lanes & ~(bits << l);
                 });

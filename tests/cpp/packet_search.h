@@ -1,4 +1,4 @@
-// The search of physics/traverse.h as tests and benchmarks call it: built from portable_search.cpp
+// The search of physics/traverse.h as tests and benchmarks call it: built from packet_search.cpp
 // once per instruction set.
 #pragma once
 

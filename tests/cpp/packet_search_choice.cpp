@@ -1,5 +1,5 @@
-// Which of the builds of portable_search.cpp this processor runs.
-#include "portable_search.h"
+// Which of the builds of packet_search.cpp this processor runs.
+#include "packet_search.h"
 
 namespace omma {
 

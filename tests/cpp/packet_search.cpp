@@ -1,5 +1,5 @@
-// One instruction set's functions of portable_search.h; OMMA_ISA names it. Calls nothing out of line.
-#include "portable_search.h"
+// One instruction set's functions of packet_search.h; OMMA_ISA names it. Calls nothing out of line.
+#include "packet_search.h"
 
 #include "physics/surface.h"
 #include "physics/traverse.h"
