@@ -4,12 +4,13 @@
 #include <array>
 
 #include "backend/embree/backend.h"
+#include "backend/portable/backend.h"
 #include "omma/error.h"
 
 namespace omma {
 
 std::span<const Backend> backends() {
-  static const std::array all{embree_backend()};
+  static const std::array all{embree_backend(), portable_backend()};
   return all;
 }
 

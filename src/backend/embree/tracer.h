@@ -12,6 +12,7 @@
 #include "backend/shading_data.h"
 #include "model/long_work.h"
 #include "omma/scene.h"
+#include "physics/ray_packet.h"
 
 namespace omma {
 

@@ -1,0 +1,27 @@
+// Builds the hierarchy that physics/traverse.h searches: eight children a node, split where the
+// surface area heuristic says (binned: Wald 2007, doi:10.1109/RT.2007.4342588), boxes compressed.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "physics/bvh.h"
+
+namespace omma {
+
+struct BuildBox {
+  float lower[3], upper[3];  // m
+  std::uint32_t index;       // of what it is around
+};
+
+// A tree whose leaves name the boxes they hold.
+struct BuiltTree {
+  std::vector<WideNode> nodes;       // the first is the root; none without boxes
+  std::vector<std::uint32_t> order;  // [block of a leaf][place]: index of a box, or `none`
+};
+
+// Leaves hold up to `most_in_leaf` boxes, in blocks of `block`. Moves the boxes about. The same
+// boxes give the same tree whatever the number of threads. Throws omma::Cancelled.
+BuiltTree build_tree(std::vector<BuildBox>& boxes, int most_in_leaf, int block);
+
+}  // namespace omma

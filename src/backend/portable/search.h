@@ -1,0 +1,54 @@
+// The portable backend's part of the hot loop: the closest hits of a packet, and whether anything is
+// in its way.
+#pragma once
+
+#include "backend/portable/tracer.h"
+#include "physics/passed.h"
+#include "physics/surface.h"
+#include "physics/traverse.h"
+
+namespace omma {
+
+template <typename L>
+struct PortableSearch {
+  const PortableTracer* tracer;
+
+  OMMA_HD void closest(const std::int32_t* valid, RayPacket<L::count>& rays,
+                       const PassedSurfaces<L::count>* passed) const {
+    const auto accept = [&](int lane, float t_m, float u, float v, std::uint32_t triangle,
+                            std::uint32_t placed, bool from_behind) {
+      if (!accepts(placed, triangle, u, v, from_behind)) return false;
+      if (passed == nullptr || passed->count[lane] == 0) return true;
+      const Vec3 direction{rays.direction[0][lane], rays.direction[1][lane],
+                           rays.direction[2][lane]};
+      return !has_passed(*passed, lane, {none, placed, triangle, t_m, u, v}, direction,
+                         [&](std::uint32_t, std::uint32_t geometry, std::uint32_t index) {
+                           return tracer->corners(geometry, index);
+                         });
+    };
+    omma::closest<L>(tracer->view, valid, rays, accept);
+  }
+
+  // A bit for each valid ray that meets an accepted surface between its t_near and t_far; one that
+  // lets light through in part counts as any other.
+  OMMA_HD unsigned occluded(const std::int32_t* valid, const RayPacket<L::count>& rays) const {
+    return omma::occluded<L>(tracer->view, valid, rays,
+                             [&](int, float, float u, float v, std::uint32_t triangle,
+                                 std::uint32_t placed, bool from_behind) {
+                               return accepts(placed, triangle, u, v, from_behind);
+                             });
+  }
+
+  OMMA_HD const PlacedMesh* placed() const {
+    return tracer->placed.data();
+  }
+
+ private:
+  OMMA_HD bool accepts(std::uint32_t placed, std::uint32_t triangle, float u, float v,
+                       bool from_behind) const {
+    return accept_hit(*tracer->scene_view, {tracer->placed.data()[placed].mesh, triangle, u, v},
+                      from_behind);
+  }
+};
+
+}  // namespace omma

@@ -1,0 +1,315 @@
+// A Scene into trees: one over all copies, one for each mesh that is shared, one over what is placed.
+#include "backend/portable/tracer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "backend/portable/build.h"
+#include "omma/error.h"
+#include "physics/surface.h"
+#include "physics/traverse.h"
+#include "threads/parallel.h"
+
+namespace omma {
+namespace {
+
+// A mesh put into a tree.
+struct Copy {
+  const Mesh* mesh = nullptr;
+  Mat4 tree_from_mesh;
+  std::uint32_t placed = 0;  // as in TriangleBlock
+  std::size_t first_triangle = 0, first_vertex = 0;  // of the tree's
+};
+
+struct Copies {
+  std::vector<Copy> copies;
+  std::vector<Vec3> vertex_m;  // [vertex of all copies], in the tree's frame
+  std::size_t triangles = 0;
+
+  void add(const Mesh& mesh, const Mat4& tree_from_mesh, std::uint32_t placed) {
+    copies.push_back({&mesh, tree_from_mesh, placed, triangles, 0});
+    triangles += mesh.triangles.size();
+  }
+  const Copy& of_triangle(std::size_t triangle) const {
+    return *(std::upper_bound(copies.begin(), copies.end(), triangle,
+                              [](std::size_t t, const Copy& c) { return t < c.first_triangle; }) -
+             1);
+  }
+};
+
+void corners_of(const Copies& tree, const Copy& copy, std::size_t triangle,
+                float (&corner)[3][3]) {
+  const std::array<std::uint32_t, 3>& vertices = copy.mesh->triangles[triangle];
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3 p = tree.vertex_m[copy.first_vertex + vertices[i]];
+    corner[i][0] = p.x, corner[i][1] = p.y, corner[i][2] = p.z;
+  }
+}
+
+Mat4 translation(Vec3d by) {
+  Mat4 t;
+  t.m[0][3] = by.x, t.m[1][3] = by.y, t.m[2][3] = by.z;
+  return t;
+}
+
+// Whether a ray can meet it at all: not where its normal, as the search finds it, is zero.
+bool can_be_hit(const float (&corner)[3][3]) {
+  float normal[3];
+  triangle_normal(corner, normal);
+  const float size = std::fabs(normal[0]) + std::fabs(normal[1]) + std::fabs(normal[2]);
+  return size > 0 && size <= std::numeric_limits<float>::max();
+}
+
+std::vector<BuildBox> boxes_of(const Copies& tree) {
+  constexpr std::size_t chunk = 4096;
+  std::vector<BuildBox> boxes(tree.triangles);
+  std::vector<std::size_t> kept((tree.triangles + chunk - 1) / chunk);
+  parallel_for(std::size_t{0}, kept.size(), [&](std::size_t k) {
+    std::size_t out = k * chunk;
+    for (std::size_t t = k * chunk; t < std::min((k + 1) * chunk, tree.triangles); ++t) {
+      const Copy& copy = tree.of_triangle(t);
+      float corner[3][3];
+      corners_of(tree, copy, t - copy.first_triangle, corner);
+      if (!can_be_hit(corner)) continue;
+      BuildBox& box = boxes[out++];
+      box.index = static_cast<std::uint32_t>(t);
+      for (std::size_t a = 0; a < 3; ++a) {
+        box.lower[a] = std::min({corner[0][a], corner[1][a], corner[2][a]});
+        box.upper[a] = std::max({corner[0][a], corner[1][a], corner[2][a]});
+      }
+    }
+    kept[k] = out - k * chunk;
+  });
+  std::size_t out = 0;
+  for (std::size_t k = 0; k < kept.size(); ++k)
+    for (std::size_t i = 0; i < kept[k]; ++i) boxes[out++] = boxes[k * chunk + i];
+  boxes.resize(out);
+  return boxes;
+}
+
+void write_block(const Copies& tree, const std::uint32_t* order, TriangleBlock& block) {
+  for (int k = 0; k < block_width; ++k) {
+    float corner[3][3];
+    const bool is_filled = order[k] != none;
+    if (is_filled) {
+      const Copy& copy = tree.of_triangle(order[k]);
+      const std::size_t triangle = order[k] - copy.first_triangle;
+      corners_of(tree, copy, triangle, corner);
+      block.triangle[k] = static_cast<std::uint32_t>(triangle);
+      block.placed[k] = copy.placed;
+    } else {
+      block.triangle[k] = block.placed[k] = none;
+    }
+    for (int i = 0; i < 3; ++i)
+      for (int a = 0; a < 3; ++a)
+        block.corner[i][a][k] =
+            is_filled ? corner[i][a] : std::numeric_limits<float>::quiet_NaN();
+  }
+}
+
+// Builds a tree of triangles behind those that there are.
+TreeRoot add_tree(PortableTracer& tracer, Copies& tree) {
+  TreeRoot place;
+  std::size_t vertices = 0;
+  for (Copy& copy : tree.copies) {
+    copy.first_vertex = vertices;
+    vertices += copy.mesh->positions.size();
+  }
+  tree.vertex_m.resize(vertices);
+  for (const Copy& copy : tree.copies)
+    parallel_for(std::size_t{0}, copy.mesh->positions.size(), [&](std::size_t i) {
+      tree.vertex_m[copy.first_vertex + i] =
+          to_float(transform_point(copy.tree_from_mesh, to_double(copy.mesh->positions[i])));
+    });
+  std::vector<BuildBox> boxes = boxes_of(tree);
+  if (boxes.empty()) return place;
+  std::fill(place.lower, place.lower + 3, std::numeric_limits<float>::infinity());
+  std::fill(place.upper, place.upper + 3, -std::numeric_limits<float>::infinity());
+  for (const BuildBox& box : boxes)
+    for (std::size_t a = 0; a < 3; ++a) {
+      place.lower[a] = std::min(place.lower[a], box.lower[a]);
+      place.upper[a] = std::max(place.upper[a], box.upper[a]);
+    }
+  BuiltTree built = build_tree(boxes, block_width, block_width);
+  boxes = {};
+  const std::size_t first_node = tracer.nodes.size(), first_block = tracer.blocks.size();
+  const std::size_t blocks = built.order.size() / block_width;
+  constexpr std::size_t index_room = std::size_t{1} << visit_index_bits;
+  if (first_node + built.nodes.size() > index_room || first_block + blocks > index_room)
+    throw Error("portable: at most " + std::to_string(index_room) +
+                " blocks of triangles are possible, found " + std::to_string(first_block + blocks));
+  for (WideNode& node : built.nodes) {
+    node.first_child += static_cast<std::uint32_t>(first_node);
+    node.first_leaf += static_cast<std::uint32_t>(first_block);
+  }
+  tracer.nodes.insert(tracer.nodes.end(), built.nodes.begin(), built.nodes.end());
+  tracer.blocks.resize(first_block + blocks);
+  parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
+    write_block(tree, built.order.data() + b * block_width, tracer.blocks[first_block + b]);
+  });
+  place.index = static_cast<std::uint32_t>(first_node);
+  return place;
+}
+
+// The inverse of an affine transform, in double.
+Mat4 inverse(const Mat4& t) {
+  const double det = determinant(t);
+  Mat4 inverse;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) {
+      const int r1 = (c + 1) % 3, r2 = (c + 2) % 3, c1 = (r + 1) % 3, c2 = (r + 2) % 3;
+      inverse.m[r][c] = (t.m[r1][c1] * t.m[r2][c2] - t.m[r1][c2] * t.m[r2][c1]) / det;
+    }
+  const Vec3d moved = transform_vector(inverse, {t.m[0][3], t.m[1][3], t.m[2][3]});
+  inverse.m[0][3] = -moved.x, inverse.m[1][3] = -moved.y, inverse.m[2][3] = -moved.z;
+  return inverse;
+}
+
+// The box around a placed tree, a little wider than it is: rays go into its frame in single
+// precision.
+void placed_box(const TreeRoot& place, const Mat4& frame_from_tree, BuildBox& box) {
+  double lower[3], upper[3], furthest = 0;
+  for (int a = 0; a < 3; ++a) {
+    const double(&row)[4] = frame_from_tree.m[a];
+    lower[a] = upper[a] = row[3];
+    double size = std::fabs(row[3]);
+    for (int k = 0; k < 3; ++k) {
+      const double p = row[k] * static_cast<double>(place.lower[k]);
+      const double q = row[k] * static_cast<double>(place.upper[k]);
+      lower[a] += std::min(p, q);
+      upper[a] += std::max(p, q);
+      size += std::max(std::fabs(p), std::fabs(q));
+    }
+    furthest = std::max(furthest, size);
+  }
+  for (int a = 0; a < 3; ++a) {
+    box.lower[a] = static_cast<float>(lower[a] - 1e-6 * furthest);
+    box.upper[a] = static_cast<float>(upper[a] + 1e-6 * furthest);
+  }
+}
+
+// The tree over what is placed.
+void build_top(PortableTracer& tracer) {
+  std::vector<PlacedTree> trees;
+  std::vector<BuildBox> boxes;
+  const auto add = [&](const TreeRoot& root, const Mat4& frame_from_tree, std::uint32_t placed) {
+    if (root.index == none) return;
+    boxes.emplace_back().index = static_cast<std::uint32_t>(trees.size());
+    placed_box(root, frame_from_tree, boxes.back());
+    const Mat4 tree_from_frame = inverse(frame_from_tree);
+    trees.push_back({{}, root.index, placed});
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 4; ++c)
+        trees.back().tree_from_frame[r][c] = static_cast<float>(tree_from_frame.m[r][c]);
+  };
+  add(tracer.copies, {}, none);
+  for (std::size_t i = 0; i < tracer.placement.instances.size(); ++i) {
+    const PlacedInstance& instance = tracer.placement.instances[i];
+    if (instance.is_shared)
+      add(tracer.of_mesh[static_cast<std::size_t>(instance.mesh)], instance.frame_from_mesh,
+          static_cast<std::uint32_t>(i));
+  }
+  BuiltTree built = build_tree(boxes, 1, 1);
+  tracer.top_nodes = std::move(built.nodes);
+  tracer.trees.clear();
+  for (const std::uint32_t tree : built.order) tracer.trees.push_back(trees[tree]);
+  tracer.view = {tracer.top_nodes.empty() ? nullptr : tracer.top_nodes.data(), tracer.trees.data(),
+                 tracer.nodes.data(), tracer.blocks.data()};
+}
+
+bool may_ask(const SceneView& view, std::int32_t mesh) {
+  const MaterialView& material = view.materials[view.meshes[mesh].material];
+  return may_reject(material) || material.alpha_mode == AlphaMode::blend;
+}
+
+// All trees. Each is a part of the work as large as its triangles.
+void build_all(PortableTracer& tracer, WorkState* work) {
+  const Scene& scene = *tracer.scene;
+  tracer.placement = place_instances(scene, tracer.world_from_mesh, tracer.is_moving);
+  tracer.origin_m = tracer.placement.origin_m;
+  tracer.half_size_m = tracer.placement.half_size_m;
+  tracer.placed = tracer.placement.placed;
+  if (tracer.placed.empty()) tracer.placed.emplace_back();
+  tracer.nodes.clear();
+  tracer.blocks.clear();
+  tracer.of_mesh.assign(scene.meshes.size(), {});
+
+  Copies copies;
+  std::vector<Copies> shared(scene.meshes.size());
+  std::size_t all_triangles = 0, built_triangles = 0;
+  for (std::size_t i = 0; i < tracer.placement.instances.size(); ++i) {
+    const PlacedInstance& instance = tracer.placement.instances[i];
+    const auto m = static_cast<std::size_t>(instance.mesh);
+    const std::uint32_t ask =
+        may_ask(*tracer.scene_view, instance.mesh) ? ask_flag : std::uint32_t{0};
+    if (!instance.is_shared)
+      copies.add(scene.meshes[m], instance.frame_from_mesh, static_cast<std::uint32_t>(i) | ask);
+    else if (shared[m].copies.empty())
+      shared[m].add(scene.meshes[m],
+                    translation(tracer.placement.mesh_origin_m[m] * -1.0), ask);
+    else
+      continue;
+    all_triangles += scene.meshes[m].triangles.size();
+  }
+  const auto build = [&](Copies& tree) {
+    const TreeRoot root = add_tree(tracer, tree);
+    built_triangles += tree.triangles;
+    tree = {};
+    if (work != nullptr)
+      work->reach(static_cast<double>(built_triangles) / static_cast<double>(all_triangles));
+    return root;
+  };
+  tracer.copies = copies.triangles > 0 ? build(copies) : TreeRoot{};
+  for (std::size_t m = 0; m < shared.size(); ++m)
+    if (shared[m].triangles > 0) tracer.of_mesh[m] = build(shared[m]);
+  build_top(tracer);
+}
+
+}  // namespace
+
+Triangle PortableTracer::corners(std::uint32_t surface, std::uint32_t triangle) const {
+  const auto instance = static_cast<std::size_t>(placement.instances[surface].instance);
+  const Mesh& mesh = scene->meshes[static_cast<std::size_t>(placement.instances[surface].mesh)];
+  Triangle t;
+  for (std::size_t k = 0; k < 3; ++k)
+    t.corner[k] = transform_point(world_from_mesh[instance],
+                                  to_double(mesh.positions[mesh.triangles[triangle][k]])) -
+                  origin_m;
+  return t;
+}
+
+std::unique_ptr<PortableTracer> make_portable_tracer(const Scene& scene, const SceneView& view,
+                                                     WorkState* work) {
+  auto tracer = std::make_unique<PortableTracer>();
+  tracer->scene = &scene;
+  tracer->scene_view = &view;
+  tracer->is_moving.assign(scene.instances.size(), 0);
+  for (const Instance& instance : scene.instances)
+    tracer->world_from_mesh.push_back(instance.world_from_mesh);
+  build_all(*tracer, work);
+  return tracer;
+}
+
+void update_portable_tracer(PortableTracer& tracer, std::span<const std::int32_t> instances,
+                            std::span<const Mat4> world_from_mesh) {
+  for (std::size_t k = 0; k < instances.size(); ++k) {
+    const auto i = static_cast<std::size_t>(instances[k]);
+    tracer.world_from_mesh[i] = world_from_mesh[k];
+    tracer.is_moving[i] = 1;
+  }
+  Placement& placement = tracer.placement;
+  for (std::size_t i = 0; i < placement.instances.size(); ++i) {
+    PlacedInstance& placed = placement.instances[i];
+    const auto of_scene = static_cast<std::size_t>(placed.instance);
+    if (tracer.is_moving[of_scene] == 0) continue;
+    const Mat4& now = tracer.world_from_mesh[of_scene];
+    if (placed.is_shared != can_be_shared(now)) return build_all(tracer, nullptr);
+    place_instance(placement, now, placed, tracer.placed[i]);
+  }
+  build_top(tracer);
+}
+
+}  // namespace omma

@@ -1,0 +1,71 @@
+// What the search of a hierarchy does side by side besides the rays of a packet: the eight children of
+// a node, the four triangles of a block. On a graphics card, where every ray is a thread, each of
+// these goes one by one.
+#pragma once
+
+#include "physics/bvh.h"
+#include "physics/lanes.h"
+
+namespace omma {
+
+#if defined(__CUDACC__)
+inline constexpr int child_lanes = 1;
+using ChildFloats = float;
+inline constexpr int block_lanes = 1;
+using BlockFloats = float;
+OMMA_HD float read_children(const std::uint8_t* byte) {
+  return static_cast<float>(*byte);
+}
+OMMA_HD unsigned child_bits(bool condition) {
+  return condition ? 1u : 0u;
+}
+#else
+inline constexpr int block_lanes = 4;
+using BlockFloats = float __attribute__((vector_size(16)));
+#if defined(__AVX2__)
+inline constexpr int child_lanes = 8;
+using ChildFloats = float __attribute__((vector_size(32)));
+using ChildInts = std::int32_t __attribute__((vector_size(32)));
+// Bytes as numbers; GCC 12 converts them one by one.
+OMMA_HD ChildFloats read_children(const std::uint8_t* bytes) {
+  const __m128i eight = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(bytes));
+  return (ChildFloats)_mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(eight));
+}
+OMMA_HD unsigned child_bits(ChildInts mask) {
+  return static_cast<unsigned>(_mm256_movemask_ps((__m256)mask));
+}
+#else
+inline constexpr int child_lanes = 4;
+using ChildFloats = float __attribute__((vector_size(16)));
+using ChildInts = std::int32_t __attribute__((vector_size(16)));
+OMMA_HD ChildFloats read_children(const std::uint8_t* bytes) {
+  return __builtin_convertvector((ChildInts{bytes[0], bytes[1], bytes[2], bytes[3]}), ChildFloats);
+}
+OMMA_HD unsigned child_bits(ChildInts mask) {
+  return (mask[0] & 1u) | (mask[1] & 2u) | (mask[2] & 4u) | (mask[3] & 8u);
+}
+#endif
+#endif
+
+template <typename F>
+OMMA_HD F least(F a, F b) {
+  return a < b ? a : b;
+}
+template <typename F>
+OMMA_HD F most(F a, F b) {
+  return a > b ? a : b;
+}
+
+// Of a bit for each ray of a packet, those from ray l on, as a comparison's result.
+template <typename L>
+OMMA_HD auto lanes_of(unsigned bits, int l) {
+  if constexpr (L::width == 1) {
+    return (bits >> l & 1u) != 0;
+  } else {
+    typename L::I bit;
+    for (int i = 0; i < L::width; ++i) bit[i] = 1 << i;
+    return (bit & static_cast<std::int32_t>(bits >> l)) != 0;
+  }
+}
+
+}  // namespace omma

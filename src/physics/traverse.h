@@ -1,0 +1,491 @@
+// The search of a hierarchy of boxes (physics/bvh.h) for what rays meet: plain C++ for host and
+// device. One algorithm for a bundle of `count` rays, which may be one.
+//
+// The rays of a packet belong to one narrow ommatidium, or to neighbours. So those whose directions
+// have the same signs go through a tree together: the eight children of a node are tested at once
+// against an interval of rays, which misses none of them, then those that may be hit against each
+// ray (as coherent packets in Wald et al. 2014, doi:10.1145/2601097.2601199). For one ray interval
+// and ray are the same.
+//
+// Nothing that a ray meets is lost. Boxes are widened by more than all rounding: of their own
+// decoding, of slopes, of the triangle test (after Ize 2013, jcgt.org/published/0002/02/02, who
+// widens by the rounding of the box test itself). Whether a ray passes an edge on one side or the
+// other is decided by numbers that are exactly opposite for the two triangles that share it
+// (physics/triangle_hit.h).
+//
+// Of hits at the same distance the one on the lower placed mesh, then the lower triangle, counts, so
+// that the order of the search does not matter.
+#pragma once
+
+#include "physics/ray_packet.h"
+#include "physics/search_lanes.h"
+#include "physics/triangle_hit.h"
+
+namespace omma {
+
+// Boxes are widened by this fraction of their greatest distance from the rays' origins along an axis:
+// 64 roundings. An edge that lies across a ray is off by 16 at most where the triangle test decides
+// on which side the ray passes, less than half as many add up in the box test, and edges that a ray
+// sees slantwise are off by more.
+inline constexpr float box_slack = 0x1p-18f;
+
+// Components of directions that are a smaller fraction of the largest one are taken for as large:
+// reciprocals stay finite, and rays move by far less than boxes are widened by.
+inline constexpr float least_component = 1e-10f;
+
+// What is in one place may be found in any order: boxes that much behind a hit are still searched.
+inline constexpr float hit_slack = 1 + 1e-5f;
+
+// Rays whose directions have the same signs. `near` is what makes entries into boxes earliest,
+// `far` what makes exits latest.
+template <typename L>
+struct RayBundle {
+  unsigned lanes;  // a bit for each ray that belongs to it
+  bool negative[3];
+  bool one_origin;  // exactly the same for all of them
+  float near_origin[3], far_origin[3];
+  float near_rate[3], far_rate[3];  // 1 / direction
+  float t_near_m;
+  alignas(L::count >= 16 ? 64 : 4) float near_ratio[3][L::count];  // rate of a ray per near_rate
+  alignas(L::count >= 16 ? 64 : 4) float far_ratio[3][L::count];
+};
+
+// Rays as they are in a tree's frame.
+template <typename L>
+struct RayFrame {
+  const float (*origin)[L::count];
+  const float (*direction)[L::count];
+};
+
+// The bundle of the first of those lanes and all that go with it.
+template <typename L>
+OMMA_HD void make_bundle(const RayFrame<L>& frame, const float (&t_near_m)[L::count],
+                         unsigned lanes, RayBundle<L>& bundle) {
+  using F = typename L::F;
+  unsigned negative[3] = {};
+  const int first = lowest_bit(lanes);
+  unsigned others = 0;
+  for (int a = 0; a < 3; ++a) {
+    for (int l = 0; l < L::count; l += L::width)
+      negative[a] |= lane_bits(load<F>(frame.direction[a] + l) < 0.0f) << l;
+    bundle.negative[a] = (negative[a] >> first & 1u) != 0;
+    others |= bundle.negative[a] ? ~negative[a] : negative[a];
+  }
+  bundle.lanes = lanes & ~others;
+
+  // Idle lanes repeat the first ray of the bundle.
+  const auto lane = [&](const float* values, int l) {
+    return lanes_of<L>(bundle.lanes, l) ? load<F>(values + l) : broadcast<F>(values[first]);
+  };
+  const auto reduce = [&](const auto& value, float& lowest, float& highest) {
+    F low = value(0), high = low;
+    for (int l = L::width; l < L::count; l += L::width) {
+      const F v = value(l);
+      low = least(low, v);
+      high = most(high, v);
+    }
+    float lows[L::width], highs[L::width];
+    store(lows, low);
+    store(highs, high);
+    for (int half = L::width / 2; half > 0; half /= 2)
+      for (int l = 0; l < half; ++l) {
+        lows[l] = least(lows[l], lows[l + half]);
+        highs[l] = most(highs[l], highs[l + half]);
+      }
+    lowest = lows[0];
+    highest = highs[0];
+  };
+  const auto rate = [&](int a, int l) {
+    F component[3];
+    for (int b = 0; b < 3; ++b) {
+      component[b] = lane(frame.direction[b], l);
+      component[b] = component[b] < 0.0f ? -component[b] : component[b];
+    }
+    const F floor =
+        most(component[0], most(component[1], component[2])) * least_component;
+    return 1.0f / most(component[a], floor);
+  };
+  bundle.one_origin = true;
+  for (int a = 0; a < 3; ++a) {
+    float low, high, low_rate, high_rate;
+    reduce([&](int l) { return lane(frame.origin[a], l); }, low, high);
+    reduce([&](int l) { return rate(a, l); }, low_rate, high_rate);
+    bundle.one_origin = bundle.one_origin && low == high;
+    bundle.near_origin[a] = bundle.negative[a] ? low : high;
+    bundle.far_origin[a] = bundle.negative[a] ? high : low;
+    bundle.near_rate[a] = bundle.negative[a] ? -low_rate : low_rate;
+    bundle.far_rate[a] = bundle.negative[a] ? -high_rate : high_rate;
+    const float per_low = 1.0f / low_rate, per_high = 1.0f / high_rate;
+    for (int l = 0; l < L::count; l += L::width) {
+      const F own = rate(a, l);
+      store(bundle.near_ratio[a] + l, own * per_low);
+      store(bundle.far_ratio[a] + l, own * per_high);
+    }
+  }
+  float highest;
+  reduce([&](int l) { return lane(t_near_m, l); }, bundle.t_near_m, highest);
+}
+
+// Where the bundle enters and leaves the slabs of a node's children at the earliest and latest.
+struct ChildSlabs {
+  alignas(32) float enter[3][node_width], leave[3][node_width];
+  alignas(32) float near[node_width];  // of all three, and of the rays themselves
+};
+
+// A bit for each child that a ray of the bundle may meet.
+template <typename L>
+OMMA_HD unsigned hit_children(const WideNode& node, const RayBundle<L>& bundle, float t_far_m,
+                              ChildSlabs& slabs) {
+  float step[3], distance = 0, size = 0;
+  for (int a = 0; a < 3; ++a) {
+    step[a] = float_of(static_cast<std::int32_t>(node.exponent[a]) << 23);
+    distance = most(distance, most(fabsf(node.origin[a] - bundle.near_origin[a]),
+                                   fabsf(node.origin[a] - bundle.far_origin[a])));
+    size = most(size, step[a]);
+  }
+  const float slack = box_slack * (distance + 255.0f * size);
+  float enter_step[3], enter_base[3], leave_step[3], leave_base[3];
+  for (int a = 0; a < 3; ++a) {
+    enter_step[a] = step[a] * bundle.near_rate[a];
+    leave_step[a] = step[a] * bundle.far_rate[a];
+    enter_base[a] = (node.origin[a] - bundle.near_origin[a]) * bundle.near_rate[a] -
+                    slack * fabsf(bundle.near_rate[a]);
+    leave_base[a] = (node.origin[a] - bundle.far_origin[a]) * bundle.far_rate[a] +
+                    slack * fabsf(bundle.far_rate[a]);
+  }
+  unsigned bits = 0;
+  for (int c = 0; c < node_width; c += child_lanes) {
+    ChildFloats near = broadcast<ChildFloats>(bundle.t_near_m);
+    ChildFloats far = broadcast<ChildFloats>(t_far_m);
+    for (int a = 0; a < 3; ++a) {
+      const std::uint8_t* first = bundle.negative[a] ? node.upper[a] : node.lower[a];
+      const std::uint8_t* second = bundle.negative[a] ? node.lower[a] : node.upper[a];
+      const ChildFloats enter = read_children(first + c) * enter_step[a] + enter_base[a];
+      const ChildFloats leave = read_children(second + c) * leave_step[a] + leave_base[a];
+      store(slabs.enter[a] + c, enter);
+      store(slabs.leave[a] + c, leave);
+      near = most(enter, near);
+      far = least(leave, far);
+    }
+    store(slabs.near + c, near);
+    bits |= child_bits(near <= far) << c;
+  }
+  return bits & ((1u << (node.counts >> 4)) - 1u);
+}
+
+// Whether any ray of the bundle meets a child.
+template <typename L>
+OMMA_HD bool hits_child(const RayBundle<L>& bundle, unsigned lanes, const ChildSlabs& slabs,
+                        int c, const float (&t_far_m)[L::count]) {
+  using F = typename L::F;
+  if constexpr (L::count == 1) return true;
+  unsigned bits = 0;
+  for (int l = 0; l < L::count; l += L::width) {
+    F near = broadcast<F>(bundle.t_near_m);
+    F far = load<F>(t_far_m + l) * hit_slack;
+    for (int a = 0; a < 3; ++a) {
+      near = most(load<F>(bundle.near_ratio[a] + l) * slabs.enter[a][c], near);
+      far = least(load<F>(bundle.far_ratio[a] + l) * slabs.leave[a][c], far);
+    }
+    bits |= lane_bits(near <= far) << l;
+  }
+  return (bits & lanes) != 0;
+}
+
+// How far the rays of some lanes look at most.
+template <typename L>
+OMMA_HD float furthest(const float (&t_far_m)[L::count], unsigned lanes) {
+  using F = typename L::F;
+  F far = broadcast<F>(0.0f);
+  for (int l = 0; l < L::count; l += L::width)
+    far = most(lanes_of<L>(lanes, l) ? load<F>(t_far_m + l) : far, far);
+  float fars[L::width];
+  store(fars, far);
+  for (int half = L::width / 2; half > 0; half /= 2)
+    for (int l = 0; l < half; ++l) fars[l] = most(fars[l], fars[l + half]);
+  return fars[0] * hit_slack;
+}
+
+// What is still to be visited: a node's index, or the first block of a leaf with the number of its
+// triangles above it.
+struct Visit {
+  std::uint32_t at;
+  float near_m;
+};
+inline constexpr int visit_index_bits = 28;
+
+// Goes through a tree, nearer nodes first. `leaf(index, triangles)` is called for each leaf that a
+// ray may meet, and returns the lanes that search on.
+template <typename L, typename Leaf>
+OMMA_HD void search_tree(const WideNode* nodes, std::uint32_t root, const RayBundle<L>& bundle,
+                         const float (&t_far_m)[L::count], Leaf leaf) {
+  constexpr std::uint32_t index_mask = (1u << visit_index_bits) - 1;
+  Visit stack[stack_room];
+  int depth = 0;
+  unsigned lanes = bundle.lanes;
+  float far_m = furthest<L>(t_far_m, lanes);
+  stack[depth++] = {root, 0};
+  while (depth > 0) {
+    const Visit visit = stack[--depth];
+    if (visit.near_m > far_m) continue;
+    const std::uint32_t triangles = visit.at >> visit_index_bits;
+    if (triangles != 0) {
+      lanes = leaf(visit.at & index_mask, triangles);
+      if (lanes == 0) return;
+      far_m = furthest<L>(t_far_m, lanes);
+      continue;
+    }
+    const WideNode& node = nodes[visit.at];
+    ChildSlabs slabs;
+    unsigned bits = hit_children<L>(node, bundle, far_m, slabs);
+    const int first = depth;
+    while (bits != 0) {
+      const int c = lowest_bit(bits);
+      bits &= bits - 1;
+      if (!hits_child<L>(bundle, lanes, slabs, c, t_far_m)) continue;
+      const int inner = node.counts & 15;
+      const Visit child{
+          c < inner ? node.first_child + static_cast<std::uint32_t>(c)
+                    : (node.first_leaf + (node.leaf[c] >> 4)) |
+                          static_cast<std::uint32_t>(node.leaf[c] & 15) << visit_index_bits,
+          slabs.near[c]};
+      int k = depth++;
+      for (; k > first && stack[k - 1].near_m < child.near_m; --k) stack[k] = stack[k - 1];
+      stack[k] = child;
+    }
+  }
+}
+
+// A leaf that rays may meet.
+struct Leaf {
+  const TriangleBlock* blocks;
+  int triangles;
+  std::uint32_t placed;  // as in PlacedTree
+  bool one_origin;       // of all rays that ask
+};
+
+// Calls `found(first lane, bits, crossing, normal, block, k)` for what lanes meet of the k-th
+// triangle of a block, where it may lie at any distance; it returns the lanes that search on.
+template <typename L, typename Found>
+OMMA_HD unsigned search_leaf(const RayFrame<L>& frame, const Leaf& leaf, unsigned lanes,
+                             Found found) {
+  using F = typename L::F;
+  for (int first = 0; first < leaf.triangles; first += block_width) {
+    const TriangleBlock& block = leaf.blocks[first / block_width];
+    // Normals and, where all rays start in one place, what is seen from there: of the whole block.
+    alignas(16) float normals[3][block_width];
+    alignas(16) float edges[3][3][block_width], heights[block_width];
+    for (int k = 0; k < block_width; k += block_lanes) {
+      BlockFloats corner[3][3], normal[3];
+      for (int i = 0; i < 3; ++i)
+        for (int a = 0; a < 3; ++a) corner[i][a] = load<BlockFloats>(block.corner[i][a] + k);
+      triangle_normal(corner, normal);
+      for (int a = 0; a < 3; ++a) store(normals[a] + k, normal[a]);
+      if (!leaf.one_origin) continue;
+      const int ray = lowest_bit(lanes);
+      for (int i = 0; i < 3; ++i)
+        for (int a = 0; a < 3; ++a) corner[i][a] = corner[i][a] - frame.origin[a][ray];
+      SeenTriangle<BlockFloats> seen;
+      see_triangle(corner, normal, seen);
+      for (int i = 0; i < 3; ++i)
+        for (int a = 0; a < 3; ++a) store(edges[i][a] + k, seen.edge[i][a]);
+      store(heights + k, seen.height);
+    }
+    const int last = leaf.triangles - first < block_width ? leaf.triangles - first : block_width;
+    for (int k = 0; k < last; ++k) {
+      const float normal[3] = {normals[0][k], normals[1][k], normals[2][k]};
+      for (int l = 0; l < L::count; l += L::width) {
+        F direction[3];
+        for (int a = 0; a < 3; ++a) direction[a] = load<F>(frame.direction[a] + l);
+        Crossing<F> crossing;
+        unsigned bits;
+        if (leaf.one_origin) {
+          SeenTriangle<float> seen;
+          for (int i = 0; i < 3; ++i)
+            for (int a = 0; a < 3; ++a) seen.edge[i][a] = edges[i][a][k];
+          seen.height = heights[k];
+          bits = cross_triangle(seen, normal, direction, crossing);
+        } else {
+          F corner[3][3];
+          for (int i = 0; i < 3; ++i)
+            for (int a = 0; a < 3; ++a)
+              corner[i][a] = block.corner[i][a][k] - load<F>(frame.origin[a] + l);
+          SeenTriangle<F> seen;
+          see_triangle(corner, normal, seen);
+          bits = cross_triangle(seen, normal, direction, crossing);
+        }
+        bits &= lanes >> l;
+        if (bits != 0) lanes = found(l, bits, crossing, normal, block, k);
+      }
+      if (lanes == 0) return 0;
+    }
+  }
+  return lanes;
+}
+
+// Goes through what is placed. `found(tree, lanes, ...)` is called for what the lanes of `bits` meet
+// of a triangle, as in search_leaf; it returns those of `lanes` that search on.
+template <typename L, typename Packet, typename Found>
+OMMA_HD void search(const BvhView& bvh, unsigned valid, Packet& rays, Found found) {
+  using F = typename L::F;
+  if (bvh.top_nodes == nullptr) return;
+  const RayFrame<L> world{rays.origin, rays.direction};
+  while (valid != 0) {
+    RayBundle<L> bundle;
+    make_bundle<L>(world, rays.t_near_m, valid, bundle);
+    valid &= ~bundle.lanes;
+    unsigned lanes = bundle.lanes;
+    search_tree<L>(bvh.top_nodes, 0, bundle, rays.t_far_m, [&](std::uint32_t index, std::uint32_t) {
+      const PlacedTree& tree = bvh.trees[index];
+      alignas(64) float moved[6][L::count];
+      RayFrame<L> frame = world;
+      if (tree.placed != none) {
+        const float(&m)[3][4] = tree.tree_from_frame;
+        for (int l = 0; l < L::count; l += L::width) {
+          F o[3], d[3];
+          for (int a = 0; a < 3; ++a) {
+            o[a] = load<F>(rays.origin[a] + l);
+            d[a] = load<F>(rays.direction[a] + l);
+          }
+          for (int a = 0; a < 3; ++a) {
+            store(moved[a] + l, m[a][0] * o[0] + m[a][1] * o[1] + m[a][2] * o[2] + m[a][3]);
+            store(moved[3 + a] + l, m[a][0] * d[0] + m[a][1] * d[1] + m[a][2] * d[2]);
+          }
+        }
+        frame = {moved, moved + 3};
+      }
+      for (unsigned left = lanes; left != 0;) {
+        RayBundle<L> own;
+        make_bundle<L>(frame, rays.t_near_m, left, own);
+        left &= ~own.lanes;
+        unsigned on = own.lanes;
+        search_tree<L>(bvh.nodes, tree.root, own, rays.t_far_m,
+                    [&](std::uint32_t first, std::uint32_t triangles) {
+                      const Leaf leaf{bvh.blocks + first, static_cast<int>(triangles), tree.placed,
+                                      own.one_origin};
+                      return on = search_leaf<L>(frame, leaf, on, [&](auto&&... crossing) {
+                        return on = found(tree, on, crossing...);
+                      });
+                    });
+        lanes &= ~own.lanes | on;
+      }
+      return lanes;
+    });
+  }
+}
+
+template <typename L>
+OMMA_HD unsigned valid_bits(const int* valid) {
+  unsigned bits = 0;
+  for (int l = 0; l < L::count; ++l) bits |= (valid[l] != 0 ? 1u : 0u) << l;
+  return bits;
+}
+
+// Of lanes that cross a triangle, those that do where they look.
+template <typename L, typename Packet>
+OMMA_HD unsigned in_reach(const Packet& rays, int l, unsigned bits,
+                          const Crossing<typename L::F>& crossing) {
+  using F = typename L::F;
+  return bits & lane_bits(crossing.t_m > load<F>(rays.t_near_m + l)) &
+         lane_bits(crossing.t_m <= load<F>(rays.t_far_m + l));
+}
+
+OMMA_HD std::uint32_t placed_of(const PlacedTree& tree, const TriangleBlock& block, int k) {
+  return tree.placed != none ? tree.placed : block.placed[k] & ~ask_flag;
+}
+
+// Of those, the ones that have not met what counts instead in the same place.
+template <typename L, typename Packet>
+OMMA_HD unsigned first_in_place(const Packet& rays, int l, unsigned bits,
+                                const Crossing<typename L::F>& crossing,
+                                std::uint32_t placed, std::uint32_t triangle) {
+  using F = typename L::F;
+  unsigned ties = bits & lane_bits(crossing.t_m == load<F>(rays.t_far_m + l));
+  for (; ties != 0; ties &= ties - 1) {
+    const int i = lowest_bit(ties);
+    const std::uint32_t other = rays.geometry[l + i];
+    if (other < placed || (other == placed && rays.triangle[l + i] <= triangle)) bits &= ~(1u << i);
+  }
+  return bits;
+}
+
+// Of those, the ones for which the surface counts.
+template <typename L, typename Accept>
+OMMA_HD unsigned accepted(int l, unsigned bits,
+                          const Crossing<typename L::F>& crossing,
+                          const TriangleBlock& block, int k, std::uint32_t placed,
+                          const Accept& accept) {
+  constexpr int width = L::width;
+  if ((block.placed[k] & ask_flag) == 0 || bits == 0) return bits;
+  float t_m[width], u[width], v[width], facing[width];
+  store(t_m, crossing.t_m);
+  store(u, weight_fraction(crossing, 1));
+  store(v, weight_fraction(crossing, 2));
+  store(facing, crossing.facing);
+  for (unsigned asked = bits; asked != 0; asked &= asked - 1) {
+    const int i = lowest_bit(asked);
+    if (!accept(l + i, t_m[i], u[i], v[i], block.triangle[k], placed, facing[i] > 0))
+      bits &= ~(1u << i);
+  }
+  return bits;
+}
+
+// The closest accepted hit of each valid ray behind its t_near and up to its t_far, which becomes
+// the hit's distance; weights, triangle, normal and placed mesh are filled in. Where nothing is met
+// nothing changes, so `geometry` must be `none` before. `accept(lane, t, u, v, triangle, placed,
+// from_behind)` is asked of each candidate on meshes that may say no; u and v are the weights of the
+// second and third vertex.
+template <typename L, typename Accept>
+OMMA_HD void closest(const BvhView& bvh, const int* valid, RayPacket<L::count>& rays, Accept accept) {
+  using F = typename L::F;
+  using I = typename L::I;
+  search<L>(
+      bvh, valid_bits<L>(valid), rays,
+      [&](const PlacedTree& tree, unsigned lanes, int l, unsigned bits,
+          const Crossing<F>& crossing, const float (&normal)[3], const TriangleBlock& block, int k) {
+        bits = in_reach<L>(rays, l, bits, crossing);
+        if (bits == 0) return lanes;
+        const std::uint32_t placed = placed_of(tree, block, k), triangle = block.triangle[k];
+        bits = first_in_place<L>(rays, l, bits, crossing, placed, triangle);
+        bits = accepted<L>(l, bits, crossing, block, k, placed, accept);
+        if (bits == 0) return lanes;
+        const auto hit = lanes_of<L>(bits, 0);
+        const auto set = [&](float* values, F value) {
+          store(values + l, hit ? value : load<F>(values + l));
+        };
+        const auto set_number = [&](std::uint32_t* values, std::uint32_t value) {
+          const I number = I{} + static_cast<std::int32_t>(value);
+          store(values + l, hit ? number : load<I>(values + l));
+        };
+        set(rays.t_far_m, crossing.t_m);
+        set(rays.u, weight_fraction(crossing, 1));
+        set(rays.v, weight_fraction(crossing, 2));
+        for (int a = 0; a < 3; ++a) set(rays.normal[a], broadcast<F>(normal[a]));
+        set_number(rays.triangle, triangle);
+        set_number(rays.geometry, placed);
+        set_number(rays.instance, none);
+        return lanes;
+      });
+}
+
+// A bit for each valid ray that meets anything accepted behind its t_near and up to its t_far.
+// `accept` as in closest.
+template <typename L, typename Accept>
+OMMA_HD unsigned occluded(const BvhView& bvh, const int* valid, const RayPacket<L::count>& rays,
+                          Accept accept) {
+  using F = typename L::F;
+  unsigned found = 0;
+  search<L>(bvh, valid_bits<L>(valid), rays,
+                [&](const PlacedTree& tree, unsigned lanes, int l, unsigned bits,
+                    const Crossing<F>& crossing, const float (&)[3], const TriangleBlock& block,
+                    int k) {
+                  bits = in_reach<L>(rays, l, bits, crossing);
+                  bits = accepted<L>(l, bits, crossing, block, k, placed_of(tree, block, k),
+                                         accept);
+                  found |= bits << l;
+                  return lanes & ~(bits << l);
+                });
+  return found;
+}
+
+}  // namespace omma

@@ -1,0 +1,31 @@
+// The search of physics/traverse.h as tests and benchmarks call it: built from packet_search.cpp
+// once per instruction set.
+#pragma once
+
+#include "backend/portable/tracer.h"
+#include "physics/ray_packet.h"
+
+namespace omma {
+
+struct PortableSearch {
+  // Closest hits that accept_hit accepts, of `packets` packets.
+  void (*closest_16)(const PortableTracer&, const int* valid, RayPacket<16>*, std::size_t packets);
+  void (*closest_1)(const PortableTracer&, const int* valid, RayPacket<1>*, std::size_t packets);
+  unsigned (*occluded_16)(const PortableTracer&, const int* valid, const RayPacket<16>&);
+  unsigned (*occluded_1)(const PortableTracer&, const int* valid, const RayPacket<1>&);
+};
+
+// Those that this processor runs, the fastest last.
+std::vector<PortableSearch> portable_searches();
+
+namespace baseline {
+PortableSearch portable_search();
+}
+namespace avx2 {
+PortableSearch portable_search();
+}
+namespace avx512 {
+PortableSearch portable_search();
+}
+
+}  // namespace omma
