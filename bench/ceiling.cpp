@@ -81,7 +81,7 @@ void ceiling(bool quick) {
   for (const Setup& setup : setups) {
     Prepared p;
     p.shading = make_shading_data(*setup.scene);
-    p.tracer = make_embree_tracer(*setup.scene, p.shading->view);
+    p.tracer = make_embree_tracer(*setup.scene, p.shading->view, placement_of(*setup.scene));
     const Renderer built(setup.scene, setup.eye);
     std::vector<float> responses(setup.eye.size() * channel_count);
     const PrepareBlock prepare_block = choose_block_functions().prepare;

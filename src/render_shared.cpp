@@ -14,10 +14,10 @@ constexpr std::size_t rows_per_task = 256;
 // A frame with one set of rays; `parallel` where the threads are not busy with other poses.
 void render_frame(const Renderer::State& s, const SharedSet& set, const Mat4& world_from_head,
                   std::uint64_t pose, bool parallel, float* responses) {
-  const Blocks blocks{{s.built->tracer.get(), &s.view, &set.arrays, &set.directions},
+  const Blocks blocks{{s.tracer(), s.view(), &set.arrays, &set.directions},
                       static_cast<int>(set.rays.rays.size()),
                       most_per_block};
-  thread_local std::vector<float> radiance;  // [ray][channel], the same room for all frames
+  std::vector<float>& radiance = s.radiance.local();  // the same room for all frames
   radiance.resize(set.rays.rays.size() * channel_count);
   float* const traced = radiance.data();
   const auto trace = [&](std::size_t block) {
@@ -84,7 +84,7 @@ void render_shared(const Renderer::State& s, std::span<const Mat4> world_from_he
   const int patterns = with_error ? error_scrambles : 1;
   // The sets are there from the first time on; until then nothing of the render is finished.
   const auto prepare = [&] {
-    run_in_arena(*s.arena, [&] {
+    run_in_arena(*s.threads.arena, [&] {
       for (int pattern = 0; pattern < patterns; ++pattern) shared_set(s, pattern);
     });
   };
@@ -102,7 +102,7 @@ void render_shared(const Renderer::State& s, std::span<const Mat4> world_from_he
   }
   const auto frame = [&](std::size_t p, bool parallel) {
     float* out = responses.data() + p * pose_size;
-    const std::uint64_t pose = call.first_pose + p;
+    const std::uint64_t pose = 0;  // rays are fixed to the head
     std::copy(counts.begin(), counts.end(),
               call.rays.begin() + static_cast<std::ptrdiff_t>(p * counts.size()));
     if (with_error)
@@ -114,8 +114,8 @@ void render_shared(const Renderer::State& s, std::span<const Mat4> world_from_he
   const double rays = static_cast<double>(shared_set(s, 0).rays.rays.size()) * patterns;
   run_in_stretches(world_from_head.size(), rays, 1, call.progress,
                    [&](std::size_t begin, std::size_t end) {
-                     run_in_arena(*s.arena, [&] {
-                       if (end - begin >= 2 * static_cast<std::size_t>(s.threads))
+                     run_in_arena(*s.threads.arena, [&] {
+                       if (end - begin >= 2 * static_cast<std::size_t>(s.threads.threads))
                          parallel_for(begin, end, [&](std::size_t p) { frame(p, false); });
                        else
                          for (std::size_t p = begin; p < end; ++p) frame(p, true);

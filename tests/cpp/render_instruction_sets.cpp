@@ -48,7 +48,7 @@ TEST(InstructionSets, GiveTheSameBits) {
     const BackgroundData background = make_background_data(scene.background);
     SceneView view = shading->view;
     view.background = background.view;
-    const auto tracer = make_embree_tracer(scene, shading->view);
+    const auto tracer = make_embree_tracer(scene, shading->view, placement_of(scene));
     const DirectionTables directions = make_direction_tables(eye, settings);
     const EyeArrays arrays = make_eye_arrays(eye, directions);
     const BlockContext context{tracer.get(), &view, &arrays, &directions, 1};

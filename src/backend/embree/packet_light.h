@@ -92,7 +92,7 @@ void background_radiance(const SceneView& scene, const Packet& packet,
 void shade_opaque(const BlockContext& context, Packet& packet, const int* valid,
                   IntersectArguments& arguments) {
   prepare(packet.rays);
-  intersect_16(context.tracer->scene, valid, packet.rays, arguments);
+  closest(*context.tracer, valid, packet.rays, arguments);
   Hits hits;
   find_meshes(*context.tracer, packet, hits);
   unsigned misses = 0;
@@ -133,7 +133,7 @@ void shade_blended(const BlockContext& context, Packet& packet, const int* valid
   bool any = true;
   while (any) {
     prepare(packet.rays);
-    intersect_16(context.tracer->scene, active, packet.rays, arguments);
+    closest(*context.tracer, active, packet.rays, arguments);
     background_radiance(*context.scene, packet, background);
     Hits hits;
     find_meshes(*context.tracer, packet, hits);
