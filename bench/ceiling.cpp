@@ -20,6 +20,7 @@ namespace {
 // What a Renderer holds inside, and its blocks at one pose.
 struct Prepared {
   std::unique_ptr<ShadingData> shading;
+  Placement placement;
   Acceleration acceleration;
   DirectionTables directions;
   DirectionsView directions_view;
@@ -40,7 +41,7 @@ void prepare_rays(Prepared& p, const Setup& setup, int samples) {
   const int ommatidia = static_cast<int>(setup.eye.size());
   for (int first = 0; first < ommatidia; first += per_block) {
     BlockTask task;
-    const Vec3d o = p.acceleration.origin_m;
+    const Vec3d o = p.placement.origin_m;
     const double origin[3] = {o.x, o.y, o.z};
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 4; ++c)
@@ -87,7 +88,8 @@ void ceiling(bool quick) {
   for (const Setup& setup : setups) {
     Prepared p;
     p.shading = make_shading_data(*setup.scene);
-    p.acceleration = embree_backend().build(*setup.scene, p.shading->view, nullptr);
+    p.placement = placement_of(*setup.scene);
+    p.acceleration = embree_backend().build(*setup.scene, p.shading->view, p.placement, nullptr);
     const Renderer built(setup.scene, setup.eye);
     std::vector<float> responses(setup.eye.size() * rgb_bands);
     const BlockFunctions block = embree_backend().block_functions();

@@ -65,6 +65,7 @@ Point measure(const Renderer& built, const Case& of, const std::vector<float>& r
   std::vector<std::int32_t> rays(poses.size() * ommatidia);
   RenderCall call;
   call.rays = rays;
+  call.first_pose = 0;
   const Renderer renderer(built, of.setup.eye, settings);
   Point point;
   point.seconds = best_seconds(least_s, [&] { renderer.render(poses, out, call); }) /
@@ -106,6 +107,7 @@ void measure_case(const Case& of, bool quick) {
   RenderSettings settings;
   settings.sampling = Sampling::random;
   settings.footprints = false;
+  settings.noise = Noise::new_every_frame;
   double random_100 = 0;
   for (int n : quick ? std::vector{25, 100} : std::vector{1, 4, 16, 50, 100, 256, 1024}) {
     settings.samples = n;
@@ -120,11 +122,13 @@ void measure_case(const Case& of, bool quick) {
       line(footprints ? "footprints" : "no footprints", n, settings);
     }
   settings.share_rays = true;
+  settings.noise = Noise::frozen;
   for (int n : quick ? std::vector{4, 16} : std::vector{1, 2, 4, 8, 16, 32, 64}) {
     settings.samples = n;
     line("shared rays", n, settings);
   }
   settings.share_rays = false;
+  settings.noise = Noise::new_every_frame;
   for (int least : {4, 8}) {
     settings.samples = least;
     const std::string method = "target from " + std::to_string(least);

@@ -55,10 +55,8 @@ std::vector<double> single_seconds(const Renderer& renderer, const std::vector<M
   std::vector<float> out(renderer.eye().size() * rgb_bands);
   std::vector<double> seconds;
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    RenderCall call;
-    call.first_pose = i;
     const auto start = Clock::now();
-    renderer.render({&poses[i], 1}, out, call);
+    renderer.render({&poses[i], 1}, out);
     seconds.push_back(seconds_since(start));
   }
   seconds.erase(seconds.begin(), seconds.begin() + static_cast<std::ptrdiff_t>(poses.size() / 10));
@@ -70,6 +68,7 @@ RenderSettings with(int samples, int thread_count = 0) {
   RenderSettings settings;
   settings.samples = samples;
   settings.threads = thread_count;
+  settings.noise = Noise::new_every_frame;
   return settings;
 }
 

@@ -40,6 +40,7 @@ void instructions(const std::string& which) {
     settings.samples = 4;
     settings.error = 0.02;
   }
+  if (!settings.share_rays) settings.noise = Noise::new_every_frame;
   const Renderer renderer(setup.scene, make_eye(), settings);
   const std::vector<Mat4> poses = flight(setup, 4);
   std::vector<float> out(poses.size() * renderer.eye().size() * rgb_bands);

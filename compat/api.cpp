@@ -105,7 +105,7 @@ void stop() {
   guarded([](State& state) {
     notify(state, "Cleaning eye renderer resources.");
     for (CompatCamera& camera : state.cameras) camera.renderer.reset();
-    state.built_scene.reset();
+    state.world.reset();
   });
 }
 

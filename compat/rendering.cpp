@@ -52,6 +52,7 @@ RenderSettings settings_for(const State& state, int samples) {
   settings.samples = samples;
   settings.kernel = state.kernel;
   settings.sampling = Sampling::random;
+  settings.noise = Noise::new_every_frame;
   return settings;
 }
 
@@ -59,7 +60,7 @@ void render_picture(State& state, CompatCamera& camera) {
   Frame& frame = state.frame;
   if (!camera.renderer || camera.picture_width != frame.width ||
       camera.picture_height != frame.height) {
-    camera.renderer.emplace(*state.built_scene, picture_eye(camera, frame.width, frame.height),
+    camera.renderer.emplace(*state.world, picture_eye(camera, frame.width, frame.height),
                             settings_for(state, 1));
     camera.picture_width = frame.width, camera.picture_height = frame.height;
   }
@@ -77,7 +78,7 @@ void render_eye(State& state, CompatCamera& camera) {
   if (!shows_ids(compound.projection)) {
     const RenderSettings settings = settings_for(state, compound.samples);
     if (!camera.renderer)
-      camera.renderer.emplace(*state.built_scene, compound.eye, settings);
+      camera.renderer.emplace(*state.world, compound.eye, settings);
     else if (camera.renderer->settings().samples != compound.samples)
       camera.renderer = Renderer(*camera.renderer, compound.eye, settings);
     const Mat4 pose = world_from_head(camera);
@@ -100,7 +101,7 @@ void render_eye(State& state, CompatCamera& camera) {
 
 void render_frame(State& state) {
   CompatCamera& camera = current_camera(state);
-  if (!state.built_scene) throw Error("there is no scene to render; the frame stays as it was");
+  if (!state.world) throw Error("there is no scene to render; the frame stays as it was");
   if (camera.type == CameraType::compound)
     render_eye(state, camera);
   else

@@ -86,16 +86,6 @@ Kernel kernel_from_environment() {
   return Kernel::compoundray;
 }
 
-// An eye of one ray, for the renderer that holds the acceleration structure.
-Eye smallest_eye() {
-  Eye eye;
-  eye.position_m = {{0, 0, 0}};
-  eye.axis = {{0, 0, -1}};
-  eye.acceptance_angle_rad = eye.focal_offset_m = {0};
-  eye.eye_id = {0};
-  return eye;
-}
-
 // The box around the corners of a mesh's own box, once they are where the node puts them.
 Box box_around(const std::vector<Vec3>& positions, const Mat4& world_from_mesh) {
   if (positions.empty()) return {};
@@ -133,11 +123,11 @@ void load(State& state, const std::string& path) {
     } catch (const Error& error) {
       std::fprintf(stderr, "ERROR: Camera '%s': %s\n", camera.data_name.c_str(), error.what());
     }
-  Renderer built(scene, smallest_eye());
+  World world(scene);
 
   state.kernel = kernel;
   state.scene = std::move(scene);
-  state.built_scene = std::move(built);
+  state.world = std::move(world);
   state.cameras = std::move(cameras);
   state.current = 0;
   current_camera(state);  // a scene without cameras gets one

@@ -47,7 +47,7 @@ struct State {
   bool verbose = true;
   Kernel kernel = Kernel::compoundray;
   std::shared_ptr<const Scene> scene;
-  std::optional<Renderer> built_scene;  // whose acceleration structure the cameras' share
+  std::optional<World> world;  // that the cameras see
   std::vector<CompatCamera> cameras;
   std::size_t current = 0;  // index into cameras
   Frame frame;

@@ -143,7 +143,9 @@ def cases(data: Path, quick: bool) -> Iterator[Case]:
 def measure_tails(case: Case, truth: np.ndarray) -> None:
     """A row for each error: how far off those are that say that they have reached it."""
     for target in TARGETS:
-        to_error = case.renderer.with_eye(case.renderer.eye, samples="auto", error=target)
+        to_error = case.renderer.with_eye(
+            case.renderer.eye, samples="auto", error=target, noise="new_every_frame"
+        )
         responses, report = to_error.render(np.tile(case.pose, (RENDERS, 1, 1)), report=True)
         errors = np.abs(responses - truth).max(axis=-1) / target
         reached = (report.standard_error <= np.float32(target)).all(axis=-1)
@@ -161,7 +163,9 @@ def measure_intervals(case: Case, truth: np.ndarray) -> str:
     """A row: how often the bounds hold, of all responses and of those that vary."""
     shares = []
     for samples in SAMPLES:
-        fixed = case.renderer.with_eye(case.renderer.eye, samples=samples)
+        fixed = case.renderer.with_eye(
+            case.renderer.eye, samples=samples, noise="new_every_frame"
+        )
         poses = np.tile(case.pose, (RENDERS // 4, 1, 1))
         responses, errors = fixed.render(poses, standard_error=True)
         low, high = omma.confidence_interval(fixed.eye, responses, errors, 8 * samples)

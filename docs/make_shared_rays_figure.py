@@ -106,7 +106,8 @@ def measure(name: str, scene: omma.Scene, eye: omma.Eye, pose: np.ndarray, many:
     """Error per rays, own and shared, over that of 100 random rays; prints a row of the table."""
     own = omma.Renderer(scene, eye, samples=many, seed=99)
     exact = own.render(pose)[0].astype(float)
-    random = own.with_eye(eye, samples=100, sampling="random").render(np.tile(pose, (4, 1, 1)))
+    hundred_rays = own.with_eye(eye, samples=100, sampling="random", noise="new_every_frame")
+    random = hundred_rays.render(np.tile(pose, (4, 1, 1)))
     hundred = rms(random - exact)
     curves = []
     for share, counts in ((False, OWN), (True, SHARED)):

@@ -60,7 +60,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     picture.size = {8, 8};
     picture.samples = 1;
     std::vector<float> pixels(8 * 8 * 3);
-    omma::render_camera(renderer, scene->cameras.front(), picture, pixels);
+    omma::render_camera(renderer.world(), scene->cameras.front(), picture, pixels);
   } catch (const omma::Error&) {
   }
   return 0;

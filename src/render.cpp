@@ -1,9 +1,7 @@
-// The main path: a scene and an eye become a Renderer, poses become responses. Read top to bottom:
+// The main path: a world and an eye become a Renderer, poses become responses. Read top to bottom:
 // check what comes in, build once, then per call one parallel loop over poses and blocks of
 // neighbouring ommatidia. What happens inside a block is physics/block.h.
 #include "omma/render.h"
-
-#include <oneapi/tbb/info.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +15,6 @@
 namespace omma {
 namespace {
 
-constexpr int max_threads = 4096;
 // Radiance is at most 1e15, and sums of it stay in single precision.
 constexpr double most_output_weight = 1e6;
 
@@ -49,12 +46,8 @@ void check_settings(const RenderSettings& s) {
   if (s.threads < 0 || s.threads > max_threads)
     throw Error("threads: expected 0 (all) to " + std::to_string(max_threads) + ", found " +
                 std::to_string(s.threads));
-  if (s.background) {
-    Scene only_background;
-    only_background.path = "the given background";
-    only_background.background = *s.background;
-    validate_scene(only_background);
-  }
+  if (s.share_rays && s.noise != Noise::frozen)
+    throw Error("noise: expected frozen where rays are shared, which are fixed to the head");
 }
 
 void check_output(const char* name, std::span<float> output, std::size_t expected) {
@@ -85,30 +78,6 @@ Outputs make_outputs(std::span<const double> output_from_band, int bands) {
 
 }  // namespace
 
-Renderer::State::~State() {
-  if (threads_are_gone()) (void)arena.release();
-}
-
-void Renderer::State::prepare_threads(State& s, const RenderSettings& settings) {
-  if (threads_are_gone()) {
-    s.arena = std::make_unique<oneapi::tbb::task_arena>(1);  // which nobody enters
-    return;
-  }
-  note_threads_are_used();
-  s.arena = make_thread_arena(settings.threads > 0 ? settings.threads
-                                                   : oneapi::tbb::info::default_concurrency());
-  s.threads = s.arena->max_concurrency();
-}
-
-std::shared_ptr<const BuiltBackground> build_background(const BuiltScene& built,
-                                                        const RenderSettings& settings) {
-  auto background = std::make_shared<BuiltBackground>();
-  if (settings.background) background->given = *settings.background;
-  background->data =
-      make_background_data(settings.background ? background->given : built.scene->background);
-  return background;
-}
-
 // What neighbours cannot share rays with.
 static void check_sharing(const Eye& eye, const RenderSettings& settings) {
   if (!settings.share_rays) return;
@@ -125,88 +94,67 @@ static void check_sharing(const Eye& eye, const RenderSettings& settings) {
   }
 }
 
-// All that depends on the eye and the settings.
-void Renderer::State::prepare_eye(State& s, Eye eye, RenderSettings settings,
-                                  const DirectionTables* known) {
+Renderer::State::State(World seen, Eye its_eye, RenderSettings its_settings,
+                       const DirectionTables* known)
+    : world(std::move(seen)),
+      eye(std::move(its_eye)),
+      settings(std::move(its_settings)),
+      threads(settings.threads) {
   check_sharing(eye, settings);
-  s.eye = std::move(eye);
-  s.settings = std::move(settings);
-  run_in_arena(*s.arena, [&] {
-    if (s.background == nullptr) s.background = build_background(*s.built, s.settings);
-    s.view = s.built->shading->view;
-    s.view.background = s.background->data.view;
+  if (settings.background) world = world.with_background(*settings.background);
+  settings.background.reset();
+  run_in_arena(*threads.arena, [&] {
     const auto start = Clock::now();
-    s.directions.push_back(make_direction_tables(s.eye, s.settings, known));
-    RenderSettings round = s.settings;
-    for (round.samples *= 2; s.settings.error > 0 && round.samples <= s.settings.most_samples;
+    directions.push_back(make_direction_tables(eye, settings, known));
+    RenderSettings round = settings;
+    for (round.samples *= 2; settings.error > 0 && round.samples <= settings.most_samples;
          round.samples *= 2)
-      s.directions.push_back(make_direction_tables(s.eye, round, &s.directions.front()));
-    s.eye_arrays = make_eye_arrays(s.eye, s.directions.front());
-    s.eye_view = omma::view(s.eye_arrays);
-    for (const DirectionTables& tables : s.directions) s.direction_views.push_back(omma::view(tables));
-    if (s.settings.error > 0) s.nearest = nearest_in_blocks(s.eye_arrays, most_per_block);
-    if (s.settings.share_rays) shared_set(s, 0);
-    s.times.directions_s = seconds_since(start);
+      directions.push_back(make_direction_tables(eye, round, &directions.front()));
+    eye_arrays = make_eye_arrays(eye, directions.front());
+    eye_view = omma::view(eye_arrays);
+    for (const DirectionTables& tables : directions) direction_views.push_back(omma::view(tables));
+    if (settings.error > 0) nearest = nearest_in_blocks(eye_arrays, most_per_block);
+    if (settings.share_rays) shared_set(*this, 0);
+    times.directions_s = seconds_since(start);
   });
+}
+
+Renderer::Renderer(World world, Eye eye, RenderSettings settings) {
+  check_settings(settings);
+  validate_eye(eye);
+  state_ = std::make_unique<State>(std::move(world), std::move(eye), std::move(settings), nullptr);
+}
+
+Renderer::Renderer(const Renderer& same_world, Eye eye, RenderSettings settings) {
+  check_settings(settings);
+  validate_eye(eye);
+  state_ = std::make_unique<State>(same_world.state_->world, std::move(eye), std::move(settings),
+                                   &same_world.state_->directions.front());
 }
 
 Renderer::Renderer(std::shared_ptr<const Scene> scene, Eye eye, RenderSettings settings,
-                   const std::function<bool(double)>& progress)
-    : state_(std::make_unique<State>()) {
-  if (scene == nullptr) throw Error("scene: expected a scene, found a null pointer");
+                   const std::function<bool(double)>& progress) {
   check_settings(settings);
-  validate_scene(*scene);
   validate_eye(eye);
-  State& s = *state_;
-  State::prepare_threads(s, settings);
-  const auto build = [&](WorkState& work) {
-    auto built = std::make_shared<BuiltScene>();
-    built->scene = std::move(scene);
-    const auto start = Clock::now();
-    built->shading = make_shading_data(*built->scene);
-    s.times.scene_s = seconds_since(start);
-    const auto before_building = Clock::now();
-    const Backend& backend = find_backend("");
-    built->functions = backend.block_functions();
-    built->acceleration = backend.build(*built->scene, built->shading->view, &work);
-    s.times.acceleration_s = seconds_since(before_building);
-    s.built = std::move(built);
-  };
-  run_watched(progress, [&](WorkState& work) {
-    run_in_arena(*s.arena, [&] { build(work); });
-    State::prepare_eye(s, std::move(eye), std::move(settings));
+  WorldSettings of_world;
+  of_world.threads = settings.threads;
+  of_world.background = std::move(settings.background);
+  World world(std::move(scene), std::move(of_world), progress);
+  settings.background.reset();
+  const auto finished = [&](double) { return progress(1); };
+  run_watched(progress ? finished : Progress(), [&](WorkState&) {
+    state_ =
+        std::make_unique<State>(std::move(world), std::move(eye), std::move(settings), nullptr);
   });
-}
-
-Renderer::Renderer(const Renderer& same_scene, Eye eye, RenderSettings settings)
-    : state_(std::make_unique<State>()) {
-  check_settings(settings);
-  validate_eye(eye);
-  State& s = *state_;
-  State::prepare_threads(s, settings);
-  s.built = same_scene.state_->built;
-  State::prepare_eye(s, std::move(eye), std::move(settings),
-                     &same_scene.state_->directions.front());
-}
-
-Renderer::Renderer(const Renderer& same_background, Eye rays, OneThread)
-    : state_(std::make_unique<State>()) {
-  validate_eye(rays);
-  State& s = *state_;
-  RenderSettings settings;
-  settings.samples = 1;
-  settings.threads = 1;
-  State::prepare_threads(s, settings);
-  s.built = same_background.state_->built;
-  s.background = same_background.state_->background;
-  State::prepare_eye(s, std::move(rays), std::move(settings));
+  state_->times.scene_s = state_->world.build_times().scene_s;
+  state_->times.acceleration_s = state_->world.build_times().acceleration_s;
 }
 
 void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> responses,
                       const RenderCall& call) const {
   const State& s = *state_;
   const std::size_t ommatidia = s.eye.size(), poses = world_from_head.size();
-  const Outputs outputs = make_outputs(call.output_from_band, s.view.bands);
+  const Outputs outputs = make_outputs(call.output_from_band, s.view()->bands);
   const std::size_t pose_size = ommatidia * static_cast<std::size_t>(outputs.count);
   check_output("responses", responses, poses * pose_size);
   if (!call.standard_error.empty())
@@ -225,14 +173,18 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
                   " values (pose x ommatidium x sample x band), found " +
                   std::to_string(call.ray_radiance.size()));
   }
+  const Rendering rendering(s.world);
   const std::vector<Mat4> traced =
-      traced_poses(world_from_head, s.eye_arrays, s.built->acceleration.origin_m);
+      traced_poses(world_from_head, s.eye_arrays, s.built().placement.origin_m);
+  const std::uint64_t first_frame = call.first_pose || s.settings.noise == Noise::frozen
+                                        ? call.first_pose.value_or(0)
+                                        : s.frames.fetch_add(poses);
 
   if (s.settings.share_rays) return render_shared(s, traced, responses, call, outputs);
 
   // One block of ommatidia at one pose is a task: some 512 rays, but no more than fit its sums.
-  Blocks blocks{{&s.view, &s.eye_view, s.direction_views.data()},
-                s.built.get(),
+  Blocks blocks{{s.view(), &s.eye_view, s.direction_views.data()},
+                &s.built(),
                 static_cast<int>(ommatidia)};
   FrameView& frame = blocks.frame;
   frame.outputs = outputs.count;
@@ -254,7 +206,8 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
   const std::size_t blocks_per_pose = blocks.count();
   const auto run_task = [&](std::size_t index) {
     const std::size_t p = index / blocks_per_pose;
-    BlockTask task = make_task(blocks, index % blocks_per_pose, traced[p], call.first_pose + p);
+    BlockTask task =
+        make_task(blocks, index % blocks_per_pose, traced[p], s.frame_of(p, first_frame));
     task.responses = responses.data() + p * pose_size;
     if (!call.standard_error.empty())
       task.standard_error = call.standard_error.data() + p * pose_size;
@@ -264,8 +217,8 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
   };
   const int most_rays = to_error ? s.settings.most_samples : rays_each;
   run_in_stretches(poses * blocks_per_pose, static_cast<double>(most_rays) * blocks.per_block,
-                   s.threads, call.progress, [&](std::size_t begin, std::size_t end) {
-                     run_in_arena(*s.arena, [&] { parallel_for(begin, end, run_task); });
+                   s.threads.threads, call.progress, [&](std::size_t begin, std::size_t end) {
+                     run_in_arena(*s.threads.arena, [&] { parallel_for(begin, end, run_task); });
                    });
 }
 
@@ -308,8 +261,11 @@ Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 Renderer::~Renderer() = default;
 
+const World& Renderer::world() const {
+  return state_->world;
+}
 const Scene& Renderer::scene() const {
-  return *state_->built->scene;
+  return state_->world.scene();
 }
 const Eye& Renderer::eye() const {
   return state_->eye;
@@ -329,14 +285,13 @@ std::vector<char> Renderer::shared_ommatidia() const {
   return shared_set(*state_, 0).rays.is_shared;
 }
 std::string Renderer::precision_warning(std::span<const Mat4> world_from_head) const {
-  return omma::precision_warning(world_from_head, state_->built->acceleration.origin_m,
-                                 state_->built->acceleration.half_size_m);
+  return state_->world.precision_warning(world_from_head);
 }
 int Renderer::threads() const {
-  return state_->threads;
+  return state_->threads.threads;
 }
 std::string Renderer::backend() const {
-  return state_->built->acceleration.name;
+  return state_->world.backend();
 }
 
 }  // namespace omma

@@ -1,21 +1,25 @@
-// Pictures: their rays in bands of pixels, each band an eye that is rendered and averaged. Bands go
-// in parallel, one thread each, so that laying out their rays is done by all threads too.
+// Pictures: their rays in bands of pixels, each band an eye that is traced and averaged. Bands go
+// in parallel, one thread each, so that laying out their rays is done by all threads too. The world
+// keeps them for its next picture.
 #include <algorithm>
-#include <chrono>
 
-#include "physics/hash.h"
-#include "physics/sobol.h"
+#include "camera_rays.h"
 #include "model/camera.h"
 #include "omma/camera.h"
+#include "physics/hash.h"
+#include "physics/sobol.h"
+#include "render_poses.h"
+#include "render_state.h"
 #include "threads/parallel.h"
 
 namespace omma {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 // Rays of a band: some ten milliseconds of work and a few megabytes.
 constexpr std::size_t band_rays = 1u << 15;
+
+// Rays that a world keeps at most: some 120 MB.
+constexpr std::size_t most_kept_rays = 1u << 21;
 
 struct Bits2 {
   std::uint32_t x = 0, y = 0;
@@ -31,50 +35,92 @@ std::vector<Bits2> points_within_pixel(int samples, std::uint64_t seed) {
   return points;
 }
 
-struct Picture {
-  const Camera* camera;
-  const CameraSettings* settings;
-  std::vector<Bits2> points;  // [sample]
-  std::span<float> out;       // [pixel][channel]
-};
-
 // The rays of `count` pixels, [pixel][sample].
-Eye rays_of_pixels(const Picture& picture, std::size_t first, std::size_t count) {
-  const PictureSize size = picture.settings->size;
-  const std::uint64_t seed = picture.settings->seed;
+Eye rays_of_pixels(const CameraRays& rays, const std::vector<Bits2>& points, std::size_t first,
+                   std::size_t count) {
+  const PictureSize size = rays.settings.size;
+  const std::uint64_t seed = rays.settings.seed;
   Eye eye;
   for (std::size_t pixel = first; pixel < first + count; ++pixel) {
     const double column = static_cast<double>(pixel % static_cast<std::size_t>(size.width));
     const double row = static_cast<double>(pixel / static_cast<std::size_t>(size.width));
-    if (picture.points.size() == 1) {
-      add_camera_ray(eye, camera_ray(*picture.camera, size, column + 0.5, row + 0.5));
+    if (points.size() == 1) {
+      add_camera_ray(eye, camera_ray(rays.lens, size, column + 0.5, row + 0.5));
       continue;
     }
     // A digital shift keeps the points as evenly spread as they are, and differs from pixel to
     // pixel so that what is left of an error is noise and not a pattern.
     const std::uint64_t shift = hash_combine(pose_hash(seed, 0), pixel);
-    for (const Bits2 point : picture.points) {
+    for (const Bits2 point : points) {
       const double x = (point.x ^ static_cast<std::uint32_t>(shift)) * 0x1p-32;
       const double y = (point.y ^ static_cast<std::uint32_t>(shift >> 32)) * 0x1p-32;
-      add_camera_ray(eye, camera_ray(*picture.camera, size, column + x, row + y));
+      add_camera_ray(eye, camera_ray(rays.lens, size, column + x, row + y));
     }
   }
+  validate_eye(eye);
   return eye;
 }
 
-// Renders the rays of `count` pixels and averages them.
-void render_pixels(const Renderer& renderer, const Picture& picture, std::size_t first,
-                   std::size_t count) {
-  std::vector<float> radiance(renderer.eye().size() * rgb_bands);
-  renderer.render(std::span(&picture.camera->world_from_camera, 1), radiance);
-  const std::size_t samples = picture.points.size();
-  for (std::size_t pixel = 0; pixel < count; ++pixel)
-    for (std::size_t c = 0; c < rgb_bands; ++c) {
+EyeArrays lay_out_band(const CameraRays& rays, const std::vector<Bits2>& points, std::size_t band) {
+  const std::size_t first = band * rays.pixels_per_band;
+  const std::size_t count = std::min(rays.pixels_per_band, rays.pixels() - first);
+  return make_eye_arrays(rays_of_pixels(rays, points, first, count), rays.directions);
+}
+
+bool has_rays_of(const CameraRays& rays, const Camera& camera, const CameraSettings& settings) {
+  const Camera& lens = rays.lens;
+  return lens.type == camera.type && lens.yfov_rad == camera.yfov_rad &&
+         lens.aspect_ratio == camera.aspect_ratio && lens.xmag_m == camera.xmag_m &&
+         lens.ymag_m == camera.ymag_m && rays.settings.size.width == settings.size.width &&
+         rays.settings.size.height == settings.size.height &&
+         rays.settings.samples == settings.samples && rays.settings.seed == settings.seed;
+}
+
+// Without bands yet, which are laid out when they are first traced.
+std::unique_ptr<CameraRays> new_camera_rays(const Camera& camera, const CameraSettings& settings,
+                                            const std::vector<Bits2>& points) {
+  auto rays = std::make_unique<CameraRays>();
+  rays->lens = camera;
+  rays->settings = settings;
+  const auto samples = static_cast<std::size_t>(settings.samples);
+  rays->pixels_per_band = std::max<std::size_t>(1, band_rays / samples);
+  RenderSettings single;
+  single.samples = 1;
+  rays->directions = make_direction_tables(
+      rays_of_pixels(*rays, points, 0, std::min(rays->pixels_per_band, rays->pixels())), single);
+  rays->bands.resize(
+      std::min(rays->band_count(), most_kept_rays / (rays->pixels_per_band * samples)));
+  return rays;
+}
+
+// Traces the rays of a band and averages those of each pixel into `out`, [pixel][radiance band].
+void render_band(const World& world, const CameraRays& rays, const EyeArrays& band,
+                 const Mat4& world_from_camera, float* out) {
+  const BuiltScene& built = *world.state().built;
+  const std::vector<Mat4> pose =
+      traced_poses(std::span(&world_from_camera, 1), band, built.placement.origin_m);
+  const auto bands = static_cast<std::size_t>(world.bands());
+  const auto samples = static_cast<std::size_t>(rays.settings.samples);
+  const std::size_t pixels = band.size() / samples;
+  const EyeView eye = view(band);
+  const DirectionsView directions = view(rays.directions);
+  Blocks blocks{{&world.state().view, &eye, &directions},
+                &built,
+                static_cast<int>(band.size()),
+                most_per_block};
+  blocks.frame.outputs = world.bands();
+  std::vector<float> radiance(band.size() * bands);
+  for (std::size_t i = 0; i < blocks.count(); ++i) {
+    BlockTask task = make_task(blocks, i, pose.front(), 0);
+    task.responses = radiance.data();
+    trace_task(blocks, task);
+  }
+  for (std::size_t pixel = 0; pixel < pixels; ++pixel)
+    for (std::size_t b = 0; b < bands; ++b) {
       double sum = 0;
       for (std::size_t i = 0; i < samples; ++i)
-        sum += radiance[(pixel * samples + i) * rgb_bands + c];
-      picture.out[(first + pixel) * rgb_bands + c] =
-          static_cast<float>(sum / static_cast<double>(samples));
+        sum += radiance[(pixel * samples + i) * bands + b];
+      out[pixel * bands + b] = static_cast<float>(sum / static_cast<double>(samples));
     }
 }
 
@@ -97,35 +143,32 @@ void check(const Camera& camera, const CameraSettings& settings, std::span<float
 
 }  // namespace
 
-void render_camera(const Renderer& same_scene, const Camera& camera, const CameraSettings& settings,
+void render_camera(const World& world, const Camera& camera, const CameraSettings& settings,
                    std::span<float> picture, const std::function<bool(double)>& progress) {
   check(camera, settings, picture);
-  const Picture whole{&camera, &settings, points_within_pixel(settings.samples, settings.seed),
-                      picture};
-  const std::size_t pixels = picture.size() / rgb_bands;
-  const std::size_t per_band =
-      std::max<std::size_t>(1, band_rays / static_cast<std::size_t>(settings.samples));
-  const std::size_t bands = (pixels + per_band - 1) / per_band;
+  const Rendering rendering(world);
+  const BuiltScene& built = *world.state().built;
+  const std::vector<Bits2> points = points_within_pixel(settings.samples, settings.seed);
+  // Taken out, so that another picture at the same time lays out its own; the last one's stay.
+  std::unique_ptr<CameraRays> rays(built.camera_rays.exchange(nullptr));
+  if (rays == nullptr || !has_rays_of(*rays, camera, settings))
+    run_in_arena(*built.threads.arena, [&] { rays = new_camera_rays(camera, settings, points); });
   const auto run_band = [&](std::size_t band) {
-    const std::size_t first = band * per_band;
-    const std::size_t count = std::min(per_band, pixels - first);
-    const Renderer renderer(same_scene, rays_of_pixels(whole, first, count), Renderer::OneThread{});
-    render_pixels(renderer, whole, first, count);
+    float* const out = picture.data() + band * rays->pixels_per_band * static_cast<std::size_t>(world.bands());
+    const auto render = [&](const EyeArrays& of_band) {
+      render_band(world, *rays, of_band, camera.world_from_camera, out);
+    };
+    if (band >= rays->bands.size()) return render(lay_out_band(*rays, points, band));
+    EyeArrays& kept = rays->bands[band];
+    if (kept.ommatidium.empty()) kept = lay_out_band(*rays, points, band);
+    render(kept);
   };
-  // Stretches of about a fifth of a second, as Renderer::render has them.
-  oneapi::tbb::task_arena arena(same_scene.threads());
-  auto stretch = static_cast<std::size_t>(same_scene.threads());
-  for (std::size_t done = 0; done < bands;) {
-    const auto start = Clock::now();
-    const std::size_t end = std::min(bands, done + stretch);
-    run_in_arena(arena, [&] { parallel_for(done, end, run_band); });
-    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-    const double rate = static_cast<double>(end - done) / std::max(seconds, 1e-6);
-    stretch = static_cast<std::size_t>(std::max(1.0, 0.2 * rate));
-    done = end;
-    const double share = static_cast<double>(done) / static_cast<double>(bands);
-    if (progress && !progress(share)) throw Cancelled();
-  }
+  run_in_stretches(rays->band_count(), band_rays, built.threads.threads, progress,
+                   [&](std::size_t begin, std::size_t end) {
+                     run_in_arena(*built.threads.arena,
+                                  [&] { parallel_for(begin, end, run_band); });
+                   });
+  delete built.camera_rays.exchange(rays.release());
 }
 
 }  // namespace omma

@@ -14,13 +14,13 @@ constexpr std::size_t rows_per_task = 256;
 // A frame with one set of rays; `parallel` where the threads are not busy with other poses.
 void render_frame(const Renderer::State& s, const SharedSet& set, const Mat4& world_from_head,
                   std::uint64_t pose, const Outputs& outputs, bool parallel, float* responses) {
-  Blocks blocks{{&s.view, &set.eye_view, &set.directions_view},
-                s.built.get(),
+  Blocks blocks{{s.view(), &set.eye_view, &set.directions_view},
+                &s.built(),
                 static_cast<int>(set.rays.rays.size()),
                 most_per_block};
   blocks.frame.outputs = outputs.count;
   if (!outputs.from_band.empty()) blocks.frame.output_from_band = outputs.from_band.data();
-  thread_local std::vector<float> radiance;  // [ray][output], the same room for all frames
+  std::vector<float>& radiance = s.radiance.local();  // the same room for all frames
   radiance.resize(set.rays.rays.size() * static_cast<std::size_t>(outputs.count));
   float* const traced = radiance.data();
   const auto trace = [&](std::size_t block) {
@@ -30,7 +30,7 @@ void render_frame(const Renderer::State& s, const SharedSet& set, const Mat4& wo
   };
   const std::size_t rows = s.eye.size(), row_tasks = (rows + rows_per_task - 1) / rows_per_task;
   const auto weigh = [&](std::size_t i) {
-    s.built->functions.weigh(omma::view(set.rays), traced, outputs.count, static_cast<std::int64_t>(i * rows_per_task),
+    s.built().functions.weigh(omma::view(set.rays), traced, outputs.count, static_cast<std::int64_t>(i * rows_per_task),
                   static_cast<std::int64_t>(std::min(rows, (i + 1) * rows_per_task)), responses);
   };
   if (parallel) {
@@ -89,7 +89,7 @@ void render_shared(const Renderer::State& s, std::span<const Mat4> world_from_he
   const int patterns = with_error ? error_scrambles : 1;
   // The sets are there from the first time on; until then nothing of the render is finished.
   const auto prepare = [&] {
-    run_in_arena(*s.arena, [&] {
+    run_in_arena(*s.threads.arena, [&] {
       for (int pattern = 0; pattern < patterns; ++pattern) shared_set(s, pattern);
     });
   };
@@ -107,7 +107,7 @@ void render_shared(const Renderer::State& s, std::span<const Mat4> world_from_he
   }
   const auto frame = [&](std::size_t p, bool parallel) {
     float* out = responses.data() + p * pose_size;
-    const std::uint64_t pose = call.first_pose + p;
+    const std::uint64_t pose = 0;  // rays are fixed to the head
     std::copy(counts.begin(), counts.end(),
               call.rays.begin() + static_cast<std::ptrdiff_t>(p * counts.size()));
     if (with_error)
@@ -119,8 +119,8 @@ void render_shared(const Renderer::State& s, std::span<const Mat4> world_from_he
   const double rays = static_cast<double>(shared_set(s, 0).rays.rays.size()) * patterns;
   run_in_stretches(world_from_head.size(), rays, 1, call.progress,
                    [&](std::size_t begin, std::size_t end) {
-                     run_in_arena(*s.arena, [&] {
-                       if (end - begin >= 2 * static_cast<std::size_t>(s.threads))
+                     run_in_arena(*s.threads.arena, [&] {
+                       if (end - begin >= 2 * static_cast<std::size_t>(s.threads.threads))
                          parallel_for(begin, end, [&](std::size_t p) { frame(p, false); });
                        else
                          for (std::size_t p = begin; p < end; ++p) frame(p, true);

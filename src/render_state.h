@@ -2,44 +2,25 @@
 // render.cpp (each ommatidium its own rays) and render_shared.cpp (rays shared by neighbours).
 #pragma once
 
-#include <oneapi/tbb/task_arena.h>
+#include <oneapi/tbb/enumerable_thread_specific.h>
 
 #include <array>
-#include <chrono>
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <vector>
 
 #include "backend/backend.h"
 #include "backend/eye_arrays.h"
-#include "backend/shading_data.h"
 #include "model/long_work.h"
 #include "omma/render.h"
 #include "sampling/directions.h"
 #include "sampling/shared_rays.h"
+#include "threads/arena.h"
 #include "threads/made_once.h"
+#include "world_state.h"
 
 namespace omma {
-
-using Clock = std::chrono::steady_clock;
-
-inline double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-// What depends on the scene alone, shared by all renderers of it.
-struct BuiltScene {
-  std::shared_ptr<const Scene> scene;
-  std::unique_ptr<ShadingData> shading;
-  BlockFunctions functions;
-  Acceleration acceleration;
-};
-
-// A background ready to be looked at; it may be a large image, so renderers share it.
-struct BuiltBackground {
-  Background given;     // the data refer to its image
-  BackgroundData data;  // of `given`, or of the scene's own
-};
 
 // Rays that neighbouring ommatidia share, ready to be traced.
 struct SharedSet {
@@ -51,16 +32,12 @@ struct SharedSet {
 };
 
 struct Renderer::State {
-  std::shared_ptr<const BuiltScene> built;
-  std::shared_ptr<const BuiltBackground> background;
+  World world;
   Eye eye;
   RenderSettings settings;
   BuildTimes times;
-  int threads = 1;
+  ThreadArena threads;
 
-  std::unique_ptr<oneapi::tbb::task_arena> arena;
-
-  SceneView view;                           // of the built scene, with this background
   std::vector<DirectionTables> directions;  // [round]
   EyeArrays eye_arrays;
   std::vector<DirectionsView> direction_views;  // [round]
@@ -69,13 +46,20 @@ struct Renderer::State {
 
   // Rays shared by neighbours: the first set is used at all poses, the others for standard errors.
   mutable std::array<MadeOnce<SharedSet>, error_scrambles> shared;
+  // Of each thread, what such rays bring in a frame.
+  mutable oneapi::tbb::enumerable_thread_specific<std::vector<float>> radiance;  // [ray][output]
 
-  // In a process without threads (threads_are_gone) what has to do with them is left where it is.
-  ~State();
+  mutable std::atomic<std::uint64_t> frames = 0;  // rendered so far, with Noise::new_every_frame
 
-  static void prepare_threads(State& s, const RenderSettings& settings);
-  static void prepare_eye(State& s, Eye eye, RenderSettings settings,
-                          const DirectionTables* known = nullptr);
+  // Checks both. Direction tables take over from `known` what they have in common.
+  State(World seen, Eye its_eye, RenderSettings its_settings, const DirectionTables* known);
+
+  const BuiltScene& built() const { return *world.state().built; }
+  const SceneView* view() const { return &world.state().view; }
+  // The number of a call's pose that its noise goes by, less that of the first; see Noise.
+  std::uint64_t frame_of(std::size_t pose, std::uint64_t first) const {
+    return settings.noise == Noise::frozen ? 0 : first + pose;
+  }
 };
 
 // One frame's tracing as tasks of neighbouring ommatidia.

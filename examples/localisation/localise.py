@@ -75,7 +75,12 @@ def render_views(
     folder.mkdir(parents=True, exist_ok=True)
     # The numbers of the eye file are millimetres, and so are the units of this scene.
     renderer = omma.Renderer(
-        omma.load_scene(scene), omma.load_eye(eye, unit="m"), samples=rays, seed=seed, kernel=kernel
+        omma.load_scene(scene),
+        omma.load_eye(eye, unit="m"),
+        samples=rays,
+        seed=seed,
+        kernel=kernel,
+        noise="new_every_frame",
     )
     for part in range(math.ceil(frames / PART)):
         file = folder / f"{part:05}.npz"

@@ -23,6 +23,7 @@
 #include "omma/render.h"
 #include "omma/scene.h"
 #include "omma/vec.h"
+#include "omma/world.h"
 
 namespace omma {
 
@@ -62,12 +63,13 @@ struct CameraSettings {
 };
 
 // The mean radiance in each pixel: picture [row][column][channel], linear float32, never clipped;
-// row 0 is the top. Scene, background and threads are those of the renderer, its eye plays no part.
-// The same inputs and seed give the same bits whatever the number of threads. `progress` is called
-// from the calling thread several times a second with the finished share (0 to 1); false cancels.
-// Throws omma::Error as camera_rays does and on a picture of the wrong size, omma::Cancelled when
-// the progress callback says so.
-void render_camera(const Renderer& same_scene, const Camera& camera, const CameraSettings& settings,
+// row 0 is the top. The same inputs and seed give the same bits whatever the number of threads. The
+// world keeps the rays of its last picture: the next one of the same kind of camera, size, samples
+// and seed, wherever that camera is, takes them up. `progress` is called from the calling thread
+// several times a second with the finished share (0 to 1); false cancels. Throws omma::Error as
+// camera_rays does, on a picture of the wrong size, and while things are being moved in the world;
+// omma::Cancelled when the progress callback says so.
+void render_camera(const World& world, const Camera& camera, const CameraSettings& settings,
                    std::span<float> picture, const std::function<bool(double)>& progress = {});
 
 // The camera of that name as find_camera has it or, where none has it and it is a number, the

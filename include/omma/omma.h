@@ -13,3 +13,4 @@
 #include "omma/render.h"
 #include "omma/scene.h"
 #include "omma/vec.h"
+#include "omma/world.h"

@@ -1,4 +1,4 @@
-// The renderer: a scene and an eye in, the response of every ommatidium out.
+// The renderer: a world and an eye in, the response of every ommatidium out.
 //
 //   R[p,i,b] = integral of S_i(w) L_b(x_i, w) dw / integral of S_i(w) dw
 //
@@ -18,12 +18,23 @@
 #include "omma/eye.h"
 #include "omma/kernel.h"
 #include "omma/scene.h"
+#include "omma/world.h"
 
 namespace omma {
 
 enum class Sampling : std::uint8_t {
   low_discrepancy,  // scrambled Sobol points moved apart, another set per pose and ommatidium
   random,           // independent pseudo-random samples
+};
+
+// Each estimate takes one of many patterns of rays, so responses have noise; this says which.
+enum class Noise : std::uint8_t {
+  // One pattern for each ommatidium, fixed to the head and the same at all poses: a still eye in a
+  // still world sees nothing move.
+  frozen,
+  // Another pattern for every frame that is rendered: means over frames come ever nearer to the
+  // truth, and what stands still flickers.
+  new_every_frame,
 };
 
 inline constexpr int max_samples = 1 << 20;
@@ -37,7 +48,7 @@ struct RenderSettings {
   std::optional<Kernel> kernel = std::nullopt;
   Sampling sampling = Sampling::low_discrepancy;
   int threads = 0;                                      // 0: one per hardware thread
-  std::optional<Background> background = std::nullopt;  // instead of the scene's own
+  std::optional<Background> background = std::nullopt;  // instead of the world's own
   // Rays read textures averaged over their share of the solid angle: less noise, and the acceptance
   // function's modulation transfer stays within 0.01.
   bool footprints = true;
@@ -46,12 +57,13 @@ struct RenderSettings {
   // most_samples rays. `samples` is then the least, a power of two from 4 on.
   double error = 0;
   int most_samples = 4096;
-  // Neighbouring ommatidia share rays: about `samples` per ommatidium in all, but each uses those of
-  // its neighbours too, through their nodal points. Far less error for the same rays; surfaces at a
-  // distance d are seen with an acceptance angle 1 + R/d times as wide on an eye of radius R. Not
-  // with `error`, Sampling::random, apertures, or sensitivities that are not round or `compoundray`,
-  // nor where rays or weights would be too many (2^23 rays, 2^27 weights).
+  // Neighbouring ommatidia share rays: about `samples` per ommatidium in all, but each uses those
+  // of its neighbours too, through their nodal points. Far less error for the same rays; surfaces
+  // at a distance d are seen with an acceptance angle 1 + R/d times as wide on an eye of radius R.
+  // Not with `error`, Sampling::random, apertures, or sensitivities that are not round or
+  // `compoundray`, nor where rays or weights would be too many (2^23 rays, 2^27 weights).
   bool share_rays = false;
+  Noise noise = Noise::frozen;  // only frozen with share_rays, whose rays are fixed to the head
 };
 
 // Scrambles that a standard error is computed from: with one asked for, every ommatidium gets this
@@ -59,7 +71,9 @@ struct RenderSettings {
 inline constexpr int error_scrambles = 8;
 
 struct RenderCall {
-  std::uint64_t first_pose = 0;     // index of the first pose, for renders done piece by piece
+  // With Noise::new_every_frame, the number of the first pose's frame, for renders done piece by
+  // piece. None: frames are counted on by the renderer, from 0, in the order of the calls.
+  std::optional<std::uint64_t> first_pose = std::nullopt;
   std::span<float> standard_error;  // [pose, ommatidium, band], or empty for none
   // [pose, ommatidium], rays that each response comes from, or empty; where rays are shared, each
   // counts for all that use it.
@@ -75,36 +89,36 @@ struct RenderCall {
   std::function<bool(double)> progress;
 };
 
-// Seconds spent when the renderer was made.
+// Seconds spent when the renderer was made; those of the world are 0 where that was there already.
 struct BuildTimes {
   double scene_s = 0;         // shading data
   double acceleration_s = 0;  // acceleration structure
   double directions_s = 0;    // direction tables
 };
 
-struct CameraSettings;  // camera.h
-
 class Renderer {
  public:
   struct State;  // src/render_state.h
 
-  // Builds the acceleration structure and the direction tables; throws omma::Error. The scene must
-  // stay as it is: its arrays are read from where they are. `progress` is told of the finished
-  // share of the acceleration structure as in RenderCall; false throws omma::Cancelled. In a process
-  // forked from one that had used threads omma::Error is thrown: Embree cannot build there.
+  // An eye in a world, which it shares: what moves there has moved for this eye too. Makes the
+  // direction tables; throws omma::Error.
+  Renderer(World world, Eye eye, RenderSettings settings = {});
+  // Makes a world of the scene first, with these threads and background; `progress` is told of that
+  // and can end it (world.h).
   Renderer(std::shared_ptr<const Scene> scene, Eye eye, RenderSettings settings = {},
            const std::function<bool(double)>& progress = {});
-  // Another eye, or other settings, in the same scene: shares its acceleration structure, so that
-  // only the direction tables are made. Lives on when `same_scene` is gone.
-  Renderer(const Renderer& same_scene, Eye eye, RenderSettings settings = {});
+  // Another eye, or other settings, in the world of a renderer: what both need is taken from there.
+  // Lives on when `same_world` is gone.
+  Renderer(const Renderer& same_world, Eye eye, RenderSettings settings = {});
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
   ~Renderer();
 
   // Responses [pose, ommatidium, band], linear float32, for poses `world_from_head`. Safe to
   // call from several threads. The same inputs and seed give the same bits whatever the number of
-  // threads. Throws omma::Error on an output of the wrong size and a pose that is not invertible or
-  // starts rays over 1e18 m from the scene, omma::Cancelled when the progress callback says so.
+  // threads. Throws omma::Error on an output of the wrong size, a pose that is not invertible or
+  // starts rays over 1e18 m from the scene, and while things are being moved in the world;
+  // omma::Cancelled when the progress callback says so.
   void render(std::span<const Mat4> world_from_head, std::span<float> responses,
               const RenderCall& call = {}) const;
 
@@ -114,6 +128,7 @@ class Renderer {
   // "".
   std::string precision_warning(std::span<const Mat4> world_from_head) const;
 
+  const World& world() const;
   const Scene& scene() const;
   const Eye& eye() const;
   const RenderSettings& settings() const;
@@ -122,20 +137,13 @@ class Renderer {
   int threads() const;
   // Rays that a frame takes without a standard error; with an error to reach, at least.
   std::size_t rays_per_frame() const;
-  // [ommatidium], 1 where its rays count for its neighbours too (settings.share_rays) and theirs for
-  // it. Those have their own that would gain nothing, and those that cannot: an acceptance angle of
-  // 0, `airy` and `lens_rhabdom`, fields too narrow for a lattice over the sphere.
+  // [ommatidium], 1 where its rays count for its neighbours too (settings.share_rays) and theirs
+  // for it. Those have their own that would gain nothing, and those that cannot: an acceptance
+  // angle of 0, `airy` and `lens_rhabdom`, fields too narrow for a lattice over the sphere.
   std::vector<char> shared_ommatidia() const;
   std::string backend() const;  // e.g. "embree 3.13.5"
 
  private:
-  // For pictures (render_camera): single rays, one thread, and the background shared too, which is
-  // then not in the settings.
-  struct OneThread {};
-  Renderer(const Renderer& same_background, Eye rays, OneThread);
-  friend void render_camera(const Renderer&, const Camera&, const CameraSettings&, std::span<float>,
-                            const std::function<bool(double)>&);
-
   std::unique_ptr<State> state_;
 };
 

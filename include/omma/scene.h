@@ -72,6 +72,9 @@ struct Instance {
   std::string name;  // of the node
   int mesh = -1;     // index into Scene::meshes
   Mat4 world_from_mesh;
+  // Index of the node in the file, -1 for none. A node with several primitives places several
+  // meshes, all with its transform, and they move together.
+  int node = -1;
 };
 
 // Triangles that mark a region (a mesh whose extras say "hitbox": true). Never drawn.

@@ -135,6 +135,7 @@ from omma.superposition import (
     superposition_facets,
 )
 from omma.surfaces import ellipsoid, load_surface, mesh_surface, sphere
+from omma.world import World
 
 __all__ = [
     "EYE_PROPERTIES",
@@ -165,6 +166,8 @@ __all__ = [
     "Scene",
     "SpeedTest",
     "Wiring",
+    "World",
+    "WorldInstance",
     "__version__",
     "acceptance_from_facets",
     "acute_angle",

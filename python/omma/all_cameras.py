@@ -26,6 +26,7 @@ from omma.projections import LISTS, Picture, projection_size
 from omma.render_settings import fixed_samples
 from omma.renderer import BUILDING, READING, Progress, Renderer
 from omma.rendering import Stage
+from omma.world import World
 
 _LONGEST_NAME = 100
 
@@ -115,18 +116,26 @@ def render_all_cameras(
         if warning is not None and projection is None:
             warnings.append(warning)
         projection_size(of_camera, shown[-1], *_size(shown[-1], width, height))
-    renderer = Renderer(
+    rays = fixed_samples(samples, "pictures")
+    seen = World(
         world,
-        Eye([[0, 0, 0]], [[0, 0, -1]], 0.0),
-        samples=samples,
-        seed=seed,
-        kernel=kernel,
-        sampling=sampling,
-        threads=threads,
-        footprints=footprints,
         background=parse_background(background) if isinstance(background, str) else background,
+        threads=threads,
         progress=partial(tell, BUILDING),
     )
+
+    def renderer_of(eye: Eye) -> Renderer:
+        return Renderer(
+            seen,
+            eye,
+            samples=rays,
+            seed=seed,
+            kernel=kernel,
+            sampling=sampling,
+            threads=threads,
+            footprints=footprints,
+        )
+
     target = Path(os.fsdecode(folder))
     make_directory(target)
     files = [target / f"{name}.png" for name in file_names([camera.name for camera in cameras])]
@@ -144,9 +153,9 @@ def render_all_cameras(
             began = time.perf_counter()
             eye, name, file = eyes[index], shown[index], files[index]
             pixels = (
-                _picture(renderer, camera, width, height, gamma, share)
+                _picture(seen, camera, width, height, rays, seed, gamma, share)
                 if eye is None
-                else _eye_picture(renderer.with_eye(eye), camera, name, width, height, gamma, share)
+                else _eye_picture(renderer_of(eye), camera, name, width, height, gamma, share)
             )
             seconds = time.perf_counter() - began
             write_png(whole, str(file), pixels)
@@ -166,27 +175,29 @@ def render_all_cameras(
     return AllCamerasReport(
         cameras=tuple(reports),
         build_seconds=built - start,
-        backend=renderer.backend,
-        threads=renderer.threads,
+        backend=seen.backend,
+        threads=seen.threads,
         warnings=tuple(warnings),
     )
 
 
 def _picture(
-    renderer: Renderer,
+    world: World,
     camera: Camera,
     width: int | None,
     height: int | None,
+    samples: int,
+    seed: int,
     gamma: float,
     progress: Progress,
 ) -> Picture:
     linear = render_camera(
-        renderer,
+        world,
         camera,
         width=width,
         height=height,
-        samples=fixed_samples(renderer.samples, "pictures"),
-        seed=renderer.seed,
+        samples=samples,
+        seed=seed,
         progress=progress,
     )
     return display(linear, gamma)

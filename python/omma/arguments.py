@@ -106,6 +106,7 @@ def arrays_of(**values: Any) -> list[NDArray[np.float64]]:
 _OWN = (
     "AcuteZone", "Camera", "Eye", "EyeMeasures", "Method", "MinimumSamples", "OmmatidiumType",
     "ReceptorType", "Renderer", "Scene", "SpeedTest", "Species", "Surface", "Wiring",
+    "World",
 )  # fmt: skip
 
 # Alternatives of an annotation, not those inside of brackets.

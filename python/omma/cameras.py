@@ -13,12 +13,13 @@ from omma.arguments import array_of, whole
 from omma.files import load_eye
 from omma.projections import PROJECTIONS, LinearPicture
 from omma.renderer import Progress, Renderer, warn_of_precision
+from omma.world import World
 
 DEFAULT_PROJECTION = "spherical_orientationwise"
 
 
 def render_camera(
-    scene: Scene | Renderer,
+    scene: Scene | World | Renderer,
     camera: Camera | str | int,
     *,
     width: int | None = None,
@@ -38,8 +39,9 @@ def render_camera(
     elevation from the top down. znear and zfar cut nothing off.
 
     Args:
-        scene: the scene, or any renderer of it, whose acceleration structure, threads and
-            background are then used.
+        scene: the scene, or a world of it or a renderer, whose acceleration structure, threads and
+            background are then used. A world keeps the rays of its last picture: the next one of
+            the same kind of camera, size, ``samples`` and ``seed`` has them, wherever it is taken.
         camera: its name, its index among ``scene.cameras``, or a camera, which may be of another
             scene.
         width, height: pixels. What is left out follows from the camera's aspect ratio, so that
@@ -55,30 +57,28 @@ def render_camera(
         omma.Error: no such camera, a compound one (`camera_eye` gives its eye), one whose
             projection makes no sense, or an argument out of its range.
     """
-    if isinstance(scene, Renderer):
+    world = scene.world if isinstance(scene, Renderer) else scene
+    if isinstance(world, World):
         if threads is not None or background is not None:
             name = "background" if threads is None else "threads"
-            raise Error(f"{name}: the renderer that is given has its own")
-        engine, world = scene._engine, scene.scene
-    elif isinstance(scene, Scene):
-        world = scene
-        nothing = Eye(np.zeros((1, 3)), [[0, 0, -1]], 0.0)
-        engine = Renderer(scene, nothing, threads=threads or 0, background=background)._engine
+            raise Error(f"{name}: the world that is given has its own")
+    elif isinstance(world, Scene):
+        world = World(world, threads=threads or 0, background=background)
     else:
         found = type(scene).__name__
-        raise TypeError(f"scene: expected omma.Scene or omma.Renderer, found {found}")
-    which = camera if isinstance(camera, Camera) else world.camera(camera)
+        raise TypeError(f"scene: expected omma.Scene, omma.World or omma.Renderer, found {found}")
+    which = camera if isinstance(camera, Camera) else world.scene.camera(camera)
     size = picture_size(which, width, height)
     picture = np.empty((size[1], size[0], _core.channel_count), np.float32)
     _core.render_camera(
-        engine,
+        world._engine,
         which,
         picture,
         whole(samples, "samples", 1, 1 << 20),
         whole(seed, "seed", 0, (1 << 64) - 1),
         progress,
     )
-    warn_of_precision(engine.precision_warning(which.world_from_camera[None]))
+    warn_of_precision(world._engine.precision_warning(which.world_from_camera[None]))
     return picture
 
 

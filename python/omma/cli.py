@@ -257,6 +257,13 @@ def render(
             "within some ten eye radii.",
         ),
     ] = False,
+    noise: Annotated[
+        Literal["frozen", "new_every_frame"],
+        typer.Option(
+            help="Of responses: the same at all poses, so that what stands still looks still, or "
+            "another at each, so that it averages out."
+        ),
+    ] = "frozen",
     projection: Annotated[
         str | None,
         typer.Option(
@@ -307,6 +314,7 @@ def render(
                 "--receptors": receptors,
                 "--ultraviolet": ultraviolet is not None,
                 "--share-rays": share_rays,
+                "--noise": noise != "frozen",
                 "--side-by-side": side_by_side,
                 "--resume": resume,
             },
@@ -353,6 +361,7 @@ def render(
             threads=threads,
             footprints=not no_footprints,
             share_rays=share_rays,
+            noise=noise,
             background=background,
             standard_error=standard_error,
             receptors=receptors,

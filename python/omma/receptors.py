@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma import _core
 from omma._core import Error, Eye, ReceptorType
-from omma.arguments import array_of, arrays_of, output_array, whole
+from omma.arguments import array_of, arrays_of, output_array
+from omma.render_settings import frame_number
 
 if TYPE_CHECKING:
     from omma.renderer import Poses, Progress, Renderer
@@ -210,7 +211,7 @@ def render_receptors(
     ultraviolet: ArrayLike | None,
     standard_error: bool,
     out: Responses | None,
-    first_pose: int,
+    first_pose: int | None,
     progress: Progress | None,
 ) -> Responses | tuple[Responses, Responses]:
     """What `Renderer.render_receptors` does, whose arguments these are."""
@@ -229,7 +230,7 @@ def render_receptors(
                 + ("" if weights.shape != expected else ", not all of them finite")
             )
     matrices = renderer._matrices(poses)
-    first = whole(first_pose, "first_pose", 0, (1 << 63) - 1)
+    first = frame_number(first_pose)
     shape = (len(matrices), len(eye.receptor_type))
     responses = output_array(out, shape, "out")
     errors = np.empty(shape, np.float32) if standard_error else None
@@ -244,11 +245,12 @@ def render_receptors(
             progress((start + done * count) / len(matrices))
 
         tell = None if progress is None else share
+        number = None if first is None else first + start
         if errors is None:
-            radiance = views.renderer.render(piece, first_pose=first + start, progress=tell)
+            radiance = views.renderer.render(piece, first_pose=number, progress=tell)
         else:
             radiance, radiance_errors = views.renderer.render(
-                piece, standard_error=True, first_pose=first + start, progress=tell
+                piece, standard_error=True, first_pose=number, progress=tell
             )
             _apply(eye, views, weights, radiance_errors, True, errors[start : start + chunk])
         _apply(eye, views, weights, radiance, False, responses[start : start + chunk])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Literal
 
 from omma import _core
-from omma._core import Background, Error, RenderSettings
+from omma._core import Error, RenderSettings
 from omma.arguments import positive, whole
 
 Samples = int | Literal["auto"]
@@ -33,7 +33,6 @@ def render_settings(
     error: float | None,
     min_samples: int | None,
     max_samples: int | None,
-    background: Background | None,
     **others: Any,
 ) -> RenderSettings:
     """Settings from the arguments of `omma.Renderer`; omma.Error or TypeError names one."""
@@ -62,7 +61,6 @@ def render_settings(
         samples=least,
         error=target,
         most_samples=most,
-        background=background,
     )
 
 
@@ -71,6 +69,11 @@ def fixed_samples(samples: Samples, what: str) -> int:
     if isinstance(samples, str):
         raise Error(f"samples: expected a number for {what}, found {samples!r}")
     return samples
+
+
+def frame_number(first_pose: int | None) -> int | None:
+    """``first_pose`` of a render, checked."""
+    return None if first_pose is None else whole(first_pose, "first_pose", 0, (1 << 63) - 1)
 
 
 def _or(value: int | None, default: int) -> int:

@@ -17,8 +17,9 @@ from omma._core import Background, Error, Eye, Scene
 from omma.arguments import checked, expect, output_array, whole
 from omma.poses import Matrices, as_poses, is_position_pair
 from omma.receptors import ReceptorViews, render_receptors
-from omma.render_settings import Samples, fixed_samples, render_settings
+from omma.render_settings import Samples, fixed_samples, frame_number, render_settings
 from omma.sampling_report import SamplingReport
+from omma.world import World
 
 Responses = NDArray[np.float32]
 Poses = ArrayLike | tuple[ArrayLike, ArrayLike] | str
@@ -42,13 +43,14 @@ def warn_of_precision(sentence: str) -> None:
 
 
 class Renderer:
-    """A scene and an eye, ready to render: acceleration structure and direction tables are built.
+    """A world and an eye, ready to render: acceleration structure and direction tables are built.
 
     The response of ommatidium i in channel c at a pose is the mean of the radiance around it, with
     its angular sensitivity as weight; a surround of radiance 1 gives 1. Channels are linear RGB.
 
     Args:
-        scene: what there is to see.
+        scene: what there is to see: a `World`, which is shared with whoever sees it too, or a
+            scene, of which a world is made.
         eye: who sees it; a list of eyes is merged as `merge_eyes` does.
         samples: rays per ommatidium, 1 to 2**20; or "auto": as many as each ommatidium needs for
             its standard error, as estimated, to be at most ``error``.
@@ -77,9 +79,15 @@ class Renderer:
             `shared_ommatidia` says who shares. Not for surfaces within some ten radii, nor with
             samples="auto", random sampling, the kernel "compoundray", apertures or sensitivities
             that are not round. See docs/shared-rays.md.
-        background: instead of the scene's own.
+        noise: which of many patterns of rays an ommatidium's estimate takes. "frozen": its own, the
+            same at every pose and in every frame, so that what stands still looks still, and noise
+            goes along with the head. "new_every_frame": another one for every frame that this
+            renderer renders, in the order of the calls, in a batch as in a loop; averaged over
+            frames, noise vanishes. Not with ``share_rays``. See docs/noise.md.
+        background: instead of the scene's or the world's own.
         progress: called with the finished share (0 to 1) of the acceleration structure a few times
-            a second. What it raises ends the building and is raised here; so does Ctrl-C.
+            a second, where one is made. What it raises ends the building and is raised here; so
+            does Ctrl-C.
 
     In a process made by fork from one that had used a renderer, those made before the fork go on to
     work, on one thread; new ones of a scene are refused (docs/processes.md). Other start methods
@@ -93,7 +101,7 @@ class Renderer:
     @checked
     def __init__(
         self,
-        scene: Scene,
+        scene: Scene | World,
         eye: Eye | Sequence[Eye | tuple[Eye, ArrayLike]],
         *,
         samples: Samples = 16,
@@ -106,15 +114,15 @@ class Renderer:
         threads: int = 0,
         footprints: bool = True,
         share_rays: bool = False,
+        noise: str = "frozen",
         background: Background | None = None,
         progress: Progress | None = None,
     ) -> None:
-        expect(scene, Scene, "scene", "omma.load_scene gives one")
+        if not isinstance(scene, World):
+            expect(scene, Scene, "scene", "omma.load_scene gives one")
         eye = _one_eye(eye)
         if background is not None:
             expect(background, Background, "background", "omma.Background.constant gives one")
-        self._scene = scene
-        self._background = background
         settings = render_settings(
             samples=samples,
             error=error,
@@ -126,9 +134,16 @@ class Renderer:
             threads=threads,
             footprints=footprints,
             share_rays=share_rays,
-            background=background,
+            noise=noise,
         )
-        self._engine = _core.Renderer(scene, eye, settings, progress)
+        self._build_times: dict[str, float] = {"scene_s": 0.0, "acceleration_s": 0.0}
+        if isinstance(scene, Scene):
+            scene = World(scene, background=background, threads=threads, progress=progress)
+            self._build_times = scene.build_times
+        elif background is not None:
+            scene = scene.with_background(background)
+        self._world = scene
+        self._engine = _core.Renderer(scene._engine, eye, settings)
         self._min_samples = min_samples  # as given: where it is None, it goes by the error
         self._receptors: ReceptorViews | None = None
 
@@ -146,8 +161,9 @@ class Renderer:
         sampling: str | None = None,
         footprints: bool | None = None,
         share_rays: bool | None = None,
+        noise: str | None = None,
     ) -> Renderer:
-        """Another renderer of the same scene, for another eye or with other settings.
+        """Another renderer of the same world, for another eye or with other settings.
 
         It shares the acceleration structure, so that it is made in milliseconds. What is not given
         stays as it is here; either renderer lives on without the other. ``error`` and its limits
@@ -170,10 +186,11 @@ class Renderer:
             threads=self.threads,
             footprints=self.footprints if footprints is None else footprints,
             share_rays=self.share_rays if share_rays is None else share_rays,
-            background=self._background,
+            noise=self.noise if noise is None else noise,
         )
         other = copy.copy(self)
         other._engine = _core.Renderer(self._engine, _one_eye(eye), settings)
+        other._build_times = {"scene_s": 0.0, "acceleration_s": 0.0}
         other._min_samples = min_samples
         other._receptors = None
         return other
@@ -187,7 +204,7 @@ class Renderer:
         report: Literal[False] = False,
         out: Responses | None = None,
         error_out: None = None,
-        first_pose: int = 0,
+        first_pose: int | None = None,
         progress: Progress | None = None,
     ) -> Responses: ...
 
@@ -200,7 +217,7 @@ class Renderer:
         report: Literal[False] = False,
         out: Responses | None = None,
         error_out: Responses | None = None,
-        first_pose: int = 0,
+        first_pose: int | None = None,
         progress: Progress | None = None,
     ) -> tuple[Responses, Responses]: ...
 
@@ -213,7 +230,7 @@ class Renderer:
         report: Literal[True],
         out: Responses | None = None,
         error_out: Responses | None = None,
-        first_pose: int = 0,
+        first_pose: int | None = None,
         progress: Progress | None = None,
     ) -> tuple[Responses, SamplingReport]: ...
 
@@ -226,7 +243,7 @@ class Renderer:
         report: bool = False,
         out: Responses | None = None,
         error_out: Responses | None = None,
-        first_pose: int = 0,
+        first_pose: int | None = None,
         progress: Progress | None = None,
     ) -> Responses | tuple[Responses, Responses] | tuple[Responses, SamplingReport]:
         """Responses (P, N, C): float32, linear, never clipped; always three axes.
@@ -248,9 +265,10 @@ class Renderer:
             out: a C-contiguous float32 (P, N, C) array of the caller's to write into; it is what
                 is returned.
             error_out: the same for the errors.
-            first_pose: number of the first pose. Samples differ from pose to pose, so that a
-                sequence rendered in pieces equals one rendered at once only if each piece says
-                where it begins. `render_iter` does.
+            first_pose: with noise="new_every_frame", the number of the first pose's frame, so that
+                a sequence rendered in pieces, in whatever order, equals one rendered at once. None:
+                frames are counted on from call to call, from 0. With frozen noise it makes no
+                difference.
             progress: called with the finished share (0 to 1) a few times a second. What it raises
                 ends the render and is raised here.
 
@@ -280,7 +298,7 @@ class Renderer:
         if errors is not None and out is not None and np.shares_memory(errors, responses):
             raise Error("error_out: shares memory with out")
         rays = np.empty(shape[:2], np.int32) if report else None
-        first = whole(first_pose, "first_pose", 0, (1 << 63) - 1)
+        first = frame_number(first_pose)
         self._engine.render(matrices, responses, errors, rays, None, first, progress)
         warn_of_precision(self._engine.precision_warning(matrices))
         if errors is not None and rays is not None:
@@ -296,7 +314,7 @@ class Renderer:
         ultraviolet: ArrayLike | None = None,
         standard_error: Literal[False] = False,
         out: Responses | None = None,
-        first_pose: int = 0,
+        first_pose: int | None = None,
         progress: Progress | None = None,
     ) -> Responses: ...
 
@@ -309,7 +327,7 @@ class Renderer:
         ultraviolet: ArrayLike | None = None,
         standard_error: Literal[True],
         out: Responses | None = None,
-        first_pose: int = 0,
+        first_pose: int | None = None,
         progress: Progress | None = None,
     ) -> tuple[Responses, Responses]: ...
 
@@ -322,7 +340,7 @@ class Renderer:
         ultraviolet: ArrayLike | None = None,
         standard_error: bool = False,
         out: Responses | None = None,
-        first_pose: int = 0,
+        first_pose: int | None = None,
         progress: Progress | None = None,
     ) -> Responses | tuple[Responses, Responses]:
         """What the eye's receptors answer, (P, R): float32, linear, never clipped.
@@ -363,7 +381,7 @@ class Renderer:
 
     @checked
     def render_rays(
-        self, poses: Poses, *, first_pose: int = 0, progress: Progress | None = None
+        self, poses: Poses, *, first_pose: int | None = None, progress: Progress | None = None
     ) -> NDArray[np.float32]:
         """The radiance that each single ray brings: float32 (P, N, samples, C), linear.
 
@@ -374,7 +392,7 @@ class Renderer:
         shape = (len(matrices), len(self.eye), _core.channel_count)
         samples = fixed_samples(self.samples, "render_rays")
         rays = np.empty((*shape[:2], samples, shape[2]), np.float32)
-        first = whole(first_pose, "first_pose", 0, (1 << 63) - 1)
+        first = frame_number(first_pose)
         responses = np.empty(shape, np.float32)
         self._engine.render(matrices, responses, None, None, rays, first, progress)
         warn_of_precision(self._engine.precision_warning(matrices))
@@ -387,7 +405,7 @@ class Renderer:
         *,
         standard_error: Literal[False] = False,
         chunk: int | None = None,
-        first_pose: int = 0,
+        first_pose: int | None = None,
     ) -> Iterator[Responses]: ...
 
     @overload
@@ -397,7 +415,7 @@ class Renderer:
         *,
         standard_error: Literal[True],
         chunk: int | None = None,
-        first_pose: int = 0,
+        first_pose: int | None = None,
     ) -> Iterator[tuple[Responses, Responses]]: ...
 
     @checked
@@ -407,7 +425,7 @@ class Renderer:
         *,
         standard_error: bool = False,
         chunk: int | None = None,
-        first_pose: int = 0,
+        first_pose: int | None = None,
     ) -> Iterator[Responses] | Iterator[tuple[Responses, Responses]]:
         """Responses (N, C) of one pose after the other, for more poses than memory holds.
 
@@ -419,25 +437,29 @@ class Renderer:
             standard_error: yield pairs (responses, errors).
             chunk: poses rendered at once; None takes as many as fit into 32 MB. What was yielded
                 stays valid, and keeps the memory of its chunk alive.
-            first_pose: number of the first pose.
+            first_pose: as in `render`.
 
         Raises:
             omma.Error: as `render`, when the pose is reached.
         """
         count = self._chunk() if chunk is None else whole(chunk, "chunk", 1, 1 << 31)
-        first = whole(first_pose, "first_pose", 0, (1 << 63) - 1)
+        first = frame_number(first_pose)
         return self._iterate(self._pieces(poses, count), standard_error, first)
 
-    def _iterate(self, pieces: Iterable[Any], standard_error: bool, first: int) -> Iterator[Any]:
+    def _iterate(
+        self, pieces: Iterable[Any], standard_error: bool, first: int | None
+    ) -> Iterator[Any]:
+        done = 0 if first is None else first
         for piece in pieces:
-            matrices = as_poses(piece, first)
+            matrices = as_poses(piece, done)
             if standard_error:
                 yield from zip(
                     *self.render(matrices, standard_error=True, first_pose=first), strict=True
                 )
             else:
                 yield from self.render(matrices, first_pose=first)
-            first += len(matrices)
+            done += len(matrices)
+            first = None if first is None else first + len(matrices)
 
     def _pieces(self, poses: Poses | Iterable[ArrayLike], count: int) -> Iterator[Any]:
         if isinstance(poses, (str, np.ndarray)) or is_position_pair(poses):
@@ -453,7 +475,7 @@ class Renderer:
 
     def _matrices(self, poses: Poses) -> Matrices:
         if isinstance(poses, str):
-            return as_poses(self._scene.camera(poses).world_from_camera)
+            return as_poses(self.scene.camera(poses).world_from_camera)
         return as_poses(poses)
 
     def _chunk(self) -> int:
@@ -461,9 +483,14 @@ class Renderer:
         return max(1, min(4096, _CHUNK_BYTES // pose_bytes))
 
     @property
+    def world(self) -> World:
+        """What there is to see, and to move."""
+        return self._world
+
+    @property
     def scene(self) -> Scene:
-        """What there is to see."""
-        return self._scene
+        """Of the world."""
+        return self._world.scene
 
     @property
     def eye(self) -> Eye:
@@ -516,6 +543,11 @@ class Renderer:
         return self._engine.settings.share_rays
 
     @property
+    def noise(self) -> str:
+        """Which patterns of rays frames have: "frozen" or "new_every_frame"."""
+        return self._engine.settings.noise
+
+    @property
     def shared_ommatidia(self) -> NDArray[np.bool_]:
         """Which ommatidia share rays with their neighbours, (N,) bool: with ``share_rays`` those
         whose fields overlap enough to make it worth while, without it none."""
@@ -543,8 +575,9 @@ class Renderer:
 
     @property
     def build_times(self) -> dict[str, float]:
-        """Seconds spent when the renderer was made: scene_s, acceleration_s, directions_s."""
-        return self._engine.build_times
+        """Seconds spent when the renderer was made: scene_s, acceleration_s, directions_s; the
+        first two are 0 where its world was there already."""
+        return self._engine.build_times | self._build_times
 
     def __repr__(self) -> str:
         fixed = self.samples != "auto"

@@ -50,6 +50,7 @@ from omma.render_settings import Samples, fixed_samples
 from omma.renderer import BUILDING, READING, Renderer
 from omma.resuming import KeptRender, inputs_of
 from omma.sampling_report import SpentRays
+from omma.world import World
 
 SUFFIXES = (".npy", ".csv", ".png")
 
@@ -102,6 +103,7 @@ def render_file(
     threads: int = 0,
     footprints: bool = True,
     share_rays: bool = False,
+    noise: str = "frozen",
     background: Background | str | None = None,
     standard_error: bool = False,
     receptors: bool = False,
@@ -136,8 +138,8 @@ def render_file(
         path: instead, a CSV file of poses, see `load_poses`.
         scene_index: which of the scenes in the file; None takes its default.
         samples, seed: as in `Renderer`; of a camera's picture as in `render_camera`.
-        error, min_samples, max_samples, kernel, sampling, threads, footprints, share_rays: as in
-            `Renderer`.
+        error, min_samples, max_samples, kernel, sampling, threads, footprints, share_rays, noise:
+            as in `Renderer`; the frame of a path's pose has its number in the path.
         background: a `Background`, or text as `parse_background` takes it.
         standard_error: also write standard errors of an eye's responses: beside OUT.npy an
             OUT.error.npy, in a `.csv` three more columns.
@@ -196,21 +198,15 @@ def render_file(
             "min_samples": min_samples is not None,
             "max_samples": max_samples is not None,
             "share_rays": share_rays,
+            "noise": noise != "frozen",
         }
         _check_picture_arguments(node, names, [name for name, given in of_eyes.items() if given])
         size = picture_size(node, width, height)
-        nothing = Eye(np.zeros((1, 3)), [[0, 0, -1]], 0.0)
-        renderer = Renderer(
-            world,
-            nothing,
-            samples=samples,
-            seed=seed,
-            threads=threads,
-            footprints=footprints,
-            background=backdrop,
-            progress=partial(tell, BUILDING),
+        rays = fixed_samples(samples, "a picture")
+        seen = World(
+            world, threads=threads, background=backdrop, progress=partial(tell, BUILDING)
         )
-        return _render_picture(renderer, node, names, size, gamma, start, tell)
+        return _render_picture(seen, node, names, size, rays, seed, gamma, start, tell)
     if ultraviolet is not None and not receptors:
         raise Error("ultraviolet: is for receptors=True")
     if receptors:
@@ -239,6 +235,7 @@ def render_file(
         threads=threads,
         footprints=footprints,
         share_rays=share_rays,
+        noise=noise,
         background=backdrop,
         progress=partial(tell, BUILDING),
     )
@@ -363,10 +360,12 @@ def _check_picture_arguments(node: Camera, names: Sequence[str], of_eyes: Sequen
 
 
 def _render_picture(
-    renderer: Renderer,
+    world: World,
     node: Camera,
     names: Sequence[str],
     size: tuple[int, int],
+    samples: int,
+    seed: int,
     gamma: float,
     start: float,
     tell: Stage,
@@ -375,15 +374,14 @@ def _render_picture(
     for name in names:
         make_directory(Path(name).parent)
         check_target(name)
-    samples = fixed_samples(renderer.samples, "a picture")
     built = time.perf_counter()
     picture = render_camera(
-        renderer,
+        world,
         node,
         width=size[0],
         height=size[1],
         samples=samples,
-        seed=renderer.seed,
+        seed=seed,
         progress=lambda done: tell("Rendering", done),
     )
     seconds = time.perf_counter() - built
@@ -401,12 +399,12 @@ def _render_picture(
         seconds=seconds,
         build_seconds=built - start,
         frames_per_s=1 / max(seconds, 1e-9),
-        backend=renderer.backend,
-        threads=renderer.threads,
+        backend=world.backend,
+        threads=world.threads,
         view=f"camera {node.name}, {node.type}",
         eyes=(),
         outputs=tuple(names),
-        warnings=(*renderer.scene.warnings, *left_behind(names)),
+        warnings=(*world.scene.warnings, *left_behind(names)),
         picture=size,
     )
 

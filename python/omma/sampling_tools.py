@@ -128,6 +128,7 @@ def response_variances(
             seed=further_seed(seed, k),
             kernel=method.kernel,
             sampling=method.sampling,
+            noise="new_every_frame",
         )
         for k in range(seeds)
     ]

@@ -95,26 +95,25 @@ def measure_speed(
         samples=1,
         kernel=method.kernel,
         sampling=method.sampling,
+        noise="new_every_frame",
         threads=threads,
         progress=partial(tell, BUILDING),
     )
     start = time.perf_counter()
-    number = 0
     while (passed := time.perf_counter() - start) < warm_up_s:
         tell("Warming up", passed / warm_up_s)
-        renderer.render(matrix, first_pose=number)
-        number += 1
+        renderer.render(matrix)
     for index, count in enumerate(rays):
         tell(f"{count} rays", index / len(rays))
         renderer = renderer.with_eye(eye, samples=count)
-        for unmeasured in range(2):
-            renderer.render(matrix, first_pose=unmeasured)
+        for _ in range(2):
+            renderer.render(matrix)
         start = time.perf_counter()
-        for frame in range(2, 2 + frames):
-            renderer.render(matrix, first_pose=frame)
+        for _ in range(frames):
+            renderer.render(matrix)
         single.append(frames / (time.perf_counter() - start))
         start = time.perf_counter()
-        renderer.render(batch, first_pose=2 + frames)
+        renderer.render(batch)
         together.append(frames / (time.perf_counter() - start))
     return SpeedTest(
         machine=machine_name(),

@@ -65,5 +65,6 @@ void bind_files(nb::module_& m);
 void bind_renderer(nb::module_& m);
 void bind_projection(nb::module_& m);
 void bind_receptor(nb::module_& m);
+void bind_world(nb::module_& m);
 
 }  // namespace omma::python

@@ -37,12 +37,12 @@ nb::object extras(const Camera& camera) {
 
 using Picture = nb::ndarray<nb::numpy, float, nb::shape<-1, -1, channel_count>, nb::c_contig>;
 
-void render(const Renderer& renderer, const Camera& camera, const Picture& picture, int samples,
+void render(const World& world, const Camera& camera, const Picture& picture, int samples,
             std::uint64_t seed, const nb::object& progress) {
   const CameraSettings settings{
       {static_cast<int>(picture.shape(1)), static_cast<int>(picture.shape(0))}, samples, seed};
   run_with_progress(progress, [&](const std::function<bool(double)>& report) {
-    render_camera(renderer, camera, settings, {picture.data(), picture.size()}, report);
+    render_camera(world, camera, settings, {picture.data(), picture.size()}, report);
   });
 }
 
@@ -81,10 +81,10 @@ void bind_camera(nb::module_& m) {
       },
       nb::arg("camera"), nb::arg("width"), nb::arg("height"),
       nb::sig("def picture_size(camera: Camera, width: int, height: int) -> tuple[int, int]"));
-  m.def("render_camera", &render, nb::arg("renderer"), nb::arg("camera"),
+  m.def("render_camera", &render, nb::arg("world"), nb::arg("camera"),
         nb::arg("picture").noconvert(), nb::arg("samples"), nb::arg("seed"),
         nb::arg("progress").none(),
-        nb::sig("def render_camera(renderer: Renderer, camera: Camera, picture: "
+        nb::sig("def render_camera(world: World, camera: Camera, picture: "
                 "numpy.typing.NDArray[numpy.float32], samples: int, seed: int, progress: "
                 "collections.abc.Callable[[float], object] | None) -> None"));
 }

@@ -2,7 +2,6 @@
 // the GIL released; the progress callback takes it back a few times a second so that Ctrl-C works.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
-#include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 
 #include <optional>
@@ -24,6 +23,8 @@ constexpr std::pair<const char*, std::optional<Kernel>> kernels[] = {
     {"compoundray", Kernel::compoundray}};
 constexpr std::pair<const char*, Sampling> samplings[] = {
     {"low_discrepancy", Sampling::low_discrepancy}, {"random", Sampling::random}};
+constexpr std::pair<const char*, Noise> noises[] = {{"frozen", Noise::frozen},
+                                                    {"new_every_frame", Noise::new_every_frame}};
 
 template <typename Table>
 auto by_name(const Table& table, const std::string& name, const std::string& argument) {
@@ -53,7 +54,7 @@ std::span<float> span_of(const Output& output) {
 
 void render(const Renderer& renderer, const Poses& poses, const Output& responses,
             const std::optional<Output>& standard_error, const std::optional<CountOutput>& rays,
-            const std::optional<RayOutput>& ray_radiance, std::uint64_t first_pose,
+            const std::optional<RayOutput>& ray_radiance, std::optional<std::uint64_t> first_pose,
             const nb::object& progress) {
   RenderCall call;
   call.first_pose = first_pose;
@@ -71,15 +72,15 @@ void render(const Renderer& renderer, const Poses& poses, const Output& response
 
 RenderSettings settings_of(int samples, std::uint64_t seed, const std::string& kernel,
                            const std::string& sampling, int threads, bool footprints,
-                           bool share_rays, double error, int most_samples,
-                           std::optional<Background> background) {
+                           bool share_rays, const std::string& noise, double error,
+                           int most_samples) {
   RenderSettings settings;
   settings.samples = samples;
   settings.seed = seed;
   settings.kernel = by_name(kernels, kernel, "kernel");
   settings.sampling = by_name(samplings, sampling, "sampling");
   settings.threads = threads;
-  settings.background = std::move(background);
+  settings.noise = by_name(noises, noise, "noise");
   settings.footprints = footprints;
   settings.share_rays = share_rays;
   settings.error = error;
@@ -103,14 +104,14 @@ void bind_renderer(nb::module_& m) {
           "__init__",
           [](RenderSettings* self, int samples, std::uint64_t seed, const std::string& kernel,
              const std::string& sampling, int threads, bool footprints, bool share_rays,
-             double error, int most_samples, std::optional<Background> background) {
+             const std::string& noise, double error, int most_samples) {
             new (self)
                 RenderSettings(settings_of(samples, seed, kernel, sampling, threads, footprints,
-                                           share_rays, error, most_samples, std::move(background)));
+                                           share_rays, noise, error, most_samples));
           },
           nb::kw_only(), nb::arg("samples"), nb::arg("seed"), nb::arg("kernel"),
           nb::arg("sampling"), nb::arg("threads"), nb::arg("footprints"), nb::arg("share_rays"),
-          nb::arg("error"), nb::arg("most_samples"), nb::arg("background").none())
+          nb::arg("noise"), nb::arg("error"), nb::arg("most_samples"))
       .def_ro("samples", &RenderSettings::samples)
       .def_ro("seed", &RenderSettings::seed)
       .def_prop_ro("kernel", [](const RenderSettings& s) { return name_of(kernels, s.kernel); })
@@ -118,35 +119,33 @@ void bind_renderer(nb::module_& m) {
                    [](const RenderSettings& s) { return name_of(samplings, s.sampling); })
       .def_ro("footprints", &RenderSettings::footprints)
       .def_ro("share_rays", &RenderSettings::share_rays)
+      .def_prop_ro("noise", [](const RenderSettings& s) { return name_of(noises, s.noise); })
       .def_ro("error", &RenderSettings::error)
       .def_ro("most_samples", &RenderSettings::most_samples);
 
   nb::class_<Renderer>(m, "Renderer", "The engine; `omma.Renderer` is the one to use.")
       .def(
           "__init__",
-          [](Renderer* self, std::shared_ptr<Scene> scene, const Eye& eye,
-             const RenderSettings& settings, const nb::object& progress) {
-            run_with_progress(progress, [&](const std::function<bool(double)>& report) {
-              new (self) Renderer(std::move(scene), eye, settings, report);
-            });
+          [](Renderer* self, const World& world, const Eye& eye, const RenderSettings& settings) {
+            run_long_work([&] { new (self) Renderer(world, eye, settings); });
           },
-          nb::arg("scene"), nb::arg("eye"), nb::arg("settings"), nb::arg("progress").none())
+          nb::arg("world"), nb::arg("eye"), nb::arg("settings"))
       .def(
           "__init__",
-          [](Renderer* self, const Renderer& same_scene, const Eye& eye,
+          [](Renderer* self, const Renderer& same_world, const Eye& eye,
              const RenderSettings& settings) {
-            run_long_work([&] { new (self) Renderer(same_scene, eye, settings); });
+            run_long_work([&] { new (self) Renderer(same_world, eye, settings); });
           },
-          nb::arg("same_scene"), nb::arg("eye"), nb::arg("settings"))
+          nb::arg("same_world"), nb::arg("eye"), nb::arg("settings"))
       .def("render", &render, nb::arg("poses").noconvert(), nb::arg("responses").noconvert(),
            nb::arg("standard_error").noconvert().none(), nb::arg("rays").noconvert().none(),
-           nb::arg("ray_radiance").noconvert().none(), nb::arg("first_pose"),
+           nb::arg("ray_radiance").noconvert().none(), nb::arg("first_pose").none(),
            nb::arg("progress").none(),
            nb::sig("def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: "
                    "numpy.typing.NDArray[numpy.float32], standard_error: "
                    "numpy.typing.NDArray[numpy.float32] | None, rays: "
                    "numpy.typing.NDArray[numpy.int32] | None, ray_radiance: "
-                   "numpy.typing.NDArray[numpy.float32] | None, first_pose: int, progress: "
+                   "numpy.typing.NDArray[numpy.float32] | None, first_pose: int | None, progress: "
                    "collections.abc.Callable[[float], object] | None) -> None"))
       .def(
           "precision_warning",
@@ -168,8 +167,8 @@ void bind_renderer(nb::module_& m) {
             const std::size_t size = values.size();
             return take(std::move(values), {size});
           },
-          nb::for_getter(nb::sig(
-              "def shared_ommatidia(self, /) -> numpy.typing.NDArray[numpy.uint8]")))
+          nb::for_getter(
+              nb::sig("def shared_ommatidia(self, /) -> numpy.typing.NDArray[numpy.uint8]")))
       .def_prop_ro("backend", &Renderer::backend)
       .def_prop_ro("build_times", &build_times,
                    nb::for_getter(nb::sig("def build_times(self, /) -> dict[str, float]")));

@@ -9,6 +9,7 @@
 
 #include "backend/block_functions.h"
 #include "model/long_work.h"
+#include "model/scene_place.h"
 #include "omma/scene.h"
 
 namespace omma {
@@ -17,15 +18,19 @@ namespace omma {
 struct Acceleration {
   std::shared_ptr<void> tracer;  // the backend's own
   std::string name;              // e.g. "embree 3.13.5"
-  Vec3d origin_m;                // of the traced frame, in the world: rays are relative to it too
-  double half_size_m = 0;        // of the box around the scene, its longest side
 };
 
 struct Backend {
   const char* name;
-  // Refers to the Scene's vertices and triangles, which must outlive it unchanged. Throws
-  // omma::Error where it fails, and omma::Cancelled where `work`, if there is any, is cancelled.
-  Acceleration (*build)(const Scene& scene, const SceneView& view, WorkState* work);
+  // Refers to the Scene's vertices and triangles and to the view, which must outlive it unchanged.
+  // Throws omma::Error where it fails, and omma::Cancelled where `work`, if there is any, is
+  // cancelled.
+  Acceleration (*build)(const Scene& scene, const SceneView& view, const Placement& placement,
+                        WorkState* work);
+  // Moves instances of the Scene that moved before it was built to where they are placed now. Throws
+  // omma::Error where that fails; they may be anywhere then.
+  void (*move)(Acceleration& acceleration, const Scene& scene, std::span<const int> instances,
+               const Placement& placement);
   BlockFunctions (*block_functions)();  // of this processor
 };
 

@@ -27,6 +27,8 @@ struct EyeArrays {
   // Bounds of all, for checking poses: the largest origin_x, _y, _z, and focal offset or radius.
   double most_origin_m[3] = {};
   double most_offset_m = 0;
+
+  std::size_t size() const { return ommatidium.empty() ? 0 : ommatidium.size() - 16; }
 };
 
 EyeArrays make_eye_arrays(const Eye& eye, const DirectionTables& directions);

@@ -232,7 +232,7 @@ void add_nodes(Loader& loader, const std::vector<int>& roots, const WorkPart& wo
         if (is_new) found->second = add_meshes(loader, reader, mesh, place);
         loader.gltf.budget.spend(found->second.size(), sizeof(Instance) + node.name.size());
         for (const int primitive : found->second)
-          loader.scene.instances.push_back({node.name, primitive, world_from_node});
+          loader.scene.instances.push_back({node.name, primitive, world_from_node, visit.node});
       }
     }
     for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)

@@ -7,6 +7,7 @@
 #include <initializer_list>
 #include <limits>
 #include <span>
+#include <unordered_map>
 
 #include "omma/error.h"
 
@@ -71,6 +72,13 @@ void check_transform(const Mat4& t, const std::string& place, const char* what) 
       if (!std::isfinite(value)) throw Error(place + ": " + what + " is not finite");
   if (t.m[3][0] != 0 || t.m[3][1] != 0 || t.m[3][2] != 0 || t.m[3][3] != 1)
     throw Error(place + ": the bottom row of " + what + " is not 0 0 0 1");
+}
+
+bool same(const Mat4& a, const Mat4& b) {
+  for (int r = 0; r < 4; ++r)
+    for (int c = 0; c < 4; ++c)
+      if (a.m[r][c] != b.m[r][c]) return false;
+  return true;
 }
 
 // The largest component of all, in magnitude, and at least 1: what a product may grow by.
@@ -207,11 +215,17 @@ void validate_scene(const Scene& scene) {
         mesh.material < 0 ? Material{} : scene.materials[static_cast<std::size_t>(mesh.material)];
     if (!mesh.colors.empty()) check_radiance(scene, material, largest_in_image, mesh.colors, place);
   }
+  std::unordered_map<int, std::size_t> first_of_node;
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
     const std::string place = place_of(scene, "instance", i, instance.name);
     check_handle(instance.mesh, scene.meshes.size(), false, place, "mesh");
     check_transform(instance.world_from_mesh, place, "world_from_mesh");
+    if (instance.node < 0) continue;
+    const std::size_t first = first_of_node.try_emplace(instance.node, i).first->second;
+    if (!same(scene.instances[first].world_from_mesh, instance.world_from_mesh))
+      throw Error(place + ": is of node " + std::to_string(instance.node) + " as instance " +
+                  std::to_string(first) + " is, but has another world_from_mesh");
   }
   for (std::size_t i = 0; i < scene.cameras.size(); ++i)
     check_camera(scene.cameras[i], place_of(scene, "camera", i, scene.cameras[i].name));

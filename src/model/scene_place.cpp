@@ -27,36 +27,8 @@ void include(Bounds& box, Vec3d p) {
   box.empty = false;
 }
 
-Bounds box_around(const Bounds& a, const Bounds& b) {
-  Bounds both = a;
-  if (b.empty) return both;
-  include(both, b.lower);
-  include(both, b.upper);
-  return both;
-}
-
-Bounds placed_box(const Bounds& box, const Mat4& t) {
-  Bounds placed = nothing;
-  if (box.empty) return placed;
-  for (int corner = 0; corner < 8; ++corner)
-    include(placed, transform_point(t, {corner & 1 ? box.upper.x : box.lower.x,
-                                        corner & 2 ? box.upper.y : box.lower.y,
-                                        corner & 4 ? box.upper.z : box.lower.z}));
-  return placed;
-}
-
 double largest(Vec3d v) {
   return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
-}
-
-// Boxes of the meshes that are placed somewhere, [mesh].
-std::vector<Bounds> boxes_of_used_meshes(const Scene& scene) {
-  std::vector<Bounds> boxes(scene.meshes.size(), nothing);
-  for (const Instance& instance : scene.instances) {
-    const auto m = static_cast<std::size_t>(instance.mesh);
-    if (boxes[m].empty) boxes[m] = mesh_bounds(scene.meshes[m]);
-  }
-  return boxes;
 }
 
 // Distance from zero of the interval, which is what its numbers were rounded for at least.
@@ -77,6 +49,39 @@ Bounds mesh_bounds(const Mesh& mesh) {
   if (mesh.triangles.empty()) return box;
   for (const Vec3 position : mesh.positions) include(box, to_double(position));
   return box;
+}
+
+Bounds box_around(const Bounds& a, const Bounds& b) {
+  if (b.empty) return a;
+  if (a.empty) return b;
+  Bounds both = a;
+  include(both, b.lower);
+  include(both, b.upper);
+  return both;
+}
+
+Bounds placed_box(const Bounds& box, const Mat4& transform) {
+  Bounds placed = nothing;
+  if (box.empty) return placed;
+  for (int corner = 0; corner < 8; ++corner)
+    include(placed, transform_point(transform, {corner & 1 ? box.upper.x : box.lower.x,
+                                                corner & 2 ? box.upper.y : box.lower.y,
+                                                corner & 4 ? box.upper.z : box.lower.z}));
+  return placed;
+}
+
+std::vector<Bounds> boxes_of_used_meshes(const Scene& scene) {
+  std::vector<Bounds> boxes(scene.meshes.size(), nothing);
+  for (const Instance& instance : scene.instances) {
+    const auto m = static_cast<std::size_t>(instance.mesh);
+    if (boxes[m].empty) boxes[m] = mesh_bounds(scene.meshes[m]);
+  }
+  return boxes;
+}
+
+bool is_too_far(const Bounds& box, Vec3d from) {
+  return !box.empty &&
+         !(std::max(largest(box.lower - from), largest(box.upper - from)) < most_geometry_m);
 }
 
 Bounds rough_scene_bounds(const Scene& scene) {
@@ -102,6 +107,17 @@ Vec3d origin_near(const Bounds& box) {
   return {rounded(middle.x), rounded(middle.y), rounded(middle.z)};
 }
 
+Placement placement_of(const Scene& scene) {
+  Placement placement;
+  for (const Instance& instance : scene.instances)
+    placement.world_from_mesh.push_back(instance.world_from_mesh);
+  placement.moves.resize(scene.instances.size(), 0);
+  const Bounds box = rough_scene_bounds(scene);
+  placement.origin_m = origin_near(box);
+  placement.half_size_m = half_size_m(box);
+  return placement;
+}
+
 std::vector<std::string> place_warnings(const Scene& scene) {
   const std::vector<Bounds> boxes = boxes_of_used_meshes(scene);
   const Bounds all = rough_scene_bounds(scene);
@@ -121,9 +137,7 @@ std::vector<std::string> place_warnings(const Scene& scene) {
     const double off = float_rounding * from_zero * stretch;
     if (off > notable_share * half) ++rounded;
     rounding = std::max(rounding, off);
-    const Bounds placed = placed_box(box, instance.world_from_mesh);
-    const double reach = std::max(largest(placed.lower - origin), largest(placed.upper - origin));
-    if (reach < most_geometry_m) continue;
+    if (!is_too_far(placed_box(box, instance.world_from_mesh), origin)) continue;
     if (unseen++ == 0) first_unseen = instance.name;
   }
   std::vector<std::string> warnings;

@@ -16,6 +16,10 @@ inline constexpr double float_rounding = 0x1p-24;
 // Surfaces may lie this far away: beyond, Embree's products of coordinates leave single precision.
 inline constexpr double most_geometry_m = 1e12;
 
+// Instanced meshes need the inverse of their transform in single precision: determinants whose
+// magnitude is less, or more than one over it, have none there.
+inline constexpr double least_determinant = 1e-30;
+
 // Corners of the box around the vertices of a mesh, in its own frame; empty without triangles.
 Bounds mesh_bounds(const Mesh& mesh);
 
@@ -30,6 +34,27 @@ double half_size_m(const Bounds& box);
 // compared with its size, else one within it. Numbers in it have few digits, so that subtracting it
 // changes no vertex.
 Vec3d origin_near(const Bounds& box);
+
+// Corners of the boxes around a box under a transform, and around two boxes.
+Bounds placed_box(const Bounds& box, const Mat4& transform);
+Bounds box_around(const Bounds& a, const Bounds& b);
+
+// Whether what lies in a box is too far from an origin to be traced.
+bool is_too_far(const Bounds& box, Vec3d from);
+
+// Boxes of the meshes that are placed somewhere, [mesh], in their own frames; else empty.
+std::vector<Bounds> boxes_of_used_meshes(const Scene& scene);
+
+// Where the instances of a scene are, which of them have been moved, and what all are traced from.
+struct Placement {
+  std::vector<Mat4> world_from_mesh;  // [instance]
+  std::vector<char> moves;            // [instance]
+  Vec3d origin_m;                     // of the traced frame, in the world
+  double half_size_m = 0;             // of the box around all, its longest side
+};
+
+// Nothing has been moved.
+Placement placement_of(const Scene& scene);
 
 // What single precision does to a scene: vertices that it has rounded in the file, instances too
 // far away to be seen. A sentence each.

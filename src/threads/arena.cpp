@@ -2,9 +2,12 @@
 #include "threads/arena.h"
 
 #include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/info.h>
 
 #include <algorithm>
 #include <mutex>
+
+#include "threads/parallel.h"
 
 namespace omma {
 
@@ -32,6 +35,20 @@ std::unique_ptr<oneapi::tbb::task_arena> make_thread_arena(int threads) {
       std::make_unique<oneapi::tbb::task_arena>(static_cast<int>(std::min(wanted, allowed())));
   arena->initialize();
   return arena;
+}
+
+ThreadArena::ThreadArena(int wanted) {
+  if (threads_are_gone()) {
+    arena = std::make_unique<oneapi::tbb::task_arena>(1);
+    return;
+  }
+  note_threads_are_used();
+  arena = make_thread_arena(wanted > 0 ? wanted : oneapi::tbb::info::default_concurrency());
+  threads = arena->max_concurrency();
+}
+
+ThreadArena::~ThreadArena() {
+  if (threads_are_gone()) (void)arena.release();
 }
 
 }  // namespace omma

@@ -5,10 +5,10 @@
 
 #include <algorithm>
 
+#include "optics/acceptance_warp.h"
+#include "optics_acceptances.h"
 #include "physics/hash.h"
 #include "physics/random_direction.h"
-#include "optics_acceptances.h"
-#include "optics/acceptance_warp.h"
 #include "sampling/polar_tables.h"
 
 namespace omma::test {

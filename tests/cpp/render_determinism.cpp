@@ -42,8 +42,9 @@ TEST_P(Determinism, AnyNumberOfThreads) {
 
 TEST_P(Determinism, PosesInPieces) {
   const std::vector<Mat4> poses = turning_poses(7);
-  const Renderer renderer =
-      make_renderer(random_scene(5), varied_eye(101), {16, 9, {}, GetParam(), 0, {}});
+  RenderSettings settings{16, 9, {}, GetParam(), 0, {}};
+  settings.noise = Noise::new_every_frame;
+  const Renderer renderer = make_renderer(random_scene(5), varied_eye(101), settings);
   const Result whole = render(renderer, poses);
   std::vector<float> pieces;
   std::size_t first = 0;
@@ -62,7 +63,9 @@ TEST_P(Determinism, SeedsPosesAndOmmatidiaDiffer) {
   const std::vector<Mat4> poses(2);
   Eye eye = make_eye(normalize(Vec3d{0.3, 0.2, -1}), 60 * degree, 400);
   const auto with_seed = [&](std::uint64_t seed) {
-    return render(make_renderer(scene, eye, {16, seed, {}, GetParam(), 0, {}}), poses).response;
+    RenderSettings settings{16, seed, {}, GetParam(), 0, {}};
+    settings.noise = Noise::new_every_frame;
+    return render(make_renderer(scene, eye, settings), poses).response;
   };
   const std::vector<float> a = with_seed(1), b = with_seed(2), again = with_seed(1);
   EXPECT_TRUE(same_bits(a, again));

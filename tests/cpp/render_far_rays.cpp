@@ -97,7 +97,7 @@ TEST(FarRays, PosesThatStretchBeyondSinglePrecisionAreRefused) {
 }
 
 TEST(FarRays, OfACameraAreRefused) {
-  const Renderer renderer = make_renderer(walled_scene(), make_eye(Vec3d{0, 0, -1}, 0.1));
+  const World world = make_world(walled_scene());
   std::vector<float> picture(4 * 4 * rgb_bands);
   const CameraSettings settings{{4, 4}, 1, 0};
   Camera camera;
@@ -105,7 +105,7 @@ TEST(FarRays, OfACameraAreRefused) {
   camera.type = CameraType::panoramic;
   camera.world_from_camera = translation({0, 0, too_far_m});
   const auto refused = [&] {
-    return message_of([&] { render_camera(renderer, camera, settings, picture); });
+    return message_of([&] { render_camera(world, camera, settings, picture); });
   };
   EXPECT_NE(refused().find("far"), std::string::npos) << refused();
   camera.world_from_camera = {};

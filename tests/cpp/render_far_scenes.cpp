@@ -100,7 +100,7 @@ TEST(FarScenes, CamerasAndSingleRaysSeeThemToo) {
     camera.yfov_rad = 1;
     camera.world_from_camera = pose;
     std::vector<float> picture(48 * 64 * rgb_bands);
-    render_camera(make_renderer(s, eye), camera, {{64, 48}, 64, 1}, picture);
+    render_camera(make_world(s), camera, {{64, 48}, 64, 1}, picture);
     return picture;
   };
   for (const double distance : distances) {

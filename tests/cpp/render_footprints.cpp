@@ -7,10 +7,10 @@
 
 #include "backend/shading_data.h"
 #include "backend/texture_levels.h"
-#include "physics/footprint.h"
-#include "physics/texture.h"
 #include "omma/camera.h"
 #include "omma/io.h"
+#include "physics/footprint.h"
+#include "physics/texture.h"
 #include "test_scenes.h"
 
 namespace omma::test {
@@ -174,6 +174,7 @@ TEST(TextureLevels, OfLargeImagesAreNoCopies) {
 // --- What an ommatidium sees.
 RenderSettings with_footprints(int samples, bool footprints, Kernel kernel = Kernel::gaussian) {
   RenderSettings settings;
+  settings.noise = Noise::new_every_frame;
   settings.samples = samples;
   settings.kernel = kernel;
   settings.footprints = footprints;

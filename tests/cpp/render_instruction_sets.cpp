@@ -50,7 +50,7 @@ TEST(InstructionSets, GiveTheSameBits) {
     const BackgroundData background = make_background_data(scene.background);
     SceneView view = shading->view;
     view.background = background.view;
-    const Acceleration acceleration = embree_backend().build(scene, shading->view, nullptr);
+    const Acceleration acceleration = embree_backend().build(scene, shading->view, placement_of(scene), nullptr);
     const DirectionTables directions = make_direction_tables(eye, settings);
     const EyeArrays arrays = make_eye_arrays(eye, directions);
     const DirectionsView directions_view = omma::view(directions);

@@ -72,7 +72,7 @@ struct BlockSetup {
     background = make_background_data(scene.background);
     view = shading->view;
     view.background = background.view;
-    acceleration = embree_backend().build(scene, shading->view, nullptr);
+    acceleration = embree_backend().build(scene, shading->view, placement_of(scene), nullptr);
     eye = make_eye(sphere_directions(40), 12 * degree);
     for (; directions.empty() || (settings.error > 0 && directions.size() < 4);
          settings.samples *= 2) {

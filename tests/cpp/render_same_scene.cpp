@@ -43,10 +43,12 @@ TEST(SameScene, HasABackgroundOfItsOwn) {
   const Renderer first(std::make_shared<const Scene>(scene), eye);
   const Image red = make_image(2, 1, [](int, int) { return Vec4{1, 0, 0, 1}; });
   const Renderer second(first, eye, {.background = image_background(red)});
-  const Renderer third(second, eye);
+  const Renderer third(second, eye);  // in the second's world
+  const Renderer fourth(first, eye);
   EXPECT_EQ(responses_of(second), (std::vector<float>{1, 0, 0}));
   EXPECT_EQ(responses_of(first), (std::vector<float>{0.25f, 0.25f, 0.25f}));
-  EXPECT_EQ(responses_of(third), responses_of(first));  // the scene's, not the second's
+  EXPECT_EQ(responses_of(third), responses_of(second));
+  EXPECT_EQ(responses_of(fourth), responses_of(first));
 }
 
 TEST(SameScene, ChecksWhatItIsGiven) {
@@ -80,8 +82,9 @@ TEST(RayRadiance, MeansAreTheResponses) {
   for (const Sampling sampling : {Sampling::low_discrepancy, Sampling::random})
     for (const int samples : {1, 16, 37}) {
       const auto scene = std::make_shared<const Scene>(random_scene(2));
-      const Renderer renderer(scene, make_eye(sphere_directions(50), 0.3),
-                              {.samples = samples, .sampling = sampling});
+      const Renderer renderer(
+          scene, make_eye(sphere_directions(50), 0.3),
+          {.samples = samples, .sampling = sampling, .noise = Noise::new_every_frame});
       const std::vector<float> rays = rays_of(renderer);
       EXPECT_EQ(rays_of(renderer), rays);
       EXPECT_NE(rays_of(renderer, 1), rays);  // another pose draws other rays

@@ -49,6 +49,7 @@ std::vector<double> truth(const Scene& scene, const Eye& eye, RenderSettings set
   settings.share_rays = false;
   settings.samples = 8192;
   settings.seed = 99;
+  settings.noise = Noise::new_every_frame;
   const std::vector<Mat4> poses(8);
   const Result result = render(make_renderer(scene, eye, settings), poses);
   std::vector<double> mean(eye.size() * rgb_bands);

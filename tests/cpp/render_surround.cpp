@@ -24,7 +24,8 @@ void expect_ones(const Renderer& renderer) {
   for (const float value : result.standard_error)
     worst_error = std::max(worst_error, std::fabs(static_cast<double>(value)));
   const RenderSettings& s = renderer.settings();
-  EXPECT_LE(worst, 1e-6) << name_of(s.kernel.value_or(Kernel::gaussian)) << ' ' << name_of(s.sampling) << ' ' << s.samples;
+  EXPECT_LE(worst, 1e-6) << name_of(s.kernel.value_or(Kernel::gaussian)) << ' '
+                         << name_of(s.sampling) << ' ' << s.samples;
   EXPECT_LE(worst_error, 1e-6);
 }
 

@@ -24,7 +24,7 @@ TEST(Threads, NumbersMixWithoutAWord) {
     if (threads > 0) {
       EXPECT_EQ(renderers.back().threads(), threads);
     }
-    render_camera(renderers.back(), camera, {{64, 32}, 1, 0}, picture);
+    render_camera(renderers.back().world(), camera, {{64, 32}, 1, 0}, picture);
     // All that there are render again: their arenas were made under lower limits.
     for (const Renderer& renderer : renderers)
       responses.push_back(render(renderer, std::span(&pose, 1)).response);

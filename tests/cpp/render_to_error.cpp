@@ -94,6 +94,7 @@ std::vector<double> truth(const Scene& scene, const Eye& eye, const RenderSettin
   settings.kernel = like.kernel;
   settings.seed = 99;
   settings.footprints = false;
+  settings.noise = Noise::new_every_frame;
   const std::vector<Mat4> poses(32);
   const Result result = render(make_renderer(scene, eye, settings), poses);
   std::vector<double> mean(eye.size() * rgb_bands);
@@ -115,8 +116,9 @@ struct Outcome {
   double rays = 0;          // mean per ommatidium
 };
 
-Outcome measure(const Scene& scene, const Eye& eye, const RenderSettings& settings,
-                std::size_t renders, int true_samples = 8192) {
+Outcome measure(const Scene& scene, const Eye& eye, RenderSettings settings, std::size_t renders,
+                int true_samples = 8192) {
+  settings.noise = Noise::new_every_frame;
   const std::vector<double> expected = truth(scene, eye, settings, true_samples);
   const std::size_t values = expected.size();
   const std::vector<Mat4> poses(renders);
@@ -315,6 +317,7 @@ TEST(RenderToError, SameBitsHoweverTheWorkIsCutUp) {
       RenderSettings settings = to_error(2 * target);
       settings.sampling = sampling;
       settings.threads = threads;
+      settings.noise = Noise::new_every_frame;
       return make_renderer(random_scene(4), all_round(211), settings);
     };
     const Spent one = render_spent(with_threads(1), poses);

@@ -69,6 +69,7 @@ std::vector<double> errors_of_reached(const Scene& scene, const Eye& eye, const 
   RenderSettings settings;
   settings.samples = 8;
   settings.error = error;
+  settings.noise = Noise::new_every_frame;
   const Result result =
       render(make_renderer(scene, eye, settings), std::vector<Mat4>(renders, pose), true);
   std::vector<double> errors;

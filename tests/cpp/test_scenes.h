@@ -14,6 +14,7 @@
 #include "omma/eye.h"
 #include "omma/render.h"
 #include "omma/scene.h"
+#include "omma/world.h"
 #include "omma/vec.h"
 
 namespace omma::test {
@@ -224,9 +225,20 @@ struct Result {
   }
 };
 
+// What traces rays in the tests that this program runs: --backend=NAME on its command line, else the
+// fastest that is built in.
+inline std::string backend_under_test;
+
+inline World make_world(const Scene& scene, WorldSettings settings = {}) {
+  if (settings.backend.empty()) settings.backend = backend_under_test;
+  return World(std::make_shared<const Scene>(scene), settings);
+}
+
 inline Renderer make_renderer(const Scene& scene, const Eye& eye,
                               const RenderSettings& settings = {}) {
-  return Renderer(std::make_shared<const Scene>(scene), eye, settings);
+  WorldSettings of_world;
+  of_world.threads = settings.threads;
+  return Renderer(make_world(scene, of_world), eye, settings);
 }
 
 inline Result render(const Renderer& renderer, std::span<const Mat4> poses, bool with_error = false,

@@ -8,9 +8,16 @@
 namespace omma {
 namespace {
 
-Acceleration build(const Scene& scene, const SceneView& view, WorkState* work) {
-  std::shared_ptr<EmbreeTracer> tracer = make_embree_tracer(scene, view, work);
-  return {tracer, tracer->name, tracer->origin_m, tracer->half_size_m};
+Acceleration build(const Scene& scene, const SceneView& view, const Placement& placement,
+                   WorkState* work) {
+  std::shared_ptr<EmbreeTracer> tracer = make_embree_tracer(scene, view, placement, work);
+  return {tracer, tracer->name};
+}
+
+void move(Acceleration& acceleration, const Scene& scene, std::span<const int> instances,
+          const Placement& placement) {
+  move_instances(*static_cast<EmbreeTracer*>(acceleration.tracer.get()), scene, instances,
+                 placement);
 }
 
 BlockFunctions block_functions() {
@@ -29,7 +36,7 @@ BlockFunctions block_functions() {
 }  // namespace
 
 Backend embree_backend() {
-  return {"embree", build, block_functions};
+  return {"embree", build, move, block_functions};
 }
 
 }  // namespace omma

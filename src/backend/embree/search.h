@@ -15,6 +15,8 @@ struct EmbreeSearch {
                        const PassedSurfaces<16>* passed) {
     arguments.context.passed = passed;
     intersect_16(tracer->scene, valid, rays_of(rays), arguments);
+    // Only what is nearer than what was found is looked for.
+    if (tracer->moving != nullptr) intersect_16(tracer->moving, valid, rays_of(rays), arguments);
   }
   OMMA_HD const PlacedMesh* placed() const {
     return tracer->placed.data();

@@ -3,17 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "backend/embree/filter.h"
-#include "model/scene_place.h"
 #include "omma/error.h"
 #include "threads/parallel.h"
 
 namespace omma {
 namespace {
 
-// Embree inverts transforms in single precision; smaller determinants would underflow there.
-constexpr double least_determinant = 1e-30;
+// Some ten microseconds of work.
+constexpr std::size_t instances_per_task = 64;
 
 // About 75 MB of acceleration structure.
 constexpr std::size_t most_copied_triangles = std::size_t(1) << 20;
@@ -28,6 +28,12 @@ void check(RTCDevice device, const char* doing) {
               ")");
 }
 
+struct Release {
+  void operator()(RTCGeometry geometry) const { rtcReleaseGeometry(geometry); }
+};
+// Released where it goes out of scope: scenes that it was attached to keep it.
+using Geometry = std::unique_ptr<std::remove_pointer_t<RTCGeometry>, Release>;
+
 bool is_identity(const Mat4& t) {
   const Mat4 identity;
   for (int r = 0; r < 4; ++r)
@@ -41,37 +47,45 @@ Mat4 moved(Mat4 t, Vec3d by) {
   return t;
 }
 
+Geometry new_geometry(RTCDevice device, RTCGeometryType type) {
+  Geometry geometry(rtcNewGeometry(device, type));
+  check(device, "making a geometry");
+  return geometry;
+}
+
 // A triangle geometry, its vertices transformed. Embree reads the Scene's own triangles, and its
-// vertices where they stay where they are.
-RTCGeometry make_geometry(EmbreeTracer& tracer, const Mesh& mesh, std::int32_t mesh_index,
-                          const Mat4& placed, const SceneView& view) {
-  RTCGeometry geometry = rtcNewGeometry(tracer.device, RTC_GEOMETRY_TYPE_TRIANGLE);
+// vertices where they stay where they are and memory that is theirs follows the last one: it loads
+// 16 bytes for each vertex of 12. Its copies have a vertex more than there are, for the same
+// reason.
+Geometry make_geometry(EmbreeTracer& tracer, const Mesh& mesh, std::int32_t mesh_index,
+                       const Mat4& placed, const SceneView& view) {
+  Geometry geometry = new_geometry(tracer.device, RTC_GEOMETRY_TYPE_TRIANGLE);
   const std::size_t vertices = mesh.positions.size(), triangles = mesh.triangles.size();
   const Vec3* positions = mesh.positions.data();
-  // Embree loads 16 bytes for a vertex of 12, so memory must follow the last one.
   if (is_identity(placed) && mesh.positions.capacity() > vertices) {
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+    rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                mesh.positions.data(), 0, sizeof(Vec3), vertices);
   } else {
     auto* position = static_cast<Vec3*>(rtcSetNewGeometryBuffer(
-        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3), vertices));
+        geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3), vertices + 1));
     check(tracer.device, "making room for a mesh");
+    position[vertices] = {};
     parallel_for(std::size_t{0}, vertices, [&](std::size_t i) {
       position[i] = to_float(transform_point(placed, to_double(mesh.positions[i])));
     });
     positions = position;
   }
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+  rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                              mesh.triangles.data(), 0, sizeof(mesh.triangles[0]), triangles);
   check(tracer.device, "taking a mesh");
   const RTCFilterFunctionN filter = filter_for(view.materials[view.meshes[mesh_index].material]);
   if (filter != nullptr) {
     tracer.filters.push_back(std::make_unique<FilterData>(
         FilterData{&view, mesh_index, &tracer, positions, mesh.triangles.data()}));
-    rtcSetGeometryUserData(geometry, tracer.filters.back().get());
-    rtcSetGeometryIntersectFilterFunction(geometry, filter);
+    rtcSetGeometryUserData(geometry.get(), tracer.filters.back().get());
+    rtcSetGeometryIntersectFilterFunction(geometry.get(), filter);
   }
-  rtcCommitGeometry(geometry);
+  rtcCommitGeometry(geometry.get());
   return geometry;
 }
 
@@ -113,18 +127,6 @@ struct Build {
   }
 };
 
-// Scenes of meshes used several times, [mesh] or null; the instances hold them in the end.
-struct SharedScenes {
-  std::vector<RTCScene> of_mesh;
-  explicit SharedScenes(std::size_t meshes) : of_mesh(meshes, nullptr) {}
-  SharedScenes(const SharedScenes&) = delete;
-  SharedScenes& operator=(const SharedScenes&) = delete;
-  ~SharedScenes() {
-    for (RTCScene scene : of_mesh)
-      if (scene != nullptr) rtcReleaseScene(scene);
-  }
-};
-
 // Metres of a mesh per metre of the world, along the direction that its transform stretches most:
 // one over the largest singular value of A, whose square is the largest eigenvalue of B = A^T A
 // (closed form of a symmetric 3x3: O. K. Smith 1961, doi:10.1145/355578.366316).
@@ -148,108 +150,181 @@ float mesh_per_world(const Mat4& world_from_mesh) {
   return largest > 0 ? static_cast<float>(1 / std::sqrt(largest)) : 0.0f;
 }
 
-void attach(EmbreeTracer& tracer, RTCScene scene, RTCGeometry geometry, std::int32_t mesh,
-            const Mat4& world_from_mesh) {
-  const unsigned id = rtcAttachGeometry(scene, geometry);
-  const auto* filter = static_cast<const FilterData*>(rtcGetGeometryUserData(geometry));
-  rtcReleaseGeometry(geometry);
-  if (scene != tracer.scene) return;
-  if (tracer.placed.size() <= id) tracer.placed.resize(id + 1);
-  if (tracer.filter_of.size() <= id) tracer.filter_of.resize(id + 1);
-  tracer.filter_of[id] = filter;
+// A geometry of one of the top scenes.
+void attach(EmbreeTracer& tracer, RTCScene top, RTCGeometry geometry, unsigned id,
+            std::int32_t mesh, const Mat4& world_from_mesh) {
+  rtcAttachGeometryByID(top, geometry, id);
+  check(tracer.device, "placing a mesh");
+  tracer.filter_of[id] = static_cast<const FilterData*>(rtcGetGeometryUserData(geometry));
   tracer.placed[id] = {mesh, mesh_per_world(world_from_mesh)};
 }
 
-}  // namespace
-
-EmbreeTracer::~EmbreeTracer() {
-  if (threads_are_gone()) return;  // some of them may have held Embree's locks
-  if (scene != nullptr) rtcReleaseScene(scene);
-  if (device != nullptr) rtcReleaseDevice(device);
+// A mesh in a scene of its own, to be instanced; about its own origin where it has one.
+void build_mesh(EmbreeTracer& tracer, const Scene& scene, std::size_t m, const SceneView& view,
+                bool compact, Build& build) {
+  if (tracer.scene_of_mesh[m] != nullptr) return;
+  const Mesh& mesh = scene.meshes[m];
+  tracer.scene_of_mesh[m] = new_scene(tracer.device, compact);
+  tracer.origin_of_mesh_m[m] = origin_near(mesh_bounds(mesh));
+  const Geometry geometry = make_geometry(tracer, mesh, static_cast<std::int32_t>(m),
+                                          moved({}, tracer.origin_of_mesh_m[m] * -1.0), view);
+  rtcAttachGeometry(tracer.scene_of_mesh[m], geometry.get());
+  build.commit(tracer.scene_of_mesh[m], mesh.triangles.size());
 }
 
-std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const SceneView& view,
-                                                 WorkState* work) {
-  if (threads_are_gone())
-    throw Error(
-        "Renderer: cannot build an acceleration structure here: this process was forked from one "
-        "that had used its threads, which Embree needs. Render with a renderer made before the "
-        "fork, or one of its scene (with_eye), or start processes with 'spawn' or 'forkserver'");
-  note_threads_are_used();
+// Where an instance of mesh m has its mesh's scene, which lies about an origin of its own.
+void place(EmbreeTracer& tracer, RTCGeometry instance, std::size_t m,
+           const Mat4& traced_from_mesh) {
+  const Mat4 t =
+      moved(traced_from_mesh, transform_vector(traced_from_mesh, tracer.origin_of_mesh_m[m]));
+  float columns[12];
+  for (int c = 0; c < 4; ++c)
+    for (int r = 0; r < 3; ++r) columns[3 * c + r] = static_cast<float>(t.m[r][c]);
+  rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
+  rtcCommitGeometry(instance);
+}
+
+// An instance in one of the top scenes.
+void add_instance(EmbreeTracer& tracer, RTCScene top, unsigned id, std::int32_t mesh,
+                  const Mat4& traced_from_mesh) {
+  const auto m = static_cast<std::size_t>(mesh);
+  const Geometry geometry = new_geometry(tracer.device, RTC_GEOMETRY_TYPE_INSTANCE);
+  rtcSetGeometryInstancedScene(geometry.get(), tracer.scene_of_mesh[m]);
+  place(tracer, geometry.get(), m, traced_from_mesh);
+  attach(tracer, top, geometry.get(), id, mesh, traced_from_mesh);
+}
+
+std::unique_ptr<EmbreeTracer> new_tracer(const Scene& scene, const Placement& placement) {
   auto tracer = std::make_unique<EmbreeTracer>();
   tracer->device = rtcNewDevice(nullptr);
   if (tracer->device == nullptr) check(nullptr, "starting");
   const auto version = rtcGetDeviceProperty(tracer->device, RTC_DEVICE_PROPERTY_VERSION);
   tracer->name = "embree " + std::to_string(version / 10000) + "." +
                  std::to_string(version / 100 % 100) + "." + std::to_string(version % 100);
+  tracer->origin_m = placement.origin_m;
+  tracer->scene_of_mesh.resize(scene.meshes.size(), nullptr);
+  tracer->origin_of_mesh_m.resize(scene.meshes.size());
+  tracer->moving_id.resize(scene.instances.size(), RTC_INVALID_GEOMETRY_ID);
+  return tracer;
+}
+
+}  // namespace
+
+EmbreeTracer::~EmbreeTracer() {
+  if (threads_are_gone()) return;  // some of them may have held Embree's locks
+  for (const RTCScene top : {scene, moving})
+    if (top != nullptr) rtcReleaseScene(top);
+  for (const RTCScene mesh : scene_of_mesh)
+    if (mesh != nullptr) rtcReleaseScene(mesh);
+  if (device != nullptr) rtcReleaseDevice(device);
+}
+
+std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const SceneView& view,
+                                                 const Placement& placement, WorkState* work) {
+  if (threads_are_gone())
+    throw Error(
+        "World: cannot build an acceleration structure here: this process was forked from one "
+        "that had used its threads, which Embree needs. Render with a renderer made before the "
+        "fork, or one of its world (with_eye), or start processes with 'spawn' or 'forkserver'");
+  note_threads_are_used();
+  auto tracer = new_tracer(scene, placement);
 
   // Copies of small meshes trace up to three times as fast as instances, whose boxes overlap in
-  // grass and foliage; where copies would take much memory, meshes are instanced.
+  // grass and foliage; where copies would take much memory, meshes are instanced. What was moved
+  // counts as before, so that what was not is built as before.
   std::vector<int> uses(scene.meshes.size(), 0);
   for (const Instance& instance : scene.instances) ++uses[static_cast<std::size_t>(instance.mesh)];
   std::size_t copied_triangles = 0;
   for (std::size_t m = 0; m < scene.meshes.size(); ++m)
     if (uses[m] > 1)
       copied_triangles += static_cast<std::size_t>(uses[m]) * scene.meshes[m].triangles.size();
-  const bool share = copied_triangles > most_copied_triangles;
+  const bool instanced = copied_triangles > most_copied_triangles;
   std::size_t built_triangles = 0;
   for (std::size_t m = 0; m < scene.meshes.size(); ++m)
     built_triangles += scene.meshes[m].triangles.size() *
-                       static_cast<std::size_t>(share ? std::min(uses[m], 1) : uses[m]);
-  const Bounds box = rough_scene_bounds(scene);
-  tracer->origin_m = origin_near(box);
-  tracer->half_size_m = half_size_m(box);
+                       static_cast<std::size_t>(instanced ? std::min(uses[m], 1) : uses[m]);
   const bool compact = built_triangles > most_fast_triangles;
   Build build{tracer->device, work};
   build.all = static_cast<double>(std::max<std::size_t>(built_triangles, 1));
   tracer->scene = new_scene(tracer->device, compact);
-
-  // A mesh in a scene of its own, to be instanced; about its own origin where it has one.
-  std::vector<Vec3d> shared_origin_m(scene.meshes.size());
-  SharedScenes shared_scenes(scene.meshes.size());
-  std::vector<RTCScene>& shared = shared_scenes.of_mesh;
-  const auto build_shared = [&](std::size_t m) {
-    shared[m] = new_scene(tracer->device, compact);
-    const auto mesh = static_cast<std::int32_t>(m);
-    shared_origin_m[m] = origin_near(mesh_bounds(scene.meshes[m]));
-    const Mat4 about_origin = moved({}, shared_origin_m[m] * -1.0);
-    attach(*tracer, shared[m], make_geometry(*tracer, scene.meshes[m], mesh, about_origin, view),
-           mesh, {});
-    build.commit(shared[m], scene.meshes[m].triangles.size());
-  };
   for (std::size_t m = 0; m < scene.meshes.size(); ++m)
-    if (share && uses[m] > 1 && !scene.meshes[m].triangles.empty()) build_shared(m);
+    if (instanced && uses[m] > 1 && !scene.meshes[m].triangles.empty())
+      build_mesh(*tracer, scene, m, view, compact, build);
+
+  const auto transform_of = [&](std::size_t i) {
+    return moved(placement.world_from_mesh[i], tracer->origin_m * -1.0);
+  };
+  // Ids of what moves come first: each time that it moves, Embree goes through all ids up to the
+  // last one of its scene.
+  unsigned all = 0, moving = 0;
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    if (scene.meshes[static_cast<std::size_t>(scene.instances[i].mesh)].triangles.empty()) continue;
+    ++all;
+    if (placement.moves[i]) tracer->moving_id[i] = moving++;
+  }
+  tracer->placed.resize(std::max(all, 1u));
+  tracer->filter_of.resize(all, nullptr);
 
   std::size_t placed_triangles = 0;
-
-  for (const Instance& instance : scene.instances) {
-    const auto m = static_cast<std::size_t>(instance.mesh);
+  unsigned id = moving;
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const std::int32_t index = scene.instances[i].mesh;
+    const auto m = static_cast<std::size_t>(index);
     const Mesh& mesh = scene.meshes[m];
     if (mesh.triangles.empty()) continue;
-    Mat4 t = moved(instance.world_from_mesh, tracer->origin_m * -1.0);
+    if (placement.moves[i]) {
+      // Its mesh has a scene from here on where it had one before.
+      if (determinant(scene.instances[i].world_from_mesh) < -least_determinant)
+        build_mesh(*tracer, scene, m, view, compact, build);
+      continue;
+    }
+    const Mat4 t = transform_of(i);
     // A mirrored mesh is instanced even when used once: put into the world directly, its triangles
     // would face the wrong way. A flattened one never is: instancing needs the inverse.
     const double det = determinant(t);
     const bool invertible = std::fabs(det) > least_determinant;
-    if (!invertible || (shared[m] == nullptr && det > 0)) {
-      attach(*tracer, tracer->scene, make_geometry(*tracer, mesh, instance.mesh, t, view),
-             instance.mesh, t);
+    if (!invertible || (tracer->scene_of_mesh[m] == nullptr && det > 0)) {
+      attach(*tracer, tracer->scene, make_geometry(*tracer, mesh, index, t, view).get(), id++,
+             index, t);
       placed_triangles += mesh.triangles.size();
       continue;
     }
-    if (shared[m] == nullptr) build_shared(m);
-    t = moved(t, transform_vector(t, shared_origin_m[m]));
-    RTCGeometry geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_INSTANCE);
-    rtcSetGeometryInstancedScene(geometry, shared[m]);
-    float columns[12];
-    for (int c = 0; c < 4; ++c)
-      for (int r = 0; r < 3; ++r) columns[3 * c + r] = static_cast<float>(t.m[r][c]);
-    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
-    rtcCommitGeometry(geometry);
-    attach(*tracer, tracer->scene, geometry, instance.mesh, t);
+    build_mesh(*tracer, scene, m, view, compact, build);
+    add_instance(*tracer, tracer->scene, id++, index, t);
   }
   build.commit(tracer->scene, placed_triangles);
+  if (moving == 0) return tracer;
+
+  // Each time that something moves its boxes are built anew: a microsecond for each instance.
+  // Building them with lower quality takes longer, and Embree refits no instances.
+  tracer->moving = new_scene(tracer->device, false);
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const std::int32_t index = scene.instances[i].mesh;
+    const auto m = static_cast<std::size_t>(index);
+    if (tracer->moving_id[i] == RTC_INVALID_GEOMETRY_ID) continue;
+    build_mesh(*tracer, scene, m, view, compact, build);
+    add_instance(*tracer, tracer->moving, tracer->moving_id[i], index, transform_of(i));
+  }
+  build.commit(tracer->moving, 0);
   return tracer;
+}
+
+void move_instances(EmbreeTracer& tracer, const Scene& scene, std::span<const int> instances,
+                    const Placement& placement) {
+  parallel_ranges(std::size_t{0}, instances.size(), instances_per_task,
+                  [&](std::size_t begin, std::size_t end) {
+                    for (std::size_t k = begin; k < end; ++k) {
+                      const auto i = static_cast<std::size_t>(instances[k]);
+                      const unsigned id = tracer.moving_id[i];
+                      if (id == RTC_INVALID_GEOMETRY_ID) continue;  // of no triangles
+                      const Mat4 t = moved(placement.world_from_mesh[i], tracer.origin_m * -1.0);
+                      place(tracer, rtcGetGeometry(tracer.moving, id),
+                            static_cast<std::size_t>(scene.instances[i].mesh), t);
+                      tracer.placed[id].mesh_per_world = mesh_per_world(t);
+                    }
+                  });
+  rtcCommitScene(tracer.moving);
+  check(tracer.device, "moving what moves");
 }
 
 }  // namespace omma

@@ -8,9 +8,15 @@
 namespace omma {
 namespace {
 
-Acceleration build(const Scene& scene, const SceneView& view, WorkState* work) {
-  std::shared_ptr<PortableTracer> tracer = make_portable_tracer(scene, view, work);
-  return {tracer, tracer->name, tracer->origin_m, tracer->half_size_m};
+Acceleration build(const Scene& scene, const SceneView& view, const Placement& placement,
+                   WorkState* work) {
+  std::shared_ptr<PortableTracer> tracer = make_portable_tracer(scene, view, placement, work);
+  return {tracer, tracer->name};
+}
+
+void move(Acceleration& acceleration, const Scene&, std::span<const int>,
+          const Placement& placement) {
+  move_instances(*static_cast<PortableTracer*>(acceleration.tracer.get()), placement);
 }
 
 BlockFunctions block_functions() {
@@ -29,7 +35,7 @@ BlockFunctions block_functions() {
 }  // namespace
 
 Backend portable_backend() {
-  return {"portable", build, block_functions};
+  return {"portable", build, move, block_functions};
 }
 
 }  // namespace omma

@@ -206,8 +206,8 @@ void build_top(PortableTracer& tracer) {
         trees.back().tree_from_frame[r][c] = static_cast<float>(tree_from_frame.m[r][c]);
   };
   add(tracer.copies, {}, none);
-  for (std::size_t i = 0; i < tracer.placement.instances.size(); ++i) {
-    const PlacedInstance& instance = tracer.placement.instances[i];
+  for (std::size_t i = 0; i < tracer.layout.instances.size(); ++i) {
+    const PlacedInstance& instance = tracer.layout.instances[i];
     if (instance.is_shared)
       add(tracer.of_mesh[static_cast<std::size_t>(instance.mesh)], instance.frame_from_mesh,
           static_cast<std::uint32_t>(i));
@@ -226,12 +226,10 @@ bool may_ask(const SceneView& view, std::int32_t mesh) {
 }
 
 // All trees. Each is a part of the work as large as its triangles.
-void build_all(PortableTracer& tracer, WorkState* work) {
+void build_all(PortableTracer& tracer, const Placement& placement, WorkState* work) {
   const Scene& scene = *tracer.scene;
-  tracer.placement = place_instances(scene, tracer.world_from_mesh, tracer.is_moving);
-  tracer.origin_m = tracer.placement.origin_m;
-  tracer.half_size_m = tracer.placement.half_size_m;
-  tracer.placed = tracer.placement.placed;
+  tracer.layout = lay_out_scene(scene, placement);
+  tracer.placed = tracer.layout.placed;
   if (tracer.placed.empty()) tracer.placed.emplace_back();
   tracer.nodes.clear();
   tracer.blocks.clear();
@@ -240,8 +238,8 @@ void build_all(PortableTracer& tracer, WorkState* work) {
   Copies copies;
   std::vector<Copies> shared(scene.meshes.size());
   std::size_t all_triangles = 0, built_triangles = 0;
-  for (std::size_t i = 0; i < tracer.placement.instances.size(); ++i) {
-    const PlacedInstance& instance = tracer.placement.instances[i];
+  for (std::size_t i = 0; i < tracer.layout.instances.size(); ++i) {
+    const PlacedInstance& instance = tracer.layout.instances[i];
     const auto m = static_cast<std::size_t>(instance.mesh);
     const std::uint32_t ask =
         may_ask(*tracer.scene_view, instance.mesh) ? ask_flag : std::uint32_t{0};
@@ -249,7 +247,7 @@ void build_all(PortableTracer& tracer, WorkState* work) {
       copies.add(scene.meshes[m], instance.frame_from_mesh, static_cast<std::uint32_t>(i) | ask);
     else if (shared[m].copies.empty())
       shared[m].add(scene.meshes[m],
-                    translation(tracer.placement.mesh_origin_m[m] * -1.0), ask);
+                    translation(tracer.layout.mesh_origin_m[m] * -1.0), ask);
     else
       continue;
     all_triangles += scene.meshes[m].triangles.size();
@@ -271,43 +269,32 @@ void build_all(PortableTracer& tracer, WorkState* work) {
 }  // namespace
 
 Triangle PortableTracer::corners(std::uint32_t surface, std::uint32_t triangle) const {
-  const auto instance = static_cast<std::size_t>(placement.instances[surface].instance);
-  const Mesh& mesh = scene->meshes[static_cast<std::size_t>(placement.instances[surface].mesh)];
+  const PlacedInstance& instance = layout.instances[surface];
+  const auto m = static_cast<std::size_t>(instance.mesh);
+  const Mesh& mesh = scene->meshes[m];
+  const Vec3d about = instance.is_shared ? layout.mesh_origin_m[m] : Vec3d{};
   Triangle t;
   for (std::size_t k = 0; k < 3; ++k)
-    t.corner[k] = transform_point(world_from_mesh[instance],
-                                  to_double(mesh.positions[mesh.triangles[triangle][k]])) -
-                  origin_m;
+    t.corner[k] =
+        transform_point(instance.frame_from_mesh,
+                        to_double(mesh.positions[mesh.triangles[triangle][k]]) - about);
   return t;
 }
 
 std::unique_ptr<PortableTracer> make_portable_tracer(const Scene& scene, const SceneView& view,
-                                                     WorkState* work) {
+                                                     const Placement& placement, WorkState* work) {
   auto tracer = std::make_unique<PortableTracer>();
   tracer->scene = &scene;
   tracer->scene_view = &view;
-  tracer->is_moving.assign(scene.instances.size(), 0);
-  for (const Instance& instance : scene.instances)
-    tracer->world_from_mesh.push_back(instance.world_from_mesh);
-  build_all(*tracer, work);
+  build_all(*tracer, placement, work);
   return tracer;
 }
 
-void update_portable_tracer(PortableTracer& tracer, std::span<const std::int32_t> instances,
-                            std::span<const Mat4> world_from_mesh) {
-  for (std::size_t k = 0; k < instances.size(); ++k) {
-    const auto i = static_cast<std::size_t>(instances[k]);
-    tracer.world_from_mesh[i] = world_from_mesh[k];
-    tracer.is_moving[i] = 1;
-  }
-  Placement& placement = tracer.placement;
-  for (std::size_t i = 0; i < placement.instances.size(); ++i) {
-    PlacedInstance& placed = placement.instances[i];
-    const auto of_scene = static_cast<std::size_t>(placed.instance);
-    if (tracer.is_moving[of_scene] == 0) continue;
-    const Mat4& now = tracer.world_from_mesh[of_scene];
-    if (placed.is_shared != can_be_shared(now)) return build_all(tracer, nullptr);
-    place_instance(placement, now, placed, tracer.placed[i]);
+void move_instances(PortableTracer& tracer, const Placement& placement) {
+  for (std::size_t i = 0; i < tracer.layout.instances.size(); ++i) {
+    if (!placement.moves[static_cast<std::size_t>(tracer.layout.instances[i].instance)]) continue;
+    place_instance(tracer.layout, i, placement);
+    tracer.placed[i] = tracer.layout.placed[i];
   }
   build_top(tracer);
 }

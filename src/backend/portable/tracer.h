@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "backend/placement.h"
+#include "backend/scene_layout.h"
 #include "model/long_work.h"
 #include "omma/scene.h"
 #include "physics/bvh.h"
@@ -23,8 +23,6 @@ struct TreeRoot {
 };
 
 struct PortableTracer {
-  Vec3d origin_m;          // of the traced frame, in the world: rays are relative to it too
-  double half_size_m = 0;  // of the box around the scene, its longest side
   // Never empty: packets look up entry 0 for lanes that missed.
   std::vector<PlacedMesh> placed{PlacedMesh{}};
   std::string name = "portable";
@@ -36,9 +34,7 @@ struct PortableTracer {
 
   const Scene* scene = nullptr;
   const SceneView* scene_view = nullptr;
-  std::vector<Mat4> world_from_mesh;    // [instance of the scene], now
-  std::vector<std::uint8_t> is_moving;  // [instance of the scene], whether it ever moved
-  Placement placement;
+  SceneLayout layout;
   TreeRoot copies;                // of all that is not shared
   std::vector<TreeRoot> of_mesh;  // [mesh], where it is shared
 
@@ -46,15 +42,13 @@ struct PortableTracer {
   Triangle corners(std::uint32_t surface, std::uint32_t triangle) const;
 };
 
-// Reads the Scene where it builds and updates: it must outlive the tracer unchanged. Throws
-// omma::Cancelled where `work` is cancelled.
+// Refers to the Scene and the view, which must outlive the tracer unchanged. Throws omma::Cancelled
+// where `work` is cancelled.
 std::unique_ptr<PortableTracer> make_portable_tracer(const Scene& scene, const SceneView& view,
+                                                     const Placement& placement,
                                                      WorkState* work = nullptr);
 
-// Moves instances of the scene: `world_from_mesh[k]` is the new transform of instances[k]. Those
-// that move for the first time leave what is built of all that stands still, which is then built
-// again; else only the tree over what is placed is.
-void update_portable_tracer(PortableTracer& tracer, std::span<const std::int32_t> instances,
-                            std::span<const Mat4> world_from_mesh);
+// Puts what has been moved where it is placed now: only the tree over what is placed is built again.
+void move_instances(PortableTracer& tracer, const Placement& placement);
 
 }  // namespace omma

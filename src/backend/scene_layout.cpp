@@ -1,5 +1,5 @@
 // Copies or shared structures, and the transforms of both.
-#include "backend/placement.h"
+#include "backend/scene_layout.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,6 @@ namespace {
 
 // Shared structures need the inverse of the transform in single precision, where that of a smaller
 // determinant would underflow.
-constexpr double least_determinant = 1e-30;
 
 // About 75 MB of acceleration structure.
 constexpr std::size_t most_copied_triangles = std::size_t(1) << 20;
@@ -46,24 +45,21 @@ float mesh_per_world(const Mat4& world_from_mesh) {
 
 }  // namespace
 
-bool can_be_shared(const Mat4& world_from_mesh) {
-  return std::fabs(determinant(world_from_mesh)) > least_determinant;
-}
-
-void place_instance(const Placement& placement, const Mat4& world_from_mesh,
-                    PlacedInstance& instance, PlacedMesh& placed) {
+void place_instance(SceneLayout& layout, std::size_t index, const Placement& placement) {
+  PlacedInstance& instance = layout.instances[index];
+  const Mat4& world_from_mesh =
+      placement.world_from_mesh[static_cast<std::size_t>(instance.instance)];
   Mat4 t = moved(world_from_mesh, placement.origin_m * -1.0);
-  placed = {instance.mesh, mesh_per_world(t)};
+  layout.placed[index] = {instance.mesh, mesh_per_world(t)};
   if (instance.is_shared)
     t = moved(t, transform_vector(
-                     t, placement.mesh_origin_m[static_cast<std::size_t>(instance.mesh)]));
+                     t, layout.mesh_origin_m[static_cast<std::size_t>(instance.mesh)]));
   instance.frame_from_mesh = t;
 }
 
 // Copies of small meshes trace up to three times as fast as shared structures, whose boxes overlap
 // in grass and foliage; where copies would take much memory, meshes used more than once are shared.
-Placement place_instances(const Scene& scene, std::span<const Mat4> world_from_mesh,
-                          std::span<const std::uint8_t> is_moving) {
+SceneLayout lay_out_scene(const Scene& scene, const Placement& placement) {
   std::vector<int> uses(scene.meshes.size(), 0);
   for (const Instance& instance : scene.instances) ++uses[static_cast<std::size_t>(instance.mesh)];
   std::size_t copied_triangles = 0;
@@ -72,11 +68,8 @@ Placement place_instances(const Scene& scene, std::span<const Mat4> world_from_m
       copied_triangles += static_cast<std::size_t>(uses[m]) * scene.meshes[m].triangles.size();
   const bool is_large = copied_triangles > most_copied_triangles;
 
-  Placement placement;
-  const Bounds box = rough_scene_bounds(scene);
-  placement.origin_m = origin_near(box);
-  placement.half_size_m = half_size_m(box);
-  placement.mesh_origin_m.resize(scene.meshes.size());
+  SceneLayout layout;
+  layout.mesh_origin_m.resize(scene.meshes.size());
   std::vector<bool> has_origin(scene.meshes.size(), false);
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
@@ -84,19 +77,19 @@ Placement place_instances(const Scene& scene, std::span<const Mat4> world_from_m
     if (scene.meshes[m].triangles.empty()) continue;
     // A mirrored mesh is shared even when used once: as a copy its triangles would face the wrong
     // way. A flattened one never is: there is no inverse.
-    const Mat4& t = world_from_mesh[i];
-    const bool is_shared = can_be_shared(t) && (determinant(t) < 0 || is_moving[i] != 0 ||
-                                                (is_large && uses[m] > 1));
+    const double det = determinant(placement.world_from_mesh[i]);
+    const bool is_shared =
+        std::fabs(det) > least_determinant &&
+        (det < 0 || placement.moves[i] != 0 || (is_large && uses[m] > 1));
     if (is_shared && !has_origin[m]) {
-      placement.mesh_origin_m[m] = origin_near(mesh_bounds(scene.meshes[m]));
+      layout.mesh_origin_m[m] = origin_near(mesh_bounds(scene.meshes[m]));
       has_origin[m] = true;
     }
-    placement.instances.push_back({static_cast<std::int32_t>(i), instance.mesh, is_shared, {}});
-    placement.placed.emplace_back();
-    place_instance(placement, t, placement.instances.back(),
-                   placement.placed.back());
+    layout.instances.push_back({static_cast<std::int32_t>(i), instance.mesh, is_shared, {}});
+    layout.placed.emplace_back();
+    place_instance(layout, layout.instances.size() - 1, placement);
   }
-  return placement;
+  return layout;
 }
 
 }  // namespace omma

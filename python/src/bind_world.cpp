@@ -1,0 +1,98 @@
+// The world for Python: built and moved with the GIL released.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <optional>
+#include <span>
+
+#include "arrays.h"
+#include "omma/world.h"
+#include "progress.h"
+
+namespace omma::python {
+
+namespace {
+
+using Indices = nb::ndarray<nb::numpy, const std::int32_t, nb::shape<-1>, nb::c_contig>;
+using Matrices = nb::ndarray<nb::numpy, const double, nb::shape<-1, 4, 4>, nb::c_contig>;
+
+// The memory of a C-ordered (4, 4) float64 array is that of a Mat4.
+std::span<const Mat4> matrices_of(const Matrices& matrices) {
+  return {reinterpret_cast<const Mat4*>(matrices.data()), matrices.shape(0)};
+}
+
+nb::object build_times(const World& world) {
+  nb::dict times;
+  times["scene_s"] = world.build_times().scene_s;
+  times["acceleration_s"] = world.build_times().acceleration_s;
+  return times;
+}
+
+}  // namespace
+
+void bind_world(nb::module_& m) {
+  nb::class_<WorldInstance>(m, "WorldInstance", "Something in a world that can be moved.")
+      .def_ro("name", &WorldInstance::name,
+              "Of its node in the file; others may have the same one.")
+      .def_prop_ro(
+          "world_from_node",
+          [](const WorldInstance& instance) { return matrix_array(instance.world_from_node); },
+          nb::for_getter(nb::sig("def world_from_node(self, /) -> "
+                                 "numpy.typing.NDArray[numpy.float64]")),
+          "Where it was when it was asked for: (4, 4), m.")
+      .def("__repr__", [](const WorldInstance& instance) {
+        return "<omma.WorldInstance '" + instance.name + "'>";
+      });
+
+  nb::class_<World>(m, "World", "The engine's world; `omma.World` is the one to use.")
+      .def(
+          "__init__",
+          [](World* self, std::shared_ptr<Scene> scene, int threads,
+             std::optional<Background> background, std::string backend,
+             const nb::object& progress) {
+            WorldSettings settings{threads, std::move(background), std::move(backend)};
+            run_with_progress(progress, [&](const std::function<bool(double)>& report) {
+              new (self) World(std::move(scene), std::move(settings), report);
+            });
+          },
+          nb::arg("scene"), nb::arg("threads"), nb::arg("background").none(), nb::arg("backend"),
+          nb::arg("progress").none())
+      .def(
+          "with_background",
+          [](const World& world, const Background& background) {
+            return run_long([&] { return world.with_background(background); });
+          },
+          nb::arg("background"))
+      .def_prop_ro("instances", &World::instances)
+      .def("find_instance", &World::find_instance, nb::arg("name"))
+      .def(
+          "set_transforms",
+          [](World& world, const Indices& instances, const Matrices& transforms,
+             const nb::object& progress) {
+            run_with_progress(progress, [&](const std::function<bool(double)>& report) {
+              world.set_transforms({instances.data(), instances.size()}, matrices_of(transforms),
+                                   report);
+            });
+          },
+          nb::arg("instances").noconvert(), nb::arg("transforms").noconvert(),
+          nb::arg("progress").none(),
+          nb::sig("def set_transforms(self, instances: numpy.typing.NDArray[numpy.int32], "
+                  "transforms: numpy.typing.NDArray[numpy.float64], progress: "
+                  "collections.abc.Callable[[float], object] | None) -> None"))
+      .def(
+          "precision_warning",
+          [](const World& world, const Matrices& poses) {
+            return world.precision_warning(matrices_of(poses));
+          },
+          nb::arg("poses").noconvert(),
+          nb::sig("def precision_warning(self, poses: numpy.typing.NDArray[numpy.float64]) -> str"))
+      .def_prop_ro("threads", &World::threads)
+      .def_prop_ro("backend", &World::backend)
+      .def_prop_ro("build_times", &build_times,
+                   nb::for_getter(nb::sig("def build_times(self, /) -> dict[str, float]")));
+}
+
+}  // namespace omma::python

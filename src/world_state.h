@@ -1,0 +1,97 @@
+// What a World holds: what was built of its scene, shared by all that see it, and who uses that
+// now.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <vector>
+
+#include "backend/backend.h"
+#include "backend/shading_data.h"
+#include "model/scene_place.h"
+#include "omma/world.h"
+#include "threads/arena.h"
+
+namespace omma {
+
+using Clock = std::chrono::steady_clock;
+
+inline double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+struct CameraRays;  // camera_rays.h
+
+// What can be moved: instances of the scene that belong together.
+struct Things {
+  std::vector<int> first;     // [thing + 1], into `instance`
+  std::vector<int> instance;  // indices of the scene's instances
+
+  std::size_t count() const { return first.size() - 1; }
+};
+
+// Worlds that differ in nothing but the background share this.
+struct BuiltScene {
+  explicit BuiltScene(int wanted_threads) : threads(wanted_threads) {}
+  ~BuiltScene();
+
+  std::shared_ptr<const Scene> scene;
+  std::unique_ptr<ShadingData> shading;
+  WorldBuildTimes times;
+  ThreadArena threads;
+  const Backend* backend = nullptr;
+  BlockFunctions functions;  // of the backend
+
+  Things things;
+  std::vector<Bounds> box_of_mesh;  // [mesh], where it is placed somewhere
+
+  // These change as things move, and only while nothing is rendered.
+  Acceleration acceleration;
+  Placement placement;
+  Bounds still_box;         // around what was never moved
+  std::vector<int> moving;  // indices of instances that were
+
+  // Renders under way; -1 while things are being moved. Nobody waits for it, so that no forked
+  // process can wait for threads that it does not have.
+  mutable std::atomic<int> renders = 0;
+  // Of the last picture (render_camera); owned, taken out by who uses it.
+  mutable std::atomic<CameraRays*> camera_rays = nullptr;
+};
+
+// The first instance of the scene that belongs to a thing; all have the same name and transform.
+inline std::size_t first_instance(const BuiltScene& built, std::size_t thing) {
+  return static_cast<std::size_t>(
+      built.things.instance[static_cast<std::size_t>(built.things.first[thing])]);
+}
+
+inline const std::string& name_of(const BuiltScene& built, std::size_t thing) {
+  return built.scene->instances[first_instance(built, thing)].name;
+}
+
+// An acceleration structure of the scene as it is placed now.
+Acceleration built_as_placed(const BuiltScene& built, WorkState& work);
+// Takes it, and notes what moves in it.
+void take_acceleration(BuiltScene& built, Acceleration acceleration);
+
+struct World::State {
+  WorldSettings settings;
+  std::shared_ptr<BuiltScene> built;
+  BackgroundData background;         // refers to the settings' background, or else the scene's
+  std::vector<float> band_from_rgb;  // [band][3], empty where the bands are RGB itself
+  SceneView view;                    // what the physics reads
+};
+
+// While it lives, nothing of the world can be moved. Throws omma::Error where something is being.
+class Rendering {
+ public:
+  explicit Rendering(const World& world);
+  Rendering(const Rendering&) = delete;
+  Rendering& operator=(const Rendering&) = delete;
+  ~Rendering();
+
+ private:
+  const BuiltScene& built_;
+};
+
+}  // namespace omma
