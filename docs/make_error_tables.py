@@ -163,9 +163,7 @@ def measure_intervals(case: Case, truth: np.ndarray) -> str:
     """A row: how often the bounds hold, of all responses and of those that vary."""
     shares = []
     for samples in SAMPLES:
-        fixed = case.renderer.with_eye(
-            case.renderer.eye, samples=samples, noise="new_every_frame"
-        )
+        fixed = case.renderer.with_eye(case.renderer.eye, samples=samples, noise="new_every_frame")
         poses = np.tile(case.pose, (RENDERS // 4, 1, 1))
         responses, errors = fixed.render(poses, standard_error=True)
         low, high = omma.confidence_interval(fixed.eye, responses, errors, 8 * samples)

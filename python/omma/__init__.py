@@ -29,6 +29,7 @@ from omma._core import (
     Eye,
     ReceptorType,
     Scene,
+    WorldInstance,
     __version__,
     encode_ids,
     look_at,

@@ -111,7 +111,7 @@ max_picture_extent: int = 32768
 
 def picture_size(camera: Camera, width: int, height: int) -> tuple[int, int]: ...
 
-def render_camera(renderer: Renderer, camera: Camera, picture: numpy.typing.NDArray[numpy.float32], samples: int, seed: int, progress: Callable[[float], object] | None) -> None: ...
+def render_camera(world: World, camera: Camera, picture: numpy.typing.NDArray[numpy.float32], samples: int, seed: int, progress: Callable[[float], object] | None) -> None: ...
 
 class Background:
     """
@@ -633,13 +633,57 @@ def eye_file_losses(path: str | os.PathLike[str], eye: Eye) -> list[str]: ...
 
 def eye_file_heads(path: str | os.PathLike[str]) -> list[str]: ...
 
+class WorldInstance:
+    """Something in a world that can be moved."""
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    @property
+    def name(self) -> str:
+        """Of its node in the file; others may have the same one."""
+
+    @property
+    def world_from_node(self, /) -> numpy.typing.NDArray[numpy.float64]:
+        """Where it was when it was asked for: (4, 4), m."""
+
+    def __repr__(self) -> str: ...
+
+class World:
+    """The engine's world; `omma.World` is the one to use."""
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    def __init__(self, scene: Scene, threads: int, background: Background | None, backend: str, progress: object | None) -> None: ...
+
+    def with_background(self, background: Background) -> World: ...
+
+    @property
+    def instances(self) -> list[WorldInstance]: ...
+
+    def find_instance(self, name: str) -> int: ...
+
+    def set_transforms(self, instances: numpy.typing.NDArray[numpy.int32], transforms: numpy.typing.NDArray[numpy.float64], progress: Callable[[float], object] | None) -> None: ...
+
+    def precision_warning(self, poses: numpy.typing.NDArray[numpy.float64]) -> str: ...
+
+    @property
+    def threads(self) -> int: ...
+
+    @property
+    def backend(self) -> str: ...
+
+    @property
+    def build_times(self, /) -> dict[str, float]: ...
+
 class RenderSettings:
     """What `omma.Renderer` was asked for."""
 
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self, *, samples: int, seed: int, kernel: str, sampling: str, threads: int, footprints: bool, share_rays: bool, error: float, most_samples: int, background: Background | None) -> None: ...
+    def __init__(self, *, samples: int, seed: int, kernel: str, sampling: str, threads: int, footprints: bool, share_rays: bool, noise: str, error: float, most_samples: int) -> None: ...
 
     @property
     def samples(self) -> int: ...
@@ -660,6 +704,9 @@ class RenderSettings:
     def share_rays(self) -> bool: ...
 
     @property
+    def noise(self) -> str: ...
+
+    @property
     def error(self) -> float: ...
 
     @property
@@ -672,12 +719,12 @@ class Renderer:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
     @overload
-    def __init__(self, scene: Scene, eye: Eye, settings: RenderSettings, progress: object | None) -> None: ...
+    def __init__(self, world: World, eye: Eye, settings: RenderSettings) -> None: ...
 
     @overload
-    def __init__(self, same_scene: Renderer, eye: Eye, settings: RenderSettings) -> None: ...
+    def __init__(self, same_world: Renderer, eye: Eye, settings: RenderSettings) -> None: ...
 
-    def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: numpy.typing.NDArray[numpy.float32], standard_error: numpy.typing.NDArray[numpy.float32] | None, rays: numpy.typing.NDArray[numpy.int32] | None, ray_radiance: numpy.typing.NDArray[numpy.float32] | None, first_pose: int, progress: Callable[[float], object] | None) -> None: ...
+    def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: numpy.typing.NDArray[numpy.float32], standard_error: numpy.typing.NDArray[numpy.float32] | None, rays: numpy.typing.NDArray[numpy.int32] | None, ray_radiance: numpy.typing.NDArray[numpy.float32] | None, first_pose: int | None, progress: Callable[[float], object] | None) -> None: ...
 
     def precision_warning(self, poses: numpy.typing.NDArray[numpy.float64]) -> str: ...
 

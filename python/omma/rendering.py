@@ -203,9 +203,7 @@ def render_file(
         _check_picture_arguments(node, names, [name for name, given in of_eyes.items() if given])
         size = picture_size(node, width, height)
         rays = fixed_samples(samples, "a picture")
-        seen = World(
-            world, threads=threads, background=backdrop, progress=partial(tell, BUILDING)
-        )
+        seen = World(world, threads=threads, background=backdrop, progress=partial(tell, BUILDING))
         return _render_picture(seen, node, names, size, rays, seed, gamma, start, tell)
     if ultraviolet is not None and not receptors:
         raise Error("ultraviolet: is for receptors=True")

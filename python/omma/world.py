@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -109,8 +110,9 @@ class World:
                 in another thread or by the call whose progress function this is; or this is a
                 process made by fork. All is then where it was.
         """
-        alone = isinstance(instances, str) or np.ndim(instances) == 0  # type: ignore[arg-type]
-        listed: Sequence[str | int] = [instances] if alone else instances  # type: ignore
+        listed: Any = instances
+        if isinstance(instances, str) or np.ndim(instances) == 0:
+            listed = [instances]
         indices = [
             self.index(one)
             if isinstance(one, str)

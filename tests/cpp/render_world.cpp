@@ -145,6 +145,34 @@ TEST(World, ResponsesAreThoseOfAWorldBuiltThere) {
   }
 }
 
+// A wall of fine texture that is moved away and scaled as much looks the same; footprints are in
+// metres of the mesh, and rays that took them for eight times as wide would see grey.
+TEST(World, FootprintsFollowTheScaleOfWhatMoves) {
+  Scene scene;
+  Material material;
+  material.double_sided = true;
+  Random random{9};
+  material.base_color_texture.texture = add_texture(scene, make_image(512, 512, [&](int, int) {
+                                                      const auto grey =
+                                                          static_cast<float>(random.uniform());
+                                                      return Vec4{grey, grey, grey, 1};
+                                                    }));
+  add_quad(scene, {0, 0, -1}, {1, 0, 0}, {0, 1, 0}, add_material(scene, material));
+  Pair pair(scene);
+  std::vector<Vec3d> axes;
+  for (int i = 0; i < 300; ++i)
+    axes.push_back(normalize(Vec3d{random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6), -1}));
+  const Eye eye = make_eye(axes, 2 * degree);
+  const RenderSettings settings{.samples = 16};
+  const Renderer renderer(pair.world, eye, settings);
+  const std::vector<float> at_first = seen(renderer);
+  for (const double scale : {1.0, 8.0, 0.125, 8.0}) {
+    pair.move({0}, {scaling({scale, scale, scale})});
+    expect_alike(seen(renderer), seen(Renderer(world_of(pair.scene), eye, settings)), "scaled");
+    expect_alike(seen(renderer), at_first, "scaled, against before");
+  }
+}
+
 TEST(World, WhatStaysKeepsItsBits) {
   const Eye eye = make_eye(sphere_directions(300), 0.2);
   for (const std::uint64_t seed : {2u, 4u}) {

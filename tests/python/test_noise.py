@@ -32,9 +32,7 @@ def in_ways(make, poses):
         np.concatenate([looping.render(pose) for pose in poses]),
         np.stack(list(iterating.render_iter(poses, chunk=5))),
         np.concatenate([receiving.render(poses[:5]), receiving.render(poses[5:])]),
-        np.concatenate(
-            [numbered.render(poses[i : i + 4], first_pose=i) for i in (8, 4, 0)][::-1]
-        ),
+        np.concatenate([numbered.render(poses[i : i + 4], first_pose=i) for i in (8, 4, 0)][::-1]),
     ]
 
 
@@ -47,7 +45,8 @@ def test_every_way_of_calling_has_the_same_noise(scene, wide, still, sampling, m
     def new():
         return omma.Renderer(scene, wide, sampling=sampling, noise="new_every_frame", **more)
 
-    assert frozen().noise == "frozen" and new().noise == "new_every_frame"
+    assert frozen().noise == "frozen"
+    assert new().noise == "new_every_frame"
     expected = frozen().render(still)
     assert (expected == expected[0]).all()
     for found in in_ways(frozen, still):

@@ -141,7 +141,7 @@ def test_wrong_poses(renderer, poses, word):
         ({"background": (1, 1, 1)}, TypeError, "background: expected omma.Background"),
         ({"eye": "bee.eye"}, TypeError, "eye: expected omma.Eye.*found str.*omma.load_eye"),
         ({"eye": []}, omma.Error, "at least one eye"),
-        ({"scene": "meadow.glb"}, TypeError, "scene: expected omma.Scene, found str"),
+        ({"scene": "meadow.glb"}, TypeError, "scene: expected omma.Scene or omma.World, found str"),
     ],
 )
 def test_wrong_arguments(scene, eye, changes, kind, word):
@@ -154,7 +154,7 @@ def test_footprints_read_fine_textures_without_noise(eye):
     rng = np.random.default_rng(5)
     picture = np.repeat(rng.uniform(size=(1024, 2048, 1)), 3, axis=2)
     background = omma.Background.image(picture.astype(np.float32))
-    renderer = omma.Renderer(omma.Scene(), eye, background=background)
+    renderer = omma.Renderer(omma.Scene(), eye, background=background, noise="new_every_frame")
     assert renderer.footprints
     point_by_point = renderer.with_eye(eye, footprints=False)
     assert not point_by_point.footprints

@@ -58,10 +58,13 @@ def test_what_moves_is_seen_there_by_all(grounds, down):
     one = omma.Renderer(world, down, samples=1)
     other = one.with_eye(down)
     white = omma.Renderer(world, down, background=omma.Background.constant((9, 9, 9)))
-    assert one.world is world and other.world is world and one.scene is grounds
+    assert one.world is world
+    assert other.world is world
+    assert one.scene is grounds
     on_it = one.render(np.eye(4))
     world.set_transforms("low", moved_by(x=100))
-    assert (one.render(np.eye(4)) == 0).all() and (other.render(np.eye(4)) == 0).all()
+    assert (one.render(np.eye(4)) == 0).all()
+    assert (other.render(np.eye(4)) == 0).all()
     assert (white.render(np.eye(4)) == 9).all()
     world.set_transforms([1, "low"], [moved_by(y=-1), moved_by(x=200)])
     assert np.allclose(one.render(np.eye(4)), on_it, atol=1e-6)  # the same mesh
@@ -125,7 +128,7 @@ def test_what_cannot_be_moved_says_why(grounds, down):
         assert np.array_equal(renderer.render(np.eye(4)), before)
     with pytest.raises(TypeError, match="whole number"):
         world.set_transforms(1.5, np.eye(4))
-    with pytest.raises(TypeError, match="scene: expected omma.Scene"):
+    with pytest.raises(TypeError, match="scene: expected omma"):
         omma.World("meadow.glb")
     with pytest.raises(omma.Error, match='backend: expected "" or "embree", found "cuda"'):
         omma.World(grounds, backend="cuda")
@@ -153,16 +156,13 @@ def test_frames_and_moves_take_turns(grounds):
         told.append(share)
 
     world.set_transforms("low", np.eye(4), progress=render)
-    assert told and told[-1] == 1
+    assert told[-1] == 1
     assert np.array_equal(world.instances[0].world_from_node, np.eye(4))
 
-    class Enough(Exception):
-        pass
-
     def stop(share):
-        raise Enough
+        raise ZeroDivisionError
 
-    with pytest.raises(Enough):
+    with pytest.raises(ZeroDivisionError):
         world.set_transforms(1, np.eye(4), progress=stop)
     assert np.array_equal(world.instances[1].world_from_node, moved_by(y=200))
 
