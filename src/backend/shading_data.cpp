@@ -167,6 +167,14 @@ std::unique_ptr<ShadingData> make_shading_data(const Scene& scene) {
       data->power_22.push_back(static_cast<float>(std::pow(i / (power_22_size - 1.0), 2.2)));
     view.power_22 = data->power_22.data();
   }
+
+  std::vector<std::size_t> triangle_counts;
+  for (const Mesh& mesh : scene.meshes) triangle_counts.push_back(mesh.triangles.size());
+  data->opacity = make_opacity_maps(view, triangle_counts);
+  for (std::size_t m = 0; m < data->meshes.size(); ++m)
+    if (!data->opacity.triangles[m].empty())
+      data->meshes[m].opacity = data->opacity.triangles[m].data();
+  view.opacity_states = data->opacity.states.data();
   return data;
 }
 

@@ -9,6 +9,7 @@
 #include <memory>
 #include <vector>
 
+#include "backend/opacity_maps.h"
 #include "backend/texture_levels.h"
 #include "physics/scene_view.h"
 
@@ -32,6 +33,7 @@ struct ShadingData {
   std::vector<std::vector<float>> densities;  // of texels, [textured mesh][triangle]
   std::list<TextureLevels> levels;            // of the images, where they stay
   std::vector<float> power_22;                // see SceneView, or empty
+  OpacityMaps opacity;                        // of cut-outs
   SceneView view;                             // without a background
 };
 

@@ -42,6 +42,8 @@ struct MeshView {
   // Texels of level 0 per metre of the mesh, along the direction in which they are least dense.
   const float* base_density = nullptr;      // [triangle], where the texture has levels
   const float* emissive_density = nullptr;  // [triangle], the same
+  // What is known of a cut-out before its image is asked (physics/opacity.h), or null.
+  const std::int32_t* opacity = nullptr;    // [triangle]
   std::int32_t material = 0;                // index into SceneView::materials
 };
 
@@ -61,6 +63,7 @@ struct SceneView {
   BackgroundView background;
   // [power_22_size] t^2.2 at t = i / (power_22_size - 1) with ColorRule::compoundray, else null.
   const float* power_22 = nullptr;
+  const std::int32_t* opacity_states = nullptr;  // where there are opacity maps
   bool has_blend = false;  // whether any surface lets light through in part
   // What linear RGB is in each band: [bands][3], or null where the bands are RGB itself.
   int bands = 3;
