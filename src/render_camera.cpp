@@ -124,7 +124,8 @@ void render_band(const World& world, const CameraRays& rays, const EyeArrays& ba
     }
 }
 
-void check(const Camera& camera, const CameraSettings& settings, std::span<float> picture) {
+void check(const Camera& camera, const CameraSettings& settings, int bands,
+           std::span<float> picture) {
   check_picture_camera(camera);
   const auto [width, height] = settings.size;
   if (width < 1 || height < 1 || width > max_picture_extent || height > max_picture_extent)
@@ -135,17 +136,17 @@ void check(const Camera& camera, const CameraSettings& settings, std::span<float
     throw Error("samples: expected 1 to " + std::to_string(max_samples) + ", found " +
                 std::to_string(settings.samples));
   const std::size_t expected =
-      static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * rgb_bands;
+      static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * static_cast<std::size_t>(bands);
   if (picture.size() != expected)
     throw Error("picture: expected room for " + std::to_string(expected) +
-                " values (row x column x channel), found " + std::to_string(picture.size()));
+                " values (row x column x band), found " + std::to_string(picture.size()));
 }
 
 }  // namespace
 
 void render_camera(const World& world, const Camera& camera, const CameraSettings& settings,
                    std::span<float> picture, const std::function<bool(double)>& progress) {
-  check(camera, settings, picture);
+  check(camera, settings, world.bands(), picture);
   const Rendering rendering(world);
   const BuiltScene& built = *world.state().built;
   const std::vector<Bits2> points = points_within_pixel(settings.samples, settings.seed);

@@ -36,6 +36,7 @@ std::vector<float> checked_bands(const std::vector<double>& band_from_rgb) {
 SceneView view_of(const World::State& state) {
   SceneView view = state.built->shading->view;
   view.background = state.background.view;
+  view.frame_from_mesh = state.built->frames.data();
   if (!state.band_from_rgb.empty()) {
     view.bands = static_cast<int>(state.band_from_rgb.size() / 3);
     view.band_from_rgb = state.band_from_rgb.data();

@@ -87,9 +87,22 @@ void exchange(Placement& placement, std::vector<Step>& steps) {
   }
 }
 
+void place_frame(BuiltScene& built, std::size_t instance) {
+  Mat4 t = built.placement.world_from_mesh[instance];
+  t.m[0][3] -= built.placement.origin_m.x;
+  t.m[1][3] -= built.placement.origin_m.y;
+  t.m[2][3] -= built.placement.origin_m.z;
+  float* frame = built.frames.data() + 12 * instance;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 4; ++c) *frame++ = static_cast<float>(t.m[r][c]);
+}
+
 void move_in_top_scene(BuiltScene& built, const std::vector<Step>& steps) {
   std::vector<int> instances;
-  for (const Step& step : steps) instances.push_back(step.instance);
+  for (const Step& step : steps) {
+    instances.push_back(step.instance);
+    place_frame(built, static_cast<std::size_t>(step.instance));
+  }
   run_in_arena(*built.threads.arena,
                [&] { built.backend->move(built.acceleration, *built.scene, instances, built.placement); });
 }
@@ -126,6 +139,8 @@ void take_acceleration(BuiltScene& built, Acceleration acceleration) {
       moving.push_back(static_cast<int>(i));
     else
       still = box_around(still, box_of(built, i, built.placement.world_from_mesh[i]));
+  built.frames.resize(12 * built.placement.moves.size());
+  for (std::size_t i = 0; i < built.placement.moves.size(); ++i) place_frame(built, i);
   built.moving = std::move(moving);
   built.still_box = still;
   built.acceleration = std::move(acceleration);

@@ -49,6 +49,7 @@ struct BuiltScene {
   // These change as things move, and only while nothing is rendered.
   Acceleration acceleration;
   Placement placement;
+  std::vector<float> frames;  // [instance][3][4], where they are in the traced frame, row major
   Bounds still_box;         // around what was never moved
   std::vector<int> moving;  // indices of instances that were
 

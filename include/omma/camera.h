@@ -62,7 +62,7 @@ struct CameraSettings {
   std::uint64_t seed = 0;
 };
 
-// The mean radiance in each pixel: picture [row][column][channel], linear float32, never clipped;
+// The mean radiance in each pixel: picture [row][column][band], linear float32, never clipped;
 // row 0 is the top. The same inputs and seed give the same bits whatever the number of threads. The
 // world keeps the rays of its last picture: the next one of the same kind of camera, size, samples
 // and seed, wherever that camera is, takes them up. `progress` is called from the calling thread

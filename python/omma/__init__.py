@@ -8,7 +8,7 @@
     responses = renderer.render(omma.look_at((0, 1, 0), (0, 1, -5)))  # float32 (1, N, 3), linear
     omma.save_png("view.png", omma.equirectangular(eye, responses[0]))
 
-The response of ommatidium i in channel c is the radiance around it, weighted by its angular
+The response of ommatidium i in band b is the radiance around it, weighted by its angular
 sensitivity: an evenly lit surround of radiance 1 gives exactly 1. Linear, never clipped. Poses are
 ``world_from_head``: the head looks along its -Z, +X is its right, +Y up; lengths are metres, angles
 radians, where a name does not say otherwise.
@@ -98,6 +98,7 @@ from omma.receptor_mosaic import (
     up_towards,
 )
 from omma.receptors import (
+    band_from_rgb,
     govardovskii,
     microvillus_direction,
     ommatidium_of_receptor,

@@ -69,7 +69,7 @@ def render_camera(
         raise TypeError(f"scene: expected omma.Scene, omma.World or omma.Renderer, found {found}")
     which = camera if isinstance(camera, Camera) else world.scene.camera(camera)
     size = picture_size(which, width, height)
-    picture = np.empty((size[1], size[0], _core.channel_count), np.float32)
+    picture = np.empty((size[1], size[0], world.bands), np.float32)
     _core.render_camera(
         world._engine,
         which,

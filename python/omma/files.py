@@ -159,7 +159,8 @@ def save_responses(
 
     `.npy` is the float32 array (P, N, C). `.csv` has a line for each pose and ommatidium: pose,
     ommatidium, eye_id, azimuth_deg, elevation_deg (of its axis in the head: azimuth 0 ahead, to the
-    right positive), r, g, b, and with ``errors`` r_error, g_error, b_error.
+    right positive), r, g, b (band_0, band_1, ... where there are not three), and with ``errors``
+    r_error, g_error, b_error.
 
     Raises:
         omma.Error: another ending, responses of another eye, a file that cannot be written.
@@ -174,7 +175,7 @@ def save_responses(
         if suffix == ".npy" and error_array is None:
             writer: Writer = NpyWriter(files, name, array.shape)
         elif suffix == ".csv":
-            writer = CsvWriter(files, name, eye, error_array is not None)
+            writer = CsvWriter(files, name, eye, error_array is not None, array.shape[2])
         elif suffix == ".npy":
             raise Error(f"{name}: a .npy file holds one array; save responses and errors apart")
         else:
@@ -310,11 +311,15 @@ class NpyWriter:
 class CsvWriter:
     """A line for each pose and ommatidium; numbers with nine digits, which is all of a float32."""
 
-    def __init__(self, files: WholeFiles, name: str, eye: Eye, with_errors: bool) -> None:
+    def __init__(
+        self, files: WholeFiles, name: str, eye: Eye, with_errors: bool, bands: int
+    ) -> None:
         self._file = files.open(name)
-        header = "pose,ommatidium,eye_id,azimuth_deg,elevation_deg,r,g,b"
-        header += ",r_error,g_error,b_error" if with_errors else ""
-        self._file.write_header(f"{header}\n".encode())
+        columns = list("rgb") if bands == 3 else [f"band_{b}" for b in range(bands)]
+        if with_errors:
+            columns += [f"{column}_error" for column in columns]
+        header = "pose,ommatidium,eye_id,azimuth_deg,elevation_deg"
+        self._file.write_header(f"{header},{','.join(columns)}\n".encode())
         azimuth, elevation = azimuth_elevation_deg(eye)
         numbered = enumerate(zip(eye.eye_id.tolist(), azimuth, elevation, strict=True))
         self._places = [f"{i},{which},{a:.6g},{e:.6g}" for i, (which, a, e) in numbered]
@@ -340,7 +345,7 @@ def azimuth_elevation_deg(eye: Eye) -> tuple[NDArray[np.float64], NDArray[np.flo
 def _responses(values: ArrayLike, eye: Eye, name: str) -> NDArray[np.float32]:
     array = array_of(values, name, dtype=np.float32)
     array = array[None] if array.ndim == 2 else array
-    if array.ndim != 3 or array.shape[1:] != (len(eye), _core.channel_count):
-        expected = f"(P, {len(eye)}, {_core.channel_count})"
+    if array.ndim != 3 or array.shape[1] != len(eye) or not 1 <= array.shape[2] <= _core.most_bands:
+        expected = f"(P, {len(eye)}, bands)"
         raise Error(f"{name}: expected shape {expected}, found {array.shape}")
     return array

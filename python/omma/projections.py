@@ -170,9 +170,12 @@ def one_pose(eye: Eye, responses: Any) -> NDArray[np.float32]:
     array = array_of(responses, "responses", dtype=np.float32)
     if array.ndim == 3 and len(array) == 1:
         array = array[0]
-    expected = (len(eye), _core.channel_count)
+    expected = (len(eye), _core.rgb_bands)
     if array.shape != expected:
-        raise Error(f"responses: expected shape {expected} of one pose, found {array.shape}")
+        raise Error(
+            f"responses: expected red, green and blue of one pose, shape {expected}, found "
+            f"{array.shape}"
+        )
     return array
 
 
@@ -181,10 +184,10 @@ def _rays_of_one_pose(eye: Eye, rays: Any) -> NDArray[np.float32]:
     if array.ndim == 4 and len(array) == 1:
         array = array[0]
     good = array.ndim == 3 and array.shape[1] > 0
-    if not good or (array.shape[0], array.shape[2]) != (len(eye), _core.channel_count):
+    if not good or (array.shape[0], array.shape[2]) != (len(eye), _core.rgb_bands):
         raise Error(
             f"responses: raw_ommatidial_samples takes the rays of one pose, shape ({len(eye)}, "
-            f"samples, {_core.channel_count}), found {array.shape}"
+            f"samples, {_core.rgb_bands}), found {array.shape}"
         )
     return array
 

@@ -5,7 +5,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import functools
+import itertools
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,6 +26,10 @@ Responses = NDArray[np.float32]
 
 # Radiance of views that is held while it becomes responses of receptors.
 _CHUNK_BYTES = 32 << 20
+# Light that receptors are asked about.
+_RECEPTOR_RANGE_NM = (300.0, 700.0)
+# Types whose estimates are made in one render.
+_MOST_TYPES = 64
 
 
 def spectral_sensitivity(receptor: ReceptorType | float, wavelength_nm: ArrayLike) -> Any:
@@ -76,28 +82,84 @@ def primary_spectra(wavelength_nm: ArrayLike) -> Any:
     return _core.primary_spectra(np.ascontiguousarray(nm.ravel())).reshape(*nm.shape, 3)
 
 
+def _band_edges(edges_nm: ArrayLike) -> Floats:
+    """``edges_nm`` as (B + 1,), where they are edges of bands."""
+    edges = array_of(edges_nm, "edges_nm", (None,))
+    if not 2 <= len(edges) <= _core.most_bands + 1 or not np.all(np.diff(edges) > 0):
+        raise Error(
+            f"edges_nm: expected 2 to {_core.most_bands + 1} wavelengths that ascend, found "
+            f"{str(edges.tolist()):.80}"
+        )
+    return edges
+
+
+def _band_means(edges: Floats, spectra: Callable[[Floats], Floats]) -> Floats:
+    """Means over each band of spectra that change over nanometres: (B, ...)."""
+    means = []
+    for low, high in itertools.pairwise(edges):
+        steps = max(4, int(np.ceil((high - low) / 0.25)))
+        nm = low + (np.arange(steps) + 0.5) * (high - low) / steps
+        means.append(spectra(nm).mean(axis=0))
+    return np.array(means)
+
+
+def band_from_rgb(edges_nm: ArrayLike) -> Floats:
+    """What linear sRGB is in bands of light: (B, 3), for `World`.
+
+    Red, green and blue stand for their `primary_spectra`; a band's radiance is the mean over its
+    wavelengths. So white is 1 in every band from 400 to 700 nm, and all is dark outside.
+
+    Args:
+        edges_nm: (B + 1,), ascending, nm: band b is from edges_nm[b] to edges_nm[b + 1].
+
+    Raises:
+        omma.Error: edges that do not ascend, fewer than 2 or more than 129.
+    """
+    return _band_means(_band_edges(edges_nm), primary_spectra)
+
+
 def receptor_matrix(
-    types: Eye | ReceptorType | Sequence[ReceptorType], ultraviolet: ArrayLike | None = None
+    types: Eye | ReceptorType | Sequence[ReceptorType],
+    ultraviolet: ArrayLike | None = None,
+    *,
+    edges_nm: ArrayLike | None = None,
 ) -> Floats:
-    """What receptors make of linear sRGB: (T, 3), weights of red, green and blue by type.
+    """What receptors make of linear sRGB: (T, 3), weights of red, green and blue by type; or of
+    bands of light: (T, B).
 
     A weight is the share of a receptor's sensitivity, over 300 to 700 nm, that lies under the
     spectrum of that primary (docs/receptors.md; the three add up to a flat white from 400 to 700
-    nm). So a row's sum is the receptor's share of the light that we can see: of a honeybee's green
-    receptor 0.85, of its blue one 0.67, and 0.002 of that for ultraviolet, where RGB says nothing.
+    nm), or within that band. So a row's sum is the receptor's share of the light that we can see:
+    of a honeybee's green receptor 0.85, of its blue one 0.67, and 0.002 of that for ultraviolet,
+    where RGB says nothing.
 
     Args:
         types: receptor types, or an eye, for those it has.
         ultraviolet: (3,) what there is from 300 to 400 nm, as a mix of the channels: (0, 0, 1) says
             as much as blue, (0, 0, 0.1) a tenth of it; for each type the same. None: nothing.
+        edges_nm: (B + 1,), ascending, nm, of the bands of a world (`band_from_rgb`); the light in a
+            band counts as the same at all its wavelengths. Not together with ``ultraviolet``.
 
     Raises:
-        omma.Error: no sensitivity, or weights of another shape, negative or not finite.
+        omma.Error: no sensitivity, weights of another shape, negative or not finite, or edges that
+            do not ascend.
     """
     if isinstance(types, Eye):
         types = types.receptor_types
     elif isinstance(types, ReceptorType):
         types = [types]
+    if edges_nm is not None:
+        if ultraviolet is not None:
+            raise Error("ultraviolet: is for RGB; not together with edges_nm")
+        edges = _band_edges(edges_nm)
+        widths = np.diff(edges)
+        low, high = _RECEPTOR_RANGE_NM
+        rows = []
+        for one in types:
+            of_type = functools.partial(spectral_sensitivity, one)
+            all_light = _band_means(np.array([low, high]), of_type)[0] * (high - low)
+            rows.append(_band_means(edges, of_type) * widths / all_light)
+        return np.array(rows, np.float64).reshape(len(rows), len(widths))
     mix = np.zeros(3) if ultraviolet is None else array_of(ultraviolet, "ultraviolet")
     if mix.shape != (3,) or not np.all(np.isfinite(mix)) or np.any(mix < 0):
         raise Error(
@@ -217,15 +279,20 @@ def render_receptors(
     """What `Renderer.render_receptors` does, whose arguments these are."""
     eye = renderer.eye
     if matrix is None:
+        if renderer.world.band_from_rgb is not None:
+            raise Error(
+                "matrix: expected one [type, band], as this world's bands are not RGB "
+                "(receptor_matrix makes it of their edges), found None"
+            )
         weights = views.matrix(eye, ultraviolet)
     elif ultraviolet is not None:
         raise Error("ultraviolet: is for the matrix that is made here; not together with matrix")
     else:
         weights = np.ascontiguousarray(matrix, np.float64)
-        expected = (len(eye.receptor_types), _core.channel_count)
+        expected = (len(eye.receptor_types), renderer.bands)
         if weights.shape != expected or not np.all(np.isfinite(weights)):
             raise Error(
-                f"matrix: expected numbers [type, channel] of shape {expected}, found "
+                f"matrix: expected numbers [type, band] of shape {expected}, found "
                 f"{weights.shape}"
                 + ("" if weights.shape != expected else ", not all of them finite")
             )
@@ -234,37 +301,31 @@ def render_receptors(
     shape = (len(matrices), len(eye.receptor_type))
     responses = output_array(out, shape, "out")
     errors = np.empty(shape, np.float32) if standard_error else None
-    views_bytes = len(views.renderer.eye) * _core.channel_count * 4
-    chunk = max(1, _CHUNK_BYTES // views_bytes)
-    radiance_errors: Responses | None
+    # Errors are those of the receptors' own estimates, for some types at a time.
+    groups = [weights[k : k + _MOST_TYPES] for k in range(0, len(weights), _MOST_TYPES)]
+    passes = 1 if errors is None else len(groups)
+    wide = renderer.bands if errors is None else min(len(weights), _MOST_TYPES)
+    chunk = max(1, _CHUNK_BYTES // (len(views.renderer.eye) * wide * 4))
     for start in range(0, len(matrices), chunk):
         piece = matrices[start : start + chunk]
-
-        def share(done: float, start: int = start, count: int = len(piece)) -> None:
-            assert progress is not None
-            progress((start + done * count) / len(matrices))
-
-        tell = None if progress is None else share
         number = None if first is None else first + start
-        if errors is None:
-            radiance = views.renderer.render(piece, first_pose=number, progress=tell)
-        else:
-            radiance, radiance_errors = views.renderer.render(
-                piece, standard_error=True, first_pose=number, progress=tell
-            )
-            _apply(eye, views, weights, radiance_errors, True, errors[start : start + chunk])
-        _apply(eye, views, weights, radiance, False, responses[start : start + chunk])
+        for k in range(passes):
+
+            def share(done: float, before: float = start + k / passes * len(piece)) -> None:
+                assert progress is not None
+                progress((before + done * len(piece) / passes) / len(matrices))
+
+            tell = None if progress is None else share
+            into = responses[start : start + chunk]
+            if errors is None:
+                radiance = views.renderer.render(piece, first_pose=number, progress=tell)
+                seen = radiance[:, views.view_of_receptor]
+                into[...] = np.einsum("prb,rb->pr", seen, weights[eye.receptor_type])
+                continue
+            found, error = views.renderer._render_outputs(piece, groups[k], number, tell)
+            type_in_group = eye.receptor_type - k * _MOST_TYPES
+            which = np.flatnonzero((type_in_group >= 0) & (type_in_group < len(groups[k])))
+            at = views.view_of_receptor[which], type_in_group[which]
+            into[:, which] = found[:, at[0], at[1]]
+            errors[start : start + chunk, which] = error[:, at[0], at[1]]
     return responses if errors is None else (responses, errors)
-
-
-def _apply(
-    eye: Eye,
-    views: ReceptorViews,
-    weights: Floats,
-    radiance: Responses,
-    magnitudes: bool,
-    out: Responses,
-) -> None:
-    _core.apply_receptor_matrix(
-        radiance, weights, views.view_of_receptor, eye.receptor_type, magnitudes, out
-    )

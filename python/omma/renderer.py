@@ -45,8 +45,9 @@ def warn_of_precision(sentence: str) -> None:
 class Renderer:
     """A world and an eye, ready to render: acceleration structure and direction tables are built.
 
-    The response of ommatidium i in channel c at a pose is the mean of the radiance around it, with
-    its angular sensitivity as weight; a surround of radiance 1 gives 1. Channels are linear RGB.
+    The response of ommatidium i in band c at a pose is the mean of the radiance around it, with
+    its angular sensitivity as weight; a surround of radiance 1 gives 1. Bands are linear
+    RGB, unless the world has others.
 
     Args:
         scene: what there is to see: a `World`, which is shared with whoever sees it too, or a
@@ -285,7 +286,7 @@ class Renderer:
                 world's origin are traced from an origin of their own and lose nothing.
         """
         matrices = self._matrices(poses)
-        shape = (len(matrices), len(self.eye), _core.channel_count)
+        shape = (len(matrices), len(self.eye), self.bands)
         if report and self.samples != "auto":
             raise Error(f"report: is for samples='auto', found samples={self.samples}")
         if report and standard_error:
@@ -299,7 +300,7 @@ class Renderer:
             raise Error("error_out: shares memory with out")
         rays = np.empty(shape[:2], np.int32) if report else None
         first = frame_number(first_pose)
-        self._engine.render(matrices, responses, errors, rays, None, first, progress)
+        self._engine.render(matrices, responses, errors, rays, None, first, None, progress)
         warn_of_precision(self._engine.precision_warning(matrices))
         if errors is not None and rays is not None:
             return responses, SamplingReport(rays, errors, self._engine.settings.error)
@@ -352,15 +353,16 @@ class Renderer:
         ``ultraviolet`` or ``matrix`` says otherwise.
 
         Args:
-            matrix: (T, 3), weights of red, green and blue for each of ``eye.receptor_types``; None
-                takes `receptor_matrix`.
+            matrix: (T, C), weights of the bands, which are red, green and blue unless the world has
+                others, for each of ``eye.receptor_types``; None takes `receptor_matrix`.
             ultraviolet: (3,), light below 400 nm as a mix of the channels, see `receptor_matrix`.
-            standard_error: return (responses, errors). The errors are the largest that those of
-                the channels allow: exact where the channels rise and fall together.
+            standard_error: return (responses, errors): those of each receptor's own estimates, as
+                in `render`.
             poses, out, first_pose, progress: as in `render`.
 
         Raises:
-            omma.Error: an eye without receptors, a type without a sensitivity, a wrong shape.
+            omma.Error: an eye without receptors, a type without a sensitivity, a wrong shape, no
+                matrix in a world whose bands are not RGB.
         """
         return render_receptors(
             self,
@@ -373,6 +375,22 @@ class Renderer:
             first_pose,
             progress,
         )
+
+    def _render_outputs(
+        self,
+        matrices: Matrices,
+        output_from_band: NDArray[np.float64],
+        first_pose: int | None,
+        progress: Progress | None,
+    ) -> tuple[Responses, Responses]:
+        """Mixtures of the bands, [output, band], and their standard errors: both (P, N, outputs)."""
+        shape = (len(matrices), len(self.eye), len(output_from_band))
+        found, errors = np.empty(shape, np.float32), np.empty(shape, np.float32)
+        weights = np.ascontiguousarray(output_from_band)
+        self._engine.render(
+            matrices, found, errors, None, None, first_pose, weights, progress
+        )
+        return found, errors
 
     def _receptor_views(self) -> ReceptorViews:
         if self._receptors is None:
@@ -389,12 +407,12 @@ class Renderer:
         errors are those of `render`; this needs ``samples`` times its memory, and a fixed number.
         """
         matrices = self._matrices(poses)
-        shape = (len(matrices), len(self.eye), _core.channel_count)
+        shape = (len(matrices), len(self.eye), self.bands)
         samples = fixed_samples(self.samples, "render_rays")
         rays = np.empty((*shape[:2], samples, shape[2]), np.float32)
         first = frame_number(first_pose)
         responses = np.empty(shape, np.float32)
-        self._engine.render(matrices, responses, None, None, rays, first, progress)
+        self._engine.render(matrices, responses, None, None, rays, first, None, progress)
         warn_of_precision(self._engine.precision_warning(matrices))
         return rays
 
@@ -479,7 +497,7 @@ class Renderer:
         return as_poses(poses)
 
     def _chunk(self) -> int:
-        pose_bytes = max(1, len(self.eye)) * _core.channel_count * 4
+        pose_bytes = max(1, len(self.eye)) * self.bands * 4
         return max(1, min(4096, _CHUNK_BYTES // pose_bytes))
 
     @property
@@ -562,6 +580,11 @@ class Renderer:
     def rays_per_receptor_frame(self) -> int:
         """Rays traced for a pose by `render_receptors`, as `rays_per_frame` counts them."""
         return self._receptor_views().renderer._engine.rays_per_frame
+
+    @property
+    def bands(self) -> int:
+        """Numbers that a response has: those of the world."""
+        return self._engine.bands
 
     @property
     def threads(self) -> int:

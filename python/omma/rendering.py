@@ -277,7 +277,7 @@ def render_file(
                 ),
             )
             render = render_of_ommatidia(renderer, standard_error, spent)
-            pose_bytes = 4 * max(1, len(head)) * _core.channel_count
+            pose_bytes = 4 * max(1, len(head)) * renderer.bands
         if kept is None:
             seconds = render_pieces(render, writers, poses, pose_bytes, tell)
         else:
@@ -321,7 +321,7 @@ def _writers(
     make_paint: Callable[[], Paint],
 ) -> tuple[list[Writer], list[str]]:
     """Writers of the files named, and the names of all files written."""
-    shape = (len(poses), len(renderer.eye), _core.channel_count)
+    shape = (len(poses), len(renderer.eye), renderer.bands)
     writers: list[Writer] = []
     written: list[str] = []
     for name in names:
@@ -334,7 +334,7 @@ def _writers(
                 writers.append(NpyWriter(files, beside, shape, of_errors=True))
                 written.append(beside)
         elif suffix == ".csv":
-            writers.append(CsvWriter(files, name, renderer.eye, standard_error))
+            writers.append(CsvWriter(files, name, renderer.eye, standard_error, renderer.bands))
             written.append(name)
         else:
             tell("Preparing the picture", None)

@@ -25,7 +25,11 @@ class World:
         scene: what there is to see.
         background: instead of the scene's own.
         threads: that build it and take pictures; 0 takes one per hardware thread.
-        backend: what traces the rays: "embree", or "" for the fastest there is.
+        backend: what traces the rays: "embree"; "portable", which is Omma's own and there on every
+            processor; or "" for the fastest that is built in.
+        band_from_rgb: (B, 3), what linear RGB, as textures, colours and backgrounds have it, is in
+            each of 1 to 128 bands (`omma.band_from_rgb` makes it); responses are then [..., B].
+            None: the bands are red, green and blue.
         progress: called with the finished share (0 to 1) of the acceleration structure a few times
             a second. What it raises ends the building and is raised here; so does Ctrl-C.
 
@@ -43,6 +47,7 @@ class World:
         background: Background | None = None,
         threads: int = 0,
         backend: str = "",
+        band_from_rgb: ArrayLike | None = None,
         progress: Progress | None = None,
     ) -> None:
         expect(scene, Scene, "scene", "omma.load_scene gives one")
@@ -50,13 +55,20 @@ class World:
             expect(background, Background, "background", "omma.Background.constant gives one")
         self._scene = scene
         number = whole(threads, "threads", 0, 1 << 16)
-        self._engine = _core.World(scene, number, background, backend, progress)
+        self._band_from_rgb = None
+        if band_from_rgb is not None:
+            self._band_from_rgb = array_of(band_from_rgb, "band_from_rgb", (None, 3))
+            if not len(self._band_from_rgb):
+                raise Error("band_from_rgb: expected at least one band, found none")
+        weights = [] if band_from_rgb is None else np.ravel(self._band_from_rgb).tolist()
+        self._engine = _core.World(scene, number, background, backend, weights, progress)
 
     def with_background(self, background: Background) -> World:
         """The same world before another background: what moves in one moves in both."""
         expect(background, Background, "background", "omma.Background.constant gives one")
         other = object.__new__(World)
         other._scene = self._scene
+        other._band_from_rgb = self._band_from_rgb
         other._engine = self._engine.with_background(background)
         return other
 
@@ -129,6 +141,16 @@ class World:
         self._engine.set_transforms(
             np.array(indices, np.int32), np.ascontiguousarray(matrices), progress
         )
+
+    @property
+    def bands(self) -> int:
+        """Numbers that radiance has: 3, or as many as were asked for."""
+        return self._engine.bands
+
+    @property
+    def band_from_rgb(self) -> NDArray[np.float64] | None:
+        """What linear RGB is in each band, (B, 3); None: the bands are RGB."""
+        return self._band_from_rgb
 
     @property
     def threads(self) -> int:

@@ -35,7 +35,7 @@ nb::object extras(const Camera& camera) {
   return nb::module_::import_("json").attr("loads")(camera.extras_json);
 }
 
-using Picture = nb::ndarray<nb::numpy, float, nb::shape<-1, -1, channel_count>, nb::c_contig>;
+using Picture = nb::ndarray<nb::numpy, float, nb::shape<-1, -1, -1>, nb::c_contig>;
 
 void render(const World& world, const Camera& camera, const Picture& picture, int samples,
             std::uint64_t seed, const nb::object& progress) {

@@ -47,7 +47,7 @@ nb::object encode_array(nb::handle ids_object) {
 
 nb::object paint_array(nb::handle ids_object, nb::handle responses_object, double gamma) {
   const auto map = int_array(ids_object, "ids", {-1, -1});
-  const auto responses = float_array(responses_object, "responses", {-1, channel_count});
+  const auto responses = float_array(responses_object, "responses", {-1, rgb_bands});
   if (!(gamma > 0)) throw Error("gamma: expected a number over 0, found " + std::to_string(gamma));
   const auto count = static_cast<std::int32_t>(responses.shape(0));
   const std::span<const std::int32_t> map_span(map.data(), map.size());

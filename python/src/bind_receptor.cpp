@@ -48,35 +48,6 @@ nb::object views(const Eye& eye) {
                         take(std::move(made.view_of_receptor), {receptors}));
 }
 
-using Output = nb::ndarray<nb::numpy, float, nb::ndim<2>, nb::c_contig>;
-
-void apply(nb::handle radiance_object, nb::handle matrix_object, nb::handle view_object,
-           nb::handle type_object, bool magnitudes, const Output& out) {
-  const auto radiance = float_array(radiance_object, "radiance", {-1, -1, channel_count});
-  const auto matrix = double_array(matrix_object, "matrix", {-1, channel_count});
-  const auto receptors = static_cast<std::int64_t>(out.shape(1));
-  const auto view = int_array(view_object, "view_of_receptor", {receptors});
-  const auto type = int_array(type_object, "receptor_type", {receptors});
-  if (radiance.shape(0) != out.shape(0))
-    throw Error("out: expected as many poses as radiance has, found " +
-                std::to_string(out.shape(0)));
-  // Indices of other eyes would be read outside of the arrays.
-  const auto check = [](const InputArray<std::int32_t>& indices, std::size_t end,
-                        const char* name) {
-    for (std::size_t r = 0; r < indices.size(); ++r)
-      if (indices.data()[r] < 0 || static_cast<std::size_t>(indices.data()[r]) >= end)
-        throw Error(std::string(name) + ": expected numbers under " + std::to_string(end) +
-                    ", found " + std::to_string(indices.data()[r]));
-  };
-  check(view, radiance.shape(1), "view_of_receptor");
-  check(type, matrix.shape(0), "matrix: fewer rows than types; receptor_type");
-  run_long_work([&] {
-    apply_receptor_matrix({radiance.data(), radiance.size()}, {matrix.data(), matrix.size()},
-                          {view.data(), view.size()}, {type.data(), type.size()}, radiance.shape(1),
-                          magnitudes, {out.data(), out.size()});
-  });
-}
-
 }  // namespace
 
 void bind_receptor(nb::module_& m) {
@@ -94,14 +65,6 @@ void bind_receptor(nb::module_& m) {
                 "collections.abc.Sequence[float]) -> list[float]"));
   m.def("receptor_views", &views, nb::arg("eye"),
         nb::sig("def receptor_views(eye: Eye) -> tuple[Eye, numpy.typing.NDArray[numpy.int32]]"));
-  m.def("apply_receptor_matrix", &apply, nb::arg("radiance"), nb::arg("matrix"),
-        nb::arg("view_of_receptor"), nb::arg("receptor_type"), nb::arg("magnitudes"),
-        nb::arg("out"),
-        nb::sig("def apply_receptor_matrix(radiance: numpy.typing.NDArray[numpy.float32], matrix: "
-                "numpy.typing.NDArray[numpy.float64], view_of_receptor: "
-                "numpy.typing.NDArray[numpy.int32], receptor_type: "
-                "numpy.typing.NDArray[numpy.int32], magnitudes: bool, out: "
-                "numpy.typing.NDArray[numpy.float32]) -> None"));
 }
 
 }  // namespace omma::python

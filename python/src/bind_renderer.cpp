@@ -48,6 +48,8 @@ using Output = nb::ndarray<nb::numpy, float, nb::ndim<3>, nb::c_contig>;
 using CountOutput = nb::ndarray<nb::numpy, std::int32_t, nb::ndim<2>, nb::c_contig>;
 using RayOutput = nb::ndarray<nb::numpy, float, nb::ndim<4>, nb::c_contig>;
 
+using Matrix = nb::ndarray<nb::numpy, const double, nb::ndim<2>, nb::c_contig>;
+
 std::span<float> span_of(const Output& output) {
   return {output.data(), output.size()};
 }
@@ -55,8 +57,10 @@ std::span<float> span_of(const Output& output) {
 void render(const Renderer& renderer, const Poses& poses, const Output& responses,
             const std::optional<Output>& standard_error, const std::optional<CountOutput>& rays,
             const std::optional<RayOutput>& ray_radiance, std::optional<std::uint64_t> first_pose,
-            const nb::object& progress) {
+            const std::optional<Matrix>& output_from_band, const nb::object& progress) {
   RenderCall call;
+  if (output_from_band)
+    call.output_from_band = {output_from_band->data(), output_from_band->size()};
   call.first_pose = first_pose;
   if (standard_error) call.standard_error = span_of(*standard_error);
   if (rays) call.rays = {rays->data(), rays->size()};
@@ -140,12 +144,13 @@ void bind_renderer(nb::module_& m) {
       .def("render", &render, nb::arg("poses").noconvert(), nb::arg("responses").noconvert(),
            nb::arg("standard_error").noconvert().none(), nb::arg("rays").noconvert().none(),
            nb::arg("ray_radiance").noconvert().none(), nb::arg("first_pose").none(),
-           nb::arg("progress").none(),
+           nb::arg("output_from_band").noconvert().none(), nb::arg("progress").none(),
            nb::sig("def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: "
                    "numpy.typing.NDArray[numpy.float32], standard_error: "
                    "numpy.typing.NDArray[numpy.float32] | None, rays: "
                    "numpy.typing.NDArray[numpy.int32] | None, ray_radiance: "
-                   "numpy.typing.NDArray[numpy.float32] | None, first_pose: int | None, progress: "
+                   "numpy.typing.NDArray[numpy.float32] | None, first_pose: int | None, "
+                   "output_from_band: numpy.typing.NDArray[numpy.float64] | None, progress: "
                    "collections.abc.Callable[[float], object] | None) -> None"))
       .def(
           "precision_warning",
@@ -157,6 +162,7 @@ void bind_renderer(nb::module_& m) {
           nb::sig("def precision_warning(self, poses: numpy.typing.NDArray[numpy.float64]) -> str"))
       .def_prop_ro("eye", &Renderer::eye, nb::rv_policy::reference_internal)
       .def_prop_ro("settings", &Renderer::settings, nb::rv_policy::reference_internal)
+      .def_prop_ro("bands", [](const Renderer& r) { return r.world().bands(); })
       .def_prop_ro("threads", &Renderer::threads)
       .def_prop_ro("rays_per_frame", &Renderer::rays_per_frame)
       .def_prop_ro(
@@ -173,7 +179,8 @@ void bind_renderer(nb::module_& m) {
       .def_prop_ro("build_times", &build_times,
                    nb::for_getter(nb::sig("def build_times(self, /) -> dict[str, float]")));
 
-  m.attr("channel_count") = channel_count;
+  m.attr("rgb_bands") = rgb_bands;
+  m.attr("most_bands") = most_bands;
   m.attr("error_scrambles") = error_scrambles;
   m.def(
       "look_at",

@@ -7,6 +7,7 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "arrays.h"
 #include "omma/world.h"
@@ -52,14 +53,15 @@ void bind_world(nb::module_& m) {
           "__init__",
           [](World* self, std::shared_ptr<Scene> scene, int threads,
              std::optional<Background> background, std::string backend,
-             const nb::object& progress) {
-            WorldSettings settings{threads, std::move(background), std::move(backend)};
+             std::vector<double> band_from_rgb, const nb::object& progress) {
+            WorldSettings settings{threads, std::move(background), std::move(backend),
+                                   std::move(band_from_rgb)};
             run_with_progress(progress, [&](const std::function<bool(double)>& report) {
               new (self) World(std::move(scene), std::move(settings), report);
             });
           },
           nb::arg("scene"), nb::arg("threads"), nb::arg("background").none(), nb::arg("backend"),
-          nb::arg("progress").none())
+          nb::arg("band_from_rgb"), nb::arg("progress").none())
       .def(
           "with_background",
           [](const World& world, const Background& background) {
@@ -89,6 +91,7 @@ void bind_world(nb::module_& m) {
           },
           nb::arg("poses").noconvert(),
           nb::sig("def precision_warning(self, poses: numpy.typing.NDArray[numpy.float64]) -> str"))
+      .def_prop_ro("bands", &World::bands)
       .def_prop_ro("threads", &World::threads)
       .def_prop_ro("backend", &World::backend)
       .def_prop_ro("build_times", &build_times,

@@ -9,9 +9,6 @@
 namespace omma {
 namespace {
 
-// Shared structures need the inverse of the transform in single precision, where that of a smaller
-// determinant would underflow.
-
 // About 75 MB of acceleration structure.
 constexpr std::size_t most_copied_triangles = std::size_t(1) << 20;
 
@@ -20,9 +17,8 @@ Mat4 moved(Mat4 t, Vec3d by) {
   return t;
 }
 
-// Metres of a mesh per metre of the world, along the direction that its transform stretches most:
-// one over the largest singular value of A, whose square is the largest eigenvalue of B = A^T A
-// (closed form of a symmetric 3x3: O. K. Smith 1961, doi:10.1145/355578.366316).
+}  // namespace
+
 float mesh_per_world(const Mat4& world_from_mesh) {
   double b[3][3] = {};
   for (int i = 0; i < 3; ++i)
@@ -43,14 +39,12 @@ float mesh_per_world(const Mat4& world_from_mesh) {
   return largest > 0 ? static_cast<float>(1 / std::sqrt(largest)) : 0.0f;
 }
 
-}  // namespace
-
 void place_instance(SceneLayout& layout, std::size_t index, const Placement& placement) {
   PlacedInstance& instance = layout.instances[index];
   const Mat4& world_from_mesh =
       placement.world_from_mesh[static_cast<std::size_t>(instance.instance)];
   Mat4 t = moved(world_from_mesh, placement.origin_m * -1.0);
-  layout.placed[index] = {instance.mesh, mesh_per_world(t)};
+  layout.placed[index] = {instance.mesh, mesh_per_world(t), instance.instance};
   if (instance.is_shared)
     t = moved(t, transform_vector(
                      t, layout.mesh_origin_m[static_cast<std::size_t>(instance.mesh)]));

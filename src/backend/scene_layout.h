@@ -11,6 +11,11 @@
 
 namespace omma {
 
+// Metres of a mesh per metre of the world, along the direction that its transform stretches most:
+// one over the largest singular value of A, whose square is the largest eigenvalue of B = A^T A
+// (closed form of a symmetric 3x3: O. K. Smith 1961, doi:10.1145/355578.366316).
+float mesh_per_world(const Mat4& world_from_mesh);
+
 // An instance whose mesh has triangles.
 struct PlacedInstance {
   std::int32_t instance = 0;  // index into Scene::instances

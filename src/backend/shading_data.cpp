@@ -125,8 +125,11 @@ std::unique_ptr<ShadingData> make_shading_data(const Scene& scene) {
 
   for (const Mesh& mesh : scene.meshes) {
     MeshView view;
-    if (large && !mesh.triangles.empty())
-      view.vertex_of_corner = reinterpret_cast<const std::int32_t*>(mesh.triangles[0].data());
+    if (!mesh.triangles.empty()) {
+      view.positions = &mesh.positions.data()->x;
+      view.triangles = reinterpret_cast<const std::int32_t*>(mesh.triangles[0].data());
+    }
+    if (large) view.vertex_of_corner = view.triangles;
     view.material =
         mesh.material >= 0 ? mesh.material : static_cast<std::int32_t>(scene.materials.size());
     if (mesh.material >= 0) {

@@ -4,8 +4,8 @@
 #pragma once
 
 #include "physics/background.h"
+#include "physics/hits.h"
 #include "physics/passed.h"
-#include "physics/rays.h"
 #include "physics/surface.h"
 
 namespace omma {
@@ -13,13 +13,6 @@ namespace omma {
 // Below this fraction what lies behind cannot change a response: it is less than a float's
 // resolution of 1.
 inline constexpr float least_throughput = 1e-7f;
-
-// What each ray met, [lane].
-template <typename L>
-struct Hits {
-  alignas(L::count * 4) std::int32_t mesh[L::count];  // index, -1 for none
-  alignas(L::count * 4) float footprint_m[L::count];  // of the ray there, in metres of the mesh
-};
 
 // Linear RGB and the fraction of what lies behind that is covered, [lane].
 template <typename L>
@@ -38,51 +31,24 @@ OMMA_HD void clear_hits(RayPacket<L::count>& rays) {
   }
 }
 
-template <typename L>
-OMMA_HD void find_meshes(const PlacedMesh* placed, const Packet<L>& packet, Hits<L>& hits) {
-  using F = typename L::F;
-  using I = typename L::I;
-  static_assert(sizeof(PlacedMesh) == 8);
-  for (int l = 0; l < L::count; l += L::width) {
-    const I geometry = load<I>(packet.rays.geometry + l), instance = load<I>(packet.rays.instance + l);
-    const I top = instance < 0 ? geometry : instance;  // `none` is -1
-    const Pair<I> found = gather_pair(&placed->mesh, top < 0 ? top * 0 : top);
-    store(hits.mesh + l, geometry < 0 ? geometry : found.first);
-    store(hits.footprint_m + l, load<F>(packet.footprint_rad + l) *
-                                    load<F>(packet.rays.t_far_m + l) * float_of(found.second));
-  }
-}
-
-// Colours of the lanes that met a surface, mesh by mesh: mostly all lanes see the same one.
+// Colours of the lanes that met a surface.
 template <typename L>
 OMMA_HD void eval_surfaces(const SceneView& scene, const RayPacket<L::count>& rays,
                            const Hits<L>& hits, PacketColor<L>& color) {
   using F = typename L::F;
   using I = typename L::I;
-  unsigned left = 0;
-  for (int l = 0; l < L::count; l += L::width)
-    left |= lane_bits(load<I>(hits.mesh + l) >= 0) << l;
-  while (left != 0) {
-    const std::int32_t current = hits.mesh[lowest_bit(left)];
-    unsigned members = 0;
-    for (int l = 0; l < L::count; l += L::width)
-      members |= lane_bits(load<I>(hits.mesh + l) == current) << l;
-    left &= ~members;
-    for (int l = 0; l < L::count; l += L::width) {
-      if ((members >> l & ((1u << L::width) - 1)) == 0) continue;
-      const auto is_member = load<I>(hits.mesh + l) == current;
-      // Lanes of other meshes, and without a hit, hold anything; they go through as zeros.
-      const auto of_members = [&](const float* p) { return keep(is_member, load<F>(p + l)); };
-      const SurfaceColor<F> s =
-          eval_surface(scene, scene.meshes[current],
-                       SurfacePoint<F, I>{keep(is_member, load<I>(rays.triangle + l)),
-                                          of_members(rays.u), of_members(rays.v),
-                                          of_members(hits.footprint_m)});
-      for (int c = 0; c < 3; ++c)
-        store(color.rgb[c] + l, is_member ? s.rgb[c] : load<F>(color.rgb[c] + l));
-      store(color.alpha + l, is_member ? s.alpha : load<F>(color.alpha + l));
-    }
-  }
+  for_each_mesh(hits, [&](std::int32_t mesh, int l, const auto& is_member) {
+    // Lanes of other meshes, and without a hit, hold anything; they go through as zeros.
+    const auto of_members = [&](const float* p) { return keep(is_member, load<F>(p + l)); };
+    const SurfaceColor<F> s =
+        eval_surface(scene, scene.meshes[mesh],
+                     SurfacePoint<F, I>{keep(is_member, load<I>(rays.triangle + l)),
+                                        of_members(rays.u), of_members(rays.v),
+                                        of_members(hits.footprint_m)});
+    for (int c = 0; c < 3; ++c)
+      store(color.rgb[c] + l, is_member ? s.rgb[c] : load<F>(color.rgb[c] + l));
+    store(color.alpha + l, is_member ? s.alpha : load<F>(color.alpha + l));
+  });
 }
 
 // The background, which covers all, of all lanes at once.
@@ -135,7 +101,7 @@ OMMA_HD void eval_closest(const SceneView& scene, Search& search, const std::int
   using I = typename L::I;
   clear_hits<L>(packet.rays);
   search.closest(active, packet.rays, passed);
-  find_meshes<L>(search.placed(), packet, hits);
+  find_hits<L>(search.placed(), packet, hits);
   unsigned misses = 0;
   for (int l = 0; l < L::count; l += L::width)
     misses |= lane_bits(load<I>(hits.mesh + l) < 0) << l;

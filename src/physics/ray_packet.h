@@ -31,11 +31,12 @@ struct alignas(count >= 16 ? 64 : 4) RayPacket {
   std::uint32_t spare[count];  // newer versions of Embree write one more number
 };
 
-// A placed surface: which mesh, and metres of the mesh per metre of the world along the direction
-// that its transform stretches most.
-struct PlacedMesh {
+// A placed surface: which mesh; metres of the mesh per metre of the world along the direction that
+// its transform stretches most; and which instance of the scene.
+struct alignas(16) PlacedMesh {
   std::int32_t mesh = -1;
   float mesh_per_world = 0;
+  std::int32_t instance = -1;
 };
 
 }  // namespace omma

@@ -45,6 +45,8 @@ struct MeshView {
   // What is known of a cut-out before its image is asked (physics/opacity.h), or null.
   const std::int32_t* opacity = nullptr;    // [triangle]
   std::int32_t material = 0;                // index into SceneView::materials
+  const float* positions = nullptr;         // [vertex][3], m, in the mesh's frame
+  const std::int32_t* triangles = nullptr;  // [triangle][3], vertices
 };
 
 struct BackgroundView {
@@ -64,6 +66,7 @@ struct SceneView {
   // [power_22_size] t^2.2 at t = i / (power_22_size - 1) with ColorRule::compoundray, else null.
   const float* power_22 = nullptr;
   const std::int32_t* opacity_states = nullptr;  // where there are opacity maps
+  const float* frame_from_mesh = nullptr;  // [instance of the scene][3][4], traced frame, row major
   bool has_blend = false;  // whether any surface lets light through in part
   // What linear RGB is in each band: [bands][3], or null where the bands are RGB itself.
   int bands = 3;

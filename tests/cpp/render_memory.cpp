@@ -76,7 +76,7 @@ TEST(RenderMemory, OfSharedRaysGoesWithTheRenderer) {
   const Eye eye = make_eye(sphere_directions(1000), 20 * degree);
   const std::vector<Mat4> poses(8);
   const World world(std::make_shared<const Scene>(flat_triangles(1, 10)));
-  std::vector<float> responses(poses.size() * eye.size() * channel_count);
+  std::vector<float> responses(poses.size() * eye.size() * rgb_bands);
   const auto render_once = [&](int samples) {
     RenderSettings settings;
     settings.samples = samples;

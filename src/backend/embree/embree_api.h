@@ -79,6 +79,14 @@ OMMA_HD void intersect_16(RTCScene scene, const int* valid,
                                                         IntersectArguments& arguments) {
   rtcIntersect16(valid, scene, &rays, &arguments.arguments);
 }
+OMMA_HD void occluded_16(RTCScene scene, const int* valid, RTCRay16& rays,
+                         IntersectArguments& arguments) {
+  RTCOccludedArguments occluded;
+  rtcInitOccludedArguments(&occluded);
+  occluded.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  occluded.context = &arguments.context;
+  rtcOccluded16(valid, scene, &rays, &occluded);
+}
 #else
 struct QueryContext : RTCIntersectContext {
   const PassedSurfaces<16>* passed = nullptr;
@@ -94,6 +102,10 @@ OMMA_HD void intersect_16(RTCScene scene, const int* valid,
                                                         RTCRayHit16& rays,
                                                         IntersectArguments& arguments) {
   rtcIntersect16(valid, scene, &arguments.context, &rays);
+}
+OMMA_HD void occluded_16(RTCScene scene, const int* valid, RTCRay16& rays,
+                         IntersectArguments& arguments) {
+  rtcOccluded16(valid, scene, &arguments.context, &rays);
 }
 #endif
 

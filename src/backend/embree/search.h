@@ -18,6 +18,17 @@ struct EmbreeSearch {
     // Only what is nearer than what was found is looked for.
     if (tracer->moving != nullptr) intersect_16(tracer->moving, valid, rays_of(rays), arguments);
   }
+  // A bit for each valid ray that meets an accepted surface between its t_near and t_far; one that
+  // lets light through in part counts as any other. Nothing of the rays is kept.
+  OMMA_HD unsigned occluded(const std::int32_t* valid, RayPacket<16> rays) {
+    arguments.context.passed = nullptr;
+    RTCRay16& as_embree = rays_of(rays).ray;
+    occluded_16(tracer->scene, valid, as_embree, arguments);
+    if (tracer->moving != nullptr) occluded_16(tracer->moving, valid, as_embree, arguments);
+    unsigned bits = 0;
+    for (int l = 0; l < 16; ++l) bits |= (valid[l] != 0 && rays.t_far_m[l] < 0 ? 1u : 0u) << l;
+    return bits;
+  }
   OMMA_HD const PlacedMesh* placed() const {
     return tracer->placed.data();
   }

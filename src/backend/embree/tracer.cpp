@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "backend/embree/filter.h"
+#include "backend/scene_layout.h"
 #include "omma/error.h"
 #include "threads/parallel.h"
 
@@ -83,6 +84,7 @@ Geometry make_geometry(EmbreeTracer& tracer, const Mesh& mesh, std::int32_t mesh
     tracer.filters.push_back(std::make_unique<FilterData>(
         FilterData{&view, mesh_index, &tracer, positions, mesh.triangles.data()}));
     rtcSetGeometryUserData(geometry.get(), tracer.filters.back().get());
+    rtcSetGeometryOccludedFilterFunction(geometry.get(), filter);
     rtcSetGeometryIntersectFilterFunction(geometry.get(), filter);
   }
   rtcCommitGeometry(geometry.get());
@@ -127,36 +129,13 @@ struct Build {
   }
 };
 
-// Metres of a mesh per metre of the world, along the direction that its transform stretches most:
-// one over the largest singular value of A, whose square is the largest eigenvalue of B = A^T A
-// (closed form of a symmetric 3x3: O. K. Smith 1961, doi:10.1145/355578.366316).
-float mesh_per_world(const Mat4& world_from_mesh) {
-  double b[3][3] = {};
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      for (int k = 0; k < 3; ++k) b[i][j] += world_from_mesh.m[k][i] * world_from_mesh.m[k][j];
-  const double mean = (b[0][0] + b[1][1] + b[2][2]) / 3;
-  for (int i = 0; i < 3; ++i) b[i][i] -= mean;
-  double squares = 0;
-  for (const auto& row : b)
-    for (const double value : row) squares += value * value;
-  const double spread = std::sqrt(squares / 6);
-  const double det = b[0][0] * (b[1][1] * b[2][2] - b[1][2] * b[2][1]) -
-                     b[0][1] * (b[1][0] * b[2][2] - b[1][2] * b[2][0]) +
-                     b[0][2] * (b[1][0] * b[2][1] - b[1][1] * b[2][0]);
-  const double cosine =
-      spread > 0 ? std::clamp(det / (2 * spread * spread * spread), -1.0, 1.0) : 1.0;
-  const double largest = mean + 2 * spread * std::cos(std::acos(cosine) / 3);
-  return largest > 0 ? static_cast<float>(1 / std::sqrt(largest)) : 0.0f;
-}
-
 // A geometry of one of the top scenes.
 void attach(EmbreeTracer& tracer, RTCScene top, RTCGeometry geometry, unsigned id,
-            std::int32_t mesh, const Mat4& world_from_mesh) {
+            std::int32_t mesh, std::size_t instance, const Mat4& world_from_mesh) {
   rtcAttachGeometryByID(top, geometry, id);
   check(tracer.device, "placing a mesh");
   tracer.filter_of[id] = static_cast<const FilterData*>(rtcGetGeometryUserData(geometry));
-  tracer.placed[id] = {mesh, mesh_per_world(world_from_mesh)};
+  tracer.placed[id] = {mesh, mesh_per_world(world_from_mesh), static_cast<std::int32_t>(instance)};
 }
 
 // A mesh in a scene of its own, to be instanced; about its own origin where it has one.
@@ -186,12 +165,12 @@ void place(EmbreeTracer& tracer, RTCGeometry instance, std::size_t m,
 
 // An instance in one of the top scenes.
 void add_instance(EmbreeTracer& tracer, RTCScene top, unsigned id, std::int32_t mesh,
-                  const Mat4& traced_from_mesh) {
+                  std::size_t instance, const Mat4& traced_from_mesh) {
   const auto m = static_cast<std::size_t>(mesh);
   const Geometry geometry = new_geometry(tracer.device, RTC_GEOMETRY_TYPE_INSTANCE);
   rtcSetGeometryInstancedScene(geometry.get(), tracer.scene_of_mesh[m]);
   place(tracer, geometry.get(), m, traced_from_mesh);
-  attach(tracer, top, geometry.get(), id, mesh, traced_from_mesh);
+  attach(tracer, top, geometry.get(), id, mesh, instance, traced_from_mesh);
 }
 
 std::unique_ptr<EmbreeTracer> new_tracer(const Scene& scene, const Placement& placement) {
@@ -285,12 +264,12 @@ std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const Scene
     const bool invertible = std::fabs(det) > least_determinant;
     if (!invertible || (tracer->scene_of_mesh[m] == nullptr && det > 0)) {
       attach(*tracer, tracer->scene, make_geometry(*tracer, mesh, index, t, view).get(), id++,
-             index, t);
+             index, i, t);
       placed_triangles += mesh.triangles.size();
       continue;
     }
     build_mesh(*tracer, scene, m, view, compact, build);
-    add_instance(*tracer, tracer->scene, id++, index, t);
+    add_instance(*tracer, tracer->scene, id++, index, i, t);
   }
   build.commit(tracer->scene, placed_triangles);
   if (moving == 0) return tracer;
@@ -303,7 +282,7 @@ std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const Scene
     const auto m = static_cast<std::size_t>(index);
     if (tracer->moving_id[i] == RTC_INVALID_GEOMETRY_ID) continue;
     build_mesh(*tracer, scene, m, view, compact, build);
-    add_instance(*tracer, tracer->moving, tracer->moving_id[i], index, transform_of(i));
+    add_instance(*tracer, tracer->moving, tracer->moving_id[i], index, i, transform_of(i));
   }
   build.commit(tracer->moving, 0);
   return tracer;

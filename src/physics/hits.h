@@ -1,0 +1,143 @@
+// What rays met, and where light goes on from there.
+#pragma once
+
+#include "physics/rays.h"
+#include "physics/scene_view.h"
+
+namespace omma {
+
+// What each ray met, [lane].
+template <typename L>
+struct Hits {
+  alignas(L::count * 4) std::int32_t mesh[L::count];      // index, -1 for none
+  alignas(L::count * 4) std::int32_t instance[L::count];  // of the scene, where there is a mesh
+  alignas(L::count * 4) float footprint_m[L::count];      // of the ray there, in metres of the mesh
+};
+
+template <typename L>
+OMMA_HD void find_hits(const PlacedMesh* placed, const Packet<L>& packet, Hits<L>& hits) {
+  using F = typename L::F;
+  using I = typename L::I;
+  static_assert(sizeof(PlacedMesh) == 16);
+  for (int l = 0; l < L::count; l += L::width) {
+    const I geometry = load<I>(packet.rays.geometry + l);
+    const I instance = load<I>(packet.rays.instance + l);
+    const I top = instance < 0 ? geometry : instance;  // `none` is -1
+    const I index = top < 0 ? top * 0 : top;
+    const Pair<I> found = gather_pair(&placed->mesh, index * 2);
+    store(hits.mesh + l, geometry < 0 ? geometry : found.first);
+    store(hits.instance + l, gather(&placed->instance, index * 4));
+    store(hits.footprint_m + l, load<F>(packet.footprint_rad + l) *
+                                    load<F>(packet.rays.t_far_m + l) * float_of(found.second));
+  }
+}
+
+// Calls `eval(mesh, l, is_member)` for lanes from l on of each mesh that was met: mostly all lanes
+// see the same one.
+template <typename L, typename Eval>
+OMMA_HD void for_each_mesh(const Hits<L>& hits, const Eval& eval) {
+  using I = typename L::I;
+  unsigned left = 0;
+  for (int l = 0; l < L::count; l += L::width)
+    left |= lane_bits(load<I>(hits.mesh + l) >= 0) << l;
+  while (left != 0) {
+    const std::int32_t mesh = hits.mesh[lowest_bit(left)];
+    unsigned members = 0;
+    for (int l = 0; l < L::count; l += L::width)
+      members |= lane_bits(load<I>(hits.mesh + l) == mesh) << l;
+    left &= ~members;
+    for (int l = 0; l < L::count; l += L::width)
+      if ((members >> l & ((1u << L::width) - 1)) != 0)
+        eval(mesh, l, load<I>(hits.mesh + l) == mesh);
+  }
+}
+
+// Where surfaces were met, in the traced frame, [lane].
+template <typename L>
+struct HitGeometry {
+  alignas(L::count * 4) float position[3][L::count];  // m
+  // Unit, towards the side from which corners are seen counter-clockwise. Normals of vertices are not
+  // read, so light is shaded by this one too.
+  alignas(L::count * 4) float normal[3][L::count];
+  // The largest coordinate of the triangle's corners, in magnitude, m: by it places on the surface
+  // are known.
+  alignas(L::count * 4) float reach_m[L::count];
+};
+
+template <typename L>
+OMMA_HD void eval_geometry(const SceneView& scene, const RayPacket<L::count>& rays,
+                           const Hits<L>& hits, HitGeometry<L>& geometry) {
+  using F = typename L::F;
+  using I = typename L::I;
+  for_each_mesh(hits, [&](std::int32_t mesh, int l, const auto& is_member) {
+    const MeshView& view = scene.meshes[mesh];
+    const I triangle = keep(is_member, load<I>(rays.triangle + l));
+    const I frame = keep(is_member, load<I>(hits.instance + l)) * 12;
+    const F weight_1 = load<F>(rays.u + l), weight_2 = load<F>(rays.v + l);
+    const F weight[3] = {1.0f - weight_1 - weight_2, weight_1, weight_2};
+    F m[3][4], corner[3][3], position[3] = {}, reach = {};
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 4; ++c) m[r][c] = gather(scene.frame_from_mesh + 4 * r + c, frame);
+    for (int k = 0; k < 3; ++k) {
+      const I vertex = gather(view.triangles + k, triangle * 3) * 3;
+      F own[3];
+      for (int a = 0; a < 3; ++a) own[a] = gather(view.positions + a, vertex);
+      for (int r = 0; r < 3; ++r) {
+        F& x = corner[k][r];
+        x = m[r][0] * own[0] + m[r][1] * own[1] + m[r][2] * own[2] + m[r][3];
+        position[r] = position[r] + weight[k] * x;
+        const F size = x < 0.0f ? -x : x;
+        reach = size > reach ? size : reach;
+      }
+    }
+    F e1[3], e2[3];
+    for (int r = 0; r < 3; ++r) {
+      e1[r] = corner[1][r] - corner[0][r];
+      e2[r] = corner[2][r] - corner[0][r];
+    }
+    // A mirrored mesh is seen from the side on which its own corners go counter-clockwise.
+    const F det = m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) +
+                  m[0][1] * (m[1][2] * m[2][0] - m[1][0] * m[2][2]) +
+                  m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+    const F side = det < 0.0f ? broadcast<F>(-1.0f) : broadcast<F>(1.0f);
+    F n[3] = {e1[1] * e2[2] - e1[2] * e2[1], e1[2] * e2[0] - e1[0] * e2[2],
+              e1[0] * e2[1] - e1[1] * e2[0]};
+    // Scaled first, so that squares of small areas do not vanish.
+    F largest = {};
+    for (F& x : n) {
+      const F size = x < 0.0f ? -x : x;
+      largest = size > largest ? size : largest;
+    }
+    const F scale = 1.0f / (largest > 0.0f ? largest : broadcast<F>(1.0f));
+    for (F& x : n) x = x * scale;
+    const F length = sqrt_lanes(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    const F unit = side / (length > 0.0f ? length : broadcast<F>(1.0f));
+    const auto set = [&](float* values, F value) {
+      store(values + l, is_member ? value : load<F>(values + l));
+    };
+    for (int r = 0; r < 3; ++r) {
+      set(geometry.position[r], position[r]);
+      set(geometry.normal[r], n[r] * unit);
+    }
+    set(geometry.reach_m, reach);
+  });
+}
+
+// A ray that leaves a surface starts so far above it that it does not meet it again, on its own side
+// of the triangle: rounding puts places on it, and what a search computes of its plane, off by some
+// multiples of float's resolution of its corners' coordinates. Waechter and Binder 2019 (Ray Tracing
+// Gems, chapter 6) go by the resolution of the place itself instead, which fails where triangles are
+// large beside their distance from the origin, or scenes are of micrometres. `towards`: the new
+// direction; all of one lane.
+inline constexpr float leave_resolutions = 0x1p-19f;  // 32 of them
+
+template <typename F>
+OMMA_HD void leave_surface(const F (&position)[3], const F (&normal)[3], F reach_m,
+                           const F (&towards)[3], F (&origin)[3]) {
+  const F along = normal[0] * towards[0] + normal[1] * towards[1] + normal[2] * towards[2];
+  const F distance = reach_m * leave_resolutions;
+  const F step = along < 0.0f ? -distance : distance;
+  for (int r = 0; r < 3; ++r) origin[r] = position[r] + normal[r] * step;
+}
+
+}  // namespace omma
