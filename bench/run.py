@@ -30,7 +30,8 @@ import make_performance_figures  # noqa: E402
 import report  # noqa: E402
 from make_large_scene import write_scene  # noqa: E402
 
-PARTS = ("ceiling", "error", "frames", "latency", "threads", "kernels", "build", "instructions")
+PARTS = ("ceiling", "error", "frames", "latency", "threads", "kernels", "build", "moving",
+         "instructions")  # fmt: skip
 COUNTED = ("1", "16", "16-plain", "16-random", "16-shared", "target")
 
 

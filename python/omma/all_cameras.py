@@ -23,7 +23,7 @@ from omma.files import (
 )
 from omma.picture_files import paint_of_projection, write_png
 from omma.projections import LISTS, Picture, projection_size
-from omma.render_settings import fixed_samples
+from omma.render_settings import check_picture_settings, fixed_samples
 from omma.renderer import BUILDING, READING, Progress, Renderer
 from omma.rendering import Stage
 from omma.world import World
@@ -117,6 +117,7 @@ def render_all_cameras(
             warnings.append(warning)
         projection_size(of_camera, shown[-1], *_size(shown[-1], width, height))
     rays = fixed_samples(samples, "pictures")
+    check_picture_settings(rays, seed, threads, kernel, sampling)
     seen = World(
         world,
         background=parse_background(background) if isinstance(background, str) else background,

@@ -64,6 +64,29 @@ def render_settings(
     )
 
 
+def check_picture_settings(
+    samples: int,
+    seed: int,
+    threads: int,
+    kernel: str = "own",
+    sampling: str = "low_discrepancy",
+) -> None:
+    """Raises what a renderer with these settings would, before a world is made for them."""
+    render_settings(
+        samples=samples,
+        error=None,
+        min_samples=None,
+        max_samples=None,
+        seed=seed,
+        kernel=kernel,
+        sampling=sampling,
+        threads=threads,
+        footprints=True,
+        share_rays=False,
+        noise="frozen",
+    )
+
+
 def fixed_samples(samples: Samples, what: str) -> int:
     """``samples`` where it is a number; omma.Error says that ``what`` needs one."""
     if isinstance(samples, str):

@@ -46,7 +46,7 @@ from omma.picture_files import (
 from omma.poses import Matrices, load_poses, poses_from_angles
 from omma.receptor_files import receptor_writers
 from omma.render_pieces import render_of_ommatidia, render_of_receptors, render_pieces
-from omma.render_settings import Samples, fixed_samples
+from omma.render_settings import Samples, check_picture_settings, fixed_samples
 from omma.renderer import BUILDING, READING, Renderer
 from omma.resuming import KeptRender, inputs_of
 from omma.sampling_report import SpentRays
@@ -203,6 +203,7 @@ def render_file(
         _check_picture_arguments(node, names, [name for name, given in of_eyes.items() if given])
         size = picture_size(node, width, height)
         rays = fixed_samples(samples, "a picture")
+        check_picture_settings(rays, seed, threads)
         seen = World(world, threads=threads, background=backdrop, progress=partial(tell, BUILDING))
         return _render_picture(seen, node, names, size, rays, seed, gamma, start, tell)
     if ultraviolet is not None and not receptors:

@@ -312,6 +312,8 @@ TEST(GltfNode, OneMeshUnderManyNodesIsStoredOnce) {
   EXPECT_EQ(scene.meshes.size(), 2u);      // one for each primitive
   EXPECT_EQ(scene.instances.size(), 20u);  // one for each node and primitive
   EXPECT_EQ(triangle_count(scene), 20u);
+  for (std::size_t i = 0; i < 20; ++i)  // both primitives know the node that places them
+    EXPECT_EQ(scene.instances[i].node, static_cast<int>(i / 2));
 }
 
 TEST(GltfScene, TheDefaultOrTheOneAskedFor) {

@@ -38,7 +38,11 @@ def arena(tmp_path_factory):
     path = write_gltf(tmp_path_factory.mktemp("arena") / "empty.gltf", triangles=False)
     surround = omma.Background.image(black_and_white())
     renderer = omma.Renderer(
-        omma.load_scene(path), make_eye(), background=surround, footprints=False
+        omma.load_scene(path),
+        make_eye(),
+        background=surround,
+        footprints=False,
+        noise="new_every_frame",
     )
     pose = np.eye(4)
     many = {name: renderer.with_eye(eye, samples=16384, seed=9) for name, eye in EYES.items()}

@@ -57,7 +57,9 @@ def test_what_is_returned_is_one_render(auto, flight):
     pieces = list(auto.render_iter(flight, standard_error=True, chunk=4))
     assert (np.stack([piece[0] for piece in pieces]) == responses).all()
     assert (np.stack([piece[1] for piece in pieces]) == report.standard_error).all()
-    part, part_report = auto.render(flight[3:], report=True, first_pose=3)
+    new = auto.with_eye(auto.eye, noise="new_every_frame")
+    responses, report = new.render(flight, report=True)
+    part, part_report = new.render(flight[3:], report=True, first_pose=3)
     assert (part == responses[3:]).all()
     assert (part_report.rays == report.rays[3:]).all()
 

@@ -197,6 +197,7 @@ def test_same_bits_for_any_number_of_threads(scene, eye, flight):
 @settings(max_examples=20, deadline=None)
 @given(st.integers(1, 12), st.booleans(), st.sampled_from([np.asarray, iter, list, tuple]))
 def test_render_iter_equals_render(renderer, flight, chunk, standard_error, form):
+    renderer = renderer.with_eye(renderer.eye, noise="new_every_frame")
     whole = renderer.render(flight, standard_error=standard_error, first_pose=5)
     pieces = list(
         renderer.render_iter(form(flight), chunk=chunk, standard_error=standard_error, first_pose=5)
