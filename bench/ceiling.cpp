@@ -83,6 +83,7 @@ void ceiling(bool quick) {
   std::vector<Setup> setups;
   if (have_data("the ceiling in natural-standin-sky")) setups.push_back(meadow());
   setups.push_back(bundled());
+  setups.push_back(bundled_opaque());
   setups.push_back(hills(quick ? 100 : 708));
   std::printf("scene,triangles,ommatidia,rays,ceiling_mrays_per_s,render_mrays_per_s\n");
   for (const Setup& setup : setups) {

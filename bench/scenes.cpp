@@ -128,6 +128,14 @@ Setup bundled() {
   return {"bundled meadow", scene, bundled_eye(), {find_camera(*scene, "bee").world_from_camera}};
 }
 
+Setup bundled_opaque() {
+  Setup setup = bundled();
+  Scene scene = *setup.scene;
+  for (Material& material : scene.materials) material.alpha_mode = AlphaMode::opaque;
+  return {"bundled meadow opaque", std::make_shared<const Scene>(std::move(scene)), setup.eye,
+          setup.poses};
+}
+
 Setup hills(int cells) {
   const auto height = [](double x, double z) {
     return 6 * std::sin(0.02 * x) * std::cos(0.017 * z) + 0.7 * std::sin(0.31 * x + 0.2 * z) +

@@ -37,6 +37,8 @@ Setup meadow();
 Setup arena();
 // The bundled meadow with its bee: cut-outs, many meshes, much overlap.
 Setup bundled();
+// The same with its cut-outs opaque: what cutting out costs.
+Setup bundled_opaque();
 // 2 cells^2 triangles of rolling ground over a square kilometre, textured with a checkerboard.
 Setup hills(int cells);
 // A plane of squares 0.05 m wide, seen from 1.5 m above.

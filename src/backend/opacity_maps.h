@@ -11,14 +11,15 @@
 
 namespace omma {
 
-// The states of a scene's maps take no more than this and so much for each triangle of a cut-out,
-// which is a fifth of what the triangle itself takes in Embree and as shading data.
+// The states of a scene's maps take no more than this, as much as an image of 360 x 360 texels, and
+// so much for each triangle of a cut-out, less than half of what that takes in Embree and as
+// shading data. Cards of leaves that are cut out alike share their states and take far less.
 inline constexpr std::size_t most_opacity_bytes = std::size_t(1) << 20;
 inline constexpr std::size_t most_opacity_bytes_per_triangle = 32;
 
 struct OpacityMaps {
-  std::vector<std::vector<std::int32_t>>
-      triangles;                     // [mesh][triangle], MeshView::opacity; or empty
+  // [mesh][triangle], MeshView::opacity; empty where a mesh is no cut-out.
+  std::vector<std::vector<std::int32_t>> triangles;
   std::vector<std::int32_t> states;  // SceneView::opacity_states
 };
 
