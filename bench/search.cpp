@@ -1,13 +1,13 @@
-// Our own search beside Embree's, on the same packets and one thread, in turns so that a disturbance
-// meets both: rtcIntersect16, coherent, and `closest` of physics/traverse.h.
+// Our own search beside Embree's, on the same packets and one thread, in turns so that a
+// disturbance meets both: rtcIntersect16, coherent, and `closest` of physics/traverse.h.
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
 #include <numeric>
 
-#include "packet_search.h"
 #include "backend/embree/block.h"
 #include "backend/shading_data.h"
+#include "packet_search.h"
 #include "scenes.h"
 
 namespace omma::bench {
@@ -15,7 +15,7 @@ namespace {
 
 // Packets of 16 as a render makes them, of a part of the eye.
 std::vector<RayPacket<16>> packets_of(const Setup& setup, int samples, const ShadingData& shading,
-                                    const EmbreeTracer& tracer) {
+                                      const EmbreeTracer& tracer) {
   RenderSettings settings;
   settings.samples = samples;
   const DirectionTables directions = make_direction_tables(setup.eye, settings);
@@ -144,8 +144,8 @@ void search(bool quick) {
       const Differences d = compare(ours, theirs);
       const double mrays = 16e-6 * static_cast<double>(made.size());
       std::printf("%s,%d,%.0f,%.2f,%.2f,%.2f,%zu,%zu,%.3f\n", setup.name.c_str(), samples,
-                  1e6 * mrays, mrays / embree_times.sum(), mrays / portable_times.sum(), mrays / single_times.sum(), d.in_one,
-                  d.elsewhere, build_s);
+                  1e6 * mrays, mrays / embree_times.sum(), mrays / portable_times.sum(),
+                  mrays / single_times.sum(), d.in_one, d.elsewhere, build_s);
       std::fflush(stdout);
     }
   }

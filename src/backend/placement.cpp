@@ -55,8 +55,8 @@ void place_instance(const Placement& placement, const Mat4& world_from_mesh,
   Mat4 t = moved(world_from_mesh, placement.origin_m * -1.0);
   placed = {instance.mesh, mesh_per_world(t)};
   if (instance.is_shared)
-    t = moved(t, transform_vector(
-                     t, placement.mesh_origin_m[static_cast<std::size_t>(instance.mesh)]));
+    t = moved(
+        t, transform_vector(t, placement.mesh_origin_m[static_cast<std::size_t>(instance.mesh)]));
   instance.frame_from_mesh = t;
 }
 
@@ -77,24 +77,27 @@ Placement place_instances(const Scene& scene, std::span<const Mat4> world_from_m
   placement.origin_m = origin_near(box);
   placement.half_size_m = half_size_m(box);
   placement.mesh_origin_m.resize(scene.meshes.size());
-  std::vector<bool> has_origin(scene.meshes.size(), false);
+  std::vector<bool> has_origin(scene.meshes.size(), false),
+      has_mirrored(scene.meshes.size(), false);
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
     const auto m = static_cast<std::size_t>(instance.mesh);
     if (scene.meshes[m].triangles.empty()) continue;
     // A mirrored mesh is shared even when used once: as a copy its triangles would face the wrong
-    // way. A flattened one never is: there is no inverse.
+    // way; its structure is then there for the instances behind it. A flattened one never is: there
+    // is no inverse.
     const Mat4& t = world_from_mesh[i];
-    const bool is_shared = can_be_shared(t) && (determinant(t) < 0 || is_moving[i] != 0 ||
-                                                (is_large && uses[m] > 1));
+    const bool can_be = can_be_shared(t);
+    if (can_be && determinant(t) < 0) has_mirrored[m] = true;
+    const bool is_shared =
+        can_be && (has_mirrored[m] || is_moving[i] != 0 || (is_large && uses[m] > 1));
     if (is_shared && !has_origin[m]) {
       placement.mesh_origin_m[m] = origin_near(mesh_bounds(scene.meshes[m]));
       has_origin[m] = true;
     }
     placement.instances.push_back({static_cast<std::int32_t>(i), instance.mesh, is_shared, {}});
     placement.placed.emplace_back();
-    place_instance(placement, t, placement.instances.back(),
-                   placement.placed.back());
+    place_instance(placement, t, placement.instances.back(), placement.placed.back());
   }
   return placement;
 }

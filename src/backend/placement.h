@@ -32,8 +32,8 @@ struct Placement {
 // Whether a mesh with that transform can be shared: a flattened one has no inverse.
 bool can_be_shared(const Mat4& world_from_mesh);
 
-// `world_from_mesh` [instance of the scene] is where they are now. `is_moving` [the same]: not 0 for
-// those that move, which are shared whatever their size, where they can be.
+// `world_from_mesh` [instance of the scene] is where they are now. `is_moving` [the same]: not 0
+// for those that move, which are shared whatever their size, where they can be.
 Placement place_instances(const Scene& scene, std::span<const Mat4> world_from_mesh,
                           std::span<const std::uint8_t> is_moving);
 

@@ -6,6 +6,7 @@
 #include "physics/path.h"
 #include "physics/random_direction.h"
 #include "physics/sobol.h"
+#include "physics/traverse.h"
 
 namespace omma {
 
@@ -36,6 +37,19 @@ __global__ void device_check(SceneView scene, AcceptanceWarpView warp, PolarTabl
       random.x + random.y + random.z +
       static_cast<float>(acceptance_pdf(warp, direction.z, direction.x) +
                          eval_polar_density(warp.sensitivity, direction.z, direction.x));
+}
+
+// The search, one ray a thread.
+__global__ void device_check_search(SceneView scene, BvhView bvh, const PlacedMesh* placed,
+                                    RayPacket<1>* rays, unsigned* hidden) {
+  const unsigned i = threadIdx.x;
+  const auto accept = [&](int, float, float u, float v, std::uint32_t triangle, std::uint32_t index,
+                          bool from_behind) {
+    return accept_hit(scene, {placed[index].mesh, triangle, u, v, 0}, from_behind);
+  };
+  const int valid = -1;
+  hidden[i] = occluded(bvh, &valid, rays[i], accept);
+  closest(bvh, &valid, rays[i], accept);
 }
 
 }  // namespace omma

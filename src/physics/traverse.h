@@ -13,8 +13,8 @@
 // other is decided by numbers that are exactly opposite for the two triangles that share it
 // (physics/triangle_hit.h).
 //
-// Of hits at the same distance the one on the lower placed mesh, then the lower triangle, counts, so
-// that the order of the search does not matter.
+// Of hits at the same distance the one on the lower placed mesh, then the lower triangle, counts,
+// so that the order of the search does not matter.
 #pragma once
 
 #include "physics/ray_packet.h"
@@ -23,10 +23,10 @@
 
 namespace omma {
 
-// Boxes are widened by this fraction of their greatest distance from the rays' origins along an axis:
-// 64 roundings. An edge that lies across a ray is off by 16 at most where the triangle test decides
-// on which side the ray passes, less than half as many add up in the box test, and edges that a ray
-// sees slantwise are off by more.
+// Boxes are widened by this fraction of their greatest distance from the rays' origins along an
+// axis: 64 roundings. An edge that lies across a ray is off by 16 at most where the triangle test
+// decides on which side the ray passes, less than half as many add up in the box test, and edges
+// that a ray sees slantwise are off by more.
 inline constexpr float box_slack = 0x1p-18f;
 
 // Components of directions that are a smaller fraction of the largest one are taken for as large:
@@ -102,8 +102,7 @@ OMMA_HD void make_bundle(const RayFrame<count>& frame, const float (&t_near_m)[c
       component[b] = lane(frame.direction[b], l);
       component[b] = component[b] < 0.0f ? -component[b] : component[b];
     }
-    const F floor =
-        most(component[0], most(component[1], component[2])) * least_component;
+    const F floor = most(component[0], most(component[1], component[2])) * least_component;
     return 1.0f / most(component[a], floor);
   };
   bundle.one_origin = true;
@@ -247,11 +246,11 @@ OMMA_HD void search_tree(const WideNode* nodes, std::uint32_t root, const RayBun
       bits &= bits - 1;
       if (!hits_child(bundle, lanes, slabs, c, t_far_m)) continue;
       const int inner = node.counts & 15;
-      const Visit child{
-          c < inner ? node.first_child + static_cast<std::uint32_t>(c)
-                    : (node.first_leaf + (node.leaf[c] >> 4)) |
-                          static_cast<std::uint32_t>(node.leaf[c] & 15) << visit_index_bits,
-          slabs.near[c]};
+      const Visit child{c < inner
+                            ? node.first_child + static_cast<std::uint32_t>(c)
+                            : (node.first_leaf + (node.leaf[c] >> 4)) |
+                                  static_cast<std::uint32_t>(node.leaf[c] & 15) << visit_index_bits,
+                        slabs.near[c]};
       int k = depth++;
       for (; k > first && stack[k - 1].near_m < child.near_m; --k) stack[k] = stack[k - 1];
       stack[k] = child;
@@ -327,8 +326,8 @@ OMMA_HD unsigned search_leaf(const RayFrame<count>& frame, const Leaf& leaf, uns
   return lanes;
 }
 
-// Goes through what is placed. `found(tree, lanes, ...)` is called for what the lanes of `bits` meet
-// of a triangle, as in search_leaf; it returns those of `lanes` that search on.
+// Goes through what is placed. `found(tree, lanes, ...)` is called for what the lanes of `bits`
+// meet of a triangle, as in search_leaf; it returns those of `lanes` that search on.
 template <int count, typename Packet, typename Found>
 OMMA_HD void search(const BvhView& bvh, unsigned valid, Packet& rays, Found found) {
   using L = RayLanes<count>;
@@ -369,8 +368,8 @@ OMMA_HD void search(const BvhView& bvh, unsigned valid, Packet& rays, Found foun
                       const Leaf leaf{bvh.blocks + first, static_cast<int>(triangles), tree.placed,
                                       own.one_origin};
                       return on = search_leaf(frame, leaf, on, [&](auto&&... crossing) {
-                        return on = found(tree, on, crossing...);
-                      });
+                               return on = found(tree, on, crossing...);
+                             });
                     });
         lanes &= ~own.lanes | on;
       }
@@ -438,8 +437,8 @@ OMMA_HD unsigned accepted(int l, unsigned bits,
 // The closest accepted hit of each valid ray behind its t_near and up to its t_far, which becomes
 // the hit's distance; weights, triangle, normal and placed mesh are filled in. Where nothing is met
 // nothing changes, so `geometry` must be `none` before. `accept(lane, t, u, v, triangle, placed,
-// from_behind)` is asked of each candidate on meshes that may say no; u and v are the weights of the
-// second and third vertex.
+// from_behind)` is asked of each candidate on meshes that may say no; u and v are the weights of
+// the second and third vertex.
 template <int count, typename Accept>
 OMMA_HD void closest(const BvhView& bvh, const int* valid, RayPacket<count>& rays, Accept accept) {
   using L = RayLanes<count>;
@@ -447,8 +446,8 @@ OMMA_HD void closest(const BvhView& bvh, const int* valid, RayPacket<count>& ray
   using I = typename L::I;
   search<count>(
       bvh, valid_bits<count>(valid), rays,
-      [&](const PlacedTree& tree, unsigned lanes, int l, unsigned bits,
-          const Crossing<F>& crossing, const float (&normal)[3], const TriangleBlock& block, int k) {
+      [&](const PlacedTree& tree, unsigned lanes, int l, unsigned bits, const Crossing<F>& crossing,
+          const float(&normal)[3], const TriangleBlock& block, int k) {
         bits = in_reach<count>(rays, l, bits, crossing);
         if (bits == 0) return lanes;
         const std::uint32_t placed = placed_of(tree, block, k), triangle = block.triangle[k];
@@ -481,16 +480,15 @@ OMMA_HD unsigned occluded(const BvhView& bvh, const int* valid, const RayPacket<
                           Accept accept) {
   using F = typename RayLanes<count>::F;
   unsigned found = 0;
-  search<count>(bvh, valid_bits<count>(valid), rays,
-                [&](const PlacedTree& tree, unsigned lanes, int l, unsigned bits,
-                    const Crossing<F>& crossing, const float (&)[3], const TriangleBlock& block,
-                    int k) {
-                  bits = in_reach<count>(rays, l, bits, crossing);
-                  bits = accepted<count>(l, bits, crossing, block, k, placed_of(tree, block, k),
-                                         accept);
-                  found |= bits << l;
-                  return lanes & ~(bits << l);
-                });
+  search<count>(
+      bvh, valid_bits<count>(valid), rays,
+      [&](const PlacedTree& tree, unsigned lanes, int l, unsigned bits, const Crossing<F>& crossing,
+          const float(&)[3], const TriangleBlock& block, int k) {
+        bits = in_reach<count>(rays, l, bits, crossing);
+        bits = accepted<count>(l, bits, crossing, block, k, placed_of(tree, block, k), accept);
+        found |= bits << l;
+        return lanes & ~(bits << l);
+      });
   return found;
 }
 

@@ -81,7 +81,7 @@ TEST(PortableLevels, PlacedMeshesAreWhereTheyAre) {
   std::size_t shared = 0;
   for (const PlacedInstance& i : traced.tracer->placement.instances) shared += i.is_shared;
   EXPECT_GT(shared, 5u);  // the mirrored ones
-  EXPECT_LT(shared, 30u);
+  EXPECT_LT(shared, 40u);
   EXPECT_GT(expect_as_brute_force(*traced.tracer, rays, 8e-6), 1000u);
 
   // The same, every one of them shared, at the top of its own tree.
@@ -121,7 +121,7 @@ TEST(PortableLevels, Moving) {
     update_portable_tracer(tracer, movers, to);
     EXPECT_TRUE(step == 0 || tracer.blocks.data() == blocks) << "trees were built again";
     SCOPED_TRACE(step);
-    EXPECT_GT(expect_as_brute_force(tracer, rays, 8e-6), 400u);
+    EXPECT_GT(expect_as_brute_force(tracer, rays, 8e-6), 300u);
     if (step == 0) first = hits_of(tracer, rays);
   }
   EXPECT_TRUE(hits_of(tracer, rays) == first);
@@ -152,8 +152,8 @@ TEST(PortableLevels, LargeScenesShareTheirMeshes) {
   const TracedScene traced(std::move(scene));
   EXPECT_EQ(traced.tracer->trees.size(), 40u);
   EXPECT_LT(traced.tracer->blocks.size(), 32400u);
-  const std::vector<TestRay> rays = rays_from_all_round(random, 5, 6);
-  EXPECT_GT(expect_as_brute_force(*traced.tracer, rays, 8e-6), 40u);
+  const std::vector<TestRay> rays = rays_from_all_round(random, 2, 6);
+  EXPECT_GT(expect_as_brute_force(*traced.tracer, rays, 8e-6), 5u);
 }
 
 // A mirrored mesh shows its front on the same side as the one it mirrors (glTF 2.0, 3.7.4), a copy
@@ -179,8 +179,7 @@ TEST(PortableLevels, FrontsStayFrontsWhateverTheTransform) {
       for (int k = 0; k < 50; ++k) {
         const Vec3d centre{i * 10.0, 0, 0}, away = random.direction();
         const float short_m = 3;
-        from_outside.push_back(
-            {to_float(centre + away * 3.0), to_float(away * -1.0), 0, short_m});
+        from_outside.push_back({to_float(centre + away * 3.0), to_float(away * -1.0), 0, short_m});
         from_inside.push_back({to_float(centre), to_float(away), 0, short_m});
       }
     const auto seen = [&](const std::vector<TestRay>& rays) {

@@ -154,16 +154,16 @@ inline std::vector<TestHit> hits_of(const PortableTracer& tracer,
 struct FlatTriangle {
   Vec3d corner[3];
   std::uint32_t triangle, placed;
-  bool is_mirrored;
+  bool is_shared;  // its normal is found in the mesh's frame
 };
 
 std::vector<FlatTriangle> flatten(const PortableTracer& tracer);
 
-// Whether what was found is right, up to rounding: in single precision a ray is off by `slack` of its
-// distance at most.
+// Whether what was found is right, up to rounding: in single precision a ray is off by `slack` of
+// its distance at most.
 //
-// What was hit must be hit, when widened by that; nothing that is hit, when narrowed by that, may be
-// nearer. Says what is wrong, or nothing.
+// What was hit must be hit, when widened by that; nothing that is hit, when narrowed by that, may
+// be nearer. Says what is wrong, or nothing.
 std::string check_hit(const std::vector<FlatTriangle>& triangles, const TestRay& ray,
                       const TestHit& hit, double slack);
 
