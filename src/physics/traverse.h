@@ -78,52 +78,55 @@ OMMA_HD void make_bundle(const RayFrame<count>& frame, const float (&t_near_m)[c
   const auto lane = [&](const float* values, int l) {
     return L::mask_of(bundle.lanes, l) ? read_lanes<F>(values + l) : broadcast<F>(values[first]);
   };
-  const auto reduce = [&](const auto& value, float& lowest, float& highest) {
-    F low = value(0), high = low;
+  const auto span = [&](const float* values, float& lowest, float& highest) {
+    unsigned others_than_first = 0;
+    for (int l = 0; l < count; l += L::width)
+      others_than_first |= lane_bits(lane(values, l) != values[first]);
+    lowest = highest = values[first];
+    if (others_than_first == 0) return true;
+    F low = lane(values, 0), high = low;
     for (int l = L::width; l < count; l += L::width) {
-      const F v = value(l);
-      low = least(low, v);
-      high = most(high, v);
+      low = least(low, lane(values, l));
+      high = most(high, lane(values, l));
     }
-    float lows[L::width], highs[L::width];
-    write_lanes(lows, low);
-    write_lanes(highs, high);
-    for (int half = L::width / 2; half > 0; half /= 2)
-      for (int l = 0; l < half; ++l) {
-        lows[l] = least(lows[l], lows[l + half]);
-        highs[l] = most(highs[l], highs[l + half]);
-      }
-    lowest = lows[0];
-    highest = highs[0];
+    lowest = least_lane(low);
+    highest = most_lane(high);
+    return false;
   };
-  const auto rate = [&](int a, int l) {
+
+  F low_rate[3], high_rate[3];
+  for (int l = 0; l < count; l += L::width) {
     F component[3];
-    for (int b = 0; b < 3; ++b) {
-      component[b] = lane(frame.direction[b], l);
-      component[b] = component[b] < 0.0f ? -component[b] : component[b];
+    for (int a = 0; a < 3; ++a) {
+      component[a] = lane(frame.direction[a], l);
+      component[a] = component[a] < 0.0f ? -component[a] : component[a];
     }
     const F floor = most(component[0], most(component[1], component[2])) * least_component;
-    return 1.0f / most(component[a], floor);
-  };
+    for (int a = 0; a < 3; ++a) {
+      const F rate = 1.0f / most(component[a], floor);
+      write_lanes(bundle.near_ratio[a] + l, rate);
+      low_rate[a] = l == 0 ? rate : least(low_rate[a], rate);
+      high_rate[a] = l == 0 ? rate : most(high_rate[a], rate);
+    }
+  }
   bundle.one_origin = true;
   for (int a = 0; a < 3; ++a) {
-    float low, high, low_rate, high_rate;
-    reduce([&](int l) { return lane(frame.origin[a], l); }, low, high);
-    reduce([&](int l) { return rate(a, l); }, low_rate, high_rate);
-    bundle.one_origin = bundle.one_origin && low == high;
+    float low, high;
+    bundle.one_origin = span(frame.origin[a], low, high) && bundle.one_origin;
     bundle.near_origin[a] = bundle.negative[a] ? low : high;
     bundle.far_origin[a] = bundle.negative[a] ? high : low;
-    bundle.near_rate[a] = bundle.negative[a] ? -low_rate : low_rate;
-    bundle.far_rate[a] = bundle.negative[a] ? -high_rate : high_rate;
-    const float per_low = 1.0f / low_rate, per_high = 1.0f / high_rate;
+    const float least_rate = least_lane(low_rate[a]), most_rate = most_lane(high_rate[a]);
+    bundle.near_rate[a] = bundle.negative[a] ? -least_rate : least_rate;
+    bundle.far_rate[a] = bundle.negative[a] ? -most_rate : most_rate;
+    const float per_least = 1.0f / least_rate, per_most = 1.0f / most_rate;
     for (int l = 0; l < count; l += L::width) {
-      const F own = rate(a, l);
-      write_lanes(bundle.near_ratio[a] + l, own * per_low);
-      write_lanes(bundle.far_ratio[a] + l, own * per_high);
+      const F rate = read_lanes<F>(bundle.near_ratio[a] + l);
+      write_lanes(bundle.near_ratio[a] + l, rate * per_least);
+      write_lanes(bundle.far_ratio[a] + l, rate * per_most);
     }
   }
   float highest;
-  reduce([&](int l) { return lane(t_near_m, l); }, bundle.t_near_m, highest);
+  span(t_near_m, bundle.t_near_m, highest);
 }
 
 // Where the bundle enters and leaves the slabs of a node's children at the earliest and latest.
@@ -201,11 +204,7 @@ OMMA_HD float furthest(const float (&t_far_m)[count], unsigned lanes) {
   F far = broadcast<F>(0.0f);
   for (int l = 0; l < count; l += L::width)
     far = most(L::mask_of(lanes, l) ? read_lanes<F>(t_far_m + l) : far, far);
-  float fars[L::width];
-  write_lanes(fars, far);
-  for (int half = L::width / 2; half > 0; half /= 2)
-    for (int l = 0; l < half; ++l) fars[l] = most(fars[l], fars[l + half]);
-  return fars[0] * hit_slack;
+  return most_lane(far) * hit_slack;
 }
 
 // What is still to be visited: a node's index, or the first block of a leaf with the number of its
@@ -216,15 +215,14 @@ struct Visit {
 };
 inline constexpr int visit_index_bits = 28;
 
-// Goes through a tree, nearer nodes first. `leaf(index, triangles)` is called for each leaf that a
-// ray may meet, and returns the lanes that search on.
+// Goes through a tree with those lanes of a bundle, nearer nodes first. `leaf(index, triangles)` is
+// called for each leaf that a ray may meet, and returns the lanes that search on.
 template <int count, typename Leaf>
 OMMA_HD void search_tree(const WideNode* nodes, std::uint32_t root, const RayBundle<count>& bundle,
-                         const float (&t_far_m)[count], Leaf leaf) {
+                         unsigned lanes, const float (&t_far_m)[count], Leaf leaf) {
   constexpr std::uint32_t index_mask = (1u << visit_index_bits) - 1;
   Visit stack[stack_room];
   int depth = 0;
-  unsigned lanes = bundle.lanes;
   float far_m = furthest(t_far_m, lanes);
   stack[depth++] = {root, 0};
   while (depth > 0) {
@@ -326,12 +324,29 @@ OMMA_HD unsigned search_leaf(const RayFrame<count>& frame, const Leaf& leaf, uns
   return lanes;
 }
 
+// Rays in the frame of a placed tree: origins, then directions, which keep their length so that
+// distances along them stay what they are.
+template <int count, typename Packet>
+OMMA_HD void move_rays(const float (&m)[3][4], const Packet& rays, float (&moved)[6][count]) {
+  using L = RayLanes<count>;
+  using F = typename L::F;
+  for (int l = 0; l < count; l += L::width) {
+    F o[3], d[3];
+    for (int a = 0; a < 3; ++a) {
+      o[a] = read_lanes<F>(rays.origin[a] + l);
+      d[a] = read_lanes<F>(rays.direction[a] + l);
+    }
+    for (int a = 0; a < 3; ++a) {
+      write_lanes(moved[a] + l, m[a][0] * o[0] + m[a][1] * o[1] + m[a][2] * o[2] + m[a][3]);
+      write_lanes(moved[3 + a] + l, m[a][0] * d[0] + m[a][1] * d[1] + m[a][2] * d[2]);
+    }
+  }
+}
+
 // Goes through what is placed. `found(tree, lanes, ...)` is called for what the lanes of `bits`
 // meet of a triangle, as in search_leaf; it returns those of `lanes` that search on.
 template <int count, typename Packet, typename Found>
 OMMA_HD void search(const BvhView& bvh, unsigned valid, Packet& rays, Found found) {
-  using L = RayLanes<count>;
-  using F = typename L::F;
   if (bvh.top_nodes == nullptr) return;
   const RayFrame<count> world{rays.origin, rays.direction};
   while (valid != 0) {
@@ -339,31 +354,23 @@ OMMA_HD void search(const BvhView& bvh, unsigned valid, Packet& rays, Found foun
     make_bundle(world, rays.t_near_m, valid, bundle);
     valid &= ~bundle.lanes;
     unsigned lanes = bundle.lanes;
-    search_tree(bvh.top_nodes, 0, bundle, rays.t_far_m, [&](std::uint32_t index, std::uint32_t) {
+    const auto search_placed = [&](std::uint32_t index, std::uint32_t) {
       const PlacedTree& tree = bvh.trees[index];
-      alignas(64) float moved[6][count];
+      const bool is_moved = tree.placed != none;
       RayFrame<count> frame = world;
-      if (tree.placed != none) {
-        const float(&m)[3][4] = tree.tree_from_frame;
-        for (int l = 0; l < count; l += L::width) {
-          F o[3], d[3];
-          for (int a = 0; a < 3; ++a) {
-            o[a] = read_lanes<F>(rays.origin[a] + l);
-            d[a] = read_lanes<F>(rays.direction[a] + l);
-          }
-          for (int a = 0; a < 3; ++a) {
-            write_lanes(moved[a] + l, m[a][0] * o[0] + m[a][1] * o[1] + m[a][2] * o[2] + m[a][3]);
-            write_lanes(moved[3 + a] + l, m[a][0] * d[0] + m[a][1] * d[1] + m[a][2] * d[2]);
-          }
-        }
+      alignas(count >= 16 ? 64 : 4) float moved[6][count];
+      if (is_moved) {
+        move_rays(tree.tree_from_frame, rays, moved);
         frame = {moved, moved + 3};
       }
       for (unsigned left = lanes; left != 0;) {
-        RayBundle<count> own;
-        make_bundle(frame, rays.t_near_m, left, own);
-        left &= ~own.lanes;
-        unsigned on = own.lanes;
-        search_tree(bvh.nodes, tree.root, own, rays.t_far_m,
+        RayBundle<count> moved_bundle;
+        if (is_moved) make_bundle(frame, rays.t_near_m, left, moved_bundle);
+        const RayBundle<count>& own = is_moved ? moved_bundle : bundle;
+        const unsigned asked = left & own.lanes;
+        left &= ~asked;
+        unsigned on = asked;
+        search_tree(bvh.nodes, tree.root, own, asked, rays.t_far_m,
                     [&](std::uint32_t first, std::uint32_t triangles) {
                       const Leaf leaf{bvh.blocks + first, static_cast<int>(triangles), tree.placed,
                                       own.one_origin};
@@ -371,10 +378,11 @@ OMMA_HD void search(const BvhView& bvh, unsigned valid, Packet& rays, Found foun
                                return on = found(tree, on, crossing...);
                              });
                     });
-        lanes &= ~own.lanes | on;
+        lanes &= ~asked | on;
       }
       return lanes;
-    });
+    };
+    search_tree(bvh.top_nodes, 0, bundle, lanes, rays.t_far_m, search_placed);
   }
 }
 
