@@ -176,13 +176,13 @@ OMMA_HD unsigned hit_children(const WideNode& node, const RayBundle<count>& bund
   return bits & ((1u << (node.counts >> 4)) - 1u);
 }
 
-// Whether any ray of the bundle meets a child.
+// A bit for each of those lanes whose ray meets a child.
 template <int count>
-OMMA_HD bool hits_child(const RayBundle<count>& bundle, unsigned lanes, const ChildSlabs& slabs,
-                        int c, const float (&t_far_m)[count]) {
+OMMA_HD unsigned hits_child(const RayBundle<count>& bundle, unsigned lanes, const ChildSlabs& slabs,
+                            int c, const float (&t_far_m)[count]) {
   using L = RayLanes<count>;
   using F = typename L::F;
-  if constexpr (count == 1) return true;
+  if constexpr (count == 1) return lanes;
   unsigned bits = 0;
   for (int l = 0; l < count; l += L::width) {
     F near = broadcast<F>(bundle.t_near_m);
@@ -193,7 +193,7 @@ OMMA_HD bool hits_child(const RayBundle<count>& bundle, unsigned lanes, const Ch
     }
     bits |= lane_bits(near <= far) << l;
   }
-  return (bits & lanes) != 0;
+  return bits & lanes;
 }
 
 // How far the rays of some lanes look at most.
@@ -212,6 +212,7 @@ OMMA_HD float furthest(const float (&t_far_m)[count], unsigned lanes) {
 struct Visit {
   std::uint32_t at;
   float near_m;
+  unsigned lanes;  // of the rays that may meet it
 };
 inline constexpr int visit_index_bits = 28;
 
@@ -224,13 +225,15 @@ OMMA_HD void search_tree(const WideNode* nodes, std::uint32_t root, const RayBun
   Visit stack[stack_room];
   int depth = 0;
   float far_m = furthest(t_far_m, lanes);
-  stack[depth++] = {root, 0};
+  stack[depth++] = {root, 0, lanes};
   while (depth > 0) {
     const Visit visit = stack[--depth];
     if (visit.near_m > far_m) continue;
     const std::uint32_t triangles = visit.at >> visit_index_bits;
     if (triangles != 0) {
-      lanes = leaf(visit.at & index_mask, triangles);
+      const unsigned asked = visit.lanes & lanes;
+      if (asked == 0) continue;
+      lanes &= ~asked | leaf(visit.at & index_mask, triangles, asked);
       if (lanes == 0) return;
       far_m = furthest(t_far_m, lanes);
       continue;
@@ -242,13 +245,14 @@ OMMA_HD void search_tree(const WideNode* nodes, std::uint32_t root, const RayBun
     while (bits != 0) {
       const int c = lowest_bit(bits);
       bits &= bits - 1;
-      if (!hits_child(bundle, lanes, slabs, c, t_far_m)) continue;
+      const unsigned meeting = hits_child(bundle, lanes, slabs, c, t_far_m);
+      if (meeting == 0) continue;
       const int inner = node.counts & 15;
       const Visit child{c < inner
                             ? node.first_child + static_cast<std::uint32_t>(c)
                             : (node.first_leaf + (node.leaf[c] >> 4)) |
                                   static_cast<std::uint32_t>(node.leaf[c] & 15) << visit_index_bits,
-                        slabs.near[c]};
+                        slabs.near[c], meeting};
       int k = depth++;
       for (; k > first && stack[k - 1].near_m < child.near_m; --k) stack[k] = stack[k - 1];
       stack[k] = child;
@@ -296,6 +300,8 @@ OMMA_HD unsigned search_leaf(const RayFrame<count>& frame, const Leaf& leaf, uns
     for (int k = 0; k < last; ++k) {
       const float normal[3] = {normals[0][k], normals[1][k], normals[2][k]};
       for (int l = 0; l < count; l += L::width) {
+        if constexpr (count > L::width)
+          if ((lanes >> l & ((1u << L::width) - 1)) == 0) continue;
         F direction[3];
         for (int a = 0; a < 3; ++a) direction[a] = read_lanes<F>(frame.direction[a] + l);
         Crossing<F> crossing;
@@ -353,8 +359,7 @@ OMMA_HD void search(const BvhView& bvh, unsigned valid, Packet& rays, Found foun
     RayBundle<count> bundle;
     make_bundle(world, rays.t_near_m, valid, bundle);
     valid &= ~bundle.lanes;
-    unsigned lanes = bundle.lanes;
-    const auto search_placed = [&](std::uint32_t index, std::uint32_t) {
+    const auto search_placed = [&](std::uint32_t index, std::uint32_t, unsigned lanes) {
       const PlacedTree& tree = bvh.trees[index];
       const bool is_moved = tree.placed != none;
       RayFrame<count> frame = world;
@@ -371,18 +376,21 @@ OMMA_HD void search(const BvhView& bvh, unsigned valid, Packet& rays, Found foun
         left &= ~asked;
         unsigned on = asked;
         search_tree(bvh.nodes, tree.root, own, asked, rays.t_far_m,
-                    [&](std::uint32_t first, std::uint32_t triangles) {
+                    [&](std::uint32_t first, std::uint32_t triangles, unsigned meeting) {
                       const Leaf leaf{bvh.blocks + first, static_cast<int>(triangles), tree.placed,
                                       own.one_origin};
-                      return on = search_leaf(frame, leaf, on, [&](auto&&... crossing) {
-                               return on = found(tree, on, crossing...);
-                             });
+                      unsigned still = meeting;
+                      still = search_leaf(frame, leaf, meeting, [&](auto&&... crossing) {
+                        return still = found(tree, still, crossing...);
+                      });
+                      on &= ~meeting | still;
+                      return still;
                     });
         lanes &= ~asked | on;
       }
       return lanes;
     };
-    search_tree(bvh.top_nodes, 0, bundle, lanes, rays.t_far_m, search_placed);
+    search_tree(bvh.top_nodes, 0, bundle, bundle.lanes, rays.t_far_m, search_placed);
   }
 }
 
