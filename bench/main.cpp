@@ -1,6 +1,6 @@
 // What scripts/bench runs: measures one thing and prints it as CSV.
 //
-//   omma_bench ceiling|error|frames|latency|threads|kernels|moving|search [--quick]
+//   omma_bench ceiling|error|frames|latency|threads|kernels|moving|search|closed [--quick]
 //   omma_bench build NAME SCENE
 //   omma_bench instructions 1|16|16-plain|16-random|16-shared|target
 #include <cstdio>
@@ -32,13 +32,14 @@ int main(int argc, char** argv) {
       if (part == "kernels") return kernels(quick), 0;
       if (part == "search") return search(quick), 0;
       if (part == "moving") return moving(quick), 0;
+      if (part == "closed") return closed(quick), 0;
     }
   } catch (const std::exception& e) {
     std::fprintf(stderr, "omma_bench: %s\n", e.what());
     return 1;
   }
   std::fprintf(stderr,
-               "omma_bench ceiling|error|frames|latency|threads|kernels|moving|search [--quick]\n"
+               "omma_bench ceiling|error|frames|latency|threads|kernels|moving|search|closed [--quick]\n"
                "omma_bench build NAME SCENE\n"
                "omma_bench instructions 1|16|16-plain|16-random|16-shared|target\n");
   return 2;

@@ -1,13 +1,15 @@
-// Our own search beside Embree's, on the same packets and one thread, in turns so that a disturbance
-// meets both: rtcIntersect16, coherent, and `closest` of physics/traverse.h.
+// Our own search beside Embree's, on the same packets and one thread, in turns so that a
+// disturbance meets both: rtcIntersect16, coherent, and `closest` of physics/traverse.h.
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
 #include <numeric>
 
-#include "packet_search.h"
-#include "backend/embree/block.h"
+#include "backend/embree/backend.h"
+#include "backend/embree/tracer.h"
+#include "backend/eye_arrays.h"
 #include "backend/shading_data.h"
+#include "packet_search.h"
 #include "scenes.h"
 
 namespace omma::bench {
@@ -15,18 +17,20 @@ namespace {
 
 // Packets of 16 as a render makes them, of a part of the eye.
 std::vector<RayPacket<16>> packets_of(const Setup& setup, int samples, const ShadingData& shading,
-                                    const EmbreeTracer& tracer) {
+                                      const Placement& placement) {
   RenderSettings settings;
   settings.samples = samples;
   const DirectionTables directions = make_direction_tables(setup.eye, settings);
   const EyeArrays eye = make_eye_arrays(setup.eye, directions);
-  const BlockContext context{&tracer, &shading.view, &eye, &directions};
+  const DirectionsView directions_view = view(directions);
+  const EyeView eye_view = view(eye);
+  const FrameView frame{&shading.view, &eye_view, &directions_view};
   std::vector<RayPacket<16>> packets;
   const int per_block = std::clamp(block_rays / samples, 1, block_capacity);
   const int ommatidia = static_cast<int>(setup.eye.size());
   for (int first = 0; first < ommatidia; first += per_block) {
     BlockTask task;
-    const double origin[3] = {tracer.origin_m.x, tracer.origin_m.y, tracer.origin_m.z};
+    const double origin[3] = {placement.origin_m.x, placement.origin_m.y, placement.origin_m.z};
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 4; ++c)
         task.world_from_head[r][c] =
@@ -35,10 +39,7 @@ std::vector<RayPacket<16>> packets_of(const Setup& setup, int samples, const Sha
     task.count = std::min(per_block, ommatidia - first);
     const std::size_t before = packets.size();
     packets.resize(before + static_cast<std::size_t>((task.count * samples + 15) / 16));
-    std::vector<RTCRayHit16> block(packets.size() - before);
-    choose_block_functions().prepare(context, task, block.data());
-    for (std::size_t p = 0; p < block.size(); ++p)
-      std::memcpy(static_cast<void*>(&packets[before + p]), &block[p], sizeof block[p]);
+    embree_backend().block_functions().prepare(frame, task, packets.data() + before);
   }
   return packets;
 }
@@ -110,15 +111,16 @@ void search(bool quick) {
       "hit_in_one,hit_elsewhere,build_s\n");
   for (const Setup& setup : setups) {
     const auto shading = make_shading_data(*setup.scene);
-    const auto embree = make_embree_tracer(*setup.scene, shading->view);
+    const Placement placement = placement_of(*setup.scene);
+    const auto embree = make_embree_tracer(*setup.scene, shading->view, placement);
     const auto before = Clock::now();
-    const auto portable = make_portable_tracer(*setup.scene, shading->view);
+    const auto portable = make_portable_tracer(*setup.scene, shading->view, placement);
     const double build_s = seconds_since(before);
-    const PortableSearch search = portable_searches().back();
+    const SearchFunctions search = portable_searches().back();
     alignas(64) int valid[16];
     for (int& v : valid) v = -1;
     for (const int samples : {1, 16, 256}) {
-      const std::vector<RayPacket<16>> made = packets_of(setup, samples, *shading, *embree);
+      const std::vector<RayPacket<16>> made = packets_of(setup, samples, *shading, placement);
       std::vector<RayPacket<1>> singles;
       for (std::size_t p = 0; p < made.size(); ++p)
         for (int l = 0; l < 16; ++l) singles.push_back(ray_of(made[p], l));
@@ -144,8 +146,8 @@ void search(bool quick) {
       const Differences d = compare(ours, theirs);
       const double mrays = 16e-6 * static_cast<double>(made.size());
       std::printf("%s,%d,%.0f,%.2f,%.2f,%.2f,%zu,%zu,%.3f\n", setup.name.c_str(), samples,
-                  1e6 * mrays, mrays / embree_times.sum(), mrays / portable_times.sum(), mrays / single_times.sum(), d.in_one,
-                  d.elsewhere, build_s);
+                  1e6 * mrays, mrays / embree_times.sum(), mrays / portable_times.sum(),
+                  mrays / single_times.sum(), d.in_one, d.elsewhere, build_s);
       std::fflush(stdout);
     }
   }

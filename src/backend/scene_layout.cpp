@@ -65,16 +65,19 @@ SceneLayout lay_out_scene(const Scene& scene, const Placement& placement) {
   SceneLayout layout;
   layout.mesh_origin_m.resize(scene.meshes.size());
   std::vector<bool> has_origin(scene.meshes.size(), false);
+  std::vector<bool> has_mirrored(scene.meshes.size(), false);
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
     const auto m = static_cast<std::size_t>(instance.mesh);
     if (scene.meshes[m].triangles.empty()) continue;
     // A mirrored mesh is shared even when used once: as a copy its triangles would face the wrong
-    // way. A flattened one never is: there is no inverse.
+    // way; its structure is then there for the instances behind it. A flattened one never is: there
+    // is no inverse.
     const double det = determinant(placement.world_from_mesh[i]);
-    const bool is_shared =
-        std::fabs(det) > least_determinant &&
-        (det < 0 || placement.moves[i] != 0 || (is_large && uses[m] > 1));
+    const bool has_inverse = std::fabs(det) > least_determinant;
+    if (has_inverse && det < 0) has_mirrored[m] = true;
+    const bool is_shared = has_inverse && (has_mirrored[m] || placement.moves[i] != 0 ||
+                                           (is_large && uses[m] > 1));
     if (is_shared && !has_origin[m]) {
       layout.mesh_origin_m[m] = origin_near(mesh_bounds(scene.meshes[m]));
       has_origin[m] = true;

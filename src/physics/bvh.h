@@ -1,5 +1,5 @@
-// The hierarchy of boxes around what is placed in a scene, as the search sees it: flat arrays behind
-// pointers, the same on host and device. Made by backend/portable/build; searched by
+// The hierarchy of boxes around what is placed in a scene, as the search sees it: flat arrays
+// behind pointers, the same on host and device. Made by backend/portable/build; searched by
 // physics/traverse.h.
 //
 // Two levels: a tree over what is placed, each of which is a tree over triangles in its own frame.
@@ -21,14 +21,14 @@ inline constexpr int most_leaf_triangles = 8;
 inline constexpr int most_tree_depth = 36;
 inline constexpr int stack_room = (node_width - 1) * most_tree_depth + 1;
 
-// Children that are nodes come first, then leaves. Child c spans origin + lower * 2^(exponent - 127)
-// to origin + upper * 2^(exponent - 127), rounded outwards.
+// Children that are nodes come first, then leaves. Child c spans origin + lower * 2^(exponent -
+// 127) to origin + upper * 2^(exponent - 127), rounded outwards.
 struct WideNode {
-  float origin[3];             // m
-  std::uint8_t exponent[3];    // per axis, as in a float's bits
-  std::uint8_t counts;         // children, times 16; plus those of them that are nodes
-  std::uint32_t first_child;   // index of the first child that is a node; the others follow it
-  std::uint32_t first_leaf;    // index of the first triangle block (top level: placed tree)
+  float origin[3];                // m
+  std::uint8_t exponent[3];       // per axis, as in a float's bits
+  std::uint8_t counts;            // children, times 16; plus those of them that are nodes
+  std::uint32_t first_child;      // index of the first child that is a node; the others follow it
+  std::uint32_t first_leaf;       // index of the first triangle block (top level: placed tree)
   std::uint8_t leaf[node_width];  // blocks behind first_leaf, times 16; plus how many triangles
   std::uint8_t lower[3][node_width], upper[3][node_width];
 };

@@ -1,38 +1,45 @@
-// Compiles the physics as device code: the hot loop in one lane, with a search that meets a triangle
-// everywhere. Nothing runs this; it keeps what is written once good for both host and device.
+// Compiles the physics as device code: the hot loop in one lane, with the search of our own
+// hierarchy. Nothing runs this; it keeps what is written once good for both host and device.
 #include "physics/block.h"
 #include "physics/footprint.h"
+#include "physics/traverse.h"
 #include "physics/weigh.h"
 
 namespace omma {
 namespace {
 
-struct OneTriangle {
-  const SceneView* scene;
-  PlacedMesh mesh{0, 1};
+using OneLane = Lanes<1, 1>;
 
+struct Search {
+  const SceneView* scene;
+  const BvhView* bvh;
+  const PlacedMesh* placed_meshes;
+
+  OMMA_HD bool accepts(std::uint32_t placed, std::uint32_t triangle, float u, float v,
+                       bool from_behind) const {
+    return accept_hit(*scene, {placed_meshes[placed].mesh, triangle, u, v}, from_behind);
+  }
   OMMA_HD void closest(const std::int32_t* valid, RayPacket<1>& rays,
-                       const PassedSurfaces<1>* passed) {
-    if (valid[0] == 0) return;
-    const SurfaceHit hit{0, 0, 0.25f, 0.25f};
-    if (!may_reject(scene->materials[0]) || accept_hit(*scene, hit, rays.direction[2][0] > 0))
-      rays.geometry[0] = 0;
-    const auto corners = [](unsigned, unsigned, unsigned) { return Triangle{}; };
-    if (passed != nullptr && has_passed(*passed, 0, {none, 0, 0, 1, 0.25f, 0.25f}, {}, corners))
-      rays.geometry[0] = none;
-    rays.t_far_m[0] = rays.t_near_m[0] + 1;
+                       const PassedSurfaces<1>* passed) const {
+    const auto accept = [&](int lane, float t_m, float u, float v, std::uint32_t triangle,
+                            std::uint32_t placed, bool from_behind) {
+      if (!accepts(placed, triangle, u, v, from_behind)) return false;
+      const auto corners = [](unsigned, unsigned, unsigned) { return Triangle{}; };
+      return passed == nullptr ||
+             !has_passed(*passed, lane, {none, placed, triangle, t_m, u, v}, {}, corners);
+    };
+    omma::closest<OneLane>(*bvh, valid, rays, accept);
   }
   OMMA_HD const PlacedMesh* placed() const {
-    return &mesh;
+    return placed_meshes;
   }
 };
 
 }  // namespace
 
-using OneLane = Lanes<1, 1>;
-
-__global__ void device_check(FrameView frame, BlockTask task, std::byte* memory) {
-  OneTriangle search{frame.scene};
+__global__ void device_check(FrameView frame, BlockTask task, BvhView bvh, const PlacedMesh* placed,
+                             std::byte* memory) {
+  Search search{frame.scene, &bvh, placed};
   Room room{memory};
   render_block<OneLane>(frame, task, search, lay_out(room, frame.scene->bands, frame, 1));
 }
@@ -45,6 +52,34 @@ __global__ void device_check_acceptance(AcceptanceWarpView warp, double* out) {
   const SensitivityView& s = warp.sensitivity;
   out[0] = acceptance_pdf(warp, 0.1, 0.2) + eval_polar_density(s, 0.1, 0.2) +
            footprint_width_rad(widest_footprint(s.kernel, 1) * s.width_rad, s.width_rad, 16);
+}
+
+// A ray that leaves what another met, and what is in its way.
+__global__ void device_check_leaving(SceneView scene, BvhView bvh, const PlacedMesh* placed,
+                                     Packet<OneLane>* packets, unsigned* occluded_rays) {
+  Packet<OneLane>& packet = packets[threadIdx.x];
+  const std::int32_t valid = -1;
+  const Search search{&scene, &bvh, placed};
+  search.closest(&valid, packet.rays, nullptr);
+  Hits<OneLane> hits;
+  find_hits<OneLane>(placed, packet, hits);
+  HitGeometry<OneLane> geometry;
+  eval_geometry<OneLane>(scene, packet.rays, hits, geometry);
+  float position[3], normal[3], origin[3];
+  for (int r = 0; r < 3; ++r) {
+    position[r] = geometry.position[r][0];
+    normal[r] = geometry.normal[r][0];
+  }
+  leave_surface(position, normal, geometry.reach_m[0], normal, origin);
+  for (int r = 0; r < 3; ++r) {
+    packet.rays.origin[r][0] = origin[r];
+    packet.rays.direction[r][0] = normal[r];
+  }
+  packet.rays.t_far_m[0] = INFINITY;
+  occluded_rays[threadIdx.x] = occluded<OneLane>(
+      bvh, &valid, packet.rays,
+      [&](int, float, float u, float v, std::uint32_t triangle, std::uint32_t index,
+          bool from_behind) { return search.accepts(index, triangle, u, v, from_behind); });
 }
 
 }  // namespace omma

@@ -56,6 +56,39 @@ OMMA_HD F most(F a, F b) {
   return a > b ? a : b;
 }
 
+// Of one lane or all, the least and the greatest.
+OMMA_HD float least_lane(float x) {
+  return x;
+}
+OMMA_HD float most_lane(float x) {
+  return x;
+}
+#if !defined(__CUDACC__)
+// Each lane beside the one `step` away from it, in a circle.
+template <int step, int... k>
+OMMA_HD Floats turn_lanes(Floats x, std::integer_sequence<int, k...>) {
+#if defined(__clang__) || __GNUC__ >= 12
+  return __builtin_shufflevector(x, x, ((k + step) % lane_width)...);
+#else  // GCC 11 knows the same under another name
+  return __builtin_shuffle(x, Ints{((k + step) % lane_width)...});
+#endif
+}
+template <int step = lane_width / 2>
+OMMA_HD Floats least_of_all(Floats x) {
+  const Floats other = turn_lanes<step>(x, std::make_integer_sequence<int, lane_width>{});
+  if constexpr (step == 1)
+    return least(x, other);
+  else
+    return least_of_all<step / 2>(least(x, other));
+}
+OMMA_HD float least_lane(Floats x) {
+  return least_of_all(x)[0];
+}
+OMMA_HD float most_lane(Floats x) {
+  return -least_of_all(-x)[0];
+}
+#endif
+
 // Of a bit for each ray of a packet, those from ray l on, as a comparison's result.
 template <typename L>
 OMMA_HD auto lanes_of(unsigned bits, int l) {

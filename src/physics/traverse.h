@@ -13,8 +13,8 @@
 // other is decided by numbers that are exactly opposite for the two triangles that share it
 // (physics/triangle_hit.h).
 //
-// Of hits at the same distance the one on the lower placed mesh, then the lower triangle, counts, so
-// that the order of the search does not matter.
+// Of hits at the same distance the one on the lower placed mesh, then the lower triangle, counts,
+// so that the order of the search does not matter.
 #pragma once
 
 #include "physics/ray_packet.h"
@@ -23,10 +23,10 @@
 
 namespace omma {
 
-// Boxes are widened by this fraction of their greatest distance from the rays' origins along an axis:
-// 64 roundings. An edge that lies across a ray is off by 16 at most where the triangle test decides
-// on which side the ray passes, less than half as many add up in the box test, and edges that a ray
-// sees slantwise are off by more.
+// Boxes are widened by this fraction of their greatest distance from the rays' origins along an
+// axis: 64 roundings. An edge that lies across a ray is off by 16 at most where the triangle test
+// decides on which side the ray passes, less than half as many add up in the box test, and edges
+// that a ray sees slantwise are off by more.
 inline constexpr float box_slack = 0x1p-18f;
 
 // Components of directions that are a smaller fraction of the largest one are taken for as large:
@@ -77,53 +77,55 @@ OMMA_HD void make_bundle(const RayFrame<L>& frame, const float (&t_near_m)[L::co
   const auto lane = [&](const float* values, int l) {
     return lanes_of<L>(bundle.lanes, l) ? load<F>(values + l) : broadcast<F>(values[first]);
   };
-  const auto reduce = [&](const auto& value, float& lowest, float& highest) {
-    F low = value(0), high = low;
+  const auto span = [&](const float* values, float& lowest, float& highest) {
+    unsigned others_than_first = 0;
+    for (int l = 0; l < L::count; l += L::width)
+      others_than_first |= lane_bits(lane(values, l) != values[first]);
+    lowest = highest = values[first];
+    if (others_than_first == 0) return true;
+    F low = lane(values, 0), high = low;
     for (int l = L::width; l < L::count; l += L::width) {
-      const F v = value(l);
-      low = least(low, v);
-      high = most(high, v);
+      low = least(low, lane(values, l));
+      high = most(high, lane(values, l));
     }
-    float lows[L::width], highs[L::width];
-    store(lows, low);
-    store(highs, high);
-    for (int half = L::width / 2; half > 0; half /= 2)
-      for (int l = 0; l < half; ++l) {
-        lows[l] = least(lows[l], lows[l + half]);
-        highs[l] = most(highs[l], highs[l + half]);
-      }
-    lowest = lows[0];
-    highest = highs[0];
+    lowest = least_lane(low);
+    highest = most_lane(high);
+    return false;
   };
-  const auto rate = [&](int a, int l) {
+
+  F low_rate[3], high_rate[3];
+  for (int l = 0; l < L::count; l += L::width) {
     F component[3];
-    for (int b = 0; b < 3; ++b) {
-      component[b] = lane(frame.direction[b], l);
-      component[b] = component[b] < 0.0f ? -component[b] : component[b];
+    for (int a = 0; a < 3; ++a) {
+      component[a] = lane(frame.direction[a], l);
+      component[a] = component[a] < 0.0f ? -component[a] : component[a];
     }
-    const F floor =
-        most(component[0], most(component[1], component[2])) * least_component;
-    return 1.0f / most(component[a], floor);
-  };
+    const F floor = most(component[0], most(component[1], component[2])) * least_component;
+    for (int a = 0; a < 3; ++a) {
+      const F rate = 1.0f / most(component[a], floor);
+      store(bundle.near_ratio[a] + l, rate);
+      low_rate[a] = l == 0 ? rate : least(low_rate[a], rate);
+      high_rate[a] = l == 0 ? rate : most(high_rate[a], rate);
+    }
+  }
   bundle.one_origin = true;
   for (int a = 0; a < 3; ++a) {
-    float low, high, low_rate, high_rate;
-    reduce([&](int l) { return lane(frame.origin[a], l); }, low, high);
-    reduce([&](int l) { return rate(a, l); }, low_rate, high_rate);
-    bundle.one_origin = bundle.one_origin && low == high;
+    float low, high;
+    bundle.one_origin = span(frame.origin[a], low, high) && bundle.one_origin;
     bundle.near_origin[a] = bundle.negative[a] ? low : high;
     bundle.far_origin[a] = bundle.negative[a] ? high : low;
-    bundle.near_rate[a] = bundle.negative[a] ? -low_rate : low_rate;
-    bundle.far_rate[a] = bundle.negative[a] ? -high_rate : high_rate;
-    const float per_low = 1.0f / low_rate, per_high = 1.0f / high_rate;
+    const float least_rate = least_lane(low_rate[a]), most_rate = most_lane(high_rate[a]);
+    bundle.near_rate[a] = bundle.negative[a] ? -least_rate : least_rate;
+    bundle.far_rate[a] = bundle.negative[a] ? -most_rate : most_rate;
+    const float per_least = 1.0f / least_rate, per_most = 1.0f / most_rate;
     for (int l = 0; l < L::count; l += L::width) {
-      const F own = rate(a, l);
-      store(bundle.near_ratio[a] + l, own * per_low);
-      store(bundle.far_ratio[a] + l, own * per_high);
+      const F rate = load<F>(bundle.near_ratio[a] + l);
+      store(bundle.near_ratio[a] + l, rate * per_least);
+      store(bundle.far_ratio[a] + l, rate * per_most);
     }
   }
   float highest;
-  reduce([&](int l) { return lane(t_near_m, l); }, bundle.t_near_m, highest);
+  span(t_near_m, bundle.t_near_m, highest);
 }
 
 // Where the bundle enters and leaves the slabs of a node's children at the earliest and latest.
@@ -173,12 +175,12 @@ OMMA_HD unsigned hit_children(const WideNode& node, const RayBundle<L>& bundle, 
   return bits & ((1u << (node.counts >> 4)) - 1u);
 }
 
-// Whether any ray of the bundle meets a child.
+// A bit for each of those lanes whose ray meets a child.
 template <typename L>
-OMMA_HD bool hits_child(const RayBundle<L>& bundle, unsigned lanes, const ChildSlabs& slabs,
-                        int c, const float (&t_far_m)[L::count]) {
+OMMA_HD unsigned hits_child(const RayBundle<L>& bundle, unsigned lanes, const ChildSlabs& slabs,
+                            int c, const float (&t_far_m)[L::count]) {
   using F = typename L::F;
-  if constexpr (L::count == 1) return true;
+  if constexpr (L::count == 1) return lanes;
   unsigned bits = 0;
   for (int l = 0; l < L::count; l += L::width) {
     F near = broadcast<F>(bundle.t_near_m);
@@ -189,7 +191,7 @@ OMMA_HD bool hits_child(const RayBundle<L>& bundle, unsigned lanes, const ChildS
     }
     bits |= lane_bits(near <= far) << l;
   }
-  return (bits & lanes) != 0;
+  return bits & lanes;
 }
 
 // How far the rays of some lanes look at most.
@@ -199,11 +201,7 @@ OMMA_HD float furthest(const float (&t_far_m)[L::count], unsigned lanes) {
   F far = broadcast<F>(0.0f);
   for (int l = 0; l < L::count; l += L::width)
     far = most(lanes_of<L>(lanes, l) ? load<F>(t_far_m + l) : far, far);
-  float fars[L::width];
-  store(fars, far);
-  for (int half = L::width / 2; half > 0; half /= 2)
-    for (int l = 0; l < half; ++l) fars[l] = most(fars[l], fars[l + half]);
-  return fars[0] * hit_slack;
+  return most_lane(far) * hit_slack;
 }
 
 // What is still to be visited: a node's index, or the first block of a leaf with the number of its
@@ -211,26 +209,28 @@ OMMA_HD float furthest(const float (&t_far_m)[L::count], unsigned lanes) {
 struct Visit {
   std::uint32_t at;
   float near_m;
+  unsigned lanes;  // of the rays that may meet it
 };
 inline constexpr int visit_index_bits = 28;
 
-// Goes through a tree, nearer nodes first. `leaf(index, triangles)` is called for each leaf that a
-// ray may meet, and returns the lanes that search on.
+// Goes through a tree with those lanes of a bundle, nearer nodes first. `leaf(index, triangles)` is
+// called for each leaf that a ray may meet, and returns the lanes that search on.
 template <typename L, typename Leaf>
 OMMA_HD void search_tree(const WideNode* nodes, std::uint32_t root, const RayBundle<L>& bundle,
-                         const float (&t_far_m)[L::count], Leaf leaf) {
+                         unsigned lanes, const float (&t_far_m)[L::count], Leaf leaf) {
   constexpr std::uint32_t index_mask = (1u << visit_index_bits) - 1;
   Visit stack[stack_room];
   int depth = 0;
-  unsigned lanes = bundle.lanes;
   float far_m = furthest<L>(t_far_m, lanes);
-  stack[depth++] = {root, 0};
+  stack[depth++] = {root, 0, lanes};
   while (depth > 0) {
     const Visit visit = stack[--depth];
     if (visit.near_m > far_m) continue;
     const std::uint32_t triangles = visit.at >> visit_index_bits;
     if (triangles != 0) {
-      lanes = leaf(visit.at & index_mask, triangles);
+      const unsigned asked = visit.lanes & lanes;
+      if (asked == 0) continue;
+      lanes &= ~asked | leaf(visit.at & index_mask, triangles, asked);
       if (lanes == 0) return;
       far_m = furthest<L>(t_far_m, lanes);
       continue;
@@ -242,13 +242,14 @@ OMMA_HD void search_tree(const WideNode* nodes, std::uint32_t root, const RayBun
     while (bits != 0) {
       const int c = lowest_bit(bits);
       bits &= bits - 1;
-      if (!hits_child<L>(bundle, lanes, slabs, c, t_far_m)) continue;
+      const unsigned meeting = hits_child<L>(bundle, lanes, slabs, c, t_far_m);
+      if (meeting == 0) continue;
       const int inner = node.counts & 15;
-      const Visit child{
-          c < inner ? node.first_child + static_cast<std::uint32_t>(c)
-                    : (node.first_leaf + (node.leaf[c] >> 4)) |
-                          static_cast<std::uint32_t>(node.leaf[c] & 15) << visit_index_bits,
-          slabs.near[c]};
+      const Visit child{c < inner
+                            ? node.first_child + static_cast<std::uint32_t>(c)
+                            : (node.first_leaf + (node.leaf[c] >> 4)) |
+                                  static_cast<std::uint32_t>(node.leaf[c] & 15) << visit_index_bits,
+                        slabs.near[c], meeting};
       int k = depth++;
       for (; k > first && stack[k - 1].near_m < child.near_m; --k) stack[k] = stack[k - 1];
       stack[k] = child;
@@ -295,6 +296,8 @@ OMMA_HD unsigned search_leaf(const RayFrame<L>& frame, const Leaf& leaf, unsigne
     for (int k = 0; k < last; ++k) {
       const float normal[3] = {normals[0][k], normals[1][k], normals[2][k]};
       for (int l = 0; l < L::count; l += L::width) {
+        if constexpr (L::count > L::width)
+          if ((lanes >> l & ((1u << L::width) - 1)) == 0) continue;
         F direction[3];
         for (int a = 0; a < 3; ++a) direction[a] = load<F>(frame.direction[a] + l);
         Crossing<F> crossing;
@@ -323,54 +326,66 @@ OMMA_HD unsigned search_leaf(const RayFrame<L>& frame, const Leaf& leaf, unsigne
   return lanes;
 }
 
-// Goes through what is placed. `found(tree, lanes, ...)` is called for what the lanes of `bits` meet
-// of a triangle, as in search_leaf; it returns those of `lanes` that search on.
+// Rays in the frame of a placed tree: origins, then directions, which keep their length so that
+// distances along them stay what they are.
+template <typename L, typename Packet>
+OMMA_HD void move_rays(const float (&m)[3][4], const Packet& rays, float (&moved)[6][L::count]) {
+  using F = typename L::F;
+  for (int l = 0; l < L::count; l += L::width) {
+    F o[3], d[3];
+    for (int a = 0; a < 3; ++a) {
+      o[a] = load<F>(rays.origin[a] + l);
+      d[a] = load<F>(rays.direction[a] + l);
+    }
+    for (int a = 0; a < 3; ++a) {
+      store(moved[a] + l, m[a][0] * o[0] + m[a][1] * o[1] + m[a][2] * o[2] + m[a][3]);
+      store(moved[3 + a] + l, m[a][0] * d[0] + m[a][1] * d[1] + m[a][2] * d[2]);
+    }
+  }
+}
+
+// Goes through what is placed. `found(tree, lanes, ...)` is called for what the lanes of `bits`
+// meet of a triangle, as in search_leaf; it returns those of `lanes` that search on.
 template <typename L, typename Packet, typename Found>
 OMMA_HD void search(const BvhView& bvh, unsigned valid, Packet& rays, Found found) {
-  using F = typename L::F;
   if (bvh.top_nodes == nullptr) return;
   const RayFrame<L> world{rays.origin, rays.direction};
   while (valid != 0) {
     RayBundle<L> bundle;
     make_bundle<L>(world, rays.t_near_m, valid, bundle);
     valid &= ~bundle.lanes;
-    unsigned lanes = bundle.lanes;
-    search_tree<L>(bvh.top_nodes, 0, bundle, rays.t_far_m, [&](std::uint32_t index, std::uint32_t) {
+    const auto search_placed = [&](std::uint32_t index, std::uint32_t, unsigned lanes) {
       const PlacedTree& tree = bvh.trees[index];
-      alignas(64) float moved[6][L::count];
+      const bool is_moved = tree.placed != none;
       RayFrame<L> frame = world;
-      if (tree.placed != none) {
-        const float(&m)[3][4] = tree.tree_from_frame;
-        for (int l = 0; l < L::count; l += L::width) {
-          F o[3], d[3];
-          for (int a = 0; a < 3; ++a) {
-            o[a] = load<F>(rays.origin[a] + l);
-            d[a] = load<F>(rays.direction[a] + l);
-          }
-          for (int a = 0; a < 3; ++a) {
-            store(moved[a] + l, m[a][0] * o[0] + m[a][1] * o[1] + m[a][2] * o[2] + m[a][3]);
-            store(moved[3 + a] + l, m[a][0] * d[0] + m[a][1] * d[1] + m[a][2] * d[2]);
-          }
-        }
+      alignas(L::count >= 16 ? 64 : 4) float moved[6][L::count];
+      if (is_moved) {
+        move_rays<L>(tree.tree_from_frame, rays, moved);
         frame = {moved, moved + 3};
       }
       for (unsigned left = lanes; left != 0;) {
-        RayBundle<L> own;
-        make_bundle<L>(frame, rays.t_near_m, left, own);
-        left &= ~own.lanes;
-        unsigned on = own.lanes;
-        search_tree<L>(bvh.nodes, tree.root, own, rays.t_far_m,
-                    [&](std::uint32_t first, std::uint32_t triangles) {
+        RayBundle<L> moved_bundle;
+        if (is_moved) make_bundle<L>(frame, rays.t_near_m, left, moved_bundle);
+        const RayBundle<L>& own = is_moved ? moved_bundle : bundle;
+        const unsigned asked = left & own.lanes;
+        left &= ~asked;
+        unsigned on = asked;
+        search_tree<L>(bvh.nodes, tree.root, own, asked, rays.t_far_m,
+                    [&](std::uint32_t first, std::uint32_t triangles, unsigned meeting) {
                       const Leaf leaf{bvh.blocks + first, static_cast<int>(triangles), tree.placed,
                                       own.one_origin};
-                      return on = search_leaf<L>(frame, leaf, on, [&](auto&&... crossing) {
-                        return on = found(tree, on, crossing...);
+                      unsigned still = meeting;
+                      still = search_leaf<L>(frame, leaf, meeting, [&](auto&&... crossing) {
+                        return still = found(tree, still, crossing...);
                       });
+                      on &= ~meeting | still;
+                      return still;
                     });
-        lanes &= ~own.lanes | on;
+        lanes &= ~asked | on;
       }
       return lanes;
-    });
+    };
+    search_tree<L>(bvh.top_nodes, 0, bundle, bundle.lanes, rays.t_far_m, search_placed);
   }
 }
 
@@ -433,16 +448,16 @@ OMMA_HD unsigned accepted(int l, unsigned bits,
 // The closest accepted hit of each valid ray behind its t_near and up to its t_far, which becomes
 // the hit's distance; weights, triangle, normal and placed mesh are filled in. Where nothing is met
 // nothing changes, so `geometry` must be `none` before. `accept(lane, t, u, v, triangle, placed,
-// from_behind)` is asked of each candidate on meshes that may say no; u and v are the weights of the
-// second and third vertex.
+// from_behind)` is asked of each candidate on meshes that may say no; u and v are the weights of
+// the second and third vertex.
 template <typename L, typename Accept>
 OMMA_HD void closest(const BvhView& bvh, const int* valid, RayPacket<L::count>& rays, Accept accept) {
   using F = typename L::F;
   using I = typename L::I;
   search<L>(
       bvh, valid_bits<L>(valid), rays,
-      [&](const PlacedTree& tree, unsigned lanes, int l, unsigned bits,
-          const Crossing<F>& crossing, const float (&normal)[3], const TriangleBlock& block, int k) {
+      [&](const PlacedTree& tree, unsigned lanes, int l, unsigned bits, const Crossing<F>& crossing,
+          const float(&normal)[3], const TriangleBlock& block, int k) {
         bits = in_reach<L>(rays, l, bits, crossing);
         if (bits == 0) return lanes;
         const std::uint32_t placed = placed_of(tree, block, k), triangle = block.triangle[k];
@@ -475,16 +490,15 @@ OMMA_HD unsigned occluded(const BvhView& bvh, const int* valid, const RayPacket<
                           Accept accept) {
   using F = typename L::F;
   unsigned found = 0;
-  search<L>(bvh, valid_bits<L>(valid), rays,
-                [&](const PlacedTree& tree, unsigned lanes, int l, unsigned bits,
-                    const Crossing<F>& crossing, const float (&)[3], const TriangleBlock& block,
-                    int k) {
-                  bits = in_reach<L>(rays, l, bits, crossing);
-                  bits = accepted<L>(l, bits, crossing, block, k, placed_of(tree, block, k),
-                                         accept);
-                  found |= bits << l;
-                  return lanes & ~(bits << l);
-                });
+  search<L>(
+      bvh, valid_bits<L>(valid), rays,
+      [&](const PlacedTree& tree, unsigned lanes, int l, unsigned bits, const Crossing<F>& crossing,
+          const float(&)[3], const TriangleBlock& block, int k) {
+        bits = in_reach<L>(rays, l, bits, crossing);
+        bits = accepted<L>(l, bits, crossing, block, k, placed_of(tree, block, k), accept);
+        found |= bits << l;
+        return lanes & ~(bits << l);
+      });
   return found;
 }
 

@@ -13,8 +13,8 @@ namespace omma {
 // several edges does not agree at a corner, one of the triangles about it still counts.
 inline constexpr float edge_slack = 0x1p-23f;
 
-// Of a triangle, seen from the origin of a ray: for each edge the normal of the plane through it and
-// the origin, for the triangle its height along its own normal.
+// Of a triangle, seen from the origin of a ray: for each edge the normal of the plane through it
+// and the origin, for the triangle its height along its own normal.
 template <typename V>
 struct SeenTriangle {
   V edge[3][3];  // [opposite vertex][axis]

@@ -29,8 +29,8 @@ unsigned occluded_of(const PortableTracer& tracer, const int* valid,
 
 }  // namespace
 
-PortableSearch portable_search() {
-  using Packets = Lanes<16, lane_width>;
+SearchFunctions portable_search() {
+  using Packets = Lanes<16, OMMA_LANE_WIDTH>;
   using OneLane = Lanes<1, 1>;
   return {closest_of<Packets>, closest_of<OneLane>, occluded_of<Packets>, occluded_of<OneLane>};
 }

@@ -7,7 +7,7 @@
 
 namespace omma {
 
-struct PortableSearch {
+struct SearchFunctions {
   // Closest hits that accept_hit accepts, of `packets` packets.
   void (*closest_16)(const PortableTracer&, const int* valid, RayPacket<16>*, std::size_t packets);
   void (*closest_1)(const PortableTracer&, const int* valid, RayPacket<1>*, std::size_t packets);
@@ -16,16 +16,19 @@ struct PortableSearch {
 };
 
 // Those that this processor runs, the fastest last.
-std::vector<PortableSearch> portable_searches();
+std::vector<SearchFunctions> portable_searches();
 
 namespace baseline {
-PortableSearch portable_search();
+SearchFunctions portable_search();
+}
+namespace plain {
+SearchFunctions portable_search();
 }
 namespace avx2 {
-PortableSearch portable_search();
+SearchFunctions portable_search();
 }
 namespace avx512 {
-PortableSearch portable_search();
+SearchFunctions portable_search();
 }
 
 }  // namespace omma

@@ -3,8 +3,8 @@
 
 namespace omma {
 
-std::vector<PortableSearch> portable_searches() {
-  std::vector<PortableSearch> searches{baseline::portable_search()};
+std::vector<SearchFunctions> portable_searches() {
+  std::vector<SearchFunctions> searches{baseline::portable_search(), plain::portable_search()};
 #if defined(OMMA_HAS_AVX2)
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
       __builtin_cpu_supports("bmi2"))

@@ -33,8 +33,7 @@ Crossed cross_exactly(const FlatTriangle& triangle, Vec3d origin, Vec3d directio
     const Vec3d p = corner[i], edge = corner[(i + 1) % 3] - p;
     const Vec3d across = cross(edge, direction);
     const double width = length(across);
-    if (width > 0)
-      crossed.inside_m = std::min(crossed.inside_m, side * dot(p, across) / width);
+    if (width > 0) crossed.inside_m = std::min(crossed.inside_m, side * dot(p, across) / width);
   }
   return crossed;
 }
@@ -43,19 +42,15 @@ Crossed cross_exactly(const FlatTriangle& triangle, Vec3d origin, Vec3d directio
 
 std::vector<FlatTriangle> flatten(const PortableTracer& tracer) {
   std::vector<FlatTriangle> triangles;
-  for (std::size_t i = 0; i < tracer.placement.instances.size(); ++i) {
-    const PlacedInstance& instance = tracer.placement.instances[i];
-    Mat4 t = tracer.world_from_mesh[static_cast<std::size_t>(instance.instance)];
-    t.m[0][3] -= tracer.origin_m.x, t.m[1][3] -= tracer.origin_m.y,
-        t.m[2][3] -= tracer.origin_m.z;
+  for (std::size_t i = 0; i < tracer.layout.instances.size(); ++i) {
+    const PlacedInstance& instance = tracer.layout.instances[i];
     const Mesh& mesh = tracer.scene->meshes[static_cast<std::size_t>(instance.mesh)];
     for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
-      FlatTriangle flat{{},
-                        static_cast<std::uint32_t>(k),
-                        static_cast<std::uint32_t>(i),
-                        determinant(t) < 0};
-      for (std::size_t v = 0; v < 3; ++v)
-        flat.corner[v] = transform_point(t, to_double(mesh.positions[mesh.triangles[k][v]]));
+      FlatTriangle flat{
+          {}, static_cast<std::uint32_t>(k), static_cast<std::uint32_t>(i), instance.is_shared};
+      const Triangle corners =
+          tracer.corners(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(k));
+      for (std::size_t v = 0; v < 3; ++v) flat.corner[v] = corners.corner[v];
       triangles.push_back(flat);
     }
   }
@@ -86,16 +81,16 @@ std::string check_hit(const std::vector<FlatTriangle>& triangles, const TestRay&
     const Crossed crossed = cross_exactly(*at, origin, direction);
     if (!crossed.crosses) return "a triangle that cannot be hit";
     if (crossed.inside_m < -slack_m(*at))
-      return "missed by " + std::to_string(-crossed.inside_m / slack_m(*at)) + " of what is allowed";
+      return "missed by " + std::to_string(-crossed.inside_m / slack_m(*at)) +
+             " of what is allowed";
     found_t = static_cast<double>(hit.t_m);
     found_slack = slack_t(*at, crossed);
     if (!(std::fabs(found_t - crossed.t_m) <= found_slack))
       return "the distance is " + std::to_string(found_t) + ", not " + std::to_string(crossed.t_m);
-    const bool from_behind =
-        hit.normal[0] * ray.direction.x + hit.normal[1] * ray.direction.y +
-                hit.normal[2] * ray.direction.z > 0;
-    const bool is_copy = !at->is_mirrored;
-    if (is_copy && std::fabs(crossed.facing) > 1e-3 && from_behind != (crossed.facing > 0))
+    const bool from_behind = hit.normal[0] * ray.direction.x + hit.normal[1] * ray.direction.y +
+                                 hit.normal[2] * ray.direction.z >
+                             0;
+    if (!at->is_shared && std::fabs(crossed.facing) > 1e-3 && from_behind != (crossed.facing > 0))
       return "the wrong side";
   }
   for (const FlatTriangle& triangle : triangles) {

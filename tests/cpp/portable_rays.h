@@ -38,12 +38,29 @@ struct TestHit {
 struct TracedScene {
   Scene scene;
   std::unique_ptr<ShadingData> shading;
+  Placement placement;
   std::unique_ptr<PortableTracer> tracer;
 
   explicit TracedScene(Scene from)
       : scene(std::move(from)),
         shading(make_shading_data(scene)),
-        tracer(make_portable_tracer(scene, shading->view)) {}
+        placement(placement_of(scene)),
+        tracer(make_portable_tracer(scene, shading->view, placement)) {}
+
+  // As World does it: what moves for the first time has all built again.
+  void move(std::span<const std::int32_t> instances, std::span<const Mat4> to) {
+    bool newly = false;
+    for (std::size_t k = 0; k < instances.size(); ++k) {
+      const auto i = static_cast<std::size_t>(instances[k]);
+      newly = newly || !placement.moves[i];
+      placement.moves[i] = 1;
+      placement.world_from_mesh[i] = to[k];
+    }
+    if (newly)
+      tracer = make_portable_tracer(scene, shading->view, placement);
+    else
+      move_instances(*tracer, placement);
+  }
 };
 
 template <int count>
@@ -85,7 +102,7 @@ void for_packets(const std::vector<TestRay>& rays, const Trace& trace) {
   }
 }
 
-inline std::vector<TestHit> hits_in_16(const PortableSearch& search, const PortableTracer& tracer,
+inline std::vector<TestHit> hits_in_16(const SearchFunctions& search, const PortableTracer& tracer,
                                        const std::vector<TestRay>& rays) {
   std::vector<TestHit> hits;
   for_packets<16>(rays, [&](RayPacket<16>& packet, const int* valid, int filled) {
@@ -95,7 +112,7 @@ inline std::vector<TestHit> hits_in_16(const PortableSearch& search, const Porta
   return hits;
 }
 
-inline std::vector<TestHit> hits_in_1(const PortableSearch& search, const PortableTracer& tracer,
+inline std::vector<TestHit> hits_in_1(const SearchFunctions& search, const PortableTracer& tracer,
                                       const std::vector<TestRay>& rays) {
   std::vector<TestHit> hits;
   for_packets<1>(rays, [&](RayPacket<1>& packet, const int* valid, int) {
@@ -105,7 +122,7 @@ inline std::vector<TestHit> hits_in_1(const PortableSearch& search, const Portab
   return hits;
 }
 
-inline std::vector<bool> occluded_in_16(const PortableSearch& search, const PortableTracer& tracer,
+inline std::vector<bool> occluded_in_16(const SearchFunctions& search, const PortableTracer& tracer,
                                         const std::vector<TestRay>& rays) {
   std::vector<bool> occluded;
   for_packets<16>(rays, [&](const RayPacket<16>& packet, const int* valid, int filled) {
@@ -116,7 +133,7 @@ inline std::vector<bool> occluded_in_16(const PortableSearch& search, const Port
   return occluded;
 }
 
-inline std::vector<bool> occluded_in_1(const PortableSearch& search, const PortableTracer& tracer,
+inline std::vector<bool> occluded_in_1(const SearchFunctions& search, const PortableTracer& tracer,
                                        const std::vector<TestRay>& rays) {
   std::vector<bool> occluded;
   for_packets<1>(rays, [&](const RayPacket<1>& packet, const int* valid, int) {
@@ -130,7 +147,7 @@ inline std::vector<bool> occluded_in_1(const PortableSearch& search, const Porta
 inline std::vector<TestHit> hits_of(const PortableTracer& tracer,
                                     const std::vector<TestRay>& rays) {
   std::vector<TestHit> first;
-  for (const PortableSearch& search : portable_searches()) {
+  for (const SearchFunctions& search : portable_searches()) {
     const std::vector<TestHit> sixteen = hits_in_16(search, tracer, rays);
     const std::vector<TestHit> one = hits_in_1(search, tracer, rays);
     const std::vector<bool> occluded_16 = occluded_in_16(search, tracer, rays);
@@ -154,16 +171,16 @@ inline std::vector<TestHit> hits_of(const PortableTracer& tracer,
 struct FlatTriangle {
   Vec3d corner[3];
   std::uint32_t triangle, placed;
-  bool is_mirrored;
+  bool is_shared;  // its normal is found in the mesh's frame
 };
 
 std::vector<FlatTriangle> flatten(const PortableTracer& tracer);
 
-// Whether what was found is right, up to rounding: in single precision a ray is off by `slack` of its
-// distance at most.
+// Whether what was found is right, up to rounding: in single precision a ray is off by `slack` of
+// its distance at most.
 //
-// What was hit must be hit, when widened by that; nothing that is hit, when narrowed by that, may be
-// nearer. Says what is wrong, or nothing.
+// What was hit must be hit, when widened by that; nothing that is hit, when narrowed by that, may
+// be nearer. Says what is wrong, or nothing.
 std::string check_hit(const std::vector<FlatTriangle>& triangles, const TestRay& ray,
                       const TestHit& hit, double slack);
 

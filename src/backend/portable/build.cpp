@@ -1,4 +1,5 @@
-// Boxes into a tree: from the top down, every node's range split in two until it has eight children.
+// Boxes into a tree: from the top down, every node's range split in two until it has eight
+// children.
 #include "backend/portable/build.h"
 
 #include <algorithm>
@@ -129,13 +130,15 @@ Box box_of(const Tree& tree, std::size_t begin, std::size_t end) {
 }
 
 Box middles_of(const Tree& tree, const Range& range) {
-  return sum_over<SumOfBoxes>(range, [&](SumOfBoxes& sum, std::size_t begin, std::size_t end) {
-           for (std::size_t i = begin; i < end; ++i) {
-             float m[3];
-             for (int a = 0; a < 3; ++a) m[a] = middle(tree.boxes[i], a);
-             sum.box.include(m, m);
-           }
-         }).box;
+  return sum_over<SumOfBoxes>(range,
+                              [&](SumOfBoxes& sum, std::size_t begin, std::size_t end) {
+                                for (std::size_t i = begin; i < end; ++i) {
+                                  float m[3];
+                                  for (int a = 0; a < 3; ++a) m[a] = middle(tree.boxes[i], a);
+                                  sum.box.include(m, m);
+                                }
+                              })
+      .box;
 }
 
 struct Split {
@@ -248,8 +251,8 @@ void compress_boxes(const Box& own, const std::vector<Range>& children, WideNode
 void build_node(const Tree& tree, const Range& range, FoundNode& found) {
   std::vector<Range> children{range};
   while (children.size() < node_width) {
-    const auto widest = std::max_element(
-        children.begin(), children.end(), [&](const Range& p, const Range& q) {
+    const auto widest =
+        std::max_element(children.begin(), children.end(), [&](const Range& p, const Range& q) {
           const auto rank = [&](const Range& r) {
             return r.size() > tree.most_in_leaf ? r.box.area() : -1.0;
           };

@@ -1,4 +1,5 @@
-// A Scene into trees: one over all copies, one for each mesh that is shared, one over what is placed.
+// A Scene into trees: one over all copies, one for each mesh that is shared, one over what is
+// placed.
 #include "backend/portable/tracer.h"
 
 #include <algorithm>
@@ -20,7 +21,7 @@ namespace {
 struct Copy {
   const Mesh* mesh = nullptr;
   Mat4 tree_from_mesh;
-  std::uint32_t placed = 0;  // as in TriangleBlock
+  std::uint32_t placed = 0;                          // as in TriangleBlock
   std::size_t first_triangle = 0, first_vertex = 0;  // of the tree's
 };
 
@@ -40,8 +41,7 @@ struct Copies {
   }
 };
 
-void corners_of(const Copies& tree, const Copy& copy, std::size_t triangle,
-                float (&corner)[3][3]) {
+void corners_of(const Copies& tree, const Copy& copy, std::size_t triangle, float (&corner)[3][3]) {
   const std::array<std::uint32_t, 3>& vertices = copy.mesh->triangles[triangle];
   for (std::size_t i = 0; i < 3; ++i) {
     const Vec3 p = tree.vertex_m[copy.first_vertex + vertices[i]];
@@ -105,8 +105,7 @@ void write_block(const Copies& tree, const std::uint32_t* order, TriangleBlock& 
     }
     for (int i = 0; i < 3; ++i)
       for (int a = 0; a < 3; ++a)
-        block.corner[i][a][k] =
-            is_filled ? corner[i][a] : std::numeric_limits<float>::quiet_NaN();
+        block.corner[i][a][k] = is_filled ? corner[i][a] : std::numeric_limits<float>::quiet_NaN();
   }
 }
 

@@ -18,7 +18,7 @@ namespace omma {
 
 // A tree of triangles.
 struct TreeRoot {
-  std::uint32_t index = none;              // of its root among the nodes; `none`: nothing to hit
+  std::uint32_t index = none;          // of its root among the nodes; `none`: nothing to hit
   float lower[3] = {}, upper[3] = {};  // m, the box around it in its frame
 };
 
