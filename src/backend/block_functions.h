@@ -4,6 +4,7 @@
 
 #include <cstddef>
 
+#include "backend/denormals.h"
 #include "physics/block.h"
 #include "physics/weigh.h"
 

@@ -9,11 +9,14 @@
 #include <string>
 #include <vector>
 
-#include "backend/embree/block.h"
+#include "backend/backend.h"
+#include "backend/denormals.h"
+#include "backend/eye_arrays.h"
 #include "backend/shading_data.h"
 #include "omma/io.h"
 #include "physics/surface.h"
 #include "test_scenes.h"
+#include "threads/thread_memory.h"
 
 namespace omma::test {
 namespace {
@@ -321,20 +324,25 @@ std::vector<float> rendered(const Scene& scene, const Eye& eye, const Mat4& worl
   const BackgroundData background = make_background_data(scene.background);
   SceneView view = shading->view;
   view.background = background.view;
-  const auto tracer = make_embree_tracer(scene, shading->view);
+  const Placement placement = placement_of(scene);
+  const Backend& backend = find_backend(backend_under_test);
+  const Acceleration built = backend.build(scene, shading->view, placement, nullptr);
   const DirectionTables directions = make_direction_tables(eye, settings);
   const EyeArrays arrays = make_eye_arrays(eye, directions);
-  const BlockContext context{tracer.get(), &view, &arrays, &directions, 1};
-  std::vector<float> responses(eye.size() * channel_count, -1.0f);
+  const DirectionsView directions_view = omma::view(directions);
+  const EyeView eye_view = omma::view(arrays);
+  const FrameView frame{&view, &eye_view, &directions_view};
+  std::vector<float> responses(eye.size() * rgb_bands, -1.0f);
   BlockTask task;
-  const double origin[3] = {tracer->origin_m.x, tracer->origin_m.y, tracer->origin_m.z};
+  const double origin[3] = {placement.origin_m.x, placement.origin_m.y, placement.origin_m.z};
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 4; ++c)
       task.world_from_head[r][c] =
           static_cast<float>(world_from_head.m[r][c] - (c == 3 ? origin[r] : 0));
   task.count = static_cast<int>(eye.size());
   task.responses = responses.data();
-  choose_block_functions().render(context, task);
+  backend.block_functions().render(frame, task, built.tracer.get(),
+                                   thread_memory(block_memory_bytes(frame)));
   return responses;
 }
 

@@ -9,31 +9,9 @@
 
 #include <cstddef>
 
-#if defined(__SSE__)
-#include <xmmintrin.h>
-#endif
-
 #include "physics/passed.h"
 
 namespace omma {
-
-// While it lives, this thread's denormal numbers count as zero, as Embree's manual asks: idle lanes
-// of a packet may hold some, and each would cost a hundred cycles.
-struct DenormalsAreZero {
-#if defined(__SSE__)
-  unsigned before = _mm_getcsr();
-  OMMA_HD DenormalsAreZero() {
-    _mm_setcsr(before | 0x8040u);
-  }  // flush to zero, denormals are zero
-  OMMA_HD ~DenormalsAreZero() {
-    _mm_setcsr(before);
-  }
-#else
-  DenormalsAreZero() = default;
-#endif
-  DenormalsAreZero(const DenormalsAreZero&) = delete;
-  DenormalsAreZero& operator=(const DenormalsAreZero&) = delete;
-};
 
 // A packet of ours is laid out as one of Embree's, which may be longer by what newer versions write.
 OMMA_HD RTCRayHit16& rays_of(RayPacket<16>& packet) {

@@ -9,6 +9,7 @@ namespace {
 using Packets = Lanes<packet_rays, OMMA_LANE_WIDTH>;
 
 void render(const FrameView& frame, const BlockTask& task, const void* tracer, std::byte* memory) {
+  const DenormalsAreZero denormals_are_zero;
   PortableSearch<Packets> search{static_cast<const PortableTracer*>(tracer)};
   Room room{memory};
   render_block<Packets>(frame, task, search,
@@ -17,6 +18,7 @@ void render(const FrameView& frame, const BlockTask& task, const void* tracer, s
 
 void weigh(const SharedWeights& shared, const float* radiance, int outputs, std::int64_t first,
            std::int64_t end, float* responses) {
+  const DenormalsAreZero denormals_are_zero;
   weigh_rays<Packets>(shared, radiance, outputs, first, end, responses);
 }
 
