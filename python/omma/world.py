@@ -123,7 +123,7 @@ class World:
                 process made by fork. All is then where it was.
         """
         listed: Any = instances
-        if isinstance(instances, str) or np.ndim(instances) == 0:
+        if isinstance(instances, str) or not hasattr(instances, "__iter__"):
             listed = [instances]
         indices = [
             self.index(one)

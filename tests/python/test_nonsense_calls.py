@@ -123,6 +123,7 @@ def public_calls(folder):
         "Wiring": ([0, 1], [0], [1.0]),
         "Renderer": (scene, eye),
         "Scene": (),
+        "World": (scene,),
         "Eye": ([[0, 0, 0]], [[0, 0, -1]], 0.1),
         "ReceptorType": {"name": "green", "peak_wavelength_nm": 540.0},
         "Acceptance.table": ([0, 0.1, 0.2], [1, 0.5, 0]),
@@ -256,6 +257,10 @@ def public_calls(folder):
         "Scene": (scene, {
             "camera": ("plain",), "hit_box_bounds": ("box",), "is_inside": ("box", [[0, 0, 0]]),
         }),
+        "World": (omma.World(scene), {
+            "index": ("ground",), "set_transforms": ("ground", pose),
+            "with_background": (omma.Background.constant((1, 1, 1)),),
+        }),
         "Lattice": (omma.lay_directions(0.3), {}),
         "EyeMeasures": (measures, {}),
         "Ellipsoid": (sphere, {
@@ -276,7 +281,7 @@ def public_calls(folder):
                 continue
             if prefix and name in species.names():
                 continue  # they take seconds, and one argument, which `make` has too
-            if name in ("Acceptance", "Background", "Camera"):
+            if name in ("Acceptance", "Background", "Camera", "WorldInstance"):
                 continue  # made by static methods, or by the engine alone
             if dataclasses.is_dataclass(thing) and prefix + name not in good:
                 continue  # results: whoever makes one knows what of

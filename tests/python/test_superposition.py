@@ -183,7 +183,9 @@ def test_pooling_sees_a_distant_scene_as_one_ommatidium_with_less_noise(scene):
     eye, place = fly_eye(steps=9)
     fly = omma.fly_receptors(eye)
     background = omma.Background.test_pattern()
-    renderer = omma.Renderer(scene, fly, samples=4, background=background, threads=2)
+    renderer = omma.Renderer(
+        scene, fly, samples=4, background=background, threads=2, noise="new_every_frame"
+    )
     high = omma.poses_from_angles(np.tile([0, 1e4, 0], (40, 1)), np.zeros((40, 3)))
     matrix = np.tile([0.2, 0.3, 0.5], (len(fly.receptor_types), 1))  # all alike, R7 too
     responses = renderer.render_receptors(high, matrix=matrix)
