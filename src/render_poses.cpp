@@ -28,7 +28,7 @@ double reach_m(const Mat4& pose, const EyeArrays& eye) {
 // Within a scene rounding by this much is told: eyes look at things of centimetres.
 constexpr double notable_m = 1e-3;
 // From further away than this many half sizes a scene is seen as a whole, and rounding counts as a
-// share of it.
+// fraction of it.
 constexpr double from_outside = 16, notable_share = 1e-4;
 
 }  // namespace

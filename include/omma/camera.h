@@ -66,7 +66,7 @@ struct CameraSettings {
 // row 0 is the top. The same inputs and seed give the same bits whatever the number of threads. The
 // world keeps the rays of its last picture: the next one of the same kind of camera, size, samples
 // and seed, wherever that camera is, takes them up. `progress` is called from the calling thread
-// several times a second with the finished share (0 to 1); false cancels. Throws omma::Error as
+// several times a second with the finished fraction (0 to 1); false cancels. Throws omma::Error as
 // camera_rays does, on a picture of the wrong size, and while things are being moved in the world;
 // omma::Cancelled when the progress callback says so.
 void render_camera(const World& world, const Camera& camera, const CameraSettings& settings,

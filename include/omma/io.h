@@ -19,7 +19,7 @@ struct SceneOptions {
   // With ColorRule::compoundray materials are what CompoundRay makes of them: opaque, seen from
   // both sides, without emission, their textures repeated, filtered and not transformed.
   ColorRule color_rule = ColorRule::gltf;
-  // Called from the calling thread several times a second with the finished share (0 to 1);
+  // Called from the calling thread several times a second with the finished fraction (0 to 1);
   // false ends the loading, which then throws omma::Cancelled.
   std::function<bool(double)> progress = nullptr;
 };

@@ -53,7 +53,7 @@ double pigment_beta_band(double peak_wavelength_nm, double wavelength_nm);
 void eval_spectral_sensitivity(const ReceptorType& type, std::span<const double> wavelength_nm,
                                std::span<double> sensitivity);
 
-// Spectra that stand for the linear sRGB primaries: the shares of white's photons that red, green
+// Spectra that stand for the linear sRGB primaries: the parts of white's photons that red, green
 // and blue take (receptor/primary_spectra.h). They add up to 1 from 400 to 700 nm and are 0
 // elsewhere.
 std::array<double, 3> primary_spectra(double wavelength_nm);
@@ -61,7 +61,7 @@ std::array<double, 3> primary_spectra(double wavelength_nm);
 // What a receptor makes of linear sRGB: weights of red, green and blue,
 //   M_c = integral of R s_c dw / integral of R dw, over 300 to 700 nm.
 // R is its sensitivity, s_c the spectrum of a primary. So white is equal numbers of photons over
-// what is visible to us, and a receptor gets less from it by its share of ultraviolet.
+// what is visible to us, and a receptor gets less from it by its part of ultraviolet.
 // `ultraviolet`: light from 300 to 400 nm is this mix of the three channels, as (0, 0, 1) for as
 // much as blue.
 std::array<double, 3> receptor_weights(const ReceptorType& type,

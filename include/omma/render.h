@@ -49,7 +49,7 @@ struct RenderSettings {
   Sampling sampling = Sampling::low_discrepancy;
   int threads = 0;                                      // 0: one per hardware thread
   std::optional<Background> background = std::nullopt;  // instead of the world's own
-  // Rays read textures averaged over their share of the solid angle: less noise, and the acceptance
+  // Rays read textures averaged over their part of the solid angle: less noise, and the acceptance
   // function's modulation transfer stays within 0.01.
   bool footprints = true;
   // Above 0: rays go on in rounds, to the ommatidia that need them, until the estimated standard
@@ -84,7 +84,7 @@ struct RenderCall {
   // Radiance that each single ray brought, [pose, ommatidium, sample, band], or empty for none.
   // Not together with standard_error.
   std::span<float> ray_radiance;
-  // Called from the calling thread several times a second with the finished share (0 to 1);
+  // Called from the calling thread several times a second with the finished fraction (0 to 1);
   // false cancels the render, which then throws omma::Cancelled.
   std::function<bool(double)> progress;
 };

@@ -45,7 +45,7 @@ class World {
   struct State;  // src/world_state.h
 
   // Builds the acceleration structure; throws omma::Error. The scene must stay as it is: its arrays
-  // are read from where they are. `progress` is told of the finished share (0 to 1) several times a
+  // are read from where they are. `progress` is told of the finished part (0 to 1) several times a
   // second; false throws omma::Cancelled. In a process forked from one that had used threads
   // omma::Error is thrown: Embree cannot build there.
   explicit World(std::shared_ptr<const Scene> scene, WorldSettings settings = {},

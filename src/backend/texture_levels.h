@@ -9,7 +9,7 @@
 
 namespace omma {
 
-// What the alpha of an image is for: nothing, the share of light that it covers, or to be cut out
+// What the alpha of an image is for: nothing, the part of light that it covers, or to be cut out
 // where it is below a cutoff. Colours are averaged with the weight that they are seen with.
 struct AlphaUse {
   AlphaMode mode = AlphaMode::opaque;

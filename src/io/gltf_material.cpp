@@ -232,7 +232,7 @@ void read_images(MaterialReader& reader, const WorkPart& work) {
   std::atomic<std::size_t> finished{0};
   parallel_for(std::size_t{0}, sources.size(), [&](std::size_t i) {
     try {
-      // Each tells of its own share, which of many is the more exact the more there are.
+      // Each tells of its own part, which of many is the more exact the more there are.
       const double before = 0.2 + 0.8 * static_cast<double>(finished) / all;
       Image& image = reader.scene.images[i];
       image = decode_claimed_image(encoded[i].bytes(), encoded[i].place,

@@ -130,7 +130,7 @@ void read_texture(OcesFile& file, OcesProperty& property, const json& descriptio
 // Texel indices and weight on one side of a coordinate.
 struct Between {
   int low, high;
-  double share;  // of the high one
+  double share;  // weight of the high one
 };
 
 int wrapped(int i, int size, Wrap wrap) {

@@ -6,7 +6,7 @@
 
 namespace omma {
 
-// Told of the finished share (0 to 1) on the thread that asked for the work; false ends it.
+// Told of the finished fraction (0 to 1) on the thread that asked for the work; false ends it.
 using Progress = std::function<bool(double)>;
 
 // How far the work is. Any thread of it may use this.
@@ -14,11 +14,11 @@ struct WorkState {
   std::atomic<double> share{0};
   std::atomic<bool> cancelled{false};
 
-  // Notes the share, which never falls; throws omma::Cancelled where the work is to end.
+  // Notes the fraction, which never falls; throws omma::Cancelled where the work is to end.
   void reach(double finished_share);
 };
 
-// The part of the work between two shares of it.
+// The part of the work between two fractions of it.
 struct WorkPart {
   WorkState* state = nullptr;  // null: nobody watches
   double from = 0, to = 1;

@@ -15,7 +15,7 @@ namespace {
 // Below, moving would not gain two bits.
 constexpr double far_away = 4;
 
-// Rounding by more than this share of the scene's half size is told.
+// Rounding by more than this fraction of the scene's half size is told.
 constexpr double notable_share = 1e-6;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();

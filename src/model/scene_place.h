@@ -9,7 +9,7 @@
 
 namespace omma {
 
-// Half an interval between floats, as a share of the number: what rounding to single precision
+// Half an interval between floats, as a fraction of the number: what rounding to single precision
 // changes at most.
 inline constexpr double float_rounding = 0x1p-24;
 

@@ -22,7 +22,7 @@ constexpr int smooth_intervals = 512, ring_intervals = 1024;
 // Azimuths that the distribution over azimuth is integrated on; rows of a table, and of Gaussians.
 constexpr int marginal_steps = 4096, table_rows = 256, gaussian_rows = 256;
 
-// Writes the azimuth for each of evenly spaced shares of `density`, which is given in the middle of
+// Writes the azimuth for each of evenly spaced parts of `density`, which is given in the middle of
 // evenly spaced azimuths, and the row there. Returns the integral.
 double invert_azimuth(const std::vector<double>& density,
                       const std::function<double(double)>& row_of, std::vector<double>& azimuth) {

@@ -4,7 +4,7 @@
 // from the rhabdom's axis. A rhabdom thin against the wavelength is a waveguide: it takes what of
 // the pattern's amplitude overlaps with its modes LP_lm (with one mode S is thus that mode's far
 // field: van Hateren 1984, J Comp Physiol A 154, 761), and of each mode it absorbs in proportion to
-// the share of the mode's power inside it. That is so as long as little of the light is absorbed: a
+// the part of the mode's power inside it. That is so as long as little of the light is absorbed: a
 // long rhabdom takes all of every mode in the end, and weighs them alike. Modes: Stavenga 2004, J
 // Comp Physiol A 190, 115, equations A1 to A4. A wide rhabdom takes all light that falls on its
 // tip: the geometric limit.
@@ -27,7 +27,7 @@ namespace omma {
 struct WaveguideMode {
   int l = 0, m = 1;
   double u = 0, w = 0;
-  double core_power = 0;  // share of the power inside
+  double core_power = 0;  // fraction of the power inside
   double norm = 0;        // integral of the squared field over R dR
 };
 
@@ -61,7 +61,7 @@ std::vector<double> waveguide_transfer(const Acceptance& acceptance,
                                        std::span<const double> frequency);
 
 // A lens of nearly the same S over x, out of few: its facet diameter and the angle of its rhabdom
-// over lambda/D are whole numbers of steps, of a share `step` each. With as much the same rhabdom.
+// over lambda/D are whole numbers of steps, of a part `step` each. With as much the same rhabdom.
 Acceptance lens_level(const Acceptance& acceptance, double step);
 
 // Full width of Snyder's Gaussian: its square is (lambda/D)^2 + (d/f)^2.

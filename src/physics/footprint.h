@@ -1,5 +1,5 @@
-// How wide a ray is. A ray stands for its share of an ommatidium's solid angle; a texture finer
-// than that share is read from a coarser level of its image (physics/texture.h) instead of at one
+// How wide a ray is. A ray stands for its part of an ommatidium's solid angle; a texture finer
+// than that part is read from a coarser level of its image (physics/texture.h) instead of at one
 // texel by chance. The price is that texels of that level widen the acceptance function a little.
 //
 // How wide they may be. A level with texels of width T is the image averaged over T (variance
@@ -44,7 +44,7 @@ OMMA_HD double widest_footprint(Kernel kernel, double lens_widths) {
 }
 
 // Full width of the footprint of one of `samples` rays, as an angle; `widest`: that it may have. A
-// Gaussian's solid angle is 2 pi s^2 = (1.06 acceptance)^2, so a ray's share is a square of about
+// Gaussian's solid angle is 2 pi s^2 = (1.06 acceptance)^2, so a ray's part is a square of about
 // acceptance / sqrt(samples): with more rays the footprint vanishes, and with it the bias. 0 for
 // single rays along the axis.
 OMMA_HD double footprint_width_rad(double widest_rad, double acceptance_rad, int samples) {

@@ -89,7 +89,7 @@ OMMA_HD bool covers(const Triangle& t, float u, float v, Vec3d direction, Vec3d 
 // A ray that hits an edge or a corner meets all the triangles about it, which are one surface and
 // count once, while triangles that lie upon each other are several. So of those hit on an edge
 // after a first one only those count that cover what it covers, as the ray sees it: a point well
-// inside the first, in no special place.
+// inside the first, in no special place, so that edges of others do not lie along the way to it.
 template <int lanes, typename Corners>
 OMMA_HD bool has_passed(const PassedSurfaces<lanes>& passed, int lane, const PassedSurface& hit,
                         Vec3 direction, const Corners& corners) {
@@ -103,7 +103,7 @@ OMMA_HD bool has_passed(const PassedSurfaces<lanes>& passed, int lane, const Pas
   if (first == nullptr || !is_on_edge(hit.u, hit.v)) return false;
   if (first->geometry != hit.geometry && first->instance != none) return false;
   const Triangle a = corners(first->instance, first->geometry, first->triangle);
-  const double inside[3] = {0.5, 0.3, 0.2};
+  const double inside[3] = {0.4741, 0.3107, 0.2152};
   const double weight[3] = {1.0 - static_cast<double>(first->u) - static_cast<double>(first->v),
                             static_cast<double>(first->u), static_cast<double>(first->v)};
   Vec3d move;

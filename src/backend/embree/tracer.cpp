@@ -121,7 +121,7 @@ struct Build {
     finished += part;
   }
 
-  // Called by any of Embree's threads with the share of the scene that is built.
+  // Called by any of Embree's threads with the fraction of the scene that is built.
   static bool go_on(void* build, double share) {
     const auto& b = *static_cast<const Build*>(build);
     b.work->share = (b.finished + share * b.part) / b.all;
