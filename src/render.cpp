@@ -81,6 +81,7 @@ Outputs make_outputs(std::span<const double> output_from_band, int bands) {
 // What neighbours cannot share rays with.
 static void check_sharing(const Eye& eye, const RenderSettings& settings) {
   if (!settings.share_rays) return;
+  std::size_t lenses = 0;
   for (std::size_t i = 0; i < eye.size(); ++i) {
     const auto refuse = [&](const char* what) {
       throw Error(std::string("share_rays: not with ") + what + ", as ommatidium " +
@@ -91,7 +92,13 @@ static void check_sharing(const Eye& eye, const RenderSettings& settings) {
       refuse("the kernel compoundray, which is infinite at its axis");
     if (!is_round(acceptance)) refuse("a sensitivity that is not round");
     if (eye.aperture_diameter_m[i] > 0) refuse("an aperture");
+    lenses += acceptance.kernel == Kernel::airy || acceptance.kernel == Kernel::lens_rhabdom;
   }
+  // Among others they have their own rays; alone nothing would come of what was asked for.
+  if (lenses > 0 && lenses == eye.size())
+    throw Error(
+        "share_rays: not where all ommatidia have the kernels airy and lens_rhabdom, whose dark "
+        "rings go on to the side");
 }
 
 Renderer::State::State(World seen, Eye its_eye, RenderSettings its_settings,

@@ -69,6 +69,7 @@ def render_all_cameras(
     sampling: str = "low_discrepancy",
     threads: int = 0,
     footprints: bool = True,
+    backend: str = "",
     background: Background | str | None = None,
     projection: str | None = None,
     width: int | None = None,
@@ -86,7 +87,8 @@ def render_all_cameras(
         width, height: of every picture, as in `render_camera` and `projection_ids`; but
             projections with a pixel for each ommatidium keep their own size.
         projection: of all eyes, instead of the one that their camera names.
-        scene_index, samples, seed, kernel, sampling, threads, footprints, background, gamma,
+        scene_index, samples, seed, kernel, sampling, threads, footprints, backend, background,
+            gamma,
             progress: as in `render_file`.
 
     Raises:
@@ -121,6 +123,7 @@ def render_all_cameras(
     seen = World(
         world,
         background=parse_background(background) if isinstance(background, str) else background,
+        backend=backend,
         threads=threads,
         progress=partial(tell, BUILDING),
     )

@@ -264,6 +264,14 @@ def render(
             "another at each, so that it averages out."
         ),
     ] = "frozen",
+    backend: Annotated[
+        Literal["", "embree", "portable"],
+        typer.Option(
+            help="What traces the rays: embree, or portable, which is Omma's own. Default: the "
+            "fastest there is.",
+            show_default=False,
+        ),
+    ] = "",
     projection: Annotated[
         str | None,
         typer.Option(
@@ -331,6 +339,7 @@ def render(
                 sampling=sampling,
                 threads=threads,
                 footprints=not no_footprints,
+                backend=backend,
                 background=background,
                 projection=projection,
                 width=width,
@@ -362,6 +371,7 @@ def render(
             footprints=not no_footprints,
             share_rays=share_rays,
             noise=noise,
+            backend=backend,
             background=background,
             standard_error=standard_error,
             receptors=receptors,

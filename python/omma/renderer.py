@@ -45,9 +45,9 @@ def warn_of_precision(sentence: str) -> None:
 class Renderer:
     """A world and an eye, ready to render: acceleration structure and direction tables are built.
 
-    The response of ommatidium i in band c at a pose is the mean of the radiance around it, with
-    its angular sensitivity as weight; a surround of radiance 1 gives 1. Bands are linear
-    RGB, unless the world has others.
+    The response of ommatidium i in band b at a pose is the mean of the radiance around it, with
+    its angular sensitivity as weight; a surround of radiance 1 gives 1. Bands are linear RGB,
+    unless the world has others.
 
     Args:
         scene: what there is to see: a `World`, which is shared with whoever sees it too, or a
@@ -86,6 +86,7 @@ class Renderer:
             renderer renders, in the order of the calls, in a batch as in a loop; averaged over
             frames, noise vanishes. Not with ``share_rays``. See docs/noise.md.
         background: instead of the scene's or the world's own.
+        backend: what traces the rays of a scene, see `World`; a world has its own.
         progress: called with the finished share (0 to 1) of the acceleration structure a few times
             a second, where one is made. What it raises ends the building and is raised here; so
             does Ctrl-C.
@@ -117,10 +118,13 @@ class Renderer:
         share_rays: bool = False,
         noise: str = "frozen",
         background: Background | None = None,
+        backend: str = "",
         progress: Progress | None = None,
     ) -> None:
         if not isinstance(scene, World):
             expect(scene, Scene, "scene", "omma.load_scene gives one")
+        elif backend:
+            raise Error("backend: the world that is given has its own")
         eye = _one_eye(eye)
         if background is not None:
             expect(background, Background, "background", "omma.Background.constant gives one")
@@ -139,7 +143,9 @@ class Renderer:
         )
         self._build_times: dict[str, float] = {"scene_s": 0.0, "acceleration_s": 0.0}
         if isinstance(scene, Scene):
-            scene = World(scene, background=background, threads=threads, progress=progress)
+            scene = World(
+                scene, background=background, threads=threads, backend=backend, progress=progress
+            )
             self._build_times = scene.build_times
         elif background is not None:
             scene = scene.with_background(background)

@@ -58,7 +58,7 @@ SUFFIXES = (".npy", ".csv", ".png")
 Stage = Callable[[str, float | None], object]
 
 # What makes no difference to responses, or is told by what is in the files.
-_NO_SETTINGS = ("scene", "outputs", "eyes", "path", "threads", "progress", "resume")
+_NO_SETTINGS = ("scene", "outputs", "eyes", "path", "threads", "backend", "progress", "resume")
 
 
 @dataclass(frozen=True)
@@ -104,6 +104,7 @@ def render_file(
     footprints: bool = True,
     share_rays: bool = False,
     noise: str = "frozen",
+    backend: str = "",
     background: Background | str | None = None,
     standard_error: bool = False,
     receptors: bool = False,
@@ -138,7 +139,8 @@ def render_file(
         path: instead, a CSV file of poses, see `load_poses`.
         scene_index: which of the scenes in the file; None takes its default.
         samples, seed: as in `Renderer`; of a camera's picture as in `render_camera`.
-        error, min_samples, max_samples, kernel, sampling, threads, footprints, share_rays, noise:
+        error, min_samples, max_samples, kernel, sampling, threads, footprints, share_rays, noise,
+            backend:
             as in `Renderer`; the frame of a path's pose has its number in the path.
         background: a `Background`, or text as `parse_background` takes it.
         standard_error: also write standard errors of an eye's responses: beside OUT.npy an
@@ -204,7 +206,13 @@ def render_file(
         size = picture_size(node, width, height)
         rays = fixed_samples(samples, "a picture")
         check_picture_settings(rays, seed, threads)
-        seen = World(world, threads=threads, background=backdrop, progress=partial(tell, BUILDING))
+        seen = World(
+            world,
+            threads=threads,
+            background=backdrop,
+            backend=backend,
+            progress=partial(tell, BUILDING),
+        )
         return _render_picture(seen, node, names, size, rays, seed, gamma, start, tell)
     if ultraviolet is not None and not receptors:
         raise Error("ultraviolet: is for receptors=True")
@@ -236,6 +244,7 @@ def render_file(
         share_rays=share_rays,
         noise=noise,
         background=backdrop,
+        backend=backend,
         progress=partial(tell, BUILDING),
     )
     if share_rays and not receptors:

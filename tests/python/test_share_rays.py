@@ -81,12 +81,21 @@ def test_standard_error(sharing: omma.Renderer, eye: omma.Eye) -> None:
 
 
 def test_own_rays_where_nothing_is_gained(sharing: omma.Renderer, eye: omma.Eye) -> None:
-    narrow = [eye.replace(acceptance_angle_rad=angle) for angle in (math.radians(0.3), 1e-20)]
-    for alone in (*narrow, eye.replace(acceptance=omma.Acceptance.airy(25e-6, 500))):
+    for angle in (math.radians(0.3), 1e-20):
+        alone = eye.replace(acceptance_angle_rad=angle)
         renderer = sharing.with_eye(alone)
         assert not renderer.shared_ommatidia.any()
         assert renderer.rays_per_frame == 4 * len(eye)
         assert np.isfinite(renderer.render("bee")).all()
+
+
+def test_lenses_alone_are_refused(sharing: omma.Renderer, eye: omma.Eye) -> None:
+    airy = omma.Acceptance.airy(25e-6, 500)
+    with pytest.raises(omma.Error, match="share_rays: not where all ommatidia have"):
+        sharing.with_eye(eye.replace(acceptance=airy))
+    mixed = sharing.with_eye(eye.replace(acceptance=[airy, *[None] * (len(eye) - 1)]))
+    assert not mixed.shared_ommatidia[0]
+    assert mixed.shared_ommatidia.any()
 
 
 def test_refuses_what_takes_too_much(sharing: omma.Renderer, eye: omma.Eye) -> None:
