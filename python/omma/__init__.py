@@ -178,6 +178,7 @@ __all__ = [
     "angle_table",
     "assign_receptors",
     "azimuth_elevation_deg_of",
+    "band_from_rgb",
     "camera_eye",
     "check_lattice",
     "compoundray_library",

@@ -88,7 +88,7 @@ def _band_edges(edges_nm: ArrayLike) -> Floats:
     if not 2 <= len(edges) <= _core.most_bands + 1 or not np.all(np.diff(edges) > 0):
         raise Error(
             f"edges_nm: expected 2 to {_core.most_bands + 1} wavelengths that ascend, found "
-            f"{str(edges.tolist()):.80}"
+            f"{edges.tolist()!s:.80}"
         )
     return edges
 
@@ -311,11 +311,15 @@ def render_receptors(
         number = None if first is None else first + start
         for k in range(passes):
 
-            def share(done: float, before: float = start + k / passes * len(piece)) -> None:
+            def report(
+                done: float,
+                before: float = start + k / passes * len(piece),
+                part: float = len(piece) / passes,
+            ) -> None:
                 assert progress is not None
-                progress((before + done * len(piece) / passes) / len(matrices))
+                progress((before + done * part) / len(matrices))
 
-            tell = None if progress is None else share
+            tell = None if progress is None else report
             into = responses[start : start + chunk]
             if errors is None:
                 radiance = views.renderer.render(piece, first_pose=number, progress=tell)

@@ -389,13 +389,11 @@ class Renderer:
         first_pose: int | None,
         progress: Progress | None,
     ) -> tuple[Responses, Responses]:
-        """Mixtures of the bands, [output, band], and their standard errors: both (P, N, outputs)."""
+        """Mixtures of the bands, [output, band], and their standard errors: (P, N, outputs)."""
         shape = (len(matrices), len(self.eye), len(output_from_band))
         found, errors = np.empty(shape, np.float32), np.empty(shape, np.float32)
         weights = np.ascontiguousarray(output_from_band)
-        self._engine.render(
-            matrices, found, errors, None, None, first_pose, weights, progress
-        )
+        self._engine.render(matrices, found, errors, None, None, first_pose, weights, progress)
         return found, errors
 
     def _receptor_views(self) -> ReceptorViews:

@@ -55,12 +55,13 @@ class World:
             expect(background, Background, "background", "omma.Background.constant gives one")
         self._scene = scene
         number = whole(threads, "threads", 0, 1 << 16)
-        self._band_from_rgb = None
+        self._band_from_rgb: NDArray[np.float64] | None = None
+        weights: list[float] = []
         if band_from_rgb is not None:
             self._band_from_rgb = array_of(band_from_rgb, "band_from_rgb", (None, 3))
-            if not len(self._band_from_rgb):
+            weights = self._band_from_rgb.ravel().tolist()
+            if not weights:
                 raise Error("band_from_rgb: expected at least one band, found none")
-        weights = [] if band_from_rgb is None else np.ravel(self._band_from_rgb).tolist()
         self._engine = _core.World(scene, number, background, backend, weights, progress)
 
     def with_background(self, background: Background) -> World:

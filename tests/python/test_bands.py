@@ -130,7 +130,7 @@ def test_no_such_backend(scene, eye):
         omma.Renderer(omma.World(scene), eye, backend="portable")
 
 
-def test_command_line_says_which_it_was(tmp_path, run_omma=None):
+def test_reports_say_which_it_was(tmp_path):
     report = omma.render_file(
         EXAMPLES / "meadow.glb",
         tmp_path / "bee.npy",
