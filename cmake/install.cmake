@@ -3,7 +3,11 @@
 # them.
 include(CMakePackageConfigHelpers)
 set(omma_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/omma)
-string(REGEX MATCH "^[0-9]+" omma_embree_major "${embree_VERSION}")
+set(omma_find_embree "")
+if(embree_FOUND)
+  string(REGEX MATCH "^[0-9]+" embree_major "${embree_VERSION}")
+  set(omma_find_embree "find_dependency(embree ${embree_major} CONFIG)")
+endif()
 
 install(TARGETS omma EXPORT ommaTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY include/omma DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")

@@ -3,14 +3,20 @@
 
 #include <array>
 
+#if defined(OMMA_HAS_EMBREE)
 #include "backend/embree/backend.h"
+#endif
 #include "backend/portable/backend.h"
 #include "omma/error.h"
 
 namespace omma {
 
 std::span<const Backend> backends() {
-  static const std::array all{embree_backend(), portable_backend()};
+  static const std::array all{
+#if defined(OMMA_HAS_EMBREE)
+      embree_backend(),
+#endif
+      portable_backend()};
   return all;
 }
 
