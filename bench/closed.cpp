@@ -9,6 +9,7 @@
 #include <cstring>
 #include <limits>
 
+#include "backend/denormals.h"
 #include "backend/embree/tracer.h"
 #include "backend/shading_data.h"
 #include "packet_search.h"

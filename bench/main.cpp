@@ -1,6 +1,6 @@
 // What scripts/bench runs: measures one thing and prints it as CSV.
 //
-//   omma_bench ceiling|error|frames|latency|threads|kernels|moving|search|closed [--quick]
+//   omma_bench ceiling|error|frames|latency|threads|kernels|moving|search|closed|worlds [--quick]
 //   omma_bench build NAME SCENE
 //   omma_bench instructions 1|16|16-plain|16-random|16-shared|target
 #include <cstdio>
@@ -33,13 +33,14 @@ int main(int argc, char** argv) {
       if (part == "search") return search(quick), 0;
       if (part == "moving") return moving(quick), 0;
       if (part == "closed") return closed(quick), 0;
+      if (part == "worlds") return worlds(quick), 0;
     }
   } catch (const std::exception& e) {
     std::fprintf(stderr, "omma_bench: %s\n", e.what());
     return 1;
   }
   std::fprintf(stderr,
-               "omma_bench ceiling|error|frames|latency|threads|kernels|moving|search|closed [--quick]\n"
+               "omma_bench ceiling|error|frames|latency|threads|kernels|moving|search|closed|worlds [--quick]\n"
                "omma_bench build NAME SCENE\n"
                "omma_bench instructions 1|16|16-plain|16-random|16-shared|target\n");
   return 2;

@@ -31,7 +31,7 @@ import report  # noqa: E402
 from make_large_scene import write_scene  # noqa: E402
 
 PARTS = ("ceiling", "error", "frames", "latency", "threads", "kernels", "build", "moving",
-         "instructions")  # fmt: skip
+         "search", "worlds", "instructions")  # fmt: skip
 COUNTED = ("1", "16", "16-plain", "16-random", "16-shared", "target")
 
 

@@ -62,6 +62,7 @@ void kernels(bool quick);
 void search(bool quick);
 void moving(bool quick);
 void closed(bool quick);
+void worlds(bool quick);
 void build(const std::string& name, const std::string& scene_file);
 // One fixed small render on one thread, for counting instructions.
 void instructions(const std::string& which);

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "backend/embree/backend.h"
+#include "backend/denormals.h"
 #include "backend/embree/tracer.h"
 #include "backend/eye_arrays.h"
 #include "backend/shading_data.h"
