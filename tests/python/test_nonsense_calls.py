@@ -201,6 +201,7 @@ def public_calls(folder):
         "pool": (np.zeros(1, np.float32), omma.Wiring([0, 1], [0], [1.0])),
         "poses_from_angles": ((0, 0, 0), (0, 0, 0)),
         "poses_from_quaternions": ((0, 0, 0), (0, 0, 0, 1)),
+        "band_from_rgb": ([400.0, 500.0, 700.0],),
         "primary_spectra": ([500.0],),
         "project": (eye, rgb, "spherical_orientationwise", 16, 8),
         "projection_ids": (eye, "spherical_orientationwise", 16, 8),
