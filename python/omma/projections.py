@@ -173,7 +173,7 @@ def one_pose(eye: Eye, responses: Any) -> NDArray[np.float32]:
     expected = (len(eye), _core.rgb_bands)
     if array.shape != expected:
         raise Error(
-            f"responses: expected red, green and blue of one pose, shape {expected}, found "
+            f"responses: expected shape {expected} (red, green, blue) of one pose, found "
             f"{array.shape}"
         )
     return array

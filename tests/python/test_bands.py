@@ -92,7 +92,7 @@ def test_files_have_a_column_for_each_band(tmp_path, scene, eye):
     omma.save_responses(tmp_path / "two.csv", renderer.render(POSE), eye)
     head = (tmp_path / "two.csv").read_text().splitlines()[0]
     assert head.endswith(",elevation_deg,band_0,band_1")
-    with pytest.raises(omma.Error, match="red, green and blue"):
+    with pytest.raises(omma.Error, match="red, green, blue"):
         omma.equirectangular(eye, renderer.render(POSE))
 
 
