@@ -205,7 +205,7 @@ def test_killed_in_the_command_line(folder, number):
     command = [
         *(sys.executable, "-m", "omma", "render", folder / "scene.gltf"),
         *("--eye", folder / "bug.eye", "--path", folder / "path.csv", "--samples", "60000"),
-        *("--resume", "-o", folder / "out.npy"),
+        *("--noise", "new_every_frame", "--resume", "-o", folder / "out.npy"),
     ]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     deadline = time.perf_counter() + 60
