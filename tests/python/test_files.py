@@ -56,7 +56,7 @@ def test_csv(tmp_path, eye):
     [
         ("a.txt", (1, 60, 3), False, "a.txt: expected a name ending in .npy or .csv"),
         ("a", (1, 60, 3), False, "expected a name ending"),
-        ("a.npy", (1, 61, 3), False, r"responses: expected shape \(P, 60, bands\), found \(1, 61, 3\)"),
+        ("a.npy", (1, 61, 3), False, r"expected shape \(P, 60, bands\), found \(1, 61, 3\)"),
         ("a.npy", (60,), False, "responses"),
         ("a.npy", (1, 60, 3), True, "save responses and errors apart"),
         ("no/such/a.npy", (1, 60, 3), False, "there is no directory"),
