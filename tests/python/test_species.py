@@ -359,10 +359,11 @@ def test_drone_is_divided():
     assert np.median(angle[up < -10]) == pytest.approx(2.25, rel=0.03)
     np.testing.assert_allclose(eye.facet_diameter_m[up > 46], 35e-6, rtol=1e-5)
     np.testing.assert_allclose(eye.facet_diameter_m[up < -6], 20e-6, rtol=1e-5)
-    # The surface they sit on follows roughly: a worker's facet on twice the area at most. Where the
-    # relaxation ends depends on the processor's rounding: 31.4 um where there is AVX2 alone.
+    # The surface they sit on follows roughly: a worker's facet on twice the area at most. Found are
+    # 31.39 um with AVX2 and 31.53 without: where the relaxation ends depends on rounding, by about
+    # half a hundredth. So 12 %, where 10 % (31.5 um) was met or not by the processor.
     spacing = omma.facet_diameters_m(eye)
-    assert np.median(spacing[above]) == pytest.approx(35e-6, rel=0.15)
+    assert np.median(spacing[above]) == pytest.approx(35e-6, rel=0.12)
     green = [i for i, t in enumerate(eye.receptor_types) if t.name == "green"]
     has_green = np.add.reduceat(np.isin(eye.receptor_type, green), eye.first_receptor[:-1]) > 0
     assert not has_green[above].any()
