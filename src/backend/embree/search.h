@@ -9,7 +9,7 @@ namespace omma {
 
 struct EmbreeSearch {
   const EmbreeTracer* tracer;
-  IntersectArguments arguments;
+  IntersectArguments arguments = {};
 
   OMMA_HD void closest(const std::int32_t* valid, RayPacket<16>& rays,
                        const PassedSurfaces<16>* passed) {

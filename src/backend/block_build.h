@@ -1,0 +1,35 @@
+// The hot loop with one backend's search, for the instruction set that the including file is built
+// for: OMMA_ISA names the namespace, OMMA_LANE_WIDTH how many lanes go at once.
+#pragma once
+
+#include "backend/block_functions.h"
+
+namespace omma::OMMA_ISA {
+
+using Packets = Lanes<packet_rays, OMMA_LANE_WIDTH>;
+
+// `Search` is made of a Tracer.
+template <typename Search, typename Tracer>
+BlockFunctions build_block() {
+  BlockFunctions block;
+  block.render = [](const FrameView& frame, const BlockTask& task, const void* tracer,
+                    std::byte* memory) {
+    const DenormalsAreZero denormals_are_zero;
+    Search search{static_cast<const Tracer*>(tracer)};
+    Room room{memory};
+    render_block<Packets>(frame, task, search,
+                          lay_out(room, frame.scene->bands, frame, packet_rays));
+  };
+  block.weigh = [](const SharedWeights& shared, const float* radiance, int outputs,
+                   std::int64_t first, std::int64_t end, float* responses) {
+    const DenormalsAreZero denormals_are_zero;
+    weigh_rays<Packets>(shared, radiance, outputs, first, end, responses);
+  };
+  block.prepare = [](const FrameView& frame, const BlockTask& task,
+                     RayPacket<packet_rays>* packets) {
+    prepare_block<Packets>(frame, task, packets);
+  };
+  return block;
+}
+
+}  // namespace omma::OMMA_ISA
