@@ -25,10 +25,6 @@ Camera camera_of(CameraType type, const Mat4& world_from_camera = {}) {
   return camera;
 }
 
-World world_of(const Scene& scene, const WorldSettings& settings = {}) {
-  return make_world(scene, settings);
-}
-
 Picture picture_of(const World& world, const Camera& camera, const CameraSettings& settings) {
   Picture picture(
       static_cast<std::size_t>(settings.size.width * settings.size.height) * rgb_bands, -1.0f);
@@ -51,7 +47,7 @@ Scene square_at(double x, double y) {
 
 TEST(CameraPicture, SquareFillsItsShareOfAPerspectivePicture) {
   // At 2 m the picture is 4 m x 4 m: of 64 x 64 pixels the square fills 16 x 16.
-  const World world = world_of(square_at(0.5, 1));
+  const World world = make_world(square_at(0.5, 1));
   const Camera camera = camera_of(CameraType::perspective);
   const Picture picture = picture_of(world, camera, {{64, 64}, 1});
   for (int row = 0; row < 64; ++row)
@@ -72,7 +68,7 @@ TEST(CameraPicture, OrthographicExtentsStretchWithTheNode) {
   // Half extents of 2 m: 16 x 16 of 64 x 64 pixels; where the node halves them, 32 x 32.
   const auto share = [&](const Mat4& world_from_camera) {
     const Camera camera = camera_of(CameraType::orthographic, world_from_camera);
-    return mean_of(picture_of(world_of(scene), camera, {{64, 64}, 1}));
+    return mean_of(picture_of(make_world(scene), camera, {{64, 64}, 1}));
   };
   EXPECT_EQ(share({}), 16 * 16 / 4096.0);
   EXPECT_EQ(share(scaling({0.5, 0.5, 0.5})), 32 * 32 / 4096.0);
@@ -93,7 +89,7 @@ TEST(CameraPicture, PanoramaShowsSixWallsWhereTheyAre) {
     add_quad(scene, towards[wall], u, v, add_color(scene, {value, 0, 0}));
   }
   const Picture picture =
-      picture_of(world_of(scene), camera_of(CameraType::panoramic), {{360, 180}, 1});
+      picture_of(make_world(scene), camera_of(CameraType::panoramic), {{360, 180}, 1});
   const auto wall_at = [&](int azimuth_deg, int elevation_deg) {
     const int column = std::min(azimuth_deg + 180, 359), row = std::min(90 - elevation_deg, 179);
     return picture[static_cast<std::size_t>(360 * row + column) * rgb_bands] * 8;
@@ -128,7 +124,7 @@ TEST(CameraPicture, PanoramaOfTheSkyIsTheReferencesPixelByPixel) {
   Random random{8};
   const Camera camera = camera_of(CameraType::panoramic, random_rotation(random));
   const PictureSize size{32, 16};
-  const Picture picture = picture_of(world_of(scene), camera, {size, 1});
+  const Picture picture = picture_of(make_world(scene), camera, {size, 1});
   for (int row = 0; row < size.height; ++row)
     for (int column = 0; column < size.width; ++column) {
       const double azimuth = ((column + 0.5) / size.width - 0.5) * 2 * pi;
@@ -149,7 +145,7 @@ TEST(CameraPicture, EveryPixelIsTheReferences) {
     Random random{seed};
     const Scene scene = random_scene(seed);
     const Reference reference = make_reference(scene);
-    const World world = world_of(scene);
+    const World world = make_world(scene);
     for (const CameraType type :
          {CameraType::perspective, CameraType::orthographic, CameraType::panoramic}) {
       const Camera camera =
@@ -181,7 +177,7 @@ TEST(CameraPicture, ManyRaysCoverAnEdgeByItsShare) {
   // The right edge of the square at x = 0.3 runs through a column of the 4 m wide picture.
   Scene scene;
   add_quad(scene, {-4.7, 0, -2}, {5, 0, 0}, {0, 9, 0}, add_color(scene, {1, 1, 1}));
-  const World world = world_of(scene);
+  const World world = make_world(scene);
   const Camera camera = camera_of(CameraType::perspective);
   // 8 columns of 0.5 m: the fifth goes from 0 to 0.5 and is covered by 0.6.
   const int samples = 256;
@@ -210,7 +206,7 @@ TEST(CameraPicture, RaysDifferFromPixelToPixel) {
   const double pixel = 4.0 / columns;  // m
   for (int column = 0; column < columns; ++column)
     add_quad(scene, {-2 + (column + 0.25) * pixel, 0, -1}, {pixel / 4, 0, 0}, {0, 3, 0}, white);
-  const World world = world_of(scene);
+  const World world = make_world(scene);
   const Camera camera = camera_of(CameraType::orthographic);
   const Picture picture = picture_of(world, camera, {{columns, rows}, 3});
   int one_of_three = 0;
@@ -223,7 +219,7 @@ TEST(CameraPicture, RaysDifferFromPixelToPixel) {
   EXPECT_NEAR(one_of_three, 512, 80);
   EXPECT_NE(picture_of(world, camera, {{columns, rows}, 3, 1}), picture);  // another seed
   // One ray goes through the middle whatever the seed.
-  const World other = world_of(random_scene(4));
+  const World other = make_world(random_scene(4));
   EXPECT_EQ(picture_of(other, camera, {{20, 20}, 1, 1}),
             picture_of(other, camera, {{20, 20}, 1, 2}));
 }
@@ -238,10 +234,10 @@ TEST(CameraPicture, BandsAndThreadsGiveTheBitsOfOnePiece) {
     const Renderer whole = make_renderer(*scene, camera_rays(camera, size, 0, size.height),
                                          {.samples = 1});
     const Picture expected = render(whole, std::span(&camera.world_from_camera, 1)).response;
-    EXPECT_EQ(picture_of(world_of(*scene), camera, {size, 1}), expected);
-    EXPECT_EQ(picture_of(world_of(*scene, {.threads = 1}), camera, {size, 1}), expected);
-    EXPECT_EQ(picture_of(world_of(*scene, {.threads = 5}), camera, {size, 5}),
-              picture_of(world_of(*scene, {.threads = 1}), camera, {size, 5}));
+    EXPECT_EQ(picture_of(make_world(*scene), camera, {size, 1}), expected);
+    EXPECT_EQ(picture_of(make_world(*scene, {.threads = 1}), camera, {size, 1}), expected);
+    EXPECT_EQ(picture_of(make_world(*scene, {.threads = 5}), camera, {size, 5}),
+              picture_of(make_world(*scene, {.threads = 1}), camera, {size, 5}));
   }
 }
 
@@ -249,18 +245,18 @@ TEST(CameraPicture, HasTheWorldsBackground) {
   Scene scene;
   scene.background = constant_background({0.25f, 0.5f, 0.75f});
   const Camera camera = camera_of(CameraType::panoramic);
-  EXPECT_EQ(picture_of(world_of(scene), camera, {{1, 1}, 4}), (Picture{0.25f, 0.5f, 0.75f}));
+  EXPECT_EQ(picture_of(make_world(scene), camera, {{1, 1}, 4}), (Picture{0.25f, 0.5f, 0.75f}));
   const Image image = make_image(2, 1, [](int column, int) {
     return column == 0 ? Vec4{2, 0, 0, 1} : Vec4{0, 3, 0, 1};
   });
-  const World other = world_of(scene, {.background = image_background(image)});
+  const World other = make_world(scene, {.background = image_background(image)});
   const Picture picture = picture_of(other, camera, {{4, 1}, 1});
   EXPECT_EQ(picture[0], 2 * 0.75f);  // a quarter of the way to the next texel's middle
   EXPECT_EQ(picture[10], 3 * 0.75f);
 }
 
 TEST(CameraPicture, ProgressGrowsAndCancels) {
-  const World world = world_of(random_scene(1), {.threads = 1});
+  const World world = make_world(random_scene(1), {.threads = 1});
   const Camera camera = camera_of(CameraType::perspective);
   const CameraSettings settings{{300, 300}, 4};
   Picture picture(300 * 300 * rgb_bands);
@@ -276,7 +272,7 @@ TEST(CameraPicture, ProgressGrowsAndCancels) {
 }
 
 TEST(CameraPicture, ChecksItsArguments) {
-  const World world = world_of(Scene{});
+  const World world = make_world(Scene{});
   Camera camera = camera_of(CameraType::perspective);
   Picture picture(12 * rgb_bands);
   EXPECT_NO_THROW(render_camera(world, camera, {{4, 3}, 1}, picture));

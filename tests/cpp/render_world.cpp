@@ -9,27 +9,10 @@
 
 #include "omma/camera.h"
 #include "backend/backend.h"
-#include "test_scenes.h"
+#include "world_tests.h"
 
 namespace omma::test {
 namespace {
-
-World world_of(const Scene& scene, const WorldSettings& settings = {}) {
-  return make_world(scene, settings);
-}
-
-// What single rays bring, [ray][channel].
-std::vector<float> seen(const Renderer& renderer, const Mat4& pose = {}) {
-  return render(renderer, std::span(&pose, 1)).response;
-}
-
-std::vector<float> seen(const World& world, const Eye& eye, const Mat4& pose = {}) {
-  return seen(Renderer(world, eye, {.samples = 1}), pose);
-}
-
-Eye single_rays(int count = 4000) {
-  return make_eye(sphere_directions(count), 0);
-}
 
 // Things are placed in single precision, by an instance's transform or vertex by vertex: hits
 // differ by 1e-7 of some metres, colours by what textures of a few texels a metre make of that.
@@ -60,7 +43,7 @@ struct Pair {
   Scene scene;
   World world;
 
-  explicit Pair(const Scene& from) : scene(from), world(world_of(from)) {}
+  explicit Pair(const Scene& from) : scene(from), world(make_world(from)) {}
 
   void move(const std::vector<int>& instances, const std::vector<Mat4>& transforms) {
     world.set_transforms(instances, transforms);
@@ -77,7 +60,7 @@ TEST(World, AMovedSquareCoversWhereItIs) {
   lamp.base_color = {0, 0, 0, 1};
   lamp.emissive = {1, 1, 1};
   add_quad(scene, {0, 0, -2}, {0.5, 0, 0}, {0, 0.5, 0}, add_material(scene, lamp));
-  World world = world_of(scene);
+  World world = make_world(scene);
   Camera camera;
   camera.type = CameraType::orthographic;
   camera.xmag_m = camera.ymag_m = 2;
@@ -116,7 +99,7 @@ TEST(World, MovedIsAsBuiltThere) {
       std::vector<Mat4> transforms;
       for (const int i : instances) transforms.push_back(random_place(random, i % 3 == 0 ? -1 : 1));
       pair.move(instances, transforms);
-      expect_alike(seen(pair.world, eye), seen(world_of(pair.scene), eye),
+      expect_alike(seen(pair.world, eye), seen(make_world(pair.scene), eye),
                    "seed " + std::to_string(seed));
     }
     EXPECT_NE(seen(pair.world, eye), at_first);
@@ -140,7 +123,7 @@ TEST(World, ResponsesAreThoseOfAWorldBuiltThere) {
         RenderSettings{.samples = 16, .share_rays = true},
         RenderSettings{.samples = 16, .footprints = false}}) {
     const Result moved = render(Renderer(pair.world, eye, settings), poses);
-    const Result built = render(Renderer(world_of(pair.scene), eye, settings), poses);
+    const Result built = render(Renderer(make_world(pair.scene), eye, settings), poses);
     expect_alike(moved.response, built.response, "responses");
   }
 }
@@ -168,7 +151,7 @@ TEST(World, FootprintsFollowTheScaleOfWhatMoves) {
   const std::vector<float> at_first = seen(renderer);
   for (const double scale : {1.0, 8.0, 0.125, 8.0}) {
     pair.move({0}, {scaling({scale, scale, scale})});
-    expect_alike(seen(renderer), seen(Renderer(world_of(pair.scene), eye, settings)), "scaled");
+    expect_alike(seen(renderer), seen(Renderer(make_world(pair.scene), eye, settings)), "scaled");
     expect_alike(seen(renderer), at_first, "scaled, against before");
   }
 }
@@ -177,7 +160,7 @@ TEST(World, WhatStaysKeepsItsBits) {
   const Eye eye = make_eye(sphere_directions(300), 0.2);
   for (const std::uint64_t seed : {2u, 4u}) {
     const Scene scene = random_scene(seed);
-    World world = world_of(scene);
+    World world = make_world(scene);
     const std::vector<float> before = seen(world, eye);
     EXPECT_EQ(seen(make_renderer(scene, eye, {.samples = 1})), before);
     // Behind everything else, and small.
@@ -186,7 +169,7 @@ TEST(World, WhatStaysKeepsItsBits) {
     world.set_transforms({&away, 1}, {&far, 1});
     Scene without = scene;
     without.instances[6].mesh = add_mesh(without, Mesh{});
-    EXPECT_EQ(seen(world, eye), seen(world_of(without), eye));
+    EXPECT_EQ(seen(world, eye), seen(make_world(without), eye));
   }
 }
 
@@ -216,7 +199,7 @@ TEST(World, MovesOneAHundredAndTenThousand) {
         transforms.push_back(random_place(random));
       }
       pair.move(instances, transforms);
-      expect_alike(seen(pair.world, eye), seen(world_of(pair.scene), eye), std::to_string(count));
+      expect_alike(seen(pair.world, eye), seen(make_world(pair.scene), eye), std::to_string(count));
     }
   }
 }
@@ -243,7 +226,7 @@ TEST(World, MovesInLargeScenesToo) {
   const Eye eye = single_rays();
   for (int round = 0; round < 2; ++round) {
     pair.move({17, 2}, {random_place(random), random_place(random, -1)});
-    expect_alike(seen(pair.world, eye), seen(world_of(pair.scene), eye), "large");
+    expect_alike(seen(pair.world, eye), seen(make_world(pair.scene), eye), "large");
   }
 }
 
@@ -259,7 +242,7 @@ TEST(World, LayersThatMoveCountOnce) {
   const int mesh =
       add_mesh(scene, quad({0, 0, -1}, {1, 0, 0}, {0, 1, 0}, add_material(scene, glass)));
   for (int i = 0; i < 4; ++i) add_instance(scene, mesh, translation({5, 0, 0}));
-  World world = world_of(scene);
+  World world = make_world(scene);
   std::vector<Vec3d> axes;
   for (int i = -9; i <= 9; ++i) axes.push_back({0.09 * i, -0.09 * i, -1});  // along the diagonal
   for (int i = -9; i <= 9; ++i) axes.push_back({0.09 * i, 0.03, -1});
@@ -295,7 +278,7 @@ TEST(World, ANodeIsOneThing) {
       {"stone", add_mesh(scene, quad({0, 0, 5}, {1, 0, 0}, {0, 1, 0}, red)), {}, 2});
   scene.instances.push_back(
       {"tree", add_mesh(scene, quad({0.5, 0, -1}, {0.5, 0, 0}, {0, 1, 0}, green)), {}, 7});
-  World world = world_of(scene);
+  World world = make_world(scene);
   const std::vector<WorldInstance> instances = world.instances();
   ASSERT_EQ(instances.size(), 2u);
   EXPECT_EQ(instances[0].name, "tree");
@@ -308,7 +291,7 @@ TEST(World, ANodeIsOneThing) {
   EXPECT_EQ(seen(world, eye), (std::vector<float>{1, 0, 0, 0, 1, 0, 0, 0, 0}));
   // Instances of one node are in one place.
   scene.instances[2].world_from_mesh = up;
-  EXPECT_THROW(world_of(scene), Error);
+  EXPECT_THROW(make_world(scene), Error);
 }
 
 std::string message_of(const std::function<void()>& work) {
@@ -329,7 +312,7 @@ TEST(World, FindsThingsByName) {
   add_mesh(scene, quad({0, 0, -1}, {1, 0, 0}, {0, 1, 0}, -1));
   for (const char* name : {"flower 1", "flower 2", "stone", "flower 2", "tussock", "beetle", "ant"})
     scene.instances.push_back({name, 0, {}});
-  const World world = world_of(scene);
+  const World world = make_world(scene);
   EXPECT_EQ(world.find_instance("stone"), 2);
   EXPECT_EQ(world.find_instance("flower 1"), 0);
   const std::string twice = message_of([&] { world.find_instance("flower 2"); });
@@ -337,12 +320,12 @@ TEST(World, FindsThingsByName) {
   const std::string none = message_of([&] { world.find_instance("flower 3"); });
   EXPECT_TRUE(has(none, "nearest to it are \"flower 1\", \"flower 2\"")) << none;
   EXPECT_TRUE(has(none, ", ...")) << none;
-  EXPECT_TRUE(has(message_of([&] { world_of({}).find_instance("x"); }), "the scene is empty"));
+  EXPECT_TRUE(has(message_of([&] { make_world({}).find_instance("x"); }), "the scene is empty"));
 }
 
 TEST(World, WhatCannotBeIsRefusedAndChangesNothing) {
   const Eye eye = single_rays(500);
-  World world = world_of(random_scene(2));
+  World world = make_world(random_scene(2));
   const int moved[] = {4, 5};
   Random random{3};
   const std::vector<Mat4> places{random_place(random), random_place(random)};
@@ -368,15 +351,15 @@ TEST(World, WhatCannotBeIsRefusedAndChangesNothing) {
   EXPECT_NO_THROW(world.set_transforms({}, {}));
   EXPECT_EQ(seen(world, eye), before);
   EXPECT_THROW(World(nullptr), Error);
-  EXPECT_TRUE(has(message_of([] { world_of({}, {.backend = "cuda"}); }), "found \"cuda\""));
+  EXPECT_TRUE(has(message_of([] { make_world({}, {.backend = "cuda"}); }), "found \"cuda\""));
   for (const Backend& backend : backends())
-    EXPECT_EQ(world_of({}, {.backend = backend.name}).backend().rfind(backend.name, 0), 0u);
+    EXPECT_EQ(make_world({}, {.backend = backend.name}).backend().rfind(backend.name, 0), 0u);
 }
 
 TEST(World, GoesFarAwayAsAWhole) {
   const Eye eye = single_rays();
   const Scene scene = random_scene(6);
-  World world = world_of(scene);
+  World world = make_world(scene);
   const std::vector<float> expected = seen(world, eye);
   EXPECT_EQ(world.precision_warning(std::vector<Mat4>(1)), "");
   std::vector<int> all;

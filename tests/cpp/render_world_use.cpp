@@ -10,27 +10,10 @@
 #include <thread>
 
 #include "omma/camera.h"
-#include "test_scenes.h"
+#include "world_tests.h"
 
 namespace omma::test {
 namespace {
-
-World world_of(const Scene& scene, const WorldSettings& settings = {}) {
-  return make_world(scene, settings);
-}
-
-// What single rays bring, [ray][channel].
-std::vector<float> seen(const Renderer& renderer, const Mat4& pose = {}) {
-  return render(renderer, std::span(&pose, 1)).response;
-}
-
-std::vector<float> seen(const World& world, const Eye& eye, const Mat4& pose = {}) {
-  return seen(Renderer(world, eye, {.samples = 1}), pose);
-}
-
-Eye single_rays(int count = 4000) {
-  return make_eye(sphere_directions(count), 0);
-}
 
 std::string message_of(const std::function<void()>& work) {
   try {
@@ -48,7 +31,7 @@ bool has(const std::string& text, const std::string& part) {
 TEST(WorldUse, IsOneForAllWhoSeeIt) {
   const Scene scene = random_scene(5);
   const Eye eye = single_rays(300), wide = make_eye(sphere_directions(60), 0.3);
-  World world = world_of(scene, {.background = constant_background({0.5f, 0.5f, 0.5f})});
+  World world = make_world(scene, {.background = constant_background({0.5f, 0.5f, 0.5f})});
   const Renderer one(world, eye, {.samples = 1}), two(one, eye, {.samples = 1});
   const World before_red = world.with_background(constant_background({1, 0, 0}));
   const Renderer three(before_red, eye, {.samples = 1});
@@ -75,7 +58,7 @@ TEST(WorldUse, IsOneForAllWhoSeeIt) {
 }
 
 TEST(WorldUse, IsNotMovedWhileItIsRendered) {
-  World world = world_of(random_scene(1), {.threads = 2});
+  World world = make_world(random_scene(1), {.threads = 2});
   const int thing = 1;
   const Mat4 there = translation({0, 0, -3});
   const Renderer renderer(world, make_eye(sphere_directions(200), 0.1), {.threads = 2});
@@ -115,7 +98,7 @@ TEST(WorldUse, IsNotMovedWhileItIsRendered) {
 TEST(WorldUse, RendersAndMovesAtOnceAreWholeOrRefused) {
   Scene scene;
   add_quad(scene, {0, 0, -1}, {50, 0, 0}, {0, 50, 0}, add_color(scene, {1, 1, 1}));
-  World world = world_of(scene);
+  World world = make_world(scene);
   const int wall = 0;
   const Mat4 ahead, behind = translation({0, 0, 9});
   world.set_transforms({&wall, 1}, {&ahead, 1});
@@ -163,7 +146,7 @@ TEST(WorldUse, BuildingIsToldAndEnds) {
   add_instance(scene, add_mesh(scene, std::move(fine)));
   EXPECT_THROW(World(std::make_shared<const Scene>(scene), {}, [](double) { return false; }),
                Cancelled);
-  World world = world_of(scene);
+  World world = make_world(scene);
   const Eye eye = single_rays(300);
   const std::vector<float> before = seen(world, eye);
   const int thing = 2;
@@ -187,7 +170,7 @@ TEST(WorldUse, BuildingIsToldAndEnds) {
 
 // The rays of the last picture are kept; that must not show.
 TEST(WorldUse, KeepsTheRaysOfItsLastPicture) {
-  const World world = world_of(random_scene(2));
+  const World world = make_world(random_scene(2));
   const auto picture_of = [](const World& of, const Camera& camera,
                              const CameraSettings& settings) {
     std::vector<float> picture(
@@ -210,7 +193,7 @@ TEST(WorldUse, KeepsTheRaysOfItsLastPicture) {
       {perspective, {{1500, 1500}, 1}}, {perspective, {{1500, 1500}, 1}}};  // more than are kept
   for (const auto& [camera, settings] : pictures)
     EXPECT_EQ(picture_of(world, camera, settings),
-              picture_of(world_of(random_scene(2)), camera, settings));
+              picture_of(make_world(random_scene(2)), camera, settings));
 }
 
 }  // namespace
