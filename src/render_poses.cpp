@@ -29,7 +29,7 @@ double reach_m(const Mat4& pose, const EyeArrays& eye) {
 constexpr double notable_m = 1e-3;
 // From further away than this many half sizes a scene is seen as a whole, and rounding counts as a
 // fraction of it.
-constexpr double from_outside = 16, notable_share = 1e-4;
+constexpr double from_outside = 16, notable_fraction = 1e-4;
 
 }  // namespace
 
@@ -48,7 +48,7 @@ std::string precision_warning(std::span<const Mat4> world_from_head, Vec3d origi
   }
   const double off = float_rounding * worst;
   const double notable =
-      worst > from_outside * half_size_m ? notable_share * half_size_m : notable_m;
+      worst > from_outside * half_size_m ? notable_fraction * half_size_m : notable_m;
   if (!(off >= notable)) return "";
   char text[300];
   std::snprintf(text, sizeof text,

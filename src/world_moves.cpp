@@ -104,7 +104,7 @@ void move_in_top_scene(BuiltScene& built, const std::vector<Step>& steps) {
     place_frame(built, static_cast<std::size_t>(step.instance));
   }
   run_in_arena(*built.threads.arena,
-               [&] { built.backend->move(built.acceleration, *built.scene, instances, built.placement); });
+               [&] { built.backend->move(built.acceleration, instances, built.placement); });
 }
 
 // While it lives things are being moved, and nothing is rendered.

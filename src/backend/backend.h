@@ -29,7 +29,7 @@ struct Backend {
                         WorkState* work);
   // Moves instances of the Scene that moved before it was built to where they are placed now. Throws
   // omma::Error where that fails; they may be anywhere then.
-  void (*move)(Acceleration& acceleration, const Scene& scene, std::span<const int> instances,
+  void (*move)(Acceleration& acceleration, std::span<const int> instances,
                const Placement& placement);
   BlockFunctions (*block_functions)();  // of this processor
 };

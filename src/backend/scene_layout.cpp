@@ -62,29 +62,44 @@ SceneLayout lay_out_scene(const Scene& scene, const Placement& placement) {
       copied_triangles += static_cast<std::size_t>(uses[m]) * scene.meshes[m].triangles.size();
   const bool is_large = copied_triangles > most_copied_triangles;
 
+  // A mirrored mesh is shared even when used once: as a copy its triangles would face the wrong
+  // way; its structure is then there for the instances behind it. A flattened one never is: there
+  // is no inverse.
   SceneLayout layout;
   layout.mesh_origin_m.resize(scene.meshes.size());
   std::vector<bool> has_origin(scene.meshes.size(), false);
-  std::vector<bool> has_mirrored(scene.meshes.size(), false);
+  std::vector<bool> is_built(scene.meshes.size(), false), has_mirrored(scene.meshes.size(), false);
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
     const auto m = static_cast<std::size_t>(instance.mesh);
-    if (scene.meshes[m].triangles.empty()) continue;
-    // A mirrored mesh is shared even when used once: as a copy its triangles would face the wrong
-    // way; its structure is then there for the instances behind it. A flattened one never is: there
-    // is no inverse.
-    const double det = determinant(placement.world_from_mesh[i]);
+    const std::size_t triangles = scene.meshes[m].triangles.size();
+    if (triangles == 0) continue;
+    const double det = determinant(instance.world_from_mesh);
     const bool has_inverse = std::fabs(det) > least_determinant;
     if (has_inverse && det < 0) has_mirrored[m] = true;
-    const bool is_shared = has_inverse && (has_mirrored[m] || placement.moves[i] != 0 ||
-                                           (is_large && uses[m] > 1));
+    const bool is_shared_unmoved = has_inverse && (has_mirrored[m] || (is_large && uses[m] > 1));
+    if (!is_shared_unmoved || !is_built[m]) layout.built_triangles += triangles;
+    if (is_shared_unmoved) is_built[m] = true;
+    const bool moves = placement.moves[i] != 0;
+    const bool is_shared = moves || is_shared_unmoved;
     if (is_shared && !has_origin[m]) {
       layout.mesh_origin_m[m] = origin_near(mesh_bounds(scene.meshes[m]));
       has_origin[m] = true;
     }
     layout.instances.push_back({static_cast<std::int32_t>(i), instance.mesh, is_shared, {}});
-    layout.placed.emplace_back();
-    place_instance(layout, layout.instances.size() - 1, placement);
+    if (moves) ++layout.moving;
+  }
+  std::stable_partition(layout.instances.begin(), layout.instances.end(),
+                        [&](const PlacedInstance& placed) {
+                          return placement.moves[static_cast<std::size_t>(placed.instance)] != 0;
+                        });
+
+  layout.placed.resize(std::max<std::size_t>(layout.instances.size(), 1));
+  layout.index_of.assign(scene.instances.size(), -1);
+  for (std::size_t k = 0; k < layout.instances.size(); ++k) {
+    layout.index_of[static_cast<std::size_t>(layout.instances[k].instance)] =
+        static_cast<std::int32_t>(k);
+    place_instance(layout, k, placement);
   }
   return layout;
 }

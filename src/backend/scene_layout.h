@@ -1,4 +1,5 @@
-// How a Scene is laid out for tracing: which instances are put into the world directly, as copies of their mesh, and which keep their mesh in a structure that is shared.
+// How a Scene is laid out for tracing, the same for every backend: which instances are put into the
+// world directly, as copies of their mesh, and which keep their mesh in a structure that is shared.
 #pragma once
 
 #include <cstddef>
@@ -26,15 +27,23 @@ struct PlacedInstance {
 };
 
 struct SceneLayout {
+  // Those that have been moved come first, otherwise in the Scene's order.
   std::vector<PlacedInstance> instances;
-  std::vector<PlacedMesh> placed;    // [instance], in the same order
-  std::vector<Vec3d> mesh_origin_m;  // [mesh], where it is shared: the point it is kept about
+  std::size_t moving = 0;  // how many of them have been moved
+  // [instance], in the same order. Never empty: packets look up entry 0 for lanes that missed.
+  std::vector<PlacedMesh> placed{PlacedMesh{}};
+  std::vector<std::int32_t> index_of;  // [instance of the Scene], here; -1 of those without triangles
+  std::vector<Vec3d> mesh_origin_m;    // [mesh], where it is shared: the point it is kept about
+  // Of all copies and of each shared mesh once, as they would be if nothing had been moved.
+  std::size_t built_triangles = 0;
 };
 
-// Of all instances as they are placed; those that have been moved are shared whatever their size.
+// Of all instances as they are placed. Those that have been moved are shared whatever their size,
+// and those that have not are laid out as if none had been.
 SceneLayout lay_out_scene(const Scene& scene, const Placement& placement);
 
-// Puts an instance where it is placed now: only its transform changes, and what follows from it.
+// Puts an instance (index into `instances`) where it is placed now: only its transform changes, and
+// what follows from it.
 void place_instance(SceneLayout& layout, std::size_t index, const Placement& placement);
 
 }  // namespace omma

@@ -123,7 +123,7 @@ Level make_two_levels(int width, int height, const Read& read, const Keep& keep)
   return level;
 }
 
-float visible_share(float alpha, AlphaUse use) {
+float visible_fraction(float alpha, AlphaUse use) {
   if (use.mode == AlphaMode::opaque) return 1;
   return use.mode == AlphaMode::blend ? alpha : (alpha >= use.cutoff ? 1.0f : 0.0f);
 }
@@ -176,7 +176,7 @@ TextureLevels make_texture_levels(const Image& image, ColorRule rule, AlphaUse a
       const float* p = image.rgba_linear.data() + 4 * i;
       t = {p[0], p[1], p[2], p[3]};
     }
-    t.a = visible_share(t.a, alpha);
+    t.a = visible_fraction(t.a, alpha);
     return t;
   };
   const auto keep = [&](std::size_t i, const Texel& t) {

@@ -12,10 +12,10 @@
 
 namespace omma {
 
-void WorkState::reach(double finished_share) {
+void WorkState::reach(double finished) {
   // Threads and readers of several things do not report in order.
-  double before = share;
-  while (finished_share > before && !share.compare_exchange_weak(before, finished_share)) {
+  double before = fraction;
+  while (finished > before && !fraction.compare_exchange_weak(before, finished)) {
   }
   if (cancelled) throw Cancelled();
 }
@@ -57,7 +57,7 @@ void run_watched(const Progress& progress, const std::function<void(WorkState&)>
     while (!ended.wait_for(lock, std::chrono::milliseconds(100), [&] { return has_ended; })) {
       if (!goes_on) continue;
       lock.unlock();
-      goes_on = progress(state.share);
+      goes_on = progress(state.fraction);
       if (!goes_on) state.cancelled = true;
       lock.lock();
     }

@@ -11,11 +11,11 @@ using Progress = std::function<bool(double)>;
 
 // How far the work is. Any thread of it may use this.
 struct WorkState {
-  std::atomic<double> share{0};
+  std::atomic<double> fraction{0};
   std::atomic<bool> cancelled{false};
 
   // Notes the fraction, which never falls; throws omma::Cancelled where the work is to end.
-  void reach(double finished_share);
+  void reach(double finished);
 };
 
 // The part of the work between two fractions of it.
@@ -24,8 +24,8 @@ struct WorkPart {
   double from = 0, to = 1;
 
   // Notes how much of the part is finished (0 to 1); throws omma::Cancelled.
-  void reach(double finished_share) const {
-    if (state != nullptr) state->reach(from + (to - from) * finished_share);
+  void reach(double finished) const {
+    if (state != nullptr) state->reach(from + (to - from) * finished);
   }
   WorkPart part(double part_from, double part_to) const {
     return {state, from + (to - from) * part_from, from + (to - from) * part_to};

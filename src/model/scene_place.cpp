@@ -16,7 +16,7 @@ namespace {
 constexpr double far_away = 4;
 
 // Rounding by more than this fraction of the scene's half size is told.
-constexpr double notable_share = 1e-6;
+constexpr double notable_fraction = 1e-6;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr Bounds nothing{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}, true};
@@ -135,7 +135,7 @@ std::vector<std::string> place_warnings(const Scene& scene) {
     // The mean stretch of all directions, exact where they are stretched alike.
     const double stretch = most_stretch(instance.world_from_mesh) / std::sqrt(3.0);
     const double off = float_rounding * from_zero * stretch;
-    if (off > notable_share * half) ++rounded;
+    if (off > notable_fraction * half) ++rounded;
     rounding = std::max(rounding, off);
     if (!is_too_far(placed_box(box, instance.world_from_mesh), origin)) continue;
     if (unseen++ == 0) first_unseen = instance.name;

@@ -30,19 +30,19 @@ Vec3d sphere_centre(const Eye& eye, const std::vector<std::int32_t>& members) {
   const auto position = [&](std::int32_t i) {
     return to_double(eye.position_m[static_cast<std::size_t>(i)]);
   };
-  const double share = 1.0 / static_cast<double>(members.size());
+  const double weight = 1.0 / static_cast<double>(members.size());
   Vec3d middle;
-  for (const std::int32_t i : members) middle = middle + position(i) * share;
+  for (const std::int32_t i : members) middle = middle + position(i) * weight;
   Vec3d rows[3], right_side;
   double trace = 0;
   for (const std::int32_t i : members) {
     const Vec3d p = position(i) - middle;
     const double squared = dot(p, p);
-    rows[0] = rows[0] + p * (p.x * share);
-    rows[1] = rows[1] + p * (p.y * share);
-    rows[2] = rows[2] + p * (p.z * share);
-    right_side = right_side + p * (squared * share / 2);
-    trace += squared * share;
+    rows[0] = rows[0] + p * (p.x * weight);
+    rows[1] = rows[1] + p * (p.y * weight);
+    rows[2] = rows[2] + p * (p.z * weight);
+    right_side = right_side + p * (squared * weight / 2);
+    trace += squared * weight;
   }
   // The determinant is the product of the mean squared extents along three axes. Positions in
   // float32 that should lie in a plane leave 1e-14 of it.

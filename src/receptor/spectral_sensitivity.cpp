@@ -22,14 +22,14 @@ double table_value(const ReceptorType& type, double wavelength_nm) {
 }  // namespace
 
 std::array<double, 3> primary_spectra(double wavelength_nm) {
-  std::array<double, 3> shares{};
-  if (!(wavelength_nm >= visible_from_nm && wavelength_nm <= visible_to_nm)) return shares;
+  std::array<double, 3> fractions{};
+  if (!(wavelength_nm >= visible_from_nm && wavelength_nm <= visible_to_nm)) return fractions;
   const double at = (wavelength_nm - first_primary_nm) / primary_step_nm;
   const int k = std::min(static_cast<int>(at), primary_knots - 2);
   const double t = at - k;
   for (std::size_t c = 0; c < 3; ++c)
-    shares[c] = primary_table[k][c] * (1 - t) + primary_table[k + 1][c] * t;
-  return shares;
+    fractions[c] = primary_table[k][c] * (1 - t) + primary_table[k + 1][c] * t;
+  return fractions;
 }
 
 double pigment_alpha_band(double peak_wavelength_nm, double wavelength_nm) {
@@ -83,11 +83,11 @@ std::array<double, 3> receptor_weights(const ReceptorType& type,
     const auto k = static_cast<std::size_t>(i);
     // Half a step at the ends, and on either side of 400 nm.
     const bool half = i == 0 || i == below || i == count - 1;
-    const double share = (half ? 0.5 : 1) * sensitivity[k];
-    if (i <= below) hidden += share;
+    const double weight = (half ? 0.5 : 1) * sensitivity[k];
+    if (i <= below) hidden += weight;
     if (i < below) continue;
     const std::array<double, 3> primaries = primary_spectra(wavelength_nm[k]);
-    for (std::size_t c = 0; c < 3; ++c) seen[c] += share * primaries[c];
+    for (std::size_t c = 0; c < 3; ++c) seen[c] += weight * primaries[c];
   }
   // The primaries add up to 1, so that this is the whole.
   const double whole = hidden + seen[0] + seen[1] + seen[2];

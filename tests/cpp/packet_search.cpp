@@ -8,7 +8,7 @@ namespace omma::OMMA_ISA {
 namespace {
 
 auto accept_of(const PortableTracer& tracer) {
-  return [scene = tracer.scene_view, placed = tracer.placed.data()](
+  return [scene = tracer.scene_view, placed = tracer.layout.placed.data()](
              int, float, float u, float v, std::uint32_t triangle, std::uint32_t index,
              bool from_behind) {
     return accept_hit(*scene, {placed[index].mesh, triangle, u, v, 0}, from_behind);

@@ -25,7 +25,7 @@ TestHit embree_hit(const RayPacket<16>& packet, const EmbreeTracer& tracer, int 
   TestHit hit = hit_of(packet, l);
   if (hit.placed == none) return hit;
   const std::uint32_t top = packet.instance[l] != none ? packet.instance[l] : hit.placed;
-  hit.placed = static_cast<std::uint32_t>(tracer.placed[top].mesh);
+  hit.placed = static_cast<std::uint32_t>(tracer.layout.placed[top].mesh);
   return hit;
 }
 
@@ -66,7 +66,7 @@ Agreement compare(const Scene& from, int packets, std::uint64_t seed) {
       a.added += own.placed != none && their.placed == none;
       if (own.placed == none || their.placed == none) continue;
       ++a.hits;
-      own.placed = static_cast<std::uint32_t>(traced.tracer->placed[own.placed].mesh);
+      own.placed = static_cast<std::uint32_t>(traced.tracer->layout.placed[own.placed].mesh);
       // Places are rounded too, to about 1e-7 of the scene's size.
       const double apart_m =
           std::fabs(static_cast<double>(own.t_m) - static_cast<double>(their.t_m));

@@ -14,10 +14,9 @@ Acceleration build(const Scene& scene, const SceneView& view, const Placement& p
   return {tracer, tracer->name};
 }
 
-void move(Acceleration& acceleration, const Scene& scene, std::span<const int> instances,
+void move(Acceleration& acceleration, std::span<const int> instances,
           const Placement& placement) {
-  move_instances(*static_cast<EmbreeTracer*>(acceleration.tracer.get()), scene, instances,
-                 placement);
+  move_instances(*static_cast<EmbreeTracer*>(acceleration.tracer.get()), instances, placement);
 }
 
 BlockFunctions block_functions() {

@@ -30,7 +30,7 @@ struct EmbreeSearch {
     return bits;
   }
   OMMA_HD const PlacedMesh* placed() const {
-    return tracer->placed.data();
+    return tracer->layout.placed.data();
   }
 };
 

@@ -2,11 +2,9 @@
 #include "backend/embree/tracer.h"
 
 #include <algorithm>
-#include <cmath>
 #include <type_traits>
 
 #include "backend/embree/filter.h"
-#include "backend/scene_layout.h"
 #include "omma/error.h"
 #include "threads/parallel.h"
 
@@ -15,9 +13,6 @@ namespace {
 
 // Some ten microseconds of work.
 constexpr std::size_t instances_per_task = 64;
-
-// About 75 MB of acceleration structure.
-constexpr std::size_t most_copied_triangles = std::size_t(1) << 20;
 
 void check(RTCDevice device, const char* doing) {
   const RTCError code = rtcGetDeviceError(device);
@@ -43,8 +38,9 @@ bool is_identity(const Mat4& t) {
   return true;
 }
 
-Mat4 moved(Mat4 t, Vec3d by) {
-  t.m[0][3] += by.x, t.m[1][3] += by.y, t.m[2][3] += by.z;
+Mat4 translation(Vec3d by) {
+  Mat4 t;
+  t.m[0][3] = by.x, t.m[1][3] = by.y, t.m[2][3] = by.z;
   return t;
 }
 
@@ -122,55 +118,52 @@ struct Build {
   }
 
   // Called by any of Embree's threads with the fraction of the scene that is built.
-  static bool go_on(void* build, double share) {
+  static bool go_on(void* build, double fraction) {
     const auto& b = *static_cast<const Build*>(build);
-    b.work->share = (b.finished + share * b.part) / b.all;
+    b.work->fraction = (b.finished + fraction * b.part) / b.all;
     return !b.work->cancelled;
   }
 };
 
-// A geometry of one of the top scenes.
-void attach(EmbreeTracer& tracer, RTCScene top, RTCGeometry geometry, unsigned id,
-            std::int32_t mesh, std::size_t instance, const Mat4& world_from_mesh) {
-  rtcAttachGeometryByID(top, geometry, id);
-  check(tracer.device, "placing a mesh");
-  tracer.filter_of[id] = static_cast<const FilterData*>(rtcGetGeometryUserData(geometry));
-  tracer.placed[id] = {mesh, mesh_per_world(world_from_mesh), static_cast<std::int32_t>(instance)};
-}
-
-// A mesh in a scene of its own, to be instanced; about its own origin where it has one.
+// A mesh in a scene of its own, to be instanced, about its own origin.
 void build_mesh(EmbreeTracer& tracer, const Scene& scene, std::size_t m, const SceneView& view,
                 bool compact, Build& build) {
   if (tracer.scene_of_mesh[m] != nullptr) return;
   const Mesh& mesh = scene.meshes[m];
   tracer.scene_of_mesh[m] = new_scene(tracer.device, compact);
-  tracer.origin_of_mesh_m[m] = origin_near(mesh_bounds(mesh));
-  const Geometry geometry = make_geometry(tracer, mesh, static_cast<std::int32_t>(m),
-                                          moved({}, tracer.origin_of_mesh_m[m] * -1.0), view);
+  const Geometry geometry =
+      make_geometry(tracer, mesh, static_cast<std::int32_t>(m),
+                    translation(tracer.layout.mesh_origin_m[m] * -1.0), view);
   rtcAttachGeometry(tracer.scene_of_mesh[m], geometry.get());
   build.commit(tracer.scene_of_mesh[m], mesh.triangles.size());
 }
 
-// Where an instance of mesh m has its mesh's scene, which lies about an origin of its own.
-void place(EmbreeTracer& tracer, RTCGeometry instance, std::size_t m,
-           const Mat4& traced_from_mesh) {
-  const Mat4 t =
-      moved(traced_from_mesh, transform_vector(traced_from_mesh, tracer.origin_of_mesh_m[m]));
+void place(RTCGeometry instance, const Mat4& frame_from_mesh) {
   float columns[12];
   for (int c = 0; c < 4; ++c)
-    for (int r = 0; r < 3; ++r) columns[3 * c + r] = static_cast<float>(t.m[r][c]);
+    for (int r = 0; r < 3; ++r) columns[3 * c + r] = static_cast<float>(frame_from_mesh.m[r][c]);
   rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
   rtcCommitGeometry(instance);
 }
 
-// An instance in one of the top scenes.
-void add_instance(EmbreeTracer& tracer, RTCScene top, unsigned id, std::int32_t mesh,
-                  std::size_t instance, const Mat4& traced_from_mesh) {
-  const auto m = static_cast<std::size_t>(mesh);
-  const Geometry geometry = new_geometry(tracer.device, RTC_GEOMETRY_TYPE_INSTANCE);
-  rtcSetGeometryInstancedScene(geometry.get(), tracer.scene_of_mesh[m]);
-  place(tracer, geometry.get(), m, traced_from_mesh);
-  attach(tracer, top, geometry.get(), id, mesh, instance, traced_from_mesh);
+// Puts an instance of the layout into one of the top scenes: as an instance of its mesh's scene, or
+// as a copy.
+void add_instance(EmbreeTracer& tracer, RTCScene top, std::size_t index, const Scene& scene,
+                  const SceneView& view) {
+  const PlacedInstance& instance = tracer.layout.instances[index];
+  const auto m = static_cast<std::size_t>(instance.mesh);
+  Geometry geometry;
+  if (instance.is_shared) {
+    geometry = new_geometry(tracer.device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(geometry.get(), tracer.scene_of_mesh[m]);
+    place(geometry.get(), instance.frame_from_mesh);
+  } else {
+    geometry = make_geometry(tracer, scene.meshes[m], instance.mesh, instance.frame_from_mesh, view);
+    tracer.filter_of[index] =
+        static_cast<const FilterData*>(rtcGetGeometryUserData(geometry.get()));
+  }
+  rtcAttachGeometryByID(top, geometry.get(), static_cast<unsigned>(index));
+  check(tracer.device, "placing a mesh");
 }
 
 std::unique_ptr<EmbreeTracer> new_tracer(const Scene& scene, const Placement& placement) {
@@ -180,10 +173,9 @@ std::unique_ptr<EmbreeTracer> new_tracer(const Scene& scene, const Placement& pl
   const auto version = rtcGetDeviceProperty(tracer->device, RTC_DEVICE_PROPERTY_VERSION);
   tracer->name = "embree " + std::to_string(version / 10000) + "." +
                  std::to_string(version / 100 % 100) + "." + std::to_string(version % 100);
-  tracer->origin_m = placement.origin_m;
+  tracer->layout = lay_out_scene(scene, placement);
   tracer->scene_of_mesh.resize(scene.meshes.size(), nullptr);
-  tracer->origin_of_mesh_m.resize(scene.meshes.size());
-  tracer->moving_id.resize(scene.instances.size(), RTC_INVALID_GEOMETRY_ID);
+  tracer->filter_of.resize(tracer->layout.instances.size(), nullptr);
   return tracer;
 }
 
@@ -208,98 +200,46 @@ std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const Scene
   note_threads_are_used();
   auto tracer = new_tracer(scene, placement);
 
-  // Copies of small meshes trace up to three times as fast as instances, whose boxes overlap in
-  // grass and foliage; where copies would take much memory, meshes are instanced. What was moved
-  // counts as before, so that what was not is built as before.
-  std::vector<int> uses(scene.meshes.size(), 0);
-  for (const Instance& instance : scene.instances) ++uses[static_cast<std::size_t>(instance.mesh)];
-  std::size_t copied_triangles = 0;
-  for (std::size_t m = 0; m < scene.meshes.size(); ++m)
-    if (uses[m] > 1)
-      copied_triangles += static_cast<std::size_t>(uses[m]) * scene.meshes[m].triangles.size();
-  const bool instanced = copied_triangles > most_copied_triangles;
-  std::size_t built_triangles = 0;
-  for (std::size_t m = 0; m < scene.meshes.size(); ++m)
-    built_triangles += scene.meshes[m].triangles.size() *
-                       static_cast<std::size_t>(instanced ? std::min(uses[m], 1) : uses[m]);
-  const bool compact = built_triangles > most_fast_triangles;
+  const SceneLayout& layout = tracer->layout;
+  const bool compact = layout.built_triangles > most_fast_triangles;
   Build build{tracer->device, work};
-  build.all = static_cast<double>(std::max<std::size_t>(built_triangles, 1));
+  build.all = static_cast<double>(std::max<std::size_t>(layout.built_triangles, 1));
+  for (const PlacedInstance& instance : layout.instances)
+    if (instance.is_shared)
+      build_mesh(*tracer, scene, static_cast<std::size_t>(instance.mesh), view, compact, build);
+
   tracer->scene = new_scene(tracer->device, compact);
-  for (std::size_t m = 0; m < scene.meshes.size(); ++m)
-    if (instanced && uses[m] > 1 && !scene.meshes[m].triangles.empty())
-      build_mesh(*tracer, scene, m, view, compact, build);
-
-  const auto transform_of = [&](std::size_t i) {
-    return moved(placement.world_from_mesh[i], tracer->origin_m * -1.0);
-  };
-  // Ids of what moves come first: each time that it moves, Embree goes through all ids up to the
-  // last one of its scene.
-  unsigned all = 0, moving = 0;
-  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
-    if (scene.meshes[static_cast<std::size_t>(scene.instances[i].mesh)].triangles.empty()) continue;
-    ++all;
-    if (placement.moves[i]) tracer->moving_id[i] = moving++;
+  std::size_t copied_triangles = 0;
+  for (std::size_t k = layout.moving; k < layout.instances.size(); ++k) {
+    add_instance(*tracer, tracer->scene, k, scene, view);
+    const auto m = static_cast<std::size_t>(layout.instances[k].mesh);
+    if (!layout.instances[k].is_shared) copied_triangles += scene.meshes[m].triangles.size();
   }
-  tracer->placed.resize(std::max(all, 1u));
-  tracer->filter_of.resize(all, nullptr);
+  build.commit(tracer->scene, copied_triangles);
+  if (layout.moving == 0) return tracer;
 
-  std::size_t placed_triangles = 0;
-  unsigned id = moving;
-  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
-    const std::int32_t index = scene.instances[i].mesh;
-    const auto m = static_cast<std::size_t>(index);
-    const Mesh& mesh = scene.meshes[m];
-    if (mesh.triangles.empty()) continue;
-    if (placement.moves[i]) {
-      // Its mesh has a scene from here on where it had one before.
-      if (determinant(scene.instances[i].world_from_mesh) < -least_determinant)
-        build_mesh(*tracer, scene, m, view, compact, build);
-      continue;
-    }
-    const Mat4 t = transform_of(i);
-    // A mirrored mesh is instanced even when used once: put into the world directly, its triangles
-    // would face the wrong way. A flattened one never is: instancing needs the inverse.
-    const double det = determinant(t);
-    const bool invertible = std::fabs(det) > least_determinant;
-    if (!invertible || (tracer->scene_of_mesh[m] == nullptr && det > 0)) {
-      attach(*tracer, tracer->scene, make_geometry(*tracer, mesh, index, t, view).get(), id++,
-             index, i, t);
-      placed_triangles += mesh.triangles.size();
-      continue;
-    }
-    build_mesh(*tracer, scene, m, view, compact, build);
-    add_instance(*tracer, tracer->scene, id++, index, i, t);
-  }
-  build.commit(tracer->scene, placed_triangles);
-  if (moving == 0) return tracer;
-
-  // Each time that something moves its boxes are built anew: a microsecond for each instance.
-  // Building them with lower quality takes longer, and Embree refits no instances.
+  // What moves has the lowest ids: each time that it moves, Embree goes through all ids up to the
+  // last one of its scene. Its boxes are built anew then, a microsecond for each instance: building
+  // them with lower quality takes longer, and Embree refits no instances.
   tracer->moving = new_scene(tracer->device, false);
-  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
-    const std::int32_t index = scene.instances[i].mesh;
-    const auto m = static_cast<std::size_t>(index);
-    if (tracer->moving_id[i] == RTC_INVALID_GEOMETRY_ID) continue;
-    build_mesh(*tracer, scene, m, view, compact, build);
-    add_instance(*tracer, tracer->moving, tracer->moving_id[i], index, i, transform_of(i));
-  }
+  for (std::size_t k = 0; k < layout.moving; ++k)
+    add_instance(*tracer, tracer->moving, k, scene, view);
   build.commit(tracer->moving, 0);
   return tracer;
 }
 
-void move_instances(EmbreeTracer& tracer, const Scene& scene, std::span<const int> instances,
+void move_instances(EmbreeTracer& tracer, std::span<const int> instances,
                     const Placement& placement) {
   parallel_ranges(std::size_t{0}, instances.size(), instances_per_task,
                   [&](std::size_t begin, std::size_t end) {
                     for (std::size_t k = begin; k < end; ++k) {
-                      const auto i = static_cast<std::size_t>(instances[k]);
-                      const unsigned id = tracer.moving_id[i];
-                      if (id == RTC_INVALID_GEOMETRY_ID) continue;  // of no triangles
-                      const Mat4 t = moved(placement.world_from_mesh[i], tracer.origin_m * -1.0);
-                      place(tracer, rtcGetGeometry(tracer.moving, id),
-                            static_cast<std::size_t>(scene.instances[i].mesh), t);
-                      tracer.placed[id].mesh_per_world = mesh_per_world(t);
+                      const std::int32_t index =
+                          tracer.layout.index_of[static_cast<std::size_t>(instances[k])];
+                      if (index < 0) continue;  // it has no triangles
+                      const auto i = static_cast<std::size_t>(index);
+                      place_instance(tracer.layout, i, placement);
+                      place(rtcGetGeometry(tracer.moving, static_cast<unsigned>(index)),
+                            tracer.layout.instances[i].frame_from_mesh);
                     }
                   });
   rtcCommitScene(tracer.moving);

@@ -1,8 +1,6 @@
-// The acceleration structure of the CPU: a Scene in Embree. Meshes placed once, and in small scenes
-// all, are put into the world directly; in large scenes meshes placed more often are kept once and
-// instanced. What has been moved is instanced too, in a top scene of its own, so that moving it
-// again builds nothing but the boxes around what moves. The Scene and its shading data hold every
-// mesh once in any case.
+// The acceleration structure of the CPU: a Scene in Embree, laid out as backend/scene_layout.h says.
+// What has been moved is in a top scene of its own, so that moving it again builds nothing but the
+// boxes around what moves.
 #pragma once
 
 #include <array>
@@ -12,11 +10,11 @@
 #include <vector>
 
 #include "backend/embree/embree_api.h"
+#include "backend/scene_layout.h"
 #include "backend/shading_data.h"
 #include "model/long_work.h"
 #include "model/scene_place.h"
 #include "omma/scene.h"
-#include "physics/ray_packet.h"
 
 namespace omma {
 
@@ -40,17 +38,13 @@ struct EmbreeTracer {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;   // top scene of what was never moved
   RTCScene moving = nullptr;  // top scene of what was, as instances; null where nothing was
-  Vec3d origin_m;             // of the traced frame, in the world: rays are relative to it too
-  // [geometry of the top scenes]: ids of `scene` go on where those of `moving` end. Never empty:
-  // packets look up entry 0 for lanes that missed.
-  std::vector<PlacedMesh> placed{PlacedMesh{}};
+  // Geometries of both top scenes have the index of their instance here as id.
+  SceneLayout layout;
   std::vector<std::unique_ptr<FilterData>> filters;
-  // [geometry of the top scenes], null for instances and what needs no filter.
+  // [instance of the layout], null for what is shared and what needs no filter.
   std::vector<const FilterData*> filter_of;
-  std::vector<RTCScene> scene_of_mesh;  // [mesh], what is instanced; null where it never is
-  std::vector<Vec3d> origin_of_mesh_m;  // [mesh], of that scene, in the mesh's frame
-  std::vector<unsigned> moving_id;      // [instance of the Scene], its id in `moving`, or invalid
-  std::string name;                     // e.g. "embree 3.13.5"
+  std::vector<RTCScene> scene_of_mesh;  // [mesh], what is shared; null where it never is
+  std::string name;  // e.g. "embree 3.13.5"
 };
 
 // Refers to the Scene's vertices and triangles, which must outlive it unchanged. Throws omma::Error
@@ -61,7 +55,7 @@ std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const Scene
 
 // Moves instances of the Scene that are in `moving`. Throws omma::Error where Embree fails; they
 // may be anywhere then.
-void move_instances(EmbreeTracer& tracer, const Scene& scene, std::span<const int> instances,
+void move_instances(EmbreeTracer& tracer, std::span<const int> instances,
                     const Placement& placement);
 
 }  // namespace omma

@@ -14,9 +14,9 @@ Acceleration build(const Scene& scene, const SceneView& view, const Placement& p
   return {tracer, tracer->name};
 }
 
-void move(Acceleration& acceleration, const Scene&, std::span<const int>,
+void move(Acceleration& acceleration, std::span<const int> instances,
           const Placement& placement) {
-  move_instances(*static_cast<PortableTracer*>(acceleration.tracer.get()), placement);
+  move_instances(*static_cast<PortableTracer*>(acceleration.tracer.get()), instances, placement);
 }
 
 BlockFunctions block_functions() {

@@ -40,13 +40,13 @@ struct PortableSearch {
   }
 
   OMMA_HD const PlacedMesh* placed() const {
-    return tracer->placed.data();
+    return tracer->layout.placed.data();
   }
 
  private:
   OMMA_HD bool accepts(std::uint32_t placed, std::uint32_t triangle, float u, float v,
                        bool from_behind) const {
-    return accept_hit(*tracer->scene_view, {tracer->placed.data()[placed].mesh, triangle, u, v},
+    return accept_hit(*tracer->scene_view, {tracer->layout.placed.data()[placed].mesh, triangle, u, v},
                       from_behind);
   }
 };

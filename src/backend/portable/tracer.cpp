@@ -228,8 +228,6 @@ bool may_ask(const SceneView& view, std::int32_t mesh) {
 void build_all(PortableTracer& tracer, const Placement& placement, WorkState* work) {
   const Scene& scene = *tracer.scene;
   tracer.layout = lay_out_scene(scene, placement);
-  tracer.placed = tracer.layout.placed;
-  if (tracer.placed.empty()) tracer.placed.emplace_back();
   tracer.nodes.clear();
   tracer.blocks.clear();
   tracer.of_mesh.assign(scene.meshes.size(), {});
@@ -289,11 +287,11 @@ std::unique_ptr<PortableTracer> make_portable_tracer(const Scene& scene, const S
   return tracer;
 }
 
-void move_instances(PortableTracer& tracer, const Placement& placement) {
-  for (std::size_t i = 0; i < tracer.layout.instances.size(); ++i) {
-    if (!placement.moves[static_cast<std::size_t>(tracer.layout.instances[i].instance)]) continue;
-    place_instance(tracer.layout, i, placement);
-    tracer.placed[i] = tracer.layout.placed[i];
+void move_instances(PortableTracer& tracer, std::span<const int> instances,
+                    const Placement& placement) {
+  for (const int instance : instances) {
+    const std::int32_t index = tracer.layout.index_of[static_cast<std::size_t>(instance)];
+    if (index >= 0) place_instance(tracer.layout, static_cast<std::size_t>(index), placement);
   }
   build_top(tracer);
 }

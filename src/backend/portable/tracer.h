@@ -23,8 +23,6 @@ struct TreeRoot {
 };
 
 struct PortableTracer {
-  // Never empty: packets look up entry 0 for lanes that missed.
-  std::vector<PlacedMesh> placed{PlacedMesh{}};
   std::string name = "portable";
   BvhView view;  // of the arrays below
 
@@ -38,7 +36,7 @@ struct PortableTracer {
   TreeRoot copies;                // of all that is not shared
   std::vector<TreeRoot> of_mesh;  // [mesh], where it is shared
 
-  // A triangle of a placed mesh (index into `placed`), in the traced frame.
+  // A triangle of an instance (index into those of the layout), in the traced frame.
   Triangle corners(std::uint32_t surface, std::uint32_t triangle) const;
 };
 
@@ -48,7 +46,9 @@ std::unique_ptr<PortableTracer> make_portable_tracer(const Scene& scene, const S
                                                      const Placement& placement,
                                                      WorkState* work = nullptr);
 
-// Puts what has been moved where it is placed now: only the tree over what is placed is built again.
-void move_instances(PortableTracer& tracer, const Placement& placement);
+// Moves instances of the Scene to where they are placed now: only the tree over what is placed is
+// built again.
+void move_instances(PortableTracer& tracer, std::span<const int> instances,
+                    const Placement& placement);
 
 }  // namespace omma
