@@ -48,7 +48,7 @@ def published() -> dict[int, int]:
     return dict(zip(PUBLISHED_RAYS, PUBLISHED_FRAMES_PER_S[NATURAL], strict=True))
 
 
-def share_of_ceiling(row: Row) -> float:
+def fraction_of_ceiling(row: Row) -> float:
     """How much of what Embree can trace the whole render reaches."""
     return float(row["render_mrays_per_s"]) / float(row["ceiling_mrays_per_s"])
 
@@ -60,8 +60,8 @@ def ceiling(rows: list[Row]) -> list[str]:
         top, whole = float(row["ceiling_mrays_per_s"]), float(row["render_mrays_per_s"])
         frames = 1e6 * whole / float(row["rays"]) / float(row["ommatidia"])
         cells = [row["scene"], f"{int(row['triangles']):,}", row["ommatidia"], row["rays"]]
-        share = f"{100 * share_of_ceiling(row):.0f} %"
-        found.append([*cells, number(top), number(whole), share, number(frames)])
+        fraction = f"{100 * fraction_of_ceiling(row):.0f} %"
+        found.append([*cells, number(top), number(whole), fraction, number(frames)])
     return [
         "## 1. Ceiling and whole render",
         "",
@@ -222,7 +222,7 @@ def latency(rows: list[Row]) -> list[str]:
     ]
 
 
-def serial_share(one_s: float, many_s: float, threads: int) -> float:
+def serial_fraction(one_s: float, many_s: float, threads: int) -> float:
     """Of Amdahl's rule T(n) / T(1) = s + (1 - s) / n; below 0 where n threads are more than n
     times faster, which is noise.
     """
@@ -241,7 +241,7 @@ def threads(rows: list[Row]) -> list[str]:
             if n == 1:
                 cells += [number(now), "", "", ""]
                 continue
-            serial = serial_share(one, now, n)
+            serial = serial_fraction(one, now, n)
             kept = max(0.0, serial)
             on_16 = 1 / (kept + (1 - kept) / 16)
             cells += [number(now), f"{one / now:.2f}", f"{100 * serial:.1f} %", f"{on_16:.1f}"]
@@ -268,9 +268,9 @@ def kernels(rows: list[Row]) -> list[str]:
     found: list[list[object]] = []
     for kind in dict.fromkeys(row["sensitivity"] for row in rows):
         own = pick(rows, sensitivity=kind)
-        shares = [f"{float(row['over_gaussian']):.2f}" for row in own]
+        fractions = [f"{float(row['over_gaussian']):.2f}" for row in own]
         at_16 = pick(own, sampling="low discrepancy", rays=16)[0]
-        found.append([kind, *shares, number(float(at_16["tables_ms"]))])
+        found.append([kind, *fractions, number(float(at_16["tables_ms"]))])
     gaussian = pick(rows, sensitivity="gaussian")
     speeds = [number(float(row["frames_per_s"])) for row in gaussian]
     return [
@@ -371,7 +371,7 @@ def aims(results: Path) -> list[str]:
     cells: list[list[object]] = []
     rows = read(results, "ceiling")
     for name, least_rays, most_rays, aim in (("1 ray", 1, 1, 75), ("8 rays and more", 8, 1e9, 90)):
-        found = [share_of_ceiling(r) for r in rows if least_rays <= int(r["rays"]) <= most_rays]
+        found = [fraction_of_ceiling(r) for r in rows if least_rays <= int(r["rays"]) <= most_rays]
         if found:
             span = f"{100 * min(found):.0f} to {100 * max(found):.0f} %"
             cells.append([f"share of the ceiling, {name}", f"{aim} %", span])
@@ -398,8 +398,8 @@ def aims(results: Path) -> list[str]:
         reached = f"{float(row['median_us']) - float(row['batch_us']):.1f} µs"
         cells.append(["start-up of a single frame of 1,000 ommatidia at 1 ray", "20 µs", reached])
     if rows := pick(read(results, "kernels"), sensitivity="mixed"):
-        shares = [100 * float(row["over_gaussian"]) for row in rows]
-        reached = f"{min(shares):.0f} to {max(shares):.0f} %"
+        fractions = [100 * float(row["over_gaussian"]) for row in rows]
+        reached = f"{min(fractions):.0f} to {max(fractions):.0f} %"
         cells.append(["frames/s of an eye of mixed kernels over one of Gaussians", "80 %", reached])
     rows = read(results, "build")
     for row in pick(rows, scene="natural-standin-sky"):

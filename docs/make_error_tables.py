@@ -161,7 +161,7 @@ def measure_tails(case: Case, truth: np.ndarray) -> None:
 
 def measure_intervals(case: Case, truth: np.ndarray) -> str:
     """A row: how often the bounds hold, of all responses and of those that vary."""
-    shares = []
+    fractions = []
     for samples in SAMPLES:
         fixed = case.renderer.with_eye(case.renderer.eye, samples=samples, noise="new_every_frame")
         poses = np.tile(case.pose, (RENDERS // 4, 1, 1))
@@ -174,8 +174,8 @@ def measure_intervals(case: Case, truth: np.ndarray) -> str:
             off <= student + SUMS,
             (low - SUMS <= truth) & (truth <= high + SUMS),
         ):
-            shares.append(f"{held.mean():.3f} ({held[vary].mean():.3f})")
-    return f"| {case.name} | " + " | ".join(shares) + " |"
+            fractions.append(f"{held.mean():.3f} ({held[vary].mean():.3f})")
+    return f"| {case.name} | " + " | ".join(fractions) + " |"
 
 
 def main() -> None:

@@ -79,7 +79,7 @@ def main():
         )
         print(
             f"| {name} | {len(lattice.directions):,} | {seconds:.0f} | {check.median_error:.1%} | "
-            f"{check.p95_error:.1%} | {check.six_share:.1%} |",
+            f"{check.p95_error:.1%} | {check.six_fraction:.1%} |",
             flush=True,
         )
         if name in DRAWN:

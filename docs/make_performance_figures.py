@@ -82,8 +82,8 @@ def ceiling(rows: list[Row], path: Path) -> None:
         whole = [float(row["render_mrays_per_s"]) for row in own]
         axes.plot(rays, top, color="#000000", marker="o", label="tracing alone: the ceiling")
         axes.plot(rays, whole, color="#0072B2", marker="D", label="whole render")
-        for x, y, share in zip(rays, whole, (w / t for w, t in zip(whole, top))):
-            axes.annotate(f"{100 * share:.0f} %", (x, y), (0, -15), textcoords="offset points",
+        for x, y, fraction in zip(rays, whole, (w / t for w, t in zip(whole, top))):
+            axes.annotate(f"{100 * fraction:.0f} %", (x, y), (0, -15), textcoords="offset points",
                           ha="center", fontsize=8, color="#0072B2")  # fmt: skip
         tidy(axes)
         axes.set_xscale("log", base=2)

@@ -32,7 +32,7 @@ def spectra(panel: Axes) -> None:
     panel.set_xlabel("wavelength (nm)", fontsize=9)
 
 
-def share(panel: Axes, x: float, row: int, value: float, color: str) -> None:
+def fraction(panel: Axes, x: float, row: int, value: float, color: str) -> None:
     panel.text(x, row, f"{value:.2f}", ha="center", va="center", color=color, fontsize=7.5)
 
 
@@ -50,9 +50,9 @@ def receptor_figure() -> None:
     panels[0].set_ylabel("relative sensitivity", fontsize=9)
     spectra(panels[1])
     style(panels[1], "What red, green and blue stand for")
-    shares = omma.primary_spectra(NM[100:])
+    fractions = omma.primary_spectra(NM[100:])
     for k, (name, color) in enumerate(PRIMARIES.items()):
-        panels[1].plot(NM[100:], shares[:, k], color=color, lw=2)
+        panels[1].plot(NM[100:], fractions[:, k], color=color, lw=2)
         middle = {"red": 650, "green": 545, "blue": 430}[name]
         panels[1].text(middle, 1.04, name, color=color, ha="center", fontsize=8.5)
     panels[1].text(350, 0.5, "RGB says\nnothing\nhere", ha="center", fontsize=8.5, color="0.35")
@@ -66,12 +66,12 @@ def receptor_figure() -> None:
             panels[2].barh(row, value, left=left, color=color, height=0.6)
             if value > 0.06:
                 at = left + value / 2
-                share(panels[2], at, row, value, "w")
+                fraction(panels[2], at, row, value, "w")
             left += value
         panels[2].barh(row, 1 - left, left=left, color="0.9", height=0.6)
         if 1 - left > 0.1:
             at = (1 + left) / 2
-            share(panels[2], at, row, 1 - left, "0.3")
+            fraction(panels[2], at, row, 1 - left, "0.3")
     panels[2].set_yticks(range(3), list(RECEPTORS))
     panels[2].invert_yaxis()
     panels[2].set_xlim(0, 1)

@@ -41,10 +41,11 @@ def row(*cells: object) -> None:
     say("|", " | ".join(str(cell) for cell in cells), "|")
 
 
-def show(stage: str, share: float | None) -> None:
+def show(stage: str, fraction: float | None) -> None:
     """Progress, where someone is looking."""
     if sys.stderr.isatty():
-        print(f"\r{stage} {100 * (share or 0):3.0f} %\x1b[K", end="", file=sys.stderr, flush=True)
+        percent = 100 * (fraction or 0)
+        print(f"\r{stage} {percent:3.0f} %\x1b[K", end="", file=sys.stderr, flush=True)
 
 
 def searches(name: str, scene: omma.Scene, where, measure: str) -> list[omma.MinimumSamples]:

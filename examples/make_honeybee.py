@@ -71,8 +71,8 @@ def nasal_edge_deg(elevation_deg):
     # with its vertex at the equator on each side (straight lines would meet there in a corner, and
     # give 2 % more axes); beyond 60 degrees the value is kept, as for the temporal edge.
     far = NASAL_EDGE_UP_DEG if elevation_deg > 0 else NASAL_EDGE_DOWN_DEG
-    share = min(1.0, abs(elevation_deg) / 60.0) ** 2
-    return NASAL_EDGE_LEVEL_DEG + (far - NASAL_EDGE_LEVEL_DEG) * share
+    fraction = min(1.0, abs(elevation_deg) / 60.0) ** 2
+    return NASAL_EDGE_LEVEL_DEG + (far - NASAL_EDGE_LEVEL_DEG) * fraction
 
 
 def row_elevations_deg():
@@ -116,8 +116,8 @@ def surface_point_mm(azimuth_deg, elevation_deg):
     sees far more than its own curvature spans; lenses come out 21 micrometres apart (median).
     """
     nasal, temporal = nasal_edge_deg(elevation_deg), temporal_edge_deg(elevation_deg)
-    share = 2 * (azimuth_deg - nasal) / (temporal - nasal) - 1  # -1 nasal, 1 temporal
-    longitude = math.radians(SURFACE_HALF_WIDTH_DEG * share)
+    fraction = 2 * (azimuth_deg - nasal) / (temporal - nasal) - 1  # -1 nasal, 1 temporal
+    longitude = math.radians(SURFACE_HALF_WIDTH_DEG * fraction)
     latitude = math.radians(elevation_deg)
     unit = (
         math.cos(latitude) * math.cos(longitude),

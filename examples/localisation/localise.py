@@ -42,7 +42,7 @@ WHITE = 1.0  # the response of an ommatidium that sees nothing of the sphere
 HIDDEN = (1000, 256)
 BATCH = 64
 LEARNING_RATE = 1e-3
-TRAINING_SHARE = 0.8
+TRAINING_FRACTION = 0.8
 PART = 500  # views in one file: what is lost, at most, when a render is stopped
 
 PUBLISHED = {  # the last of the paper's curves
@@ -141,7 +141,7 @@ def load_views(folder: Path, frames: int) -> Views:
     ommatidia = responses.shape[1]
     start = np.concatenate([[0], np.cumsum(np.concatenate(counts))])
     below = np.concatenate(dark)
-    training = int(frames * TRAINING_SHARE)
+    training = int(frames * TRAINING_FRACTION)
     seen, total = below[: start[training]], training * ommatidia
     mean_below = seen.sum() / total
     deviation = math.sqrt((seen**2).sum() / total - mean_below**2)

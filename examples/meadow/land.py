@@ -83,8 +83,8 @@ def shade(x, z, shadows):
     return light
 
 
-def blend(a, b, share):
-    return a + (b - a) * np.asarray(share)[..., None]
+def blend(a, b, fraction):
+    return a + (b - a) * np.asarray(fraction)[..., None]
 
 
 def ground_colour(x, z, shadows, drifts):

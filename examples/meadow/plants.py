@@ -48,10 +48,10 @@ def blade_tuft(rng, blades, radius, height, low, high):
         side = np.array([-out[2], 0, out[0]])
         tall = height * rng.uniform(0.55, 1.15)
         reach = tall * rng.uniform(0.1, 0.65)
-        share = np.array([0, 0.4, 0.75, 1.0])[:, None]
+        fraction = np.array([0, 0.4, 0.75, 1.0])[:, None]
         foot = out * radius * math.sqrt(rng.random()) * 0.8
-        rise = share - 0.35 * (reach / tall) * share**2
-        line = foot + out * reach * share**2 + np.array([0, tall, 0]) * rise - [0, 0.02, 0]
+        rise = fraction - 0.35 * (reach / tall) * fraction**2
+        line = foot + out * reach * fraction**2 + np.array([0, tall, 0]) * rise - [0, 0.02, 0]
         width = rng.uniform(0.0022, 0.0042)
         light = rng.uniform(0.75, 1.1) * (1 + 0.22 * float(out @ SUN))
         tint = np.array([rng.uniform(0.88, 1.12), 1, rng.uniform(0.85, 1.1)]) * light
@@ -63,10 +63,10 @@ def blade_tuft(rng, blades, radius, height, low, high):
 def stem(rng, height, lean=0.08, radius=0.0022, low=STEM_LOW, high=STEM_HIGH):
     """A bent stem; returns its mesh and where and in what direction it ends."""
     sway = rng.normal(0, lean, 2) * height
-    share = np.array([0, 0.5, 1.0])[:, None]
+    fraction = np.array([0, 0.5, 1.0])[:, None]
     bend = np.array([sway[0], 0, sway[1]])
-    path = np.array([0, height, 0]) * share + bend * share**2 - [0, 0.02, 0]
-    colours = low + (high - low) * share
+    path = np.array([0, height, 0]) * fraction + bend * fraction**2 - [0, 0.02, 0]
+    colours = low + (high - low) * fraction
     mesh = tube(path, [radius * 1.3, radius, radius * 0.8], colours)
     return mesh, path[-1], path[-1] - path[-2]
 
@@ -74,26 +74,26 @@ def stem(rng, height, lean=0.08, radius=0.0022, low=STEM_LOW, high=STEM_HIGH):
 def narrow_leaf(rng, foot, length, width):
     direction = rng.uniform(0, 2 * math.pi)
     out = np.array([math.cos(direction), 0, math.sin(direction)])
-    share = np.array([0, 0.45, 1.0])[:, None]
-    rise = np.array([0, length, 0]) * (0.8 * share - 0.5 * share**2)
-    line = foot + out * length * 0.8 * share + rise
-    colours = linear(70, 96, 42) + (linear(116, 146, 66) - linear(70, 96, 42)) * share
+    fraction = np.array([0, 0.45, 1.0])[:, None]
+    rise = np.array([0, length, 0]) * (0.8 * fraction - 0.5 * fraction**2)
+    line = foot + out * length * 0.8 * fraction + rise
+    colours = linear(70, 96, 42) + (linear(116, 146, 66) - linear(70, 96, 42)) * fraction
     return ribbon(line, [-out[2], 0, out[0]], [width * 0.5, width, 0], colours)
 
 
 def petal_ring(count, length, width, lift, droop, base, tip, shape=(0.35, 1.0, 0.6), turn=0.0):
     """Petals around y. lift: slope at the base; droop: how far they bend down (negative: up).
     shape: half-widths from base to tip, relative to width / 2."""
-    share = (np.linspace(0.12, 1.0, len(shape)) ** 0.85)[:, None]
+    fraction = (np.linspace(0.12, 1.0, len(shape)) ** 0.85)[:, None]
     petals = []
     # A petal on the far side of the head leans towards the sun and catches more of it.
     for i in range(count):
         angle = 2 * math.pi * i / count + turn
         out = np.array([math.cos(angle), 0, math.sin(angle)])
-        rise = lift * share - droop * share**2
-        line = out * length * share + np.array([0, length, 0]) * rise
+        rise = lift * fraction - droop * fraction**2
+        line = out * length * fraction + np.array([0, length, 0]) * rise
         light = 0.88 + 0.12 * math.cos(angle - SUN_ANGLE) + 0.05 * (-1) ** i
-        colours = (base + (tip - base) * share) * light
+        colours = (base + (tip - base) * fraction) * light
         side = [-out[2], 0.06, out[0]]  # a slight twist keeps neighbours from lying in one plane
         petals.append(ribbon(line, side, np.array(shape) * width / 2, colours))
     return join(petals)

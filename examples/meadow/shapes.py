@@ -101,6 +101,6 @@ def dome(radius, height, sides, rings, rim_colour, top_colour):
     index = grid_index(rings, sides, closed=True)
     last = (rings - 1) * sides
     cap = [[last + i, last + (i + 1) % sides, len(position) - 1] for i in range(sides)]
-    share = np.clip(position[:, 1:2] / height, 0, 1)
-    colour = np.asarray(rim_colour) * (1 - share) + np.asarray(top_colour) * share
+    fraction = np.clip(position[:, 1:2] / height, 0, 1)
+    colour = np.asarray(rim_colour) * (1 - fraction) + np.asarray(top_colour) * fraction
     return Mesh(position, colour, np.concatenate([index, np.array(cap)]))

@@ -99,8 +99,8 @@ def draw_blade(draw, base, tip, bend, width, low, high, steps=9):
     half = width / 2 * (1 - along[:, 0] ** 2.2) + 0.4
     for i in range(steps):
         a, b = line[i], line[i + 1]
-        share = (i + 0.5) / steps
-        colour = tuple(int(v) for v in np.clip(low + (high - low) * share, 0, 255))
+        fraction = (i + 0.5) / steps
+        colour = tuple(int(v) for v in np.clip(low + (high - low) * fraction, 0, 255))
         # The left half a little lighter than the right: a fold along the blade.
         other = tuple(int(v * 0.87) for v in colour)
         left = [(a[0] - half[i], a[1]), tuple(a), tuple(b), (b[0] - half[i + 1], b[1])]
@@ -145,9 +145,9 @@ def grass_png(rng, size=512):
         tint = rng.uniform(0.85, 1.1)
         draw_blade(draw, (x, height), tip, 0, 3.2 * s, straw_low, straw_high * tint)
         for k in range(16):
-            share = k / 16
-            spread = 5.5 * s * (1 - share) * (1 if k % 2 else -1) + rng.normal(0, s)
-            y = tip[1] + (0.17 * height) * (1 - share)
+            fraction = k / 16
+            spread = 5.5 * s * (1 - fraction) * (1 if k % 2 else -1) + rng.normal(0, s)
+            y = tip[1] + (0.17 * height) * (1 - fraction)
             dot = (tip[0] + spread, y)
             seed = np.clip(straw_high * tint * rng.uniform(0.75, 1.1), 0, 255)
             seed = tuple(int(v) for v in seed)

@@ -43,11 +43,11 @@ def leaf_cards(rng, places, centre, radii, box, size, per_place, tint):
 
 def branch(rng, start, direction, length, radius, sag, points=4):
     """Path and radii of a branch that bends upwards (sag > 0: downwards) on its way."""
-    share = np.linspace(0, 1, points)[:, None]
-    bend = np.array([0, -sag * length, 0]) * share**2
-    wobble = rng.normal(0, min(0.05 * length, 0.10), (points, 3)) * np.sin(math.pi * share)
-    path = start + unit(direction) * length * share + bend + wobble
-    return path, radius * (1 - 0.75 * share[:, 0])
+    fraction = np.linspace(0, 1, points)[:, None]
+    bend = np.array([0, -sag * length, 0]) * fraction**2
+    wobble = rng.normal(0, min(0.05 * length, 0.10), (points, 3)) * np.sin(math.pi * fraction)
+    path = start + unit(direction) * length * fraction + bend + wobble
+    return path, radius * (1 - 0.75 * fraction[:, 0])
 
 
 def wood_colours(path, light):
@@ -72,12 +72,12 @@ def tree(rng, kind):
     first = 0.36 if oak else 0.22
     limbs = 17 if oak else 22
     for i in range(limbs):
-        share = first + (1 - first) * (i + rng.random()) / limbs
-        start = np.array([np.interp(share, np.linspace(0, 1, 8), trunk[:, k]) for k in range(3)])
+        fraction = first + (1 - first) * (i + rng.random()) / limbs
+        start = np.array([np.interp(fraction, np.linspace(0, 1, 8), trunk[:, k]) for k in range(3)])
         angle = i * 2.39996 + rng.normal(0, 0.3)
-        steep = (0.25 + 0.9 * share) if oak else (0.75 + 0.5 * share)
+        steep = (0.25 + 0.9 * fraction) if oak else (0.75 + 0.5 * fraction)
         direction = np.array([math.cos(angle), steep, math.sin(angle)])
-        along = (share - first) / (1 - first)
+        along = (fraction - first) / (1 - first)
         profile = math.sin(math.pi * (0.2 + 0.72 * along)) ** 0.7 if oak else 1.05 - 0.75 * along
         length = reach * profile * rng.uniform(0.85, 1.1)
         path, thin = branch(
@@ -113,12 +113,12 @@ def far_tree(rng, conifer):
     """Leaf cards only, for the wood at the edge; about 6 m (conifer: 8 m) high, foot at y = 0."""
     places = []
     for _ in range(54):
-        share = rng.random()
+        fraction = rng.random()
         if conifer:
-            spread, y = 1.6 * (1 - share) + 0.1, -0.1 + 7.9 * share
+            spread, y = 1.6 * (1 - fraction) + 0.1, -0.1 + 7.9 * fraction
         else:
-            y = -0.2 + 6.0 * share
-            spread = 2.4 * math.sin(math.pi * (0.22 + 0.76 * share)) ** 0.6
+            y = -0.2 + 6.0 * fraction
+            spread = 2.4 * math.sin(math.pi * (0.22 + 0.76 * fraction)) ** 0.6
         angle = rng.uniform(0, 2 * math.pi)
         places.append([spread * math.cos(angle), y, spread * math.sin(angle)])
     places = np.array(places)

@@ -95,7 +95,7 @@ def render_all_cameras(
         omma.Error: anything wrong with an input, an eye that a camera names and that is not to be
             found too; nothing is rendered then.
     """
-    tell: Stage = progress if progress is not None else lambda stage, share: None
+    tell: Stage = progress if progress is not None else lambda stage, fraction: None
     start = time.perf_counter()
     tell(READING, None)
     world = load_scene(scene, scene_index, progress=partial(tell, READING))
@@ -151,15 +151,15 @@ def render_all_cameras(
     with WholeFiles() as whole:
         for index, camera in enumerate(cameras):
 
-            def share(done: float, index: int = index) -> None:
+            def part(done: float, index: int = index) -> None:
                 tell(f"Rendering {cameras[index].name}", (index + done) / len(cameras))
 
             began = time.perf_counter()
             eye, name, file = eyes[index], shown[index], files[index]
             pixels = (
-                _picture(seen, camera, width, height, rays, seed, gamma, share)
+                _picture(seen, camera, width, height, rays, seed, gamma, part)
                 if eye is None
-                else _eye_picture(renderer_of(eye), camera, name, width, height, gamma, share)
+                else _eye_picture(renderer_of(eye), camera, name, width, height, gamma, part)
             )
             seconds = time.perf_counter() - began
             write_png(whole, str(file), pixels)

@@ -124,7 +124,7 @@ _PLAIN: dict[str, tuple[Callable[[Any], bool], str]] = {
 }
 _ALIASES = {
     "AxisAt": "Callable", "Density": "Callable", "FieldOfView": "Callable", "Measure": "str",
-    "NormalOf": "Callable", "Progress": "Callable", "Projection": "str", "Share": "Callable",
+    "NormalOf": "Callable", "Progress": "Callable", "Projection": "str", "Finished": "Callable",
     "Stage": "Callable", "Style": "str", "str | os.PathLike[str]": "PathLike",
 }  # fmt: skip
 

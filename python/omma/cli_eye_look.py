@@ -240,8 +240,8 @@ def _ommatidia(summary: dict[str, Any]) -> str:
     eyes = summary["eyes"]
     each = f" ({' + '.join(f'{n:,}' for n in eyes.values())})" if len(eyes) > 1 else ""
     inner, six = summary["inner_ommatidia"], summary["inner_with_six_neighbours"]
-    share = f"; {six / inner:.0%} of the {inner:,} inner ones have six neighbours" if inner else ""
-    return f"{summary['ommatidia']:,}{each}{share}"
+    sixes = f"; {six / inner:.0%} of the {inner:,} inner ones have six neighbours" if inner else ""
+    return f"{summary['ommatidia']:,}{each}{sixes}"
 
 
 def _spreads(spread: dict[str, dict[str, Any]]) -> Table:
@@ -280,8 +280,8 @@ def _field_lines(summary: dict[str, Any]) -> list[tuple[str, str]]:
         ]
     seen, both = summary["seen_sr"], summary["binocular_sr"]
     lines.append(("field", f"{seen:.3g} sr, {seen / sphere:.1%} of the sphere"))
-    share = f", {both / seen:.1%} of the field" if seen else ""
-    lines.append(("binocular", f"{both:.3g} sr{share}" if both else "none"))
+    of_field = f", {both / seen:.1%} of the field" if seen else ""
+    lines.append(("binocular", f"{both:.3g} sr{of_field}" if both else "none"))
     zones = summary["blind_zones"]
     lines += [
         (

@@ -49,7 +49,7 @@ the ground: nothing else does.
 
 `omma measure min-samples arena.gltf --box -5 1 -5 5 8 5 --measure compoundray -o curves.png`
 
-`omma measure min-samples meadow.glb --path flight.csv --share 0.02 -o curves.csv`
+`omma measure min-samples meadow.glb --path flight.csv --fraction 0.02 -o curves.csv`
 """
 
 MAP_HELP = """
@@ -152,7 +152,7 @@ def min_samples_command(
         typer.Option(help="Say the rays per ommatidium for this eye too.", metavar="EYE"),
     ] = None,
     unit: UnitOption = "mm",
-    share: Annotated[float, typer.Option(help="Standard deviation over full scale.")] = 0.01,
+    fraction: Annotated[float, typer.Option(help="Standard deviation over full scale.")] = 0.01,
     measure: MeasureOption = "linear",
     poses: Annotated[int, typer.Option(help="Poses tried before refining.", metavar="N")] = 4096,
     seed: SeedOption = 0,
@@ -178,7 +178,7 @@ def min_samples_command(
             minimum_samples(
                 world,
                 where,
-                share=share,
+                fraction=fraction,
                 method=method,
                 measure=measure,
                 poses=poses,

@@ -132,7 +132,7 @@ class DelayedBar:
         self._timer.daemon = True
         self._wanted = sys.stderr.isatty() and sys.stdout.isatty()
 
-    def show(self, stage: str, share: float | None) -> None:
+    def show(self, stage: str, fraction: float | None) -> None:
         if stage != self._stage:
             # Else the time left would be that of the stage before, which is over.
             self._bar.reset(self._task)
@@ -140,8 +140,8 @@ class DelayedBar:
         self._bar.update(
             self._task,
             description=stage,
-            total=None if share is None else 1.0,
-            completed=share or 0.0,
+            total=None if fraction is None else 1.0,
+            completed=fraction or 0.0,
         )
 
     def share_of(self, stage: str) -> Callable[[float], None]:

@@ -122,7 +122,7 @@ def generate_eye(
     positive(acceptance_ratio, "acceptance_ratio")
     surface = _Surface(_semi_axes(radius_m), density)
     random = np.random.default_rng(seed)
-    tell = progress or (lambda stage, share: None)
+    tell = progress or (lambda stage, fraction: None)
     tell("placing ommatidia", None)
     points = _seeds(surface, count, random)
     points = _relaxed(surface, points, tell)
@@ -183,23 +183,23 @@ def _seeds(surface: _Surface, count: int, random: np.random.Generator) -> Floats
     turn = _random_turn(random)
     number = 32 * count
     for _ in range(2):
-        candidates, share = _candidates(surface, number, turn)
-        total = float(share.sum())
+        candidates, fraction = _candidates(surface, number, turn)
+        total = float(fraction.sum())
         if not total > 0:
             raise Error(f"density: is 0 in all of {number:,} directions all round")
         # Four candidates to an ommatidium where they are densest.
-        needed = math.ceil(number * max(1.0, 4 * float(share.max()) / total * count))
+        needed = math.ceil(number * max(1.0, 4 * float(fraction.max()) / total * count))
         if needed <= number:
             break
         if needed > max(_MOST_CANDIDATES, 4 * number):
             raise Error("density: is too peaked: nearly all ommatidia fall into one narrow spot")
         number = needed
     surface.fit(count, total)
-    kept = share > 0
-    candidates, share = candidates[kept], share[kept]
-    if len(share) < count:
+    kept = fraction > 0
+    candidates, fraction = candidates[kept], fraction[kept]
+    if len(fraction) < count:
         raise Error("density: is above 0 in too narrow a spot for that many ommatidia")
-    return bisected(candidates, share, count)
+    return bisected(candidates, fraction, count)
 
 
 def _candidates(surface: _Surface, number: int, turn: Floats) -> tuple[Floats, Floats]:

@@ -89,7 +89,7 @@ def azimuth_elevation_deg_of(directions: ArrayLike) -> tuple[Floats, Floats]:
 
 
 _FACE_CELLS = 96  # to a side of the cube that the sphere is cut along; a cell is just under 1°
-_CELL_SHARE = 0.1  # of an ommatidium, at most, in the cells where the density is summed
+_CELL_FRACTION = 0.1  # of an ommatidium, at most, in the cells where the density is summed
 _MOST_CELLS = 8_000_000
 
 
@@ -115,15 +115,16 @@ class SphereCells:
         self._set_inside(middle[inside])
         if count is not None:
             # Roughly at first, so that cells are as fine as that many ommatidia need.
-            self.scale = math.sqrt(float(self._shares(middle, solid_angle)[inside].sum()) / count)
+            found = float(self._fractions(middle, solid_angle)[inside].sum())
+            self.scale = math.sqrt(found / count)
         region = Region(self.sees, self.metric, middle, inside)
         done: list[tuple[Floats, Floats]] = []
         while len(corner):
             middle, solid_angle = _cell_middle(corner, size, face)
-            share = self._shares(middle, solid_angle)
+            fraction = self._fractions(middle, solid_angle)
             # The wall is at the margin of the coarsest lattice, for which such cells are fine.
-            done_with = (share <= _CELL_SHARE) | (region.outside(middle) > 2 * MARGIN)
-            done.append((middle[done_with], share[done_with]))
+            done_with = (fraction <= _CELL_FRACTION) | (region.outside(middle) > 2 * MARGIN)
+            done.append((middle[done_with], fraction[done_with]))
             rest = np.flatnonzero(~done_with)
             if sum(len(part) for part, _ in done) + 4 * len(rest) > _MOST_CELLS:
                 raise Error(
@@ -135,14 +136,14 @@ class SphereCells:
             corner = np.repeat(corner[rest], 4, axis=0) + shift
             size, face = half, np.repeat(face[rest], 4)
         self.middle = np.concatenate([part for part, _ in done])
-        self.share = np.concatenate([part for _, part in done])
+        self.fraction = np.concatenate([part for _, part in done])
         inside = self.sees(self.middle)
         self.closed = bool(inside.all())
-        total = float(self.share[inside].sum())
+        total = float(self.fraction[inside].sum())
         self.count = count or round(total)
         if self.count < 2:
             raise Error("horizontal_rad: the field of view holds less than 2 ommatidia")
-        self.share *= self.count / total
+        self.fraction *= self.count / total
         self.scale *= math.sqrt(total / self.count)
         self._set_inside(self.middle[inside])
         self.region = Region(self.sees, self.metric, self.middle, inside)
@@ -174,7 +175,7 @@ class SphereCells:
         """What measures small steps in units of the wanted angles: (K, 2, 3)."""
         return metric_of(directions, self.angles(directions))
 
-    def _shares(self, directions: Floats, solid_angle: Floats) -> Floats:
+    def _fractions(self, directions: Floats, solid_angle: Floats) -> Floats:
         angles = self.angles(directions)
         return np.asarray(solid_angle * 2 / (math.sqrt(3) * angles[:, 0] * angles[:, 1]))
 
@@ -250,7 +251,7 @@ def lay_directions(
     if count is not None:
         whole(count, "count", 2, 200_000)
     whole(seed, "seed", 0, 2**63 - 1)
-    tell = progress or (lambda stage, share: None)
+    tell = progress or (lambda stage, fraction: None)
     tell("placing ommatidia", None)
     sphere = SphereCells(horizontal_rad, vertical_rad, field_of_view, count)
     domain = Domain(
@@ -258,7 +259,7 @@ def lay_directions(
         sphere.metric,
         None if sphere.closed else sphere.region.outside,
         sphere.middle,
-        sphere.share,
+        sphere.fraction,
     )
     random = np.random.default_rng(seed)
     points = grown(domain, sphere.count, random, partial(tell, "placing ommatidia"))
@@ -275,7 +276,7 @@ class LatticeCheck:
     wanted angles: 1 is as wanted. ``degree`` (N,) is the number of its neighbours, those whose
     Voronoi cells in that metric touch its own; ``inner`` (N,) those that neighbours surround. Of
     the inner ones, ``median_error`` and ``p95_error`` are the median and 95th percentile of
-    |ratio - 1| and ``six_share`` is the share with six neighbours.
+    |ratio - 1| and ``six_fraction`` is the share with six neighbours.
     """
 
     ratio: Floats
@@ -283,7 +284,7 @@ class LatticeCheck:
     inner: Bools
     median_error: float
     p95_error: float
-    six_share: float
+    six_fraction: float
 
 
 # Between neighbours of five-, six- and sevenfold points the widest angle is 72°, 60° and 51°; on a

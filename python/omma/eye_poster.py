@@ -213,11 +213,11 @@ def _found(summary: dict[str, Any]) -> list[PosterFact]:
     if summary["spread"]["eye_parameter_um_rad"]["known"]:
         limit = diffraction_limit_m_rad() * 1e6
         found.append(("diffraction limit of D·Δφ", f"{limit:.2g} µm rad", _LIMIT_NOTE))
-    share = summary["seen_sr"] / (4 * math.pi)
-    found.append(("field", f"{summary['seen_sr']:.3g} sr", f"{share:.0%} of the sphere"))
+    fraction = summary["seen_sr"] / (4 * math.pi)
+    found.append(("field", f"{summary['seen_sr']:.3g} sr", f"{fraction:.0%} of the sphere"))
     if len(eyes) > 1:
         both = summary["binocular_sr"]
-        part = summary["binocular_share_of_seen"]
+        part = summary["binocular_fraction_of_seen"]
         found.append(("binocular", f"{both:.3g} sr", f"{part:.0%} of the field" if both else ""))
     for zone in summary["blind_zones"][:2]:
         where = f"azimuth {zone['azimuth_deg']:.0f}°, elevation {zone['elevation_deg']:.0f}°"

@@ -52,15 +52,15 @@ class Domain:
     along the surface at right angles, whose products with a step are its lengths along them in
     units of the spacing wanted. ``outside`` is the metric distance (K,) outside of where points
     are wanted, 0 within; None where they are wanted all over a closed surface. ``samples`` (S, 3)
-    cover the surface, at least as far as points may go, each for its ``share`` (S,) of the number
-    of points wanted.
+    cover the surface, at least as far as points may go, each for its ``fraction`` (S,) of the
+    number of points wanted.
     """
 
     onto: Callable[[Floats], Floats]
     metric: Callable[[Floats], Floats]
     outside: Callable[[Floats], Floats] | None
     samples: Floats
-    share: Floats
+    fraction: Floats
 
 
 def _filled(domain: Domain, points: Floats, count: int) -> Floats:
@@ -132,7 +132,8 @@ def grown(
     done = np.concatenate([[0], np.cumsum(work)]) / work.sum()
 
     def part(level: int) -> Callable[[float], object]:
-        return lambda share: tell(float(done[level] + share * (done[level + 1] - done[level])))
+        start, length = done[level], done[level + 1] - done[level]
+        return lambda fraction: tell(float(start + fraction * length))
 
     points = _coarse(domain, count, 2.0**doublings, random, part(0))
     for level in range(1, doublings + 1):
@@ -144,7 +145,7 @@ def grown(
     if len(points) < count or (domain.outside is None and len(points) > count):
         change = _thinned if len(points) > count else _filled
         points = change(domain, points, count)
-        points = _relaxed(domain, points, 1.0, _STEPS, 0.0, random, lambda share: None)
+        points = _relaxed(domain, points, 1.0, _STEPS, 0.0, random, lambda fraction: None)
     tell(1.0)
     return points
 
@@ -157,21 +158,21 @@ def _coarse(
     tell: Callable[[float], object],
 ) -> Floats:
     # The points that make the lattice `scale` times as wide as wanted at the end.
-    share = domain.share / scale**2
+    fraction = domain.fraction / scale**2
     if domain.outside is None:
         # A closed net of V points has 3V - 6 edges, hence 4V - 6 points the next time.
         number = math.ceil((count - 2) / scale**2) + 2 if scale > 1 else count
-        seeds = bisected(domain.samples, share, number)
+        seeds = bisected(domain.samples, fraction, number)
         return _relaxed(domain, seeds, scale, _COARSE_STEPS, _COARSE_SHAKE, random, tell)
     within = domain.outside(domain.samples) <= MARGIN * scale
-    total = float(share[within].sum())
+    total = float(fraction[within].sum())
     # Points on the wall have half of their cells outside; around a disc these are so many.
     number = max(2, round(total + 1.9 * math.sqrt(total)))
     target = _WIDENING ** -math.log2(scale)
     best: tuple[float, Floats] | None = None
     for _ in range(_TRIALS):
         number = min(number, int(within.sum()))
-        seeds = bisected(domain.samples[within], share[within], number)
+        seeds = bisected(domain.samples[within], fraction[within], number)
         points = _relaxed(domain, seeds, scale, _COARSE_STEPS, _COARSE_SHAKE, random, tell)
         spacing = _spacing(domain, _refined(domain, points, scale / 2), scale / 2)
         error = abs(spacing / target - 1)
@@ -216,17 +217,17 @@ def _thinned(domain: Domain, points: Floats, count: int) -> Floats:
     return points[keep]
 
 
-def bisected(points: Floats, share: Floats, count: int) -> Floats:
-    """``count`` of many points (K, 3), each standing for the same sum of ``share`` (K,).
+def bisected(points: Floats, fraction: Floats, count: int) -> Floats:
+    """``count`` of many points (K, 3), each standing for the same sum of ``fraction`` (K,).
 
     The set is halved again and again across its longest side into parts of as many to come each;
     neighbours in the result are neighbours in space.
     """
     seeds = np.empty((count, 3))
-    parts = [(np.arange(len(share)), 0, count)]
+    parts = [(np.arange(len(fraction)), 0, count)]
     while parts:
         members, first, size = parts.pop()
-        inside, weight = points[members], share[members]
+        inside, weight = points[members], fraction[members]
         if size == 1:
             # One of the points, as the middle itself may lie where there are to be none.
             middle = np.average(inside, axis=0, weights=weight)

@@ -109,7 +109,7 @@ def eye_summary(eye: Eye, measures: EyeMeasures) -> dict[str, Any]:
         "field_sr": {str(k): v for k, v in field.eyes_sr.items()},
         "seen_sr": field.seen_sr,
         "binocular_sr": field.binocular_sr,
-        "binocular_share_of_seen": field.binocular_sr / field.seen_sr if field.seen_sr else None,
+        "binocular_fraction_of_seen": field.binocular_sr / field.seen_sr if field.seen_sr else None,
         "blind_sr": field.blind_sr,
         "blind_zones": [
             {

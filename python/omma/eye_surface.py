@@ -178,7 +178,7 @@ def lay_on_surface(
     if count is not None:
         whole(count, "count", 2, 200_000)
     whole(seed, "seed", 0, 2**63 - 1)
-    tell = progress or (lambda stage, share: None)
+    tell = progress or (lambda stage, fraction: None)
     tell("placing ommatidia", None)
     scale = 1.0
 
@@ -211,9 +211,9 @@ def lay_on_surface(
     total = 0.0
     # How much of the surface whole facets cover depends on their size.
     for _ in range(4):
-        share = area * 2 / (math.sqrt(3) * spacing(samples) ** 2)
+        fraction = area * 2 / (math.sqrt(3) * spacing(samples) ** 2)
         within = sees(samples)
-        total = float(share[within].sum())
+        total = float(fraction[within].sum())
         if total < 2:
             raise Error(f"spacing_m: too wide, the surface holds {total:.2g} such facets")
         if count is None or abs(total / count - 1) < 1e-4:
@@ -222,12 +222,12 @@ def lay_on_surface(
     wanted = count or round(total)
     if len(samples) < 10 * wanted:
         samples, area = surface.samples(20 * wanted)
-        share = area * 2 / (math.sqrt(3) * spacing(samples) ** 2)
+        fraction = area * 2 / (math.sqrt(3) * spacing(samples) ** 2)
         within = sees(samples)
     closed = bool(within.all())
     region = Region(sees, metric, samples, within)
     outside = None if closed else region.outside
-    domain = Domain(lambda points: surface.near(points)[0], metric, outside, samples, share)
+    domain = Domain(lambda points: surface.near(points)[0], metric, outside, samples, fraction)
     points = grown(domain, wanted, np.random.default_rng(seed), partial(tell, "placing ommatidia"))
     if not closed:
         points = region.deepest(points, wanted)

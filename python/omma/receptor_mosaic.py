@@ -25,12 +25,12 @@ class OmmatidiumType:
     """What the ommatidia of one type have, and how common they are.
 
     receptors: those of each such ommatidium; the same type may come several times.
-    share: how many ommatidia are of it, relative to the other types.
+    abundance: how many ommatidia are of it, relative to the other types.
     """
 
     name: str
     receptors: tuple[ReceptorType, ...]
-    share: float = 1.0
+    abundance: float = 1.0
 
 
 def assign_receptors(
@@ -58,16 +58,15 @@ def assign_receptors(
     kinds = (types,) if isinstance(types, OmmatidiumType) else tuple(types)
     if not kinds:
         raise Error("types: expected at least one OmmatidiumType, found none")
-    share = np.array([kind.share for kind in kinds], np.float64)
-    if not np.all(np.isfinite(share)) or np.any(share < 0) or share.sum() <= 0:
-        raise Error(
-            f"types: expected shares of at least 0, not all 0, found {[k.share for k in kinds]}"
-        )
+    abundance = np.array([kind.abundance for kind in kinds], np.float64)
+    if not np.all(np.isfinite(abundance)) or np.any(abundance < 0) or abundance.sum() <= 0:
+        found = [kind.abundance for kind in kinds]
+        raise Error(f"types: expected abundances of at least 0, not all 0, found {found}")
     if seed < 0:
         raise Error(f"seed: expected at least 0, found {seed}")
     inside = region_mask(eye, where)
     drawn = np.random.default_rng(seed).random(len(eye))
-    kind_of = np.searchsorted(np.cumsum(share)[:-1] / share.sum(), drawn, side="right")
+    kind_of = np.searchsorted(np.cumsum(abundance)[:-1] / abundance.sum(), drawn, side="right")
     known: list[ReceptorType] = []
     indices: dict[ReceptorType, int] = {}
 

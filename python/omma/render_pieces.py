@@ -18,9 +18,9 @@ _PIECE_BYTES = 64 << 20
 _KEPT_PIECE_S = 10.0
 
 Floats = NDArray[np.float32]
-Share = Callable[[float], object]
+Progress = Callable[[float], object]
 # Poses, the number of the first, and what takes the finished share: responses and their errors.
-Render = Callable[[Matrices, int, Share], tuple[Floats, Floats | None]]
+Render = Callable[[Matrices, int, Progress], tuple[Floats, Floats | None]]
 
 
 def render_of_ommatidia(
@@ -28,16 +28,16 @@ def render_of_ommatidia(
 ) -> Render:
     """What renders ommatidia; with ``spent`` to an error, adding what it took."""
 
-    def render(piece: Matrices, first: int, share: Share) -> tuple[Floats, Floats | None]:
+    def render(piece: Matrices, first: int, progress: Progress) -> tuple[Floats, Floats | None]:
         if spent is not None:
             responses, report = renderer.render(
-                piece, report=True, first_pose=first, progress=share
+                piece, report=True, first_pose=first, progress=progress
             )
             spent.add(report, first)
             return responses, report.standard_error if standard_error else None
         if standard_error:
-            return renderer.render(piece, standard_error=True, first_pose=first, progress=share)
-        return renderer.render(piece, first_pose=first, progress=share), None
+            return renderer.render(piece, standard_error=True, first_pose=first, progress=progress)
+        return renderer.render(piece, first_pose=first, progress=progress), None
 
     return render
 
@@ -47,17 +47,17 @@ def render_of_receptors(
 ) -> Render:
     """What renders receptors."""
 
-    def render(piece: Matrices, first: int, share: Share) -> tuple[Floats, Floats | None]:
+    def render(piece: Matrices, first: int, progress: Progress) -> tuple[Floats, Floats | None]:
         if standard_error:
             return renderer.render_receptors(
                 piece,
                 ultraviolet=ultraviolet,
                 standard_error=True,
                 first_pose=first,
-                progress=share,
+                progress=progress,
             )
         responses = renderer.render_receptors(
-            piece, ultraviolet=ultraviolet, first_pose=first, progress=share
+            piece, ultraviolet=ultraviolet, first_pose=first, progress=progress
         )
         return responses, None
 
@@ -84,11 +84,11 @@ def render_pieces(
     while first < len(poses):
         piece = poses[first : first + count]
 
-        def share(done: float, first: int = first, count: int = len(piece)) -> None:
+        def part(done: float, first: int = first, count: int = len(piece)) -> None:
             tell("Rendering", (first + done * count) / len(poses))
 
         start = time.perf_counter()
-        responses, errors = render(piece, first, share)
+        responses, errors = render(piece, first, part)
         took = time.perf_counter() - start
         seconds += took
         tell("Writing", (first + len(piece)) / len(poses))

@@ -169,7 +169,7 @@ def render_file(
         KeyboardInterrupt: Ctrl-C. But for ``resume`` nothing is left.
     """
     settings = {name: value for name, value in locals().items() if name not in _NO_SETTINGS}
-    tell: Stage = progress if progress is not None else lambda stage, share: None
+    tell: Stage = progress if progress is not None else lambda stage, fraction: None
     names = _output_names(outputs, standard_error, path)
     chosen = [
         name

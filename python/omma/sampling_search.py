@@ -90,7 +90,7 @@ def minimum_samples(
     scene: Scene | Renderer,
     where: Box | Cylinder | ArrayLike,
     *,
-    share: float = 0.01,
+    fraction: float = 0.01,
     method: Method = OURS,
     measure: Measure = "linear",
     poses: int = 4096,
@@ -114,7 +114,7 @@ def minimum_samples(
     Args:
         scene: what there is to see, or a renderer of it.
         where: positions to search, or poses (P, 4, 4) of a path, whose positions are taken.
-        share: of full scale, over 0.
+        fraction: of full scale, over 0.
         method: kernel and sampling.
         measure: as in `response_variances`.
         poses: of the first stage.
@@ -126,10 +126,10 @@ def minimum_samples(
         omma.Error: an argument is out of its range, or 65,536 rays per steradian are not enough.
     """
     whole(seed, "seed", 0, (1 << 64) - 1)
-    if not 0 < share < 1:
-        raise Error(f"share: expected over 0 and under 1, found {share}")
+    if not 0 < fraction < 1:
+        raise Error(f"fraction: expected over 0 and under 1, found {fraction}")
     start = time.perf_counter()
-    limit = share * FULL_SCALE[measure] if measure in FULL_SCALE else 0.0
+    limit = fraction * FULL_SCALE[measure] if measure in FULL_SCALE else 0.0
     tally = _Tally(scene_renderer(scene, threads), method, measure, seed, progress)
     single = method.sampling == "random"
     pose, variance = _worst_pose(tally, where, whole(poses, "poses", 1, 1 << 20), single)
@@ -304,7 +304,7 @@ def _curve(tally: _Tally, pose: Array, limit: float) -> tuple[NDArray[np.int64],
         # Scrambled nets gain N^-1.5 at best (Owen 1997): more is not worth a wait.
         if found[rays] * (rays / _MOST_RAYS) ** 1.5 > limit or rays >= _MOST_RAYS:
             raise Error(
-                f"share: the standard deviation is {found[rays]:.3g} at {rays} rays per "
+                f"fraction: the standard deviation is {found[rays]:.3g} at {rays} rays per "
                 f"steradian, too far over the limit of {limit:.3g} for {_MOST_RAYS}"
             )
         rays *= 2

@@ -22,7 +22,7 @@ from omma.renderer import Renderer
 Array = NDArray[np.float64]
 Measure = Literal["linear", "compoundray"]
 Progress = Callable[[str, float | None], object]
-Share = Callable[[float], object]
+Finished = Callable[[float], object]
 
 # Full width of a cone of 1 sr, which CompoundRay gives these ommatidia as acceptance angle.
 ONE_STERADIAN_RAD = 2 * float(np.arccos(1 - 1 / (2 * np.pi)))
@@ -85,7 +85,7 @@ def response_variances(
     seed: int = 0,
     seeds: int = 1,
     threads: int = 0,
-    progress: Share | None = None,
+    progress: Finished | None = None,
 ) -> Array:
     """Variance of each ommatidium's response among independent estimates of it: (P, N), float64.
 
@@ -148,7 +148,7 @@ def response_variances(
 
 
 def scene_renderer(
-    scene: Scene | Renderer, threads: int, progress: Share | None = None
+    scene: Scene | Renderer, threads: int, progress: Finished | None = None
 ) -> Renderer:
     """A renderer to make others of the same scene from."""
     if isinstance(scene, Renderer):
@@ -161,7 +161,7 @@ def further_seed(seed: int, number: int) -> int:
     return (seed + number * 0x9E3779B97F4A7C15) % (1 << 64)
 
 
-def _part_of(progress: Share | None, start: float, length: float) -> Share | None:
+def _part_of(progress: Finished | None, start: float, length: float) -> Finished | None:
     """Progress of a part of the work as progress of the whole."""
     return None if progress is None else lambda done: progress(start + length * done)
 

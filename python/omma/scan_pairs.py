@@ -18,7 +18,7 @@ Ints = NDArray[np.int64]
 # missing has gaps of two or three; the eyes of flies and bees are twenty and more apart.
 _APART = 4.0
 # Smaller groups are no eyes but strays: marks set wrongly, or a torn-off rim.
-_LEAST_POINTS, _LEAST_SHARE = 12, 0.1
+_LEAST_POINTS, _LEAST_FRACTION = 12, 0.1
 
 
 def split_eyes(lens: Floats, cone: Floats, right: Floats) -> tuple[Ints, Ints]:
@@ -76,7 +76,7 @@ def _groups(points: Floats) -> Ints:
     )
     group = connected_components(graph, directed=False)[1]
     size = np.bincount(group)
-    large = np.flatnonzero(size >= max(_LEAST_POINTS, _LEAST_SHARE * size.max()))
+    large = np.flatnonzero(size >= max(_LEAST_POINTS, _LEAST_FRACTION * size.max()))
     if len(large) < 2:
         return np.zeros(len(points), np.int64)
     members = np.flatnonzero(np.isin(group, large))

@@ -85,7 +85,7 @@ def measure_speed(
     rays = array_of(rays, "rays", (None,), np.int64).tolist()
     if not len(rays):
         raise Error("rays: expected at least one number")
-    tell: Progress = progress or (lambda stage, share: None)
+    tell: Progress = progress or (lambda stage, fraction: None)
     matrix = as_poses(pose)[:1]
     batch = np.repeat(matrix, frames, axis=0)
     single, together = [], []

@@ -152,7 +152,7 @@ def neural_superposition_wiring(
 def fly_receptors(
     eye: Eye,
     *,
-    pale_share: float = 0.3,
+    pale_fraction: float = 0.3,
     seed: int = 0,
     dorsal: Region | None = None,
     types: Mapping[str, ReceptorType] | None = None,
@@ -167,7 +167,7 @@ def fly_receptors(
     pale and yellow ommatidia, R7p with R8p and R7y with R8y, are mixed by chance.
 
     Args:
-        pale_share: of pale ommatidia, 0 to 1.
+        pale_fraction: of pale ommatidia, 0 to 1.
         seed: of their draw.
         dorsal: the dorsal half, a mask (N,) or a function of azimuth and elevation (N,), rad.
             None: axes above the horizon.
@@ -186,8 +186,8 @@ def fly_receptors(
     if unknown:
         raise Error(f"types: expected names from {', '.join(plan)}, found {min(unknown)}")
     plan |= types or {}
-    if not 0 <= pale_share <= 1:
-        raise Error(f"pale_share: expected 0 to 1, found {pale_share}")
+    if not 0 <= pale_fraction <= 1:
+        raise Error(f"pale_fraction: expected 0 to 1, found {pale_fraction}")
     upper = eye.axis[:, 1] > 0 if dorsal is None else region_mask(eye, dorsal)
     offsets = _trapezoid_offsets(eye, upper)
     median = np.median(eye.interommatidial_angle_rad())
@@ -203,7 +203,7 @@ def fly_receptors(
 
     rounded = np.rint(offsets / step).astype(int)
     draw = np.random.default_rng(whole(seed, "seed", 0, (1 << 64) - 1))
-    pale = draw.random(len(eye)) < pale_share
+    pale = draw.random(len(eye)) < pale_fraction
     receptors = []
     for i in range(len(eye)):
         around = [

@@ -243,8 +243,8 @@ class Mesh:
                 corners[solvable], directions[solvable, :, None]
             )[..., 0]
             holds = np.all(weight >= -1e-9, axis=1)
-            share = weight[holds] / weight[holds].sum(axis=1, keepdims=True)
-            points[holds] = np.einsum("kc,kcx->kx", share, self.vertices[faces[holds]])
+            fraction = weight[holds] / weight[holds].sum(axis=1, keepdims=True)
+            points[holds] = np.einsum("kc,kcx->kx", fraction, self.vertices[faces[holds]])
         return np.asarray(points)
 
     def samples(self, count: int) -> tuple[Floats, Floats]:
@@ -262,8 +262,8 @@ class Mesh:
     def _spread(self, count: int) -> tuple[Floats, Ints, Floats]:
         # Points in triangles, by area, at least one in each: (S, 3), their triangles (S,) and the
         # weights of the corners (S, 3).
-        share = self._area / self._area.sum() * count
-        number = np.maximum(1, np.round(share)).astype(np.int64)
+        fraction = self._area / self._area.sum() * count
+        number = np.maximum(1, np.round(fraction)).astype(np.int64)
         of = np.repeat(np.arange(len(number)), number)
         rank = np.arange(len(of)) - np.repeat(np.cumsum(number) - number, number)
         # Two of the generalised golden ratios (Roberts 2018) spread points evenly in the square,
@@ -302,11 +302,11 @@ class Mesh:
         weight = np.zeros((len(points), 3))
         for rank in range(triangles.shape[1]):
             corners = self.vertices[self.triangles[triangles[:, rank]]]
-            share = _closest(points, corners)
-            apart = np.sum((np.einsum("kc,kcx->kx", share, corners) - points) ** 2, axis=1)
+            fraction = _closest(points, corners)
+            apart = np.sum((np.einsum("kc,kcx->kx", fraction, corners) - points) ** 2, axis=1)
             better = apart < best
             best[better], chosen[better] = apart[better], triangles[better, rank]
-            weight[better] = share[better]
+            weight[better] = fraction[better]
         corners = self.vertices[self.triangles[chosen]]
         return np.einsum("kc,kcx->kx", weight, corners), chosen, weight
 

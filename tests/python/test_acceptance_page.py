@@ -26,9 +26,9 @@ def test_snyder_over_geometric() -> None:
 
     # Narrowest where the rhabdom is a point: 1 over the 1.029 of a bare lens.
     ratios = np.concatenate([[0.02], np.linspace(0.1, 4, 79), np.linspace(5, 25, 21)])
-    share = [width("snyder", ratio) / width("geometric", ratio) for ratio in ratios]
-    assert max(share) == pytest.approx(1.27, abs=0.005)
-    assert min(share) == pytest.approx(0.97, abs=0.005)
+    fraction = [width("snyder", ratio) / width("geometric", ratio) for ratio in ratios]
+    assert max(fraction) == pytest.approx(1.27, abs=0.005)
+    assert min(fraction) == pytest.approx(0.97, abs=0.005)
 
 
 def test_directions_far_out() -> None:

@@ -8,7 +8,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "bench"))
 
 from curves import crossing, least, pick, random_error
-from report import report, serial_share
+from report import report, serial_fraction
 from run import write_lines
 
 
@@ -49,9 +49,9 @@ def test_crossing_at_the_ends():
 
 
 def test_serial_share():
-    assert serial_share(1.0, 0.5, 2) == pytest.approx(0)
-    assert serial_share(1.0, 1.0, 2) == pytest.approx(1)
-    assert serial_share(1.0, 0.1 + 0.9 / 16, 16) == pytest.approx(0.1)
+    assert serial_fraction(1.0, 0.5, 2) == pytest.approx(0)
+    assert serial_fraction(1.0, 1.0, 2) == pytest.approx(1)
+    assert serial_fraction(1.0, 0.1 + 0.9 / 16, 16) == pytest.approx(0.1)
 
 
 def test_report_says_what_was_not_measured(tmp_path):

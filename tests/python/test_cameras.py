@@ -192,12 +192,12 @@ def test_wrong_arguments(world):
 
 
 def test_progress_and_what_it_raises(world):
-    shares = []
-    omma.render_camera(world, 0, width=400, samples=4, threads=1, progress=shares.append)
-    assert shares == sorted(shares)
-    assert shares[-1] == 1
+    fractions = []
+    omma.render_camera(world, 0, width=400, samples=4, threads=1, progress=fractions.append)
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == 1
 
-    def stop(share):
+    def stop(fraction):
         raise RuntimeError("enough")
 
     with pytest.raises(RuntimeError, match="enough"):

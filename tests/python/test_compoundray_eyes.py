@@ -158,11 +158,11 @@ def test_raw_samples_are_shares_of_the_mean(lib):
     shader(lib, "raw_ommatidial_samples")
     set_size(lib, 2, samples)
     picture = frame(lib)
-    share = int(255 * (1 / samples) ** (1 / 2.2))
-    assert set(np.unique(picture[:, 0, 0])) <= {0, share, int(255 * (0.5 / samples) ** (1 / 2.2))}
-    counts = [(picture[:, 0, 0] == share).sum()]
+    one = int(255 * (1 / samples) ** (1 / 2.2))
+    assert set(np.unique(picture[:, 0, 0])) <= {0, one, int(255 * (0.5 / samples) ** (1 / 2.2))}
+    counts = [(picture[:, 0, 0] == one).sum()]
     for _ in range(20):
-        counts.append((frame(lib)[:, 0, 0] == share).sum())
+        counts.append((frame(lib)[:, 0, 0] == one).sum())
     assert len(set(counts)) > 5  # new samples each time
     # Half of what the first one sees is the red wall; of floor and ceiling only the floor has red.
     assert 0.3 < np.mean(counts) / samples < 0.6

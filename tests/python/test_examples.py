@@ -226,10 +226,10 @@ def test_bee_sees_sky_above_and_green_below():
     up, down = omma.Renderer(scene, eye, samples=256).render("bee")[0]
     # The simple sky goes linearly in elevation from the horizon to the zenith; the head is tilted.
     head_up = scene.camera("bee").world_from_camera[:3, 1]
-    share = math.asin(head_up[1]) / (math.pi / 2)
+    fraction = math.asin(head_up[1]) / (math.pi / 2)
     horizon, zenith = np.array([143, 179, 203]) / 255 * 0.8, np.array([1, 31, 117]) / 255
     # 0.1 degrees of acceptance is 0.001 of the way from horizon to zenith.
-    np.testing.assert_allclose(up, horizon + (zenith - horizon) * share, atol=0.001)
+    np.testing.assert_allclose(up, horizon + (zenith - horizon) * fraction, atol=0.001)
     assert down[1] > down[0] > down[2]
     assert 0.03 < down[1] < 0.4
 

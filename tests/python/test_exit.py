@@ -53,7 +53,7 @@ ENDS = {
     "two of them": "start(render, told); start(build)",
     "by sys.exit": "start(render); sys.exit(0)",
     "joined at exit": "joined.append(start(render))",
-    "a callback that waits": "start(render, lambda share: (begun.set(), threading.Event().wait()))",
+    "a callback that waits": "start(render, lambda done: (begun.set(), threading.Event().wait()))",
 }
 
 

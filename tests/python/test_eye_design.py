@@ -261,14 +261,14 @@ def test_wrong_zones_are_named(name):
 
 
 def test_progress_is_told_and_may_stop_it():
-    shares = []
-    omma.generate_eye(20, progress=lambda stage, share: shares.append(share))
-    assert shares[0] is None
-    assert shares[-1] == 1
-    assert shares[1:] == sorted(shares[1:])
+    fractions = []
+    omma.generate_eye(20, progress=lambda stage, fraction: fractions.append(fraction))
+    assert fractions[0] is None
+    assert fractions[-1] == 1
+    assert fractions[1:] == sorted(fractions[1:])
 
-    def stop(stage, share):
-        if share is not None and share > 0.5:
+    def stop(stage, fraction):
+        if fraction is not None and fraction > 0.5:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):

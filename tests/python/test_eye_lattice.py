@@ -38,8 +38,8 @@ BEE_TEMPORAL = [(-90, 176.8), (-60.2, 176.8), (-30.3, 166.8), (0, 156.7), (30.1,
 
 def bee_outline():
     elevation = np.arange(90, -91, -5)
-    share = np.minimum(1, np.abs(elevation) / 60) ** 2
-    nasal = -14.5 + (np.where(elevation > 0, -42.0, -52.0) + 14.5) * share
+    fraction = np.minimum(1, np.abs(elevation) / 60) ** 2
+    nasal = -14.5 + (np.where(elevation > 0, -42.0, -52.0) + 14.5) * fraction
     temporal = [(azimuth, height) for height, azimuth in BEE_TEMPORAL]
     return omma.outline([*temporal, *zip(nasal, elevation)])
 
@@ -95,7 +95,7 @@ def test_the_numbers_asked_for(lattices, name):
     # Measured, all fields: median error 0.3 to 1.2 %, p95 2 to 5 %, 94 to 98 % with six.
     assert check.median_error < 0.03
     assert check.p95_error < 0.10
-    assert check.six_share > 0.90
+    assert check.six_fraction > 0.90
     assert np.median(check.ratio[check.inner]) == pytest.approx(1, abs=0.015)
     assert check.inner.sum() > 0.8 * len(lattice.directions)
     assert np.linalg.norm(lattice.directions, axis=1) == pytest.approx(1)
@@ -168,7 +168,7 @@ def test_a_steep_fovea():
     # Measured: 0.8 %, 5.7 %, 95 %.
     assert check.median_error < 0.03
     assert check.p95_error < 0.10
-    assert check.six_share > 0.90
+    assert check.six_fraction > 0.90
     eye = omma.Eye(lattice.directions, lattice.directions, 0.0)
     assert np.degrees(eye.interommatidial_angle_rad().min()) == pytest.approx(0.28, rel=0.1)
 
@@ -193,13 +193,13 @@ def test_a_seed_repeats_and_another_does_not():
 
 def test_progress_is_told_and_can_stop():
     told = []
-    omma.lay_directions(D(6), count=700, progress=lambda stage, share: told.append(share))
-    shares = [share for share in told if share is not None]
-    assert shares == sorted(shares)
-    assert shares[-1] == 1
+    omma.lay_directions(D(6), count=700, progress=lambda stage, fraction: told.append(fraction))
+    fractions = [fraction for fraction in told if fraction is not None]
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == 1
 
-    def stop(stage, share):
-        if share is not None and share > 0.5:
+    def stop(stage, fraction):
+        if fraction is not None and fraction > 0.5:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
@@ -214,7 +214,7 @@ def test_check_sees_what_is_wrong(lattices):
     random = np.random.default_rng(0).standard_normal((1500, 3))
     random /= np.linalg.norm(random, axis=1, keepdims=True)
     check = omma.check_lattice(random, np.sqrt(4 * np.pi / 1500 * 2 / np.sqrt(3)))
-    assert check.six_share < 0.4  # 0.29 for random points in the plane
+    assert check.six_fraction < 0.4  # 0.29 for random points in the plane
     assert check.p95_error > 0.3
 
 

@@ -73,8 +73,8 @@ def test_equal_areas(projection):
     area = inside.sum() * (6 / 1200) * (4.2 / 840)
     assert area == pytest.approx(4 * np.pi, rel=0.002)
     for middle in (RIGHT, UP, [0.6, -0.48, 0.64]):
-        share = np.mean(directions[inside] @ np.array(middle, float) > np.cos(0.7))
-        assert share == pytest.approx((1 - np.cos(0.7)) / 2, rel=0.005)
+        fraction = np.mean(directions[inside] @ np.array(middle, float) > np.cos(0.7))
+        assert fraction == pytest.approx((1 - np.cos(0.7)) / 2, rel=0.005)
 
 
 def test_mercator_is_conformal():

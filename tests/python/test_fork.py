@@ -156,7 +156,7 @@ def test_a_fork_from_a_progress_callback(files):
     """The child goes on with the render that it was forked from."""
     text = SETUP + (
         "children = []\n"
-        "def fork_once(share):\n"
+        "def fork_once(fraction):\n"
         "    if not children:\n"
         "        children.append(os.fork())\n"
         "        if children[0] == 0:\n"

@@ -95,19 +95,19 @@ def test_the_script_for_large_scenes(tmp_path, binary):
 
 
 def test_progress_of_both(files, eye):
-    shares = []
-    scene = omma.load_scene(files / "scene.gltf", progress=shares.append)
-    assert shares == sorted(shares)
-    assert shares[-1] == 1
-    shares.clear()
-    renderer = omma.Renderer(scene, eye, progress=shares.append)
-    assert shares == sorted(shares)
-    assert shares[-1] == 1
+    fractions = []
+    scene = omma.load_scene(files / "scene.gltf", progress=fractions.append)
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == 1
+    fractions.clear()
+    renderer = omma.Renderer(scene, eye, progress=fractions.append)
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == 1
     assert (renderer.render(np.eye(4)) == omma.Renderer(scene, eye).render(np.eye(4))).all()
 
 
 def test_what_progress_raises_comes_out(files, scene, eye):
-    def stop(share):
+    def stop(fraction):
         raise LookupError("enough")
 
     with pytest.raises(LookupError, match="enough"):
@@ -118,7 +118,7 @@ def test_what_progress_raises_comes_out(files, scene, eye):
 
 def test_errors_come_before_progress(tmp_path):
     with pytest.raises(omma.Error, match="no such file"):
-        omma.load_scene(tmp_path / "none.glb", progress=lambda share: None)
+        omma.load_scene(tmp_path / "none.glb", progress=lambda fraction: None)
 
 
 def test_a_large_texture_is_held_once(tmp_path):

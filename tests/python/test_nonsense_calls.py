@@ -109,7 +109,7 @@ def public_calls(folder):
     (folder / "face.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     directions = eye.axis.astype(float)
     curve = ([1, 2], {omma.Method(): ([1, 2], [0.2, 0.1])})
-    found = omma.minimum_samples(renderer, pose[None], share=0.5, poses=1)
+    found = omma.minimum_samples(renderer, pose[None], fraction=0.5, poses=1)
     speed = omma.measure_speed(scene, eye, pose, [1], frames=1, warm_up_s=0)
     png, csv = str(folder / "o.png"), str(folder / "o.csv")
     table = omma.Acceptance.table([0, 0.1, 0.2], [1, 0.5, 0])

@@ -64,8 +64,8 @@ def test_limit_of_angle():
     seen = ids >= 0
     # A cap of 30 degrees: 2 pi (1 - cos 30) of 4 pi; pixels are 1 degree wide.
     weight = np.cos(np.radians(89.5 - np.arange(180)))
-    share = (seen.mean(axis=1) * weight).sum() / weight.sum()
-    assert share == pytest.approx((1 - np.cos(np.radians(30))) / 2, rel=0.02)
+    fraction = (seen.mean(axis=1) * weight).sum() / weight.sum()
+    assert fraction == pytest.approx((1 - np.cos(np.radians(30))) / 2, rel=0.02)
     grey = omma.equirectangular(eye, [[1, 1, 1]], 360, 180, max_angle_deg=30)[0, 0]
     assert len(set(grey.tolist())) == 1
     assert 100 < grey[0] < 200

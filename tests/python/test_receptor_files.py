@@ -66,7 +66,7 @@ def test_receptors_are_written_as_they_are_rendered(run_omma, fly, files):
 
 @pytest.mark.parametrize("standard_error", [False, True])
 def test_many_poses_are_written_in_pieces(fly, files, monkeypatch, standard_error):
-    shares = []
+    fractions = []
 
     def write(name):
         told = []
@@ -77,16 +77,16 @@ def test_many_poses_are_written_in_pieces(fly, files, monkeypatch, standard_erro
             path="path.csv",
             receptors=True,
             standard_error=standard_error,
-            progress=lambda stage, share: told.append(share) if stage == "Rendering" else None,
+            progress=lambda stage, done: told.append(done) if stage == "Rendering" else None,
         )
         assert told == sorted(told)
-        shares.append(set(told))
+        fractions.append(set(told))
         return np.load(name)
 
     whole = write("whole.npy")
     monkeypatch.setattr(render_pieces, "_PIECE_BYTES", 4 * 90)  # one pose
     assert np.array_equal(write("pieces.npy"), whole)
-    assert {0.5, 1.0} <= shares[1]
+    assert {0.5, 1.0} <= fractions[1]
 
 
 def test_standard_errors_are_written_beside(run_omma, fly, files):

@@ -12,7 +12,7 @@ def round_eye(count=4000, seed=5):
     return omma.Eye(1e-3 * axis, axis, 0.05, columns={"area": np.arange(count)})
 
 
-def shares(eye, names):
+def fractions(eye, names):
     kinds = np.array(eye.columns["ommatidium_type"])
     return np.array([np.mean(kinds == name) for name in names])
 
@@ -22,7 +22,7 @@ def test_honeybee_ommatidia_are_mixed_as_they_are_in_bees():
     eye = omma.assign_receptors(round_eye(), types, seed=3)
     expected = np.array([0.44, 0.46, 0.10])
     # Each draws by itself: binomial, here within four standard deviations.
-    found = shares(eye, ["I", "II", "III"])
+    found = fractions(eye, ["I", "II", "III"])
     assert np.all(np.abs(found - expected) < 4 * np.sqrt(expected * (1 - expected) / len(eye)))
     assert [len(kind.receptors) for kind in types] == [8, 8, 8]
     kinds = {kind.name: [r.name for r in kind.receptors] for kind in types}
@@ -39,8 +39,8 @@ def test_honeybee_ommatidia_are_mixed_as_they_are_in_bees():
 
 def test_shares_are_relative():
     green = omma.ReceptorType("green", peak_wavelength_nm=544)
-    types = [omma.OmmatidiumType(name, (green,), share) for name, share in (("a", 60), ("b", 20))]
-    found = shares(omma.assign_receptors(round_eye(), types), ["a", "b"])
+    types = [omma.OmmatidiumType(name, (green,), count) for name, count in (("a", 60), ("b", 20))]
+    found = fractions(omma.assign_receptors(round_eye(), types), ["a", "b"])
     # Binomial, within four standard deviations.
     assert np.allclose(found, [0.75, 0.25], atol=4 * np.sqrt(0.1875 / 4000))
 
@@ -135,9 +135,9 @@ def test_a_dorsal_rim_has_orthogonal_channels_in_a_fan():
     ("types", "message"),
     [
         ((), "at least one OmmatidiumType"),
-        ((omma.OmmatidiumType("a", (), -1),), "shares of at least 0"),
+        ((omma.OmmatidiumType("a", (), -1),), "abundances of at least 0"),
         ((omma.OmmatidiumType("a", (), 0),), "not all 0"),
-        ((omma.OmmatidiumType("a", (), np.nan),), "shares of at least 0"),
+        ((omma.OmmatidiumType("a", (), np.nan),), "abundances of at least 0"),
     ],
 )
 def test_wrong_types_are_named(types, message):

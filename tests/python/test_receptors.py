@@ -242,8 +242,8 @@ def test_white_gives_each_receptor_its_share_of_visible_light(scene, flight):
         background=omma.Background.constant((1, 1, 1)),
     )
     high = omma.poses_from_angles((0, 1e4, 0), (0, 80, 0))  # nothing but background
-    shares = renderer.render_receptors(high).reshape(3, 3)
-    assert np.allclose(shares, omma.receptor_matrix(renderer.eye).sum(axis=1), rtol=1e-6)
+    fractions = renderer.render_receptors(high).reshape(3, 3)
+    assert np.allclose(fractions, omma.receptor_matrix(renderer.eye).sum(axis=1), rtol=1e-6)
     white = renderer.render_receptors(high, ultraviolet=np.full(3, 1 / 3))
     assert np.allclose(white, 1, rtol=1e-6)
 
@@ -315,10 +315,10 @@ def test_receptors_in_pieces_are_the_same(colourful, flight, monkeypatch):
     again = renderer.render_receptors(flight, standard_error=True, first_pose=0)
     assert np.array_equal(both, again)
     monkeypatch.setattr(receptors, "_CHUNK_BYTES", 2 * 3 * 3 * 4)
-    shares = []
-    renderer.render_receptors(flight, progress=shares.append)
-    assert shares == sorted(shares)
-    assert shares[-1] == 1
+    fractions = []
+    renderer.render_receptors(flight, progress=fractions.append)
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == 1
 
 
 def test_standard_errors_are_those_of_the_receptors_themselves(colourful, flight):

@@ -247,8 +247,8 @@ def slow(scene):
 def test_progress_and_what_it_raises(slow, flight):
     seen = []
 
-    def watch(share):
-        seen.append(share)
+    def watch(fraction):
+        seen.append(fraction)
         if len(seen) == 3:
             raise ZeroDivisionError("enough")
 
@@ -266,7 +266,7 @@ def test_other_python_threads_run_meanwhile(slow, flight):
     begun, over = threading.Event(), threading.Event()
     latest = []
 
-    def stop_soon(share):
+    def stop_soon(fraction):
         begun.set()
         if time.perf_counter() - start > 0.6:
             raise TimeoutError

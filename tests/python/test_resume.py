@@ -43,7 +43,7 @@ def cut_off(folder, *outputs, piece=3, **settings):
     """Renders, and ends while that piece is written; each is eight times as long as the last."""
     pieces = []
 
-    def progress(stage, share):
+    def progress(stage, fraction):
         pieces.extend([stage] if stage == "Writing" else [])
         if len(pieces) == piece:
             raise CutOffError

@@ -133,13 +133,13 @@ def test_even_light_needs_one_ray(even, method, measure):
 def test_half_white_needs_what_the_binomial_says(horizon):
     """Some turn puts the horizon through the middle of a field: σ = 1/2, N = (σ/share)² = 100."""
     box = omma.Box((0, 0, 0), (1, 1, 1))
-    found = omma.minimum_samples(horizon, box, share=0.05, method=COMPOUNDRAY, poses=128)
+    found = omma.minimum_samples(horizon, box, fraction=0.05, method=COMPOUNDRAY, poses=128)
     # σ is at most 1/2, times 8192/8191 in the variance; p from 0.42 to 0.58 gives 97 and more.
     assert 97 <= found.rays_per_sr <= 101
     assert found.limit == 0.05
     assert found.script_rays_per_sr is None
     assert found.standard_deviations == pytest.approx(found.spread / np.sqrt(found.rays))
-    ours = omma.minimum_samples(horizon, box, share=0.05, method=OURS, poses=64)
+    ours = omma.minimum_samples(horizon, box, fraction=0.05, method=OURS, poses=64)
     # Across a straight edge about (1/2) N^(-3/4): 22 rays; twice that is far from 100 still.
     assert ours.rays_per_sr < 50
     # Brute force at the place found.
@@ -175,7 +175,7 @@ def test_display_measure_counts_frames_as_the_script(horizon):
 
 def test_search_finds_no_less_than_many_tries(scene):
     box = omma.Box((-12, 0.1, -12), (12, 3, 12))
-    found = omma.minimum_samples(scene, box, share=0.1, method=COMPOUNDRAY, poses=512)
+    found = omma.minimum_samples(scene, box, fraction=0.1, method=COMPOUNDRAY, poses=512)
     rng = np.random.default_rng(5)
     positions, turns = rng.uniform(box.low_m, box.high_m, (400, 3)), rng.normal(size=(400, 4))
     poses = omma.poses_from_quaternions(positions, turns)
@@ -264,7 +264,7 @@ BOX = omma.Box((0, 0, 0), (1, 1, 1))
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda s: omma.minimum_samples(s, BOX, share=0), "share: expected over 0"),
+        (lambda s: omma.minimum_samples(s, BOX, fraction=0), "fraction: expected over 0"),
         (lambda s: omma.minimum_samples(s, BOX, measure="x"), "measure: expected linear or"),
         (lambda s: omma.minimum_samples(s, BOX, poses=0), "poses: expected 1"),
         (lambda s: omma.minimum_samples(s, BOX, seed=-1), "seed: expected 0"),
@@ -272,8 +272,8 @@ BOX = omma.Box((0, 0, 0), (1, 1, 1))
         (lambda s: omma.minimum_samples(s, omma.Cylinder((0, 0, 0), -1, 1)), "cylinder: expected"),
         (lambda s: omma.minimum_samples(s, np.zeros((0, 4, 4))), "at least one pose"),
         (
-            lambda s: omma.minimum_samples(s, BOX, share=1e-9, measure="compoundray", poses=2),
-            "share: the standard deviation is .* for 65536",
+            lambda s: omma.minimum_samples(s, BOX, fraction=1e-9, measure="compoundray", poses=2),
+            "fraction: the standard deviation is .* for 65536",
         ),
         (lambda s: omma.variance_map(s, (0, 1, 0), 0), "size_m: expected over 0"),
         (lambda s: omma.variance_map(s, (0, 1, 0), 1, statistic="min"), "statistic: expected max"),
@@ -364,7 +364,7 @@ def test_plots_say_what_to_install(tmp_path, monkeypatch):
 def test_min_samples_command(omma_command, tmp_path):  # noqa: F811
     outputs = tmp_path / "x.csv", tmp_path / "x.png"
     code, out, err = omma_command(
-        "measure", "min-samples", "scene.gltf", "--box", -5, 0.5, -5, 5, 2, 5, "--share", 0.1,
+        "measure", "min-samples", "scene.gltf", "--box", -5, 0.5, -5, 5, 2, 5, "--fraction", 0.1,
         "--poses", 32, "--eye", "bug.eye", "-o", outputs[0], "-o", outputs[1],
     )  # fmt: skip
     assert (code, err) == (0, "")

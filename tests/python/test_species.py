@@ -81,7 +81,7 @@ def test_every_number_says_where_it_is_from():
         ("honeybee_worker", "ommatidia", 5432, "measured"),
         ("honeybee_worker", "focal_length", 66e-6, "measured"),
         ("honeybee_worker", "largest_facet_diameter", 20e-6, "measured"),
-        ("honeybee_worker", "type_2_share", 0.46, "measured"),
+        ("honeybee_worker", "type_2_fraction", 0.46, "measured"),
         ("honeybee_worker", "green_peak", 544, "measured"),
         ("bumblebee", "uv_peak", 353, "measured"),
         ("drosophila", "ommatidia", 857, "measured"),
@@ -177,8 +177,8 @@ def test_honeybee_ommatidia_are_of_three_types():
     eye = right("honeybee_worker")
     kinds, counts = np.unique(eye.columns["ommatidium_type"], return_counts=True)
     # Drawn by chance: standard deviation 0.7 % of 5,380.
-    share = dict(zip(kinds, counts / len(eye), strict=True))
-    assert share == pytest.approx({"I": 0.44, "II": 0.46, "III": 0.10}, abs=0.02)
+    fraction = dict(zip(kinds, counts / len(eye), strict=True))
+    assert fraction == pytest.approx({"I": 0.44, "II": 0.46, "III": 0.10}, abs=0.02)
     assert (np.diff(eye.first_receptor) == 8).all()
 
 
@@ -457,7 +457,7 @@ def test_unknown_names():
 
 def test_progress_is_told():
     stages = []
-    omma.species.honeybee_worker(lambda stage, share: stages.append(stage))
+    omma.species.honeybee_worker(lambda stage, fraction: stages.append(stage))
     assert stages
 
 

@@ -16,7 +16,7 @@ def found(scene, eye):
     stages = []
     result = omma.measure_speed(
         scene, eye, np.eye(4), [1, 4], frames=3, warm_up_s=0.01, threads=2,
-        progress=lambda stage, share: stages.append((stage, share)),
+        progress=lambda stage, fraction: stages.append((stage, fraction)),
     )  # fmt: skip
     return result, stages
 

@@ -136,7 +136,7 @@ def test_flies_may_have_other_receptors():
     )
     inner_pale = omma.ReceptorType("x", wavelength_nm=[300, 340, 400], sensitivity=[0.2, 1, 0])
     types = {"R1-6": outer, "R7p": inner_pale}
-    fly = omma.fly_receptors(eye, pale_share=1, types=types)
+    fly = omma.fly_receptors(eye, pale_fraction=1, types=types)
     by_name = {t.name: t for t in fly.receptor_types}
     assert sorted(by_name) == [*TRAPEZOID, "R7p", "R8p"]
     for name in TRAPEZOID:
@@ -247,8 +247,8 @@ def test_receptors_to_pool_are_chosen_by_name_and_reach():
 
 def test_wrong_flies_are_named():
     eye, _ = fly_eye(steps=2)
-    with pytest.raises(omma.Error, match="pale_share: expected 0 to 1, found 2"):
-        omma.fly_receptors(eye, pale_share=2)
+    with pytest.raises(omma.Error, match="pale_fraction: expected 0 to 1, found 2"):
+        omma.fly_receptors(eye, pale_fraction=2)
     with pytest.raises(omma.Error, match=r"types: expected names from R1-6, .* found R9"):
         omma.fly_receptors(eye, types={"R9": omma.ReceptorType("R9", peak_wavelength_nm=500)})
     with pytest.raises(omma.Error, match="at least four ommatidia, found 1"):

@@ -26,7 +26,7 @@ def test_a_renderer_freed_while_another_thread_renders(scene, flight, share_rays
     expected = made().render(poses, standard_error=True)
 
     def render(renderers, begun, results):
-        def told(share):
+        def told(fraction):
             begun.set()
 
         results.extend(renderers[0].render(poses, standard_error=True, progress=told))
@@ -46,8 +46,8 @@ def test_a_callback_that_renders(busy, flight):
     expected = busy.render(flight)
     inner = []
 
-    def told(share):
-        def deeper(share):
+    def told(fraction):
+        def deeper(fraction):
             inner.append(busy.with_eye(busy.eye).render(flight[:1]))
 
         if len(inner) < 2:
@@ -64,7 +64,7 @@ def test_a_callback_that_renders_while_rays_to_be_shared_are_made(scene, flight)
     renderer = omma.Renderer(scene, eye, samples=16, threads=2, share_rays=True)
     inner = []
 
-    def told(share):
+    def told(fraction):
         if not inner:
             inner.append(renderer.render(flight, standard_error=True))
 
@@ -73,10 +73,10 @@ def test_a_callback_that_renders_while_rays_to_be_shared_are_made(scene, flight)
 
 
 def test_a_callback_that_builds_and_raises(scene, busy, flight):
-    def told(share):
+    def told(fraction):
         omma.Renderer(scene, make_eye(10), progress=stop)
 
-    def stop(share):
+    def stop(fraction):
         raise LookupError("enough")
 
     with pytest.raises(LookupError, match="enough"):

@@ -62,8 +62,8 @@ def sensitivity(v: float, radius: float, x: np.ndarray) -> np.ndarray:
             q = radius * at
             spectrum = w * ratio * special.jv(order, q) - q * special.jv(order + 1, q)
             spectrum *= v * v / ((u * u - q * q) * (w * w + q * q))
-            share = at * at * half * weights * spectrum
-            overlap = [float(np.sum(share * special.jv(order, one * at))) for one in x]
+            fraction = at * at * half * weights * spectrum
+            overlap = [float(np.sum(fraction * special.jv(order, one * at))) for one in x]
             total += (1 if order == 0 else 2) * inside / norm / norm * np.square(overlap)
     return total
 

@@ -139,10 +139,10 @@ def test_frames_and_moves_take_turns(grounds):
     renderer = omma.Renderer(world, make_eye(200), samples=16)
     found = []
 
-    def move(share):
+    def move(fraction):
         with pytest.raises(omma.Error, match="something is being rendered"):
             world.set_transforms("low", np.eye(4))
-        found.append(share)
+        found.append(fraction)
 
     renderer.render(np.eye(4), progress=move)
     omma.render_camera(world, "cam", width=40, progress=move)
@@ -150,16 +150,16 @@ def test_frames_and_moves_take_turns(grounds):
 
     told = []
 
-    def render(share):
+    def render(fraction):
         with pytest.raises(omma.Error, match="moving something"):
             renderer.render(np.eye(4))
-        told.append(share)
+        told.append(fraction)
 
     world.set_transforms("low", np.eye(4), progress=render)
     assert told[-1] == 1
     assert np.array_equal(world.instances[0].world_from_node, np.eye(4))
 
-    def stop(share):
+    def stop(fraction):
         raise ZeroDivisionError
 
     with pytest.raises(ZeroDivisionError):

@@ -36,12 +36,12 @@ def mixed(eye: Eye, kinds: list[OmmatidiumType], where: Region | None = None) ->
     return assign_receptors(eye, kinds, where=where, seed=_SEED)
 
 
-def bee_kinds(animal: str, shares_of: str, **properties: float) -> list[OmmatidiumType]:
+def bee_kinds(animal: str, fractions_of: str, **properties: float) -> list[OmmatidiumType]:
     """Types I (1 ultraviolet, 1 blue, 6 green), II (2 ultraviolet, 6 green) and III (2 blue, 6
     green): Wakakuwa et al. 2005."""
     ultraviolet, blue, green = bee_receptors(animal, **properties)
     greens = (green,) * 6
-    first, second = (number(shares_of, f"type_{k}_share") for k in (1, 2))
+    first, second = (number(fractions_of, f"type_{k}_fraction") for k in (1, 2))
     return [
         OmmatidiumType("I", (ultraviolet, blue, *greens), first),
         OmmatidiumType("II", (ultraviolet, ultraviolet, *greens), second),
@@ -68,4 +68,5 @@ def with_fly_receptors(
         name: receptor(animal, name, peak, **properties)
         for name, peak in zip(names, peaks, strict=True)
     }
-    return fly_receptors(eye, pale_share=number(animal, "pale_share"), seed=_SEED, types=types)
+    pale = number(animal, "pale_fraction")
+    return fly_receptors(eye, pale_fraction=pale, seed=_SEED, types=types)

@@ -96,8 +96,8 @@ class Revolution:
         ring = self._meridian(self._angle)[:, 0] * self._profile.radius(self._angle)
         steps = np.diff(self._angle) * (ring[1:] + ring[:-1]) / 2
         area = 2 * np.pi * np.concatenate([[0.0], np.cumsum(steps)])
-        share = (np.arange(count) + 0.5) / count * area[-1]
-        out, back = self._meridian(np.interp(share, area, self._angle)).T
+        fraction = (np.arange(count) + 0.5) / count * area[-1]
+        out, back = self._meridian(np.interp(fraction, area, self._angle)).T
         turn = np.arange(count) * np.pi * (3 - np.sqrt(5))
         return self._around(out, back, turn), np.full(count, area[-1] / count)
 

@@ -22,13 +22,13 @@ Progress = Callable[[str, "float | None"], object]
 
 def smooth_step(x: Floats, low: float, high: float) -> Floats:
     """0 below ``low``, 1 above ``high``, a cubic between."""
-    share = np.clip((x - low) / (high - low), 0.0, 1.0)
-    return np.asarray(share * share * (3 - 2 * share))
+    fraction = np.clip((x - low) / (high - low), 0.0, 1.0)
+    return np.asarray(fraction * fraction * (3 - 2 * fraction))
 
 
-def blended(first: float | Floats, second: float | Floats, share: Floats) -> Floats:
+def blended(first: float | Floats, second: float | Floats, fraction: Floats) -> Floats:
     """From ``first`` (share 0) to ``second`` (share 1), evenly on a logarithmic scale."""
-    return np.asarray(np.exp((1 - share) * np.log(first) + share * np.log(second)))
+    return np.asarray(np.exp((1 - fraction) * np.log(first) + fraction * np.log(second)))
 
 
 def angle_from(directions: Floats, azimuth_deg: float, elevation_deg: float) -> Floats:
@@ -65,16 +65,16 @@ def on_ellipsoid(
     axis: Floats,
     towards_deg: tuple[float, float],
     facet: str,
-    share: float = 0.5,
+    fraction: float = 0.5,
     angle_at: Callable[[Floats], Floats] | None = None,
 ) -> Eye:
     """A right eye of these axes (N, 3), its lenses on an ellipsoid that spans less than the axes.
 
     A lens sits on the unit sphere where its axis is, but ``surface_squeeze`` times as far from
     ``towards_deg`` (azimuth, elevation); the sphere is then stretched to the table's shape. Its
-    size follows from the facets: the quantile ``share`` of the diameters is the table's ``facet``.
-    With ``angle_at``, relative angles between axes over the angle from ``towards_deg``, places
-    are squeezed more where those are wide, so that facets differ less than angles do.
+    size follows from the facets: the quantile ``fraction`` of the diameters is the table's
+    ``facet``. With ``angle_at``, relative angles between axes over the angle from ``towards_deg``,
+    places are squeezed more where those are wide, so that facets differ less than angles do.
     """
     shape, centre = (
         np.array([number(animal, f"eye_{what}_{way}") for way in ("right", "up", "forward")])
@@ -89,7 +89,7 @@ def on_ellipsoid(
     eye = eye_on_surface(
         axis, ellipsoid((shape * 1e-3).tolist()), normal=lambda axes: normal(axes) / shape, eye_id=1
     )
-    size = number(animal, facet) / np.quantile(facet_diameters_m(eye), share)
+    size = number(animal, facet) / np.quantile(facet_diameters_m(eye), fraction)
     return set_facets(eye.replace(position_m=centre + size * eye.position_m))
 
 

@@ -48,11 +48,11 @@ def cataglyphis(progress: Progress | None = None) -> Species:
     rim_angle = number(_CATAGLYPHIS, "dorsal_rim_interommatidial_angle")
 
     def horizontal(directions: Floats) -> Floats:
-        return blended(level, rim_angle, _rim_share(directions))
+        return blended(level, rim_angle, _rim_fraction(directions))
 
     def vertical(directions: Floats) -> Floats:
         off = smooth_step(np.abs(elevation_rad(directions)), 0.0, math.radians(45))
-        return blended(blended(streak, outer, off), rim_angle, _rim_share(directions))
+        return blended(blended(streak, outer, off), rim_angle, _rim_fraction(directions))
 
     axis = laid(_CATAGLYPHIS, horizontal, vertical, oval((-10, 150), (-50, 75)), progress)
     count = round(number(_CATAGLYPHIS, "dorsal_rim_ommatidia"))
@@ -80,7 +80,7 @@ def _rim_distance(directions: Floats) -> Floats:
     return np.maximum(np.abs(up), np.abs(across))
 
 
-def _rim_share(directions: Floats) -> Floats:
+def _rim_fraction(directions: Floats) -> Floats:
     return 1 - smooth_step(_rim_distance(directions), 0.9, 1.3)
 
 

@@ -137,8 +137,8 @@ def _worker_surface_m(azimuth: Floats, elevation: Floats) -> Floats:
     # to the temporal edge of the row.
     nasal = np.array([_nasal_edge_deg(e) for e in elevation])
     temporal = np.array([_temporal_edge_deg(e) for e in elevation])
-    share = 2 * (azimuth - nasal) / (temporal - nasal) - 1
-    longitude = number(_WORKER, "surface_half_width") * share
+    fraction = 2 * (azimuth - nasal) / (temporal - nasal) - 1
+    longitude = number(_WORKER, "surface_half_width") * fraction
     latitude = np.radians(elevation)
     unit = np.stack(
         [

@@ -141,16 +141,16 @@ class _Barrel:
 
     def surface(self, around: Floats, forward: Floats) -> tuple[Floats, Floats]:
         """Distance from the barrel's axis and how far forward along it, metres."""
-        share = self.dorsal(around)
-        drop = (1 - share) * self._below.drop(forward) + share * self._above.drop(forward)
-        along = (1 - share) * self._below.along(forward) + share * self._above.along(forward)
+        fraction = self.dorsal(around)
+        drop = (1 - fraction) * self._below.drop(forward) + fraction * self._above.drop(forward)
+        along = (1 - fraction) * self._below.along(forward) + fraction * self._above.along(forward)
         return self.radius - drop, along
 
     def across_rad(self, directions: Floats) -> Floats:
         """The angle to a neighbour across the band."""
         around, forward = self.angles(directions)
-        share = self.dorsal(around)
-        radius = (1 - share) * self._below.radius(forward) + share * self._above.radius(forward)
+        above = self.dorsal(around)
+        radius = (1 - above) * self._below.radius(forward) + above * self._above.radius(forward)
         return self.facet(around, forward) / radius
 
     def along_rad(self, directions: Floats) -> Floats:
