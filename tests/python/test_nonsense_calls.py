@@ -186,7 +186,7 @@ def public_calls(folder):
         "merge_eyes": ([eye, eye],),
         "mesh_surface": ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]),
         "microvillus_direction": (bee,),
-        "minimum_samples": {"scene": renderer, "where": pose[None], "share": 0.5, "poses": 1},
+        "minimum_samples": {"scene": renderer, "where": pose[None], "fraction": 0.5, "poses": 1},
         "mirror_eye": (eye,),
         "neural_superposition_wiring": (fly,),
         "ommatidium_of_receptor": (bee,),

@@ -153,7 +153,7 @@ def test_half_white_needs_what_the_binomial_says(horizon):
 
 def test_display_measure_counts_frames_as_the_script(horizon):
     box = omma.Box((0, 0, 0), (1, 1, 1))
-    settings = {"share": 0.05, "poses": 64, "measure": "compoundray"}
+    settings = {"fraction": 0.05, "poses": 64, "measure": "compoundray"}
     theirs = omma.minimum_samples(horizon, box, method=COMPOUNDRAY, **settings)
     assert theirs.limit == pytest.approx(0.05 * 3**0.5 * 255)
     # Brute force at the place found, with other samples.
@@ -191,7 +191,7 @@ def test_search_finds_no_less_than_many_tries(scene):
 
 def test_search_is_repeatable_and_follows_its_seed(scene):
     place = omma.Cylinder((0, 0.1, 0), 5, 2)
-    settings = {"share": 0.1, "method": COMPOUNDRAY, "poses": 64}
+    settings = {"fraction": 0.1, "method": COMPOUNDRAY, "poses": 64}
     first, again = (omma.minimum_samples(scene, place, **settings) for _ in range(2))
     other = omma.minimum_samples(scene, place, seed=2**64 - 1, **settings)
     assert (first.pose == again.pose).all()
