@@ -11,7 +11,7 @@ from pathlib import Path
 
 from curves import Reached, Row, crossing, least, pick, random_error, read
 
-from omma.speed_test import PUBLISHED_FRAMES_PER_S, PUBLISHED_RAYS
+from omma.study.speed_test import PUBLISHED_FRAMES_PER_S, PUBLISHED_RAYS
 
 NATURAL = "CompoundRay, RTX 2080 Ti, natural scene (published)"
 # The published honeybee: about 50 rays for each of 6,000 ommatidia (eLife 2022, 73893).

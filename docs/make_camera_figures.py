@@ -58,7 +58,7 @@ def coloured_ids(rgba: np.ndarray) -> np.ndarray:
 
 def old_library(scene: Path) -> ctypes.CDLL:
     """CompoundRay's library with a scene loaded."""
-    library = ctypes.CDLL(omma.compoundray_library())
+    library = ctypes.CDLL(omma.compat.compoundray_library())
     library.getCameraCount.restype = ctypes.c_size_t
     library.getCurrentEyeOmmatidialCount.restype = ctypes.c_size_t
     library.getFramePointer.restype = ctypes.POINTER(ctypes.c_ubyte)
@@ -86,7 +86,7 @@ def pictures_of(scene: Path) -> list[Shown]:
     """Every camera of a scene."""
     shown = []
     with tempfile.TemporaryDirectory() as folder:
-        report = omma.render_all_cameras(scene, folder, width=WIDTH, samples=64)
+        report = omma.job.render_all_cameras(scene, folder, width=WIDTH, samples=64)
         library = old_library(scene)
         assert library.getCameraCount() == len(report.cameras)
         for index, camera in enumerate(report.cameras):
@@ -135,8 +135,10 @@ def main() -> None:
         left, right = cell.subplots(1, 2)
         draw(left, one.pixels, "omma render")
         draw(right, one.old, "libEyeRenderer3")
-    figure.suptitle("Every camera of CompoundRay's scenes: omma render SCENE --all-cameras, and "
-                    "the same through CompoundRay's functions")
+    figure.suptitle(
+        "Every camera of CompoundRay's scenes: omma render SCENE --all-cameras, and "
+        "the same through CompoundRay's functions"
+    )
     figure.supxlabel(NOTE, fontsize=8)
     figure.savefig(arguments.output, dpi=100)
     print(f"{arguments.output}: {len(shown)} cameras")

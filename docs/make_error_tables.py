@@ -166,7 +166,7 @@ def measure_intervals(case: Case, truth: np.ndarray) -> str:
         fixed = case.renderer.with_eye(case.renderer.eye, samples=samples, noise="new_every_frame")
         poses = np.tile(case.pose, (RENDERS // 4, 1, 1))
         responses, errors = fixed.render(poses, standard_error=True)
-        low, high = omma.confidence_interval(fixed.eye, responses, errors, 8 * samples)
+        low, high = omma.study.confidence_interval(fixed.eye, responses, errors, 8 * samples)
         student = 2.3646 * errors
         off = np.abs(responses - truth)
         vary = np.broadcast_to(off.max(axis=0) > SUMS, off.shape)

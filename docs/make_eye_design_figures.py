@@ -23,13 +23,13 @@ D = np.radians
 
 def off(directions, azimuth_deg, elevation_deg):
     """Angles (K,) from a direction, rad."""
-    centre = omma.direction(azimuth_deg, elevation_deg)
+    centre = omma.eye.direction(azimuth_deg, elevation_deg)
     return np.arccos(np.clip(directions @ centre, -1, 1))
 
 
 def acute(factor):
-    zone = omma.AcuteZone(0.0, 0.0, D(60), factor)
-    return omma.acute_angle(D(3), zone.density)
+    zone = omma.eye.AcuteZone(0.0, 0.0, D(60), factor)
+    return omma.eye.acute_angle(D(3), zone.density)
 
 
 def streak(directions):
@@ -44,14 +44,19 @@ def dragonfly(directions):
     return D(0.24) + D(0.9) * (1 - np.exp(-((off(directions, 0, 53) / D(30)) ** 2)))
 
 
-ASIDE = omma.window((-20, 160), (-80, 80))
+ASIDE = omma.eye.window((-20, 160), (-80, 80))
 # Name: horizontal and vertical angle, field of view, count.
 FIELDS = {
     "all round, even": (D(3), None, None, 5000),
-    "upper half, even": (D(3), None, omma.window(elevation_deg=(0, 90)), 5000),
+    "upper half, even": (D(3), None, omma.eye.window(elevation_deg=(0, 90)), 5000),
     "acute zone, 4 times as dense": (acute(4), None, ASIDE, 3000),
     "acute zone, 16 times as dense": (acute(16), None, ASIDE, 3000),
-    "streak: 3° across, 0.75° to 3° up": (D(3), streak, omma.window((-10, 170), (-50, 50)), None),
+    "streak: 3° across, 0.75° to 3° up": (
+        D(3),
+        streak,
+        omma.eye.window((-10, 170), (-50, 50)),
+        None,
+    ),
     "fovea: 0.28° in a spot, 4.5° around": (fovea, None, ASIDE, None),
     "dragonfly, from 0.24°": (dragonfly, None, ASIDE, 30_000),
 }
@@ -72,9 +77,9 @@ def main():
     figure, axes = plt.subplots(2, 3, figsize=(15, 9.5), layout="constrained")
     for name, (across, up, seen, count) in FIELDS.items():
         start = time.perf_counter()
-        lattice = omma.lay_directions(across, up, field_of_view=seen, count=count)
+        lattice = omma.eye.lay_directions(across, up, field_of_view=seen, count=count)
         seconds = time.perf_counter() - start
-        check = omma.check_lattice(
+        check = omma.eye.check_lattice(
             lattice.directions, scaled(across, lattice.scale), scaled(up, lattice.scale)
         )
         print(
@@ -88,7 +93,7 @@ def main():
 
 
 def draw(axes, name, directions, check):
-    azimuth, elevation = omma.azimuth_elevation_deg_of(directions)
+    azimuth, elevation = omma.eye.azimuth_elevation_deg_of(directions)
     eye = omma.Eye(directions, directions, 0.0)
     degrees = np.degrees(eye.interommatidial_angle_rad())
     size = 3 if len(directions) > 2500 else 5

@@ -9,10 +9,10 @@ from pathlib import Path
 from PIL import Image
 
 import omma
-from omma.eye_maps import plot_eye_maps
-from omma.eye_measures import measure_eye
-from omma.eye_plots import plot_acceptance
-from omma.eye_poster import plot_species
+from omma.eye.measures import measure_eye
+from omma.picture.acceptance_plots import plot_acceptance
+from omma.picture.eye_maps import plot_eye_maps
+from omma.picture.poster import plot_species
 
 ROOT = Path(__file__).resolve().parent.parent
 HERE = ROOT / "docs"
@@ -29,10 +29,10 @@ def lenses() -> omma.Eye:
 
 def main() -> None:
     names = [ROOT / "examples" / f"honeybee_worker_{side}.eye" for side in ("left", "right")]
-    bee = omma.merge_eyes([omma.load_eye(name) for name in names])
+    bee = omma.eye.merge_eyes([omma.load_eye(name) for name in names])
     title = "Honeybee worker, after Giger (1996)"
     measures = measure_eye(bee)
-    omma.draw_eye(
+    omma.picture.draw_eye(
         HERE / "eye-3d.png",
         bee.select(1),
         yaw_deg=50,

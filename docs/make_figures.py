@@ -44,15 +44,15 @@ def main() -> None:
     """Render both views and save the figure."""
     scene = omma.load_scene(ROOT / "examples" / "meadow.glb")
     sides = ("left", "right")
-    bee = omma.merge_eyes(
+    bee = omma.eye.merge_eyes(
         [omma.load_eye(ROOT / "examples" / f"honeybee_worker_{side}.eye") for side in sides]
     )
     sharp = omma.Renderer(scene, dense_eye(WIDTH, HEIGHT), samples=16).render("bee")[0]
-    sharp_picture = omma.paint(
+    sharp_picture = omma.picture.paint(
         np.arange(WIDTH * HEIGHT, dtype=np.int32).reshape(HEIGHT, WIDTH), sharp
     )
     seen = omma.Renderer(scene, bee, samples=256).render("bee")[0]
-    seen_picture = omma.paint(omma.field_ids(bee, WIDTH, HEIGHT), seen)
+    seen_picture = omma.picture.paint(omma.picture.field_ids(bee, WIDTH, HEIGHT), seen)
 
     figure, axes = plt.subplots(2, 1, figsize=(9, 9.6), layout="constrained", sharex=True)
     titles = ("What is there", f"What a honeybee worker sees: {len(bee):,} ommatidia, Δρ 2.6°")

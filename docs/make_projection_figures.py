@@ -67,7 +67,7 @@ def label(panel: Axes, places: list[tuple[float, float, str]]) -> None:
 def main() -> None:
     """Render the view, project it in all ways and save the figure."""
     scene = omma.load_scene(ROOT / "examples" / "meadow.glb")
-    bee = omma.merge_eyes(
+    bee = omma.eye.merge_eyes(
         [
             omma.load_eye(ROOT / "examples" / f"honeybee_worker_{side}.eye")
             for side in ("left", "right")
@@ -82,22 +82,22 @@ def main() -> None:
     cells = iter(axes.ravel())
     for name, what, places in PANELS:
         panel = next(cells)
-        show(panel, omma.project(bee, responses, name, WIDTH, HEIGHT), name, what)
+        show(panel, omma.picture.project(bee, responses, name, WIDTH, HEIGHT), name, what)
         label(panel, places)
 
     # A piece of the left eye's picture from near its middle.
-    close = omma.project(bee, responses, "facets", 8 * WIDTH, 8 * HEIGHT)
+    close = omma.picture.project(bee, responses, "facets", 8 * WIDTH, 8 * HEIGHT)
     row, column = 4 * HEIGHT - 150, 2 * WIDTH + 150
     piece = close[row : row + 300, column : column + 600]
     show(next(cells), piece, "facets", "closer: one cell for each ommatidium")
 
-    row = omma.project(bee, responses, "single_dimension", WIDTH, HEIGHT)
+    row = omma.picture.project(bee, responses, "single_dimension", WIDTH, HEIGHT)
     what = f"{len(bee):,} ommatidia in order; _fast: one pixel each"
     panel = next(cells)
     show(panel, row, "single_dimension", what)
     label(panel, [(0.25, 0.5, "left eye"), (0.75, 0.5, "right eye")])
 
-    raw = omma.project(bee, rays, "raw_ommatidial_samples")
+    raw = omma.picture.project(bee, rays, "raw_ommatidial_samples")
     first = 2690
     show(
         next(cells),
@@ -106,7 +106,7 @@ def main() -> None:
         f"ommatidia {first} to {first + 127}: a column each, a row for each ray",
     )
 
-    ids = omma.project(bee, None, "facets_ids", WIDTH, HEIGHT).view(">i4")[..., 0]
+    ids = omma.picture.project(bee, None, "facets_ids", WIDTH, HEIGHT).view(">i4")[..., 0]
     shown = np.ma.masked_less(ids, 0)
     panel = next(cells)
     show(panel, np.full((1, 1, 3), 128, np.uint8), "facets_ids", "numbers instead of responses")

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, ListedColormap
 
 import omma
-from omma.superposition import TRAPEZOID
+from omma.eye.superposition import TRAPEZOID
 
 FOLDER = Path(__file__).resolve().parent
 RECEPTORS = {"ultraviolet": "#7b3fa0", "blue": "#2166ac", "green": "#4d9221"}
@@ -38,19 +38,21 @@ def fraction(panel: Axes, x: float, row: int, value: float, color: str) -> None:
 
 def receptor_figure() -> None:
     types = {
-        receptor.name: receptor for kind in omma.honeybee_ommatidia() for receptor in kind.receptors
+        receptor.name: receptor
+        for kind in omma.receptors.honeybee_ommatidia()
+        for receptor in kind.receptors
     }
     figure, panels = plt.subplots(1, 3, figsize=(11, 3.4), width_ratios=[1.2, 1.2, 1])
     spectra(panels[0])
     style(panels[0], "What a honeybee's receptors are sensitive to")
     for name, color in RECEPTORS.items():
-        panels[0].plot(NM, omma.spectral_sensitivity(types[name], NM), color=color, lw=2)
+        panels[0].plot(NM, omma.receptors.spectral_sensitivity(types[name], NM), color=color, lw=2)
         peak = types[name].peak_wavelength_nm
         panels[0].text(peak, 1.04, f"{peak:.0f} nm", color=color, ha="center", fontsize=8.5)
     panels[0].set_ylabel("relative sensitivity", fontsize=9)
     spectra(panels[1])
     style(panels[1], "What red, green and blue stand for")
-    fractions = omma.primary_spectra(NM[100:])
+    fractions = omma.light.primary_spectra(NM[100:])
     for k, (name, color) in enumerate(PRIMARIES.items()):
         panels[1].plot(NM[100:], fractions[:, k], color=color, lw=2)
         middle = {"red": 650, "green": 545, "blue": 430}[name]
@@ -58,7 +60,7 @@ def receptor_figure() -> None:
     panels[1].text(350, 0.5, "RGB says\nnothing\nhere", ha="center", fontsize=8.5, color="0.35")
     panels[1].set_ylabel("share of white's photons", fontsize=9)
     style(panels[2], "What a receptor gets of each")
-    matrix = omma.receptor_matrix([types[name] for name in RECEPTORS])
+    matrix = omma.receptors.receptor_matrix([types[name] for name in RECEPTORS])
     for row in range(3):
         left = 0.0
         for k, color in enumerate(PRIMARIES.values()):
@@ -94,13 +96,13 @@ def fly_eye(spacing_rad: float, steps: int) -> tuple[omma.Eye, np.ndarray]:
 def superposition_figure() -> None:
     spacing = np.radians(4.5)
     eye, place = fly_eye(spacing, 13)
-    fly = omma.fly_receptors(eye)
-    wiring = omma.neural_superposition_wiring(fly)
+    fly = omma.eye.fly_receptors(eye)
+    wiring = omma.eye.neural_superposition_wiring(fly)
     figure, panels = plt.subplots(1, 2, figsize=(10, 4.6), width_ratios=[1, 1.15])
     style(panels[0], "Where two ommatidia look (right eye)")
     panels[0].scatter(*place.T, s=60, facecolors="none", edgecolors="0.8")
-    looking = omma.receptor_axis(fly)
-    owner = omma.ommatidium_of_receptor(fly)
+    looking = omma.receptors.receptor_axis(fly)
+    owner = omma.receptors.ommatidium_of_receptor(fly)
     for middle, color in (((0.0, 4.0), "#2166ac"), ((0.0, -4.0), "#b35806")):
         one = int(np.argmin(np.hypot(*(place - middle).T)))
         for r in np.flatnonzero(owner == one):

@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 
 import omma
-from omma.sampling_tools import COMPOUNDRAY, OURS
-from omma.speed_test import machine_name
+from omma.study.speed_test import machine_name
+from omma.study.variance import COMPOUNDRAY, OURS
 
 ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / "docs"
@@ -22,8 +22,8 @@ MEADOW = ROOT / "examples" / "meadow.glb"
 PARTS = ("samples", "maps", "aliasing", "speed")
 # Of the arena, whose radius is 12.2 m and whose height 9.6 m: its inner part, where no field is all
 # black, and up to a quarter of a metre from the wall.
-ARENA_PLACE = omma.Cylinder((0, 0.25, 0), 9.0, 9.1)
-ARENA_WHOLE = omma.Cylinder((0, 0.25, 0), 11.97, 9.1)
+ARENA_PLACE = omma.study.Cylinder((0, 0.25, 0), 9.0, 9.1)
+ARENA_WHOLE = omma.study.Cylinder((0, 0.25, 0), 11.97, 9.1)
 
 
 def say(*what: object) -> None:
@@ -48,11 +48,13 @@ def show(stage: str, fraction: float | None) -> None:
         print(f"\r{stage} {percent:3.0f} %\x1b[K", end="", file=sys.stderr, flush=True)
 
 
-def searches(name: str, scene: omma.Scene, where, measure: str) -> list[omma.MinimumSamples]:
+def searches(name: str, scene: omma.Scene, where, measure: str) -> list[omma.study.MinimumSamples]:
     """A row for each method."""
     found = []
     for method in (COMPOUNDRAY, OURS):
-        one = omma.minimum_samples(scene, where, method=method, measure=measure, progress=show)
+        one = omma.study.minimum_samples(
+            scene, where, method=method, measure=measure, progress=show
+        )
         row(
             name, measure, one.method.name, f"{one.rays_per_sr:,}",
             " ".join(f"{v:.2f}" for v in one.pose[:3, 3]), f"{one.poses_rendered:,}",
@@ -69,13 +71,13 @@ def minimum_samples(scenes: Path) -> None:
     if arena_file.exists():
         arena = omma.load_scene(arena_file)
         found = searches("arena", arena, ARENA_PLACE, "linear")
-        omma.save_minimum_samples(DOCS / "sampling-arena.png", found)
+        omma.study.save_minimum_samples(DOCS / "sampling-arena.png", found)
         searches("arena, to the wall", arena, ARENA_WHOLE, "linear")
         searches("arena", arena, ARENA_PLACE, "compoundray")
         searches("arena, to the wall", arena, ARENA_WHOLE, "compoundray")
     if natural.exists():
         # Above the ground, which is at -10.9 m and lower there.
-        above = omma.Box((-50, -10.5, -50), (50, 10, 50))
+        above = omma.study.Box((-50, -10.5, -50), (50, 10, 50))
         for measure in ("linear", "compoundray"):
             searches("natural stand-in", omma.load_scene(natural), above, measure)
     flight = omma.load_poses(ROOT / "examples" / "flight.csv")
@@ -90,7 +92,7 @@ def published(arena: omma.Scene) -> None:
     table("seed", "rays/sr", "where its script stops (published: 1,065)", "worst at (m)")
     stops = []
     for seed in range(8):
-        one = omma.minimum_samples(
+        one = omma.study.minimum_samples(
             arena, ARENA_PLACE, method=COMPOUNDRAY, measure="compoundray", seed=seed, progress=show
         )
         stops.append(one.script_rays_per_sr)
@@ -99,15 +101,15 @@ def published(arena: omma.Scene) -> None:
     say(f"\nScript stops: {min(stops):,} to {max(stops):,}, median {np.median(stops):,.0f}.")
 
 
-def worth(arena: omma.Scene, eye: omma.Eye, found: list[omma.MinimumSamples]) -> None:
+def worth(arena: omma.Scene, eye: omma.Eye, found: list[omma.study.MinimumSamples]) -> None:
     """How far the responses of a real eye scatter with the rays that the rule gives it."""
     table("method", "rays per ommatidium", "largest standard deviation", "root mean square")
     pose = arena.camera("insect-eye-equidistant").world_from_camera.copy()
     pose[:3, :3] /= np.linalg.norm(pose[:3, :3], axis=0)
     for one in found:
-        by_rule = omma.rays_per_ommatidium(eye, one.rays_per_sr)
+        by_rule = omma.study.rays_per_ommatidium(eye, one.rays_per_sr)
         for rays in (by_rule, 4 * by_rule, one.rays_per_sr):
-            variance = omma.response_variances(
+            variance = omma.study.response_variances(
                 arena, eye, pose, rays=rays, repeats=64, method=one.method, seeds=4
             )
             rms = np.sqrt(variance.mean())
@@ -120,11 +122,11 @@ def maps(scenes: Path) -> None:
     if (scenes / "ofstad-arena.gltf").exists():
         plans.append(("arena", scenes / "ofstad-arena.gltf", (0, 2, 0), 17.0))
     for name, file, centre, size in plans:
-        variance = omma.variance_map(
+        variance = omma.study.variance_map(
             omma.load_scene(file), centre, size, steps=41, statistic="mean", progress=show
         )
         picture = DOCS / f"sampling-map-{name}.png"
-        omma.save_variance_map(picture, variance, centre, size, statistic="mean")
+        omma.study.save_variance_map(picture, variance, centre, size, statistic="mean")
         least, most = np.sqrt([variance.min(), variance.max()])
         say(
             f"\nMap of the {name}: {size:g} m wide at y = {centre[1]} m, {least:.3f} to {most:.3f}."
@@ -141,12 +143,12 @@ def aliasing(scenes: Path) -> None:
     for short, name in names.items():
         eye = omma.load_eye(scenes / "eyes" / f"{name}.eye")
         curves = {
-            method: omma.alias_curve(
+            method: omma.study.alias_curve(
                 scene, eye, np.eye(4), rays, repeats=32, method=method, progress=show
             )
-            for method in (COMPOUNDRAY, omma.Method("gaussian", "random"), OURS)
+            for method in (COMPOUNDRAY, omma.study.Method("gaussian", "random"), OURS)
         }
-        omma.save_alias_curves(DOCS / f"sampling-aliasing-{short}.png", rays, curves)
+        omma.study.save_alias_curves(DOCS / f"sampling-aliasing-{short}.png", rays, curves)
         say(f"\n{name}: SD / solid angle (1/sr), and in brackets the root mean square SD")
         table("rays", *(method.name for method in curves))
         for k, n in enumerate(rays):
@@ -162,8 +164,8 @@ def speed(scenes: Path) -> None:
     pose = scene.camera("panoramic").world_from_camera.copy()
     pose[:3, :3] /= np.linalg.norm(pose[:3, :3], axis=0)
     eye = omma.load_eye(scenes / "eyes" / "1000-equidistant.eye")
-    found = omma.measure_speed(scene, eye, pose, frames=50, progress=show)
-    omma.save_speed_test(DOCS / "sampling-speed.png", found)
+    found = omma.study.measure_speed(scene, eye, pose, frames=50, progress=show)
+    omma.study.save_speed_test(DOCS / "sampling-speed.png", found)
     table("rays per ommatidium", "frames/s", "frames/s, all in one call")
     for n, single, batch in zip(found.rays, found.frames_per_s, found.batch_frames_per_s):
         row(f"{n:,}", f"{single:,.0f}", f"{batch:,.0f}")

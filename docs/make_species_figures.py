@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 import omma
-from omma.eye_maps import plot_eye_maps
+from omma.picture.eye_maps import plot_eye_maps
 
 DOCS = Path(__file__).resolve().parent
 FIGURES = ("holcocephala", "honeybee_drone", "fiddler_crab")
@@ -44,17 +44,18 @@ or facet blends into another. This page is made by `docs/make_species_figures.py
 ## How they are made
 
 - The honeybee worker's axes are rows by the published formulas.
-- Most others: a function of direction gives the local interommatidial angle, `omma.lay_directions`
-  a hexagonal lattice in it with as many ommatidia as counted. Lenses sit on an ellipsoid whose
-  size follows from the facets; the axes are skewed against it.
+- Most others: a function of direction gives the local interommatidial angle,
+  `omma.eye.lay_directions` a hexagonal lattice in it with as many ommatidia as counted. Lenses sit
+  on an ellipsoid whose size follows from the facets; the axes are skewed against it.
 - Where the table has no course of facets, they are as wide as the lenses are apart on the assumed
   surface. In the honeybee worker this gives 15 to 31 µm where the largest measured is 20 µm: do not
   take its facets for the animal's.
 - *Drosophila* and *Calliphora* have R1 to R6 look along the axes of six neighbours
-  (`omma.fly_receptors`), so `Renderer.render_receptors` renders each in its own direction, and
-  `omma.pool` with `omma.neural_superposition_wiring` gives what the cartridges see. In *Drosophila*
-  seven in ten inner cartridges away from the equator pool six, in *Calliphora* nine in ten; the
-  others pool mostly four, five or seven, because rows of such a lattice end where the angle grows.
+  (`omma.eye.fly_receptors`), so `Renderer.render_receptors` renders each in its own direction, and
+  `omma.eye.pool` with `omma.eye.neural_superposition_wiring` gives what the cartridges see. In
+  *Drosophila* seven in ten inner cartridges away from the equator pool six, in *Calliphora* nine in
+  ten; the others pool mostly four, five or seven, because rows of such a lattice end where the
+  angle grows.
 - The robber fly and the dragonfly are made from the surface. Facets of 78 µm that look 0.28° apart
   along the surface's normals need a radius of curvature of 16 mm, on a fly of 6 mm: the front of
   the eye is nearly flat. Outside the fovea the surface bends, and angles grow to several degrees

@@ -43,9 +43,7 @@ void check_settings(const RenderSettings& s) {
   if (s.share_rays && s.samples > max_shared_samples)
     throw Error("samples: expected 1 to " + std::to_string(max_shared_samples) +
                 " where rays are shared, found " + std::to_string(s.samples));
-  if (s.threads < 0 || s.threads > max_threads)
-    throw Error("threads: expected 0 (all) to " + std::to_string(max_threads) + ", found " +
-                std::to_string(s.threads));
+  check_threads(s.threads);
   if (s.share_rays && s.noise != Noise::frozen)
     throw Error("noise: expected frozen where rays are shared, which are fixed to the head");
 }

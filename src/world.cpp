@@ -133,9 +133,7 @@ World::World(std::shared_ptr<const Scene> scene, WorldSettings settings,
              const std::function<bool(double)>& progress) {
   if (scene == nullptr) throw Error("scene: expected a scene, found a null pointer");
   const Backend& backend = find_backend(settings.backend);
-  if (settings.threads < 0 || settings.threads > max_threads)
-    throw Error("threads: expected 0 (all) to " + std::to_string(max_threads) + ", found " +
-                std::to_string(settings.threads));
+  check_threads(settings.threads);
   validate_scene(*scene);
   if (settings.background) check_background(*settings.background);
   auto state = std::make_shared<State>();

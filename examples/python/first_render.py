@@ -16,7 +16,7 @@ out.mkdir(parents=True, exist_ok=True)
 
 # A scene, and the two eyes of a head. `.eye` files are in millimetres; inside, all is metres.
 scene = omma.load_scene(examples / "meadow.glb")
-head = omma.merge_eyes(
+head = omma.eye.merge_eyes(
     [
         omma.load_eye(examples / f"honeybee_worker_{side}.eye", unit="mm")
         for side in ("left", "right")
@@ -38,8 +38,8 @@ print("mean radiance", responses.mean(axis=(0, 1)), "median standard error", np.
 # Files: the numbers, a table of them, and pictures to look at.
 np.save(out / "first_render.npy", responses)
 omma.save_responses(out / "first_render.csv", responses, head, errors)
-omma.save_png(out / "first_render.png", omma.equirectangular(head, responses))
-omma.save_png(out / "first_render_eyes.png", omma.side_by_side(head, responses))
+omma.save_png(out / "first_render.png", omma.picture.equirectangular(head, responses))
+omma.save_png(out / "first_render_eyes.png", omma.picture.side_by_side(head, responses))
 
 # A flight of 200 poses, a metre forward. One array (N, C) at a time comes out, so that a million
 # poses would need no more memory. Where does the picture change most?

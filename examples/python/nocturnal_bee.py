@@ -17,7 +17,7 @@ def sensitivities():
     absorption = number(bee, "absorption")
 
     def sensitivity(facet, rhabdom, focal, length):
-        return omma.optical_sensitivity(
+        return omma.receptors.optical_sensitivity(
             number(facet, "largest_facet_diameter" if facet == bee else "facet_diameter"),
             number(rhabdom, "rhabdom_diameter") / number(focal, "focal_length"),
             number(length, "rhabdom_length"),

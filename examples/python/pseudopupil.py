@@ -30,14 +30,14 @@ def main(directory="out", *names):
         eye = animal.eye.select(1)
         # From where the most ommatidia look: the animal's finest direction.
         azimuth, elevation = finest(eye)
-        shown, angle = gaze(eye, omma.direction(azimuth, elevation))
+        shown, angle = gaze(eye, omma.eye.direction(azimuth, elevation))
         count = int((shown > 0.5).sum())
         print(
             f"{animal.latin}: {count} of {len(eye):,} facets look back, {shown.sum():.1f} in all,"
         )
         print(f"  from azimuth {azimuth:.0f}°, elevation {elevation:.0f}°")
         around = np.flatnonzero(angle < np.radians(12))
-        omma.draw_eye(
+        omma.picture.draw_eye(
             out / f"pseudopupil_{name}.png",
             eye.replace(columns={"sensitivity to the viewer": shown}).take(around),
             yaw_deg=azimuth,

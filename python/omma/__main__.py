@@ -1,5 +1,5 @@
 """``python -m omma``: the command line."""
 
-from omma.cli import main
+from omma.cli.main import main
 
 main()

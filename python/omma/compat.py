@@ -4,6 +4,8 @@ from pathlib import Path
 
 from omma._core import Error
 
+__all__ = ["compoundray_library"]
+
 
 def compoundray_library() -> str:
     """Where this package keeps ``libEyeRenderer3.so``.
@@ -12,7 +14,7 @@ def compoundray_library() -> str:
     they are; ``examples/from_compoundray.md`` says how. Raises ``omma.Error`` where the package was
     built without it.
 
-        eyeRenderer = CDLL(omma.compoundray_library())
+        eyeRenderer = CDLL(omma.compat.compoundray_library())
     """
     path = Path(__file__).resolve().parent / "lib" / "libEyeRenderer3.so"
     if not path.exists():

@@ -356,7 +356,7 @@ void bind_acceptance(nb::module_& m) {
           nb::sig("def __eq__(self, other: object) -> bool"))
       .def("__hash__", [](const ReceptorType& a) { return std::hash<std::string>{}(a.name); })
       .def("__repr__",
-           [](const ReceptorType& a) { return "<omma.ReceptorType '" + a.name + "'>"; });
+           [](const ReceptorType& a) { return "<omma.receptors.ReceptorType '" + a.name + "'>"; });
 }
 
 }  // namespace omma::python

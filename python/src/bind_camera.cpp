@@ -25,7 +25,7 @@ const char* word(CameraType type) {
 }
 
 std::string repr(const Camera& camera) {
-  std::string text = "<omma.Camera '" + camera.name + "' " + word(camera.type);
+  std::string text = "<omma.scene.Camera '" + camera.name + "' " + word(camera.type);
   if (!camera.compound_structure.empty()) text += ", eye '" + camera.compound_structure + "'";
   return text + ">";
 }

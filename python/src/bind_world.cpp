@@ -45,7 +45,7 @@ void bind_world(nb::module_& m) {
                                  "numpy.typing.NDArray[numpy.float64]")),
           "Where it was when it was asked for: (4, 4), m.")
       .def("__repr__", [](const WorldInstance& instance) {
-        return "<omma.WorldInstance '" + instance.name + "'>";
+        return "<omma.scene.WorldInstance '" + instance.name + "'>";
       });
 
   nb::class_<World>(m, "World", "The engine's world; `omma.World` is the one to use.")

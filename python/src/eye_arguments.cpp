@@ -97,12 +97,12 @@ std::vector<ReceptorType> receptor_types(nb::handle value) {
   std::vector<ReceptorType> types;
   if (value.is_none()) return types;
   if (!is_list(value))
-    throw Error("receptor_types: expected a list of omma.ReceptorType, found " +
+    throw Error("receptor_types: expected a list of omma.receptors.ReceptorType, found " +
                 type_name_of(value));
   for (nb::handle item : nb::iter(value)) {
     if (!nb::isinstance<ReceptorType>(item))
       throw Error("receptor_types[" + std::to_string(types.size()) +
-                  "]: expected an omma.ReceptorType, found " + type_name_of(item));
+                  "]: expected an omma.receptors.ReceptorType, found " + type_name_of(item));
     types.push_back(nb::cast<const ReceptorType&>(item));
   }
   return types;

@@ -6,10 +6,27 @@
 
 #include <algorithm>
 #include <mutex>
+#include <string>
 
+#include "omma/error.h"
 #include "threads/parallel.h"
 
 namespace omma {
+namespace {
+
+// Tests of the same bits ask for more threads than small machines have.
+constexpr int always_allowed = 64, allowed_per_core = 4;
+
+}  // namespace
+
+void check_threads(int threads) {
+  const int cores = oneapi::tbb::info::default_concurrency();
+  const int most = std::max(always_allowed, allowed_per_core * cores);
+  if (threads >= 0 && threads <= most) return;
+  throw Error("threads: expected 0 (all) to " + std::to_string(most) + ", found " +
+              std::to_string(threads) + " (this machine runs " + std::to_string(cores) +
+              " at once)");
+}
 
 using oneapi::tbb::global_control;
 

@@ -8,7 +8,9 @@
 
 namespace omma {
 
-inline constexpr int max_threads = 4096;
+// Throws omma::Error where so many make no sense: below 0, and far more than the machine runs at
+// once, which only cost memory and time to start.
+void check_threads(int threads);
 
 // An arena of `threads` threads, or as many as oneTBB allows: 257 on most machines, and fewer where
 // something else in the process has set a limit. The machine may have fewer.

@@ -98,7 +98,7 @@ def declare(lib):
 def fresh_library(folder):
     """The library as a new process finds it: a copy has a state of its own."""
     copy = folder / "libEyeRenderer3.so"
-    shutil.copy(omma.compoundray_library(), copy)
+    shutil.copy(omma.compat.compoundray_library(), copy)
     return declare(CDLL(str(copy)))
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import omma
-from omma import cli
+from omma.cli.main import main
 
 # Where a shell started the tests in the background Ctrl-C is ignored, by them and by the programs
 # that they start and interrupt; a handler ends that.
@@ -148,7 +148,7 @@ def run_omma(monkeypatch, capsys):
     def run(*arguments):
         monkeypatch.setattr(sys, "argv", ["omma", *map(str, arguments)])
         with pytest.raises(SystemExit) as ended:
-            cli.main()
+            main()
         out, err = capsys.readouterr()
         return ended.value.code, out, err
 

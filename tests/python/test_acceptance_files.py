@@ -18,7 +18,7 @@ def written(tmp_path, text):
 
 def test_a_profile(tmp_path):
     path = written(tmp_path, "# of a bee\nangle_deg,sensitivity\n2,0\n0,4\n1,3\n")
-    profile = omma.load_acceptance(path)
+    profile = omma.eye.load_acceptance(path)
     assert profile.kernel == "table"
     assert profile.is_round
     np.testing.assert_allclose(profile.eval(np.radians([0, 0.5, 1, 1.5, 2.5])),
@@ -31,7 +31,7 @@ def test_a_map(tmp_path):
     lines = [f"{right},{up},{5 * math.exp(-(right**2) - (up / 2) ** 2)}"
              for up in range(-4, 5) for right in range(-2, 3)]  # fmt: skip
     path = written(tmp_path, "right_deg, up_deg, sensitivity\n" + "\n".join(reversed(lines)))
-    found = omma.load_acceptance(path)
+    found = omma.eye.load_acceptance(path)
     assert not found.is_round
     # Azimuth 0 is up, a quarter turn is right.
     assert found.eval(math.radians(2), 0.0) == pytest.approx(math.exp(-1))
@@ -54,6 +54,6 @@ def test_a_map(tmp_path):
 )
 def test_what_is_wrong_is_named(tmp_path, text, message):
     with pytest.raises(omma.Error, match=message):
-        omma.load_acceptance(written(tmp_path, text))
+        omma.eye.load_acceptance(written(tmp_path, text))
     with pytest.raises(omma.Error, match="there is no such file"):
-        omma.load_acceptance(tmp_path / "none.csv")
+        omma.eye.load_acceptance(tmp_path / "none.csv")

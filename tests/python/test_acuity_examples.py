@@ -90,7 +90,7 @@ def test_the_light_a_nocturnal_bee_gains():
 def test_pseudopupil_grows_with_the_eye_parameter():
     pseudopupil = load("pseudopupil")
     eye = animal("honeybee_worker").eye.select(1)
-    shown, angle = pseudopupil.gaze(eye, omma.direction(45, 0))
+    shown, angle = pseudopupil.gaze(eye, omma.eye.direction(45, 0))
     # All of it: the integral of a Gaussian, Δρ²π/(4 ln 2), over a cell √3/2 Δφh Δφv of the lattice
     # with 2.4° in a row and rows 0.75° apart. A dozen facets sample that to 5 %.
     cell = 2.4 * 0.75

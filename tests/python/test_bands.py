@@ -19,14 +19,14 @@ def scene():
 @pytest.fixture(scope="module")
 def eye():
     eye = omma.load_eye(EXAMPLES / "honeybee_worker_left.eye").take(np.arange(0, 5000, 40))
-    return omma.assign_receptors(eye, omma.honeybee_ommatidia())
+    return omma.receptors.assign_receptors(eye, omma.receptors.honeybee_ommatidia())
 
 
 POSE = omma.look_at((0, 1, 0), (0, 1, -5))
 
 
 def test_white_is_one_in_every_band_that_we_see():
-    lift = omma.band_from_rgb(EDGES_NM)
+    lift = omma.light.band_from_rgb(EDGES_NM)
     assert lift.shape == (16, 3)
     # 4 bands of ultraviolet; the spectra add up to 1 above 400 nm.
     assert lift[:4].sum(axis=1) == pytest.approx(0, abs=1e-12)
@@ -35,7 +35,7 @@ def test_white_is_one_in_every_band_that_we_see():
 
 @pytest.mark.parametrize("bands", [1, 3, 4, 8, 16])
 def test_responses_are_the_lift_of_rgb(scene, eye, bands):
-    lift = omma.band_from_rgb(np.linspace(400, 700, bands + 1))
+    lift = omma.light.band_from_rgb(np.linspace(400, 700, bands + 1))
     rgb = omma.Renderer(scene, eye).render(POSE)
     world = omma.World(scene, band_from_rgb=lift)
     renderer = omma.Renderer(world, eye)
@@ -50,8 +50,11 @@ def test_responses_are_the_lift_of_rgb(scene, eye, bands):
 def test_receptors_of_fine_bands_are_those_of_rgb(scene, eye):
     """What 4 nm apart changes of spectra that change over tens of nm is under 1e-3."""
     edges = np.linspace(300, 700, 101)
-    lift, matrix = omma.band_from_rgb(edges), omma.receptor_matrix(eye, edges_nm=edges)
-    assert matrix @ lift == pytest.approx(omma.receptor_matrix(eye), abs=1e-3)
+    lift, matrix = (
+        omma.light.band_from_rgb(edges),
+        omma.receptors.receptor_matrix(eye, edges_nm=edges),
+    )
+    assert matrix @ lift == pytest.approx(omma.receptors.receptor_matrix(eye), abs=1e-3)
     renderer = omma.Renderer(omma.World(scene, band_from_rgb=lift), eye)
     found = renderer.render_receptors(POSE, matrix=matrix)
     assert found == pytest.approx(omma.Renderer(scene, eye).render_receptors(POSE), abs=2e-3)
@@ -64,11 +67,11 @@ def test_receptors_of_fine_bands_are_those_of_rgb(scene, eye):
 def test_errors_of_receptors_are_their_own(scene, eye):
     """From the spread of eight scrambles, which single rays tell too: those of one matrix row."""
     renderer = omma.Renderer(scene, eye, samples=4)
-    matrix = omma.receptor_matrix(eye)
+    matrix = omma.receptors.receptor_matrix(eye)
     responses, errors = renderer.render_receptors(POSE, standard_error=True)
     _, of_bands = renderer.render(POSE, standard_error=True)
     bound = np.einsum("tb,pnb->pnt", np.abs(matrix), of_bands)
-    at = omma.ommatidium_of_receptor(eye), eye.receptor_type
+    at = omma.receptors.ommatidium_of_receptor(eye), eye.receptor_type
     assert np.all(errors <= bound[:, at[0], at[1]] * 1.0001 + 1e-6)
     # Where the matrix takes the difference of bands that go together nothing is left of the error.
     opposed = np.array([[1.0, -1.0, 0.0]] * len(matrix))
@@ -82,7 +85,7 @@ def test_pictures_have_the_bands_of_their_world():
     scene = omma.load_scene(EXAMPLES / "meadow.glb")
     if not scene.cameras:
         pytest.skip("no camera")
-    world = omma.World(scene, band_from_rgb=omma.band_from_rgb([400, 500, 600, 700, 750]))
+    world = omma.World(scene, band_from_rgb=omma.light.band_from_rgb([400, 500, 600, 700, 750]))
     picture = omma.render_camera(world, scene.cameras[0], width=32, samples=1)
     assert picture.shape[2] == 4
 
@@ -93,7 +96,7 @@ def test_files_have_a_column_for_each_band(tmp_path, scene, eye):
     head = (tmp_path / "two.csv").read_text().splitlines()[0]
     assert head.endswith(",elevation_deg,band_0,band_1")
     with pytest.raises(omma.Error, match="red, green, blue"):
-        omma.equirectangular(eye, renderer.render(POSE))
+        omma.picture.equirectangular(eye, renderer.render(POSE))
 
 
 @pytest.mark.parametrize(
@@ -107,7 +110,7 @@ def test_bands_that_cannot_be(scene, weights):
 @pytest.mark.parametrize("edges", [[400], [500, 400], [400, np.nan], np.arange(200)])
 def test_edges_that_cannot_be(edges):
     with pytest.raises(omma.Error, match="edges_nm"):
-        omma.band_from_rgb(edges)
+        omma.light.band_from_rgb(edges)
 
 
 def test_backends_agree(scene, eye):

@@ -12,7 +12,7 @@ import pytest
 from conftest import DATA, write_gltf
 
 import omma
-from omma.all_cameras import file_names
+from omma.job.all_cameras import file_names
 
 TURN_RIGHT = {"rotation": [0, -np.sqrt(0.5), 0, np.sqrt(0.5)]}
 
@@ -105,7 +105,7 @@ def test_types(world):
     types = [camera.type for camera in world.cameras]
     assert types == ["perspective", "orthographic", "panoramic", "compound", "compound"]
     assert world.cameras[4].compound_projection == "single_dimension_fast"
-    assert repr(world.cameras[2]) == "<omma.Camera 'all round' panoramic>"
+    assert repr(world.cameras[2]) == "<omma.scene.Camera 'all round' panoramic>"
 
 
 def test_cameras_by_name_and_index(world):
@@ -234,21 +234,23 @@ def test_ctrl_c(zoo):
 def test_display():
     linear = np.array([[[0, 0.5, 1], [2, -1, 0.25]]], np.float32)
     expected = [[[0, 255 * 0.5 ** (1 / 2.2), 255], [255, 0, 255 * 0.25 ** (1 / 2.2)]]]
-    assert omma.display(linear) == pytest.approx(np.array(expected), abs=1)
-    assert omma.display(linear, gamma=1)[0, 1].tolist() in ([255, 0, 63], [255, 0, 64])
+    assert omma.picture.display(linear) == pytest.approx(np.array(expected), abs=1)
+    assert omma.picture.display(linear, gamma=1)[0, 1].tolist() in ([255, 0, 63], [255, 0, 64])
 
 
 def test_eye_of_a_camera(world, zoo, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    eye = omma.camera_eye(world, 3)  # beside the scene
+    eye = omma.picture.camera_eye(world, 3)  # beside the scene
     assert len(eye) == 50
     assert np.linalg.norm(eye.position_m, axis=1).max() > 1e-3  # metres, as the scene
-    assert omma.camera_eye(world, 3, unit="mm").position_m == pytest.approx(eye.position_m / 1000)
+    assert omma.picture.camera_eye(world, 3, unit="mm").position_m == pytest.approx(
+        eye.position_m / 1000
+    )
     # As given first: from where we are.
     omma.save_eye(tmp_path / "bug.eye", omma.Eye([[0, 0, 0]], [[0, 0, -1]], 0.1))
-    assert len(omma.camera_eye(world, world.cameras[3])) == 1
+    assert len(omma.picture.camera_eye(world, world.cameras[3])) == 1
     with pytest.raises(omma.Error, match="camera 'look' names no eye"):
-        omma.camera_eye(world, "look")
+        omma.picture.camera_eye(world, "look")
 
 
 def test_command_renders_any_camera(omma_command, world, tmp_path):
@@ -260,7 +262,7 @@ def test_command_renders_any_camera(omma_command, world, tmp_path):
         assert (code, err) == (0, "")
         expected = omma.render_camera(world, camera, width=48, samples=4)
         assert (np.load(tmp_path / "a.npy") == expected).all()
-        assert (png_pixels(tmp_path / "a.png") == omma.display(expected)).all()
+        assert (png_pixels(tmp_path / "a.png") == omma.picture.display(expected)).all()
         assert f"view       camera {camera}, {world.camera(camera).type}" in out
         assert f"picture    48 x {len(expected)} pixels" in out
         assert "(4 per pixel)" in out
@@ -278,27 +280,27 @@ def test_command_renders_a_compound_camera(omma_command, world, tmp_path):
         assert (code, err) == (0, "")
         return png_pixels(tmp_path / "a.png"), np.load(tmp_path / "a.npy")
 
-    eye = omma.camera_eye(world, 4)
+    eye = omma.picture.camera_eye(world, 4)
     responses = omma.Renderer(world, eye).render(world.cameras[4].world_from_camera)
     picture, array = run("--camera", 4)
     assert (array == responses).all()
     assert picture.shape == (1, 50, 3)  # single_dimension_fast, as the camera says
-    assert (picture[0] == omma.display(responses)[0]).all()
+    assert (picture[0] == omma.picture.display(responses)[0]).all()
     picture, array = run("--camera", 4, "--projection", "mollweide", "--width", 40)
-    assert (picture == omma.project(eye, responses, "mollweide", 40)).all()
+    assert (picture == omma.picture.project(eye, responses, "mollweide", 40)).all()
     assert (picture == run("--camera", 4, "--projection", "mollweide", "--height", 20)[0]).all()
     # Without a camera the first compound one, which says nothing of a projection.
     picture, _ = run("--width", 30)
     responses = omma.Renderer(world, eye).render(world.cameras[3].world_from_camera)
-    assert (picture == omma.project(eye, responses, "spherical_orientationwise", 30)).all()
+    assert (picture == omma.picture.project(eye, responses, "spherical_orientationwise", 30)).all()
     picture, _ = run("--camera", 3, "--projection", "spherical_positionwise_ids", "--width", 30)
-    ids = omma.projection_ids(eye, "spherical_positionwise", 30)
-    assert (picture == omma.encode_ids(ids)).all()
+    ids = omma.picture.projection_ids(eye, "spherical_positionwise", 30)
+    assert (picture == omma.picture.encode_ids(ids)).all()
     picture, _ = run("--camera", 3, "--projection", "raw_ommatidial_samples", "--samples", 5)
     renderer = omma.Renderer(world, eye, samples=5)
     rays = renderer.render_rays(world.cameras[3].world_from_camera)
     assert picture.shape == (5, 50, 3)
-    assert (picture == omma.project(eye, rays, "raw_ommatidial_samples")).all()
+    assert (picture == omma.picture.project(eye, rays, "raw_ommatidial_samples")).all()
 
 
 def test_all_cameras_in_one_command(omma_command, world, tmp_path):
@@ -313,14 +315,14 @@ def test_all_cameras_in_one_command(omma_command, world, tmp_path):
         assert f"wrote      {folder / name}.png" in out
         pixels = png_pixels(folder / f"{name}.png")
         if camera.type != "compound":
-            expected = omma.display(omma.render_camera(world, camera, width=32, samples=4))
+            expected = omma.picture.display(omma.render_camera(world, camera, width=32, samples=4))
         else:
-            eye = omma.camera_eye(world, camera)
+            eye = omma.picture.camera_eye(world, camera)
             responses = omma.Renderer(world, eye, samples=4).render(camera.world_from_camera)
             which = camera.compound_projection or "spherical_orientationwise"
             # What has a pixel for each ommatidium keeps its size.
             width = None if which == "single_dimension_fast" else 32
-            expected = omma.project(eye, responses, which, width)
+            expected = omma.picture.project(eye, responses, which, width)
         assert (pixels == expected).all(), name
     assert "camera 4   bug (compound, single_dimension_fast): 50 x 1 pixels" in out
     # Once more, over what is there, with one projection for all eyes.
@@ -426,7 +428,7 @@ SCENES = [
 @pytest.mark.parametrize(("scene", "count"), SCENES)
 def test_every_camera_of_real_scenes(scene, count, tmp_path):
     path = DATA / "compound-ray" / "scenes" / scene
-    report = omma.render_all_cameras(path, tmp_path, width=64, samples=2)
+    report = omma.job.render_all_cameras(path, tmp_path, width=64, samples=2)
     assert len(report.cameras) == len(list(tmp_path.glob("*.png"))) == count
     assert report.warnings == tuple(omma.load_scene(path).warnings)
     for camera in report.cameras:

@@ -134,7 +134,7 @@ def test_path_with_standard_errors_and_pictures(omma_command, scene, eye, flight
 
 
 def test_many_poses_go_through_memory_in_pieces(monkeypatch, rendered, scene, eye, tmp_path):
-    monkeypatch.setattr("omma.render_pieces._PIECE_BYTES", 60 * 12 * 4)  # four poses
+    monkeypatch.setattr("omma.job.pieces._PIECE_BYTES", 60 * 12 * 4)  # four poses
     path = tmp_path / "flight.csv"
     rows = "".join(f"{x / 5},1,0,0,0,0,1\n" for x in range(11))
     path.write_text("x,y,z,qx,qy,qz,qw\n" + rows)
@@ -150,8 +150,8 @@ def test_two_eyes_side_by_side(omma_command, files, tmp_path):
     )
     assert code == 0
     assert "ommatidia  80" in out
-    head = omma.merge_eyes([omma.load_eye(files / f"{s}.eye") for s in ("left", "right")])
-    expected = omma.side_by_side(head, np.load(tmp_path / "a.npy"), 64, 32)
+    head = omma.eye.merge_eyes([omma.load_eye(files / f"{s}.eye") for s in ("left", "right")])
+    expected = omma.picture.side_by_side(head, np.load(tmp_path / "a.npy"), 64, 32)
     omma.save_png(tmp_path / "b.png", expected)
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
 
@@ -191,11 +191,28 @@ def test_info_of_an_eye(omma_command, tmp_path):
 
 
 def test_azimuth_range_goes_the_short_way_round():
-    from omma.info import azimuth_range_deg
+    from omma.job.info import azimuth_range_deg
 
     assert azimuth_range_deg(np.array([170.0, -170, 180])) == (170, 190)
     assert azimuth_range_deg(np.array([-170.0, -100, 175])) == (-185, -100)
     assert azimuth_range_deg(np.array([])) == (0, 0)
+
+
+@pytest.mark.parametrize(
+    ("azimuth", "says"),
+    [
+        (np.arange(100, 261, 5), "100.0° to -100.0° through straight behind, right is +"),
+        (np.arange(0, 360, 5), "all round"),
+        (np.arange(-73, 40, 1), "-73.0° to 39.0°, right is +"),
+    ],
+)
+def test_azimuths_are_told_from_180_to_180(azimuth, says):
+    turn = np.radians(azimuth.astype(float))
+    axis = np.stack([np.sin(turn), 0 * turn, -np.cos(turn)], axis=1)
+    eye = omma.Eye(axis * 1e-3, axis, np.full(len(turn), 0.1))
+    from omma.job.info import describe_eye
+
+    assert dict(describe_eye(eye))["azimuth"].startswith(says)
 
 
 def test_warnings_go_to_stderr(omma_command, tmp_path):
@@ -228,6 +245,7 @@ WRONG_USAGE = [
     (["render", "scene.gltf", "-o", "a.npy", "--samples", "many"], "--samples"),
     (["render", "scene.gltf", "-o", "a.npy", "--kernel", "box"], "gaussian"),
     (["render", "scene.gltf", "-o", "a.npy", "--position", "1", "2"], "--position"),
+    (["render", "scene.gltf", "-o", "a.npy", "--position", "0", "0", "-o", "b.npy"], "3 numbers"),
     (["render", "scene.gltf", "-o", "a.npy", "--nonsense"], "--nonsense"),
     (["paint"], "paint"),
 ]
@@ -251,14 +269,14 @@ BAD_INPUT = [
     (["render", "scene.gltf", "--eye", "no.eye", "-o", "OUT/a.npy"], "no.eye"),
     (["render", "OUT", "--eye", "bug.eye", "-o", "OUT/a.npy"], "director"),
     (["render", "scene.gltf", "--eye", "OUT", "-o", "OUT/a.npy"], "director"),
-    (["render", "bug.eye", "--eye", "bug.eye", "-o", "OUT/a.npy"], "bug.eye"),
+    (["render", "bug.eye", "--eye", "bug.eye", "-o", "OUT/a.npy"], "bug.eye: expected a scene"),
     (["render", "scene.gltf", "--eye", "scene.gltf", "-o", "OUT/a.npy"], "scene.gltf: has no eyes"),
     ([*RENDER, "--camera", "nobody"], "nobody"),
     (["render", "scene.gltf", "--camera", "2", "-o", "OUT/a.npy"], '0 "plain", 1 "insect"'),
     ([*PICTURE, "-o", "OUT/a.csv"], "plain"),
-    ([*PICTURE, "--standard-error"], "standard_error"),
+    ([*PICTURE, "--standard-error"], "error: --standard-error: "),
     ([*PICTURE, "--projection", "mollweide"], "projection"),
-    ([*PICTURE, "--side-by-side"], "side_by_side"),
+    ([*PICTURE, "--side-by-side"], "error: --side-by-side: "),
     ([*PICTURE, "--width", "0"], "width"),
     ([*PICTURE, "--height", "40000"], "height"),
     ([*PICTURE, "--samples", "0"], "samples"),
@@ -280,7 +298,7 @@ BAD_INPUT = [
     (["render", "empty.gltf", "--all-cameras", "-o", "OUT/all"], "no camera"),
     (["render", "empty.gltf", "-o", "OUT/a.png"], "no camera"),
     ([*RENDER, "--camera", "plain", "--position", "1", "2", "3"], "only one of them"),
-    ([*RENDER, "--look-at", "1", "2", "3"], "look_at"),
+    ([*RENDER, "--look-at", "1", "2", "3"], "--look-at: needs"),
     ([*RENDER, "--position", "1", "2", "3", "--look-at", "1", "2", "3"], "target"),
     ([*RENDER, "--position", "nan", "2", "3"], "finite"),
     ([*RENDER, "--path", "no.csv"], "no.csv"),
@@ -288,6 +306,12 @@ BAD_INPUT = [
     ([*RENDER, "--samples", "100000000"], "samples"),
     ([*RENDER, "--seed", "-1"], "seed"),
     ([*RENDER, "--threads", "-1"], "threads"),
+    ([*RENDER, "--threads", "4000"], "--threads: expected 0 (all) to "),
+    ([*RENDER, "--samples", "auto"], "omma: error: --error: expected"),
+    ([*RENDER, "-o", "OUT/a.png", "--projection", "mollweid"], "did you mean 'mollweide'?"),
+    (["eye", "plot", "bug.eye", "--property", "facets", "-o", "OUT/a.png"], "--property: expected"),
+    (["eye", "species", "megalopta", "-o", "OUT/a.csv"], "megalopta has numbers"),
+    (["eye", "species", "honeybee_work", "-o", "OUT/a.csv"], "did you mean 'honeybee_worker'?"),
     ([*RENDER, "--background", "1,2"], "background"),
     ([*RENDER, "--background", "1,2,x"], "background"),
     ([*RENDER, "--background", "scene.gltf"], "scene.gltf"),

@@ -31,27 +31,27 @@ def test_make_is_the_api_put_together(omma_eye):
     )  # fmt: skip
     assert (code, err) == (0, "")
     assert "180 ommatidia" in out
-    zone = omma.AcuteZone(D(60), D(10), D(40), 6)
-    band = omma.AcuteZone(0, 0, D(30), 2, band=True)
-    across = omma.acute_angle(D(1), zone.density)
-    lattice = omma.lay_directions(
+    zone = omma.eye.AcuteZone(D(60), D(10), D(40), 6)
+    band = omma.eye.AcuteZone(0, 0, D(30), 2, band=True)
+    across = omma.eye.acute_angle(D(1), zone.density)
+    lattice = omma.eye.lay_directions(
         across,
-        omma.acute_angle(across, band.density, one_way=True),
-        field_of_view=omma.window((-20, 150), (-70, 70)),
+        omma.eye.acute_angle(across, band.density, one_way=True),
+        field_of_view=omma.eye.window((-20, 150), (-70, 70)),
         count=90,
         seed=3,
     )
-    surface = omma.ellipsoid((0.4e-3, 1.2e-3, 0.5e-3), (1.4e-3, 0, 0))
+    surface = omma.eye.ellipsoid((0.4e-3, 1.2e-3, 0.5e-3), (1.4e-3, 0, 0))
     middle = lattice.directions.sum(axis=0)
-    squeeze = omma.squeeze_for_skew(lattice.directions, surface, middle, D(20))
-    eye = omma.eye_on_surface(
+    squeeze = omma.eye.squeeze_for_skew(lattice.directions, surface, middle, D(20))
+    eye = omma.eye.eye_on_surface(
         lattice.directions,
         surface,
-        normal=omma.squeezed(middle, squeeze),
+        normal=omma.eye.squeezed(middle, squeeze),
         acceptance_ratio=1.5,
     )
-    assert np.median(omma.skew_rad(eye, surface=surface)) == pytest.approx(D(20), rel=1e-4)
-    assert same(omma.load_eye("made.csv"), omma.pair_of_eyes(eye))
+    assert np.median(omma.eye.skew_rad(eye, surface=surface)) == pytest.approx(D(20), rel=1e-4)
+    assert same(omma.load_eye("made.csv"), omma.eye.pair_of_eyes(eye))
 
 
 def test_make_from_a_table(omma_eye, tmp_path):
@@ -60,7 +60,7 @@ def test_make_from_a_table(omma_eye, tmp_path):
     (tmp_path / "field.csv").write_text("\n".join(lines))
     assert omma_eye("make", "--field", "field.csv", "-o", "made.csv")[0] == 0
     made = omma.load_eye("made.csv")
-    lattice = omma.lay_directions(*omma.load_angle_table("field.csv"))
+    lattice = omma.eye.lay_directions(*omma.eye.load_angle_table("field.csv"))
     assert made.axis == pytest.approx(lattice.directions, abs=1e-6)
 
 
@@ -68,7 +68,7 @@ def test_make_by_facets(omma_eye):
     assert omma_eye("make", "--facet-um", 200, "--radius-mm", 0.8, "-o", "a.csv")[0] == 0
     eye = omma.load_eye("a.csv")
     assert np.median(eye.facet_diameter_m) == pytest.approx(200e-6, rel=0.02)
-    assert same(eye, omma.lay_on_surface(omma.sphere(0.8e-3), 200 * 1e-6))
+    assert same(eye, omma.eye.lay_on_surface(omma.eye.sphere(0.8e-3), 200 * 1e-6))
     assert omma_eye("make", 150, "--even-facets", "--semi-axes-mm", 1, 2, 1, "-o", "b.csv")[0] == 0
     assert len(omma.load_eye("b.csv")) == 150
 
@@ -89,19 +89,19 @@ def test_mirror_place_scale_join(omma_eye):
     right = omma.load_eye("right.csv")
     assert omma_eye("mirror", "right.csv", "-o", "left.csv")[0] == 0
     left = omma.load_eye("left.csv")
-    assert same(left, omma.mirror_eye(right))
+    assert same(left, omma.eye.mirror_eye(right))
     assert omma_eye("mirror", "right.csv", "--pair", "-o", "pair.csv")[0] == 0
     assert omma_eye("join", "left.csv", "right.csv", "-o", "joined.csv")[0] == 0
-    assert same(omma.load_eye("pair.csv"), omma.pair_of_eyes(right))
+    assert same(omma.load_eye("pair.csv"), omma.eye.pair_of_eyes(right))
     assert same(omma.load_eye("joined.csv"), omma.load_eye("pair.csv"))
     place = ["--position-mm", 1, 2, 3, "--yaw", 30, "--pitch", 20, "--roll", 10]
     assert omma_eye("place", "right.csv", *place, "-o", "placed.csv")[0] == 0
-    expected = omma.place_on_head(
+    expected = omma.eye.place_on_head(
         right, (1e-3, 2e-3, 3e-3), yaw_deg=30, pitch_deg=20, roll_deg=10
     )
     assert same(omma.load_eye("placed.csv"), expected)
     assert omma_eye("scale", "right.csv", "--factor", 2, "-o", "large.csv")[0] == 0
-    assert same(omma.load_eye("large.csv"), omma.rescale_eye(right, 2))
+    assert same(omma.load_eye("large.csv"), omma.eye.rescale_eye(right, 2))
 
 
 def test_what_an_eye_file_loses_is_said(omma_eye):

@@ -16,7 +16,7 @@ import omma
 
 
 def test_the_path_is_that_of_a_library():
-    assert omma.compoundray_library().endswith("libEyeRenderer3.so")
+    assert omma.compat.compoundray_library().endswith("libEyeRenderer3.so")
 
 
 def test_only_and_all_functions_are_exported(fresh):
@@ -25,7 +25,7 @@ def test_only_and_all_functions_are_exported(fresh):
     if shutil.which("nm") is None:
         pytest.skip("there is no nm to list the symbols with")
     listed = subprocess.run(
-        ["nm", "-D", "--defined-only", omma.compoundray_library()],
+        ["nm", "-D", "--defined-only", omma.compat.compoundray_library()],
         check=True, capture_output=True, text=True,
     ).stdout  # fmt: skip
     assert {line.split()[-1] for line in listed.splitlines()} == {
@@ -35,7 +35,7 @@ def test_only_and_all_functions_are_exported(fresh):
 
 
 def test_nothing_happens_when_it_is_loaded(tmp_path):
-    code = f"import ctypes; ctypes.CDLL({omma.compoundray_library()!r}); print('loaded')"
+    code = f"import ctypes; ctypes.CDLL({omma.compat.compoundray_library()!r}); print('loaded')"
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path
     )
@@ -47,7 +47,7 @@ def test_no_function_crashes_in_a_fresh_process(name):
     """Called without arguments the registers hold what they hold: nulls are given instead."""
     code = f"""
 import ctypes, sys
-lib = ctypes.CDLL({omma.compoundray_library()!r})
+lib = ctypes.CDLL({omma.compat.compoundray_library()!r})
 zeros = [ctypes.c_void_p(0)] * 4 + [ctypes.c_float(0)] * 9
 lib.{name}(*zeros)
 lib.{name}(*zeros)
@@ -179,7 +179,7 @@ def test_it_lives_beside_the_package_itself(lib, renderer):
 
 
 def test_a_pointer_to_the_window():
-    lib = declare(CDLL(omma.compoundray_library()))
+    lib = declare(CDLL(omma.compat.compoundray_library()))
     assert lib.getWindowPointer() is None
     mangled = ctypes.cast(lib._Z16getWindowPointerv, c_void_p).value
     assert mangled is not None

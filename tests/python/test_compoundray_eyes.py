@@ -295,7 +295,7 @@ def test_the_page_for_those_who_come_from_compoundray(tmp_path, monkeypatch):
     monkeypatch.delenv("OMMA_COMPAT_KERNEL", raising=False)
     link = tmp_path / "build" / "make" / "lib" / "libEyeRenderer3.so"
     link.parent.mkdir(parents=True)
-    link.symlink_to(omma.compoundray_library())
+    link.symlink_to(omma.compat.compoundray_library())
     for name in ("ofstad-arena.gltf", "eyes"):
         (tmp_path / name).symlink_to(SCENES / name)
     old, new = {}, {}

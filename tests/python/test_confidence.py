@@ -64,7 +64,7 @@ def test_holds_the_truth(arena, name, samples):
     eye = EYES[name]
     poses = np.tile(np.eye(4), (8, 1, 1))
     responses, errors = renderer.with_eye(eye, samples=samples).render(poses, standard_error=True)
-    low, high = omma.confidence_interval(eye, responses, errors, 8 * samples)
+    low, high = omma.study.confidence_interval(eye, responses, errors, 8 * samples)
     assert low.shape == high.shape == responses.shape
     student = 2.365 * errors
     plain = cover((responses - student)[..., 0], (responses + student)[..., 0], truth[name])
@@ -80,7 +80,7 @@ def test_holds_it_where_rays_go_to_an_error(arena):
     eye = EYES["apart"]
     to_error = renderer.with_eye(eye, samples="auto", error=0.01)
     responses, report = to_error.render(np.tile(np.eye(4), (8, 1, 1)), report=True)
-    low, high = omma.confidence_interval(eye, responses, report.standard_error, report.rays)
+    low, high = omma.study.confidence_interval(eye, responses, report.standard_error, report.rays)
     assert min(cover(low[..., 0], high[..., 0], truth["apart"])) > 0.95
 
 
@@ -91,7 +91,7 @@ def test_what_it_is_made_of():
     eye = omma.Eye(np.zeros((9, 3)), axis, np.radians(4), 0.0, np.array([0] * 8 + [1], np.int32))
     responses = np.array([0, 0.5, 0, 0, 0, 0, 0, 1, 0.25])[:, None]
     errors = np.array([0, 0.1, 0, 0, 0, 0, 0, 0, 0.01])[:, None]
-    low, high = omma.confidence_interval(eye, responses, errors, 100)
+    low, high = omma.study.confidence_interval(eye, responses, errors, 100)
     # Among the first four and the six nearest to each are 0 to 0.5, so 3 / 100 of that may be
     # overlooked; the others hear the last of the row. Student's 2.3646 where that is more, or all.
     expected = np.array([0.5, 0, 0.5, 0.5, 1, 1, 1, 1, 0]) * -np.log(0.05) / 100
@@ -100,7 +100,7 @@ def test_what_it_is_made_of():
     assert responses - low == pytest.approx(high - responses)
     # Twice the field reaches twice as far: all hear all of their eye.
     wide = omma.Eye(np.zeros((9, 3)), axis, np.radians(24), 0.0, eye.eye_id)
-    _, high = omma.confidence_interval(wide, responses, 0 * errors, 100, level=0.99)
+    _, high = omma.study.confidence_interval(wide, responses, 0 * errors, 100, level=0.99)
     assert high[:8, 0] - responses[:8, 0] == pytest.approx(np.full(8, -np.log(0.01) / 100))
     assert high[8] == responses[8]
 
@@ -110,12 +110,12 @@ def test_takes_any_number_of_poses():
     rng = np.random.default_rng(2)
     responses, errors = rng.random((2, 3, 5, 3)), rng.random((2, 3, 5, 3)) / 100
     rays = rng.integers(8, 100, (2, 3, 5))
-    low, high = omma.confidence_interval(eye, responses, errors, rays)
-    one, _ = omma.confidence_interval(eye, responses[1, 2], errors[1, 2], rays[1, 2])
+    low, high = omma.study.confidence_interval(eye, responses, errors, rays)
+    one, _ = omma.study.confidence_interval(eye, responses[1, 2], errors[1, 2], rays[1, 2])
     assert (low[1, 2] == one).all()
     assert low.shape == high.shape == (2, 3, 5, 3)
     alone = make_eye(1)
-    low, high = omma.confidence_interval(alone, np.ones((1, 3)), np.full((1, 3), 0.1), 8)
+    low, high = omma.study.confidence_interval(alone, np.ones((1, 3)), np.full((1, 3), 0.1), 8)
     assert high - low == pytest.approx(np.full((1, 3), 2 * 0.236462), rel=1e-5)
 
 
@@ -137,6 +137,6 @@ def test_takes_any_number_of_poses():
 def test_wrong_arguments(changed, word):
     arguments = {"responses": np.ones((5, 3)), "standard_errors": np.ones((5, 3)), "rays": 8}
     with pytest.raises(omma.Error, match=word):
-        omma.confidence_interval(make_eye(5), **(arguments | changed))
+        omma.study.confidence_interval(make_eye(5), **(arguments | changed))
     with pytest.raises(TypeError, match=r"^eye: expected omma\.Eye"):
-        omma.confidence_interval("an eye", **arguments)
+        omma.study.confidence_interval("an eye", **arguments)

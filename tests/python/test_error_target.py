@@ -88,7 +88,7 @@ def test_the_report_in_words():
     errors = np.full((1, 1000, 3), 0.005, np.float32)
     rays = np.full((1, 1000), 8, np.int32)
     rays[0, 4] = 1024
-    report = omma.SamplingReport(rays, errors, 0.01)
+    report = omma.rendering.SamplingReport(rays, errors, 0.01)
     assert str(report) == (
         "9,016 rays, 9.0 an ommatidium (8 to 1,024); all 1,000 responses reached 0.01 (estimated)"
     )
@@ -103,7 +103,7 @@ def test_the_report_in_words():
     # An error that the target itself rounds to is reached.
     errors[0, 17] = 0.01
     assert len(report.missed) == 0
-    nothing = omma.SamplingReport(rays[:0], errors[:0], 0.01)
+    nothing = omma.rendering.SamplingReport(rays[:0], errors[:0], 0.01)
     assert (nothing.total_rays, nothing.mean_rays) == (0, 0)
     assert str(nothing).startswith("0 rays")
 
@@ -174,16 +174,14 @@ def omma_command(files, monkeypatch, run_omma):
 
 
 def test_command(omma_command, scene, eye, flight, tmp_path, monkeypatch):
-    monkeypatch.setattr("omma.render_pieces._PIECE_BYTES", 60 * 12 * 2)  # two poses at once
+    monkeypatch.setattr("omma.job.pieces._PIECE_BYTES", 60 * 12 * 2)  # two poses at once
     path, out = tmp_path / "flight.csv", tmp_path / "a.npy"
     path.write_text("x,y,z,qx,qy,qz,qw\n" + "".join(f"{x},1,0,0,0,0,1\n" for x in range(5)))
     arguments = ("--eye", "bug.eye", "--path", path, "--samples", "auto", "--error", 0.002)
     limits = ("--min-samples", 4, "--max-samples", 32)
     code, said, err = omma_command(*arguments, *limits, "--standard-error", "-o", out)
     assert (code, err) == (0, "")
-    renderer = omma.Renderer(
-        scene, eye, samples="auto", error=0.002, min_samples=4, max_samples=32
-    )
+    renderer = omma.Renderer(scene, eye, samples="auto", error=0.002, min_samples=4, max_samples=32)
     responses, report = renderer.render(omma.load_poses(path), report=True)
     assert (np.load(out) == responses).all()
     assert (np.load(tmp_path / "a.error.npy") == report.standard_error).all()

@@ -98,7 +98,7 @@ def test_file_round_trip(tmp_path_factory, axes, acceptance):
 def test_merge_moves_eyes_into_the_head():
     one = omma.Eye([[0, 0, 0]], [[0, 0, -1]], 0.1)
     turn = omma.poses_from_angles((1, 2, 3), (90, 0, 0))[0]  # looks along +X
-    head = omma.merge_eyes([one, (one, turn)])
+    head = omma.eye.merge_eyes([one, (one, turn)])
     assert head.eye_id.tolist() == [0, 1]
     assert head.position_m.tolist() == [[0, 0, 0], [1, 2, 3]]
     assert head.axis[1] == pytest.approx([1, 0, 0], abs=1e-6)
@@ -108,14 +108,14 @@ def test_merge_moves_eyes_into_the_head():
 @pytest.mark.parametrize("eyes", [[], [1], 5, "text", [(1, 2)]])
 def test_merge_of_something_else(eyes):
     with pytest.raises(omma.Error, match="eyes: expected"):
-        omma.merge_eyes(eyes)
+        omma.eye.merge_eyes(eyes)
 
 
 def test_merge_with_a_wrong_transform(eye):
     with pytest.raises(omma.Error, match=r"head_from_eye: expected numbers of shape \(4, 4\)"):
-        omma.merge_eyes([(eye, np.eye(3))])
+        omma.eye.merge_eyes([(eye, np.eye(3))])
     with pytest.raises(omma.Error):
-        omma.merge_eyes([(eye, np.full((4, 4), np.nan))])
+        omma.eye.merge_eyes([(eye, np.full((4, 4), np.nan))])
 
 
 def test_select_of_no_such_eye(eye):

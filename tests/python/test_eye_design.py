@@ -55,7 +55,7 @@ def voronoi_sides(points):
 
 @pytest.fixture(scope="module")
 def even():
-    return omma.generate_eye(500)
+    return omma.eye.generate_eye(500)
 
 
 def test_as_many_as_asked_on_the_sphere(even):
@@ -68,7 +68,7 @@ def test_as_many_as_asked_on_the_sphere(even):
 
 @pytest.mark.parametrize("count", [2, 3, 7, 19, 20, 129, 1000])
 def test_exactly_as_many(count):
-    eye = omma.generate_eye(count, seed=count)
+    eye = omma.eye.generate_eye(count, seed=count)
     assert len(eye) == count
     assert len(np.unique(eye.axis, axis=0)) == count
 
@@ -79,7 +79,7 @@ def test_exactly_as_many(count):
     [(2, 180), (3, 120), (4, np.degrees(np.arccos(-1 / 3))), (6, 90), (12, 63.43494882)],
 )
 def test_few_points_make_the_regular_bodies(count, degrees):
-    axes = omma.generate_eye(count).axis.astype(float)
+    axes = omma.eye.generate_eye(count).axis.astype(float)
     cosine = axes @ axes.T - 2 * np.eye(count)
     # Relaxation stops within a thousandth of the balance.
     assert np.degrees(np.arccos(cosine.max(axis=1))) == pytest.approx(degrees, rel=1e-3)
@@ -113,21 +113,21 @@ def test_spacing_is_that_of_a_hexagonal_lattice(even):
 
 @pytest.mark.parametrize("ratio", [1.0, 1.3])
 def test_acceptance_is_a_multiple_of_the_spacing(ratio):
-    eye = omma.generate_eye(100, acceptance_ratio=ratio)
+    eye = omma.eye.generate_eye(100, acceptance_ratio=ratio)
     expected = ratio * eye.interommatidial_angle_rad()
     assert eye.acceptance_angle_rad == pytest.approx(expected, rel=1e-6)
 
 
 def test_a_seed_repeats_and_another_does_not(even):
-    again, other = omma.generate_eye(500), omma.generate_eye(500, seed=1)
+    again, other = omma.eye.generate_eye(500), omma.eye.generate_eye(500, seed=1)
     assert (again.axis == even.axis).all()
     nearest = np.arccos(np.clip((other.axis @ even.axis.T).max(axis=1), -1, 1))
     assert np.median(nearest) > 0.2 * even.interommatidial_angle_rad().mean()
 
 
 def test_density_is_followed():
-    zone = omma.AcuteZone(0.5, 0.3, np.radians(60), 5)
-    eye = omma.generate_eye(1500, density=zone.density)
+    zone = omma.eye.AcuteZone(0.5, 0.3, np.radians(60), 5)
+    eye = omma.eye.generate_eye(1500, density=zone.density)
     axes = eye.axis.astype(float)
     centre = [np.cos(0.3) * np.sin(0.5), np.sin(0.3), -np.cos(0.3) * np.cos(0.5)]
     angle = np.arccos(np.clip(axes @ centre, -1, 1))
@@ -152,9 +152,9 @@ def test_density_is_followed():
 
 
 def test_zones_multiply_and_bands_go_around():
-    band = omma.AcuteZone(0.0, np.radians(10), np.radians(20), 4, band=True)
-    spot = omma.AcuteZone(np.pi / 2, 0.0, np.radians(40), 3)
-    both = omma.acute_zones([band, spot])
+    band = omma.eye.AcuteZone(0.0, np.radians(10), np.radians(20), 4, band=True)
+    spot = omma.eye.AcuteZone(np.pi / 2, 0.0, np.radians(40), 3)
+    both = omma.eye.acute_zones([band, spot])
     level = np.array([[np.cos(a), np.sin(np.radians(10)) / np.cos(np.radians(10)), np.sin(a)] for a
                       in np.linspace(0, 6, 7)])  # fmt: skip
     level /= np.linalg.norm(level, axis=1, keepdims=True)
@@ -167,7 +167,7 @@ def test_zones_multiply_and_bands_go_around():
 
 
 def test_none_where_the_density_is_zero():
-    eye = omma.generate_eye(300, density=lambda d: (d[:, 0] > 0.2).astype(float))
+    eye = omma.eye.generate_eye(300, density=lambda d: (d[:, 0] > 0.2).astype(float))
     assert eye.axis[:, 0].min() > 0.2
     # As many in each of four rings of equal solid angle, but for the outermost row: it lies on the
     # edge, half of its cells outside. A row is about 25.
@@ -181,14 +181,14 @@ def test_none_in_the_hole_of_a_ring():
         return (np.abs(directions[:, 2] + 0.8) < 0.05).astype(float)
 
     for count in (2, 5, 40):
-        eye = omma.generate_eye(count, density=ring)
+        eye = omma.eye.generate_eye(count, density=ring)
         assert np.abs(eye.axis[:, 2] + 0.8).max() < 0.05 + 1e-6  # axes are float
 
 
 @pytest.mark.parametrize("semi_axes", [(1.0, 2.0, 1.0), (0.6, 1.0, 1.7)])
 def test_ellipsoid_even_over_its_surface(semi_axes):
     a = np.array(semi_axes) * 1e-3
-    eye = omma.generate_eye(800, radius_m=a)
+    eye = omma.eye.generate_eye(800, radius_m=a)
     position = eye.position_m.astype(float)
     assert np.sum((position / a) ** 2, axis=1) == pytest.approx(1, rel=1e-5)
     normal = position / a**2
@@ -205,7 +205,7 @@ def test_ellipsoid_even_over_its_surface(semi_axes):
 
 
 def test_ellipsoid_with_a_density_over_directions():
-    eye = omma.generate_eye(
+    eye = omma.eye.generate_eye(
         800, radius_m=(1e-3, 1.5e-3, 0.8e-3), density=lambda d: 1 + 2 * (d[:, 1] > 0)
     )
     # Three of four look up, whatever the shape. The step is smoothed over a row, of some 40.
@@ -214,8 +214,8 @@ def test_ellipsoid_with_a_density_over_directions():
 
 def test_a_narrow_acute_zone_is_found():
     # A factor of 300 within 4°: finer than the first set of candidates.
-    zone = omma.AcuteZone(0.0, 0.0, np.radians(8), 300)
-    eye = omma.generate_eye(300, density=zone.density)
+    zone = omma.eye.AcuteZone(0.0, 0.0, np.radians(8), 300)
+    eye = omma.eye.generate_eye(300, density=zone.density)
     inside = np.arccos(np.clip(-eye.axis[:, 2].astype(float), -1, 1)) < np.radians(8)
     theta = np.linspace(0, np.pi, 20001)
     density = 1 + 299 * np.exp(-4 * np.log(2) * (theta / np.radians(8)) ** 2)
@@ -248,7 +248,7 @@ def test_a_narrow_acute_zone_is_found():
 )
 def test_wrong_arguments_are_named(arguments, words):
     with pytest.raises(omma.Error) as caught:
-        omma.generate_eye(**arguments)
+        omma.eye.generate_eye(**arguments)
     for word in words:
         assert word in str(caught.value)
 
@@ -256,13 +256,13 @@ def test_wrong_arguments_are_named(arguments, words):
 @pytest.mark.parametrize("name", ["width_rad", "factor"])
 def test_wrong_zones_are_named(name):
     with pytest.raises(omma.Error, match=name):
-        omma.AcuteZone(**({"azimuth_rad": 0, "elevation_rad": 0, "width_rad": 1, "factor": 1}
+        omma.eye.AcuteZone(**({"azimuth_rad": 0, "elevation_rad": 0, "width_rad": 1, "factor": 1}
                           | {name: -1}))  # fmt: skip
 
 
 def test_progress_is_told_and_may_stop_it():
     fractions = []
-    omma.generate_eye(20, progress=lambda stage, fraction: fractions.append(fraction))
+    omma.eye.generate_eye(20, progress=lambda stage, fraction: fractions.append(fraction))
     assert fractions[0] is None
     assert fractions[-1] == 1
     assert fractions[1:] == sorted(fractions[1:])
@@ -272,4 +272,4 @@ def test_progress_is_told_and_may_stop_it():
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        omma.generate_eye(20, progress=stop)
+        omma.eye.generate_eye(20, progress=stop)

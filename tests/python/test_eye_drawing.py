@@ -10,7 +10,7 @@ import pytest
 from conftest import make_eye
 
 import omma
-from omma.eye_drawing import _Drawing, _length, _round_length, view_from
+from omma.picture.drawing import _Drawing, _length, _round_length, view_from
 
 pytest.importorskip("matplotlib")
 
@@ -63,7 +63,7 @@ def test_positions_in_millimetres(six):
 
 
 def test_facets_fill_the_surface():
-    eye = omma.generate_eye(400)
+    eye = omma.eye.generate_eye(400)
     drawing = seen(eye, 0, 0)
     # Hexagons of this distance across their flats cover the sphere of 1 mm.
     covered = 400 * np.sqrt(3) / 2 * np.mean(drawing.diameter**2)
@@ -103,7 +103,7 @@ def png_size(path):
 @pytest.mark.parametrize("colour", ["interommatidial", "acceptance", "eye", "none"])
 def test_svg_and_png(tmp_path, style, colour):
     eye = make_eye(80)
-    omma.draw_eye(
+    omma.picture.draw_eye(
         [tmp_path / "a.svg", tmp_path / "a.png"], eye, style=style, colour=colour, yaw_deg=40
     )
     root = ElementTree.parse(tmp_path / "a.svg").getroot()
@@ -125,16 +125,16 @@ def paths_of(file, collection):
 def test_one_mark_for_each_ommatidium_shown(tmp_path):
     eye = make_eye(90)
     facing = int(np.sum(eye.axis[:, 2] < 0))
-    omma.draw_eye(tmp_path / "a.svg", eye, style="axes", colour="none")
+    omma.picture.draw_eye(tmp_path / "a.svg", eye, style="axes", colour="none")
     assert paths_of(tmp_path / "a.svg", "LineCollection") == facing
-    omma.draw_eye(tmp_path / "b.svg", eye, style="axes", colour="none", back=True)
+    omma.picture.draw_eye(tmp_path / "b.svg", eye, style="axes", colour="none", back=True)
     assert paths_of(tmp_path / "b.svg", "LineCollection") == 90
 
 
 def test_the_same_eye_gives_the_same_bytes(tmp_path):
     eye = make_eye(50)
     for name in ("a", "b"):
-        omma.draw_eye([tmp_path / f"{name}.svg", tmp_path / f"{name}.png"], eye)
+        omma.picture.draw_eye([tmp_path / f"{name}.svg", tmp_path / f"{name}.png"], eye)
     assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
 
@@ -143,7 +143,7 @@ def test_the_same_eye_gives_the_same_bytes(tmp_path):
 def test_eyes_with_little_to_show(tmp_path, axes):
     eye = omma.Eye(1e-3 * axes, axes, 0.1)
     for style in ("facets", "axes"):
-        omma.draw_eye(tmp_path / f"{style}.png", eye, style=style)
+        omma.picture.draw_eye(tmp_path / f"{style}.png", eye, style=style)
         png_size(tmp_path / f"{style}.png")
 
 
@@ -163,7 +163,7 @@ def test_eyes_with_little_to_show(tmp_path, axes):
 def test_wrong_arguments_are_named(tmp_path, monkeypatch, six, arguments, words):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(omma.Error) as caught:
-        omma.draw_eye(**({"paths": "a.svg", "eye": six} | arguments))
+        omma.picture.draw_eye(**({"paths": "a.svg", "eye": six} | arguments))
     for word in words:
         assert word in str(caught.value)
     assert list(tmp_path.iterdir()) == []
@@ -172,7 +172,7 @@ def test_wrong_arguments_are_named(tmp_path, monkeypatch, six, arguments, words)
 def test_without_matplotlib_it_says_what_to_install(tmp_path, monkeypatch, six):
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     with pytest.raises(omma.Error, match=re.escape("pip install omma[plots]")):
-        omma.draw_eye(tmp_path / "a.svg", six)
+        omma.picture.draw_eye(tmp_path / "a.svg", six)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -185,5 +185,7 @@ def test_command(tmp_path, monkeypatch, run_omma):
     assert (code, err) == (0, "")
     assert out == "wrote head.svg\nwrote head.png\n"
     direct = [omma.load_eye("l.eye"), omma.load_eye("r.eye")]
-    omma.draw_eye("direct.svg", omma.merge_eyes(direct), yaw_deg=60, pitch_deg=10, colour="eye")
+    omma.picture.draw_eye(
+        "direct.svg", omma.eye.merge_eyes(direct), yaw_deg=60, pitch_deg=10, colour="eye"
+    )
     assert (tmp_path / "direct.svg").read_bytes() == (tmp_path / "head.svg").read_bytes()

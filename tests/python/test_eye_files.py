@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import omma
-from omma import Acceptance, ReceptorType
+from omma import Acceptance
+from omma.receptors import ReceptorType
 
 EYES = DATA / "compound-ray" / "bees"
 needs_bees = pytest.mark.skipif(not EYES.is_dir(), reason=f"there is no {EYES}")
@@ -168,7 +169,7 @@ def eyes(draw):
 def test_everything_survives_to_the_last_bit(tmp_path_factory, suffix, eye):
     path = tmp_path_factory.getbasetemp() / f"eye{suffix}"
     omma.save_eye(path, eye)
-    assert omma.eye_file_losses(path, eye) == []
+    assert omma.eye.eye_file_losses(path, eye) == []
     back = omma.load_eye(path)
     assert_same(eye, back)
     assert back.path == str(path)

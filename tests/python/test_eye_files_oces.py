@@ -163,7 +163,7 @@ def test_what_is_disabled_is_not_there(tmp_path):
     file.node({"head": True, "enabled": False}, name="sleeper")
     path = file.write(tmp_path / "a.gltf")
     assert omma.load_eye(path).columns["eye_name"] == ["on"]
-    assert omma.eye_file_heads(path) == [""]
+    assert omma.eye.eye_file_heads(path) == [""]
     with pytest.raises(omma.Error, match=r"a\.gltf: node 4 \"sleeper\".*disabled"):
         omma.load_eye(path, head="sleeper")
 
@@ -173,7 +173,7 @@ def test_one_head_of_several(tmp_path):
     for x, name in ((0.0, "queen"), (1.0, "worker"), (2.0, "worker")):
         one_head(file, file.node({"eye": file.simple_eye()}, translation=[x, 0, 0]), name=name)
     path = file.write(tmp_path / "a.gltf")
-    assert omma.eye_file_heads(path) == ["queen", "worker", "worker"]
+    assert omma.eye.eye_file_heads(path) == ["queen", "worker", "worker"]
     assert omma.load_eye(path, head="queen").position_m[0, 0] == pytest.approx(-0.001)
     assert omma.load_eye(path, head=2).position_m[0, 0] == pytest.approx(-2.001)
     for head in (None, "worker", "drone", 3):
@@ -302,7 +302,7 @@ def rich_eye():
         focal_offset_m=5e-5,
         acceptance=[omma.Acceptance.airy(2e-5, 500) if s else None for s in side],
         acceptance_angle_rad=eye.acceptance_angle_rad,
-        receptor_types=[omma.ReceptorType("green", peak_wavelength_nm=544)],
+        receptor_types=[omma.receptors.ReceptorType("green", peak_wavelength_nm=544)],
         receptors=[0, 0],
         columns={"age": np.arange(40.0), "third": np.arange(40.0) / 3, "note": ["x"] * 40},
     )

@@ -24,7 +24,7 @@ def bump(directions, width_deg):
 
 def bee_angles(directions):
     """Giger's honeybee (Stürzl et al. 2010): Δφ_h in a row, Δφ_v from a row to the next but one."""
-    azimuth, elevation = omma.azimuth_elevation_deg_of(directions)
+    azimuth, elevation = omma.eye.azimuth_elevation_deg_of(directions)
     azimuth = np.where(azimuth < -60, azimuth + 360, azimuth)
     across = np.interp(azimuth, [0, 45, 90, 150], [3.7, 2.4, 3.7, 4.6])
     far = (np.abs(elevation) > 50) & (azimuth > 90) & (azimuth < 180)
@@ -41,25 +41,25 @@ def bee_outline():
     fraction = np.minimum(1, np.abs(elevation) / 60) ** 2
     nasal = -14.5 + (np.where(elevation > 0, -42.0, -52.0) + 14.5) * fraction
     temporal = [(azimuth, height) for height, azimuth in BEE_TEMPORAL]
-    return omma.outline([*temporal, *zip(nasal, elevation)])
+    return omma.eye.outline([*temporal, *zip(nasal, elevation)])
 
 
 # Name: horizontal, vertical, field of view, count.
 FIELDS = {
     "sphere": (1.0, None, None, 1500),
-    "hemisphere": (1.0, None, omma.window(elevation_deg=(0, 90)), 1500),
+    "hemisphere": (1.0, None, omma.eye.window(elevation_deg=(0, 90)), 1500),
     "acute zone, four times": (
-        lambda d: 1 / np.sqrt(1 + 3 * bump(d, 60)), None, omma.window((-30, 160)), 1500,
+        lambda d: 1 / np.sqrt(1 + 3 * bump(d, 60)), None, omma.eye.window((-30, 160)), 1500,
     ),
     "acute zone, sixteen times": (
-        lambda d: 1 / np.sqrt(1 + 15 * bump(d, 60)), None, omma.window((-30, 160)), 1500,
+        lambda d: 1 / np.sqrt(1 + 15 * bump(d, 60)), None, omma.eye.window((-30, 160)), 1500,
     ),
     "streak": (
         D(4), lambda d: D(1) + D(3) * (1 - np.exp(-(np.arcsin(d[:, 1]) / D(20)) ** 2)),
-        omma.window((-10, 130), (-50, 50)), None,
+        omma.eye.window((-10, 130), (-50, 50)), None,
     ),
     "three times as far horizontally": (
-        D(4.5), D(1.5), omma.window((-50, 50), (-35, 35)), None,
+        D(4.5), D(1.5), omma.eye.window((-50, 50), (-35, 35)), None,
     ),
     "honeybee": (
         lambda d: bee_angles(d)[0], lambda d: bee_angles(d)[1] / np.sqrt(3), bee_outline(), None,
@@ -75,7 +75,7 @@ def lattices():
     def get(name):
         if name not in made:
             across, up, seen, count = FIELDS[name]
-            lattice = omma.lay_directions(across, up, field_of_view=seen, count=count)
+            lattice = omma.eye.lay_directions(across, up, field_of_view=seen, count=count)
             made[name] = lattice, scaled(across, lattice), scaled(up, lattice), seen
         return made[name]
 
@@ -91,7 +91,7 @@ def scaled(angle, lattice):
 @pytest.mark.parametrize("name", FIELDS)
 def test_the_numbers_asked_for(lattices, name):
     lattice, across, up, seen = lattices(name)
-    check = omma.check_lattice(lattice.directions, across, up)
+    check = omma.eye.check_lattice(lattice.directions, across, up)
     # Measured, all fields: median error 0.3 to 1.2 %, p95 2 to 5 %, 94 to 98 % with six.
     assert check.median_error < 0.03
     assert check.p95_error < 0.10
@@ -135,7 +135,7 @@ def test_neighbours_are_those_of_delaunay(lattices):
     degree = delaunay_degrees(directions)
     assert np.sum(6 - degree) == 12
     assert np.mean(degree == 6) > 0.90
-    check = omma.check_lattice(directions, lattices("sphere")[0].scale)
+    check = omma.eye.check_lattice(directions, lattices("sphere")[0].scale)
     # Four points on a circle leave open which two are neighbours.
     assert np.mean(check.degree == degree) > 0.99
 
@@ -145,7 +145,7 @@ def test_the_true_angles_follow(lattices, name):
     # Independent of the metric: angles between axes as an Eye measures them.
     lattice, across, _, _ = lattices(name)
     eye = omma.Eye(lattice.directions, lattice.directions, 0.0)
-    inner = omma.check_lattice(lattice.directions, across).inner
+    inner = omma.eye.check_lattice(lattice.directions, across).inner
     relative = (eye.interommatidial_angle_rad() / across(lattice.directions))[inner]
     assert np.median(relative) == pytest.approx(1, abs=0.015)
     assert np.quantile(np.abs(relative - 1), 0.95) < 0.1
@@ -163,8 +163,8 @@ def test_a_steep_fovea():
     def angle(directions):
         return D(0.28) + D(4.2) * (1 - np.exp(-((from_ahead(directions) / D(12)) ** 2)))
 
-    lattice = omma.lay_directions(angle, field_of_view=omma.window((-20, 160)))
-    check = omma.check_lattice(lattice.directions, angle)
+    lattice = omma.eye.lay_directions(angle, field_of_view=omma.eye.window((-20, 160)))
+    check = omma.eye.check_lattice(lattice.directions, angle)
     # Measured: 0.8 %, 5.7 %, 95 %.
     assert check.median_error < 0.03
     assert check.p95_error < 0.10
@@ -174,17 +174,18 @@ def test_a_steep_fovea():
 
 
 @pytest.mark.parametrize("count", [2, 3, 7, 50, 601, 700])
-@pytest.mark.parametrize("seen", [None, omma.window((-30, 30), (-40, 40))])
+@pytest.mark.parametrize("seen", [None, omma.eye.window((-30, 30), (-40, 40))])
 def test_exactly_as_many(count, seen):
-    lattice = omma.lay_directions(D(5), field_of_view=seen, count=count)
+    lattice = omma.eye.lay_directions(D(5), field_of_view=seen, count=count)
     assert len(np.unique(lattice.directions, axis=0)) == count
     assert seen is None or seen(lattice.directions).all()
 
 
 def test_a_seed_repeats_and_another_does_not():
-    seen = omma.window((-30, 30), (-30, 30))
+    seen = omma.eye.window((-30, 30), (-30, 30))
     first, again, other = (
-        omma.lay_directions(D(5), field_of_view=seen, seed=seed).directions for seed in (1, 1, 2)
+        omma.eye.lay_directions(D(5), field_of_view=seen, seed=seed).directions
+        for seed in (1, 1, 2)
     )
     assert (first == again).all()
     assert first.shape == other.shape
@@ -193,7 +194,7 @@ def test_a_seed_repeats_and_another_does_not():
 
 def test_progress_is_told_and_can_stop():
     told = []
-    omma.lay_directions(D(6), count=700, progress=lambda stage, fraction: told.append(fraction))
+    omma.eye.lay_directions(D(6), count=700, progress=lambda stage, fraction: told.append(fraction))
     fractions = [fraction for fraction in told if fraction is not None]
     assert fractions == sorted(fractions)
     assert fractions[-1] == 1
@@ -203,58 +204,58 @@ def test_progress_is_told_and_can_stop():
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        omma.lay_directions(D(6), count=700, progress=stop)
+        omma.eye.lay_directions(D(6), count=700, progress=stop)
 
 
 def test_check_sees_what_is_wrong(lattices):
     lattice, across, _, _ = lattices("hemisphere")
-    wide = omma.check_lattice(lattice.directions, lambda d: 0.9 * across(d))
+    wide = omma.eye.check_lattice(lattice.directions, lambda d: 0.9 * across(d))
     assert np.median(wide.ratio[wide.inner]) == pytest.approx(1 / 0.9, rel=0.01)
     assert wide.median_error == pytest.approx(1 / 0.9 - 1, rel=0.1)
     random = np.random.default_rng(0).standard_normal((1500, 3))
     random /= np.linalg.norm(random, axis=1, keepdims=True)
-    check = omma.check_lattice(random, np.sqrt(4 * np.pi / 1500 * 2 / np.sqrt(3)))
+    check = omma.eye.check_lattice(random, np.sqrt(4 * np.pi / 1500 * 2 / np.sqrt(3)))
     assert check.six_fraction < 0.4  # 0.29 for random points in the plane
     assert check.p95_error > 0.3
 
 
 def test_windows_and_outlines():
-    at = omma.direction
-    seen = omma.window((-40, 215), (-10, 60))
+    at = omma.eye.direction
+    seen = omma.eye.window((-40, 215), (-10, 60))
     inside = at([-39, 0, 180, -146], [0, 59, -9, 0])
     assert seen(inside).all()
     assert not seen(at([-41, 0, -144, 0], [0, 61, 0, -11])).any()
-    square = omma.outline([(170, -10), (200, -10), (200, 10), (170, 10)])
+    square = omma.eye.outline([(170, -10), (200, -10), (200, 10), (170, 10)])
     assert square(at([171, -161, 180], [0, 9, -9])).all()
     assert not square(at([169, -159, 180, 0], [0, 0, 11, 0])).any()
-    notch = omma.outline([(0, 0), (40, 0), (40, 40), (20, 10), (0, 40)])
+    notch = omma.eye.outline([(0, 0), (40, 0), (40, 40), (20, 10), (0, 40)])
     assert notch(at([5, 35, 20], [30, 30, 5])).all()
     assert not notch(at([20], [15])).any()
 
 
 def test_directions_there_and_back():
-    assert omma.direction([0, 90, 0, 180], [0, 0, 90, 0]) == pytest.approx(
+    assert omma.eye.direction([0, 90, 0, 180], [0, 0, 90, 0]) == pytest.approx(
         np.array([[0, 0, -1], [1, 0, 0], [0, 1, 0], [0, 0, 1]]), abs=1e-12
     )
-    azimuth, elevation = omma.azimuth_elevation_deg_of(omma.direction(-120, 35))
+    azimuth, elevation = omma.eye.azimuth_elevation_deg_of(omma.eye.direction(-120, 35))
     assert (azimuth, elevation) == (pytest.approx(-120), pytest.approx(35))
 
 
 def test_tables_are_linear_between_and_constant_beyond():
-    table = omma.angle_table([0, 90], [-30, 30], [[1, 2], [3, 4]])
-    at = omma.direction([0, 90, 45, 45, -20, 45], [-30, 30, 0, 15, -60, 80])
+    table = omma.eye.angle_table([0, 90], [-30, 30], [[1, 2], [3, 4]])
+    at = omma.eye.direction([0, 90, 45, 45, -20, 45], [-30, 30, 0, 15, -60, 80])
     assert np.degrees(table(at)) == pytest.approx([1, 4, 2.5, 3, 1, 3.5])
-    around = omma.angle_table([-180, 0, 180], [0], [[1, 3, 1]])
-    assert np.degrees(around(omma.direction([90, -90, 179, -179], 0))) == pytest.approx(
+    around = omma.eye.angle_table([-180, 0, 180], [0], [[1, 3, 1]])
+    assert np.degrees(around(omma.eye.direction([90, -90, 179, -179], 0))) == pytest.approx(
         [2, 2, 1 + 1 / 90, 1 + 1 / 90]
     )
 
 
 def test_acute_angles_give_so_many_times_as_many():
-    zone = omma.AcuteZone(0.0, 0.0, D(30), 9)
-    at = omma.direction([0, 15], 0)
-    assert omma.acute_angle(0.3, zone.density)(at) == pytest.approx([0.1, 0.3 / np.sqrt(5)])
-    assert omma.acute_angle(lambda d: 0.9 + 0 * d[:, 0], zone.density, one_way=True)(
+    zone = omma.eye.AcuteZone(0.0, 0.0, D(30), 9)
+    at = omma.eye.direction([0, 15], 0)
+    assert omma.eye.acute_angle(0.3, zone.density)(at) == pytest.approx([0.1, 0.3 / np.sqrt(5)])
+    assert omma.eye.acute_angle(lambda d: 0.9 + 0 * d[:, 0], zone.density, one_way=True)(
         at
     ) == pytest.approx([0.1, 0.18])
 
@@ -265,12 +266,12 @@ def test_tables_from_files(tmp_path):
         "# a bee\nazimuth_deg, elevation_deg, dphi_h_deg, dphi_v_deg\n"
         "90,0,3,1\n0,0,1,1\n0,10,2,5\n\n90,10,4,5\n"
     )
-    across, up = omma.load_angle_table(path)
-    at = omma.direction([0, 90, 45], [0, 10, 5])
+    across, up = omma.eye.load_angle_table(path)
+    at = omma.eye.direction([0, 90, 45], [0, 10, 5])
     assert np.degrees(across(at)) == pytest.approx([1, 4, 2.5])
     assert np.degrees(up(at)) == pytest.approx([1, 5, 3])
     path.write_text("azimuth_deg,elevation_deg,dphi_h_deg\n0,0,2\n")
-    across, up = omma.load_angle_table(path)
+    across, up = omma.eye.load_angle_table(path)
     assert up is None
     assert np.degrees(across(at)) == pytest.approx([2, 2, 2])
 
@@ -294,7 +295,7 @@ def test_wrong_tables_are_errors(tmp_path, text, words):
     if text is not None:
         path.write_text(text)
     with pytest.raises(omma.Error) as caught:
-        omma.load_angle_table(path)
+        omma.eye.load_angle_table(path)
     for word in ["bad.csv", *words]:
         assert word in str(caught.value)
 
@@ -302,25 +303,28 @@ def test_wrong_tables_are_errors(tmp_path, text, words):
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: omma.lay_directions(0.1, count=1), ["count", "2"]),
-        (lambda: omma.lay_directions(0.1, seed=-1), ["seed", "-1"]),
-        (lambda: omma.lay_directions(-0.1), ["horizontal_rad", "-0.1", "azimuth"]),
-        (lambda: omma.lay_directions(0.1, 4.0), ["vertical_rad", "4.0"]),
-        (lambda: omma.lay_directions(lambda d: d), ["horizontal_rad", "shape"]),
-        (lambda: omma.lay_directions(1e-5), ["horizontal_rad", "small"]),
-        (lambda: omma.lay_directions(3.0, field_of_view=omma.window((0, 9), (0, 9))), ["less"]),
-        (lambda: omma.lay_directions(0.1, field_of_view=lambda d: d[:, 0] > 2), ["none of"]),
-        (lambda: omma.lay_directions(0.1, field_of_view=lambda d: d[:, 0]), ["truth values"]),
-        (lambda: omma.check_lattice([[0, 0, 1]], 0.1), ["directions", "(1, 3)"]),
-        (lambda: omma.window((10, 0)), ["azimuth_deg"]),
-        (lambda: omma.window((0, 400)), ["azimuth_deg", "360"]),
-        (lambda: omma.window(elevation_deg=(0, 100)), ["elevation_deg"]),
-        (lambda: omma.outline([(0, 0), (1, 1)]), ["outline", "3"]),
-        (lambda: omma.outline([(0, 0), (1, 1), (0, 91)]), ["outline", "90"]),
-        (lambda: omma.angle_table([1, 0], [0], [[1, 1]]), ["azimuth_deg", "ascending"]),
-        (lambda: omma.angle_table([0, 400], [0], [[1, 1]]), ["azimuth_deg", "turn"]),
-        (lambda: omma.angle_table([0, 1], [0], [[1]]), ["angle_deg", "(1, 2)"]),
-        (lambda: omma.angle_table([0], [0], [[0]]), ["angle_deg", "above 0"]),
+        (lambda: omma.eye.lay_directions(0.1, count=1), ["count", "2"]),
+        (lambda: omma.eye.lay_directions(0.1, seed=-1), ["seed", "-1"]),
+        (lambda: omma.eye.lay_directions(-0.1), ["horizontal_rad", "-0.1", "azimuth"]),
+        (lambda: omma.eye.lay_directions(0.1, 4.0), ["vertical_rad", "4.0"]),
+        (lambda: omma.eye.lay_directions(lambda d: d), ["horizontal_rad", "shape"]),
+        (lambda: omma.eye.lay_directions(1e-5), ["horizontal_rad", "small"]),
+        (
+            lambda: omma.eye.lay_directions(3.0, field_of_view=omma.eye.window((0, 9), (0, 9))),
+            ["less"],
+        ),
+        (lambda: omma.eye.lay_directions(0.1, field_of_view=lambda d: d[:, 0] > 2), ["none of"]),
+        (lambda: omma.eye.lay_directions(0.1, field_of_view=lambda d: d[:, 0]), ["truth values"]),
+        (lambda: omma.eye.check_lattice([[0, 0, 1]], 0.1), ["directions", "(1, 3)"]),
+        (lambda: omma.eye.window((10, 0)), ["azimuth_deg"]),
+        (lambda: omma.eye.window((0, 400)), ["azimuth_deg", "360"]),
+        (lambda: omma.eye.window(elevation_deg=(0, 100)), ["elevation_deg"]),
+        (lambda: omma.eye.outline([(0, 0), (1, 1)]), ["outline", "3"]),
+        (lambda: omma.eye.outline([(0, 0), (1, 1), (0, 91)]), ["outline", "90"]),
+        (lambda: omma.eye.angle_table([1, 0], [0], [[1, 1]]), ["azimuth_deg", "ascending"]),
+        (lambda: omma.eye.angle_table([0, 400], [0], [[1, 1]]), ["azimuth_deg", "turn"]),
+        (lambda: omma.eye.angle_table([0, 1], [0], [[1]]), ["angle_deg", "(1, 2)"]),
+        (lambda: omma.eye.angle_table([0], [0], [[0]]), ["angle_deg", "above 0"]),
     ],
 )
 def test_wrong_arguments_are_named(call, words):

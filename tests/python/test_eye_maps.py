@@ -8,8 +8,9 @@ import pytest
 from conftest import make_eye
 
 import omma
-from omma.eye_field import sphere_directions
-from omma.eye_maps import (
+from omma.eye.field import sphere_directions
+from omma.eye.measures import measure_eye
+from omma.picture.eye_maps import (
     PROJECTIONS,
     colour_limits,
     draw_graticule,
@@ -18,7 +19,6 @@ from omma.eye_maps import (
     plot_eye_maps,
     project_directions,
 )
-from omma.eye_measures import measure_eye
 
 pytest.importorskip("matplotlib")
 
@@ -26,7 +26,7 @@ pytest.importorskip("matplotlib")
 @pytest.fixture(autouse=True)
 def coarse_maps(monkeypatch):
     """Maps of few pixels: quicker, and as good for what is tested here."""
-    monkeypatch.setattr("omma.eye_maps._PIXELS", 200)
+    monkeypatch.setattr("omma.picture.eye_maps._PIXELS", 200)
 
 
 AHEAD, RIGHT, LEFT, UP = [0, 0, -1], [1, 0, 0], [-1, 0, 0], [0, 1, 0]
@@ -129,7 +129,7 @@ def texts(path):
 
 @pytest.mark.parametrize("projection", PROJECTIONS)
 def test_figure_says_what_it_shows(tmp_path, projection):
-    eye = omma.merge_eyes([omma.generate_eye(300), omma.generate_eye(200)])
+    eye = omma.eye.merge_eyes([omma.eye.generate_eye(300), omma.eye.generate_eye(200)])
     plot_eye_maps([tmp_path / "a.svg", tmp_path / "a.png", tmp_path / "a.pdf"], eye,
                   projection=projection)  # fmt: skip
     said = texts(tmp_path / "a.svg")
@@ -156,7 +156,7 @@ def test_graticule_is_labelled(projection):
 
 
 def test_figure_of_chosen_properties(tmp_path):
-    eye = omma.generate_eye(200).replace(
+    eye = omma.eye.generate_eye(200).replace(
         facet_diameter_m=np.linspace(10e-6, 30e-6, 200),
         columns={"age": np.arange(200.0), "zone": ["dorsal", "ventral"] * 100},
     )
@@ -172,7 +172,7 @@ def test_what_is_the_same_throughout_needs_no_colours(tmp_path):
 
 
 def test_the_same_eye_gives_the_same_bytes(tmp_path):
-    eye = omma.generate_eye(100)
+    eye = omma.eye.generate_eye(100)
     for folder in ("a", "b"):
         (tmp_path / folder).mkdir()
         plot_eye_maps([tmp_path / folder / f"m.{e}" for e in ("svg", "png", "pdf")], eye)
@@ -209,7 +209,7 @@ def test_wrong_arguments_are_named(tmp_path, monkeypatch, arguments, words):
 
 def test_commands(tmp_path, monkeypatch, run_omma):
     monkeypatch.chdir(tmp_path)
-    omma.save_eye("a.eye", omma.generate_eye(150))
+    omma.save_eye("a.eye", omma.eye.generate_eye(150))
     code, out, err = run_omma("eye", "info", "a.eye", "--map", "m.pdf")
     assert (code, err) == (0, "")
     assert "wrote m.pdf" in out

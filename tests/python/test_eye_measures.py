@@ -10,10 +10,10 @@ import pytest
 from conftest import DATA, make_eye
 
 import omma
-from omma.eye_field import sphere_directions
-from omma.eye_measures import diffraction_limit_m_rad, measure_eye
-from omma.eye_neighbours import eye_centre, sides
-from omma.eye_report import SPREADS, eye_summary, eye_table
+from omma.eye.field import sphere_directions
+from omma.eye.measures import diffraction_limit_m_rad, measure_eye
+from omma.eye.neighbours import eye_centre, sides
+from omma.eye.report import SPREADS, eye_summary, eye_table
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 BEES = DATA / "compound-ray" / "bees"
@@ -124,7 +124,7 @@ def test_field_of_a_cap(half_deg, count):
 def test_binocular_overlap_of_two_hemispheres(apart_deg):
     turn = np.radians(apart_deg / 2)
     halves = [cap(90, 8000, towards=(sign * np.sin(turn), 0, -np.cos(turn))) for sign in (-1, 1)]
-    eye = omma.merge_eyes([on_sphere(directions) for directions in halves])
+    eye = omma.eye.merge_eyes([on_sphere(directions) for directions in halves])
     field = measure_eye(eye).field
     # Two half spheres share a lune as wide as the angle that is left of half a turn. Each border
     # is known to a share of half a cell (1.3° here) of 2 x 180° of it: 0.06 sr.
@@ -165,7 +165,10 @@ def test_ratio_and_eye_parameter():
 
 def test_sensitivity_is_that_of_the_most_sensitive_receptor():
     long = {"peak_wavelength_nm": 544, "absorption_per_m": 6700, "length_m": 320e-6}
-    types = [omma.ReceptorType("green", **long), omma.ReceptorType("?", peak_wavelength_nm=344)]
+    types = [
+        omma.receptors.ReceptorType("green", **long),
+        omma.receptors.ReceptorType("?", peak_wavelength_nm=344),
+    ]
     eye = on_sphere(sphere_directions(3)).replace(
         facet_diameter_m=20e-6,
         acceptance_angle_rad=np.radians(1.75),
@@ -251,13 +254,13 @@ def test_a_gap_in_spacing_is_an_outlier():
     assert np.sum(found.outlier != "") < 20  # and some around the hole
 
 
-@pytest.mark.parametrize("make", [lambda: omma.generate_eye(700), lambda: make_eye(300)])
+@pytest.mark.parametrize("make", [lambda: omma.eye.generate_eye(700), lambda: make_eye(300)])
 def test_whole_eyes_have_no_duplicates(make):
     assert (measure_eye(make()).duplicate_of == -1).all()
 
 
 def test_duplicates():
-    eye = omma.generate_eye(300)
+    eye = omma.eye.generate_eye(300)
     twice = eye.take([*range(300), 17, 250, 17])
     found = measure_eye(twice)
     assert found.duplicate_of[300:].tolist() == [17, 250, 17]
@@ -290,7 +293,7 @@ def test_two_sides_in_one_file_are_two_eyes():
     found = measure_eye(eye)
     assert (found.eye_id == (positions[:, 0] > 0)).all()
     assert len(found.field.eyes_sr) == 2
-    whole = omma.generate_eye(500)
+    whole = omma.eye.generate_eye(500)
     assert (measure_eye(whole).eye_id == 0).all()
     assert sides(np.zeros((3, 3)), np.array([0, 1, 1], np.int32)).tolist() == [0, 1, 1]
 
@@ -326,7 +329,7 @@ def test_the_centre_of_an_eye():
 
 
 def test_table_and_summary_name_the_same_things():
-    eye = omma.generate_eye(200)
+    eye = omma.eye.generate_eye(200)
     found = measure_eye(eye)
     table = eye_table(eye, found)
     assert {name for name, _, _ in SPREADS} <= set(table)
@@ -342,7 +345,7 @@ def test_table_and_summary_name_the_same_things():
 
 def test_command(tmp_path, monkeypatch, run_omma):
     monkeypatch.chdir(tmp_path)
-    eye = omma.generate_eye(300)
+    eye = omma.eye.generate_eye(300)
     omma.save_eye("a.eye", eye)
     omma.save_eye("twice.eye", eye.take([*range(300), 7]))
     code, out, err = run_omma("eye", "info", "twice.eye", "-o", "t.csv", "--json", "s.json")
@@ -370,7 +373,7 @@ def test_command(tmp_path, monkeypatch, run_omma):
 
 def test_command_says_what_is_wrong(tmp_path, monkeypatch, run_omma):
     monkeypatch.chdir(tmp_path)
-    omma.save_eye("a.eye", omma.generate_eye(50))
+    omma.save_eye("a.eye", omma.eye.generate_eye(50))
     code, _, err = run_omma("eye", "info", "a.eye", "--map", "a.jpg")
     assert code == 1
     assert "a.jpg" in err

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import omma
-from omma.eye_measures import measure_eye
-from omma.eye_plots import choose, plot_acceptance
-from omma.eye_poster import plot_poster, plot_species
-from omma.eye_properties import PROPERTIES, eye_property
+from omma.eye.measures import measure_eye
+from omma.eye.properties import PROPERTIES, eye_property
+from omma.picture.acceptance_plots import choose, plot_acceptance
+from omma.picture.poster import plot_poster, plot_species
 
 pytest.importorskip("matplotlib")
 
@@ -17,7 +17,7 @@ pytest.importorskip("matplotlib")
 @pytest.fixture(autouse=True)
 def coarse_maps(monkeypatch):
     """Maps of few pixels: quicker, and as good for what is tested here."""
-    monkeypatch.setattr("omma.eye_maps._PIXELS", 200)
+    monkeypatch.setattr("omma.picture.eye_maps._PIXELS", 200)
 
 
 def texts(path):
@@ -27,8 +27,8 @@ def texts(path):
 
 @pytest.fixture(scope="module")
 def eye():
-    zone = omma.AcuteZone(0.0, 0.0, 0.7, 5.0)
-    made = omma.generate_eye(300, density=zone.density)
+    zone = omma.eye.AcuteZone(0.0, 0.0, 0.7, 5.0)
+    made = omma.eye.generate_eye(300, density=zone.density)
     kinds = [
         omma.Acceptance.gaussian(0.08),
         omma.Acceptance.gaussian(0.1, 0.05, np.radians(30)),
@@ -110,7 +110,7 @@ def test_every_property_has_a_label_and_a_number_for_each(eye, name):
 
 
 def test_eyes_and_text_columns_are_classes(eye):
-    head = omma.merge_eyes([eye, eye]).replace(columns={"kind": ["b", "a"] * 300})
+    head = omma.eye.merge_eyes([eye, eye]).replace(columns={"kind": ["b", "a"] * 300})
     measures = measure_eye(head)
     found = eye_property(head, measures, "eye")
     assert found.classes == ("eye 0", "eye 1")
@@ -123,11 +123,15 @@ def test_eyes_and_text_columns_are_classes(eye):
 @pytest.fixture(scope="module")
 def head(eye):
     types = [
-        omma.ReceptorType("green", peak_wavelength_nm=544, absorption_per_m=6700, length_m=3e-4),
-        omma.ReceptorType("blue", peak_wavelength_nm=436),
-        omma.ReceptorType("blue-crossed", peak_wavelength_nm=436, microvillus_angle_rad=1.0),
+        omma.receptors.ReceptorType(
+            "green", peak_wavelength_nm=544, absorption_per_m=6700, length_m=3e-4
+        ),
+        omma.receptors.ReceptorType("blue", peak_wavelength_nm=436),
+        omma.receptors.ReceptorType(
+            "blue-crossed", peak_wavelength_nm=436, microvillus_angle_rad=1.0
+        ),
     ]
-    return omma.merge_eyes([eye, eye]).replace(
+    return omma.eye.merge_eyes([eye, eye]).replace(
         facet_diameter_m=20e-6, receptor_types=types, receptors=[0, 1, 2]
     )
 
@@ -151,7 +155,7 @@ def test_poster_says_what_it_shows(tmp_path, head):
 
 
 def test_poster_of_an_eye_of_which_little_is_known(tmp_path):
-    plot_poster(tmp_path / "a.png", omma.generate_eye(60))
+    plot_poster(tmp_path / "a.png", omma.eye.generate_eye(60))
     assert (tmp_path / "a.png").read_bytes()[:4] == b"\x89PNG"
 
 
@@ -167,7 +171,7 @@ def test_poster_of_a_species_names_the_standing_of_each_fact(tmp_path):
 
 def test_commands(tmp_path, monkeypatch, run_omma):
     monkeypatch.chdir(tmp_path)
-    omma.save_eye("a.eye", omma.generate_eye(90))
+    omma.save_eye("a.eye", omma.eye.generate_eye(90))
     for what in ("3d", "acceptance", "poster"):
         code, out, err = run_omma("eye", "plot", "a.eye", "--what", what, "-o", f"{what}.svg")
         assert (code, out, err) == (0, f"wrote {what}.svg\n", "")
@@ -194,7 +198,7 @@ def test_commands(tmp_path, monkeypatch, run_omma):
 )
 def test_command_says_what_is_wrong(tmp_path, monkeypatch, run_omma, arguments, words):
     monkeypatch.chdir(tmp_path)
-    omma.save_eye("a.eye", omma.generate_eye(40))
+    omma.save_eye("a.eye", omma.eye.generate_eye(40))
     code, _, err = run_omma("eye", "plot", *arguments)
     assert code == 1
     for word in words:

@@ -13,8 +13,10 @@ import omma
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 ELLIPSE = omma.Acceptance.gaussian(0.04, 0.01, 0.3)
 LENS = omma.Acceptance.lens_rhabdom(20e-6, 50e-6, 1.9e-6, 500)
-GREEN = omma.ReceptorType("green", peak_wavelength_nm=544)
-ULTRAVIOLET = omma.ReceptorType("uv", peak_wavelength_nm=344, polarisation_sensitivity=6.3)
+GREEN = omma.receptors.ReceptorType("green", peak_wavelength_nm=544)
+ULTRAVIOLET = omma.receptors.ReceptorType(
+    "uv", peak_wavelength_nm=344, polarisation_sensitivity=6.3
+)
 
 
 def full_eye() -> omma.Eye:
@@ -104,7 +106,7 @@ def test_taking_by_index_and_mask() -> None:
 
 def test_merging_keeps_all() -> None:
     eye = full_eye()
-    pair = omma.merge_eyes([eye, (eye, np.diag([-1.0, 1, 1, 1]))])
+    pair = omma.eye.merge_eyes([eye, (eye, np.diag([-1.0, 1, 1, 1]))])
     same(pair.select(0), eye.replace(eye_id=0), but=("path", "acceptances", "acceptance_of"))
     assert pair.acceptance(3).major_angle_rad == -0.3
     assert pair.columns["region"] == ["a", "b", "ç"] * 2
@@ -119,7 +121,10 @@ def test_merging_keeps_all() -> None:
         ({"acceptance": [ELLIPSE]}, r"as many as there are ommatidia \(3\), found 1"),
         ({"acceptance": "airy"}, "acceptance: expected an omma.Acceptance or None, found str"),
         ({"acceptance": [1, 2, 3]}, r"acceptance\[0\]: expected an omma.Acceptance"),
-        ({"receptor_types": [1]}, r"receptor_types\[0\]: expected an omma.ReceptorType, found int"),
+        (
+            {"receptor_types": [1]},
+            r"receptor_types\[0\]: expected an omma.receptors.ReceptorType, found int",
+        ),
         ({"receptors": [2]}, "receptor_type must be from 0"),
         ({"receptors": [[0], [1]]}, r"a list for each ommatidium \(3\), found 2"),
         ({"columns": [1, 2]}, "columns: expected a dictionary"),
@@ -181,10 +186,12 @@ def test_acceptances_are_functions_of_arrays() -> None:
 
 def test_receptor_types_check_themselves() -> None:
     with pytest.raises(omma.Error, match=r"'green'\): peak_wavelength_nm: expected 300 to 800 nm"):
-        omma.ReceptorType("green", peak_wavelength_nm=54)
+        omma.receptors.ReceptorType("green", peak_wavelength_nm=54)
     with pytest.raises(omma.Error, match="a peak wavelength or a table of sensitivities"):
-        omma.ReceptorType("x", peak_wavelength_nm=540, wavelength_nm=[1, 2], sensitivity=[1, 2])
-    table = omma.ReceptorType("x", wavelength_nm=[400, 500, 600], sensitivity=[0, 4, 2])
+        omma.receptors.ReceptorType(
+            "x", peak_wavelength_nm=540, wavelength_nm=[1, 2], sensitivity=[1, 2]
+        )
+    table = omma.receptors.ReceptorType("x", wavelength_nm=[400, 500, 600], sensitivity=[0, 4, 2])
     assert table.sensitivity == [0, 1, 0.5]
     assert table != ULTRAVIOLET
     assert ULTRAVIOLET.acceptance is None

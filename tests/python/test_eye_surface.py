@@ -38,7 +38,7 @@ def angle(first, second):
 
 def test_points_of_an_ellipsoid():
     axes, centre = np.array([0.4e-3, 1.2e-3, 0.5e-3]), np.array([1e-3, 2e-3, 0])
-    surface = omma.ellipsoid(axes, centre)
+    surface = omma.eye.ellipsoid(axes, centre)
     d = directions(100)
     points = surface.point_of_normal(d)
     assert np.sum(((points - centre) / axes) ** 2, axis=1) == pytest.approx(1)
@@ -56,7 +56,7 @@ def test_points_of_an_ellipsoid():
 def test_a_mesh_of_a_sphere_is_a_sphere():
     vertices, triangles = icosphere(4)
     for turned in (triangles, triangles[:, ::-1]):  # outwards, whichever way triangles are turned
-        mesh = omma.mesh_surface(1e-3 * vertices, turned)
+        mesh = omma.eye.mesh_surface(1e-3 * vertices, turned)
         d = directions(500)
         points = mesh.point_of_normal(d)
         # Middles of triangles are up to 2.8° from corners, so 1 - cos 2.8° = 0.12 % too low.
@@ -70,7 +70,7 @@ def test_a_mesh_of_a_sphere_is_a_sphere():
 
 def test_nearest_points_of_a_mesh_are_the_nearest():
     vertices, triangles = icosphere(1)
-    mesh = omma.mesh_surface(vertices, triangles)
+    mesh = omma.eye.mesh_surface(vertices, triangles)
     points = 1.3 * directions(50)
     # Against a fine sampling of all triangles.
     samples = mesh.samples(2_000_000)[0]
@@ -86,7 +86,7 @@ def test_meshes_from_files(tmp_path, ending):
     vertices, triangles = icosphere(2)
     path = tmp_path / f"eye.{ending}"
     trimesh.Trimesh(vertices * [1, 2, 3], triangles).export(path)
-    mesh = omma.load_surface(path, unit="um")
+    mesh = omma.eye.load_surface(path, unit="um")
     assert np.abs(mesh.vertices).max(axis=0) == pytest.approx([1e-6, 2e-6, 3e-6], rel=1e-5)
     assert len(mesh.triangles) == len(triangles)
 
@@ -97,19 +97,19 @@ def test_wrong_files_are_errors(tmp_path):
         if text is not None:
             (tmp_path / name).write_text(text)
         with pytest.raises(omma.Error, match=name):
-            omma.load_surface(tmp_path / name)
+            omma.eye.load_surface(tmp_path / name)
 
 
 def test_eye_of_directions():
     d = directions(200)
-    surface = omma.ellipsoid((1e-3, 2e-3, 1e-3))
-    eye = omma.eye_on_surface(d, surface, acceptance_ratio=1.5, eye_id=1)
+    surface = omma.eye.ellipsoid((1e-3, 2e-3, 1e-3))
+    eye = omma.eye.eye_on_surface(d, surface, acceptance_ratio=1.5, eye_id=1)
     assert eye.axis == pytest.approx(d, abs=1e-6)
     assert eye.position_m == pytest.approx(surface.point_of_normal(d), rel=1e-5)
     assert eye.acceptance_angle_rad == pytest.approx(1.5 * eye.interommatidial_angle_rad())
-    assert eye.facet_diameter_m == pytest.approx(omma.facet_diameters_m(eye))
+    assert eye.facet_diameter_m == pytest.approx(omma.eye.facet_diameters_m(eye))
     assert set(eye.eye_id.tolist()) == {1}
-    assert omma.skew_rad(eye, surface=surface) == pytest.approx(0, abs=1e-3)  # float axes
+    assert omma.eye.skew_rad(eye, surface=surface) == pytest.approx(0, abs=1e-3)  # float axes
 
 
 @pytest.mark.parametrize("centre", [None, (0.0, 0.0, 0.0)])
@@ -117,12 +117,12 @@ def test_eye_of_directions():
 def test_a_skewed_design_has_the_median_asked_for(degrees, centre):
     # 32 to 45° is what real bees have, from the head's middle.
     d = directions(2000)
-    towards = omma.direction(60, 0)
+    towards = omma.eye.direction(60, 0)
     d = d[angle(d, np.broadcast_to(towards, d.shape)) < D(80)]
-    surface = omma.ellipsoid((0.4e-3, 1.2e-3, 0.5e-3), (1.4e-3, 0, 0))
-    factor = omma.squeeze_for_skew(d, surface, towards, D(degrees), centre_m=centre)
-    eye = omma.eye_on_surface(d, surface, normal=omma.squeezed(towards, factor))
-    skew = omma.skew_rad(eye, surface=surface) if centre is None else omma.skew_rad(eye)
+    surface = omma.eye.ellipsoid((0.4e-3, 1.2e-3, 0.5e-3), (1.4e-3, 0, 0))
+    factor = omma.eye.squeeze_for_skew(d, surface, towards, D(degrees), centre_m=centre)
+    eye = omma.eye.eye_on_surface(d, surface, normal=omma.eye.squeezed(towards, factor))
+    skew = omma.eye.skew_rad(eye, surface=surface) if centre is None else omma.eye.skew_rad(eye)
     assert np.degrees(np.median(skew)) == pytest.approx(degrees, abs=0.01)  # float positions
     normals = surface.normals(eye.position_m.astype(float))
     many = np.broadcast_to(towards, d.shape)
@@ -130,7 +130,7 @@ def test_a_skewed_design_has_the_median_asked_for(degrees, centre):
 
 
 def test_lenses_over_a_sphere():
-    eye = omma.lay_on_surface(omma.sphere(1e-3, (1e-3, 0, 0)), 100e-6, acceptance_ratio=2)
+    eye = omma.eye.lay_on_surface(omma.eye.sphere(1e-3, (1e-3, 0, 0)), 100e-6, acceptance_ratio=2)
     position = eye.position_m.astype(float) - [1e-3, 0, 0]
     assert np.linalg.norm(position, axis=1) == pytest.approx(1e-3, rel=1e-5)
     assert eye.axis == pytest.approx(position / 1e-3, abs=1e-5)
@@ -142,12 +142,12 @@ def test_lenses_over_a_sphere():
 
 
 def test_lenses_over_part_of_a_surface_wider_on_top():
-    surface = omma.ellipsoid((0.6e-3, 1e-3, 0.6e-3))
+    surface = omma.eye.ellipsoid((0.6e-3, 1e-3, 0.6e-3))
 
     def width(points):
         return 40e-6 * (1.5 + 0.5 * points[:, 1] / 1e-3)
 
-    eye = omma.lay_on_surface(
+    eye = omma.eye.lay_on_surface(
         surface, width, inside=lambda points: points[:, 0] > 0, count=700,
         axis=lambda points, normals: normals + [0.5, 0, 0],
     )  # fmt: skip
@@ -165,8 +165,8 @@ def test_lenses_over_part_of_a_surface_wider_on_top():
 def test_whole_facets_on_an_open_mesh():
     vertices, triangles = icosphere(3)
     above = (vertices[triangles][:, :, 1] > -1e-9).all(axis=1)
-    mesh = omma.mesh_surface(1e-3 * vertices, triangles[above])
-    eye = omma.lay_on_surface(mesh, 100e-6)
+    mesh = omma.eye.mesh_surface(1e-3 * vertices, triangles[above])
+    eye = omma.eye.lay_on_surface(mesh, 100e-6)
     position = eye.position_m.astype(float)
     assert mesh.to_edge(position).min() >= 49e-6
     assert np.median(eye.facet_diameter_m) == pytest.approx(100e-6, rel=0.03)
@@ -186,29 +186,29 @@ def hexagons(rows, columns, stretch=1.0):
 def test_facets_of_a_lattice_also_at_its_edge():
     eye, _ = hexagons(9, 11)
     # Corners too, where the next ring is among the six nearest.
-    assert omma.facet_diameters_m(eye) == pytest.approx(20e-6, rel=1e-5)
+    assert omma.eye.facet_diameters_m(eye) == pytest.approx(20e-6, rel=1e-5)
     stretched, inside = hexagons(9, 11, 1.3)
     expected = 20e-6 * (2 + 4 * np.hypot(0.5, 1.3 * np.sqrt(3) / 2)) / 6
-    assert omma.facet_diameters_m(stretched)[inside] == pytest.approx(expected, rel=1e-5)
-    assert omma.set_facets(eye, 0.9).facet_diameter_m == pytest.approx(18e-6, rel=1e-5)
-    head = omma.merge_eyes([eye, eye])  # at the same positions
-    assert omma.facet_diameters_m(head) == pytest.approx(20e-6, rel=1e-5)
+    assert omma.eye.facet_diameters_m(stretched)[inside] == pytest.approx(expected, rel=1e-5)
+    assert omma.eye.set_facets(eye, 0.9).facet_diameter_m == pytest.approx(18e-6, rel=1e-5)
+    head = omma.eye.merge_eyes([eye, eye])  # at the same positions
+    assert omma.eye.facet_diameters_m(head) == pytest.approx(20e-6, rel=1e-5)
 
 
 def test_acceptance_from_facets():
     eye = hexagons(4, 4)[0].replace(facet_diameter_m=np.linspace(15e-6, 30e-6, 16))
-    airy = omma.acceptance_from_facets(eye, wavelength_nm=400)
+    airy = omma.eye.acceptance_from_facets(eye, wavelength_nm=400)
     assert [one.kernel for one in airy.acceptances] == ["airy"] * 16
     # 1.0290 λ/D
     expected = 1.0290 * 400e-9 / eye.facet_diameter_m
     assert airy.acceptance_angle_rad == pytest.approx(expected, rel=5e-3)
-    snyder = omma.acceptance_from_facets(
+    snyder = omma.eye.acceptance_from_facets(
         eye, rhabdom_diameter_m=2e-6, f_number=2, model="snyder", wavelength_nm=500
     )
     d = eye.facet_diameter_m.astype(float)
     expected = np.hypot(500e-9 / d, 2e-6 / (2 * d))
     assert snyder.acceptance_angle_rad == pytest.approx(expected, rel=5e-3)
-    focal = omma.acceptance_from_facets(
+    focal = omma.eye.acceptance_from_facets(
         eye, rhabdom_diameter_m=np.full(16, 2e-6), focal_length_m=2 * d, model="snyder"
     )
     assert focal.acceptance_angle_rad == pytest.approx(snyder.acceptance_angle_rad, rel=1e-5)
@@ -219,7 +219,7 @@ def test_facets_are_grouped_for_their_optics():
     count = 3000
     eye = omma.Eye(np.zeros((count, 3)), directions(count), 0.1)
     facets = np.random.default_rng(0).uniform(15e-6, 30e-6, count)
-    eye = omma.acceptance_from_facets(eye.replace(facet_diameter_m=facets))
+    eye = omma.eye.acceptance_from_facets(eye.replace(facet_diameter_m=facets))
     assert len(eye.acceptances) == 64
     made_of = np.array([one.facet_diameter_m for one in eye.acceptances])[eye.acceptance_of]
     # Half of 2^(1/64) and as much again, as the mean of a group need not be its middle.
@@ -231,34 +231,36 @@ def test_facets_are_grouped_for_their_optics():
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: omma.sphere(0), ["semi_axes_m", "0"]),
-        (lambda: omma.ellipsoid((1, 2)), ["semi_axes_m", "(2,)"]),
-        (lambda: omma.mesh_surface([[0, 0, 0]], [[0, 0, 1]]), ["triangles", "indices"]),
-        (lambda: omma.mesh_surface([[0, 0, 0]], [[0, 0, 0]]), ["triangles", "area"]),
-        (lambda: omma.mesh_surface([[0, 0]], [[0, 0, 0]]), ["vertices", "(1, 2)"]),
-        (lambda: omma.eye_on_surface([[0, 0]], omma.sphere(1)), ["directions", "(1, 2)"]),
-        (lambda: omma.squeezed([0, 0, 0], 1), ["towards"]),
-        (lambda: omma.squeezed([0, 0, 1], 0), ["factor", "0"]),
+        (lambda: omma.eye.sphere(0), ["semi_axes_m", "0"]),
+        (lambda: omma.eye.ellipsoid((1, 2)), ["semi_axes_m", "(2,)"]),
+        (lambda: omma.eye.mesh_surface([[0, 0, 0]], [[0, 0, 1]]), ["triangles", "indices"]),
+        (lambda: omma.eye.mesh_surface([[0, 0, 0]], [[0, 0, 0]]), ["triangles", "area"]),
+        (lambda: omma.eye.mesh_surface([[0, 0]], [[0, 0, 0]]), ["vertices", "(1, 2)"]),
+        (lambda: omma.eye.eye_on_surface([[0, 0]], omma.eye.sphere(1)), ["directions", "(1, 2)"]),
+        (lambda: omma.eye.squeezed([0, 0, 0], 1), ["towards"]),
+        (lambda: omma.eye.squeezed([0, 0, 1], 0), ["factor", "0"]),
         (
-            lambda: omma.squeeze_for_skew(directions(9), omma.sphere(1), [0, 0, 1], 3.1),
+            lambda: omma.eye.squeeze_for_skew(directions(9), omma.eye.sphere(1), [0, 0, 1], 3.1),
             ["median_rad", "found 177.6"],
         ),
-        (lambda: omma.skew_rad(hexagons(2, 2)[0]), ["centre"]),
-        (lambda: omma.lay_on_surface(omma.sphere(1), 0), ["spacing_m", "above 0"]),
-        (lambda: omma.lay_on_surface(omma.sphere(1), 9), ["spacing_m", "too wide"]),
-        (lambda: omma.lay_on_surface(omma.sphere(1), 1, count=1), ["count", "1"]),
-        (lambda: omma.lay_on_surface(omma.sphere(1), lambda p: p), ["spacing_m", "shape"]),
-        (lambda: omma.lay_on_surface(omma.sphere(1), 1, inside=lambda p: p), ["inside"]),
-        (lambda: omma.facet_diameters_m(omma.Eye([[0, 0, 0]], [[0, 0, 1]], 0)), ["one"]),
-        (lambda: omma.set_facets(hexagons(2, 2)[0], 0), ["factor"]),
-        (lambda: omma.acceptance_from_facets(hexagons(2, 2)[0]), ["4 of 4", "set_facets"]),
+        (lambda: omma.eye.skew_rad(hexagons(2, 2)[0]), ["centre"]),
+        (lambda: omma.eye.lay_on_surface(omma.eye.sphere(1), 0), ["spacing_m", "above 0"]),
+        (lambda: omma.eye.lay_on_surface(omma.eye.sphere(1), 9), ["spacing_m", "too wide"]),
+        (lambda: omma.eye.lay_on_surface(omma.eye.sphere(1), 1, count=1), ["count", "1"]),
+        (lambda: omma.eye.lay_on_surface(omma.eye.sphere(1), lambda p: p), ["spacing_m", "shape"]),
+        (lambda: omma.eye.lay_on_surface(omma.eye.sphere(1), 1, inside=lambda p: p), ["inside"]),
+        (lambda: omma.eye.facet_diameters_m(omma.Eye([[0, 0, 0]], [[0, 0, 1]], 0)), ["one"]),
+        (lambda: omma.eye.set_facets(hexagons(2, 2)[0], 0), ["factor"]),
+        (lambda: omma.eye.acceptance_from_facets(hexagons(2, 2)[0]), ["4 of 4", "set_facets"]),
         (
-            lambda: omma.acceptance_from_facets(omma.set_facets(hexagons(2, 2)[0]), f_number=2),
+            lambda: omma.eye.acceptance_from_facets(
+                omma.eye.set_facets(hexagons(2, 2)[0]), f_number=2
+            ),
             ["rhabdom_diameter_m"],
         ),
         (
-            lambda: omma.acceptance_from_facets(
-                omma.set_facets(hexagons(2, 2)[0]), rhabdom_diameter_m=1e-6
+            lambda: omma.eye.acceptance_from_facets(
+                omma.eye.set_facets(hexagons(2, 2)[0]), rhabdom_diameter_m=1e-6
             ),
             ["focal_length_m", "f_number"],
         ),

@@ -25,7 +25,7 @@ def real(name):
 
 
 def test_rescale_by_a_factor(offset_eye):
-    large = omma.rescale_eye(offset_eye, 2.5)
+    large = omma.eye.rescale_eye(offset_eye, 2.5)
     assert large.position_m == pytest.approx(2.5 * offset_eye.position_m, rel=1e-6)
     assert large.focal_offset_m == pytest.approx(2.5 * offset_eye.focal_offset_m, rel=1e-6)
     assert (large.axis == offset_eye.axis).all()
@@ -34,7 +34,7 @@ def test_rescale_by_a_factor(offset_eye):
 
 
 def test_rescale_to_a_mean_radius(offset_eye):
-    changed = omma.rescale_eye(offset_eye, mean_radius_m=0.2e-3)
+    changed = omma.eye.rescale_eye(offset_eye, mean_radius_m=0.2e-3)
     radius = np.linalg.norm(changed.position_m, axis=1)
     assert radius.mean() == pytest.approx(0.2e-3, rel=1e-6)
     assert changed.focal_offset_m == pytest.approx(0.2 * offset_eye.focal_offset_m, rel=1e-5)
@@ -44,7 +44,7 @@ def test_rescaled_as_compoundray_did():
     """Its eyes of mean radius 0.1 and 0.2 are one another, rescaled."""
     small = real("scenes/eyes/test1000-horizontallyAcute-2.6degrees-avgRadius-0.1.eye")
     large = real("scenes/eyes/test1000-horizontallyAcute-2.6degrees-avgRadius-0.2.eye")
-    again = omma.rescale_eye(large, mean_radius_m=0.1e-3)
+    again = omma.eye.rescale_eye(large, mean_radius_m=0.1e-3)
     assert again.position_m == pytest.approx(small.position_m, abs=1e-10)  # float, at 1e-4 m
 
 
@@ -54,8 +54,8 @@ def rich_eye():
     eye = make_eye(40)
     rest = np.random.default_rng(1)
     types = [
-        omma.ReceptorType("green", peak_wavelength_nm=544),
-        omma.ReceptorType("uv", peak_wavelength_nm=344, microvillus_angle_rad=0.3),
+        omma.receptors.ReceptorType("green", peak_wavelength_nm=544),
+        omma.receptors.ReceptorType("uv", peak_wavelength_nm=344, microvillus_angle_rad=0.3),
     ]
     return omma.Eye(
         eye.position_m,
@@ -90,26 +90,26 @@ def kept(before, after, order=None, *, but=()):
 
 
 def test_every_tool_keeps_what_it_does_not_change(rich_eye):
-    large = omma.rescale_eye(rich_eye, 2)
+    large = omma.eye.rescale_eye(rich_eye, 2)
     lengths = ("position_m", "focal_offset_m", "facet_diameter_m", "aperture_diameter_m")
     assert kept(rich_eye, large, but=lengths)
     for name in lengths:
         assert getattr(large, name) == pytest.approx(2 * getattr(rich_eye, name), rel=1e-6)
     x = rich_eye.position_m[:, 0]
     order = np.concatenate([np.flatnonzero(x < 0), np.flatnonzero(x >= 0)])
-    assert kept(rich_eye, omma.split_eye(rich_eye), order, but=["eye_id"])
-    changed = omma.set_acceptance(rich_eye, angle_rad=0.1)
+    assert kept(rich_eye, omma.eye.split_eye(rich_eye), order, but=["eye_id"])
+    changed = omma.eye.set_acceptance(rich_eye, angle_rad=0.1)
     assert kept(rich_eye, changed, but=["acceptance"])
     assert changed.acceptance(3) == omma.Acceptance.gaussian(np.float32(0.1))
-    assert kept(rich_eye, omma.place_on_head(rich_eye, (1e-3, 0, 0)), but=["position_m"])
-    joined = omma.join_eyes([rich_eye])
+    assert kept(rich_eye, omma.eye.place_on_head(rich_eye, (1e-3, 0, 0)), but=["position_m"])
+    joined = omma.eye.join_eyes([rich_eye])
     order = np.concatenate([np.arange(0, 40, 2), np.arange(1, 40, 2)])
     assert kept(rich_eye, joined, order, but=["eye_id"])
     assert joined.eye_id.tolist() == [0] * 20 + [1] * 20
 
 
 def test_mirroring_turns_what_is_not_round(rich_eye):
-    image = omma.mirror_eye(rich_eye)
+    image = omma.eye.mirror_eye(rich_eye)
     flip = np.array([-1, 1, 1])
     assert image.position_m == pytest.approx(rich_eye.position_m * flip)
     assert image.axis == pytest.approx(rich_eye.axis * flip, abs=1e-6)
@@ -121,7 +121,7 @@ def test_mirroring_turns_what_is_not_round(rich_eye):
             rich_eye.acceptance(i).eval(0.02, 0.7)
         )
     assert image.acceptance(7) != rich_eye.acceptance(7)
-    twice = omma.mirror_eye(image)
+    twice = omma.eye.mirror_eye(image)
     assert twice.position_m == pytest.approx(rich_eye.position_m)
     assert all(twice.acceptance(i).eval(0.02, 1.0) == pytest.approx(
         rich_eye.acceptance(i).eval(0.02, 1.0)) for i in range(40))  # fmt: skip
@@ -130,7 +130,7 @@ def test_mirroring_turns_what_is_not_round(rich_eye):
 def test_a_pair_is_left_then_right():
     right = make_eye(30)
     right = right.replace(position_m=right.position_m + np.float32([2e-3, 0, 0]))
-    head = omma.pair_of_eyes(right)
+    head = omma.eye.pair_of_eyes(right)
     assert head.eye_id.tolist() == [0] * 30 + [1] * 30
     assert (head.select(1).position_m == right.position_m).all()
     assert head.select(0).position_m[:, 0] == pytest.approx(-right.position_m[:, 0])
@@ -139,25 +139,25 @@ def test_a_pair_is_left_then_right():
 
 def test_placed_as_a_pose_says():
     ahead = omma.Eye([[0, 0, -1e-3]], [[0, 0, -1]], 0.1, up=[[0, 1, 0]])
-    right = omma.place_on_head(ahead, (0, 2e-3, 0), yaw_deg=90)
+    right = omma.eye.place_on_head(ahead, (0, 2e-3, 0), yaw_deg=90)
     assert right.axis[0] == pytest.approx([1, 0, 0], abs=1e-6)
     assert right.position_m[0] == pytest.approx([1e-3, 2e-3, 0], abs=1e-9)
-    assert omma.place_on_head(ahead, pitch_deg=90).axis[0] == pytest.approx([0, 1, 0], abs=1e-6)
-    rolled = omma.place_on_head(ahead, roll_deg=90)
+    assert omma.eye.place_on_head(ahead, pitch_deg=90).axis[0] == pytest.approx([0, 1, 0], abs=1e-6)
+    rolled = omma.eye.place_on_head(ahead, roll_deg=90)
     assert rolled.up[0] == pytest.approx([1, 0, 0], abs=1e-6)
     with pytest.raises(omma.Error, match="nan"):
-        omma.place_on_head(ahead, (0, np.nan, 0))
+        omma.eye.place_on_head(ahead, (0, np.nan, 0))
     with pytest.raises(omma.Error, match="at least one"):
-        omma.join_eyes([])
+        omma.eye.join_eyes([])
 
 
 def test_joined_heads_keep_their_eyes_apart():
-    head = omma.pair_of_eyes(make_eye(20))
-    assert omma.join_eyes([head, make_eye(5)]).eye_id.tolist() == [0] * 20 + [1] * 20 + [2] * 5
+    head = omma.eye.pair_of_eyes(make_eye(20))
+    assert omma.eye.join_eyes([head, make_eye(5)]).eye_id.tolist() == [0] * 20 + [1] * 20 + [2] * 5
 
 
 def test_split_by_side(offset_eye):
-    both = omma.split_eye(offset_eye, shift_m=2e-3)
+    both = omma.eye.split_eye(offset_eye, shift_m=2e-3)
     left, right = both.select(0), both.select(1)
     x = offset_eye.position_m[:, 0]
     assert len(left) == np.sum(x < 0)
@@ -173,25 +173,25 @@ def test_split_by_side(offset_eye):
 def test_split_with_overlap_and_a_middle():
     x = np.array([-2, -0.5, 0, 0.5, 2]) * 1e-3
     eye = omma.Eye(np.stack([x, 0 * x, 0 * x], axis=1), [[0, 0, -1]] * 5, 0.1)
-    plain = omma.split_eye(eye)
+    plain = omma.eye.split_eye(eye)
     assert plain.select(0).position_m[:, 0] * 1e3 == pytest.approx([-2, -0.5])
     assert plain.select(1).position_m[:, 0] * 1e3 == pytest.approx([0, 0.5, 2])  # none is lost
-    wide = omma.split_eye(eye, overlap_m=1e-3)
+    wide = omma.eye.split_eye(eye, overlap_m=1e-3)
     assert wide.select(0).position_m[:, 0] * 1e3 == pytest.approx([-2, -0.5, 0, 0.5])
     assert wide.select(1).position_m[:, 0] * 1e3 == pytest.approx([-0.5, 0, 0.5, 2])
 
 
 def test_a_bee_has_two_like_halves():
-    both = omma.split_eye(real("bees/AM_60185-real.eye"))
+    both = omma.eye.split_eye(real("bees/AM_60185-real.eye"))
     assert (len(both.select(0)), len(both.select(1))) == (3187, 3187)
 
 
 def test_acceptance_constant_scaled_and_from_the_spacing():
     eye = make_eye(60, acceptance_deg=5)
-    assert omma.set_acceptance(eye, angle_rad=0.2).acceptance_angle_rad == pytest.approx(0.2)
-    scaled = omma.set_acceptance(eye, factor=1.5)
+    assert omma.eye.set_acceptance(eye, angle_rad=0.2).acceptance_angle_rad == pytest.approx(0.2)
+    scaled = omma.eye.set_acceptance(eye, factor=1.5)
     assert scaled.acceptance_angle_rad == pytest.approx(1.5 * eye.acceptance_angle_rad, rel=1e-6)
-    ratio = omma.set_acceptance(eye, ratio=0.8)
+    ratio = omma.eye.set_acceptance(eye, ratio=0.8)
     expected = 0.8 * eye.interommatidial_angle_rad()
     assert ratio.acceptance_angle_rad == pytest.approx(expected, rel=1e-6)
     assert (ratio.position_m == eye.position_m).all()
@@ -206,7 +206,7 @@ def angles_between(eye):
 
 def test_non_overlapping_cones_touch_at_most():
     eye = make_eye(700)  # more than one block of the search
-    cone = omma.set_acceptance(eye, non_overlapping=True).acceptance_angle_rad.astype(float)
+    cone = omma.eye.set_acceptance(eye, non_overlapping=True).acceptance_angle_rad.astype(float)
     angle = angles_between(eye)
     # The arc cosine of a float axis is good to some 1e-5 at the least angle here, 0.002.
     assert cone == pytest.approx(angle.min(axis=1), abs=1e-4)
@@ -217,37 +217,37 @@ def test_non_overlapping_cones_touch_at_most():
 def test_compoundray_maximal_is_its_rule():
     """Its eye of variable acceptance was made with it."""
     eye = real("scenes/eyes/1000-horizontallyAcute-variableDegree.eye")
-    ours = omma.set_acceptance(eye, compoundray_maximal=True)
+    ours = omma.eye.set_acceptance(eye, compoundray_maximal=True)
     # Six digits of axes of some 0.05 rad apart.
     assert ours.acceptance_angle_rad == pytest.approx(eye.acceptance_angle_rad, rel=1e-4)
-    narrow = omma.set_acceptance(eye, non_overlapping=True).acceptance_angle_rad
+    narrow = omma.eye.set_acceptance(eye, non_overlapping=True).acceptance_angle_rad
     assert (ours.acceptance_angle_rad >= narrow * (1 - 1e-6)).all()
     assert ours.acceptance_angle_rad.max() > 1.5 * narrow.max()
 
 
 def test_neighbours_are_those_of_the_same_eye():
     eye = make_eye(50)
-    head = omma.merge_eyes([eye, eye])
+    head = omma.eye.merge_eyes([eye, eye])
     for rule in ("non_overlapping", "compoundray_maximal"):
-        alone = omma.set_acceptance(eye, **{rule: True}).acceptance_angle_rad
-        both = omma.set_acceptance(head, **{rule: True}).acceptance_angle_rad
+        alone = omma.eye.set_acceptance(eye, **{rule: True}).acceptance_angle_rad
+        both = omma.eye.set_acceptance(head, **{rule: True}).acceptance_angle_rad
         assert both == pytest.approx(np.tile(alone, 2))
 
 
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda eye: omma.rescale_eye(eye), ["factor", "mean_radius_m"]),
-        (lambda eye: omma.rescale_eye(eye, 2, mean_radius_m=1), ["factor", "mean_radius_m"]),
-        (lambda eye: omma.rescale_eye(eye, -1), ["factor", "-1"]),
-        (lambda eye: omma.rescale_eye(eye, mean_radius_m=0), ["mean_radius_m", "0"]),
-        (lambda eye: omma.split_eye(eye, overlap_m=-1), ["overlap_m", "-1"]),
-        (lambda eye: omma.split_eye(eye, shift_m=np.nan), ["shift_m", "nan"]),
-        (lambda eye: omma.set_acceptance(eye), ["exactly one"]),
-        (lambda eye: omma.set_acceptance(eye, ratio=1, factor=1), ["exactly one"]),
-        (lambda eye: omma.set_acceptance(eye, angle_rad=7), ["acceptance", "7"]),
-        (lambda eye: omma.set_acceptance(eye, ratio=0), ["ratio", "0"]),
-        (lambda eye: omma.set_acceptance(eye, factor=-2), ["factor", "-2"]),
+        (lambda eye: omma.eye.rescale_eye(eye), ["factor", "mean_radius_m"]),
+        (lambda eye: omma.eye.rescale_eye(eye, 2, mean_radius_m=1), ["factor", "mean_radius_m"]),
+        (lambda eye: omma.eye.rescale_eye(eye, -1), ["factor", "-1"]),
+        (lambda eye: omma.eye.rescale_eye(eye, mean_radius_m=0), ["mean_radius_m", "0"]),
+        (lambda eye: omma.eye.split_eye(eye, overlap_m=-1), ["overlap_m", "-1"]),
+        (lambda eye: omma.eye.split_eye(eye, shift_m=np.nan), ["shift_m", "nan"]),
+        (lambda eye: omma.eye.set_acceptance(eye), ["exactly one"]),
+        (lambda eye: omma.eye.set_acceptance(eye, ratio=1, factor=1), ["exactly one"]),
+        (lambda eye: omma.eye.set_acceptance(eye, angle_rad=7), ["acceptance", "7"]),
+        (lambda eye: omma.eye.set_acceptance(eye, ratio=0), ["ratio", "0"]),
+        (lambda eye: omma.eye.set_acceptance(eye, factor=-2), ["factor", "-2"]),
     ],
 )
 def test_wrong_arguments_are_named(call, words):
@@ -260,12 +260,12 @@ def test_wrong_arguments_are_named(call, words):
 def test_eyes_that_cannot_be_changed_so():
     point = omma.Eye([[0, 0, 0]] * 2, [[0, 0, -1]] * 2, 0.1)
     with pytest.raises(omma.Error, match="origin"):
-        omma.rescale_eye(point, mean_radius_m=1)
+        omma.eye.rescale_eye(point, mean_radius_m=1)
     with pytest.raises(omma.Error, match="no ommatidium sits on the left"):
-        omma.split_eye(point)
+        omma.eye.split_eye(point)
     for rule in ({"ratio": 1.0}, {"non_overlapping": True}, {"compoundray_maximal": True}):
         with pytest.raises(omma.Error, match="ommatidium 0"):
-            omma.set_acceptance(point, **rule)
+            omma.eye.set_acceptance(point, **rule)
 
 
 # position (mm), axis (z ahead), acceptance (rad), offset (mm), and what nobody remembers
@@ -280,7 +280,7 @@ def old_file(folder, columns, lines=OLD):
 
 @pytest.mark.parametrize("columns", [7, 8, 9])
 def test_old_files_of_any_age(tmp_path, columns):
-    converted = omma.convert_eye(old_file(tmp_path, columns))
+    converted = omma.eye.convert_eye(old_file(tmp_path, columns))
     eye = converted.eye
     assert converted.columns == columns
     assert eye.position_m * 1e3 == pytest.approx(np.array([[1, 2, -3], [-1, 2, -3]]))
@@ -295,8 +295,8 @@ def test_a_converted_file_is_read_as_the_same_eye(tmp_path):
     omma.save_eye(tmp_path / "today.eye", eye)
     lines = (tmp_path / "today.eye").read_text().splitlines()
     nine = old_file(tmp_path, 9, [line + " 3" for line in lines])
-    assert (omma.convert_eye(nine).eye.position_m == eye.position_m).all()
-    assert (omma.convert_eye(nine).eye.axis == eye.axis).all()
+    assert (omma.eye.convert_eye(nine).eye.position_m == eye.position_m).all()
+    assert (omma.eye.convert_eye(nine).eye.axis == eye.axis).all()
     with pytest.raises(omma.Error, match="column 9"):
         omma.load_eye(nine)
 
@@ -310,25 +310,25 @@ def test_a_converted_file_is_read_as_the_same_eye(tmp_path):
     ],
 )
 def test_what_is_assumed_and_lost_is_said(tmp_path, columns, words):
-    notes = " ".join(omma.convert_eye(old_file(tmp_path, columns)).notes)
+    notes = " ".join(omma.eye.convert_eye(old_file(tmp_path, columns)).notes)
     for word in words:
         assert word in notes
 
 
 def test_degrees_and_their_suspicion(tmp_path):
     path = old_file(tmp_path, 7, ["0 0 1 0 0 1 2.0", "0 1 0 0 1 0 1.0"])
-    plain = omma.convert_eye(path)
+    plain = omma.eye.convert_eye(path)
     assert plain.eye.acceptance_angle_rad == pytest.approx([2, 1])
     assert any("114.6°" in note and "degrees" in note for note in plain.notes)
-    degrees = omma.convert_eye(path, degrees=True)
+    degrees = omma.eye.convert_eye(path, degrees=True)
     assert degrees.eye.acceptance_angle_rad == pytest.approx(np.radians([2, 1]))
     assert any("are degrees" in note for note in degrees.notes)
     with pytest.raises(omma.Error, match="are they degrees"):
-        omma.convert_eye(old_file(tmp_path, 7, ["0 0 1 0 0 1 10"]))
+        omma.eye.convert_eye(old_file(tmp_path, 7, ["0 0 1 0 0 1 10"]))
 
 
 def test_units_of_old_files(tmp_path):
-    eye = omma.convert_eye(old_file(tmp_path, 8), "um").eye
+    eye = omma.eye.convert_eye(old_file(tmp_path, 8), "um").eye
     assert eye.position_m[0] * 1e6 == pytest.approx([1, 2, -3])
     assert eye.focal_offset_m[0] * 1e6 == pytest.approx(0.01)
 
@@ -349,7 +349,7 @@ def test_wrong_old_files_are_errors(tmp_path, text, words):
     path = tmp_path / "bad.eye"
     path.write_text(text)
     with pytest.raises(omma.Error) as caught:
-        omma.convert_eye(path)
+        omma.eye.convert_eye(path)
     for word in ["bad.eye", *words]:
         assert word in str(caught.value)
 
@@ -363,7 +363,7 @@ def test_old_files_that_are_no_files(tmp_path, data, says):
     if data is not None:
         path.write_bytes(data)
     with pytest.raises(omma.Error, match=says):
-        omma.convert_eye(path)
+        omma.eye.convert_eye(path)
 
 
 @pytest.fixture
@@ -408,7 +408,7 @@ def test_split_command(omma_eye):
 def test_acceptance_command(omma_eye, arguments, changed):
     code, _, err = omma_eye("acceptance", "bug.eye", *arguments, "-o", "new.eye")
     assert (code, err) == (0, "")
-    expected = omma.set_acceptance(omma.load_eye("bug.eye"), **changed).acceptance_angle_rad
+    expected = omma.eye.set_acceptance(omma.load_eye("bug.eye"), **changed).acceptance_angle_rad
     assert omma.load_eye("new.eye").acceptance_angle_rad == pytest.approx(expected, rel=1e-6)
 
 

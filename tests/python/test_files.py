@@ -16,8 +16,9 @@ from conftest import make_eye, write_gltf
 
 import omma
 from omma import _core
-from omma.files import NpyWriter, WholeFiles, left_behind
-from omma.info import describe_file
+from omma.base.files import WholeFiles, left_behind
+from omma.job.info import describe_file
+from omma.rendering.response_files import NpyWriter
 
 
 def responses_of(eye, poses=2):
@@ -136,7 +137,7 @@ def write_any(path, eye):
     if suffix == ".npy":
         omma.save_responses(path, responses_of(eye), eye)
     elif suffix == ".csv":
-        omma.save_eye_table(path, eye, omma.measure_eye(eye))
+        omma.eye.save_eye_table(path, eye, omma.eye.measure_eye(eye))
     elif suffix == ".png":
         omma.save_png(path, np.zeros((2, 3, 3), np.uint8))
     else:
@@ -182,14 +183,14 @@ def test_pipes_are_refused(tmp_path, eye, kind):
 
 READERS = [
     omma.load_poses,
-    omma.load_acceptance,
-    omma.load_angle_table,
+    omma.eye.load_acceptance,
+    omma.eye.load_angle_table,
     omma.load_eye,
     omma.load_scene,
-    omma.convert_eye,
-    omma.import_oda,
-    lambda path: omma.import_lens_cone(path, path),
-    omma.eye_file_heads,
+    omma.eye.convert_eye,
+    omma.eye.import_oda,
+    lambda path: omma.eye.import_lens_cone(path, path),
+    omma.eye.eye_file_heads,
     omma.Background.image,
     describe_file,
 ]
@@ -253,7 +254,8 @@ def test_a_chunk_of_a_png_whose_name_is_no_text(tmp_path):
 KILLED = """
 import os, signal, sys
 import numpy as np
-from omma.files import NpyWriter, WholeFiles
+from omma.base.files import WholeFiles
+from omma.rendering.response_files import NpyWriter
 
 with WholeFiles() as files:
     for name in sys.argv[1:]:

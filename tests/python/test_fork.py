@@ -78,8 +78,8 @@ CHILDREN = {
         "large_render, lambda: omma.load_scene(sys.argv[1])",
     ),
     "tools": (
-        "lambda: same([eye.interommatidial_angle_rad(), omma.projection_ids(eye, width=300)], "
-        "measured)",
+        "lambda: same([eye.interommatidial_angle_rad(), "
+        "omma.picture.projection_ids(eye, width=300)], measured)",
         "large_render, eye.interommatidial_angle_rad",
     ),
     "elliptical ommatidia": (
@@ -95,7 +95,7 @@ MADE = """
 single = omma.Renderer(scene, eye, threads=1)
 shared = omma.Renderer(scene, eye, share_rays=True).render(poses, standard_error=True)
 picture = omma.render_camera(renderer, "plain", width=80)
-measured = [eye.interommatidial_angle_rad(), omma.projection_ids(eye, width=300)]
+measured = [eye.interommatidial_angle_rad(), omma.picture.projection_ids(eye, width=300)]
 oval = eye.replace(acceptance=omma.Acceptance.gaussian(0.2, 0.1))
 """
 

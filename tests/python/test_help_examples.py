@@ -12,7 +12,7 @@ from oces_builder import OcesFile
 from test_eye_files_import import grid, oda_file
 
 import omma
-from omma import cli
+from omma.cli import main
 
 EXAMPLES_FOLDER = Path(__file__).resolve().parents[2] / "examples"
 
@@ -36,7 +36,7 @@ def examples():
         for below in getattr(command, "commands", {}).values():
             yield from of(below)
 
-    return [" ".join(text.split()) for text in of(typer.main.get_command(cli.app))]
+    return [" ".join(text.split()) for text in of(typer.main.get_command(main.app))]
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +44,7 @@ def named_files(tmp_path_factory):
     """A folder with small files of the names that the help uses."""
     folder = tmp_path_factory.mktemp("help")
     eye = make_eye(200)
-    receptors = omma.assign_receptors(eye, omma.honeybee_ommatidia())
+    receptors = omma.receptors.assign_receptors(eye, omma.receptors.honeybee_ommatidia())
     for name in ("honeybee", "left", "right", "1000", "bee", "honeybee_worker_left"):
         omma.save_eye(folder / f"{name}.eye", eye)
     omma.save_eye(folder / "honeybee_worker_right.eye", eye)
@@ -52,7 +52,7 @@ def named_files(tmp_path_factory):
     for name in ("honeybee", "right", "eye"):
         omma.save_eye(folder / f"{name}.csv", eye)
     omma.save_eye(folder / "bee.csv", receptors)
-    halves = omma.split_eye(eye, 0.5e-3)
+    halves = omma.eye.split_eye(eye, 0.5e-3)
     omma.save_eye(folder / "head.eye", halves, lossy=True)
     old = np.column_stack([eye.position_m * 1e3, eye.axis, np.full(len(eye), 5.0)])
     np.savetxt(folder / "old-in-degrees.eye", old, fmt="%.9g")

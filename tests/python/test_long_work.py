@@ -51,7 +51,10 @@ RENDERER = ALL_ROUND + "renderer = omma.Renderer(omma.Scene(), eye, {settings})"
 
 WORKS = {
     "interommatidial angles": (CROWD, "crowd.interommatidial_angle_rad()"),
-    "a projection": (CROWD, "omma.projection_ids(crowd, 'spherical_orientationwise', 2000, 1000)"),
+    "a projection": (
+        CROWD,
+        "omma.picture.projection_ids(crowd, 'spherical_orientationwise', 2000, 1000)",
+    ),
     "modulation transfer": (KNOTS, "table.mtf(np.linspace(0, 100, 10_000))"),
     "a large table": (
         KNOTS + "eye = omma.Eye([[0, 0, 0]], [[0, 0, -1]], acceptance=table)",
@@ -74,7 +77,7 @@ WORKS = {
     ),
     "a design": (
         "",
-        "while True: omma.generate_eye(200_000)",
+        "while True: omma.eye.generate_eye(200_000)",
     ),
 }
 

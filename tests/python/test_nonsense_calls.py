@@ -15,6 +15,7 @@ from inspect import signature
 import numpy as np
 import pytest
 from conftest import make_eye, write_gltf
+from public_names import public_things
 
 import omma
 from omma import species
@@ -60,9 +61,7 @@ NONSENSE = [
 def parameters_of(function):
     """Names of the parameters, positional first; those of a compiled one from its signature."""
     compiled = getattr(function, "__init__", function)
-    signatures = getattr(
-        function, "__nb_signature__", getattr(compiled, "__nb_signature__", None)
-    )
+    signatures = getattr(function, "__nb_signature__", getattr(compiled, "__nb_signature__", None))
     if signatures is None:
         return [name for name in signature(function).parameters if name != "self"]
     inside = re.search(r"\((.*)\) ->", signatures[0][0], re.S).group(1)
@@ -95,25 +94,25 @@ def public_calls(folder):
     renderer = omma.Renderer(scene, eye, samples=1, threads=1)
     pose = np.eye(4)
     rgb = np.zeros((24, 3), np.float32)
-    bee = omma.assign_receptors(eye, omma.honeybee_ommatidia())
-    large = omma.generate_eye(200, radius_m=1e-3)
-    fly = omma.fly_receptors(large)
+    bee = omma.receptors.assign_receptors(eye, omma.receptors.honeybee_ommatidia())
+    large = omma.eye.generate_eye(200, radius_m=1e-3)
+    fly = omma.eye.fly_receptors(large)
     rows = [",".join(map(str, 1e3 * row)) for row in large.position_m]
     axes = ["[" + " ".join(map(str, row)) + "]" for row in large.axis]
     (folder / "oda.csv").write_text(
         "x,y,z,anatomical_axis,approx_axis\n"
         + "".join(f"{row},{axis},{axis}\n" for row, axis in zip(rows, axes, strict=True))
     )
-    measures = omma.measure_eye(eye)
-    sphere = omma.sphere(1e-3)
+    measures = omma.eye.measure_eye(eye)
+    sphere = omma.eye.sphere(1e-3)
     (folder / "face.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     directions = eye.axis.astype(float)
-    curve = ([1, 2], {omma.Method(): ([1, 2], [0.2, 0.1])})
-    found = omma.minimum_samples(renderer, pose[None], fraction=0.5, poses=1)
-    speed = omma.measure_speed(scene, eye, pose, [1], frames=1, warm_up_s=0)
+    curve = ([1, 2], {omma.study.Method(): ([1, 2], [0.2, 0.1])})
+    found = omma.study.minimum_samples(renderer, pose[None], fraction=0.5, poses=1)
+    speed = omma.study.measure_speed(scene, eye, pose, [1], frames=1, warm_up_s=0)
     png, csv = str(folder / "o.png"), str(folder / "o.csv")
     table = omma.Acceptance.table([0, 0.1, 0.2], [1, 0.5, 0])
-    green = omma.ReceptorType("green", peak_wavelength_nm=540.0)
+    green = omma.receptors.ReceptorType("green", peak_wavelength_nm=540.0)
     good = {
         "AcuteZone": (0.0, 0.0, 0.5, 2.0),
         "Box": ((0, 0, 0), (1, 1, 1)),
@@ -135,15 +134,15 @@ def public_calls(folder):
         "Acceptance.airy": (25e-6, 500.0),
         "Background.constant": ((1, 1, 1),),
         "Background.image": (np.zeros((2, 4, 3), np.float32),),
-        "acceptance_from_facets": (omma.set_facets(eye),),
+        "acceptance_from_facets": (omma.eye.set_facets(eye),),
         "acute_angle": (0.1, lambda v: np.ones(len(v))),
-        "acute_zones": ([omma.AcuteZone(0.0, 0.0, 0.5, 2.0)],),
+        "acute_zones": ([omma.eye.AcuteZone(0.0, 0.0, 0.5, 2.0)],),
         "alias_curve": (renderer, eye, pose, [1]),
         "angle_table": ([0, 1], [0, 1], [[5, 5], [5, 5]]),
-        "assign_receptors": (eye, omma.honeybee_ommatidia()),
+        "assign_receptors": (eye, omma.receptors.honeybee_ommatidia()),
         "azimuth_elevation_deg_of": (directions,),
         "camera_eye": (scene, "bug"),
-        "check_lattice": (omma.lay_directions(0.3).directions, 0.3),
+        "check_lattice": (omma.eye.lay_directions(0.3).directions, 0.3),
         "confidence_interval": {
             "eye": eye, "responses": rgb, "standard_errors": rgb, "rays": 8,
         },
@@ -169,7 +168,7 @@ def public_calls(folder):
         "import_oda": (folder / "oda.csv",),
         "join_eyes": ([eye, eye],),
         "lay_directions": {
-            "horizontal_rad": 0.3, "field_of_view": omma.window((-30.0, 30.0), (-30.0, 30.0)),
+            "horizontal_rad": 0.3, "field_of_view": omma.eye.window((-30.0, 30.0), (-30.0, 30.0)),
         },
         "lay_on_surface": (sphere, 0.5e-3),
         "load_acceptance": (folder / "s.csv",),
@@ -193,12 +192,12 @@ def public_calls(folder):
         "optical_sensitivity": (25e-6, 0.02, 1e-4, 1e4),
         "outline": ([[-90, -45], [90, -45], [90, 45], [-90, 45]],),
         "paint": (np.zeros((2, 2), np.int32), rgb),
-        "pair_of_eyes": (omma.place_on_head(eye, (1e-3, 0, 0)),),
+        "pair_of_eyes": (omma.eye.place_on_head(eye, (1e-3, 0, 0)),),
         "place_on_head": (eye,),
         "plot_acceptance": (png, eye),
         "plot_eye_maps": (png, eye),
         "plot_poster": (png, eye),
-        "pool": (np.zeros(1, np.float32), omma.Wiring([0, 1], [0], [1.0])),
+        "pool": (np.zeros(1, np.float32), omma.eye.Wiring([0, 1], [0], [1.0])),
         "poses_from_angles": ((0, 0, 0), (0, 0, 0)),
         "poses_from_quaternions": ((0, 0, 0), (0, 0, 0, 1)),
         "band_from_rgb": ([400.0, 500.0, 700.0],),
@@ -262,31 +261,31 @@ def public_calls(folder):
             "index": ("ground",), "set_transforms": ("ground", pose),
             "with_background": (omma.Background.constant((1, 1, 1)),),
         }),
-        "Lattice": (omma.lay_directions(0.3), {}),
+        "Lattice": (omma.eye.lay_directions(0.3), {}),
         "EyeMeasures": (measures, {}),
         "Ellipsoid": (sphere, {
             "onto": (1e-3 * directions,), "normals": (1e-3 * directions,),
             "near": (1e-3 * directions,), "point_of_normal": (directions,), "samples": (9,),
             "to_edge": (1e-3 * directions,),
         }),
-        "AcuteZone": (omma.AcuteZone(0.0, 0.0, 0.5, 2.0), {"density": (directions,)}),
-        "Box": (omma.Box((0, 0, 0), (1, 1, 1)), {}),
-        "Wiring": (omma.Wiring([0, 1], [0], [1.0]), {}),
-        "SamplingReport": (omma.SamplingReport(np.ones((1, 1)), np.ones((1, 1, 3)), 0.1), {}),
+        "AcuteZone": (omma.eye.AcuteZone(0.0, 0.0, 0.5, 2.0), {"density": (directions,)}),
+        "Box": (omma.study.Box((0, 0, 0), (1, 1, 1)), {}),
+        "Wiring": (omma.eye.Wiring([0, 1], [0], [1.0]), {}),
+        "SamplingReport": (
+            omma.rendering.SamplingReport(np.ones((1, 1)), np.ones((1, 1, 3)), 0.1), {},
+        ),
     }  # fmt: skip
-    places = [("", omma, omma.__all__), ("species.", species, species.__all__)]
-    for prefix, module, names in places:
-        for name in names:
-            thing = getattr(module, name)
-            if name in ("Error", "species") or not callable(thing):
-                continue
-            if prefix and name in species.names():
-                continue  # they take seconds, and one argument, which `make` has too
-            if name in ("Acceptance", "Background", "Camera", "WorldInstance"):
-                continue  # made by static methods, or by the engine alone
-            if dataclasses.is_dataclass(thing) and prefix + name not in good:
-                continue  # results: whoever makes one knows what of
-            yield prefix + name, thing, good.get(prefix + name, ())
+    for room, name, thing in public_things():
+        full = f"species.{name}" if room == "species" else name
+        if name == "Error" or not callable(thing):
+            continue
+        if room == "species" and name in species.names():
+            continue  # they take seconds, and one argument, which `make` has too
+        if name in ("Acceptance", "Background", "Camera", "WorldInstance"):
+            continue  # made by static methods, or by the engine alone
+        if dataclasses.is_dataclass(thing) and full not in good:
+            continue  # results: whoever makes one knows what of
+        yield full, thing, good.get(full, ())
     for kind in (omma.Acceptance, omma.Background):
         for name, thing in vars(kind).items():
             if isinstance(thing, staticmethod) or type(thing).__name__ == "nb_func":

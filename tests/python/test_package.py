@@ -8,25 +8,93 @@ import sys
 from pathlib import Path
 
 import pytest
+from public_names import public_things, rooms
 
 import omma
 
 
-def public_things():
-    for name in omma.__all__:
-        thing = getattr(omma, name)
-        if name.startswith("__"):
-            continue
-        yield name, thing
+def named_things():
+    """Everything public and what belongs to it, by its full name; values are what they are."""
+    for room, name, thing in public_things():
+        full = f"{room}.{name}".strip(".")
+        if inspect.isfunction(thing) or inspect.isclass(thing) or inspect.isbuiltin(thing):
+            yield full, thing
         if inspect.isclass(thing):
             for member, value in vars(thing).items():
-                if not member.startswith("_") and name != "RenderReport":
-                    yield f"{name}.{member}", value
+                if not member.startswith("_") and not name.endswith("Report"):
+                    yield f"{full}.{member}", value
 
 
-@pytest.mark.parametrize("name", [name for name, _ in public_things()])
+@pytest.mark.parametrize("name", [name for name, _ in named_things()])
 def test_everything_public_is_documented(name):
-    assert (dict(public_things())[name].__doc__ or "").strip()
+    assert (dict(named_things())[name].__doc__ or "").strip()
+
+
+@pytest.mark.parametrize("name", rooms())
+def test_every_room_says_what_it_is_for(name):
+    assert len(rooms()[name].__doc__.strip()) > 20
+
+
+# From the lowest to the highest: a room imports from those before it, and from itself.
+ROOMS = [
+    "_core", "base", "light", "receptors", "eye", "scene", "rendering", "species", "picture",
+    "study", "job", "cli",
+]  # fmt: skip
+
+
+def imports():
+    """(file, its room, module it imports, name it imports from there) in the whole package."""
+    folder = Path(omma.__file__).parent
+    for path in sorted(folder.rglob("*.py")):
+        file = path.relative_to(folder)
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ImportFrom) and node.module and len(file.parts) > 1:
+                for alias in node.names:
+                    module = f"omma.{alias.name}" if node.module == "omma" else node.module
+                    if module.startswith("omma."):
+                        yield str(file), file.parts[0], module, alias.name
+
+
+def test_each_room_imports_downwards():
+    found = list(imports())
+    assert len(found) > 200
+    assert {room for _, room, _, _ in found} == set(ROOMS) - {"_core"}
+    for file, room, module, _ in found:
+        below = ROOMS[: ROOMS.index(room) + 1]
+        assert module.split(".")[1] in below, f"{file} imports {module}"
+
+
+def test_private_names_stay_in_their_room():
+    for file, room, module, name in imports():
+        other = module.split(".")[1]
+        if other not in (room, "_core"):
+            parts = (*module.split(".")[2:], name)
+            assert not any(part.startswith("_") for part in parts), f"{file}: {module} {name}"
+
+
+@pytest.mark.parametrize(
+    "function", [thing for _, _, thing in public_things() if not inspect.isclass(thing)]
+)
+def test_functions_tell_their_parameters(function):
+    if callable(function):
+        assert inspect.signature(function) is not None
+
+
+def test_measures_print_as_a_line():
+    eye = omma.eye.generate_eye(200)
+    assert repr(omma.eye.measure_eye(eye)).startswith("EyeMeasures(200 ommatidia, 1 eye, median Δφ")
+
+
+def test_the_top_is_small():
+    assert len(dir(omma)) <= 30
+    assert set(dir(omma)) == set(omma.__all__)
+
+
+def test_importing_takes_nothing_heavy_along():
+    heavy = ["numpy.linalg", "scipy", "matplotlib", "typer", "rich", "trimesh"]
+    code = f"import sys, omma; print([name for name in {heavy} if name in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
 
 
 def test_version():

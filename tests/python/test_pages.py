@@ -32,7 +32,7 @@ import multiprocessing
 import numpy as np
 import omma
 scene = omma.load_scene("meadow.glb")
-eye = omma.merge_eyes([omma.load_eye("left.eye"), omma.load_eye("right.eye")])
+eye = omma.eye.merge_eyes([omma.load_eye("left.eye"), omma.load_eye("right.eye")])
 poses = np.stack([omma.look_at((x, 1, 0), (x, 1, -5)) for x in (0.0, 0.1)])
 renderer = omma.Renderer(scene, eye, samples=1)
 responses = renderer.render("bee")[0]
@@ -48,13 +48,13 @@ scene = omma.load_scene("meadow.glb")
 poses = np.stack([omma.look_at((x, 1, 0), (x, 1, -5)) for x in (0.0, 0.1)])
 M = np.ones((3, 3)) / 3
 r7p, r8p, r7y, r8y = (
-    omma.ReceptorType(name, peak_wavelength_nm=peak)
+    omma.receptors.ReceptorType(name, peak_wavelength_nm=peak)
     for name, peak in (("R7p", 345), ("R8p", 437), ("R7y", 375), ("R8y", 508))
 )
-dorsal_rim = [omma.OmmatidiumType("rim", (r7p, r7y))]
+dorsal_rim = [omma.receptors.OmmatidiumType("rim", (r7p, r7y))]
 """,
         # A smaller eye, on which what follows takes a second.
-        3: "eye = omma.generate_eye(300)",
+        3: "eye = omma.eye.generate_eye(300)",
     },
 }
 
@@ -158,7 +158,9 @@ def folder(tmp_path):
         (tmp_path / eye.name).symlink_to(eye)
     few = tmp_path / "honeybee.eye"  # every twentieth, for what takes many rays
     few.write_text("\n".join([*left.read_text().splitlines()[::20], ""]))
-    receptors = omma.assign_receptors(omma.load_eye(few), omma.honeybee_ommatidia())
+    receptors = omma.receptors.assign_receptors(
+        omma.load_eye(few), omma.receptors.honeybee_ommatidia()
+    )
     omma.save_eye(tmp_path / "bee.csv", receptors)
     if COMPOUND_RAY.is_dir():
         scenes = COMPOUND_RAY / "scenes"
@@ -169,7 +171,7 @@ def folder(tmp_path):
             (tmp_path / eye.name).symlink_to(eye)
     library = tmp_path / "build" / "make" / "lib"
     library.mkdir(parents=True)
-    (library / "libEyeRenderer3.so").symlink_to(omma.compoundray_library())
+    (library / "libEyeRenderer3.so").symlink_to(omma.compat.compoundray_library())
     return tmp_path
 
 

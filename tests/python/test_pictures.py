@@ -21,7 +21,7 @@ def pixel_directions(width, height):
 @given(st.integers(1, 200), st.integers(0, 100))
 def test_each_pixel_takes_the_nearest_axis(count, seed):
     eye = make_eye(count, seed)
-    ids = omma.equirectangular_ids(eye, 48, 24)
+    ids = omma.picture.equirectangular_ids(eye, 48, 24)
     cosine = pixel_directions(48, 24) @ eye.axis.T.astype(np.float64)
     chosen = np.take_along_axis(cosine, ids[..., None], axis=-1)[..., 0]
     # Equal up to the float32 rounding of pixel directions.
@@ -34,7 +34,7 @@ def test_by_position():
     eye = omma.Eye(-axis * 1e-3, axis, 0.1)
     centred = -axis + axis.mean(axis=0)
     centred /= np.linalg.norm(centred, axis=1, keepdims=True)
-    ids = omma.equirectangular_ids(eye, 48, 24, by="position")
+    ids = omma.picture.equirectangular_ids(eye, 48, 24, by="position")
     cosine = pixel_directions(48, 24) @ centred.T.astype(np.float64)
     chosen = np.take_along_axis(cosine, ids[..., None], axis=-1)[..., 0]
     # The centroid is rounded to float32 of a millimetre: 1e-7 of the distance, some times over.
@@ -44,7 +44,7 @@ def test_by_position():
 def test_north_up_east_right():
     eye = omma.Eye(np.zeros((4, 3)), [[-1, 0.3, 0], [1, 0.3, 0], [-1, -0.3, 0], [1, -0.3, 0]], 0.1)
     colours = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]], np.float32)
-    picture = omma.equirectangular(eye, colours, 8, 4)
+    picture = omma.picture.equirectangular(eye, colours, 8, 4)
     assert picture.shape == (4, 8, 3)
     assert picture.dtype == np.uint8
     corners = [picture[0, 2], picture[0, 5], picture[3, 2], picture[3, 5]]
@@ -54,26 +54,34 @@ def test_north_up_east_right():
 def test_gamma_and_clamp():
     eye = omma.Eye([[0, 0, 0]], [[0, 0, -1]], 0.1)
     responses = [[0.25, 7.0, -1.0]]
-    assert omma.equirectangular(eye, responses, 2, 1, gamma=2)[0, 0].tolist() == [128, 255, 0]
-    assert omma.equirectangular(eye, responses, 2, 1, gamma=1)[0, 0].tolist() == [64, 255, 0]
+    assert omma.picture.equirectangular(eye, responses, 2, 1, gamma=2)[0, 0].tolist() == [
+        128,
+        255,
+        0,
+    ]
+    assert omma.picture.equirectangular(eye, responses, 2, 1, gamma=1)[0, 0].tolist() == [
+        64,
+        255,
+        0,
+    ]
 
 
 def test_limit_of_angle():
     eye = omma.Eye([[0, 0, 0]], [[0, 0, -1]], 0.1)
-    ids = omma.equirectangular_ids(eye, 360, 180, max_angle_deg=30)
+    ids = omma.picture.equirectangular_ids(eye, 360, 180, max_angle_deg=30)
     seen = ids >= 0
     # A cap of 30 degrees: 2 pi (1 - cos 30) of 4 pi; pixels are 1 degree wide.
     weight = np.cos(np.radians(89.5 - np.arange(180)))
     fraction = (seen.mean(axis=1) * weight).sum() / weight.sum()
     assert fraction == pytest.approx((1 - np.cos(np.radians(30))) / 2, rel=0.02)
-    grey = omma.equirectangular(eye, [[1, 1, 1]], 360, 180, max_angle_deg=30)[0, 0]
+    grey = omma.picture.equirectangular(eye, [[1, 1, 1]], 360, 180, max_angle_deg=30)[0, 0]
     assert len(set(grey.tolist())) == 1
     assert 100 < grey[0] < 200
 
 
 def test_field_ends_a_facet_beyond_the_last_axis():
     eye = omma.Eye(np.zeros((2, 3)), [[0, 0, -1], [np.sin(0.2), 0, -np.cos(0.2)]], 0.05)
-    ids = omma.field_ids(eye, 720, 360)
+    ids = omma.picture.field_ids(eye, 720, 360)
     row = ids[180]  # just below the horizon
     azimuth = ((np.arange(720) + 0.5) / 720 * 2 - 1) * np.pi
     # Half a pixel of 0.5 degrees, twice.
@@ -85,8 +93,8 @@ def test_field_ends_a_facet_beyond_the_last_axis():
 def test_side_by_side_has_the_left_eye_left():
     right = omma.Eye([[0, 0, 0]], [[1, 0, 0]], np.radians(60))
     left = omma.Eye([[0, 0, 0]], [[-1, 0, 0]], np.radians(60))
-    head = omma.merge_eyes([right, left])
-    picture = omma.side_by_side(head, [[1, 0, 0], [0, 0, 1]], 40, 20)
+    head = omma.eye.merge_eyes([right, left])
+    picture = omma.picture.side_by_side(head, [[1, 0, 0], [0, 0, 1]], 40, 20)
     assert picture.shape == (20, 80, 3)
     assert picture[10, 10].tolist() == [0, 0, 255]  # left panel, looking left
     assert picture[10, 70].tolist() == [255, 0, 0]  # right panel, looking right
@@ -96,10 +104,10 @@ def test_side_by_side_has_the_left_eye_left():
 
 def test_responses_of_a_render_can_be_painted(renderer, flight, tmp_path):
     responses = renderer.render(flight[0])
-    picture = omma.equirectangular(renderer.eye, responses, 64, 32)
-    assert (picture == omma.equirectangular(renderer.eye, responses[0], 64, 32)).all()
-    ids = omma.equirectangular_ids(renderer.eye, 64, 32)
-    assert (picture == omma.paint(ids, responses[0])).all()
+    picture = omma.picture.equirectangular(renderer.eye, responses, 64, 32)
+    assert (picture == omma.picture.equirectangular(renderer.eye, responses[0], 64, 32)).all()
+    ids = omma.picture.equirectangular_ids(renderer.eye, 64, 32)
+    assert (picture == omma.picture.paint(ids, responses[0])).all()
     omma.save_png(tmp_path / "a.png", picture)
     back = omma.Background.image(tmp_path / "a.png")
     assert "64 x 32" in repr(back)
@@ -109,18 +117,21 @@ def test_responses_of_a_render_can_be_painted(renderer, flight, tmp_path):
     ("call", "word"),
     [
         (
-            lambda e: omma.equirectangular(e, np.zeros((3, 3))),
+            lambda e: omma.picture.equirectangular(e, np.zeros((3, 3))),
             r"responses: expected shape \(60, 3\)",
         ),
-        (lambda e: omma.equirectangular(e, np.zeros((2, 60, 3))), r"found \(2, 60, 3\)"),
-        (lambda e: omma.equirectangular(e, np.zeros((60, 3)), gamma=0), "gamma"),
-        (lambda e: omma.equirectangular(e, np.zeros((60, 3)), 0), "width"),
-        (lambda e: omma.equirectangular(e, np.zeros((60, 3)), 1 << 40), "width"),
-        (lambda e: omma.equirectangular_ids(e, 8, -1), "height"),
-        (lambda e: omma.equirectangular_ids(e, by="colour"), "by: expected 'axis' or 'position'"),
-        (lambda e: omma.equirectangular_ids(e, max_angle_deg=-1), "max_angle_deg"),
-        (lambda e: omma.paint([[60]], np.zeros((60, 3))), "ids: expected numbers under 60"),
-        (lambda e: omma.paint([[0]], np.zeros((60, 4))), r"responses: .*\(N, 3\)"),
+        (lambda e: omma.picture.equirectangular(e, np.zeros((2, 60, 3))), r"found \(2, 60, 3\)"),
+        (lambda e: omma.picture.equirectangular(e, np.zeros((60, 3)), gamma=0), "gamma"),
+        (lambda e: omma.picture.equirectangular(e, np.zeros((60, 3)), 0), "width"),
+        (lambda e: omma.picture.equirectangular(e, np.zeros((60, 3)), 1 << 40), "width"),
+        (lambda e: omma.picture.equirectangular_ids(e, 8, -1), "height"),
+        (
+            lambda e: omma.picture.equirectangular_ids(e, by="colour"),
+            "by: expected 'axis' or 'position'",
+        ),
+        (lambda e: omma.picture.equirectangular_ids(e, max_angle_deg=-1), "max_angle_deg"),
+        (lambda e: omma.picture.paint([[60]], np.zeros((60, 3))), "ids: expected numbers under 60"),
+        (lambda e: omma.picture.paint([[0]], np.zeros((60, 4))), r"responses: .*\(N, 3\)"),
         (
             lambda e: omma.save_png("no/such/x.png", np.zeros((2, 2, 3))),
             "pixels: expected uint8.*float64",

@@ -5,10 +5,10 @@ import pytest
 from conftest import make_eye
 
 import omma
-from omma import projections
+from omma.picture import projections
 
 SIX = np.array([[0, 0, -1], [1, 0, 0], [0, 0, 1], [-1, 0, 0], [0, 1, 0], [0, -1, 0]], np.float32)
-NAMES = [name for name in omma.PROJECTIONS if name != "raw_ommatidial_samples"]
+NAMES = [name for name in omma.picture.PROJECTIONS if name != "raw_ommatidial_samples"]
 
 
 def six(eye_id=0):
@@ -24,48 +24,48 @@ def forget():
 def test_a_picture_is_its_ids_painted(name):
     eye = six()
     responses = np.random.default_rng(0).random((6, 3)).astype(np.float32) * 2
-    ids = omma.projection_ids(eye, name, 64, 32)
+    ids = omma.picture.projection_ids(eye, name, 64, 32)
     assert ids.shape == (32, 64)
     assert ids.dtype == np.int32
     assert set(ids.ravel().tolist()) <= set(range(-1, 6))
     assert set(range(6)) <= set(ids.ravel().tolist())
-    picture = omma.project(eye, responses, name, 64, 32)
+    picture = omma.picture.project(eye, responses, name, 64, 32)
     assert picture.dtype == np.uint8
-    assert (picture == omma.paint(ids, responses)).all()
-    assert (picture == omma.project(eye, responses[np.newaxis], name, 64, 32)).all()
+    assert (picture == omma.picture.paint(ids, responses)).all()
+    assert (picture == omma.picture.project(eye, responses[np.newaxis], name, 64, 32)).all()
     assert (
-        omma.project(eye, responses, name, 64, 32, gamma=1)[ids == 0][0]
+        omma.picture.project(eye, responses, name, 64, 32, gamma=1)[ids == 0][0]
         == np.clip(np.rint(responses[0].astype(float) * 255), 0, 255)
     ).all()
-    linear = omma.project(eye, responses, name, 64, 32, linear=True)
+    linear = omma.picture.project(eye, responses, name, 64, 32, linear=True)
     assert linear.dtype == np.float32
     assert np.nanmax(linear) > 1  # not clipped
     assert (linear[ids >= 0] == responses[ids[ids >= 0]]).all()
     assert np.isnan(linear[ids < 0]).all()
 
 
-@pytest.mark.parametrize("name", omma.PROJECTIONS)
+@pytest.mark.parametrize("name", omma.picture.PROJECTIONS)
 def test_ids_as_a_picture(name):
     eye = make_eye(300)
-    ids = omma.projection_ids(eye, name, 320, 64)
-    picture = omma.project(eye, None, name + "_ids", 320, 64)
+    ids = omma.picture.projection_ids(eye, name, 320, 64)
+    picture = omma.picture.project(eye, None, name + "_ids", 320, 64)
     assert picture.shape == (64, 320, 4)
     assert picture.dtype == np.uint8
     assert (picture.view(">i4")[..., 0] == ids).all()
-    assert (omma.encode_ids([[258, -1]]) == [[[0, 0, 1, 2], [255] * 4]]).all()
+    assert (omma.picture.encode_ids([[258, -1]]) == [[[0, 0, 1, 2], [255] * 4]]).all()
 
 
 def test_raw_samples_are_the_rays(renderer, flight):
     rays = renderer.render_rays(flight[0])
     ommatidia, samples = rays.shape[1:3]
     assert samples == 8
-    linear = omma.project(renderer.eye, rays, "raw_ommatidial_samples", linear=True)
+    linear = omma.picture.project(renderer.eye, rays, "raw_ommatidial_samples", linear=True)
     assert linear.shape == (samples, ommatidia, 3)
     assert (linear == rays[0].transpose(1, 0, 2)).all()
     assert linear.std(axis=0).max() > 0
-    padded = omma.project(renderer.eye, rays[0], "raw_ommatidial_samples", 100, 20)
+    padded = omma.picture.project(renderer.eye, rays[0], "raw_ommatidial_samples", 100, 20)
     assert padded.shape == (20, 100, 3)
-    plain = omma.project(renderer.eye, rays, "raw_ommatidial_samples")
+    plain = omma.picture.project(renderer.eye, rays, "raw_ommatidial_samples")
     assert (padded[:samples, :ommatidia] == plain).all()
     assert (padded[samples:] == 128).all()
     assert (padded[:, ommatidia:] == 128).all()
@@ -87,18 +87,18 @@ def test_raw_samples_are_the_rays(renderer, flight):
     ],
 )
 def test_sizes_left_out(name, size, shape):
-    assert omma.projection_ids(six(), name, *size).shape == shape
+    assert omma.picture.projection_ids(six(), name, *size).shape == shape
 
 
 def test_maps_are_kept():
     eye = make_eye(200)
-    first = omma.projection_ids(eye, "mollweide", 64, 32)
-    assert omma.projection_ids(eye, "mollweide", 64, 32) is first
-    assert omma.projection_ids(eye, "mollweide_ids", 64) is first
+    first = omma.picture.projection_ids(eye, "mollweide", 64, 32)
+    assert omma.picture.projection_ids(eye, "mollweide", 64, 32) is first
+    assert omma.picture.projection_ids(eye, "mollweide_ids", 64) is first
     # The same eye made anew is the same eye.
-    assert omma.projection_ids(make_eye(200), "mollweide", 64, 32) is first
-    assert omma.projection_ids(eye, "mollweide", 64, 33) is not first
-    assert omma.projection_ids(eye, "lambert", 64, 32) is not first
+    assert omma.picture.projection_ids(make_eye(200), "mollweide", 64, 32) is first
+    assert omma.picture.projection_ids(eye, "mollweide", 64, 33) is not first
+    assert omma.picture.projection_ids(eye, "lambert", 64, 32) is not first
     with pytest.raises(ValueError, match="read-only"):
         first[0, 0] = 1
 
@@ -111,17 +111,17 @@ def test_no_map_is_that_of_another_eye():
         "acceptance_angle_rad": eye.acceptance_angle_rad,
         "eye_id": eye.eye_id,
     }
-    first = omma.projection_ids(eye, "hemisphere", 64, 32)
+    first = omma.picture.projection_ids(eye, "hemisphere", 64, 32)
     for name in arrays:
         changed = {key: value.copy() for key, value in arrays.items()}
         changed[name] = changed[name][::-1].copy() if name != "eye_id" else arrays["eye_id"] + 1
         if name == "acceptance_angle_rad":
             changed[name][3] = 0.7
-        assert omma.projection_ids(omma.Eye(**changed), "hemisphere", 64, 32) is not first
+        assert omma.picture.projection_ids(omma.Eye(**changed), "hemisphere", 64, 32) is not first
     # An eye in the memory of one that is gone, many times.
     for seed in range(30):
         short = make_eye(40, seed=seed)
-        ids = omma.projection_ids(short, "spherical_orientationwise", 16, 8)
+        ids = omma.picture.projection_ids(short, "spherical_orientationwise", 16, 8)
         assert (ids == omma._core.projection_ids(short, "spherical_orientationwise", 16, 8)).all()
         del short
 
@@ -129,10 +129,10 @@ def test_no_map_is_that_of_another_eye():
 def test_what_is_kept_is_bounded(monkeypatch):
     monkeypatch.setattr(projections, "_MOST_KEPT_BYTES", 3 * 64 * 32 * 4)
     eye = six()
-    maps = [omma.projection_ids(eye, name, 64, 32) for name in NAMES]
+    maps = [omma.picture.projection_ids(eye, name, 64, 32) for name in NAMES]
     assert len(projections._kept) == 3
-    assert omma.projection_ids(eye, NAMES[-1], 64, 32) is maps[-1]
-    omma.projection_ids(eye, "facets", 640, 320)  # larger than the bound: kept alone
+    assert omma.picture.projection_ids(eye, NAMES[-1], 64, 32) is maps[-1]
+    omma.picture.projection_ids(eye, "facets", 640, 320)  # larger than the bound: kept alone
     assert len(projections._kept) == 1
 
 
@@ -184,7 +184,7 @@ def test_forward_formulas_lead_to_the_right_pixel(name, forward, side):
     if side is not None:
         direction = direction[direction[:, 0] * side > 0.02]
     width, height = (1600, 1600) if name == "lambert" else (3200, 1600)
-    ids = omma.projection_ids(eye, name, width, height)
+    ids = omma.picture.projection_ids(eye, name, width, height)
     x, y = forward(direction)
     column = ((x + 1) / 2 * width).astype(int)
     row = ((1 - y) / 2 * height).astype(int)
@@ -204,8 +204,8 @@ def test_the_old_names_are_the_same_pictures():
     responses = np.random.default_rng(0).random((100, 3))
     for by, name in (("axis", "spherical_orientationwise"), ("position", "spherical_positionwise")):
         assert (
-            omma.equirectangular(eye, responses, 64, 32, by=by)
-            == omma.project(eye, responses, name, 64, 32)
+            omma.picture.equirectangular(eye, responses, 64, 32, by=by)
+            == omma.picture.project(eye, responses, name, 64, 32)
         ).all()
 
 
@@ -218,8 +218,8 @@ def test_two_eyes_in_one_file_are_two_eyes():
     numbers = np.repeat([7, 3], len(right))
     numbered = omma.Eye(position, both.axis, 0.1, 0.0, numbers)
     for name in ("facets", "hemisphere"):
-        ids = omma.projection_ids(both, name, 400, 200)
-        assert (ids == omma.projection_ids(numbered, name, 400, 200)).all()
+        ids = omma.picture.projection_ids(both, name, 400, 200)
+        assert (ids == omma.picture.projection_ids(numbered, name, 400, 200)).all()
         assert (ids[:, :200] < len(left)).all()
         assert (ids[:, 200:][ids[:, 200:] >= 0] >= len(left)).all()
 
@@ -230,26 +230,43 @@ POINT = omma.Eye(np.zeros((6, 3)), SIX, 0.1)
 @pytest.mark.parametrize(
     ("call", "word"),
     [
-        (lambda: omma.projection_ids(six(), "peters"), "projection: expected one of single_dim"),
-        (lambda: omma.project(six(), np.zeros((6, 3)), ""), "found ''"),
-        (lambda: omma.project(six(), np.zeros((5, 3))), r"responses: expected shape \(6, 3\)"),
-        (lambda: omma.project(six(), None, "facets_ids", linear=True), "linear: facets_ids shows"),
-        (lambda: omma.projection_ids(six(), "facets", 0), "width"),
-        (lambda: omma.projection_ids(six(), "facets", 8, 0), "height"),
-        (lambda: omma.projection_ids(six(), "facets", 1 << 20, 1 << 20), "2\\^30"),
-        (lambda: omma.projection_ids(six(), "single_dimension_fast", 5), "width must be at least"),
-        (lambda: omma.projection_ids(POINT, "facets"), "positions of eye 0 lie in one point"),
-        (lambda: omma.projection_ids(POINT, "cylindrical"), "the same height"),
-        (lambda: omma.projection_ids(POINT, "spherical_positionwise"), "in one point"),
         (
-            lambda: omma.project(six(), np.zeros((6, 3)), "raw_ommatidial_samples"),
+            lambda: omma.picture.projection_ids(six(), "peters"),
+            "projection: expected one of single_dim",
+        ),
+        (lambda: omma.picture.project(six(), np.zeros((6, 3)), ""), "found ''"),
+        (
+            lambda: omma.picture.project(six(), np.zeros((5, 3))),
+            r"responses: expected shape \(6, 3\)",
+        ),
+        (
+            lambda: omma.picture.project(six(), None, "facets_ids", linear=True),
+            "linear: facets_ids shows",
+        ),
+        (lambda: omma.picture.projection_ids(six(), "facets", 0), "width"),
+        (lambda: omma.picture.projection_ids(six(), "facets", 8, 0), "height"),
+        (lambda: omma.picture.projection_ids(six(), "facets", 1 << 20, 1 << 20), "2\\^30"),
+        (
+            lambda: omma.picture.projection_ids(six(), "single_dimension_fast", 5),
+            "width must be at least",
+        ),
+        (
+            lambda: omma.picture.projection_ids(POINT, "facets"),
+            "positions of eye 0 lie in one point",
+        ),
+        (lambda: omma.picture.projection_ids(POINT, "cylindrical"), "the same height"),
+        (lambda: omma.picture.projection_ids(POINT, "spherical_positionwise"), "in one point"),
+        (
+            lambda: omma.picture.project(six(), np.zeros((6, 3)), "raw_ommatidial_samples"),
             r"takes the rays of one pose, shape \(6, samples, 3\), found \(6, 3\)",
         ),
         (
-            lambda: omma.project(six(), np.zeros((6, 9, 3)), "raw_ommatidial_samples", 6, 8),
+            lambda: omma.picture.project(
+                six(), np.zeros((6, 9, 3)), "raw_ommatidial_samples", 6, 8
+            ),
             "height: expected at least the 9 samples, found 8",
         ),
-        (lambda: omma.encode_ids([1, 2]), "ids"),
+        (lambda: omma.picture.encode_ids([1, 2]), "ids"),
     ],
 )
 def test_wrong_arguments(call, word):

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import omma
-from omma import render_pieces
-from omma.receptor_files import quoted
+from omma.job import pieces
+from omma.rendering.receptor_files import quoted
 
 PATH = "x,y,z,yaw_deg,pitch_deg,roll_deg\n0,1,0,0,0,0\n1,2,0,40,-20,5\n"
 
@@ -16,8 +16,8 @@ PATH = "x,y,z,yaw_deg,pitch_deg,roll_deg\n0,1,0,0,0,0\n1,2,0,40,-20,5\n"
 def fly(tmp_path, eye, files, monkeypatch):
     """An eye file with a receptor along the axis and one beside it; a path of two poses."""
     types = [
-        omma.ReceptorType('R7, "pale"', peak_wavelength_nm=345),
-        omma.ReceptorType("R1", peak_wavelength_nm=478, right_rad=0.1),
+        omma.receptors.ReceptorType('R7, "pale"', peak_wavelength_nm=345),
+        omma.receptors.ReceptorType("R1", peak_wavelength_nm=478, right_rad=0.1),
     ]
     receptors = [[0, 1] if i % 2 else [1] for i in range(len(eye))]
     made = eye.replace(receptor_types=types, receptors=receptors)
@@ -51,11 +51,11 @@ def test_receptors_are_written_as_they_are_rendered(run_omma, fly, files):
     values = np.array([float(row["response"]) for row in rows], np.float32)
     assert np.array_equal(values.reshape(2, 90), expected)
     assert [int(row["ommatidium"]) for row in rows[:90]] == (
-        omma.ommatidium_of_receptor(fly).tolist()
+        omma.receptors.ommatidium_of_receptor(fly).tolist()
     )
     assert [row["receptor"] for row in rows[:3]] == ["R1", 'R7, "pale"', "R1"]
     assert [row["pose"] for row in rows[::90]] == ["0", "1"]
-    looking = omma.receptor_axis(fly)[2]
+    looking = omma.receptors.receptor_axis(fly)[2]
     assert float(rows[2]["azimuth_deg"]) == pytest.approx(
         np.degrees(np.arctan2(looking[0], -looking[2])), abs=1e-3
     )
@@ -84,7 +84,7 @@ def test_many_poses_are_written_in_pieces(fly, files, monkeypatch, standard_erro
         return np.load(name)
 
     whole = write("whole.npy")
-    monkeypatch.setattr(render_pieces, "_PIECE_BYTES", 4 * 90)  # one pose
+    monkeypatch.setattr(pieces, "_PIECE_BYTES", 4 * 90)  # one pose
     assert np.array_equal(write("pieces.npy"), whole)
     assert {0.5, 1.0} <= fractions[1]
 

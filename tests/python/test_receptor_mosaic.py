@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import omma
-from omma.receptor_mosaic import region_mask
+from omma.receptors.mosaic import region_mask
 
 
 def round_eye(count=4000, seed=5):
@@ -18,8 +18,8 @@ def fractions(eye, names):
 
 
 def test_honeybee_ommatidia_are_mixed_as_they_are_in_bees():
-    types = omma.honeybee_ommatidia()
-    eye = omma.assign_receptors(round_eye(), types, seed=3)
+    types = omma.receptors.honeybee_ommatidia()
+    eye = omma.receptors.assign_receptors(round_eye(), types, seed=3)
     expected = np.array([0.44, 0.46, 0.10])
     # Each draws by itself: binomial, here within four standard deviations.
     found = fractions(eye, ["I", "II", "III"])
@@ -38,18 +38,21 @@ def test_honeybee_ommatidia_are_mixed_as_they_are_in_bees():
 
 
 def test_shares_are_relative():
-    green = omma.ReceptorType("green", peak_wavelength_nm=544)
-    types = [omma.OmmatidiumType(name, (green,), count) for name, count in (("a", 60), ("b", 20))]
-    found = fractions(omma.assign_receptors(round_eye(), types), ["a", "b"])
+    green = omma.receptors.ReceptorType("green", peak_wavelength_nm=544)
+    types = [
+        omma.receptors.OmmatidiumType(name, (green,), count)
+        for name, count in (("a", 60), ("b", 20))
+    ]
+    found = fractions(omma.receptors.assign_receptors(round_eye(), types), ["a", "b"])
     # Binomial, within four standard deviations.
     assert np.allclose(found, [0.75, 0.25], atol=4 * np.sqrt(0.1875 / 4000))
 
 
 def test_the_draw_is_by_chance_but_known():
-    types = omma.honeybee_ommatidia()
+    types = omma.receptors.honeybee_ommatidia()
     eye = round_eye(800)
-    once, again = (omma.assign_receptors(eye, types, seed=1) for _ in range(2))
-    other = omma.assign_receptors(eye, types, seed=2)
+    once, again = (omma.receptors.assign_receptors(eye, types, seed=1) for _ in range(2))
+    other = omma.receptors.assign_receptors(eye, types, seed=2)
     kinds = [e.columns["ommatidium_type"] for e in (once, again, other)]
     assert kinds[0] == kinds[1]
     agree = np.mean(np.array(kinds[0]) == np.array(kinds[2]))
@@ -61,15 +64,17 @@ def test_the_draw_is_by_chance_but_known():
 
 
 def test_a_part_of_an_eye_keeps_its_draw_and_the_rest_what_it_had():
-    green = omma.ReceptorType("green", peak_wavelength_nm=544)
-    eye = omma.assign_receptors(round_eye(500), omma.OmmatidiumType("all green", (green,)))
-    types = omma.honeybee_ommatidia()
+    green = omma.receptors.ReceptorType("green", peak_wavelength_nm=544)
+    eye = omma.receptors.assign_receptors(
+        round_eye(500), omma.receptors.OmmatidiumType("all green", (green,))
+    )
+    types = omma.receptors.honeybee_ommatidia()
     upper = eye.axis[:, 1] > 0.5
-    by_mask = omma.assign_receptors(eye, types, where=upper, seed=4)
-    by_function = omma.assign_receptors(
+    by_mask = omma.receptors.assign_receptors(eye, types, where=upper, seed=4)
+    by_function = omma.receptors.assign_receptors(
         eye, types, where=lambda azimuth, elevation: elevation > np.arcsin(0.5), seed=4
     )
-    whole = omma.assign_receptors(eye, types, seed=4)
+    whole = omma.receptors.assign_receptors(eye, types, seed=4)
     kinds = np.array(by_mask.columns["ommatidium_type"])
     assert np.all(kinds[~upper] == "all green")
     assert np.array_equal(kinds[upper], np.array(whole.columns["ommatidium_type"])[upper])
@@ -95,28 +100,30 @@ def test_regions_are_in_azimuth_and_elevation():
 def test_a_dorsal_rim_has_orthogonal_channels_in_a_fan():
     """Two receptors at 0 and 90 degrees; up vectors that point to the pole of the rim."""
     eye = round_eye()
-    rim = omma.OmmatidiumType(
+    rim = omma.receptors.OmmatidiumType(
         "dorsal rim",
         tuple(
-            omma.ReceptorType(
+            omma.receptors.ReceptorType(
                 name, peak_wavelength_nm=350, microvillus_angle_rad=angle,
                 polarisation_sensitivity=6.6,
             )
             for name, angle in (("along", 0.0), ("across", np.pi / 2))
         ),
     )  # fmt: skip
-    green = omma.ReceptorType("green", peak_wavelength_nm=544)
+    green = omma.receptors.ReceptorType("green", peak_wavelength_nm=544)
 
     def dorsal(azimuth, elevation):
         return elevation > np.radians(60)
 
     pole = np.array([0.1, 0.9, 0.1])
-    eye = omma.assign_receptors(eye, omma.OmmatidiumType("main", (green,)))
-    eye = omma.up_towards(omma.assign_receptors(eye, rim, where=dorsal), pole, where=dorsal)
+    eye = omma.receptors.assign_receptors(eye, omma.receptors.OmmatidiumType("main", (green,)))
+    eye = omma.receptors.up_towards(
+        omma.receptors.assign_receptors(eye, rim, where=dorsal), pole, where=dorsal
+    )
     mask = region_mask(eye, dorsal)
     assert 0 < mask.sum() < len(eye)
-    where = omma.ommatidium_of_receptor(eye)
-    microvilli = omma.microvillus_direction(eye)
+    where = omma.receptors.ommatidium_of_receptor(eye)
+    microvilli = omma.receptors.microvillus_direction(eye)
     along, across = microvilli[mask[where]].reshape(-1, 2, 3).transpose(1, 0, 2)
     assert np.allclose(np.sum(along * across, axis=1), 0, atol=1e-6)
     # A fan: one lies in the plane of the axis and the pole, the other across it.
@@ -135,26 +142,28 @@ def test_a_dorsal_rim_has_orthogonal_channels_in_a_fan():
     ("types", "message"),
     [
         ((), "at least one OmmatidiumType"),
-        ((omma.OmmatidiumType("a", (), -1),), "abundances of at least 0"),
-        ((omma.OmmatidiumType("a", (), 0),), "not all 0"),
-        ((omma.OmmatidiumType("a", (), np.nan),), "abundances of at least 0"),
+        ((omma.receptors.OmmatidiumType("a", (), -1),), "abundances of at least 0"),
+        ((omma.receptors.OmmatidiumType("a", (), 0),), "not all 0"),
+        ((omma.receptors.OmmatidiumType("a", (), np.nan),), "abundances of at least 0"),
     ],
 )
 def test_wrong_types_are_named(types, message):
     with pytest.raises(omma.Error, match=message):
-        omma.assign_receptors(round_eye(5), types)
+        omma.receptors.assign_receptors(round_eye(5), types)
 
 
 def test_wrong_arguments_are_named():
     eye = round_eye(5)
-    one = omma.OmmatidiumType("a", (omma.ReceptorType("g", peak_wavelength_nm=500),))
+    one = omma.receptors.OmmatidiumType(
+        "a", (omma.receptors.ReceptorType("g", peak_wavelength_nm=500),)
+    )
     with pytest.raises(omma.Error, match="seed: expected at least 0, found -1"):
-        omma.assign_receptors(eye, one, seed=-1)
+        omma.receptors.assign_receptors(eye, one, seed=-1)
     for where in (np.ones(4, bool), np.ones(5), lambda azimuth, elevation: True):
         with pytest.raises(omma.Error, match="where: expected a mask of 5 truth values"):
-            omma.assign_receptors(eye, one, where=where)
+            omma.receptors.assign_receptors(eye, one, where=where)
     for direction in ((0, 0, 0), (0, 1), (0, np.nan, 1)):
         with pytest.raises(omma.Error, match="direction: expected three numbers"):
-            omma.up_towards(eye, direction)
+            omma.receptors.up_towards(eye, direction)
     with pytest.raises(omma.Error, match="up vector must not be along the axis"):
-        omma.up_towards(eye, eye.axis[3])
+        omma.receptors.up_towards(eye, eye.axis[3])

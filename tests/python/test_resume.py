@@ -13,6 +13,7 @@ import pytest
 from conftest import make_eye
 
 import omma
+from omma.base.files import WholeFiles
 
 POSES = 30
 
@@ -82,7 +83,7 @@ def test_the_same_bits(folder, outputs, settings):
 
 
 def test_receptors(folder):
-    eye = omma.assign_receptors(make_eye(), omma.honeybee_ommatidia())
+    eye = omma.receptors.assign_receptors(make_eye(), omma.receptors.honeybee_ommatidia())
     omma.save_eye(folder / "bee.csv", eye)
     settings = {"eyes": folder / "bee.csv", "receptors": True, "ultraviolet": (0, 0, 1)}
     render(folder, "out.npy", "out.csv", resume=False, **settings)
@@ -192,7 +193,7 @@ def test_only_of_a_path(folder):
 
 
 def test_two_at_once(folder):
-    with omma.files.WholeFiles({}) as files:
+    with WholeFiles({}) as files:
         files.open(str(folder / "out.npy"))
         with pytest.raises(omma.Error, match=r"out\.npy\.partial: .*another process is writing it"):
             render(folder, "out.npy")

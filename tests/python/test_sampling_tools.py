@@ -9,10 +9,10 @@ import pytest
 from test_cli import omma_command  # noqa: F401  (a fixture)
 
 import omma
-from omma.sampling_search import _positions, _spread_points, _turned, _uniform_quaternions
-from omma.sampling_tools import COMPOUNDRAY, OURS
+from omma.study.search import _positions, _spread_points, _turned, _uniform_quaternions
+from omma.study.variance import COMPOUNDRAY, OURS
 
-RANDOM = omma.Method("pillbox", "random")
+RANDOM = omma.study.Method("pillbox", "random")
 FORWARD = np.eye(4)
 
 
@@ -23,14 +23,14 @@ def horizon():
     image = np.zeros((4096, 2, 3), np.float32)
     image[:2048] = 1
     background = omma.Background.image(image)
-    return omma.Renderer(omma.Scene(), omma.icosahedral_eye(), background=background)
+    return omma.Renderer(omma.Scene(), omma.study.icosahedral_eye(), background=background)
 
 
 @pytest.fixture(scope="module")
 def even():
     """The same light everywhere."""
     background = omma.Background.constant((0.3, 0.5, 0.7))
-    return omma.Renderer(omma.Scene(), omma.icosahedral_eye(), background=background)
+    return omma.Renderer(omma.Scene(), omma.study.icosahedral_eye(), background=background)
 
 
 def level_eye(count=1, acceptance_deg=20):
@@ -41,12 +41,14 @@ def level_eye(count=1, acceptance_deg=20):
 
 
 def variances(renderer, eye, rays, repeats, **settings):
-    return omma.response_variances(renderer, eye, FORWARD, rays=rays, repeats=repeats, **settings)
+    return omma.study.response_variances(
+        renderer, eye, FORWARD, rays=rays, repeats=repeats, **settings
+    )
 
 
 def test_icosahedral_eye_is_a_dozen_steradians_evenly_spread():
-    eye = omma.icosahedral_eye()
-    assert omma.solid_angles_sr(eye) == pytest.approx(np.ones(12), rel=1e-6)  # float32 angles
+    eye = omma.study.icosahedral_eye()
+    assert omma.study.solid_angles_sr(eye) == pytest.approx(np.ones(12), rel=1e-6)  # float32 angles
     cosine = np.sort(eye.axis @ eye.axis.T, axis=1)[:, ::-1]
     # An icosahedron's corner has five neighbours at arctan 2, five at its supplement, one opposite.
     expected = [1] + 5 * [5**-0.5] + 5 * [-(5**-0.5)] + [-1]
@@ -57,11 +59,13 @@ def test_rays_per_ommatidium_go_by_the_widest():
     cone = 2 * np.pi * (1 - np.cos(np.radians(2.6) / 2))
     eye = omma.Eye(np.zeros((2, 3)), np.eye(3)[:2], np.radians([2.6, 1.0]))
     # float32 acceptance angles
-    assert omma.solid_angles_sr(eye)[0] == pytest.approx(cone, rel=1e-6)
-    assert omma.rays_per_ommatidium(eye, 1065) == 2  # 1.72
-    assert omma.rays_per_ommatidium(eye, 1e6) == int(np.ceil(1e6 * omma.solid_angles_sr(eye)[0]))
-    assert omma.rays_per_ommatidium(eye, 1) == 1
-    assert omma.rays_per_ommatidium(omma.icosahedral_eye(), 1065) in (1065, 1066)
+    assert omma.study.solid_angles_sr(eye)[0] == pytest.approx(cone, rel=1e-6)
+    assert omma.study.rays_per_ommatidium(eye, 1065) == 2  # 1.72
+    assert omma.study.rays_per_ommatidium(eye, 1e6) == int(
+        np.ceil(1e6 * omma.study.solid_angles_sr(eye)[0])
+    )
+    assert omma.study.rays_per_ommatidium(eye, 1) == 1
+    assert omma.study.rays_per_ommatidium(omma.study.icosahedral_eye(), 1065) in (1065, 1066)
 
 
 @pytest.mark.parametrize("rays", [1, 4, 25])
@@ -123,8 +127,8 @@ def test_low_discrepancy_scatters_less(horizon):
     ("method", "measure"), list(itertools.product((OURS, COMPOUNDRAY), ("linear", "compoundray")))
 )
 def test_even_light_needs_one_ray(even, method, measure):
-    box = omma.Box((0, 0, 0), (1, 1, 1))
-    found = omma.minimum_samples(even, box, method=method, measure=measure, poses=16)
+    box = omma.study.Box((0, 0, 0), (1, 1, 1))
+    found = omma.study.minimum_samples(even, box, method=method, measure=measure, poses=16)
     assert found.rays_per_sr == 1
     # The mean of equal float32 values may be a last bit from them.
     assert found.spread == pytest.approx(0, abs=1e-6)
@@ -132,19 +136,19 @@ def test_even_light_needs_one_ray(even, method, measure):
 
 def test_half_white_needs_what_the_binomial_says(horizon):
     """Some turn puts the horizon through the middle of a field: σ = 1/2, N = (σ/share)² = 100."""
-    box = omma.Box((0, 0, 0), (1, 1, 1))
-    found = omma.minimum_samples(horizon, box, fraction=0.05, method=COMPOUNDRAY, poses=128)
+    box = omma.study.Box((0, 0, 0), (1, 1, 1))
+    found = omma.study.minimum_samples(horizon, box, fraction=0.05, method=COMPOUNDRAY, poses=128)
     # σ is at most 1/2, times 8192/8191 in the variance; p from 0.42 to 0.58 gives 97 and more.
     assert 97 <= found.rays_per_sr <= 101
     assert found.limit == 0.05
     assert found.script_rays_per_sr is None
     assert found.standard_deviations == pytest.approx(found.spread / np.sqrt(found.rays))
-    ours = omma.minimum_samples(horizon, box, fraction=0.05, method=OURS, poses=64)
+    ours = omma.study.minimum_samples(horizon, box, fraction=0.05, method=OURS, poses=64)
     # Across a straight edge about (1/2) N^(-3/4): 22 rays; twice that is far from 100 still.
     assert ours.rays_per_sr < 50
     # Brute force at the place found.
-    tried = omma.response_variances(
-        horizon, omma.icosahedral_eye(), found.pose, rays=found.rays_per_sr, repeats=4096,
+    tried = omma.study.response_variances(
+        horizon, omma.study.icosahedral_eye(), found.pose, rays=found.rays_per_sr, repeats=4096,
         method=COMPOUNDRAY, seed=77,
     )[0, found.ommatidium] ** 0.5  # fmt: skip
     # 5 standard errors of a standard deviation of 4096 values, and rounding up to whole rays.
@@ -152,13 +156,13 @@ def test_half_white_needs_what_the_binomial_says(horizon):
 
 
 def test_display_measure_counts_frames_as_the_script(horizon):
-    box = omma.Box((0, 0, 0), (1, 1, 1))
+    box = omma.study.Box((0, 0, 0), (1, 1, 1))
     settings = {"fraction": 0.05, "poses": 64, "measure": "compoundray"}
-    theirs = omma.minimum_samples(horizon, box, method=COMPOUNDRAY, **settings)
+    theirs = omma.study.minimum_samples(horizon, box, method=COMPOUNDRAY, **settings)
     assert theirs.limit == pytest.approx(0.05 * 3**0.5 * 255)
     # Brute force at the place found, with other samples.
-    tried = omma.response_variances(
-        horizon, omma.icosahedral_eye(), theirs.pose, rays=theirs.rays_per_sr, repeats=8192,
+    tried = omma.study.response_variances(
+        horizon, omma.study.icosahedral_eye(), theirs.pose, rays=theirs.rays_per_sr, repeats=8192,
         method=COMPOUNDRAY, measure="compoundray", seed=77,
     ).max() ** 0.5  # fmt: skip
     # 5 standard errors of a standard deviation of 8192 values, and of the number of rays, of which
@@ -166,7 +170,7 @@ def test_display_measure_counts_frames_as_the_script(horizon):
     tolerance = 5 * (2 * 8191) ** -0.5 + 5 / 2 * theirs.relative_error
     assert tried == pytest.approx(theirs.limit, rel=tolerance)
     assert theirs.script_rays_per_sr <= theirs.rays_per_sr
-    ours = omma.minimum_samples(horizon, box, method=OURS, **settings)
+    ours = omma.study.minimum_samples(horizon, box, method=OURS, **settings)
     assert ours.rays_per_sr < theirs.rays_per_sr
     assert ours.script_rays_per_sr is None
     assert (np.diff(ours.rays) > 0).all()
@@ -174,13 +178,13 @@ def test_display_measure_counts_frames_as_the_script(horizon):
 
 
 def test_search_finds_no_less_than_many_tries(scene):
-    box = omma.Box((-12, 0.1, -12), (12, 3, 12))
-    found = omma.minimum_samples(scene, box, fraction=0.1, method=COMPOUNDRAY, poses=512)
+    box = omma.study.Box((-12, 0.1, -12), (12, 3, 12))
+    found = omma.study.minimum_samples(scene, box, fraction=0.1, method=COMPOUNDRAY, poses=512)
     rng = np.random.default_rng(5)
     positions, turns = rng.uniform(box.low_m, box.high_m, (400, 3)), rng.normal(size=(400, 4))
     poses = omma.poses_from_quaternions(positions, turns)
-    tried = omma.response_variances(
-        scene, omma.icosahedral_eye(), poses, rays=1, repeats=2048, method=COMPOUNDRAY
+    tried = omma.study.response_variances(
+        scene, omma.study.icosahedral_eye(), poses, rays=1, repeats=2048, method=COMPOUNDRAY
     )
     assert found.spread**2 > tried.max()
     assert (found.pose[:3, 3] >= box.low_m).all()
@@ -190,10 +194,10 @@ def test_search_finds_no_less_than_many_tries(scene):
 
 
 def test_search_is_repeatable_and_follows_its_seed(scene):
-    place = omma.Cylinder((0, 0.1, 0), 5, 2)
+    place = omma.study.Cylinder((0, 0.1, 0), 5, 2)
     settings = {"fraction": 0.1, "method": COMPOUNDRAY, "poses": 64}
-    first, again = (omma.minimum_samples(scene, place, **settings) for _ in range(2))
-    other = omma.minimum_samples(scene, place, seed=2**64 - 1, **settings)
+    first, again = (omma.study.minimum_samples(scene, place, **settings) for _ in range(2))
+    other = omma.study.minimum_samples(scene, place, seed=2**64 - 1, **settings)
     assert (first.pose == again.pose).all()
     assert (first.pose != other.pose).any()
     assert first.spread == again.spread
@@ -204,10 +208,10 @@ def test_places_to_search():
     # Evenly: each eighth of the cube has an eighth of the points; such points miss by a handful.
     eighths = np.bincount((units >= 0.5) @ [1, 2, 4], minlength=8)
     assert abs(eighths - 500).max() < 20
-    box = _positions(omma.Box((-1, 2, 3), (1, 4, 3)), units)
+    box = _positions(omma.study.Box((-1, 2, 3), (1, 4, 3)), units)
     assert box.min(axis=0) == pytest.approx([-1, 2, 3], abs=0.01)
     assert box.max(axis=0) == pytest.approx([1, 4, 3], abs=0.01)
-    tube = _positions(omma.Cylinder((1, 2, 3), 4, 5), units) - [1, 2, 3]
+    tube = _positions(omma.study.Cylinder((1, 2, 3), 4, 5), units) - [1, 2, 3]
     radius = np.hypot(tube[:, 0], tube[:, 2])
     assert radius.max() == pytest.approx(4, abs=0.01)
     # A quarter of the area is within half the radius.
@@ -236,50 +240,65 @@ def test_orientations_are_spread_and_turned():
 def test_map_has_x_along_columns_and_z_along_rows(scene):
     """East of the ground's edge at x = 10 there is nothing below, over it colours."""
     settings = {"rays": 1, "repeats": 1024, "method": RANDOM}
-    found = omma.variance_map(scene, (10, 0.5, 3), 8, steps=4, **settings)
+    found = omma.study.variance_map(scene, (10, 0.5, 3), 8, steps=4, **settings)
     assert found.shape == (4, 4)
     poses = np.tile(np.eye(4), (2, 1, 1))
     poses[:, :3, 3] = (13, 0.5, 0), (7, 0.5, 6)  # row 0, column 3; row 3, column 0
-    expected = omma.response_variances(scene, omma.icosahedral_eye(), poses, **settings).max(axis=1)
+    expected = omma.study.response_variances(
+        scene, omma.study.icosahedral_eye(), poses, **settings
+    ).max(axis=1)
     # 5 standard errors of the difference of two such variances.
     assert [found[0, 3], found[3, 0]] == pytest.approx(expected, rel=5 * 2 * (1 / 1023) ** 0.5)
     assert abs(found[0, 3] - found[3, 0]) > 0.4 * found.max()
-    mean = omma.variance_map(scene, (10, 0.5, 3), 8, steps=4, statistic="mean", **settings)
+    mean = omma.study.variance_map(scene, (10, 0.5, 3), 8, steps=4, statistic="mean", **settings)
     assert (mean < found).all()
 
 
 def test_alias_curve_is_the_closed_form(horizon):
     eye = omma.Eye(np.zeros((2, 3)), [[0, 0, -1], [1, 0, 0]], np.radians([10, 20]))
-    per_sr, rms = omma.alias_curve(horizon, eye, FORWARD, [1, 16], method=RANDOM, repeats=4096)
-    expected = 0.5 * (1 / omma.solid_angles_sr(eye)).mean() / np.array([1, 4])
+    per_sr, rms = omma.study.alias_curve(
+        horizon, eye, FORWARD, [1, 16], method=RANDOM, repeats=4096
+    )
+    expected = 0.5 * (1 / omma.study.solid_angles_sr(eye)).mean() / np.array([1, 4])
     # Relative standard error of a standard deviation of 4096 values: 1/sqrt(2 · 4095).
     tolerance = 5 * (2 * 4095) ** -0.5
     assert per_sr == pytest.approx(expected, rel=tolerance)
     assert rms == pytest.approx([0.5, 0.125], rel=tolerance)
 
 
-BOX = omma.Box((0, 0, 0), (1, 1, 1))
+BOX = omma.study.Box((0, 0, 0), (1, 1, 1))
 
 
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda s: omma.minimum_samples(s, BOX, fraction=0), "fraction: expected over 0"),
-        (lambda s: omma.minimum_samples(s, BOX, measure="x"), "measure: expected linear or"),
-        (lambda s: omma.minimum_samples(s, BOX, poses=0), "poses: expected 1"),
-        (lambda s: omma.minimum_samples(s, BOX, seed=-1), "seed: expected 0"),
-        (lambda s: omma.minimum_samples(s, omma.Box((0, 0, 1), (1, 1, 0))), "lower corner first"),
-        (lambda s: omma.minimum_samples(s, omma.Cylinder((0, 0, 0), -1, 1)), "cylinder: expected"),
-        (lambda s: omma.minimum_samples(s, np.zeros((0, 4, 4))), "at least one pose"),
+        (lambda s: omma.study.minimum_samples(s, BOX, fraction=0), "fraction: expected over 0"),
+        (lambda s: omma.study.minimum_samples(s, BOX, measure="x"), "measure: expected linear or"),
+        (lambda s: omma.study.minimum_samples(s, BOX, poses=0), "poses: expected 1"),
+        (lambda s: omma.study.minimum_samples(s, BOX, seed=-1), "seed: expected 0"),
         (
-            lambda s: omma.minimum_samples(s, BOX, fraction=1e-9, measure="compoundray", poses=2),
+            lambda s: omma.study.minimum_samples(s, omma.study.Box((0, 0, 1), (1, 1, 0))),
+            "lower corner first",
+        ),
+        (
+            lambda s: omma.study.minimum_samples(s, omma.study.Cylinder((0, 0, 0), -1, 1)),
+            "cylinder: expected",
+        ),
+        (lambda s: omma.study.minimum_samples(s, np.zeros((0, 4, 4))), "at least one pose"),
+        (
+            lambda s: omma.study.minimum_samples(
+                s, BOX, fraction=1e-9, measure="compoundray", poses=2
+            ),
             "fraction: the standard deviation is .* for 65536",
         ),
-        (lambda s: omma.variance_map(s, (0, 1, 0), 0), "size_m: expected over 0"),
-        (lambda s: omma.variance_map(s, (0, 1, 0), 1, statistic="min"), "statistic: expected max"),
-        (lambda s: omma.variance_map(s, (0, 1, 0), 1, repeats=1), "repeats: expected 2"),
+        (lambda s: omma.study.variance_map(s, (0, 1, 0), 0), "size_m: expected over 0"),
         (
-            lambda s: omma.alias_curve(
+            lambda s: omma.study.variance_map(s, (0, 1, 0), 1, statistic="min"),
+            "statistic: expected max",
+        ),
+        (lambda s: omma.study.variance_map(s, (0, 1, 0), 1, repeats=1), "repeats: expected 2"),
+        (
+            lambda s: omma.study.alias_curve(
                 s, omma.Eye(np.zeros((1, 3)), [[0, 0, 1]], 0.0), FORWARD, [1]
             ),
             "acceptance angles over 0",
@@ -306,7 +325,7 @@ def check_png(path):
 
 
 def search_result(method, deviations):
-    return omma.MinimumSamples(
+    return omma.study.MinimumSamples(
         method=method, measure="linear", limit=0.1, rays_per_sr=3, relative_error=0.02,
         script_rays_per_sr=None, pose=np.eye(4), ommatidium=0, spread=0.5, spread_rays=1,
         rays=np.array([1, 2, 4]), standard_deviations=np.array(deviations), poses_rendered=1,
@@ -316,38 +335,38 @@ def search_result(method, deviations):
 
 def test_search_files(tmp_path):
     found = [search_result(COMPOUNDRAY, [0.3, 0.2, 0.1]), search_result(OURS, [0.3, 0.1, 0.05])]
-    omma.save_minimum_samples(tmp_path / "x.csv", found)
-    omma.save_minimum_samples(tmp_path / "x.png", found)
+    omma.study.save_minimum_samples(tmp_path / "x.csv", found)
+    omma.study.save_minimum_samples(tmp_path / "x.png", found)
     rows = read_csv(tmp_path / "x.csv")
     assert list(rows[4].values()) == ["gaussian", "low_discrepancy", "linear", "2", "0.1"]
     assert len(rows) == 6
     check_png(tmp_path / "x.png")
     with pytest.raises(omma.Error, match=r"ending in \.csv or \.png"):
-        omma.save_minimum_samples(tmp_path / "x.npy", found)
+        omma.study.save_minimum_samples(tmp_path / "x.npy", found)
     with pytest.raises(omma.Error, match="found: expected searches"):
-        omma.save_minimum_samples(tmp_path / "x.csv", [])
+        omma.study.save_minimum_samples(tmp_path / "x.csv", [])
 
 
 def test_map_files(tmp_path):
     variance = np.arange(9.0).reshape(3, 3) ** 2
     for suffix in ("npy", "csv", "png"):
-        omma.save_variance_map(tmp_path / f"x.{suffix}", variance, (10, 1, 20), 6)
+        omma.study.save_variance_map(tmp_path / f"x.{suffix}", variance, (10, 1, 20), 6)
     assert (np.load(tmp_path / "x.npy") == np.sqrt(variance)).all()
     rows = read_csv(tmp_path / "x.csv")
     assert [list(map(float, row.values())) for row in rows[:4]] == [
         [8, 18, 0], [10, 18, 1], [12, 18, 2], [8, 20, 3],
     ]  # fmt: skip
     check_png(tmp_path / "x.png")
-    omma.save_variance_map(tmp_path / "v.csv", variance, (10, 1, 20), 6, as_variance=True)
+    omma.study.save_variance_map(tmp_path / "v.csv", variance, (10, 1, 20), 6, as_variance=True)
     assert float(read_csv(tmp_path / "v.csv")[3]["variance"]) == 9
     with pytest.raises(omma.Error, match="variance: expected shape"):
-        omma.save_variance_map(tmp_path / "x.npy", variance[:2], (0, 0, 0), 1)
+        omma.study.save_variance_map(tmp_path / "x.npy", variance[:2], (0, 0, 0), 1)
 
 
 def test_alias_files(tmp_path):
     curves = {OURS: ([4.0, 1.0], [0.4, 0.1]), COMPOUNDRAY: ([4.0, 2.0], [0.4, 0.2])}
-    omma.save_alias_curves(tmp_path / "x.csv", [1, 4], curves)
-    omma.save_alias_curves(tmp_path / "x.png", [1, 4], curves)
+    omma.study.save_alias_curves(tmp_path / "x.csv", [1, 4], curves)
+    omma.study.save_alias_curves(tmp_path / "x.png", [1, 4], curves)
     assert list(read_csv(tmp_path / "x.csv")[1].values()) == [
         "gaussian", "low_discrepancy", "4", "1", "0.1",
     ]  # fmt: skip
@@ -357,7 +376,7 @@ def test_alias_files(tmp_path):
 def test_plots_say_what_to_install(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     with pytest.raises(omma.Error, match=r"pip install omma\[plots\]"):
-        omma.save_variance_map(tmp_path / "x.png", np.ones((2, 2)), (0, 0, 0), 1)
+        omma.study.save_variance_map(tmp_path / "x.png", np.ones((2, 2)), (0, 0, 0), 1)
     assert not list(tmp_path.iterdir())
 
 

@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 import omma
-from omma.cli import app
+from omma.cli.main import app
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SCENE, EYE = EXAMPLES / "meadow.glb", EXAMPLES / "honeybee_worker_right.eye"

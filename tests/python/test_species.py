@@ -13,8 +13,8 @@ from scipy.spatial import cKDTree
 from typer.testing import CliRunner
 
 import omma
-from omma.cli import app
-from omma.eye_measures import measure_eye
+from omma.cli.main import app
+from omma.eye.measures import measure_eye
 from omma.species.facts import STATUSES, number
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -42,7 +42,7 @@ def along_and_up_deg(name):
     on the surface: in a hexagonal lattice, stretched or not, the mean square of their steps either
     way is half the angle's square."""
     eye = right(name)
-    azimuth, elevation = omma.azimuth_elevation_deg_of(eye.axis)
+    azimuth, elevation = omma.eye.azimuth_elevation_deg_of(eye.axis)
     near = cKDTree(eye.position_m).query(eye.position_m, 7)[1]
     across = (azimuth[near[:, 1:]] - azimuth[:, None] + 180) % 360 - 180
     across *= np.cos(np.radians(elevation))[:, None]
@@ -153,7 +153,7 @@ def test_honeybee_directions_are_those_of_the_example():
     azimuth, elevation = np.array(axes).T
     ours = right("honeybee_worker")
     # Single precision, and the example's file rounds to a nanometre.
-    np.testing.assert_allclose(ours.axis, omma.direction(azimuth, elevation), atol=2e-7)
+    np.testing.assert_allclose(ours.axis, omma.eye.direction(azimuth, elevation), atol=2e-7)
     bundled = omma.load_eye(ROOT / "examples/honeybee_worker_right.eye")
     np.testing.assert_allclose(ours.position_m, bundled.position_m, atol=2e-9)
     np.testing.assert_allclose(ours.acceptance_angle_rad, bundled.acceptance_angle_rad, rtol=1e-6)
@@ -184,7 +184,7 @@ def test_honeybee_ommatidia_are_of_three_types():
 
 def test_robber_fly_fovea():
     eye = right("holcocephala")
-    angle, spacing = angles_deg("holcocephala"), omma.facet_diameters_m(eye)
+    angle, spacing = angles_deg("holcocephala"), omma.eye.facet_diameters_m(eye)
     # The issue's numbers within 3 %, both of the lattice itself.
     assert angle.min() == pytest.approx(0.28, rel=0.03)
     ahead = eye.axis[:, 2] < -math.cos(math.radians(1))
@@ -205,7 +205,7 @@ def test_cataglyphis_dorsal_rim():
     eye = right("cataglyphis")
     rim = np.array(eye.columns["region"]) == "dorsal rim"
     assert rim.sum() == 80
-    azimuth, elevation = omma.azimuth_elevation_deg_of(eye.axis[rim])
+    azimuth, elevation = omma.eye.azimuth_elevation_deg_of(eye.axis[rim])
     # Duelli's 43 to 65°, a lattice step beyond.
     assert elevation.min() > 43 - 2.7
     assert elevation.max() < 65 + 2.7
@@ -214,7 +214,7 @@ def test_cataglyphis_dorsal_rim():
     np.testing.assert_allclose(np.degrees(eye.acceptance_angle_rad[~rim]), 3.0, rtol=1e-5)
     # A lattice's 10 % at the 95th percentile, and the edge, where spacing blends to the outside.
     assert np.median(angles_deg("cataglyphis")[rim]) == pytest.approx(2.64, rel=0.1)
-    types, microvilli = eye.receptor_types, omma.microvillus_direction(eye)
+    types, microvilli = eye.receptor_types, omma.receptors.microvillus_direction(eye)
     turns = []
     for i in np.flatnonzero(rim):
         own = range(eye.first_receptor[i], eye.first_receptor[i + 1])
@@ -239,7 +239,7 @@ def test_drosophila_is_as_scanned():
     # The lattice's own 3 % (median) and 10 % (percentiles).
     assert np.median(angle) == pytest.approx(4.9, rel=0.03)
     assert np.percentile(angle, [5, 95]) == pytest.approx([3.8, 9.5], rel=0.1)
-    spacing = omma.facet_diameters_m(eye.select(1))
+    spacing = omma.eye.facet_diameters_m(eye.select(1))
     assert np.median(spacing) == pytest.approx(16.8e-6, rel=0.03)
     pale = np.mean([kind == "pale" for kind in eye.columns["ommatidium_type"]])
     # By chance: standard deviation 1.1 % of 1,709.
@@ -254,8 +254,8 @@ def test_drosophila_is_as_scanned():
 def looking_deg(name):
     """Where R1 to R6 look from their ommatidium's axis, (N, 6), both eyes."""
     eye = animal(name).eye
-    own = eye.axis[omma.ommatidium_of_receptor(eye)]
-    chord = np.linalg.norm(omma.receptor_axis(eye).astype(float) - own, axis=1)
+    own = eye.axis[omma.receptors.ommatidium_of_receptor(eye)]
+    chord = np.linalg.norm(omma.receptors.receptor_axis(eye).astype(float) - own, axis=1)
     return np.degrees(2 * np.arcsin(chord / 2)).reshape(len(eye), 8)
 
 
@@ -274,7 +274,7 @@ def test_fly_receptors_look_along_neighbours_axes(name):
 @pytest.mark.parametrize("name", ["drosophila", "calliphora"])
 def test_fly_cartridges_pool_six(name):
     eye = animal(name).eye
-    wiring = omma.neural_superposition_wiring(eye)
+    wiring = omma.eye.neural_superposition_wiring(eye)
     border = np.concatenate([measure_eye(eye.select(side)).border for side in (0, 1)])
     angle = eye.interommatidial_angle_rad().astype(float)
     up = np.abs(np.arcsin(eye.axis[:, 1].astype(float)))
@@ -288,7 +288,7 @@ def test_fly_cartridges_pool_six(name):
     # What is pooled looks along the cartridge's axis, all within half Δφ, most within a quarter.
     target = np.repeat(np.arange(len(eye)), members)
     chord = np.linalg.norm(
-        omma.receptor_axis(eye)[wiring.index].astype(float) - eye.axis[target], axis=1
+        omma.receptors.receptor_axis(eye)[wiring.index].astype(float) - eye.axis[target], axis=1
     )
     beside = 2 * np.arcsin(chord / 2) / angle[target]
     inner = ~border[target]
@@ -300,12 +300,12 @@ def test_fly_cartridges_pool_six(name):
 def test_left_fly_receptors_mirror_the_right():
     eye = animal("calliphora").eye
     left, right_eye = eye.select(0), eye.select(1)
-    mirrored = omma.receptor_axis(left) * [-1, 1, 1]
-    np.testing.assert_allclose(mirrored, omma.receptor_axis(right_eye), atol=1e-6)
+    mirrored = omma.receptors.receptor_axis(left) * [-1, 1, 1]
+    np.testing.assert_allclose(mirrored, omma.receptors.receptor_axis(right_eye), atol=1e-6)
     names = [[e.receptor_types[k].name for k in e.receptor_type] for e in (left, right_eye)]
     assert names[0] == names[1]
     # R3 looks to the outside of the eye: a lens inverts, and R3 lies in front and above.
-    third = omma.receptor_axis(right_eye)[2::8] - right_eye.axis
+    third = omma.receptors.receptor_axis(right_eye)[2::8] - right_eye.axis
     middle = right_eye.axis[:, 0] > 0.8
     assert np.mean(third[middle, 2] > 0) > 0.95  # behind the axis: +Z
 
@@ -317,8 +317,8 @@ def test_fly_receptors_are_rendered():
     )
     seen = renderer.render_receptors(np.eye(4))
     assert seen.shape == (1, 8 * len(eye))
-    wiring = omma.neural_superposition_wiring(eye)
-    pooled = omma.pool(seen, wiring)
+    wiring = omma.eye.neural_superposition_wiring(eye)
+    pooled = omma.eye.pool(seen, wiring)
     assert pooled.shape == (1, len(eye))
     # All R1 to R6 have one pigment and see the same white.
     np.testing.assert_allclose(pooled[:, wiring.members > 0], seen[0, 0], rtol=1e-5)
@@ -330,7 +330,7 @@ def test_bumblebee_is_as_scanned():
     found = np.nanpercentile(angle, [5, 50, 95])
     assert found == pytest.approx([0.95, 1.37, 2.78], rel=0.1)
     assert np.nanmedian(m.horizontal_rad / m.vertical_rad) == pytest.approx(1.28, rel=0.05)
-    assert np.median(omma.facet_diameters_m(eye)) == pytest.approx(27.3e-6, rel=0.03)
+    assert np.median(omma.eye.facet_diameters_m(eye)) == pytest.approx(27.3e-6, rel=0.03)
     # The ellipsoid is an assumption; that it comes out as large as the scan is not.
     assert np.ptp(eye.position_m[:, 1]) == pytest.approx(2.91e-3, rel=0.1)
     assert np.ptp(eye.position_m[:, 2]) == pytest.approx(0.85e-3, rel=0.1)
@@ -362,7 +362,7 @@ def test_drone_is_divided():
     # The surface they sit on follows roughly: a worker's facet on twice the area at most. Found are
     # 31.39 um with AVX2 and 31.53 without: where the relaxation ends depends on rounding, by about
     # half a hundredth. So 12 %, where 10 % (31.5 um) was met or not by the processor.
-    spacing = omma.facet_diameters_m(eye)
+    spacing = omma.eye.facet_diameters_m(eye)
     assert np.median(spacing[above]) == pytest.approx(35e-6, rel=0.12)
     green = [i for i, t in enumerate(eye.receptor_types) if t.name == "green"]
     has_green = np.add.reduceat(np.isin(eye.receptor_type, green), eye.first_receptor[:-1]) > 0
@@ -383,7 +383,7 @@ def test_melophorus_mean_angle_and_field():
     eye = right("melophorus")
     inner = ~measures("melophorus").border
     assert angles_deg("melophorus")[inner].mean() == pytest.approx(3.7, rel=0.03)
-    azimuth = omma.azimuth_elevation_deg_of(eye.axis)[0]
+    azimuth = omma.eye.azimuth_elevation_deg_of(eye.axis)[0]
     # Axes end up to one interommatidial angle inside the field of about 150°.
     assert 150 - 2 * 3.7 < np.ptp(azimuth) <= 150
     np.testing.assert_allclose(np.degrees(eye.acceptance_angle_rad), 3.7, rtol=1e-5)
@@ -393,7 +393,7 @@ def test_dragonfly_dorsal_band():
     eye = right("dragonfly")
     # Half way up the side the band's breadth is level: the angle across it is the horizontal one.
     across, along = along_and_up_deg("dragonfly")
-    elevation = omma.azimuth_elevation_deg_of(eye.axis)[1]
+    elevation = omma.eye.azimuth_elevation_deg_of(eye.axis)[1]
     crest = (np.abs(eye.axis[:, 2]) < math.sin(math.radians(1))) & (np.abs(elevation - 45) < 15)
     assert crest.sum() > 100
     # The lattice's 3 %; its scatter of up to 10 % adds up to 1 % in a mean square.
@@ -423,10 +423,10 @@ def test_fiddler_crab_has_two_streaks():
     level = np.abs(up) < 5
     assert np.median(horizontal[level]) == pytest.approx(2.2, rel=0.06)
     # Larger facets at the equator, and the lenses that far apart.
-    spacing = omma.facet_diameters_m(eye)
+    spacing = omma.eye.facet_diameters_m(eye)
     assert np.median(spacing[level]) == pytest.approx(25e-6, rel=0.05)
     assert np.median(spacing[up > 30]) == pytest.approx(18e-6, rel=0.05)
-    azimuth = omma.azimuth_elevation_deg_of(eye.axis)[0]
+    azimuth = omma.eye.azimuth_elevation_deg_of(eye.axis)[0]
     assert np.bincount((azimuth // 30).astype(int) + 6).min() > 800  # all round
 
 

@@ -8,13 +8,13 @@ from test_cli import omma_command  # noqa: F401  (a fixture)
 from test_sampling_tools import check_png
 
 import omma
-from omma.speed_test import PUBLISHED_FRAMES_PER_S, PUBLISHED_RAYS, machine_name
+from omma.study.speed_test import PUBLISHED_FRAMES_PER_S, PUBLISHED_RAYS, machine_name
 
 
 @pytest.fixture(scope="module")
 def found(scene, eye):
     stages = []
-    result = omma.measure_speed(
+    result = omma.study.measure_speed(
         scene, eye, np.eye(4), [1, 4], frames=3, warm_up_s=0.01, threads=2,
         progress=lambda stage, fraction: stages.append((stage, fraction)),
     )  # fmt: skip
@@ -37,8 +37,8 @@ def test_speed_of_each_number_of_rays(found, eye):
 
 def test_speed_files(found, tmp_path):
     result, _ = found
-    omma.save_speed_test(tmp_path / "x.csv", result)
-    omma.save_speed_test(tmp_path / "x.png", result)
+    omma.study.save_speed_test(tmp_path / "x.csv", result)
+    omma.study.save_speed_test(tmp_path / "x.png", result)
     with (tmp_path / "x.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["rays_per_ommatidium"] for row in rows] == ["1", "4"]
@@ -64,7 +64,7 @@ def test_published_figures_are_complete():
 def test_wrong_arguments_are_named(scene, eye, changes, message):
     settings = {"rays": [1], "frames": 1, "warm_up_s": 0} | changes
     with pytest.raises(omma.Error, match=message):
-        omma.measure_speed(scene, eye, np.eye(4), settings.pop("rays"), **settings)
+        omma.study.measure_speed(scene, eye, np.eye(4), settings.pop("rays"), **settings)
 
 
 def test_speed_command(omma_command, tmp_path):  # noqa: F811

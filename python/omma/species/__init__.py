@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from omma._core import Error
-from omma.arguments import checked
+from omma.base.arguments import checked, one_of
 from omma.species.ants import cataglyphis, melophorus
 from omma.species.bees import bumblebee, honeybee_drone, honeybee_worker
 from omma.species.facts import Fact, Source, Species, facts, facts_text, sources
@@ -44,9 +44,12 @@ def names() -> list[str]:
 @checked
 def make(name: str, progress: Callable[[str, float | None], object] | None = None) -> Species:
     """The animal of this name, as its own function makes it. Raises Error for another name."""
-    if name not in _MAKERS:
-        raise Error(f"name: expected one of {', '.join(_MAKERS)}, found {name!r}")
-    return _MAKERS[name](progress)
+    if name not in _MAKERS and any(fact.animal == name for fact in facts()):
+        raise Error(
+            f"name: {name} has numbers (facts({name!r})), but too few are known for its eyes; "
+            f"expected one of {', '.join(_MAKERS)}"
+        )
+    return _MAKERS[one_of(name, _MAKERS, "name")](progress)
 
 
 __all__ = [

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from omma._core import Eye, ReceptorType
-from omma.receptor_mosaic import OmmatidiumType, Region, assign_receptors
+from omma.eye.superposition import fly_receptors
+from omma.receptors.mosaic import OmmatidiumType, Region, assign_receptors
 from omma.species.facts import number
-from omma.superposition import fly_receptors
 
 _SEED = 3  # of the random arrangement of types over an eye: any number, always the same
 

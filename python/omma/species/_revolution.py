@@ -12,7 +12,6 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 Floats = NDArray[np.float64]
 
@@ -56,12 +55,14 @@ class Profile:
 
 
 class Revolution:
-    """A surface of revolution that faces ahead (-Z), by its meridian, for `omma.lay_on_surface`.
+    """A surface of revolution that faces ahead (-Z) by its meridian, for `omma.eye.lay_on_surface`.
 
     It begins at ``tip_m`` (3,) and ends where its normal is ``most_rad`` from ahead.
     """
 
     def __init__(self, profile: Profile, most_rad: float, tip_m: Floats) -> None:
+        from scipy.spatial import cKDTree
+
         self._profile = profile
         self._most = most_rad
         self._tip = tip_m

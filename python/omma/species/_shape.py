@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Acceptance, Eye
-from omma.eye_facets import facet_diameters_m, set_facets
-from omma.eye_lattice import azimuth_elevation_deg_of, direction, lay_directions
-from omma.eye_surface import eye_on_surface, squeezed
-from omma.eye_tools import join_eyes, pair_of_eyes
+from omma.base.directions import azimuth_elevation_deg_of, direction
+from omma.eye.change import join_eyes, pair_of_eyes
+from omma.eye.facets import facet_diameters_m, set_facets
+from omma.eye.lattice import lay_directions
+from omma.eye.on_surface import eye_on_surface, squeezed
+from omma.eye.surfaces import ellipsoid
 from omma.species.facts import Species, facts, number
-from omma.surfaces import ellipsoid
 
 Floats = NDArray[np.float64]
 Progress = Callable[[str, "float | None"], object]

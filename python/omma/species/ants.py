@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Acceptance, Eye
-from omma.eye_lattice import azimuth_elevation_deg_of
-from omma.receptor_mosaic import OmmatidiumType
+from omma.base.directions import azimuth_elevation_deg_of
+from omma.receptors.mosaic import OmmatidiumType
 from omma.species._receptors import mixed, receptor
 from omma.species._shape import (
     Floats,

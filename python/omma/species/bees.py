@@ -12,9 +12,9 @@ import math
 import numpy as np
 
 from omma._core import Acceptance, Eye
-from omma.eye_facets import set_facets
-from omma.eye_lattice import direction
-from omma.receptor_mosaic import OmmatidiumType
+from omma.base.directions import direction
+from omma.eye.facets import set_facets
+from omma.receptors.mosaic import OmmatidiumType
 from omma.species._receptors import bee_kinds, bee_receptors, mixed
 from omma.species._shape import (
     Floats,

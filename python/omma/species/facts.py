@@ -14,7 +14,7 @@ from functools import cache
 from importlib.resources import files
 
 from omma._core import Error, Eye
-from omma.arguments import checked
+from omma.base.arguments import checked, one_of
 
 STATUSES = ("measured", "interpolated", "assumed")
 # To SI: what a unit in the table is worth. Counts, shares and ratios stay as they are.
@@ -105,8 +105,7 @@ def facts(animal: str | None = None) -> tuple[Fact, ...]:
         return table
     found = tuple(fact for fact in table if fact.animal == animal)
     if not found:
-        animals = ", ".join(dict.fromkeys(fact.animal for fact in table))
-        raise Error(f"animal: expected one of {animals}, found {animal!r}")
+        one_of(animal, dict.fromkeys(fact.animal for fact in table), "animal")
     return found
 
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Eye
-from omma.eye_facets import acceptance_from_facets
-from omma.receptor_mosaic import OmmatidiumType
+from omma.eye.facets import acceptance_from_facets
+from omma.receptors.mosaic import OmmatidiumType
 from omma.species._receptors import mixed, receptor
 from omma.species._revolution import Profile
 from omma.species._shape import (

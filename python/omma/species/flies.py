@@ -1,8 +1,8 @@
 """Flies: Drosophila and the blowfly Calliphora, both with pale and yellow ommatidia.
 
 The rhabdomeres of a fly's ommatidium lie apart and look in different directions: R1 to R6 along the
-axes of six neighbours, R7 and R8 along its own (`omma.fly_receptors`). The cartridges pool those
-that look the same way: `omma.pool` with `omma.neural_superposition_wiring`.
+axes of six neighbours, R7 and R8 along its own (`omma.eye.fly_receptors`). The cartridges pool
+those that look the same way: `omma.eye.pool` with `omma.eye.neural_superposition_wiring`.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 
 from omma._core import Acceptance, Eye
-from omma.eye_facets import acceptance_from_facets
-from omma.eye_tools import mirror_eye
+from omma.eye.change import mirror_eye
+from omma.eye.facets import acceptance_from_facets
 from omma.species._receptors import with_fly_receptors
 from omma.species._shape import (
     Floats,

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Eye
-from omma.eye_facets import acceptance_from_facets
-from omma.eye_surface import lay_on_surface
-from omma.receptor_mosaic import OmmatidiumType
+from omma.eye.facets import acceptance_from_facets
+from omma.eye.on_surface import lay_on_surface
+from omma.receptors.mosaic import OmmatidiumType
 from omma.species._receptors import mixed, receptor
 from omma.species._revolution import Profile, Revolution
 from omma.species._shape import Floats, Progress, blended, laid, smooth_step, species

@@ -1,0 +1,43 @@
+from . import compat, eye, job, light, picture, receptors, rendering, scene, species, study
+from ._core import Acceptance, Background, Error, Eye, Scene, __version__
+from .base.poses import load_poses, look_at, poses_from_angles, poses_from_quaternions
+from .eye.files import load_eye, save_eye
+from .job.rendering import render_file
+from .picture.cameras import render_camera
+from .picture.files import save_png
+from .rendering.renderer import Renderer
+from .rendering.response_files import save_responses
+from .scene.files import load_scene
+from .scene.world import World
+
+__all__ = [
+    "Acceptance",
+    "Background",
+    "Error",
+    "Eye",
+    "Renderer",
+    "Scene",
+    "World",
+    "__version__",
+    "compat",
+    "eye",
+    "job",
+    "light",
+    "load_eye",
+    "load_poses",
+    "load_scene",
+    "look_at",
+    "picture",
+    "poses_from_angles",
+    "poses_from_quaternions",
+    "receptors",
+    "render_camera",
+    "render_file",
+    "rendering",
+    "save_eye",
+    "save_png",
+    "save_responses",
+    "scene",
+    "species",
+    "study",
+]

@@ -1,0 +1,230 @@
+"""Checks of arguments that several functions share."""
+
+from __future__ import annotations
+
+import difflib
+import functools
+import inspect
+import operator
+import os
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, TypeVar, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omma._core import Error
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def whole(value: Any, name: str, low: int, high: int) -> int:
+    """``value`` as an int from ``low`` to ``high``; TypeError or omma.Error names the argument."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise TypeError(
+            f"{name}: expected a whole number, found {type(value).__name__} {value!r:.40}"
+        ) from None
+    if not low <= number <= high:
+        raise Error(f"{name}: expected {low} to {high}, found {number}")
+    return number
+
+
+def one_of(value: Any, choices: Iterable[str], name: str, more: str = "") -> str:
+    """``value`` where it is among the choices; omma.Error names them, and the one most like it.
+
+    Args:
+        more: what else is possible, put behind the choices.
+    """
+    known = list(choices)
+    if isinstance(value, str) and value in known:
+        return value
+    alike = difflib.get_close_matches(str(value), known, 1)
+    hint = f"; did you mean {alike[0]!r}?" if alike else ""
+    raise Error(f"{name}: expected one of {', '.join(known)}{more}, found {value!r:.60}{hint}")
+
+
+def positive(value: float, name: str) -> float:
+    """``value`` where it is a finite number above 0; omma.Error names the argument."""
+    if not (isinstance(value, (int, float)) and 0 < value < float("inf")):
+        raise Error(f"{name}: expected a number above 0, found {value!r:.40}")
+    return float(value)
+
+
+def array_of(
+    value: Any, name: str, shape: tuple[int | None, ...] | None = None, dtype: Any = np.float64
+) -> NDArray[Any]:
+    """``value`` as an array of numbers, where it is one; the array itself where it fits already.
+
+    Args:
+        shape: that it must have; None in it for any length. None: whatever it has.
+
+    Raises:
+        omma.Error: rows of different lengths, texts, complex numbers, objects, fractions where
+            ``dtype`` is whole, another shape; it names the argument.
+    """
+    try:
+        given = np.asarray(value)
+    except ValueError:
+        raise Error(f"{name}: expected numbers, found rows of different lengths") from None
+    if given.dtype.kind not in "biuf":
+        raise Error(f"{name}: expected numbers, found {type(value).__name__} {value!r:.40}")
+    if shape is not None:
+        fits = [wanted in (None, found) for wanted, found in zip(shape, given.shape)]
+        if given.ndim != len(shape) or not all(fits):
+            lengths = ", ".join("N" if length is None else str(length) for length in shape)
+            comma = "," if len(shape) == 1 else ""
+            raise Error(f"{name}: expected shape ({lengths}{comma}), found {given.shape}")
+    # What is beyond the range of float32 becomes infinite; callers say whether that may be.
+    with np.errstate(over="ignore", invalid="ignore"):
+        array = np.asarray(given, dtype)
+    if given.dtype.kind == "f" and array.dtype.kind in "iu" and np.any(array != given):
+        raise Error(f"{name}: expected whole numbers, found {value!r:.40}")
+    return array
+
+
+def expect(value: object, kind: type, name: str, hint: str) -> None:
+    """TypeError where ``value`` is no ``kind``; ``hint`` says where to get one."""
+    if not isinstance(value, kind):
+        found = type(value).__name__
+        place = _OWN.get(kind.__name__, f"omma.{kind.__name__}")
+        raise TypeError(f"{name}: expected {place}, found {found} ({hint})")
+
+
+def output_array(out: Any, shape: tuple[int, ...], name: str) -> NDArray[np.float32]:
+    """``out`` where the engine can write to it, a new array where it is None."""
+    if out is None:
+        return np.empty(shape, np.float32)
+    if not isinstance(out, np.ndarray) or out.dtype != np.float32:
+        found = f"{out.dtype} array" if isinstance(out, np.ndarray) else type(out).__name__
+        raise TypeError(f"{name}: expected a float32 array of shape {shape}, found {found}")
+    if out.shape != shape:
+        raise Error(f"{name}: expected shape {shape}, found {out.shape}")
+    if not out.flags.c_contiguous or not out.flags.writeable or not out.flags.aligned:
+        raise Error(f"{name}: expected a C-contiguous array that can be written to")
+    return out
+
+
+def arrays_of(**values: Any) -> list[NDArray[np.float64]]:
+    """Each as `array_of` reads it, broadcast; omma.Error names them where they do not fit."""
+    arrays = [array_of(value, name) for name, value in values.items()]
+    try:
+        return list(np.broadcast_arrays(*arrays))
+    except ValueError:
+        found = ", ".join(str(array.shape) for array in arrays)
+        names = ", ".join(values)
+        raise Error(f"{names}: expected shapes that go together, found {found}") from None
+
+
+# What `checked` knows by name: things of Omma's own, which hold what functions then ask them for.
+_OWN = {
+    "AcuteZone": "omma.eye.AcuteZone",
+    "Camera": "omma.scene.Camera",
+    "Eye": "omma.Eye",
+    "EyeMeasures": "omma.eye.EyeMeasures",
+    "Method": "omma.study.Method",
+    "MinimumSamples": "omma.study.MinimumSamples",
+    "OmmatidiumType": "omma.receptors.OmmatidiumType",
+    "ReceptorType": "omma.receptors.ReceptorType",
+    "Renderer": "omma.Renderer",
+    "Scene": "omma.Scene",
+    "SpeedTest": "omma.study.SpeedTest",
+    "Species": "omma.species.Species",
+    "Surface": "a surface as of omma.eye.ellipsoid",
+    "Wiring": "omma.eye.Wiring",
+    "World": "omma.World",
+}
+
+# Alternatives of an annotation, not those inside of brackets.
+_UNION = re.compile(r" \| (?![^\[]*\])")
+
+# What else it knows: the annotation, whether a value is one, and what messages call it.
+_PLAIN: dict[str, tuple[Callable[[Any], bool], str]] = {
+    "None": (lambda value: value is None, "None"),
+    "bool": (lambda value: isinstance(value, (bool, np.bool_)), "True or False"),
+    "int": (lambda value: _is_number(value) and hasattr(value, "__index__"), "a whole number"),
+    "float": (lambda value: _is_number(value), "a number"),
+    "str": (lambda value: isinstance(value, str), "a text"),
+    "PathLike": (lambda value: isinstance(value, (str, bytes, os.PathLike)), "a path"),
+    "Callable": (callable, "a function"),
+}
+_ALIASES = {
+    "AxisAt": "Callable", "Density": "Callable", "FieldOfView": "Callable", "Measure": "str",
+    "NormalOf": "Callable", "Progress": "Callable", "Projection": "str", "Finished": "Callable",
+    "Stage": "Callable", "Style": "str", "str | os.PathLike[str]": "PathLike",
+}  # fmt: skip
+
+
+def _is_number(value: Any) -> bool:
+    """Whether it is one real number, of whatever kind; not an array of one."""
+    return (
+        hasattr(value, "__float__")
+        and np.ndim(value) == 0
+        and np.asarray(value).dtype.kind in "biufO"
+    )
+
+
+def _is_own(value: Any, kind: str) -> bool:
+    """Whether it is that thing of Omma's. By name, as its module may need this one."""
+    if kind == "Surface":  # a protocol: whatever has the methods
+        return hasattr(value, "point_of_normal") and hasattr(value, "samples")
+    return kind in {one.__name__ for one in type(value).__mro__}
+
+
+def _kind(annotation: str) -> tuple[Callable[[Any], bool], str] | None:
+    """How to know a value of this annotation, and its name for messages; None: not checked."""
+    name = _ALIASES.get(annotation, annotation)
+    if name in _PLAIN:
+        return _PLAIN[name]
+    if name in _OWN:
+        return (lambda value: _is_own(value, name)), _OWN[name]
+    if name.startswith("Literal["):
+        return _PLAIN["str"]
+    if name.startswith("Callable["):
+        return _PLAIN["Callable"]
+    item = name.removeprefix("Sequence[").removesuffix("]")
+    if name.startswith("Sequence[") and item in _OWN:
+        return (
+            lambda value: isinstance(value, Sequence) and all(_is_own(one, item) for one in value)
+        ), f"a sequence of {_OWN[item]}"
+    item = name.removeprefix("Mapping[str, ").removesuffix("]")
+    if name.startswith("Mapping[str, ") and item in _OWN:
+        return (
+            lambda value: (
+                isinstance(value, Mapping) and all(_is_own(one, item) for one in value.values())
+            )
+        ), f"a mapping of names to {_OWN[item]}"
+    return None
+
+
+def checked(function: F) -> F:
+    """The same function, which says by name where an argument is to be an eye, a number, a function
+    or another thing that its annotation tells, and is something else: a TypeError.
+
+    For the package's front door; inside, functions trust what was checked.
+    """
+    signature = inspect.signature(function)
+    known = {}
+    for name, parameter in signature.parameters.items():
+        annotation = str(parameter.annotation)
+        words = [annotation] if annotation in _ALIASES else _UNION.split(annotation)
+        kinds = [_kind(word) for word in words]
+        if None not in kinds:
+            known[name] = [kind for kind in kinds if kind is not None]
+    # An eye or a scene first: whatever else is wrong, that says most.
+    order = sorted(known, key=lambda name: not any("omma." in text for _, text in known[name]))
+
+    @functools.wraps(function)
+    def edge(*arguments: Any, **named: Any) -> Any:
+        given = signature.bind(*arguments, **named).arguments
+        for name in order:
+            if name in given and not any(fits(given[name]) for fits, _ in known[name]):
+                value = given[name]
+                expected = " or ".join(text for _, text in known[name] if text != "None")
+                found = f"{type(value).__name__} {value!r:.40}"
+                raise TypeError(f"{name}: expected {expected}, found {found}")
+        return function(*arguments, **named)
+
+    return cast(F, edge)

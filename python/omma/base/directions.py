@@ -1,0 +1,34 @@
+"""Directions as unit vectors in the head's frame, and as azimuth and elevation."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma._core import Error
+from omma.base.arguments import array_of, arrays_of, checked
+
+Floats = NDArray[np.float64]
+
+
+@checked
+def direction(azimuth_deg: ArrayLike, elevation_deg: ArrayLike) -> Floats:
+    """Unit vectors (..., 3) in the head frame; azimuth 0 is ahead and grows to the right."""
+    a, e = np.radians(arrays_of(azimuth_deg=azimuth_deg, elevation_deg=elevation_deg))
+    return np.stack([np.cos(e) * np.sin(a), np.sin(e), -np.cos(e) * np.cos(a)], axis=-1)
+
+
+@checked
+def azimuth_elevation_deg_of(directions: ArrayLike) -> tuple[Floats, Floats]:
+    """Azimuth (-180 to 180) and elevation of directions (..., 3), degrees."""
+    vectors = array_of(directions, "directions")
+    if vectors.shape[-1:] != (3,):
+        raise Error(f"directions: expected shape (..., 3), found {vectors.shape}")
+    x, y, z = np.moveaxis(vectors, -1, 0)
+    # Adding 0 turns -0 into 0.
+    return np.degrees(np.arctan2(x, -z)) + 0.0, np.degrees(np.arctan2(y, np.hypot(x, z))) + 0.0
+
+
+def unit(vectors: Floats) -> Floats:
+    """Vectors (..., 3) at length 1."""
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True))

@@ -1,0 +1,150 @@
+"""Files in and out. Whatever is written is written under another name first and renamed when it is
+whole, so that no half of a file is ever left under its final name.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import shlex
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from omma import _core
+from omma._core import Error
+
+PathLike = str | os.PathLike[str]
+
+# Files that are named where many were left behind; and what ends their names, .TOKEN.partial.
+_NAMED = 3
+_TAIL = len(".0123456789ab.partial")
+
+METRES_PER_UNIT = {"mm": 1e-3, "um": 1e-6, "m": 1.0}
+
+
+def metres_per_unit(unit: str | float) -> float:
+    """Metres in a unit of length: "mm", "um", "m", or already a number of metres."""
+    if isinstance(unit, str) and unit in METRES_PER_UNIT:
+        return METRES_PER_UNIT[unit]
+    try:
+        metres = float(unit)
+    except (TypeError, ValueError):
+        metres = 0.0
+    if not (metres > 0 and np.isfinite(metres)):
+        raise Error(f"unit: expected mm, um, m or a number of metres, found {unit!r}")
+    return metres
+
+
+def open_text(path: PathLike) -> io.TextIOWrapper:
+    """The text of a file, to be read as an open one is; line ends are as they stand there.
+
+    Raises:
+        omma.Error: it is no regular file (a pipe may never end), cannot be read or is not UTF-8.
+    """
+    data = _core.read_file(path)
+    try:
+        data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise Error(
+            f"{os.fsdecode(path)}, line {line}: expected UTF-8 text, found other bytes"
+        ) from None
+    # Decoded again line by line: a million poses are then not in memory as text.
+    return io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig", newline="")
+
+
+class WholeFiles:
+    """Files that get their names together, when the block ends well, or are removed.
+
+    Written by the engine's one writer: links are followed, permissions of a file that is replaced
+    are kept, and everything is on the disk before it gets its name. omma.Error where the system
+    refuses, or where a name is that of a directory, a device or a pipe.
+    """
+
+    def __init__(self, kept: Mapping[str, int] | None = None) -> None:
+        """With ``kept`` what is written stays as NAME.partial where the block does not end well,
+        and goes on after so many bytes of each file."""
+        self._files = _core.WholeFiles()
+        self.kept = kept
+        self._numbers: dict[str, int] = {}
+
+    def open(self, name: str) -> WholeFile:
+        """A file to write to that will be called ``name``."""
+        if self.kept is None:
+            return WholeFile(self._files, self._files.open(name))
+        begun = self.kept.get(name, 0)
+        self._numbers[name] = self._files.open_kept(name, begun)
+        return WholeFile(self._files, self._numbers[name], begun > 0)
+
+    def sync(self) -> dict[str, int]:
+        """Brings what is kept to the disk; the sizes of these files."""
+        return {name: self._files.sync(number) for name, number in self._numbers.items()}
+
+    def __enter__(self) -> WholeFiles:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        # What has no name yet is removed with the object too, should Ctrl-C come right here.
+        try:
+            if kind is None:
+                self._files.finish()
+        finally:
+            self._files.discard()
+
+
+class WholeFile:
+    """One of `WholeFiles`, as far as NumPy and others need a file."""
+
+    def __init__(self, files: _core.WholeFiles, number: int, begun: bool = False) -> None:
+        self._files, self._number, self._begun = files, number, begun
+
+    def write_header(self, data: bytes) -> None:
+        """Begin with these bytes, if it has not begun before."""
+        if not self._begun:
+            self.write(data)
+
+    def write(self, data: Any) -> None:
+        """Add bytes, or what can be read as such."""
+        self._files.write(self._number, data)
+
+    def close(self) -> None:
+        """Nothing more will be written to it. Only needed where there are thousands."""
+        self._files.close(self._number)
+
+
+def check_target(name: str) -> None:
+    """Throws omma.Error where a file of that name cannot be made."""
+    _core.check_target(name)
+
+
+def left_behind(names: Sequence[str]) -> list[str]:
+    """Warnings of what runs that were killed left of files with these names, and how to remove it.
+
+    Nothing is said of runs that still go on.
+    """
+    found = _core.left_behind(names)
+    if not found:
+        return []
+    size = sum(bytes_ for _, bytes_ in found) / 1e6
+    listed = ", ".join(path for path, _ in found[:_NAMED])
+    more = f" and {len(found) - _NAMED} more" if len(found) > _NAMED else ""
+    # One pattern for all files of one run.
+    patterns = dict.fromkeys(
+        f"{shlex.quote(folder + os.sep if folder else '')}.*{name[-_TAIL:]}"
+        for folder, name in (os.path.split(path) for path, _ in found)
+    )
+    return [
+        f"runs that were killed left {size:,.1f} MB behind: {listed}{more}; to remove it: "
+        f"rm {' '.join(patterns)}"
+    ]
+
+
+def make_directory(directory: Path) -> None:
+    """Makes a directory and what is above it; omma.Error where that cannot be."""
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise Error(f"{directory}: cannot be made: {error.strerror}") from None

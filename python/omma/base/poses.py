@@ -1,0 +1,219 @@
+"""Poses ``world_from_head`` in all the forms they come in: matrices, quaternions, angles, files.
+
+The head looks along its -Z, +X is its right, +Y up (glTF's camera frame); lengths are metres.
+"""
+
+from __future__ import annotations
+
+import os
+from array import array
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma import _core
+from omma._core import Error
+from omma.base.arguments import array_of, checked
+from omma.base.files import open_text
+
+Matrices = NDArray[np.float64]
+
+QUATERNION_COLUMNS = ("x", "y", "z", "qx", "qy", "qz", "qw")
+ANGLE_COLUMNS = ("x", "y", "z", "yaw_deg", "pitch_deg", "roll_deg")
+
+
+def numbers(values: Any, name: str, columns: int) -> Matrices:
+    """``values`` as float64 (P, columns); a single row is one pose."""
+    given = array_of(values, name)
+    rows = given[None] if given.ndim == 1 else given
+    if rows.ndim != 2 or rows.shape[1] != columns:
+        raise Error(f"{name}: expected shape (P, {columns}) or ({columns},), found {given.shape}")
+    if not np.isfinite(rows).all():
+        bad = int(np.flatnonzero(~np.isfinite(rows).all(axis=1))[0])
+        raise Error(f"{name}: expected finite numbers, found {rows[bad].tolist()} in row {bad}")
+    return rows
+
+
+@checked
+def look_at(
+    position_m: ArrayLike, target_m: ArrayLike, up: ArrayLike = (0.0, 1.0, 0.0)
+) -> Matrices:
+    """The pose of a head at a position (3,), m, that looks towards a target (3,), m: (4, 4).
+
+    Args:
+        up: (3,), what is roughly up.
+
+    Raises:
+        omma.Error: the target is the position, or ``up`` is along the view.
+    """
+    return _core.look_at(position_m, target_m, up)
+
+
+@checked
+def poses_from_quaternions(positions_m: ArrayLike, quaternions: ArrayLike) -> Matrices:
+    """Poses (P, 4, 4) from positions (P, 3), m, and quaternions (P, 4) in the order x, y, z, w.
+
+    The quaternion turns head directions into world directions; it is normalised. One position or
+    one quaternion serves for all.
+
+    Raises:
+        omma.Error: a wrong shape, a number that is not finite, a quaternion of length 0.
+    """
+    positions = numbers(positions_m, "positions_m", 3)
+    turns = numbers(quaternions, "quaternions", 4)
+    length = np.linalg.norm(turns, axis=1, keepdims=True)
+    if not (length > 0).all():
+        row = int(np.flatnonzero(length[:, 0] == 0)[0])
+        raise Error(f"quaternions: row {row} has length 0")
+    x, y, z, w = (turns / length).T
+    rotation = np.stack(
+        [
+            np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)], axis=-1),
+            np.stack([2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)], axis=-1),
+            np.stack([2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)], axis=-1),
+        ],
+        axis=-2,
+    )
+    return _matrices(positions, rotation, "quaternions")
+
+
+@checked
+def poses_from_angles(positions_m: ArrayLike, yaw_pitch_roll_deg: ArrayLike) -> Matrices:
+    """Poses (P, 4, 4) from positions (P, 3), m, and yaw, pitch, roll (P, 3) in degrees.
+
+    Yaw turns to the right (0 looks along -Z, 90 along +X), then pitch lifts the view, then roll
+    lowers the right side: R = Ry(-yaw) Rx(pitch) Rz(-roll). One row serves for all.
+
+    Raises:
+        omma.Error: a wrong shape or a number that is not finite.
+    """
+    positions = numbers(positions_m, "positions_m", 3)
+    yaw, pitch, roll = np.radians(numbers(yaw_pitch_roll_deg, "yaw_pitch_roll_deg", 3)).T
+    zero, one = np.zeros_like(yaw), np.ones_like(yaw)
+
+    def matrix(*entries: Matrices) -> Matrices:
+        return np.stack(entries, axis=-1).reshape(-1, 3, 3)
+
+    cy, sy, cp, sp, cr, sr = *_cos_sin(yaw), *_cos_sin(pitch), *_cos_sin(roll)
+    turn = matrix(cy, zero, -sy, zero, one, zero, sy, zero, cy)
+    lift = matrix(one, zero, zero, zero, cp, -sp, zero, sp, cp)
+    tilt = matrix(cr, sr, zero, -sr, cr, zero, zero, zero, one)
+    return _matrices(positions, turn @ lift @ tilt, "yaw_pitch_roll_deg")
+
+
+@checked
+def load_poses(path: str | os.PathLike[str]) -> Matrices:
+    """Poses (P, 4, 4) from a CSV file, one a line.
+
+    The first line names the columns: either ``x,y,z,qx,qy,qz,qw`` (quaternion, see
+    `poses_from_quaternions`) or ``x,y,z,yaw_deg,pitch_deg,roll_deg`` (see `poses_from_angles`);
+    x, y, z are the head's position in metres in the scene's frame. Empty lines, and what follows a
+    ``#``, are passed over.
+
+    Raises:
+        omma.Error: the file cannot be read, or a line is wrong; it names the line.
+    """
+    name = os.fsdecode(path)
+    columns, table = _read_table(open_text(path), name)
+    if columns == QUATERNION_COLUMNS:
+        return poses_from_quaternions(table[:, :3], table[:, 3:])
+    return poses_from_angles(table[:, :3], table[:, 3:])
+
+
+def _read_table(lines: Iterable[str], name: str) -> tuple[tuple[str, ...], Matrices]:
+    """Names of the columns, and the rows as float64 (P, columns)."""
+    columns: tuple[str, ...] = ()
+    rows = array("d")  # 8 bytes a number: a million poses are few
+    for number, full in enumerate(lines, start=1):
+        line = full.split("#", 1)[0].strip()
+        if not line:
+            continue
+        cells = [cell.strip() for cell in line.split(",")]
+        if not columns:
+            columns = tuple(cell.lower() for cell in cells)
+            if columns not in (QUATERNION_COLUMNS, ANGLE_COLUMNS):
+                raise Error(
+                    f"{name}, line {number}: expected a header line "
+                    f"{','.join(QUATERNION_COLUMNS)} or {','.join(ANGLE_COLUMNS)}, "
+                    f"found '{line[:60]}'"
+                )
+            continue
+        if len(cells) != len(columns):
+            raise Error(
+                f"{name}, line {number}: expected {len(columns)} numbers separated by commas, "
+                f"found {len(cells)}"
+            )
+        rows.extend(_row(cells, columns, f"{name}, line {number}"))
+    if not rows:
+        raise Error(f"{name}: holds no pose")
+    return columns, np.array(rows).reshape(-1, len(columns))
+
+
+def as_poses(poses: Any, first: int = 0) -> Matrices:
+    """``poses`` as C-contiguous float64 (P, 4, 4): matrices, or (positions, quaternions).
+
+    ``first`` is the number of the first one, for messages.
+    """
+    if is_position_pair(poses):
+        return poses_from_quaternions(*poses)
+    expected = "poses: expected (P, 4, 4) or (4, 4) matrices world_from_head"
+    try:
+        given = np.asarray(poses, dtype=np.float64, order="C")
+    except (TypeError, ValueError):
+        raise Error(f"{expected}, found {type(poses).__name__} of something else") from None
+    matrices = given[None] if given.ndim == 2 else given
+    if matrices.ndim != 3 or matrices.shape[1:] != (4, 4):
+        raise Error(f"{expected}, found shape {given.shape}")
+    bad = np.flatnonzero((matrices[:, 3] != (0, 0, 0, 1)).any(axis=1))
+    if bad.size:
+        found = matrices[bad[0], 3].tolist()
+        raise Error(
+            f"poses: pose {first + bad[0]} has the last row {found}, expected [0, 0, 0, 1] "
+            "(the translation belongs into the last column)"
+        )
+    return matrices
+
+
+def is_position_pair(poses: Any) -> bool:
+    """Whether ``poses`` is (positions (P, 3), quaternions (P, 4)), not two matrices."""
+    if not isinstance(poses, tuple) or len(poses) != 2:
+        return False
+    try:
+        return np.shape(poses[0])[-1:] == (3,)
+    except ValueError:  # rows of different lengths
+        return False
+
+
+def _row(cells: list[str], columns: tuple[str, ...], place: str) -> list[float]:
+    row = []
+    for cell, column in zip(cells, columns, strict=True):
+        try:
+            value = float(cell)
+        except ValueError:
+            value = float("nan")
+        if not np.isfinite(value):
+            raise Error(f"{place}, column {column}: expected a finite number, found '{cell[:40]}'")
+        row.append(value)
+    if columns == QUATERNION_COLUMNS and not any(row[3:]):
+        raise Error(f"{place}: the quaternion has length 0")
+    return row
+
+
+def _cos_sin(angle: Matrices) -> tuple[Matrices, Matrices]:
+    return np.cos(angle), np.sin(angle)
+
+
+def _matrices(positions: Matrices, rotation: Matrices, name: str) -> Matrices:
+    count = max(len(positions), len(rotation))
+    if len(positions) not in (1, count) or len(rotation) not in (1, count):
+        raise Error(
+            f"{name}: expected as many rows as positions_m, found {len(rotation)} for "
+            f"{len(positions)} positions"
+        )
+    result = np.zeros((count, 4, 4))
+    result[:, :3, :3] = rotation
+    result[:, :3, 3] = positions
+    result[:, 3, 3] = 1
+    return result

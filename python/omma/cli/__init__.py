@@ -1,0 +1,1 @@
+"""The command `omma`, a file for each group of its commands."""

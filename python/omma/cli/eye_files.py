@@ -1,0 +1,43 @@
+"""What the commands of ``omma eye`` share: eye files in and out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+
+from omma._core import Eye
+from omma.cli.working import check_outputs, warn
+from omma.eye.files import eye_file_losses, save_eye
+
+EyeArgument = Annotated[Path, typer.Argument(help="Eye file.", metavar="EYE")]
+OutOption = Annotated[
+    Path,
+    typer.Option(
+        "-o", "--output", help="Eye file to write: .csv, .gltf, .glb or .eye.", metavar="OUT"
+    ),
+]
+UnitOption = Annotated[
+    str,
+    typer.Option(
+        help="Unit of lengths in .eye files: mm, um, m or a number of metres.", metavar="UNIT"
+    ),
+]
+
+
+def save(path: Path, eye: Eye, unit: str) -> None:
+    """Write an eye file and say what is in it."""
+    check_outputs(path)
+    for loss in eye_file_losses(path, eye):
+        warn(f"{path}: lost: {loss}")
+    save_eye(path, eye, unit, lossy=True)
+    # What the file's next user wants to know, so that a wrong unit is seen at once.
+    radius_mm = 1e3 * float(np.linalg.norm(eye.position_m.astype(np.float64), axis=1).mean())
+    degrees = np.degrees(eye.acceptance_angle_rad.astype(np.float64))
+    low, high = f"{degrees.min():.4g}", f"{degrees.max():.4g}"
+    print(
+        f"wrote {path}: {len(eye):,} ommatidia, mean radius {radius_mm:.4g} mm, acceptance "
+        + (f"{low}°" if low == high else f"{low} to {high}°")
+    )

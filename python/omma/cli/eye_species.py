@@ -1,0 +1,108 @@
+"""``omma eye species``: eyes of animals from published numbers, and where the numbers are from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from omma import species
+from omma._core import Error
+from omma.base.files import WholeFiles
+from omma.cli.working import check_outputs, working
+from omma.eye.files import save_eye
+from omma.species.facts import printed
+
+SPECIES_HELP = """
+Make the eyes of an animal, and say what they are made of.
+
+Without NAME, the animals there are. With it, the animal's numbers: which are measured, which
+interpolated, which assumed, and by whom. With -o the whole head is made and written; .csv, .gltf
+and .glb keep all of it, .eye only positions, axes and angles (say --lossy then).
+
+**Examples**
+
+`omma eye species`
+
+`omma eye species holcocephala`
+
+`omma eye species holcocephala -o robber_fly.csv`
+
+All animals' numbers in one file, .csv or .md:
+
+`omma eye species --facts species.csv`
+"""
+
+
+def add_species_command(app: typer.Typer) -> None:
+    """Register ``species`` with ``omma eye``."""
+    app.command(
+        name="species",
+        help=SPECIES_HELP,
+        short_help="Make an animal's eyes from published numbers.",
+    )(species_command)
+
+
+def species_command(
+    name: Annotated[str | None, typer.Argument(help="The animal.", metavar="[NAME]")] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="Eye file to write: .csv, .glb, .eye.", metavar="OUT"),
+    ] = None,
+    facts: Annotated[
+        Path | None,
+        typer.Option("--facts", help="Write the table of numbers: .csv or .md.", metavar="OUT"),
+    ] = None,
+    lossy: Annotated[
+        bool, typer.Option("--lossy", help="Write an .eye file, which cannot hold all of it.")
+    ] = False,
+) -> None:
+    """Make the eyes of an animal."""
+    check_outputs(output, facts)
+    if name is not None:
+        species.facts(name)  # an unknown animal is said before anything is written
+    if facts is not None:
+        _write_facts(facts, name)
+    if output is not None:
+        if name is None:
+            raise Error("NAME: expected with -o, found none; `omma eye species` lists them")
+        with working() as bar:
+            animal = species.make(name, bar.show)
+            save_eye(output, animal.eye, lossy=lossy)
+        print(f"wrote {output}: {animal.latin}, {len(animal.eye):,} ommatidia of two eyes")
+    if facts is None and output is None:
+        _show(name)
+
+
+def _write_facts(path: Path, name: str | None) -> None:
+    forms = {".csv": "csv", ".md": "markdown"}
+    if path.suffix not in forms:
+        raise Error(f"{path}: expected a name that ends in .csv or .md")
+    with WholeFiles() as files:
+        files.open(str(path)).write(species.facts_text(name, forms[path.suffix]).encode())
+    print(f"wrote {path}")
+
+
+def _show(name: str | None) -> None:
+    console = Console()
+    if name is None:
+        for animal in species.names():
+            print(animal)
+        others = dict.fromkeys(fact.animal for fact in species.facts())
+        for animal in others:
+            if animal not in species.names():
+                print(f"{animal} (numbers only: too few are known for its eyes)")
+        return
+    table = Table(title=name.replace("_", " "), title_justify="left")
+    for heading in ("quantity", "value", "standing", "source", "note"):
+        table.add_column(heading, overflow="fold")
+    for fact in species.facts(name):
+        quantity = fact.quantity.replace("_", " ")
+        table.add_row(quantity, printed(fact), fact.status, fact.source.key, fact.note)
+    console.print(table)
+    for source in dict.fromkeys(fact.source for fact in species.facts(name)):
+        read = f" (read: {source.read})" if source.read else ""
+        print(f"{source.key}: {source.citation}{read}")

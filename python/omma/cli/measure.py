@@ -1,0 +1,409 @@
+"""``omma measure``: rays a scene needs, variance maps, the alias demonstration, the speed test."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+import typer
+from numpy.typing import ArrayLike
+
+from omma import _core
+from omma._core import Error, Eye, Scene
+from omma.base.figures import load_matplotlib
+from omma.base.poses import Matrices, load_poses, poses_from_angles
+from omma.cli.working import DelayedBar, check_outputs, working
+from omma.eye.files import load_eye
+from omma.rendering.renderer import BUILDING, READING, Renderer
+from omma.scene.files import load_scene
+from omma.study.plots import (
+    save_alias_curves,
+    save_minimum_samples,
+    save_speed_test,
+    save_variance_map,
+)
+from omma.study.search import Box, Cylinder, MinimumSamples, minimum_samples
+from omma.study.speed_test import measure_speed
+from omma.study.variance import (
+    COMPOUNDRAY,
+    OURS,
+    Method,
+    alias_curve,
+    rays_per_ommatidium,
+    scene_renderer,
+    solid_angles_sr,
+    variance_map,
+)
+
+MIN_SAMPLES_HELP = """
+Find the rays per steradian at which responses scatter by no more than a share of full scale.
+
+The worst place within a box, a cylinder or along a path is searched for with twelve ommatidia of
+1 sr, for CompoundRay's sampling and for Omma's. Keep the box clear of the inside of objects and of
+the ground: nothing else does.
+
+**Examples**
+
+`omma measure min-samples arena.gltf --cylinder 0 0 0 9 9 --eye honeybee.eye`
+
+`omma measure min-samples arena.gltf --box -5 1 -5 5 8 5 --measure compoundray -o curves.png`
+
+`omma measure min-samples meadow.glb --path flight.csv --fraction 0.02 -o curves.csv`
+"""
+
+MAP_HELP = """
+Map how much the light varies over a horizontal square of a scene, seen by 1 sr ommatidia.
+
+**Examples**
+
+`omma measure variance-map arena.gltf --centre 0 2 0 --size 18 -o map.png -o map.csv`
+
+`omma measure variance-map meadow.glb --centre 0 1 0 --size 20 --steps 41 --statistic mean
+-o map.npy`
+"""
+
+ALIASING_HELP = """
+Measure how far the responses of an eye scatter, against rays per ommatidium.
+
+**Examples**
+
+`omma measure aliasing meadow.glb --eye honeybee.eye --camera bee -o aliasing.png`
+
+`omma measure aliasing arena.gltf --eye 1000.eye --position 0 2 0 --most-rays 64 -o aliasing.csv`
+"""
+
+SPEED_HELP = """
+Time frames against rays per ommatidium, as CompoundRay's speed test does.
+
+The published test has an eye of 1,000 ommatidia of 2.6°. Leave the machine alone meanwhile.
+
+**Examples**
+
+`omma measure speed arena.gltf --eye 1000-equidistant.eye --camera panoramic -o speed.png`
+
+`omma measure speed meadow.glb --eye honeybee.eye --rays 1,16,256 --frames 20 -o speed.csv`
+"""
+
+measure_app = typer.Typer(
+    help="Measure scatter and speed: rays needed, variance maps, aliasing, frames/s.",
+    epilog="`omma measure min-samples --help` and so on show examples.",
+    no_args_is_help=True,
+    rich_markup_mode="markdown",
+)
+
+Corner = tuple[float, float, float]
+SceneFile = Annotated[
+    Path, typer.Argument(help="Scene: a glTF 2.0 file, .gltf or .glb.", metavar="SCENE")
+]
+EyeFiles = Annotated[
+    list[Path], typer.Option("--eye", help="Eye file; several make one head.", metavar="EYE")
+]
+Outputs = Annotated[
+    list[Path] | None,
+    typer.Option("-o", "--output", help="File to write; may be given again.", metavar="OUT"),
+]
+UnitOption = Annotated[
+    str, typer.Option(help="Unit of lengths in eye files: mm, um, m or a number of metres.")
+]
+CameraOption = Annotated[
+    str | None, typer.Option(help="Camera of the scene to look from.", metavar="NAME")
+]
+PositionOption = Annotated[
+    tuple[float, float, float] | None,
+    typer.Option(help="Where the head is, in metres; it looks along -Z.", metavar="X Y Z"),
+]
+MeasureOption = Annotated[
+    Literal["linear", "compoundray"],
+    typer.Option(
+        help="Of linear responses, of the channel that scatters most; or as CompoundRay does, of "
+        "8-bit gamma-encoded colours, as distance in RGB."
+    ),
+]
+KernelOption = Annotated[
+    Literal["gaussian", "pillbox", "compoundray"], typer.Option(help="Angular sensitivity.")
+]
+SamplingOption = Annotated[
+    Literal["low_discrepancy", "random"], typer.Option(help="How samples are placed.")
+]
+SeedOption = Annotated[int, typer.Option(help="Seed of the samples.", metavar="N")]
+ThreadsOption = Annotated[int, typer.Option(help="Threads; 0: all.", metavar="N")]
+
+
+@measure_app.command("min-samples", help=MIN_SAMPLES_HELP, short_help="Rays a scene needs.")
+def min_samples_command(
+    scene: SceneFile,
+    box: Annotated[
+        tuple[float, float, float, float, float, float] | None,
+        typer.Option(help="Lower and upper corner, m.", metavar="X Y Z X Y Z"),
+    ] = None,
+    cylinder: Annotated[
+        tuple[float, float, float, float, float] | None,
+        typer.Option(
+            help="Middle of the base of an upright cylinder, radius, height, m.",
+            metavar="X Y Z R H",
+        ),
+    ] = None,
+    path: Annotated[
+        Path | None, typer.Option(help="CSV file of poses, one a line.", metavar="CSV")
+    ] = None,
+    eye: Annotated[
+        list[Path] | None,
+        typer.Option(help="Say the rays per ommatidium for this eye too.", metavar="EYE"),
+    ] = None,
+    unit: UnitOption = "mm",
+    fraction: Annotated[float, typer.Option(help="Standard deviation over full scale.")] = 0.01,
+    measure: MeasureOption = "linear",
+    poses: Annotated[int, typer.Option(help="Poses tried before refining.", metavar="N")] = 4096,
+    seed: SeedOption = 0,
+    threads: ThreadsOption = 0,
+    output: Outputs = None,
+) -> None:
+    """Find the rays per steradian that a scene needs."""
+    write = _check_outputs(output, ".csv", ".png")
+    given = [box is not None, cylinder is not None, path is not None]
+    if sum(given) != 1:
+        raise Error("where: expected one of --box, --cylinder and --path")
+    with working() as bar:
+        where: Box | Cylinder | ArrayLike
+        if box is not None:
+            where = Box(box[:3], box[3:])
+        elif cylinder is not None:
+            where = Cylinder(cylinder[:3], *cylinder[3:])
+        else:
+            where = load_poses(path)  # type: ignore[arg-type]
+        world = _open(scene, threads, bar)
+        eyes = [(name, load_eye(name, unit)) for name in eye or ()]
+        found = [
+            minimum_samples(
+                world,
+                where,
+                fraction=fraction,
+                method=method,
+                measure=measure,
+                poses=poses,
+                seed=seed,
+                threads=threads,
+                progress=bar.show,
+            )
+            for method in (COMPOUNDRAY, OURS)
+        ]
+        for name in write:
+            save_minimum_samples(name, found)
+    for one in found:
+        print("\n".join(_search_lines(one, eyes)) + "\n")
+    _say_written(write)
+
+
+@measure_app.command("variance-map", help=MAP_HELP, short_help="Map of the variance of the light.")
+def variance_map_command(
+    scene: SceneFile,
+    centre: Annotated[
+        tuple[float, float, float], typer.Option(help="Middle of the square, m.", metavar="X Y Z")
+    ],
+    size: Annotated[float, typer.Option(help="Side of the square, m.")],
+    output: Annotated[
+        list[Path], typer.Option("-o", "--output", help=".npy, .csv or .png.", metavar="OUT")
+    ],
+    steps: Annotated[int, typer.Option(help="Cells along a side.", metavar="N")] = 21,
+    statistic: Annotated[
+        Literal["max", "mean"], typer.Option(help="Of the twelve ommatidia.")
+    ] = "max",
+    variance: Annotated[
+        bool, typer.Option("--variance", help="Write variances, not standard deviations.")
+    ] = False,
+    measure: MeasureOption = "linear",
+    kernel: KernelOption = "compoundray",
+    sampling: SamplingOption = "random",
+    rays: Annotated[int, typer.Option(help="Rays per estimate.", metavar="N")] = 1,
+    repeats: Annotated[int, typer.Option(help="Estimates per ommatidium.", metavar="N")] = 1024,
+    seed: SeedOption = 0,
+    threads: ThreadsOption = 0,
+) -> None:
+    """Map how much the light varies."""
+    write = _check_outputs(output, ".npy", ".csv", ".png")
+    with working() as bar:
+        found = variance_map(
+            _open(scene, threads, bar),
+            centre,
+            size,
+            steps=steps,
+            statistic=statistic,
+            rays=rays,
+            repeats=repeats,
+            method=Method(kernel, sampling),
+            measure=measure,
+            seed=seed,
+            threads=threads,
+            progress=bar.show,
+        )
+        for name in write:
+            save_variance_map(
+                name,
+                found,
+                centre,
+                size,
+                measure=measure,
+                statistic=statistic,
+                as_variance=variance,
+            )
+    deviations = np.sqrt(found)
+    print(f"cells      {steps} x {steps}, {size / steps:.4g} m wide, at y = {centre[1]:g} m")
+    print(f"deviation  {deviations.min():.4g} to {deviations.max():.4g}, {measure}")
+    _say_written(write)
+
+
+@measure_app.command("aliasing", help=ALIASING_HELP, short_help="Scatter of an eye's responses.")
+def aliasing_command(
+    scene: SceneFile,
+    eye: EyeFiles,
+    unit: UnitOption = "mm",
+    camera: CameraOption = None,
+    position: PositionOption = None,
+    most_rays: Annotated[int, typer.Option(help="Largest number of rays.", metavar="N")] = 512,
+    repeats: Annotated[int, typer.Option(help="Estimates per response.", metavar="N")] = 64,
+    measure: MeasureOption = "linear",
+    seed: SeedOption = 0,
+    threads: ThreadsOption = 0,
+    output: Outputs = None,
+) -> None:
+    """Measure how far the responses of an eye scatter."""
+    write = _check_outputs(output, ".csv", ".png")
+    rays = [2**k for k in range(max(1, most_rays).bit_length())]
+    with working() as bar:
+        world, head = _open(scene, threads, bar), _head(eye, unit)
+        pose = _pose(world.scene, camera, position)
+        curves = {
+            method: alias_curve(
+                world,
+                head,
+                pose,
+                rays,
+                repeats=repeats,
+                method=method,
+                measure=measure,
+                seed=seed,
+                threads=threads,
+                progress=bar.show,
+            )
+            for method in (COMPOUNDRAY, OURS)
+        }
+        for name in write:
+            save_alias_curves(name, rays, curves, measure=measure)
+    print("root mean square of the standard deviation of responses")
+    print(f"{'rays':>6}  {'CompoundRay':>12}  {'Omma':>12}")
+    for n, theirs, ours in zip(rays, curves[COMPOUNDRAY][1], curves[OURS][1], strict=True):
+        print(f"{n:>6}  {theirs:12.5g}  {ours:12.5g}")
+    _say_written(write)
+
+
+@measure_app.command("speed", help=SPEED_HELP, short_help="Frames/s against rays.")
+def speed_command(
+    scene: SceneFile,
+    eye: EyeFiles,
+    unit: UnitOption = "mm",
+    camera: CameraOption = None,
+    position: PositionOption = None,
+    rays: Annotated[
+        str, typer.Option(help="Rays per ommatidium, separated by commas.", metavar="N,N,...")
+    ] = "1,3,10,30,100,300,1000,3200",
+    frames: Annotated[int, typer.Option(help="Frames timed for each.", metavar="N")] = 100,
+    warm_up: Annotated[float, typer.Option(help="Seconds to warm up.", metavar="S")] = 10.0,
+    kernel: KernelOption = "gaussian",
+    sampling: SamplingOption = "low_discrepancy",
+    threads: ThreadsOption = 0,
+    output: Outputs = None,
+) -> None:
+    """Time frames against rays per ommatidium."""
+    write = _check_outputs(output, ".csv", ".png")
+    try:
+        counts = [int(part) for part in rays.split(",")]
+    except ValueError:
+        raise Error(f"rays: expected whole numbers separated by commas, found '{rays}'") from None
+    with working() as bar:
+        world = load_scene(scene, progress=bar.fraction_of(READING))
+        head = _head(eye, unit)
+        found = measure_speed(
+            world,
+            head,
+            _pose(world, camera, position),
+            counts,
+            frames=frames,
+            warm_up_s=warm_up,
+            method=Method(kernel, sampling),
+            threads=threads,
+            progress=bar.show,
+        )
+        for name in write:
+            save_speed_test(name, found)
+    print(f"machine    {found.machine}, {found.threads} threads, {found.backend}")
+    print(f"eye        {found.ommatidia:,} ommatidia; mean of {frames} frames")
+    print(f"{'rays':>6}  {'frames/s':>10}  {'in one call':>11}")
+    for n, alone, batch in zip(counts, found.frames_per_s, found.batch_frames_per_s, strict=True):
+        print(f"{n:>6}  {alone:>10,.1f}  {batch:>11,.1f}")
+    _say_written(write)
+
+
+def _open(scene: Path, threads: int, bar: DelayedBar) -> Renderer:
+    """A renderer of the scene, to make others from."""
+    world = load_scene(scene, progress=bar.fraction_of(READING))
+    return scene_renderer(world, threads, bar.fraction_of(BUILDING))
+
+
+def _head(files: Sequence[Path], unit: str) -> Eye:
+    eyes = [load_eye(name, unit) for name in files]
+    return eyes[0] if len(eyes) == 1 else _core.merge_eyes(eyes)
+
+
+def _pose(scene: Scene, camera: str | None, position: Corner | None) -> Matrices:
+    """Position of the head, else that of a camera, else of the scene's first, else the origin.
+
+    Without the camera's scale: `--unit` says how large the eye is.
+    """
+    if position is not None:
+        return poses_from_angles(position, (0, 0, 0))
+    node = scene.camera(camera) if camera is not None else next(iter(scene.cameras), None)
+    pose = np.eye(4) if node is None else node.world_from_camera.copy()
+    pose[:3, :3] /= np.linalg.norm(pose[:3, :3], axis=0)
+    return pose[None]
+
+
+def _check_outputs(outputs: list[Path] | None, *known: str) -> list[Path]:
+    """The files to write; an error now, not after minutes of work."""
+    for name in outputs or ():
+        if name.suffix.lower() not in known:
+            raise Error(f"{name}: expected an output ending in {' or '.join(known)}")
+        if name.suffix.lower() == ".png":
+            load_matplotlib()
+    check_outputs(*(outputs or ()))
+    return outputs or []
+
+
+def _search_lines(found: MinimumSamples, eyes: Sequence[tuple[Path, Eye]]) -> list[str]:
+    position = " ".join(f"{v:.3f}" for v in found.pose[:3, 3])
+    lines = [
+        ("method", found.method.name),
+        ("measure", f"{found.measure}, limit {found.limit:.4g}"),
+        ("needs", f"{found.rays_per_sr:,} rays/sr (± {100 * found.relative_error:.1g} %)"),
+        ("worst at", f"{position} m, ommatidium {found.ommatidium}"),
+        ("scatter", f"{found.spread:.4g} at {found.spread_rays} rays/sr there"),
+        (
+            "search",
+            f"{found.poses_rendered:,} poses, {found.rays_traced:,} rays, {found.seconds:.1f} s",
+        ),
+    ]
+    if found.script_rays_per_sr is not None:
+        lines.insert(
+            3, ("script", f"CompoundRay's would stop at about {found.script_rays_per_sr:,}")
+        )
+    for name, eye in eyes:
+        count = rays_per_ommatidium(eye, found.rays_per_sr)
+        widest = solid_angles_sr(eye).max()
+        lines.append(("eye", f"{name}: {count:,} rays per ommatidium (widest {widest:.4g} sr)"))
+    return [f"{what:<10} {value}" for what, value in lines]
+
+
+def _say_written(names: Sequence[Path]) -> None:
+    for name in names:
+        print(f"wrote      {name}")

@@ -1,0 +1,57 @@
+"""What ``omma render`` prints when it is done."""
+
+from __future__ import annotations
+
+from omma.job.all_cameras import AllCamerasReport
+from omma.job.rendering import RenderReport
+
+
+def camera_lines(report: AllCamerasReport) -> list[str]:
+    """What is printed about all cameras of a scene."""
+    lines = []
+    for camera in report.cameras:
+        kind = camera.type + (f", {camera.projection}" if camera.projection else "")
+        lines.append(
+            f"camera {camera.index:<3} {camera.name} ({kind}): {camera.width} x {camera.height} "
+            f"pixels in {camera.seconds:.3f} s"
+        )
+        lines.append(f"wrote      {camera.output}")
+    prepared = f"{report.build_seconds:.3f} s of preparation"
+    return [*lines, f"backend    {report.backend}, {report.threads} threads, {prepared}"]
+
+
+def report_lines(report: RenderReport) -> list[str]:
+    """What is printed about a render."""
+    names = report.outputs
+    shown = names if len(names) <= 6 else (*names[:3], f"... {len(names) - 4} more", names[-1])
+    rate = report.rays / max(report.seconds, 1e-9) / 1e6
+    if report.picture is not None:
+        width, height = report.picture
+        each = report.rays // (width * height)
+        what = [
+            ("view", report.view),
+            ("picture", f"{width} x {height} pixels"),
+            ("rays", f"{report.rays:,} ({each:,} per pixel)"),
+        ]
+    else:
+        each = report.rays // max(1, report.poses * report.ommatidia)
+        what = [
+            ("eye", ", ".join(report.eyes)),
+            ("ommatidia", f"{report.ommatidia:,}"),
+            *([("receptors", f"{report.receptors:,}")] if report.receptors else []),
+            ("poses", f"{report.poses:,} ({report.view})"),
+            ("rays", f"{report.rays:,} ({each:,} per ommatidium and pose)"),
+        ]
+        if report.spent is not None:
+            what[-1:] = [
+                ("rays", report.spent.rays_text()),
+                ("error", report.spent.missed_text()),
+            ]
+    lines = [
+        *what,
+        ("speed", f"{report.frames_per_s:,.1f} frames/s, {rate:,.1f} million rays/s"),
+        ("time", f"{report.seconds:.3f} s, after {report.build_seconds:.3f} s of preparation"),
+        ("backend", f"{report.backend}, {report.threads} threads"),
+        *(("wrote", name) for name in shown),
+    ]
+    return [f"{what:<10} {value}" for what, value in lines]

@@ -1,0 +1,283 @@
+"""Numbers about an eye: angles between neighbours, acceptance, skew, field, and what looks wrong.
+
+docs/eye-measures.md says what each one means and where it comes from.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma._core import Error, Eye
+from omma.base.arguments import checked
+from omma.eye.field import Field, field_of_view
+from omma.eye.neighbours import (
+    Flags,
+    Floats,
+    Ints,
+    Neighbours,
+    direction_lattice,
+    eye_centre,
+    sides,
+    surface_lattice,
+    surface_normals,
+)
+from omma.eye.on_surface import angle_between
+from omma.receptors.sensitivity import ommatidium_of_receptor, receptor_optical_sensitivity
+
+# An ommatidium differs from its neighbours where it is this many robust standard deviations above
+# the median of its kind. Of a normal distribution one in 10^15 would be.
+_OUTLIER_SD = 8.0
+_SAME = 1e-6  # of the eye's extent, and radians: what counts as the same place and direction
+_WAVELENGTH_NM = 500.0  # of the diffraction limit, where no other is asked for
+
+#: Snyder (1977, J Comp Physiol 116:161): D·Δφ of a diffraction-limited hexagonal eye, times λ.
+DIFFRACTION_LIMIT = 0.58
+
+
+@dataclass(frozen=True)
+class EyeMeasures:
+    """Numbers about N ommatidia. All arrays are (N,); NaN where a value is not known or there are
+    no neighbours. Angles in radians, lengths in metres. See `measure_eye`.
+
+    eye_id: which eye; left 0 and right 1 where one `Eye` is clearly two.
+    neighbours, border: how many neighbours in direction, and whether at the border of the field.
+    interommatidial_rad: mean angle Δφ to the neighbours.
+    horizontal_rad, vertical_rad: Δφ in the head's horizontal and vertical direction: a regular
+        hexagonal lattice of 1 rad, stretched by these two, has the same triangles.
+    acceptance_rad, ratio: acceptance angle Δρ, and Δρ/Δφ.
+    facet_diameter_m, eye_parameter_m_rad: D where known, and D·Δφ.
+    facet_spacing_m: mean distance to the neighbours on the surface.
+    skew_head_rad, skew_eye_rad, skew_normal_rad: the angle between the axis and the direction from
+        the origin of the head's frame, that from the centre of the eye (the sphere that fits its
+        positions best), the surface's normal.
+    sensitivity_m2_sr: Land's optical sensitivity S of the most sensitive receptor, m² sr, where D
+        and the rhabdom's length and absorption are known; see `omma.receptors.optical_sensitivity`.
+    outlier: what is far from the neighbours': "", or "spacing", "axis" or "position", or several
+        with + between.
+    duplicate_of: the first ommatidium with the same position and axis, -1 where there is none.
+    axis: (N, 3), unit vectors. lattice: neighbours in direction.
+    """
+
+    eye_id: NDArray[np.int32]
+    neighbours: Ints
+    border: Flags
+    interommatidial_rad: Floats
+    horizontal_rad: Floats
+    vertical_rad: Floats
+    acceptance_rad: Floats
+    facet_diameter_m: Floats
+    facet_spacing_m: Floats
+    skew_head_rad: Floats
+    skew_eye_rad: Floats
+    skew_normal_rad: Floats
+    sensitivity_m2_sr: Floats
+    outlier: NDArray[np.str_]
+    duplicate_of: Ints
+    axis: Floats
+    lattice: Neighbours
+
+    def __len__(self) -> int:
+        return len(self.eye_id)
+
+    def __repr__(self) -> str:
+        eyes = len(np.unique(self.eye_id))
+        known = self.interommatidial_rad[np.isfinite(self.interommatidial_rad)]
+        spacing = f", median Δφ {np.degrees(np.median(known)):.3g}°" if len(known) else ""
+        return f"EyeMeasures({len(self):,} ommatidia, {eyes} eye{'s' * (eyes != 1)}{spacing})"
+
+    @cached_property
+    def field(self) -> Field:
+        """Solid angles of what is seen, and what is not; takes a second at the first call."""
+        return field_of_view(self.axis, self.eye_id, self.lattice, self.cell_rad)
+
+    @cached_property
+    def cell_rad(self) -> Floats:
+        """How wide an ommatidium's cell of the visual field is: Δφ; without neighbours, Δρ."""
+        alone = np.isnan(self.interommatidial_rad)
+        return np.where(alone, self.acceptance_rad, self.interommatidial_rad)
+
+    @cached_property
+    def ratio(self) -> Floats:
+        """Δρ/Δφ."""
+        return np.asarray(self.acceptance_rad / self.interommatidial_rad)
+
+    @cached_property
+    def eye_parameter_m_rad(self) -> Floats:
+        """D·Δφ, m rad: `DIFFRACTION_LIMIT` times the wavelength at least (Snyder 1977)."""
+        return np.asarray(self.facet_diameter_m * self.interommatidial_rad)
+
+    @cached_property
+    def sampling_per_rad(self) -> Floats:
+        """Sampling frequency 1/(2Δφ), cycles/rad: of the finest grating whose stripes neighbours
+        can tell apart."""
+        return np.asarray(1 / (2 * self.interommatidial_rad))
+
+    @cached_property
+    def hexagonal_sampling_per_rad(self) -> Floats:
+        """1/(√3 Δφ), cycles/rad: the Nyquist frequency of the rows of a hexagonal lattice, which
+        are √3/2 Δφ apart."""
+        return np.asarray(1 / (np.sqrt(3) * self.interommatidial_rad))
+
+
+@checked
+def measure_eye(eye: Eye) -> EyeMeasures:
+    """Numbers about an eye, or about all eyes of a head, each with neighbours of its own.
+
+    Outliers are found by a robust rule: for each ommatidium |ln(Δφ / median of the neighbours' Δφ)|
+    ("spacing"), the angle between the axis and the mean axis of the neighbours on the surface over
+    Δφ ("axis"), the distance from the mean position of the neighbours in direction over the facet
+    spacing ("position"). One is an outlier where that is over 8 robust standard deviations (1.4826
+    times the median absolute deviation) above the eye's median, and over ln 2, 1.5 and 1.5, so that
+    a border or a smooth gradient is none.
+
+    Raises:
+        omma.Error: an eye without ommatidia.
+    """
+    if len(eye) == 0:
+        raise Error("eye: expected at least one ommatidium, found none")
+    position = eye.position_m.astype(np.float64)
+    axis = eye.axis.astype(np.float64)
+    axis /= np.linalg.norm(axis, axis=1, keepdims=True)
+    eye_id = sides(position, eye.eye_id)
+    directions = direction_lattice(axis, eye_id)
+    surface = surface_lattice(position, eye_id)
+    spacing = directions.mean_over_pairs(_pair_angles(axis, directions.pairs))
+    facet_spacing = surface.mean_over_pairs(_pair_lengths(position, surface.pairs))
+    across = _local_metric(axis, directions)
+    outward = np.empty_like(position)
+    for which in np.unique(eye_id):
+        members = eye_id == which
+        outward[members] = position[members] - eye_centre(position[members])
+    return EyeMeasures(
+        eye_id=eye_id,
+        neighbours=directions.count(),
+        border=directions.border,
+        interommatidial_rad=spacing,
+        horizontal_rad=np.sqrt(across[:, 0]),
+        vertical_rad=np.sqrt(across[:, 1]),
+        acceptance_rad=eye.acceptance_angle_rad.astype(np.float64),
+        facet_diameter_m=_known(eye.facet_diameter_m),
+        facet_spacing_m=facet_spacing,
+        skew_head_rad=_angle_between(position, axis),
+        skew_eye_rad=_angle_between(outward, axis),
+        skew_normal_rad=_angle_between(surface_normals(position, surface), axis),
+        sensitivity_m2_sr=_sensitivity(eye),
+        outlier=_outliers(position, axis, directions, surface, spacing, facet_spacing, eye_id),
+        duplicate_of=_duplicates(position, axis),
+        axis=axis,
+        lattice=directions,
+    )
+
+
+def diffraction_limit_m_rad(wavelength_nm: float = _WAVELENGTH_NM) -> float:
+    """The least D·Δφ, m rad, at which diffraction lets a hexagonal eye resolve what it samples:
+    about 0.58 λ (Snyder 1977, J Comp Physiol 116:161)."""
+    return DIFFRACTION_LIMIT * wavelength_nm * 1e-9
+
+
+def _known(lengths: ArrayLike) -> Floats:
+    values = np.asarray(lengths, dtype=np.float64)
+    return np.where(values > 0, values, np.nan)
+
+
+def _pair_angles(unit: Floats, pairs: Ints) -> Floats:
+    return 2 * np.arcsin(np.minimum(_pair_lengths(unit, pairs) / 2, 1))
+
+
+def _pair_lengths(points: Floats, pairs: Ints) -> Floats:
+    return np.asarray(np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1))
+
+
+def _angle_between(vectors: Floats, unit: Floats) -> Floats:
+    # NaN where a vector is zero: the lengths are metres, so that rounding leaves less than 1e-12.
+    length = np.linalg.norm(vectors, axis=1)
+    return np.where(length > 1e-12, angle_between(vectors, unit), np.nan)
+
+
+def _local_metric(axis: Floats, lattice: Neighbours) -> Floats:
+    """Squares of the horizontal and of the vertical interommatidial angle: (N, 2), rad².
+
+    Of a triangle of a hexagonal lattice with sides e, Σ e eᵀ = (3/2) Δφ² 1. Stretching the lattice
+    stretches that tensor, so its diagonal has the squares of what is wanted. Whole triangles are
+    averaged, as the neighbours of an ommatidium at the border do not lie evenly around it.
+    """
+    corners = axis[lattice.triangles]
+    middle = corners.mean(axis=1)
+    level = np.hypot(middle[:, 0], middle[:, 2])
+    # Straight up and down no direction is horizontal.
+    safe = np.where(level > 1e-6, level, np.nan)
+    east = np.column_stack([-middle[:, 2] / safe, np.zeros(len(middle)), middle[:, 0] / safe])
+    north = np.cross(east, middle / np.linalg.norm(middle, axis=1, keepdims=True))
+    north *= np.sign(north[:, 1:2])
+    edges = corners - np.roll(corners, 1, axis=1)
+    along = np.stack([np.einsum("tkc,tc->tk", edges, way) for way in (east, north)], axis=1)
+    return np.asarray(lattice.mean_over_triangles((along**2).sum(axis=2) * 2 / 3))
+
+
+def _sensitivity(eye: Eye) -> Floats:
+    """S of the most sensitive receptor of each ommatidium."""
+    most = np.full(len(eye), np.nan)
+    np.fmax.at(most, ommatidium_of_receptor(eye), receptor_optical_sensitivity(eye))
+    return most
+
+
+def _outliers(
+    position: Floats,
+    axis: Floats,
+    directions: Neighbours,
+    surface: Neighbours,
+    spacing: Floats,
+    facet_spacing: Floats,
+    eye_id: NDArray[np.int32],
+) -> NDArray[np.str_]:
+    around = _median_over_neighbours(spacing, directions)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.abs(np.log(spacing / around))
+        turned = _angle_between(surface.mean_over_neighbours(axis), axis) / around
+        away = np.linalg.norm(position - directions.mean_over_neighbours(position), axis=1)
+        apart = away / _median_over_neighbours(facet_spacing, surface)
+    reasons = np.full(len(axis), "", dtype="<U24")
+    for name, value, floor in (
+        ("spacing", ratio, np.log(2)),
+        ("axis", turned, 1.5),
+        ("position", apart, 1.5),
+    ):
+        for which in np.unique(eye_id):
+            members = np.flatnonzero((eye_id == which) & np.isfinite(value))
+            if len(members) < 8:
+                continue
+            middle = np.median(value[members])
+            sd = 1.4826 * np.median(np.abs(value[members] - middle))
+            for i in members[value[members] > max(middle + _OUTLIER_SD * sd, floor)]:
+                reasons[i] = f"{reasons[i]}+{name}" if reasons[i] else name
+    return reasons
+
+
+def _median_over_neighbours(values: Floats, lattice: Neighbours) -> Floats:
+    both = np.concatenate([lattice.pairs, lattice.pairs[:, ::-1]])
+    order = np.lexsort((values[both[:, 1]], both[:, 0]))
+    sorted_values = values[both[order, 1]]
+    count = np.bincount(both[:, 0], minlength=len(values))
+    start = np.concatenate([[0], np.cumsum(count)[:-1]])
+    some = count > 0
+    low, high = start + (count - 1) // 2, start + count // 2
+    median = np.full(len(values), np.nan)
+    median[some] = (sorted_values[low[some]] + sorted_values[high[some]]) / 2
+    return np.asarray(median[lattice.first])
+
+
+def _duplicates(position: Floats, axis: Floats) -> Ints:
+    from scipy.spatial import cKDTree
+
+    extent = float(np.ptp(position, axis=0).max()) or 1.0
+    points = np.column_stack([position / extent, axis])
+    _, index, inverse = np.unique(points, axis=0, return_index=True, return_inverse=True)
+    first = index[inverse.reshape(-1)]
+    near = cKDTree(points[index]).query_pairs(_SAME, output_type="ndarray")
+    for one, other in np.sort(index[near], axis=1):
+        first[first == first[other]] = first[one]
+    return np.where(first == np.arange(len(points)), -1, first)

@@ -1,0 +1,89 @@
+"""Properties of ommatidia by name, with their units, for figures and tables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from omma._core import Eye
+from omma.base.arguments import one_of
+from omma.eye.measures import EyeMeasures
+from omma.eye.neighbours import Floats
+
+_DEGREE = 180 / np.pi
+
+
+@dataclass(frozen=True)
+class EyeProperty:
+    """A number for each ommatidium, (N,), NaN where it is not known; or a class for each.
+
+    label: what it is, with its unit. classes: the names of what whole ``values`` stand for, empty
+    where they are numbers.
+    """
+
+    values: Floats
+    label: str
+    classes: tuple[str, ...] = ()
+
+
+# What it is, its unit, and its values in that unit.
+_KNOWN: dict[str, tuple[str, str, Callable[[EyeMeasures], Floats]]] = {
+    "interommatidial": (
+        "interommatidial angle Δφ",
+        "°",
+        lambda m: m.interommatidial_rad * _DEGREE,
+    ),
+    "horizontal": ("horizontal Δφ", "°", lambda m: m.horizontal_rad * _DEGREE),
+    "vertical": ("vertical Δφ", "°", lambda m: m.vertical_rad * _DEGREE),
+    "acceptance": ("acceptance angle Δρ", "°", lambda m: m.acceptance_rad * _DEGREE),
+    "ratio": ("Δρ/Δφ", "", lambda m: m.ratio),
+    "facet": ("facet diameter D", "µm", lambda m: m.facet_diameter_m * 1e6),
+    "spacing": ("facet spacing", "µm", lambda m: m.facet_spacing_m * 1e6),
+    "eye-parameter": ("eye parameter D·Δφ", "µm rad", lambda m: m.eye_parameter_m_rad * 1e6),
+    "sampling": ("sampling frequency 1/(2Δφ)", "cycles/°", lambda m: m.sampling_per_rad / _DEGREE),
+    "sensitivity": ("optical sensitivity S", "µm² sr", lambda m: m.sensitivity_m2_sr * 1e12),
+    "skew": ("axis to direction from the head's centre", "°", lambda m: m.skew_head_rad * _DEGREE),
+    "skew-normal": (
+        "axis to surface normal",
+        "°",
+        lambda m: m.skew_normal_rad * _DEGREE,
+    ),
+    "neighbours": ("neighbours", "", lambda m: m.neighbours.astype(np.float64)),
+}
+
+#: The properties that every eye has; besides, the names of its columns.
+PROPERTIES: tuple[str, ...] = (*_KNOWN, "eye")
+
+
+def eye_property(
+    eye: Eye, measures: EyeMeasures, name: str, argument: str = "property"
+) -> EyeProperty:
+    """A property of an eye: one of `PROPERTIES`, or one of its columns; ``argument`` is what errors
+    call it.
+
+    Raises:
+        omma.Error: there is no such property.
+    """
+    one_of(name, [*PROPERTIES, *eye.columns], argument)
+    if name in _KNOWN:
+        what, unit, values = _KNOWN[name]
+        return EyeProperty(values(measures), f"{what} ({unit})" if unit else what)
+    if name == "eye":
+        eyes = np.unique(measures.eye_id)
+        return EyeProperty(
+            np.searchsorted(eyes, measures.eye_id).astype(np.float64),
+            "eye",
+            tuple(f"eye {which}" for which in eyes),
+        )
+    column = eye.columns[name]
+    if isinstance(column, np.ndarray):
+        return EyeProperty(column.astype(np.float64), name)
+    classes, which = np.unique(np.array(column), return_inverse=True)
+    return EyeProperty(which.astype(np.float64), name, tuple(classes.tolist()))
+
+
+def is_known(prop: EyeProperty) -> bool:
+    """Whether any ommatidium has a value."""
+    return bool(np.isfinite(prop.values).any())

@@ -1,0 +1,324 @@
+"""Points spread over a surface until they make a lattice: what lies under the eyes made to order.
+
+A lattice is grown from a coarse one. Some hundred points are spread in proportion to the density
+wanted and annealed: they repel each other and are shaken ever less. Then points are put on the
+middle of every edge between neighbours, which gives four times as many, each new one with six
+neighbours, and the forces even out what is uneven; and again, until there are enough. A lattice
+relaxed from as many points at once freezes into grains with rows of defects between them; this one
+has the few defects of the coarse lattice.
+
+The force between two points a metric distance r apart is r^-7, in units of the spacing. In a
+hexagonal lattice such forces make a pressure that is a function of r alone, so pressures balance
+where r is the same everywhere, and the spacing follows the metric.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omma.eye.cells import NEIGHBOURS, cells, nearest, pair_distance_squared
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+Progress = Callable[[str, "float | None"], object]
+
+_FORCE_POWER = 7
+# Of the most the system of points can take without swinging, found by trying on 100 to 10,000.
+_STEP_SIZE = 0.0107
+_MOMENTUM = 0.8
+_COARSEST = 150  # points, or up to four times as many
+_COARSE_STEPS = 400
+_COARSE_SHAKE = 0.15
+_TRIALS = 3
+_STEPS = 150
+_SHAKE = 0.04
+MARGIN = 2.5  # spacings laid beyond where points are wanted, where the lattice meets a wall
+_HALF_ROW = 0.43
+_WIDENING = 1.0045  # of the spacing with every doubling, as the cut rows at the wall leave room
+_STEPS_PER_SEARCH = 10
+
+
+@dataclass(frozen=True)
+class Domain:
+    """Where points are laid and how far apart.
+
+    ``onto`` moves points (K, 3) near the surface onto it. ``metric`` gives (K, 2, 3): two vectors
+    along the surface at right angles, whose products with a step are its lengths along them in
+    units of the spacing wanted. ``outside`` is the metric distance (K,) outside of where points
+    are wanted, 0 within; None where they are wanted all over a closed surface. ``samples`` (S, 3)
+    cover the surface, at least as far as points may go, each for its ``fraction`` (S,) of the
+    number of points wanted.
+    """
+
+    onto: Callable[[Floats], Floats]
+    metric: Callable[[Floats], Floats]
+    outside: Callable[[Floats], Floats] | None
+    samples: Floats
+    fraction: Floats
+
+
+def _filled(domain: Domain, points: Floats, count: int) -> Floats:
+    # With the middles of the longest edges, not two in one place.
+    net = cells(points, domain.metric(points))
+    length = np.where(net.is_neighbour, net.distance, 0)
+    free = np.ones(len(points), bool)
+    added = [points]
+    for point in np.argsort(-length.max(axis=1)):
+        if len(points) + len(added) - 1 == count:
+            break
+        if free[net.near[point]].all():
+            free[point] = False
+            other = net.near[point, np.argmax(length[point])]
+            added.append(0.5 * (points[[point]] + points[[other]]))
+    return domain.onto(np.concatenate(added))
+
+
+class Region:
+    """Where on a surface points are wanted, known by samples (S, 3) of the surface of which
+    ``sees`` (a function of points (K, 3) to (K,)) says which are in it; distances are measured by
+    a ``metric`` as in `Domain`."""
+
+    def __init__(
+        self,
+        sees: Callable[[Floats], Bools],
+        metric: Callable[[Floats], Floats],
+        samples: Floats,
+        inside: Bools,
+    ) -> None:
+        from scipy.spatial import cKDTree
+
+        self._sees, self._metric = sees, metric
+        self._inside, self._hidden = samples[inside], samples[~inside]
+        self._tree, self._hidden_tree = cKDTree(self._inside), cKDTree(self._hidden)
+
+    def outside(self, points: Floats) -> Floats:
+        """Metric distance (K,) outside of it, 0 in it."""
+        distance = np.zeros(len(points))
+        hidden = np.flatnonzero(~self._sees(points))
+        if len(hidden):
+            near = self._inside[self._tree.query(points[hidden])[1]]
+            distance[hidden] = self._length(points[hidden], near)
+        return distance
+
+    def deepest(self, points: Floats, count: int) -> Floats:
+        """The ``count`` points deepest inside; what is outside of those is moved in."""
+        depth = -self.outside(points)
+        inner = np.flatnonzero(depth == 0)
+        if len(inner) and len(self._hidden):
+            near = self._hidden[self._hidden_tree.query(points[inner])[1]]
+            depth[inner] = self._length(points[inner], near)
+        chosen = np.sort(np.argsort(-depth, kind="stable")[:count])
+        points, moved = points[chosen], np.flatnonzero(depth[chosen] < 0)
+        if len(moved):
+            points[moved] = self._inside[self._tree.query(points[moved])[1]]
+        return points
+
+    def _length(self, start: Floats, end: Floats) -> Floats:
+        step = np.einsum("nac,nc->na", self._metric(start), end - start)
+        return np.asarray(np.linalg.norm(step, axis=1))
+
+
+def grown(
+    domain: Domain, count: int, random: np.random.Generator, tell: Callable[[float], object]
+) -> Floats:
+    """A lattice of ``count`` points (N, 3) on a closed surface; elsewhere about as many where they
+    are wanted, and more around them."""
+    doublings = max(0, math.floor(math.log(count / _COARSEST, 4)))
+    work = np.array([_COARSE_STEPS / 4**doublings, *(_STEPS * 4.0 ** -np.arange(doublings)[::-1])])
+    done = np.concatenate([[0], np.cumsum(work)]) / work.sum()
+
+    def part(level: int) -> Callable[[float], object]:
+        start, length = done[level], done[level + 1] - done[level]
+        return lambda fraction: tell(float(start + fraction * length))
+
+    points = _coarse(domain, count, 2.0**doublings, random, part(0))
+    for level in range(1, doublings + 1):
+        scale = 2.0 ** (doublings - level)
+        points = _refined(domain, points, scale)
+        if domain.outside is not None:
+            points = points[domain.outside(points) <= (MARGIN + _HALF_ROW) * scale]
+        points = _relaxed(domain, points, scale, _STEPS, _SHAKE, random, part(level))
+    if len(points) < count or (domain.outside is None and len(points) > count):
+        change = _thinned if len(points) > count else _filled
+        points = change(domain, points, count)
+        points = _relaxed(domain, points, 1.0, _STEPS, 0.0, random, lambda fraction: None)
+    tell(1.0)
+    return points
+
+
+def _coarse(
+    domain: Domain,
+    count: int,
+    scale: float,
+    random: np.random.Generator,
+    tell: Callable[[float], object],
+) -> Floats:
+    # The points that make the lattice `scale` times as wide as wanted at the end.
+    fraction = domain.fraction / scale**2
+    if domain.outside is None:
+        # A closed net of V points has 3V - 6 edges, hence 4V - 6 points the next time.
+        number = math.ceil((count - 2) / scale**2) + 2 if scale > 1 else count
+        seeds = bisected(domain.samples, fraction, number)
+        return _relaxed(domain, seeds, scale, _COARSE_STEPS, _COARSE_SHAKE, random, tell)
+    within = domain.outside(domain.samples) <= MARGIN * scale
+    total = float(fraction[within].sum())
+    # Points on the wall have half of their cells outside; around a disc these are so many.
+    number = max(2, round(total + 1.9 * math.sqrt(total)))
+    target = _WIDENING ** -math.log2(scale)
+    best: tuple[float, Floats] | None = None
+    for _ in range(_TRIALS):
+        number = min(number, int(within.sum()))
+        seeds = bisected(domain.samples[within], fraction[within], number)
+        points = _relaxed(domain, seeds, scale, _COARSE_STEPS, _COARSE_SHAKE, random, tell)
+        spacing = _spacing(domain, _refined(domain, points, scale / 2), scale / 2)
+        error = abs(spacing / target - 1)
+        if best is None or error < best[0]:
+            best = error, points
+        following = max(2, round(number * (spacing / target) ** 2))
+        if error < 0.002 or following == number:
+            break
+        number = following
+    assert best is not None
+    return best[1]
+
+
+def _spacing(domain: Domain, points: Floats, scale: float) -> float:
+    # Median metric distance of neighbours where they are wanted.
+    net = cells(points, domain.metric(points) / scale)
+    assert domain.outside is not None
+    distance = net.distance[(domain.outside(points) == 0)[:, None] & net.is_neighbour]
+    return float(np.median(distance)) if len(distance) else 1.0
+
+
+def _refined(domain: Domain, points: Floats, scale: float) -> Floats:
+    # Points and the middles of edges: a lattice half as wide, of spacing ``scale``.
+    pairs = cells(points, domain.metric(points) / (2 * scale)).edges()
+    middles = 0.5 * (points[pairs[:, 0]] + points[pairs[:, 1]])
+    return np.concatenate([points, domain.onto(middles)])
+
+
+def _thinned(domain: Domain, points: Floats, count: int) -> Floats:
+    # Without those that are closest to their neighbours, not two from one place.
+    net = cells(points, domain.metric(points))
+    crowded = np.argsort(np.where(net.is_neighbour, net.distance, 0).sum(axis=1) / net.degree)
+    keep = np.ones(len(points), bool)
+    for point in crowded:
+        if keep.sum() == count:
+            break
+        keep[point] = keep[net.near[point]].all()
+    for point in crowded:
+        if keep.sum() == count:
+            break
+        keep[point] = False
+    return points[keep]
+
+
+def bisected(points: Floats, fraction: Floats, count: int) -> Floats:
+    """``count`` of many points (K, 3), each standing for the same sum of ``fraction`` (K,).
+
+    The set is halved again and again across its longest side into parts of as many to come each;
+    neighbours in the result are neighbours in space.
+    """
+    seeds = np.empty((count, 3))
+    parts = [(np.arange(len(fraction)), 0, count)]
+    while parts:
+        members, first, size = parts.pop()
+        inside, weight = points[members], fraction[members]
+        if size == 1:
+            # One of the points, as the middle itself may lie where there are to be none.
+            middle = np.average(inside, axis=0, weights=weight)
+            seeds[first] = inside[np.argmin(np.sum((inside - middle) ** 2, axis=1))]
+            continue
+        longest = int(np.argmax(np.ptp(inside, axis=0)))
+        order = np.argsort(inside[:, longest], kind="stable")
+        members, summed = members[order], np.cumsum(weight[order])
+        half = size // 2
+        cut = int(np.searchsorted(summed, summed[-1] * half / size))
+        cut = min(max(cut, half), len(members) - (size - half))
+        parts.append((members[:cut], first, half))
+        parts.append((members[cut:], first + half, size - half))
+    return seeds
+
+
+def _relaxed(
+    domain: Domain,
+    points: Floats,
+    scale: float,
+    steps: int,
+    shake: float,
+    random: np.random.Generator,
+    tell: Callable[[float], object],
+) -> Floats:
+    # Points (N, 3) after so many steps of repulsion at `scale` times the spacing. `shake` is the
+    # size of a random step at the start, in spacings; it falls to 0 over two thirds of the steps.
+    velocity = np.zeros_like(points)
+    metric = domain.metric(points) / scale
+    for step in range(steps):
+        if step % _STEPS_PER_SEARCH == 0:
+            near = nearest(points, metric, NEIGHBOURS)
+            bend = _bend(points, domain, metric)
+            tell(step / steps)
+        apart = points[:, None, :] - points[near]
+        # Not closer than half, so that two points on top of each other do not fly off.
+        squared = np.maximum(pair_distance_squared(apart, metric, metric[near]), 0.25)
+        strength = squared ** (-(_FORCE_POWER + 1) / 2)
+        force = np.einsum("nkc,nk->nc", apart, strength)
+        force += 0.25 * np.sum(squared * strength, axis=1, keepdims=True) * bend
+        velocity = _MOMENTUM * velocity + _STEP_SIZE * force
+        normal = _normals(metric)
+        velocity -= np.sum(velocity * normal, axis=1, keepdims=True) * normal
+        speed = np.linalg.norm(np.einsum("nac,nc->na", metric, velocity), axis=1)
+        velocity *= np.minimum(1, 0.15 / np.maximum(speed, 1e-300))[:, None]
+        move = velocity
+        amount = shake * (1 - 1.5 * step / steps)
+        if amount > 0:
+            # Along the metric's two directions, whose lengths are one over the spacing.
+            stretch = metric / np.sum(metric**2, axis=2, keepdims=True)
+            jump = amount * random.standard_normal((len(points), 2))
+            move = velocity + np.einsum("nac,na->nc", stretch, jump)
+        moved = domain.onto(points + move)
+        if domain.outside is not None:
+            stays = domain.outside(moved) > MARGIN * scale
+            moved[stays], velocity[stays] = points[stays], 0
+        points = moved
+        metric = domain.metric(points) / scale
+    return points
+
+
+def _bend(points: Floats, domain: Domain, metric: Floats) -> Floats:
+    """How much the six neighbours of an even lattice are out of balance, as steps in space are not
+    straight in the metric: with steps d + Γ(d, d)/2 they would balance, and over six neighbours the
+    Christoffel symbols Γ add up to -1/√g ∂_a(√g g^ak), (N, 3). It is 0 where the metric is the same
+    in all directions."""
+    size = np.linalg.norm(metric, axis=2)
+    if np.allclose(size[:, 0], size[:, 1], rtol=1e-9):
+        return np.zeros_like(points)
+    divergence = np.zeros_like(points)
+    for along in range(2):
+        step = 0.5 * metric[:, along] / size[:, along, None] ** 2
+        ahead, behind = (_root_metric(domain, domain.onto(points + s * step)) for s in (1, -1))
+        per_length = step / (2 * np.sum(step**2, axis=1, keepdims=True))
+        divergence += np.einsum("nij,nj->ni", ahead - behind, per_length)
+    normal = _normals(metric)
+    divergence -= np.sum(divergence * normal, axis=1, keepdims=True) * normal
+    return np.asarray(divergence / np.prod(size, axis=1)[:, None])
+
+
+def _normals(metric: Floats) -> Floats:
+    across = np.cross(metric[:, 0], metric[:, 1])
+    return np.asarray(across / np.linalg.norm(across, axis=1, keepdims=True))
+
+
+def _root_metric(domain: Domain, points: Floats) -> Floats:
+    # √g g^-1 of a metric of two directions at right angles; no scale changes it. (N, 3, 3)
+    metric = domain.metric(points)
+    size = np.linalg.norm(metric, axis=2)
+    ratio = size[:, 1] / size[:, 0]
+    unit = metric / size[:, :, None]
+    weight = np.stack([ratio, 1 / ratio], axis=1)
+    return np.asarray(np.einsum("na,nai,naj->nij", weight, unit, unit))

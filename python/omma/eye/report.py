@@ -1,0 +1,157 @@
+"""What the measures of an eye come to: a summary for people and programs, a table of ommatidia."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+from collections import Counter
+from typing import Any
+
+import numpy as np
+
+from omma._core import Eye
+from omma.base.arguments import checked
+from omma.base.directions import azimuth_elevation_deg_of
+from omma.base.files import PathLike, WholeFiles
+from omma.eye.measures import EyeMeasures
+from omma.eye.neighbours import Floats
+
+_DEGREE = 180 / np.pi
+#: What spreads are told of, in this order: name, what it is, its unit.
+SPREADS: tuple[tuple[str, str, str], ...] = (
+    ("interommatidial_deg", "interommatidial Δφ", "°"),
+    ("horizontal_deg", "horizontal Δφ", "°"),
+    ("vertical_deg", "vertical Δφ", "°"),
+    ("acceptance_deg", "acceptance Δρ", "°"),
+    ("ratio", "Δρ/Δφ", ""),
+    ("facet_diameter_um", "facet diameter D", "µm"),
+    ("facet_spacing_um", "facet spacing", "µm"),
+    ("eye_parameter_um_rad", "eye parameter D·Δφ", "µm rad"),
+    ("sampling_cycles_per_deg", "sampling 1/(2Δφ)", "cycles/°"),
+    ("hexagonal_sampling_cycles_per_deg", "hexagonal 1/(√3Δφ)", "cycles/°"),
+    ("skew_head_deg", "skew from head's centre", "°"),
+    ("skew_eye_deg", "skew from eye's centre", "°"),
+    ("skew_normal_deg", "skew from surface normal", "°"),
+    ("sensitivity_um2_sr", "optical sensitivity S", "µm² sr"),
+)
+
+
+@checked
+def eye_table(eye: Eye, measures: EyeMeasures) -> dict[str, np.ndarray[Any, Any]]:
+    """What is known of each ommatidium: name with unit to (N,) values, NaN where not known."""
+    azimuth, elevation = azimuth_elevation_deg_of(eye.axis)
+    return {
+        "ommatidium": np.arange(len(eye)),
+        "eye": measures.eye_id,
+        "azimuth_deg": azimuth,
+        "elevation_deg": elevation,
+        "interommatidial_deg": measures.interommatidial_rad * _DEGREE,
+        "horizontal_deg": measures.horizontal_rad * _DEGREE,
+        "vertical_deg": measures.vertical_rad * _DEGREE,
+        "acceptance_deg": measures.acceptance_rad * _DEGREE,
+        "ratio": measures.ratio,
+        "facet_diameter_um": measures.facet_diameter_m * 1e6,
+        "facet_spacing_um": measures.facet_spacing_m * 1e6,
+        "eye_parameter_um_rad": measures.eye_parameter_m_rad * 1e6,
+        "sampling_cycles_per_deg": measures.sampling_per_rad / _DEGREE,
+        "hexagonal_sampling_cycles_per_deg": measures.hexagonal_sampling_per_rad / _DEGREE,
+        "skew_head_deg": measures.skew_head_rad * _DEGREE,
+        "skew_eye_deg": measures.skew_eye_rad * _DEGREE,
+        "skew_normal_deg": measures.skew_normal_rad * _DEGREE,
+        "sensitivity_um2_sr": measures.sensitivity_m2_sr * 1e12,
+        "neighbours": measures.neighbours,
+        "border": measures.border.astype(np.int64),
+        "duplicate_of": measures.duplicate_of,
+        "outlier": measures.outlier,
+    }
+
+
+@checked
+def save_eye_table(path: PathLike, eye: Eye, measures: EyeMeasures) -> None:
+    """Write `eye_table` as CSV: a header, a line an ommatidium, nothing where a value is not known.
+
+    Raises:
+        omma.Error: the file cannot be written.
+    """
+    columns = [_texts(values) for values in eye_table(eye, measures).values()]
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(eye_table(eye, measures))
+    writer.writerows(zip(*columns, strict=True))
+    with WholeFiles() as files:
+        files.open(os.fsdecode(path)).write(text.getvalue().encode())
+
+
+@checked
+def eye_summary(eye: Eye, measures: EyeMeasures) -> dict[str, Any]:
+    """The whole eye in plain numbers, texts, lists and dicts, ready for JSON.
+
+    ``spread`` has min, p5, median, p95 and max of each of `SPREADS`, and how many are known; angles
+    in degrees, solid angles in sr, indices from 0.
+    """
+    table = eye_table(eye, measures)
+    inner = ~measures.border
+    field = measures.field
+    receptors = Counter(
+        eye.receptor_types[k].name or f"type {k}" for k in eye.receptor_type.tolist()
+    )
+    copies = np.flatnonzero(measures.duplicate_of >= 0)
+    odd = np.flatnonzero(measures.outlier != "")
+    return {
+        "file": eye.path or None,
+        "ommatidia": len(eye),
+        "eyes": {str(k): int(n) for k, n in _counted(measures.eye_id)},
+        "acceptance_kernels": dict(Counter(_kernels(eye))),
+        "receptors": dict(receptors),
+        "columns": list(eye.columns),
+        "size_mm": [float(v) for v in np.ptp(eye.position_m.astype(np.float64), axis=0) * 1e3],
+        "spread": {
+            name: _spread(np.asarray(table[name], dtype=np.float64)) for name, _, _ in SPREADS
+        },
+        "inner_ommatidia": int(inner.sum()),
+        "inner_with_six_neighbours": int((measures.neighbours[inner] == 6).sum()),
+        "field_sr": {str(k): v for k, v in field.eyes_sr.items()},
+        "seen_sr": field.seen_sr,
+        "binocular_sr": field.binocular_sr,
+        "binocular_fraction_of_seen": field.binocular_sr / field.seen_sr if field.seen_sr else None,
+        "blind_sr": field.blind_sr,
+        "blind_zones": [
+            {
+                "solid_angle_sr": zone.solid_angle_sr,
+                "azimuth_deg": zone.azimuth_deg,
+                "elevation_deg": zone.elevation_deg,
+                "radius_deg": zone.radius_deg,
+            }
+            for zone in field.blind_zones
+        ],
+        "outliers": [{"ommatidium": int(i), "differs_in": str(measures.outlier[i])} for i in odd],
+        "duplicates": [
+            {"ommatidium": int(i), "same_as": int(measures.duplicate_of[i])} for i in copies
+        ],
+    }
+
+
+def _kernels(eye: Eye) -> list[str]:
+    names = [acceptance.kernel for acceptance in eye.acceptances]
+    return [names[k] if k >= 0 else "gaussian" for k in eye.acceptance_of.tolist()]
+
+
+def _counted(values: np.ndarray[Any, Any]) -> list[tuple[Any, int]]:
+    names, counts = np.unique(values, return_counts=True)
+    return list(zip(names.tolist(), counts.tolist(), strict=True))
+
+
+def _spread(values: Floats) -> dict[str, float | int | None]:
+    known = values[np.isfinite(values)]
+    names = ("min", "p5", "median", "p95", "max")
+    if len(known) == 0:
+        return {**dict.fromkeys(names), "known": 0}
+    spread = np.percentile(known, [0, 5, 50, 95, 100])
+    return {**dict(zip(names, map(float, spread), strict=True)), "known": len(known)}
+
+
+def _texts(values: np.ndarray[Any, Any]) -> list[str]:
+    if values.dtype.kind == "f":
+        return [f"{value:.7g}" if np.isfinite(value) else "" for value in values.tolist()]
+    return [str(value) for value in values.tolist()]

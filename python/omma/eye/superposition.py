@@ -1,0 +1,400 @@
+"""Superposition: several receptors, or several facets, whose light counts as one.
+
+In flies six receptors of six neighbouring ommatidia look the same way and their axons meet in one
+cartridge (neural superposition); in optical superposition eyes many facets throw light on one
+rhabdom. Either way there is a wiring: which responses are pooled into which.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma._core import Error, Eye, ReceptorType
+from omma.base.arguments import array_of, checked, positive, whole
+from omma.base.directions import unit
+from omma.eye.neighbours import direction_lattice
+from omma.receptors.mosaic import COLUMN, Region, region_mask
+from omma.receptors.sensitivity import ommatidium_of_receptor, receptor_axis
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+# Rhabdomeres R1 to R6 about R7, in steps along two rows of the lattice: "anterior and dorsal" and
+# "dorsal". Of the dorsal half of an eye; the ventral half is its mirror image. R1, R2, R3 lie in a
+# row on the anterior side and R3 at the dorsal tip, so that R4 is dorsal, R5 and R6 posterior.
+TRAPEZOID = {"R1": (1, -1), "R2": (1, 0), "R3": (1, 1), "R4": (0, 1), "R5": (-1, 1), "R6": (-1, 0)}
+
+# Offsets are rounded to this share of the median interommatidial angle, so that ommatidia with
+# nearly the same share their receptor types.
+_OFFSET_STEP = 1 / 10
+
+
+@dataclass(frozen=True, eq=False)
+class Wiring:
+    """Which responses are pooled into which: those of target i are index[first[i]:first[i + 1]].
+
+    first: (M + 1,); index: (K,), of what is pooled; weight: (K,), of each within its target.
+    """
+
+    first: Ints
+    index: Ints
+    weight: Floats
+
+    def __post_init__(self) -> None:
+        for name, kind in (("first", np.int64), ("index", np.int64), ("weight", np.float64)):
+            object.__setattr__(self, name, array_of(getattr(self, name), name, (None,), kind))
+        ends = (0, len(self.index))
+        if (
+            not len(self.first)
+            or (self.first[0], self.first[-1]) != ends
+            or np.any(self.members < 0)
+        ):
+            raise Error(
+                f"first: expected ascending numbers from 0 to {ends[1]}, one more than targets"
+            )
+        if len(self.weight) != len(self.index) or np.any(self.index < 0):
+            raise Error("index, weight: expected as many of both, indices of at least 0")
+
+    def __len__(self) -> int:
+        """How many targets there are."""
+        return len(self.first) - 1
+
+    @property
+    def members(self) -> Ints:
+        """How many responses each target pools: (M,)."""
+        return np.diff(self.first)
+
+    def histogram(self) -> dict[int, int]:
+        """How many targets pool how many responses, e.g. {5: 48, 6: 700, 7: 30}."""
+        members, targets = np.unique(self.members, return_counts=True)
+        return dict(zip(members.tolist(), targets.tolist(), strict=True))
+
+
+@checked
+def pool(responses: ArrayLike, wiring: Wiring, *, axis: int = -1) -> NDArray[np.float32]:
+    """The mean of the responses that each target pools, by weight; NaN where there is none.
+
+    ``axis`` is that of receptors (or ommatidia), (..., R, ...), and becomes that of targets,
+    (..., M, ...).
+
+    Raises:
+        omma.Error: fewer responses than the wiring speaks of.
+    """
+    from scipy.sparse import csr_matrix
+
+    given = array_of(responses, "responses", dtype=np.float32)
+    if given.ndim == 0:
+        raise Error("responses: expected an array with an axis of receptors, found one number")
+    given = np.moveaxis(given, whole(axis, "axis", -given.ndim, given.ndim - 1), 0)
+    if len(wiring.index) and len(given) <= wiring.index.max():
+        raise Error(
+            f"responses: expected at least {wiring.index.max() + 1} along axis {axis}, found "
+            f"{len(given)}"
+        )
+    matrix = csr_matrix(
+        (wiring.weight, wiring.index, wiring.first), shape=(len(wiring), len(given))
+    )
+    total = np.asarray(matrix.sum(axis=1)).reshape(-1, 1)
+    with np.errstate(invalid="ignore"):
+        means = (matrix @ given.reshape(len(given), -1).astype(np.float64)) / total
+    shaped = means.reshape(len(wiring), *given.shape[1:]).astype(np.float32)
+    return np.moveaxis(shaped, 0, axis)
+
+
+@checked
+def neural_superposition_wiring(
+    eye: Eye, *, receptors: Sequence[str] | None = None, reach: float = 0.5
+) -> Wiring:
+    """Which receptors look along which ommatidium's axis: the lamina's cartridges, (N targets).
+
+    Each receptor goes to the ommatidium of its eye whose axis is nearest to where it looks, if that
+    is within ``reach`` of the local interommatidial angle there. So six are pooled inside a fly's
+    eye, fewer at its border, and seven or eight along the equator, where the pattern is mirrored
+    (Kirschfeld, Exp Brain Res 3:248, 1967; there with R7/8 as 7, and 8 to 9).
+
+    Args:
+        receptors: names of the types that are pooled; None: all that look beside the axis.
+        reach: in local interommatidial angles, above 0; at a half the fields of two neighbouring
+            cartridges meet.
+
+    Raises:
+        omma.Error: an eye without receptors, or none of these names.
+    """
+    from scipy.spatial import cKDTree
+
+    reach = positive(reach, "reach")
+    looking = receptor_axis(eye).astype(np.float64)
+    types = eye.receptor_types
+    if receptors is None:
+        chosen = np.array([t.right_rad != 0 or t.up_rad != 0 for t in types])
+    else:
+        chosen = np.array([t.name in receptors for t in types])
+    index = np.flatnonzero(chosen[eye.receptor_type])
+    if len(index) == 0:
+        wanted = "beside the axis" if receptors is None else f"called {', '.join(receptors)}"
+        raise Error(f"{eye.path or 'eye'}: expected receptors {wanted}, found none")
+    owner = ommatidium_of_receptor(eye)[index]
+    axes = unit(eye.axis.astype(np.float64))
+    spacing = eye.interommatidial_angle_rad().astype(np.float64)
+    target = np.full(len(index), -1)
+    for number in np.unique(eye.eye_id):
+        there = np.flatnonzero(eye.eye_id == number)
+        mine = np.flatnonzero(eye.eye_id[owner] == number)
+        chord, nearest = cKDTree(axes[there]).query(looking[index[mine]])
+        found = there[nearest]
+        within = 2 * np.arcsin(np.minimum(chord / 2, 1)) <= reach * spacing[found]
+        target[mine[within]] = found[within]
+    return _wiring(target, index, np.ones(len(index)), len(eye))
+
+
+@checked
+def fly_receptors(
+    eye: Eye,
+    *,
+    pale_fraction: float = 0.3,
+    seed: int = 0,
+    dorsal: Region | None = None,
+    types: Mapping[str, ReceptorType] | None = None,
+) -> Eye:
+    """The eye with a fly's receptors: R1 to R6 around R7 and R8, in the trapezoid of neural
+    superposition.
+
+    Rhabdomere and axis lie opposite, as the lens inverts. The angle between two rhabdomeres is that
+    between the ommatidia of the set (Kirschfeld, Exp Brain Res 3:248, 1967): the offsets follow the
+    local lattice of axes, in steps of a tenth of its spacing. They are mirrored between the
+    dorsal and the ventral half, and between left and right eyes. R7 and R8 look along the axis;
+    pale and yellow ommatidia, R7p with R8p and R7y with R8y, are mixed by chance.
+
+    Args:
+        pale_fraction: of pale ommatidia, 0 to 1.
+        seed: of their draw.
+        dorsal: the dorsal half, a mask (N,) or a function of azimuth and elevation (N,), rad.
+            None: axes above the horizon.
+        types: what "R1-6", "R7p", "R7y", "R8p" and "R8y" are, but for where R1 to R6 look and their
+            names. Those left out have the pigments of Drosophila, 478, 345, 375, 437 and 508 nm
+            (Salcedo et al., J Neurosci 19:10716, 1999, as quoted by others). The sensitising
+            pigment that makes R1 to R6 see ultraviolet is not in the template, nor how R7 filters
+            R8's light.
+
+    Raises:
+        omma.Error: fewer than four ommatidia, a share out of range, an unknown name of a type.
+    """
+    peaks = {"R1-6": 478.0, "R7p": 345.0, "R7y": 375.0, "R8p": 437.0, "R8y": 508.0}
+    plan = {name: ReceptorType(name, peak_wavelength_nm=peak) for name, peak in peaks.items()}
+    unknown = set(types or {}) - set(plan)
+    if unknown:
+        raise Error(f"types: expected names from {', '.join(plan)}, found {min(unknown)}")
+    plan |= types or {}
+    if not 0 <= pale_fraction <= 1:
+        raise Error(f"pale_fraction: expected 0 to 1, found {pale_fraction}")
+    upper = eye.axis[:, 1] > 0 if dorsal is None else region_mask(eye, dorsal)
+    offsets = _trapezoid_offsets(eye, upper)
+    median = np.median(eye.interommatidial_angle_rad())
+    step = _OFFSET_STEP * (float(median) if median > 0 else 1.0)
+    made: list[ReceptorType] = []
+    known: dict[tuple[str, int, int], int] = {}
+
+    def index_of(name: str, kind: str, right: int = 0, up: int = 0) -> int:
+        if (name, right, up) not in known:
+            known[name, right, up] = len(made)
+            made.append(_looking(plan[kind], name, right * step, up * step))
+        return known[name, right, up]
+
+    rounded = np.rint(offsets / step).astype(int)
+    draw = np.random.default_rng(whole(seed, "seed", 0, (1 << 64) - 1))
+    pale = draw.random(len(eye)) < pale_fraction
+    receptors = []
+    for i in range(len(eye)):
+        around = [
+            index_of(name, "R1-6", *rounded[i, k].tolist()) for k, name in enumerate(TRAPEZOID)
+        ]
+        kind = "p" if pale[i] else "y"
+        inner = [index_of(name + kind, name + kind) for name in ("R7", "R8")]
+        receptors.append(around + inner)
+    columns = {**eye.columns, COLUMN: ["pale" if one else "yellow" for one in pale]}
+    return eye.replace(receptor_types=made, receptors=receptors, columns=columns)
+
+
+@checked
+def superposition_facets(eye: Eye, aperture_diameter_m: float | None = None) -> tuple[Eye, Wiring]:
+    """Each ommatidium's facets, as those of an optical superposition eye, one by one.
+
+    An ommatidium sees through every facet of its eye that lies within the aperture about its axis
+    and is not turned away from it. Rendering the eye that is returned and pooling the responses
+    (`pool` with ``axis=1``) gives what `Eye.aperture_diameter_m` stands for, with the facets where
+    they are: an entry for each pair, with the facet's position and the ommatidium's axis, weighted
+    by the facet's area where its diameter is known.
+
+    Args:
+        aperture_diameter_m: of the disc across the axis; None: the eye's own.
+
+    Raises:
+        omma.Error: an ommatidium without an aperture, or with no facet in it.
+    """
+    if aperture_diameter_m is None:
+        aperture = eye.aperture_diameter_m.astype(np.float64)
+    else:
+        aperture = np.full(len(eye), positive(aperture_diameter_m, "aperture_diameter_m"))
+    if np.any(aperture <= 0):
+        raise Error(f"aperture_diameter_m: ommatidium {np.argmin(aperture)} has none")
+    axes = unit(eye.axis.astype(np.float64))
+    position = eye.position_m.astype(np.float64)
+    owners, facets = [], []
+    for i in range(len(eye)):
+        beside = position - position[i]
+        along = beside @ axes[i]
+        across = np.linalg.norm(beside - along[:, None] * axes[i], axis=1)
+        seen = (across <= aperture[i] / 2) & (axes @ axes[i] > 0) & (eye.eye_id == eye.eye_id[i])
+        seen[i] = True
+        facets.append(np.flatnonzero(seen))
+        owners.append(np.full(int(seen.sum()), i))
+    owner, facet = np.concatenate(owners), np.concatenate(facets)
+    area = eye.facet_diameter_m[facet].astype(np.float64) ** 2
+    weight = area if np.all(area > 0) else np.ones(len(facet))
+    views = eye.take(owner).replace(
+        position_m=eye.position_m[facet],
+        aperture_diameter_m=0.0,
+        receptor_types=None,
+        receptors=None,
+    )
+    return views, _wiring(owner, np.arange(len(owner)), weight, len(eye))
+
+
+def _looking(kind: ReceptorType, name: str, right_rad: float, up_rad: float) -> ReceptorType:
+    """A receptor type by another name, looking elsewhere."""
+    pigment = kind.peak_wavelength_nm != 0
+    return ReceptorType(
+        name,
+        peak_wavelength_nm=kind.peak_wavelength_nm,
+        wavelength_nm=None if pigment else kind.wavelength_nm,
+        sensitivity=None if pigment else kind.sensitivity,
+        microvillus_angle_rad=kind.microvillus_angle_rad,
+        polarisation_sensitivity=kind.polarisation_sensitivity,
+        absorption_per_m=kind.absorption_per_m,
+        length_m=kind.length_m,
+        right_rad=right_rad,
+        up_rad=up_rad,
+        acceptance=kind.acceptance,
+    )
+
+
+def _wiring(target: Ints, index: Ints, weight: Floats, count: int) -> Wiring:
+    """A wiring from pairs (target, index); a target of -1 is none."""
+    order = np.argsort(target, kind="stable")
+    order = order[target[order] >= 0]
+    first = np.searchsorted(target[order], np.arange(count + 1))
+    return Wiring(first.astype(np.int64), index[order].astype(np.int64), weight[order])
+
+
+def _trapezoid_offsets(eye: Eye, dorsal: Flags) -> Floats:
+    """Where R1 to R6 look: (N, 6, 2), to the ommatidium's right and up, rad."""
+    axes = unit(eye.axis.astype(np.float64))
+    # A frame that does not depend on the up vectors: towards the zenith, and what is right of it.
+    north = np.array([0.0, 1.0, 0.0]) - axes * axes[:, 1:2]
+    steep = np.linalg.norm(north, axis=1) < 1e-6
+    north[steep] = eye.up[steep]
+    north = unit(north)
+    east = np.cross(axes, north)
+    # Anterior is left on a right eye, whose axes point to +x, and right on a left one.
+    left_eye = np.zeros(len(eye), bool)
+    for number in np.unique(eye.eye_id):
+        mine = eye.eye_id == number
+        left_eye[mine] = axes[mine, 0].mean() < 0
+    rows = _lattice_rows(eye, axes, north, east, np.where(left_eye, -1.0, 1.0))
+    # rows[:, k] is the row nearest to 30 + 60 k degrees, from east towards north: 1 is dorsal.
+    forward = np.where(left_eye, 0, 2)
+    backward_down = np.where(left_eye, 5, 3)  # the anterior row below the horizon
+    one = np.arange(len(eye))
+    anterior = np.where(dorsal[:, None], rows[one, forward], rows[one, backward_down])
+    polar = np.where(dorsal[:, None], rows[one, 1], rows[one, 4])
+    up, right = eye.up.astype(np.float64), eye.right.astype(np.float64)
+    offsets = np.empty((len(eye), len(TRAPEZOID), 2))
+    for k, (a, b) in enumerate(TRAPEZOID.values()):
+        # The lens inverts: what lies anterior looks posterior.
+        looking = -(a * anterior + b * polar)
+        vector = looking[:, :1] * east + looking[:, 1:] * north
+        offsets[:, k, 0] = np.sum(vector * right, axis=1)
+        offsets[:, k, 1] = np.sum(vector * up, axis=1)
+    return offsets
+
+
+def _lattice_rows(eye: Eye, axes: Floats, north: Floats, east: Floats, side: Floats) -> Floats:
+    """The six steps of the lattice of axes around each ommatidium: (N, 6, 2), east and north, rad.
+
+    Fitted to its neighbours as the steps of a lattice, so that opposite ones are each other's
+    negative. In the middle of each eye row k is the one at 30 + 60 k degrees from east, up to 45°
+    more or 15° less on right eyes (side 1), and the mirror image of that on left ones (-1): so a
+    lattice with rows along the horizon and none along the meridian is clear, too. From there rows
+    go on from neighbour to neighbour, however the lattice turns.
+    """
+    lattice = direction_lattice(axes, eye.eye_id)
+    pairs = np.concatenate([lattice.pairs, lattice.pairs[:, ::-1]])
+    one, other = pairs.T
+    cosine = np.sum(axes[one] * axes[other], axis=1)
+    sine = np.sqrt(np.maximum(1 - cosine**2, 1e-30))
+    angle = np.arctan2(sine, cosine) / sine
+    step = np.empty((len(pairs), 2))
+    step[:, 0] = angle * np.sum(axes[other] * east[one], axis=1)
+    step[:, 1] = angle * np.sum(axes[other] * north[one], axis=1)
+    if len(pairs) == 0:
+        raise Error(f"{eye.path or 'eye'}: expected at least four ommatidia, found {len(eye)}")
+    # The direction of row 0 by the sixfold pattern, within 30 degrees of the middle of its range.
+    middle = np.radians(30 + 15 * side)
+    z = step[:, 0] + 1j * step[:, 1]
+    wave = np.zeros(len(axes), complex)
+    np.add.at(wave, one, (z / np.abs(z)) ** 6)
+    phase = np.angle(wave * np.exp(-6j * middle)) / 6 + middle
+    phase = _continuous(phase, pairs, axes, north, east)
+    which = np.rint((np.angle(z) - phase[one]) / (np.pi / 3)).astype(int) % 6
+    # Least squares of z = a e0 + b e1 with (a, b) the lattice coordinates of the six steps.
+    coordinates = np.array([[1, 0], [0, 1], [-1, 1], [-1, 0], [0, -1], [1, -1]], np.float64)
+    normal = np.zeros((len(axes), 2, 2))
+    both = np.zeros((len(axes), 2, 2))
+    c = coordinates[which]
+    np.add.at(normal, one, c[:, :, None] * c[:, None, :])
+    np.add.at(both, one, c[:, :, None] * step[:, None, :])
+    # Where neighbours are too few, a regular hexagon of their mean distance.
+    spacing = np.zeros(len(axes))
+    count = np.bincount(one, minlength=len(axes))
+    np.add.at(spacing, one, np.abs(z))
+    spacing /= np.maximum(count, 1)
+    regular = phase[:, None] + np.radians([0, 60])
+    hexagon = spacing[:, None, None] * np.stack([np.cos(regular), np.sin(regular)], axis=-1)
+    sound = np.linalg.det(normal) > 0.5
+    basis = hexagon
+    basis[sound] = np.linalg.solve(normal[sound], both[sound])
+    return np.asarray(np.einsum("kc,ncd->nkd", coordinates, basis))
+
+
+def _continuous(phase: Floats, pairs: Ints, axes: Floats, north: Floats, east: Floats) -> Floats:
+    """Directions known but for sixths of a turn, made to agree between neighbours, (N,), rad.
+
+    From the ommatidium in the middle of each connected part outwards.
+    """
+    from scipy.sparse import csr_matrix
+    from scipy.sparse.csgraph import breadth_first_order, connected_components
+
+    one, other = pairs.T
+    count = len(axes)
+    graph = csr_matrix((np.ones(len(pairs)), (one, other)), shape=(count, count))
+    phase = phase.copy()
+    parts, labels = connected_components(graph, directed=False)
+    for part in range(parts):
+        members = np.flatnonzero(labels == part)
+        start = members[np.argmax(axes[members] @ axes[members].sum(axis=0))]
+        order, before = breadth_first_order(graph, start, directed=False)
+        to, origin = order[1:], before[order[1:]]
+        # East of the one before, carried along the great circle to the next.
+        seen = np.sum(east[origin] * axes[to], axis=1) / (
+            1 + np.sum(axes[origin] * axes[to], axis=1)
+        )
+        carried = east[origin] - seen[:, None] * (axes[origin] + axes[to])
+        turn = np.arctan2(np.sum(carried * north[to], axis=1), np.sum(carried * east[to], axis=1))
+        for i, p, t in zip(to.tolist(), origin.tolist(), turn.tolist(), strict=True):
+            phase[i] += np.pi / 3 * round((phase[p] + t - phase[i]) / (np.pi / 3))
+    return phase

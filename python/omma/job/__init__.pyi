@@ -1,0 +1,9 @@
+from .all_cameras import AllCamerasReport, CameraReport, render_all_cameras
+from .rendering import RenderReport
+
+__all__ = [
+    "AllCamerasReport",
+    "CameraReport",
+    "RenderReport",
+    "render_all_cameras",
+]

@@ -1,0 +1,158 @@
+"""What is in a scene or an eye file, in words: what ``omma info`` prints."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omma._core import Eye, Scene
+from omma.base.directions import azimuth_elevation_deg_of
+from omma.base.files import PathLike
+from omma.eye.files import eye_file_heads, load_eye
+from omma.eye.measures import measure_eye
+from omma.scene.files import load_scene
+
+Lines = list[tuple[str, str]]  # what, and its value
+
+
+def is_scene_file(path: PathLike) -> bool:
+    """Whether a file is to be read as glTF: by its ending, else by how it begins."""
+    name = Path(os.fsdecode(path))
+    if name.suffix.lower() in (".gltf", ".glb"):
+        return True
+    if name.suffix.lower() == ".eye":
+        return False
+    if not name.is_file():  # opening a pipe may wait for ever
+        return False
+    try:
+        with name.open("rb") as file:
+            return file.read(256).lstrip()[:1] in (b"{", b"g")
+    except OSError:
+        return False
+
+
+def describe_file(
+    path: PathLike, unit: str | float = "mm", progress: Callable[[float], object] | None = None
+) -> Lines:
+    """What is in a scene or an eye file; ``progress`` is told how much of a scene is read.
+
+    Raises:
+        omma.Error: the file cannot be read.
+    """
+    if is_scene_file(path):
+        lines = describe_scene(load_scene(path, progress=progress))
+        # A glTF file may hold a scene, eyes of the Open Compound Eye Standard, or both.
+        heads = eye_file_heads(path)
+        if len(heads) == 1:
+            lines += [("head", heads[0] or "(no name)"), *describe_eye(load_eye(path))[1:]]
+        elif heads:
+            lines.append(("heads", ", ".join(head or "(no name)" for head in heads)))
+        return lines
+    return describe_eye(load_eye(path, unit))
+
+
+def describe_scene(scene: Scene) -> Lines:
+    """Counts, size, background, cameras and warnings of a scene."""
+    lines = [
+        ("scene", scene.path or "in memory"),
+        ("nodes", f"{scene.node_count:,}"),
+        ("triangles", f"{scene.triangle_count:,}"),
+        ("meshes", f"{scene.mesh_count:,} in {scene.instance_count:,} places"),
+        ("materials", f"{scene.material_count:,}"),
+        ("textures", f"{scene.texture_count:,} of {scene.image_count:,} images"),
+    ]
+    bounds = scene.bounds
+    if bounds is None:
+        lines.append(("bounds", "empty: nothing but background"))
+    else:
+        lines.append(("bounds", f"{_point(bounds[0])} to {_point(bounds[1])} m"))
+    background = scene.background
+    color = f" {_point(np.array(background.color))}" if background.type == "constant" else ""
+    lines.append(("background", background.type.replace("_", " ") + color))
+    if len(scene.scene_names) > 1:
+        lines.append(("scenes", ", ".join(scene.scene_names)))
+    for index, camera in enumerate(scene.cameras):
+        matrix = camera.world_from_camera
+        scale = np.cbrt(abs(np.linalg.det(matrix[:3, :3])))
+        text = f"{index} {camera.name}: {camera.type} at {_point(matrix[:3, 3])} m"
+        if abs(scale - 1) > 1e-6:
+            text += f", scale {scale:.4g}"
+        if camera.compound_structure:
+            text += f", eye {camera.compound_structure}"
+        if camera.compound_projection:
+            text += f" as {camera.compound_projection}"
+        lines.append(("camera", text))
+    for name in scene.hit_boxes:
+        box = scene.hit_box_bounds(name)
+        place = "empty" if box is None else f"{_point(box[0])} to {_point(box[1])} m"
+        lines.append(("hit box", f"{name}: {place}"))
+    lines += [("warning", warning) for warning in scene.warnings]
+    return lines
+
+
+def describe_eye(eye: Eye) -> Lines:
+    """Count, visual field, acceptance and interommatidial angles of an eye, in short; all else is
+    in `measure_eye`."""
+    measures = measure_eye(eye)
+    numbers, counts = np.unique(measures.eye_id, return_counts=True)
+    azimuth, elevation = azimuth_elevation_deg_of(eye.axis)
+    lines = [("eye", eye.path or "in memory"), ("ommatidia", f"{len(eye):,}")]
+    if len(numbers) > 1:
+        lines.append(("eyes", ", ".join(f"{c:,}" for c in counts)))
+    size = np.ptp(eye.position_m.astype(np.float64), axis=0) * 1e3
+    seen_sr = measures.field.seen_sr
+    return [
+        *lines,
+        (
+            "azimuth",
+            f"{_azimuths(azimuth[np.abs(elevation) < 60])} (axes within 60° of the horizon)",
+        ),
+        ("elevation", f"{elevation.min():.1f}° to {elevation.max():.1f}°"),
+        ("field", f"{seen_sr / (4 * np.pi):.1%} of the sphere, {seen_sr:.2f} sr"),
+        ("size", f"{size[0]:.4g} x {size[1]:.4g} x {size[2]:.4g} mm"),
+        ("acceptance", _spread_deg(eye.acceptance_angle_rad)),
+        ("interommatidial", _spread_deg(measures.interommatidial_rad)),
+        ("more", f"omma eye info {eye.path}".rstrip()),
+    ]
+
+
+def azimuth_range_deg(azimuth: NDArray[np.float64]) -> tuple[float, float]:
+    """The shortest range of azimuths with all of them in it: from, to, its middle in (-180, 180].
+
+    An eye that sees across straight behind has an end outside (-180, 180].
+    """
+    if azimuth.size == 0:
+        return 0.0, 0.0
+    ordered = np.sort(azimuth)
+    gaps = np.diff(ordered, append=ordered[0] + 360)
+    widest = int(gaps.argmax())
+    low = float(ordered[(widest + 1) % len(ordered)])
+    high = low + 360 - float(gaps[widest])
+    turn = 360.0 if (low + high) / 2 > 180 else 0.0
+    return low - turn, high - turn
+
+
+def _azimuths(azimuth: NDArray[np.float64]) -> str:
+    """From where to where axes look, right positive; nothing is said of gaps of a few degrees."""
+    low, high = azimuth_range_deg(azimuth)
+    if high - low > 350:
+        return "all round"
+    behind = " through straight behind" if low <= -180 or high > 180 else ""
+    low, high = ((end + 180) % 360 - 180 for end in (low, high))
+    return f"{low:.1f}° to {high:.1f}°{behind}, right is +"
+
+
+def _spread_deg(angle_rad: NDArray[Any]) -> str:
+    angle = np.degrees(angle_rad[np.isfinite(angle_rad)].astype(np.float64))
+    if len(angle) == 0:
+        return "no neighbours"
+    return f"min {angle.min():.2f}°, median {np.median(angle):.2f}°, max {angle.max():.2f}°"
+
+
+def _point(values: NDArray[np.float64]) -> str:
+    return "(" + ", ".join(f"{value:.4g}" for value in values) + ")"

@@ -1,0 +1,102 @@
+"""Poses rendered piece by piece into writers, so that any number of them will do."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma.base.poses import Matrices
+from omma.rendering.renderer import Renderer
+from omma.rendering.report import SpentRays
+from omma.rendering.response_files import Writer
+
+_PIECE_BYTES = 64 << 20
+# What a render that is cut off may lose of its work.
+_KEPT_PIECE_S = 10.0
+
+Floats = NDArray[np.float32]
+Progress = Callable[[float], object]
+# Poses, the number of the first, and what takes the finished share: responses and their errors.
+Render = Callable[[Matrices, int, Progress], tuple[Floats, Floats | None]]
+
+
+def render_of_ommatidia(
+    renderer: Renderer, standard_error: bool, spent: SpentRays | None
+) -> Render:
+    """What renders ommatidia; with ``spent`` to an error, adding what it took."""
+
+    def render(piece: Matrices, first: int, progress: Progress) -> tuple[Floats, Floats | None]:
+        if spent is not None:
+            responses, report = renderer.render(
+                piece, report=True, first_pose=first, progress=progress
+            )
+            spent.add(report, first)
+            return responses, report.standard_error if standard_error else None
+        if standard_error:
+            return renderer.render(piece, standard_error=True, first_pose=first, progress=progress)
+        return renderer.render(piece, first_pose=first, progress=progress), None
+
+    return render
+
+
+def render_of_receptors(
+    renderer: Renderer, ultraviolet: ArrayLike | None, standard_error: bool
+) -> Render:
+    """What renders receptors."""
+
+    def render(piece: Matrices, first: int, progress: Progress) -> tuple[Floats, Floats | None]:
+        if standard_error:
+            return renderer.render_receptors(
+                piece,
+                ultraviolet=ultraviolet,
+                standard_error=True,
+                first_pose=first,
+                progress=progress,
+            )
+        responses = renderer.render_receptors(
+            piece, ultraviolet=ultraviolet, first_pose=first, progress=progress
+        )
+        return responses, None
+
+    return render
+
+
+def render_pieces(
+    render: Render,
+    writers: Sequence[Writer],
+    poses: Matrices,
+    pose_bytes: int,
+    tell: Callable[[str, float | None], object],
+    save: Callable[[int, float], object] | None = None,
+    first: int = 0,
+) -> float:
+    """Render the poses from ``first`` on into the writers; seconds spent rendering.
+
+    ``save``, where there is one, is told after each piece how many poses are done and the seconds
+    they took; pieces are then as short as what may be lost.
+    """
+    most = max(1, _PIECE_BYTES // pose_bytes)
+    count = most if save is None else 1
+    seconds = 0.0
+    while first < len(poses):
+        piece = poses[first : first + count]
+
+        def part(done: float, first: int = first, count: int = len(piece)) -> None:
+            tell("Rendering", (first + done * count) / len(poses))
+
+        start = time.perf_counter()
+        responses, errors = render(piece, first, part)
+        took = time.perf_counter() - start
+        seconds += took
+        tell("Writing", (first + len(piece)) / len(poses))
+        for writer in writers:
+            writer.write(responses, errors, first)
+        first += len(piece)
+        if save is not None:
+            save(first, seconds)
+            fitting = int(_KEPT_PIECE_S * len(piece) / max(took, 1e-9))
+            count = max(1, min(most, 8 * count, fitting))
+    return seconds

@@ -1,0 +1,142 @@
+"""Renders of a path that go on where they were cut off: what is kept of them, and of what inputs.
+
+Beside an output NAME stands NAME.partial, which has what is rendered so far, and beside the first
+one NAME.resume, which says how far that is and what it was made from.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote
+
+import numpy as np
+
+from omma import _core
+from omma._core import Error
+from omma.base.files import PathLike, WholeFiles
+from omma.eye.files import OCES_SUFFIXES
+from omma.rendering.report import SpentRays
+
+_LONGEST_NAME = 1000
+
+
+class KeptRender:
+    """How far a render is that was asked to go on, and what its files have of it."""
+
+    def __init__(self, names: Sequence[str], made_from: Mapping[str, Any]) -> None:
+        self.names = names
+        self.record = names[0] + ".resume"
+        self.made_from = json.loads(json.dumps(made_from))  # as it is read back
+        self.done = 0
+        """Poses that are rendered and written."""
+        self.seconds = 0.0
+        """Spent on rendering them."""
+        self.bytes: dict[str, int] = {}
+        """Of each file, those that are of these poses."""
+        self.spent: SpentRays | None = None
+        if os.path.lexists(self.record):
+            self._read()
+
+    def save(self, files: WholeFiles, spent: SpentRays | None, done: int, seconds: float) -> None:
+        """Bring all to the disk that is rendered so far, then say so; ``seconds`` are since it went
+        on."""
+        said = {
+            "made_from": self.made_from,
+            "done": done,
+            "seconds": self.seconds + seconds,
+            "bytes": files.sync(),
+            "spent": None if spent is None else asdict(spent),
+        }
+        with WholeFiles() as record:
+            text = json.dumps(said, indent=1)
+            record.open(self.record).write(text.encode())
+
+    def remove(self) -> None:
+        """All files are whole and have their names."""
+        Path(self.record).unlink(missing_ok=True)
+
+    def _read(self) -> None:
+        try:
+            said = json.loads(_core.read_file(self.record))
+            made_from, done, kept = said["made_from"], int(said["done"]), dict(said["bytes"])
+            seconds = float(said["seconds"])
+            spent = None if said["spent"] is None else SpentRays(**said["spent"])
+        except (ValueError, TypeError, KeyError):
+            raise Error(
+                f"{self.record}: is no record of a render that was cut off; remove it to begin anew"
+            ) from None
+        other = list(_differences(made_from, self.made_from))
+        if other:
+            raise Error(
+                f"{self.record}: what is rendered so far was made from other inputs: "
+                f"{'; '.join(other)}. Remove it to begin anew"
+            )
+        if all(_core.kept_bytes(name) >= size for name, size in kept.items()):
+            self.done, self.bytes, self.seconds, self.spent = done, kept, seconds, spent
+
+
+def inputs_of(
+    settings: Mapping[str, Any], files: Iterable[PathLike], names: Sequence[str], backend: str
+) -> dict[str, Any]:
+    """What responses are made from, as text and numbers: settings, and what is in the files.
+
+    Raises:
+        omma.Error: a setting cannot be told again.
+    """
+    if isinstance(settings["background"], _core.Background):
+        raise Error("resume: expected a background as text, which can be compared, found an object")
+    return {
+        "omma": _core.__version__,
+        "backend": backend,
+        "outputs": list(names),
+        **{name: np.asarray(value).tolist() for name, value in settings.items()},
+        "files": {name: digest for path in files for name, digest in _digests(path).items()},
+    }
+
+
+def _digests(path: PathLike) -> dict[str, str]:
+    """SHA-256 of a file, and of every file that a glTF file names."""
+    name = os.fsdecode(path)
+    data = _core.read_file(name)
+    digests = {name: hashlib.sha256(data).hexdigest()}
+    if Path(name).suffix.lower() in OCES_SUFFIXES:
+        # Of a .glb the first chunk is the JSON text.
+        binary = data[:4] == b"glTF"
+        text = data[20 : 20 + int.from_bytes(data[12:16], "little")] if binary else data
+        # Whatever it is that a text names: buffers, images, eyes, things of extensions.
+        for other in sorted(set(_texts(json.loads(text)))):
+            for beside in {other, unquote(other)}:
+                file = os.path.join(os.path.dirname(name), beside)
+                if 0 < len(beside) < _LONGEST_NAME and "\0" not in beside and os.path.isfile(file):
+                    digests[file] = hashlib.sha256(_core.read_file(file)).hexdigest()
+    return digests
+
+
+def _texts(document: Any) -> Iterable[str]:
+    waiting = [document]
+    while waiting:
+        value = waiting.pop()
+        if isinstance(value, str):
+            yield value
+        elif isinstance(value, dict):
+            waiting.extend(value.values())
+        elif isinstance(value, list):
+            waiting.extend(value)
+
+
+def _differences(then: Any, now: Mapping[str, Any]) -> Iterable[str]:
+    then = then if isinstance(then, dict) else {}
+    for name in [*now, *(name for name in then if name not in now)]:
+        if name == "files":
+            before, after = then.get(name, {}), now[name]
+            for file in [*after, *(file for file in before if file not in after)]:
+                if before.get(file) != after.get(file):
+                    yield f"{file} has changed"
+        elif then.get(name) != now.get(name):
+            yield f"{name} was {then.get(name)!r}, is {now.get(name)!r}"

@@ -1,0 +1,33 @@
+from .acceptance_plots import plot_acceptance
+from .cameras import camera_eye, display
+from .drawing import draw_eye
+from .eye_maps import plot_eye_maps
+from .id_maps import (
+    encode_ids,
+    equirectangular,
+    equirectangular_ids,
+    field_ids,
+    paint,
+    side_by_side,
+)
+from .poster import plot_poster, plot_species
+from .projections import PROJECTIONS, project, projection_ids
+
+__all__ = [
+    "PROJECTIONS",
+    "camera_eye",
+    "display",
+    "draw_eye",
+    "encode_ids",
+    "equirectangular",
+    "equirectangular_ids",
+    "field_ids",
+    "paint",
+    "plot_acceptance",
+    "plot_eye_maps",
+    "plot_poster",
+    "plot_species",
+    "project",
+    "projection_ids",
+    "side_by_side",
+]

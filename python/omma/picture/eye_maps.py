@@ -1,0 +1,382 @@
+"""Maps of an eye's properties over the directions it sees: Mercator, Mollweide, Lambert.
+
+Each ommatidium is the cell of directions nearest to its axis, as far as the visual field goes (see
+eye_field.py). Ahead is in the middle, right to the right, up at the top, as in all pictures.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from omma._core import Error, Eye
+from omma.base.arguments import checked
+from omma.base.directions import direction
+from omma.base.figures import (
+    COLOURS,
+    INK,
+    MM,
+    figure_names,
+    figure_style,
+    load_matplotlib,
+    save_figure,
+)
+from omma.base.files import PathLike
+from omma.eye.field import in_field
+from omma.eye.measures import EyeMeasures, measure_eye
+from omma.eye.neighbours import Flags, Floats, Ints
+from omma.eye.properties import EyeProperty, eye_property, is_known
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Projection = Literal["mercator", "mollweide", "lambert"]
+PROJECTIONS: tuple[Projection, ...] = ("mercator", "mollweide", "lambert")
+
+_MERCATOR_EDGE = math.radians(80)  # beyond, a degree is stretched more than six times
+_PIXELS = 1100  # across a map
+_OUTSIDE = "#f0f0f0"
+_NOT_KNOWN = "#c8c8c8"
+
+
+def project_directions(directions: Floats, projection: Projection) -> Floats:
+    """Where directions, unit vectors (..., 3) in the head's frame, are on a map: (..., 2).
+
+    Mercator: x is the azimuth, y the isometric latitude; Mollweide: x to 2√2, y to √2; Lambert's
+    azimuthal equal-area map about straight ahead: the rim, at radius 2, is straight behind (all as
+    in J. P. Snyder 1987, USGS Professional Paper 1395).
+    """
+    x, y, z = np.moveaxis(directions, -1, 0)
+    azimuth, elevation = np.arctan2(x, -z), np.arcsin(np.clip(y, -1, 1))
+    if projection == "mercator":
+        return np.stack([azimuth, np.arctanh(np.clip(y, -1 + 1e-12, 1 - 1e-12))], axis=-1)
+    if projection == "mollweide":
+        theta = _mollweide_angle(elevation)
+        across = 2 * math.sqrt(2) / math.pi * azimuth * np.cos(theta)
+        return np.stack([across, math.sqrt(2) * np.sin(theta)], axis=-1)
+    stretch = np.sqrt(2 / np.maximum(1 - z, 1e-12))
+    return np.stack([stretch * x, stretch * y], axis=-1)
+
+
+def map_directions(projection: Projection, x: Floats, y: Floats) -> Floats:
+    """The directions at places on a map, (..., 3); NaN outside the map."""
+    if projection == "mercator":
+        azimuth, elevation = x, np.arctan(np.sinh(y))
+        good = (np.abs(azimuth) <= np.pi) & (np.abs(elevation) <= _MERCATOR_EDGE)
+    elif projection == "mollweide":
+        sine = np.clip(y / math.sqrt(2), -1, 1)
+        theta = np.arcsin(sine)
+        level = np.maximum(np.cos(theta), 1e-12)
+        azimuth = math.pi * x / (2 * math.sqrt(2) * level)
+        elevation = np.arcsin(np.clip((2 * theta + np.sin(2 * theta)) / math.pi, -1, 1))
+        good = (np.abs(azimuth) <= np.pi) & (np.abs(y) <= math.sqrt(2))
+    else:
+        squared = x**2 + y**2
+        stretch = np.sqrt(np.maximum(1 - squared / 4, 0))
+        directions = np.stack([stretch * x, stretch * y, squared / 2 - 1], axis=-1)
+        return np.where((squared <= 4)[..., None], directions, np.nan)
+    level = np.cos(elevation)
+    directions = np.stack(
+        [level * np.sin(azimuth), np.sin(elevation), -level * np.cos(azimuth)], axis=-1
+    )
+    return np.where(good[..., None], directions, np.nan)
+
+
+@dataclass(frozen=True)
+class EyeMap:
+    """Which ommatidium is where on a map.
+
+    ommatidium: (H, W), row 0 at the top; -1 where the map shows a direction that no eye sees, -2
+    outside the map. seen: (E, H, W), which of the eyes see each place. extent: left, right, bottom,
+    top, in the map's units.
+    """
+
+    projection: Projection
+    ommatidium: Ints
+    seen: Flags
+    extent: tuple[float, float, float, float]
+
+
+def make_map(
+    measures: EyeMeasures,
+    projection: Projection,
+    width: int | None = None,
+    progress: Callable[[str, float | None], object] | None = None,
+) -> EyeMap:
+    """The map of an eye, ``width`` pixels wide; 1100 where it is left out.
+
+    Raises:
+        omma.Error: there is no such projection.
+    """
+    from scipy.spatial import cKDTree
+
+    if projection not in PROJECTIONS:
+        raise Error(f"projection: expected {', '.join(PROJECTIONS)}, found {projection!r}")
+    right, top = {
+        "mercator": (math.pi, math.atanh(math.sin(_MERCATOR_EDGE))),
+        "mollweide": (2 * math.sqrt(2), math.sqrt(2)),
+        "lambert": (2.0, 2.0),
+    }[projection]
+    width = width or _PIXELS
+    height = round(width * top / right)
+    x = ((np.arange(width) + 0.5) / width * 2 - 1) * right
+    y = (1 - (np.arange(height) + 0.5) / height * 2) * top
+    directions = map_directions(projection, *np.meshgrid(x, y))
+    inside = np.isfinite(directions[..., 0])
+    shown = directions[inside]
+    eyes = np.unique(measures.eye_id)
+    seen = np.zeros((len(eyes), *inside.shape), bool)
+    for k, which in enumerate(eyes):
+        if progress is not None:
+            progress("map", k / len(eyes))
+        seen[k][inside] = in_field(
+            shown,
+            measures.axis,
+            measures.eye_id,
+            int(which),
+            measures.lattice,
+            measures.cell_rad,
+        )
+    any_eye = seen.any(axis=0)
+    ommatidium = np.where(inside, np.int64(-1), np.int64(-2))
+    ommatidium[any_eye] = cKDTree(measures.axis).query(directions[any_eye])[1]
+    return EyeMap(projection, ommatidium, seen, (-right, right, -top, top))
+
+
+@checked
+def plot_eye_maps(
+    paths: PathLike | Sequence[PathLike],
+    eye: Eye,
+    properties: Sequence[str] | None = None,
+    *,
+    projection: Projection = "mollweide",
+    title: str | None = None,
+    measures: EyeMeasures | None = None,
+    progress: Callable[[str, float | None], object] | None = None,
+) -> None:
+    """Write maps of an eye's properties to `.pdf`, `.svg` and `.png`: a panel each.
+
+    Args:
+        properties: of `omma.eye.PROPERTIES`, or names of the eye's columns. Default: Δφ, Δρ and
+            Δρ/Δφ, and of facet diameter, eye parameter and sensitivity those that are known.
+        projection: "mercator" (to 80° up and down), "mollweide" or "lambert" (both equal-area).
+        measures: of `measure_eye`, where they have been taken.
+
+    Raises:
+        omma.Error: a property or projection that there is not, or that no ommatidium has; another
+            ending; Matplotlib is missing; a file cannot be written.
+    """
+    names = figure_names(paths)
+    measures = measures or measure_eye(eye)
+    if properties is None:
+        shown = [eye_property(eye, measures, name) for name in ("interommatidial", "acceptance")]
+        more = ("ratio", "facet", "eye-parameter", "sensitivity")
+        shown += [p for p in (eye_property(eye, measures, name) for name in more) if is_known(p)]
+    else:
+        shown = [eye_property(eye, measures, name) for name in properties]
+        for name, prop in zip(properties, shown, strict=True):
+            if not is_known(prop):
+                raise Error(f"property: {name} is not known of any ommatidium of this eye")
+    the_map = make_map(measures, projection, progress=progress)
+    with figure_style():
+        columns = 1 if len(shown) == 1 else (3 if projection == "lambert" else 2)
+        columns = min(columns, len(shown))
+        rows = math.ceil(len(shown) / columns)
+        each = 130.0 if columns == 1 else 180.0 / columns
+        tall = {"mercator": 0.84, "mollweide": 0.58, "lambert": 1.08}[projection]
+        figure = load_matplotlib()(
+            figsize=(each * columns * MM, (each * tall * rows + 9) * MM), layout="constrained"
+        )
+        for k, prop in enumerate(shown):
+            panel = figure.add_subplot(rows, columns, k + 1)
+            draw_map(figure, panel, the_map, prop, labels=True)
+        figure.suptitle(title or eye_title(eye), fontsize="medium", weight="bold")
+        save_figure(figure, names, dpi=300)
+
+
+def draw_map(
+    figure: Figure,
+    panel: Axes,
+    the_map: EyeMap,
+    prop: EyeProperty,
+    *,
+    labels: bool = True,
+) -> None:
+    """One map in a panel, with its graticule, the outline of each eye's field, a colour bar."""
+    from matplotlib.colors import ListedColormap
+
+    left, right, bottom, top = the_map.extent
+    panel.set_axis_off()
+    panel.set_aspect("equal")
+    panel.set(xlim=(left * 1.02, right * 1.02), ylim=(bottom * 1.02, top * 1.02))
+    ground = np.where(the_map.ommatidium == -2, np.nan, 0.0)
+    unknown = the_map.ommatidium >= 0
+    panel.imshow(
+        np.ma.masked_invalid(np.where(unknown, 1.0, ground)),
+        extent=the_map.extent,
+        cmap=ListedColormap([_OUTSIDE, _NOT_KNOWN]),
+        vmin=0,
+        vmax=1,
+        interpolation="nearest",
+    )
+    padded = np.concatenate([prop.values, [np.nan, np.nan]])
+    image = panel.imshow(
+        np.ma.masked_invalid(padded[the_map.ommatidium]),
+        extent=the_map.extent,
+        interpolation="nearest",
+    )
+    draw_graticule(panel, the_map.projection, labels)
+    _outlines(panel, the_map)
+    colour_scale(figure, panel, image, prop, location="bottom")
+
+
+def colour_scale(
+    figure: Figure | None, panel: Axes, marks: Any, prop: EyeProperty, location: str | None
+) -> None:
+    """The colours of ``marks`` and a bar, or of classes a legend, that says what they mean.
+
+    ``location`` of the bar is "right" or "bottom"; None leaves it out, and needs no figure.
+    """
+    from matplotlib.colors import ListedColormap
+    from matplotlib.patches import Patch
+
+    if prop.classes:
+        colours = [COLOURS[k % len(COLOURS)] for k in range(len(prop.classes))]
+        marks.set(cmap=ListedColormap(colours), clim=(-0.5, len(colours) - 0.5))
+        handles = [Patch(color=c, label=n) for c, n in zip(colours, prop.classes, strict=True)]
+        if location is not None:
+            panel.legend(
+                handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0), ncol=6, frameon=False
+            )
+        return
+    low, high, extend = colour_limits(prop.values)
+    marks.set(cmap="viridis", clim=(low, high))
+    constant = high - low <= 1e-4 * max(abs(low), abs(high))
+    if constant:
+        marks.set_clim(low - 1, low + 1)
+    if location is None or figure is None:
+        return
+    if constant:
+        text = f"{prop.label}: {low:.3g} throughout"
+        panel.text(0.5, -0.06, text, transform=panel.transAxes, ha="center", va="top")
+        return
+    bar = figure.colorbar(
+        marks, ax=panel, location=location, shrink=0.75 if location == "right" else 0.6,
+        aspect=30, pad=0.02, extend=extend,
+    )  # fmt: skip
+    bar.set_label(prop.label)
+    bar.outline.set_visible(False)
+
+
+def colour_limits(values: Floats) -> tuple[float, float, str]:
+    """What colours span, and where a bar has a pointed end: a few ommatidia at the rim would take
+    all the colours; where they are far out, the bar ends before them and says so."""
+    known = values[np.isfinite(values)]
+    least, low, high, most = np.percentile(known, [0, 1, 99, 100])
+    below, above = low - least > 0.25 * (high - low), most - high > 0.25 * (high - low)
+    extend = {(0, 0): "neither", (1, 0): "min", (0, 1): "max", (1, 1): "both"}
+    return (
+        float(low if below else least),
+        float(high if above else most),
+        extend[int(below), int(above)],
+    )
+
+
+def draw_graticule(panel: Axes, projection: Projection, labels: bool) -> None:
+    """Circles of azimuth and elevation each 30°, with their degrees, and the map's edge."""
+    edge = math.degrees(_MERCATOR_EDGE) if projection == "mercator" else 90.0
+    fine: dict[str, Any] = {"color": INK, "linewidth": 0.35, "alpha": 0.45}
+    upwards = np.linspace(-edge, edge, 181)
+    around = np.linspace(-180 + 1e-6, 180 - 1e-6, 361)
+    for azimuth in range(-150, 180, 30):
+        _line(panel, projection, np.full(181, float(azimuth)), upwards, fine)
+    for elevation in range(-60, 90, 30):
+        _line(panel, projection, around, np.full(361, float(elevation)), fine)
+    rim: dict[str, Any] = {"color": INK, "linewidth": 0.7}
+    if projection == "lambert":
+        turn = np.linspace(0, 2 * np.pi, 361)
+        panel.plot(2 * np.cos(turn), 2 * np.sin(turn), **rim)
+        _line(panel, projection, np.full(181, 180.0), upwards, fine)
+    else:
+        for end in (around[0], around[-1]):
+            _line(panel, projection, np.full(181, end), upwards, rim)
+        for end in (-edge, edge):
+            _line(panel, projection, around, np.full(361, end), rim)
+    if labels:
+        _degrees(panel, projection)
+
+
+def _degrees(panel: Axes, projection: Projection) -> None:
+    from matplotlib.patheffects import withStroke
+
+    halo = [withStroke(linewidth=1.6, foreground="white")]
+    font: dict[str, Any] = {"fontsize": "x-small", "color": INK, "path_effects": halo, "zorder": 5}
+    low = {"mercator": -80.0}.get(projection, 0.0)
+    step = 90 if projection == "lambert" else 60
+    for azimuth in range(-180 + step, 180, step):
+        x, y = project_directions(direction(azimuth, low), projection)
+        name = {-90: "left −90°", 0: "ahead 0°", 90: "right 90°"}.get(
+            azimuth, f"{azimuth}°".replace("-", "−")
+        )
+        panel.annotate(
+            name,
+            (x, y),
+            (0, -2),
+            textcoords="offset points",
+            ha="center",
+            va="top",
+            **font,
+        )
+    for elevation in (-60, -30, 30, 60):
+        at = 0.0 if projection == "lambert" else -180 + 1e-6
+        x, y = project_directions(direction(at, elevation), projection)
+        panel.annotate(
+            f"{elevation}°".replace("-", "−"),
+            (x, y),
+            (0, 0) if projection == "lambert" else (-2, 0),
+            textcoords="offset points",
+            ha="center" if projection == "lambert" else "right",
+            va="center",
+            **font,
+        )
+
+
+def _line(
+    panel: Axes, projection: Projection, azimuth: Floats, elevation: Floats, style: dict[str, Any]
+) -> None:
+    panel.plot(*project_directions(direction(azimuth, elevation), projection).T, **style)
+
+
+def _outlines(panel: Axes, the_map: EyeMap) -> None:
+    height, width = the_map.ommatidium.shape
+    left, right, bottom, top = the_map.extent
+    x = left + (np.arange(width) + 0.5) / width * (right - left)
+    y = top - (np.arange(height) + 0.5) / height * (top - bottom)
+    for seen in the_map.seen:
+        if seen.any():
+            panel.contour(x, y, seen.astype(float), [0.5], colors=INK, linewidths=0.8)
+
+
+def _mollweide_angle(elevation: Floats) -> Floats:
+    # Newton's method for 2θ + sin 2θ = π sin(elevation); from θ = elevation it needs few steps but
+    # near the poles, where it halves the error each time.
+    theta = np.array(elevation, dtype=np.float64)
+    wanted = math.pi * np.sin(elevation)
+    for _ in range(40):
+        slope = np.maximum(2 + 2 * np.cos(2 * theta), 1e-9)
+        theta = np.clip(
+            theta - (2 * theta + np.sin(2 * theta) - wanted) / slope, -np.pi / 2, np.pi / 2
+        )
+    return theta
+
+
+def eye_title(eye: Eye) -> str:
+    """The file's name where it is one, and how many ommatidia there are."""
+    name = f"{Path(eye.path).name}: " if eye.path and " + " not in eye.path else ""
+    return f"{name}{len(eye):,} ommatidia"

@@ -1,0 +1,112 @@
+"""Pictures of an eye's responses as files, one for each pose, in any projection."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omma import _core
+from omma.base.arguments import checked
+from omma.base.files import PathLike, WholeFiles, check_target
+from omma.base.poses import Matrices
+from omma.picture.id_maps import side_by_side_ids
+from omma.picture.projections import project, projection_ids
+from omma.rendering.renderer import Renderer
+from omma.rendering.settings import fixed_samples
+
+_DEFAULT_WIDTH = 1024
+
+# A picture (height, width, 3 or 4) from the number of a pose and its responses (N, C).
+Paint = Callable[[int, NDArray[np.float32]], NDArray[Any]]
+
+
+class PngWriter:
+    """A picture of each pose: ``name`` where there is one, else name_0000.png, name_0001.png, ...
+
+    The number is that of the pose. They get their names together: a series is there whole or not at
+    all, and needs its place on the disk twice where an older one is replaced. In a render that
+    may go on later each gets its name at once.
+    """
+
+    def __init__(self, files: WholeFiles, name: str, pose_count: int, paint: Paint) -> None:
+        self._files, self._paint = files, paint
+        self._target, self._numbered = Path(name), pose_count > 1
+        self._digits = max(4, len(str(pose_count - 1)))
+        check_target(self.name(0))
+
+    def name(self, pose: int) -> str:
+        """The file that shows a pose."""
+        if not self._numbered:
+            return str(self._target)
+        stem, suffix = self._target.stem, self._target.suffix
+        return str(self._target.with_name(f"{stem}_{pose:0{self._digits}}{suffix}"))
+
+    def write(
+        self, responses: NDArray[np.float32], errors: NDArray[np.float32] | None, first: int
+    ) -> None:
+        for number, pose in enumerate(responses, start=first):
+            name, pixels = self.name(number), self._paint(number, pose)
+            if self._files.kept is None:
+                write_png(self._files, name, pixels)
+            else:
+                save_png(name, pixels)
+
+
+@checked
+def save_png(path: PathLike, pixels: NDArray[np.uint8]) -> None:
+    """Write 8-bit pixels (height, width, 3 or 4), row 0 at the top, as a PNG file.
+
+    It is written under another name and renamed, so that no half of a file is left.
+
+    Raises:
+        omma.Error: the pixels or the path do not do.
+    """
+    _core.save_png(path, pixels)
+
+
+def write_png(files: WholeFiles, name: str, pixels: NDArray[Any]) -> None:
+    """Writes a picture (height, width, 3 or 4), one of several files."""
+    file = files.open(name)
+    file.write(_core.encode_png(name, pixels))
+    file.close()
+
+
+def paint_of_projection(
+    renderer: Renderer,
+    poses: Matrices,
+    projection: str,
+    width: int | None,
+    height: int | None,
+    gamma: float,
+) -> Paint:
+    """What paints responses of a renderer's eye in a projection, at the poses that it renders."""
+    eye = renderer.eye
+    # What is wrong with a projection or a size shows here, before anything is rendered.
+    if projection == "raw_ommatidial_samples":
+        rows = fixed_samples(renderer.samples, projection) if height is None else height
+        projection_ids(eye, projection, width, rows)
+
+        def paint_rays(pose: int, responses: NDArray[np.float32]) -> NDArray[Any]:
+            rays = renderer.render_rays(poses[pose], first_pose=pose)
+            return project(eye, rays, projection, width, rows, gamma=gamma)
+
+        return paint_rays
+    ids = projection_ids(eye, projection, width, height)
+    if projection.endswith("_ids"):
+        encoded = _core.encode_ids(ids)
+        return lambda pose, responses: encoded
+    return lambda pose, responses: _core.paint(ids, responses, gamma)
+
+
+def paint_side_by_side(
+    renderer: Renderer, width: int | None, height: int | None, gamma: float
+) -> Paint:
+    """What paints each eye of a renderer's head apart, panels of ``width`` x ``height``."""
+    across = _DEFAULT_WIDTH if width is None else width
+    down = max(1, across // 2) if height is None else height
+    ids = side_by_side_ids(renderer.eye, across, down)
+    return lambda pose, responses: _core.paint(ids, responses, gamma)

@@ -1,0 +1,203 @@
+"""Eyes laid out in pictures: which ommatidium a pixel shows, and responses painted that way.
+
+docs/projections.md shows each projection and says which direction is where in it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import threading
+from collections import OrderedDict
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma import _core
+from omma._core import Error, Eye
+from omma.base.arguments import array_of, checked, one_of, whole
+
+Ids = NDArray[np.int32]
+Picture = NDArray[np.uint8]
+LinearPicture = NDArray[np.float32]
+
+#: The names of all projections; with ``_ids`` added, a picture shows ids instead of responses.
+PROJECTIONS: tuple[str, ...] = tuple(_core.projection_names())
+
+_MOST_PIXELS = 1 << 30
+_MOST_KEPT_BYTES = 1 << 28
+_DEFAULT_WIDTH = 1024
+# These have a pixel for each ommatidium, so that their width is that of the eye.
+LISTS = ("single_dimension_fast", "raw_ommatidial_samples")
+
+
+@checked
+def projection_ids(
+    eye: Eye,
+    projection: str = "spherical_orientationwise",
+    width: int | None = None,
+    height: int | None = None,
+) -> Ids:
+    """Which ommatidium each pixel shows: int32 (height, width), -1 for none.
+
+    The map is made once for an eye, a projection and a size, and kept; it is read-only.
+
+    Args:
+        eye: the eye, or all eyes of a head. Eyes are told apart by ``eye_id``; a single one whose
+            positions leave a wide gap around x = 0 counts as a left and a right one.
+        projection: one of `omma.picture.PROJECTIONS`; an ending ``_ids`` makes no difference here.
+        width, height: pixels. The one left out follows from the other; 1024 wide where both are.
+            ``single_dimension_fast`` and ``raw_ommatidial_samples`` are as wide as there are
+            ommatidia.
+
+    Raises:
+        omma.Error: a projection that there is not, a size that makes no sense, an eye that the
+            projection cannot show (``facets`` of an eye whose positions are one point, say).
+    """
+    width, height = projection_size(eye, projection, width, height)
+    plain = projection.removesuffix("_ids")
+    return kept_ids(
+        eye,
+        (plain, width, height),
+        lambda: _core.projection_ids(eye, plain, width, height),
+    )
+
+
+@checked
+def project(
+    eye: Eye,
+    responses: ArrayLike | None,
+    projection: str = "spherical_orientationwise",
+    width: int | None = None,
+    height: int | None = None,
+    *,
+    gamma: float = 2.2,
+    linear: bool = False,
+) -> NDArray[Any]:
+    """One pose's responses as a picture: uint8 RGB (height, width, 3), row 0 at the top.
+
+    Args:
+        eye: the eye that the responses are of.
+        responses: (N, 3) or (1, N, 3), linear. ``raw_ommatidial_samples`` takes the radiance of
+            each ray instead, see `Renderer.render_rays`: (N, S, 3) or (1, N, S, 3); its picture
+            has a column for each ommatidium and a row for each sample. Projections that end in
+            ``_ids`` take None.
+        projection, width, height: as in `projection_ids`.
+        gamma: display value = 255 * clamp(response) ** (1 / gamma); pixels that show no ommatidium
+            are mid grey.
+        linear: the responses themselves, float32 (height, width, 3), not clipped; NaN where there
+            is no ommatidium.
+
+    Returns:
+        A picture as above, or for projections that end in ``_ids`` the ids as RGBA, see
+        `encode_ids`.
+
+    Raises:
+        omma.Error: responses of another eye, or arguments that make no sense.
+    """
+    if projection.endswith("_ids"):
+        if linear:
+            raise Error(f"linear: {projection} shows ids, not responses; see projection_ids")
+        return _core.encode_ids(projection_ids(eye, projection, width, height))
+    if projection == "raw_ommatidial_samples":
+        rays = _rays_of_one_pose(eye, responses)
+        samples = rays.shape[1]
+        ids = projection_ids(eye, projection, width, samples if height is None else height)
+        if len(ids) < samples:
+            raise Error(f"height: expected at least the {samples} samples, found {len(ids)}")
+        rows = np.arange(len(ids), dtype=np.int32)[:, np.newaxis]
+        # Sample s of ommatidium i is the row i * samples + s of the flat array.
+        ids = np.where((ids >= 0) & (rows < samples), ids * np.int32(samples) + rows, np.int32(-1))
+        shown = rays.reshape(-1, rays.shape[2])
+    else:
+        shown = one_pose(eye, responses)
+        ids = projection_ids(eye, projection, width, height)
+    return paint_linear(ids, shown) if linear else _core.paint(ids, shown, gamma)
+
+
+def paint_linear(ids: Ids, responses: NDArray[np.float32]) -> LinearPicture:
+    """Responses (N, 3) through an id map (height, width): float32 (height, width, 3), linear, not
+    clipped; NaN where the id is -1."""
+    nothing = np.full((1, responses.shape[1]), np.nan, np.float32)
+    return np.concatenate([responses, nothing])[ids]
+
+
+def projection_size(
+    eye: Eye, projection: str, width: int | None = None, height: int | None = None
+) -> tuple[int, int]:
+    """Width and height of a projection's picture, with what is left out filled in."""
+    one_of(
+        projection.removesuffix("_ids"), PROJECTIONS, "projection", " (or one of them with _ids)"
+    )
+    if len(eye) == 0:
+        raise Error("eye: expected at least one ommatidium, found none")
+    if width is not None:
+        width = whole(width, "width", 1, _MOST_PIXELS)
+    if height is not None:
+        height = whole(height, "height", 1, _MOST_PIXELS)
+    plain = projection.removesuffix("_ids")
+    if plain in LISTS:
+        return width or len(eye), height or 1
+    aspect = 1 if plain == "lambert" else 2
+    if width is None:
+        width = _DEFAULT_WIDTH if height is None else height * aspect
+    return width, height or max(1, width // aspect)
+
+
+def kept_ids(eye: Eye, picture: tuple[object, ...], make: Callable[[], Ids]) -> Ids:
+    """The id map of this eye and this kind of picture, made at the first call and then kept.
+
+    Eyes are told apart by what is in them, so that no map is ever that of another eye; the maps
+    used last are kept, up to a quarter of a gigabyte.
+    """
+    key = (_fingerprint(eye), *picture)
+    with _lock:
+        if key in _kept:
+            _kept.move_to_end(key)
+            return _kept[key]
+    ids = make()
+    ids.setflags(write=False)
+    with _lock:
+        _kept[key] = ids
+        while len(_kept) > 1 and sum(each.nbytes for each in _kept.values()) > _MOST_KEPT_BYTES:
+            _kept.popitem(last=False)
+    return ids
+
+
+def one_pose(eye: Eye, responses: Any) -> NDArray[np.float32]:
+    """``responses`` as float32 (N, 3) of one pose of this eye."""
+    array = array_of(responses, "responses", dtype=np.float32)
+    if array.ndim == 3 and len(array) == 1:
+        array = array[0]
+    expected = (len(eye), _core.rgb_bands)
+    if array.shape != expected:
+        raise Error(
+            f"responses: expected shape {expected} (red, green, blue) of one pose, found "
+            f"{array.shape}"
+        )
+    return array
+
+
+def _rays_of_one_pose(eye: Eye, rays: Any) -> NDArray[np.float32]:
+    array = array_of(rays, "responses", dtype=np.float32)
+    if array.ndim == 4 and len(array) == 1:
+        array = array[0]
+    good = array.ndim == 3 and array.shape[1] > 0
+    if not good or (array.shape[0], array.shape[2]) != (len(eye), _core.rgb_bands):
+        raise Error(
+            f"responses: raw_ommatidial_samples takes the rays of one pose, shape ({len(eye)}, "
+            f"samples, {_core.rgb_bands}), found {array.shape}"
+        )
+    return array
+
+
+def _fingerprint(eye: Eye) -> bytes:
+    digest = hashlib.blake2b(digest_size=16)
+    for array in (eye.position_m, eye.axis, eye.acceptance_angle_rad, eye.eye_id):
+        digest.update(array.tobytes())
+    return digest.digest()
+
+
+_lock = threading.Lock()
+_kept: OrderedDict[tuple[object, ...], Ids] = OrderedDict()

@@ -1,0 +1,198 @@
+"""Receptors: what they are sensitive to, what they make of RGB, and rendering what they answer.
+
+`omma.receptors.ReceptorType` says what a receptor is, `Eye` which ommatidium has which; here is
+what follows.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma import _core
+from omma._core import Error, Eye
+from omma._core import ReceptorType as ReceptorType
+from omma.base.arguments import array_of, arrays_of, checked
+from omma.light.bands import band_edges, band_means
+
+if TYPE_CHECKING:
+    pass
+
+Floats = NDArray[np.float64]
+Responses = NDArray[np.float32]
+
+# Light that receptors are asked about.
+_RECEPTOR_RANGE_NM = (300.0, 700.0)
+
+
+@checked
+def spectral_sensitivity(receptor: ReceptorType | float, wavelength_nm: ArrayLike) -> Any:
+    """Relative sensitivity to equal numbers of photons, at wavelengths of any shape, nm.
+
+    ``receptor`` is a type, or the wavelength (nm) where a visual pigment's alpha band peaks. A type
+    with a table is linear between its knots and 0 outside. A pigment's absorbance a is the template
+    of Govardovskii et al. 2000, see `govardovskii`. Where the rhabdom's absorption k and length l
+    are known, it is what the rhabdom absorbs, [1 - exp(-k l a)] / [1 - exp(-k l)]: broader, as the
+    pigment screens itself.
+
+    Raises:
+        omma.Error: a peak that is out of range, or a type that has neither peak nor table.
+    """
+    if not isinstance(receptor, ReceptorType):
+        receptor = ReceptorType("", peak_wavelength_nm=float(receptor))
+    nm = array_of(wavelength_nm, "wavelength_nm")
+    return _core.spectral_sensitivity(receptor, np.ascontiguousarray(nm.ravel())).reshape(nm.shape)
+
+
+@checked
+def govardovskii(
+    peak_wavelength_nm: float, wavelength_nm: ArrayLike, *, alpha: bool = True, beta: bool = True
+) -> Any:
+    """Absorbance of a visual pigment with chromophore A1, relative to the peak of its alpha band.
+
+    Template of Govardovskii, Fyhrquist, Reuter, Kuzmin and Donner (Vis Neurosci 17:509, 2000). With
+    x = λmax/λ the alpha band is 1/{exp[69.7(a - x)] + exp[28(0.922 - x)] + exp[-14.9(1.104 - x)]
+    + 0.674}, a = 0.8795 + 0.0459 exp[-(λmax - 300)²/11940]; the beta band is
+    0.26 exp{-[(λ - 189 - 0.315 λmax)/(0.195 λmax - 40.5)]²}. Wavelengths in nm, of any shape.
+
+    Raises:
+        omma.Error: a peak outside of 300 to 800 nm.
+    """
+    peak = ReceptorType("", peak_wavelength_nm=float(peak_wavelength_nm)).peak_wavelength_nm
+    if peak == 0:
+        raise Error("peak_wavelength_nm: expected 300 to 800 nm, found 0")
+    nm = array_of(wavelength_nm, "wavelength_nm")
+    bands = _core.pigment_bands(peak, np.ascontiguousarray(nm.ravel()))
+    return (alpha * bands[0] + beta * bands[1]).reshape(nm.shape)
+
+
+@checked
+def receptor_matrix(
+    types: Eye | ReceptorType | Sequence[ReceptorType],
+    ultraviolet: ArrayLike | None = None,
+    *,
+    edges_nm: ArrayLike | None = None,
+) -> Floats:
+    """What receptors make of linear sRGB: (T, 3), weights of red, green and blue by type; or of
+    bands of light: (T, B).
+
+    A weight is the share of a receptor's sensitivity, over 300 to 700 nm, that lies under the
+    spectrum of that primary (docs/receptors.md; the three add up to a flat white from 400 to 700
+    nm), or within that band. So a row's sum is the receptor's share of the light that we can see:
+    of a honeybee's green receptor 0.85, of its blue one 0.67, and 0.002 of that for ultraviolet,
+    where RGB says nothing.
+
+    Args:
+        types: receptor types, or an eye, for those it has.
+        ultraviolet: (3,) what there is from 300 to 400 nm, as a mix of the channels: (0, 0, 1) says
+            as much as blue, (0, 0, 0.1) a tenth of it; for each type the same. None: nothing.
+        edges_nm: (B + 1,), ascending, nm, of the bands of a world (`band_from_rgb`); the light in a
+            band counts as the same at all its wavelengths. Not together with ``ultraviolet``.
+
+    Raises:
+        omma.Error: no sensitivity, weights of another shape, negative or not finite, or edges that
+            do not ascend.
+    """
+    if isinstance(types, Eye):
+        types = types.receptor_types
+    elif isinstance(types, ReceptorType):
+        types = [types]
+    if edges_nm is not None:
+        if ultraviolet is not None:
+            raise Error("ultraviolet: is for RGB; not together with edges_nm")
+        edges = band_edges(edges_nm)
+        widths = np.diff(edges)
+        low, high = _RECEPTOR_RANGE_NM
+        rows = []
+        for one in types:
+            of_type = functools.partial(spectral_sensitivity, one)
+            all_light = band_means(np.array([low, high]), of_type)[0] * (high - low)
+            rows.append(band_means(edges, of_type) * widths / all_light)
+        return np.array(rows, np.float64).reshape(len(rows), len(widths))
+    mix = np.zeros(3) if ultraviolet is None else array_of(ultraviolet, "ultraviolet")
+    if mix.shape != (3,) or not np.all(np.isfinite(mix)) or np.any(mix < 0):
+        raise Error(
+            f"ultraviolet: expected weights of red, green, blue, at least 0, found {mix.tolist()}"
+        )
+    rows = [_core.receptor_weights(one, mix.tolist()) for one in types]
+    return np.array(rows, np.float64).reshape(len(rows), 3)
+
+
+@checked
+def optical_sensitivity(
+    facet_diameter_m: ArrayLike,
+    acceptance_angle_rad: ArrayLike,
+    length_m: ArrayLike,
+    absorption_per_m: ArrayLike,
+    *,
+    monochromatic: bool = False,
+) -> Any:
+    """Optical sensitivity S to an extended scene, m² sr; arrays broadcast. 1 µm² sr is 1e-12 m² sr.
+
+    S = (π/4)² D² Δρ² F (Land 1981, in Handbook of sensory physiology VII/6B), with the share of
+    white light that the rhabdom absorbs F = kl/(2.3 + kl) (Warrant and Nilsson, Vision Res 38:195,
+    1998), or of light at the pigment's peak 1 - exp(-kl). With k = 0.0067 per µm this gives what is
+    published for honeybees (J Exp Biol 212:2448, table 1).
+    """
+    diameter, angle, length, absorption = arrays_of(
+        facet_diameter_m=facet_diameter_m,
+        acceptance_angle_rad=acceptance_angle_rad,
+        length_m=length_m,
+        absorption_per_m=absorption_per_m,
+    )
+    depth = absorption * length
+    absorbed = -np.expm1(-depth) if monochromatic else depth / (2.3 + depth)
+    return (np.pi / 4) ** 2 * diameter**2 * angle**2 * absorbed
+
+
+@checked
+def receptor_optical_sensitivity(eye: Eye, *, monochromatic: bool = False) -> Floats:
+    """`optical_sensitivity` of each receptor of an eye: (R,), m² sr.
+
+    NaN where the facet's diameter or the receptor's absorption or length is not known.
+    """
+    types = eye.receptor_types
+    ommatidium = ommatidium_of_receptor(eye)
+    own = np.array([np.nan if t.acceptance is None else t.acceptance.mean_width_rad for t in types])
+    length = np.array([t.length_m for t in types])[eye.receptor_type]
+    absorption = np.array([t.absorption_per_m for t in types])[eye.receptor_type]
+    diameter = eye.facet_diameter_m[ommatidium].astype(np.float64)
+    angle = eye.acceptance_angle_rad[ommatidium].astype(np.float64)
+    angle = np.where(np.isnan(own[eye.receptor_type]), angle, own[eye.receptor_type])
+    found = optical_sensitivity(diameter, angle, length, absorption, monochromatic=monochromatic)
+    return np.where((diameter > 0) & (length > 0) & (absorption > 0), found, np.nan)
+
+
+@checked
+def ommatidium_of_receptor(eye: Eye) -> NDArray[np.int64]:
+    """Which ommatidium a receptor belongs to: (R,)."""
+    return np.repeat(np.arange(len(eye)), np.diff(eye.first_receptor))
+
+
+@checked
+def microvillus_direction(eye: Eye) -> Floats:
+    """Where each receptor's microvilli point: (R, 3), unit vectors in the head frame, across the
+    direction it looks in. Their sign means nothing: microvilli have an axis, not a sense.
+
+    Raises:
+        omma.Error: the eye has no receptors.
+    """
+    views, view = _core.receptor_views(eye)
+    angles = np.array([t.microvillus_angle_rad for t in eye.receptor_types])[eye.receptor_type]
+    up, right = views.up[view].astype(np.float64), views.right[view].astype(np.float64)
+    return np.asarray(np.cos(angles)[:, None] * up + np.sin(angles)[:, None] * right)
+
+
+@checked
+def receptor_axis(eye: Eye) -> NDArray[np.float32]:
+    """Where each receptor looks: (R, 3), unit vectors in the head frame.
+
+    Raises:
+        omma.Error: the eye has no receptors.
+    """
+    views, view = _core.receptor_views(eye)
+    return np.asarray(views.axis[view])

@@ -1,0 +1,5 @@
+from .report import SamplingReport
+
+__all__ = [
+    "SamplingReport",
+]

@@ -1,0 +1,628 @@
+"""The renderer: arguments checked and turned into arrays here, the work done in omma._core."""
+
+from __future__ import annotations
+
+import copy
+import itertools
+import sys
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Any, Literal, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma import _core
+from omma._core import Background, Error, Eye, Scene
+from omma.base.arguments import checked, expect, output_array, whole
+from omma.base.poses import Matrices, as_poses, is_position_pair
+from omma.rendering.receptor_views import ReceptorViews, render_receptors
+from omma.rendering.report import SamplingReport
+from omma.rendering.settings import Samples, fixed_samples, frame_number, render_settings
+from omma.scene.world import World
+
+Responses = NDArray[np.float32]
+Poses = ArrayLike | tuple[ArrayLike, ArrayLike] | str
+Progress = Callable[[float], object]
+
+# What tools that report stages call the first two.
+READING, BUILDING = "Reading the scene", "Building the acceleration structure"
+
+# render_iter's buffer: big enough to keep all threads busy, small enough to forget about.
+_CHUNK_BYTES = 32 << 20
+
+
+def warn_of_precision(sentence: str) -> None:
+    """Tell the caller of the package what single precision loses, where it does."""
+    if not sentence:
+        return
+    level, frame = 1, sys._getframe()
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith("omma."):
+        level, frame = level + 1, frame.f_back
+    warnings.warn(sentence, RuntimeWarning, stacklevel=level)
+
+
+class Renderer:
+    """A world and an eye, ready to render: acceleration structure and direction tables are built.
+
+    The response of ommatidium i in band b at a pose is the mean of the radiance around it, with
+    its angular sensitivity as weight; a surround of radiance 1 gives 1. Bands are linear RGB,
+    unless the world has others.
+
+    Args:
+        scene: what there is to see: a `World`, which is shared with whoever sees it too, or a
+            scene, of which a world is made.
+        eye: who sees it; a list of eyes is merged as `merge_eyes` does.
+        samples: rays per ommatidium, 1 to 2**20; or "auto": as many as each ommatidium needs for
+            its standard error, as estimated, to be at most ``error``.
+        error: standard error to reach with samples="auto", in radiance (1 is full scale).
+        min_samples, max_samples: rays that an ommatidium gets at least, a power of two from 4 on,
+            and at most; with samples="auto", where None takes 8 (16 from an error of 0.006 down, 32
+            from 0.003, 64 from 0.0015) and 4,096.
+        seed: of the samples, 0 to 2**64 - 1. The same inputs and seed give the same bits, whatever
+            the number of threads.
+        kernel: "own", each ommatidium's own angular sensitivity, or one for all with its acceptance
+            angle Δρ, per unit solid angle: "gaussian", exp(-4 ln2 (θ/Δρ)²); "pillbox",
+            1 within Δρ/2; "compoundray", CompoundRay's, which is the Gaussian over sin θ (Millward,
+            Maddock, Mangan, eLife 2022, 73893), for comparison with work done with it.
+        sampling: "low_discrepancy" (scrambled Sobol points, Owen 1995, moved apart) or "random".
+        threads: 0 takes one per hardware thread.
+        footprints: rays read textures averaged over their share of the solid angle, so that fine
+            texture does not become noise; the angular sensitivity's modulation transfer stays
+            within 0.01 of its own. False: point by point.
+        share_rays: neighbouring ommatidia share rays: about ``samples`` per ommatidium are traced
+            in all, 1 to 256, and each uses those of its neighbours too. Where fields of view
+            overlap as in a honeybee's eye, that is six to seven times fewer for the same error.
+            What it costs: a ray starts at the ommatidium nearest to its direction, so that of
+            things at a distance d an eye of radius of curvature R has an acceptance angle (1 + R/d)
+            times as wide; errors of neighbours go together; and the rays are fixed to the head, the
+            same at every pose. Ommatidia that would gain nothing trace their own rays;
+            `shared_ommatidia` says who shares. Not for surfaces within some ten radii, nor with
+            samples="auto", random sampling, the kernel "compoundray", apertures or sensitivities
+            that are not round. See docs/shared-rays.md.
+        noise: which of many patterns of rays an ommatidium's estimate takes. "frozen": its own, the
+            same at every pose and in every frame, so that what stands still looks still, and noise
+            goes along with the head. "new_every_frame": another one for every frame that this
+            renderer renders, in the order of the calls, in a batch as in a loop; averaged over
+            frames, noise vanishes. Not with ``share_rays``. See docs/noise.md.
+        background: instead of the scene's or the world's own.
+        backend: what traces the rays of a scene, see `World`; a world has its own.
+        progress: called with the finished share (0 to 1) of the acceleration structure a few times
+            a second, where one is made. What it raises ends the building and is raised here; so
+            does Ctrl-C.
+
+    In a process made by fork from one that had used a renderer, those made before the fork go on to
+    work, on one thread; new ones of a scene are refused (docs/processes.md). Other start methods
+    have no such limits.
+
+    Raises:
+        omma.Error: an argument is out of its range.
+        TypeError: an argument is of another type.
+    """
+
+    @checked
+    def __init__(
+        self,
+        scene: Scene | World,
+        eye: Eye | Sequence[Eye | tuple[Eye, ArrayLike]],
+        *,
+        samples: Samples = 16,
+        error: float | None = None,
+        min_samples: int | None = None,
+        max_samples: int | None = None,
+        seed: int = 0,
+        kernel: str = "own",
+        sampling: str = "low_discrepancy",
+        threads: int = 0,
+        footprints: bool = True,
+        share_rays: bool = False,
+        noise: str = "frozen",
+        background: Background | None = None,
+        backend: str = "",
+        progress: Progress | None = None,
+    ) -> None:
+        if not isinstance(scene, World):
+            expect(scene, Scene, "scene", "omma.load_scene gives one")
+        elif backend:
+            raise Error("backend: the world that is given has its own")
+        eye = _one_eye(eye)
+        if background is not None:
+            expect(background, Background, "background", "omma.Background.constant gives one")
+        settings = render_settings(
+            samples=samples,
+            error=error,
+            min_samples=min_samples,
+            max_samples=max_samples,
+            seed=seed,
+            kernel=kernel,
+            sampling=sampling,
+            threads=threads,
+            footprints=footprints,
+            share_rays=share_rays,
+            noise=noise,
+        )
+        self._build_times: dict[str, float] = {"scene_s": 0.0, "acceleration_s": 0.0}
+        if isinstance(scene, Scene):
+            scene = World(
+                scene, background=background, threads=threads, backend=backend, progress=progress
+            )
+            self._build_times = scene.build_times
+        elif background is not None:
+            scene = scene.with_background(background)
+        self._world = scene
+        self._engine = _core.Renderer(scene._engine, eye, settings)
+        self._min_samples = min_samples  # as given: where it is None, it goes by the error
+        self._receptors: ReceptorViews | None = None
+
+    @checked
+    def with_eye(
+        self,
+        eye: Eye | Sequence[Eye | tuple[Eye, ArrayLike]],
+        *,
+        samples: Samples | None = None,
+        error: float | None = None,
+        min_samples: int | None = None,
+        max_samples: int | None = None,
+        seed: int | None = None,
+        kernel: str | None = None,
+        sampling: str | None = None,
+        footprints: bool | None = None,
+        share_rays: bool | None = None,
+        noise: str | None = None,
+    ) -> Renderer:
+        """Another renderer of the same world, for another eye or with other settings.
+
+        It shares the acceleration structure, so that it is made in milliseconds. What is not given
+        stays as it is here; either renderer lives on without the other. ``error`` and its limits
+        stay as long as ``samples`` is "auto".
+
+        Raises:
+            omma.Error: an argument is out of its range.
+        """
+        auto = (self.samples if samples is None else samples) == "auto"
+        if auto and min_samples is None:
+            min_samples = self._min_samples
+        settings = render_settings(
+            samples=self.samples if samples is None else samples,
+            error=self.error if auto and error is None else error,
+            min_samples=min_samples,
+            max_samples=self.max_samples if auto and max_samples is None else max_samples,
+            seed=self.seed if seed is None else seed,
+            kernel=self.kernel if kernel is None else kernel,
+            sampling=self.sampling if sampling is None else sampling,
+            threads=self.threads,
+            footprints=self.footprints if footprints is None else footprints,
+            share_rays=self.share_rays if share_rays is None else share_rays,
+            noise=self.noise if noise is None else noise,
+        )
+        other = copy.copy(self)
+        other._engine = _core.Renderer(self._engine, _one_eye(eye), settings)
+        other._build_times = {"scene_s": 0.0, "acceleration_s": 0.0}
+        other._min_samples = min_samples
+        other._receptors = None
+        return other
+
+    @overload
+    def render(
+        self,
+        poses: Poses,
+        *,
+        standard_error: Literal[False] = False,
+        report: Literal[False] = False,
+        out: Responses | None = None,
+        error_out: None = None,
+        first_pose: int | None = None,
+        progress: Progress | None = None,
+    ) -> Responses: ...
+
+    @overload
+    def render(
+        self,
+        poses: Poses,
+        *,
+        standard_error: Literal[True],
+        report: Literal[False] = False,
+        out: Responses | None = None,
+        error_out: Responses | None = None,
+        first_pose: int | None = None,
+        progress: Progress | None = None,
+    ) -> tuple[Responses, Responses]: ...
+
+    @overload
+    def render(
+        self,
+        poses: Poses,
+        *,
+        standard_error: Literal[False] = False,
+        report: Literal[True],
+        out: Responses | None = None,
+        error_out: Responses | None = None,
+        first_pose: int | None = None,
+        progress: Progress | None = None,
+    ) -> tuple[Responses, SamplingReport]: ...
+
+    @checked
+    def render(
+        self,
+        poses: Poses,
+        *,
+        standard_error: bool = False,
+        report: bool = False,
+        out: Responses | None = None,
+        error_out: Responses | None = None,
+        first_pose: int | None = None,
+        progress: Progress | None = None,
+    ) -> Responses | tuple[Responses, Responses] | tuple[Responses, SamplingReport]:
+        """Responses (P, N, C): float32, linear, never clipped; always three axes.
+
+        The engine writes straight into the array that is returned. Other Python threads run
+        meanwhile, and Ctrl-C stops the work within a second.
+
+        Args:
+            poses: ``world_from_head``, (P, 4, 4) or (4, 4), m; or a tuple of positions (P, 3), m,
+                and quaternions (P, 4) in the order x, y, z, w; or the name of a camera in the
+                scene, whose whole transform is the pose, its scale too.
+            standard_error: return (responses, errors), errors the standard error of each response.
+                It comes from 8 independent scrambles, so 8 times the rays are traced and the
+                response is their mean; with samples="auto" it is estimated from the rays as they
+                are. Where all rays miss something it is too small: `confidence_interval` gives
+                bounds that heed the neighbours.
+            report: return (responses, report) with samples="auto": rays spent, estimated
+                standard errors, and who did not reach the error, see `SamplingReport`.
+            out: a C-contiguous float32 (P, N, C) array of the caller's to write into; it is what
+                is returned.
+            error_out: the same for the errors.
+            first_pose: with noise="new_every_frame", the number of the first pose's frame, so that
+                a sequence rendered in pieces, in whatever order, equals one rendered at once. None:
+                frames are counted on from call to call, from 0. With frozen noise it makes no
+                difference.
+            progress: called with the finished share (0 to 1) a few times a second. What it raises
+                ends the render and is raised here.
+
+        Raises:
+            omma.Error: a wrong shape, a pose that is not finite or not invertible or at which rays
+                would start 1e18 m or more from the scene, no such camera.
+            TypeError: ``out`` is no float32 array.
+            KeyboardInterrupt: Ctrl-C; ``out`` is then incomplete.
+
+        Warns:
+            RuntimeWarning: single precision places rays and surfaces at one of the poses less than
+                a millimetre exactly, as in scenes of tens of kilometres, or by more than 1e-4 of
+                the size of a scene that is far away; it says how exactly. Scenes far from the
+                world's origin are traced from an origin of their own and lose nothing.
+        """
+        matrices = self._matrices(poses)
+        shape = (len(matrices), len(self.eye), self.bands)
+        if report and self.samples != "auto":
+            raise Error(f"report: is for samples='auto', found samples={self.samples}")
+        if report and standard_error:
+            raise Error("report: has the standard errors; not together with standard_error")
+        with_errors = standard_error or report
+        if error_out is not None and not with_errors:
+            raise Error("error_out: given, but standard_error is False")
+        responses = output_array(out, shape, "out")
+        errors = output_array(error_out, shape, "error_out") if with_errors else None
+        if errors is not None and out is not None and np.shares_memory(errors, responses):
+            raise Error("error_out: shares memory with out")
+        rays = np.empty(shape[:2], np.int32) if report else None
+        first = frame_number(first_pose)
+        self._engine.render(matrices, responses, errors, rays, None, first, None, progress)
+        warn_of_precision(self._engine.precision_warning(matrices))
+        if errors is not None and rays is not None:
+            return responses, SamplingReport(rays, errors, self._engine.settings.error)
+        return responses if errors is None else (responses, errors)
+
+    @overload
+    def render_receptors(
+        self,
+        poses: Poses,
+        *,
+        matrix: ArrayLike | None = None,
+        ultraviolet: ArrayLike | None = None,
+        standard_error: Literal[False] = False,
+        out: Responses | None = None,
+        first_pose: int | None = None,
+        progress: Progress | None = None,
+    ) -> Responses: ...
+
+    @overload
+    def render_receptors(
+        self,
+        poses: Poses,
+        *,
+        matrix: ArrayLike | None = None,
+        ultraviolet: ArrayLike | None = None,
+        standard_error: Literal[True],
+        out: Responses | None = None,
+        first_pose: int | None = None,
+        progress: Progress | None = None,
+    ) -> tuple[Responses, Responses]: ...
+
+    @checked
+    def render_receptors(
+        self,
+        poses: Poses,
+        *,
+        matrix: ArrayLike | None = None,
+        ultraviolet: ArrayLike | None = None,
+        standard_error: bool = False,
+        out: Responses | None = None,
+        first_pose: int | None = None,
+        progress: Progress | None = None,
+    ) -> Responses | tuple[Responses, Responses]:
+        """What the eye's receptors answer, (P, R): float32, linear, never clipped.
+
+        Receptors come in the order of ``eye.receptor_type``. Those that look where their ommatidium
+        looks share its rays, and cost next to nothing; one beside the axis, or with an acceptance
+        of its own, costs as much as an ommatidium. RGB becomes responses through a matrix of types
+        and channels (docs/receptors.md). RGB says nothing of ultraviolet, so there is none, unless
+        ``ultraviolet`` or ``matrix`` says otherwise.
+
+        Args:
+            matrix: (T, C), weights of the bands, which are red, green and blue unless the world has
+                others, for each of ``eye.receptor_types``; None takes `receptor_matrix`.
+            ultraviolet: (3,), light below 400 nm as a mix of the channels, see `receptor_matrix`.
+            standard_error: return (responses, errors): those of each receptor's own estimates, as
+                in `render`.
+            poses, out, first_pose, progress: as in `render`.
+
+        Raises:
+            omma.Error: an eye without receptors, a type without a sensitivity, a wrong shape, no
+                matrix in a world whose bands are not RGB.
+        """
+        return render_receptors(
+            self,
+            self._receptor_views(),
+            poses,
+            matrix,
+            ultraviolet,
+            standard_error,
+            out,
+            first_pose,
+            progress,
+        )
+
+    def _render_outputs(
+        self,
+        matrices: Matrices,
+        output_from_band: NDArray[np.float64],
+        first_pose: int | None,
+        progress: Progress | None,
+    ) -> tuple[Responses, Responses]:
+        """Mixtures of the bands, [output, band], and their standard errors: (P, N, outputs)."""
+        shape = (len(matrices), len(self.eye), len(output_from_band))
+        found, errors = np.empty(shape, np.float32), np.empty(shape, np.float32)
+        weights = np.ascontiguousarray(output_from_band)
+        self._engine.render(matrices, found, errors, None, None, first_pose, weights, progress)
+        return found, errors
+
+    def _receptor_views(self) -> ReceptorViews:
+        if self._receptors is None:
+            self._receptors = ReceptorViews(self)
+        return self._receptors
+
+    @checked
+    def render_rays(
+        self, poses: Poses, *, first_pose: int | None = None, progress: Progress | None = None
+    ) -> NDArray[np.float32]:
+        """The radiance that each single ray brings: float32 (P, N, samples, C), linear.
+
+        Their mean over the samples is what `render` gives, with the same rays. Other arguments and
+        errors are those of `render`; this needs ``samples`` times its memory, and a fixed number.
+        """
+        matrices = self._matrices(poses)
+        shape = (len(matrices), len(self.eye), self.bands)
+        samples = fixed_samples(self.samples, "render_rays")
+        rays = np.empty((*shape[:2], samples, shape[2]), np.float32)
+        first = frame_number(first_pose)
+        responses = np.empty(shape, np.float32)
+        self._engine.render(matrices, responses, None, None, rays, first, None, progress)
+        warn_of_precision(self._engine.precision_warning(matrices))
+        return rays
+
+    @overload
+    def render_iter(
+        self,
+        poses: Poses | Iterable[ArrayLike],
+        *,
+        standard_error: Literal[False] = False,
+        chunk: int | None = None,
+        first_pose: int | None = None,
+    ) -> Iterator[Responses]: ...
+
+    @overload
+    def render_iter(
+        self,
+        poses: Poses | Iterable[ArrayLike],
+        *,
+        standard_error: Literal[True],
+        chunk: int | None = None,
+        first_pose: int | None = None,
+    ) -> Iterator[tuple[Responses, Responses]]: ...
+
+    @checked
+    def render_iter(
+        self,
+        poses: Poses | Iterable[ArrayLike],
+        *,
+        standard_error: bool = False,
+        chunk: int | None = None,
+        first_pose: int | None = None,
+    ) -> Iterator[Responses] | Iterator[tuple[Responses, Responses]]:
+        """Responses (N, C) of one pose after the other, for more poses than memory holds.
+
+        Equal, bit for bit, to what `render` gives for all poses at once. Poses are taken from
+        ``poses`` as they are needed, ``chunk`` at a time.
+
+        Args:
+            poses: as in `render`, or any iterable of (4, 4) matrices, a generator too.
+            standard_error: yield pairs (responses, errors).
+            chunk: poses rendered at once; None takes as many as fit into 32 MB. What was yielded
+                stays valid, and keeps the memory of its chunk alive.
+            first_pose: as in `render`.
+
+        Raises:
+            omma.Error: as `render`, when the pose is reached.
+        """
+        count = self._chunk() if chunk is None else whole(chunk, "chunk", 1, 1 << 31)
+        first = frame_number(first_pose)
+        return self._iterate(self._pieces(poses, count), standard_error, first)
+
+    def _iterate(
+        self, pieces: Iterable[Any], standard_error: bool, first: int | None
+    ) -> Iterator[Any]:
+        done = 0 if first is None else first
+        for piece in pieces:
+            matrices = as_poses(piece, done)
+            if standard_error:
+                yield from zip(
+                    *self.render(matrices, standard_error=True, first_pose=first), strict=True
+                )
+            else:
+                yield from self.render(matrices, first_pose=first)
+            done += len(matrices)
+            first = None if first is None else first + len(matrices)
+
+    def _pieces(self, poses: Poses | Iterable[ArrayLike], count: int) -> Iterator[Any]:
+        if isinstance(poses, (str, np.ndarray)) or is_position_pair(poses):
+            matrices = self._matrices(poses)  # type: ignore[arg-type]
+            yield from (matrices[i : i + count] for i in range(0, len(matrices), count))
+        elif isinstance(poses, Iterable):
+            source = iter(poses)
+            while piece := list(itertools.islice(source, count)):
+                yield piece
+        else:
+            found = type(poses).__name__
+            raise TypeError(f"poses: expected an array or an iterable, found {found}")
+
+    def _matrices(self, poses: Poses) -> Matrices:
+        if isinstance(poses, str):
+            return as_poses(self.scene.camera(poses).world_from_camera)
+        return as_poses(poses)
+
+    def _chunk(self) -> int:
+        pose_bytes = max(1, len(self.eye)) * self.bands * 4
+        return max(1, min(4096, _CHUNK_BYTES // pose_bytes))
+
+    @property
+    def world(self) -> World:
+        """What there is to see, and to move."""
+        return self._world
+
+    @property
+    def scene(self) -> Scene:
+        """Of the world."""
+        return self._world.scene
+
+    @property
+    def eye(self) -> Eye:
+        """Who sees it; all eyes of the head as one."""
+        return self._engine.eye
+
+    @property
+    def samples(self) -> Samples:
+        """Rays per ommatidium (and scramble, where a standard error is asked for), or "auto"."""
+        return "auto" if self._engine.settings.error > 0 else self._engine.settings.samples
+
+    @property
+    def error(self) -> float | None:
+        """Standard error to reach; None where the number of samples is fixed."""
+        return self._engine.settings.error if self.samples == "auto" else None
+
+    @property
+    def min_samples(self) -> int | None:
+        """Rays that an ommatidium gets at least; None where their number is fixed."""
+        return self._engine.settings.samples if self.samples == "auto" else None
+
+    @property
+    def max_samples(self) -> int | None:
+        """Rays that an ommatidium gets at most; None where their number is fixed."""
+        return self._engine.settings.most_samples if self.samples == "auto" else None
+
+    @property
+    def seed(self) -> int:
+        """Seed of the samples."""
+        return self._engine.settings.seed
+
+    @property
+    def kernel(self) -> str:
+        """Name of the angular sensitivity."""
+        return self._engine.settings.kernel
+
+    @property
+    def sampling(self) -> str:
+        """Name of the sampling."""
+        return self._engine.settings.sampling
+
+    @property
+    def footprints(self) -> bool:
+        """Whether rays read textures averaged over their share of the solid angle."""
+        return self._engine.settings.footprints
+
+    @property
+    def share_rays(self) -> bool:
+        """Whether neighbouring ommatidia share rays."""
+        return self._engine.settings.share_rays
+
+    @property
+    def noise(self) -> str:
+        """Which patterns of rays frames have: "frozen" or "new_every_frame"."""
+        return self._engine.settings.noise
+
+    @property
+    def shared_ommatidia(self) -> NDArray[np.bool_]:
+        """Which ommatidia share rays with their neighbours, (N,) bool: with ``share_rays`` those
+        whose fields overlap enough to make it worth while, without it none."""
+        return self._engine.shared_ommatidia.astype(bool)
+
+    @property
+    def rays_per_frame(self) -> int:
+        """Rays traced for a pose without a standard error; with samples="auto", at least."""
+        return self._engine.rays_per_frame
+
+    @property
+    def rays_per_receptor_frame(self) -> int:
+        """Rays traced for a pose by `render_receptors`, as `rays_per_frame` counts them."""
+        return self._receptor_views().renderer._engine.rays_per_frame
+
+    @property
+    def bands(self) -> int:
+        """Numbers that a response has: those of the world."""
+        return self._engine.bands
+
+    @property
+    def threads(self) -> int:
+        """Threads that a render uses."""
+        return self._engine.threads
+
+    @property
+    def backend(self) -> str:
+        """What traces the rays, with its version."""
+        return self._engine.backend
+
+    @property
+    def build_times(self) -> dict[str, float]:
+        """Seconds spent when the renderer was made: scene_s, acceleration_s, directions_s; the
+        first two are 0 where its world was there already."""
+        return self._engine.build_times | self._build_times
+
+    def __repr__(self) -> str:
+        fixed = self.samples != "auto"
+        rays = f"{self.samples} samples" if fixed else f"samples to an error of {self.error:g}"
+        if self.share_rays:
+            rays += f", shared by {np.count_nonzero(self.shared_ommatidia)}"
+        return (
+            f"<omma.Renderer {len(self.eye)} ommatidia, {rays}, {self.kernel}, "
+            f"{self.backend}, {self.threads} threads>"
+        )
+
+
+def _one_eye(eye: Eye | Sequence[Eye | tuple[Eye, ArrayLike]]) -> Eye:
+    if isinstance(eye, Eye):
+        return eye
+    if not isinstance(eye, (list, tuple)):
+        raise TypeError(
+            f"eye: expected omma.Eye or a list of them, found {type(eye).__name__} "
+            "(omma.load_eye gives one)"
+        )
+    return _core.merge_eyes(eye)

@@ -1,0 +1,119 @@
+"""Responses into files, `.npy` and `.csv`."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma import _core
+from omma._core import Error, Eye
+from omma.base.arguments import array_of, checked
+from omma.base.directions import azimuth_elevation_deg_of
+from omma.base.files import PathLike, WholeFiles
+
+
+@checked
+def save_responses(
+    path: PathLike, responses: ArrayLike, eye: Eye, errors: ArrayLike | None = None
+) -> None:
+    """Write responses (P, N, C) or (N, C) to `.npy` or `.csv`, by the name's ending.
+
+    `.npy` is the float32 array (P, N, C). `.csv` has a line for each pose and ommatidium: pose,
+    ommatidium, eye_id, azimuth_deg, elevation_deg (of its axis in the head: azimuth 0 ahead, to the
+    right positive), r, g, b (band_0, band_1, ... where there are not three), and with ``errors``
+    r_error, g_error, b_error.
+
+    Raises:
+        omma.Error: another ending, responses of another eye, a file that cannot be written.
+    """
+    name = os.fsdecode(path)
+    array = _responses(responses, eye, "responses")
+    error_array = None if errors is None else _responses(errors, eye, "errors")
+    if error_array is not None and error_array.shape != array.shape:
+        raise Error(f"errors: expected shape {array.shape}, found {error_array.shape}")
+    suffix = Path(name).suffix.lower()
+    with WholeFiles() as files:
+        if suffix == ".npy" and error_array is None:
+            writer: Writer = NpyWriter(files, name, array.shape)
+        elif suffix == ".csv":
+            writer = CsvWriter(files, name, eye, error_array is not None, array.shape[2])
+        elif suffix == ".npy":
+            raise Error(f"{name}: a .npy file holds one array; save responses and errors apart")
+        else:
+            raise Error(f"{name}: expected a name ending in .npy or .csv")
+        writer.write(array, error_array, 0)
+
+
+class Writer(Protocol):
+    """Takes the responses of a render piece by piece."""
+
+    def write(
+        self, responses: NDArray[np.float32], errors: NDArray[np.float32] | None, first: int
+    ) -> None:
+        """Responses (P, N, C) of poses number ``first`` and on, and their standard errors."""
+
+
+class NpyWriter:
+    """One float32 array (P, N, C); ``of_errors`` writes the standard errors instead."""
+
+    def __init__(
+        self, files: WholeFiles, name: str, shape: Sequence[int], of_errors: bool = False
+    ) -> None:
+        self._file = files.open(name)
+        self._of_errors = of_errors
+        header = io.BytesIO()
+        np.lib.format.write_array_header_1_0(
+            header, {"descr": "<f4", "fortran_order": False, "shape": tuple(shape)}
+        )
+        self._file.write_header(header.getvalue())
+
+    def write(
+        self, responses: NDArray[np.float32], errors: NDArray[np.float32] | None, first: int
+    ) -> None:
+        array = errors if self._of_errors else responses
+        assert array is not None
+        self._file.write(np.ascontiguousarray(array, dtype="<f4").data)
+
+
+class CsvWriter:
+    """A line for each pose and ommatidium; numbers with nine digits, which is all of a float32."""
+
+    def __init__(
+        self, files: WholeFiles, name: str, eye: Eye, with_errors: bool, bands: int
+    ) -> None:
+        self._file = files.open(name)
+        columns = list("rgb") if bands == 3 else [f"band_{b}" for b in range(bands)]
+        if with_errors:
+            columns += [f"{column}_error" for column in columns]
+        header = "pose,ommatidium,eye_id,azimuth_deg,elevation_deg"
+        self._file.write_header(f"{header},{','.join(columns)}\n".encode())
+        azimuth, elevation = azimuth_elevation_deg_of(eye.axis)
+        numbered = enumerate(zip(eye.eye_id.tolist(), azimuth, elevation, strict=True))
+        self._places = [f"{i},{which},{a:.6g},{e:.6g}" for i, (which, a, e) in numbered]
+
+    def write(
+        self, responses: NDArray[np.float32], errors: NDArray[np.float32] | None, first: int
+    ) -> None:
+        table = responses if errors is None else np.concatenate([responses, errors], axis=-1)
+        form = ",".join(["%.9g"] * table.shape[-1])
+        for number, pose in enumerate(table, start=first):
+            lines = [
+                f"{number},{place},{form % tuple(values)}\n"
+                for place, values in zip(self._places, pose.tolist(), strict=True)
+            ]
+            self._file.write("".join(lines).encode())
+
+
+def _responses(values: ArrayLike, eye: Eye, name: str) -> NDArray[np.float32]:
+    array = array_of(values, name, dtype=np.float32)
+    array = array[None] if array.ndim == 2 else array
+    if array.ndim != 3 or array.shape[1] != len(eye) or not 1 <= array.shape[2] <= _core.most_bands:
+        expected = f"(P, {len(eye)}, bands)"
+        raise Error(f"{name}: expected shape {expected}, found {array.shape}")
+    return array

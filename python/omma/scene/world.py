@@ -1,0 +1,174 @@
+"""The world: a scene ready to be seen, whose things can be moved between two frames."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma import _core
+from omma._core import Background, Error, Scene
+from omma._core import WorldInstance as WorldInstance
+from omma.base.arguments import array_of, checked, expect, whole
+
+Progress = Callable[[float], object]
+Instances = str | int | Sequence[str | int] | NDArray[np.integer]
+
+
+class World:
+    """A scene with its acceleration structure and background, for any number of renderers.
+
+    What is moved here has moved for all who see it: renderers hold the world itself, not a copy.
+
+    Args:
+        scene: what there is to see.
+        background: instead of the scene's own.
+        threads: that build it and take pictures; 0 takes one per hardware thread.
+        backend: what traces the rays: "embree"; "portable", which is Omma's own and there on every
+            processor; or "" for the fastest that is built in.
+        band_from_rgb: (B, 3), what linear RGB, as textures, colours and backgrounds have it, is in
+            each of 1 to 128 bands (`omma.light.band_from_rgb` makes it); responses are then
+            [..., B]. None: the bands are red, green and blue.
+        progress: called with the finished share (0 to 1) of the acceleration structure a few times
+            a second. What it raises ends the building and is raised here; so does Ctrl-C.
+
+    Raises:
+        omma.Error: an argument is out of its range, or this is a process made by fork from one that
+            had used a renderer (docs/processes.md).
+        TypeError: an argument is of another type.
+    """
+
+    @checked
+    def __init__(
+        self,
+        scene: Scene,
+        *,
+        background: Background | None = None,
+        threads: int = 0,
+        backend: str = "",
+        band_from_rgb: ArrayLike | None = None,
+        progress: Progress | None = None,
+    ) -> None:
+        expect(scene, Scene, "scene", "omma.load_scene gives one")
+        if background is not None:
+            expect(background, Background, "background", "omma.Background.constant gives one")
+        self._scene = scene
+        number = whole(threads, "threads", 0, 1 << 16)
+        self._band_from_rgb: NDArray[np.float64] | None = None
+        weights: list[float] = []
+        if band_from_rgb is not None:
+            self._band_from_rgb = array_of(band_from_rgb, "band_from_rgb", (None, 3))
+            weights = self._band_from_rgb.ravel().tolist()
+            if not weights:
+                raise Error("band_from_rgb: expected at least one band, found none")
+        self._engine = _core.World(scene, number, background, backend, weights, progress)
+
+    def with_background(self, background: Background) -> World:
+        """The same world before another background: what moves in one moves in both."""
+        expect(background, Background, "background", "omma.Background.constant gives one")
+        other = object.__new__(World)
+        other._scene = self._scene
+        other._band_from_rgb = self._band_from_rgb
+        other._engine = self._engine.with_background(background)
+        return other
+
+    @property
+    def scene(self) -> Scene:
+        """What there is to see, as it was given: where things are now, `instances` says."""
+        return self._scene
+
+    @property
+    def instances(self) -> list[WorldInstance]:
+        """What can be moved, each with its ``name`` and where it is, ``world_from_node`` (4, 4), m.
+
+        One for each node that places triangles, with all of them, in the order of the file. A new
+        list each time, as things are then.
+        """
+        return self._engine.instances
+
+    def index(self, name: str) -> int:
+        """The index in `instances` of what has that name.
+
+        Raises:
+            omma.Error: nothing has it, with names that are nearly the same; or several things have,
+                with their indices.
+        """
+        return self._engine.find_instance(name)
+
+    def set_transforms(
+        self,
+        instances: Instances,
+        transforms: ArrayLike,
+        *,
+        progress: Progress | None = None,
+    ) -> None:
+        """Move things to where they are seen from now on, by all renderers of this world.
+
+        The first time that something moves, what does not is built again without it: as long as
+        making the world takes. From then on it costs some microseconds for each thing that moves
+        (docs/moving.md). Moving something back gives what was seen before to within single
+        precision.
+
+        Args:
+            instances: which: a name or an index in `instances`, or K of them.
+            transforms: ``world_from_node``, (4, 4) or (K, 4, 4), m: where each is to be, not by how
+                much it is moved. May mirror, but not flatten.
+            progress: called with the finished share (0 to 1) where all is built again. What it
+                raises ends that and is raised here; so does Ctrl-C.
+
+        Raises:
+            omma.Error: no such thing, one twice, a transform that is not finite or not invertible,
+                or that takes something over 1e12 m away; something of this world is being rendered,
+                in another thread or by the call whose progress function this is; or this is a
+                process made by fork. All is then where it was.
+        """
+        listed: Any = instances
+        if isinstance(instances, str) or not hasattr(instances, "__iter__"):
+            listed = [instances]
+        indices = [
+            self.index(one)
+            if isinstance(one, str)
+            else whole(one, f"instances[{k}]", 0, (1 << 31) - 1)
+            for k, one in enumerate(listed)
+        ]
+        matrices = array_of(transforms, "transforms")
+        if matrices.ndim == 2:
+            matrices = matrices[None]
+        if matrices.shape != (len(indices), 4, 4):
+            raise Error(
+                f"transforms: expected shape ({len(indices)}, 4, 4), found {np.shape(transforms)}"
+            )
+        self._engine.set_transforms(
+            np.array(indices, np.int32), np.ascontiguousarray(matrices), progress
+        )
+
+    @property
+    def bands(self) -> int:
+        """Numbers that radiance has: 3, or as many as were asked for."""
+        return self._engine.bands
+
+    @property
+    def band_from_rgb(self) -> NDArray[np.float64] | None:
+        """What linear RGB is in each band, (B, 3); None: the bands are RGB."""
+        return self._band_from_rgb
+
+    @property
+    def threads(self) -> int:
+        """Threads that build it and take pictures."""
+        return self._engine.threads
+
+    @property
+    def backend(self) -> str:
+        """What traces the rays, with its version."""
+        return self._engine.backend
+
+    @property
+    def build_times(self) -> dict[str, float]:
+        """Seconds spent when it was made: scene_s, acceleration_s."""
+        return self._engine.build_times
+
+    def __repr__(self) -> str:
+        count = len(self.instances)
+        return f"<omma.World of {self._scene!r}, {count:,} things, {self.backend}>"
