@@ -121,7 +121,7 @@ def test_what_is_ignored_stays_ignored(files, tmp_path):
 
 def test_importing_omma_changes_no_signal():
     program = (
-        "import signal, omma, omma.cli\n"
+        "import signal, omma, omma.cli.main\n"
         "print([signal.getsignal(s) == signal.SIG_DFL for s in (signal.SIGTERM, signal.SIGHUP)])"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
