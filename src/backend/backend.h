@@ -17,7 +17,7 @@ namespace omma {
 // What a backend has built of a scene.
 struct Acceleration {
   std::shared_ptr<void> tracer;  // the backend's own
-  std::string name;              // e.g. "embree 3.13.5"
+  std::string name;              // begins with the backend's, e.g. "embree 3.13.5"
 };
 
 struct Backend {

@@ -51,18 +51,4 @@ OMMA_HD Vec3 eval_background_image(const BackgroundView& background, Vec3 direct
   return {c.r, c.g, c.b};
 }
 
-OMMA_HD Vec3 eval_background(const SceneView& scene, Vec3 direction, float footprint_rad) {
-  switch (scene.background.type) {
-    case BackgroundType::constant:
-      break;
-    case BackgroundType::simple_sky:
-      return eval_simple_sky(direction);
-    case BackgroundType::test_pattern:
-      return eval_test_pattern(direction);
-    case BackgroundType::image:
-      return eval_background_image(scene.background, direction, footprint_rad);
-  }
-  return scene.background.color;
-}
-
 }  // namespace omma

@@ -30,6 +30,12 @@ struct Search {
     };
     omma::closest<OneLane>(*bvh, valid, rays, accept);
   }
+  OMMA_HD unsigned occluded(const std::int32_t* valid, const RayPacket<1>& rays) const {
+    return omma::occluded<OneLane>(
+        *bvh, valid, rays,
+        [&](int, float, float u, float v, std::uint32_t triangle, std::uint32_t placed,
+            bool from_behind) { return accepts(placed, triangle, u, v, from_behind); });
+  }
   OMMA_HD const PlacedMesh* placed() const {
     return placed_meshes;
   }
@@ -76,10 +82,7 @@ __global__ void device_check_leaving(SceneView scene, BvhView bvh, const PlacedM
     packet.rays.direction[r][0] = normal[r];
   }
   packet.rays.t_far_m[0] = INFINITY;
-  occluded_rays[threadIdx.x] = occluded<OneLane>(
-      bvh, &valid, packet.rays,
-      [&](int, float, float u, float v, std::uint32_t triangle, std::uint32_t index,
-          bool from_behind) { return search.accepts(index, triangle, u, v, from_behind); });
+  occluded_rays[threadIdx.x] = search.occluded(&valid, packet.rays);
 }
 
 }  // namespace omma

@@ -52,7 +52,7 @@ OMMA_HD void for_each_mesh(const Hits<L>& hits, const Eval& eval) {
   }
 }
 
-// Where surfaces were met, in the traced frame, [lane].
+// Where surfaces were met, in the traced frame, [lane]; zeros where nothing was.
 template <typename L>
 struct HitGeometry {
   alignas(L::count * 4) float position[3][L::count];  // m
@@ -69,6 +69,7 @@ OMMA_HD void eval_geometry(const SceneView& scene, const RayPacket<L::count>& ra
                            const Hits<L>& hits, HitGeometry<L>& geometry) {
   using F = typename L::F;
   using I = typename L::I;
+  geometry = {};
   for_each_mesh(hits, [&](std::int32_t mesh, int l, const auto& is_member) {
     const MeshView& view = scene.meshes[mesh];
     const I triangle = keep(is_member, load<I>(rays.triangle + l));

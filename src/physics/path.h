@@ -56,26 +56,28 @@ template <typename L>
 OMMA_HD void eval_backgrounds(const SceneView& scene, const Packet<L>& packet,
                               PacketColor<L>& color) {
   const float(&direction)[3][L::count] = packet.rays.direction;
-  const auto write = [&](int l, Vec3 rgb) {
-    color.rgb[0][l] = rgb.x;
-    color.rgb[1][l] = rgb.y;
-    color.rgb[2][l] = rgb.z;
+  const auto eval_lanes = [&](const auto& eval) {
+    for (int l = 0; l < L::count; ++l) {
+      const Vec3 rgb =
+          eval(Vec3{direction[0][l], direction[1][l], direction[2][l]}, packet.footprint_rad[l]);
+      color.rgb[0][l] = rgb.x;
+      color.rgb[1][l] = rgb.y;
+      color.rgb[2][l] = rgb.z;
+    }
   };
+  const BackgroundView& background = scene.background;
   for (int l = 0; l < L::count; ++l) color.alpha[l] = 1;
-  switch (scene.background.type) {
+  switch (background.type) {
     case BackgroundType::constant:
-      for (int l = 0; l < L::count; ++l) write(l, scene.background.color);
-      return;
+      return eval_lanes([&](Vec3, float) { return background.color; });
     case BackgroundType::simple_sky:
-      for (int l = 0; l < L::count; ++l)
-        write(l, eval_simple_sky({direction[0][l], direction[1][l], direction[2][l]}));
-      return;
+      return eval_lanes([](Vec3 d, float) { return eval_simple_sky(d); });
     case BackgroundType::test_pattern:
+      return eval_lanes([](Vec3 d, float) { return eval_test_pattern(d); });
     case BackgroundType::image:
-      for (int l = 0; l < L::count; ++l)
-        write(l, eval_background(scene, {direction[0][l], direction[1][l], direction[2][l]},
-                                 packet.footprint_rad[l]));
-      return;
+      return eval_lanes([&](Vec3 d, float footprint_rad) {
+        return eval_background_image(background, d, footprint_rad);
+      });
   }
 }
 

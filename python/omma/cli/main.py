@@ -28,6 +28,7 @@ from omma.job.rendering import SUFFIXES, render_file
 from omma.picture.projections import PROJECTIONS
 from omma.rendering.renderer import READING
 from omma.rendering.settings import Samples, fixed_samples
+from omma.scene.backgrounds import NAMED_BACKGROUNDS
 
 RENDER_HELP = """
 Render what an eye sees in a scene, or a camera of the scene, and write responses or pictures.
@@ -214,7 +215,8 @@ def render(
         str | None,
         typer.Option(
             help="Instead of the scene's: linear radiance R,G,B, an equirectangular image file, "
-            "simple_sky or test_pattern.",
+            + " or ".join(NAMED_BACKGROUNDS)
+            + ".",
             metavar="R,G,B|FILE|NAME",
         ),
     ] = None,

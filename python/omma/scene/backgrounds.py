@@ -6,16 +6,21 @@ from pathlib import Path
 
 from omma._core import Background, Error
 
+NAMED_BACKGROUNDS = {
+    "simple_sky": Background.simple_sky,
+    "test_pattern": Background.test_pattern,
+}
+
 
 def parse_background(text: str) -> Background:
-    """A background from text: "R,G,B" (linear radiance), "simple_sky", "test_pattern", or the name
-    of an equirectangular image file.
+    """A background from text: "R,G,B" (linear radiance), one of `NAMED_BACKGROUNDS`, or the name of
+    an equirectangular image file.
 
     Raises:
         omma.Error: it is none of these.
     """
-    if text in ("simple_sky", "test_pattern"):
-        return Background.simple_sky() if text == "simple_sky" else Background.test_pattern()
+    if text in NAMED_BACKGROUNDS:
+        return NAMED_BACKGROUNDS[text]()
     if text.count(",") == 2 and not Path(text).exists():
         try:
             return Background.constant([float(part) for part in text.split(",")])
@@ -23,7 +28,7 @@ def parse_background(text: str) -> Background:
             raise Error(f"background: expected three numbers R,G,B, found '{text}'") from None
     if not Path(text).exists():
         raise Error(
-            "background: expected R,G,B or simple_sky or test_pattern or an image file, "
+            f"background: expected R,G,B or {' or '.join(NAMED_BACKGROUNDS)} or an image file, "
             f"found '{text}'"
         )
     return Background.image(text)
