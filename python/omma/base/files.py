@@ -4,12 +4,15 @@ whole, so that no half of a file is ever left under its final name.
 
 from __future__ import annotations
 
+import hashlib
 import io
+import json
 import os
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import numpy as np
 
@@ -17,6 +20,9 @@ from omma import _core
 from omma._core import Error
 
 PathLike = str | os.PathLike[str]
+
+# No name of a file that a glTF file can mean is longer.
+_LONGEST_NAME = 1000
 
 # Files that are named where many were left behind; and what ends their names, .TOKEN.partial.
 _NAMED = 3
@@ -148,3 +154,33 @@ def make_directory(directory: Path) -> None:
         directory.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise Error(f"{directory}: cannot be made: {error.strerror}") from None
+
+
+def digests_of(path: PathLike) -> dict[str, str]:
+    """SHA-256 of a file, and of every file that a glTF file names."""
+    name = os.fsdecode(path)
+    data = _core.read_file(name)
+    digests = {name: hashlib.sha256(data).hexdigest()}
+    if Path(name).suffix.lower() in (".gltf", ".glb"):
+        # Of a .glb the first chunk is the JSON text.
+        binary = data[:4] == b"glTF"
+        text = data[20 : 20 + int.from_bytes(data[12:16], "little")] if binary else data
+        # Whatever it is that a text names: buffers, images, eyes, things of extensions.
+        for other in sorted(set(_texts(json.loads(text)))):
+            for beside in {other, unquote(other)}:
+                file = os.path.join(os.path.dirname(name), beside)
+                if 0 < len(beside) < _LONGEST_NAME and "\0" not in beside and os.path.isfile(file):
+                    digests[file] = hashlib.sha256(_core.read_file(file)).hexdigest()
+    return digests
+
+
+def _texts(document: Any) -> Iterable[str]:
+    waiting = [document]
+    while waiting:
+        value = waiting.pop()
+        if isinstance(value, str):
+            yield value
+        elif isinstance(value, dict):
+            waiting.extend(value.values())
+        elif isinstance(value, list):
+            waiting.extend(value)

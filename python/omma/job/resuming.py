@@ -6,24 +6,19 @@ one NAME.resume, which says how far that is and what it was made from.
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
-from urllib.parse import unquote
 
 import numpy as np
 
 from omma import _core
 from omma._core import Error
-from omma.base.files import PathLike, WholeFiles
-from omma.eye.files import OCES_SUFFIXES
+from omma.base.files import PathLike, WholeFiles, digests_of
 from omma.rendering.report import SpentRays
-
-_LONGEST_NAME = 1000
 
 
 class KeptRender:
@@ -96,38 +91,8 @@ def inputs_of(
         "backend": backend,
         "outputs": list(names),
         **{name: np.asarray(value).tolist() for name, value in settings.items()},
-        "files": {name: digest for path in files for name, digest in _digests(path).items()},
+        "files": {name: digest for path in files for name, digest in digests_of(path).items()},
     }
-
-
-def _digests(path: PathLike) -> dict[str, str]:
-    """SHA-256 of a file, and of every file that a glTF file names."""
-    name = os.fsdecode(path)
-    data = _core.read_file(name)
-    digests = {name: hashlib.sha256(data).hexdigest()}
-    if Path(name).suffix.lower() in OCES_SUFFIXES:
-        # Of a .glb the first chunk is the JSON text.
-        binary = data[:4] == b"glTF"
-        text = data[20 : 20 + int.from_bytes(data[12:16], "little")] if binary else data
-        # Whatever it is that a text names: buffers, images, eyes, things of extensions.
-        for other in sorted(set(_texts(json.loads(text)))):
-            for beside in {other, unquote(other)}:
-                file = os.path.join(os.path.dirname(name), beside)
-                if 0 < len(beside) < _LONGEST_NAME and "\0" not in beside and os.path.isfile(file):
-                    digests[file] = hashlib.sha256(_core.read_file(file)).hexdigest()
-    return digests
-
-
-def _texts(document: Any) -> Iterable[str]:
-    waiting = [document]
-    while waiting:
-        value = waiting.pop()
-        if isinstance(value, str):
-            yield value
-        elif isinstance(value, dict):
-            waiting.extend(value.values())
-        elif isinstance(value, list):
-            waiting.extend(value)
 
 
 def _differences(then: Any, now: Mapping[str, Any]) -> Iterable[str]:

@@ -7,7 +7,7 @@ import itertools
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import Any, Literal, overload
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,10 +16,14 @@ from omma import _core
 from omma._core import Background, Error, Eye, Scene
 from omma.base.arguments import checked, expect, output_array, whole
 from omma.base.poses import Matrices, as_poses, is_position_pair
+from omma.rendering.dataset import make_dataset
 from omma.rendering.receptor_views import ReceptorViews, render_receptors
 from omma.rendering.report import SamplingReport
 from omma.rendering.settings import Samples, fixed_samples, frame_number, render_settings
 from omma.scene.world import World
+
+if TYPE_CHECKING:
+    import xarray
 
 Responses = NDArray[np.float32]
 Poses = ArrayLike | tuple[ArrayLike, ArrayLike] | str
@@ -494,6 +498,49 @@ class Renderer:
         else:
             found = type(poses).__name__
             raise TypeError(f"poses: expected an array or an iterable, found {found}")
+
+    @checked
+    def dataset(
+        self,
+        poses: Poses,
+        *,
+        receptors: bool = False,
+        ultraviolet: ArrayLike | None = None,
+        standard_error: bool = False,
+        time_s: ArrayLike | None = None,
+        first_pose: int | None = None,
+        progress: Progress | None = None,
+    ) -> xarray.Dataset:
+        """Responses as an `xarray.Dataset`, which says what its numbers are.
+
+        Dimensions: ``pose`` (or ``time``), then ``ommatidium`` and ``band``, or ``receptor``.
+        Coordinates: position (m) and quaternion (x, y, z, w) of the head, azimuth and elevation
+        (degrees, in the head), acceptance angle, eye; of receptors also type, peak wavelength (nm)
+        and ommatidium.
+        Variables: ``response``, ``standard_error`` where asked for, ``rays`` with samples="auto".
+        Attributes: Omma's version, backend, settings, hashes (SHA-256) of the eye and of the
+        scene's files as they are now.
+
+        Args:
+            poses, standard_error, first_pose, progress: as of `render`. With samples="auto" there
+                are always standard errors.
+            receptors: what receptors answer, as `render_receptors` says, in place of bands.
+            ultraviolet: as of `render_receptors`.
+            time_s: (P,), when each pose is, s: the first dimension is then ``time``.
+
+        Raises:
+            omma.Error: what `render` and `render_receptors` raise; no xarray (``omma[data]``).
+        """
+        return make_dataset(
+            self,
+            poses,
+            receptors=receptors,
+            ultraviolet=ultraviolet,
+            standard_error=standard_error,
+            time_s=time_s,
+            first_pose=first_pose,
+            progress=progress,
+        )
 
     def _matrices(self, poses: Poses) -> Matrices:
         if isinstance(poses, str):
