@@ -9,10 +9,8 @@ from pathlib import Path
 from PIL import Image
 
 import omma
-from omma.eye.measures import measure_eye
-from omma.picture.acceptance_plots import plot_acceptance
-from omma.picture.eye_maps import plot_eye_maps
-from omma.picture.poster import plot_species
+from omma.eye import measure_eye
+from omma.picture import plot_acceptance, plot_eye_maps, plot_species
 
 ROOT = Path(__file__).resolve().parent.parent
 HERE = ROOT / "docs"

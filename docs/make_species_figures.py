@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 import omma
-from omma.picture.eye_maps import plot_eye_maps
+from omma.picture import plot_eye_maps
 
 DOCS = Path(__file__).resolve().parent
 FIGURES = ("holcocephala", "honeybee_drone", "fiddler_crab")

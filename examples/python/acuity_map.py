@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 import omma
-from omma.picture.eye_maps import plot_eye_maps
+from omma.picture import plot_eye_maps
 
 STRIPES = 60  # around the horizon: 6 degrees each there, less above and below
 STEPS = 8  # turns within one stripe
