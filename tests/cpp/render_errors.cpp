@@ -40,10 +40,11 @@ TEST(Errors, Settings) {
     });
     EXPECT_TRUE(names(message, "samples") && names(message, std::to_string(samples))) << message;
   }
-  EXPECT_TRUE(names(message_of([&] {
-                      make_renderer(lit_scene(), eye, {1, 0, {}, {}, -1, {}});
-                    }),
-                    "threads"));
+  for (const int threads : {-1, 1'000'000})
+    EXPECT_TRUE(names(message_of([&] {
+                        make_renderer(lit_scene(), eye, {1, 0, {}, {}, threads, {}});
+                      }),
+                      "threads: expected 0 (all) to "));
   RenderSettings settings;
   settings.background = constant_background({std::numeric_limits<float>::quiet_NaN(), 0, 0});
   EXPECT_TRUE(names(message_of([&] { make_renderer(lit_scene(), eye, settings); }), "background"));

@@ -81,5 +81,5 @@ def test_speed_command(omma_command, tmp_path):  # noqa: F811
         "measure", "speed", "scene.gltf", "--eye", "bug.eye", "--rays", "1,x"
     )
     assert (code, err) == (
-        1, "omma: error: rays: expected whole numbers separated by commas, found '1,x'\n",
+        1, "omma: error: --rays: expected whole numbers separated by commas, found '1,x'\n",
     )  # fmt: skip
