@@ -52,6 +52,14 @@ def test_the_turn_of_a_pose_that_scales_and_mirrors(renderer, flight):
     assert np.allclose(np.linalg.norm(quaternions, axis=1), 1)
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf, 0.0, 1e300])
+def test_poses_that_cannot_be_are_refused(renderer, value):
+    pose = np.eye(4)
+    pose[:3, :3] = value
+    with pytest.raises(omma.Error, match=r"^poses"):
+        renderer.dataset(pose)
+
+
 def test_time_in_place_of_poses(renderer, flight):
     time_s = np.arange(len(flight)) / 500
     data = renderer.dataset(flight, time_s=time_s)

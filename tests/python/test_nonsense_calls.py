@@ -250,7 +250,7 @@ def public_calls(folder):
     methods = {
         "Renderer": (omma.Renderer(scene, bee, samples=1, threads=1), {
             "render": (pose,), "render_rays": (pose,), "render_receptors": (pose,),
-            "with_eye": (eye,), "render_iter": ([pose],),
+            "with_eye": (eye,), "render_iter": ([pose],), "dataset": (pose,),
         }),
         "Eye": (bee, {"select": (0,), "acceptance": (0,), "take": ([0, 1],)}),
         "Acceptance": (table, {"eval": ([0.1],), "pdf": ([0.1],), "mtf": ([1.0],), "sample": (3,)}),

@@ -51,7 +51,7 @@ def make_dataset(
         raise Error("ultraviolet: is for receptors=True")
     matrices = renderer._matrices(poses)
     first = "pose" if time_s is None else "time"
-    coordinates = _places(matrices, first)
+    coordinates: Variables = {}
     if time_s is not None:
         times = array_of(time_s, "time_s", (len(matrices),))
         coordinates["time"] = (first, times, {"units": "s"})
@@ -74,6 +74,7 @@ def make_dataset(
             found, rays, errors = found[0], found[1].rays, found[1].standard_error
     if isinstance(found, tuple):
         found, errors = found
+    coordinates |= _places(matrices, first)  # now that the engine has accepted the poses
 
     about = {"units": "1", "long_name": CATCH if receptors else RADIANCE}
     variables: Variables = {"response": (dimensions, found, about)}
