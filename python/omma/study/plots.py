@@ -46,7 +46,7 @@ def save_minimum_samples(path: PathLike, found: Sequence[MinimumSamples]) -> Non
         omma.Error: another ending, no Matplotlib, searches of different measures, no such folder.
     """
     if not found or len({(one.measure, one.limit) for one in found}) != 1:
-        raise Error("found: expected searches, all of one measure and share")
+        raise Error("found: expected searches, all of one measure and fraction")
     if _suffix(path, ".csv", ".png") == ".csv":
         rows = [
             (*_names(one.method), one.measure, n, sd)

@@ -46,8 +46,8 @@ struct PortableSearch {
  private:
   OMMA_HD bool accepts(std::uint32_t placed, std::uint32_t triangle, float u, float v,
                        bool from_behind) const {
-    return accept_hit(*tracer->scene_view, {tracer->layout.placed.data()[placed].mesh, triangle, u, v},
-                      from_behind);
+    const std::int32_t mesh = tracer->layout.placed.data()[placed].mesh;
+    return accept_hit(*tracer->scene_view, {mesh, triangle, u, v}, from_behind);
   }
 };
 
