@@ -22,6 +22,7 @@ from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.files import digests_of
 from omma.base.poses import Matrices
 from omma.receptors.sensitivity import ommatidium_of_receptor, receptor_axis
+from omma.rendering.settings import ToError, settings_as_record
 
 if TYPE_CHECKING:
     import xarray
@@ -67,7 +68,7 @@ def make_dataset(
         dimensions = (first, "ommatidium", "band")
         coordinates |= _ommatidia(renderer.eye)
         coordinates["band"] = ("band", _band_names(renderer), {})
-        auto = renderer.samples == "auto"
+        auto = isinstance(renderer.settings.sampling, ToError)
         options |= {"report": True} if auto else {"standard_error": standard_error}
         found = renderer.render(matrices, **options)
         if auto:
@@ -184,23 +185,11 @@ def _attributes(renderer: Renderer) -> dict[str, Any]:
     found: dict[str, Any] = {
         "omma_version": _core.__version__,
         "backend": renderer.backend,
-        "samples": renderer.samples,
-        "seed": str(renderer.seed),  # up to 2**64 - 1, which few formats hold as a number
-        "kernel": renderer.kernel,
-        "sampling": renderer.sampling,
-        "noise": renderer.noise,
-        "footprints": int(renderer.footprints),
-        "share_rays": int(renderer.share_rays),
+        **settings_as_record(renderer.settings),
         "eye": renderer.eye.path,
         "eye_sha256": eye_digest(renderer.eye),
         "scene": scene.path,
     }
-    if renderer.samples == "auto":
-        found |= {
-            "error": renderer.error,
-            "min_samples": renderer.min_samples,
-            "max_samples": renderer.max_samples,
-        }
     if scene.path and os.path.exists(scene.path):
         found["scene_sha256"] = json.dumps(digests_of(scene.path), sort_keys=True)
     if renderer.world.band_from_rgb is not None:
