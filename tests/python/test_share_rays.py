@@ -91,7 +91,7 @@ def test_own_rays_where_nothing_is_gained(sharing: omma.Renderer, eye: omma.Eye)
 
 def test_lenses_alone_are_refused(sharing: omma.Renderer, eye: omma.Eye) -> None:
     airy = omma.Acceptance.airy(25e-6, 500)
-    with pytest.raises(omma.Error, match="share_rays: not where all ommatidia have"):
+    with pytest.raises(omma.Error, match="sampling: Shared, not where all ommatidia have"):
         sharing.with_eye(eye.replace(acceptance=airy))
     mixed = sharing.with_eye(eye.replace(acceptance=[airy, *[None] * (len(eye) - 1)]))
     assert not mixed.shared_ommatidia[0]
@@ -106,9 +106,9 @@ def test_refuses_what_takes_too_much(sharing: omma.Renderer, eye: omma.Eye) -> N
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"kernel": "compoundray"}, "share_rays: not with the kernel compoundray"),
-        ({"sampling": "random"}, "share_rays: not with random sampling"),
-        ({"samples": 257}, "samples: expected 1 to 256 where rays are shared, found 257"),
+        ({"kernel": "compoundray"}, "sampling: Shared, not with the kernel compoundray"),
+        ({"sampling": "random"}, "sampling: Shared, not with random points"),
+        ({"samples": 257}, "sampling: Shared expects 1 to 256 samples, found 257"),
         ({"samples": "auto", "error": 0.01}, "share_rays: not where rays go to reach an error"),
     ],
 )

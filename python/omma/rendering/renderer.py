@@ -313,7 +313,7 @@ class Renderer:
         self._engine.render(matrices, responses, errors, rays, None, first, None, progress)
         warn_of_precision(self._engine.precision_warning(matrices))
         if errors is not None and rays is not None:
-            return responses, SamplingReport(rays, errors, self._engine.settings.error)
+            return responses, SamplingReport(rays, errors, self._engine.settings.sampling[1])
         return responses if errors is None else (responses, errors)
 
     @overload
@@ -569,52 +569,53 @@ class Renderer:
     @property
     def samples(self) -> Samples:
         """Rays per ommatidium (and scramble, where a standard error is asked for), or "auto"."""
-        return "auto" if self._engine.settings.error > 0 else self._engine.settings.samples
+        kind, first, *_ = self._engine.settings.sampling
+        return "auto" if kind == "to_error" else first
 
     @property
     def error(self) -> float | None:
         """Standard error to reach; None where the number of samples is fixed."""
-        return self._engine.settings.error if self.samples == "auto" else None
+        return self._engine.settings.sampling[1] if self.samples == "auto" else None
 
     @property
     def min_samples(self) -> int | None:
         """Rays that an ommatidium gets at least; None where their number is fixed."""
-        return self._engine.settings.samples if self.samples == "auto" else None
+        return self._engine.settings.sampling[2] if self.samples == "auto" else None
 
     @property
     def max_samples(self) -> int | None:
         """Rays that an ommatidium gets at most; None where their number is fixed."""
-        return self._engine.settings.most_samples if self.samples == "auto" else None
+        return self._engine.settings.sampling[3] if self.samples == "auto" else None
 
     @property
     def seed(self) -> int:
         """Seed of the samples."""
-        return self._engine.settings.seed
+        return self._engine.settings.options["seed"]
 
     @property
     def kernel(self) -> str:
         """Name of the angular sensitivity."""
-        return self._engine.settings.kernel
+        return self._engine.settings.options["kernel"]
 
     @property
     def sampling(self) -> str:
         """Name of the sampling."""
-        return self._engine.settings.sampling
+        return self._engine.settings.options["points"]
 
     @property
     def footprints(self) -> bool:
         """Whether rays read textures averaged over their share of the solid angle."""
-        return self._engine.settings.footprints
+        return self._engine.settings.options["footprints"]
 
     @property
     def share_rays(self) -> bool:
         """Whether neighbouring ommatidia share rays."""
-        return self._engine.settings.share_rays
+        return self._engine.settings.sampling[0] == "shared"
 
     @property
     def noise(self) -> str:
         """Which patterns of rays frames have: "frozen" or "new_every_frame"."""
-        return self._engine.settings.noise
+        return self._engine.settings.options["noise"]
 
     @property
     def shared_ommatidia(self) -> NDArray[np.bool_]:

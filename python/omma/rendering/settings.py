@@ -36,8 +36,11 @@ def render_settings(
     **others: Any,
 ) -> RenderSettings:
     """Settings from the arguments of `omma.Renderer`; omma.Error or TypeError names one."""
-    seed = whole(others["seed"], "seed", 0, (1 << 64) - 1)
-    threads = whole(others["threads"], "threads", 0, 1 << 16)
+    options = {name: others[name] for name in ("kernel", "footprints", "noise")}
+    options["points"] = others["sampling"]
+    options["seed"] = whole(others["seed"], "seed", 0, (1 << 64) - 1)
+    options["threads"] = whole(others["threads"], "threads", 0, 1 << 16)
+    chosen: tuple[str, int] | tuple[str, float, int, int]
     if isinstance(samples, str):
         if samples != "auto":
             raise Error(f"samples: expected a whole number or 'auto', found {samples!r:.40}")
@@ -49,19 +52,17 @@ def render_settings(
         if least & (least - 1):
             raise Error(f"min_samples: expected a power of two, found {least}")
         most = whole(_or(max_samples, max(MAX_SAMPLES, least)), "max_samples", least, 1 << 20)
+        if others["share_rays"]:
+            raise Error("share_rays: not where rays go to reach an error")
+        chosen = ("to_error", target, least, most)
     else:
         given = {"error": error, "min_samples": min_samples, "max_samples": max_samples}
         for name, value in given.items():
             if value is not None:
                 raise Error(f"{name}: is for samples='auto', found samples={samples!r:.40}")
-        least = most = whole(samples, "samples", 1, 1 << 20)
-        target = 0.0
-    return _core.RenderSettings(
-        **(others | {"seed": seed, "threads": threads}),
-        samples=least,
-        error=target,
-        most_samples=most,
-    )
+        kind = "shared" if others["share_rays"] else "fixed"
+        chosen = (kind, whole(samples, "samples", 1, 1 << 20))
+    return _core.RenderSettings(sampling=chosen, **options)
 
 
 def check_picture_settings(
