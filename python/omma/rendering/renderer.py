@@ -590,32 +590,32 @@ class Renderer:
     @property
     def seed(self) -> int:
         """Seed of the samples."""
-        return self._engine.settings.options["seed"]
+        return int(self._engine.settings.options["seed"])
 
     @property
     def kernel(self) -> str:
         """Name of the angular sensitivity."""
-        return self._engine.settings.options["kernel"]
+        return str(self._engine.settings.options["kernel"])
 
     @property
     def sampling(self) -> str:
         """Name of the sampling."""
-        return self._engine.settings.options["points"]
+        return str(self._engine.settings.options["points"])
 
     @property
     def footprints(self) -> bool:
         """Whether rays read textures averaged over their share of the solid angle."""
-        return self._engine.settings.options["footprints"]
+        return bool(self._engine.settings.options["footprints"])
 
     @property
     def share_rays(self) -> bool:
         """Whether neighbouring ommatidia share rays."""
-        return self._engine.settings.sampling[0] == "shared"
+        return str(self._engine.settings.sampling[0]) == "shared"
 
     @property
     def noise(self) -> str:
         """Which patterns of rays frames have: "frozen" or "new_every_frame"."""
-        return self._engine.settings.options["noise"]
+        return str(self._engine.settings.options["noise"])
 
     @property
     def shared_ommatidia(self) -> NDArray[np.bool_]:
