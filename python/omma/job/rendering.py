@@ -24,6 +24,7 @@ from omma.base.files import (
     metres_per_unit,
 )
 from omma.base.poses import Matrices, load_poses, poses_from_angles
+from omma.base.values import value_class
 from omma.eye.files import load_eye
 from omma.job.pieces import render_of_ommatidia, render_of_receptors, render_pieces
 from omma.job.resuming import KeptRender, inputs_of
@@ -60,7 +61,8 @@ Stage = Callable[[str, float | None], object]
 _NO_SETTINGS = ("scene", "outputs", "eyes", "path", "threads", "backend", "progress", "resume")
 
 
-@dataclass(frozen=True)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class RenderReport:
     """What a render did."""
 

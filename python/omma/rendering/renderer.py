@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import itertools
 import sys
 import warnings
@@ -15,8 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 from omma import _core
 from omma._core import Background, Error, Eye, Scene
 from omma.base.arguments import checked, expect, output_array, whole
+from omma.base.notebook import html_table
 from omma.base.poses import Matrices, as_poses, is_position_pair
 from omma.rendering.dataset import make_dataset
+from omma.rendering.pickling import options_of, parts_of
 from omma.rendering.receptor_views import ReceptorViews, render_receptors
 from omma.rendering.report import SamplingReport
 from omma.rendering.settings import Samples, fixed_samples, frame_number, render_settings
@@ -95,6 +96,11 @@ class Renderer:
             a second, where one is made. What it raises ends the building and is raised here; so
             does Ctrl-C.
 
+    Pickled, a renderer is its world, its eye and its settings, and is built again where it is
+    unpickled: to the same bits, with noise="new_every_frame" from frame 0 on, and with the threads
+    of that machine where none were asked for. Renderers that are pickled together go on to share
+    their world. A copy (`copy.copy`) shares it too; a deep copy does not.
+
     In a process made by fork from one that had used a renderer, those made before the fork go on to
     work, on one thread; new ones of a scene are refused (docs/processes.md). Other start methods
     have no such limits.
@@ -156,6 +162,7 @@ class Renderer:
         self._world = scene
         self._engine = _core.Renderer(scene._engine, eye, settings)
         self._min_samples = min_samples  # as given: where it is None, it goes by the error
+        self._asked_threads = threads
         self._receptors: ReceptorViews | None = None
 
     @checked
@@ -199,7 +206,8 @@ class Renderer:
             share_rays=self.share_rays if share_rays is None else share_rays,
             noise=self.noise if noise is None else noise,
         )
-        other = copy.copy(self)
+        other = object.__new__(Renderer)
+        vars(other).update(vars(self))
         other._engine = _core.Renderer(self._engine, _one_eye(eye), settings)
         other._build_times = {"scene_s": 0.0, "acceleration_s": 0.0}
         other._min_samples = min_samples
@@ -662,6 +670,14 @@ class Renderer:
             f"<omma.Renderer {len(self.eye)} ommatidia, {rays}, {self.kernel}, "
             f"{self.backend}, {self.threads} threads>"
         )
+
+    def _repr_html_(self) -> str:
+        rows = {"world": repr(self.world), "eye": repr(self.eye)}
+        options = {k: str(v) for k, v in options_of(self).items() if v is not None}
+        return html_table("omma.Renderer", rows | options | {"threads": str(self.threads)})
+
+    def __reduce__(self) -> tuple[Callable[..., Renderer], tuple[Any, ...]]:
+        return parts_of(self)
 
 
 def _one_eye(eye: Eye | Sequence[Eye | tuple[Eye, ArrayLike]]) -> Eye:
