@@ -135,12 +135,14 @@ struct ToState {
   }
 };
 
-// And back; throws what nanobind and NumPy do where a state is something else.
+// And back; nb::cast_error where a state is something else.
 struct FromState {
   template <typename T>
   static void to(nb::handle state, T& value) {
     if constexpr (HasMembers<T>) {
       const auto items = nb::cast<nb::tuple>(state);
+      constexpr std::size_t count = std::tuple_size_v<decltype(members_of(value))> + HasPath<T>;
+      if (items.size() != count) throw nb::cast_error();
       std::size_t next = 0;
       if constexpr (HasPath<T>) to(items[next++], value.path);
       std::apply([&](auto&... fields) { (to(items[next++], fields), ...); }, members_of(value));
@@ -195,10 +197,16 @@ struct FromState {
 struct Same {
   template <typename T>
   static bool are(const T& a, const T& b) {
-    if constexpr (HasMembers<const T>)
-      return are_all(members_of(a), members_of(b));
-    else
+    if constexpr (HasMembers<const T>) {
+      return std::apply(
+          [&](const auto&... one) {
+            return std::apply([&](const auto&... other) { return (are(one, other) && ...); },
+                              members_of(b));
+          },
+          members_of(a));
+    } else {
       return a == b;
+    }
   }
 
   static bool are(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
@@ -224,44 +232,45 @@ struct Same {
   static bool are(const std::shared_ptr<const T>& a, const std::shared_ptr<const T>& b) {
     return a == b || (a && b && are(*a, *b));
   }
-
- private:
-  template <typename... T>
-  static bool are_all(const std::tuple<T...>& a, const std::tuple<T...>& b) {
-    return [&]<std::size_t... I>(std::index_sequence<I...>) {
-      return (are(std::get<I>(a), std::get<I>(b)) && ...);
-    }
-    (std::index_sequence_for<T...>{});
-  }
 };
 
 // Makes a bound struct that is read-only a value: pickle, copy, == and a hash. `check` throws
 // omma::Error where what was unpickled cannot be; `hash` gives the same for what is equal.
 template <typename T, typename Check, typename Hash>
 void def_struct_value(nb::class_<T>& type, const Check& check, const Hash& hash) {
-  type.def("__getstate__",
-           [](const T& value) { return nb::make_tuple(pickle_format, ToState::of(value)); })
-      .def("__setstate__",
-           [check](T& value, const nb::tuple& state) {
-             const std::string expected = "pickle of " + str_of(nb::type<T>().attr("__name__")) +
-                                          ": expected format " + std::to_string(pickle_format) +
-                                          ", found ";
-             if (state.size() != 2 || !nb::isinstance<nb::int_>(state[0]) ||
-                 nb::cast<int>(state[0]) != pickle_format)
-               throw Error(expected + (state.size() > 0 ? str_of(state[0]) : "nothing") +
-                           ": it is of another version of Omma");
-             T made;
-             try {
-               FromState::to(state[1], made);
-             } catch (const nb::cast_error&) {
-               throw Error(expected + "what is none");
-             }
-             check(made);
-             new (&value) T(std::move(made));
-           })
+  const std::string name = str_of(type.attr("__name__"));
+  const std::string copy_signature = "def __copy__(self) -> " + name;
+  const std::string deepcopy_signature = "def __deepcopy__(self, memo: object) -> " + name;
+  type.def(
+          "__getstate__",
+          [](const T& value) { return nb::make_tuple(pickle_format, ToState::of(value)); },
+          nb::sig("def __getstate__(self) -> tuple[typing.Any, ...]"))
+      .def(
+          "__setstate__",
+          [check, name](T& value, const nb::tuple& state) {
+            const std::string expected = "pickle of " + name + ": expected format " +
+                                         std::to_string(pickle_format) + ", found ";
+            if (state.size() != 2 || !nb::isinstance<nb::int_>(state[0]) ||
+                nb::cast<int>(state[0]) != pickle_format)
+              throw Error(expected + (state.size() > 0 ? str_of(state[0]) : "nothing") +
+                          ": it is of another version of Omma");
+            T made;
+            try {
+              FromState::to(state[1], made);
+            } catch (const nb::cast_error&) {
+              throw Error(expected + "what is none");
+            }
+            check(made);
+            new (&value) T(std::move(made));
+          },
+          nb::sig("def __setstate__(self, state: tuple[typing.Any, ...]) -> None"))
       // Nothing can be changed, so a copy is the thing itself.
-      .def("__copy__", [](nb::handle_t<T> self) { return nb::borrow(self); })
-      .def("__deepcopy__", [](nb::handle_t<T> self, nb::handle) { return nb::borrow(self); })
+      .def(
+          "__copy__", [](nb::handle_t<T> self) { return nb::borrow(self); },
+          nb::sig(copy_signature.c_str()))
+      .def(
+          "__deepcopy__", [](nb::handle_t<T> self, nb::handle) { return nb::borrow(self); },
+          nb::arg("memo"), nb::sig(deepcopy_signature.c_str()))
       .def(
           "__eq__",
           [](const T& value, nb::handle other) {
