@@ -75,7 +75,7 @@ assert np.abs(new - old).mean() < 2 / 255
 NEEDS_DATA = "examples/from_compoundray.md"
 
 # Pages whose snippets are not run, and why.
-SNIPPETS_NOT_RUN = {"docs/species.md": "half a minute to grow; test_species.py makes all ten"}
+SNIPPETS_NOT_RUN: dict[str, str] = {}
 
 # Commands that are not run, by regular expressions of how they begin, and why.
 NOT_RUN = {
@@ -84,7 +84,6 @@ NOT_RUN = {
     "scripts/bench": "ten minutes, and says nothing on a machine with other work",
     "pip install": "installs; it is what scripts/setup does",
     "omma render examples/meadow.glb --all-cameras": "half a minute; test_cameras.py has smaller",
-    "omma eye species holcocephala": "half a minute to grow; test_species.py makes all ten",
     "omma measure min-samples examples/meadow.glb": "two minutes; see the next",
     "omma measure min-samples arena.gltf": "minutes; test_sampling_tools.py has smaller ones",
     "omma measure variance-map meadow.glb": "minutes; test_sampling_tools.py has smaller ones",
