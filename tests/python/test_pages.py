@@ -64,6 +64,7 @@ COMES_OUT = {
     "docs/acceptance.md": "assert f'{math.degrees(fly.width_rad()):.1f}' == '2.2'",
     "docs/error-target.md": "assert report.rays.shape == (1, 10_760) and (low <= high).all()",
     "docs/eye-design.md": "assert len(omma.load_eye('head.csv')) == len(head)",
+    "docs/neighbours.md": "assert left < 0 < right",
     "docs/receptors.md": "assert cartridges.shape == (2, 300) and responses.shape == (2, 300, 3)",
     "examples/from_compoundray.md": """
 old = np.array(frames) / 255.0  # the same picture, within sampling and 8 bits
