@@ -341,7 +341,6 @@ void bind_acceptance(nb::module_& m) {
             const auto expect = [&](Quantity quantity, const char* argument, double value) {
               expect_plausible(quantity, argument, value, allow_unusual);
             };
-            expect(Quantity::wavelength, "peak_wavelength_nm", peak_wavelength_nm);
             expect(Quantity::local_angle, "microvillus_angle_rad", microvillus_angle_rad);
             expect(Quantity::polarisation_sensitivity, "polarisation_sensitivity",
                    polarisation_sensitivity);
