@@ -134,7 +134,7 @@ def public_calls(folder):
         "Acceptance.airy": (25e-6, 500.0),
         "Background.constant": ((1, 1, 1),),
         "Background.image": (np.zeros((2, 4, 3), np.float32),),
-        "acceptance_from_facets": (omma.eye.set_facets(eye),),
+        "acceptance_from_facets": (omma.eye.set_facets(large),),
         "acute_angle": (0.1, lambda v: np.ones(len(v))),
         "acute_zones": ([omma.eye.AcuteZone(0.0, 0.0, 0.5, 2.0)],),
         "alias_curve": (renderer, eye, pose, [1]),
