@@ -26,13 +26,15 @@ renderer = omma.Renderer(scene, robber_fly.eye)
 
 or `omma eye species holcocephala -o robber_fly.csv`. Each is a whole head: both eyes, with
 positions, axes, facets, an angular sensitivity and receptors for every ommatidium, and a column
-`region`. The same call gives the same eye.
+`region`. The eyes are stored with the package and read in a moment; `omma.species.build(name)`
+grows one anew, which takes up to a minute, and `scripts/make_species.py` stores them.
 
 Every number that goes into them is below and in `omma.species.facts()`, with its standing:
 **measured**, a number that the source prints or that is computed from its data; **interpolated**,
 worked out from such numbers; **assumed**, nobody's measurement. Below the tables it is said how
 each source was read: many only as an abstract, some at second hand, and those marked "recalled" not
-at all. Who knows better numbers changes `python/omma/species/facts.csv`. Not in the table are some
+at all. Who knows better numbers changes `python/omma/species/facts.csv` and has the eyes stored
+anew. Not in the table are some
 shapes, all of them assumed and written where they are used, in `bees.py`, `flies.py`, `ants.py` and
 `hunters.py` of `python/omma/species`: outlines of fields of view, and from where to where one angle
 or facet blends into another. This page is made by `docs/make_species_figures.py`.
@@ -44,6 +46,9 @@ or facet blends into another. This page is made by `docs/make_species_figures.py
 ## How they are made
 
 - The honeybee worker's axes are rows by the published formulas.
+  Its receptors are those of `omma.receptors.honeybee_ommatidia`; as their pigments screen
+  themselves in rhabdoms of 320 µm, the blue one gets 0.60 of a flat white from 400 to 700 nm (0.67
+  without screening).
 - Most others: a function of direction gives the local interommatidial angle,
   `omma.eye.lay_directions` a hexagonal lattice in it with as many ommatidia as counted. Lenses sit
   on an ellipsoid whose size follows from the facets; the axes are skewed against it.

@@ -2,8 +2,8 @@
 
     import omma
 
-    scene = omma.load_scene("meadow.glb")
-    eye = omma.load_eye("honeybee.eye", unit="mm")
+    scene = omma.load_scene(omma.examples.meadow())
+    eye = omma.species.honeybee_worker().eye
     renderer = omma.Renderer(scene, eye, samples=16)
     responses = renderer.render(omma.look_at((0, 1, 0), (0, 1, -5)))  # float32 (1, N, 3), linear
     omma.save_png("view.png", omma.picture.equirectangular(eye, responses[0]))
@@ -20,7 +20,7 @@ At the top is what a first hour needs; the rest is in rooms, which are loaded wh
 - `omma.scene`, `omma.rendering`: worlds and their parts; the renderer and its reports
 - `omma.picture`: pictures of responses and of eyes
 - `omma.study`: how many rays a scene needs; `omma.job`: whole renders from files to files
-- `omma.compat`: for the scripts of CompoundRay
+- `omma.examples`: a meadow and a flight over it; `omma.compat`: for the scripts of CompoundRay
 """
 
 import lazy_loader

@@ -1,4 +1,16 @@
-from . import compat, eye, job, light, picture, receptors, rendering, scene, species, study
+from . import (
+    compat,
+    examples,
+    eye,
+    job,
+    light,
+    picture,
+    receptors,
+    rendering,
+    scene,
+    species,
+    study,
+)
 from ._core import Acceptance, Background, Error, Eye, Scene, __version__
 from .base.poses import load_poses, look_at, poses_from_angles, poses_from_quaternions
 from .eye.files import load_eye, save_eye
@@ -24,6 +36,7 @@ __all__ = [
     "World",
     "__version__",
     "compat",
+    "examples",
     "eye",
     "job",
     "light",

@@ -729,37 +729,38 @@ class Acceptance:
 
     Made by one of its static methods. Directions are given by their polar angle from the axis
     and their azimuth, 0 towards the ommatidium's up vector and growing towards its right.
-    Raises `omma.Error` on a parameter out of range. Sources: docs/acceptance.md.
+    Raises `omma.Error` on a parameter that is impossible, or out of the range of animals' eyes
+    unless ``allow_unusual`` is said. Sources: docs/acceptance.md.
     """
 
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
     @staticmethod
-    def gaussian(width_rad: float, minor_width_rad: float | None = None, major_angle_rad: float = 0.0) -> Acceptance:
+    def gaussian(width_rad: float, minor_width_rad: float | None = None, major_angle_rad: float = 0.0, *, allow_unusual: bool = False) -> Acceptance:
         """
         A Gaussian per solid angle, round or elliptical: full widths at half maximum and the
         azimuth of the major axis.
         """
 
     @staticmethod
-    def pillbox(width_rad: float) -> Acceptance:
+    def pillbox(width_rad: float, *, allow_unusual: bool = False) -> Acceptance:
         """The same all over a disc of this diameter."""
 
     @staticmethod
-    def compoundray(width_rad: float) -> Acceptance:
+    def compoundray(width_rad: float, *, allow_unusual: bool = False) -> Acceptance:
         """
         CompoundRay's: the polar angle from a one-dimensional normal, for comparison.
         """
 
     @staticmethod
-    def airy(facet_diameter_m: float, wavelength_nm: float) -> Acceptance:
+    def airy(facet_diameter_m: float, wavelength_nm: float, *, allow_unusual: bool = False) -> Acceptance:
         """
         Diffraction at a round facet alone: [2 J1(x)/x]^2 with x = pi D sin(theta)/lambda.
         """
 
     @staticmethod
-    def lens_rhabdom(facet_diameter_m: float, focal_length_m: float, rhabdom_diameter_m: float, wavelength_nm: float, rhabdom_index: float = 1.363, surround_index: float = 1.34, model: str = 'waveguide') -> Acceptance:
+    def lens_rhabdom(facet_diameter_m: float, focal_length_m: float, rhabdom_diameter_m: float, wavelength_nm: float, rhabdom_index: float = 1.363, surround_index: float = 1.34, model: str = 'waveguide', *, allow_unusual: bool = False) -> Acceptance:
         """
         Diffraction at the facet and what the rhabdom takes of it: "waveguide" (the modes it
         carries; Stavenga 2004), "geometric" (its disc) or "snyder" (a Gaussian).
@@ -883,6 +884,7 @@ class ReceptorType:
     absorption_per_m, length_m : of the rhabdom; 0 where not known.
     right_rad, up_rad : where it looks, from the ommatidium's axis.
     acceptance : its own `Acceptance`; None: the ommatidium's.
+    allow_unusual : numbers beyond those of animals' eyes are meant.
 
     Raises `omma.Error` on a parameter out of range.
     """
@@ -890,7 +892,7 @@ class ReceptorType:
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self, name: str, *, peak_wavelength_nm: float = 0.0, wavelength_nm: numpy.typing.ArrayLike | None = None, sensitivity: numpy.typing.ArrayLike | None = None, microvillus_angle_rad: float = 0.0, polarisation_sensitivity: float = 1.0, absorption_per_m: float = 0.0, length_m: float = 0.0, right_rad: float = 0.0, up_rad: float = 0.0, acceptance: Acceptance | None = None) -> None: ...
+    def __init__(self, name: str, *, peak_wavelength_nm: float = 0.0, wavelength_nm: numpy.typing.ArrayLike | None = None, sensitivity: numpy.typing.ArrayLike | None = None, microvillus_angle_rad: float = 0.0, polarisation_sensitivity: float = 1.0, absorption_per_m: float = 0.0, length_m: float = 0.0, right_rad: float = 0.0, up_rad: float = 0.0, acceptance: Acceptance | None = None, allow_unusual: bool = False) -> None: ...
 
     @property
     def name(self) -> str: ...
@@ -930,6 +932,8 @@ class ReceptorType:
     def __hash__(self) -> int: ...
 
     def __repr__(self) -> str: ...
+
+def expect_eye_radius(name: str, radius_m: float, allow_unusual: bool) -> None: ...
 
 class Eye:
     """

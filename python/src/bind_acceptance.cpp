@@ -13,6 +13,7 @@
 #include "omma/error.h"
 #include "omma/receptor.h"
 #include "optics/acceptance_hash.h"
+#include "plausible.h"
 #include "progress.h"
 #include "struct_values.h"
 
@@ -54,6 +55,15 @@ Acceptance table(std::vector<double> right_rad, std::vector<double> up_rad,
   return checked(std::move(acceptance));
 }
 
+void expect_width(const char* name, double width_rad, bool allow_unusual) {
+  expect_plausible(Quantity::acceptance_angle, name, width_rad, allow_unusual);
+}
+
+void expect_facet(double facet_diameter_m, double wavelength_nm, bool allow_unusual) {
+  expect_plausible(Quantity::facet_diameter, "facet_diameter_m", facet_diameter_m, allow_unusual);
+  expect_plausible(Quantity::wavelength, "wavelength_nm", wavelength_nm, allow_unusual);
+}
+
 // A function of polar angles and azimuths, broadcast by NumPy.
 template <typename Function>
 nb::object at_angles(nb::handle first, const char* name, nb::handle azimuth_rad,
@@ -83,11 +93,18 @@ void bind_acceptance(nb::module_& m) {
       "The angular sensitivity of an ommatidium: a kernel and its parameters.\n\n"
       "Made by one of its static methods. Directions are given by their polar angle from the axis\n"
       "and their azimuth, 0 towards the ommatidium's up vector and growing towards its right.\n"
-      "Raises `omma.Error` on a parameter out of range. Sources: docs/acceptance.md.");
+      "Raises `omma.Error` on a parameter that is impossible, or out of the range of animals' "
+      "eyes\n"
+      "unless ``allow_unusual`` is said. Sources: docs/acceptance.md.");
   acceptance_class
       .def_static(
           "gaussian",
-          [](double width_rad, std::optional<double> minor_width_rad, double major_angle_rad) {
+          [](double width_rad, std::optional<double> minor_width_rad, double major_angle_rad,
+             bool allow_unusual) {
+            expect_width("width_rad", width_rad, allow_unusual);
+            expect_width("minor_width_rad", minor_width_rad.value_or(0), allow_unusual);
+            expect_plausible(Quantity::local_angle, "major_angle_rad", major_angle_rad,
+                             allow_unusual);
             Acceptance a;
             a.width_rad = width_rad;
             a.minor_width_rad = minor_width_rad.value_or(0);
@@ -95,44 +112,57 @@ void bind_acceptance(nb::module_& m) {
             return checked(a);
           },
           nb::arg("width_rad"), nb::arg("minor_width_rad") = nb::none(),
-          nb::arg("major_angle_rad") = 0.0,
+          nb::arg("major_angle_rad") = 0.0, nb::kw_only(), nb::arg("allow_unusual") = false,
           "A Gaussian per solid angle, round or elliptical: full widths at half maximum and the\n"
           "azimuth of the major axis.")
       .def_static(
           "pillbox",
-          [](double width_rad) {
+          [](double width_rad, bool allow_unusual) {
+            expect_width("width_rad", width_rad, allow_unusual);
             Acceptance a;
             a.kernel = Kernel::pillbox;
             a.width_rad = width_rad;
             return checked(a);
           },
-          nb::arg("width_rad"), "The same all over a disc of this diameter.")
+          nb::arg("width_rad"), nb::kw_only(), nb::arg("allow_unusual") = false,
+          "The same all over a disc of this diameter.")
       .def_static(
           "compoundray",
-          [](double width_rad) {
+          [](double width_rad, bool allow_unusual) {
+            expect_width("width_rad", width_rad, allow_unusual);
             Acceptance a;
             a.kernel = Kernel::compoundray;
             a.width_rad = width_rad;
             return checked(a);
           },
-          nb::arg("width_rad"),
+          nb::arg("width_rad"), nb::kw_only(), nb::arg("allow_unusual") = false,
           "CompoundRay's: the polar angle from a one-dimensional normal, for comparison.")
       .def_static(
           "airy",
-          [](double facet_diameter_m, double wavelength_nm) {
+          [](double facet_diameter_m, double wavelength_nm, bool allow_unusual) {
+            expect_facet(facet_diameter_m, wavelength_nm, allow_unusual);
             Acceptance a;
             a.kernel = Kernel::airy;
             a.facet_diameter_m = facet_diameter_m;
             a.wavelength_nm = wavelength_nm;
             return checked(a);
           },
-          nb::arg("facet_diameter_m"), nb::arg("wavelength_nm"),
+          nb::arg("facet_diameter_m"), nb::arg("wavelength_nm"), nb::kw_only(),
+          nb::arg("allow_unusual") = false,
           "Diffraction at a round facet alone: [2 J1(x)/x]^2 with x = pi D sin(theta)/lambda.")
       .def_static(
           "lens_rhabdom",
           [](double facet_diameter_m, double focal_length_m, double rhabdom_diameter_m,
              double wavelength_nm, double rhabdom_index, double surround_index,
-             const std::string& model) {
+             const std::string& model, bool allow_unusual) {
+            expect_facet(facet_diameter_m, wavelength_nm, allow_unusual);
+            const auto expect = [&](Quantity quantity, const char* name, double value) {
+              expect_plausible(quantity, name, value, allow_unusual);
+            };
+            expect(Quantity::focal_length, "focal_length_m", focal_length_m);
+            expect(Quantity::rhabdom_diameter, "rhabdom_diameter_m", rhabdom_diameter_m);
+            expect(Quantity::refractive_index, "rhabdom_index", rhabdom_index);
+            expect(Quantity::refractive_index, "surround_index", surround_index);
             Acceptance a;
             a.kernel = Kernel::lens_rhabdom;
             a.facet_diameter_m = facet_diameter_m;
@@ -146,7 +176,8 @@ void bind_acceptance(nb::module_& m) {
           },
           nb::arg("facet_diameter_m"), nb::arg("focal_length_m"), nb::arg("rhabdom_diameter_m"),
           nb::arg("wavelength_nm"), nb::arg("rhabdom_index") = 1.363,
-          nb::arg("surround_index") = 1.340, nb::arg("model") = "waveguide",
+          nb::arg("surround_index") = 1.340, nb::arg("model") = "waveguide", nb::kw_only(),
+          nb::arg("allow_unusual") = false,
           "Diffraction at the facet and what the rhabdom takes of it: \"waveguide\" (the modes it\n"
           "carries; Stavenga 2004), \"geometric\" (its disc) or \"snyder\" (a Gaussian).")
       .def_static(
@@ -291,7 +322,8 @@ void bind_acceptance(nb::module_& m) {
       "polarisation_sensitivity : PS, at least 1.\n"
       "absorption_per_m, length_m : of the rhabdom; 0 where not known.\n"
       "right_rad, up_rad : where it looks, from the ommatidium's axis.\n"
-      "acceptance : its own `Acceptance`; None: the ommatidium's.\n\n"
+      "acceptance : its own `Acceptance`; None: the ommatidium's.\n"
+      "allow_unusual : numbers beyond those of animals' eyes are meant.\n\n"
       "Raises `omma.Error` on a parameter out of range.");
   receptor_class
       .def(
@@ -300,7 +332,17 @@ void bind_acceptance(nb::module_& m) {
              const nb::object& wavelength_nm, const nb::object& sensitivity,
              double microvillus_angle_rad, double polarisation_sensitivity, double absorption_per_m,
              double length_m, double right_rad, double up_rad,
-             const std::optional<Acceptance>& acceptance) {
+             const std::optional<Acceptance>& acceptance, bool allow_unusual) {
+            const auto expect = [&](Quantity quantity, const char* argument, double value) {
+              expect_plausible(quantity, argument, value, allow_unusual);
+            };
+            expect(Quantity::local_angle, "microvillus_angle_rad", microvillus_angle_rad);
+            expect(Quantity::polarisation_sensitivity, "polarisation_sensitivity",
+                   polarisation_sensitivity);
+            expect(Quantity::absorption, "absorption_per_m", absorption_per_m);
+            expect(Quantity::rhabdom_length, "length_m", length_m);
+            expect(Quantity::offset_angle, "right_rad", right_rad);
+            expect(Quantity::offset_angle, "up_rad", up_rad);
             ReceptorType type;
             type.name = name;
             type.peak_wavelength_nm = peak_wavelength_nm;
@@ -326,12 +368,13 @@ void bind_acceptance(nb::module_& m) {
           nb::arg("microvillus_angle_rad") = 0.0, nb::arg("polarisation_sensitivity") = 1.0,
           nb::arg("absorption_per_m") = 0.0, nb::arg("length_m") = 0.0, nb::arg("right_rad") = 0.0,
           nb::arg("up_rad") = 0.0, nb::arg("acceptance") = nb::none(),
+          nb::arg("allow_unusual") = false,
           nb::sig("def __init__(self, name: str, *, peak_wavelength_nm: float = 0.0, "
                   "wavelength_nm: numpy.typing.ArrayLike | None = None, sensitivity: "
                   "numpy.typing.ArrayLike | None = None, microvillus_angle_rad: float = 0.0, "
                   "polarisation_sensitivity: float = 1.0, absorption_per_m: float = 0.0, "
                   "length_m: float = 0.0, right_rad: float = 0.0, up_rad: float = 0.0, "
-                  "acceptance: Acceptance | None = None) -> None"))
+                  "acceptance: Acceptance | None = None, allow_unusual: bool = False) -> None"))
       .def_ro("name", &ReceptorType::name)
       .def_ro("peak_wavelength_nm", &ReceptorType::peak_wavelength_nm)
       .def_ro("wavelength_nm", &ReceptorType::wavelength_nm)
@@ -349,6 +392,13 @@ void bind_acceptance(nb::module_& m) {
       receptor_class,
       [](const ReceptorType& type) { validate_receptor_type(type, "ReceptorType"); },
       [](const ReceptorType& type) { return std::hash<std::string>{}(type.name); });
+
+  m.def(
+      "expect_eye_radius",
+      [](const char* name, double radius_m, bool allow_unusual) {
+        expect_plausible(Quantity::eye_radius, name, radius_m, allow_unusual);
+      },
+      nb::arg("name"), nb::arg("radius_m"), nb::arg("allow_unusual"));
 }
 
 }  // namespace omma::python

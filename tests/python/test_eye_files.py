@@ -101,6 +101,7 @@ texts = st.text(st.characters(exclude_categories=["Cs"]), max_size=6) | st.sampl
 receptor_types = st.builds(
     ReceptorType,
     texts,
+    allow_unusual=st.just(True),  # files keep any number
     peak_wavelength_nm=numbers(310, 700),
     microvillus_angle_rad=numbers(-3, 3),
     polarisation_sensitivity=numbers(1, 10),

@@ -23,7 +23,6 @@ NOT_RUN = {
     "omma measure": "minutes each; test_sampling_tools.py and test_speed_test.py have smaller ones",
     "omma eye make 5000": "twelve seconds; test_cli_eye_make.py has fewer ommatidia",
     "omma eye make --dphi 2": "ten seconds; test_cli_eye_make.py has fewer ommatidia",
-    "omma eye species holcocephala": "half a minute; test_species.py makes all ten",
     "omma eye plot --species": "ten seconds; test_eye_plots.py draws posters",
 }
 

@@ -64,6 +64,7 @@ COMES_OUT = {
     "docs/acceptance.md": "assert f'{math.degrees(fly.width_rad()):.1f}' == '2.2'",
     "docs/error-target.md": "assert report.rays.shape == (1, 10_760) and (low <= high).all()",
     "docs/eye-design.md": "assert len(omma.load_eye('head.csv')) == len(head)",
+    "docs/neighbours.md": "assert left < 0 < right",
     "docs/receptors.md": "assert cartridges.shape == (2, 300) and responses.shape == (2, 300, 3)",
     "examples/from_compoundray.md": """
 old = np.array(frames) / 255.0  # the same picture, within sampling and 8 bits
@@ -75,7 +76,7 @@ assert np.abs(new - old).mean() < 2 / 255
 NEEDS_DATA = "examples/from_compoundray.md"
 
 # Pages whose snippets are not run, and why.
-SNIPPETS_NOT_RUN = {"docs/species.md": "half a minute to grow; test_species.py makes all ten"}
+SNIPPETS_NOT_RUN: dict[str, str] = {}
 
 # Commands that are not run, by regular expressions of how they begin, and why.
 NOT_RUN = {
@@ -84,7 +85,6 @@ NOT_RUN = {
     "scripts/bench": "ten minutes, and says nothing on a machine with other work",
     "pip install": "installs; it is what scripts/setup does",
     "omma render examples/meadow.glb --all-cameras": "half a minute; test_cameras.py has smaller",
-    "omma eye species holcocephala": "half a minute to grow; test_species.py makes all ten",
     "omma measure min-samples examples/meadow.glb": "two minutes; see the next",
     "omma measure min-samples arena.gltf": "minutes; test_sampling_tools.py has smaller ones",
     "omma measure variance-map meadow.glb": "minutes; test_sampling_tools.py has smaller ones",

@@ -145,14 +145,14 @@ def convert(
                 else math.radians(acceptance_deg),
             }
             if source == "oda":
-                imported = import_oda(eye, **options)  # type: ignore[arg-type]
+                imported = import_oda(eye, progress=bar.show, **options)  # type: ignore[arg-type]
             else:
                 assert cones is not None
-                bar.show("matching", None)
                 imported = import_lens_cone(
                     eye,
                     cones,
                     allow_unmatched=allow_unmatched,
+                    progress=bar.show,
                     **options,  # type: ignore[arg-type]
                 )
             found, notes = imported.eye, imported.notes

@@ -178,7 +178,7 @@ def plot(
             # Only now: other commands start faster without it.
             from omma.species import make
 
-            animal = make(species, bar.show)
+            animal = make(species)
         head = animal.eye if animal is not None else load_head(eye or [], unit)
         if what == "3d":
             try:

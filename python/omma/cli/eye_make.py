@@ -260,7 +260,13 @@ def make(
                 middle = lattice.directions.sum(axis=0)
                 factor = squeeze_for_skew(lattice.directions, surface, middle, math.radians(skew))
                 normal = squeezed(middle, factor)
-            eye = eye_on_surface(lattice.directions, surface, normal=normal, acceptance_ratio=ratio)
+            eye = eye_on_surface(
+                lattice.directions,
+                surface,
+                normal=normal,
+                acceptance_ratio=ratio,
+                progress=bar.show,
+            )
         if airy or rhabdom_um is not None:
             eye = acceptance_from_facets(
                 eye,

@@ -69,8 +69,8 @@ def species_command(
     if output is not None:
         if name is None:
             raise Error("NAME: expected with -o, found none; `omma eye species` lists them")
-        with working() as bar:
-            animal = species.make(name, bar.show)
+        with working():
+            animal = species.make(name)
             save_eye(output, animal.eye, lossy=lossy)
         print(f"wrote {output}: {animal.latin}, {len(animal.eye):,} ommatidia of two eyes")
     if facts is None and output is None:

@@ -15,6 +15,7 @@ from .change import (
 from .design import AcuteZone, acute_zones, generate_eye
 from .facets import acceptance_from_facets, facet_diameters_m, set_facets
 from .files import eye_file_heads, eye_file_losses
+from .hexagonal import DIRECTIONS, NO_COORDINATE, HexagonalCoordinates, hexagonal_coordinates
 from .lattice import (
     Lattice,
     LatticeCheck,
@@ -40,11 +41,14 @@ from .surfaces import ellipsoid, load_surface, mesh_surface, sphere
 __all__ = [
     "AcuteZone",
     "ConvertedEye",
+    "DIRECTIONS",
     "EyeMeasures",
+    "HexagonalCoordinates",
     "ImportedEye",
     "Lattice",
     "LatticeCheck",
     "LensConeEye",
+    "NO_COORDINATE",
     "PROPERTIES",
     "Wiring",
     "acceptance_from_facets",
@@ -64,6 +68,7 @@ __all__ = [
     "facet_diameters_m",
     "fly_receptors",
     "generate_eye",
+    "hexagonal_coordinates",
     "import_lens_cone",
     "import_oda",
     "join_eyes",

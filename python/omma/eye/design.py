@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from omma._core import Error, Eye
+from omma._core import Error, Eye, expect_eye_radius
 from omma.base.arguments import array_of, checked, positive, whole
 from omma.base.values import value_class
 from omma.eye.relaxation import bisected
@@ -101,6 +101,7 @@ def generate_eye(
     acceptance_ratio: float = 1.0,
     seed: int = 0,
     progress: Progress | None = None,
+    allow_unusual: bool = False,
 ) -> Eye:
     """An eye of ``count`` ommatidia spread over a sphere or an ellipsoid by relaxation.
 
@@ -116,6 +117,7 @@ def generate_eye(
         acceptance_ratio: acceptance angle as a multiple of the local interommatidial angle.
         seed: the same seed gives the same eye (on one machine); another one, another arrangement.
         progress: called as progress(stage, share done) now and then.
+        allow_unusual: a radius beyond those of animals' eyes (1 µm to 10 cm) is meant.
 
     Raises:
         omma.Error: an argument out of range, a density that is negative, not finite, 0 everywhere
@@ -124,7 +126,7 @@ def generate_eye(
     whole(count, "count", 2, 200_000)
     whole(seed, "seed", 0, 2**63 - 1)
     positive(acceptance_ratio, "acceptance_ratio")
-    surface = _Surface(_semi_axes(radius_m), density)
+    surface = _Surface(_semi_axes(radius_m, allow_unusual), density)
     random = np.random.default_rng(seed)
     tell = progress or (lambda stage, fraction: None)
     tell("placing ommatidia", None)
@@ -271,13 +273,15 @@ def _nearest(points: Floats, spacing: Floats, count: int) -> NDArray[np.int64]:
     return found
 
 
-def _semi_axes(radius_m: float | Sequence[float]) -> Floats:
+def _semi_axes(radius_m: float | Sequence[float], allow_unusual: bool) -> Floats:
     try:
         values = np.asarray(radius_m, dtype=np.float64)
     except (TypeError, ValueError):
         values = np.zeros(2)
     if values.shape not in ((), (3,)) or not np.all(np.isfinite(values) & (values > 0)):
         raise Error(f"radius_m: expected one or three lengths above 0, found {radius_m!r}")
+    for length in values.ravel().tolist():
+        expect_eye_radius("radius_m", length, allow_unusual)
     return np.ones(3) * values
 
 

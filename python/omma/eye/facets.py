@@ -62,6 +62,7 @@ def acceptance_from_facets(
     f_number: float | None = None,
     model: str = "waveguide",
     levels: int = 64,
+    allow_unusual: bool = False,
 ) -> Eye:
     """The eye with angular sensitivities that follow from its facets, by `Acceptance`.
 
@@ -76,6 +77,7 @@ def acceptance_from_facets(
     Args:
         rhabdom_diameter_m, focal_length_m: a number, or (N,).
         model: of a rhabdom, "waveguide", "geometric" or "snyder".
+        allow_unusual: numbers beyond those of animals' eyes are meant.
 
     Raises:
         omma.Error: facets that are not known (`set_facets` sets them), a number out of range, a
@@ -93,7 +95,10 @@ def acceptance_from_facets(
         if focal_length_m is not None or f_number is not None:
             raise Error("rhabdom_diameter_m: expected with a focal length or F-number, found None")
         grouped = _grouped(facets, levels)
-        made = {size: Acceptance.airy(size, wavelength_nm) for size in np.unique(grouped).tolist()}
+        made = {
+            size: Acceptance.airy(size, wavelength_nm, allow_unusual=allow_unusual)
+            for size in np.unique(grouped).tolist()
+        }
         return eye.replace(acceptance=[made[size] for size in grouped.tolist()])
     if (focal_length_m is None) == (f_number is None):
         raise Error("acceptance_from_facets: expected either focal_length_m or f_number")
@@ -106,7 +111,9 @@ def acceptance_from_facets(
     rows = np.stack([grouped, focal_length, _grouped(rhabdoms, levels)], axis=1)
     kinds, kind_of = np.unique(rows, axis=0, return_inverse=True)
     kinds_made = [
-        Acceptance.lens_rhabdom(facet, focal, rhabdom, wavelength_nm, model=model)
+        Acceptance.lens_rhabdom(
+            facet, focal, rhabdom, wavelength_nm, model=model, allow_unusual=allow_unusual
+        )
         for facet, focal, rhabdom in kinds.tolist()
     ]
     return eye.replace(acceptance=[kinds_made[kind] for kind in kind_of.ravel().tolist()])

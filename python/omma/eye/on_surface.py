@@ -25,6 +25,8 @@ Floats = NDArray[np.float64]
 NormalOf = Callable[[Floats], Floats]
 AxisAt = Callable[[Floats, Floats], ArrayLike]
 
+_PART = 4096  # directions whose places are looked for at once
+
 
 @checked
 def eye_on_surface(
@@ -34,6 +36,7 @@ def eye_on_surface(
     normal: NormalOf | None = None,
     acceptance_ratio: float = 1.0,
     eye_id: int = 0,
+    progress: Progress | None = None,
 ) -> Eye:
     """The eye that looks in given directions from a surface; facets are its lenses' spacing.
 
@@ -43,6 +46,7 @@ def eye_on_surface(
         normal: the surface's normal where the ommatidium of a direction sits, as a function of
             directions (K, 3) to vectors (K, 3), as `squeezed` makes; None: the direction itself.
         acceptance_ratio: acceptance angle as a multiple of the local interommatidial angle.
+        progress: called as progress(stage, finished fraction or None) now and then.
 
     Raises:
         omma.Error: directions, normals or a ratio that are none; several lenses in one place, as
@@ -50,8 +54,14 @@ def eye_on_surface(
     """
     axes = _vectors(directions, "directions")
     normals = axes if normal is None else _vectors(normal(axes), "normal", len(axes))
-    eye = Eye(surface.point_of_normal(normals), axes, 0.0, 0.0, eye_id)
-    return _finished(eye, acceptance_ratio)
+    tell = progress or (lambda stage, fraction: None)
+    places = []
+    # In parts, so that progress is told and Ctrl-C heard.
+    for start in range(0, len(axes), _PART):
+        tell("placing ommatidia", start / len(axes))
+        places.append(surface.point_of_normal(normals[start : start + _PART]))
+    tell("measuring neighbours", None)
+    return _finished(Eye(np.concatenate(places), axes, 0.0, 0.0, eye_id), acceptance_ratio)
 
 
 @checked

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +20,7 @@ from omma.base.files import PathLike, metres_per_unit
 from omma.base.values import value_class
 from omma.eye.change import set_acceptance
 from omma.eye.facets import facet_diameters_m
+from omma.eye.relaxation import Progress
 from omma.eye.scan_pairs import match_tips, split_eyes
 from omma.eye.scan_tables import ScanTable, read_points
 
@@ -72,6 +74,7 @@ def import_oda(
     acceptance_angle_rad: ArrayLike | None = None,
     ahead: ArrayLike = (0, 0, -1),
     up: ArrayLike = (0, 1, 0),
+    progress: Progress | None = None,
 ) -> ImportedEye:
     """An eye from ``ommatidial_data.csv`` of the Ommatidia Detecting Algorithm (ODA-3D; Currea et
     al. 2023, Communications Biology).
@@ -88,6 +91,7 @@ def import_oda(
         acceptance_ratio: acceptance angle over local interommatidial angle.
         acceptance_angle_rad: acceptance angles instead, (N,) or a number.
         ahead, up: (3,), where the animal's front and its upper side are in the scan.
+        progress: called as progress(stage, finished fraction or None) now and then.
 
     Raises:
         omma.Error: the file cannot be read, lacks a column or has something else in it; it names
@@ -97,6 +101,8 @@ def import_oda(
     metres = metres_per_unit(unit)
     if axis not in ODA_AXES:
         raise Error(f'axis: expected "anatomical" or "approx", found {axis!r}')
+    tell = progress or (lambda stage, fraction: None)
+    tell("reading the scan", None)
     table = ScanTable(name)
     names = next((names for names in ODA_POSITION if set(names) <= set(table.columns)), None)
     if names is None or not set(ODA_AXES.values()) & set(table.columns):
@@ -128,6 +134,7 @@ def import_oda(
         diameter = 2 * np.sqrt(table.numbers("lens_area") / np.pi) * metres
     used = {*names, *ODA_AXES.values(), "lens_diameter"}
     columns = {c: table.extra(c) for c in table.columns if c and c not in used}
+    tell("measuring neighbours", None)
     eye = _make_eye(
         position,
         -inward,
@@ -152,6 +159,7 @@ def import_lens_cone(
     acceptance_angle_rad: ArrayLike | None = None,
     ahead: ArrayLike = (0, 0, -1),
     up: ArrayLike = (0, 1, 0),
+    progress: Progress | None = None,
 ) -> LensConeEye:
     """An eye, or both of a head, from the lenses and the tips of the crystalline cones marked in a
     scan, in any order.
@@ -174,7 +182,7 @@ def import_lens_cone(
             the unit that each file says, in a column Unit or behind the names (x_mm), else "um".
         allow_unmatched: as many lenses as cones are expected, in each eye. With this the points
             left over are reported in the result instead of being an error.
-        acceptance_ratio, acceptance_angle_rad, ahead, up: as in `import_oda`.
+        acceptance_ratio, acceptance_angle_rad, ahead, up, progress: as in `import_oda`.
 
     Raises:
         omma.Error: a file cannot be read, there are fewer than 12 points, or not as many lenses as
@@ -184,13 +192,20 @@ def import_lens_cone(
     from scipy.spatial import cKDTree
 
     metres = None if unit is None else metres_per_unit(unit)
+    tell = progress or (lambda stage, fraction: None)
+    tell("reading the scan", None)
     lens = read_points(lenses, "lenses", metres)
     cone = read_points(cones, "cones", metres)
     head_from_scan = _rotation(ahead, up)
     lens_eye, cone_eye = split_eyes(lens, cone, head_from_scan[0])
     two = bool(lens_eye.any())
     pairs = []
-    for one in range(2 if two else 1):
+    eyes = 2 if two else 1
+
+    def matched(one: int, done: float) -> None:
+        tell("matching lenses and cones", (one + done) / eyes)
+
+    for one in range(eyes):
         members, tips = np.flatnonzero(lens_eye == one), np.flatnonzero(cone_eye == one)
         if len(members) != len(tips) and not allow_unmatched:
             raise Error(
@@ -198,7 +213,11 @@ def import_lens_cone(
                 f"expected as many of each, found {len(members)} and {len(tips)}; "
                 "allow_unmatched leaves out those without a partner"
             )
-        matched_lens, matched_cone, missed = match_tips(lens[members], cone[tips])
+        matched_lens, matched_cone, missed = match_tips(
+            lens[members],
+            cone[tips],
+            partial(matched, one),
+        )
         apart = cKDTree(cone[tips]).query(cone[tips[matched_cone]], k=2)[0][:, 1]
         pairs.append((members[matched_lens], tips[matched_cone], missed, missed > apart / 2))
     which_lens, which_cone, misfit, doubtful = (
@@ -235,6 +254,7 @@ def import_lens_cone(
     left_cones = np.setdiff1d(np.arange(len(cone)), which_cone)
     if len(left_lenses) or len(left_cones):
         notes.append(f"Left out: {len(left_lenses)} lenses and {len(left_cones)} cones.")
+    tell("measuring neighbours", None)
     eye = _make_eye(
         lens_position,
         direction,

@@ -3,6 +3,7 @@ which tip to which lens."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,6 +22,8 @@ Ints = NDArray[np.int64]
 _APART = 4.0
 # Smaller groups are no eyes but strays: marks set wrongly, or a torn-off rim.
 _LEAST_POINTS, _LEAST_FRACTION = 12, 0.1
+
+_MOST_ROUNDS = 20  # of fitting and matching; a few are usual
 
 
 def split_eyes(lens: Floats, cone: Floats, right: Floats) -> tuple[Ints, Ints]:
@@ -89,11 +92,14 @@ def _groups(points: Floats) -> Ints:
     return np.asarray(np.searchsorted(large, group[nearest]), dtype=np.int64)
 
 
-def match_tips(lens: Floats, cone: Floats) -> tuple[Ints, Ints, Floats]:
+def match_tips(
+    lens: Floats, cone: Floats, tell: Callable[[float], object]
+) -> tuple[Ints, Ints, Floats]:
     """Indices of the pairs of one eye by lens, and how far each tip is from where a smooth map of
     the lenses' places (a polynomial of second order, fitted and matched in turn) says it should be.
 
     Lenses and tips are matched one to one with the least sum of squared distances under the map.
+    ``tell`` is told the finished fraction, of the most rounds that it may take.
     """
     from scipy.spatial import cKDTree
 
@@ -108,7 +114,8 @@ def match_tips(lens: Floats, cone: Floats) -> tuple[Ints, Ints, Floats]:
     terms = np.stack([np.ones_like(x), x, y, z, x * x, y * y, z * z, x * y, y * z, z * x], axis=1)
     tree = cKDTree(cone)
     pairs = _assign(predicted, cone, tree)
-    for _ in range(20):
+    for done in range(_MOST_ROUNDS):
+        tell(done / _MOST_ROUNDS)
         which_lens, which_cone = pairs
         missed = np.linalg.norm(predicted[which_lens] - cone[which_cone], axis=1)
         good = missed <= 3 * np.median(missed) + 1e-12

@@ -282,6 +282,7 @@ def _looking(kind: ReceptorType, name: str, right_rad: float, up_rad: float) -> 
         right_rad=right_rad,
         up_rad=up_rad,
         acceptance=kind.acceptance,
+        allow_unusual=True,  # a coarse eye looks far beside its axes
     )
 
 

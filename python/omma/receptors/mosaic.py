@@ -47,7 +47,7 @@ def assign_receptors(
 
     So pale and yellow ommatidia of flies are mixed, and the three types of bees. The same seed
     gives the same draw, whatever ``where`` is. Which type an ommatidium got is in the eye's column
-    "ommatidium_type".
+    "ommatidium_type". Receptor types are numbered in the order given, after those that are kept.
 
     Args:
         types: one, or several with their shares.
@@ -70,26 +70,25 @@ def assign_receptors(
     inside = region_mask(eye, where)
     drawn = np.random.default_rng(seed).random(len(eye))
     kind_of = np.searchsorted(np.cumsum(abundance)[:-1] / abundance.sum(), drawn, side="right")
-    known: list[ReceptorType] = []
-    indices: dict[ReceptorType, int] = {}
-
-    def index_of(receptor: ReceptorType) -> int:
-        if receptor not in indices:
-            indices[receptor] = len(known)
-            known.append(receptor)
-        return indices[receptor]
-
+    # What is kept first, then new types in the order given, whatever the draw.
     before = eye.receptor_types
+    is_kept = np.repeat(~inside, np.diff(eye.first_receptor)) if before else np.zeros(0, bool)
+    kept = [before[t] for t in np.unique(eye.receptor_type[is_kept])]
+    drawn_kinds = np.unique(kind_of[inside]).tolist()
+    new = [receptor for k in drawn_kinds for receptor in kinds[k].receptors]
+    known = list(dict.fromkeys([*kept, *new]))
+    index = {receptor: k for k, receptor in enumerate(known)}
+    receptors_of_kind = {k: [index[one] for one in kinds[k].receptors] for k in drawn_kinds}
+
     lists: list[list[int]] = []
     names = list(eye.columns.get(COLUMN, [""] * len(eye)))
     for i in range(len(eye)):
         if inside[i]:
-            kind = kinds[kind_of[i]]
-            names[i] = kind.name
-            lists.append([index_of(receptor) for receptor in kind.receptors])
+            names[i] = kinds[kind_of[i]].name
+            lists.append(receptors_of_kind[kind_of[i]])
         else:
             own = eye.receptor_type[eye.first_receptor[i] : eye.first_receptor[i + 1]]
-            lists.append([index_of(before[t]) for t in own])
+            lists.append([index[before[t]] for t in own])
     columns = {**eye.columns, COLUMN: [str(name) for name in names]}
     return eye.replace(receptor_types=known, receptors=lists, columns=columns)
 
@@ -139,11 +138,16 @@ def honeybee_ommatidia() -> tuple[OmmatidiumType, OmmatidiumType, OmmatidiumType
     blue, six green; about 44:46:10 of them, mixed rather randomly, III up to 18 % in the front of
     the ventral part (Wakakuwa, Kurasawa, Giurfa and Arikawa, Naturwissenschaften 92:464, 2005). The
     ninth, short cell is left out, as its spectral quality is not known. Peaks at 344, 436 and 544
-    nm (Peitsch et al. 1992, as quoted by others).
+    nm (Peitsch et al. 1992, as quoted by others), in rhabdoms of 320 µm that absorb 0.0067 per µm,
+    so that pigments screen themselves: the receptors of `omma.species.honeybee_worker`.
     """
-    uv = ReceptorType("ultraviolet", peak_wavelength_nm=344)
-    blue = ReceptorType("blue", peak_wavelength_nm=436)
-    greens = (ReceptorType("green", peak_wavelength_nm=544),) * 6
+    uv, blue, green = (
+        ReceptorType(
+            name, peak_wavelength_nm=peak, absorption_per_m=0.0067 * 1e6, length_m=320 * 1e-6
+        )
+        for name, peak in (("ultraviolet", 344), ("blue", 436), ("green", 544))
+    )
+    greens = (green,) * 6
     return (
         OmmatidiumType("I", (uv, blue, *greens), 0.44),
         OmmatidiumType("II", (uv, uv, *greens), 0.46),

@@ -83,7 +83,7 @@ def receptor_matrix(
     A weight is the share of a receptor's sensitivity, over 300 to 700 nm, that lies under the
     spectrum of that primary (docs/receptors.md; the three add up to a flat white from 400 to 700
     nm), or within that band. So a row's sum is the receptor's share of the light that we can see:
-    of a honeybee's green receptor 0.85, of its blue one 0.67, and 0.002 of that for ultraviolet,
+    of a honeybee's green receptor 0.79, of its blue one 0.60, and 0.004 of its ultraviolet one,
     where RGB says nothing.
 
     Args:

@@ -10,12 +10,11 @@ from numpy.typing import NDArray
 
 from omma._core import Acceptance, Eye
 from omma.base.directions import azimuth_elevation_deg_of, direction
-from omma.eye.change import join_eyes, pair_of_eyes
 from omma.eye.facets import facet_diameters_m, set_facets
 from omma.eye.lattice import lay_directions
 from omma.eye.on_surface import eye_on_surface, squeezed
 from omma.eye.surfaces import ellipsoid
-from omma.species.facts import Species, facts, number
+from omma.species.facts import number
 
 Floats = NDArray[np.float64]
 Progress = Callable[[str, "float | None"], object]
@@ -123,17 +122,6 @@ def graded(width_rad: Floats, levels: int = 64) -> list[Acceptance]:
     kind = np.round(np.log(width_rad / low) / step).astype(int)
     classes = [Acceptance.gaussian(low * math.exp(step * k)) for k in range(levels)]
     return [classes[k] for k in kind]
-
-
-def species(name: str, latin: str, right: Eye, left: Eye | None = None) -> Species:
-    """The animal whose right eye this is; the left one is its mirror image unless given."""
-    head = pair_of_eyes(right) if left is None else joined(left, right)
-    return Species(name, latin, head, facts(name))
-
-
-def joined(left: Eye, right: Eye) -> Eye:
-    """A head of two different eyes, both given in the head frame."""
-    return join_eyes([left, right])
 
 
 def degrees(animal: str, quantity: str) -> float:

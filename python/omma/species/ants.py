@@ -22,26 +22,15 @@ from omma.species._shape import (
     on_ellipsoid,
     oval,
     smooth_step,
-    species,
 )
-from omma.species.facts import Species, number
+from omma.species.facts import number
 
 _CATAGLYPHIS = "cataglyphis"
 _MELOPHORUS = "melophorus"
 
 
-def cataglyphis(progress: Progress | None = None) -> Species:
-    """A desert ant worker, *Cataglyphis bicolor*, with its dorsal rim area.
-
-    1,000 ommatidia, 80 of them in the rim: Shuker 2001. Where the rim looks and how dense it is:
-    Duelli 1975, J Comp Physiol 102:43. Receptors (350 and 510 nm), polarisation sensitivities and
-    acceptance angles (3.0° in front, 5.4° in the rim): Labhart 1986, J Comp Physiol A 158:1. A band
-    of finer vertical angles along the horizon: Zollikofer et al. 1995, J Exp Biol 198:1637.
-    Assumed: the angles outside the rim, the field of view, the surface, and the arrangement of the
-    rim: in each
-    ommatidium two ultraviolet receptors with microvilli at right angles, turning evenly through
-    half a turn from the rim's front to its back.
-    """
+def build_cataglyphis(progress: Progress | None) -> list[Eye]:
+    """The right eye, grown anew."""
     outer = number(_CATAGLYPHIS, "outer_angle")
     streak = number(_CATAGLYPHIS, "streak_vertical_angle")
     level = number(_CATAGLYPHIS, "horizontal_angle")
@@ -65,7 +54,7 @@ def cataglyphis(progress: Progress | None = None) -> Species:
         acceptance=graded(np.where(rim, wide, usual)),
         columns={"region": ["dorsal rim" if there else "eye" for there in rim]},
     )
-    return species(_CATAGLYPHIS, "Cataglyphis bicolor", _ant_receptors(eye, rim))
+    return [_ant_receptors(eye, rim)]
 
 
 def _rim_distance(directions: Floats) -> Floats:
@@ -112,14 +101,8 @@ def _ant_receptors(eye: Eye, rim: NDArray[np.bool_]) -> Eye:
     return mixed(eye, [OmmatidiumType("dorsal rim", (along, across, green))], rim)
 
 
-def melophorus(progress: Progress | None = None) -> Species:
-    """A desert ant worker of middling size, *Melophorus bagoti*.
-
-    Numbers of ommatidia, facets, mean interommatidial angle, horizontal field, rhabdom and lens
-    blur: Schwarz et al. 2011, Arthropod Struct Dev 40:128. The acceptance angle is Snyder's rule on
-    their two parts. Assumed: the vertical field (it follows from number and angle), an even
-    lattice, the surface, the receptors (those of *Cataglyphis*).
-    """
+def build_melophorus(progress: Progress | None) -> list[Eye]:
+    """The right eye, grown anew."""
     angle = number(_MELOPHORUS, "mean_interommatidial_angle")
     width = degrees(_MELOPHORUS, "horizontal_field")
     height = degrees(_MELOPHORUS, "vertical_field")
@@ -139,4 +122,4 @@ def melophorus(progress: Progress | None = None) -> Species:
         for name, peak in (("ultraviolet", "uv_peak"), ("green", "green_peak"))
     )
     eye = mixed(eye, [OmmatidiumType("usual", both)])
-    return species(_MELOPHORUS, "Melophorus bagoti", eye)
+    return [eye]

@@ -28,24 +28,16 @@ from omma.species._shape import (
     on_ellipsoid,
     oval,
     smooth_step,
-    species,
 )
-from omma.species.facts import Species, number
+from omma.species.facts import number
 
 _WORKER = "honeybee_worker"
 _DRONE = "honeybee_drone"
 _BUMBLEBEE = "bumblebee"
 
 
-def honeybee_worker(progress: Progress | None = None) -> Species:
-    """A honeybee worker, *Apis mellifera*.
-
-    Directions: Giger 1996 as in Stürzl et al. 2010, Bioinspir Biomim 5:036002. Number of facets,
-    largest facet, focal length, rhabdom: Somanathan et al. 2009, J Exp Biol 212:2448. Acceptance:
-    Eheim & Wehner 1972. Receptors 344, 436 and 544 nm: Peitsch et al. 1992; three types of
-    ommatidia, 44:46:10, at random: Wakakuwa et al. 2005. Assumed: the ellipsoid on which the lenses
-    sit, from whose spacing follow the facets. Not modelled: the dorsal rim area.
-    """
+def build_honeybee_worker(progress: Progress | None) -> list[Eye]:
+    """The right eye, grown anew."""
     if progress:
         progress("placing ommatidia", None)
     azimuth, elevation = worker_directions_deg()
@@ -63,7 +55,7 @@ def honeybee_worker(progress: Progress | None = None) -> Species:
         absorption_per_m=number(_WORKER, "absorption"),
         length_m=number(_WORKER, "rhabdom_length"),
     )
-    return species(_WORKER, "Apis mellifera", mixed(set_facets(eye), kinds))
+    return [mixed(set_facets(eye), kinds)]
 
 
 def worker_directions_deg() -> tuple[Floats, Floats]:
@@ -155,14 +147,8 @@ def _worker_surface_m(azimuth: Floats, elevation: Floats) -> Floats:
     return np.asarray(centre * [1, 1, -1] + semi_axes * unit)
 
 
-def honeybee_drone(progress: Progress | None = None) -> Species:
-    """A honeybee drone: a dorsal eye of large facets and small angles, which looks for queens.
-
-    The divided eye: Menzel et al. 1991, Tissue Cell 23:525. Acceptance of the dorsal eye: from
-    Vallet & Coles 1993, J Comp Physiol A 172:183 (0.41°, 8 %). Receptors: a thesis of the
-    University of Vienna, Phaidra o:1268073. About 8,000 facets: popular accounts. Assumed: the
-    dorsal angle and facet, the field of view, the surface.
-    """
+def build_honeybee_drone(progress: Progress | None) -> list[Eye]:
+    """The right eye, grown anew."""
 
     def dorsal(elevation: Floats) -> Floats:
         border = number(_DRONE, "border_elevation")
@@ -196,7 +182,7 @@ def honeybee_drone(progress: Progress | None = None) -> Species:
         columns={"region": ["dorsal" if up else "ventral" for up in upper]},
     )
     eye = mixed(mixed(eye, bee_kinds(_DRONE, _WORKER)), _dorsal_kinds(), upper)
-    return species(_DRONE, "Apis mellifera", eye)
+    return [eye]
 
 
 def _dorsal_kinds() -> list[OmmatidiumType]:
@@ -209,14 +195,8 @@ def _dorsal_kinds() -> list[OmmatidiumType]:
     ]
 
 
-def bumblebee(progress: Progress | None = None) -> Species:
-    """A bumblebee worker, *Bombus terrestris*.
-
-    Number of ommatidia, angles, facets, extent and skew of the eye: computed from the micro-CT of
-    a worker, BT_77967, by Taylor et al. 2019 (eLife 8:e40613). Receptor peaks are those of
-    *B. hortorum*: Peitsch et al. 1992. Assumed: the smooth course of the angle between the scan's
-    percentiles, the acceptance angle and the shares of ommatidia types (the honeybee's).
-    """
+def build_bumblebee(progress: Progress | None) -> list[Eye]:
+    """The right eye, grown anew."""
     least, largest = (
         number(_BUMBLEBEE, f"{which}_interommatidial_angle") for which in ("least", "largest")
     )
@@ -242,4 +222,4 @@ def bumblebee(progress: Progress | None = None) -> Species:
         acceptance=Acceptance.gaussian(number(_BUMBLEBEE, "acceptance_angle")),
         columns={"region": ["eye"] * len(axis)},
     )
-    return species(_BUMBLEBEE, "Bombus terrestris", mixed(eye, bee_kinds(_BUMBLEBEE, _BUMBLEBEE)))
+    return [mixed(eye, bee_kinds(_BUMBLEBEE, _BUMBLEBEE))]

@@ -18,6 +18,19 @@ from omma.base.arguments import checked, one_of
 from omma.base.values import value_class
 
 STATUSES = ("measured", "interpolated", "assumed")
+# The animals whose eyes there are.
+LATIN = {
+    "honeybee_worker": "Apis mellifera",
+    "honeybee_drone": "Apis mellifera",
+    "bumblebee": "Bombus terrestris",
+    "drosophila": "Drosophila melanogaster",
+    "calliphora": "Calliphora vicina",
+    "holcocephala": "Holcocephala fusca",
+    "cataglyphis": "Cataglyphis bicolor",
+    "melophorus": "Melophorus bagoti",
+    "dragonfly": "Anax junius",
+    "fiddler_crab": "Gelasimus vomeris",
+}
 # To SI: what a unit in the table is worth. Counts, shares and ratios stay as they are.
 _UNITS = {"um": 1e-6, "mm": 1e-3, "nm": 1.0, "per um": 1e6, "deg": math.pi / 180.0}
 

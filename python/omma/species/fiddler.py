@@ -19,24 +19,14 @@ from omma.species._shape import (
     elevation_rad,
     laid,
     smooth_step,
-    species,
 )
-from omma.species.facts import Species, number
+from omma.species.facts import number
 
 _CRAB = "fiddler_crab"
 
 
-def fiddler_crab(progress: Progress | None = None) -> Species:
-    """A fiddler crab, after *Gelasimus* (*Uca*) *vomeris*.
-
-    A panoramic equatorial zone of fine vertical angles, a steeper gradient above it than below,
-    little change horizontally, larger facets at the equator: Zeil & Al-Mutairi 1996, J Exp Biol
-    199:1569 (*Uca lactea annulipes*). Two streaks just above and below the horizon: Bagheri et al.
-    2020, J Exp Biol 223:jeb210195. Receptors: Jordão et al. 2007 (R1-7), J Exp Biol 223:jeb230979
-    (R8); microvilli of R3, R4, R7 horizontal, of the others vertical: Alkaladi & Zeil 2014.
-    Assumed: every angle's number, the number of ommatidia, the facet, acceptance by diffraction,
-    the polarisation sensitivity.
-    """
+def build_fiddler_crab(progress: Progress | None) -> list[Eye]:
+    """The right eye, grown anew."""
     streak, above, below, level = (
         number(_CRAB, name)
         for name in (
@@ -96,7 +86,7 @@ def fiddler_crab(progress: Progress | None = None) -> Species:
     eye = acceptance_from_facets(eye, wavelength_nm=number(_CRAB, "green_peak"))
     region = np.where(np.abs(up) < 2 * at, "streaks", np.where(up > 0, "dorsal", "ventral"))
     eye = eye.replace(columns={"region": region.tolist()})
-    return species(_CRAB, "Gelasimus vomeris", _crab_receptors(eye))
+    return [_crab_receptors(eye)]
 
 
 def _crab_receptors(eye: Eye) -> Eye:

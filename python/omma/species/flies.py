@@ -22,27 +22,18 @@ from omma.species._shape import (
     on_ellipsoid,
     oval,
     smooth_step,
-    species,
 )
-from omma.species.facts import Species, number
+from omma.species.facts import number
 
 _DROSOPHILA = "drosophila"
 _CALLIPHORA = "calliphora"
 
 
-def drosophila(progress: Progress | None = None) -> Species:
-    """A female fruit fly, *Drosophila melanogaster*.
-
-    Lenses (857 right, 852 left), angles (median 4.9°, 5-95 %: 3.8-9.5°) and the spacing of lenses:
-    computed from the micro-CT of Zhao et al. 2025, Nature, s41586-025-09276-5. Acceptance:
-    Gonzalez-Bellido et al. 2011, at second hand. Rhodopsins: Salcedo et al. 1999, J Neurosci
-    19:10716. Pale and yellow ommatidia 30:70 at random. R1 to R6 in neural
-    superposition. Assumed: the smooth course of the angle from the eye's middle to its edge, the
-    field of view, the surface.
-    """
+def build_drosophila(progress: Progress | None) -> list[Eye]:
+    """The left and the right eye, grown anew."""
     right = _drosophila_eye("ommatidia", progress)
     left = mirror_eye(_drosophila_eye("ommatidia_left", progress))
-    return species(_DROSOPHILA, "Drosophila melanogaster", right, left.replace(eye_id=0))
+    return [left.replace(eye_id=0), right]
 
 
 def _drosophila_eye(count: str, progress: Progress | None) -> Eye:
@@ -73,14 +64,8 @@ def _drosophila_eye(count: str, progress: Progress | None) -> Eye:
     return with_fly_receptors(eye, _DROSOPHILA, peaks)
 
 
-def calliphora(progress: Progress | None = None) -> Species:
-    """A female blowfly, *Calliphora*.
-
-    Facet 25 µm, F-number 2.2, rhabdomere 1.4-2.0 µm: the model fly of Stavenga 2004, J Exp Biol
-    207:1703, from which the acceptance functions are computed (mode and diffraction). R7 and R8,
-    and pale to yellow 2:3: Smola & Meffert 1979, J Comp Physiol 133:41. About 4,500 facets: a
-    picture's caption. Assumed: all angles between axes, the field of view, the surface.
-    """
+def build_calliphora(progress: Progress | None) -> list[Eye]:
+    """The right eye, grown anew."""
     ahead, lateral = (
         number(_CALLIPHORA, f"{where}_interommatidial_angle") for where in ("least", "lateral")
     )
@@ -105,4 +90,4 @@ def calliphora(progress: Progress | None = None) -> Species:
     peaks = ("rh1_peak", "r7_pale_peak", "r8_pale_peak", "r7_yellow_peak", "r8_yellow_peak")
     length = number(_CALLIPHORA, "rhabdomere_length")
     eye = with_fly_receptors(eye, _CALLIPHORA, peaks, length_m=length)
-    return species(_CALLIPHORA, "Calliphora vicina", eye)
+    return [eye]

@@ -18,23 +18,15 @@ from omma.eye.on_surface import lay_on_surface
 from omma.receptors.mosaic import OmmatidiumType
 from omma.species._receptors import mixed, receptor
 from omma.species._revolution import Profile, Revolution
-from omma.species._shape import Floats, Progress, blended, laid, smooth_step, species
-from omma.species.facts import Species, number
+from omma.species._shape import Floats, Progress, blended, laid, smooth_step
+from omma.species.facts import number
 
 _HOLCOCEPHALA = "holcocephala"
 _DRAGONFLY = "dragonfly"
 
 
-def holcocephala(progress: Progress | None = None) -> Species:
-    """A robber fly of 6 mm, *Holcocephala fusca*, each of whose eyes has a frontal fovea.
-
-    In the fovea Δφ 0.28° and lenses of 78 µm, elsewhere about 20 µm and several degrees: Wardill et
-    al. 2017, Curr Biol 27:854. "Several thousand lenses": news of the University of Cambridge on
-    it. The front's radius of curvature, 16 mm, follows from the first two. Assumed: the number of
-    ommatidia, how fast facets and curvature change outside the fovea, that it looks straight ahead,
-    and that diffraction alone sets the acceptance angle (the least it can be). Not modelled:
-    receptors.
-    """
+def build_holcocephala(progress: Progress | None) -> list[Eye]:
+    """The right eye, grown anew."""
     front, side = (
         number(_HOLCOCEPHALA, f"{part}_radius_of_curvature") for part in ("front", "side")
     )
@@ -63,18 +55,11 @@ def holcocephala(progress: Progress | None = None) -> Species:
     region = np.where(angle < fovea, "fovea", "eye").tolist()
     eye = eye.replace(eye_id=1, facet_diameter_m=facet(angle), columns={"region": region})
     eye = acceptance_from_facets(eye, wavelength_nm=number(_HOLCOCEPHALA, "wavelength"))
-    return species(_HOLCOCEPHALA, "Holcocephala fusca", eye)
+    return [eye]
 
 
-def dragonfly(progress: Progress | None = None) -> Species:
-    """A large dragonfly, *Anax junius*, with its dorsal acute zone.
-
-    Least Δφ 0.24°: Land 1997, Annu Rev Entomol 42:147. Large dorsal ommatidia, a third of the
-    surface, look at a narrow band from the side over the top: Sherk 1978, J Exp Zool 203:61.
-    "Up to 30,000" ommatidia: popular accounts. Receptors: *Sympetrum*, Meinertzhagen et al. 1983.
-    Assumed: that 0.24° is the angle across the band (along it the eye is far too curved), facets of
-    62 µm in it, the eye's size, everything below, the dorsal receptors, acceptance by diffraction.
-    """
+def build_dragonfly(progress: Progress | None) -> list[Eye]:
+    """The right eye, grown anew."""
     barrel = _Barrel()
     low, high, back, ahead = (
         number(_DRAGONFLY, f"edge_{where}") for where in ("below", "above", "behind", "ahead")
@@ -103,7 +88,7 @@ def dragonfly(progress: Progress | None = None) -> Species:
         columns={"region": np.where(band, "dorsal band", "eye").tolist()},
     )
     eye = acceptance_from_facets(eye, wavelength_nm=number(_DRAGONFLY, "wavelength"))
-    return species(_DRAGONFLY, "Anax junius", _dragonfly_receptors(eye, barrel.dorsal(around)))
+    return [_dragonfly_receptors(eye, barrel.dorsal(around))]
 
 
 class _Barrel:

@@ -1,0 +1,33 @@
+"""What the package brings along to start with: a meadow, and a flight over it."""
+
+from pathlib import Path
+
+from omma._core import Error
+
+__all__ = ["flight", "meadow"]
+
+
+def meadow() -> Path:
+    """Where the bundled meadow is: a glTF scene with the cameras "bee", "bee-low" and "overview".
+
+        scene = omma.load_scene(omma.examples.meadow())
+
+    Raises omma.Error where this installation lacks it.
+    """
+    return _bundled("meadow.glb")
+
+
+def flight() -> Path:
+    """Where the path of a bee over the meadow is: 120 poses, for `omma.load_poses`.
+
+    Raises omma.Error where this installation lacks it.
+    """
+    return _bundled("flight.csv")
+
+
+def _bundled(name: str) -> Path:
+    # Installed by python/CMakeLists.txt, so that the repository has the file once, in examples/.
+    path = Path(__file__).parent / "data" / name
+    if not path.is_file():
+        raise Error(f"{path}: expected the package's own {name}; there is no such file")
+    return path
