@@ -1086,9 +1086,6 @@ class Eye:
 
     def __repr__(self) -> str: ...
 
-    def _repr_html_(self) -> str:
-        """What notebooks show: a map of the axes."""
-
     def __getstate__(self) -> tuple[Any, ...]: ...
 
     def __setstate__(self, state: tuple[Any, ...]) -> None: ...
