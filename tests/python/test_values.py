@@ -53,6 +53,7 @@ def all_round_eye(path=""):
     )
 
 
+TRIANGLE = ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
 LENSES = np.stack(np.meshgrid(*[np.arange(4) * 2e-5] * 2, [0.0]), axis=-1).reshape(-1, 3)
 BULGING = LENSES - [3e-5, 3e-5, 0]
 BULGING[:, 2] = -np.sqrt(1e-6 - BULGING[:, 0] ** 2 - BULGING[:, 1] ** 2)
@@ -108,6 +109,13 @@ def examples(files, tmp_path_factory):
         "rendering.Settings": omma.rendering.Settings(omma.Shared(4), seed=7),
         "rendering.SamplingReport": renderer.render(pose, report=True)[1],
         "scene.Camera": scene.cameras[1],
+        "scene.HitBox": omma.scene.HitBox("nest", *TRIANGLE),
+        "scene.Image": omma.scene.Image(np.zeros((2, 3, 3), np.uint8), "black"),
+        "scene.Instance": scene.instances[0],
+        "scene.Material": omma.scene.Material("paper", unlit=True),
+        "scene.Mesh": omma.scene.Mesh(*TRIANGLE),
+        "scene.Texture": omma.scene.Texture(0),
+        "scene.TextureUse": omma.scene.TextureUse(0),
         "scene.WorldInstance": renderer.world.instances[0],
         "species.Fact": omma.species.facts()[0],
         "species.Source": omma.species.sources()[0],
