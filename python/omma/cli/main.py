@@ -24,7 +24,8 @@ from omma.cli.working import (
 )
 from omma.job.all_cameras import render_all_cameras
 from omma.job.info import describe_file
-from omma.job.rendering import SUFFIXES, render_file
+from omma.job.outputs import SUFFIXES
+from omma.job.rendering import render_file
 from omma.picture.projections import PROJECTIONS
 from omma.rendering.renderer import READING
 from omma.rendering.settings import Samples, fixed_samples
