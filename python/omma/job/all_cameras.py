@@ -20,7 +20,7 @@ from omma.picture.projections import LISTS, Picture, projection_size
 from omma.rendering.renderer import BUILDING, READING, Progress, Renderer
 from omma.rendering.settings import check_picture_settings, fixed_samples
 from omma.scene.backgrounds import parse_background
-from omma.scene.files import load_scene
+from omma.scene.files import read_scene
 from omma.scene.world import World
 
 _LONGEST_NAME = 100
@@ -94,7 +94,7 @@ def render_all_cameras(
     tell: Stage = progress if progress is not None else lambda stage, fraction: None
     start = time.perf_counter()
     tell(READING, None)
-    world = load_scene(scene, scene_index, progress=partial(tell, READING))
+    world = read_scene(scene, scene_index, progress=partial(tell, READING))
     cameras = world.cameras
     if not cameras:
         raise Error(f"{world.path}: has no camera")

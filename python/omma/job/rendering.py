@@ -43,7 +43,7 @@ from omma.rendering.renderer import BUILDING, READING, Renderer
 from omma.rendering.report import SpentRays
 from omma.rendering.settings import Samples, check_picture_settings, fixed_samples
 from omma.scene.backgrounds import parse_background
-from omma.scene.files import load_scene
+from omma.scene.files import read_scene
 from omma.scene.world import World
 
 # Called with what is being done and its finished share (0 to 1), None where that is not known.
@@ -184,7 +184,7 @@ def render_file(
     eye_paths = [eyes] if isinstance(eyes, (str, os.PathLike)) else list(eyes)
     start = time.perf_counter()
     tell(READING, None)
-    world = load_scene(scene, scene_index, progress=partial(tell, READING))
+    world = read_scene(scene, scene_index, progress=partial(tell, READING))
     node = _camera(world, camera, chosen, bool(eye_paths))
     backdrop = parse_background(background) if isinstance(background, str) else background
     if node is not None and not eye_paths and node.type != "compound":
