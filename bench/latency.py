@@ -64,7 +64,7 @@ def main() -> None:
     bee = omma.load_eye(given.data / "bees" / "AM_60185-real.eye")
     print("language,scene,ommatidia,rays,median_us,p99_us,batch_us")
     for eye, samples in ((small, 1), (small, 16), (bee, 16)):
-        renderer = omma.Renderer(scene, eye, samples=samples)
+        renderer = omma.Renderer(scene, eye, omma.Fixed(samples))
         rays = len(eye) * samples
         batch = flight(int(np.clip((1e5 if given.quick else 5e6) / rays, 1, 1024)))
         least_s = 0.0 if given.quick else 1.0

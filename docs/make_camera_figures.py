@@ -86,7 +86,7 @@ def pictures_of(scene: Path) -> list[Shown]:
     """Every camera of a scene."""
     shown = []
     with tempfile.TemporaryDirectory() as folder:
-        report = omma.job.render_all_cameras(scene, folder, width=WIDTH, samples=64)
+        report = omma.job.render_all_cameras(scene, folder, omma.Fixed(64), width=WIDTH)
         library = old_library(scene)
         assert library.getCameraCount() == len(report.cameras)
         for index, camera in enumerate(report.cameras):

@@ -144,7 +144,7 @@ def measure_tails(case: Case, truth: np.ndarray) -> None:
     """A row for each error: how far off those are that say that they have reached it."""
     for target in TARGETS:
         to_error = case.renderer.with_eye(
-            case.renderer.eye, samples="auto", error=target, noise="new_every_frame"
+            case.renderer.eye, omma.ToError(target), noise="new_every_frame"
         )
         responses, report = to_error.render(np.tile(case.pose, (RENDERS, 1, 1)), report=True)
         errors = np.abs(responses - truth).max(axis=-1) / target
@@ -163,7 +163,9 @@ def measure_intervals(case: Case, truth: np.ndarray) -> str:
     """A row: how often the bounds hold, of all responses and of those that vary."""
     fractions = []
     for samples in SAMPLES:
-        fixed = case.renderer.with_eye(case.renderer.eye, samples=samples, noise="new_every_frame")
+        fixed = case.renderer.with_eye(
+            case.renderer.eye, omma.Fixed(samples), noise="new_every_frame"
+        )
         poses = np.tile(case.pose, (RENDERS // 4, 1, 1))
         responses, errors = fixed.render(poses, standard_error=True)
         low, high = omma.study.confidence_interval(fixed.eye, responses, errors, 8 * samples)
@@ -189,7 +191,7 @@ def main() -> None:
           "| worst RMS |\n" + "| --- " * 10 + "|")  # fmt: skip
     for case in cases(arguments.data, arguments.quick):
         truth = case.renderer.with_eye(
-            case.renderer.eye, samples=case.true_samples, seed=99, footprints=False
+            case.renderer.eye, omma.Fixed(case.true_samples), seed=99, footprints=False
         ).render(case.pose)
         measure_tails(case, truth)
         intervals.append(measure_intervals(case, truth))

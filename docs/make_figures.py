@@ -47,11 +47,11 @@ def main() -> None:
     bee = omma.eye.merge_eyes(
         [omma.load_eye(ROOT / "examples" / f"honeybee_worker_{side}.eye") for side in sides]
     )
-    sharp = omma.Renderer(scene, dense_eye(WIDTH, HEIGHT), samples=16).render("bee")[0]
+    sharp = omma.Renderer(scene, dense_eye(WIDTH, HEIGHT), omma.Fixed(16)).render("bee")[0]
     sharp_picture = omma.picture.paint(
         np.arange(WIDTH * HEIGHT, dtype=np.int32).reshape(HEIGHT, WIDTH), sharp
     )
-    seen = omma.Renderer(scene, bee, samples=256).render("bee")[0]
+    seen = omma.Renderer(scene, bee, omma.Fixed(256)).render("bee")[0]
     seen_picture = omma.picture.paint(omma.picture.field_ids(bee, WIDTH, HEIGHT), seen)
 
     figure, axes = plt.subplots(2, 1, figsize=(9, 9.6), layout="constrained", sharex=True)

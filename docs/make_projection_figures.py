@@ -73,7 +73,7 @@ def main() -> None:
             for side in ("left", "right")
         ]
     )
-    renderer = omma.Renderer(scene, bee, samples=64)
+    renderer = omma.Renderer(scene, bee, omma.Fixed(64))
     rays = renderer.render_rays("bee")
     responses = rays.mean(axis=2)
 

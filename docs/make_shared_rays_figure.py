@@ -104,22 +104,20 @@ def rays_for(target: float, rays: list[float], errors: list[float]) -> float:
 
 def measure(name: str, scene: omma.Scene, eye: omma.Eye, pose: np.ndarray, many: int):
     """Error per rays, own and shared, over that of 100 random rays; prints a row of the table."""
-    own = omma.Renderer(scene, eye, samples=many, seed=99)
+    own = omma.Renderer(scene, eye, omma.Fixed(many), seed=99)
     exact = own.render(pose)[0].astype(float)
-    hundred_rays = own.with_eye(eye, samples=100, sampling="random", noise="new_every_frame")
+    hundred_rays = own.with_eye(eye, omma.Fixed(100), points="random", noise="new_every_frame")
     random = hundred_rays.render(np.tile(pose, (4, 1, 1)))
     hundred = rms(random - exact)
     curves = []
-    for share, counts in ((False, OWN), (True, SHARED)):
+    for way, counts in ((omma.Fixed, OWN), (omma.Shared, SHARED)):
         rays, errors = [], []
         for count in counts:
-            seeds = [
-                own.with_eye(eye, samples=count, share_rays=share, seed=seed) for seed in range(6)
-            ]
+            seeds = [own.with_eye(eye, way(count), seed=seed) for seed in range(6)]
             rays.append(seeds[0].rays_per_frame / len(eye))
             found = np.stack([one.render(pose)[0] for one in seeds]) - exact
             errors.append(rms(found) / hundred)
-            if share and count == 2:
+            if way is omma.Shared and count == 2:
                 together = neighbours_correlation(eye, found)
         curves.append((rays, errors))
     shared_rays, own_rays = rays_for(1, *curves[1]), rays_for(1, *curves[0])
@@ -128,7 +126,7 @@ def measure(name: str, scene: omma.Scene, eye: omma.Eye, pose: np.ndarray, many:
     half = [
         np.mean(
             [
-                own.with_eye(eye, samples=64, share_rays=True, seed=seed).render(pose)[0] - exact
+                own.with_eye(eye, omma.Shared(64), seed=seed).render(pose)[0] - exact
                 for seed in seeds
             ],
             axis=0,
@@ -144,27 +142,24 @@ def measure(name: str, scene: omma.Scene, eye: omma.Eye, pose: np.ndarray, many:
 
 
 def measure_overlap(scene: omma.Scene, eye: omma.Eye, poses: np.ndarray) -> None:
-    """Error with share_rays over that without, where fields overlap more and more."""
+    """Error with shared rays over that without, where fields overlap more and more."""
     axes = np.asarray(eye.axis)
     cosine = axes @ axes.T
     np.fill_diagonal(cosine, -1)
     spacing = np.degrees(np.median(np.arccos(cosine.max(axis=1))))
     print(f"\n{len(eye)} axes, nearest neighbours {spacing:.1f} degrees apart")
     print("| acceptance, degrees | sharing | rays | 4 samples | 16 | 64 |")
-    built = omma.Renderer(scene, eye, samples=1)
+    built = omma.Renderer(scene, eye, omma.Fixed(1))
     for acceptance in (2.6, 4, 5, 6, 8, 10, 16):
         as_wide = eye.replace(acceptance=np.radians(acceptance))
-        exact = built.with_eye(as_wide, samples=4096, seed=99).render(poses)
+        exact = built.with_eye(as_wide, omma.Fixed(4096), seed=99).render(poses)
         row = []
         for samples in (4, 16, 64):
             errors = []
-            for share in (True, False):
-                found = [
-                    built.with_eye(as_wide, samples=samples, seed=seed, share_rays=share)
-                    for seed in range(6)
-                ]
+            for way in (omma.Shared, omma.Fixed):
+                found = [built.with_eye(as_wide, way(samples), seed=seed) for seed in range(6)]
                 errors.append(rms(np.stack([one.render(poses) for one in found]) - exact))
-                if share and samples == 16:
+                if way is omma.Shared and samples == 16:
                     sharing = np.mean(found[0].shared_ommatidia)
                     rays = found[0].rays_per_frame / len(eye) / samples
             row.append(errors[0] / errors[1])
@@ -177,16 +172,16 @@ def measure_overlap(scene: omma.Scene, eye: omma.Eye, poses: np.ndarray) -> None
 def measure_building(scene: omma.Scene, eye: omma.Eye) -> None:
     """Seconds on one thread that shared rays take to make, and how many share."""
     print(f"\nmade for {len(eye)} ommatidia, on one thread:")
-    built = omma.Renderer(scene, eye, samples=1, threads=1)
+    built = omma.Renderer(scene, eye, omma.Fixed(1), threads=1)
     for samples in (1, 2, 4, 16, 64, 256):
         seconds = [
             min(
                 built.with_eye(
-                    eye, samples=samples, share_rays=share, seed=seed
+                    eye, way(samples), seed=seed
                 ).build_times["directions_s"]
                 for seed in range(3)
             )
-            for share in (True, False)
+            for way in (omma.Shared, omma.Fixed)
         ]  # fmt: skip
         print(f"{samples:4d} samples: {seconds[0] - seconds[1]:.3f} s", flush=True)
 

@@ -77,7 +77,7 @@ def render_views(
     renderer = omma.Renderer(
         omma.load_scene(scene),
         omma.load_eye(eye, unit="m"),
-        samples=rays,
+        omma.Fixed(rays),
         seed=seed,
         kernel=kernel,
         noise="new_every_frame",

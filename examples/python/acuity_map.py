@@ -24,7 +24,9 @@ def modulation(eye, stripes=STRIPES, samples=256):
     phase = 2 * np.pi * stripes * (np.arange(width) + 0.5) / width
     row = (0.5 + 0.5 * np.sin(phase)).astype(np.float32)
     drum = omma.Background.image(np.repeat(np.repeat(row[None, :, None], 512, 0), 3, 2))
-    renderer = omma.Renderer(omma.Scene(), eye, background=drum, samples=samples, footprints=False)
+    renderer = omma.Renderer(
+        omma.Scene(), eye, omma.Fixed(samples), background=drum, footprints=False
+    )
     turns = np.arange(STEPS) / STEPS
     yaw = np.stack([turns * 360 / stripes, np.zeros(STEPS), np.zeros(STEPS)], axis=1)
     responses = renderer.render(omma.poses_from_angles(np.zeros((STEPS, 3)), yaw))[..., 0]

@@ -26,7 +26,7 @@ print(scene)
 print(head)
 
 # The acceleration structure is built here, once; after that, poses are cheap.
-renderer = omma.Renderer(scene, head, samples=16, seed=0)
+renderer = omma.Renderer(scene, head, omma.Fixed(16), seed=0)
 print(renderer)
 
 # One pose, world_from_head (4, 4): where the head is and where it looks. Here that of a camera.

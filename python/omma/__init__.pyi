@@ -7,6 +7,7 @@ from .picture.cameras import render_camera
 from .picture.files import save_png
 from .rendering.renderer import Renderer
 from .rendering.response_files import save_responses
+from .rendering.settings import Fixed, Shared, ToError
 from .scene.files import load_scene
 from .scene.world import World
 
@@ -15,8 +16,11 @@ __all__ = [
     "Background",
     "Error",
     "Eye",
+    "Fixed",
     "Renderer",
     "Scene",
+    "Shared",
+    "ToError",
     "World",
     "__version__",
     "compat",

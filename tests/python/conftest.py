@@ -130,7 +130,7 @@ def eye(files):
 
 @pytest.fixture(scope="session")
 def renderer(scene, eye):
-    return omma.Renderer(scene, eye, samples=8, threads=2)
+    return omma.Renderer(scene, eye, omma.Fixed(8), threads=2)
 
 
 @pytest.fixture(scope="session")

@@ -66,7 +66,7 @@ def test_receptors_of_fine_bands_are_those_of_rgb(scene, eye):
 
 def test_errors_of_receptors_are_their_own(scene, eye):
     """From the spread of eight scrambles, which single rays tell too: those of one matrix row."""
-    renderer = omma.Renderer(scene, eye, samples=4)
+    renderer = omma.Renderer(scene, eye, omma.Fixed(4))
     matrix = omma.receptors.receptor_matrix(eye)
     responses, errors = renderer.render_receptors(POSE, standard_error=True)
     _, of_bands = renderer.render(POSE, standard_error=True)
@@ -137,9 +137,9 @@ def test_reports_say_which_it_was(tmp_path):
     report = omma.render_file(
         EXAMPLES / "meadow.glb",
         tmp_path / "bee.npy",
+        omma.Fixed(1),
         eyes=EXAMPLES / "honeybee_worker_left.eye",
         position=(0, 1, 0),
-        samples=1,
         backend="portable",
     )
     assert report.backend == "portable"

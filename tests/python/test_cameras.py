@@ -297,7 +297,7 @@ def test_command_renders_a_compound_camera(omma_command, world, tmp_path):
     ids = omma.picture.projection_ids(eye, "spherical_positionwise", 30)
     assert (picture == omma.picture.encode_ids(ids)).all()
     picture, _ = run("--camera", 3, "--projection", "raw_ommatidial_samples", "--samples", 5)
-    renderer = omma.Renderer(world, eye, samples=5)
+    renderer = omma.Renderer(world, eye, omma.Fixed(5))
     rays = renderer.render_rays(world.cameras[3].world_from_camera)
     assert picture.shape == (5, 50, 3)
     assert (picture == omma.picture.project(eye, rays, "raw_ommatidial_samples")).all()
@@ -318,7 +318,7 @@ def test_all_cameras_in_one_command(omma_command, world, tmp_path):
             expected = omma.picture.display(omma.render_camera(world, camera, width=32, samples=4))
         else:
             eye = omma.picture.camera_eye(world, camera)
-            responses = omma.Renderer(world, eye, samples=4).render(camera.world_from_camera)
+            responses = omma.Renderer(world, eye, omma.Fixed(4)).render(camera.world_from_camera)
             which = camera.compound_projection or "spherical_orientationwise"
             # What has a pixel for each ommatidium keeps its size.
             width = None if which == "single_dimension_fast" else 32
@@ -428,7 +428,7 @@ SCENES = [
 @pytest.mark.parametrize(("scene", "count"), SCENES)
 def test_every_camera_of_real_scenes(scene, count, tmp_path):
     path = DATA / "compound-ray" / "scenes" / scene
-    report = omma.job.render_all_cameras(path, tmp_path, width=64, samples=2)
+    report = omma.job.render_all_cameras(path, tmp_path, omma.Fixed(2), width=64)
     assert len(report.cameras) == len(list(tmp_path.glob("*.png"))) == count
     assert report.warnings == tuple(omma.load_scene(path).warnings)
     for camera in report.cameras:

@@ -67,12 +67,12 @@ def test_command_equals_library(rendered, scene, eye):
 
 
 def test_settings(rendered, scene, eye):
-    def expected(**settings):
-        return omma.Renderer(scene, eye, **settings).render("plain")
+    def expected(*sampling, **settings):
+        return omma.Renderer(scene, eye, *sampling, **settings).render("plain")
 
-    assert (rendered("--samples", 3, "--seed", 8) == expected(samples=3, seed=8)).all()
+    assert (rendered("--samples", 3, "--seed", 8) == expected(omma.Fixed(3), seed=8)).all()
     assert (rendered("--kernel", "pillbox") == expected(kernel="pillbox")).all()
-    assert (rendered("--sampling", "random") == expected(sampling="random")).all()
+    assert (rendered("--points", "random") == expected(points="random")).all()
     assert (rendered("--threads", 1) == expected()).all()
     for text, background in [
         ("1,0.5,-0", omma.Background.constant((1, 0.5, 0))),
@@ -307,7 +307,7 @@ BAD_INPUT = [
     ([*RENDER, "--seed", "-1"], "seed"),
     ([*RENDER, "--threads", "-1"], "threads"),
     ([*RENDER, "--threads", "4000"], "--threads: expected 0 (all) to "),
-    ([*RENDER, "--samples", "auto"], "omma: error: --error: expected"),
+    ([*RENDER, "--error", "0"], "omma: error: --error: expected"),
     ([*RENDER, "-o", "OUT/a.png", "--projection", "mollweid"], "did you mean 'mollweide'?"),
     (["eye", "plot", "bug.eye", "--property", "facets", "-o", "OUT/a.png"], "--property: expected"),
     (["eye", "species", "megalopta", "-o", "OUT/a.csv"], "megalopta has numbers"),

@@ -45,7 +45,7 @@ def arena(tmp_path_factory):
         noise="new_every_frame",
     )
     pose = np.eye(4)
-    many = {name: renderer.with_eye(eye, samples=16384, seed=9) for name, eye in EYES.items()}
+    many = {name: renderer.with_eye(eye, omma.Fixed(16384), seed=9) for name, eye in EYES.items()}
     return renderer, {name: each.render(pose)[0, :, 0] for name, each in many.items()}
 
 
@@ -63,7 +63,9 @@ def test_holds_the_truth(arena, name, samples):
     renderer, truth = arena
     eye = EYES[name]
     poses = np.tile(np.eye(4), (8, 1, 1))
-    responses, errors = renderer.with_eye(eye, samples=samples).render(poses, standard_error=True)
+    responses, errors = renderer.with_eye(eye, omma.Fixed(samples)).render(
+        poses, standard_error=True
+    )
     low, high = omma.study.confidence_interval(eye, responses, errors, 8 * samples)
     assert low.shape == high.shape == responses.shape
     student = 2.365 * errors
@@ -78,7 +80,7 @@ def test_holds_the_truth(arena, name, samples):
 def test_holds_it_where_rays_go_to_an_error(arena):
     renderer, truth = arena
     eye = EYES["apart"]
-    to_error = renderer.with_eye(eye, samples="auto", error=0.01)
+    to_error = renderer.with_eye(eye, omma.ToError(0.01))
     responses, report = to_error.render(np.tile(np.eye(4), (8, 1, 1)), report=True)
     low, high = omma.study.confidence_interval(eye, responses, report.standard_error, report.rays)
     assert min(cover(low[..., 0], high[..., 0], truth["apart"])) > 0.95

@@ -13,7 +13,7 @@ xarray = pytest.importorskip("xarray")
 
 @pytest.fixture(scope="module")
 def renderer(scene, eye):
-    return omma.Renderer(scene, eye, samples=4, seed=7)
+    return omma.Renderer(scene, eye, omma.Fixed(4), seed=7)
 
 
 def test_numbers_are_those_of_render(renderer, flight):
@@ -70,13 +70,13 @@ def test_time_in_place_of_poses(renderer, flight):
 
 
 def test_rays_to_an_error(scene, eye, flight):
-    auto = omma.Renderer(scene, eye, samples="auto", error=0.05, max_samples=64)
+    auto = omma.Renderer(scene, eye, omma.ToError(0.05, most=64))
     data = auto.dataset(flight)
     _, report = auto.render(flight, report=True)
     assert np.array_equal(data.rays.values, report.rays)
     assert np.array_equal(data.standard_error.values, report.standard_error)
     assert data.attrs["error"] == 0.05
-    assert data.attrs["samples"] == "auto"
+    assert data.attrs["sampling"] == "ToError"
 
 
 def test_receptors(scene, eye, flight):
@@ -85,7 +85,7 @@ def test_receptors(scene, eye, flight):
         omma.receptors.ReceptorType("aside", peak_wavelength_nm=436, right_rad=0.1),
     ]
     eye = omma.receptors.assign_receptors(eye, omma.receptors.OmmatidiumType("both", tuple(types)))
-    renderer = omma.Renderer(scene, eye, samples=4)
+    renderer = omma.Renderer(scene, eye, omma.Fixed(4))
     data = renderer.dataset(flight, receptors=True, standard_error=True, ultraviolet=(0, 0, 1))
     seen, errors = renderer.render_receptors(flight, standard_error=True, ultraviolet=(0, 0, 1))
     assert data.response.dims == ("pose", "receptor")
@@ -101,7 +101,7 @@ def test_receptors(scene, eye, flight):
 
 def test_other_bands(scene, eye):
     world = omma.World(scene, band_from_rgb=omma.light.band_from_rgb([400, 550, 700]))
-    data = omma.Renderer(world, eye, samples=1).dataset(np.eye(4))
+    data = omma.Renderer(world, eye, omma.Fixed(1)).dataset(np.eye(4))
     assert data.band.values.tolist() == ["band_0", "band_1"]
     assert np.array_equal(json.loads(data.attrs["band_from_rgb"]), world.band_from_rgb)
 
@@ -114,11 +114,11 @@ def test_attributes_say_what_it_was_made_of(renderer, flight, eye, scene):
     with open(scene.path, "rb") as file:
         digest = hashlib.sha256(file.read()).hexdigest()
     assert json.loads(attributes["scene_sha256"])[scene.path] == digest
-    again = omma.Renderer(scene, eye.replace(), samples=1).dataset(flight[:1]).attrs
+    again = omma.Renderer(scene, eye.replace(), omma.Fixed(1)).dataset(flight[:1]).attrs
     assert again["eye_sha256"] == attributes["eye_sha256"]
     other = eye.replace(acceptance=omma.Acceptance.gaussian(0.1))
     assert (
-        omma.Renderer(scene, other, samples=1).dataset(flight[:1]).attrs["eye_sha256"]
+        omma.Renderer(scene, other, omma.Fixed(1)).dataset(flight[:1]).attrs["eye_sha256"]
         != (attributes["eye_sha256"])
     )
 

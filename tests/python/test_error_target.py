@@ -8,11 +8,11 @@ import omma
 
 @pytest.fixture(scope="module")
 def auto(scene, eye):
-    return omma.Renderer(scene, eye, samples="auto", error=0.01, max_samples=512)
+    return omma.Renderer(scene, eye, omma.ToError(0.01, most=512))
 
 
 def test_reaches_the_error(scene, eye, flight):
-    renderer = omma.Renderer(scene, eye, samples="auto", error=0.01)
+    renderer = omma.Renderer(scene, eye, omma.ToError(0.01))
     responses, report = renderer.render(flight, report=True)
     assert responses.shape == report.standard_error.shape == (9, 60, 3)
     assert report.rays.shape == (9, 60)
@@ -24,7 +24,7 @@ def test_reaches_the_error(scene, eye, flight):
     assert report.missed.shape == (0, 2)
     assert report.total_rays == report.rays.sum()
     assert report.mean_rays == pytest.approx(report.rays.mean())
-    truth = omma.Renderer(scene, eye, samples=8192).render(flight)
+    truth = omma.Renderer(scene, eye, omma.Fixed(8192)).render(flight)
     # Estimates are above the true error, so that its mean square over all is below the target's.
     assert np.sqrt(np.mean((responses - truth) ** 2)) < 0.01
 
@@ -33,16 +33,16 @@ def test_small_errors_start_with_more_rays(scene, eye):
     pose, black = np.eye(4), omma.Background.constant((0, 0, 0))
     pose[1, 3] = -5  # below the ground, whose back is not seen
     for error, least in ((0.1, 8), (0.0063, 8), (0.006, 16), (0.003, 32), (1e-5, 64)):
-        renderer = omma.Renderer(scene, eye, samples="auto", error=error, background=black)
-        assert renderer.min_samples == least
+        renderer = omma.Renderer(scene, eye, omma.ToError(error), background=black)
+        assert renderer.settings.sampling.limits()[0] == least
         _, report = renderer.render(pose, report=True)
         assert (report.rays == least).all()
         # Asked for, it is what was asked for, and it is never above the most.
-        assert renderer.with_eye(eye, min_samples=4).min_samples == 4
-        few = omma.Renderer(scene, eye, samples="auto", error=error, max_samples=20)
-        assert few.min_samples == min(16, least)
-        assert renderer.with_eye(eye, error=0.01).min_samples == 8
-    assert omma.Renderer(scene, eye, samples="auto", error=1e-5, max_samples=7, min_samples=4)
+        assert omma.ToError(error, least=4).limits() == (4, 4096)
+        assert omma.ToError(error, most=20).limits() == (min(16, least), 20)
+        few = renderer.with_eye(eye, omma.ToError(error, most=20))
+        assert (few.render(pose, report=True)[1].rays == min(16, least)).all()
+    assert omma.Renderer(scene, eye, omma.ToError(1e-5, least=4, most=7))
 
 
 def test_what_is_returned_is_one_render(auto, flight):
@@ -65,7 +65,7 @@ def test_what_is_returned_is_one_render(auto, flight):
 
 
 def test_missed_ommatidia_are_named(scene, eye, flight):
-    renderer = omma.Renderer(scene, eye, samples="auto", error=1e-4, min_samples=4, max_samples=8)
+    renderer = omma.Renderer(scene, eye, omma.ToError(1e-4, least=4, most=8))
     _, report = renderer.render(flight, report=True)
     expected = [
         (pose, ommatidium)
@@ -109,61 +109,52 @@ def test_the_report_in_words():
 
 
 def test_settings_can_be_read(auto, renderer):
-    assert (auto.samples, auto.error) == ("auto", 0.01)
-    assert (auto.min_samples, auto.max_samples) == (8, 512)
-    assert "to an error of 0.01" in repr(auto)
-    assert (renderer.samples, renderer.error) == (8, None)
-    assert (renderer.min_samples, renderer.max_samples) == (None, None)
+    assert auto.settings.sampling == omma.ToError(0.01, most=512)
+    assert auto.settings.sampling.limits() == (8, 512)
+    assert "ToError(error=0.01, " in repr(auto)
+    assert renderer.settings.sampling == omma.Fixed(8)
 
 
 def test_with_eye(auto, renderer, eye, flight):
-    finer = auto.with_eye(eye, error=0.002)
-    assert (finer.error, finer.min_samples, finer.max_samples) == (0.002, 32, 512)
-    fixed = auto.with_eye(eye, samples=8)
-    assert (fixed.samples, fixed.error) == (8, None)
+    again = auto.with_eye(eye)
+    assert again.settings == auto.settings
+    assert (again.render(flight) == auto.render(flight)).all()
+    fixed = auto.with_eye(eye, omma.Fixed(8))
+    assert fixed.settings.sampling == omma.Fixed(8)
     assert (fixed.render(flight) == renderer.render(flight)).all()
-    back = renderer.with_eye(eye, samples="auto", error=0.01, min_samples=8, max_samples=512)
+    back = renderer.with_eye(eye, omma.ToError(0.01, least=8, most=512))
     assert (back.render(flight) == auto.render(flight)).all()
-    assert auto.with_eye(eye, min_samples=16).min_samples == 16
-    assert auto.with_eye(eye, seed=4).error == 0.01
-    with pytest.raises(omma.Error, match="error: is for samples='auto', found samples=8"):
-        renderer.with_eye(eye, error=0.01)
-    with pytest.raises(omma.Error, match="error: expected the standard error"):
-        renderer.with_eye(eye, samples="auto")
-
-
-AUTO = {"samples": "auto", "error": 0.01}
+    assert auto.with_eye(eye, seed=4).settings == omma.rendering.Settings(
+        omma.ToError(0.01, most=512), seed=4
+    )
 
 
 @pytest.mark.parametrize(
-    ("arguments", "kind", "word"),
+    ("make", "kind", "word"),
     [
-        ({"samples": "auto"}, omma.Error, "^error: expected the standard error"),
-        ({"samples": "many"}, omma.Error, "^samples: expected a whole number or 'auto', .*'many'"),
-        ({"error": 0.01}, omma.Error, "^error: is for samples='auto', found samples=16"),
-        ({"min_samples": 8}, omma.Error, "^min_samples: is for samples='auto'"),
-        ({"max_samples": 8}, omma.Error, "^max_samples: is for samples='auto'"),
-        (AUTO | {"error": 0}, omma.Error, "^error: expected a number above 0, found 0"),
-        (AUTO | {"error": -1}, omma.Error, "^error: .*found -1"),
-        (AUTO | {"error": float("nan")}, omma.Error, "^error: .*found nan"),
-        (AUTO | {"error": float("inf")}, omma.Error, "^error: .*found inf"),
-        (AUTO | {"min_samples": 2}, omma.Error, "^min_samples: expected 4 to 1048576, found 2"),
-        (AUTO | {"min_samples": 12}, omma.Error, "^min_samples: expected a power of two, found 12"),
-        (AUTO | {"max_samples": 7}, omma.Error, "^max_samples: expected 8 to 1048576, found 7"),
-        (AUTO | {"max_samples": 9.5}, TypeError, "^max_samples: expected a whole number"),
+        (lambda: omma.Fixed("many"), TypeError, "^samples: expected a whole number, found str"),
+        (lambda: omma.Fixed(0), omma.Error, "^samples: expected 1 to 1048576, found 0"),
+        (lambda: omma.ToError(0), omma.Error, "^error: expected a number above 0, found 0"),
+        (lambda: omma.ToError(-1), omma.Error, "^error: .*found -1"),
+        (lambda: omma.ToError(float("nan")), omma.Error, "^error: .*found nan"),
+        (lambda: omma.ToError(float("inf")), omma.Error, "^error: .*found inf"),
+        (lambda: omma.ToError(0.1, least=2), omma.Error, "^least: expected 4 to 1048576, found 2"),
+        (lambda: omma.ToError(0.1, 12), omma.Error, "^least: expected a power of two, found 12"),
+        (lambda: omma.ToError(0.1, 8, 7), omma.Error, "^most: expected 8 to 1048576, found 7"),
+        (lambda: omma.ToError(0.1, most=9.5), TypeError, "^most: expected a whole number"),
     ],
 )
-def test_wrong_arguments(scene, eye, arguments, kind, word):
+def test_wrong_targets(make, kind, word):
     with pytest.raises(kind, match=word):
-        omma.Renderer(scene, eye, **arguments)
+        make()
 
 
 def test_wrong_calls(auto, renderer, flight):
-    with pytest.raises(omma.Error, match="report: is for samples='auto', found samples=8"):
+    with pytest.raises(omma.Error, match=r"report: is for renders to an error .*Fixed"):
         renderer.render(flight, report=True)
     with pytest.raises(omma.Error, match="report: has the standard errors"):
         auto.render(flight, report=True, standard_error=True)
-    with pytest.raises(omma.Error, match="samples: expected a number for render_rays"):
+    with pytest.raises(omma.Error, match=r"expected omma\.Fixed for render_rays"):
         auto.render_rays(flight)
 
 
@@ -177,11 +168,11 @@ def test_command(omma_command, scene, eye, flight, tmp_path, monkeypatch):
     monkeypatch.setattr("omma.job.pieces._PIECE_BYTES", 60 * 12 * 2)  # two poses at once
     path, out = tmp_path / "flight.csv", tmp_path / "a.npy"
     path.write_text("x,y,z,qx,qy,qz,qw\n" + "".join(f"{x},1,0,0,0,0,1\n" for x in range(5)))
-    arguments = ("--eye", "bug.eye", "--path", path, "--samples", "auto", "--error", 0.002)
-    limits = ("--min-samples", 4, "--max-samples", 32)
+    arguments = ("--eye", "bug.eye", "--path", path, "--error", 0.002)
+    limits = ("--least", 4, "--most", 32)
     code, said, err = omma_command(*arguments, *limits, "--standard-error", "-o", out)
     assert (code, err) == (0, "")
-    renderer = omma.Renderer(scene, eye, samples="auto", error=0.002, min_samples=4, max_samples=32)
+    renderer = omma.Renderer(scene, eye, omma.ToError(0.002, least=4, most=32))
     responses, report = renderer.render(omma.load_poses(path), report=True)
     assert (np.load(out) == responses).all()
     assert (np.load(tmp_path / "a.error.npy") == report.standard_error).all()
@@ -192,9 +183,7 @@ def test_command(omma_command, scene, eye, flight, tmp_path, monkeypatch):
 
 
 def test_command_that_reaches_it(omma_command, tmp_path):
-    code, said, _ = omma_command(
-        *("--eye", "bug.eye", "--samples", "auto", "--error", 0.05, "-o", tmp_path / "a.npy")
-    )
+    code, said, _ = omma_command(*("--eye", "bug.eye", "--error", 0.05, "-o", tmp_path / "a.npy"))
     assert code == 0
     assert "error      all 60 responses reached 0.05 (estimated)\n" in said
     assert [path.name for path in tmp_path.iterdir()] == ["a.npy"]
@@ -217,13 +206,13 @@ def test_footprints_can_be_left_out(omma_command, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "code", "word"),
     [
-        (("--samples", "auto"), 1, "error: expected the standard error"),
+        (("--least", "8"), 1, "--least: goes with --error"),
         (("--samples", "many"), 2, "--samples"),
-        (("--error", "0.01"), 1, "error: is for samples='auto'"),
-        (("--samples", "auto", "--error", "0"), 1, "error: expected a number above 0"),
+        (("--error", "0.01", "--samples", "8"), 1, "--samples and --error: only one of them"),
+        (("--shared", "4", "--samples", "8"), 1, "--samples and --shared: only one of them"),
+        (("--error", "0"), 1, "error: expected a number above 0"),
         (("--samples", "0"), 1, "samples: expected 1 to 1048576, found 0"),
-        (("--camera", "plain", "--samples", "auto", "--error", "1"), 1, "samples='auto'"),
-        (("--all-cameras", "--samples", "auto"), 1, "--samples auto"),
+        (("--camera", "plain", "--error", "1"), 1, "expected omma.Fixed for a picture"),
         (("--all-cameras", "--error", "0.1"), 1, "--error"),
     ],
 )

@@ -223,7 +223,7 @@ def test_bee_sees_sky_above_and_green_below():
     axis = np.array([[0, 1, 0], [0, -0.8, -0.6]])
     # The lower one is wide: the average over the grass in front, not one blade of it.
     eye = omma.Eye(np.zeros((2, 3)), axis, np.radians([0.1, 40]))
-    up, down = omma.Renderer(scene, eye, samples=256).render("bee")[0]
+    up, down = omma.Renderer(scene, eye, omma.Fixed(256)).render("bee")[0]
     # The simple sky goes linearly in elevation from the horizon to the zenith; the head is tilted.
     head_up = scene.camera("bee").world_from_camera[:3, 1]
     fraction = math.asin(head_up[1]) / (math.pi / 2)

@@ -20,7 +20,7 @@ import omma
 axes = np.random.default_rng(0).normal(size=(2000, 3))
 eye = omma.Eye(0 * axes, axes, 0.1)
 poses = np.repeat(np.eye(4)[None], 10_000, axis=0)
-renderer = omma.Renderer(omma.Scene(), eye, samples=1024, threads=1)
+renderer = omma.Renderer(omma.Scene(), eye, omma.Fixed(1024), threads=1)
 out = np.zeros((10_000, 2000, 3), np.float32)
 begun = threading.Event()
 def render(progress=None):
@@ -31,7 +31,7 @@ def told(share):
 def build():
     begun.set()
     while True:
-        omma.Renderer(omma.Scene(), eye, samples=256, threads=1)
+        omma.Renderer(omma.Scene(), eye, omma.Fixed(256), threads=1)
 def measure():
     crowd = omma.Eye(np.zeros((100_000, 3)), np.tile([0.0, 0, -1], (100_000, 1)), 0.1)
     begun.set()

@@ -82,7 +82,7 @@ rng = np.random.default_rng(1)
 axis = rng.normal(size=(2000, 3))
 eye = omma.Eye(np.zeros_like(axis), axis, 0.1)
 scene = omma.load_scene(__import__("sys").argv[1])
-renderer = omma.Renderer(scene, eye, samples=64)
+renderer = omma.Renderer(scene, eye, omma.Fixed(64))
 poses = np.tile(np.eye(4), (400, 1, 1))
 poses[:, 1, 3] = 1
 expected = renderer.render(poses)
@@ -124,8 +124,8 @@ def test_scenes_far_from_the_origin(tmp_path, distance_m):
     eye = make_eye(400)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        expected = omma.Renderer(near, eye, samples=64).render("head")
-        found = omma.Renderer(far, eye, samples=64).render("head")
+        expected = omma.Renderer(near, eye, omma.Fixed(64)).render("head")
+        found = omma.Renderer(far, eye, omma.Fixed(64)).render("head")
         pictures = [omma.render_camera(scene, "head", width=64, height=64) for scene in (near, far)]
     # The ground's colours change by 0.1 a metre and floats are 1e-7 of its 10 m, doubles 1e-9 m at
     # 1e7 m; a ray or two of all may fall on the other side of an edge.

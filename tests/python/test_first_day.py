@@ -35,19 +35,19 @@ def small_eye():
 
 
 def test_render_from_a_camera(meadow, bee):
-    responses = omma.Renderer(meadow, bee, samples=1).render("bee")
+    responses = omma.Renderer(meadow, bee, omma.Fixed(1)).render("bee")
     assert responses.shape == (1, len(bee), 3)
     assert responses.dtype == np.float32
 
 
 def test_render_from_a_place(meadow, small_eye):
     pose = omma.look_at((0, 1, 2), (0, 1, -5))
-    assert omma.Renderer(meadow, small_eye, samples=4).render(pose).mean() > 0
+    assert omma.Renderer(meadow, small_eye, omma.Fixed(4)).render(pose).mean() > 0
 
 
 def test_fly_a_path(meadow, small_eye):
     path = omma.load_poses(EXAMPLES / "flight.csv")
-    renderer = omma.Renderer(meadow, small_eye, samples=1)
+    renderer = omma.Renderer(meadow, small_eye, omma.Fixed(1))
     assert renderer.render(path[:20]).shape == (20, 300, 3)
 
 
@@ -55,25 +55,25 @@ def test_turn_on_the_spot(meadow, small_eye):
     yaw = np.arange(0, 360, 30)
     angles = np.stack([yaw, 0 * yaw, 0 * yaw], axis=1)
     turned = omma.poses_from_angles(np.tile([0.0, 1, 0], (len(yaw), 1)), angles)
-    seen = omma.Renderer(meadow, small_eye, samples=1).render(turned)
+    seen = omma.Renderer(meadow, small_eye, omma.Fixed(1)).render(turned)
     assert not np.array_equal(seen[0], seen[3])
 
 
 def test_error_bars(meadow, small_eye):
-    renderer = omma.Renderer(meadow, small_eye, samples=4)
+    renderer = omma.Renderer(meadow, small_eye, omma.Fixed(4))
     responses, errors = renderer.render("bee", standard_error=True)
     assert errors.shape == responses.shape
     assert (errors >= 0).all()
 
 
 def test_rays_to_an_error(meadow, small_eye):
-    renderer = omma.Renderer(meadow, small_eye, samples="auto", error=0.02)
+    renderer = omma.Renderer(meadow, small_eye, omma.ToError(0.02))
     _, report = renderer.render("bee", report=True)
     assert report.rays.min() >= 8
 
 
 def test_a_picture_of_what_the_eye_sees(meadow, bee):
-    responses = omma.Renderer(meadow, bee, samples=1).render("bee")
+    responses = omma.Renderer(meadow, bee, omma.Fixed(1)).render("bee")
     omma.save_png("bee.png", omma.picture.project(bee, responses[0], "mollweide", 400))
     assert Path("bee.png").stat().st_size > 1000
 
@@ -85,7 +85,7 @@ def test_a_picture_of_the_scene(meadow):
 
 
 def test_numbers_for_a_spreadsheet(meadow, small_eye):
-    responses = omma.Renderer(meadow, small_eye, samples=1).render("bee")
+    responses = omma.Renderer(meadow, small_eye, omma.Fixed(1)).render("bee")
     omma.save_responses("seen.csv", responses, small_eye)
     assert len(Path("seen.csv").read_text().splitlines()) == 301
 
@@ -105,36 +105,36 @@ def test_measure_an_eye(bee):
 def test_sharper_eyes(meadow, small_eye):
     sharp = small_eye.replace(acceptance=omma.Acceptance.gaussian(np.radians(2.0)))
     blurred = small_eye.replace(acceptance=omma.Acceptance.gaussian(np.radians(40.0)))
-    renderer = omma.Renderer(meadow, sharp, samples=64)
+    renderer = omma.Renderer(meadow, sharp, omma.Fixed(64))
     assert renderer.render("bee").std() > renderer.with_eye(blurred).render("bee").std()
 
 
 def test_what_receptors_answer(meadow, small_eye):
     green = omma.receptors.ReceptorType("green", peak_wavelength_nm=544)
     eye = omma.receptors.assign_receptors(small_eye, omma.receptors.OmmatidiumType("all", (green,)))
-    assert omma.Renderer(meadow, eye, samples=1).render_receptors("bee").shape == (1, 300)
+    assert omma.Renderer(meadow, eye, omma.Fixed(1)).render_receptors("bee").shape == (1, 300)
 
 
 def test_bands_of_light(meadow, small_eye):
     world = omma.World(meadow, band_from_rgb=omma.light.band_from_rgb([400, 500, 600, 700]))
-    assert omma.Renderer(world, small_eye, samples=1).render("bee").shape == (1, 300, 3)
+    assert omma.Renderer(world, small_eye, omma.Fixed(1)).render("bee").shape == (1, 300, 3)
 
 
 def test_another_sky(meadow, small_eye):
     white = omma.Background.constant((1, 1, 1))
     high = omma.look_at((0, 500, 0), (0, 1000, 1))
-    assert omma.Renderer(meadow, small_eye, background=white, samples=1).render(high).max() == 1
+    assert omma.Renderer(meadow, small_eye, omma.Fixed(1), background=white).render(high).max() == 1
 
 
 def test_two_animals_in_one_world(meadow, small_eye, bee):
     world = omma.World(meadow)
     for eye in (small_eye, bee):
-        assert omma.Renderer(world, eye, samples=1).render("bee").shape[1] == len(eye)
+        assert omma.Renderer(world, eye, omma.Fixed(1)).render("bee").shape[1] == len(eye)
 
 
 def test_something_moves(meadow, small_eye):
     world = omma.World(meadow)
-    renderer = omma.Renderer(world, small_eye, samples=1)
+    renderer = omma.Renderer(world, small_eye, omma.Fixed(1))
     before = renderer.render("bee")
     thing = world.instances[0].name
     world.set_transforms(thing, np.diag([1.0, 1, 1, 1]) + np.eye(4, k=3) * 50)
@@ -142,7 +142,7 @@ def test_something_moves(meadow, small_eye):
 
 
 def test_several_threads_of_python(meadow, small_eye):
-    renderer = omma.Renderer(meadow, small_eye, samples=1)
+    renderer = omma.Renderer(meadow, small_eye, omma.Fixed(1))
     poses = omma.load_poses(EXAMPLES / "flight.csv")[:8]
     with ThreadPoolExecutor(2) as pool:
         seen = list(pool.map(renderer.render, poses))
@@ -158,8 +158,8 @@ def test_from_file_to_file():
     report = omma.render_file(
         EXAMPLES / "meadow.glb",
         ["bee.npy", "bee.png"],
+        omma.Fixed(1),
         eyes=EXAMPLES / "honeybee_worker_left.eye",
-        samples=1,
     )
     assert np.load("bee.npy").shape[2] == 3
     assert {os.path.basename(name) for name in report.outputs} == {"bee.npy", "bee.png"}

@@ -14,7 +14,7 @@ import omma
 
 rng = np.random.default_rng(0)
 eye = omma.Eye(np.zeros((2000, 3)), rng.normal(size=(2000, 3)), 0.1)
-renderer = omma.Renderer(omma.Scene(), eye, samples=65536)
+renderer = omma.Renderer(omma.Scene(), eye, omma.Fixed(65536))
 poses = np.repeat(np.eye(4)[None], 1000, axis=0)
 print("rendering", flush=True)
 try:

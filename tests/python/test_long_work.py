@@ -61,18 +61,18 @@ WORKS = {
         "[omma.Renderer(omma.Scene(), eye) for again in range(100)]",
     ),
     "widths of many maps": (MAPS, "omma.Eye(axes, axes, acceptance=maps)"),
-    "a render": (RENDERER.format(settings="samples=65536"), RENDER),
-    "a render with one thread": (RENDERER.format(settings="samples=65536, threads=1"), RENDER),
+    "a render": (RENDERER.format(settings="omma.Fixed(65536)"), RENDER),
+    "a render with one thread": (RENDERER.format(settings="omma.Fixed(65536), threads=1"), RENDER),
     "a render of random rays": (
-        RENDERER.format(settings="samples=65536, sampling='random', threads=2"),
+        RENDERER.format(settings="omma.Fixed(65536), points='random', threads=2"),
         RENDER,
     ),
     "a render piece by piece": (
-        RENDERER.format(settings="samples=256"),
+        RENDERER.format(settings="omma.Fixed(256)"),
         "for response in renderer.render_iter((np.eye(4) for i in range(100_000)), chunk=8): pass",
     ),
     "shared rays for standard errors": (
-        RENDERER.format(settings="samples=2, share_rays=True"),
+        RENDERER.format(settings="omma.Shared(2)"),
         "while True: renderer.with_eye(eye).render(np.eye(4), standard_error=True)",
     ),
     "a design": (
@@ -122,7 +122,7 @@ def test_points_in_a_hit_box(tmp_path):
 
 def test_nothing_goes_on_afterwards_and_the_renderer_still_works():
     text = (
-        ALL_ROUND + "renderer = omma.Renderer(omma.Scene(), eye, samples=4096)\n"
+        ALL_ROUND + "renderer = omma.Renderer(omma.Scene(), eye, omma.Fixed(4096))\n"
         "def stop(share):\n"
         "    raise KeyboardInterrupt\n"
         "try:\n"

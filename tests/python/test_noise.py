@@ -36,17 +36,17 @@ def in_ways(make, poses):
     ]
 
 
-@pytest.mark.parametrize("sampling", ["low_discrepancy", "random"])
-@pytest.mark.parametrize("more", [{"samples": 8}, {"samples": "auto", "error": 0.02}])
-def test_every_way_of_calling_has_the_same_noise(scene, wide, still, sampling, more):
+@pytest.mark.parametrize("points", ["low_discrepancy", "random"])
+@pytest.mark.parametrize("sampling", [omma.Fixed(8), omma.ToError(0.02)])
+def test_every_way_of_calling_has_the_same_noise(scene, wide, still, points, sampling):
     def frozen():
-        return omma.Renderer(scene, wide, sampling=sampling, **more)
+        return omma.Renderer(scene, wide, sampling, points=points)
 
     def new():
-        return omma.Renderer(scene, wide, sampling=sampling, noise="new_every_frame", **more)
+        return omma.Renderer(scene, wide, sampling, points=points, noise="new_every_frame")
 
-    assert frozen().noise == "frozen"
-    assert new().noise == "new_every_frame"
+    assert frozen().settings.noise == "frozen"
+    assert new().settings.noise == "new_every_frame"
     expected = frozen().render(still)
     assert (expected == expected[0]).all()
     for found in in_ways(frozen, still):
@@ -59,7 +59,7 @@ def test_every_way_of_calling_has_the_same_noise(scene, wide, still, sampling, m
 
 
 def test_frames_without_a_number_are_counted(scene, wide, still):
-    renderer = omma.Renderer(scene, wide, samples=8, noise="new_every_frame")
+    renderer = omma.Renderer(scene, wide, omma.Fixed(8), noise="new_every_frame")
     whole = renderer.render(still)
     assert not np.array_equal(renderer.render(still), whole)
     assert np.array_equal(renderer.render(still, first_pose=0), whole)
@@ -72,7 +72,7 @@ def test_names_and_what_does_not_go_together(scene, wide):
     with pytest.raises(omma.Error, match="noise: expected one of frozen, new_every_frame"):
         omma.Renderer(scene, wide, noise="white")
     with pytest.raises(omma.Error, match="noise: expected frozen where rays are shared"):
-        omma.Renderer(scene, wide, noise="new_every_frame", share_rays=True)
+        omma.Renderer(scene, wide, omma.Shared(), noise="new_every_frame")
 
 
 def test_files_have_the_noise_asked_for(files, tmp_path):
@@ -82,7 +82,7 @@ def test_files_have_the_noise_asked_for(files, tmp_path):
     for noise in ("frozen", "new_every_frame"):
         out = tmp_path / f"{noise}.npy"
         omma.render_file(
-            files / "scene.gltf", out, eyes=files / "bug.eye", path=path, samples=4, noise=noise
+            files / "scene.gltf", out, omma.Fixed(4), eyes=files / "bug.eye", path=path, noise=noise
         )
         found[noise] = np.load(out)
     assert (found["frozen"] == found["frozen"][0]).all()

@@ -91,7 +91,7 @@ def public_calls(folder):
         "azimuth_deg,elevation_deg,dphi_h_deg\n0,0,5\n1,0,5\n0,1,5\n1,1,5\n"
     )
     scene = omma.load_scene(scene_file)
-    renderer = omma.Renderer(scene, eye, samples=1, threads=1)
+    renderer = omma.Renderer(scene, eye, omma.Fixed(1), threads=1)
     pose = np.eye(4)
     rgb = np.zeros((24, 3), np.float32)
     bee = omma.receptors.assign_receptors(eye, omma.receptors.honeybee_ommatidia())
@@ -209,11 +209,13 @@ def public_calls(folder):
         "receptor_matrix": (bee,),
         "receptor_optical_sensitivity": (bee,),
         "render_all_cameras": {
-            "scene": scene_file, "folder": folder / "all", "width": 8, "height": 4, "samples": 1,
+            "scene": scene_file, "folder": folder / "all", "width": 8, "height": 4,
+            "sampling": omma.Fixed(1),
         },
         "render_camera": {"scene": renderer, "camera": 0, "width": 8, "height": 4, "samples": 1},
         "render_file": {
-            "scene": scene_file, "outputs": [csv], "eyes": [folder / "bug.eye"], "samples": 1,
+            "scene": scene_file, "outputs": [csv], "eyes": [folder / "bug.eye"],
+            "sampling": omma.Fixed(1),
         },
         "rescale_eye": (eye, 2.0),
         "response_variances": {
@@ -248,7 +250,7 @@ def public_calls(folder):
         "species.facts_text": ("honeybee_worker",),
     }  # fmt: skip
     methods = {
-        "Renderer": (omma.Renderer(scene, bee, samples=1, threads=1), {
+        "Renderer": (omma.Renderer(scene, bee, omma.Fixed(1), threads=1), {
             "render": (pose,), "render_rays": (pose,), "render_receptors": (pose,),
             "with_eye": (eye,), "render_iter": ([pose],), "dataset": (pose,),
         }),

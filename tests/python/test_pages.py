@@ -34,7 +34,7 @@ import omma
 scene = omma.load_scene("meadow.glb")
 eye = omma.eye.merge_eyes([omma.load_eye("left.eye"), omma.load_eye("right.eye")])
 poses = np.stack([omma.look_at((x, 1, 0), (x, 1, -5)) for x in (0.0, 0.1)])
-renderer = omma.Renderer(scene, eye, samples=1)
+renderer = omma.Renderer(scene, eye, omma.Fixed(1))
 responses = renderer.render("bee")[0]
 """
 

@@ -112,8 +112,8 @@ def test_standard_errors_are_written_beside(run_omma, fly, files):
         (["--camera", "plain", "--receptors", "-o", "r.npy"], "receptors: is for eyes"),
         (["--all-cameras", "--receptors", "-o", "r"], "--receptors: not together with"),
         (
-            ["--eye", "fly.csv", "--receptors", "--samples", "auto", "--error", 0.1, "-o", "r.npy"],
-            "samples: expected a number for receptors",
+            ["--eye", "fly.csv", "--receptors", "--error", 0.1, "-o", "r.npy"],
+            "sampling: expected omma.Fixed for receptors",
         ),
     ],
 )

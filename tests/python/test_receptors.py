@@ -45,7 +45,7 @@ def one_line(*types, **others):
 def colourful(scene):
     """A renderer whose background is another colour in every direction."""
     background = omma.Background.test_pattern()
-    return omma.Renderer(scene, one_line(GREEN), samples=16, background=background, threads=2)
+    return omma.Renderer(scene, one_line(GREEN), omma.Fixed(16), background=background, threads=2)
 
 
 def test_spectral_sensitivity_takes_any_shape():
@@ -237,7 +237,7 @@ def test_responses_are_the_matrix_times_radiance(colourful, flight):
 
 @pytest.mark.parametrize(
     "settings",
-    [{"samples": "auto", "error": 0.02}, {"share_rays": True}, {"sampling": "random"}],
+    [{"sampling": omma.ToError(0.02)}, {"sampling": omma.Shared()}, {"points": "random"}],
 )
 def test_every_way_of_rendering_will_do(colourful, flight, eye, settings):
     bee = omma.receptors.assign_receptors(eye, omma.receptors.honeybee_ommatidia())

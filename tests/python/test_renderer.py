@@ -23,9 +23,9 @@ def test_even_surround_gives_one(kernel, sampling, samples):
     renderer = omma.Renderer(
         omma.Scene(),
         eye,
-        samples=samples,
+        omma.Fixed(samples),
         kernel=kernel,
-        sampling=sampling,
+        points=sampling,
         background=omma.Background.constant((1, 1, 1)),
     )
     responses, errors = renderer.render(np.eye(4), standard_error=True)
@@ -126,9 +126,9 @@ def test_wrong_poses(renderer, poses, word):
 @pytest.mark.parametrize(
     ("changes", "kind", "word"),
     [
-        ({"samples": 0}, omma.Error, "samples: expected 1 to 1048576, found 0"),
-        ({"samples": 1 << 40}, omma.Error, "samples"),
-        ({"samples": 2.5}, TypeError, "samples: expected a whole number, found float"),
+        ({"sampling": 16}, TypeError, "sampling: expected omma.Fixed, omma.ToError or omma.Shared"),
+        ({"samples": 16}, TypeError, "samples"),
+        ({"footprints": 1}, TypeError, "footprints: expected True or False"),
         ({"seed": -1}, omma.Error, "seed"),
         ({"seed": 1 << 64}, omma.Error, "seed"),
         ({"threads": -1}, omma.Error, "threads"),
@@ -137,7 +137,7 @@ def test_wrong_poses(renderer, poses, word):
             omma.Error,
             "kernel: expected one of own, gaussian, pillbox, compoundray",
         ),
-        ({"sampling": "sobol"}, omma.Error, "sampling: expected one of low_discrepancy, random"),
+        ({"points": "sobol"}, omma.Error, "points: expected one of low_discrepancy, random"),
         ({"background": (1, 1, 1)}, TypeError, "background: expected omma.Background"),
         ({"eye": "bee.eye"}, TypeError, "eye: expected omma.Eye.*found str.*omma.load_eye"),
         ({"eye": []}, omma.Error, "at least one eye"),
@@ -155,10 +155,10 @@ def test_footprints_read_fine_textures_without_noise(eye):
     picture = np.repeat(rng.uniform(size=(1024, 2048, 1)), 3, axis=2)
     background = omma.Background.image(picture.astype(np.float32))
     renderer = omma.Renderer(omma.Scene(), eye, background=background, noise="new_every_frame")
-    assert renderer.footprints
+    assert renderer.settings.footprints
     point_by_point = renderer.with_eye(eye, footprints=False)
-    assert not point_by_point.footprints
-    assert not point_by_point.with_eye(eye).footprints
+    assert not point_by_point.settings.footprints
+    assert not point_by_point.with_eye(eye).settings.footprints
     poses = np.broadcast_to(np.eye(4), (200, 4, 4))
     noise = renderer.render(poses).std(axis=0).mean()
     # Pixels of 0.18 degrees; the footprints of the eye's ommatidia hold several.
@@ -167,10 +167,12 @@ def test_footprints_read_fine_textures_without_noise(eye):
 
 def test_settings_can_be_read(scene, eye):
     renderer = omma.Renderer(
-        scene, [eye, eye], samples=4, seed=9, kernel="pillbox", sampling="random", threads=2
+        scene, [eye, eye], omma.Fixed(4), seed=9, kernel="pillbox", points="random", threads=2
     )
-    assert (renderer.samples, renderer.seed, renderer.threads) == (4, 9, 2)
-    assert (renderer.kernel, renderer.sampling) == ("pillbox", "random")
+    assert renderer.settings == omma.rendering.Settings(
+        omma.Fixed(4), seed=9, kernel="pillbox", points="random"
+    )
+    assert renderer.threads == 2
     assert renderer.scene is scene
     assert len(renderer.eye) == 120
     assert renderer.backend.startswith("embree")
@@ -241,7 +243,7 @@ def test_render_iter_names_the_pose_that_is_wrong(renderer, flight):
 @pytest.fixture(scope="module")
 def slow(scene):
     """A renderer that needs seconds for 200 poses on any machine."""
-    return omma.Renderer(scene, make_eye(2000), samples=4096, threads=2)
+    return omma.Renderer(scene, make_eye(2000), omma.Fixed(4096), threads=2)
 
 
 def test_progress_and_what_it_raises(slow, flight):

@@ -30,7 +30,11 @@ def folder(files, tmp_path):
 
 
 def render(folder, *outputs, resume=True, **settings):
-    given = {"eyes": folder / "bug.eye", "path": folder / "path.csv", "samples": 4} | settings
+    given = {
+        "eyes": folder / "bug.eye",
+        "path": folder / "path.csv",
+        "sampling": omma.Fixed(4),
+    } | settings
     given["noise"] = "new_every_frame"  # frames differ by their numbers, which pieces must know
     names = [folder / name for name in outputs]
     return omma.render_file(folder / "scene.gltf", names, resume=resume, **given)
@@ -70,7 +74,7 @@ def contents(folder, pattern):
         (["out.npy"], {}),
         (["out.csv"], {}),
         (["out.npy", "out.csv"], {"standard_error": True, "seed": 5}),
-        (["out.npy", "out.csv"], {"samples": "auto", "error": 0.02, "standard_error": True}),
+        (["out.npy", "out.csv"], {"sampling": omma.ToError(0.02), "standard_error": True}),
         (["out.png", "out.npy"], {"width": 32}),
         (["out.png"], {"width": 32, "threads": 1}),
     ],
@@ -146,8 +150,8 @@ def change_scene(folder):
         (change_path, {}, "path.csv has changed"),
         (change_eye, {}, "bug.eye has changed"),
         (change_scene, {}, "scene.gltf has changed"),
-        (None, {"samples": 8}, "samples was 4, is 8"),
-        (None, {"seed": 1}, "seed was 0, is 1"),
+        (None, {"sampling": omma.Fixed(8)}, "samples was 4, is 8"),
+        (None, {"seed": 1}, "seed was '0', is '1'"),
         (None, {"background": "1,1,1"}, "background was None, is '1,1,1'"),
         (None, {"standard_error": True}, "standard_error was False, is True"),
     ],
@@ -208,7 +212,7 @@ def test_two_at_once(folder):
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
 def test_killed_in_the_command_line(folder, number):
-    render(folder, "out.npy", resume=False, samples=60_000)
+    render(folder, "out.npy", resume=False, sampling=omma.Fixed(60_000))
     expected = contents(folder, "out*")
     command = [
         *(sys.executable, "-m", "omma", "render", folder / "scene.gltf"),

@@ -8,7 +8,7 @@ import omma
 
 
 def test_with_eye_equals_a_renderer_of_its_own(scene, eye, flight):
-    first = omma.Renderer(scene, eye, samples=5, seed=3, kernel="pillbox", sampling="random")
+    first = omma.Renderer(scene, eye, omma.Fixed(5), seed=3, kernel="pillbox", points="random")
     other = make_eye(count=25, seed=9)
     for changes in ({}, {"samples": 7}, {"seed": 4, "kernel": "gaussian"}):
         settings = {"samples": 5, "seed": 3, "kernel": "pillbox", "sampling": "random"} | changes
@@ -31,14 +31,14 @@ def test_with_eye_keeps_the_background(scene, eye):
 
 def test_with_eye_checks_its_arguments(renderer, eye):
     with pytest.raises(omma.Error, match="samples"):
-        renderer.with_eye(eye, samples=0)
+        renderer.with_eye(eye, omma.Fixed(0))
     with pytest.raises(TypeError, match="eye"):
         renderer.with_eye("bee")
 
 
 @pytest.mark.parametrize("sampling", ["low_discrepancy", "random"])
 def test_rays_average_to_the_responses(scene, eye, flight, sampling):
-    renderer = omma.Renderer(scene, eye, samples=12, sampling=sampling)
+    renderer = omma.Renderer(scene, eye, omma.Fixed(12), points=sampling)
     rays = renderer.render_rays(flight[:3], first_pose=5)
     assert rays.shape == (3, len(eye), 12, 3)
     # Means of 12 numbers around 1 in another order.

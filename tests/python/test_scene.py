@@ -108,6 +108,6 @@ def test_real_data():
     assert sum(camera.compound_structure != "" for camera in meadow.cameras) == 3
     bee = omma.load_eye(DATA / "compound-ray" / "bees" / "AM_60185-real.eye")
     assert len(bee) == 6374
-    responses = omma.Renderer(meadow, bee, samples=4).render(meadow.cameras[0].name)
+    responses = omma.Renderer(meadow, bee, omma.Fixed(4)).render(meadow.cameras[0].name)
     assert np.isfinite(responses).all()
     assert 0 < responses.mean() < 1

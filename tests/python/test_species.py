@@ -313,7 +313,7 @@ def test_left_fly_receptors_mirror_the_right():
 def test_fly_receptors_are_rendered():
     eye = right("drosophila")
     renderer = omma.Renderer(
-        omma.Scene(), eye, background=omma.Background.constant((1, 1, 1)), samples=4
+        omma.Scene(), eye, omma.Fixed(4), background=omma.Background.constant((1, 1, 1))
     )
     seen = renderer.render_receptors(np.eye(4))
     assert seen.shape == (1, 8 * len(eye))
@@ -434,7 +434,10 @@ def test_a_bright_world_is_1_for_every_kernel():
     # Airy patterns of the fovea and its surround, waveguides, Gaussians.
     for name in ("holcocephala", "calliphora"):
         renderer = omma.Renderer(
-            omma.Scene(), right(name), background=omma.Background.constant((1, 1, 1)), samples=16
+            omma.Scene(),
+            right(name),
+            omma.Fixed(16),
+            background=omma.Background.constant((1, 1, 1)),
         )
         np.testing.assert_allclose(renderer.render(np.eye(4)), 1, rtol=1e-5)
 

@@ -188,7 +188,7 @@ def test_pooling_sees_a_distant_scene_as_one_ommatidium_with_less_noise(scene):
     fly = omma.eye.fly_receptors(eye)
     background = omma.Background.test_pattern()
     renderer = omma.Renderer(
-        scene, fly, samples=4, background=background, threads=2, noise="new_every_frame"
+        scene, fly, omma.Fixed(4), background=background, threads=2, noise="new_every_frame"
     )
     high = omma.poses_from_angles(np.tile([0, 1e4, 0], (40, 1)), np.zeros((40, 3)))
     matrix = np.tile([0.2, 0.3, 0.5], (len(fly.receptor_types), 1))  # all alike, R7 too
@@ -199,7 +199,7 @@ def test_pooling_sees_a_distant_scene_as_one_ommatidium_with_less_noise(scene):
     central = responses[:, names == "R7"]
     ahead = inner(place, steps=9) & (np.abs(place[:, 1]) > 2.5)
     assert ahead.sum() > 20
-    exact = renderer.with_eye(eye, samples=4096).render(high[0])[0] @ matrix[0]
+    exact = renderer.with_eye(eye, omma.Fixed(4096)).render(high[0])[0] @ matrix[0]
     noise_of_one = central[:, ahead].std(axis=0)
     noise = pooled[:, ahead].std(axis=0)
     # Samples of six views are independent: the noise drops by the square root of 6. Forty poses
@@ -317,12 +317,12 @@ def test_facets_pooled_see_what_the_aperture_sees(scene):
     facets = flat_eye()
     eye = facets.replace(position_m=facets.position_m * scale, aperture_diameter_m=85e-6 * scale)
     pose = omma.look_at((0, 3, 0), (14, 0, -3))
-    renderer = omma.Renderer(scene, eye, samples=4096, threads=2)
+    renderer = omma.Renderer(scene, eye, omma.Fixed(4096), threads=2)
     views, wiring = omma.eye.superposition_facets(eye)
     middle = wiring.members == 13
     assert middle.sum() == 49
     disc = renderer.render(pose)[:, middle]
-    pooled = omma.eye.pool(renderer.with_eye(views, samples=512).render(pose), wiring, axis=1)
+    pooled = omma.eye.pool(renderer.with_eye(views, omma.Fixed(512)).render(pose), wiring, axis=1)
     alone = renderer.with_eye(eye.replace(aperture_diameter_m=0.0)).render(pose)
 
     def difference(responses):

@@ -12,16 +12,16 @@ import omma
 
 @pytest.fixture(scope="module")
 def busy(scene):
-    return omma.Renderer(scene, make_eye(500), samples=1024, threads=2)
+    return omma.Renderer(scene, make_eye(500), omma.Fixed(1024), threads=2)
 
 
-@pytest.mark.parametrize("share_rays", [False, True])
-def test_a_renderer_freed_while_another_thread_renders(scene, flight, share_rays):
+@pytest.mark.parametrize("sampling", [omma.Fixed(64), omma.Shared(64)])
+def test_a_renderer_freed_while_another_thread_renders(scene, flight, sampling):
     eye = make_eye(500, acceptance_deg=10)
     poses = np.concatenate([flight] * 20)
 
     def made():
-        return omma.Renderer(scene, eye, samples=64, threads=2, share_rays=share_rays)
+        return omma.Renderer(scene, eye, sampling, threads=2)
 
     expected = made().render(poses, standard_error=True)
 
@@ -61,7 +61,7 @@ def test_a_callback_that_renders(busy, flight):
 
 def test_a_callback_that_renders_while_rays_to_be_shared_are_made(scene, flight):
     eye = make_eye(2000, acceptance_deg=20)
-    renderer = omma.Renderer(scene, eye, samples=16, threads=2, share_rays=True)
+    renderer = omma.Renderer(scene, eye, omma.Shared(16), threads=2)
     inner = []
 
     def told(fraction):
@@ -87,8 +87,8 @@ def test_a_callback_that_builds_and_raises(scene, busy, flight):
 
 def test_several_threads_ask_for_the_same_shared_rays(scene, flight):
     eye = make_eye(500, acceptance_deg=20)
-    expected = omma.Renderer(scene, eye, share_rays=True).render(flight, standard_error=True)
-    renderer = omma.Renderer(scene, eye, share_rays=True)
+    expected = omma.Renderer(scene, eye, omma.Shared()).render(flight, standard_error=True)
+    renderer = omma.Renderer(scene, eye, omma.Shared())
     results = [None] * 6
 
     def work(i):

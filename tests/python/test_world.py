@@ -55,7 +55,7 @@ def test_things_are_listed_and_found(grounds):
 
 def test_what_moves_is_seen_there_by_all(grounds, down):
     world = omma.World(grounds, background=omma.Background.constant((0, 0, 0)))
-    one = omma.Renderer(world, down, samples=1)
+    one = omma.Renderer(world, down, omma.Fixed(1))
     other = one.with_eye(down)
     white = omma.Renderer(world, down, background=omma.Background.constant((9, 9, 9)))
     assert one.world is world
@@ -77,7 +77,7 @@ def test_what_moves_is_seen_there_by_all(grounds, down):
 def test_a_moved_world_is_one_built_there(grounds, tmp_path, flight):
     eye = make_eye(300, acceptance_deg=8)
     world = omma.World(grounds)
-    renderer = omma.Renderer(world, eye, samples=4)
+    renderer = omma.Renderer(world, eye, omma.Fixed(4))
     turn = omma.poses_from_angles((0.5, -1, 0.25), (20, 10, 5))[0]
     world.set_transforms([2], turn)
     nodes = [
@@ -86,7 +86,7 @@ def test_a_moved_world_is_one_built_there(grounds, tmp_path, flight):
         {"mesh": 0, "matrix": turn.T.ravel().tolist()},
     ]
     path = write_gltf(tmp_path / "built.gltf", nodes=nodes, scenes=[{"nodes": [0, 1, 2]}])
-    built = omma.Renderer(omma.load_scene(path), eye, samples=4).render(flight)
+    built = omma.Renderer(omma.load_scene(path), eye, omma.Fixed(4)).render(flight)
     # Single precision, but for a ray in a thousand that passes an edge.
     assert (np.abs(renderer.render(flight) - built) > 1e-4).mean() < 1e-3
 
@@ -108,7 +108,7 @@ def test_pictures_are_of_the_world(grounds):
 
 def test_what_cannot_be_moved_says_why(grounds, down):
     world = omma.World(grounds)
-    renderer = omma.Renderer(world, down, samples=1)
+    renderer = omma.Renderer(world, down, omma.Fixed(1))
     world.set_transforms("low", moved_by(y=-3))
     before = renderer.render(np.eye(4))
     flat = np.diag([1.0, 0, 1, 1])
@@ -136,7 +136,7 @@ def test_what_cannot_be_moved_says_why(grounds, down):
 
 def test_frames_and_moves_take_turns(grounds):
     world = omma.World(grounds)
-    renderer = omma.Renderer(world, make_eye(200), samples=16)
+    renderer = omma.Renderer(world, make_eye(200), omma.Fixed(16))
     found = []
 
     def move(fraction):
@@ -175,7 +175,7 @@ def test_threads_that_render_and_move_at_once(grounds, down):
 
     def render():
         eye = omma.Eye(np.zeros((50, 3)), np.tile([[0, -1, 0]], (50, 1)), 0.0)
-        renderer = omma.Renderer(world, eye, samples=1)
+        renderer = omma.Renderer(world, eye, omma.Fixed(1))
         while not over.is_set():
             try:
                 lit = (renderer.render(np.eye(4)) > 0).any(axis=-1)

@@ -48,7 +48,7 @@ def one_of(value: Any, choices: Iterable[str], name: str, more: str = "") -> str
 
 def positive(value: float, name: str) -> float:
     """``value`` where it is a finite number above 0; omma.Error names the argument."""
-    if not (isinstance(value, (int, float)) and 0 < value < float("inf")):
+    if not (_is_number(value) and 0 < value < float("inf")):
         raise Error(f"{name}: expected a number above 0, found {value!r:.40}")
     return float(value)
 

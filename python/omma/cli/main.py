@@ -13,6 +13,7 @@ import typer
 from omma._core import Error, __version__
 from omma.cli.eye import eye_app
 from omma.cli.measure import measure_app
+from omma.cli.options import takes_settings
 from omma.cli.report import camera_lines, report_lines
 from omma.cli.working import (
     fail,
@@ -28,7 +29,7 @@ from omma.job.outputs import SUFFIXES
 from omma.job.rendering import render_file
 from omma.picture.projections import PROJECTIONS
 from omma.rendering.renderer import READING
-from omma.rendering.settings import Samples, fixed_samples
+from omma.rendering.settings import Settings, Shared, ToError, options_of
 from omma.scene.backgrounds import NAMED_BACKGROUNDS
 
 RENDER_HELP = """
@@ -57,7 +58,7 @@ All cameras of the scene, each into a picture of its own:
 
 As many rays as each ommatidium needs for a standard error of 0.01, at most 1,024:
 
-`omma render meadow.glb --eye honeybee.eye --samples auto --error 0.01 --max-samples 1024
+`omma render meadow.glb --eye honeybee.eye --error 0.01 --most 1024
 -o view.npy`
 
 A path of many poses, with standard errors (flight.npy and flight.error.npy):
@@ -102,6 +103,8 @@ app = typer.Typer(
 app.add_typer(eye_app, name="eye")
 app.add_typer(measure_app, name="measure")
 
+_DEFAULTS = Settings()
+
 UnitOption = Annotated[
     str | None,
     typer.Option(
@@ -131,6 +134,7 @@ def _root(
 
 
 @app.command(help=RENDER_HELP, short_help="Render what an eye or a camera sees in a scene.")
+@takes_settings
 def render(
     scene: Annotated[
         Path, typer.Argument(help="Scene: a glTF 2.0 file, .gltf or .glb.", metavar="SCENE")
@@ -175,43 +179,6 @@ def render(
     path: Annotated[
         Path | None, typer.Option(help="CSV file of poses, one a line.", metavar="CSV")
     ] = None,
-    samples: Annotated[
-        str,
-        typer.Option(
-            help="Rays per ommatidium or pixel; auto: as many as each ommatidium needs for its "
-            "estimated standard error to be --error.",
-            metavar="N|auto",
-        ),
-    ] = "16",
-    error: Annotated[
-        float | None,
-        typer.Option(
-            help="With --samples auto: standard error to reach; a radiance of 1 is full scale.",
-            metavar="E",
-        ),
-    ] = None,
-    min_samples: Annotated[
-        int | None,
-        typer.Option(
-            help="With --samples auto: least rays of an ommatidium, a power of two. Default: 8, "
-            "more from an error of 0.00625 down.",
-            metavar="N",
-        ),
-    ] = None,
-    max_samples: Annotated[
-        int | None,
-        typer.Option(
-            help="With --samples auto: most rays of an ommatidium. Default: 4096.", metavar="N"
-        ),
-    ] = None,
-    kernel: Annotated[
-        Literal["own", "gaussian", "pillbox", "compoundray"],
-        typer.Option(help="Angular sensitivity: each ommatidium's own, or one for all."),
-    ] = "own",
-    sampling: Annotated[
-        Literal["low_discrepancy", "random"], typer.Option(help="How samples are placed.")
-    ] = "low_discrepancy",
-    seed: Annotated[int, typer.Option(help="Seed of the samples.", metavar="N")] = 0,
     background: Annotated[
         str | None,
         typer.Option(
@@ -225,7 +192,7 @@ def render(
         bool,
         typer.Option(
             "--standard-error",
-            help="Write standard errors too: 8 times the rays, but none more with --samples auto.",
+            help="Write standard errors too: 8 times the rays, but none more with --error.",
         ),
     ] = False,
     receptors: Annotated[
@@ -244,29 +211,8 @@ def render(
             metavar="R G B",
         ),
     ] = None,
+    settings: Settings = _DEFAULTS,
     threads: Annotated[int, typer.Option(help="Threads; 0: all.", metavar="N")] = 0,
-    no_footprints: Annotated[
-        bool,
-        typer.Option(
-            "--no-footprints",
-            help="Read textures point by point, not averaged over each ray's share.",
-        ),
-    ] = False,
-    share_rays: Annotated[
-        bool,
-        typer.Option(
-            "--share-rays",
-            help="Neighbouring ommatidia share rays: far less error for as many. Not for surfaces "
-            "within some ten eye radii.",
-        ),
-    ] = False,
-    noise: Annotated[
-        Literal["frozen", "new_every_frame"],
-        typer.Option(
-            help="Of responses: the same at all poses, so that what stands still looks still, or "
-            "another at each, so that it averages out."
-        ),
-    ] = "frozen",
     backend: Annotated[
         Literal["", "embree", "portable"],
         typer.Option(
@@ -308,14 +254,10 @@ def render(
     ] = False,
 ) -> None:
     """Render what an eye sees in a scene, or a camera of the scene."""
-    rays = _samples(samples)
+    options = {one.name: getattr(settings, one.name) for one in options_of(Settings)}
     if all_cameras:
         _check_all_cameras(
             {
-                "--samples auto": rays == "auto",
-                "--error": error is not None,
-                "--min-samples": min_samples is not None,
-                "--max-samples": max_samples is not None,
                 "--eye": bool(eye),
                 "--camera": camera is not None,
                 "--position": position is not None,
@@ -324,8 +266,9 @@ def render(
                 "--standard-error": standard_error,
                 "--receptors": receptors,
                 "--ultraviolet": ultraviolet is not None,
-                "--share-rays": share_rays,
-                "--noise": noise != "frozen",
+                "--error": isinstance(settings.sampling, ToError),
+                "--shared": isinstance(settings.sampling, Shared),
+                "--noise": settings.noise != "frozen",
                 "--side-by-side": side_by_side,
                 "--resume": resume,
             },
@@ -335,13 +278,10 @@ def render(
             everything = render_all_cameras(
                 scene,
                 output[0],
+                settings.sampling,
+                **options,
                 unit=unit,
-                samples=fixed_samples(rays, "pictures"),
-                seed=seed,
-                kernel=kernel,
-                sampling=sampling,
                 threads=threads,
-                footprints=not no_footprints,
                 backend=backend,
                 background=background,
                 projection=projection,
@@ -357,23 +297,15 @@ def render(
         report = render_file(
             scene,
             output,
+            settings.sampling,
+            **options,
             eyes=eye or (),
             unit=unit,
             camera=camera,
             position=position,
             look_at=look_at,
             path=path,
-            samples=rays,
-            error=error,
-            min_samples=min_samples,
-            max_samples=max_samples,
-            seed=seed,
-            kernel=kernel,
-            sampling=sampling,
             threads=threads,
-            footprints=not no_footprints,
-            share_rays=share_rays,
-            noise=noise,
             backend=backend,
             background=background,
             standard_error=standard_error,
@@ -462,16 +394,6 @@ def _usage(error: Exception, message: str) -> str:
         return message
     metavar = parameter.metavar or "numbers"
     return f"{parameter.opts[0]}: expected {parameter.nargs} numbers, {metavar}"
-
-
-def _samples(text: str) -> Samples:
-    if text == "auto":
-        return "auto"
-    try:
-        return int(text)
-    except ValueError:
-        message = f"{text!r} is neither a whole number nor auto."
-        raise typer.BadParameter(message, param_hint="--samples") from None
 
 
 def _warning_line(message: Warning | str, *_: object, **__: object) -> str:

@@ -15,9 +15,11 @@ from omma._core import Error, Eye, Scene
 from omma.base.figures import load_matplotlib
 from omma.base.files import check_ending
 from omma.base.poses import Matrices, load_poses, poses_from_angles
+from omma.cli.options import help_of
 from omma.cli.working import DelayedBar, check_outputs, working
 from omma.eye.files import load_eye
 from omma.rendering.renderer import BUILDING, READING, Renderer
+from omma.rendering.settings import PointsName
 from omma.scene.files import load_scene
 from omma.study.plots import (
     save_alias_curves,
@@ -125,10 +127,8 @@ MeasureOption = Annotated[
 KernelOption = Annotated[
     Literal["gaussian", "pillbox", "compoundray"], typer.Option(help="Angular sensitivity.")
 ]
-SamplingOption = Annotated[
-    Literal["low_discrepancy", "random"], typer.Option(help="How samples are placed.")
-]
-SeedOption = Annotated[int, typer.Option(help="Seed of the samples.", metavar="N")]
+PointsOption = Annotated[PointsName, typer.Option(help=help_of("points"))]
+SeedOption = Annotated[int, typer.Option(help=help_of("seed"), metavar="N")]
 ThreadsOption = Annotated[int, typer.Option(help="Threads; 0: all.", metavar="N")]
 
 
@@ -216,7 +216,7 @@ def variance_map_command(
     ] = False,
     measure: MeasureOption = "linear",
     kernel: KernelOption = "compoundray",
-    sampling: SamplingOption = "random",
+    points: PointsOption = "random",
     rays: Annotated[int, typer.Option(help="Rays per estimate.", metavar="N")] = 1,
     repeats: Annotated[int, typer.Option(help="Estimates per ommatidium.", metavar="N")] = 1024,
     seed: SeedOption = 0,
@@ -233,7 +233,7 @@ def variance_map_command(
             statistic=statistic,
             rays=rays,
             repeats=repeats,
-            method=Method(kernel, sampling),
+            method=Method(kernel, points),
             measure=measure,
             seed=seed,
             threads=threads,
@@ -312,7 +312,7 @@ def speed_command(
     frames: Annotated[int, typer.Option(help="Frames timed for each.", metavar="N")] = 100,
     warm_up: Annotated[float, typer.Option(help="Seconds to warm up.", metavar="S")] = 10.0,
     kernel: KernelOption = "gaussian",
-    sampling: SamplingOption = "low_discrepancy",
+    points: PointsOption = "low_discrepancy",
     threads: ThreadsOption = 0,
     output: Outputs = None,
 ) -> None:
@@ -332,7 +332,7 @@ def speed_command(
             counts,
             frames=frames,
             warm_up_s=warm_up,
-            method=Method(kernel, sampling),
+            method=Method(kernel, points),
             threads=threads,
             progress=bar.show,
         )

@@ -63,8 +63,8 @@ def save_eye(path: PathLike, eye: Eye, unit: str | float = "mm", *, lossy: bool 
             `eye_file_losses` says what.
 
     Raises:
-        omma.Error: another ending; the file cannot be written; it cannot hold all of the eye and ``lossy`` is not
-            said: the error names what would be lost.
+        omma.Error: another ending; the file cannot be written; it cannot hold all of the eye and
+            ``lossy`` is not said: the error names what would be lost.
     """
     _core.save_eye(path, eye, metres_per_unit(unit), lossy)
 

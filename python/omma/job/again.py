@@ -16,6 +16,7 @@ from omma.eye.files import load_eye
 from omma.job.rendering import RenderReport, Stage, render_file
 from omma.rendering.labels import eye_digest
 from omma.rendering.read_back import load_responses
+from omma.rendering.settings import Settings, options_of, settings_from_record
 
 
 @checked
@@ -63,25 +64,16 @@ def render_like(
     eye_files = given or json.loads(said["eye_files"])
     check_eyes(name, said, eye_files)
     check_background(name, said)
-    auto = said["samples"] == "auto"
+    settings = settings_from_record(said)
     report = render_file(
         scene_file,
         outputs,
+        settings.sampling,
         eyes=eye_files,
         unit=said["eye_unit_m"],
         poses=data.world_from_head.values,
         scene_index=said.get("scene_index"),
-        samples=said["samples"],
-        error=said["error"] if auto else None,
-        min_samples=said["min_samples"] if auto else None,
-        max_samples=said["max_samples"] if auto else None,
-        seed=int(said["seed"]),
-        kernel=said["kernel"],
-        sampling=said["sampling"],
         threads=threads,
-        footprints=bool(said["footprints"]),
-        share_rays=bool(said["share_rays"]),
-        noise=said["noise"],
         backend=backend_word(said["backend"]),
         background=said.get("background"),
         standard_error="standard_error" in data,
@@ -89,6 +81,7 @@ def render_like(
         ultraviolet=json.loads(said["ultraviolet"]) if "ultraviolet" in said else None,
         command=command or f"omma.job.render_like({name!r}, ...)",
         progress=progress,
+        **{one.name: getattr(settings, one.name) for one in options_of(Settings)},
     )
     differs = [
         f"{name} was rendered with {was}, this is {now}: the last bits may differ"

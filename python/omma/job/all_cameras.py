@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from omma._core import Background, Camera, Error, Eye
 from omma.base.arguments import checked
@@ -18,10 +19,13 @@ from omma.picture.cameras import camera_eye, camera_projection, display, picture
 from omma.picture.files import paint_of_projection, write_png
 from omma.picture.projections import LISTS, Picture, projection_size
 from omma.rendering.renderer import BUILDING, READING, Progress, Renderer
-from omma.rendering.settings import check_picture_settings, fixed_samples
+from omma.rendering.settings import Options, Sampling, Settings, fixed_samples, takes_options
 from omma.scene.backgrounds import parse_background
 from omma.scene.files import read_scene
 from omma.scene.world import World
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 _LONGEST_NAME = 100
 
@@ -53,18 +57,15 @@ class AllCamerasReport:
 
 
 @checked
+@takes_options
 def render_all_cameras(
     scene: PathLike,
     folder: PathLike,
+    sampling: Sampling = Settings.sampling,
     *,
     unit: str | float | None = None,
     scene_index: int | None = None,
-    samples: int = 16,
-    seed: int = 0,
-    kernel: str = "own",
-    sampling: str = "low_discrepancy",
     threads: int = 0,
-    footprints: bool = True,
     backend: str = "",
     background: Background | str | None = None,
     projection: str | None = None,
@@ -72,6 +73,7 @@ def render_all_cameras(
     height: int | None = None,
     gamma: float = 2.2,
     progress: Stage | None = None,
+    **options: Unpack[Options],
 ) -> AllCamerasReport:
     """Render every camera of a scene file into a `.png` of its own, named after the camera.
 
@@ -83,15 +85,15 @@ def render_all_cameras(
         width, height: of every picture, as in `render_camera` and `projection_ids`; but
             projections with a pixel for each ommatidium keep their own size.
         projection: of all eyes, instead of the one that their camera names.
-        scene_index, samples, seed, kernel, sampling, threads, footprints, backend, background,
-            gamma,
-            progress: as in `render_file`.
+        sampling: `Fixed`.
+        scene_index, threads, backend, background, gamma, progress, options: as in `render_file`.
 
     Raises:
         omma.Error: anything wrong with an input, an eye that a camera names and that is not to be
             found too; nothing is rendered then.
     """
     tell: Stage = progress if progress is not None else lambda stage, fraction: None
+    rays, seed = fixed_samples(sampling, "pictures"), Settings(sampling, **options).seed
     start = time.perf_counter()
     tell(READING, None)
     world = read_scene(scene, scene_index, progress=partial(tell, READING))
@@ -114,8 +116,6 @@ def render_all_cameras(
         if warning is not None and projection is None:
             warnings.append(warning)
         projection_size(of_camera, shown[-1], *_size(shown[-1], width, height))
-    rays = fixed_samples(samples, "pictures")
-    check_picture_settings(rays, seed, threads, kernel, sampling)
     seen = World(
         world,
         background=parse_background(background) if isinstance(background, str) else background,
@@ -125,16 +125,7 @@ def render_all_cameras(
     )
 
     def renderer_of(eye: Eye) -> Renderer:
-        return Renderer(
-            seen,
-            eye,
-            samples=rays,
-            seed=seed,
-            kernel=kernel,
-            sampling=sampling,
-            threads=threads,
-            footprints=footprints,
-        )
+        return Renderer(seen, eye, sampling, threads=threads, **options)
 
     target = Path(os.fsdecode(folder))
     make_directory(target)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -41,19 +42,31 @@ from omma.picture.files import Paint, paint_of_projection, paint_side_by_side, w
 from omma.rendering.labels import labels_of
 from omma.rendering.renderer import BUILDING, READING, Renderer
 from omma.rendering.report import SpentRays
-from omma.rendering.settings import Samples, check_picture_settings, fixed_samples
+from omma.rendering.settings import (
+    Options,
+    Sampling,
+    Settings,
+    Shared,
+    ToError,
+    fixed_samples,
+    options_of,
+    takes_options,
+)
 from omma.scene.backgrounds import parse_background
 from omma.scene.files import read_scene
 from omma.scene.world import World
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 # Called with what is being done and its finished share (0 to 1), None where that is not known.
 Stage = Callable[[str, float | None], object]
 
 # What makes no difference to responses, or is told by what is in the files.
-_NO_SETTINGS = (
-    "scene", "outputs", "eyes", "path", "poses", "threads", "backend", "progress", "resume",
-    "command",
-)  # fmt: skip
+_NO_RECORD = (
+    *("scene", "outputs", "eyes", "path", "poses", "threads", "backend", "progress", "resume"),
+    *("command", "sampling", "options"),  # the last two are told as settings
+)
 
 
 @dataclass(frozen=True)
@@ -78,9 +91,11 @@ class RenderReport:
 
 
 @checked
+@takes_options
 def render_file(
     scene: PathLike,
     outputs: PathLike | Sequence[PathLike],
+    sampling: Sampling = Settings.sampling,
     *,
     eyes: PathLike | Sequence[PathLike] = (),
     unit: str | float | None = None,
@@ -90,17 +105,7 @@ def render_file(
     path: PathLike | None = None,
     poses: ArrayLike | None = None,
     scene_index: int | None = None,
-    samples: Samples = 16,
-    error: float | None = None,
-    min_samples: int | None = None,
-    max_samples: int | None = None,
-    seed: int = 0,
-    kernel: str = "own",
-    sampling: str = "low_discrepancy",
     threads: int = 0,
-    footprints: bool = True,
-    share_rays: bool = False,
-    noise: str = "frozen",
     backend: str = "",
     background: Background | str | None = None,
     standard_error: bool = False,
@@ -114,6 +119,7 @@ def render_file(
     resume: bool = False,
     command: str | None = None,
     progress: Stage | None = None,
+    **options: Unpack[Options],
 ) -> RenderReport:
     """Render a scene file through eye files, or one of its cameras, into files.
 
@@ -139,15 +145,14 @@ def render_file(
         path: instead, a CSV file of poses, see `load_poses`.
         poses: instead, matrices world_from_head (P, 4, 4) or (4, 4), m.
         scene_index: which of the scenes in the file; None takes its default.
-        samples, seed: as in `Renderer`; of a camera's picture as in `render_camera`.
-        error, min_samples, max_samples, kernel, sampling, threads, footprints, share_rays, noise,
-            backend:
-            as in `Renderer`; the frame of a path's pose has its number in the path.
+        sampling, options: as in `Renderer`; the frame of a path's pose has its number in the path.
+            A camera's picture takes `Fixed` and a seed, as `render_camera` does.
+        threads, backend: as in `Renderer`.
         background: a `Background`, or text as `parse_background` takes it.
         standard_error: also write standard errors of an eye's responses: beside OUT.npy an
             OUT.error.npy, in a `.csv` three more columns, else a variable or columns of their own.
         receptors: write responses of the eye's receptors: `.npy`, float32 (P, R), and `.csv`, a
-            line for each pose and receptor. Not with samples="auto".
+            line for each pose and receptor. Not with `ToError`.
         ultraviolet: light below 400 nm for receptors, see `Renderer.render_receptors`.
         projection: of an eye in a picture, see `omma.picture.project`. None: for a camera's own eye
             the camera's ``compound-projection``, else "spherical_orientationwise".
@@ -171,7 +176,8 @@ def render_file(
         KeyboardInterrupt: Ctrl-C. But for ``resume`` nothing is left.
     """
     given = dict(locals())
-    settings = {name: value for name, value in given.items() if name not in _NO_SETTINGS}
+    others = {name: value for name, value in given.items() if name not in _NO_RECORD}
+    settings = Settings(sampling, **options)
     tell: Stage = progress if progress is not None else lambda stage, fraction: None
     names = output_names(outputs, standard_error, resume, [path])
     chosen = [name for name in ("camera", "position", "path", "poses") if given[name] is not None]
@@ -194,19 +200,17 @@ def render_file(
             "projection": projection is not None,
             "side_by_side": side_by_side,
             "resume": resume,
-            "samples='auto'": samples == "auto",
-            "error": error is not None,
-            "min_samples": min_samples is not None,
-            "max_samples": max_samples is not None,
-            "share_rays": share_rays,
-            "noise": noise != "frozen",
+            **{
+                one.name: getattr(settings, one.name) != one.default
+                for one in options_of(Settings)
+                if one.name != "seed"
+            },
         }
         _check_picture_arguments(
             node, names, [name for name, is_given in of_eyes.items() if is_given]
         )
         size = picture_size(node, width, height)
-        rays = fixed_samples(samples, "a picture")
-        check_picture_settings(rays, seed, threads)
+        rays = fixed_samples(sampling, "a picture")
         seen = World(
             world,
             threads=threads,
@@ -214,11 +218,11 @@ def render_file(
             backend=backend,
             progress=partial(tell, BUILDING),
         )
-        return _render_picture(seen, node, names, size, rays, seed, gamma, start, tell)
+        return _render_picture(seen, node, names, size, rays, settings.seed, gamma, start, tell)
     if ultraviolet is not None and not receptors:
         raise Error("ultraviolet: is for receptors=True")
     if receptors:
-        fixed_samples(samples, "receptors")
+        fixed_samples(sampling, "receptors")
         for name in names:
             if Path(name).suffix.lower() == ".png":
                 raise Error(f"{name}: expected numbers, not a picture, for responses of receptors")
@@ -241,26 +245,18 @@ def render_file(
     renderer = Renderer(
         world,
         head,
-        samples=samples,
-        error=error,
-        min_samples=min_samples,
-        max_samples=max_samples,
-        seed=seed,
-        kernel=kernel,
-        sampling=sampling,
+        sampling,
         threads=threads,
-        footprints=footprints,
-        share_rays=share_rays,
-        noise=noise,
         background=backdrop,
         backend=backend,
         progress=partial(tell, BUILDING),
+        **options,
     )
-    if share_rays and not receptors:
+    if isinstance(sampling, Shared) and not receptors:
         shared = np.count_nonzero(renderer.shared_ommatidia)
         if 2 * shared < len(head):
             warnings.append(
-                f"share_rays: {shared:,} of {len(head):,} ommatidia share rays; the others would "
+                f"sampling: {shared:,} of {len(head):,} ommatidia share rays; the others would "
                 "gain nothing and trace their own"
             )
     built = time.perf_counter()
@@ -271,11 +267,11 @@ def render_file(
         read = [scene, *found, *([] if path is None else [path])]
         if isinstance(background, str) and Path(background).exists():
             read.append(background)
-        kept = KeptRender(names, inputs_of(settings, read, names, renderer.backend))
+        kept = KeptRender(names, inputs_of(settings, others, read, names, renderer.backend))
         view += f", resumed at pose {kept.done:,}" if kept.done else ""
     spent = kept.spent if kept is not None else None
-    if spent is None and renderer.error is not None:
-        spent = SpentRays(renderer.error)
+    if spent is None and isinstance(sampling, ToError):
+        spent = SpentRays(sampling.error)
     labels = labels_of(
         renderer,
         matrices,

@@ -23,9 +23,9 @@ Lines = list[tuple[str, str]]
 
 _READ_BYTES = 64 << 20
 _SETTINGS = (
-    "samples", "error", "min_samples", "max_samples", "seed", "kernel", "sampling", "noise",
-    "footprints", "share_rays", "background", "band_from_rgb", "ultraviolet",
-)  # fmt: skip
+    *("sampling", "samples", "error", "least", "most", "seed", "kernel", "points", "footprints"),
+    *("noise", "background", "band_from_rgb", "ultraviolet"),
+)
 
 
 def is_response_file(path: PathLike) -> bool:

@@ -19,6 +19,7 @@ from omma import _core
 from omma._core import Error
 from omma.base.files import PathLike, WholeFiles, digests_of
 from omma.rendering.report import SpentRays
+from omma.rendering.settings import Settings, settings_as_record
 
 
 class KeptRender:
@@ -77,20 +78,26 @@ class KeptRender:
 
 
 def inputs_of(
-    settings: Mapping[str, Any], files: Iterable[PathLike], names: Sequence[str], backend: str
+    settings: Settings,
+    others: Mapping[str, Any],
+    files: Iterable[PathLike],
+    names: Sequence[str],
+    backend: str,
 ) -> dict[str, Any]:
-    """What responses are made from, as text and numbers: settings, and what is in the files.
+    """What responses are made from, as text and numbers: settings, other arguments, and what is in
+    the files.
 
     Raises:
-        omma.Error: a setting cannot be told again.
+        omma.Error: an argument cannot be told again.
     """
-    if isinstance(settings["background"], _core.Background):
+    if isinstance(others["background"], _core.Background):
         raise Error("resume: expected a background as text, which can be compared, found an object")
     return {
         "omma": _core.__version__,
         "backend": backend,
         "outputs": list(names),
-        **{name: np.asarray(value).tolist() for name, value in settings.items()},
+        **settings_as_record(settings),
+        **{name: np.asarray(value).tolist() for name, value in others.items()},
         "files": {name: digest for path in files for name, digest in digests_of(path).items()},
     }
 

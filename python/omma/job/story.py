@@ -46,8 +46,9 @@ def story_of(
 def call_text(function: Callable[..., Any], given: Mapping[str, Any]) -> str:
     """The call of `render_file` with these arguments, as code; what was left out is left out."""
     words = []
+    values = {**given, **given["options"]}
     for name, parameter in inspect.signature(function).parameters.items():
-        value = _plain(given[name])
+        value = _plain(values.get(name, parameter.default))
         if parameter.default is inspect.Parameter.empty:
             words.append(repr(value))
         elif name not in _SILENT and value != _plain(parameter.default):

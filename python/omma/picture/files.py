@@ -87,7 +87,7 @@ def paint_of_projection(
     eye = renderer.eye
     # What is wrong with a projection or a size shows here, before anything is rendered.
     if projection == "raw_ommatidial_samples":
-        rows = fixed_samples(renderer.samples, projection) if height is None else height
+        rows = fixed_samples(renderer.settings.sampling, projection) if height is None else height
         projection_ids(eye, projection, width, rows)
 
         def paint_rays(pose: int, responses: NDArray[np.float32]) -> NDArray[Any]:

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from omma._core import Error
 from omma.base.arguments import array_of
 from omma.rendering.labels import Labels, labels_of
+from omma.rendering.settings import ToError
 
 if TYPE_CHECKING:
     import xarray
@@ -42,7 +43,7 @@ def make_dataset(
         options |= {"ultraviolet": ultraviolet, "standard_error": standard_error}
         found: Any = renderer.render_receptors(matrices, **options)
     else:
-        auto = renderer.samples == "auto"
+        auto = isinstance(renderer.settings.sampling, ToError)
         options |= {"report": True} if auto else {"standard_error": standard_error}
         found = renderer.render(matrices, **options)
         if auto:

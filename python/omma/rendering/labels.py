@@ -23,6 +23,7 @@ from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.files import digests_of
 from omma.base.poses import Matrices
 from omma.receptors.sensitivity import ommatidium_of_receptor, receptor_axis
+from omma.rendering.settings import ToError, settings_as_record
 
 if TYPE_CHECKING:
     from omma.rendering.renderer import Renderer
@@ -76,9 +77,10 @@ def labels_of(
     variables: dict[str, tuple[tuple[str, ...], str, dict[str, Any]]] = {
         "response": (dimensions, "float32", about)
     }
-    if standard_error or renderer.samples == "auto":
+    to_error = isinstance(renderer.settings.sampling, ToError)
+    if standard_error or to_error:
         variables["standard_error"] = (dimensions, "float32", {"units": "1"})
-    if renderer.samples == "auto":
+    if to_error:
         variables["rays"] = (dimensions[:2], "int32", {"long_name": "rays spent"})
     sizes = {
         name: len(values) for name, (along, values, _) in coordinates.items() if along == (name,)
@@ -183,23 +185,11 @@ def _attributes(renderer: Renderer) -> dict[str, Any]:
         "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
         "omma_version": _core.__version__,
         "backend": renderer.backend,
-        "samples": renderer.samples,
-        "seed": str(renderer.seed),  # up to 2**64 - 1, which few formats hold as a number
-        "kernel": renderer.kernel,
-        "sampling": renderer.sampling,
-        "noise": renderer.noise,
-        "footprints": int(renderer.footprints),
-        "share_rays": int(renderer.share_rays),
+        **settings_as_record(renderer.settings),
         "eye": renderer.eye.path,
         "eye_sha256": eye_digest(renderer.eye),
         "scene": scene.path,
     }
-    if renderer.samples == "auto":
-        found |= {
-            "error": renderer.error,
-            "min_samples": renderer.min_samples,
-            "max_samples": renderer.max_samples,
-        }
     if scene.path and os.path.exists(scene.path):
         found["scene_sha256"] = json.dumps(digests_of(scene.path), sort_keys=True)
     if renderer.world.band_from_rgb is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
@@ -18,11 +19,21 @@ from omma.base.warn import warn_caller
 from omma.rendering.dataset import make_dataset
 from omma.rendering.receptor_views import ReceptorViews, render_receptors
 from omma.rendering.report import SamplingReport
-from omma.rendering.settings import Samples, fixed_samples, frame_number, render_settings
+from omma.rendering.settings import (
+    Options,
+    Sampling,
+    Settings,
+    Shared,
+    ToError,
+    fixed_samples,
+    frame_number,
+    takes_options,
+)
 from omma.scene.world import World
 
 if TYPE_CHECKING:
     import xarray
+    from typing_extensions import Unpack
 
 Responses = NDArray[np.float32]
 Poses = ArrayLike | tuple[ArrayLike, ArrayLike] | str
@@ -52,38 +63,11 @@ class Renderer:
         scene: what there is to see: a `World`, which is shared with whoever sees it too, or a
             scene, of which a world is made.
         eye: who sees it; a list of eyes is merged as `merge_eyes` does.
-        samples: rays per ommatidium, 1 to 2**20; or "auto": as many as each ommatidium needs for
-            its standard error, as estimated, to be at most ``error``.
-        error: standard error to reach with samples="auto", in radiance (1 is full scale).
-        min_samples, max_samples: rays that an ommatidium gets at least, a power of two from 4 on,
-            and at most; with samples="auto", where None takes 8 (16 from an error of 0.006 down, 32
-            from 0.003, 64 from 0.0015) and 4,096.
-        seed: of the samples, 0 to 2**64 - 1. The same inputs and seed give the same bits, whatever
-            the number of threads.
-        kernel: "own", each ommatidium's own angular sensitivity, or one for all with its acceptance
-            angle Δρ, per unit solid angle: "gaussian", exp(-4 ln2 (θ/Δρ)²); "pillbox",
-            1 within Δρ/2; "compoundray", CompoundRay's, which is the Gaussian over sin θ (Millward,
-            Maddock, Mangan, eLife 2022, 73893), for comparison with work done with it.
-        sampling: "low_discrepancy" (scrambled Sobol points, Owen 1995, moved apart) or "random".
+        sampling: `omma.Fixed`, as many rays for every ommatidium; `omma.ToError`, as many as each
+            needs for an error; or `omma.Shared`, rays that neighbours share.
+        options: seed, kernel, points, footprints and noise, as `omma.rendering.Settings` has them:
+            that says what each does.
         threads: 0 takes one per hardware thread.
-        footprints: rays read textures averaged over their share of the solid angle, so that fine
-            texture does not become noise; the angular sensitivity's modulation transfer stays
-            within 0.01 of its own. False: point by point.
-        share_rays: neighbouring ommatidia share rays: about ``samples`` per ommatidium are traced
-            in all, 1 to 256, and each uses those of its neighbours too. Where fields of view
-            overlap as in a honeybee's eye, that is six to seven times fewer for the same error.
-            What it costs: a ray starts at the ommatidium nearest to its direction, so that of
-            things at a distance d an eye of radius of curvature R has an acceptance angle (1 + R/d)
-            times as wide; errors of neighbours go together; and the rays are fixed to the head, the
-            same at every pose. Ommatidia that would gain nothing trace their own rays;
-            `shared_ommatidia` says who shares. Not for surfaces within some ten radii, nor with
-            samples="auto", random sampling, the kernel "compoundray", apertures or sensitivities
-            that are not round. See docs/shared-rays.md.
-        noise: which of many patterns of rays an ommatidium's estimate takes. "frozen": its own, the
-            same at every pose and in every frame, so that what stands still looks still, and noise
-            goes along with the head. "new_every_frame": another one for every frame that this
-            renderer renders, in the order of the calls, in a batch as in a loop; averaged over
-            frames, noise vanishes. Not with ``share_rays``. See docs/noise.md.
         background: instead of the scene's or the world's own.
         backend: what traces the rays of a scene, see `World`; a world has its own.
         progress: called with the finished share (0 to 1) of the acceleration structure a few times
@@ -100,25 +84,18 @@ class Renderer:
     """
 
     @checked
+    @takes_options
     def __init__(
         self,
         scene: Scene | World,
         eye: Eye | Sequence[Eye | tuple[Eye, ArrayLike]],
+        sampling: Sampling = Settings.sampling,
         *,
-        samples: Samples = 16,
-        error: float | None = None,
-        min_samples: int | None = None,
-        max_samples: int | None = None,
-        seed: int = 0,
-        kernel: str = "own",
-        sampling: str = "low_discrepancy",
         threads: int = 0,
-        footprints: bool = True,
-        share_rays: bool = False,
-        noise: str = "frozen",
         background: Background | None = None,
         backend: str = "",
         progress: Progress | None = None,
+        **options: Unpack[Options],
     ) -> None:
         if not isinstance(scene, World):
             expect(scene, Scene, "scene", "omma.load_scene gives one")
@@ -127,19 +104,8 @@ class Renderer:
         eye = _one_eye(eye)
         if background is not None:
             expect(background, Background, "background", "omma.Background.constant gives one")
-        settings = render_settings(
-            samples=samples,
-            error=error,
-            min_samples=min_samples,
-            max_samples=max_samples,
-            seed=seed,
-            kernel=kernel,
-            sampling=sampling,
-            threads=threads,
-            footprints=footprints,
-            share_rays=share_rays,
-            noise=noise,
-        )
+        self._settings = Settings(sampling, **options)
+        for_engine = self._settings.engine_settings(threads)
         self._build_times: dict[str, float] = {"scene_s": 0.0, "acceleration_s": 0.0}
         if isinstance(scene, Scene):
             scene = World(
@@ -149,55 +115,31 @@ class Renderer:
         elif background is not None:
             scene = scene.with_background(background)
         self._world = scene
-        self._engine = _core.Renderer(scene._engine, eye, settings)
-        self._min_samples = min_samples  # as given: where it is None, it goes by the error
+        self._engine = _core.Renderer(scene._engine, eye, for_engine)
         self._receptors: ReceptorViews | None = None
 
     @checked
     def with_eye(
         self,
         eye: Eye | Sequence[Eye | tuple[Eye, ArrayLike]],
-        *,
-        samples: Samples | None = None,
-        error: float | None = None,
-        min_samples: int | None = None,
-        max_samples: int | None = None,
-        seed: int | None = None,
-        kernel: str | None = None,
-        sampling: str | None = None,
-        footprints: bool | None = None,
-        share_rays: bool | None = None,
-        noise: str | None = None,
+        sampling: Sampling | None = None,
+        **options: Unpack[Options],
     ) -> Renderer:
         """Another renderer of the same world, for another eye or with other settings.
 
         It shares the acceleration structure, so that it is made in milliseconds. What is not given
-        stays as it is here; either renderer lives on without the other. ``error`` and its limits
-        stay as long as ``samples`` is "auto".
+        stays as it is here; either renderer lives on without the other.
 
         Raises:
             omma.Error: an argument is out of its range.
+            TypeError: an argument is of another type.
         """
-        auto = (self.samples if samples is None else samples) == "auto"
-        if auto and min_samples is None:
-            min_samples = self._min_samples
-        settings = render_settings(
-            samples=self.samples if samples is None else samples,
-            error=self.error if auto and error is None else error,
-            min_samples=min_samples,
-            max_samples=self.max_samples if auto and max_samples is None else max_samples,
-            seed=self.seed if seed is None else seed,
-            kernel=self.kernel if kernel is None else kernel,
-            sampling=self.sampling if sampling is None else sampling,
-            threads=self.threads,
-            footprints=self.footprints if footprints is None else footprints,
-            share_rays=self.share_rays if share_rays is None else share_rays,
-            noise=self.noise if noise is None else noise,
-        )
+        chosen = self._settings.sampling if sampling is None else sampling
         other = copy.copy(self)
-        other._engine = _core.Renderer(self._engine, _one_eye(eye), settings)
+        other._settings = replace(self._settings, sampling=chosen, **options)
+        for_engine = other._settings.engine_settings(self.threads)
+        other._engine = _core.Renderer(self._engine, _one_eye(eye), for_engine)
         other._build_times = {"scene_s": 0.0, "acceleration_s": 0.0}
-        other._min_samples = min_samples
         other._receptors = None
         return other
 
@@ -263,10 +205,10 @@ class Renderer:
                 scene, whose whole transform is the pose, its scale too.
             standard_error: return (responses, errors), errors the standard error of each response.
                 It comes from 8 independent scrambles, so 8 times the rays are traced and the
-                response is their mean; with samples="auto" it is estimated from the rays as they
+                response is their mean; with `ToError` it is estimated from the rays as they
                 are. Where all rays miss something it is too small: `confidence_interval` gives
                 bounds that heed the neighbours.
-            report: return (responses, report) with samples="auto": rays spent, estimated
+            report: return (responses, report) with `ToError`: rays spent, estimated
                 standard errors, and who did not reach the error, see `SamplingReport`.
             out: a C-contiguous float32 (P, N, C) array of the caller's to write into; it is what
                 is returned.
@@ -292,8 +234,9 @@ class Renderer:
         """
         matrices = self._matrices(poses)
         shape = (len(matrices), len(self.eye), self.bands)
-        if report and self.samples != "auto":
-            raise Error(f"report: is for samples='auto', found samples={self.samples}")
+        target = self.settings.sampling
+        if report and not isinstance(target, ToError):
+            raise Error(f"report: is for renders to an error (omma.ToError), found {target}")
         if report and standard_error:
             raise Error("report: has the standard errors; not together with standard_error")
         with_errors = standard_error or report
@@ -307,8 +250,8 @@ class Renderer:
         first = frame_number(first_pose)
         self._engine.render(matrices, responses, errors, rays, None, first, None, progress)
         warn_of_precision(self._engine.precision_warning(matrices))
-        if errors is not None and rays is not None:
-            return responses, SamplingReport(rays, errors, self._engine.settings.error)
+        if errors is not None and rays is not None and isinstance(target, ToError):
+            return responses, SamplingReport(rays, errors, target.error)
         return responses if errors is None else (responses, errors)
 
     @overload
@@ -411,7 +354,7 @@ class Renderer:
         """
         matrices = self._matrices(poses)
         shape = (len(matrices), len(self.eye), self.bands)
-        samples = fixed_samples(self.samples, "render_rays")
+        samples = fixed_samples(self.settings.sampling, "render_rays")
         rays = np.empty((*shape[:2], samples, shape[2]), np.float32)
         first = frame_number(first_pose)
         responses = np.empty(shape, np.float32)
@@ -512,12 +455,12 @@ class Renderer:
         Coordinates: position (m) and quaternion (x, y, z, w) of the head, azimuth and elevation
         (degrees, in the head), acceptance angle, eye; of receptors also type, peak wavelength (nm)
         and ommatidium.
-        Variables: ``response``, ``standard_error`` where asked for, ``rays`` with samples="auto".
+        Variables: ``response``, ``standard_error`` where asked for, ``rays`` with `ToError`.
         Attributes: Omma's version, backend, settings, hashes (SHA-256) of the eye and of the
         scene's files as they are now.
 
         Args:
-            poses, standard_error, first_pose, progress: as of `render`. With samples="auto" there
+            poses, standard_error, first_pose, progress: as of `render`. With `ToError` there
                 are always standard errors.
             receptors: what receptors answer, as `render_receptors` says, in place of bands.
             ultraviolet: as of `render_receptors`.
@@ -562,64 +505,19 @@ class Renderer:
         return self._engine.eye
 
     @property
-    def samples(self) -> Samples:
-        """Rays per ommatidium (and scramble, where a standard error is asked for), or "auto"."""
-        return "auto" if self._engine.settings.error > 0 else self._engine.settings.samples
-
-    @property
-    def error(self) -> float | None:
-        """Standard error to reach; None where the number of samples is fixed."""
-        return self._engine.settings.error if self.samples == "auto" else None
-
-    @property
-    def min_samples(self) -> int | None:
-        """Rays that an ommatidium gets at least; None where their number is fixed."""
-        return self._engine.settings.samples if self.samples == "auto" else None
-
-    @property
-    def max_samples(self) -> int | None:
-        """Rays that an ommatidium gets at most; None where their number is fixed."""
-        return self._engine.settings.most_samples if self.samples == "auto" else None
-
-    @property
-    def seed(self) -> int:
-        """Seed of the samples."""
-        return self._engine.settings.seed
-
-    @property
-    def kernel(self) -> str:
-        """Name of the angular sensitivity."""
-        return self._engine.settings.kernel
-
-    @property
-    def sampling(self) -> str:
-        """Name of the sampling."""
-        return self._engine.settings.sampling
-
-    @property
-    def footprints(self) -> bool:
-        """Whether rays read textures averaged over their share of the solid angle."""
-        return self._engine.settings.footprints
-
-    @property
-    def share_rays(self) -> bool:
-        """Whether neighbouring ommatidia share rays."""
-        return self._engine.settings.share_rays
-
-    @property
-    def noise(self) -> str:
-        """Which patterns of rays frames have: "frozen" or "new_every_frame"."""
-        return self._engine.settings.noise
+    def settings(self) -> Settings:
+        """How it takes its rays."""
+        return self._settings
 
     @property
     def shared_ommatidia(self) -> NDArray[np.bool_]:
-        """Which ommatidia share rays with their neighbours, (N,) bool: with ``share_rays`` those
-        whose fields overlap enough to make it worth while, without it none."""
+        """Which ommatidia share rays with their neighbours, (N,) bool: with `Shared` those
+        whose fields overlap enough to make it worth while, else none."""
         return self._engine.shared_ommatidia.astype(bool)
 
     @property
     def rays_per_frame(self) -> int:
-        """Rays traced for a pose without a standard error; with samples="auto", at least."""
+        """Rays traced for a pose without a standard error; with `ToError`, at least."""
         return self._engine.rays_per_frame
 
     @property
@@ -649,12 +547,11 @@ class Renderer:
         return self._engine.build_times | self._build_times
 
     def __repr__(self) -> str:
-        fixed = self.samples != "auto"
-        rays = f"{self.samples} samples" if fixed else f"samples to an error of {self.error:g}"
-        if self.share_rays:
-            rays += f", shared by {np.count_nonzero(self.shared_ommatidia)}"
+        rays = str(self.settings.sampling)
+        if isinstance(self.settings.sampling, Shared):
+            rays += f" by {np.count_nonzero(self.shared_ommatidia)}"
         return (
-            f"<omma.Renderer {len(self.eye)} ommatidia, {rays}, {self.kernel}, "
+            f"<omma.Renderer {len(self.eye)} ommatidia, {rays}, {self.settings.kernel}, "
             f"{self.backend}, {self.threads} threads>"
         )
 

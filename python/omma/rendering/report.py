@@ -13,7 +13,7 @@ _NAMED = 8
 
 @dataclass(frozen=True, eq=False)
 class SamplingReport:
-    """Rays and standard errors of a render with ``samples="auto"``.
+    """Rays and standard errors of a render with `omma.ToError`.
 
     Errors are estimated from the rays themselves, mostly a little too large. They tell nothing of
     what an ommatidium's rays and those around it all missed: of those that reached the error about

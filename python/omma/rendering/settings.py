@@ -1,19 +1,114 @@
-"""How a renderer is asked for rays: the arguments of `omma.Renderer`, checked, for the engine."""
+"""How a renderer takes its rays: every option is declared here, once.
+
+A field of `Fixed`, `ToError`, `Shared` or `Settings` has its help, its default and its range beside
+it. `Renderer`, `render_file`, ``omma render`` and the attributes of written responses follow from
+that. A new option is a field here, a line of `Options` for type checkers, and what the engine does
+with it (``RenderSettings`` in include/omma/render.h).
+"""
 
 from __future__ import annotations
 
-from typing import Any, Literal
+import dataclasses
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal, TypedDict, TypeVar, get_args, get_type_hints
 
 from omma import _core
 from omma._core import Error, RenderSettings
-from omma.base.arguments import positive, whole
+from omma.base.arguments import one_of, positive, whole
 
-Samples = int | Literal["auto"]
+MAX_SAMPLES = 1 << 20
+_MOST_UNASKED = 4096  # of ToError
 
-MAX_SAMPLES = 4096
+KernelName = Literal["own", "gaussian", "pillbox", "compoundray"]
+PointsName = Literal["low_discrepancy", "random"]
+NoiseName = Literal["frozen", "new_every_frame"]
+
+F = TypeVar("F", bound=Callable[..., Any])
 
 
-def least_samples(error: float, most: int) -> int:
+def _option(
+    default: Any, text: str, metavar: str = "N", low: int = 1, high: int = MAX_SAMPLES
+) -> Any:
+    """A field with its help, and the range of whole numbers where it is one."""
+    return field(default=default, metadata={"help": text, "metavar": metavar, "range": (low, high)})
+
+
+def options_of(kind: type) -> list[dataclasses.Field[Any]]:
+    """The options that a class of this file declares."""
+    return [one for one in dataclasses.fields(kind) if "help" in one.metadata]
+
+
+def option_types(kind: Any) -> dict[str, Any]:
+    """What each option of a class is: int, bool, Literal[...], int | None, ..."""
+    return get_type_hints(kind)
+
+
+def _check(part: Any) -> None:
+    """Check all options of a part, and keep plain numbers: 16, not numpy.int64(16)."""
+    for one in options_of(type(part)):
+        value, kind = getattr(part, one.name), option_types(type(part))[one.name]
+        choices = get_args(kind)
+        if value is None and type(None) in choices:
+            continue
+        if kind is bool:
+            if not isinstance(value, bool):
+                found = f"{type(value).__name__} {value!r:.40}"
+                raise TypeError(f"{one.name}: expected True or False, found {found}")
+        elif kind is float:
+            value = positive(value, one.name)
+        elif kind is int or int in choices:
+            value = whole(value, one.name, *one.metadata["range"])
+        else:
+            value = one_of(value, choices, one.name)
+        object.__setattr__(part, one.name, value)
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """As many rays for every ommatidium. With a standard error, for each of its 8 scrambles."""
+
+    samples: int = _option(16, "Rays per ommatidium, or per pixel of a camera's picture.")
+
+    def __post_init__(self) -> None:
+        _check(self)
+
+
+@dataclass(frozen=True)
+class ToError:
+    """As many rays as each ommatidium needs for its standard error, as estimated, to be small."""
+
+    error: float = _option(
+        dataclasses.MISSING,
+        "As many rays as each ommatidium needs for its estimated standard error to be this; "
+        "a radiance of 1 is full scale.",
+        "E",
+    )
+    least: int | None = _option(
+        None,
+        "With an error: least rays of an ommatidium, a power of two. Default: 8, and 16 from an "
+        "error of 0.006 down, 32 from 0.003, 64 from 0.0015.",
+        low=4,
+    )
+    most: int | None = _option(
+        None, "With an error: most rays of an ommatidium. Default: 4,096.", low=4
+    )
+
+    def __post_init__(self) -> None:
+        _check(self)
+        least, most = self.limits()
+        if least & (least - 1):
+            raise Error(f"least: expected a power of two, found {least}")
+        whole(most, "most", least, MAX_SAMPLES)
+
+    def limits(self) -> tuple[int, int]:
+        """Rays that an ommatidium gets at least and at most, where not said those that suit."""
+        least = self.least or _least_samples(self.error, self.most or _MOST_UNASKED)
+        return least, self.most or max(_MOST_UNASKED, least)
+
+
+def _least_samples(error: float, most: int) -> int:
     """Rays that an ommatidium gets at least where nobody says: 8, and from an error of
     0.00625 down the power of two below 0.1 / error, up to 64.
 
@@ -27,71 +122,159 @@ def least_samples(error: float, most: int) -> int:
     return least
 
 
-def render_settings(
-    *,
-    samples: Samples,
-    error: float | None,
-    min_samples: int | None,
-    max_samples: int | None,
-    **others: Any,
-) -> RenderSettings:
-    """Settings from the arguments of `omma.Renderer`; omma.Error or TypeError names one."""
-    seed = whole(others["seed"], "seed", 0, (1 << 64) - 1)
-    threads = whole(others["threads"], "threads", 0, 1 << 16)
-    if isinstance(samples, str):
-        if samples != "auto":
-            raise Error(f"samples: expected a whole number or 'auto', found {samples!r:.40}")
-        if error is None:
-            raise Error("error: expected the standard error that samples='auto' is to reach")
-        target = positive(error, "error")
-        ceiling = whole(_or(max_samples, MAX_SAMPLES), "max_samples", 4, 1 << 20)
-        least = whole(_or(min_samples, least_samples(target, ceiling)), "min_samples", 4, 1 << 20)
-        if least & (least - 1):
-            raise Error(f"min_samples: expected a power of two, found {least}")
-        most = whole(_or(max_samples, max(MAX_SAMPLES, least)), "max_samples", least, 1 << 20)
-    else:
-        given = {"error": error, "min_samples": min_samples, "max_samples": max_samples}
-        for name, value in given.items():
-            if value is not None:
-                raise Error(f"{name}: is for samples='auto', found samples={samples!r:.40}")
-        least = most = whole(samples, "samples", 1, 1 << 20)
-        target = 0.0
-    return _core.RenderSettings(
-        **(others | {"seed": seed, "threads": threads}),
-        samples=least,
-        error=target,
-        most_samples=most,
+@dataclass(frozen=True)
+class Shared:
+    """Neighbouring ommatidia share rays: about ``samples`` for each are traced in all, and each
+    uses those of its neighbours too.
+
+    Where fields of view overlap as in a honeybee's eye, that is six to seven times fewer rays for
+    the same error. What it costs: a ray starts at the ommatidium nearest to its direction, so that
+    of things at a distance d an eye of radius of curvature R has an acceptance angle (1 + R/d)
+    times as wide; errors of neighbours go together; and the rays are fixed to the head, the same at
+    every pose. Ommatidia that would gain nothing trace their own rays;
+    `Renderer.shared_ommatidia` says who shares. Not for surfaces within some ten radii, nor with
+    random points, the kernel "compoundray", apertures or sensitivities that are not round. See
+    docs/shared-rays.md.
+    """
+
+    samples: int = _option(
+        16,
+        "Neighbours share rays, about so many per ommatidium in all: far less error. Not for "
+        "surfaces within some ten eye radii.",
+        high=256,
     )
 
+    def __post_init__(self) -> None:
+        _check(self)
 
-def check_picture_settings(
-    samples: int,
-    seed: int,
-    threads: int,
-    kernel: str = "own",
-    sampling: str = "low_discrepancy",
-) -> None:
-    """Raises what a renderer with these settings would, before a world is made for them."""
-    render_settings(
-        samples=samples,
-        error=None,
-        min_samples=None,
-        max_samples=None,
-        seed=seed,
-        kernel=kernel,
-        sampling=sampling,
-        threads=threads,
-        footprints=True,
-        share_rays=False,
-        noise="frozen",
+
+Sampling = Fixed | ToError | Shared
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Everything about a renderer's rays that responses depend on."""
+
+    sampling: Sampling = Fixed()
+    seed: int = _option(
+        0,
+        "Seed of the samples. The same inputs and seed give the same bits, whatever the number of "
+        "threads.",
+        low=0,
+        high=(1 << 64) - 1,
+    )
+    kernel: KernelName = _option(
+        "own",
+        "Each ommatidium's own angular sensitivity, or one for all with its acceptance angle Δρ, "
+        "per unit solid angle: gaussian, exp(-4 ln2 (θ/Δρ)²); pillbox, 1 within Δρ/2; compoundray, "
+        "CompoundRay's, a Gaussian over sin θ (eLife 2022, 73893), to compare with work done with "
+        "it.",
+    )
+    points: PointsName = _option(
+        "low_discrepancy",
+        "Where rays go in a field of view: scrambled Sobol points (Owen 1995), moved apart, or "
+        "random ones.",
+    )
+    footprints: bool = _option(
+        True,
+        "Rays read textures averaged over their part of the solid angle, so that fine texture does "
+        "not become noise; the modulation transfer stays within 0.01 of its own.",
+    )
+    noise: NoiseName = _option(
+        "frozen",
+        "Each ommatidium's pattern of rays: the same at all poses and in all frames, so that what "
+        "stands still looks still; or another for every frame, so that noise averages out. See "
+        "docs/noise.md.",
     )
 
+    def __post_init__(self) -> None:
+        if not isinstance(self.sampling, get_args(Sampling)):
+            found = f"{type(self.sampling).__name__} {self.sampling!r:.40}"
+            raise TypeError(
+                f"sampling: expected omma.Fixed, omma.ToError or omma.Shared, found {found}"
+            )
+        _check(self)
+        if isinstance(self.sampling, Shared):
+            if self.points == "random":
+                raise Error("points: expected low_discrepancy where rays are shared, found random")
+            if self.noise != "frozen":
+                raise Error(f"noise: expected frozen where rays are shared, found {self.noise}")
 
-def fixed_samples(samples: Samples, what: str) -> int:
-    """``samples`` where it is a number; omma.Error says that ``what`` needs one."""
-    if isinstance(samples, str):
-        raise Error(f"samples: expected a number for {what}, found {samples!r}")
-    return samples
+    def engine_settings(self, threads: int) -> RenderSettings:
+        """As the engine takes them."""
+        sampling = self.sampling
+        least, most = sampling.limits() if isinstance(sampling, ToError) else (sampling.samples, 1)
+        return _core.RenderSettings(
+            samples=least,
+            most_samples=most,
+            error=sampling.error if isinstance(sampling, ToError) else 0.0,
+            share_rays=isinstance(sampling, Shared),
+            seed=self.seed,
+            kernel=self.kernel,
+            sampling=self.points,
+            footprints=self.footprints,
+            noise=self.noise,
+            threads=whole(threads, "threads", 0, 1 << 16),
+        )
+
+
+class Options(TypedDict, total=False):
+    """The options of `Settings` but the sampling, as keyword arguments, for type checkers."""
+
+    seed: int
+    kernel: KernelName
+    points: PointsName
+    footprints: bool
+    noise: NoiseName
+
+
+def _document(kind: type) -> None:
+    """Put the help of its options where `help` shows it."""
+    lines = [f"    {one.name}: {one.metadata['help']}" for one in options_of(kind)]
+    kind.__doc__ = "\n".join([f"{kind.__doc__}\n\nArgs:", *lines])
+
+
+def takes_options(function: F) -> F:
+    """The same function, whose signature says ``**options`` one by one, as `Settings` has them."""
+    signature = inspect.signature(function)
+    parameters = [one for one in signature.parameters.values() if one.kind is not one.VAR_KEYWORD]
+    for one in options_of(Settings):
+        parameters.append(
+            inspect.Parameter(
+                one.name, inspect.Parameter.KEYWORD_ONLY, default=one.default, annotation=one.type
+            )
+        )
+    function.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+    return function
+
+
+def settings_as_record(settings: Settings) -> dict[str, str | int | float]:
+    """Settings as texts and numbers, which every file format can hold, without what is None."""
+    flat = {"sampling": type(settings.sampling).__name__}
+    for part in (settings.sampling, settings):
+        flat |= {one.name: getattr(part, one.name) for one in options_of(type(part))}
+    flat["seed"] = str(settings.seed)  # up to 2**64 - 1, which few formats hold as a number
+    return {
+        name: int(value) if isinstance(value, bool) else value
+        for name, value in flat.items()
+        if value is not None
+    }
+
+
+def settings_from_record(record: Mapping[str, Any]) -> Settings:
+    """Settings from what `settings_as_record` made of them.
+
+    Raises:
+        omma.Error: not such a record.
+    """
+    kinds = {kind.__name__: kind for kind in get_args(Sampling)}
+    kind = kinds[one_of(record.get("sampling"), kinds, "sampling")]
+    values = {**record, "seed": int(record["seed"]), "footprints": bool(record["footprints"])}
+    of_sampling, others = (
+        {one.name: values[one.name] for one in options_of(part) if one.name in values}
+        for part in (kind, Settings)
+    )
+    return Settings(kind(**of_sampling), **others)
 
 
 def frame_number(first_pose: int | None) -> int | None:
@@ -99,5 +282,12 @@ def frame_number(first_pose: int | None) -> int | None:
     return None if first_pose is None else whole(first_pose, "first_pose", 0, (1 << 63) - 1)
 
 
-def _or(value: int | None, default: int) -> int:
-    return default if value is None else value
+def fixed_samples(sampling: Sampling, what: str) -> int:
+    """The number of rays of `Fixed`; omma.Error says that ``what`` needs one."""
+    if not isinstance(sampling, Fixed):
+        raise Error(f"sampling: expected omma.Fixed for {what}, found {sampling!r:.60}")
+    return sampling.samples
+
+
+for _kind in (Fixed, ToError, Shared, Settings):
+    _document(_kind)

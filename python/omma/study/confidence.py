@@ -40,14 +40,14 @@ def confidence_interval(
     neighbours only the first is left.
 
     Measured in docs/error-target.md. What no ray of the neighbours meets either is not in it, and
-    with ``share_rays`` neighbours miss the same things.
+    where rays are shared, neighbours miss the same things.
 
     Args:
         eye: who sees, (N,); the renderer's.
         responses: (..., N, C), as `Renderer.render` gives them.
         standard_errors: of these, the same shape.
         rays: that each response comes from, a number or (..., N): 8 times the samples with
-            ``standard_error=True``, `SamplingReport.rays` with samples="auto".
+            ``standard_error=True``, `SamplingReport.rays` with `ToError`.
         level: share of responses whose bounds are to hold the true one, between 0 and 1.
 
     Returns:

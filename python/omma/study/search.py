@@ -105,10 +105,10 @@ def minimum_samples(
     ``where`` and all orientations, the best of which are measured again and better, twice; then 8
     rounds in which the best 16 (of few, a sixteenth) and 8 smaller and smaller changes of each are
     rendered anew; then the best of those left, with most repeats. Scatter is that of single rays
-    where sampling is random, as in CompoundRay's script; else that of estimates of 64 rays, because
+    where points are random, as in CompoundRay's script; else that of estimates of 64 rays, because
     what evenly spread rays leave depends on how fine the scene is, too. At that pose the standard
     deviation, the largest of the twelve ommatidia's, is measured against the number of rays. Of
-    random sampling and linear responses one standard deviation is enough: σ/√N.
+    random points and linear responses one standard deviation is enough: σ/√N.
 
     Nothing keeps the eye from being inside an object or under the ground: say where it can be.
 
@@ -116,7 +116,7 @@ def minimum_samples(
         scene: what there is to see, or a renderer of it.
         where: positions to search, or poses (P, 4, 4) of a path, whose positions are taken.
         fraction: of full scale, over 0.
-        method: kernel and sampling.
+        method: kernel and points.
         measure: as in `response_variances`.
         poses: of the first stage.
         seed: of the samples and of the search.
@@ -132,7 +132,7 @@ def minimum_samples(
     start = time.perf_counter()
     limit = fraction * FULL_SCALE[measure] if measure in FULL_SCALE else 0.0
     tally = _Tally(scene_renderer(scene, threads), method, measure, seed, progress)
-    single = method.sampling == "random"
+    single = method.points == "random"
     pose, variance = _worst_pose(tally, where, whole(poses, "poses", 1, 1 << 20), single)
     spread = float(np.sqrt(variance.max()))
     if single and measure == "linear":

@@ -22,6 +22,7 @@ from omma._core import Error, Eye, Scene
 from omma.base.arguments import array_of, checked, whole
 from omma.base.poses import as_poses
 from omma.rendering.renderer import BUILDING, Renderer
+from omma.rendering.settings import Fixed
 from omma.study.variance import OURS, Method, Progress
 
 # Frames/s of CompoundRay on an NVIDIA RTX 2080 Ti, by rays per ommatidium: eLife 2022, 73893.
@@ -73,7 +74,7 @@ def measure_speed(
         rays: numbers of rays per ommatidium, (K,).
         frames: that the mean is taken of.
         warm_up_s: seconds of rendering before the clock starts, 0 or more.
-        method: kernel and sampling.
+        method: kernel and points.
         threads: 0 takes all.
         progress: called with a stage and its finished share.
 
@@ -93,9 +94,9 @@ def measure_speed(
     renderer = Renderer(
         scene,
         eye,
-        samples=1,
+        Fixed(1),
         kernel=method.kernel,
-        sampling=method.sampling,
+        points=method.points,
         noise="new_every_frame",
         threads=threads,
         progress=partial(tell, BUILDING),
@@ -106,7 +107,7 @@ def measure_speed(
         renderer.render(matrix)
     for index, count in enumerate(rays):
         tell(f"{count} rays", index / len(rays))
-        renderer = renderer.with_eye(eye, samples=count)
+        renderer = renderer.with_eye(eye, Fixed(count))
         for _ in range(2):
             renderer.render(matrix)
         start = time.perf_counter()

@@ -18,6 +18,7 @@ from omma._core import Error, Eye, Scene
 from omma.base.arguments import checked, positive, whole
 from omma.base.poses import as_poses, numbers
 from omma.rendering.renderer import Renderer
+from omma.rendering.settings import Fixed, KernelName, PointsName
 
 Array = NDArray[np.float64]
 Measure = Literal["linear", "compoundray"]
@@ -35,15 +36,15 @@ _CHUNK_BYTES = 64 << 20
 
 @dataclass(frozen=True)
 class Method:
-    """How directions are drawn: names of a `Renderer`'s kernel and sampling."""
+    """How directions are drawn: names of a `Renderer`'s kernel and points."""
 
-    kernel: str = "gaussian"
-    sampling: str = "low_discrepancy"
+    kernel: KernelName = "gaussian"
+    points: PointsName = "low_discrepancy"
 
     @property
     def name(self) -> str:
         """In words."""
-        return f"{self.kernel} kernel, {self.sampling.replace('_', ' ')} sampling"
+        return f"{self.kernel} kernel, {self.points.replace('_', ' ')} points"
 
 
 OURS = Method()
@@ -100,7 +101,7 @@ def response_variances(
         rays: rays per estimate.
         repeats: estimates; their variance has a relative standard error of about
             sqrt(2 / (repeats - 1)).
-        method: kernel and sampling.
+        method: kernel and points.
         measure: "linear": variance of the linear response, of the channel with the largest; full
             scale is radiance 1. "compoundray": clamped, raised to 1/2.2, truncated to 8 bits; the
             mean squared distance in RGB from the mean colour.
@@ -119,7 +120,7 @@ def response_variances(
     seeds = min(whole(seeds, "seeds", 1, 1 << 10), whole(repeats, "repeats", 2, 1 << 20))
     copies = -(-repeats // seeds)
     # Random single rays are independent already; others come from an eye that is there many times.
-    single = rays == 1 and method.sampling == "random"
+    single = rays == 1 and method.points == "random"
     crowd = Eye(
         *(np.repeat(part, copies, axis=0) for part in (eye.position_m, eye.axis)),
         *(np.repeat(part, copies) for part in (eye.acceptance_angle_rad, eye.focal_offset_m)),
@@ -128,10 +129,10 @@ def response_variances(
     renderers = [
         base.with_eye(
             eye if single else crowd,
-            samples=copies if single else rays,
+            Fixed(copies if single else rays),
             seed=further_seed(seed, k),
             kernel=method.kernel,
-            sampling=method.sampling,
+            points=method.points,
             noise="new_every_frame",
         )
         for k in range(seeds)
@@ -157,7 +158,7 @@ def scene_renderer(
     """A renderer to make others of the same scene from."""
     if isinstance(scene, Renderer):
         return scene
-    return Renderer(scene, icosahedral_eye(), samples=1, threads=threads, progress=progress)
+    return Renderer(scene, icosahedral_eye(), Fixed(1), threads=threads, progress=progress)
 
 
 def further_seed(seed: int, number: int) -> int:
@@ -207,9 +208,9 @@ def variance_map(
         size_m: side of the square, over 0.
         steps: cells along a side.
         statistic: of the twelve ommatidia: "max" or "mean".
-        rays: rays per estimate; 1 with random sampling gives the variance of the light itself.
+        rays: rays per estimate; 1 with random points gives the variance of the light itself.
         repeats: estimates per ommatidium.
-        method: kernel and sampling.
+        method: kernel and points.
         measure: as in `response_variances`.
         seed: of the samples.
         threads: 0 takes all.
@@ -271,7 +272,7 @@ def alias_curve(
         pose: (4, 4) ``world_from_head``, m.
         rays: numbers of rays, (K,).
         repeats: estimates of each response.
-        method: kernel and sampling.
+        method: kernel and points.
         measure: as in `response_variances`.
         seed: of the samples.
         threads: 0 takes all.

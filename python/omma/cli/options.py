@@ -1,0 +1,93 @@
+"""The options of `Settings` on the command line: their names, help and ranges come from there."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from typing import Annotated, Any, get_args
+
+import typer
+
+from omma._core import Error
+from omma.rendering.settings import (
+    Fixed,
+    Sampling,
+    Settings,
+    Shared,
+    ToError,
+    option_types,
+    options_of,
+)
+
+# Options of the command line by the class they belong to; where their name is not the field's.
+_NAMES = {(Shared, "samples"): "shared"}
+
+
+def help_of(name: str) -> str:
+    """What an option of `Settings` says of itself."""
+    return next(str(one.metadata["help"]) for one in options_of(Settings) if one.name == name)
+
+
+def takes_settings(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The same command, whose parameter ``settings`` has become an option for each field."""
+    signature = inspect.signature(command, eval_str=True)
+    parameters: list[inspect.Parameter] = []
+    for one in signature.parameters.values():
+        parameters += _parameters() if one.name == "settings" else [one]
+
+    def with_settings(**given: Any) -> Any:
+        values = {one.name: given.pop(one.name) for one in _parameters()}
+        return command(settings=_settings(values), **given)
+
+    with_settings.__name__, with_settings.__doc__ = command.__name__, command.__doc__
+    with_settings.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+    with_settings.__annotations__ = {one.name: one.annotation for one in parameters}
+    return with_settings
+
+
+def _parameters() -> list[inspect.Parameter]:
+    """A parameter as typer reads it for each option. Those of the three ways of sampling are None
+    where not given, so that one can tell which was meant."""
+    found = []
+    for kind in (*get_args(Sampling), Settings):
+        for one in options_of(kind):
+            name = _NAMES.get((kind, one.name), one.name)
+            of_sampling = kind is not Settings
+            declared = option_types(kind)[one.name]
+            is_number = of_sampling or declared is int
+            shown = typer.Option(
+                help=one.metadata["help"] + _default(kind),
+                metavar=one.metadata["metavar"] if is_number else None,
+            )
+            kept: Any = Annotated[declared, shown]
+            if of_sampling:
+                kept = Annotated[declared | None, shown]
+            default = None if of_sampling else one.default
+            either = inspect.Parameter.POSITIONAL_OR_KEYWORD
+            found.append(inspect.Parameter(name, either, default=default, annotation=kept))
+    return found
+
+
+def _default(kind: type) -> str:
+    return f" [default: {Fixed().samples}]" if kind is Fixed else ""
+
+
+def _settings(values: dict[str, Any]) -> Settings:
+    """Settings from the values of all options."""
+    ways: dict[str, Sampling] = {}
+    if values["samples"] is not None:
+        ways["--samples"] = Fixed(values["samples"])
+    if values["shared"] is not None:
+        ways["--shared"] = Shared(values["shared"])
+    if values["error"] is not None:
+        ways["--error"] = ToError(values["error"], values["least"], values["most"])
+    else:
+        for name in ("least", "most"):
+            if values[name] is not None:
+                raise Error(f"{name}: goes with --error, found --{name} {values[name]}")
+    if len(ways) > 1:
+        raise Error(f"{' and '.join(ways)}: only one of them can say how many rays there are")
+    return Settings(
+        next(iter(ways.values()), Settings.sampling),
+        **{one.name: values[one.name] for one in options_of(Settings)},
+    )

@@ -1,0 +1,75 @@
+"""Options of rays are declared once; everything that takes or tells them follows from that."""
+
+import inspect
+import json
+import pickle
+from typing import get_args, get_type_hints
+
+import numpy as np
+import pytest
+
+import omma
+from omma.job.all_cameras import render_all_cameras
+from omma.rendering import Settings
+from omma.rendering.settings import (
+    Options,
+    Sampling,
+    options_of,
+    settings_as_record,
+    settings_from_record,
+)
+
+EVERY = [
+    Settings(),
+    Settings(omma.Fixed(3), seed=2**64 - 1, kernel="pillbox", points="random"),
+    Settings(omma.ToError(0.01), footprints=False),
+    Settings(omma.ToError(0.1, least=4, most=99), noise="new_every_frame"),
+    Settings(omma.Shared(7), kernel="gaussian"),
+]
+
+
+def test_type_checkers_see_every_option():
+    declared = {name: kind for name, kind in get_type_hints(Settings).items() if name != "sampling"}
+    assert get_type_hints(Options) == declared
+
+
+@pytest.mark.parametrize("function", [omma.Renderer, omma.render_file, render_all_cameras])
+def test_signatures_have_every_option(function):
+    parameters = inspect.signature(function).parameters
+    assert parameters["sampling"].default == Settings.sampling
+    for option in options_of(Settings):
+        assert parameters[option.name].default == option.default
+    assert inspect.Parameter.VAR_KEYWORD not in {one.kind for one in parameters.values()}
+
+
+def test_help_tells_every_option(run_omma):
+    _, said, _ = run_omma("render", "--help")
+    for kind in (*get_args(Sampling), Settings):
+        for option in options_of(kind):
+            assert f"{option.name}: {option.metadata['help']}" in kind.__doc__
+    for name in ("samples", "error", "least", "most", "shared", "no-footprints"):
+        assert f"--{name}" in said
+    for option in options_of(Settings):
+        assert f"--{option.name}" in said
+
+
+@pytest.mark.parametrize("settings", EVERY)
+def test_values(settings):
+    assert pickle.loads(pickle.dumps(settings)) == settings
+    assert hash(settings) == hash(pickle.loads(pickle.dumps(settings)))
+    assert eval(repr(settings), {"Settings": Settings, **vars(omma)}, vars(omma)) == settings
+    record = settings_as_record(settings)
+    assert settings_from_record(json.loads(json.dumps(record))) == settings
+    assert settings_from_record({**record, "something": "else"}) == settings
+
+
+def test_numbers_are_kept_as_plain_ones():
+    settings = Settings(omma.Fixed(np.int64(4)), seed=np.uint64(2**63))
+    assert settings == Settings(omma.Fixed(4), seed=2**63)
+    assert type(settings.sampling.samples) is type(settings.seed) is int
+    assert type(omma.ToError(np.float32(0.5)).error) is float
+
+
+def test_a_record_of_something_else_is_refused():
+    with pytest.raises(omma.Error, match=r"^sampling: expected one of Fixed, ToError, Shared"):
+        settings_from_record(settings_as_record(Settings()) | {"sampling": "Fixd"})
