@@ -43,7 +43,8 @@ def describe_responses(path: PathLike) -> Lines:
         omma.Error: the file cannot be read.
     """
     name = os.fsdecode(path)
-    if Path(name).suffix.lower() == ".npy" and not os.path.exists(beside(name)):
+    alone = Path(name).suffix.lower() == ".npy" and not os.path.exists(beside(name))
+    if alone and os.path.isfile(name):
         return _describe_array(name)
     data = load_responses(path)
     said = data.attrs

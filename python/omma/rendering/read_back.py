@@ -76,9 +76,12 @@ def _opened(name: str, suffix: str) -> xarray.Dataset:
     # Texts and numbers of one kind, whatever the library makes of them.
     for one, values in data.coords.items():
         if values.dtype.kind in "OTS":
-            data = data.assign_coords({one: (values.dims, values.values.astype(np.str_))})
+            data = data.assign_coords(
+                {one: (values.dims, np.array(values.values.tolist(), np.str_))}
+            )
     data.attrs = {
-        key: getattr(value, "item", lambda v=value: v)() for key, value in data.attrs.items()
+        key: value.item() if isinstance(value, np.generic) else value
+        for key, value in data.attrs.items()
     }
     opened: xarray.Dataset = data
     return opened
