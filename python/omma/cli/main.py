@@ -89,7 +89,7 @@ The path is a CSV file with a header, x,y,z,qx,qy,qz,qw or x,y,z,yaw_deg,pitch_d
 INFO_HELP = """
 Say what is in a file: a scene, an eye, or responses and how they were made.
 
-What an eye is like as an eye is measured by `omma eye info`.
+What an eye is like as an eye is measured by **omma eye info**.
 
 **Examples**
 
