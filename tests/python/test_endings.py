@@ -25,7 +25,6 @@ def test_other_writers(tmp_path, name, renderer):
         lambda: omma.save_png(path, np.zeros((2, 2, 3), np.uint8)),
         lambda: omma.save_responses(path, responses, eye),
         lambda: omma.eye.save_eye_table(path, eye, measures),
-        lambda: omma.study.save_minimum_samples(path, []),
         lambda: omma.study.save_variance_map(path, np.zeros((4, 4)), (0, 0, 0), 1.0),
     ]
     for write in writers:
@@ -57,8 +56,8 @@ COMMANDS = [
     "eye draw bug.eye -o x.foo",
     "measure min-samples scene.gltf --eye bug.eye -o x.foo",
     "measure variance-map scene.gltf --centre 0 1 0 --size 1 -o x.foo",
-    "measure aliasing scene.gltf -o x.foo",
-    "measure speed scene.gltf -o x.foo",
+    "measure aliasing scene.gltf --eye bug.eye -o x.foo",
+    "measure speed scene.gltf --eye bug.eye -o x.foo",
 ]
 
 

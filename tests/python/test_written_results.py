@@ -276,7 +276,7 @@ def test_like_on_the_command_line(folder, run_omma):
     assert code == 1
     assert "--seed: not together with --like" in err
     code, _, err = run_omma("render", "-o", "again.npy")
-    assert code == 1
+    assert code == 2
     assert "SCENE" in err
 
 

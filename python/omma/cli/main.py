@@ -294,7 +294,7 @@ def render(
         print("\n".join(report_lines(report)))
         return
     if scene is None:
-        raise Error("SCENE: expected a scene to render, found none")
+        raise typer.BadParameter("expected a scene to render, found none", param_hint="SCENE")
     options = {one.name: getattr(settings, one.name) for one in options_of(Settings)}
     if all_cameras:
         _check_all_cameras(
