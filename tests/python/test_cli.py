@@ -193,7 +193,7 @@ def test_info_of_an_eye_with_receptors_and_columns(omma_command, tmp_path):
     omma.save_eye(tmp_path / "bee.csv", eye.replace(columns={"age_days": np.zeros(60)}))
     code, out, _ = omma_command("info", tmp_path / "bee.csv")
     assert code == 0
-    assert re.search(r"^receptors +\d+ of .*UV", out, re.MULTILINE)
+    assert re.search(r"^receptors +[\d,]+ of .", out, re.MULTILINE)
     assert re.search(r"^columns +age_days$", out, re.MULTILINE)
 
 
@@ -493,7 +493,7 @@ def test_output_that_goes_nowhere(files, tmp_path, arguments, redirected, code, 
     assert says in (None, done.stderr)
     assert (done.stdout == "") == (redirected != "2>&-")
     if "-o" in arguments:  # and what was asked for is there
-        assert (tmp_path / Path(arguments.split("{0}/")[1]).name).stat().st_size > 100
+        assert (tmp_path / arguments.split("{0}/")[1]).stat().st_size > 100
 
 
 def test_a_closed_stream_is_not_written_into_a_file(files, tmp_path):

@@ -116,7 +116,7 @@ def test_a_full_disk_is_an_error_that_names_the_file(tmp_path):
 def test_a_series_of_pictures_is_there_whole_or_not_at_all(files, tmp_path, monkeypatch):
     path = tmp_path / "path.csv"
     path.write_text("x,y,z,yaw_deg,pitch_deg,roll_deg\n" + "0,1,0,0,0,0\n" * 3 + "0,1,0,90,0,0\n")
-    render = {"eyes": files / "bug.eye", "path": path, "samples": 1, "width": 64}
+    render = {"eyes": files / "bug.eye", "path": path, "sampling": omma.Fixed(1), "width": 64}
     whole = _core.encode_png
 
     def encode(name, pixels):
@@ -259,7 +259,7 @@ from omma.rendering.response_files import NpyWriter, Piece
 
 with WholeFiles() as files:
     for name in sys.argv[1:]:
-        NpyWriter(files, name, (1, 1, 1)).write(np.zeros((1, 1, 250_000), np.float32), None, 0)
+        NpyWriter(files, name, (1, 1, 1)).write(Piece(0, np.zeros((1, 1, 250_000), np.float32)))
     os.kill(os.getpid(), signal.SIGKILL)
 """
 
@@ -284,7 +284,7 @@ def test_what_a_killed_run_left_is_named(files, tmp_path, monkeypatch, run_omma)
 def test_a_run_that_goes_on_left_nothing(tmp_path):
     name = str(tmp_path / "a.npy")
     with WholeFiles() as files:
-        NpyWriter(files, name, (1, 1, 1)).write(np.zeros((1, 1, 1), np.float32), None, 0)
+        NpyWriter(files, name, (1, 1, 1)).write(Piece(0, np.zeros((1, 1, 1), np.float32)))
         assert left_behind([name]) == []
 
 
