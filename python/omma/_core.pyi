@@ -33,6 +33,9 @@ class WholeFiles:
 
     def write(self, file: int, data: object) -> None: ...
 
+    def temporary(self, file: int) -> str:
+        """Where its bytes are meanwhile, for libraries that write to a path themselves."""
+
     def close(self, file: int) -> None: ...
 
     def sync(self, file: int) -> int: ...

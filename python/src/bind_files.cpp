@@ -49,6 +49,13 @@ void bind_files(nb::module_& m) {
           nb::arg("file"), nb::arg("data"),
           nb::sig("def write(self, file: int, data: object) -> None"))
       .def(
+          "temporary",
+          [](const WholeFiles& files, std::size_t file) {
+            return path_object(files.temporary(file));
+          },
+          nb::arg("file"), nb::sig("def temporary(self, file: int) -> str"),
+          "Where its bytes are meanwhile, for libraries that write to a path themselves.")
+      .def(
           "close",
           [](WholeFiles& files, std::size_t file) { run_long_work([&] { files.close(file); }); },
           nb::arg("file"))

@@ -187,9 +187,15 @@ namespace {
 
 enum class EyeFormat { eye, csv, gltf, glb };
 
-EyeFormat format_of(const std::string& path) {
+std::string ending_of(const std::string& path) {
   std::string ending = std::filesystem::path(path).extension().string();
   for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return ending;
+}
+
+// Of a file that is read: eyes of CompoundRay are called anything.
+EyeFormat format_of(const std::string& path) {
+  const std::string ending = ending_of(path);
   return ending == ".csv"    ? EyeFormat::csv
          : ending == ".gltf" ? EyeFormat::gltf
          : ending == ".glb"  ? EyeFormat::glb
@@ -290,6 +296,8 @@ std::vector<std::string> eye_file_heads(const std::string& path) {
 
 void save_eye(const std::string& path, const Eye& eye, double metres_per_unit, bool lossy) {
   check_unit(metres_per_unit);
+  if (format_of(path) == EyeFormat::eye && ending_of(path) != ".eye")
+    throw Error(path + ": expected a name ending in .csv, .gltf, .glb or .eye");
   Eye checked = eye;
   validate_eye(checked);
   std::string bytes;

@@ -32,11 +32,14 @@ struct Loader {
   std::vector<GltfNode> nodes;
   GltfWarnings warnings;
   Scene scene;
+  int lights = 0;  // that nodes of the scene have
 };
 
 constexpr std::array<std::string_view, 5> supported_extensions = {
     "KHR_materials_emissive_strength", "KHR_materials_unlit", "KHR_mesh_quantization",
     "KHR_texture_transform", "OCES_eyes"};  // eyes are nothing to see; load_eye reads them
+
+constexpr const char* lights_extension = "KHR_lights_punctual";
 
 bool is_supported(const std::string& extension) {
   for (const std::string_view supported : supported_extensions)
@@ -52,7 +55,7 @@ void check_extensions(Loader& loader) {
       throw Error(loader.gltf.path + ": requires the glTF extension " + extension +
                   ", which is not supported");
   for (const std::string& extension : document.value("extensionsUsed", std::set<std::string>()))
-    if (!is_supported(extension))
+    if (!is_supported(extension) && extension != lights_extension)  // see warn_of_light
       loader.warnings.add("the glTF extension " + extension + " is not supported; it is ignored");
 }
 
@@ -238,6 +241,9 @@ void add_nodes(Loader& loader, const std::vector<int>& roots, const WorkPart& wo
     if (node.skin >= 0)
       loader.warnings.add("skins are ignored: the mesh is shown in its base pose", node.place);
     if (node.camera >= 0) add_camera(loader, node, world_from_node);
+    const json& as_given = loader.gltf.document["nodes"][static_cast<std::size_t>(visit.node)];
+    if (as_given.contains("extensions") && as_given["extensions"].contains(lights_extension))
+      ++loader.lights;
     if (node.mesh >= 0) {
       const json& mesh = gltf_element(loader.gltf, "meshes", "mesh", node.mesh, node.place);
       const std::string place =
@@ -255,6 +261,26 @@ void add_nodes(Loader& loader, const std::vector<int>& roots, const WorkPart& wo
     for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
       open.push_back({*child, world_from_node});
   }
+}
+
+// Nothing is lit: one sentence counts what asks for it. Nothing says so of a primitive without a
+// material, and where CompoundRay's colours are asked for it is what was asked for.
+void warn_of_light(Loader& loader) {
+  std::set<int> shown, lit;
+  for (const Mesh& mesh : loader.scene.meshes) {
+    if (mesh.material < 0) continue;
+    shown.insert(mesh.material);
+    if (!loader.scene.materials[static_cast<std::size_t>(mesh.material)].unlit)
+      lit.insert(mesh.material);
+  }
+  std::string ignored;
+  if (loader.lights > 0) ignored = "lights that are ignored: " + std::to_string(loader.lights);
+  if (!lit.empty())
+    ignored += std::string(ignored.empty() ? "" : "; ") +
+               "materials that are meant to be lit (without KHR_materials_unlit) and show base "
+               "colour and emission alone: " +
+               std::to_string(lit.size()) + " of " + std::to_string(shown.size());
+  if (!ignored.empty()) loader.warnings.add("nothing is lit; " + ignored);
 }
 
 // What CompoundRay makes of materials (BrainsOnBoard/compound-ray, libEyeRenderer3/shaders.cu and
@@ -295,6 +321,7 @@ Scene parse_scene(std::string file, const std::string& path, const SceneOptions&
   read_materials(loader.gltf, loader.scene, loader.warnings, work.part(0.4, 0.6));
   if (options.color_rule == ColorRule::compoundray) use_compoundray_colors(loader.scene);
   add_nodes(loader, roots, work.part(0.7, 1));
+  if (options.color_rule == ColorRule::gltf) warn_of_light(loader);
   if (!gltf_list(loader.gltf.document, "animations").empty())
     loader.warnings.add("animations are ignored: the scene is shown as it stands");
   loader.scene.warnings = loader.warnings.sentences();

@@ -190,6 +190,10 @@ void WholeFiles::write(std::size_t file, std::span<const char> bytes) {
   }
 }
 
+std::string WholeFiles::temporary(std::size_t file) const {
+  return parts_.at(file).temporary.string();
+}
+
 void WholeFiles::close(std::size_t file) {
   Part& part = parts_.at(file);
   if (part.closed) return;

@@ -31,6 +31,8 @@ class WholeFiles {
   // work that takes hours and is cut off can go on from there. One process at a time.
   std::size_t open_kept(const std::string& path, std::uintmax_t bytes);
   void write(std::size_t file, std::span<const char> bytes);
+  // Where its bytes are meanwhile, for libraries that write to a path themselves.
+  std::string temporary(std::size_t file) const;
   // Nothing more will be written to it: all is brought to the disk.
   void close(std::size_t file);
   // Brings what was written so far to the disk; its size.

@@ -232,6 +232,9 @@ TEST(EyeFile, FilesThatCannotBeReadOrWrittenAreNamed) {
   broken.axis[1] = {0, 0, 0};
   EXPECT_NE(message_of([&] { omma::save_eye(folder.file("x.eye"), broken); }).find("ommatidium 1"),
             std::string::npos);
+  for (const char* name : {"bee.foo", "bee", "bee.eye.txt"})
+    EXPECT_NE(message_of([&] { omma::save_eye(folder.file(name), eye); }).find("ending in .csv"),
+              std::string::npos);
   EXPECT_EQ(folder.file_count(), 0u);
 }
 

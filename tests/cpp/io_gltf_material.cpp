@@ -281,6 +281,25 @@ TEST(GltfExtension, UsedAndNotSupportedIsAWarning) {
   EXPECT_TRUE(has_warning(scene, "KHR_materials_clearcoat"));
 }
 
+TEST(GltfLight, NothingIsLitIsSaidOnceWithCounts) {
+  GltfBuilder b = one_triangle();
+  EXPECT_TRUE(load(b).warnings.empty());  // nothing says that it is meant to be lit
+  b.document["extensionsUsed"] = {"KHR_lights_punctual", "KHR_materials_unlit"};
+  b.document["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}}};
+  EXPECT_TRUE(load(b).warnings.empty());  // no node has the light
+  b.root({{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+  b.root({{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+  ASSERT_EQ(load(b).warnings.size(), 1u);
+  EXPECT_EQ(load(b).warnings[0], "nothing is lit; lights that are ignored: 2");
+  b.document["materials"] = {{{"name", "lit"}}};
+  b.document["meshes"][0]["primitives"][0]["material"] = 0;
+  ASSERT_EQ(load(b).warnings.size(), 1u);
+  EXPECT_TRUE(has_warning(load(b), "lights that are ignored: 2; materials that are meant to be lit"));
+  EXPECT_TRUE(has_warning(load(b), "base colour and emission alone: 1 of 1"));
+  b.document["materials"][0]["extensions"]["KHR_materials_unlit"] = json::object();
+  EXPECT_FALSE(has_warning(load(b), "materials"));
+}
+
 TEST(GltfExtension, RequiredAndSupported) {
   GltfBuilder b = one_triangle();
   b.document["extensionsUsed"] = b.document["extensionsRequired"] = {

@@ -53,7 +53,8 @@ def test_three_outputs_of_one_render(omma_command, tmp_path):
         rows = list(csv.DictReader(file))
     assert [np.float32(row["g"]) for row in rows] == array[0, :, 1].tolist()
     assert outputs[0].read_bytes()[:4] == b"\x89PNG"
-    assert sorted(path.name for path in outputs[0].parent.iterdir()) == ["x.csv", "x.npy", "x.png"]
+    written = sorted(path.name for path in outputs[0].parent.iterdir())
+    assert written == ["x.csv", "x.json", "x.npy", "x.png"]
 
 
 def test_command_equals_library(rendered, scene, eye):
@@ -183,11 +184,17 @@ def test_info_of_an_eye(omma_command, tmp_path):
     assert re.search(r"^ommatidia +21$", out, re.MULTILINE)
     assert re.search(r"^azimuth +-30\.0° to 30\.0°", out, re.MULTILINE)
     assert re.search(r"^elevation +0\.0° to 0\.0°", out, re.MULTILINE)
-    assert re.search(r"^acceptance +min 1\.00°, median 2\.00°, max 3\.00°", out, re.MULTILINE)
-    expected = "min 3.00°, median 3.00°, max 3.00°"
-    assert re.search(rf"^interommatidial +{expected}", out, re.MULTILINE)
-    assert re.search(r"^field +\d", out, re.MULTILINE)
+    assert not re.search(r"^(acceptance|interommatidial|field) ", out, re.MULTILINE)  # eye info
     assert re.search(r"^more +omma eye info \S*row.eye", out, re.MULTILINE)
+
+
+def test_info_of_an_eye_with_receptors_and_columns(omma_command, tmp_path):
+    eye = omma.receptors.assign_receptors(make_eye(), omma.receptors.honeybee_ommatidia())
+    omma.save_eye(tmp_path / "bee.csv", eye.replace(columns={"age_days": np.zeros(60)}))
+    code, out, _ = omma_command("info", tmp_path / "bee.csv")
+    assert code == 0
+    assert re.search(r"^receptors +[\d,]+ of .", out, re.MULTILINE)
+    assert re.search(r"^columns +age_days$", out, re.MULTILINE)
 
 
 def test_azimuth_range_goes_the_short_way_round():
@@ -486,7 +493,7 @@ def test_output_that_goes_nowhere(files, tmp_path, arguments, redirected, code, 
     assert says in (None, done.stderr)
     assert (done.stdout == "") == (redirected != "2>&-")
     if "-o" in arguments:  # and what was asked for is there
-        assert [p.stat().st_size > 100 for p in tmp_path.iterdir()] == [True]
+        assert (tmp_path / arguments.split("{0}/")[1]).stat().st_size > 100
 
 
 def test_a_closed_stream_is_not_written_into_a_file(files, tmp_path):

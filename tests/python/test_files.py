@@ -18,7 +18,7 @@ import omma
 from omma import _core
 from omma.base.files import WholeFiles, left_behind
 from omma.job.info import describe_file
-from omma.rendering.response_files import NpyWriter
+from omma.rendering.response_files import NpyWriter, Piece
 
 
 def responses_of(eye, poses=2):
@@ -88,7 +88,7 @@ def test_nothing_is_left_when_writing_fails(tmp_path):
     old = tmp_path / "a.npy"
     old.write_text("the old one")
     with pytest.raises(ZeroDivisionError), WholeFiles() as files:
-        NpyWriter(files, str(old), (1, 2, 3)).write(np.zeros((1, 2, 3), np.float32), None, 0)
+        NpyWriter(files, str(old), (1, 2, 3)).write(Piece(0, np.zeros((1, 2, 3), np.float32)))
         raise ZeroDivisionError
     assert old.read_text() == "the old one"
     assert [p.name for p in tmp_path.iterdir()] == ["a.npy"]
@@ -109,14 +109,14 @@ def test_a_full_disk_is_an_error_that_names_the_file(tmp_path):
     wrong = pytest.raises(omma.Error, match=r"a\.npy: cannot be written: File too large")
     with small_disk(1000), wrong, WholeFiles() as files:
         writer = NpyWriter(files, str(tmp_path / "a.npy"), (1, 1, 3000))
-        writer.write(np.zeros((1, 1, 3000), np.float32), None, 0)
+        writer.write(Piece(0, np.zeros((1, 1, 3000), np.float32)))
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_series_of_pictures_is_there_whole_or_not_at_all(files, tmp_path, monkeypatch):
     path = tmp_path / "path.csv"
     path.write_text("x,y,z,yaw_deg,pitch_deg,roll_deg\n" + "0,1,0,0,0,0\n" * 3 + "0,1,0,90,0,0\n")
-    render = {"eyes": files / "bug.eye", "path": path, "samples": 1, "width": 64}
+    render = {"eyes": files / "bug.eye", "path": path, "sampling": omma.Fixed(1), "width": 64}
     whole = _core.encode_png
 
     def encode(name, pixels):
@@ -255,11 +255,11 @@ KILLED = """
 import os, signal, sys
 import numpy as np
 from omma.base.files import WholeFiles
-from omma.rendering.response_files import NpyWriter
+from omma.rendering.response_files import NpyWriter, Piece
 
 with WholeFiles() as files:
     for name in sys.argv[1:]:
-        NpyWriter(files, name, (1, 1, 1)).write(np.zeros((1, 1, 250_000), np.float32), None, 0)
+        NpyWriter(files, name, (1, 1, 1)).write(Piece(0, np.zeros((1, 1, 250_000), np.float32)))
     os.kill(os.getpid(), signal.SIGKILL)
 """
 
@@ -284,7 +284,7 @@ def test_what_a_killed_run_left_is_named(files, tmp_path, monkeypatch, run_omma)
 def test_a_run_that_goes_on_left_nothing(tmp_path):
     name = str(tmp_path / "a.npy")
     with WholeFiles() as files:
-        NpyWriter(files, name, (1, 1, 1)).write(np.zeros((1, 1, 1), np.float32), None, 0)
+        NpyWriter(files, name, (1, 1, 1)).write(Piece(0, np.zeros((1, 1, 1), np.float32)))
         assert left_behind([name]) == []
 
 

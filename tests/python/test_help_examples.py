@@ -76,6 +76,13 @@ def named_files(tmp_path_factory):
     few = (EXAMPLES_FOLDER / "flight.csv").read_text().splitlines()[:4]
     (folder / "flight.csv").write_text("\n".join(few) + "\n")
     sphere(folder / "eye.stl")
+    omma.render_file(
+        folder / "arena.gltf",
+        folder / "flight.npy",
+        omma.Fixed(1),
+        eyes=folder / "bee.eye",
+        path=folder / "flight.csv",
+    )
     return folder
 
 
@@ -111,6 +118,9 @@ def test_example_runs(example, named_files, run_omma, monkeypatch):
     monkeypatch.chdir(named_files)
     if "--mesh" in example:
         pytest.importorskip("trimesh")
+    if ".zarr" in example or "flight.npy" in example:
+        pytest.importorskip("xarray")
+        pytest.importorskip("zarr")
     if "eye plot" in example or "eye info" in example:
         pytest.importorskip("matplotlib")
     code, _, err = run_omma(*example.split()[1:])

@@ -40,6 +40,12 @@ responses = renderer.render("bee")[0]
 
 # And what besides, ahead of a snippet of a page (counted from 0).
 GIVEN_BESIDES = {
+    "docs/written-files.md": {
+        0: """
+import omma
+omma.render_file("meadow.glb", "flight.zarr", eyes="honeybee.eye", path="flight.csv")
+"""
+    },
     "docs/receptors.md": {
         1: """
 assert responses.shape == (1, 43040) == (1, len(eye.receptor_type))
@@ -66,6 +72,7 @@ COMES_OUT = {
     "docs/eye-design.md": "assert len(omma.load_eye('head.csv')) == len(head)",
     "docs/neighbours.md": "assert left < 0 < right",
     "docs/receptors.md": "assert cartridges.shape == (2, 300) and responses.shape == (2, 300, 3)",
+    "docs/written-files.md": "assert 0 < ahead.sizes['ommatidium'] < data.sizes['ommatidium']",
     "examples/from_compoundray.md": """
 old = np.array(frames) / 255.0  # the same picture, within sampling and 8 bits
 new = np.clip(responses, 0, 1) ** (1 / 2.2)

@@ -106,7 +106,7 @@ def test_standard_errors_are_written_beside(run_omma, fly, files):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--eye", "fly.csv", "--receptors", "-o", "r.png"], "r.png: expected .npy or .csv"),
+        (["--eye", "fly.csv", "--receptors", "-o", "r.png"], "r.png: expected numbers"),
         (["--eye", "bug.eye", "--receptors", "-o", "r.npy"], "expected receptors, found none"),
         (["--eye", "fly.csv", "--ultraviolet", 0, 0, 1, "-o", "r.npy"], "ultraviolet: is for"),
         (["--camera", "plain", "--receptors", "-o", "r.npy"], "receptors: is for eyes"),

@@ -1,10 +1,17 @@
 """Scenes and backgrounds as Python sees them; the loader itself is tested in C++."""
 
+import json
+import re
+import warnings
+from pathlib import Path
+
 import numpy as np
 import pytest
-from conftest import DATA, write_gltf
+from conftest import DATA, make_eye, write_gltf
 
 import omma
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
 
 def test_what_a_scene_says(scene, files):
@@ -111,3 +118,49 @@ def test_real_data():
     responses = omma.Renderer(meadow, bee, omma.Fixed(4)).render(meadow.cameras[0].name)
     assert np.isfinite(responses).all()
     assert 0 < responses.mean() < 1
+
+
+def test_a_scene_that_is_not_lit_says_so_once(tmp_path, run_omma):
+    lit = write_gltf(
+        tmp_path / "lit.gltf",
+        extensionsUsed=["KHR_lights_punctual"],
+        extensions={"KHR_lights_punctual": {"lights": [{"type": "point"}]}},
+    )
+    document = json.loads(lit.read_text())
+    document["materials"] = [{"name": "plain"}]
+    document["meshes"][0]["primitives"][0]["material"] = 0
+    document["nodes"][0]["extensions"] = {"KHR_lights_punctual": {"light": 0}}
+    lit.write_text(json.dumps(document))
+    says = (
+        "nothing is lit; lights that are ignored: 1; materials that are meant to be lit (without "
+        "KHR_materials_unlit) and show base colour and emission alone: 1 of 1"
+    )
+    with pytest.warns(UserWarning, match=re.escape(f"{lit}: {says}")) as heard:
+        scene = omma.load_scene(lit)
+    assert scene.warnings == [says]
+    assert [one.filename for one in heard] == [__file__]
+    omma.save_eye(tmp_path / "bug.eye", make_eye())
+    given = ("--eye", tmp_path / "bug.eye", "-o", tmp_path / "a.npy")
+    code, _, err = run_omma("render", lit, *given)
+    assert (code, err) == (0, f"omma: warning: {says}\n")
+    for file in (lit, tmp_path / "a.npy"):
+        if file.suffix == ".npy":
+            pytest.importorskip("xarray")
+        _, out, err = run_omma("info", file)
+        assert out.count(says) == 1
+        assert err == ""
+
+
+def test_a_scene_of_unlit_materials_says_nothing(tmp_path):
+    scene = write_gltf(
+        tmp_path / "unlit.gltf",
+        extensionsUsed=["KHR_materials_unlit"],
+        materials=[{"extensions": {"KHR_materials_unlit": {}}}],
+    )
+    document = json.loads(scene.read_text())
+    document["meshes"][0]["primitives"][0]["material"] = 0
+    scene.write_text(json.dumps(document))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert omma.load_scene(scene).warnings == []
+        omma.load_scene(EXAMPLES / "meadow.glb")

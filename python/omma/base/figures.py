@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from omma._core import Error
-from omma.base.files import PathLike, WholeFiles, check_target
+from omma.base.files import PathLike, WholeFiles, check_ending, check_target
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -46,8 +46,7 @@ def figure_names(paths: PathLike | Sequence[PathLike]) -> list[str]:
     given = [paths] if isinstance(paths, (str, os.PathLike)) else paths
     names = [os.fsdecode(path) for path in given]
     for name in names:
-        if Path(name).suffix.lower() not in _ENDINGS:
-            raise Error(f"{name}: expected a name ending in .pdf, .svg or .png")
+        check_ending(name, *_ENDINGS)
         check_target(name)
     return names
 

@@ -9,7 +9,7 @@ import io
 import json
 import os
 import shlex
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
@@ -18,6 +18,7 @@ import numpy as np
 
 from omma import _core
 from omma._core import Error
+from omma.base.directories import WholeDirectory, abandoned_directories
 
 PathLike = str | os.PathLike[str]
 
@@ -74,6 +75,8 @@ class WholeFiles:
         """With ``kept`` what is written stays as NAME.partial where the block does not end well,
         and goes on after so many bytes of each file."""
         self._files = _core.WholeFiles()
+        self._directories: list[WholeDirectory] = []
+        self._last: list[Callable[[], object]] = []
         self.kept = kept
         self._numbers: dict[str, int] = {}
 
@@ -84,6 +87,20 @@ class WholeFiles:
         begun = self.kept.get(name, 0)
         self._numbers[name] = self._files.open_kept(name, begun)
         return WholeFile(self._files, self._numbers[name], begun > 0)
+
+    def path_of(self, name: str) -> str:
+        """Where a library that writes to a path itself is to write what will be called ``name``."""
+        return self._files.temporary(self._files.open(name))
+
+    def open_directory(self, name: str, marker: str) -> str:
+        """A new directory that will be called ``name``, as it is called meanwhile. One that has
+        that name is replaced if the file ``marker`` is in it."""
+        self._directories.append(WholeDirectory(name, marker))
+        return self._directories[-1].temporary
+
+    def at_end(self, last: Callable[[], object]) -> None:
+        """What is to be done to complete files, before any of them gets its name."""
+        self._last.append(last)
 
     def sync(self) -> dict[str, int]:
         """Brings what is kept to the disk; the sizes of these files."""
@@ -96,9 +113,17 @@ class WholeFiles:
         # What has no name yet is removed with the object too, should Ctrl-C come right here.
         try:
             if kind is None:
+                for last in self._last:
+                    last()
+                for directory in self._directories:
+                    directory.sync()
                 self._files.finish()
+                for directory in self._directories:
+                    directory.finish()
         finally:
             self._files.discard()
+            for directory in self._directories:
+                directory.discard()
 
 
 class WholeFile:
@@ -126,14 +151,29 @@ def check_target(name: str) -> None:
     _core.check_target(name)
 
 
-def left_behind(names: Sequence[str]) -> list[str]:
-    """Warnings of what runs that were killed left of files with these names, and how to remove it.
+def check_ending(path: PathLike, *endings: str) -> None:
+    """omma.Error where a name ends in none of these, which say the format."""
+    name = os.fsdecode(path)
+    if Path(name).suffix.lower() not in endings:
+        *others, last = endings
+        known = f"{', '.join(others)} or {last}" if others else last
+        raise Error(f"{name}: expected a name ending in {known}")
+
+
+def left_behind(names: Sequence[str], directories: Sequence[str] = ()) -> list[str]:
+    """Warnings of what runs that were killed left of files with these names, and of directories,
+    and how to remove it.
 
     Nothing is said of runs that still go on.
     """
+    warnings = [
+        f"a run that was killed left {path} behind; to remove it: rm -r {shlex.quote(path)}"
+        for name in directories
+        for path in abandoned_directories(name)
+    ]
     found = _core.left_behind(names)
     if not found:
-        return []
+        return warnings
     size = sum(bytes_ for _, bytes_ in found) / 1e6
     listed = ", ".join(path for path, _ in found[:_NAMED])
     more = f" and {len(found) - _NAMED} more" if len(found) > _NAMED else ""
@@ -143,8 +183,9 @@ def left_behind(names: Sequence[str]) -> list[str]:
         for folder, name in (os.path.split(path) for path, _ in found)
     )
     return [
+        *warnings,
         f"runs that were killed left {size:,.1f} MB behind: {listed}{more}; to remove it: "
-        f"rm {' '.join(patterns)}"
+        f"rm {' '.join(patterns)}",
     ]
 
 

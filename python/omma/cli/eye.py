@@ -10,9 +10,8 @@ import typer
 
 from omma._core import Error, merge_eyes
 from omma.base.figures import figure_names
-from omma.base.files import check_target
 from omma.cli.eye_convert import add_convert_command
-from omma.cli.eye_files import EyeArgument, OutOption, UnitOption, save
+from omma.cli.eye_files import EyeArgument, OutOption, UnitOption, eye_target, save
 from omma.cli.eye_look import add_look_commands
 from omma.cli.eye_make import add_make_commands
 from omma.cli.eye_species import add_species_command
@@ -81,11 +80,21 @@ def split(
     eye: EyeArgument,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="File for both eyes, left first.", metavar="OUT"),
+        typer.Option(
+            "-o",
+            "--output",
+            help="File for both eyes, left first.",
+            metavar="OUT",
+            callback=eye_target,
+        ),
     ] = None,
-    left: Annotated[Path | None, typer.Option(help="File for the left eye.", metavar="OUT")] = None,
+    left: Annotated[
+        Path | None,
+        typer.Option(help="File for the left eye.", metavar="OUT", callback=eye_target),
+    ] = None,
     right: Annotated[
-        Path | None, typer.Option(help="File for the right eye.", metavar="OUT")
+        Path | None,
+        typer.Option(help="File for the right eye.", metavar="OUT", callback=eye_target),
     ] = None,
     shift_mm: Annotated[
         float, typer.Option(help="How far each is moved to its side, in mm.", metavar="MM")
@@ -100,9 +109,6 @@ def split(
     targets = [(output, None), (left, 0), (right, 1)]
     if all(target is None for target, _ in targets):
         raise Error("split: expected -o, --left or --right")
-    for target, _ in targets:
-        if target is not None:
-            check_target(str(target))
     with working():
         both = split_eye(load_eye(eye, unit), shift_mm / 1e3, overlap_mm / 1e3)
         for target, which in targets:

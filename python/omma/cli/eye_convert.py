@@ -9,7 +9,6 @@ from typing import Annotated, Literal
 import typer
 
 from omma._core import Error, Eye
-from omma.base.files import check_target
 from omma.cli.eye_files import EyeArgument, OutOption, UnitOption, save
 from omma.cli.working import warn, working
 from omma.eye.change import convert_eye
@@ -126,7 +125,6 @@ def convert(
         raise Error("convert: expected --from lens-cone and --cones together")
     if acceptance_ratio is not None and acceptance_deg is not None:
         raise Error("convert: expected --acceptance-ratio or --acceptance-deg, not both")
-    check_target(str(output))
     with working() as bar:
         bar.show("reading", None)
         if source is None:

@@ -9,14 +9,28 @@ import numpy as np
 import typer
 
 from omma._core import Eye
+from omma.base.files import check_ending
 from omma.cli.working import check_outputs, warn
-from omma.eye.files import eye_file_losses, save_eye
+from omma.eye.files import EYE_SUFFIXES, eye_file_losses, save_eye
+
+
+def eye_target(path: Path | None) -> Path | None:
+    """The name of an eye file that is to be written; an error now where it will not do."""
+    if path is not None:
+        check_ending(path, *EYE_SUFFIXES)
+        check_outputs(path)
+    return path
+
 
 EyeArgument = Annotated[Path, typer.Argument(help="Eye file.", metavar="EYE")]
 OutOption = Annotated[
     Path,
     typer.Option(
-        "-o", "--output", help="Eye file to write: .csv, .gltf, .glb or .eye.", metavar="OUT"
+        "-o",
+        "--output",
+        help="Eye file to write: .csv, .gltf, .glb or .eye.",
+        metavar="OUT",
+        callback=eye_target,
     ),
 ]
 UnitOption = Annotated[
@@ -29,7 +43,6 @@ UnitOption = Annotated[
 
 def save(path: Path, eye: Eye, unit: str) -> None:
     """Write an eye file and say what is in it."""
-    check_outputs(path)
     for loss in eye_file_losses(path, eye):
         warn(f"{path}: lost: {loss}")
     save_eye(path, eye, unit, lossy=True)

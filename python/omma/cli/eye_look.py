@@ -12,7 +12,7 @@ from rich.table import Table
 
 from omma._core import Error, Eye, merge_eyes
 from omma.base.figures import figure_names
-from omma.base.files import WholeFiles
+from omma.base.files import WholeFiles, check_ending
 from omma.cli.working import check_outputs, working
 from omma.eye.files import load_eye
 from omma.eye.measures import DIFFRACTION_LIMIT, diffraction_limit_m_rad, measure_eye
@@ -96,6 +96,10 @@ def info(
     unit: UnitOption = "mm",
 ) -> None:
     """Say what an eye is like."""
+    if output is not None:
+        check_ending(output, ".csv")
+    if json_file is not None:
+        check_ending(json_file, ".json")
     check_outputs(output, json_file, map_file)
     names = figure_names([map_file]) if map_file is not None else []
     with working() as bar:

@@ -11,10 +11,12 @@ from rich.table import Table
 
 from omma import species
 from omma._core import Error
-from omma.base.files import WholeFiles
+from omma.base.files import WholeFiles, check_ending
 from omma.cli.working import check_outputs, working
-from omma.eye.files import save_eye
+from omma.eye.files import EYE_SUFFIXES, save_eye
 from omma.species.facts import printed
+
+_FORMS = {".csv": "csv", ".md": "markdown"}
 
 SPECIES_HELP = """
 Make the eyes of an animal, and say what they are made of.
@@ -61,6 +63,10 @@ def species_command(
     ] = False,
 ) -> None:
     """Make the eyes of an animal."""
+    if output is not None:
+        check_ending(output, *EYE_SUFFIXES)
+    if facts is not None:
+        check_ending(facts, *_FORMS)
     check_outputs(output, facts)
     if name is not None:
         species.facts(name)  # an unknown animal is said before anything is written
@@ -78,11 +84,8 @@ def species_command(
 
 
 def _write_facts(path: Path, name: str | None) -> None:
-    forms = {".csv": "csv", ".md": "markdown"}
-    if path.suffix not in forms:
-        raise Error(f"{path}: expected a name that ends in .csv or .md")
     with WholeFiles() as files:
-        files.open(str(path)).write(species.facts_text(name, forms[path.suffix]).encode())
+        files.open(str(path)).write(species.facts_text(name, _FORMS[path.suffix.lower()]).encode())
     print(f"wrote {path}")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 import warnings
 from collections.abc import Callable, Sequence
@@ -23,9 +24,11 @@ from omma.cli.working import (
     warn,
     working,
 )
+from omma.job.again import render_like
 from omma.job.all_cameras import render_all_cameras
 from omma.job.info import describe_file
-from omma.job.rendering import SUFFIXES, render_file
+from omma.job.outputs import SUFFIXES
+from omma.job.rendering import render_file
 from omma.picture.projections import PROJECTIONS
 from omma.rendering.renderer import READING
 from omma.rendering.settings import Settings, Shared, ToError
@@ -60,7 +63,8 @@ As many rays as each ommatidium needs for a standard error of 0.01, at most 1,02
 `omma render meadow.glb --eye honeybee.eye --error 0.01 --most 1024
 -o view.npy`
 
-A path of many poses, with standard errors (flight.npy and flight.error.npy):
+A path of many poses, with standard errors (flight.npy, flight.error.npy; flight.json says what
+they are):
 
 `omma render meadow.glb --eye honeybee.eye --path flight.csv --samples 64 --standard-error
 -o flight.npy`
@@ -71,6 +75,10 @@ it was, to the same numbers:
 `omma render meadow.glb --eye honeybee.eye --path flight.csv --samples 4096 --resume
 -o flight.npy`
 
+What an earlier render wrote, rendered again to the same bits:
+
+`omma render --like flight.npy -o again.zarr`
+
 What the receptors of an eye answer, with blue standing for ultraviolet, too:
 
 `omma render meadow.glb --eye bee.csv --receptors --ultraviolet 0 0 1 -o receptors.csv`
@@ -79,7 +87,9 @@ The path is a CSV file with a header, x,y,z,qx,qy,qz,qw or x,y,z,yaw_deg,pitch_d
 """
 
 INFO_HELP = """
-Say what is in a scene or an eye file.
+Say what is in a file: a scene, an eye, or responses and how they were made.
+
+What an eye is like as an eye is measured by **omma eye info**.
 
 **Examples**
 
@@ -88,6 +98,8 @@ Say what is in a scene or an eye file.
 `omma info honeybee.eye`
 
 `omma info eye-in-micrometres.eye --unit um`
+
+`omma info flight.npy`
 """
 
 app = typer.Typer(
@@ -103,6 +115,9 @@ app.add_typer(eye_app, name="eye")
 app.add_typer(measure_app, name="measure")
 
 _DEFAULTS = Settings()
+
+# Nothing else may be said of a render that is made again.
+_WITH_LIKE = ("like", "output", "scene", "eye", "threads")
 
 UnitOption = Annotated[
     str | None,
@@ -135,19 +150,28 @@ def _root(
 @app.command(help=RENDER_HELP, short_help="Render what an eye or a camera sees in a scene.")
 @takes_settings
 def render(
-    scene: Annotated[
-        Path, typer.Argument(help="Scene: a glTF 2.0 file, .gltf or .glb.", metavar="SCENE")
-    ],
+    context: typer.Context,
     output: Annotated[
         list[Path],
         typer.Option(
             "-o",
             "--output",
-            help="File to write: .npy, .csv (of an eye) or .png; may be given several times. "
-            "With --all-cameras: a folder.",
+            help="File to write: .png, or of an eye .zarr, .nc, .parquet, .npy (a .json beside it) "
+            "or .csv; may be given several times. With --all-cameras: a folder.",
             metavar="OUT",
         ),
     ],
+    scene: Annotated[
+        Path | None, typer.Argument(help="Scene: a glTF 2.0 file, .gltf or .glb.", metavar="SCENE")
+    ] = None,
+    like: Annotated[
+        Path | None,
+        typer.Option(
+            help="What a render wrote (.zarr, .nc, .parquet, .npy): render it again, to the same "
+            "bits. Only -o, --threads, and where SCENE and --eye are now, may be given with it.",
+            metavar="FILE",
+        ),
+    ] = None,
     eye: Annotated[
         list[Path] | None,
         typer.Option(
@@ -253,6 +277,24 @@ def render(
     ] = False,
 ) -> None:
     """Render what an eye sees in a scene, or a camera of the scene."""
+    command = shlex.join(["omma", *sys.argv[1:]])
+    if like is not None:
+        _check_like(context)
+        with working() as bar:
+            report = render_like(
+                like,
+                output,
+                scene=scene,
+                eyes=eye or (),
+                threads=threads,
+                command=command,
+                progress=bar.show,
+            )
+        _print_warnings(report.warnings)
+        print("\n".join(report_lines(report)))
+        return
+    if scene is None:
+        raise typer.BadParameter("expected a scene to render, found none", param_hint="SCENE")
     if all_cameras:
         _check_all_cameras(
             {
@@ -315,20 +357,26 @@ def render(
             gamma=gamma,
             side_by_side=side_by_side,
             resume=resume,
+            command=command,
             progress=bar.show,
         )
     _print_warnings(report.warnings)
     print("\n".join(report_lines(report)))
 
 
-@app.command(help=INFO_HELP, short_help="Say what is in a scene or an eye file.")
+@app.command(help=INFO_HELP, short_help="Say what is in a scene, an eye or responses.")
 def info(
     file: Annotated[
-        Path, typer.Argument(help="A scene (.gltf, .glb) or an eye (.eye).", metavar="FILE")
+        Path,
+        typer.Argument(
+            help="A scene (.gltf, .glb), an eye (.eye, .csv), or responses (.zarr, .nc, .parquet, "
+            ".npy, .csv).",
+            metavar="FILE",
+        ),
     ],
     unit: UnitOption = None,
 ) -> None:
-    """Say what is in a scene or an eye file."""
+    """Say what is in a file."""
     with working() as bar:
         lines = describe_file(file, "mm" if unit is None else unit, bar.fraction_of(READING))
     for what, value in lines:
@@ -401,6 +449,14 @@ def _warning_line(message: Warning | str, *_: object, **__: object) -> str:
 def _print_warnings(warnings: Sequence[str]) -> None:
     for warning in warnings:
         warn(warning)
+
+
+def _check_like(context: typer.Context) -> None:
+    for parameter in context.command.params:
+        name = parameter.name or ""
+        given = context.get_parameter_source(name)
+        if name not in _WITH_LIKE and given is not None and given.name == "COMMANDLINE":
+            raise Error(f"{parameter.opts[0]}: not together with --like, which says it")
 
 
 def _check_all_cameras(others: dict[str, bool], output: list[Path]) -> None:

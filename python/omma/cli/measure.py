@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from omma import _core
 from omma._core import Error, Eye, Scene
 from omma.base.figures import load_matplotlib
+from omma.base.files import check_ending
 from omma.base.poses import Matrices, load_poses, poses_from_angles
 from omma.cli.options import help_of
 from omma.cli.working import DelayedBar, check_outputs, working
@@ -372,8 +373,7 @@ def _pose(scene: Scene, camera: str | None, position: Corner | None) -> Matrices
 def _check_outputs(outputs: list[Path] | None, *known: str) -> list[Path]:
     """The files to write; an error now, not after minutes of work."""
     for name in outputs or ():
-        if name.suffix.lower() not in known:
-            raise Error(f"{name}: expected an output ending in {' or '.join(known)}")
+        check_ending(name, *known)
         if name.suffix.lower() == ".png":
             load_matplotlib()
     check_outputs(*(outputs or ()))

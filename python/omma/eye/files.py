@@ -12,6 +12,8 @@ from omma.base.files import PathLike, metres_per_unit
 
 # Files of the Open Compound Eye Standard.
 OCES_SUFFIXES = (".gltf", ".glb")
+# Files that eyes are written to.
+EYE_SUFFIXES = (".csv", *OCES_SUFFIXES, ".eye")
 
 
 @checked
@@ -61,8 +63,8 @@ def save_eye(path: PathLike, eye: Eye, unit: str | float = "mm", *, lossy: bool 
             `eye_file_losses` says what.
 
     Raises:
-        omma.Error: the file cannot be written; it cannot hold all of the eye and ``lossy`` is not
-            said: the error names what would be lost.
+        omma.Error: another ending; the file cannot be written; it cannot hold all of the eye and
+            ``lossy`` is not said: the error names what would be lost.
     """
     _core.save_eye(path, eye, metres_per_unit(unit), lossy)
 

@@ -13,7 +13,7 @@ import numpy as np
 from omma._core import Eye
 from omma.base.arguments import checked
 from omma.base.directions import azimuth_elevation_deg_of
-from omma.base.files import PathLike, WholeFiles
+from omma.base.files import PathLike, WholeFiles, check_ending
 from omma.eye.measures import EyeMeasures
 from omma.eye.neighbours import Floats
 
@@ -72,8 +72,9 @@ def save_eye_table(path: PathLike, eye: Eye, measures: EyeMeasures) -> None:
     """Write `eye_table` as CSV: a header, a line an ommatidium, nothing where a value is not known.
 
     Raises:
-        omma.Error: the file cannot be written.
+        omma.Error: another ending than `.csv`; the file cannot be written.
     """
+    check_ending(path, ".csv")
     columns = [_texts(values) for values in eye_table(eye, measures).values()]
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")

@@ -1,3 +1,4 @@
+from .again import render_like
 from .all_cameras import AllCamerasReport, CameraReport, render_all_cameras
 from .rendering import RenderReport
 
@@ -6,4 +7,5 @@ __all__ = [
     "CameraReport",
     "RenderReport",
     "render_all_cameras",
+    "render_like",
 ]

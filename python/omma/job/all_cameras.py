@@ -22,7 +22,7 @@ from omma.picture.projections import LISTS, Picture, projection_size
 from omma.rendering.renderer import BUILDING, READING, Progress, Renderer
 from omma.rendering.settings import Options, Sampling, Settings, fixed_samples, takes_options
 from omma.scene.backgrounds import parse_background
-from omma.scene.files import load_scene
+from omma.scene.files import read_scene
 from omma.scene.world import World
 
 if TYPE_CHECKING:
@@ -99,7 +99,7 @@ def render_all_cameras(
     rays, seed = fixed_samples(sampling, "pictures"), Settings(sampling, **options).seed
     start = time.perf_counter()
     tell(READING, None)
-    world = load_scene(scene, scene_index, progress=partial(tell, READING))
+    world = read_scene(scene, scene_index, progress=partial(tell, READING))
     cameras = world.cameras
     if not cameras:
         raise Error(f"{world.path}: has no camera")

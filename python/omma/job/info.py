@@ -1,11 +1,10 @@
-"""What is in a scene or an eye file, in words: what ``omma info`` prints."""
+"""What is in a file of a scene, an eye or responses, in words: what ``omma info`` prints."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +13,8 @@ from omma._core import Eye, Scene
 from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.files import PathLike
 from omma.eye.files import eye_file_heads, load_eye
-from omma.eye.measures import measure_eye
-from omma.scene.files import load_scene
-
-Lines = list[tuple[str, str]]  # what, and its value
+from omma.job.results_info import Lines, describe_responses, is_response_file
+from omma.scene.files import read_scene
 
 
 def is_scene_file(path: PathLike) -> bool:
@@ -39,13 +36,17 @@ def is_scene_file(path: PathLike) -> bool:
 def describe_file(
     path: PathLike, unit: str | float = "mm", progress: Callable[[float], object] | None = None
 ) -> Lines:
-    """What is in a scene or an eye file; ``progress`` is told how much of a scene is read.
+    """What is in a file of a scene, an eye or responses.
+
+    ``progress`` is told how much of a scene is read.
 
     Raises:
         omma.Error: the file cannot be read.
     """
+    if is_response_file(path):
+        return describe_responses(path)
     if is_scene_file(path):
-        lines = describe_scene(load_scene(path, progress=progress))
+        lines = describe_scene(read_scene(path, progress=progress))
         # A glTF file may hold a scene, eyes of the Open Compound Eye Standard, or both.
         heads = eye_file_heads(path)
         if len(heads) == 1:
@@ -96,16 +97,19 @@ def describe_scene(scene: Scene) -> Lines:
 
 
 def describe_eye(eye: Eye) -> Lines:
-    """Count, visual field, acceptance and interommatidial angles of an eye, in short; all else is
-    in `measure_eye`."""
-    measures = measure_eye(eye)
-    numbers, counts = np.unique(measures.eye_id, return_counts=True)
+    """What is in an eye file and where it looks. What an eye is like as an eye is measured by
+    `measure_eye`, which ``omma eye info`` prints."""
+    numbers, counts = np.unique(eye.eye_id, return_counts=True)
     azimuth, elevation = azimuth_elevation_deg_of(eye.axis)
     lines = [("eye", eye.path or "in memory"), ("ommatidia", f"{len(eye):,}")]
     if len(numbers) > 1:
         lines.append(("eyes", ", ".join(f"{c:,}" for c in counts)))
+    if len(eye.receptor_type):
+        names = [one.name for one in eye.receptor_types]
+        lines.append(("receptors", f"{len(eye.receptor_type):,} of {', '.join(names)}"))
+    if eye.columns:
+        lines.append(("columns", ", ".join(eye.columns)))
     size = np.ptp(eye.position_m.astype(np.float64), axis=0) * 1e3
-    seen_sr = measures.field.seen_sr
     return [
         *lines,
         (
@@ -113,10 +117,7 @@ def describe_eye(eye: Eye) -> Lines:
             f"{_azimuths(azimuth[np.abs(elevation) < 60])} (axes within 60° of the horizon)",
         ),
         ("elevation", f"{elevation.min():.1f}° to {elevation.max():.1f}°"),
-        ("field", f"{seen_sr / (4 * np.pi):.1%} of the sphere, {seen_sr:.2f} sr"),
         ("size", f"{size[0]:.4g} x {size[1]:.4g} x {size[2]:.4g} mm"),
-        ("acceptance", _spread_deg(eye.acceptance_angle_rad)),
-        ("interommatidial", _spread_deg(measures.interommatidial_rad)),
         ("more", f"omma eye info {eye.path}".rstrip()),
     ]
 
@@ -145,13 +146,6 @@ def _azimuths(azimuth: NDArray[np.float64]) -> str:
     behind = " through straight behind" if low <= -180 or high > 180 else ""
     low, high = ((end + 180) % 360 - 180 for end in (low, high))
     return f"{low:.1f}° to {high:.1f}°{behind}, right is +"
-
-
-def _spread_deg(angle_rad: NDArray[Any]) -> str:
-    angle = np.degrees(angle_rad[np.isfinite(angle_rad)].astype(np.float64))
-    if len(angle) == 0:
-        return "no neighbours"
-    return f"min {angle.min():.2f}°, median {np.median(angle):.2f}°, max {angle.max():.2f}°"
 
 
 def _point(values: NDArray[np.float64]) -> str:

@@ -5,22 +5,20 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma.base.poses import Matrices
 from omma.rendering.renderer import Renderer
 from omma.rendering.report import SpentRays
-from omma.rendering.response_files import Writer
+from omma.rendering.response_files import Piece, Writer
 
 _PIECE_BYTES = 64 << 20
 # What a render that is cut off may lose of its work.
 _KEPT_PIECE_S = 10.0
 
-Floats = NDArray[np.float32]
 Progress = Callable[[float], object]
-# Poses, the number of the first, and what takes the finished share: responses and their errors.
-Render = Callable[[Matrices, int, Progress], tuple[Floats, Floats | None]]
+# Poses, the number of the first, and what takes the finished share.
+Render = Callable[[Matrices, int, Progress], Piece]
 
 
 def render_of_ommatidia(
@@ -28,16 +26,19 @@ def render_of_ommatidia(
 ) -> Render:
     """What renders ommatidia; with ``spent`` to an error, adding what it took."""
 
-    def render(piece: Matrices, first: int, progress: Progress) -> tuple[Floats, Floats | None]:
+    def render(piece: Matrices, first: int, progress: Progress) -> Piece:
         if spent is not None:
             responses, report = renderer.render(
                 piece, report=True, first_pose=first, progress=progress
             )
             spent.add(report, first)
-            return responses, report.standard_error if standard_error else None
+            return Piece(first, responses, report.standard_error, report.rays)
         if standard_error:
-            return renderer.render(piece, standard_error=True, first_pose=first, progress=progress)
-        return renderer.render(piece, first_pose=first, progress=progress), None
+            responses, errors = renderer.render(
+                piece, standard_error=True, first_pose=first, progress=progress
+            )
+            return Piece(first, responses, errors)
+        return Piece(first, renderer.render(piece, first_pose=first, progress=progress))
 
     return render
 
@@ -47,19 +48,20 @@ def render_of_receptors(
 ) -> Render:
     """What renders receptors."""
 
-    def render(piece: Matrices, first: int, progress: Progress) -> tuple[Floats, Floats | None]:
+    def render(piece: Matrices, first: int, progress: Progress) -> Piece:
         if standard_error:
-            return renderer.render_receptors(
+            responses, errors = renderer.render_receptors(
                 piece,
                 ultraviolet=ultraviolet,
                 standard_error=True,
                 first_pose=first,
                 progress=progress,
             )
+            return Piece(first, responses, errors)
         responses = renderer.render_receptors(
             piece, ultraviolet=ultraviolet, first_pose=first, progress=progress
         )
-        return responses, None
+        return Piece(first, responses)
 
     return render
 
@@ -88,12 +90,12 @@ def render_pieces(
             tell("Rendering", (first + done * count) / len(poses))
 
         start = time.perf_counter()
-        responses, errors = render(piece, first, part)
+        rendered = render(piece, first, part)
         took = time.perf_counter() - start
         seconds += took
         tell("Writing", (first + len(piece)) / len(poses))
         for writer in writers:
-            writer.write(responses, errors, first)
+            writer.write(rendered)
         first += len(piece)
         if save is not None:
             save(first, seconds)

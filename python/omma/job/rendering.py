@@ -24,11 +24,13 @@ from omma.base.files import (
     make_directory,
     metres_per_unit,
 )
-from omma.base.poses import Matrices, load_poses, poses_from_angles
+from omma.base.poses import Matrices, as_poses, load_poses, poses_from_angles
 from omma.base.values import value_class
 from omma.eye.files import load_eye
+from omma.job.outputs import output_names, writers_of
 from omma.job.pieces import render_of_ommatidia, render_of_receptors, render_pieces
 from omma.job.resuming import KeptRender, inputs_of
+from omma.job.story import call_text, story_of
 from omma.picture.cameras import (
     DEFAULT_PROJECTION,
     camera_eye,
@@ -37,17 +39,10 @@ from omma.picture.cameras import (
     picture_size,
     render_camera,
 )
-from omma.picture.files import (
-    Paint,
-    PngWriter,
-    paint_of_projection,
-    paint_side_by_side,
-    write_png,
-)
-from omma.rendering.receptor_files import receptor_writers
+from omma.picture.files import Paint, paint_of_projection, paint_side_by_side, write_png
+from omma.rendering.labels import labels_of
 from omma.rendering.renderer import BUILDING, READING, Renderer
 from omma.rendering.report import SpentRays
-from omma.rendering.response_files import CsvWriter, NpyWriter, Writer
 from omma.rendering.settings import (
     Options,
     Sampling,
@@ -59,21 +54,19 @@ from omma.rendering.settings import (
     takes_options,
 )
 from omma.scene.backgrounds import parse_background
-from omma.scene.files import load_scene
+from omma.scene.files import read_scene
 from omma.scene.world import World
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
-
-SUFFIXES = (".npy", ".csv", ".png")
 
 # Called with what is being done and its finished share (0 to 1), None where that is not known.
 Stage = Callable[[str, float | None], object]
 
 # What makes no difference to responses, or is told by what is in the files.
 _NO_RECORD = (
-    *("scene", "outputs", "eyes", "path", "threads", "backend", "progress", "resume"),
-    *("sampling", "options"),  # are told as settings
+    *("scene", "outputs", "eyes", "path", "poses", "threads", "backend", "progress", "resume"),
+    *("command", "sampling", "options"),  # the last two are told as settings
 )
 
 
@@ -112,6 +105,7 @@ def render_file(
     position: ArrayLike | None = None,
     look_at: ArrayLike | None = None,
     path: PathLike | None = None,
+    poses: ArrayLike | None = None,
     scene_index: int | None = None,
     threads: int = 0,
     backend: str = "",
@@ -125,6 +119,7 @@ def render_file(
     gamma: float = 2.2,
     side_by_side: bool = False,
     resume: bool = False,
+    command: str | None = None,
     progress: Stage | None = None,
     **options: Unpack[Options],
 ) -> RenderReport:
@@ -135,9 +130,11 @@ def render_file(
 
     Args:
         scene: glTF file.
-        outputs: files to write, by their endings. Of an eye: `.npy` and `.csv` as
-            `save_responses` writes them, `.png` a picture (of several poses: name_0000.png and on,
-            by the number of the pose). Of another camera: `.npy`, float32 (height, width, 3) as
+        outputs: files to write, by their endings. Of an eye: `.zarr`, `.nc`, `.parquet`, and
+            `.npy` with a `.json` beside it, which say what the numbers are and are read by
+            `omma.rendering.load_responses` (docs/written-files.md); `.csv` as `save_responses`
+            writes it; `.png` a picture (of several poses: name_0000.png and on, by the number of
+            the pose). Of another camera: `.npy`, float32 (height, width, 3) as
             `render_camera` gives it, and `.png`. Missing directories are made.
         eyes: `.eye` files, together one head. None: the camera as it is, a compound one with the
             eye that it names in its ``compound-structure``, see `camera_eye`.
@@ -148,13 +145,14 @@ def render_file(
         position, look_at: instead, where the head is and the point it looks at, (3,), m; without
             ``look_at`` it looks along -Z.
         path: instead, a CSV file of poses, see `load_poses`.
+        poses: instead, matrices world_from_head (P, 4, 4) or (4, 4), m.
         scene_index: which of the scenes in the file; None takes its default.
         sampling, options: as in `Renderer`; the frame of a path's pose has its number in the path.
             A camera's picture takes `Fixed` and a seed, as `render_camera` does.
         threads, backend: as in `Renderer`.
         background: a `Background`, or text as `parse_background` takes it.
         standard_error: also write standard errors of an eye's responses: beside OUT.npy an
-            OUT.error.npy, in a `.csv` three more columns.
+            OUT.error.npy, in a `.csv` three more columns, else a variable or columns of their own.
         receptors: write responses of the eye's receptors: `.npy`, float32 (P, R), and `.csv`, a
             line for each pose and receptor. Not with `ToError`.
         ultraviolet: light below 400 nm for receptors, see `Renderer.render_receptors`.
@@ -163,30 +161,28 @@ def render_file(
         width, height: pixels of a picture, see `render_camera` and `projection_ids`. Of one panel
             where ``side_by_side``, which paints each eye apart, see `omma.picture.side_by_side`.
         gamma: of pictures.
-        resume: of a path. What is rendered so far is kept where the work is cut off, by Ctrl-C, a
-            kill or a loss of power, and the same call goes on from there, to the same bits: beside
-            an output OUT there are then OUT.partial and, beside the first, OUT.resume. Pictures of
-            several poses get their names one by one.
+        resume: of a path, into `.npy`, `.csv` and `.png`. What is rendered so far is kept where
+            the work is cut off, by Ctrl-C, a kill or a loss of power, and the same call goes on
+            from there, to the same bits: beside an output OUT there are then OUT.partial and,
+            beside the first, OUT.resume. Pictures of several poses get their names one by one.
+        command: what files that say how they were made say of it; None: this call.
         progress: called with what is being done and its finished share, None where not known.
 
-    Without camera, position and path the head is at the scene's first camera, or at the origin
-    where the scene has none. Without eyes either, the first compound camera is rendered, or the
-    first of all where none is.
+    Without camera, position, path and poses the head is at the scene's first camera, or at the
+    origin where the scene has none. Without eyes either, the first compound camera is rendered, or
+    the first of all where none is.
 
     Raises:
         omma.Error: anything wrong with an input, named in the message; with ``resume`` also where
             what is kept was made from other inputs. No output is left then.
         KeyboardInterrupt: Ctrl-C. But for ``resume`` nothing is left.
     """
-    others = {name: value for name, value in locals().items() if name not in _NO_RECORD}
+    given = dict(locals())
+    others = {name: value for name, value in given.items() if name not in _NO_RECORD}
     settings = Settings(sampling, **options)
     tell: Stage = progress if progress is not None else lambda stage, fraction: None
-    names = _output_names(outputs, standard_error, path)
-    chosen = [
-        name
-        for name, given in (("camera", camera), ("position", position), ("path", path))
-        if given is not None
-    ]
+    names = output_names(outputs, standard_error, resume, [path])
+    chosen = [name for name in ("camera", "position", "path", "poses") if given[name] is not None]
     if len(chosen) > 1:
         raise Error(f"{chosen[0]} and {chosen[1]}: only one of them can say where the head is")
     if resume and path is None:
@@ -196,7 +192,7 @@ def render_file(
     eye_paths = [eyes] if isinstance(eyes, (str, os.PathLike)) else list(eyes)
     start = time.perf_counter()
     tell(READING, None)
-    world = load_scene(scene, scene_index, progress=partial(tell, READING))
+    world = read_scene(scene, scene_index, progress=partial(tell, READING))
     node = _camera(world, camera, chosen, bool(eye_paths))
     backdrop = parse_background(background) if isinstance(background, str) else background
     if node is not None and not eye_paths and node.type != "compound":
@@ -212,7 +208,9 @@ def render_file(
                 if one.name != "seed"
             },
         }
-        _check_picture_arguments(node, names, [name for name, given in of_eyes.items() if given])
+        _check_picture_arguments(
+            node, names, [name for name, is_given in of_eyes.items() if is_given]
+        )
         size = picture_size(node, width, height)
         rays = fixed_samples(sampling, "a picture")
         seen = World(
@@ -227,9 +225,17 @@ def render_file(
         raise Error("ultraviolet: is for receptors=True")
     if receptors:
         fixed_samples(sampling, "receptors")
+        for name in names:
+            if Path(name).suffix.lower() == ".png":
+                raise Error(f"{name}: expected numbers, not a picture, for responses of receptors")
     tell("Reading the eye", None)
     head, found = _head(world, eye_paths, node, unit)
-    poses, view = _poses(node, position, look_at, path)
+    if receptors and len(head.receptor_type) == 0:
+        raise Error(
+            f"{head.path or 'eye'}: expected receptors, found none (.csv eyes can have them, "
+            "omma.receptors.assign_receptors makes them)"
+        )
+    matrices, view = _poses(node, position, look_at, path, poses)
     warnings = list(world.warnings)
     if projection is None:
         projection = DEFAULT_PROJECTION
@@ -268,49 +274,57 @@ def render_file(
     spent = kept.spent if kept is not None else None
     if spent is None and isinstance(sampling, ToError):
         spent = SpentRays(sampling.error)
+    labels = labels_of(
+        renderer,
+        matrices,
+        receptors=receptors,
+        standard_error=standard_error,
+        more=story_of(given, found, backdrop, command or call_text(render_file, given)),
+    )
+
+    def make_paint() -> Paint:
+        tell("Preparing the picture", None)
+        if side_by_side:
+            return paint_side_by_side(renderer, width, height, gamma)
+        return paint_of_projection(renderer, matrices, projection, width, height, gamma)
+
     with WholeFiles(None if kept is None else kept.bytes) as files:
+        writers, written = writers_of(
+            files,
+            names,
+            labels,
+            head,
+            receptors=receptors,
+            standard_error=standard_error,
+            make_paint=make_paint,
+        )
         if receptors:
-            writers, written = receptor_writers(files, names, head, len(poses), standard_error)
             render = render_of_receptors(renderer, ultraviolet, standard_error)
-            pose_bytes = 4 * len(head.receptor_type)
         else:
-            writers, written = _writers(
-                files,
-                names,
-                renderer,
-                poses,
-                standard_error,
-                tell,
-                lambda: (
-                    paint_side_by_side(renderer, width, height, gamma)
-                    if side_by_side
-                    else paint_of_projection(renderer, poses, projection, width, height, gamma)
-                ),
-            )
             render = render_of_ommatidia(renderer, standard_error, spent)
-            pose_bytes = 4 * max(1, len(head)) * renderer.bands
+        pose_bytes = 4 * max(1, int(np.prod(labels.shape("response")[1:])))
         if kept is None:
-            seconds = render_pieces(render, writers, poses, pose_bytes, tell)
+            seconds = render_pieces(render, writers, matrices, pose_bytes, tell)
         else:
             save = partial(kept.save, files, spent)
             seconds = kept.seconds
-            seconds += render_pieces(render, writers, poses, pose_bytes, tell, save, kept.done)
+            seconds += render_pieces(render, writers, matrices, pose_bytes, tell, save, kept.done)
     if kept is not None:
         kept.remove()
-    warnings += left_behind(written)
+    warnings += left_behind(*_by_kind(written))
     if spent is None:
         scrambles = _core.error_scrambles if standard_error else 1
         each = renderer.rays_per_receptor_frame if receptors else renderer.rays_per_frame
-        rays = len(poses) * each * scrambles
+        rays = len(matrices) * each * scrambles
     else:
         rays = spent.total
     return RenderReport(
         ommatidia=len(head),
-        poses=len(poses),
+        poses=len(matrices),
         rays=rays,
         seconds=seconds,
         build_seconds=built - start,
-        frames_per_s=len(poses) / max(seconds, 1e-9),
+        frames_per_s=len(matrices) / max(seconds, 1e-9),
         backend=renderer.backend,
         threads=renderer.threads,
         view=view,
@@ -322,46 +336,13 @@ def render_file(
     )
 
 
-def _writers(
-    files: WholeFiles,
-    names: Sequence[str],
-    renderer: Renderer,
-    poses: Matrices,
-    standard_error: bool,
-    tell: Stage,
-    make_paint: Callable[[], Paint],
-) -> tuple[list[Writer], list[str]]:
-    """Writers of the files named, and the names of all files written."""
-    shape = (len(poses), len(renderer.eye), renderer.bands)
-    writers: list[Writer] = []
-    written: list[str] = []
-    for name in names:
-        suffix = Path(name).suffix.lower()
-        if suffix == ".npy":
-            writers.append(NpyWriter(files, name, shape))
-            written.append(name)
-            if standard_error:
-                beside = error_name(name)
-                writers.append(NpyWriter(files, beside, shape, of_errors=True))
-                written.append(beside)
-        elif suffix == ".csv":
-            writers.append(CsvWriter(files, name, renderer.eye, standard_error, renderer.bands))
-            written.append(name)
-        else:
-            tell("Preparing the picture", None)
-            picture = PngWriter(files, name, len(poses), make_paint())
-            writers.append(picture)
-            written += [picture.name(i) for i in range(len(poses))]
-    return writers, written
-
-
 def _check_picture_arguments(node: Camera, names: Sequence[str], of_eyes: Sequence[str]) -> None:
     for name in of_eyes:
         raise Error(
             f"{name}: is for eyes; camera '{node.name}' is {node.type}, and no eye is given"
         )
     for name in names:
-        if Path(name).suffix.lower() == ".csv":
+        if Path(name).suffix.lower() not in (".npy", ".png"):
             raise Error(
                 f"{name}: expected .npy or .png for the picture of camera '{node.name}', which is "
                 f"{node.type}"
@@ -418,31 +399,10 @@ def _render_picture(
     )
 
 
-def _output_names(
-    outputs: PathLike | Sequence[PathLike], standard_error: bool, path: PathLike | None
-) -> list[str]:
-    several = [outputs] if isinstance(outputs, (str, os.PathLike)) else outputs
-    names = [os.fsdecode(name) for name in several]
-    if not names:
-        raise Error("outputs: expected at least one file to write, found none")
-    for name in names:
-        if Path(name).suffix.lower() not in SUFFIXES:
-            raise Error(f"{name}: expected an output ending in {', '.join(SUFFIXES)}")
-        if Path(name).is_dir():
-            raise Error(f"{name}: cannot be written: it is a directory")
-    errors = [error_name(name) for name in names if standard_error and name.endswith(".npy")]
-    files = [os.path.abspath(name) for name in names + errors]
-    for i, file in enumerate(files):
-        if file in files[:i]:
-            raise Error(f"{file}: is an output twice")
-        if path is not None and file == os.path.abspath(os.fsdecode(path)):
-            raise Error(f"{file}: would replace the poses it is made from")
-    return names
-
-
-def error_name(name: str) -> str:
-    """Where the standard errors of the responses in an `.npy` file go: beside it."""
-    return str(Path(name).with_suffix(".error.npy"))
+def _by_kind(written: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Names of files, and of those that are directories."""
+    directories = [name for name in written if Path(name).is_dir()]
+    return [name for name in written if name not in directories], directories
 
 
 def _camera(
@@ -482,8 +442,14 @@ def _poses(
     position: ArrayLike | None,
     look_at: ArrayLike | None,
     path: PathLike | None,
+    poses: ArrayLike | None,
 ) -> tuple[Matrices, str]:
     """Poses (P, 4, 4) and in words where they come from."""
+    if poses is not None:
+        matrices = as_poses(poses)
+        if not np.isfinite(matrices).all():
+            raise Error("poses: expected finite numbers")
+        return matrices, "poses that were given"
     if path is not None:
         return load_poses(path), f"path {os.fsdecode(path)}"
     if position is not None and look_at is not None:

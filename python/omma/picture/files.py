@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 
 from omma import _core
 from omma.base.arguments import checked
-from omma.base.files import PathLike, WholeFiles, check_target
+from omma.base.files import PathLike, WholeFiles, check_ending, check_target
 from omma.base.poses import Matrices
 from omma.picture.id_maps import side_by_side_ids
 from omma.picture.projections import project, projection_ids
 from omma.rendering.renderer import Renderer
+from omma.rendering.response_files import Piece
 from omma.rendering.settings import fixed_samples
 
 _DEFAULT_WIDTH = 1024
@@ -45,10 +46,8 @@ class PngWriter:
         stem, suffix = self._target.stem, self._target.suffix
         return str(self._target.with_name(f"{stem}_{pose:0{self._digits}}{suffix}"))
 
-    def write(
-        self, responses: NDArray[np.float32], errors: NDArray[np.float32] | None, first: int
-    ) -> None:
-        for number, pose in enumerate(responses, start=first):
+    def write(self, piece: Piece) -> None:
+        for number, pose in enumerate(piece.responses, start=piece.first):
             name, pixels = self.name(number), self._paint(number, pose)
             if self._files.kept is None:
                 write_png(self._files, name, pixels)
@@ -65,6 +64,7 @@ def save_png(path: PathLike, pixels: NDArray[np.uint8]) -> None:
     Raises:
         omma.Error: the pixels or the path do not do.
     """
+    check_ending(path, ".png")
     _core.save_png(path, pixels)
 
 

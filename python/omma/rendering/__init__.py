@@ -1,4 +1,4 @@
-"""Rendering: `omma.Renderer` and what it reports."""
+"""Rendering: `omma.Renderer`, what it reports, and responses read back from files."""
 
 import lazy_loader
 

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from pathlib import Path
-
 import numpy as np
-from numpy.typing import NDArray
 
-from omma._core import Error, Eye
+from omma._core import Eye
 from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.files import WholeFiles
 from omma.receptors.sensitivity import ommatidium_of_receptor, receptor_axis
-from omma.rendering.response_files import NpyWriter, Writer
+from omma.rendering.response_files import Piece
 
 
 class ReceptorCsvWriter:
@@ -33,12 +29,10 @@ class ReceptorCsvWriter:
             )
         ]
 
-    def write(
-        self, responses: NDArray[np.float32], errors: NDArray[np.float32] | None, first: int
-    ) -> None:
-        columns = [responses] if errors is None else [responses, errors]
+    def write(self, piece: Piece) -> None:
+        columns = [piece.responses] if piece.errors is None else [piece.responses, piece.errors]
         form = ",".join(["%.9g"] * len(columns))
-        for number, pose in enumerate(np.stack(columns, axis=-1), start=first):
+        for number, pose in enumerate(np.stack(columns, axis=-1), start=piece.first):
             lines = [
                 f"{number},{place},{form % tuple(values)}\n"
                 for place, values in zip(self._places, pose.tolist(), strict=True)
@@ -49,31 +43,3 @@ class ReceptorCsvWriter:
 def quoted(text: str) -> str:
     """A text as a field of a CSV file (RFC 4180)."""
     return '"' + text.replace('"', '""') + '"' if set(text) & set(',"\r\n') else text
-
-
-def receptor_writers(
-    files: WholeFiles, names: Sequence[str], eye: Eye, poses: int, standard_error: bool
-) -> tuple[list[Writer], list[str]]:
-    """Writers of the files named, and the names of all files written."""
-    if len(eye.receptor_type) == 0:
-        raise Error(
-            f"{eye.path or 'eye'}: expected receptors, found none (.csv eyes can have them, "
-            "omma.receptors.assign_receptors makes them)"
-        )
-    shape = (poses, len(eye.receptor_type))
-    writers: list[Writer] = []
-    written: list[str] = []
-    for name in names:
-        suffix = Path(name).suffix.lower()
-        if suffix == ".csv":
-            writers.append(ReceptorCsvWriter(files, name, eye, standard_error))
-        elif suffix == ".npy":
-            writers.append(NpyWriter(files, name, shape))
-        else:
-            raise Error(f"{name}: expected .npy or .csv for responses of receptors")
-        written.append(name)
-        if suffix == ".npy" and standard_error:
-            beside = str(Path(name).with_suffix(".error.npy"))
-            writers.append(NpyWriter(files, beside, shape, of_errors=True))
-            written.append(beside)
-    return writers, written

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import sys
-import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal, overload
@@ -17,6 +15,7 @@ from omma._core import Background, Error, Eye, Scene
 from omma.base.arguments import checked, expect, output_array, whole
 from omma.base.notebook import html_table
 from omma.base.poses import Matrices, as_poses, is_position_pair
+from omma.base.warn import warn_caller
 from omma.rendering.dataset import make_dataset
 from omma.rendering.pickling import parts_of
 from omma.rendering.receptor_views import ReceptorViews, render_receptors
@@ -51,12 +50,8 @@ _CHUNK_BYTES = 32 << 20
 
 def warn_of_precision(sentence: str) -> None:
     """Tell the caller of the package what single precision loses, where it does."""
-    if not sentence:
-        return
-    level, frame = 1, sys._getframe()
-    while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith("omma."):
-        level, frame = level + 1, frame.f_back
-    warnings.warn(sentence, RuntimeWarning, stacklevel=level)
+    if sentence:
+        warn_caller(sentence, RuntimeWarning)
 
 
 class Renderer:

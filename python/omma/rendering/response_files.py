@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
@@ -15,7 +16,7 @@ from omma import _core
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked
 from omma.base.directions import azimuth_elevation_deg_of
-from omma.base.files import PathLike, WholeFiles
+from omma.base.files import PathLike, WholeFiles, check_ending
 
 
 @checked
@@ -37,26 +38,37 @@ def save_responses(
     error_array = None if errors is None else _responses(errors, eye, "errors")
     if error_array is not None and error_array.shape != array.shape:
         raise Error(f"errors: expected shape {array.shape}, found {error_array.shape}")
+    check_ending(name, ".npy", ".csv")
     suffix = Path(name).suffix.lower()
     with WholeFiles() as files:
         if suffix == ".npy" and error_array is None:
             writer: Writer = NpyWriter(files, name, array.shape)
         elif suffix == ".csv":
             writer = CsvWriter(files, name, eye, error_array is not None, array.shape[2])
-        elif suffix == ".npy":
-            raise Error(f"{name}: a .npy file holds one array; save responses and errors apart")
         else:
-            raise Error(f"{name}: expected a name ending in .npy or .csv")
-        writer.write(array, error_array, 0)
+            raise Error(f"{name}: a .npy file holds one array; save responses and errors apart")
+        writer.write(Piece(0, array, error_array))
+
+
+@dataclass(frozen=True)
+class Piece:
+    """What was rendered of some poses that follow each other."""
+
+    first: int  # number of the first pose
+    responses: NDArray[np.float32]  # (P, N, C), or (P, R) of receptors
+    errors: NDArray[np.float32] | None = None  # standard errors of these
+    rays: NDArray[np.int32] | None = None  # (P, N), where they differ
+
+    @property
+    def poses(self) -> slice:
+        """Which poses these are of all."""
+        return slice(self.first, self.first + len(self.responses))
 
 
 class Writer(Protocol):
     """Takes the responses of a render piece by piece."""
 
-    def write(
-        self, responses: NDArray[np.float32], errors: NDArray[np.float32] | None, first: int
-    ) -> None:
-        """Responses (P, N, C) of poses number ``first`` and on, and their standard errors."""
+    def write(self, piece: Piece) -> None: ...
 
 
 class NpyWriter:
@@ -73,10 +85,8 @@ class NpyWriter:
         )
         self._file.write_header(header.getvalue())
 
-    def write(
-        self, responses: NDArray[np.float32], errors: NDArray[np.float32] | None, first: int
-    ) -> None:
-        array = errors if self._of_errors else responses
+    def write(self, piece: Piece) -> None:
+        array = piece.errors if self._of_errors else piece.responses
         assert array is not None
         self._file.write(np.ascontiguousarray(array, dtype="<f4").data)
 
@@ -88,6 +98,7 @@ class CsvWriter:
         self, files: WholeFiles, name: str, eye: Eye, with_errors: bool, bands: int
     ) -> None:
         self._file = files.open(name)
+        self._with_errors = with_errors
         columns = list("rgb") if bands == 3 else [f"band_{b}" for b in range(bands)]
         if with_errors:
             columns += [f"{column}_error" for column in columns]
@@ -97,12 +108,13 @@ class CsvWriter:
         numbered = enumerate(zip(eye.eye_id.tolist(), azimuth, elevation, strict=True))
         self._places = [f"{i},{which},{a:.6g},{e:.6g}" for i, (which, a, e) in numbered]
 
-    def write(
-        self, responses: NDArray[np.float32], errors: NDArray[np.float32] | None, first: int
-    ) -> None:
-        table = responses if errors is None else np.concatenate([responses, errors], axis=-1)
+    def write(self, piece: Piece) -> None:
+        table = piece.responses
+        if self._with_errors:
+            assert piece.errors is not None
+            table = np.concatenate([table, piece.errors], axis=-1)
         form = ",".join(["%.9g"] * table.shape[-1])
-        for number, pose in enumerate(table, start=first):
+        for number, pose in enumerate(table, start=piece.first):
             lines = [
                 f"{number},{place},{form % tuple(values)}\n"
                 for place, values in zip(self._places, pose.tolist(), strict=True)

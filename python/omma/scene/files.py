@@ -11,6 +11,7 @@ from omma._core import Camera as Camera
 from omma._core import Error, Scene
 from omma.base.arguments import checked
 from omma.base.files import PathLike
+from omma.base.warn import warn_caller
 from omma.scene.trimesh_scenes import load_mesh_file
 
 _MESH_FILES = (".obj", ".ply", ".stl")
@@ -49,9 +50,30 @@ def load_scene(
 
     Raises:
         omma.Error: the file is missing, broken or needs an extension that is not supported; it
-            names the file and what is wrong. What was only passed over is in ``Scene.warnings``.
+            names the file and what is wrong.
         KeyboardInterrupt: Ctrl-C.
+
+    Warns:
+        UserWarning: what was passed over, such as lights: each of ``Scene.warnings``.
     """
+    scene = read_scene(
+        path, scene_index, color_rule=color_rule, unit=unit, up=up, progress=progress
+    )
+    for sentence in scene.warnings:
+        warn_caller(f"{scene.path}: {sentence}", UserWarning)
+    return scene
+
+
+def read_scene(
+    path: PathLike,
+    scene_index: int | None = None,
+    *,
+    color_rule: str = "gltf",
+    unit: str | float | None = None,
+    up: str | None = None,
+    progress: Callable[[float], object] | None = None,
+) -> Scene:
+    """As `load_scene`, for those who hand ``Scene.warnings`` on themselves."""
     name = os.fsdecode(path)
     if Path(name).suffix.lower() in (".eye", ".csv"):
         raise Error(f"{name}: expected a scene, .gltf or .glb, found the name of an eye file")

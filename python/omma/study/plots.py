@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error
 from omma.base.arguments import array_of, checked
 from omma.base.figures import load_matplotlib
-from omma.base.files import PathLike, WholeFiles
+from omma.base.files import PathLike, WholeFiles, check_ending
 from omma.study.search import MinimumSamples
 from omma.study.speed_test import PUBLISHED_FRAMES_PER_S, PUBLISHED_RAYS, SpeedTest
 from omma.study.variance import COMPOUNDRAY, OURS, Measure, Method, cell_middles
@@ -225,10 +225,8 @@ def _finish(axes: Axes) -> None:
 
 
 def _suffix(path: PathLike, *known: str) -> str:
-    suffix = Path(os.fsdecode(path)).suffix.lower()
-    if suffix not in known:
-        raise Error(f"{os.fsdecode(path)}: expected a name ending in {' or '.join(known)}")
-    return suffix
+    check_ending(path, *known)
+    return Path(os.fsdecode(path)).suffix.lower()
 
 
 def _names(method: Method) -> tuple[str, str]:

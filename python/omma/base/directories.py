@@ -1,0 +1,113 @@
+"""Directories that are written whole or not at all, as a Zarr store is one."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import re
+import secrets
+import shutil
+from pathlib import Path
+
+from omma._core import Error
+
+_TOKEN_BYTES = 6
+
+
+class WholeDirectory:
+    """A directory that is written beside its target and renamed by `finish`.
+
+    It is locked meanwhile, so that what a killed run left can be told from what is still written.
+    """
+
+    def __init__(self, name: str, marker: str) -> None:
+        """One of that name is replaced if the file ``marker`` is in it; links are followed."""
+        self._name = name
+        self._target = Path(os.path.realpath(name))
+        if self._target.exists() and not (self._target / marker).is_file():
+            raise Error(f"{name}: cannot be written: what has that name has no {marker} in it")
+        self._token = secrets.token_hex(_TOKEN_BYTES)
+        self._own = self._beside("partial")
+        try:
+            self._own.mkdir()
+            self._lock = os.open(self._own, os.O_RDONLY)
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            raise self._error(error) from None
+        self._process = os.getpid()  # a forked child must not remove its parent's
+
+    @property
+    def temporary(self) -> str:
+        """What it is called meanwhile."""
+        return str(self._own)
+
+    def sync(self) -> None:
+        """Bring all that is in it to the disk."""
+        try:
+            for folder, _, files in os.walk(self._own):
+                for path in [*(os.path.join(folder, file) for file in files), folder]:
+                    _sync(path)
+        except OSError as error:
+            raise self._error(error) from None
+
+    def finish(self) -> None:
+        """Give it its name."""
+        old = self._beside("replaced")
+        try:
+            replaces = self._target.exists()
+            if replaces:
+                self._target.rename(old)
+            self._own.rename(self._target)
+            _sync(str(self._target.parent))
+        except OSError as error:
+            raise self._error(error) from None
+        if replaces:
+            shutil.rmtree(old, ignore_errors=True)
+
+    def discard(self) -> None:
+        """Remove it, unless it has its name."""
+        if self._process == os.getpid():
+            shutil.rmtree(self._own, ignore_errors=True)
+        if self._lock >= 0:
+            os.close(self._lock)
+            self._lock = -1
+
+    def _beside(self, ending: str) -> Path:
+        return self._target.with_name(f".{self._target.name}.{self._token}.{ending}")
+
+    def _error(self, error: OSError) -> Error:
+        return Error(f"{self._name}: cannot be written: {error.strerror}")
+
+
+def abandoned_directories(name: str) -> list[str]:
+    """What killed runs left of a directory of that name; not of runs that still go on."""
+    target = Path(os.path.realpath(name))
+    pattern = re.compile(
+        rf"\.{re.escape(target.name)}\.[0-9a-f]{{{2 * _TOKEN_BYTES}}}\.(partial|replaced)"
+    )
+    if not target.parent.is_dir():
+        return []
+    return [
+        str(path)
+        for path in sorted(target.parent.iterdir())
+        if pattern.fullmatch(path.name) and path.is_dir() and _is_free(path)
+    ]
+
+
+def _is_free(path: Path) -> bool:
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    finally:
+        os.close(descriptor)
+    return True
+
+
+def _sync(path: str) -> None:
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

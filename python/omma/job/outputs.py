@@ -1,0 +1,107 @@
+"""The files that a render writes: which names will do, and what writes each."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from omma._core import Error, Eye
+from omma.base.files import PathLike, WholeFiles, check_ending
+from omma.picture.files import Paint, PngWriter
+from omma.rendering.label_texts import beside, labels_text
+from omma.rendering.labelled_files import NetcdfWriter, ZarrWriter
+from omma.rendering.labels import Labels
+from omma.rendering.parquet_files import ParquetWriter
+from omma.rendering.receptor_files import ReceptorCsvWriter
+from omma.rendering.response_files import CsvWriter, NpyWriter, Writer
+
+# These are made in full size, or end with an index, so that what is cut off is no file.
+WHOLE_SUFFIXES = (".zarr", ".nc", ".parquet")
+SUFFIXES = (*WHOLE_SUFFIXES, ".npy", ".csv", ".png")
+
+
+def output_names(
+    outputs: PathLike | Sequence[PathLike],
+    standard_error: bool,
+    resume: bool,
+    inputs: Sequence[PathLike | None],
+) -> list[str]:
+    """The names; omma.Error where one will not do, or is that of an input."""
+    several = [outputs] if isinstance(outputs, (str, os.PathLike)) else outputs
+    names = [os.fsdecode(name) for name in several]
+    if not names:
+        raise Error("outputs: expected at least one file to write, found none")
+    for name in names:
+        check_ending(name, *SUFFIXES)
+        suffix = Path(name).suffix.lower()
+        if Path(name).is_dir() and suffix != ".zarr":
+            raise Error(f"{name}: cannot be written: it is a directory")
+        if resume and suffix in WHOLE_SUFFIXES:
+            raise Error(
+                f"resume: is for .npy, .csv and .png, found {name}; .npy with the .json beside it "
+                "says as much"
+            )
+    every = [file for name in names for file in (name, *_beside(name, standard_error))]
+    files = [os.path.abspath(name) for name in every]
+    read = [os.path.abspath(os.fsdecode(name)) for name in inputs if name is not None]
+    for i, file in enumerate(files):
+        if file in files[:i]:
+            raise Error(f"{file}: is an output twice")
+        if file in read:
+            raise Error(f"{file}: would replace what it is made from")
+    return names
+
+
+def error_name(name: str) -> str:
+    """Where the standard errors of the responses in an `.npy` file go: beside it."""
+    return str(Path(name).with_suffix(".error.npy"))
+
+
+def writers_of(
+    files: WholeFiles,
+    names: Sequence[str],
+    labels: Labels,
+    eye: Eye,
+    *,
+    receptors: bool,
+    standard_error: bool,
+    make_paint: Callable[[], Paint],
+) -> tuple[list[Writer], list[str]]:
+    """Writers of the files named, and the names of all files written."""
+    writers: list[Writer] = []
+    written: list[str] = []
+    shape = labels.shape("response")
+    for name in names:
+        suffix = Path(name).suffix.lower()
+        if suffix == ".npy":
+            writers.append(NpyWriter(files, name, shape))
+            parts = {"response": Path(name).name}
+            if standard_error:
+                writers.append(NpyWriter(files, error_name(name), shape, of_errors=True))
+                parts["standard_error"] = Path(error_name(name)).name
+            files.open(beside(name)).write_header(labels_text(labels, parts).encode())
+        elif suffix == ".csv" and receptors:
+            writers.append(ReceptorCsvWriter(files, name, eye, standard_error))
+        elif suffix == ".csv":
+            writers.append(CsvWriter(files, name, eye, standard_error, shape[2]))
+        elif suffix == ".png":
+            picture = PngWriter(files, name, shape[0], make_paint())
+            writers.append(picture)
+            written += [picture.name(i) for i in range(shape[0])]
+            continue
+        elif suffix == ".zarr":
+            writers.append(ZarrWriter(files, name, labels))
+        elif suffix == ".nc":
+            writers.append(NetcdfWriter(files, name, labels))
+        else:
+            writers.append(ParquetWriter(files, name, labels))
+        written += [name, *_beside(name, standard_error)]
+    return writers, written
+
+
+def _beside(name: str, standard_error: bool) -> list[str]:
+    """Files that come with one."""
+    if Path(name).suffix.lower() != ".npy":
+        return []
+    return [*([error_name(name)] if standard_error else []), beside(name)]

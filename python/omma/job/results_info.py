@@ -1,0 +1,132 @@
+"""What a file of responses tells of itself: what ``omma info`` prints of one."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from omma._core import Error
+from omma.base.files import PathLike
+from omma.job.again import check_background, check_eyes, check_scene
+from omma.rendering.label_texts import beside
+from omma.rendering.read_back import is_response_csv, load_responses
+
+if TYPE_CHECKING:
+    import xarray
+
+Lines = list[tuple[str, str]]
+
+_READ_BYTES = 64 << 20
+_SETTINGS = (
+    *("sampling", "samples", "error", "least", "most", "seed", "kernel", "points", "footprints"),
+    *("noise", "background", "band_from_rgb", "ultraviolet"),
+)
+
+
+def is_response_file(path: PathLike) -> bool:
+    """Whether a file has responses, by its ending; a `.csv` by how it begins."""
+    suffix = Path(os.fsdecode(path)).suffix.lower()
+    return suffix in (".zarr", ".nc", ".parquet", ".npy", ".json") or (
+        suffix == ".csv" and is_response_csv(path)
+    )
+
+
+def describe_responses(path: PathLike) -> Lines:
+    """Shape and range of responses, and how they were made.
+
+    Raises:
+        omma.Error: the file cannot be read.
+    """
+    name = os.fsdecode(path)
+    alone = Path(name).suffix.lower() == ".npy" and not os.path.exists(beside(name))
+    if alone and os.path.isfile(name):
+        return _describe_array(name)
+    data = load_responses(path)
+    said = data.attrs
+    sizes = [f"{data.sizes[one]:,} {_plural(one, data.sizes[one])}" for one in data.response.dims]
+    lines = [("responses", name), ("shape", " x ".join(map(str, sizes)))]
+    if "band" in data.coords:
+        lines.append(("bands", ", ".join(data.band.values.tolist())))
+    if "type" in data.coords:
+        types, counts = np.unique(data.type.values, return_counts=True)
+        lines.append(("types", ", ".join(f"{c:,} {t}" for t, c in zip(types, counts))))
+    lines.append(("range", _range(data.response)))
+    if "standard_error" in data:
+        lines.append(("standard error", _range(data.standard_error)))
+    if "rays" in data:
+        lines.append(("rays", _range(data.rays)))
+    if "position" in data.coords and data.position.size:
+        low, high = data.position.values.min(axis=0), data.position.values.max(axis=0)
+        lines.append(("positions", f"{_point(low)} to {_point(high)} m"))
+    if not said:
+        return [*lines, ("story", "none: the file does not say how it was made")]
+    if "omma_version" in said:
+        made = f"{said.get('created', '')} by Omma {said['omma_version']}, {said.get('backend')}"
+        lines.append(("rendered", made.strip()))
+    if "command" in said:
+        lines.append(("command", said["command"]))
+    if said.get("scene"):
+        lines.append(("scene", said["scene"] + _state(check_scene, name, said, said["scene"])))
+    if "eye_files" in said:
+        files = json.loads(said["eye_files"])
+        lines.append(("eye", ", ".join(files) + _state(check_eyes, name, said, files)))
+    elif "eye" in said:
+        lines.append(("eye", said["eye"] or "in memory"))
+    settings = [f"{one} {said[one]}" for one in _SETTINGS if one in said]
+    lines.append(("settings", ", ".join(settings)))
+    if "background_sha256" in said:
+        lines.append(("background", said["background"] + _state(check_background, name, said)))
+    lines += [("warning", text) for text in said.get("scene_warnings", "").splitlines()]
+    return lines
+
+
+def _describe_array(name: str) -> Lines:
+    try:
+        array = np.load(name, mmap_mode="r")
+    except (OSError, ValueError) as error:
+        raise Error(f"{name}: cannot be read as .npy: {error}") from None
+    shape = " x ".join(f"{size:,}" for size in array.shape)
+    lines = [("array", name), ("shape", f"{shape}, {array.dtype}")]
+    if array.dtype.kind in "biuf" and array.size:
+        lines.append(("range", f"{array.min():.4g} to {array.max():.4g}"))
+    return [*lines, ("story", f"none: there is no {beside(name)}")]
+
+
+def _state(check: Callable[..., None], name: str, said: Mapping[str, Any], *files: Any) -> str:
+    """Whether files are what they were, in words."""
+    try:
+        check(name, said, *files)
+    except Error as error:
+        gone = [one for one in np.ravel(files) if not os.path.exists(one)]
+        return " (is not there)" if gone else f" (has changed: {error})"
+    return " (unchanged)"
+
+
+def _range(values: xarray.DataArray) -> str:
+    """Least, mean and greatest, read some poses at a time."""
+    if values.size == 0:
+        return "empty"
+    first = values.dims[0]
+    count = max(1, _READ_BYTES // max(1, values[:1].nbytes))
+    low, high, total = np.inf, -np.inf, 0.0
+    for begin in range(0, values.sizes[first], count):
+        part = values[begin : begin + count].values
+        low, high = min(low, float(part.min())), max(high, float(part.max()))
+        total += float(part.sum(dtype=np.float64))
+    return f"{low:.4g} to {high:.4g}, mean {total / values.size:.4g}"
+
+
+def _plural(dimension: Any, count: int) -> str:
+    word = str(dimension)
+    if count == 1:
+        return word
+    return "ommatidia" if word == "ommatidium" else word + "s"
+
+
+def _point(values: np.ndarray[Any, Any]) -> str:
+    return "(" + ", ".join(f"{value:.4g}" for value in values) + ")"

@@ -1,0 +1,76 @@
+"""What files of responses say of how they were made, so that it can be done again."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from omma._core import Background
+from omma.base.files import digests_of, metres_per_unit
+from omma.scene.backgrounds import NAMED_BACKGROUNDS
+
+# What makes no difference to responses.
+_SILENT = ("threads", "progress", "resume", "command")
+_LONGEST = 200  # characters of an argument
+
+
+def story_of(
+    given: Mapping[str, Any], eyes: Sequence[str], background: Background | None, command: str
+) -> dict[str, Any]:
+    """Attributes beyond those of a renderer: ``given`` to `render_file`, the files of the eyes, the
+    background in place of the scene's own."""
+    # What a camera names is in scene units, eye files are in millimetres.
+    default = "mm" if given["eyes"] else "m"
+    unit = default if given["unit"] is None else given["unit"]
+    story: dict[str, Any] = {
+        "command": command,
+        "eye_files": json.dumps(list(eyes)),
+        "eye_unit_m": metres_per_unit(unit),
+    }
+    if given["scene_index"] is not None:
+        story["scene_index"] = int(given["scene_index"])
+    if given["ultraviolet"] is not None:
+        story["ultraviolet"] = json.dumps(np.asarray(given["ultraviolet"], np.float64).tolist())
+    if background is not None:
+        story["background"] = _background_text(given["background"], background)
+        if os.path.isfile(story["background"]):
+            story["background_sha256"] = json.dumps(digests_of(story["background"]))
+    return story
+
+
+def call_text(function: Callable[..., Any], given: Mapping[str, Any]) -> str:
+    """The call of `render_file` with these arguments, as code; what was left out is left out."""
+    words = []
+    values = {**given, **given["options"]}
+    for name, parameter in inspect.signature(function).parameters.items():
+        value = _plain(values.get(name, parameter.default))
+        if parameter.default is inspect.Parameter.empty:
+            words.append(repr(value))
+        elif name not in _SILENT and value != _plain(parameter.default):
+            text = repr(value)
+            words.append(f"{name}={text if len(text) <= _LONGEST else text[:_LONGEST] + '...'}")
+    return f"omma.{function.__name__}({', '.join(words)})"
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, os.PathLike):
+        return os.fsdecode(value)
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, (list, tuple)):
+        return [_plain(one) for one in value]
+    return value
+
+
+def _background_text(given: Any, background: Background) -> str:
+    """As `parse_background` takes it; "" where no text says it."""
+    if isinstance(given, str):
+        return given
+    if background.type == "constant":
+        return ",".join(repr(float(value)) for value in background.color)
+    return background.type if background.type in NAMED_BACKGROUNDS else ""

@@ -1,0 +1,102 @@
+"""Labels of responses as JSON: beside an `.npy` file, and in the schema of a `.parquet` file."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from omma._core import Error
+from omma.rendering.labels import Labels, place_variables
+
+FORMAT = "omma responses 1"
+
+
+def labels_text(labels: Labels, files: Mapping[str, str]) -> str:
+    """All of the labels; ``files`` says in which file each variable is, where it is in one."""
+    # What follows from the poses in full is made again when it is read.
+    first = next(iter(labels.variables.values()))[0][0]
+    follows = set(place_variables(np.eye(4)[None], first)) - {"world_from_head"}
+    coordinates = {
+        name: {
+            "dimensions": dimensions,
+            "type": "text" if values.dtype.kind == "U" else values.dtype.name,
+            "attributes": attributes,
+            "values": _plain(values),
+        }
+        for name, (dimensions, values, attributes) in labels.coordinates.items()
+        if name not in follows
+    }
+    variables = {
+        name: {
+            "dimensions": dimensions,
+            "type": dtype,
+            "attributes": attributes,
+            **({"file": files[name]} if name in files else {}),
+        }
+        for name, (dimensions, dtype, attributes) in labels.variables.items()
+        if name in files or not files
+    }
+    parts: dict[str, Mapping[str, Any]] = {
+        "attributes": labels.attributes,
+        "sizes": labels.sizes,
+        "variables": variables,
+        "coordinates": coordinates,
+    }
+    # A line for each thing: a person finds it, and a million numbers are not a line each.
+    texts = [f'"format": {json.dumps(FORMAT)}']
+    for part, members in parts.items():
+        lines = ",\n".join(f"  {json.dumps(k)}: {json.dumps(v)}" for k, v in members.items())
+        texts.append(f'"{part}": {{\n{lines}\n}}')
+    return "{" + ",\n".join(texts) + "}\n"
+
+
+def labels_from_text(text: str | bytes, place: str) -> tuple[Labels, dict[str, str]]:
+    """What `labels_text` was made of.
+
+    Raises:
+        omma.Error: it is something else; ``place`` names it.
+    """
+    try:
+        found = json.loads(text)
+        if found["format"] != FORMAT:
+            raise ValueError
+        coordinates = {
+            name: (tuple(one["dimensions"]), _array(one), dict(one["attributes"]))
+            for name, one in found["coordinates"].items()
+        }
+        dimensions, matrices, _ = coordinates["world_from_head"]
+        coordinates |= place_variables(matrices, dimensions[0])
+        variables = {
+            name: (tuple(one["dimensions"]), str(one["type"]), dict(one["attributes"]))
+            for name, one in found["variables"].items()
+        }
+        files = {
+            name: str(one["file"]) for name, one in found["variables"].items() if "file" in one
+        }
+        labels = Labels(coordinates, dict(found["attributes"]), variables, dict(found["sizes"]))
+    except (ValueError, TypeError, KeyError, AttributeError, IndexError):
+        raise Error(f"{place}: expected the JSON that omma writes of responses") from None
+    return labels, files
+
+
+def beside(name: str) -> str:
+    """Where the labels of an `.npy` file are."""
+    return str(Path(name).with_suffix(".json"))
+
+
+def _plain(values: np.ndarray[Any, Any]) -> list[Any]:
+    """Numbers as JSON has them: not those that are none."""
+    plain = values.astype(object)
+    if values.dtype.kind == "f":
+        plain[~np.isfinite(values)] = None
+    return list(plain.tolist())
+
+
+def _array(one: Any) -> np.ndarray[Any, Any]:
+    if one["type"] == "text":
+        return np.array(one["values"], dtype=np.str_)
+    return np.array(one["values"], dtype=one["type"])

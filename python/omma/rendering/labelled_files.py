@@ -1,0 +1,132 @@
+"""Responses into files that say what their numbers are: `.zarr` (Zarr 3) and `.nc` (netCDF-4).
+
+Both have the variables, coordinates and attributes of `Renderer.dataset`. The files are made in
+full size at once and filled piece by piece, so that poses need no memory.
+"""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import numpy as np
+
+from omma._core import Error
+from omma.base.files import WholeFiles
+from omma.rendering.labels import Labels
+from omma.rendering.response_files import Piece
+
+# A few MB: large enough for a disk or a network, small enough to read one pose of many.
+_CHUNK_BYTES = 4 << 20
+
+# The file that every Zarr 3 store has.
+ZARR_MARKER = "zarr.json"
+
+
+class ZarrWriter:
+    """A Zarr 3 store, a directory."""
+
+    def __init__(self, files: WholeFiles, name: str, labels: Labels) -> None:
+        zarr = load_package("zarr", name)
+        path = files.open_directory(name, ZARR_MARKER)
+        self._arrays: dict[str, Any] = {}
+        with warnings.catch_warnings():
+            # Zarr warns that texts and the index of a store are newer than its standard; any
+            # reader of Zarr 3 in Python, and xarray, reads both.
+            warnings.simplefilter("ignore")
+            group = zarr.open_group(path, mode="w", zarr_format=3)
+            group.attrs.update(labels.attributes)
+            for variable, (dimensions, values, attributes) in labels.coordinates.items():
+                text = values.dtype.kind == "U"
+                group.create_array(
+                    variable,
+                    shape=values.shape,
+                    dtype=str if text else values.dtype,
+                    chunks=tuple(max(1, size) for size in values.shape),
+                    dimension_names=dimensions,
+                    attributes=attributes,
+                )[...] = values
+            for variable, (dimensions, dtype, attributes) in labels.variables.items():
+                self._arrays[variable] = group.create_array(
+                    variable,
+                    shape=labels.shape(variable),
+                    dtype=dtype,
+                    chunks=_chunks(labels, variable),
+                    dimension_names=dimensions,
+                    attributes=attributes | {"coordinates": _coordinates(labels, dimensions)},
+                )
+            zarr.consolidate_metadata(path)
+
+    def write(self, piece: Piece) -> None:
+        for variable, values in values_of(piece).items():
+            if variable in self._arrays:
+                self._arrays[variable][piece.poses] = values
+
+
+class NetcdfWriter:
+    """A netCDF-4 file."""
+
+    def __init__(self, files: WholeFiles, name: str, labels: Labels) -> None:
+        self._h5netcdf = load_package("h5netcdf", name)
+        h5py = load_package("h5py", name)
+        self._path = files.path_of(name)
+        self._variables = list(labels.variables)
+        with self._open("w") as file:
+            file.attrs.update(labels.attributes)
+            file.dimensions = labels.sizes
+            for variable, (dimensions, values, attributes) in labels.coordinates.items():
+                text = values.dtype.kind == "U"
+                dtype = h5py.string_dtype() if text else values.dtype
+                made = file.create_variable(variable, dimensions, dtype)
+                made[...] = values.astype(object) if text else values
+                made.attrs.update(attributes)
+            for variable, (dimensions, dtype, attributes) in labels.variables.items():
+                made = file.create_variable(
+                    variable, dimensions, dtype, chunks=_chunks(labels, variable)
+                )
+                made.attrs.update(attributes | {"coordinates": _coordinates(labels, dimensions)})
+
+    def write(self, piece: Piece) -> None:
+        # Opened for each piece, so that nothing is open where the work is cut off.
+        with self._open("a") as file:
+            for variable, values in values_of(piece).items():
+                if variable in self._variables:
+                    file.variables[variable][piece.poses] = values
+
+    def _open(self, mode: str) -> Any:
+        # The file has the lock of whole files already.
+        return self._h5netcdf.File(self._path, mode, locking=False)
+
+
+def values_of(piece: Piece) -> dict[str, np.ndarray[Any, Any]]:
+    """What a piece has of each variable."""
+    named = {"response": piece.responses, "standard_error": piece.errors, "rays": piece.rays}
+    return {name: values for name, values in named.items() if values is not None}
+
+
+def load_package(package: str, name: str) -> Any:
+    """A package of the extra omma[data] that a file of that name needs."""
+    import importlib
+
+    try:
+        return importlib.import_module(package)
+    except ImportError:
+        raise Error(
+            f"{name}: needs {package}, which is not installed: pip install 'omma[data]'"
+        ) from None
+
+
+def _chunks(labels: Labels, variable: str) -> tuple[int, ...]:
+    first, *others = labels.shape(variable)
+    pose_bytes = 4 * max(1, int(np.prod(others)))
+    return (max(1, min(first, _CHUNK_BYTES // pose_bytes)), *(max(1, size) for size in others))
+
+
+def _coordinates(labels: Labels, dimensions: tuple[str, ...]) -> str:
+    """Names of those that are along a variable's dimensions but no dimension themselves (CF
+    conventions, 5)."""
+    return " ".join(
+        name
+        for name, (along, _, _) in labels.coordinates.items()
+        if along != (name,) and along[0] in dimensions
+    )

@@ -1,0 +1,199 @@
+"""What the numbers of a render mean: their dimensions, places, units, and what they were made of.
+
+One description for all who hand responses on: `Renderer.dataset` and every format of file.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import tempfile
+from dataclasses import dataclass
+from datetime import datetime, timezone
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma import _core
+from omma._core import Eye
+from omma.base.directions import azimuth_elevation_deg_of
+from omma.base.files import digests_of
+from omma.base.poses import Matrices
+from omma.receptors.sensitivity import ommatidium_of_receptor, receptor_axis
+from omma.rendering.settings import ToError, settings_as_record
+
+if TYPE_CHECKING:
+    from omma.rendering.renderer import Renderer
+
+# name: (dimensions, values, attributes)
+Variables = dict[str, tuple[tuple[str, ...], NDArray[Any], dict[str, Any]]]
+
+RADIANCE = "radiance weighted by angular sensitivity; an even surround of radiance 1 gives 1"
+CATCH = "of the receptor's sensitivity; white light of radiance 1 gives 1 over all wavelengths"
+
+
+@dataclass(frozen=True)
+class Labels:
+    """What responses (P, N, C), or (P, R) of receptors, mean."""
+
+    coordinates: Variables
+    attributes: dict[str, Any]  # texts and numbers, which every format can hold
+    variables: dict[str, tuple[tuple[str, ...], str, dict[str, Any]]]
+    """Of what is rendered: dimensions, dtype and attributes of response, standard_error, rays."""
+    sizes: dict[str, int]  # of each dimension
+
+    def shape(self, variable: str) -> tuple[int, ...]:
+        """Of one of the variables."""
+        return tuple(self.sizes[dimension] for dimension in self.variables[variable][0])
+
+
+def labels_of(
+    renderer: Renderer,
+    matrices: Matrices,
+    *,
+    receptors: bool = False,
+    standard_error: bool = False,
+    time_s: NDArray[np.float64] | None = None,
+    more: dict[str, Any] | None = None,
+) -> Labels:
+    """Labels of what a renderer makes of poses (P, 4, 4); ``more`` attributes come last."""
+    first = "pose" if time_s is None else "time"
+    coordinates: Variables = {}
+    if time_s is not None:
+        coordinates["time"] = ((first,), time_s, {"units": "s"})
+    dimensions: tuple[str, ...]
+    if receptors:
+        dimensions = (first, "receptor")
+        coordinates |= _receptors(renderer.eye)
+    else:
+        dimensions = (first, "ommatidium", "band")
+        coordinates |= _ommatidia(renderer.eye)
+        coordinates["band"] = (("band",), np.array(_band_names(renderer)), {})
+    coordinates |= place_variables(matrices, first)
+    about = {"units": "1", "long_name": CATCH if receptors else RADIANCE}
+    variables: dict[str, tuple[tuple[str, ...], str, dict[str, Any]]] = {
+        "response": (dimensions, "float32", about)
+    }
+    to_error = isinstance(renderer.settings.sampling, ToError)
+    if standard_error or to_error:
+        variables["standard_error"] = (dimensions, "float32", {"units": "1"})
+    if to_error:
+        variables["rays"] = (dimensions[:2], "int32", {"long_name": "rays spent"})
+    sizes = {
+        name: len(values) for name, (along, values, _) in coordinates.items() if along == (name,)
+    }
+    sizes[first] = len(matrices)
+    return Labels(coordinates, _attributes(renderer) | (more or {}), variables, sizes)
+
+
+def quaternions_of(matrices: Matrices) -> NDArray[np.float64]:
+    """Unit quaternions (P, 4), in the order x, y, z, w and with w at least 0, of poses (P, 4, 4).
+
+    Of poses that scale or mirror, the turn that is nearest.
+    """
+    from scipy.spatial.transform import Rotation
+
+    u, _, v = np.linalg.svd(matrices[:, :3, :3])
+    u[..., -1] *= np.linalg.det(u @ v)[:, None]
+    quaternions = Rotation.from_matrix(u @ v).as_quat()
+    return np.asarray(np.where(quaternions[:, 3:] < 0, -quaternions, quaternions))
+
+
+def eye_digest(eye: Eye) -> str:
+    """SHA-256 of all that an eye is: of its CSV file, which keeps everything to the last bit."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "eye.csv")
+        _core.save_eye(path, eye, 1.0, False)
+        return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+
+
+def place_variables(matrices: Matrices, first: str) -> Variables:
+    """Where the head is at each pose, and how it is turned: in full, and in two parts."""
+    head = "of the head in the world"
+    return {
+        "world_from_head": (
+            (first, "row", "column"),
+            matrices,
+            {"long_name": "the pose, in full: what scales or mirrors too; lengths in m"},
+        ),
+        "position": ((first, "axis"), matrices[:, :3, 3], {"units": "m", "long_name": head}),
+        "axis": (("axis",), np.array(list("xyz")), {}),
+        "quaternion": (
+            (first, "component"),
+            quaternions_of(matrices),
+            {"long_name": "turns directions of the head into those of the world"},
+        ),
+        "component": (("component",), np.array(list("xyzw")), {}),
+        "row": (("row",), np.arange(4), {}),
+        "column": (("column",), np.arange(4), {}),
+    }
+
+
+def _directions(dimension: str, axis: ArrayLike) -> Variables:
+    azimuth, elevation = azimuth_elevation_deg_of(axis)
+    where = "in the head: 0 ahead, right positive"
+    return {
+        "azimuth": ((dimension,), azimuth, {"units": "degree", "long_name": where}),
+        "elevation": ((dimension,), elevation, {"units": "degree", "long_name": "up positive"}),
+    }
+
+
+def _ommatidia(eye: Eye) -> Variables:
+    return {
+        "ommatidium": (("ommatidium",), np.arange(len(eye)), {}),
+        "eye": (("ommatidium",), eye.eye_id, {"long_name": "which eye of the head"}),
+        **_directions("ommatidium", eye.axis),
+        "acceptance_angle": (
+            ("ommatidium",),
+            np.degrees(eye.acceptance_angle_rad.astype(np.float64)),
+            {"units": "degree", "long_name": "full width at half maximum"},
+        ),
+    }
+
+
+def _receptors(eye: Eye) -> Variables:
+    types = [eye.receptor_types[k] for k in eye.receptor_type.tolist()]
+    ommatidium = ommatidium_of_receptor(eye)
+    return {
+        "receptor": (("receptor",), np.arange(len(types)), {}),
+        "ommatidium": (("receptor",), ommatidium, {}),
+        "eye": (("receptor",), eye.eye_id[ommatidium], {"long_name": "which eye of the head"}),
+        "type": (("receptor",), np.array([one.name for one in types], dtype=np.str_), {}),
+        "peak_wavelength": (
+            ("receptor",),
+            np.array([one.peak_wavelength_nm for one in types], dtype=np.float64),
+            {"units": "nm"},
+        ),
+        **_directions("receptor", receptor_axis(eye)),
+    }
+
+
+def _band_names(renderer: Renderer) -> list[str]:
+    if renderer.world.band_from_rgb is None:
+        return ["red", "green", "blue"]
+    return [f"band_{k}" for k in range(renderer.bands)]
+
+
+def _attributes(renderer: Renderer) -> dict[str, Any]:
+    """What the responses were made of, as plain texts and numbers that every format can hold."""
+    scene = renderer.world.scene
+    found: dict[str, Any] = {
+        "units": "lengths m, angles degree, wavelengths nm; responses relative to radiance 1",
+        "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
+        "omma_version": _core.__version__,
+        "backend": renderer.backend,
+        **settings_as_record(renderer.settings),
+        "eye": renderer.eye.path,
+        "eye_sha256": eye_digest(renderer.eye),
+        "scene": scene.path,
+    }
+    if scene.path and os.path.exists(scene.path):
+        found["scene_sha256"] = json.dumps(digests_of(scene.path), sort_keys=True)
+    if renderer.world.band_from_rgb is not None:
+        found["band_from_rgb"] = json.dumps(renderer.world.band_from_rgb.tolist())
+    if scene.warnings:
+        found["scene_warnings"] = "\n".join(scene.warnings)
+    return found

@@ -1,0 +1,165 @@
+"""Responses that were written, read back with what they mean: `load_responses`."""
+
+from __future__ import annotations
+
+import csv
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from omma import _core
+from omma._core import Error
+from omma.base.arguments import checked
+from omma.base.files import PathLike, check_ending, open_text
+from omma.rendering.dataset import dataset_of, load_xarray
+from omma.rendering.label_texts import beside, labels_from_text
+from omma.rendering.labelled_files import load_package
+from omma.rendering.parquet_files import METADATA, columns_of
+
+if TYPE_CHECKING:
+    import xarray
+
+RESPONSE_SUFFIXES = (".zarr", ".nc", ".parquet", ".npy", ".json", ".csv")
+
+_CSV_SITES = ("ommatidium", "eye_id", "receptor", "azimuth_deg", "elevation_deg")
+
+
+@checked
+def load_responses(path: PathLike) -> xarray.Dataset:
+    """Responses that `omma render` or `render_file` wrote, as the dataset that
+    `Renderer.dataset` would give.
+
+    `.zarr`, `.nc` and `.npy` are read when their numbers are asked for, and any dataset that xarray
+    writes is read too. An `.npy` file needs the `.json` beside it, either name does. A `.csv` file
+    says where ommatidia look, but nothing of poses and of how it was made.
+
+    Raises:
+        omma.Error: another ending, a file that is missing or no such responses, a package that is
+            not installed (``omma[data]``).
+    """
+    name = os.fsdecode(path)
+    check_ending(name, *RESPONSE_SUFFIXES)
+    suffix = Path(name).suffix.lower()
+    if not os.path.exists(name):
+        raise Error(f"{name}: cannot be read: there is no such file")
+    if suffix in (".zarr", ".nc"):
+        return _opened(name, suffix)
+    load_xarray()
+    if suffix == ".parquet":
+        return _of_parquet(name)
+    return _of_csv(name) if suffix == ".csv" else _of_npy(name)
+
+
+def is_response_csv(path: PathLike) -> bool:
+    """Whether a `.csv` file has responses: its first line begins with "pose,ommatidium"."""
+    try:
+        with open(path, "rb") as file:
+            return file.readline(1000).startswith(b"pose,ommatidium,")
+    except OSError:
+        return False
+
+
+def _opened(name: str, suffix: str) -> xarray.Dataset:
+    made = load_xarray()
+    load_package("zarr" if suffix == ".zarr" else "h5netcdf", name)
+    how: dict[str, Any] = {"engine": "h5netcdf"}
+    if suffix == ".zarr":
+        how = {"engine": "zarr", "consolidated": None, "chunks": None}
+    try:
+        data = made.open_dataset(name, **how)
+    except Exception as error:  # each library has its own
+        raise Error(f"{name}: cannot be read as {suffix}: {error}") from None
+    if "response" not in data:
+        raise Error(f"{name}: expected a variable 'response', found none")
+    # Texts and numbers of one kind, whatever the library makes of them.
+    for one, values in data.coords.items():
+        if values.dtype.kind in "OTS":
+            data = data.assign_coords(
+                {one: (values.dims, np.array(values.values.tolist(), np.str_))}
+            )
+    data.attrs = {
+        key: value.item() if isinstance(value, np.generic) else value
+        for key, value in data.attrs.items()
+    }
+    opened: xarray.Dataset = data
+    return opened
+
+
+def _of_npy(name: str) -> xarray.Dataset:
+    about = beside(name)
+    if not os.path.exists(about):
+        raise Error(f"{name}: expected {about} beside it, which says what the numbers are")
+    labels, files = labels_from_text(_core.read_file(about), about)
+    values = {}
+    for variable in labels.variables:
+        file = str(Path(about).with_name(files.get(variable, "")))
+        try:
+            values[variable] = np.load(file, mmap_mode="r")
+        except (OSError, ValueError) as error:
+            raise Error(f"{file}: cannot be read as .npy: {error}") from None
+        if values[variable].shape != labels.shape(variable):
+            raise Error(
+                f"{file}: expected shape {labels.shape(variable)}, as {about} says, found "
+                f"{values[variable].shape}"
+            )
+    return dataset_of(labels, values)
+
+
+def _of_parquet(name: str) -> xarray.Dataset:
+    arrow = load_package("pyarrow", name)
+    parquet = load_package("pyarrow.parquet", name)
+    try:
+        file = parquet.ParquetFile(name, thrift_string_size_limit=(1 << 31) - 1)
+        text = (file.schema_arrow.metadata or {}).get(METADATA, b"")
+        labels, _ = labels_from_text(text, name)
+        values = {}
+        for variable, columns in columns_of(labels).items():
+            table = np.stack([column.to_numpy() for column in file.read(columns).columns], axis=-1)
+            values[variable] = table.reshape(labels.shape(variable))
+    except (OSError, ValueError, arrow.ArrowException) as error:
+        raise Error(f"{name}: cannot be read as .parquet: {error}") from None
+    return dataset_of(labels, values)
+
+
+def _of_csv(name: str) -> xarray.Dataset:
+    if not is_response_csv(name):
+        raise Error(f"{name}: expected responses: a first line that begins with pose,ommatidium")
+    rows = csv.reader(open_text(name))
+    header = next(rows)
+    sites = [column for column in _CSV_SITES if column in header]
+    bands = [column for column in header[1 + len(sites) :] if not column.endswith("_error")]
+    try:
+        texts = np.array(list(rows), dtype=np.str_)
+        pose = texts[:, 0].astype(np.int64)
+        poses = int(pose[-1]) + 1
+        each = len(texts) // poses
+        if not np.array_equal(pose, np.repeat(np.arange(poses), each)):
+            raise ValueError
+        site = {one: texts[:each, header.index(one)] for one in sites}
+        numbers = texts[:, 1 + len(sites) :].astype(np.float32).reshape(poses, each, -1)
+    except (ValueError, IndexError):
+        raise Error(f"{name}: expected as many whole lines for each pose, in their order") from None
+    along = "receptor" if "receptor" in site else "ommatidium"
+    coordinates: dict[str, Any] = {
+        along: np.arange(each),
+        "eye": (along, site["eye_id"].astype(np.int64)),
+        "azimuth": (along, site["azimuth_deg"].astype(np.float64), {"units": "degree"}),
+        "elevation": (along, site["elevation_deg"].astype(np.float64), {"units": "degree"}),
+    }
+    dimensions: tuple[str, ...] = ("pose", along)
+    if along == "receptor":
+        coordinates |= {
+            "ommatidium": (along, site["ommatidium"].astype(np.int64)),
+            "type": (along, site["receptor"]),
+        }
+        parts = [numbers[..., k] for k in range(numbers.shape[2])]
+    else:
+        dimensions = (*dimensions, "band")
+        coordinates["band"] = ["red", "green", "blue"] if bands == list("rgb") else bands
+        parts = [numbers[..., k : k + len(bands)] for k in range(0, numbers.shape[2], len(bands))]
+    found = zip(("response", "standard_error"), parts)
+    variables = {one: (dimensions, values, {"units": "1"}) for one, values in found}
+    data: xarray.Dataset = load_xarray().Dataset(variables, coordinates)
+    return data
