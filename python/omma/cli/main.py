@@ -278,8 +278,9 @@ def render(
         str | None,
         typer.Option(
             help="How an eye is shown in a .png: " + ", ".join(PROJECTIONS) + "; with _ids added, "
-            "numbers of ommatidia. Default: spherical_orientationwise; for a camera's own eye what "
-            "the camera says.",
+            "numbers of ommatidia. Default: azimuth and elevation, empty where no ommatidium "
+            "looks, with eyes whose fields overlap apart; for a camera's own eye what the camera "
+            "says.",
             metavar="NAME",
         ),
     ] = None,
@@ -295,7 +296,7 @@ def render(
     ] = None,
     gamma: Annotated[float, typer.Option(help="Display gamma of a .png.")] = 2.2,
     side_by_side: Annotated[
-        bool, typer.Option("--side-by-side", help="Paint each eye apart in a .png.")
+        bool, typer.Option("--side-by-side", help="Paint each eye apart in a .png, always.")
     ] = False,
     resume: Annotated[
         bool,

@@ -28,7 +28,6 @@ from omma.eye.files import load_eye
 from omma.job.pieces import render_of_ommatidia, render_of_receptors, render_pieces
 from omma.job.resuming import KeptRender, inputs_of
 from omma.picture.cameras import (
-    DEFAULT_PROJECTION,
     camera_eye,
     camera_projection,
     display,
@@ -149,9 +148,11 @@ def render_file(
             line for each pose and receptor. Not with samples="auto".
         ultraviolet: light below 400 nm for receptors, see `Renderer.render_receptors`.
         projection: of an eye in a picture, see `omma.picture.project`. None: for a camera's own eye
-            the camera's ``compound-projection``, else "spherical_orientationwise".
+            the camera's ``compound-projection``, else the default of `projection_ids`: empty where
+            no ommatidium looks, eyes whose fields overlap apart.
         width, height: pixels of a picture, see `render_camera` and `projection_ids`. Of one panel
-            where ``side_by_side``, which paints each eye apart, see `omma.picture.side_by_side`.
+            where eyes are apart, which ``side_by_side`` makes them always, see
+            `omma.picture.side_by_side`.
         gamma: of pictures.
         resume: of a path. What is rendered so far is kept where the work is cut off, by Ctrl-C, a
             kill or a loss of power, and the same call goes on from there, to the same bits: beside
@@ -223,7 +224,6 @@ def render_file(
     poses, view = _poses(node, position, look_at, path)
     warnings = list(world.warnings)
     if projection is None:
-        projection = DEFAULT_PROJECTION
         if node is not None and not eye_paths:
             projection, warning = camera_projection(node)
             warnings += [] if warning is None else [warning]

@@ -2,11 +2,11 @@ from .acceptance_plots import plot_acceptance
 from .cameras import camera_eye, display
 from .drawing import draw_eye
 from .eye_maps import plot_eye_maps
+from .fields import field_ids
 from .id_maps import (
     encode_ids,
     equirectangular,
     equirectangular_ids,
-    field_ids,
     paint,
     side_by_side,
 )
