@@ -12,6 +12,7 @@ from .id_maps import (
 )
 from .poster import plot_poster, plot_species
 from .projections import PROJECTIONS, project, projection_ids
+from .response_plots import plot_responses
 
 __all__ = [
     "PROJECTIONS",
@@ -26,6 +27,7 @@ __all__ = [
     "plot_acceptance",
     "plot_eye_maps",
     "plot_poster",
+    "plot_responses",
     "plot_species",
     "project",
     "projection_ids",
