@@ -78,15 +78,17 @@ def test_every_projection_is_drawn(tmp_path, projection):
 
 
 def test_several_eyes_have_one_scale(tmp_path, monkeypatch):
+    from omma.picture import response_plots
+
     limits = []
-    draw = omma.picture.response_plots._draw
+    draw = response_plots._draw
 
     def watched(*arguments):
         marks = draw(*arguments)
         limits.append(marks.get_clim())
         return marks
 
-    monkeypatch.setattr(omma.picture.response_plots, "_draw", watched)
+    monkeypatch.setattr(response_plots, "_draw", watched)
     eyes = [make_eye(50), make_eye(80)]
     responses = [np.full((50, 3), 0.25), np.full((80, 3), 4.0)]
     omma.picture.plot_responses(tmp_path / "a.png", eyes, responses, channels=[1])

@@ -64,6 +64,10 @@ A path of many poses, with standard errors (flight.npy and flight.error.npy):
 `omma render meadow.glb --eye honeybee.eye --path flight.csv --samples 64 --standard-error
 -o flight.npy`
 
+The path as a video, 30 poses a second (pip install 'omma[video]'):
+
+`omma render meadow.glb --eye left.eye --eye right.eye --path flight.csv -o flight.mp4`
+
 A path that takes hours; after Ctrl-C, a kill or a loss of power the same command goes on from where
 it was, to the same numbers:
 
@@ -139,8 +143,8 @@ def render(
         typer.Option(
             "-o",
             "--output",
-            help="File to write: .npy, .csv (of an eye) or .png; may be given several times. "
-            "With --all-cameras: a folder.",
+            help="File to write: .npy or .png, of an eye also .csv or .mp4; may be given several "
+            "times. With --all-cameras: a folder.",
             metavar="OUT",
         ),
     ],

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -41,6 +42,7 @@ from omma.picture.files import (
     paint_side_by_side,
     write_png,
 )
+from omma.picture.video import VideoWriter
 from omma.rendering.receptor_files import receptor_writers
 from omma.rendering.renderer import BUILDING, READING, Renderer
 from omma.rendering.report import SpentRays
@@ -50,7 +52,7 @@ from omma.scene.backgrounds import parse_background
 from omma.scene.files import load_scene
 from omma.scene.world import World
 
-SUFFIXES = (".npy", ".csv", ".png")
+SUFFIXES = (".npy", ".csv", ".png", ".mp4")
 
 # Called with what is being done and its finished share (0 to 1), None where that is not known.
 Stage = Callable[[str, float | None], object]
@@ -125,7 +127,8 @@ def render_file(
         scene: glTF file.
         outputs: files to write, by their endings. Of an eye: `.npy` and `.csv` as
             `save_responses` writes them, `.png` a picture (of several poses: name_0000.png and on,
-            by the number of the pose). Of another camera: `.npy`, float32 (height, width, 3) as
+            by the number of the pose), `.mp4` a video with a frame for each pose, 30 a second (a
+            path has no times). Of another camera: `.npy`, float32 (height, width, 3) as
             `render_camera` gives it, and `.png`. Missing directories are made.
         eyes: `.eye` files, together one head. None: the camera as it is, a compound one with the
             eye that it names in its ``compound-structure``, see `camera_eye`.
@@ -181,6 +184,11 @@ def render_file(
         raise Error(f"{chosen[0]} and {chosen[1]}: only one of them can say where the head is")
     if resume and path is None:
         raise Error("resume: expected a path of poses")
+    videos = [name for name in names if name.lower().endswith(".mp4")]
+    if videos and resume:
+        raise Error(f"resume: a video cannot be gone on with, expected no {videos[0]}")
+    if videos and projection is not None and projection.endswith("_ids"):
+        raise Error(f"projection: a video shows responses, found {projection!r}")
     if look_at is not None and position is None:
         raise Error("look_at: needs a position to look from")
     eye_paths = [eyes] if isinstance(eyes, (str, os.PathLike)) else list(eyes)
@@ -267,7 +275,7 @@ def render_file(
     spent = kept.spent if kept is not None else None
     if spent is None and renderer.error is not None:
         spent = SpentRays(renderer.error)
-    with WholeFiles(None if kept is None else kept.bytes) as files:
+    with WholeFiles(None if kept is None else kept.bytes) as files, ExitStack() as closed:
         if receptors:
             writers, written = receptor_writers(files, names, head, len(poses), standard_error)
             render = render_of_receptors(renderer, ultraviolet, standard_error)
@@ -275,6 +283,7 @@ def render_file(
         else:
             writers, written = _writers(
                 files,
+                closed,
                 names,
                 renderer,
                 poses,
@@ -323,6 +332,7 @@ def render_file(
 
 def _writers(
     files: WholeFiles,
+    closed: ExitStack,
     names: Sequence[str],
     renderer: Renderer,
     poses: Matrices,
@@ -330,7 +340,8 @@ def _writers(
     tell: Stage,
     make_paint: Callable[[], Paint],
 ) -> tuple[list[Writer], list[str]]:
-    """Writers of the files named, and the names of all files written."""
+    """Writers of the files named, and the names of all files written; ``closed`` closes those that
+    must be."""
     shape = (len(poses), len(renderer.eye), renderer.bands)
     writers: list[Writer] = []
     written: list[str] = []
@@ -346,6 +357,10 @@ def _writers(
         elif suffix == ".csv":
             writers.append(CsvWriter(files, name, renderer.eye, standard_error, renderer.bands))
             written.append(name)
+        elif suffix == ".mp4":
+            tell("Preparing the video", None)
+            writers.append(closed.enter_context(VideoWriter(files, name, len(poses), make_paint())))
+            written.append(name)
         else:
             tell("Preparing the picture", None)
             picture = PngWriter(files, name, len(poses), make_paint())
@@ -360,7 +375,7 @@ def _check_picture_arguments(node: Camera, names: Sequence[str], of_eyes: Sequen
             f"{name}: is for eyes; camera '{node.name}' is {node.type}, and no eye is given"
         )
     for name in names:
-        if Path(name).suffix.lower() == ".csv":
+        if Path(name).suffix.lower() in (".csv", ".mp4"):
             raise Error(
                 f"{name}: expected .npy or .png for the picture of camera '{node.name}', which is "
                 f"{node.type}"

@@ -114,5 +114,5 @@ def _make_field(eye: Eye, width: int, height: int, apart: bool) -> Ids:
 
 def _panels(ids: Ids, width: int) -> Ids:
     """The panels of pictures beside one another, as a view: (panels, H, width)."""
-    height = len(ids)
-    return ids.reshape(height, -1, width).transpose(1, 0, 2)
+    panels: Ids = ids.reshape(len(ids), -1, width).transpose(1, 0, 2)
+    return panels

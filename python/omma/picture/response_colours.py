@@ -47,10 +47,11 @@ def bands_shown(eye: Eye, responses: Any, channels: Sequence[Channel] | None, na
         if bands > 1:
             raise Error(f"channels: expected one to three of the {bands} bands, found none")
         channels = (0,)
+    chosen = [each for each in channels if isinstance(each, int) and 0 <= each < bands]
     for each in channels:
-        if not isinstance(each, int) or not 0 <= each < bands:
+        if each not in chosen:
             raise Error(f"channels: expected bands from 0 to {bands - 1}, found {each!r}")
-    return Shown(array[..., list(channels)], tuple(f"band {each}" for each in channels))
+    return Shown(array[..., chosen], tuple(f"band {each}" for each in chosen))
 
 
 def receptors_shown(

@@ -157,7 +157,7 @@ def _entries(
 ) -> list[list[list[_Picture]]]:
     """For each pose of each eye its pictures and, where there are errors, theirs: lists of one for
     each eye of the head that is drawn apart."""
-    entries = []
+    entries: list[list[list[_Picture]]] = []
     for k, eye in enumerate(eyes):
         maps = _id_maps(eye, projection)
         sides = ["left eye", "right eye"] if len(maps) == 2 else [f"eye {e}" for e in range(9)]
