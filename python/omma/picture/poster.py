@@ -46,7 +46,7 @@ _VIEWS = (
     ("right eye, from ahead, right and above", 45.0, 30.0, False),
 )
 _LIGHTS = ((400, "#cc79a7"), (480, "#0072b2"), (570, "#009e73"), (700, "#d55e00"))
-_SHAPE = 1.6  # of the panels with these views: width over height
+_SHAPE = 1.3  # of the panels with these views: width over height
 _WAVELENGTHS = np.arange(300.0, 701.0, 2.0)
 _SHOWN_SPREADS = (
     "interommatidial_deg", "horizontal_deg", "vertical_deg", "acceptance_deg", "ratio",
@@ -96,7 +96,7 @@ def plot_poster(
             figure.supxlabel("\n".join(lines), fontsize=5.5, color=INK)
         plots, text = figure.subfigures(1, 2, width_ratios=(3.0, 1.15))
         upper, lower = plots.subfigures(2, 1, height_ratios=(2.1, 1))
-        views, maps = upper.subfigures(1, 2, width_ratios=(1, 1.45))
+        views, maps = upper.subfigures(1, 2, width_ratios=(0.8, 1.45))
         right, of_right = _right_eye(eye, measures, angle)
         for k, (name, yaw, pitch, whole) in enumerate(_VIEWS):
             panel = views.add_subplot(3, 1, k + 1)
@@ -260,7 +260,7 @@ def _text(panel: Axes, found: Sequence[PosterFact], facts: Sequence[PosterFact])
     panel.set_axis_off()
     panel.set(xlim=(0, 1), ylim=(0, 1))
     rows = len(found) + len(facts) + 4
-    step = min(0.021, 0.99 / rows)
+    step = min(0.026, 0.99 / rows)
     # 270 mm high: as large as the lines allow.
     size = min(7.0, step * 270 / 0.3528 * 0.78)
     level = 1.0
