@@ -290,7 +290,7 @@ def colour_scale(
     if isinstance(marks.norm, LogNorm):
         bar.set_label(f"{prop.label}, log scale")
         ticks = np.unique([float(f"{tick:.2g}") for tick in np.geomspace(low, high, 6)])
-        bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
+        bar.set_ticks(ticks.tolist(), labels=[f"{tick:g}" for tick in ticks])
         bar.minorticks_off()
     bar.outline.set_visible(False)
 

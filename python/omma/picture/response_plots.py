@@ -174,9 +174,7 @@ def _entries(
                     [
                         _Picture(
                             _painted(ids, values),
-                            f"{name}: {side}" * (not is_error) + "standard error" * is_error
-                            if len(maps) > 1
-                            else ("standard error" if is_error else name),
+                            "standard error" if is_error else _title(name, side, len(maps)),
                             is_error,
                         )
                         for ids, side in zip(maps, sides, strict=False)
@@ -184,6 +182,12 @@ def _entries(
                 )
             entries.append(entry)
     return entries
+
+
+def _title(name: str, side: str, panels: int) -> str:
+    if panels == 1:
+        return name
+    return f"{side} ({name} in all)" if name.endswith("ommatidia") else f"{name}: {side}"
 
 
 def _id_maps(eye: Eye, projection: str | None) -> list[Ids]:
