@@ -52,7 +52,7 @@ def main() -> None:
         ROOT / "docs" / "meadow.png",
         [dense, bee],
         [sharp, seen],
-        titles=["What is there", f"A honeybee worker, {len(bee):,} ommatidia, Δρ 2.6°"],
+        titles=["What is there", f"Honeybee worker, {len(bee):,} ommatidia"],
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -36,6 +37,7 @@ _MOST_PICTURES = 24
 _EMPTY = (0.9, 0.9, 0.9)  # where no ommatidium looks
 _ERROR_COLOURS = "magma"
 _WIDTH_MM = 180.0
+_LETTERS = 90  # of a title across the figure
 _UNITS = 12  # columns of the grid, which 1, 2, 3 and 4 pictures in a row divide
 
 
@@ -238,7 +240,7 @@ def _figure(
         for column, picture in enumerate(row):
             panel = figure.add_subplot(grid[k, column * each : (column + 1) * each])
             marks = _draw(
-                panel, picture, projection, eyes[0], full_scale, gamma, largest_error,
+                panel, picture, projection, eyes[0], full_scale, gamma, largest_error, _UNITS // each,
                 k == len(rows) - 1, column == 0,
             )  # fmt: skip
             if picture.is_error:
@@ -269,6 +271,7 @@ def _draw(
     full_scale: float,
     gamma: float,
     largest_error: float,
+    columns: int,
     lowest: bool,
     first: bool,
 ) -> Any:
@@ -293,7 +296,7 @@ def _draw(
     if values.shape[-1] == 1 or picture.is_error:
         one = np.ma.masked_invalid(one)
     marks = panel.imshow(one, extent=extent, interpolation="nearest", zorder=0.5, **limits)
-    panel.set_title(picture.title, loc="left")
+    panel.set_title(textwrap.fill(picture.title, _LETTERS // columns), loc="left")
     return marks
 
 
