@@ -66,10 +66,11 @@ or facet blends into another. This page is made by `docs/make_species_figures.py
   the eye is nearly flat. Outside the fovea the surface bends, and angles grow to several degrees
   away from the fovea but much less around it. So with the dragonfly's dorsal band, where 0.24° is
   the angle across.
-- In such a stretched lattice the six nearest axes are not the six neighbours on the surface. The
-  map of the robber fly goes by the nearest axes, and so shows a star that is not the eye's: by
-  neighbours on the surface, Δφ (as a root mean square) 10 to 45° from the fovea is even around it
-  to 8 %. There steps away from the fovea are four to six times those around it.
+- In such a stretched lattice the six nearest axes are not the six neighbours on the surface. Maps
+  go by the neighbours on the surface; by the nearest axes the robber fly's would show a star that
+  is not the eye's. By neighbours on the surface, Δφ (as a root mean square) 10 to 45° from the
+  fovea is even around it to 8 %. There steps away from the fovea are four to six times those around
+  it.
 """
 
 

@@ -38,8 +38,15 @@ print("mean radiance", responses.mean(axis=(0, 1)), "median standard error", np.
 # Files: the numbers, a table of them, and pictures to look at.
 np.save(out / "first_render.npy", responses)
 omma.save_responses(out / "first_render.csv", responses, head, errors)
-omma.save_png(out / "first_render.png", omma.picture.equirectangular(head, responses))
-omma.save_png(out / "first_render_eyes.png", omma.picture.side_by_side(head, responses))
+omma.save_png(out / "first_render.png", omma.picture.project(head, responses))
+# With degrees, the scale and the errors beside: pip install 'omma[plots]'.
+omma.picture.plot_responses(
+    out / "first_render_eyes.png",
+    head,
+    responses,
+    errors=errors,
+    title="A meadow as a honeybee worker sees it",
+)
 
 # A flight of 200 poses, a metre forward. One array (N, C) at a time comes out, so that a million
 # poses would need no more memory. Where does the picture change most?

@@ -73,6 +73,30 @@ def test_make_by_facets(omma_eye):
     assert len(omma.load_eye("b.csv")) == 150
 
 
+def test_pairs_do_not_interpenetrate_or_say_so(omma_eye):
+    from scipy.spatial import cKDTree
+
+    code, _, err = omma_eye("make", 60, "--radius-mm", 0.5, "--pair", "-o", "apart.csv")
+    assert (code, err) == (0, "")
+    head = omma.load_eye("apart.csv")
+    left, right = (head.position_m[head.eye_id == k] for k in (0, 1))
+    assert left[:, 0].max() < 0 < right[:, 0].min()
+    # A gap of a tenth of an eye's width, twice a twentieth.
+    assert cKDTree(left).query(right)[0].min() >= 0.099 * np.ptp(right[:, 0])
+
+    code, _, err = omma_eye(
+        *("make", 60, "--radius-mm", 0.5, "--centre-mm", 0.2, 0, 0, "--pair", "-o", "in.csv")
+    )
+    assert code == 0
+    assert "--pair: the eyes interpenetrate" in err
+    code, _, err = omma_eye(
+        *("make", 60, "--radius-mm", 0.5, "--centre-mm", 0.6, 0, 0, "--pair", "-o", "out.csv")
+    )
+    assert (code, err) == (0, "")
+    omma_eye("make", 60, "--radius-mm", 0.5, "-o", "one.csv")
+    assert "interpenetrate" in omma_eye("mirror", "one.csv", "--pair", "-o", "two.csv")[2]
+
+
 @pytest.mark.parametrize(
     ("options", "kernel"), [(["--airy"], "airy"), (["--rhabdom-um", 2, "--f-number", 2], "lens")]
 )

@@ -221,3 +221,34 @@ def test_commands(tmp_path, monkeypatch, run_omma):
     said = texts(tmp_path / "l.svg")
     for words in ("horizontal Δφ (°)", "neighbours", "T"):
         assert words in said
+
+
+def test_crowded_values_have_a_logarithmic_scale():
+    from omma.picture.eye_maps import is_crowded
+
+    assert is_crowded(np.array([20.0] * 90 + [78.0] * 10), 20, 78)
+    assert not is_crowded(np.linspace(20, 78, 100), 20, 78)
+    assert not is_crowded(np.array([18.0] * 90 + [25.0] * 10), 18, 25)  # not twice as much
+    assert not is_crowded(np.array([0.0] * 90 + [25.0] * 10), 0, 25)  # 0 has no logarithm
+
+
+def test_angles_are_between_neighbours_on_the_surface():
+    from omma.base.directions import direction
+
+    # A square patch of a sphere whose axes are stretched four times as much sideways as up, so
+    # that the nearest axes are not the neighbours' on the surface.
+    across, up = np.meshgrid(np.arange(-10.0, 11), np.arange(-10.0, 11))
+    across = across + 0.5 * (up % 2)
+    position = direction(2 * across.ravel(), np.sqrt(3) * up.ravel())
+    axis = direction(4 * across.ravel(), 0.8 * up.ravel())
+    eye = omma.Eye(position * 1e-3, axis, 0.01)
+    measures = omma.eye.measure_eye(eye)
+    middle = np.argmin(np.hypot(across, up).ravel())
+    # Two 4° along the row, four 2° along and 0.8° up.
+    expected = np.radians((2 * 4 + 4 * np.hypot(2, 0.8)) / 6)
+    # Meridians close in by less than 1 % this near to the equator.
+    assert measures.surface_angle_rad[middle] == pytest.approx(expected, rel=0.01)
+    assert measures.interommatidial_rad[middle] < 0.9 * expected
+    flat = omma.Eye(np.zeros((len(axis), 3)), axis, 0.01)
+    at_a_point = omma.eye.measure_eye(flat)
+    assert (at_a_point.surface_angle_rad == at_a_point.interommatidial_rad).all()

@@ -143,3 +143,50 @@ def test_responses_of_a_render_can_be_painted(renderer, flight, tmp_path):
 def test_wrong_arguments(eye, call, word):
     with pytest.raises(omma.Error, match=word):
         call(eye)
+
+
+def two_fans(middle_deg):
+    """A left and a right eye with axes each 10° over 100°, their middles so far to each side."""
+    from omma.base.directions import direction
+
+    azimuth, elevation = (each.ravel() for each in np.mgrid[-50:51:10, -50:51:10])
+    eyes = [
+        omma.Eye(np.zeros((len(azimuth), 3)), direction(azimuth + side, elevation), 0.1)
+        for side in (-middle_deg, middle_deg)
+    ]
+    return omma.eye.merge_eyes(eyes)
+
+
+def test_default_picture_is_empty_where_nothing_is_seen_and_has_overlapping_eyes_apart():
+    near, far = two_fans(30), two_fans(90)
+    assert omma.picture.projection_ids(far, None, 72).shape == (36, 72)
+    assert (
+        omma.picture.projection_ids(far, None, 72, 36) == omma.picture.field_ids(far, 72, 36)
+    ).all()
+    picture = omma.picture.project(near, np.ones((len(near), 3)), None, 72)
+    assert picture.shape == (36, 144, 3)
+    assert (picture == omma.picture.side_by_side(near, np.ones((len(near), 3)), 72, 36)).all()
+    # 5° a pixel. Straight ahead is 30° from the middle of both; straight behind nothing is.
+    for panel in (picture[:, :72], picture[:, 72:]):
+        assert (panel[18, 36] == 255).all()
+        assert (panel[18, 0] == 128).all()
+        assert (panel[0] == 128).all()
+
+
+def test_gaps_smaller_than_a_cell_are_closed_also_over_the_seam():
+    from omma.picture.fields import without_gaps
+
+    seen = np.ones((10, 20), bool)
+    seen[2, 5:7] = False  # 2
+    seen[5, 0] = seen[5:7, 19] = False  # 3 in one, over the seam
+    seen[8, 3:9] = False  # 6
+    each = np.full((10, 1), 0.5)
+    closed = without_gaps(seen, each, 0.9)
+    assert (closed == seen).all()
+    closed = without_gaps(seen, each, 1.4)
+    assert closed[2].all()
+    assert not closed[5, 0]
+    assert not closed[6, 19]
+    closed = without_gaps(seen, each, 1.6)
+    assert closed[:8].all()
+    assert (closed[8] == seen[8]).all()

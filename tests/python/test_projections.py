@@ -5,7 +5,7 @@ import pytest
 from conftest import make_eye
 
 import omma
-from omma.picture import projections
+from omma.picture import kept_ids
 
 SIX = np.array([[0, 0, -1], [1, 0, 0], [0, 0, 1], [-1, 0, 0], [0, 1, 0], [0, -1, 0]], np.float32)
 NAMES = [name for name in omma.picture.PROJECTIONS if name != "raw_ommatidial_samples"]
@@ -17,7 +17,7 @@ def six(eye_id=0):
 
 @pytest.fixture(autouse=True)
 def forget():
-    projections._kept.clear()
+    kept_ids._kept.clear()
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -127,13 +127,13 @@ def test_no_map_is_that_of_another_eye():
 
 
 def test_what_is_kept_is_bounded(monkeypatch):
-    monkeypatch.setattr(projections, "_MOST_KEPT_BYTES", 3 * 64 * 32 * 4)
+    monkeypatch.setattr(kept_ids, "_MOST_KEPT_BYTES", 3 * 64 * 32 * 4)
     eye = six()
     maps = [omma.picture.projection_ids(eye, name, 64, 32) for name in NAMES]
-    assert len(projections._kept) == 3
+    assert len(kept_ids._kept) == 3
     assert omma.picture.projection_ids(eye, NAMES[-1], 64, 32) is maps[-1]
     omma.picture.projection_ids(eye, "facets", 640, 320)  # larger than the bound: kept alone
-    assert len(projections._kept) == 1
+    assert len(kept_ids._kept) == 1
 
 
 def mollweide(direction):

@@ -63,7 +63,7 @@ def test_the_meadow_is_seen_alike(tmp_path, eye):
     again = saved_and_loaded(scene, tmp_path)
     assert again == scene
     pose = omma.look_at((0, 1, 0), (0, 1, -5))
-    seen, other = (omma.Renderer(s, eye, samples=8).render(pose) for s in (scene, again))
+    seen, other = (omma.Renderer(s, eye, omma.Fixed(8)).render(pose) for s in (scene, again))
     assert seen.tobytes() == other.tobytes()
     # Shared meshes are stored once.
     assert len(again.meshes) == len(scene.meshes) < len(scene.instances)
@@ -239,7 +239,7 @@ def test_pictures_of_trimesh(tmp_path):
     )
     scene = load_scene(tmp_path / "square.obj")
     eye = omma.Eye([[-0.5, 0.5, 1], [0.5, 0.5, 1], [-0.5, -0.5, 1]], [[0, 0, -1]] * 3, 0.0)
-    seen = omma.Renderer(scene, eye, samples=1).render(np.eye(4))[0]
+    seen = omma.Renderer(scene, eye, omma.Fixed(1)).render(np.eye(4))[0]
     assert seen.tolist() == [[1, 0, 0], [0, 0, 1], [0, 0, 1]]
 
 

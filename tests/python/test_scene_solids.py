@@ -19,13 +19,13 @@ def ray(scene, direction, position=(0, 0, 0), background=(0.5, 0.5, 0.5)):
     """The radiance along one ray."""
     eye = omma.Eye([position], [direction], 0.0)
     sky = omma.Background.constant(background)
-    return omma.Renderer(scene, eye, samples=1, background=sky).render(np.eye(4))[0, 0].tolist()
+    return omma.Renderer(scene, eye, omma.Fixed(1), background=sky).render(np.eye(4))[0, 0].tolist()
 
 
 def part_of_pillbox(scene, width_rad, samples=4096):
     """How bright a cone around -Z is to an ommatidium that is as sensitive all over it."""
     eye = omma.Eye([[0, 0, 0]], [[0, 0, -1]], width_rad)
-    renderer = omma.Renderer(scene, eye, samples=samples, kernel="pillbox")
+    renderer = omma.Renderer(scene, eye, omma.Fixed(samples), kernel="pillbox")
     return float(renderer.render(np.eye(4))[0, 0, 0])
 
 
@@ -160,7 +160,7 @@ def test_a_drum_closes_without_a_gap():
     axes = np.stack([np.sin(angle), np.zeros_like(angle), -np.cos(angle)], -1)
     eye = omma.Eye(np.zeros((len(axes), 3)), axes, 0.0)
     black = omma.Background.constant((0, 0, 0))
-    assert (omma.Renderer(around, eye, samples=1, background=black).render(np.eye(4)) == 1).all()
+    assert (omma.Renderer(around, eye, omma.Fixed(1), background=black).render(np.eye(4)) == 1).all()
     # The same place to the last bit, of the first and the last column of vertices.
     positions = around.meshes[0].positions_m.reshape(2, -1, 3)
     assert (positions[:, 0] == positions[:, -1]).all()
@@ -173,7 +173,7 @@ def test_a_wave_around_a_drum_has_no_edge_at_the_seam():
     azimuth = np.linspace(-np.pi, np.pi, 721)
     axes = np.stack([np.sin(azimuth), np.zeros_like(azimuth), -np.cos(azimuth)], -1)
     eye = omma.Eye(np.zeros((len(axes), 3)), axes, 0.0)
-    seen = omma.Renderer(around, eye, samples=1).render(np.eye(4))[0, :, 0]
+    seen = omma.Renderer(around, eye, omma.Fixed(1)).render(np.eye(4))[0, :, 0]
     # Interpolation between 512 columns is within (pi / 512)^2 / 2 of the cosine; sides are flat
     # over 1 degree, which shifts it by 1e-5.
     expected = 0.5 + 0.5 * np.cos(3 * azimuth + 3 * np.pi)
@@ -185,7 +185,7 @@ def test_sharp_stripes_have_two_values_and_their_width():
     azimuth = np.radians(np.arange(-180, 180, 0.1) + 0.05)
     axes = np.stack([np.sin(azimuth), np.zeros_like(azimuth), -np.cos(azimuth)], -1)
     eye = omma.Eye(np.zeros((len(axes), 3)), axes, 0.0)
-    seen = omma.Renderer(around, eye, samples=1).render(np.eye(4))[0, :, 0]
+    seen = omma.Renderer(around, eye, omma.Fixed(1)).render(np.eye(4))[0, :, 0]
     assert set(seen.tolist()) == {0, 1}
     # 72 edges, 5 degrees apart; the first is behind, dark to its right.
     assert (seen.reshape(72, 50) == (np.arange(72) % 2)[:, None]).all()
@@ -214,7 +214,7 @@ def test_a_corridor_repeats_its_grating():
     )  # fmt: skip
     z = -np.arange(0.025, 3, 0.05)
     eye = omma.Eye(np.stack([0 * z, 0 * z + 0.5, z], -1), np.tile([-1, 0, 0], (len(z), 1)), 0.0)
-    seen = omma.Renderer(hall, eye, samples=1).render(np.eye(4))[0, :, 0]
+    seen = omma.Renderer(hall, eye, omma.Fixed(1)).render(np.eye(4))[0, :, 0]
     # The left wall begins at z = 0, at the left of who looks at it: 0.1 m dark, 0.1 m bright.
     assert seen.tolist() == [0, 0, 1, 1] * 15
 

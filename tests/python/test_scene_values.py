@@ -226,7 +226,7 @@ def test_the_meadow_made_of_its_arrays_is_seen_alike():
     eye = omma.load_eye(EXAMPLES / "honeybee_worker_left.eye")
     eye = eye.take(np.arange(0, len(eye), 10))
     pose = omma.look_at((0, 1, 0), (0, 1, -5))
-    seen, again = (omma.Renderer(s, eye, samples=8).render(pose) for s in (loaded, made))
+    seen, again = (omma.Renderer(s, eye, omma.Fixed(8)).render(pose) for s in (loaded, made))
     assert seen.std() > 0.01
     assert seen.tobytes() == again.tobytes()
 

@@ -11,6 +11,7 @@ import typer
 from omma._core import Eye
 from omma.base.files import check_ending
 from omma.cli.working import check_outputs, warn
+from omma.eye.change import pair_of_eyes, place_on_head
 from omma.eye.files import EYE_SUFFIXES, eye_file_losses, save_eye
 
 
@@ -54,3 +55,25 @@ def save(path: Path, eye: Eye, unit: str) -> None:
         f"wrote {path}: {len(eye):,} ommatidia, mean radius {radius_mm:.4g} mm, acceptance "
         + (f"{low}°" if low == high else f"{low} to {high}°")
     )
+
+
+def head_of(right: Eye) -> Eye:
+    """The eye and its mirror image, with a warning where they interpenetrate, which is where the
+    right one reaches over the midline."""
+    over = int((right.position_m[:, 0] < 0).sum())
+    if over:
+        warn(
+            f"--pair: the eyes interpenetrate: {over:,} of {len(right):,} ommatidia of the right "
+            "one sit left of the midline; omma eye place moves it before it is paired"
+        )
+    return pair_of_eyes(right)
+
+
+def clear_of_midline(right: Eye) -> Eye:
+    """The eye moved to the right until all of it is right of the midline, with a gap of a twentieth
+    of its width; as it is where that holds or all its ommatidia are at a point."""
+    x = right.position_m[:, 0].astype(np.float64)
+    width = float(np.ptp(x))
+    if width == 0 or x.min() >= 0:
+        return right
+    return place_on_head(right, (0.05 * width - float(x.min()), 0.0, 0.0))

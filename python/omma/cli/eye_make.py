@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from omma._core import Error
 from omma.base.files import check_target
-from omma.cli.eye_files import EyeArgument, OutOption, UnitOption, save
+from omma.cli.eye_files import EyeArgument, OutOption, UnitOption, clear_of_midline, head_of, save
 from omma.cli.working import working
 from omma.eye.angles import acute_angle, load_angle_table, window
-from omma.eye.change import join_eyes, mirror_eye, pair_of_eyes, place_on_head, rescale_eye
+from omma.eye.change import join_eyes, mirror_eye, place_on_head, rescale_eye
 from omma.eye.design import AcuteZone, acute_zones
 from omma.eye.facets import acceptance_from_facets
 from omma.eye.files import load_eye
@@ -186,7 +186,12 @@ def make(
         ),
     ] = None,
     pair: Annotated[
-        bool, typer.Option("--pair", help="Add the mirror image; what is made is the right eye.")
+        bool,
+        typer.Option(
+            "--pair",
+            help="Add the mirror image; what is made is the right eye, moved to the right of the "
+            "midline where no --centre-mm says where it is.",
+        ),
     ] = False,
     acceptance_ratio: Annotated[
         float | None,
@@ -274,7 +279,10 @@ def make(
                 rhabdom_diameter_m=None if rhabdom_um is None else rhabdom_um * 1e-6,
                 f_number=f_number,
             )
-        save(output, pair_of_eyes(eye) if pair else eye, unit)
+        if pair:
+            own_place = centre_mm is not None or mesh is not None
+            eye = head_of(eye if own_place else clear_of_midline(eye))
+        save(output, eye, unit)
 
 
 def mirror(
@@ -288,7 +296,7 @@ def mirror(
     """Mirror an eye, left for right."""
     with working():
         given = load_eye(eye, unit)
-        save(output, pair_of_eyes(given) if pair else mirror_eye(given), unit)
+        save(output, head_of(given) if pair else mirror_eye(given), unit)
 
 
 def place(

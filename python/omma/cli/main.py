@@ -69,6 +69,10 @@ they are):
 `omma render meadow.glb --eye honeybee.eye --path flight.csv --samples 64 --standard-error
 -o flight.npy`
 
+The path as a video, 30 poses a second (pip install 'omma[video]'):
+
+`omma render meadow.glb --eye left.eye --eye right.eye --path flight.csv -o flight.mp4`
+
 A path that takes hours; after Ctrl-C, a kill or a loss of power the same command goes on from where
 it was, to the same numbers:
 
@@ -156,8 +160,8 @@ def render(
         typer.Option(
             "-o",
             "--output",
-            help="File to write: .png, or of an eye .zarr, .nc, .parquet, .npy (a .json beside it) "
-            "or .csv; may be given several times. With --all-cameras: a folder.",
+            help="File to write: .png, or of an eye .zarr, .nc, .parquet, .npy (a .json beside "
+            "it), .csv or .mp4; may be given several times. With --all-cameras: a folder.",
             metavar="OUT",
         ),
     ],
@@ -248,8 +252,9 @@ def render(
         str | None,
         typer.Option(
             help="How an eye is shown in a .png: " + ", ".join(PROJECTIONS) + "; with _ids added, "
-            "numbers of ommatidia. Default: spherical_orientationwise; for a camera's own eye what "
-            "the camera says.",
+            "numbers of ommatidia. Default: azimuth and elevation, empty where no ommatidium "
+            "looks, with eyes whose fields overlap apart; for a camera's own eye what the camera "
+            "says.",
             metavar="NAME",
         ),
     ] = None,
@@ -265,7 +270,7 @@ def render(
     ] = None,
     gamma: Annotated[float, typer.Option(help="Display gamma of a .png.")] = 2.2,
     side_by_side: Annotated[
-        bool, typer.Option("--side-by-side", help="Paint each eye apart in a .png.")
+        bool, typer.Option("--side-by-side", help="Paint each eye apart in a .png, always.")
     ] = False,
     resume: Annotated[
         bool,

@@ -48,6 +48,8 @@ class EyeMeasures:
     eye_id: which eye; left 0 and right 1 where one `Eye` is clearly two.
     neighbours, border: how many neighbours in direction, and whether at the border of the field.
     interommatidial_rad: mean angle Δφ to the neighbours.
+    surface_angle_rad: the same to the neighbours on the surface, whose facets touch; where the
+        positions form none, to those in direction.
     horizontal_rad, vertical_rad: Δφ in the head's horizontal and vertical direction: a regular
         hexagonal lattice of 1 rad, stretched by these two, has the same triangles.
     acceptance_rad, ratio: acceptance angle Δρ, and Δρ/Δφ.
@@ -68,6 +70,7 @@ class EyeMeasures:
     neighbours: Ints
     border: Flags
     interommatidial_rad: Floats
+    surface_angle_rad: Floats
     horizontal_rad: Floats
     vertical_rad: Floats
     acceptance_rad: Floats
@@ -148,6 +151,7 @@ def measure_eye(eye: Eye) -> EyeMeasures:
     directions = direction_lattice(axis, eye_id)
     surface = surface_lattice(position, eye_id)
     spacing = directions.mean_over_pairs(_pair_angles(axis, directions.pairs))
+    on_surface = surface.mean_over_pairs(_pair_angles(axis, surface.pairs))
     facet_spacing = surface.mean_over_pairs(_pair_lengths(position, surface.pairs))
     across = _local_metric(axis, directions)
     outward = np.empty_like(position)
@@ -159,6 +163,7 @@ def measure_eye(eye: Eye) -> EyeMeasures:
         neighbours=directions.count(),
         border=directions.border,
         interommatidial_rad=spacing,
+        surface_angle_rad=np.where(np.isfinite(on_surface), on_surface, spacing),
         horizontal_rad=np.sqrt(across[:, 0]),
         vertical_rad=np.sqrt(across[:, 1]),
         acceptance_rad=eye.acceptance_angle_rad.astype(np.float64),

@@ -33,7 +33,7 @@ _KNOWN: dict[str, tuple[str, str, Callable[[EyeMeasures], Floats]]] = {
     "interommatidial": (
         "interommatidial angle Δφ",
         "°",
-        lambda m: m.interommatidial_rad * _DEGREE,
+        lambda m: m.surface_angle_rad * _DEGREE,
     ),
     "horizontal": ("horizontal Δφ", "°", lambda m: m.horizontal_rad * _DEGREE),
     "vertical": ("vertical Δφ", "°", lambda m: m.vertical_rad * _DEGREE),

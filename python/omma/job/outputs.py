@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 
 from omma._core import Error, Eye
 from omma.base.files import PathLike, WholeFiles, check_ending
 from omma.picture.files import Paint, PngWriter
+from omma.picture.video import VideoWriter
 from omma.rendering.label_texts import beside, labels_text
 from omma.rendering.labelled_files import NetcdfWriter, ZarrWriter
 from omma.rendering.labels import Labels
@@ -17,7 +19,7 @@ from omma.rendering.receptor_files import ReceptorCsvWriter
 from omma.rendering.response_files import CsvWriter, NpyWriter, Writer
 
 # These are made in full size, or end with an index, so that what is cut off is no file.
-WHOLE_SUFFIXES = (".zarr", ".nc", ".parquet")
+WHOLE_SUFFIXES = (".zarr", ".nc", ".parquet", ".mp4")
 SUFFIXES = (*WHOLE_SUFFIXES, ".npy", ".csv", ".png")
 
 
@@ -60,6 +62,7 @@ def error_name(name: str) -> str:
 
 def writers_of(
     files: WholeFiles,
+    closed: ExitStack,
     names: Sequence[str],
     labels: Labels,
     eye: Eye,
@@ -68,7 +71,8 @@ def writers_of(
     standard_error: bool,
     make_paint: Callable[[], Paint],
 ) -> tuple[list[Writer], list[str]]:
-    """Writers of the files named, and the names of all files written."""
+    """Writers of the files named, and the names of all files written; ``closed`` closes those that
+    must be."""
     writers: list[Writer] = []
     written: list[str] = []
     shape = labels.shape("response")
@@ -90,6 +94,8 @@ def writers_of(
             writers.append(picture)
             written += [picture.name(i) for i in range(shape[0])]
             continue
+        elif suffix == ".mp4":
+            writers.append(closed.enter_context(VideoWriter(files, name, shape[0], make_paint())))
         elif suffix == ".zarr":
             writers.append(ZarrWriter(files, name, labels))
         elif suffix == ".nc":

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -32,7 +33,6 @@ from omma.job.pieces import render_of_ommatidia, render_of_receptors, render_pie
 from omma.job.resuming import KeptRender, inputs_of
 from omma.job.story import call_text, story_of
 from omma.picture.cameras import (
-    DEFAULT_PROJECTION,
     camera_eye,
     camera_projection,
     display,
@@ -134,7 +134,8 @@ def render_file(
             `.npy` with a `.json` beside it, which say what the numbers are and are read by
             `omma.rendering.load_responses` (docs/written-files.md); `.csv` as `save_responses`
             writes it; `.png` a picture (of several poses: name_0000.png and on, by the number of
-            the pose). Of another camera: `.npy`, float32 (height, width, 3) as
+            the pose); `.mp4` a video with a frame for each pose, 30 a second (a path has no
+            times). Of another camera: `.npy`, float32 (height, width, 3) as
             `render_camera` gives it, and `.png`. Missing directories are made.
         eyes: `.eye` files, together one head. None: the camera as it is, a compound one with the
             eye that it names in its ``compound-structure``, see `camera_eye`.
@@ -157,9 +158,11 @@ def render_file(
             line for each pose and receptor. Not with `ToError`.
         ultraviolet: light below 400 nm for receptors, see `Renderer.render_receptors`.
         projection: of an eye in a picture, see `omma.picture.project`. None: for a camera's own eye
-            the camera's ``compound-projection``, else "spherical_orientationwise".
+            the camera's ``compound-projection``, else the default of `projection_ids`: empty where
+            no ommatidium looks, eyes whose fields overlap apart.
         width, height: pixels of a picture, see `render_camera` and `projection_ids`. Of one panel
-            where ``side_by_side``, which paints each eye apart, see `omma.picture.side_by_side`.
+            where eyes are apart, which ``side_by_side`` makes them always, see
+            `omma.picture.side_by_side`.
         gamma: of pictures.
         resume: of a path, into `.npy`, `.csv` and `.png`. What is rendered so far is kept where
             the work is cut off, by Ctrl-C, a kill or a loss of power, and the same call goes on
@@ -187,6 +190,9 @@ def render_file(
         raise Error(f"{chosen[0]} and {chosen[1]}: only one of them can say where the head is")
     if resume and path is None:
         raise Error("resume: expected a path of poses")
+    videos = [name for name in names if name.lower().endswith(".mp4")]
+    if videos and projection is not None and projection.endswith("_ids"):
+        raise Error(f"projection: a video shows responses, found {projection!r}")
     if look_at is not None and position is None:
         raise Error("look_at: needs a position to look from")
     eye_paths = [eyes] if isinstance(eyes, (str, os.PathLike)) else list(eyes)
@@ -226,7 +232,7 @@ def render_file(
     if receptors:
         fixed_samples(sampling, "receptors")
         for name in names:
-            if Path(name).suffix.lower() == ".png":
+            if Path(name).suffix.lower() in (".png", ".mp4"):
                 raise Error(f"{name}: expected numbers, not a picture, for responses of receptors")
     tell("Reading the eye", None)
     head, found = _head(world, eye_paths, node, unit)
@@ -238,7 +244,6 @@ def render_file(
     matrices, view = _poses(node, position, look_at, path, poses)
     warnings = list(world.warnings)
     if projection is None:
-        projection = DEFAULT_PROJECTION
         if node is not None and not eye_paths:
             projection, warning = camera_projection(node)
             warnings += [] if warning is None else [warning]
@@ -288,9 +293,10 @@ def render_file(
             return paint_side_by_side(renderer, width, height, gamma)
         return paint_of_projection(renderer, matrices, projection, width, height, gamma)
 
-    with WholeFiles(None if kept is None else kept.bytes) as files:
+    with WholeFiles(None if kept is None else kept.bytes) as files, ExitStack() as closed:
         writers, written = writers_of(
             files,
+            closed,
             names,
             labels,
             head,

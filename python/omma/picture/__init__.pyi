@@ -2,16 +2,17 @@ from .acceptance_plots import plot_acceptance
 from .cameras import camera_eye, display
 from .drawing import draw_eye
 from .eye_maps import plot_eye_maps
+from .fields import field_ids
 from .id_maps import (
     encode_ids,
     equirectangular,
     equirectangular_ids,
-    field_ids,
     paint,
     side_by_side,
 )
 from .poster import plot_poster, plot_species
 from .projections import PROJECTIONS, project, projection_ids
+from .response_plots import plot_responses
 
 __all__ = [
     "PROJECTIONS",
@@ -26,6 +27,7 @@ __all__ = [
     "plot_acceptance",
     "plot_eye_maps",
     "plot_poster",
+    "plot_responses",
     "plot_species",
     "project",
     "projection_ids",

@@ -28,6 +28,7 @@ Style = Literal["facets", "axes", "both"]
 
 _MM = 1e3  # drawings are laid out in millimetres
 _PLAIN = "#7a93ac"
+_SHADE = 0.55  # of what is seen from its edge: without it what is round looks flat
 _MOST_AXES_OVER_FACETS = 500
 
 
@@ -84,23 +85,27 @@ def draw_eye(
         save_figure(_figure(drawing, prop, size_mm, title), names)
 
 
-def draw_view(
-    panel: Any, eye: Eye, view: Floats, prop: EyeProperty, *, width_mm: float, shape: float
-) -> None:
-    """An eye's facets in a panel that is ``width_mm`` wide and ``shape`` times as wide as high:
-    for several views at one scale. With a scale bar."""
+def draw_view(panel: Any, eye: Eye, view: Floats, prop: EyeProperty, *, shape: float) -> None:
+    """An eye's facets in a panel that is ``shape`` times as wide as high, filled as far as they
+    go. With a scale bar of its own, and shaded where they turn away from the viewer."""
     drawing = _Drawing(eye, view, "facets", False, None)
     low, high = _frame(drawing)
-    middle = (low + high) / 2
-    half = np.array([width_mm, width_mm / shape]) / 2
+    middle, size = (low + high) / 2, high - low
+    half = np.array([1.0, 1 / shape]) * max(size[0], shape * size[1]) / 2
     low, high = middle - half, middle + half
     _ready(panel, low, high)
     marks = _facets(drawing)
     # As lines they would only blur facets this small, and fill the file.
     marks.set(linewidth=0, rasterized=True)
     panel.add_collection(marks)
-    marks.set_array(np.ma.masked_invalid(prop.values[drawing.shown]))
+    values = np.ma.masked_invalid(prop.values[drawing.shown])
+    marks.set_array(values)
     colour_scale(None, panel, marks, prop, None)
+    colours = marks.to_rgba(values)
+    facing = (drawing.normal @ view[2])[drawing.shown]
+    colours[:, :3] *= (1 - _SHADE * (1 - np.clip(facing, 0, 1)))[:, None]
+    marks.set_array(None)
+    marks.set_facecolor(colours)
     _scale_bar(panel, low, high)
     _compass(drawing, panel, low, high)
 

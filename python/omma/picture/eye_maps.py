@@ -31,6 +31,7 @@ from omma.eye.field import in_field
 from omma.eye.measures import EyeMeasures, measure_eye
 from omma.eye.neighbours import Flags, Floats, Ints
 from omma.eye.properties import EyeProperty, eye_property, is_known
+from omma.picture.fields import largest_cell_sr, without_gaps
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -143,10 +144,22 @@ def make_map(
             measures.lattice,
             measures.cell_rad,
         )
+    each = _solid_angles(projection, inside, y)
+    for k, which in enumerate(eyes):
+        least = largest_cell_sr(measures.cell_rad[measures.eye_id == which])
+        seen[k] = without_gaps(seen[k] | ~inside, each, least) & inside
     any_eye = seen.any(axis=0)
     ommatidium = np.where(inside, np.int64(-1), np.int64(-2))
     ommatidium[any_eye] = cKDTree(measures.axis).query(directions[any_eye])[1]
     return EyeMap(projection, ommatidium, seen, (-right, right, -top, top))
+
+
+def _solid_angles(projection: Projection, inside: Flags, y: Floats) -> Floats:
+    """Of each pixel of a map, sr: (H, W) or (H, 1). y: (H,), of the rows."""
+    if projection != "mercator":  # the others keep areas
+        return np.full((len(y), 1), 4 * math.pi / int(inside.sum()))
+    side = 2 * math.pi / inside.shape[1]
+    return np.asarray((side / np.cosh(y)) ** 2)[:, None]
 
 
 @checked
@@ -243,7 +256,7 @@ def colour_scale(
 
     ``location`` of the bar is "right" or "bottom"; None leaves it out, and needs no figure.
     """
-    from matplotlib.colors import ListedColormap
+    from matplotlib.colors import ListedColormap, LogNorm
     from matplotlib.patches import Patch
 
     if prop.classes:
@@ -256,8 +269,11 @@ def colour_scale(
             )
         return
     low, high, extend = colour_limits(prop.values)
-    marks.set(cmap="viridis", clim=(low, high))
     constant = high - low <= 1e-4 * max(abs(low), abs(high))
+    if not constant and is_crowded(prop.values, low, high):
+        marks.set(cmap="viridis", norm=LogNorm(low, high))
+    else:
+        marks.set(cmap="viridis", clim=(low, high))
     if constant:
         marks.set_clim(low - 1, low + 1)
     if location is None or figure is None:
@@ -271,6 +287,11 @@ def colour_scale(
         aspect=30, pad=0.02, extend=extend,
     )  # fmt: skip
     bar.set_label(prop.label)
+    if isinstance(marks.norm, LogNorm):
+        bar.set_label(f"{prop.label}, log scale")
+        ticks = np.unique([float(f"{tick:.2g}") for tick in np.geomspace(low, high, 6)])
+        bar.set_ticks(ticks.tolist(), labels=[f"{tick:g}" for tick in ticks])
+        bar.minorticks_off()
     bar.outline.set_visible(False)
 
 
@@ -286,6 +307,13 @@ def colour_limits(values: Floats) -> tuple[float, float, str]:
         float(high if above else most),
         extend[int(below), int(above)],
     )
+
+
+def is_crowded(values: Floats, low: float, high: float) -> bool:
+    """Whether half of the values would have the same colours, the first tenth of the scale: they
+    are then told apart by their ratio."""
+    known = values[np.isfinite(values)]
+    return bool(low > 0 and high >= 2 * low and np.median(known) < low + 0.1 * (high - low))
 
 
 def draw_graticule(panel: Axes, projection: Projection, labels: bool) -> None:
@@ -360,7 +388,9 @@ def _outlines(panel: Axes, the_map: EyeMap) -> None:
     y = top - (np.arange(height) + 0.5) / height * (top - bottom)
     for seen in the_map.seen:
         if seen.any():
-            panel.contour(x, y, seen.astype(float), [0.5], colors=INK, linewidths=0.8)
+            # Masked outside the map, so that its rim is no edge of a field.
+            field = np.ma.masked_where(the_map.ommatidium == -2, seen.astype(float))
+            panel.contour(x, y, field, [0.5], colors=INK, linewidths=0.8)
 
 
 def _mollweide_angle(elevation: Floats) -> Floats:

@@ -13,7 +13,7 @@ from omma import _core
 from omma.base.arguments import checked
 from omma.base.files import PathLike, WholeFiles, check_ending, check_target
 from omma.base.poses import Matrices
-from omma.picture.id_maps import side_by_side_ids
+from omma.picture.fields import side_by_side_ids
 from omma.picture.projections import project, projection_ids
 from omma.rendering.renderer import Renderer
 from omma.rendering.response_files import Piece
@@ -78,12 +78,13 @@ def write_png(files: WholeFiles, name: str, pixels: NDArray[Any]) -> None:
 def paint_of_projection(
     renderer: Renderer,
     poses: Matrices,
-    projection: str,
+    projection: str | None,
     width: int | None,
     height: int | None,
     gamma: float,
 ) -> Paint:
-    """What paints responses of a renderer's eye in a projection, at the poses that it renders."""
+    """What paints responses of a renderer's eye at the poses that it renders: in a projection, or
+    as the default picture of `project`."""
     eye = renderer.eye
     # What is wrong with a projection or a size shows here, before anything is rendered.
     if projection == "raw_ommatidial_samples":
@@ -96,7 +97,7 @@ def paint_of_projection(
 
         return paint_rays
     ids = projection_ids(eye, projection, width, height)
-    if projection.endswith("_ids"):
+    if projection is not None and projection.endswith("_ids"):
         encoded = _core.encode_ids(ids)
         return lambda pose, responses: encoded
     return lambda pose, responses: _core.paint(ids, responses, gamma)

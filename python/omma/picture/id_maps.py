@@ -14,7 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 from omma import _core
 from omma._core import Error, Eye
 from omma.base.arguments import checked, whole
-from omma.picture.projections import Ids, Picture, kept_ids, one_pose, projection_ids
+from omma.picture.fields import field_ids, side_by_side_ids
+from omma.picture.kept_ids import Ids, kept_ids
+from omma.picture.projections import Picture, one_pose, projection_ids
 
 __all__ = [
     "Ids",
@@ -100,17 +102,6 @@ def equirectangular_ids(
 
 
 @checked
-def field_ids(eye: Eye, width: int = 1024, height: int = 512) -> Ids:
-    """`equirectangular_ids` by axis, with -1 outside the eye's visual field: int32 (height, width).
-
-    A direction counts as seen by the ommatidium with the nearest axis where it lies within that
-    one's local interommatidial angle or its acceptance angle, whichever is larger. So the field
-    ends about one facet beyond the last axis.
-    """
-    return _field_ids(eye, width, height, False)
-
-
-@checked
 def equirectangular(
     eye: Eye,
     responses: ArrayLike,
@@ -135,11 +126,6 @@ def equirectangular(
     one = one_pose(eye, responses)
     ids = equirectangular_ids(eye, width, height, by=by, max_angle_deg=max_angle_deg)
     return _core.paint(ids, one, gamma)
-
-
-def side_by_side_ids(eye: Eye, width: int = 1024, height: int = 512) -> Ids:
-    """Id map of `side_by_side`: indices into the whole head, -1 outside an eye's visual field."""
-    return _field_ids(eye, width, height, True)
 
 
 @checked
@@ -168,13 +154,3 @@ def side_by_side(
     """
     one = one_pose(eye, responses)
     return _core.paint(side_by_side_ids(eye, width, height), one, gamma)
-
-
-def _field_ids(eye: Eye, width: int, height: int, side_by_side: bool) -> Ids:
-    width = whole(width, "width", 1, _LARGEST_PIXELS)
-    height = whole(height, "height", 1, _LARGEST_PIXELS)
-    return kept_ids(
-        eye,
-        ("field", side_by_side, width, height),
-        lambda: _core.field_ids(eye, width, height, side_by_side),
-    )

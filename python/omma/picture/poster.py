@@ -24,7 +24,7 @@ from omma.base.figures import (
 from omma.base.files import PathLike
 from omma.eye.measures import DIFFRACTION_LIMIT, EyeMeasures, diffraction_limit_m_rad, measure_eye
 from omma.eye.neighbours import Floats
-from omma.eye.properties import eye_property, is_known
+from omma.eye.properties import EyeProperty, eye_property, is_known
 from omma.eye.report import SPREADS, eye_summary
 from omma.picture.acceptance_plots import choose, draw_profiles, draw_transfer
 from omma.picture.drawing import draw_view, view_from
@@ -39,9 +39,14 @@ if TYPE_CHECKING:
 #: What a poster says of an animal: label, value with unit, where it is from.
 PosterFact = tuple[str, str, str]
 
-_VIEWS = (("from ahead", 0.0, 0.0), ("from its right", 90.0, 0.0), ("from above", 0.0, 90.0))
+# Name, yaw and pitch from where it is seen, and whether all of the head is or the right eye alone.
+_VIEWS = (
+    ("from ahead", 0.0, 0.0, True),
+    ("right eye, from its right", 90.0, 0.0, False),
+    ("right eye, from ahead, right and above", 45.0, 30.0, False),
+)
 _LIGHTS = ((400, "#cc79a7"), (480, "#0072b2"), (570, "#009e73"), (700, "#d55e00"))
-_SHAPE = 1.6  # of the panels with these views: width over height
+_SHAPE = 1.3  # of the panels with these views: width over height
 _WAVELENGTHS = np.arange(300.0, 701.0, 2.0)
 _SHOWN_SPREADS = (
     "interommatidial_deg", "horizontal_deg", "vertical_deg", "acceptance_deg", "ratio",
@@ -62,7 +67,7 @@ def plot_poster(
 ) -> None:
     """Write a poster of an eye, an A3 page (420 x 297 mm), to `.pdf`, `.svg` and `.png`.
 
-    The head from ahead, from its right and from above; maps of Δφ and of facet diameters (of Δρ
+    The head from ahead, and its right eye from two sides; maps of Δφ and of facet diameters (of Δρ
     where these are not known); histograms; angular sensitivities with their modulation transfer;
     the receptors' spectral sensitivities where there are any; what `measure_eye` finds, and facts.
 
@@ -91,15 +96,15 @@ def plot_poster(
             figure.supxlabel("\n".join(lines), fontsize=5.5, color=INK)
         plots, text = figure.subfigures(1, 2, width_ratios=(3.0, 1.15))
         upper, lower = plots.subfigures(2, 1, height_ratios=(2.1, 1))
-        views, maps = upper.subfigures(1, 2, width_ratios=(1, 1.45))
-        size_mm = np.ptp(eye.position_m.astype(np.float64), axis=0) * 1e3
-        # Room for the scale bar below; eyes at a point are drawn out to a sphere of 1 mm.
-        width_mm = 1.15 * max(float(size_mm[0]), 1.25 * _SHAPE * float(size_mm[1:].max()), 1e-3)
-        for k, (name, yaw, pitch) in enumerate(_VIEWS):
+        views, maps = upper.subfigures(1, 2, width_ratios=(0.8, 1.45))
+        right, of_right = _right_eye(eye, measures, angle)
+        for k, (name, yaw, pitch, whole) in enumerate(_VIEWS):
             panel = views.add_subplot(3, 1, k + 1)
-            panel.set_title(name, loc="left", fontsize="medium")
+            alone = len(right) == len(eye)
+            panel.set_title(name.removeprefix("right eye, ") if alone else name, loc="left")
             view = view_from(math.radians(yaw), math.radians(pitch))
-            draw_view(panel, eye, view, angle, width_mm=width_mm, shape=_SHAPE)
+            seen = (eye, angle) if whole else (right, of_right)
+            draw_view(panel, seen[0], view, seen[1], shape=_SHAPE)
         for k, prop in enumerate((angle, second)):
             draw_map(maps, maps.add_subplot(2, 1, k + 1), the_map, prop)
         _lower(lower, eye, measures)
@@ -141,6 +146,17 @@ def plot_species(
         measures=measures,
         progress=progress,
     )
+
+
+def _right_eye(eye: Eye, measures: EyeMeasures, prop: EyeProperty) -> tuple[Eye, EyeProperty]:
+    """The eye that sits farthest to the right, and its values of the property."""
+    eyes = np.unique(measures.eye_id)
+    if len(eyes) == 1:
+        return eye, prop
+    middles = [eye.position_m[measures.eye_id == which, 0].mean() for which in eyes]
+    members = measures.eye_id == eyes[int(np.argmax(middles))]
+    right = eye.replace(eye_id=members.astype(np.int32)).select(1)
+    return right, EyeProperty(prop.values[members], prop.label, prop.classes)
 
 
 def _lower(figure: Any, eye: Eye, measures: EyeMeasures) -> None:
@@ -244,7 +260,7 @@ def _text(panel: Axes, found: Sequence[PosterFact], facts: Sequence[PosterFact])
     panel.set_axis_off()
     panel.set(xlim=(0, 1), ylim=(0, 1))
     rows = len(found) + len(facts) + 4
-    step = min(0.021, 0.99 / rows)
+    step = min(0.026, 0.99 / rows)
     # 270 mm high: as large as the lines allow.
     size = min(7.0, step * 270 / 0.3528 * 0.78)
     level = 1.0

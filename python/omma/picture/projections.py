@@ -5,10 +5,6 @@ docs/projections.md shows each projection and says which direction is where in i
 
 from __future__ import annotations
 
-import hashlib
-import threading
-from collections import OrderedDict
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -17,8 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 from omma import _core
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, one_of, whole
+from omma.picture.fields import default_ids
+from omma.picture.kept_ids import Ids, kept_ids
 
-Ids = NDArray[np.int32]
 Picture = NDArray[np.uint8]
 LinearPicture = NDArray[np.float32]
 
@@ -26,7 +23,6 @@ LinearPicture = NDArray[np.float32]
 PROJECTIONS: tuple[str, ...] = tuple(_core.projection_names())
 
 _MOST_PIXELS = 1 << 30
-_MOST_KEPT_BYTES = 1 << 28
 _DEFAULT_WIDTH = 1024
 # These have a pixel for each ommatidium, so that their width is that of the eye.
 LISTS = ("single_dimension_fast", "raw_ommatidial_samples")
@@ -35,11 +31,14 @@ LISTS = ("single_dimension_fast", "raw_ommatidial_samples")
 @checked
 def projection_ids(
     eye: Eye,
-    projection: str = "spherical_orientationwise",
+    projection: str | None = None,
     width: int | None = None,
     height: int | None = None,
 ) -> Ids:
     """Which ommatidium each pixel shows: int32 (height, width), -1 for none.
+
+    Without a projection the picture is equirectangular and empty where no ommatidium looks
+    (`field_ids`); where two eyes see the same direction each is drawn apart (`side_by_side`).
 
     The map is made once for an eye, a projection and a size, and kept; it is read-only.
 
@@ -47,15 +46,17 @@ def projection_ids(
         eye: the eye, or all eyes of a head. Eyes are told apart by ``eye_id``; a single one whose
             positions leave a wide gap around x = 0 counts as a left and a right one.
         projection: one of `omma.picture.PROJECTIONS`; an ending ``_ids`` makes no difference here.
-        width, height: pixels. The one left out follows from the other; 1024 wide where both are.
-            ``single_dimension_fast`` and ``raw_ommatidial_samples`` are as wide as there are
-            ommatidia.
+        width, height: pixels, of each eye where they are drawn apart. The one left out follows from
+            the other; 1024 wide where both are. ``single_dimension_fast`` and
+            ``raw_ommatidial_samples`` are as wide as there are ommatidia.
 
     Raises:
         omma.Error: a projection that there is not, a size that makes no sense, an eye that the
             projection cannot show (``facets`` of an eye whose positions are one point, say).
     """
     width, height = projection_size(eye, projection, width, height)
+    if projection is None:
+        return default_ids(eye, width, height)
     plain = projection.removesuffix("_ids")
     return kept_ids(
         eye,
@@ -68,7 +69,7 @@ def projection_ids(
 def project(
     eye: Eye,
     responses: ArrayLike | None,
-    projection: str = "spherical_orientationwise",
+    projection: str | None = None,
     width: int | None = None,
     height: int | None = None,
     *,
@@ -96,7 +97,7 @@ def project(
     Raises:
         omma.Error: responses of another eye, or arguments that make no sense.
     """
-    if projection.endswith("_ids"):
+    if projection is not None and projection.endswith("_ids"):
         if linear:
             raise Error(f"linear: {projection} shows ids, not responses; see projection_ids")
         return _core.encode_ids(projection_ids(eye, projection, width, height))
@@ -124,45 +125,25 @@ def paint_linear(ids: Ids, responses: NDArray[np.float32]) -> LinearPicture:
 
 
 def projection_size(
-    eye: Eye, projection: str, width: int | None = None, height: int | None = None
+    eye: Eye, projection: str | None, width: int | None = None, height: int | None = None
 ) -> tuple[int, int]:
-    """Width and height of a projection's picture, with what is left out filled in."""
-    one_of(
-        projection.removesuffix("_ids"), PROJECTIONS, "projection", " (or one of them with _ids)"
-    )
+    """Width and height of a projection's picture, with what is left out filled in; without a
+    projection, of a panel of the default picture."""
+    plain = None if projection is None else projection.removesuffix("_ids")
+    if plain is not None:
+        one_of(plain, PROJECTIONS, "projection", " (or one of them with _ids)")
     if len(eye) == 0:
         raise Error("eye: expected at least one ommatidium, found none")
     if width is not None:
         width = whole(width, "width", 1, _MOST_PIXELS)
     if height is not None:
         height = whole(height, "height", 1, _MOST_PIXELS)
-    plain = projection.removesuffix("_ids")
     if plain in LISTS:
         return width or len(eye), height or 1
     aspect = 1 if plain == "lambert" else 2
     if width is None:
         width = _DEFAULT_WIDTH if height is None else height * aspect
     return width, height or max(1, width // aspect)
-
-
-def kept_ids(eye: Eye, picture: tuple[object, ...], make: Callable[[], Ids]) -> Ids:
-    """The id map of this eye and this kind of picture, made at the first call and then kept.
-
-    Eyes are told apart by what is in them, so that no map is ever that of another eye; the maps
-    used last are kept, up to a quarter of a gigabyte.
-    """
-    key = (_fingerprint(eye), *picture)
-    with _lock:
-        if key in _kept:
-            _kept.move_to_end(key)
-            return _kept[key]
-    ids = make()
-    ids.setflags(write=False)
-    with _lock:
-        _kept[key] = ids
-        while len(_kept) > 1 and sum(each.nbytes for each in _kept.values()) > _MOST_KEPT_BYTES:
-            _kept.popitem(last=False)
-    return ids
 
 
 def one_pose(eye: Eye, responses: Any) -> NDArray[np.float32]:
@@ -190,14 +171,3 @@ def _rays_of_one_pose(eye: Eye, rays: Any) -> NDArray[np.float32]:
             f"samples, {_core.rgb_bands}), found {array.shape}"
         )
     return array
-
-
-def _fingerprint(eye: Eye) -> bytes:
-    digest = hashlib.blake2b(digest_size=16)
-    for array in (eye.position_m, eye.axis, eye.acceptance_angle_rad, eye.eye_id):
-        digest.update(array.tobytes())
-    return digest.digest()
-
-
-_lock = threading.Lock()
-_kept: OrderedDict[tuple[object, ...], Ids] = OrderedDict()
