@@ -167,6 +167,8 @@ def _entries(
             name = eye_title(eye) if titles is None else titles[len(entries)]
             if titles is None and len(shown[k].values) > 1:
                 name += f", pose {pose}"
+            if titles is None and len(maps) > 1:
+                name += " in all"
             entry = []
             for what, is_error in ((shown, False), (beside, True)):
                 if what is None:
@@ -176,7 +178,11 @@ def _entries(
                     [
                         _Picture(
                             _painted(ids, values),
-                            "standard error" if is_error else _title(name, side, len(maps)),
+                            "standard error"
+                            if is_error
+                            else f"{name}: {side}"
+                            if len(maps) > 1
+                            else name,
                             is_error,
                         )
                         for ids, side in zip(maps, sides, strict=False)
@@ -184,12 +190,6 @@ def _entries(
                 )
             entries.append(entry)
     return entries
-
-
-def _title(name: str, side: str, panels: int) -> str:
-    if panels == 1:
-        return name
-    return f"{side} ({name} in all)" if name.endswith("ommatidia") else f"{name}: {side}"
 
 
 def _id_maps(eye: Eye, projection: str | None) -> list[Ids]:
@@ -240,17 +240,9 @@ def _figure(
         for column, picture in enumerate(row):
             panel = figure.add_subplot(grid[k, column * each : (column + 1) * each])
             marks = _draw(
-                panel,
-                picture,
-                projection,
-                eyes[0],
-                full_scale,
-                gamma,
-                largest_error,
-                _UNITS // each,
-                k == len(rows) - 1,
-                column == 0,
-            )
+                panel, picture, projection, eyes[0], full_scale, gamma, largest_error,
+                _UNITS // each, k == len(rows) - 1, column == 0,
+            )  # fmt: skip
             if picture.is_error:
                 errors = marks
             elif len(names) == 1:
