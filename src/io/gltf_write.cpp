@@ -3,9 +3,10 @@
 // box, with their whole transforms. What glTF has no place for is in extras: backgrounds, and the
 // values of images in linear floats, of which others see 8 bits.
 //
-// Not written: what the loader does not read, which is nothing that is seen (meshes that no
-// instance places, textures and images that no material uses; the others come in the order of their
-// first use), names of meshes that share a node, the colour rule.
+// Not written is what nobody sees: meshes that no instance places, textures and images that no
+// material uses; nor the colour rule, and names of meshes that share a node, but the first. The
+// loader gives the others in the order of their first use, and a mesh that is alone in one node and
+// with others in another twice.
 #include <algorithm>
 #include <cmath>
 #include <cstring>

@@ -141,7 +141,7 @@ TEST(GltfValid, BuffersThatNobodyUsesAreNotRead) {
     b.push("accessors",
            {{"bufferView", view}, {"componentType", 5126}, {"count", 4}, {"type", "SCALAR"}});
     b.push("images", {{"bufferView", view}, {"mimeType", "image/png"}});
-    b.document["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = 1;
+    b.document["meshes"][0]["primitives"][0]["attributes"]["TANGENT"] = 1;
     EXPECT_EQ(triangle_count(load(b)), 1u) << buffer;
     b.document["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = 1;
     expect_load_error(b, {"buffer"});

@@ -62,6 +62,31 @@ TEST(ValidateScene, GoodOnesPass) {
   EXPECT_NO_THROW(validate_scene({}));
 }
 
+TEST(Scene, NormalsAndHitBoxesAreChecked) {
+  expect_invalid([](Scene& s) { s.meshes[0].normals = {{0, 0, 1}}; }, "1 normals for 4 vertices");
+  expect_invalid(
+      [](Scene& s) {
+        s.hit_boxes.push_back({"zone", {{0, 0, 0}}, {{0, 0, 1}}, {}});
+      },
+      "hit box 0 \"zone\": triangle 0 has vertex 1");
+  expect_invalid(
+      [](Scene& s) {
+        s.hit_boxes.push_back({"zone", {{nan, 0, 0}}, {}, {}});
+      },
+      "hit box 0 \"zone\": the position");
+}
+
+TEST(Scene, IsEqualWhereverItCameFrom) {
+  Scene a = good_scene(), b = good_scene();
+  b.path = "other.gltf";
+  b.warnings = {"a"};
+  EXPECT_TRUE(a == b);
+  a.instances[0].node = 7;  // alone, as without a node
+  EXPECT_TRUE(a == b);
+  b.meshes[0].colors[0].x = 0.5f;
+  EXPECT_FALSE(a == b);
+}
+
 TEST(ValidateScene, Handles) {
   expect_invalid([](Scene& s) { s.textures[0].image = 1; },
                  "texture 0: refers to image 1, there are 1");

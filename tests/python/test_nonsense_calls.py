@@ -14,6 +14,7 @@ from inspect import signature
 
 import numpy as np
 import pytest
+import trimesh
 from conftest import make_eye, write_gltf
 from public_names import public_things
 
@@ -36,7 +37,6 @@ LEFT = {
     "Acceptance.pdf(azimuth_rad)": _ARRAYS,
     "Acceptance.mtf(cycles_per_rad)": _ARRAYS,
     "Acceptance.mtf(azimuth_rad)": _ARRAYS,
-    "Background.image(image)": _ARRAYS,
     "Eye.take(ommatidia)": _ARRAYS,
     "Scene.camera(name_or_index)": _TEXT,
     "render_file(camera)": _TEXT,
@@ -106,6 +106,9 @@ def public_calls(folder):
     measures = omma.eye.measure_eye(eye)
     sphere = omma.eye.sphere(1e-3)
     (folder / "face.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+    mesh = omma.scene.Mesh(corners, [[0, 1, 2]])
+    wedge = trimesh.Trimesh(corners, [[0, 1, 2]])
     directions = eye.axis.astype(float)
     curve = ([1, 2], {omma.study.Method(): ([1, 2], [0.2, 0.1])})
     found = omma.study.minimum_samples(renderer, pose[None], fraction=0.5, poses=1)
@@ -121,7 +124,29 @@ def public_calls(folder):
         "OmmatidiumType": ("a", (green,)),
         "Wiring": ([0, 1], [0], [1.0]),
         "Renderer": (scene, eye),
-        "Scene": (),
+        "Scene": {
+            "meshes": (mesh,), "instances": (omma.scene.Instance(0),), "materials": (),
+            "textures": (), "images": (), "cameras": (), "hit_boxes": (),
+            "background": omma.Background.simple_sky(), "color_rule": "gltf",
+        },
+        "Camera": ("bee",),
+        "HitBox": ("zone", corners, [[0, 1, 2]]),
+        "Image": (np.zeros((2, 2, 3), np.uint8),),
+        "Instance": (0,),
+        "Material": ("green",),
+        "Mesh": {"positions_m": corners, "triangles": [[0, 1, 2]]},
+        "Texture": (0,),
+        "TextureUse": (0,),
+        "scene.sphere": {"segments": 8},
+        "corridor": {
+            "length_m": 1.0, "width_m": 1.0, "height_m": 1.0, "left": (1, 1, 1),
+            "right": (1, 1, 1),
+        },
+        "drum": (1.0, 1.0, (1, 1, 1)),
+        "from_trimesh": (wedge,),
+        "merge_scenes": ([scene],),
+        "place_scene": (scene, pose),
+        "save_scene": (str(folder / "saved.glb"), scene),
         "World": (scene,),
         "Eye": ([[0, 0, 0]], [[0, 0, -1]], 0.1),
         "ReceptorType": {"name": "green", "peak_wavelength_nm": 540.0},
@@ -279,12 +304,14 @@ def public_calls(folder):
         ),
     }  # fmt: skip
     for room, name, thing in public_things():
-        full = f"species.{name}" if room == "species" else name
+        # Names that are also those of other things.
+        known = room == "species" or (room, name) == ("scene", "sphere")
+        full = f"{room}.{name}" if known else name
         if name == "Error" or not callable(thing):
             continue
         if room == "species" and name in species.names():
             continue  # they take seconds, and one argument, which `make` has too
-        if name in ("Acceptance", "Background", "Camera", "WorldInstance"):
+        if name in ("Acceptance", "Background", "WorldInstance"):
             continue  # made by static methods, or by the engine alone
         if dataclasses.is_dataclass(thing) and full not in good:
             continue  # results: whoever makes one knows what of

@@ -48,26 +48,28 @@ def everything():
                 material=0,
             ),
             Mesh(*TRIANGLE),
+            Mesh(*TRIANGLE, material=1),
         ],
         instances=[
             Instance(0, turned, name="here"),
-            Instance(0, name="both", node=3),
+            Instance(0, name="there"),
             Instance(1, name="both", node=3),
+            Instance(2, name="both", node=3),
         ],
         materials=[
             Material(
                 "green",
                 base_color=(0.1, 0.5, 0.2, 0.9),
-                base_color_texture=TextureUse(1, 1, (0.1, 0.2), (2, 3), 0.5),
+                base_color_texture=TextureUse(0, 1, (0.1, 0.2), (2, 3), 0.5),
                 emissive=(3.7, 0.1, 0.0),
-                emissive_texture=0,
+                emissive_texture=1,
                 alpha_mode="mask",
                 alpha_cutoff=0.3,
                 double_sided=True,
             ),
             Material("paper", unlit=True, alpha_mode="blend"),
         ],
-        textures=[Texture(1, "clamp_to_edge", "mirrored_repeat", "nearest"), Texture(0)],
+        textures=[Texture(0, "clamp_to_edge", "mirrored_repeat", "nearest"), Texture(1)],
         images=[
             Image(rng.integers(0, 256, (3, 5, 4), np.uint8), "bytes"),
             Image(rng.random((2, 3, 3), np.float32) * 40, "floats"),
@@ -148,11 +150,11 @@ def test_what_parts_say():
     plain = scene.meshes[1]
     assert plain.normals is plain.colors is plain.texture_coordinates is plain.material is None
     use = scene.materials[0].base_color_texture
-    assert (use.texture, use.texcoord_set, use.scale) == (1, 1, (2, 3))
+    assert (use.texture, use.texcoord_set, use.scale) == (0, 1, (2, 3))
     assert scene.materials[1].base_color_texture is None
     assert scene.images[0].pixels.shape == (3, 5, 4)
     assert (scene.images[1].pixels[..., 3] == 1).all()
-    assert [one.node for one in scene.instances] == [None, 3, 3]
+    assert [one.node for one in scene.instances] == [None, None, 3, 3]
     assert [one.type for one in scene.cameras] == [
         "perspective", "orthographic", "panoramic", "compound",
     ]  # fmt: skip
@@ -235,7 +237,7 @@ def test_the_table_of_notebooks():
     table = everything().replace(cameras=[Camera("a<b>&c")])._repr_html_()
     assert table.startswith("<table>")
     assert "a&lt;b&gt;&amp;c" in table
-    assert "5 in 3 instances of 2 meshes" in table
+    assert "6 in 4 instances of 3 meshes" in table
     assert "0.1, 0.2, 7.5" in table
 
 
@@ -245,14 +247,14 @@ def test_merged_scenes_are_those_scenes(eye):
     merged = merge_scenes([scene, box, place_scene(box, omma.look_at((5, 0, 0), (5, 0, 1)))])
     assert merged.background.type == "simple_sky"
     assert merged.triangle_count == scene.triangle_count + 24
-    assert [one.name for one in merged.instances] == ["here", "both", "both", "box", "box"]
-    assert len(omma.World(merged).instances) == 4
+    assert [one.name for one in merged.instances] == ["here", "there", "both", "both", "box", "box"]
+    assert len(omma.World(merged).instances) == 5
     # What is under the indices is what was.
-    for mesh, old in zip(merged.meshes[2:], box.meshes * 2):
+    for mesh, old in zip(merged.meshes[3:], box.meshes * 2):
         assert mesh.replace(material=0) == old
         use = merged.materials[mesh.material].base_color_texture
         assert merged.images[merged.textures[use.texture].image] == box.images[0]
-    assert merged.meshes[:2] == scene.meshes
+    assert merged.meshes[:3] == scene.meshes
     other = omma.Background.constant((1, 0, 0))
     assert merge_scenes([box, box], background=other).background == other
     # One alone is itself.
