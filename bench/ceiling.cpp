@@ -30,9 +30,7 @@ struct Prepared {
 };
 
 void prepare_rays(Prepared& p, const Setup& setup, int samples) {
-  RenderSettings settings;
-  settings.samples = samples;
-  p.directions = make_direction_tables(setup.eye, settings);
+  p.directions = make_direction_tables(setup.eye, {}, samples);
   p.directions_view = view(p.directions);
   p.eye = make_eye_arrays(setup.eye, p.directions);
   p.eye_view = view(p.eye);
@@ -95,9 +93,7 @@ void ceiling(bool quick) {
     std::vector<float> responses(setup.eye.size() * rgb_bands);
     const BlockFunctions block = embree_backend().block_functions();
     for (int samples : counts) {
-      RenderSettings settings;
-      settings.samples = samples;
-      const Renderer renderer(built, setup.eye, settings);
+      const Renderer renderer(built, setup.eye, {.sampling = Fixed{samples}});
       prepare_rays(p, setup, samples);
       double trace_s = 1e9;
       double render_s = 1e9;

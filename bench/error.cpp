@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "sampling/sampling_choice.h"
 #include "scenes.h"
 
 namespace omma::bench {
@@ -24,7 +25,7 @@ struct Point {
 
 std::vector<float> make_reference(const Renderer& built, const Case& of) {
   RenderSettings settings;
-  settings.samples = of.reference_rays;
+  settings.sampling = Fixed{of.reference_rays};
   settings.footprints = false;
   settings.seed = 1;  // not the points that are measured
   std::vector<float> reference(of.setup.poses.size() * of.setup.eye.size() * rgb_bands);
@@ -55,8 +56,9 @@ Point measure(const Renderer& built, const Case& of, const std::vector<float>& r
               RenderSettings settings, double least_s) {
   const std::vector<Mat4>& views = of.setup.poses;
   const std::size_t ommatidia = of.setup.eye.size();
-  const double frame_rays =
-      static_cast<double>(views.size() * ommatidia) * (settings.error > 0 ? 32 : settings.samples);
+  const bool to_error = std::holds_alternative<ToError>(settings.sampling);
+  const double frame_rays = static_cast<double>(views.size() * ommatidia) *
+                            (to_error ? 32 : first_samples(settings.sampling));
   const auto repeats =
       static_cast<std::size_t>(std::clamp(of.rays_per_point / frame_rays, 4.0, 16.0));
   std::vector<Mat4> poses;
@@ -72,7 +74,7 @@ Point measure(const Renderer& built, const Case& of, const std::vector<float>& r
                   static_cast<double>(poses.size());
   for (std::int32_t n : rays) point.rays += n;
   point.rays /= static_cast<double>(rays.size());
-  if (settings.share_rays) {
+  if (shares_rays(settings.sampling)) {
     // Each ray serves several, and all poses have the same ones: other seeds make the repeats.
     point.rays = static_cast<double>(renderer.rays_per_frame()) / static_cast<double>(ommatidia);
     for (std::size_t r = 1; r < 4; ++r) {
@@ -105,38 +107,36 @@ void measure_case(const Case& of, bool quick) {
     return p;
   };
   RenderSettings settings;
-  settings.sampling = Sampling::random;
+  settings.points = Points::random;
   settings.footprints = false;
   settings.noise = Noise::new_every_frame;
   double random_100 = 0;
   for (int n : quick ? std::vector{25, 100} : std::vector{1, 4, 16, 50, 100, 256, 1024}) {
-    settings.samples = n;
+    settings.sampling = Fixed{n};
     const Point p = line("random", n, settings);
     if (n == 100) random_100 = p.rms;
   }
-  settings.sampling = Sampling::low_discrepancy;
+  settings.points = Points::low_discrepancy;
   for (const bool footprints : {false, true})
     for (int n : quick ? std::vector{4, 16, 64} : std::vector{1, 2, 4, 8, 16, 32, 64, 128, 256}) {
-      settings.samples = n;
+      settings.sampling = Fixed{n};
       settings.footprints = footprints;
       line(footprints ? "footprints" : "no footprints", n, settings);
     }
-  settings.share_rays = true;
   settings.noise = Noise::frozen;
   for (int n : quick ? std::vector{4, 16} : std::vector{1, 2, 4, 8, 16, 32, 64}) {
-    settings.samples = n;
+    settings.sampling = Shared{n};
     line("shared rays", n, settings);
   }
-  settings.share_rays = false;
   settings.noise = Noise::new_every_frame;
   for (int least : {4, 8}) {
-    settings.samples = least;
     const std::string method = "target from " + std::to_string(least);
     for (double factor :
          quick ? std::vector{2.0, 1.0}
                : std::vector{16.0, 11.0, 8.0, 5.6, 4.0, 2.8, 2.0, 1.4, 1.0, 0.7, 0.5}) {
-      settings.error = factor * random_100;
-      line(method.c_str(), settings.error, settings);
+      const double target = factor * random_100;
+      settings.sampling = ToError{target, least};
+      line(method.c_str(), target, settings);
     }
   }
 }

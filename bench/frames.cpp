@@ -66,7 +66,7 @@ std::vector<double> single_seconds(const Renderer& renderer, const std::vector<M
 
 RenderSettings with(int samples, int thread_count = 0) {
   RenderSettings settings;
-  settings.samples = samples;
+  settings.sampling = Fixed{samples};
   settings.threads = thread_count;
   settings.noise = Noise::new_every_frame;
   return settings;

@@ -32,15 +32,12 @@ void instructions(const std::string& which) {
   const Setup setup = hills(100);
   RenderSettings settings;
   settings.threads = 1;
-  settings.samples = which == "1" ? 1 : 16;
-  if (which == "16-random") settings.sampling = Sampling::random;
+  if (which == "1") settings.sampling = Fixed{1};
+  if (which == "16-shared") settings.sampling = Shared{16};
+  if (which == "target") settings.sampling = ToError{0.02, 4};
+  if (which == "16-random") settings.points = Points::random;
   settings.footprints = which != "16-plain" && which != "16-random";
-  settings.share_rays = which == "16-shared";
-  if (which == "target") {
-    settings.samples = 4;
-    settings.error = 0.02;
-  }
-  if (!settings.share_rays) settings.noise = Noise::new_every_frame;
+  if (which != "16-shared") settings.noise = Noise::new_every_frame;
   const Renderer renderer(setup.scene, make_eye(), settings);
   const std::vector<Mat4> poses = flight(setup, 4);
   std::vector<float> out(poses.size() * renderer.eye().size() * rgb_bands);

@@ -106,14 +106,14 @@ void kernels(bool quick) {
   const Renderer built(setup.scene, setup.eye);
   std::printf("scene,sensitivity,sampling,rays,frames_per_s,over_gaussian,tables_ms\n");
   struct Mode {
-    Sampling sampling;
+    Points points;
     int samples;
   };
-  for (const Mode mode : {Mode{Sampling::low_discrepancy, 1}, Mode{Sampling::low_discrepancy, 16},
-                          Mode{Sampling::low_discrepancy, 64}, Mode{Sampling::random, 16}}) {
+  for (const Mode mode : {Mode{Points::low_discrepancy, 1}, Mode{Points::low_discrepancy, 16},
+                          Mode{Points::low_discrepancy, 64}, Mode{Points::random, 16}}) {
     RenderSettings settings;
-    settings.samples = mode.samples;
-    settings.sampling = mode.sampling;
+    settings.sampling = Fixed{mode.samples};
+    settings.points = mode.points;
     std::vector<Renderer> renderers;
     for (const Kind& kind : kinds) renderers.emplace_back(built, kind.eye, settings);
     const auto poses = flight(setup, quick ? 1 : static_cast<std::size_t>(64 / mode.samples + 4));
@@ -126,7 +126,7 @@ void kernels(bool quick) {
             std::min(seconds[k], best_seconds(0, [&] { renderers[k].render(poses, out); }));
     for (std::size_t k = 0; k < kinds.size(); ++k)
       std::printf("%s,%s,%s,%d,%.1f,%.3f,%.1f\n", setup.name.c_str(), kinds[k].name,
-                  mode.sampling == Sampling::random ? "random" : "low discrepancy", mode.samples,
+                  mode.points == Points::random ? "random" : "low discrepancy", mode.samples,
                   static_cast<double>(poses.size()) / seconds[k], seconds[0] / seconds[k],
                   1e3 * renderers[k].build_times().directions_s);
     std::fflush(stdout);

@@ -43,7 +43,7 @@ void measure(const Setup& setup, std::size_t first, const std::vector<std::size_
              bool quick) {
   const World still(setup.scene);
   RenderSettings settings;
-  settings.samples = 16;
+  settings.sampling = Fixed{16};
   const Renderer of_still(still, setup.eye, settings);
   const std::vector<Mat4> poses = flight(setup, 64);
   std::vector<float> out(setup.eye.size() * rgb_bands);

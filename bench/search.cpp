@@ -19,9 +19,7 @@ namespace {
 // Packets of 16 as a render makes them, of a part of the eye.
 std::vector<RayPacket<16>> packets_of(const Setup& setup, int samples, const ShadingData& shading,
                                       const Placement& placement) {
-  RenderSettings settings;
-  settings.samples = samples;
-  const DirectionTables directions = make_direction_tables(setup.eye, settings);
+  const DirectionTables directions = make_direction_tables(setup.eye, {}, samples);
   const EyeArrays eye = make_eye_arrays(setup.eye, directions);
   const DirectionsView directions_view = view(directions);
   const EyeView eye_view = view(eye);

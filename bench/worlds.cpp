@@ -25,7 +25,7 @@ Way way_of(const Setup& setup, const std::string& backend, int bands) {
   for (int i = 0; bands != 3 && i < 3 * bands; ++i)
     settings.band_from_rgb.push_back(0.1 + 0.05 * (i % 7));
   RenderSettings of_eye;
-  of_eye.samples = rays;
+  of_eye.sampling = Fixed{rays};
   return {backend, bands, Renderer(World(setup.scene, settings), setup.eye, of_eye),
           std::vector<float>(setup.poses.size() * setup.eye.size() *
                              static_cast<std::size_t>(bands))};

@@ -49,9 +49,9 @@ Mat4 without_scale(Mat4 pose) {
 RenderSettings settings_for(const State& state, int samples) {
   RenderSettings settings;
   settings.footprints = false;  // CompoundRay reads textures point by point
-  settings.samples = samples;
+  settings.sampling = Fixed{samples};
   settings.kernel = state.kernel;
-  settings.sampling = Sampling::random;
+  settings.points = Points::random;
   settings.noise = Noise::new_every_frame;
   return settings;
 }
@@ -79,7 +79,7 @@ void render_eye(State& state, CompatCamera& camera) {
     const RenderSettings settings = settings_for(state, compound.samples);
     if (!camera.renderer)
       camera.renderer.emplace(*state.world, compound.eye, settings);
-    else if (camera.renderer->settings().samples != compound.samples)
+    else if (camera.renderer->settings().sampling != settings.sampling)
       camera.renderer = Renderer(*camera.renderer, compound.eye, settings);
     const Mat4 pose = world_from_head(camera);
     std::vector<float> responses(compound.eye.size() * 3), rays;

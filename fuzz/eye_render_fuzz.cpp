@@ -38,13 +38,10 @@ std::shared_ptr<const omma::Scene> tiny_scene() {
 // The ways to render, one after the other with the size of the file.
 omma::RenderSettings settings_of(std::size_t size) {
   omma::RenderSettings settings;
-  settings.samples = 4;
+  settings.sampling = omma::Fixed{4};
   settings.threads = 1;
-  if (size % 4 == 1) settings.share_rays = true;
-  if (size % 4 == 2) {
-    settings.error = 0.05;
-    settings.most_samples = 16;
-  }
+  if (size % 4 == 1) settings.sampling = omma::Shared{4};
+  if (size % 4 == 2) settings.sampling = omma::ToError{0.05, 4, 16};
   if (size % 4 == 3) settings.kernel = omma::Kernel::compoundray;
   return settings;
 }

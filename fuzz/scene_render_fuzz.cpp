@@ -45,7 +45,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                           OMMA_FUZZ_BESIDE "/scene.gltf", options));
     if (!is_small(*scene)) return 0;
     omma::RenderSettings settings;
-    settings.samples = 4;
+    settings.sampling = omma::Fixed{4};
     settings.threads = 1;
     const omma::Renderer renderer(scene, small_eye(), settings);
     std::vector<omma::Mat4> poses(1);

@@ -8,6 +8,7 @@
 
 #include "render_poses.h"
 #include "render_state.h"
+#include "sampling/sampling_choice.h"
 #include "threads/arena.h"
 #include "threads/parallel.h"
 #include "threads/thread_memory.h"
@@ -18,34 +19,40 @@ namespace {
 // Radiance is at most 1e15, and sums of it stay in single precision.
 constexpr double most_output_weight = 1e6;
 
-void check_settings(const RenderSettings& s) {
-  if (s.samples < 1 || s.samples > max_samples)
-    throw Error("samples: expected 1 to " + std::to_string(max_samples) + ", found " +
-                std::to_string(s.samples));
-  if (!std::isfinite(s.error) || s.error < 0)
-    throw Error("error: expected 0 (none) or a positive radiance, found " +
+void check_samples(const std::string& sampling, int samples, int most) {
+  if (samples < 1 || samples > most)
+    throw Error("sampling: " + sampling + " expects 1 to " + std::to_string(most) +
+                " samples, found " + std::to_string(samples));
+}
+
+void check_to_error(const ToError& s) {
+  if (!std::isfinite(s.error) || s.error <= 0)
+    throw Error("sampling: ToError expects an error above 0, a radiance, found " +
                 std::to_string(s.error));
-  if (s.error > 0 && (s.samples < 4 || (s.samples & (s.samples - 1)) != 0))
-    throw Error(
-        "samples: expected a power of two from 4 on as the least number of rays where an "
-        "error is given, found " +
-        std::to_string(s.samples));
-  if (s.error > 0 && (s.most_samples < s.samples || s.most_samples > max_samples))
-    throw Error("most_samples: expected " + std::to_string(s.samples) + " (samples) to " +
-                std::to_string(max_samples) + ", found " + std::to_string(s.most_samples));
-  if (s.share_rays && s.error > 0) throw Error("share_rays: not where rays go to reach an error");
+  if (s.least < 4 || s.least > max_samples || (s.least & (s.least - 1)) != 0)
+    throw Error("sampling: ToError expects a power of two from 4 to " +
+                std::to_string(max_samples) + " as the least rays, found " +
+                std::to_string(s.least));
+  if (s.most < s.least || s.most > max_samples)
+    throw Error("sampling: ToError expects " + std::to_string(s.least) + " (the least) to " +
+                std::to_string(max_samples) + " as the most rays, found " + std::to_string(s.most));
+}
+
+void check_settings(const RenderSettings& s) {
+  if (const auto* fixed = std::get_if<Fixed>(&s.sampling))
+    check_samples("Fixed", fixed->samples, max_samples);
+  if (const auto* target = std::get_if<ToError>(&s.sampling)) check_to_error(*target);
+  if (const auto* shared = std::get_if<Shared>(&s.sampling)) {
+    check_samples("Shared", shared->samples, max_shared_samples);
+    if (s.points == Points::random) throw Error("sampling: Shared, not with random points");
+    if (s.noise != Noise::frozen)
+      throw Error("noise: expected frozen where rays are shared, which are fixed to the head");
+  }
   if (s.kernel && *s.kernel > Kernel::compoundray)
     throw Error(
         "kernel: expected gaussian, pillbox or compoundray, which an acceptance angle says "
         "all of; others belong to the eye");
-  if (s.share_rays && s.sampling == Sampling::random)
-    throw Error("share_rays: not with random sampling");
-  if (s.share_rays && s.samples > max_shared_samples)
-    throw Error("samples: expected 1 to " + std::to_string(max_shared_samples) +
-                " where rays are shared, found " + std::to_string(s.samples));
   check_threads(s.threads);
-  if (s.share_rays && s.noise != Noise::frozen)
-    throw Error("noise: expected frozen where rays are shared, which are fixed to the head");
 }
 
 void check_output(const char* name, std::span<float> output, std::size_t expected) {
@@ -78,11 +85,11 @@ Outputs make_outputs(std::span<const double> output_from_band, int bands) {
 
 // What neighbours cannot share rays with.
 static void check_sharing(const Eye& eye, const RenderSettings& settings) {
-  if (!settings.share_rays) return;
+  if (!shares_rays(settings.sampling)) return;
   std::size_t lenses = 0;
   for (std::size_t i = 0; i < eye.size(); ++i) {
     const auto refuse = [&](const char* what) {
-      throw Error(std::string("share_rays: not with ") + what + ", as ommatidium " +
+      throw Error(std::string("sampling: Shared, not with ") + what + ", as ommatidium " +
                   std::to_string(i) + " has");
     };
     const Acceptance acceptance = rendered_acceptance(eye, settings, i);
@@ -95,8 +102,8 @@ static void check_sharing(const Eye& eye, const RenderSettings& settings) {
   // Among others they have their own rays; alone nothing would come of what was asked for.
   if (lenses > 0 && lenses == eye.size())
     throw Error(
-        "share_rays: not where all ommatidia have the kernels airy and lens_rhabdom, whose dark "
-        "rings go on to the side");
+        "sampling: Shared, not where all ommatidia have the kernels airy and lens_rhabdom, whose "
+        "dark rings go on to the side");
 }
 
 Renderer::State::State(World seen, Eye its_eye, RenderSettings its_settings,
@@ -110,16 +117,16 @@ Renderer::State::State(World seen, Eye its_eye, RenderSettings its_settings,
   settings.background.reset();
   run_in_arena(*threads.arena, [&] {
     const auto start = Clock::now();
-    directions.push_back(make_direction_tables(eye, settings, known));
-    RenderSettings round = settings;
-    for (round.samples *= 2; settings.error > 0 && round.samples <= settings.most_samples;
-         round.samples *= 2)
-      directions.push_back(make_direction_tables(eye, round, &directions.front()));
+    const int first = first_samples(settings.sampling);
+    const auto* target = std::get_if<ToError>(&settings.sampling);
+    directions.push_back(make_direction_tables(eye, settings, first, known));
+    for (int samples = 2 * first; target != nullptr && samples <= target->most; samples *= 2)
+      directions.push_back(make_direction_tables(eye, settings, samples, &directions.front()));
     eye_arrays = make_eye_arrays(eye, directions.front());
     eye_view = omma::view(eye_arrays);
     for (const DirectionTables& tables : directions) direction_views.push_back(omma::view(tables));
-    if (settings.error > 0) nearest = nearest_in_blocks(eye_arrays, most_per_block);
-    if (settings.share_rays) shared_set(*this, 0);
+    if (target != nullptr) nearest = nearest_in_blocks(eye_arrays, most_per_block);
+    if (shares_rays(settings.sampling)) shared_set(*this, 0);
     times.directions_s = seconds_since(start);
   });
 }
@@ -167,11 +174,12 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
   if (!call.rays.empty() && call.rays.size() != poses * ommatidia)
     throw Error("rays: expected room for " + std::to_string(poses * ommatidia) +
                 " values (pose x ommatidium), found " + std::to_string(call.rays.size()));
-  const bool to_error = s.settings.error > 0;
-  const std::size_t rays_size = pose_size * static_cast<std::size_t>(s.settings.samples);
+  const auto* to_error = std::get_if<ToError>(&s.settings.sampling);
+  const int samples = first_samples(s.settings.sampling);
+  const std::size_t rays_size = pose_size * static_cast<std::size_t>(samples);
   if (!call.ray_radiance.empty()) {
     if (!call.standard_error.empty()) throw Error("ray_radiance: not together with standard_error");
-    if (to_error || s.settings.share_rays)
+    if (!std::holds_alternative<Fixed>(s.settings.sampling))
       throw Error("ray_radiance: only where every ommatidium has its own, equally many rays");
     if (call.ray_radiance.size() != poses * rays_size)
       throw Error("ray_radiance: expected room for " + std::to_string(poses * rays_size) +
@@ -185,7 +193,7 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
                                         ? call.first_pose.value_or(0)
                                         : s.frames.fetch_add(poses);
 
-  if (s.settings.share_rays) return render_shared(s, traced, responses, call, outputs);
+  if (shares_rays(s.settings.sampling)) return render_shared(s, traced, responses, call, outputs);
 
   // One block of ommatidia at one pose is a task: some 512 rays, but no more than fit its sums.
   Blocks blocks{{s.view(), &s.eye_view, s.direction_views.data()},
@@ -194,20 +202,22 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
   FrameView& frame = blocks.frame;
   frame.outputs = outputs.count;
   if (!outputs.from_band.empty()) frame.output_from_band = outputs.from_band.data();
-  if (to_error) {
+  if (to_error != nullptr) {
     frame.rounds = static_cast<int>(s.directions.size());
-    frame.error = s.settings.error;
-    frame.most_samples = s.settings.most_samples;
+    frame.error = to_error->error;
+    frame.most_samples = to_error->most;
     frame.nearest = s.nearest.data();
   } else if (!call.standard_error.empty()) {
     frame.scrambles = error_scrambles;
   }
-  const int rays_each = s.settings.samples * frame.scrambles;
+  const int rays_each = samples * frame.scrambles;
   blocks.per_block = std::clamp(block_rays / rays_each, 1,
                                 std::min(most_per_block, block_capacity / frame.scrambles));
   // Neighbours are heard within a block, so that it is large whatever the least number of rays.
-  if (to_error) blocks.per_block = most_per_block;
-  if (!to_error) std::fill(call.rays.begin(), call.rays.end(), rays_each);
+  if (to_error != nullptr)
+    blocks.per_block = most_per_block;
+  else
+    std::fill(call.rays.begin(), call.rays.end(), rays_each);
   const std::size_t blocks_per_pose = blocks.count();
   const auto run_task = [&](std::size_t index) {
     const std::size_t p = index / blocks_per_pose;
@@ -220,7 +230,7 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
     if (!call.ray_radiance.empty()) task.ray_radiance = call.ray_radiance.data() + p * rays_size;
     trace_task(blocks, task);
   };
-  const int most_rays = to_error ? s.settings.most_samples : rays_each;
+  const int most_rays = to_error != nullptr ? to_error->most : rays_each;
   run_in_stretches(poses * blocks_per_pose, static_cast<double>(most_rays) * blocks.per_block,
                    s.threads.threads, call.progress, [&](std::size_t begin, std::size_t end) {
                      run_in_arena(*s.threads.arena, [&] { parallel_for(begin, end, run_task); });
@@ -282,11 +292,12 @@ const BuildTimes& Renderer::build_times() const {
   return state_->times;
 }
 std::size_t Renderer::rays_per_frame() const {
-  if (state_->settings.share_rays) return shared_set(*state_, 0).rays.rays.size();
-  return state_->eye.size() * static_cast<std::size_t>(state_->settings.samples);
+  const Sampling& sampling = state_->settings.sampling;
+  if (shares_rays(sampling)) return shared_set(*state_, 0).rays.rays.size();
+  return state_->eye.size() * static_cast<std::size_t>(first_samples(sampling));
 }
 std::vector<char> Renderer::shared_ommatidia() const {
-  if (!state_->settings.share_rays) return std::vector<char>(state_->eye.size(), 0);
+  if (!shares_rays(state_->settings.sampling)) return std::vector<char>(state_->eye.size(), 0);
   return shared_set(*state_, 0).rays.is_shared;
 }
 std::string Renderer::precision_warning(std::span<const Mat4> world_from_head) const {

@@ -97,7 +97,7 @@ void run_in_stretches(std::size_t tasks, double rays_per_task, int threads,
 // The set of shared rays number `pattern`, made if it is not there yet.
 const SharedSet& shared_set(const Renderer::State& state, int pattern);
 
-// Renderer::render with settings.share_rays, arguments checked.
+// Renderer::render with Shared, arguments checked.
 void render_shared(const Renderer::State& state, std::span<const Mat4> world_from_head,
                    std::span<float> responses, const RenderCall& call, const Outputs& outputs);
 

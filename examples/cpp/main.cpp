@@ -20,9 +20,8 @@ void see(const std::string& scene_path, const std::string& left_path, const std:
   omma::Eye head = omma::merge_eyes(eyes);
 
   // Build. This makes the acceleration structure once; render as often as you like.
-  omma::RenderSettings settings;
-  settings.samples = 64;  // rays per ommatidium
-  const omma::Renderer renderer(scene, std::move(head), settings);
+  const omma::Fixed sampling{.samples = 64};  // rays per ommatidium
+  const omma::Renderer renderer(scene, std::move(head), {.sampling = sampling});
 
   // Render: where the scene's first camera is, or else 1.5 m above the origin, looking along -Z.
   const omma::Mat4 world_from_head = scene->cameras.empty()
@@ -36,7 +35,7 @@ void see(const std::string& scene_path, const std::string& left_path, const std:
   for (std::size_t i = 0; i < responses.size(); ++i)
     mean[i % omma::rgb_bands] += responses[i] / static_cast<double>(ommatidia);
   std::printf("%zu ommatidia, %d rays each, %s, mean response %.4f %.4f %.4f\n", ommatidia,
-              settings.samples, renderer.backend().c_str(), mean[0], mean[1], mean[2]);
+              sampling.samples, renderer.backend().c_str(), mean[0], mean[1], mean[2]);
 
   // Save: every pixel shows the ommatidium whose axis is nearest, if it is within 5 degrees.
   const int width = 1024, height = 512;

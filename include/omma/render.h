@@ -12,6 +12,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "omma/error.h"
@@ -22,10 +23,53 @@
 
 namespace omma {
 
-enum class Sampling : std::uint8_t {
+inline constexpr int max_samples = 1 << 20;
+inline constexpr int max_shared_samples = 256;
+
+// As many rays for every ommatidium.
+struct Fixed {
+  int samples = 16;  // rays per ommatidium and scramble, 1 to max_samples
+
+  bool operator==(const Fixed&) const = default;
+};
+
+// Rays go on in rounds, to the ommatidia that need them, until the estimated standard error of each
+// response is at most `error` or an ommatidium has had `most` rays.
+struct ToError {
+  double error = 0;  // radiance, above 0; 1 is full scale
+  int least = 8;     // rays of the first round, a power of two from 4 on
+  int most = 4096;   // least to max_samples
+
+  bool operator==(const ToError&) const = default;
+};
+
+// Neighbouring ommatidia share rays: about `samples` per ommatidium in all, but each uses those of
+// its neighbours too, through their nodal points. Far less error for the same rays; surfaces at a
+// distance d are seen with an acceptance angle 1 + R/d times as wide on an eye of radius R. Not
+// with random points, apertures, or sensitivities that are not round or `compoundray`, nor where
+// rays or weights would be too many (2^23 rays, 2^27 weights).
+struct Shared {
+  int samples = 16;  // 1 to max_shared_samples
+
+  bool operator==(const Shared&) const = default;
+};
+
+using Sampling = std::variant<Fixed, ToError, Shared>;
+
+// A value that an option can have, and what it is called where options are set by name.
+template <typename Value>
+struct NamedValue {
+  const char* name;
+  Value value;
+};
+
+// Where in its angular sensitivity an ommatidium's rays go.
+enum class Points : std::uint8_t {
   low_discrepancy,  // scrambled Sobol points moved apart, another set per pose and ommatidium
   random,           // independent pseudo-random samples
 };
+inline constexpr NamedValue<Points> points_names[] = {{"low_discrepancy", Points::low_discrepancy},
+                                                      {"random", Points::random}};
 
 // Each estimate takes one of many patterns of rays, so responses have noise; this says which.
 enum class Noise : std::uint8_t {
@@ -36,35 +80,42 @@ enum class Noise : std::uint8_t {
   // truth, and what stands still flickers.
   new_every_frame,
 };
+inline constexpr NamedValue<Noise> noise_names[] = {{"frozen", Noise::frozen},
+                                                    {"new_every_frame", Noise::new_every_frame}};
 
-inline constexpr int max_samples = 1 << 20;
-inline constexpr int max_shared_samples = 256;
+// RenderSettings::kernel
+inline constexpr NamedValue<std::optional<Kernel>> kernel_names[] = {
+    {"own", std::nullopt},
+    {"gaussian", Kernel::gaussian},
+    {"pillbox", Kernel::pillbox},
+    {"compoundray", Kernel::compoundray}};
 
 struct RenderSettings {
-  int samples = 16;  // rays per ommatidium and scramble, 1 to max_samples
+  Sampling sampling = Fixed{};
   std::uint64_t seed = 0;
   // None: each ommatidium's own angular sensitivity. Else all have this one (gaussian, pillbox or
   // compoundray), as wide as their acceptance angles.
   std::optional<Kernel> kernel = std::nullopt;
-  Sampling sampling = Sampling::low_discrepancy;
+  Points points = Points::low_discrepancy;
   int threads = 0;                                      // 0: one per hardware thread
   std::optional<Background> background = std::nullopt;  // instead of the world's own
   // Rays read textures averaged over their part of the solid angle: less noise, and the acceptance
   // function's modulation transfer stays within 0.01.
   bool footprints = true;
-  // Above 0: rays go on in rounds, to the ommatidia that need them, until the estimated standard
-  // error of each response is at most this (a radiance of 1 is full scale) or an ommatidium has had
-  // most_samples rays. `samples` is then the least, a power of two from 4 on.
-  double error = 0;
-  int most_samples = 4096;
-  // Neighbouring ommatidia share rays: about `samples` per ommatidium in all, but each uses those
-  // of its neighbours too, through their nodal points. Far less error for the same rays; surfaces
-  // at a distance d are seen with an acceptance angle 1 + R/d times as wide on an eye of radius R.
-  // Not with `error`, Sampling::random, apertures, or sensitivities that are not round or
-  // `compoundray`, nor where rays or weights would be too many (2^23 rays, 2^27 weights).
-  bool share_rays = false;
-  Noise noise = Noise::frozen;  // only frozen with share_rays, whose rays are fixed to the head
+  Noise noise = Noise::frozen;  // only frozen with Shared, whose rays are fixed to the head
 };
+
+// Calls f(name, option) for each option that can be set by name, as from Python, and where its
+// values have names f(name, option, their names). A new option is a member above and a line here.
+template <typename Settings, typename F>  // RenderSettings, const or not
+void for_each_option(Settings& settings, F&& f) {
+  f("seed", settings.seed);
+  f("kernel", settings.kernel, kernel_names);
+  f("points", settings.points, points_names);
+  f("threads", settings.threads);
+  f("footprints", settings.footprints);
+  f("noise", settings.noise, noise_names);
+}
 
 // Scrambles that a standard error is computed from: with one asked for, every ommatidium gets this
 // many independent estimates of `samples` rays; the response is their mean.
@@ -137,9 +188,9 @@ class Renderer {
   int threads() const;
   // Rays that a frame takes without a standard error; with an error to reach, at least.
   std::size_t rays_per_frame() const;
-  // [ommatidium], 1 where its rays count for its neighbours too (settings.share_rays) and theirs
-  // for it. Those have their own that would gain nothing, and those that cannot: an acceptance
-  // angle of 0, `airy` and `lens_rhabdom`, fields too narrow for a lattice over the sphere.
+  // [ommatidium], 1 where its rays count for its neighbours too (with Shared) and theirs for it.
+  // Those have their own that would gain nothing, and those that cannot: an acceptance angle of 0,
+  // `airy` and `lens_rhabdom`, fields too narrow for a lattice over the sphere.
   std::vector<char> shared_ommatidia() const;
   std::string backend() const;  // e.g. "embree 3.13.5"
 

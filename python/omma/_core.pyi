@@ -686,34 +686,17 @@ class RenderSettings:
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self, *, samples: int, seed: int, kernel: str, sampling: str, threads: int, footprints: bool, share_rays: bool, noise: str, error: float, most_samples: int) -> None: ...
+    def __init__(self, *, sampling: tuple[str, int] | tuple[str, float, int, int], **options: object) -> None:
+        """
+        ``sampling`` is ('fixed', samples), ('to_error', error, least, most) or
+        ('shared', samples); the options are those of RenderSettings in omma/render.h.
+        """
 
     @property
-    def samples(self) -> int: ...
+    def sampling(self, /) -> tuple[Any, ...]: ...
 
     @property
-    def seed(self) -> int: ...
-
-    @property
-    def kernel(self) -> str: ...
-
-    @property
-    def sampling(self) -> str: ...
-
-    @property
-    def footprints(self) -> bool: ...
-
-    @property
-    def share_rays(self) -> bool: ...
-
-    @property
-    def noise(self) -> str: ...
-
-    @property
-    def error(self) -> float: ...
-
-    @property
-    def most_samples(self) -> int: ...
+    def options(self, /) -> dict[str, Any]: ...
 
 class Renderer:
     """The engine; `omma.Renderer` is the one to use."""

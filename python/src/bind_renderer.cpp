@@ -6,6 +6,9 @@
 
 #include <optional>
 #include <span>
+#include <string>
+#include <type_traits>
+#include <variant>
 
 #include "arrays.h"
 #include "omma/pose.h"
@@ -15,33 +18,6 @@
 namespace omma::python {
 
 namespace {
-
-constexpr std::pair<const char*, std::optional<Kernel>> kernels[] = {
-    {"own", std::nullopt},
-    {"gaussian", Kernel::gaussian},
-    {"pillbox", Kernel::pillbox},
-    {"compoundray", Kernel::compoundray}};
-constexpr std::pair<const char*, Sampling> samplings[] = {
-    {"low_discrepancy", Sampling::low_discrepancy}, {"random", Sampling::random}};
-constexpr std::pair<const char*, Noise> noises[] = {{"frozen", Noise::frozen},
-                                                    {"new_every_frame", Noise::new_every_frame}};
-
-template <typename Table>
-auto by_name(const Table& table, const std::string& name, const std::string& argument) {
-  std::string names;
-  for (const auto& [known, value] : table) {
-    if (name == known) return value;
-    names += (names.empty() ? "" : ", ") + std::string(known);
-  }
-  throw Error(argument + ": expected one of " + names + ", found '" + name + "'");
-}
-
-template <typename Table, typename Value>
-const char* name_of(const Table& table, Value wanted) {
-  for (const auto& [known, value] : table)
-    if (value == wanted) return known;
-  return "";
-}
 
 using Poses = nb::ndarray<nb::numpy, const double, nb::shape<-1, 4, 4>, nb::c_contig>;
 using Output = nb::ndarray<nb::numpy, float, nb::ndim<3>, nb::c_contig>;
@@ -74,22 +50,89 @@ void render(const Renderer& renderer, const Poses& poses, const Output& response
   });
 }
 
-RenderSettings settings_of(int samples, std::uint64_t seed, const std::string& kernel,
-                           const std::string& sampling, int threads, bool footprints,
-                           bool share_rays, const std::string& noise, double error,
-                           int most_samples) {
+std::string repr_of(nb::handle object) {
+  return str_of(nb::repr(object));
+}
+
+void read_option(const char* name, auto& value, nb::handle given) {
+  using Value = std::remove_reference_t<decltype(value)>;
+  if (nb::try_cast(given, value)) return;
+  const char* expected = std::is_same_v<Value, bool> ? "True or False" : "a number in its range";
+  throw Error(std::string(name) + ": expected " + expected + ", found " + repr_of(given));
+}
+
+void read_option(const char* name, auto& value, nb::handle given, const auto& names) {
+  std::string found, known;
+  for (const auto& named : names) {
+    if (nb::try_cast(given, found) && found == named.name) {
+      value = named.value;
+      return;
+    }
+    known += (known.empty() ? "" : ", ") + std::string(named.name);
+  }
+  throw Error(std::string(name) + ": expected one of " + known + ", found " + repr_of(given));
+}
+
+nb::object option_object(const auto& value) {
+  return nb::cast(value);
+}
+
+nb::object option_object(const auto& value, const auto& names) {
+  for (const auto& named : names)
+    if (named.value == value) return nb::str(named.name);
+  return nb::none();
+}
+
+Sampling sampling_of(const nb::tuple& given) {
+  const auto holds = [&](const char* kind, auto&... numbers) {
+    std::string found;
+    std::size_t i = 1;
+    return given.size() == 1 + sizeof...(numbers) && nb::try_cast(given[0], found) &&
+           found == kind && (nb::try_cast(given[i++], numbers) && ...);
+  };
+  Fixed fixed;
+  ToError to_error;
+  Shared shared;
+  if (holds("fixed", fixed.samples)) return fixed;
+  if (holds("to_error", to_error.error, to_error.least, to_error.most)) return to_error;
+  if (holds("shared", shared.samples)) return shared;
+  throw Error(
+      "sampling: expected ('fixed', samples), ('to_error', error, least, most) or "
+      "('shared', samples), found " +
+      repr_of(given));
+}
+
+nb::tuple sampling_tuple(const Fixed& s) {
+  return nb::make_tuple("fixed", s.samples);
+}
+nb::tuple sampling_tuple(const ToError& s) {
+  return nb::make_tuple("to_error", s.error, s.least, s.most);
+}
+nb::tuple sampling_tuple(const Shared& s) {
+  return nb::make_tuple("shared", s.samples);
+}
+
+// `options` loses what is read from it.
+RenderSettings settings_of(const nb::tuple& sampling, nb::dict options) {
   RenderSettings settings;
-  settings.samples = samples;
-  settings.seed = seed;
-  settings.kernel = by_name(kernels, kernel, "kernel");
-  settings.sampling = by_name(samplings, sampling, "sampling");
-  settings.threads = threads;
-  settings.noise = by_name(noises, noise, "noise");
-  settings.footprints = footprints;
-  settings.share_rays = share_rays;
-  settings.error = error;
-  settings.most_samples = most_samples;
+  settings.sampling = sampling_of(sampling);
+  std::string known;
+  for_each_option(settings, [&](const char* name, auto& value, const auto&... names) {
+    known += (known.empty() ? "" : ", ") + std::string(name);
+    if (options.contains(name))
+      read_option(name, value, nb::object(options.attr("pop")(name)), names...);
+  });
+  for (const auto& [name, value] : options)
+    throw Error("options: expected " + known + ", found " + str_of(name));
   return settings;
+}
+
+nb::dict options_of(const RenderSettings& settings) {
+  nb::dict options;
+  for_each_option(settings, [&](const char* name, const auto& value, const auto&... names) {
+    options[name] = option_object(value, names...);
+  });
+  return options;
 }
 
 nb::object build_times(const Renderer& renderer) {
@@ -106,26 +149,23 @@ void bind_renderer(nb::module_& m) {
   nb::class_<RenderSettings>(m, "RenderSettings", "What `omma.Renderer` was asked for.")
       .def(
           "__init__",
-          [](RenderSettings* self, int samples, std::uint64_t seed, const std::string& kernel,
-             const std::string& sampling, int threads, bool footprints, bool share_rays,
-             const std::string& noise, double error, int most_samples) {
-            new (self)
-                RenderSettings(settings_of(samples, seed, kernel, sampling, threads, footprints,
-                                           share_rays, noise, error, most_samples));
+          [](RenderSettings* self, const nb::tuple& sampling, const nb::kwargs& options) {
+            new (self) RenderSettings(settings_of(sampling, options));
           },
-          nb::kw_only(), nb::arg("samples"), nb::arg("seed"), nb::arg("kernel"),
-          nb::arg("sampling"), nb::arg("threads"), nb::arg("footprints"), nb::arg("share_rays"),
-          nb::arg("noise"), nb::arg("error"), nb::arg("most_samples"))
-      .def_ro("samples", &RenderSettings::samples)
-      .def_ro("seed", &RenderSettings::seed)
-      .def_prop_ro("kernel", [](const RenderSettings& s) { return name_of(kernels, s.kernel); })
-      .def_prop_ro("sampling",
-                   [](const RenderSettings& s) { return name_of(samplings, s.sampling); })
-      .def_ro("footprints", &RenderSettings::footprints)
-      .def_ro("share_rays", &RenderSettings::share_rays)
-      .def_prop_ro("noise", [](const RenderSettings& s) { return name_of(noises, s.noise); })
-      .def_ro("error", &RenderSettings::error)
-      .def_ro("most_samples", &RenderSettings::most_samples);
+          nb::kw_only(), nb::arg("sampling"), nb::arg("options"),
+          nb::sig("def __init__(self, *, sampling: tuple[str, int] | tuple[str, float, int, int], "
+                  "**options: object) -> None"),
+          "``sampling`` is ('fixed', samples), ('to_error', error, least, most) or\n"
+          "('shared', samples); the options are those of RenderSettings in omma/render.h.")
+      .def_prop_ro(
+          "sampling",
+          [](const RenderSettings& s) {
+            return std::visit([](const auto& chosen) { return sampling_tuple(chosen); },
+                              s.sampling);
+          },
+          nb::for_getter(nb::sig("def sampling(self, /) -> tuple[typing.Any, ...]")))
+      .def_prop_ro("options", &options_of,
+                   nb::for_getter(nb::sig("def options(self, /) -> dict[str, typing.Any]")));
 
   nb::class_<Renderer>(m, "Renderer", "The engine; `omma.Renderer` is the one to use.")
       .def(

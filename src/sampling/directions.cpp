@@ -9,10 +9,11 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "physics/low_discrepancy.h"
 #include "optics/acceptance_hash.h"
 #include "optics/footprint_width.h"
+#include "physics/low_discrepancy.h"
 #include "sampling/even_points.h"
+#include "sampling/sampling_choice.h"
 #include "threads/parallel.h"
 
 namespace omma {
@@ -122,16 +123,16 @@ Acceptance rendered_acceptance(const Eye& eye, const RenderSettings& settings, s
   return acceptance;
 }
 
-DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& settings,
+DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& settings, int samples,
                                       const DirectionTables* known_tables) {
   DirectionTables tables;
-  tables.samples = settings.samples;
-  tables.sampling = settings.sampling;
+  tables.samples = samples;
+  tables.points = settings.points;
   tables.seed = settings.seed;
 
   // One warp per distinct acceptance, or per level of their widths.
   std::vector<Acceptance> acceptances = rendered_acceptances(eye, settings);
-  if (!settings.share_rays) tables.scale_of = use_width_levels(acceptances);
+  if (!shares_rays(settings.sampling)) tables.scale_of = use_width_levels(acceptances);
   std::unordered_map<Acceptance, std::uint32_t, AcceptanceHash> known;
   std::vector<Acceptance> distinct;
   for (const Acceptance& acceptance : acceptances) {
@@ -151,9 +152,9 @@ DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& sett
 
   for (const AcceptanceWarp& warp : tables.warps) {
     tables.warp_views.push_back(view(warp));
-    tables.footprint_rad.push_back(settings.footprints ? static_cast<float>(footprint_width_rad(
-                                                             warp.sensitivity, settings.samples))
-                                                       : 0.0f);
+    const double width_rad =
+        settings.footprints ? footprint_width_rad(warp.sensitivity, samples) : 0;
+    tables.footprint_rad.push_back(static_cast<float>(width_rad));
     tables.fixed_turn.push_back(warp.round ? -1 : static_cast<std::int32_t>(turn_count));
   }
 
@@ -163,15 +164,15 @@ DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& sett
         {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))});
   }
   tables.turns.push_back({1, 0});
-  if (settings.sampling == Sampling::random) {
+  if (settings.points == Points::random) {
     tables.polar = make_polar_tables(tables.warps);
     return tables;
   }
-  tables.patterns = choose_pattern_count(settings.samples, distinct.size());
+  tables.patterns = choose_pattern_count(samples, distinct.size());
   if (tables.patterns == 0) return tables;
 
   // The scrambled points are shared by all warps; the directions are not.
-  const std::size_t n = static_cast<std::size_t>(settings.samples);
+  const std::size_t n = static_cast<std::size_t>(samples);
   const std::size_t patterns = static_cast<std::size_t>(tables.patterns);
   std::vector<std::vector<Vec3d>> normals(patterns, std::vector<Vec3d>(n));
   parallel_for(std::size_t{0}, patterns, [&](std::size_t k) {
@@ -198,7 +199,7 @@ DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& sett
 
 DirectionsView view(const DirectionTables& t) {
   return {t.samples,
-          t.sampling == Sampling::random,
+          t.points == Points::random,
           t.seed,
           t.patterns,
           t.local.data(),

@@ -22,7 +22,7 @@ struct DirectionTables {
   DirectionTables& operator=(DirectionTables&&) = default;
 
   int samples = 0;
-  Sampling sampling = Sampling::low_discrepancy;
+  Points points = Points::low_discrepancy;
   std::uint64_t seed = 0;
   std::vector<AcceptanceWarp> warps;   // [distinct acceptance]
   std::vector<AcceptanceWarpView> warp_views;  // of them
@@ -37,16 +37,16 @@ struct DirectionTables {
   // [warp][pattern][x, y, z][samples], unit, in a frame with x up, y right and z along the axis.
   std::vector<float> local;
   std::vector<Vec2> turns;  // [turn_count + 1], cosine and sine; the last is no turn
-  PolarTables polar;        // with random sampling
+  PolarTables polar;        // with random points
 };
 
 // The sensitivity that an ommatidium is rendered with: its own, or where the settings name a kernel
 // that one, as wide.
 Acceptance rendered_acceptance(const Eye& eye, const RenderSettings& settings, std::size_t i);
 
-// For estimates of settings.samples rays. Warps for the same acceptance are taken from `known`,
-// where there are some.
-DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& settings,
+// For estimates of `samples` rays, whatever the settings say of their number. Warps for the same
+// acceptance are taken from `known`, where there are some.
+DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& settings, int samples,
                                       const DirectionTables* known = nullptr);
 
 // Points into the tables.

@@ -98,7 +98,7 @@ double sharing_gain(const Group& group, const SphereCells& cells, std::size_t k)
 }
 
 [[noreturn]] void refuse_weights(std::size_t ommatidia, double weights) {
-  throw Error("share_rays: " + std::to_string(ommatidia) +
+  throw Error("sampling: Shared, but " + std::to_string(ommatidia) +
               " ommatidia whose fields overlap would count about " +
               std::to_string(static_cast<long long>(weights)) +
               " rays together, each for itself, more than " + std::to_string(most_shared_weights) +
@@ -361,7 +361,7 @@ void add_own_rays(SharedRays& shared, const Eye& eye, const DirectionTables& tab
 SharedRays make_shared_rays(const Eye& eye, const DirectionTables& tables, int set) {
   const double most_rays = static_cast<double>(eye.size()) * tables.samples;
   if (most_rays > static_cast<double>(most_shared_rays))
-    throw Error("share_rays: expected at most " + std::to_string(most_shared_rays) +
+    throw Error("sampling: Shared expects at most " + std::to_string(most_shared_rays) +
                 " rays, found " + std::to_string(static_cast<long long>(most_rays)) + " (" +
                 std::to_string(eye.size()) + " ommatidia, " + std::to_string(tables.samples) +
                 " samples): take fewer samples");

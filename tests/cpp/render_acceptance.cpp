@@ -42,8 +42,7 @@ double measured_width_rad(Kernel kernel, double acceptance_rad, double sweep_phi
       angle.push_back(theta);
       axes.push_back(direction_about(towards, theta, sweep_phi_rad));
     }
-  const Result result =
-      render(scene, make_eye(axes, acceptance_rad), {1 << 15, 3, kernel, {}, 0, {}});
+  const Result result = render(scene, make_eye(axes, acceptance_rad), {Fixed{1 << 15}, 3, kernel});
   double peak = 0;
   for (std::size_t i = 0; i < centre; ++i) peak += result.at(i) / centre;
   double width = 0;
@@ -100,7 +99,7 @@ double measured_modulation(Kernel kernel, double acceptance_rad, int cycles, boo
     phase.push_back(cycles * angle);
     axes.push_back(vertical ? from_azimuth_elevation(1, angle) : from_azimuth_elevation(angle, 0));
   }
-  const Result result = render(scene, make_eye(axes, acceptance_rad), {8192, 3, kernel, {}, 0, {}});
+  const Result result = render(scene, make_eye(axes, acceptance_rad), {Fixed{8192}, 3, kernel});
   double modulation = 0;
   for (std::size_t i = 0; i < phases; ++i)
     modulation += 2.0 / phases * 2 * (result.at(i) - 0.5) * std::cos(phase[i]);
@@ -165,7 +164,7 @@ TEST(Acceptance, LightWithinTheWidth) {
   add_instance(scene, add_mesh(scene, disc));
   const Eye eye = make_eye(Vec3d{0, 0, -1}, acceptance, 64);
   const auto share = [&](Kernel kernel) {
-    const Result result = render(scene, eye, {4096, 1, kernel, {}, 0, {}});
+    const Result result = render(scene, eye, {Fixed{4096}, 1, kernel});
     double sum = 0;
     for (std::size_t i = 0; i < 64; ++i) sum += result.at(i) / 64;
     return sum;

@@ -9,7 +9,7 @@ namespace {
 Vec3 seen(const Background& background, Vec3d direction, const Mat4& pose = {}) {
   Scene scene;
   scene.background = background;
-  const Result result = render(scene, make_eye(direction, 0), {1, 0, {}, {}, 0, {}}, pose);
+  const Result result = render(scene, make_eye(direction, 0), {.sampling = Fixed{1}}, pose);
   return {result.response[0], result.response[1], result.response[2]};
 }
 
@@ -97,7 +97,7 @@ TEST(Background, EightBitImagesAreDecodedFromSrgb) {
 TEST(Background, TheCallersOverridesTheScenes) {
   Scene scene;
   scene.background = constant_background({1, 0, 0});
-  RenderSettings settings{1, 0, {}, {}, 0, {}};
+  RenderSettings settings{.sampling = Fixed{1}};
   settings.background = constant_background({0, 1, 0});
   const Eye eye = make_eye(Vec3d{0, 0, -1}, 0);
   EXPECT_EQ(render(scene, eye, settings).at(0, 1), 1);

@@ -65,7 +65,7 @@ TEST(Bands, AreWhatTheReferenceSees) {
     const Eye eye = make_eye(sphere_directions(400), 0);
     for (const int bands : band_counts) {
       const std::vector<double> matrix = some_matrix(bands);
-      const Renderer renderer(world_in_bands(scene, matrix), eye, {.samples = 1});
+      const Renderer renderer(world_in_bands(scene, matrix), eye, {.sampling = Fixed{1}});
       const Bands found = render_bands(renderer);
       for (std::size_t i = 0; i < eye.size(); ++i) {
         const Radiance expected = reference_radiance(reference, axis_ray({}, eye, i));
@@ -92,9 +92,10 @@ TEST(Bands, AreTheMatrixTimesRgb) {
   for (const std::uint64_t seed : {4u, 5u, 6u}) {
     const Scene scene = random_scene(seed);
     for (const bool with_error : {false, true})
-      for (RenderSettings settings : {RenderSettings{.samples = 5}, RenderSettings{.samples = 32},
-                                      RenderSettings{.samples = 8, .share_rays = true},
-                                      RenderSettings{.samples = 7, .sampling = Sampling::random}}) {
+      for (const RenderSettings& settings :
+           {RenderSettings{.sampling = Fixed{5}}, RenderSettings{.sampling = Fixed{32}},
+            RenderSettings{.sampling = Shared{8}},
+            RenderSettings{.sampling = Fixed{7}, .points = Points::random}}) {
         const Bands rgb =
             render_bands(Renderer(make_world(scene), eye, settings), with_error);
         for (const int bands : band_counts) {
@@ -156,12 +157,8 @@ TEST(Bands, OfPicturesToo) {
 TEST(Bands, AnErrorIsReachedInAllOfThem) {
   const Scene scene = flat_triangles(3, 60);
   const Eye eye = make_eye(sphere_directions(100), 8 * degree);
-  RenderSettings settings;
-  settings.samples = 8;
-  settings.error = 0.02;
-  settings.most_samples = 1 << 14;
-  RenderSettings many;
-  many.samples = 1 << 14;
+  const RenderSettings settings{.sampling = ToError{0.02, 8, 1 << 14}};
+  const RenderSettings many{.sampling = Fixed{1 << 14}};
   for (const int bands : {1, 4, 16}) {
     const World world = world_in_bands(scene, some_matrix(bands));
     const Bands expected = render_bands(Renderer(world, eye, many));
@@ -184,8 +181,8 @@ TEST(Outputs, HaveErrorsOfTheirOwn) {
     material.base_color = {material.base_color.x, material.base_color.x, material.base_color.x, 1};
   const Eye eye = make_eye(sphere_directions(100), 15 * degree);
   const std::vector<double> mixtures = {1, 0, 0, 2, 0, 0, 1, -1, 0, 0.5, 0.25, 0.25};
-  for (const bool share : {false, true}) {
-    const Renderer renderer(make_world(scene), eye, {.samples = 4, .share_rays = share});
+  for (const Sampling& sampling : {Sampling(Fixed{4}), Sampling(Shared{4})}) {
+    const Renderer renderer(make_world(scene), eye, {.sampling = sampling});
     const Bands plain = render_bands(renderer, true);
     const Bands found = render_bands(renderer, true, mixtures);
     double largest = 0;

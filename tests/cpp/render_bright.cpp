@@ -32,13 +32,11 @@ TEST(Bright, ResponsesAndErrorsAreFinite) {
   const Eye eye = make_eye(Vec3d{0, 0, -1}, 5 * degree, 30);
   // The share of a half plane: a few of some hundred rays fall on the other side.
   for (const int samples : {4, 8, 16, 100, 1024})
-    expect_half(render(half_bright(), eye, {.samples = samples}, {}, true), 0.15);
-  RenderSettings to_error{.samples = 8};
-  to_error.error = 0.01;  // never reached: all rays are spent
-  to_error.most_samples = 4096;
+    expect_half(render(half_bright(), eye, {.sampling = Fixed{samples}}, {}, true), 0.15);
+  // Never reached: all rays are spent.
+  const RenderSettings to_error{.sampling = ToError{0.01, 8, 4096}};
   expect_half(render(half_bright(), eye, to_error, {}, true), 0.02);
-  RenderSettings shared{.samples = 16};
-  shared.share_rays = true;
+  const RenderSettings shared{.sampling = Shared{16}};
   const Result result =
       render(half_bright(), make_eye(sphere_directions(2000), 5 * degree), shared, {}, true);
   for (const float value : result.response) EXPECT_TRUE(std::isfinite(value));
@@ -51,8 +49,8 @@ TEST(Bright, BackgroundsAreFinite) {
   scene.background = image_background(make_image(64, 32, [](int column, int row) {
     return column == 32 && row == 16 ? Vec4{most, most, most, 1} : Vec4{0, 0, 0, 1};
   }));
-  const Result result =
-      render(scene, make_eye(sphere_directions(200), 20 * degree), {.samples = 64}, {}, true);
+  const Result result = render(scene, make_eye(sphere_directions(200), 20 * degree),
+                               {.sampling = Fixed{64}}, {}, true);
   for (const float value : result.response) EXPECT_TRUE(std::isfinite(value));
   for (const float value : result.standard_error) EXPECT_TRUE(std::isfinite(value));
   EXPECT_GT(*std::max_element(result.response.begin(), result.response.end()), 1e10f);

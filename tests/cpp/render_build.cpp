@@ -34,7 +34,7 @@ std::shared_ptr<const Scene> large_surround() {
 
 TEST(Build, LargeScenesAreWatertightToo) {
   const Eye eye = make_eye(sphere_directions(2000), 0.05);
-  const Renderer renderer(large_surround(), eye, {.samples = 64});
+  const Renderer renderer(large_surround(), eye, {.sampling = Fixed{64}});
   const Mat4 pose;
   std::vector<float> responses(eye.size() * rgb_bands);
   renderer.render({&pose, 1}, responses);

@@ -231,8 +231,8 @@ TEST(CameraPicture, BandsAndThreadsGiveTheBitsOfOnePiece) {
     const Camera camera = camera_of(type);
     // More pixels than a band has rays.
     const PictureSize size{257, 149};
-    const Renderer whole = make_renderer(*scene, camera_rays(camera, size, 0, size.height),
-                                         {.samples = 1});
+    const Renderer whole =
+        make_renderer(*scene, camera_rays(camera, size, 0, size.height), {.sampling = Fixed{1}});
     const Picture expected = render(whole, std::span(&camera.world_from_camera, 1)).response;
     EXPECT_EQ(picture_of(make_world(*scene), camera, {size, 1}), expected);
     EXPECT_EQ(picture_of(make_world(*scene, {.threads = 1}), camera, {size, 1}), expected);

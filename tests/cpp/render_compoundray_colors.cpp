@@ -12,7 +12,8 @@ constexpr double tolerance = 1e-6;
 
 // What one ray at (x, y) of a square from -1 to 1 sees, 5 m ahead.
 Vec3 seen(const Scene& scene, double x, double y) {
-  const Result result = render(scene, make_eye(normalize(Vec3d{x, y, -5}), 0), {.samples = 1});
+  const Result result =
+      render(scene, make_eye(normalize(Vec3d{x, y, -5}), 0), {.sampling = Fixed{1}});
   return {result.response[0], result.response[1], result.response[2]};
 }
 

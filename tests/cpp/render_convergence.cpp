@@ -29,7 +29,7 @@ Eye copied_eye(int copies) {
 // nearer the truth than any estimate that is held against it here.
 std::vector<double> truth(const Scene& scene) {
   constexpr int copies = 16;
-  const Result result = render(scene, copied_eye(copies), {1 << 14, 99, {}, {}, 0, {}});
+  const Result result = render(scene, copied_eye(copies), {Fixed{1 << 14}, 99});
   std::vector<double> mean(axis_count * rgb_bands);
   for (std::size_t i = 0; i < result.response.size(); ++i)
     mean[i % mean.size()] += result.response[i] / static_cast<double>(copies);
@@ -37,7 +37,7 @@ std::vector<double> truth(const Scene& scene) {
 }
 
 // Slope of log(RMS error) over log(samples), by least squares.
-double measured_slope(const Scene& scene, Sampling sampling) {
+double measured_slope(const Scene& scene, Points points) {
   const std::vector<double> expected = truth(scene);
   const Eye eye = copied_eye(16);
   double sx = 0, sy = 0, sxx = 0, sxy = 0, n = 0;
@@ -45,7 +45,7 @@ double measured_slope(const Scene& scene, Sampling sampling) {
     double sum = 0;
     constexpr std::uint64_t seeds = 4;
     for (std::uint64_t seed = 0; seed < seeds; ++seed) {
-      const Result result = render(scene, eye, {samples, seed, {}, sampling, 0, {}});
+      const Result result = render(scene, eye, {Fixed{samples}, seed, {}, points});
       for (std::size_t i = 0; i < result.response.size(); ++i) {
         const double error = result.response[i] - expected[i % expected.size()];
         sum += error * error;
@@ -59,14 +59,14 @@ double measured_slope(const Scene& scene, Sampling sampling) {
 
 TEST(Convergence, RandomSamplesFallAsTheInverseSquareRoot) {
   // 6,144 errors a point fix each RMS to 2 % (less where axes dominate), the slope to 0.02.
-  EXPECT_NEAR(measured_slope(smooth_scene(), Sampling::random), -0.5, 0.1);
-  EXPECT_NEAR(measured_slope(scene_with_edges(), Sampling::random), -0.5, 0.1);
+  EXPECT_NEAR(measured_slope(smooth_scene(), Points::random), -0.5, 0.1);
+  EXPECT_NEAR(measured_slope(scene_with_edges(), Points::random), -0.5, 0.1);
 }
 
 // Theory: N^-3/2 for a smooth integrand, N^-3/4 for one with edges in two dimensions.
 TEST(Convergence, LowDiscrepancySamplesFallFaster) {
-  const double smooth = measured_slope(smooth_scene(), Sampling::low_discrepancy);
-  const double edges = measured_slope(scene_with_edges(), Sampling::low_discrepancy);
+  const double smooth = measured_slope(smooth_scene(), Points::low_discrepancy);
+  const double edges = measured_slope(scene_with_edges(), Points::low_discrepancy);
   RecordProperty("slope_smooth", std::to_string(smooth));
   RecordProperty("slope_edges", std::to_string(edges));
   EXPECT_LT(smooth, -0.9);
@@ -78,14 +78,15 @@ struct Coverage {
   double error_over_reported = 0;  // RMS error over RMS standard error
 };
 
-Coverage measure_coverage(const Scene& scene, Sampling sampling, int samples) {
+Coverage measure_coverage(const Scene& scene, Points points, int samples) {
   const std::vector<double> expected = truth(scene);
   const Eye eye = copied_eye(16);
   constexpr double t_quantile = 2.3646;  // Student, 97.5 %, 7 degrees of freedom
   double inside = 0, count = 0, errors = 0, reported = 0;
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     // The bias of footprints, up to 0.01 of the modulation, is no part of a standard error.
-    const RenderSettings settings{samples, seed, {}, sampling, 0, {}, false};
+    const RenderSettings settings{
+        .sampling = Fixed{samples}, .seed = seed, .points = points, .footprints = false};
     const Result result = render(scene, eye, settings, {}, true);
     for (std::size_t i = 0; i < result.response.size(); ++i) {
       const double error = result.response[i] - expected[i % expected.size()];
@@ -103,18 +104,18 @@ Coverage measure_coverage(const Scene& scene, Sampling sampling, int samples) {
 // is known to 1 % if normal; heavier tails than that, and patterns shared between ommatidia, make 5
 // % of it (measured over 60 seeds, the ratio stays within 1 % of 1).
 TEST(StandardError, CoversTheTrueError) {
-  for (const Sampling sampling : {Sampling::low_discrepancy, Sampling::random})
+  for (const Points points : {Points::low_discrepancy, Points::random})
     for (const Scene& scene : {smooth_scene(), scene_with_edges()}) {
-      const Coverage coverage = measure_coverage(scene, sampling, 64);
-      EXPECT_NEAR(coverage.share, 0.95, 0.02) << name_of(sampling);
-      EXPECT_NEAR(coverage.error_over_reported, 1, 0.05) << name_of(sampling);
+      const Coverage coverage = measure_coverage(scene, points, 64);
+      EXPECT_NEAR(coverage.share, 0.95, 0.02) << name_of(points);
+      EXPECT_NEAR(coverage.error_over_reported, 1, 0.05) << name_of(points);
     }
 }
 
 TEST(StandardError, ResponseIsTheMeanOfTheScrambles) {
   // Eight scrambles of 64 samples are as good as 512 random ones.
   const Scene scene = scene_with_edges();
-  const Coverage few = measure_coverage(scene, Sampling::random, 8);
+  const Coverage few = measure_coverage(scene, Points::random, 8);
   EXPECT_NEAR(few.error_over_reported, 1, 0.05);
   const std::vector<double> expected = truth(scene);
   const auto rms = [&](const Result& result) {
@@ -126,8 +127,8 @@ TEST(StandardError, ResponseIsTheMeanOfTheScrambles) {
     return std::sqrt(sum / static_cast<double>(result.response.size()));
   };
   const Eye eye = copied_eye(64);
-  const double with = rms(render(scene, eye, {32, 1, {}, Sampling::random, 0, {}}, {}, true));
-  const double without = rms(render(scene, eye, {256, 2, {}, Sampling::random, 0, {}}));
+  const double with = rms(render(scene, eye, {Fixed{32}, 1, {}, Points::random}, {}, true));
+  const double without = rms(render(scene, eye, {Fixed{256}, 2, {}, Points::random}));
   // 2,048 ommatidia each: 1.6 % each side, 4 standard deviations of the ratio.
   EXPECT_NEAR(with / without, 1, 0.1);
 }

@@ -20,7 +20,7 @@ Eye varied_eye(int ommatidia) {
   return eye;
 }
 
-class Determinism : public testing::TestWithParam<Sampling> {};
+class Determinism : public testing::TestWithParam<Points> {};
 
 TEST_P(Determinism, AnyNumberOfThreads) {
   const Scene scene = random_scene(4);
@@ -28,8 +28,8 @@ TEST_P(Determinism, AnyNumberOfThreads) {
   for (const int samples : {1, 7, 16, 100}) {
     const auto with_threads = [&](int threads) {
       return render(
-          make_renderer(scene, varied_eye(331), {samples, 9, {}, GetParam(), threads, {}}), poses,
-          true);
+          make_renderer(scene, varied_eye(331), {Fixed{samples}, 9, {}, GetParam(), threads}),
+          poses, true);
     };
     const Result one = with_threads(1);
     for (const int threads : {2, 7}) {
@@ -42,7 +42,7 @@ TEST_P(Determinism, AnyNumberOfThreads) {
 
 TEST_P(Determinism, PosesInPieces) {
   const std::vector<Mat4> poses = turning_poses(7);
-  RenderSettings settings{16, 9, {}, GetParam(), 0, {}};
+  RenderSettings settings{Fixed{16}, 9, {}, GetParam()};
   settings.noise = Noise::new_every_frame;
   const Renderer renderer = make_renderer(random_scene(5), varied_eye(101), settings);
   const Result whole = render(renderer, poses);
@@ -63,7 +63,7 @@ TEST_P(Determinism, SeedsPosesAndOmmatidiaDiffer) {
   const std::vector<Mat4> poses(2);
   Eye eye = make_eye(normalize(Vec3d{0.3, 0.2, -1}), 60 * degree, 400);
   const auto with_seed = [&](std::uint64_t seed) {
-    RenderSettings settings{16, seed, {}, GetParam(), 0, {}};
+    RenderSettings settings{Fixed{16}, seed, {}, GetParam()};
     settings.noise = Noise::new_every_frame;
     return render(make_renderer(scene, eye, settings), poses).response;
   };
@@ -89,14 +89,14 @@ TEST_P(Determinism, FirstOmmatidiaOfAnEyeAreTheSameAlone) {
   std::vector<std::int64_t> first(50);
   std::iota(first.begin(), first.end(), 0);
   const Eye part = take_ommatidia(whole, first);
-  const RenderSettings settings{16, 3, {}, GetParam(), 0, {}};
+  const RenderSettings settings{Fixed{16}, 3, {}, GetParam()};
   Result all = render(scene, whole, settings);
   all.response.resize(50 * rgb_bands);
   EXPECT_TRUE(same_bits(all.response, render(scene, part, settings).response));
 }
 
 INSTANTIATE_TEST_SUITE_P(Samplings, Determinism,
-                         testing::Values(Sampling::low_discrepancy, Sampling::random),
+                         testing::Values(Points::low_discrepancy, Points::random),
                          [](const auto& parameter) { return name_of(parameter.param); });
 
 std::uint64_t fnv1a(const std::vector<float>& values) {
@@ -114,7 +114,7 @@ std::uint64_t fnv1a(const std::vector<float>& values) {
 // of shading do: say so in CHANGELOG.md and put the new one here.
 TEST(Golden, FlatTriangles) {
   const Result result = render(flat_triangles(31, 60), make_eye(sphere_directions(97), 8 * degree),
-                               {16, 12345, {}, {}, 0, {}});
+                               {Fixed{16}, 12345});
   EXPECT_EQ(fnv1a(result.response), 0x9626E2F7E8A2DAEDu);
 }
 

@@ -35,15 +35,12 @@ Scene lit_scene() {
 TEST(Errors, Settings) {
   const Eye eye = make_eye(Vec3d{0, 0, -1}, 0.1);
   for (const int samples : {0, -1, (1 << 20) + 1, std::numeric_limits<int>::max()}) {
-    const std::string message = message_of([&] {
-      make_renderer(lit_scene(), eye, {samples, 0, {}, {}, 0, {}});
-    });
+    const std::string message =
+        message_of([&] { make_renderer(lit_scene(), eye, {.sampling = Fixed{samples}}); });
     EXPECT_TRUE(names(message, "samples") && names(message, std::to_string(samples))) << message;
   }
   for (const int threads : {-1, 1'000'000})
-    EXPECT_TRUE(names(message_of([&] {
-                        make_renderer(lit_scene(), eye, {1, 0, {}, {}, threads, {}});
-                      }),
+    EXPECT_TRUE(names(message_of([&] { make_renderer(lit_scene(), eye, {.threads = threads}); }),
                       "threads: expected 0 (all) to "));
   RenderSettings settings;
   settings.background = constant_background({std::numeric_limits<float>::quiet_NaN(), 0, 0});
@@ -57,7 +54,7 @@ TEST(Errors, Settings) {
 TEST(Errors, MostSamplesAreAllowed) {
   Eye eye = make_eye(Vec3d{0, 0, -1}, 0.1, 2);
   eye.acceptance_angle_rad[1] = 0.2f;
-  const Result result = render(lit_scene(), eye, {max_samples, 0, {}, {}, 0, {}});
+  const Result result = render(lit_scene(), eye, {.sampling = Fixed{max_samples}});
   const double horizon = 143 / 255.0 * 0.8, zenith = 1 / 255.0;
   for (std::size_t i = 0; i < 2; ++i) {
     const double sigma = eye.acceptance_angle_rad[i] / 2.35482;
@@ -119,7 +116,7 @@ TEST(Errors, NothingToDoIsNoError) {
 TEST(Cancel, ThrowsAndTheNextRenderWorks) {
   const Renderer renderer =
       make_renderer(flat_triangles(1, 50), make_eye(sphere_directions(2000), 5 * degree),
-                    {256, 0, {}, {}, 0, {}});
+                    {.sampling = Fixed{256}});
   const std::vector<Mat4> poses(20);
   std::vector<float> output(poses.size() * renderer.eye().size() * rgb_bands);
   int calls = 0;
@@ -147,8 +144,9 @@ TEST(Cancel, ExceptionsOfTheCallbackPassThrough) {
 }
 
 TEST(Progress, RisesToOneFromTheCallingThread) {
-  const Renderer renderer = make_renderer(
-      flat_triangles(1, 50), make_eye(sphere_directions(2000), 5 * degree), {64, 0, {}, {}, 0, {}});
+  const Renderer renderer =
+      make_renderer(flat_triangles(1, 50), make_eye(sphere_directions(2000), 5 * degree),
+                    {.sampling = Fixed{64}});
   const std::vector<Mat4> poses(50);
   std::vector<float> output(poses.size() * renderer.eye().size() * rgb_bands);
   std::vector<double> shares;
@@ -175,7 +173,7 @@ TEST(Progress, RisesToOneFromTheCallingThread) {
 
 TEST(Renderer, ServesSeveralCallersAtOnce) {
   const Renderer renderer = make_renderer(
-      flat_triangles(1, 50), make_eye(sphere_directions(300), 5 * degree), {16, 0, {}, {}, 2, {}});
+      flat_triangles(1, 50), make_eye(sphere_directions(300), 5 * degree), {.threads = 2});
   const std::vector<Mat4> poses(4);
   const Result alone = render(renderer, poses);
   std::vector<Result> together(3);

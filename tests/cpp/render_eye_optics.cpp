@@ -59,25 +59,25 @@ Eye eye_of(const std::vector<Acceptance>& acceptances) {
 TEST(MixedEyes, EachOmmatidiumIsRenderedAsInAnEyeOfItsKind) {
   const Scene scene = flat_triangles(3, 300);
   const std::vector<Acceptance> kinds = all_kinds();
-  for (const Sampling sampling : {Sampling::low_discrepancy, Sampling::random})
+  for (const Points points : {Points::low_discrepancy, Points::random})
     for (const int samples : {1, 16, 50}) {
       RenderSettings settings;
-      settings.samples = samples;
-      settings.sampling = sampling;
+      settings.sampling = Fixed{samples};
+      settings.points = points;
       const std::vector<Mat4> poses = turning_poses(2);
       const Renderer mixed = make_renderer(scene, eye_of(kinds), settings);
       const std::vector<float> together = render(mixed, poses).response;
       for (std::size_t k = 0; k < kinds.size(); ++k) {
         // Random directions come from tables of a whole eye: where some are not round, those of
         // round ones have their azimuths counted from elsewhere.
-        if (sampling == Sampling::random && is_round(kinds[k])) continue;
+        if (points == Points::random && is_round(kinds[k])) continue;
         const Eye same = eye_of(std::vector<Acceptance>(kinds.size(), kinds[k]));
         const std::vector<float> alone =
             render(make_renderer(scene, same, settings), poses).response;
         for (std::size_t p = 0; p < poses.size(); ++p)
           for (std::size_t c = 0; c < 3; ++c) {
             const std::size_t at = (p * kinds.size() + k) * 3 + c;
-            EXPECT_EQ(together[at], alone[at]) << k << ' ' << samples << ' ' << name_of(sampling);
+            EXPECT_EQ(together[at], alone[at]) << k << ' ' << samples << ' ' << name_of(points);
           }
       }
     }
@@ -117,7 +117,7 @@ TEST(EllipticalAcceptance, TurnsWithTheUpVector) {
   Scene scene;
   scene.background = half_white(x);
   RenderSettings settings;
-  settings.samples = 1 << 14;
+  settings.sampling = Fixed{1 << 14};
   settings.footprints = false;
   const auto response = [&](double major_angle_rad, Vec3 up) {
     Eye eye = make_eye({0, 0, -1}, 0);
@@ -148,7 +148,7 @@ TEST(EllipticalAcceptance, LeansToTheRightOfUp) {
   eye.acceptances = {ellipse(pi / 4)};
   eye.acceptance_of = {0};
   RenderSettings settings;
-  settings.samples = 4096;
+  settings.sampling = Fixed{4096};
   const std::vector<float> response = render(scene, eye, settings).response;
   EXPECT_GT(response[0], 0.4f);
   EXPECT_LT(response[1], 0.1f);
@@ -175,11 +175,11 @@ TEST(ManyWidths, AreAsIfEachHadItsOwnWarp) {
   Eye eye = make_eye({0, 0, -1}, 0, count);
   for (std::size_t i = 0; i < count; ++i)
     eye.acceptance_angle_rad[i] = static_cast<float>(0.02 + 0.16 * static_cast<double>(i) / count);
-  for (const Sampling sampling : {Sampling::low_discrepancy, Sampling::random}) {
+  for (const Points points : {Points::low_discrepancy, Points::random}) {
     RenderSettings settings;
-    settings.samples = 64;
+    settings.sampling = Fixed{64};
     settings.footprints = false;
-    settings.sampling = sampling;
+    settings.points = points;
     const std::vector<float> together = render(scene, eye, settings).response;
     double worst = 0, mean_change = 0;
     for (std::size_t i = 0; i < count; i += 7) {
@@ -191,8 +191,8 @@ TEST(ManyWidths, AreAsIfEachHadItsOwnWarp) {
       const float wider = render(scene, same, settings).response[3 * i];
       mean_change += std::fabs(static_cast<double>(wider) - alone) / (count / 7 + 1);
     }
-    EXPECT_LT(worst, 3e-5) << name_of(sampling);
-    EXPECT_GT(mean_change, 1e-4) << name_of(sampling);  // the test can see a wrong scale
+    EXPECT_LT(worst, 3e-5) << name_of(points);
+    EXPECT_GT(mean_change, 1e-4) << name_of(points);  // the test can see a wrong scale
   }
 }
 
@@ -209,18 +209,18 @@ TEST(Aperture, RaysStartAllOverTheDisc) {
   eye.position_m[1] = {static_cast<float>(x) + 0.01f, 0, 0};
   const double seen = (std::acos(x) - x * std::sqrt(1 - x * x)) / pi;
   const double seen_half = (std::acos(2 * x) - 2 * x * std::sqrt(1 - 4 * x * x)) / pi;
-  for (const Sampling sampling : {Sampling::low_discrepancy, Sampling::random}) {
+  for (const Points points : {Points::low_discrepancy, Points::random}) {
     RenderSettings settings;
-    settings.samples = 4096;
-    settings.sampling = sampling;
+    settings.sampling = Fixed{4096};
+    settings.points = points;
     const Result result = render(scene, eye, settings);
-    EXPECT_NEAR(result.response[0], seen, 0.01) << name_of(sampling);
+    EXPECT_NEAR(result.response[0], seen, 0.01) << name_of(points);
     EXPECT_EQ(result.response[3], 1);
-    EXPECT_NEAR(result.response[6], seen_half, 0.01) << name_of(sampling);
+    EXPECT_NEAR(result.response[6], seen_half, 0.01) << name_of(points);
     // A pose that scales the eye scales its aperture.
     const Mat4 larger = scaling({2, 2, 2});
     const Result scaled = render(make_renderer(scene, eye, settings), std::span(&larger, 1));
-    EXPECT_NEAR(scaled.response[6], seen, 0.01) << name_of(sampling);
+    EXPECT_NEAR(scaled.response[6], seen, 0.01) << name_of(points);
   }
 }
 
@@ -233,7 +233,7 @@ TEST(Aperture, StartsAndDirectionsAreIndependent) {
   Eye eye = make_eye({0, 0, -1}, 0.3, 64);
   eye.aperture_diameter_m.assign(64, 0.4f);
   RenderSettings settings;
-  settings.samples = 1024;
+  settings.sampling = Fixed{1024};
   double mean = 0;
   const std::vector<float> response = render(scene, eye, settings).response;
   for (std::size_t i = 0; i < 64; ++i) mean += response[3 * i] / 64.0;
@@ -259,7 +259,7 @@ TEST(Aperture, StartsAndDirectionsAreIndependent) {
 TEST(SharedRays, RefuseWhatNeighboursCannotShare) {
   const Scene scene = flat_triangles(3, 30);
   RenderSettings settings;
-  settings.share_rays = true;
+  settings.sampling = Shared{};
   const auto message = [&](const Eye& eye) -> std::string {
     try {
       make_renderer(scene, eye, settings);

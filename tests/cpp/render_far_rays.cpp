@@ -47,8 +47,7 @@ TEST(FarRays, OfAPoseAreRefused) {
     for (const Vec3d away : {Vec3d{too_far_m, 0, 0}, {0, too_far_m, 0}, {0, 0, too_far_m}})
       expect_refused(message_at(eye, translation(away * sign)), "2e+18");
   expect_refused(message_at(eye, translation({0, 1e300, 0})), "1e+300");
-  RenderSettings shared;
-  shared.share_rays = true;
+  const RenderSettings shared{.sampling = Shared{}};
   expect_refused(
       message_at(make_eye(sphere_directions(500), 0.2), translation({too_far_m, 0, 0}), shared),
       "2e+18");
@@ -91,7 +90,7 @@ TEST(FarRays, PosesThatStretchBeyondSinglePrecisionAreRefused) {
   // And those within bounds give directions: a surround of 1 gives 1.
   for (const Vec3d scale : {Vec3d{1e-14, 1e-14, 1e-14}, {1, 1e-4, 1e-4}, {1e4, 1, 1}, {1, 1, 1}}) {
     const Mat4 pose = rotation({0.6, 0, 0.8}, 1) * scaling(scale) * rotation({0, 1, 0}, 0.4);
-    const Result result = render(walled_scene(), eye, {4, 0, {}, {}, 0, {}}, pose);
+    const Result result = render(walled_scene(), eye, {.sampling = Fixed{4}}, pose);
     for (const float value : result.response) EXPECT_NEAR(value, 1, 1e-6);
   }
 }
@@ -121,13 +120,11 @@ TEST(FarRays, OfACameraAreRefused) {
 TEST(FarRays, PosesCountAsTheyWereWhenTheRenderBegan) {
   const Eye eye = make_eye(sphere_directions(400), 5 * degree);
   const Renderer renderer =
-      make_renderer(flat_triangles(3, 60), eye, {.samples = 256, .threads = 1});
+      make_renderer(flat_triangles(3, 60), eye, {.sampling = Fixed{256}, .threads = 1});
   const std::vector<Mat4> given = turning_poses(60);
   const Result expected = render(renderer, given);
-  for (const bool shared : {false, true}) {
-    RenderSettings settings{.samples = shared ? 16 : 256, .threads = 1};
-    settings.share_rays = shared;
-    const Renderer other(renderer, eye, settings);
+  for (const Sampling& sampling : {Sampling(Fixed{256}), Sampling(Shared{16})}) {
+    const Renderer other(renderer, eye, {.sampling = sampling, .threads = 1});
     const Result undisturbed = render(other, given);
     std::vector<Mat4> poses = given;
     std::vector<float> responses(undisturbed.response.size());

@@ -70,9 +70,8 @@ TEST(FarScenes, AreSeenAsAtTheOrigin) {
   for (const std::uint64_t seed : {2u, 3u, 5u})
     for (const bool many : {false, true}) {
       const Scene scene = many ? with_many_copies(random_scene(seed)) : random_scene(seed);
-      for (const bool shared : {false, true}) {
-        RenderSettings settings{.samples = 64};
-        settings.share_rays = shared;
+      for (const Sampling& sampling : {Sampling(Fixed{64}), Sampling(Shared{64})}) {
+        const RenderSettings settings{.sampling = sampling};
         const std::vector<float> expected = responses_at(scene, eye, {}, settings);
         for (const double distance : distances) {
           if (many && distance != 5e6) continue;
@@ -91,7 +90,7 @@ TEST(FarScenes, CamerasAndSingleRaysSeeThemToo) {
     std::vector<float> responses(50 * rgb_bands), rays(50 * 64 * rgb_bands);
     RenderCall call;
     call.ray_radiance = rays;
-    make_renderer(s, eye, {.samples = 64}).render(std::span(&pose, 1), responses, call);
+    make_renderer(s, eye, {.sampling = Fixed{64}}).render(std::span(&pose, 1), responses, call);
     return rays;
   };
   const auto picture_at = [&](const Scene& s, const Mat4& pose) {
@@ -133,7 +132,7 @@ TEST(FarScenes, CoordinatesFarAwayInTheFileLoseNothingMore) {
     return scene;
   };
   const Eye eye = make_eye(sphere_directions(300), 6 * degree);
-  const RenderSettings settings{.samples = 64};
+  const RenderSettings settings{.sampling = Fixed{64}};
   const auto expected = responses_at(box({}), eye, {}, settings);
   expect_alike(responses_at(box(away), eye, translation(away), settings), expected, "as it is");
   expect_alike(responses_at(moved(box(away), translation(away * -1.0)), eye, {}, settings),

@@ -175,7 +175,7 @@ TEST(TextureLevels, OfLargeImagesAreNoCopies) {
 RenderSettings with_footprints(int samples, bool footprints, Kernel kernel = Kernel::gaussian) {
   RenderSettings settings;
   settings.noise = Noise::new_every_frame;
-  settings.samples = samples;
+  settings.sampling = Fixed{samples};
   settings.kernel = kernel;
   settings.footprints = footprints;
   return settings;
@@ -303,7 +303,8 @@ double measured_modulation(const Grating& grating, const RenderSettings& setting
     axes.push_back(grating.vertical ? from_azimuth_elevation(1, angle)
                                     : from_azimuth_elevation(angle, 0));
   }
-  const std::vector<Mat4> poses(static_cast<std::size_t>(std::max(1, 8192 / settings.samples)));
+  const std::vector<Mat4> poses(
+      static_cast<std::size_t>(std::max(1, 8192 / std::get<Fixed>(settings.sampling).samples)));
   const Result result = render(
       make_renderer(grating_scene(grating), make_eye(axes, acceptance_rad), settings), poses);
   double modulation = 0;

@@ -16,7 +16,7 @@ void add_wall(Scene& scene, double distance_m, int material) {
 }
 
 Vec3 seen(const Scene& scene, const Eye& eye, const Mat4& pose = {}) {
-  const Result result = render(scene, eye, {1, 0, {}, {}, 0, {}}, pose);
+  const Result result = render(scene, eye, {.sampling = Fixed{1}}, pose);
   return {result.response[0], result.response[1], result.response[2]};
 }
 
@@ -88,7 +88,7 @@ TEST(Geometry, DirectionsFollowANonRigidPose) {
   expect_color(seen(scene, diagonal, scaling({2, 1, 1})), {1, 0, 0});
   // Scale alone turns no direction and widens no acceptance angle.
   const Eye wide = make_eye(diagonal, 20 * degree);
-  const RenderSettings settings{1000, 0, {}, {}, 0, {}};
+  const RenderSettings settings{.sampling = Fixed{1000}};
   Scene sky;
   sky.background.type = BackgroundType::simple_sky;
   const double plain = render(sky, wide, settings).at(0);
@@ -151,7 +151,7 @@ TEST(Geometry, OffsetNarrowsWhatADiscCovers) {
   add_instance(scene, add_mesh(scene, disc));
   Eye eye = make_eye(forward, 120 * degree, 16);
   for (float& offset : eye.focal_offset_m) offset = 0.9f;
-  const Result result = render(scene, eye, {4096, 1, Kernel::pillbox, {}, 0, {}});
+  const Result result = render(scene, eye, {Fixed{4096}, 1, Kernel::pillbox});
   double mean = 0;
   for (std::size_t i = 0; i < eye.size(); ++i) mean += result.at(i) / 16;
   // Cap of half angle atan(1 / 1.9) out of one of 60 degrees; noise and polygon under 2e-4.
@@ -251,7 +251,7 @@ TEST(Geometry, RaysLeaveATransparentSurfaceTheyStartIn) {
     add_instance(
         scene, add_mesh(scene, quad({0, 0, 0}, {4, 0, 0}, {0, 4, 0}, add_material(scene, glass))));
     const Result result =
-        render(scene, make_eye(sphere_directions(100), 40 * degree), {64, 0, {}, {}, 0, {}});
+        render(scene, make_eye(sphere_directions(100), 40 * degree), {.sampling = Fixed{64}});
     for (std::size_t i = 0; i < 100; ++i) EXPECT_NEAR(result.at(i, 0), 0.25, 2e-6);
   }
 }
@@ -286,7 +286,8 @@ TEST(Geometry, HugeTextureCoordinatesStayInTheImage) {
         Mesh wall = quad(forward, right, up, add_material(scene, material));
         for (Vec2& uv : wall.texcoords[0]) uv = {(uv.x - 0.4f) * size, (0.6f - uv.y) * size};
         add_instance(scene, add_mesh(scene, wall));
-        const Result result = render(scene, make_eye(forward, 30 * degree), {64, 0, {}, {}, 0, {}});
+        const Result result =
+            render(scene, make_eye(forward, 30 * degree), {.sampling = Fixed{64}});
         EXPECT_NEAR(result.at(0), 0.5, 1e-5) << size;
       }
 }

@@ -44,14 +44,13 @@ TEST(InstructionSets, GiveTheSameBits) {
           return Vec4{value, 1 - value, value * value, 0.5f + 0.5f * value};
         });
     const Eye eye = make_eye(sphere_directions(150), 12 * degree);
-    RenderSettings settings;
-    settings.samples = 21;  // not a multiple of any lane width
+    constexpr int samples = 21;  // not a multiple of any lane width
     const auto shading = make_shading_data(scene);
     const BackgroundData background = make_background_data(scene.background);
     SceneView view = shading->view;
     view.background = background.view;
     const Acceleration acceleration = embree_backend().build(scene, shading->view, placement_of(scene), nullptr);
-    const DirectionTables directions = make_direction_tables(eye, settings);
+    const DirectionTables directions = make_direction_tables(eye, {}, samples);
     const EyeArrays arrays = make_eye_arrays(eye, directions);
     const DirectionsView directions_view = omma::view(directions);
     const EyeView eye_view = omma::view(arrays);
@@ -73,9 +72,7 @@ TEST(InstructionSets, GiveTheSameBits) {
 TEST(InstructionSets, WeighSharedRaysAlike) {
   const std::vector<NamedBuild> builds = runnable_builds();
   const Eye eye = make_eye(sphere_directions(150), 25 * degree);
-  RenderSettings settings;
-  settings.samples = 5;
-  const SharedRays shared = make_shared_rays(eye, make_direction_tables(eye, settings), 0);
+  const SharedRays shared = make_shared_rays(eye, make_direction_tables(eye, {}, 5), 0);
   Random random{8};
   std::vector<float> radiance(shared.rays.size() * rgb_bands);
   for (float& value : radiance) value = static_cast<float>(random.uniform());

@@ -38,7 +38,7 @@ void look_past(Eye& eye, Vec3d source, double theta_rad, double azimuth_rad) {
   eye.up.push_back(to_float(towards * std::cos(azimuth_rad) - across * std::sin(azimuth_rad)));
 }
 
-double measured_width_rad(const Acceptance& a, double azimuth_rad, Sampling sampling) {
+double measured_width_rad(const Acceptance& a, double azimuth_rad, Points points) {
   const Vec3d source = normalize(Vec3d{0.3, 0.5, -0.8});
   const auto [u, v] = tangents(source);
   Scene scene;
@@ -70,7 +70,7 @@ double measured_width_rad(const Acceptance& a, double azimuth_rad, Sampling samp
   eye.eye_id.assign(n, 0);
   eye.acceptances = {a};
   eye.acceptance_of.assign(n, 0);
-  const Result result = render(scene, eye, {1 << 15, 3, {}, sampling, 0, {}});
+  const Result result = render(scene, eye, {Fixed{1 << 15}, 3, {}, points});
   double peak = 0;
   for (std::size_t i = 0; i < centre; ++i) peak += result.at(i) / centre;
   double width = 0;
@@ -109,16 +109,16 @@ TEST(SweptSource, RecoversTheWidthOfEveryKind) {
   for (const auto& [name, a] : all)
     for (const double azimuth : {0.5, 0.5 + pi / 4, 0.5 + pi / 2}) {
       if (is_round(a) && azimuth > 0.5) continue;
-      EXPECT_NEAR(measured_width_rad(a, azimuth, Sampling::low_discrepancy) /
+      EXPECT_NEAR(measured_width_rad(a, azimuth, Points::low_discrepancy) /
                       acceptance_width_rad(a, azimuth),
                   1, 0.01)
           << name << ", azimuth " << azimuth;
     }
   // The published widths themselves, and random directions.
   const double waves = 500e-9 / 20e-6;
-  EXPECT_NEAR(measured_width_rad(airy(20, 500), 1, Sampling::random) / waves, 1.029, 0.02);
-  EXPECT_NEAR(measured_width_rad(elliptical(0.12, 0.04, 0.5), 0.5, Sampling::random), 0.12, 0.003);
-  EXPECT_NEAR(measured_width_rad(elliptical(0.12, 0.04, 0.5), 0.5 + pi / 2, Sampling::random), 0.04,
+  EXPECT_NEAR(measured_width_rad(airy(20, 500), 1, Points::random) / waves, 1.029, 0.02);
+  EXPECT_NEAR(measured_width_rad(elliptical(0.12, 0.04, 0.5), 0.5, Points::random), 0.12, 0.003);
+  EXPECT_NEAR(measured_width_rad(elliptical(0.12, 0.04, 0.5), 0.5 + pi / 2, Points::random), 0.04,
               0.001);
 }
 
@@ -142,7 +142,7 @@ TEST(ManyLenses, AreAsIfEachHadItsOwnWarp) {
     eye.acceptance_of[i] = static_cast<std::int32_t>(i);
   }
   RenderSettings settings;
-  settings.samples = 1024;
+  settings.sampling = Fixed{1024};
   settings.footprints = false;
   const std::vector<float> together = render(scene, eye, settings).response;
   const auto alone = [&](Acceptance a, std::size_t i) {

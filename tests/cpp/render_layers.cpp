@@ -33,7 +33,7 @@ constexpr double tolerance = 1e-6;
 void expect_through(const Scene& scene, double expected, const std::string& what,
                     const Mat4& pose = {}, int rays = 300) {
   const Eye eye = view_ahead(rays);
-  const Result result = render(scene, eye, {1, 0, {}, {}, 0, {}}, pose);
+  const Result result = render(scene, eye, {.sampling = Fixed{1}}, pose);
   int wrong = 0;
   for (std::size_t i = 0; i < eye.size(); ++i)
     if (!(std::fabs(result.at(i) - expected) <= tolerance) && ++wrong <= 3)
@@ -198,7 +198,7 @@ TEST(Layers, CountOnceAtEdgesAndCorners) {
       }
     Eye eye = make_eye(axes, 0);
     eye.position_m = positions;
-    const Result result = render(scene, eye, {1, 0, {}, {}, 0, {}});
+    const Result result = render(scene, eye, {.sampling = Fixed{1}});
     for (std::size_t i = 0; i < eye.size(); ++i)
       EXPECT_NEAR(result.at(i), std::pow(0.7, layers), tolerance)
           << layers << " layers, at " << positions[i].x << ' ' << positions[i].y;
@@ -210,7 +210,7 @@ TEST(Layers, CountOnceAtEdgesAndCorners) {
 TEST(Layers, ManyAndOpaqueOnesEnd) {
   expect_through(layered(60, 5, 0, 0.01f, Placed::meshes), std::pow(0.99, 60), "60 layers");
   const Scene many = layered(200, 5, 0, 0.01f, Placed::meshes);
-  const Result result = render(many, view_ahead(), {1, 0, {}, {}, 0, {}});
+  const Result result = render(many, view_ahead(), {.sampling = Fixed{1}});
   for (std::size_t i = 0; i < 300; ++i) {
     EXPECT_LE(result.at(i), std::pow(0.99, 60));
     EXPECT_GE(result.at(i), std::pow(0.99, 200));
@@ -219,7 +219,7 @@ TEST(Layers, ManyAndOpaqueOnesEnd) {
     Scene scene = layered(2, 5, apart, 0.3f, Placed::meshes);
     const int gray = add_color(scene, {0.5f, 0.5f, 0.5f});
     add_instance(scene, add_mesh(scene, quad({0, 0, -5}, {5, 0, 0}, {0, 5, 0}, gray)));
-    const Result seen = render(scene, view_ahead(), {1, 0, {}, {}, 0, {}});
+    const Result seen = render(scene, view_ahead(), {.sampling = Fixed{1}});
     for (std::size_t i = 0; i < 300; ++i) {
       const double layers_before = std::log(seen.at(i) / 0.5) / std::log(0.7);
       EXPECT_NEAR(layers_before, std::round(layers_before), 1e-5) << seen.at(i);
@@ -241,7 +241,7 @@ TEST(Layers, ColoursComeFrontToBack) {
     add_instance(scene, add_mesh(scene, quad({0, 0, -z}, {5, 0, 0}, {0, 5, 0}, material)));
     expected[k] += std::pow(0.5, k + 1);
   }
-  const Result result = render(scene, view_ahead(), {1, 0, {}, {}, 0, {}});
+  const Result result = render(scene, view_ahead(), {.sampling = Fixed{1}});
   for (std::size_t i = 0; i < 300; ++i)
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(result.at(i, c), expected[c], tolerance);
 }
@@ -251,7 +251,7 @@ TEST(Layers, AnEyeInALayerSeesOn) {
   const Scene scene = layered(2, 1, 0, 0.3f, Placed::meshes);
   for (const double z : {-1.0, -1 - 1e-9, -1 - 1e-7}) {
     const Result result =
-        render(scene, view_ahead(), {1, 0, {}, {}, 0, {}}, translation({0, 0, z}));
+        render(scene, view_ahead(), {.sampling = Fixed{1}}, translation({0, 0, z}));
     for (std::size_t i = 0; i < 300; ++i) {
       const double layers = std::log(result.at(i)) / std::log(0.7);
       EXPECT_NEAR(layers, std::round(layers), 1e-5) << result.at(i);

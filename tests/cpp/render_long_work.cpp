@@ -130,8 +130,7 @@ Acceptance table(bool round) {
 TEST(LongWork, EverythingLongAsksWhetherItIsToEnd) {
   Eye eye = make_eye(sphere_directions(500), 0.3);
   for (std::size_t i = 0; i < eye.size(); ++i) eye.position_m[i] = eye.axis[i] * 1e-3f;
-  const RenderSettings settings;
-  const DirectionTables tables = make_direction_tables(eye, settings);
+  const DirectionTables tables = make_direction_tables(eye, {}, 16);
   const std::vector<Vec3> directions(10, Vec3{0, 0, 1});
   const std::vector<double> numbers(10, 0.1);
   std::vector<double> out(10);
@@ -139,7 +138,7 @@ TEST(LongWork, EverythingLongAsksWhetherItIsToEnd) {
   const std::vector<std::int32_t> ids(10, 0);
   const Scene scene = random_scene(3);
   const Renderer renderer = make_renderer(scene, eye);
-  const Renderer sharing = make_renderer(scene, eye, {.share_rays = true});
+  const Renderer sharing = make_renderer(scene, eye, {.sampling = Shared{}});
   const Mat4 pose;
   std::vector<float> whole(eye.size() * rgb_bands);
   Acceptance gaussian;
@@ -147,8 +146,8 @@ TEST(LongWork, EverythingLongAsksWhetherItIsToEnd) {
 
   const std::pair<const char*, std::function<void()>> works[] = {
       {"a scene", [&] { make_renderer(scene, eye); }},
-      {"another eye", [&] { Renderer(renderer, eye, {.samples = 32}); }},
-      {"direction tables", [&] { make_direction_tables(eye, settings); }},
+      {"another eye", [&] { Renderer(renderer, eye, {.sampling = Fixed{32}}); }},
+      {"direction tables", [&] { make_direction_tables(eye, {}, 16); }},
       {"shared rays", [&] { make_shared_rays(eye, tables, 1); }},
       {"a render with shared rays",
        [&] {

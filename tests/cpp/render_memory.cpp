@@ -80,8 +80,7 @@ TEST(RenderMemory, OfSharedRaysGoesWithTheRenderer) {
   std::vector<float> responses(poses.size() * eye.size() * rgb_bands);
   const auto render_once = [&](int samples) {
     RenderSettings settings;
-    settings.samples = samples;
-    settings.share_rays = true;
+    settings.sampling = Shared{samples};
     settings.threads = 2;
     Renderer(world, eye, settings).render(poses, responses);
   };

@@ -43,23 +43,23 @@ double flicker(const std::vector<float>& responses) {
   return std::sqrt(sum / static_cast<double>(size));
 }
 
-class NoiseOf : public testing::TestWithParam<Sampling> {
+const Sampling ways[] = {Fixed{16}, ToError{0.02, 16, 64}};
+
+class NoiseOf : public testing::TestWithParam<Points> {
  protected:
-  Renderer renderer_with(Noise noise, double error = 0) const {
+  Renderer renderer_with(Noise noise, const Sampling& sampling) const {
     RenderSettings settings;
-    settings.samples = 16;
-    settings.sampling = GetParam();
+    settings.sampling = sampling;
+    settings.points = GetParam();
     settings.noise = noise;
-    settings.error = error;
-    settings.most_samples = 64;
     return make_renderer(flat_triangles(3, 80), make_eye(sphere_directions(200), 10 * degree),
                          settings);
   }
 };
 
 TEST_P(NoiseOf, FrozenIsTheSameInEveryFrame) {
-  for (const double error : {0.0, 0.02}) {
-    const Renderer renderer = renderer_with(Noise::frozen, error);
+  for (const Sampling& sampling : ways) {
+    const Renderer renderer = renderer_with(Noise::frozen, sampling);
     const std::vector<float> batch = in_a_batch(renderer);
     const std::vector<float> first(batch.begin(), batch.begin() + 600);
     for (std::size_t f = 1; f < frames; ++f)
@@ -70,15 +70,15 @@ TEST_P(NoiseOf, FrozenIsTheSameInEveryFrame) {
 }
 
 TEST_P(NoiseOf, NewInEveryFrameOfABatchAsInALoop) {
-  for (const double error : {0.0, 0.02}) {
-    const auto fresh = [&] { return renderer_with(Noise::new_every_frame, error); };
+  for (const Sampling& sampling : ways) {
+    const auto fresh = [&] { return renderer_with(Noise::new_every_frame, sampling); };
     const std::vector<float> batch = in_a_batch(fresh());
     // Measured: 0.008 with low discrepancy to 0.04 with random samples.
     EXPECT_GT(flicker(batch), 0.002);
     EXPECT_TRUE(same_bits(in_a_loop(fresh()), batch));
     EXPECT_TRUE(same_bits(in_a_batch(fresh(), 0), batch));
     // The first frame is the frozen one.
-    const std::vector<float> frozen = in_a_batch(renderer_with(Noise::frozen, error), 0, 1);
+    const std::vector<float> frozen = in_a_batch(renderer_with(Noise::frozen, sampling), 0, 1);
     EXPECT_TRUE(std::equal(frozen.begin(), frozen.end(), batch.begin()));
     // Frames are counted on from call to call; those that are numbered do not count.
     const Renderer renderer = fresh();
@@ -93,13 +93,12 @@ TEST_P(NoiseOf, NewInEveryFrameOfABatchAsInALoop) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Samplings, NoiseOf,
-                         testing::Values(Sampling::low_discrepancy, Sampling::random),
+                         testing::Values(Points::low_discrepancy, Points::random),
                          [](const auto& parameter) { return name_of(parameter.param); });
 
 TEST(NoiseOfSharedRays, IsFrozen) {
   RenderSettings settings;
-  settings.samples = 4;
-  settings.share_rays = true;
+  settings.sampling = Shared{4};
   const Eye eye = make_eye(sphere_directions(300), 20 * degree);
   const std::vector<float> batch = in_a_batch(make_renderer(flat_triangles(3, 80), eye, settings));
   for (std::size_t i = 900; i < batch.size(); ++i) EXPECT_EQ(batch[i], batch[i % 900]);

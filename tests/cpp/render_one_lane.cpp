@@ -9,6 +9,7 @@
 #include "backend/eye_arrays.h"
 #include "backend/shading_data.h"
 #include "optics/acceptance_warp.h"
+#include "sampling/sampling_choice.h"
 #include "test_scenes.h"
 #include "threads/thread_memory.h"
 
@@ -73,16 +74,17 @@ struct BlockSetup {
   std::vector<std::uint8_t> nearest;
   FrameView frame;
 
-  BlockSetup(std::uint64_t seed, RenderSettings settings) : scene(random_scene(seed)) {
+  BlockSetup(std::uint64_t seed, const Sampling& sampling) : scene(random_scene(seed)) {
     shading = make_shading_data(scene);
     background = make_background_data(scene.background);
     view = shading->view;
     view.background = background.view;
     acceleration = embree_backend().build(scene, shading->view, placement_of(scene), nullptr);
     eye = make_eye(sphere_directions(40), 12 * degree);
-    for (; directions.empty() || (settings.error > 0 && directions.size() < 4);
-         settings.samples *= 2) {
-      directions.push_back(make_direction_tables(eye, settings));
+    const auto* target = std::get_if<ToError>(&sampling);
+    const std::size_t rounds = target != nullptr ? 4 : 1;
+    for (int samples = first_samples(sampling); directions.size() < rounds; samples *= 2) {
+      directions.push_back(make_direction_tables(eye, {}, samples));
       direction_views.push_back(omma::view(directions.back()));
     }
     arrays = make_eye_arrays(eye, directions.front());
@@ -92,7 +94,7 @@ struct BlockSetup {
     frame.eye = &eye_view;
     frame.directions = direction_views.data();
     frame.rounds = static_cast<int>(directions.size());
-    frame.error = settings.error;
+    if (target != nullptr) frame.error = target->error;
     frame.most_samples = 4 * directions.back().samples;
     frame.nearest = nearest.data();
   }
@@ -146,9 +148,7 @@ Output in_one_lane(const BlockSetup& setup) {
 TEST(OneLane, SeesWhatPacketsSee) {
   for (const std::uint64_t seed : {1u, 2u, 3u, 4u, 5u, 6u})
     for (const int samples : {1, 5, 16, 21}) {
-      RenderSettings settings;
-      settings.samples = samples;
-      const BlockSetup setup(seed, settings);
+      const BlockSetup setup(seed, Fixed{samples});
       const Output packets = in_packets(setup), single = in_one_lane(setup);
       EXPECT_EQ(packets.radiance, single.radiance) << seed << ' ' << samples;
       for (std::size_t i = 0; i < packets.responses.size(); ++i)
@@ -158,11 +158,8 @@ TEST(OneLane, SeesWhatPacketsSee) {
 
 // Rounds of rays, chosen by estimates that rest on pairs of them.
 TEST(OneLane, ReachesAnErrorAsPacketsDo) {
-  RenderSettings settings;
-  settings.samples = 4;
-  settings.error = 0.02;
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
-    const BlockSetup setup(seed, settings);
+    const BlockSetup setup(seed, ToError{0.02, 4});
     const Output packets = in_packets(setup), single = in_one_lane(setup);
     EXPECT_EQ(packets.rays, single.rays);
     for (std::size_t i = 0; i < packets.responses.size(); ++i) {

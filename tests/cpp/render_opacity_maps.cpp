@@ -316,8 +316,6 @@ TEST(OpacityMaps, AreTheSameOfVerticesAsOfCorners) {
 
 std::vector<float> rendered(const Scene& scene, const Eye& eye, const Mat4& world_from_head,
                             bool with_maps) {
-  RenderSettings settings;
-  settings.samples = 21;
   const auto shading = make_shading_data(scene);
   if (!with_maps)
     for (MeshView& mesh : shading->meshes) mesh.opacity = nullptr;
@@ -327,7 +325,7 @@ std::vector<float> rendered(const Scene& scene, const Eye& eye, const Mat4& worl
   const Placement placement = placement_of(scene);
   const Backend& backend = find_backend(backend_under_test);
   const Acceleration built = backend.build(scene, shading->view, placement, nullptr);
-  const DirectionTables directions = make_direction_tables(eye, settings);
+  const DirectionTables directions = make_direction_tables(eye, {}, 21);
   const EyeArrays arrays = make_eye_arrays(eye, directions);
   const DirectionsView directions_view = omma::view(directions);
   const EyeView eye_view = omma::view(arrays);

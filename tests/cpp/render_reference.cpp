@@ -42,7 +42,7 @@ struct Comparison {
 void compare(const Scene& known, const Scene& rendered, const Eye& eye, std::span<const Mat4> poses,
              double tolerance, Comparison& sum) {
   const Reference reference = make_reference(known);
-  const Result result = render(make_renderer(rendered, eye, {1, 0, {}, {}, 0, {}}), poses);
+  const Result result = render(make_renderer(rendered, eye, {.sampling = Fixed{1}}), poses);
   for (std::size_t p = 0; p < poses.size(); ++p)
     for (std::size_t i = 0; i < eye.size(); ++i) {
       const Radiance expected = reference_radiance(reference, axis_ray(poses[p], eye, i));
@@ -137,7 +137,7 @@ TEST(Reference, SameIntegral) {
   eye.focal_offset_m[0] = 0.05f;
   const Mat4 pose = translation({0.1, 0, 0.2}) * rotation({0, 1, 0}, 0.7);
   for (const Kernel kernel : {Kernel::gaussian, Kernel::pillbox, Kernel::compoundray}) {
-    const Result result = render(scene, eye, {1 << 14, 2, kernel, {}, 0, {}}, pose);
+    const Result result = render(scene, eye, {Fixed{1 << 14}, 2, kernel}, pose);
     for (std::size_t i = 0; i < eye.size(); ++i) {
       const auto expected = reference_response(reference, pose, eye, i, kernel, 500, 1000);
       for (int c = 0; c < rgb_bands; ++c)

@@ -17,14 +17,14 @@ TEST(SameScene, GivesTheBitsOfARendererOfItsOwn) {
   const auto scene = std::make_shared<const Scene>(random_scene(3));
   const Eye wide = make_eye(sphere_directions(20), 0.4),
             fine = make_eye(sphere_directions(90), 0.1);
-  const RenderSettings settings{.samples = 7, .seed = 5, .kernel = Kernel::compoundray};
+  const RenderSettings settings{.sampling = Fixed{7}, .seed = 5, .kernel = Kernel::compoundray};
   auto first = std::make_unique<Renderer>(scene, wide);
   const std::vector<float> before = responses_of(*first);
   const Renderer second(*first, fine, settings);
   EXPECT_EQ(responses_of(second), responses_of(Renderer(scene, fine, settings)));
   EXPECT_EQ(responses_of(*first), before);
   EXPECT_EQ(second.eye().size(), 90u);
-  EXPECT_EQ(second.settings().samples, 7);
+  EXPECT_EQ(second.settings().sampling, settings.sampling);
   EXPECT_EQ(&second.scene(), &first->scene());
   // Takes over the warps of the angles that both know.
   Eye mixed = make_eye(sphere_directions(30), 0.1);
@@ -54,13 +54,14 @@ TEST(SameScene, HasABackgroundOfItsOwn) {
 TEST(SameScene, ChecksWhatItIsGiven) {
   const Renderer first(std::make_shared<const Scene>(), make_eye(Vec3d{0, 0, -1}, 0));
   EXPECT_THROW(Renderer(first, Eye{}), Error);
-  EXPECT_THROW(Renderer(first, first.eye(), {.samples = 0}), Error);
+  EXPECT_THROW(Renderer(first, first.eye(), {.sampling = Fixed{0}}), Error);
 }
 
 // Radiance of every ray: [ommatidium][sample][channel].
 std::vector<float> rays_of(const Renderer& renderer, std::uint64_t first_pose = 0) {
   const std::size_t ommatidia = renderer.eye().size();
-  const auto samples = static_cast<std::size_t>(renderer.settings().samples);
+  const auto samples =
+      static_cast<std::size_t>(std::get<Fixed>(renderer.settings().sampling).samples);
   std::vector<float> responses(ommatidia * rgb_bands), rays(responses.size() * samples, -1.0f);
   const Mat4 pose;
   RenderCall call;
@@ -79,12 +80,12 @@ std::vector<float> rays_of(const Renderer& renderer, std::uint64_t first_pose = 
 }
 
 TEST(RayRadiance, MeansAreTheResponses) {
-  for (const Sampling sampling : {Sampling::low_discrepancy, Sampling::random})
+  for (const Points points : {Points::low_discrepancy, Points::random})
     for (const int samples : {1, 16, 37}) {
       const auto scene = std::make_shared<const Scene>(random_scene(2));
       const Renderer renderer(
           scene, make_eye(sphere_directions(50), 0.3),
-          {.samples = samples, .sampling = sampling, .noise = Noise::new_every_frame});
+          {.sampling = Fixed{samples}, .points = points, .noise = Noise::new_every_frame});
       const std::vector<float> rays = rays_of(renderer);
       EXPECT_EQ(rays_of(renderer), rays);
       EXPECT_NE(rays_of(renderer, 1), rays);  // another pose draws other rays
@@ -101,7 +102,7 @@ TEST(RayRadiance, IsThatOfEachRay) {
   add_quad(scene, {-50, 0, -1}, {50, 0, 0}, {0, 50, 0}, add_color(scene, {0, 0, 0}));
   add_quad(scene, {50, 0, -1}, {50, 0, 0}, {0, 50, 0}, add_color(scene, {1, 0, 0}));
   const Renderer renderer(std::make_shared<const Scene>(scene), make_eye(Vec3d{0, 0, -1}, 0.2),
-                          {.samples = 64});
+                          {.sampling = Fixed{64}});
   int white = 0;
   const std::vector<float> rays = rays_of(renderer);
   for (std::size_t s = 0; s < 64; ++s) {
@@ -113,7 +114,7 @@ TEST(RayRadiance, IsThatOfEachRay) {
 
 TEST(RayRadiance, ChecksItsRoom) {
   const Renderer renderer(std::make_shared<const Scene>(), make_eye(Vec3d{0, 0, -1}, 0.1),
-                          {.samples = 4});
+                          {.sampling = Fixed{4}});
   std::vector<float> responses(rgb_bands), rays(4 * rgb_bands - 1), errors(rgb_bands);
   const Mat4 pose;
   RenderCall call;

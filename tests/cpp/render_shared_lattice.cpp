@@ -16,10 +16,9 @@ namespace {
 SharedRays shared_rays(const Eye& eye, int samples, Kernel kernel = Kernel::gaussian,
                        std::uint64_t seed = 1) {
   RenderSettings settings;
-  settings.samples = samples;
   settings.kernel = kernel;
   settings.seed = seed;
-  return make_shared_rays(eye, make_direction_tables(eye, settings), 0);
+  return make_shared_rays(eye, make_direction_tables(eye, settings, samples), 0);
 }
 
 double rays_each(const Eye& eye, int samples, Kernel kernel = Kernel::gaussian) {
@@ -162,9 +161,7 @@ TEST(SharedRays, LoneOmmatidiaHaveTheirOwn) {
 // pattern in each set.
 TEST(SharedRays, OwnRaysAreSpreadForTheirOmmatidium) {
   const Eye eye = round_eye(4 * degree);
-  RenderSettings settings;
-  settings.samples = 9;
-  const DirectionTables tables = make_direction_tables(eye, settings);
+  const DirectionTables tables = make_direction_tables(eye, {}, 9);
   const SharedRays one = make_shared_rays(eye, tables, 0), other = make_shared_rays(eye, tables, 1);
   EXPECT_NE(one.rays.axis[0].x, other.rays.axis[0].x);
   // Their angles from the axis are those of a pattern: cosines spread over 0.001, and floats.
@@ -277,11 +274,12 @@ TEST(SharedRays, RefusesWhatWouldTakeTooMuch) {
     return "";
   };
   EXPECT_EQ(refusal(make_eye(sphere_directions(33000), 1 * degree), 256),
-            "share_rays: expected at most 8388608 rays, found 8448000 (33000 ommatidia, 256 "
+            "sampling: Shared expects at most 8388608 rays, found 8448000 (33000 ommatidia, 256 "
             "samples): take fewer samples");
-  EXPECT_EQ(refusal(make_eye(sphere_directions(1500), 2 * pi), 64),
-            "share_rays: 1500 ommatidia whose fields overlap would count about 144000000 rays "
-            "together, each for itself, more than 134217728: take fewer samples");
+  EXPECT_EQ(
+      refusal(make_eye(sphere_directions(1500), 2 * pi), 64),
+      "sampling: Shared, but 1500 ommatidia whose fields overlap would count about 144000000 rays "
+      "together, each for itself, more than 134217728: take fewer samples");
   EXPECT_EQ(refusal(make_eye(sphere_directions(300), 2 * pi), 4), "");
 }
 
@@ -290,10 +288,9 @@ TEST(SharedRays, RefusesWhatWouldTakeTooMuch) {
 TEST(SharedRays, FootprintsAreThoseOfTheAcceptance) {
   Eye eye = round_eye();
   RenderSettings settings;
-  settings.samples = 4;
   settings.kernel = Kernel::pillbox;
   const auto footprints = [&] {
-    const DirectionTables tables = make_direction_tables(eye, settings);
+    const DirectionTables tables = make_direction_tables(eye, settings, 4);
     const SharedRays shared = make_shared_rays(eye, tables, 0);
     const DirectionTables of_rays = make_ray_tables(tables, shared);
     std::vector<float> all;
@@ -378,9 +375,7 @@ TEST(SharedRays, StartAtTheNearestOmmatidium) {
 
 TEST(SharedRays, SeedsAndSetsDiffer) {
   const Eye eye = round_eye();
-  RenderSettings settings;
-  settings.samples = 2;
-  const DirectionTables tables = make_direction_tables(eye, settings);
+  const DirectionTables tables = make_direction_tables(eye, {}, 2);
   const SharedRays one = make_shared_rays(eye, tables, 0), again = make_shared_rays(eye, tables, 0);
   const SharedRays set = make_shared_rays(eye, tables, 1), seed = shared_rays(eye, 2, {}, 7);
   EXPECT_EQ(one.weight, again.weight);

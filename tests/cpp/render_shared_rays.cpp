@@ -16,11 +16,10 @@ namespace {
 
 RenderSettings shared(int samples, std::uint64_t seed = 0, Kernel kernel = Kernel::gaussian) {
   RenderSettings settings;
-  settings.samples = samples;
+  settings.sampling = Shared{samples};
   settings.seed = seed;
   settings.kernel = kernel;
   settings.footprints = false;  // so that the reference of many rays sees the same textures
-  settings.share_rays = true;
   return settings;
 }
 
@@ -46,8 +45,7 @@ Eye mixed_eye() {
 
 // 8 x 8,192 own rays: their error is 2e-4.
 std::vector<double> truth(const Scene& scene, const Eye& eye, RenderSettings settings) {
-  settings.share_rays = false;
-  settings.samples = 8192;
+  settings.sampling = Fixed{8192};
   settings.seed = 99;
   settings.noise = Noise::new_every_frame;
   const std::vector<Mat4> poses(8);
@@ -140,7 +138,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(SharedRaysRender, ErrorIsFarBelowThatOfOwnRays) {
   for (const int samples : {2, 8}) {
     RenderSettings own = shared(samples);
-    own.share_rays = false;
+    own.sampling = Fixed{samples};
     const double with = measure(clutter(), all_round(), shared(samples), 16, 0).rms;
     const double without = measure(clutter(), all_round(), own, 16, 0).rms;
     EXPECT_LT(with, without / 3);
@@ -152,7 +150,7 @@ TEST(SharedRaysRender, ErrorDoesNotGrowWhereFieldsDoNotOverlap) {
   const Eye eye = all_round(5 * degree);
   for (const int samples : {16, 64}) {
     RenderSettings own = shared(samples);
-    own.share_rays = false;
+    own.sampling = Fixed{samples};
     const double with = measure(clutter(), eye, shared(samples), 8, 0).rms;
     const double without = measure(clutter(), eye, own, 8, 0).rms;
     // Two samples of 6,000 errors that the same distribution has, each rms within 2 %.
@@ -384,14 +382,13 @@ TEST(SharedRaysRender, RefusesWhatItCannotDo) {
   const auto refused = [&](const RenderSettings& settings) {
     return refusal([&] { make_renderer(clutter(), eye, settings); });
   };
-  RenderSettings to_error = shared(8);
-  to_error.error = 0.01;
-  EXPECT_EQ(refused(to_error).rfind("share_rays:", 0), 0u);
-  EXPECT_EQ(refused(shared(8, 0, Kernel::compoundray)).rfind("share_rays:", 0), 0u);
+  EXPECT_EQ(refused(shared(8, 0, Kernel::compoundray)).rfind("sampling: Shared, not with", 0), 0u);
   RenderSettings random = shared(8);
-  random.sampling = Sampling::random;
-  EXPECT_EQ(refused(random).rfind("share_rays:", 0), 0u);
-  EXPECT_EQ(refused(shared(max_shared_samples + 1)).rfind("samples:", 0), 0u);
+  random.points = Points::random;
+  EXPECT_EQ(refused(random), "sampling: Shared, not with random points");
+  for (const int samples : {0, max_shared_samples + 1})
+    EXPECT_EQ(refused(shared(samples)),
+              "sampling: Shared expects 1 to 256 samples, found " + std::to_string(samples));
   EXPECT_EQ(refused(shared(max_shared_samples)), "");
   const Renderer renderer = make_renderer(clutter(), eye, shared(1));
   std::vector<float> responses(eye.size() * rgb_bands), rays(responses.size());

@@ -14,7 +14,7 @@ namespace omma::test {
 namespace {
 
 constexpr Kernel kernels[] = {Kernel::gaussian, Kernel::pillbox, Kernel::compoundray};
-constexpr Sampling samplings[] = {Sampling::low_discrepancy, Sampling::random};
+constexpr Points all_points[] = {Points::low_discrepancy, Points::random};
 
 void expect_ones(const Renderer& renderer) {
   const Mat4 pose = translation({0.1, -0.2, 0.3}) * rotation({0.6, 0.8, 0}, 1.1);
@@ -24,8 +24,8 @@ void expect_ones(const Renderer& renderer) {
   for (const float value : result.standard_error)
     worst_error = std::max(worst_error, std::fabs(static_cast<double>(value)));
   const RenderSettings& s = renderer.settings();
-  EXPECT_LE(worst, 1e-6) << name_of(s.kernel.value_or(Kernel::gaussian)) << ' '
-                         << name_of(s.sampling) << ' ' << s.samples;
+  EXPECT_LE(worst, 1e-6) << name_of(s.kernel.value_or(Kernel::gaussian)) << ' ' << name_of(s.points)
+                         << ' ' << std::get<Fixed>(s.sampling).samples;
   EXPECT_LE(worst_error, 1e-6);
 }
 
@@ -79,9 +79,9 @@ TEST(Surround, BackgroundOfOneGivesOne) {
   Scene scene;
   scene.background = constant_background({1, 1, 1});
   for (const Kernel kernel : kernels)
-    for (const Sampling sampling : samplings)
+    for (const Points points : all_points)
       for (const int samples : {1, 3, 16, 100, 1000})
-        expect_ones(make_renderer(scene, synthetic_eye(), {samples, 5, kernel, sampling, 0, {}}));
+        expect_ones(make_renderer(scene, synthetic_eye(), {Fixed{samples}, 5, kernel, points}));
 }
 
 // The same through each way that radiance can arise: a surface's base colour, its emission, a
@@ -105,7 +105,7 @@ TEST(Surround, EverySourceOfOneGivesOne) {
   scenes.emplace_back().background = image_background(ones);
   for (const Scene& scene : scenes)
     for (const int samples : {1, 3, 16, 100})
-      expect_ones(make_renderer(scene, synthetic_eye(), {samples, 5, {}, {}, 0, {}}));
+      expect_ones(make_renderer(scene, synthetic_eye(), {Fixed{samples}, 5}));
 }
 
 // No ray slips between triangles that share an edge: a bumpy ball of half a million triangles
@@ -132,7 +132,7 @@ TEST(Surround, FineClosedSurfaceLetsNothingThrough) {
   ball.material = add_material(scene, white);
   add_instance(scene, add_mesh(scene, std::move(ball)));
   const Eye eye = make_eye(sphere_directions(2000), 5 * degree);
-  expect_ones(make_renderer(scene, eye, {8192, 3, {}, {}, 0, {}}));
+  expect_ones(make_renderer(scene, eye, {Fixed{8192}, 3}));
 }
 
 // At corners alone is tracing not watertight: the rounding of several edges need not agree there.
@@ -161,7 +161,7 @@ TEST(Surround, OnlyCornersHitExactlyLetAnythingThrough) {
     for (const double off : {1e-6, 1e-5, 1e-4})
       beside.push_back(normalize(corner + random.direction() * off));
   const auto passing = [&](const std::vector<Vec3d>& directions) {
-    const Result result = render(scene, make_eye(directions, 0), {.samples = 1});
+    const Result result = render(scene, make_eye(directions, 0), {.sampling = Fixed{1}});
     std::ptrdiff_t count = 0;
     for (std::size_t i = 0; i < directions.size(); ++i) count += result.at(i) != 1;
     return count;
@@ -203,7 +203,7 @@ TEST(Surround, RaysAlmostAlongAnAxisLoseNothing) {
       for (Vec3& p : eye.position_m)
         p = to_float(
             Vec3d{random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3)});
-      const Renderer renderer(shared, eye, {.samples = 1});
+      const Renderer renderer(shared, eye, {.sampling = Fixed{1}});
       std::vector<float> responses(eye.size() * rgb_bands);
       const Mat4 pose;
       renderer.render({&pose, 1}, responses);
@@ -224,10 +224,10 @@ TEST(Surround, RealEyes) {
     ++eyes;
     const Eye eye = load_eye(entry.path().string());
     for (const Kernel kernel : kernels)
-      expect_ones(make_renderer(scene, eye, {3, 1, kernel, {}, 0, {}}));
+      expect_ones(make_renderer(scene, eye, {Fixed{3}, 1, kernel}));
     for (const int samples : {1, 16, 100})
-      expect_ones(make_renderer(scene, eye, {samples, 1, {}, {}, 0, {}}));
-    expect_ones(make_renderer(scene, eye, {16, 1, {}, Sampling::random, 0, {}}));
+      expect_ones(make_renderer(scene, eye, {Fixed{samples}, 1}));
+    expect_ones(make_renderer(scene, eye, {Fixed{16}, 1, {}, Points::random}));
   }
   EXPECT_GT(eyes, 0);
 }

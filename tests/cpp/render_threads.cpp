@@ -20,7 +20,7 @@ TEST(Threads, NumbersMixWithoutAWord) {
   std::vector<Renderer> renderers;
   std::vector<std::vector<float>> responses;
   for (const int threads : {3, 1, 64, 2, 7, 50, 0, 63}) {
-    renderers.push_back(make_renderer(scene, eye, {.samples = 16, .threads = threads}));
+    renderers.push_back(make_renderer(scene, eye, {.sampling = Fixed{16}, .threads = threads}));
     if (threads > 0) {
       EXPECT_EQ(renderers.back().threads(), threads);
     }

@@ -67,8 +67,7 @@ std::vector<double> errors_of_reached(const Scene& scene, const Eye& eye, const 
                                       std::span<const float> truth, double error) {
   constexpr std::size_t renders = 16;
   RenderSettings settings;
-  settings.samples = 8;
-  settings.error = error;
+  settings.sampling = ToError{error};
   settings.noise = Noise::new_every_frame;
   const Result result =
       render(make_renderer(scene, eye, settings), std::vector<Mat4>(renders, pose), true);
@@ -95,7 +94,7 @@ void expect_short_tails(const Scene& scene, double height_m) {
   const Eye eye = make_eye(sphere_directions(1000), 2.6 * degree);
   const Mat4 pose = translation({0.3, height_m, 0.1});
   RenderSettings settings;
-  settings.samples = 32768;  // on the checkerboard 0.0002 off, elsewhere less
+  settings.sampling = Fixed{32768};  // on the checkerboard 0.0002 off, elsewhere less
   settings.seed = 99;
   settings.footprints = false;
   const std::vector<float> truth = render(scene, eye, settings, pose).response;

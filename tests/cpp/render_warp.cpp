@@ -73,8 +73,8 @@ Polar polar(double x, double y, double z) {
   return {std::atan2(std::hypot(x, y), z), std::atan2(y, x)};
 }
 
-RenderSettings settings_for(Kernel kernel, Sampling sampling, int samples, std::uint64_t seed) {
-  return {samples, seed, kernel, sampling, 0, {}};
+RenderSettings settings_for(Kernel kernel, Points points, std::uint64_t seed) {
+  return {.sampling = Fixed{1}, .seed = seed, .kernel = kernel, .points = points};
 }
 
 // One direction out of each tabulated pattern, over many seeds.
@@ -85,7 +85,7 @@ std::vector<Polar> from_tables(Kernel kernel, double acceptance_rad) {
   const Eye eye = make_eye(Vec3d{0, 0, -1}, acceptance_rad);
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     const DirectionTables tables =
-        make_direction_tables(eye, settings_for(kernel, Sampling::low_discrepancy, samples, seed));
+        make_direction_tables(eye, settings_for(kernel, Points::low_discrepancy, seed), samples);
     EXPECT_GE(tables.patterns, 64) << "too few patterns for this test to mean anything";
     for (int k = 0; k < tables.patterns; ++k) {
       const float* p = tables.local.data() + 3 * samples * k + random.index(samples);
@@ -105,16 +105,16 @@ Polar random_polar(const DirectionTables& tables, std::uint64_t hash, std::uint3
 }
 
 // One direction out of each scramble that is made where it is needed, without a table.
-std::vector<Polar> on_the_fly(Kernel kernel, Sampling sampling, double acceptance_rad) {
+std::vector<Polar> on_the_fly(Kernel kernel, Points points, double acceptance_rad) {
   constexpr int samples = 16;
   Random random{8};
   std::vector<Polar> result;
   const DirectionTables tables = make_direction_tables(make_eye(Vec3d{0, 0, -1}, acceptance_rad),
-                                                       settings_for(kernel, sampling, samples, 1));
+                                                       settings_for(kernel, points, 1), samples);
   for (int i = 0; i < 40000; ++i) {
     const std::uint64_t hash = random.next();
     const int index = random.index(samples);
-    if (sampling == Sampling::random) {
+    if (points == Points::random) {
       result.push_back(random_polar(tables, hash, static_cast<std::uint32_t>(index)));
       continue;
     }
@@ -133,10 +133,10 @@ TEST(Warp, FollowsItsDensity) {
       const auto place = name_of(kernel) + ' ' + std::to_string(angle_deg) + " degrees";
       EXPECT_LT(chi_square(from_tables(kernel, angle), distribution), critical_chi_square())
           << place << ", low discrepancy from tables";
-      EXPECT_LT(chi_square(on_the_fly(kernel, Sampling::low_discrepancy, angle), distribution),
+      EXPECT_LT(chi_square(on_the_fly(kernel, Points::low_discrepancy, angle), distribution),
                 critical_chi_square())
           << place << ", low discrepancy on the fly";
-      EXPECT_LT(chi_square(on_the_fly(kernel, Sampling::random, angle), distribution),
+      EXPECT_LT(chi_square(on_the_fly(kernel, Points::random, angle), distribution),
                 critical_chi_square())
           << place << ", random";
     }
@@ -148,7 +148,7 @@ TEST(Warp, ConsecutiveRandomDirectionsFollowTheDensity) {
   for (const Kernel kernel : kernels) {
     const double angle = 20 * degree;
     const DirectionTables tables = make_direction_tables(
-        make_eye(Vec3d{0, 0, -1}, angle), settings_for(kernel, Sampling::random, 1, 1));
+        make_eye(Vec3d{0, 0, -1}, angle), settings_for(kernel, Points::random, 1), 1);
     std::vector<Polar> sample;
     for (std::uint64_t estimate = 0; estimate < 1000; ++estimate)
       for (std::uint32_t index = 0; index < 1000; ++index)
@@ -162,9 +162,8 @@ TEST(Warp, ConsecutiveRandomDirectionsFollowTheDensity) {
 // independent: the correlation of a million pairs is normal with a deviation of 1e-3, and seven
 // numbers stay within 4 of it but for 0.05 %.
 TEST(Warp, NeighbouringRandomDirectionsAreIndependent) {
-  const DirectionTables tables =
-      make_direction_tables(make_eye(Vec3d{0, 0, -1}, 20 * degree),
-                            settings_for(Kernel::gaussian, Sampling::random, 1, 1));
+  const DirectionTables tables = make_direction_tables(
+      make_eye(Vec3d{0, 0, -1}, 20 * degree), settings_for(Kernel::gaussian, Points::random, 1), 1);
   constexpr std::uint32_t n = 1000;
   const auto numbers = [&](std::uint64_t estimate, std::uint32_t index) {
     const Polar p = random_polar(tables, hash_combine(5, estimate), index);
@@ -209,7 +208,7 @@ TEST(Warp, LogarithmAndSineOfLanes) {
 // FollowsItsDensity can fail: an acceptance angle 5 % off does not pass it.
 TEST(Warp, WrongDensityIsCaught) {
   const double angle = 30 * degree;
-  const std::vector<Polar> sample = on_the_fly(Kernel::gaussian, Sampling::random, angle);
+  const std::vector<Polar> sample = on_the_fly(Kernel::gaussian, Points::random, angle);
   EXPECT_GT(chi_square(sample, integrate(Kernel::gaussian, angle * 1.05)), critical_chi_square());
   EXPECT_GT(chi_square(sample, integrate(Kernel::pillbox, angle)), critical_chi_square());
 }
@@ -220,7 +219,7 @@ TEST(Warp, TailsReachWhereTheDensityDoes) {
   const double angle = 10 * degree;
   const auto farthest = [&](Kernel kernel) {
     double theta = 0;
-    for (const Polar& p : on_the_fly(kernel, Sampling::random, angle))
+    for (const Polar& p : on_the_fly(kernel, Points::random, angle))
       theta = std::max(theta, p.theta_rad);
     return theta;
   };
@@ -257,7 +256,7 @@ TEST(Warp, RendererLooksWhereItShould) {
   for (const Kernel kernel : kernels)
     for (const double angle_deg : {2.6, 60.0}) {
       const double angle = angle_deg * degree;
-      const std::vector<Polar> seen = looked_at(settings_for(kernel, Sampling::random, 1, 3), angle,
+      const std::vector<Polar> seen = looked_at(settings_for(kernel, Points::random, 3), angle,
                                                 normalize(Vec3d{-0.4, 0.7, 0.5}), 40000);
       EXPECT_LT(chi_square(seen, integrate(kernel, angle)), critical_chi_square())
           << name_of(kernel) << ' ' << angle_deg << " degrees";
@@ -270,7 +269,7 @@ TEST(Warp, TabulatedPatternsAreTurnedEvenly) {
   std::vector<Polar> seen;
   const double angle = 20 * degree;
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
-    const auto some = looked_at(settings_for(Kernel::gaussian, Sampling::low_discrepancy, 1, seed),
+    const auto some = looked_at(settings_for(Kernel::gaussian, Points::low_discrepancy, seed),
                                 angle, normalize(Vec3d{-0.4, -0.7, 0.5}), 64);
     seen.insert(seen.end(), some.begin(), some.end());
   }
@@ -280,8 +279,8 @@ TEST(Warp, TabulatedPatternsAreTurnedEvenly) {
 TEST(Warp, NoAcceptanceAngleLooksAlongTheAxis) {
   const Vec3d axis = normalize(Vec3d{-0.4, -0.7, 0.5});
   for (const Kernel kernel : kernels)
-    for (const Sampling sampling : {Sampling::low_discrepancy, Sampling::random})
-      for (const Polar& p : looked_at(settings_for(kernel, sampling, 1, 0), 0, axis, 100))
+    for (const Points points : {Points::low_discrepancy, Points::random})
+      for (const Polar& p : looked_at(settings_for(kernel, points, 0), 0, axis, 100))
         EXPECT_LT(p.theta_rad, 1e-6);
 }
 

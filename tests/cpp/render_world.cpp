@@ -119,9 +119,10 @@ TEST(World, ResponsesAreThoseOfAWorldBuiltThere) {
   pair.move({2, 5}, {random_place(random), random_place(random)});
   const std::vector<Mat4> poses = turning_poses(3);
   for (const RenderSettings& settings :
-       {RenderSettings{.samples = 16}, RenderSettings{.samples = 16, .sampling = Sampling::random},
-        RenderSettings{.samples = 16, .share_rays = true},
-        RenderSettings{.samples = 16, .footprints = false}}) {
+       {RenderSettings{.sampling = Fixed{16}},
+        RenderSettings{.sampling = Fixed{16}, .points = Points::random},
+        RenderSettings{.sampling = Shared{16}},
+        RenderSettings{.sampling = Fixed{16}, .footprints = false}}) {
     const Result moved = render(Renderer(pair.world, eye, settings), poses);
     const Result built = render(Renderer(make_world(pair.scene), eye, settings), poses);
     expect_alike(moved.response, built.response, "responses");
@@ -146,7 +147,7 @@ TEST(World, FootprintsFollowTheScaleOfWhatMoves) {
   for (int i = 0; i < 300; ++i)
     axes.push_back(normalize(Vec3d{random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6), -1}));
   const Eye eye = make_eye(axes, 2 * degree);
-  const RenderSettings settings{.samples = 16};
+  const RenderSettings settings{.sampling = Fixed{16}};
   const Renderer renderer(pair.world, eye, settings);
   const std::vector<float> at_first = seen(renderer);
   for (const double scale : {1.0, 8.0, 0.125, 8.0}) {
@@ -162,7 +163,7 @@ TEST(World, WhatStaysKeepsItsBits) {
     const Scene scene = random_scene(seed);
     World world = make_world(scene);
     const std::vector<float> before = seen(world, eye);
-    EXPECT_EQ(seen(make_renderer(scene, eye, {.samples = 1})), before);
+    EXPECT_EQ(seen(make_renderer(scene, eye, {.sampling = Fixed{1}})), before);
     // Behind everything else, and small.
     const int away = 6;
     const Mat4 far = translation({0, 0, 900}) * scaling({1e-6, 1e-6, 1e-6});

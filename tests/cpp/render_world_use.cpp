@@ -32,11 +32,12 @@ TEST(WorldUse, IsOneForAllWhoSeeIt) {
   const Scene scene = random_scene(5);
   const Eye eye = single_rays(300), wide = make_eye(sphere_directions(60), 0.3);
   World world = make_world(scene, {.background = constant_background({0.5f, 0.5f, 0.5f})});
-  const Renderer one(world, eye, {.samples = 1}), two(one, eye, {.samples = 1});
+  const Renderer one(world, eye, {.sampling = Fixed{1}}), two(one, eye, {.sampling = Fixed{1}});
   const World before_red = world.with_background(constant_background({1, 0, 0}));
-  const Renderer three(before_red, eye, {.samples = 1});
-  const Renderer four(world, eye, {.samples = 1, .background = constant_background({1, 0, 0})});
-  const Renderer fields(world, wide, {.samples = 4});
+  const Renderer three(before_red, eye, {.sampling = Fixed{1}});
+  const Renderer four(world, eye,
+                      {.sampling = Fixed{1}, .background = constant_background({1, 0, 0})});
+  const Renderer fields(world, wide, {.sampling = Fixed{4}});
   const std::vector<float> at_first = seen(one), of_fields = seen(fields);
   EXPECT_EQ(seen(two), at_first);
   EXPECT_EQ(seen(four), seen(three));

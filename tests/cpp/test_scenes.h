@@ -263,8 +263,8 @@ inline std::string name_of(Kernel kernel) {
   return kernel == Kernel::pillbox ? "pillbox" : "compoundray";
 }
 
-inline std::string name_of(Sampling sampling) {
-  return sampling == Sampling::random ? "random" : "low_discrepancy";
+inline std::string name_of(Points points) {
+  return points == Points::random ? "random" : "low_discrepancy";
 }
 
 // A surround without edges: low frequencies in azimuth and elevation, on a fine image.

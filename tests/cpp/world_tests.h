@@ -14,7 +14,7 @@ inline std::vector<float> seen(const Renderer& renderer, const Mat4& pose = {}) 
 }
 
 inline std::vector<float> seen(const World& world, const Eye& eye, const Mat4& pose = {}) {
-  return seen(Renderer(world, eye, {.samples = 1}), pose);
+  return seen(Renderer(world, eye, {.sampling = Fixed{1}}), pose);
 }
 
 inline Eye single_rays(int count = 4000) {

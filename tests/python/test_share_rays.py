@@ -98,7 +98,7 @@ def test_lenses_alone_are_refused(sharing: omma.Renderer, eye: omma.Eye) -> None
 
 def test_refuses_what_takes_too_much(sharing: omma.Renderer, eye: omma.Eye) -> None:
     with pytest.raises(omma.Error, match=r"fields overlap would count about .* fewer samples"):
-        sharing.with_eye(eye.replace(acceptance_angle_rad=2 * math.pi), omma.Fixed(64))
+        sharing.with_eye(eye.replace(acceptance_angle_rad=2 * math.pi), omma.Shared(64))
 
 
 @pytest.mark.parametrize(

@@ -203,19 +203,14 @@ class Settings:
     def engine_settings(self, threads: int) -> RenderSettings:
         """As the engine takes them."""
         sampling = self.sampling
-        least, most = sampling.limits() if isinstance(sampling, ToError) else (sampling.samples, 1)
-        return _core.RenderSettings(
-            samples=least,
-            most_samples=most,
-            error=sampling.error if isinstance(sampling, ToError) else 0.0,
-            share_rays=isinstance(sampling, Shared),
-            seed=self.seed,
-            kernel=self.kernel,
-            sampling=self.points,
-            footprints=self.footprints,
-            noise=self.noise,
-            threads=whole(threads, "threads", 0, 1 << 16),
-        )
+        chosen: tuple[str, int] | tuple[str, float, int, int]
+        if isinstance(sampling, ToError):
+            chosen = ("to_error", sampling.error, *sampling.limits())
+        else:
+            chosen = ("shared" if isinstance(sampling, Shared) else "fixed", sampling.samples)
+        options = {one.name: getattr(self, one.name) for one in options_of(Settings)}
+        threads = whole(threads, "threads", 0, 1 << 16)
+        return _core.RenderSettings(sampling=chosen, threads=threads, **options)
 
 
 class Options(TypedDict, total=False):
