@@ -28,6 +28,11 @@ struct SceneOptions {
 // children as their parent lists them.
 Scene load_scene(const std::string& path, const SceneOptions& options = {});
 
+// A scene as a .glb file, whole in itself, that load_scene reads to an equal one
+// (src/io/gltf_write.cpp says what it does not keep). `progress` as that of load_scene.
+void save_scene(const std::string& path, const Scene& scene,
+                const std::function<bool(double)>& progress = nullptr);
+
 // An eye, by the ending of the file's name (docs/eye-files.md):
 //   .csv         named columns with units; keeps everything
 //   .gltf, .glb  the Open Compound Eye Standard, the glTF extension OCES_eyes: the eyes of the one

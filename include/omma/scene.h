@@ -22,6 +22,7 @@ struct Image {
   int width = 0, height = 0;             // pixels
   std::vector<std::uint8_t> rgba_srgb8;  // [height][width][4], colour sRGB encoded, alpha linear
   std::vector<float> rgba_linear;        // [height][width][4], linear
+  bool operator==(const Image&) const = default;
 };
 
 enum class Wrap : std::uint8_t { repeat, mirrored_repeat, clamp_to_edge };
@@ -32,6 +33,7 @@ struct Texture {
   int image = -1;  // index into Scene::images
   Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
   Filter filter = Filter::linear;
+  bool operator==(const Texture&) const = default;
 };
 
 // A material's use of a texture: which one, read with which texture coordinates.
@@ -41,6 +43,7 @@ struct TextureUse {
   // KHR_texture_transform: uv' = offset + rotation * scale * uv.
   Vec2 offset{0, 0}, scale{1, 1};
   float rotation_rad = 0;
+  bool operator==(const TextureUse&) const = default;
 };
 
 enum class AlphaMode : std::uint8_t { opaque, mask, blend };
@@ -55,6 +58,7 @@ struct Material {
   float alpha_cutoff = 0.5f;
   bool double_sided = false;  // false: back faces are invisible (glTF 2.0, 3.9.3)
   bool unlit = false;         // KHR_materials_unlit
+  bool operator==(const Material&) const = default;
 };
 
 // Triangles of one material, in their own frame.
@@ -62,9 +66,11 @@ struct Mesh {
   std::string name;
   std::vector<Vec3> positions;                          // [vertex], m
   std::vector<std::array<std::uint32_t, 3>> triangles;  // [triangle], counter-clockwise in front
+  std::vector<Vec3> normals;                            // [vertex], as the file has them, or empty
   std::array<std::vector<Vec2>, 2> texcoords;           // [set][vertex], or empty
   std::vector<Vec4> colors;                             // [vertex], linear RGBA, or empty
   int material = -1;                                    // index into Scene::materials, -1: white
+  bool operator==(const Mesh&) const = default;
 };
 
 // A mesh placed in the world. Several instances may share one mesh; the mesh is stored once.
@@ -75,6 +81,7 @@ struct Instance {
   // Index of the node in the file, -1 for none. A node with several primitives places several
   // meshes, all with its transform, and they move together.
   int node = -1;
+  bool operator==(const Instance&) const = default;
 };
 
 // Triangles that mark a region (a mesh whose extras say "hitbox": true). Never drawn.
@@ -83,6 +90,7 @@ struct HitBox {
   std::vector<Vec3> positions;                          // [vertex], m, in its own frame
   std::vector<std::array<std::uint32_t, 3>> triangles;  // [triangle]
   Mat4 world_from_mesh;
+  bool operator==(const HitBox&) const = default;
 };
 
 // A perspective camera whose extras say "panoramic" is panoramic, one whose extras say
@@ -101,6 +109,7 @@ struct Camera {
   std::string extras_json;                // the camera's extras as JSON text, "" for none
   std::string compound_structure;         // extras["compound-structure"], an .eye file, "" for none
   std::string compound_projection;        // extras["compound-projection"], "" for none
+  bool operator==(const Camera&) const = default;
 };
 
 enum class BackgroundType : std::uint8_t { constant, simple_sky, test_pattern, image };
@@ -111,6 +120,7 @@ struct Background {
   Vec3 color{0, 0, 0};  // constant: linear radiance
   // image: equirectangular, forward (-Z) in the middle, +X to the right of it, +Y at the top.
   Image image;
+  bool operator==(const Background&) const = default;
 };
 
 // How textures and vertex colours become the colour of a surface.
@@ -134,6 +144,10 @@ struct Scene {
   int node_count = 0;                    // nodes reached from the loaded scene
   std::vector<std::string> warnings;     // what the loader passed over, a sentence each
 };
+
+// Whether two scenes hold the same, wherever they came from: path, warnings, scene names and the
+// count of nodes play no part. Of `Instance::node` only which instances move together does.
+bool operator==(const Scene& a, const Scene& b);
 
 struct Bounds {
   Vec3d lower, upper;  // m, world frame

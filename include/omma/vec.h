@@ -20,14 +20,17 @@ inline constexpr double degree = pi / 180.0;  // radians per degree
 
 struct Vec2 {
   float x = 0, y = 0;
+  bool operator==(const Vec2&) const = default;
 };
 
 struct Vec3 {
   float x = 0, y = 0, z = 0;
+  bool operator==(const Vec3&) const = default;
 };
 
 struct Vec4 {
   float x = 0, y = 0, z = 0, w = 0;
+  bool operator==(const Vec4&) const = default;
 };
 
 // Double precision, for setting things up: transforms, frames, bounds.
@@ -82,6 +85,7 @@ OMMA_HD Vec3 to_float(Vec3d a) {
 // NumPy (4, 4) float64 array.
 struct Mat4 {
   double m[4][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
+  bool operator==(const Mat4&) const = default;
 };
 
 OMMA_HD Mat4 operator*(const Mat4& a, const Mat4& b) {

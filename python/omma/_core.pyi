@@ -55,64 +55,6 @@ def left_behind(paths: Sequence[str | os.PathLike[str]]) -> list[tuple[str, int]
     What runs that were killed left of files with these names: names and sizes in bytes.
     """
 
-class Camera:
-    """A camera node of a scene. It looks along its -Z, +Y is up."""
-
-    # Generated, not written; after a change to the bindings:
-    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
-
-    @property
-    def name(self) -> str:
-        """Name of the node (of the camera where the node has none)."""
-
-    @property
-    def type(self) -> str:
-        """'perspective', 'orthographic', 'panoramic' or 'compound'."""
-
-    @property
-    def world_from_camera(self, /) -> numpy.typing.NDArray[numpy.float64]:
-        """The node's whole transform, its scale too: (4, 4), m."""
-
-    @property
-    def extras(self, /) -> Any:
-        """The camera's extras in the glTF file, {} where there are none."""
-
-    @property
-    def compound_structure(self) -> str:
-        """
-        The `.eye` file that the camera's extras name, '' where they name none.
-        """
-
-    @property
-    def compound_projection(self) -> str:
-        """
-        The projection of its eye that the camera's extras name, '' where they name none.
-        """
-
-    @property
-    def yfov_rad(self) -> float:
-        """Vertical field of view; perspective only."""
-
-    @property
-    def aspect_ratio(self) -> float:
-        """Width over height, 0 where not given; perspective only."""
-
-    @property
-    def xmag_m(self) -> float:
-        """Horizontal half extent; orthographic only."""
-
-    @property
-    def ymag_m(self) -> float:
-        """Vertical half extent; orthographic only."""
-
-    def __repr__(self) -> str: ...
-
-max_picture_extent: int = 32768
-
-def picture_size(camera: Camera, width: int, height: int) -> tuple[int, int]: ...
-
-def render_camera(world: World, camera: Camera, picture: numpy.typing.NDArray[numpy.float32], samples: int, seed: int, progress: Callable[[float], object] | None) -> None: ...
-
 class Background:
     """
     Radiance of a ray that meets no surface, instead of the scene's own background.
@@ -167,20 +109,524 @@ class Background:
     def color(self, /) -> tuple[float, float, float]:
         """Linear radiance (r, g, b) of a constant background."""
 
+    @property
+    def pixels(self, /) -> numpy.typing.NDArray[Any] | None:
+        """
+        RGBA of an image, read-only: (height, width, 4), uint8 (sRGB) or float32 (linear).
+        """
+
+    def __getstate__(self) -> tuple[Any, ...]: ...
+
+    def __setstate__(self, state: tuple[Any, ...]) -> None: ...
+
+    def __hash__(self) -> int: ...
+
     def __repr__(self) -> str: ...
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __copy__(self) -> Background: ...
+
+    def __deepcopy__(self, memo: object) -> Background: ...
+
+class Camera:
+    """
+    A camera node of a scene. It looks along its -Z, +Y is up.
+
+    Its type is 'perspective' (vertical field of view ``yfov_rad``, width over height
+    ``aspect_ratio``, 0: any), 'orthographic' (half extents ``xmag_m`` and ``ymag_m``),
+    'panoramic', or 'compound', of which ``extras`` names the eye ("compound-structure", an
+    `.eye` file, and "compound-projection"). What is nearer than ``znear_m`` or farther than
+    ``zfar_m`` is seen all the same: the two are for other programs.
+    """
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    def __init__(self, name: str = '', *, type: str = 'perspective', world_from_camera: numpy.typing.ArrayLike | None = None, yfov_rad: float = 1.0, aspect_ratio: float = 0.0, xmag_m: float = 1.0, ymag_m: float = 1.0, znear_m: float = 0.01, zfar_m: float = 1000.0, extras: Any = None, data_name: str = '') -> None: ...
+
+    @property
+    def name(self) -> str:
+        """Name of the node (of the camera where the node has none)."""
+
+    @property
+    def type(self) -> str:
+        """'perspective', 'orthographic', 'panoramic' or 'compound'."""
+
+    @property
+    def world_from_camera(self, /) -> numpy.typing.NDArray[numpy.float64]:
+        """The node's whole transform, its scale too: (4, 4), m."""
+
+    @property
+    def extras(self, /) -> Any:
+        """The camera's extras in the glTF file, {} where there are none."""
+
+    @property
+    def compound_structure(self) -> str:
+        """
+        The `.eye` file that the camera's extras name, '' where they name none.
+        """
+
+    @property
+    def compound_projection(self) -> str:
+        """
+        The projection of its eye that the camera's extras name, '' where they name none.
+        """
+
+    @property
+    def yfov_rad(self) -> float:
+        """Vertical field of view; perspective only."""
+
+    @property
+    def aspect_ratio(self) -> float:
+        """Width over height, 0 where not given; perspective only."""
+
+    @property
+    def xmag_m(self) -> float:
+        """Horizontal half extent; orthographic only."""
+
+    @property
+    def ymag_m(self) -> float:
+        """Vertical half extent; orthographic only."""
+
+    @property
+    def znear_m(self) -> float: ...
+
+    @property
+    def zfar_m(self) -> float:
+        """0 where the file gives none."""
+
+    @property
+    def data_name(self) -> str:
+        """Name of the camera itself, by which it is found too."""
+
+    def __hash__(self) -> int: ...
+
+    def __repr__(self) -> str: ...
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __copy__(self) -> Camera: ...
+
+    def __deepcopy__(self, memo: object) -> Camera: ...
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+    def replace(self, **changes: Any) -> Camera:
+        """
+        Another one that differs in what is given by keyword, as for making one.
+        """
+
+max_picture_extent: int = 32768
+
+def picture_size(camera: Camera, width: int, height: int) -> tuple[int, int]: ...
+
+def render_camera(world: World, camera: Camera, picture: numpy.typing.NDArray[numpy.float32], samples: int, seed: int, progress: Callable[[float], object] | None) -> None: ...
+
+class Image:
+    """
+    A picture in memory, row 0 at the top.
+
+    Made from an array of shape (height, width, 3 or 4), where uint8 is sRGB and float linear,
+    or from the path of a PNG, JPEG, Radiance HDR or OpenEXR file. Alpha is linear always.
+
+    Raises `omma.Error` where the array or the file is not such an image.
+    """
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    def __init__(self, pixels: str | os.PathLike[str] | numpy.typing.ArrayLike, name: str = '') -> None: ...
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def pixels(self, /) -> numpy.typing.NDArray[Any]:
+        """RGBA, read-only: (height, width, 4), uint8 (sRGB) or float32 (linear)."""
+
+    def __hash__(self) -> int: ...
+
+    def __repr__(self) -> str: ...
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __copy__(self) -> Image: ...
+
+    def __deepcopy__(self, memo: object) -> Image: ...
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+    def replace(self, **changes: Any) -> Image:
+        """
+        Another one that differs in what is given by keyword, as for making one.
+        """
+
+class Texture:
+    """
+    How a picture is read: beyond its edges it repeats, mirrored or not, or goes on as at the
+    edge ('repeat', 'mirrored_repeat', 'clamp_to_edge'); between its pixels it is interpolated
+    ('linear') or not ('nearest'). ``image`` is an index into the scene's images.
+    """
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    def __init__(self, image: int, wrap_u: str = 'repeat', wrap_v: str = 'repeat', filter: str = 'linear') -> None: ...
+
+    @property
+    def image(self) -> int:
+        """Index into the scene's images."""
+
+    @property
+    def wrap_u(self) -> str: ...
+
+    @property
+    def wrap_v(self) -> str: ...
+
+    @property
+    def filter(self) -> str: ...
+
+    def __hash__(self) -> int: ...
+
+    def __repr__(self) -> str: ...
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __copy__(self) -> Texture: ...
+
+    def __deepcopy__(self, memo: object) -> Texture: ...
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+    def replace(self, **changes: Any) -> Texture:
+        """
+        Another one that differs in what is given by keyword, as for making one.
+        """
+
+class TextureUse:
+    """
+    A texture as a material uses it: an index into the scene's textures, which of a mesh's two
+    sets of texture coordinates it is read with, and what becomes of these before: offset +
+    rotation · scale · coordinate.
+    """
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    def __init__(self, texture: int, texcoord_set: int = 0, offset: numpy.typing.ArrayLike = (0.0, 0.0), scale: numpy.typing.ArrayLike = (1.0, 1.0), rotation_rad: float = 0.0) -> None: ...
+
+    @property
+    def texture(self) -> int:
+        """Index into the scene's textures."""
+
+    @property
+    def texcoord_set(self) -> int:
+        """0 or 1."""
+
+    @property
+    def offset(self, /) -> tuple[float, float]: ...
+
+    @property
+    def scale(self, /) -> tuple[float, float]: ...
+
+    @property
+    def rotation_rad(self) -> float: ...
+
+    def __hash__(self) -> int: ...
+
+    def __repr__(self) -> str: ...
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __copy__(self) -> TextureUse: ...
+
+    def __deepcopy__(self, memo: object) -> TextureUse: ...
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+    def replace(self, **changes: Any) -> TextureUse:
+        """
+        Another one that differs in what is given by keyword, as for making one.
+        """
+
+class Material:
+    """
+    What a surface looks like: base colour × texture × the mesh's vertex colours, and emission
+    × its texture beside that. All factors are linear.
+
+    ``alpha_mode`` 'opaque' takes no notice of alpha, 'mask' cuts where it is under
+    ``alpha_cutoff``, 'blend' lets light through. Back faces are seen only where
+    ``double_sided``. ``unlit`` says that its base colour is its radiance, whatever falls on
+    it.
+    """
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    def __init__(self, name: str = '', *, base_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0, 1.0), base_color_texture: int | TextureUse | None = None, emissive: numpy.typing.ArrayLike = (0.0, 0.0, 0.0), emissive_texture: int | TextureUse | None = None, alpha_mode: str = 'opaque', alpha_cutoff: float = 0.5, double_sided: bool = False, unlit: bool = False) -> None: ...
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def base_color(self, /) -> tuple[float, float, float, float]:
+        """Linear factor, RGBA."""
+
+    @property
+    def base_color_texture(self, /) -> TextureUse | None: ...
+
+    @property
+    def emissive(self, /) -> tuple[float, float, float]:
+        """Linear radiance, RGB."""
+
+    @property
+    def emissive_texture(self, /) -> TextureUse | None: ...
+
+    @property
+    def alpha_mode(self) -> str: ...
+
+    @property
+    def alpha_cutoff(self) -> float: ...
+
+    @property
+    def double_sided(self) -> bool: ...
+
+    @property
+    def unlit(self) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __repr__(self) -> str: ...
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __copy__(self) -> Material: ...
+
+    def __deepcopy__(self, memo: object) -> Material: ...
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+    def replace(self, **changes: Any) -> Material:
+        """
+        Another one that differs in what is given by keyword, as for making one.
+        """
+
+class Mesh:
+    """
+    Triangles of one material, in a frame of their own.
+
+    Positions (V, 3), m, and the three vertices of each triangle (T, 3), counter-clockwise as
+    seen from in front. For each vertex, where there are any: normals (V, 3), which nothing
+    reads yet; texture coordinates (V, 2), (0, 0) the upper left corner of the picture and
+    (1, 1) the lower right one; linear colours (V, 3 or 4). ``material`` is an index into the
+    scene's materials, None white.
+
+    Raises `omma.Error` where sizes do not go together, a triangle has a vertex that is not
+    there, or a number is not finite.
+    """
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    def __init__(self, positions_m: numpy.typing.ArrayLike, triangles: numpy.typing.ArrayLike, *, name: str = '', normals: numpy.typing.ArrayLike | None = None, texture_coordinates: numpy.typing.ArrayLike | None = None, second_texture_coordinates: numpy.typing.ArrayLike | None = None, colors: numpy.typing.ArrayLike | None = None, material: int | None = None) -> None: ...
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def positions_m(self, /) -> numpy.typing.NDArray[numpy.float32]:
+        """(V, 3), m."""
+
+    @property
+    def triangles(self, /) -> numpy.typing.NDArray[numpy.uint32]:
+        """(T, 3)."""
+
+    @property
+    def normals(self, /) -> numpy.typing.NDArray[numpy.float32] | None:
+        """(V, 3), or None."""
+
+    @property
+    def texture_coordinates(self, /) -> numpy.typing.NDArray[numpy.float32] | None:
+        """(V, 2), or None."""
+
+    @property
+    def second_texture_coordinates(self, /) -> numpy.typing.NDArray[numpy.float32] | None:
+        """(V, 2), or None: set 1 of a `TextureUse`."""
+
+    @property
+    def colors(self, /) -> numpy.typing.NDArray[numpy.float32] | None:
+        """Linear RGBA (V, 4), or None."""
+
+    @property
+    def material(self, /) -> int | None:
+        """Index into the scene's materials; None: white."""
+
+    def __hash__(self) -> int: ...
+
+    def __repr__(self) -> str: ...
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __copy__(self) -> Mesh: ...
+
+    def __deepcopy__(self, memo: object) -> Mesh: ...
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+    def replace(self, **changes: Any) -> Mesh:
+        """
+        Another one that differs in what is given by keyword, as for making one.
+        """
+
+class Instance:
+    """
+    A mesh placed in the world: an index into the scene's meshes, where it is
+    (``world_from_mesh`` (4, 4), m; None: where its positions say), and the name it is moved
+    by. Instances of one ``node`` move together and must be in one place; None: it moves alone.
+    """
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    def __init__(self, mesh: int, world_from_mesh: numpy.typing.ArrayLike | None = None, *, name: str = '', node: int | None = None) -> None: ...
+
+    @property
+    def mesh(self) -> int:
+        """Index into the scene's meshes."""
+
+    @property
+    def world_from_mesh(self, /) -> numpy.typing.NDArray[numpy.float64]:
+        """(4, 4), m."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def node(self, /) -> int | None:
+        """Those with the same one move together; None: it moves alone."""
+
+    def __hash__(self) -> int: ...
+
+    def __repr__(self) -> str: ...
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __copy__(self) -> Instance: ...
+
+    def __deepcopy__(self, memo: object) -> Instance: ...
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+    def replace(self, **changes: Any) -> Instance:
+        """
+        Another one that differs in what is given by keyword, as for making one.
+        """
+
+class HitBox:
+    """
+    A closed surface that marks a region and is never drawn: positions (V, 3), m, triangles
+    (T, 3) and where it is, ``world_from_mesh`` (4, 4), m.
+    """
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    def __init__(self, name: str, positions_m: numpy.typing.ArrayLike, triangles: numpy.typing.ArrayLike, world_from_mesh: numpy.typing.ArrayLike | None = None) -> None: ...
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def positions_m(self, /) -> numpy.typing.NDArray[numpy.float32]:
+        """(V, 3), m."""
+
+    @property
+    def triangles(self, /) -> numpy.typing.NDArray[numpy.uint32]:
+        """(T, 3)."""
+
+    @property
+    def world_from_mesh(self, /) -> numpy.typing.NDArray[numpy.float64]:
+        """(4, 4), m."""
+
+    def __hash__(self) -> int: ...
+
+    def __repr__(self) -> str: ...
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __copy__(self) -> HitBox: ...
+
+    def __deepcopy__(self, memo: object) -> HitBox: ...
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+    def replace(self, **changes: Any) -> HitBox:
+        """
+        Another one that differs in what is given by keyword, as for making one.
+        """
 
 class Scene:
     """
     A scene: meshes, instances, materials, textures, cameras and a background, in
     glTF's world frame (right-handed, +Y up, metres). Read-only.
 
-    `omma.load_scene` reads one; ``Scene()`` is empty: nothing but background.
+    `omma.load_scene` reads one; here one is made of its parts, which are in `omma.scene`. They
+    refer to each other by index: an instance to its mesh, a mesh to its material, a material
+    to textures, a texture to its image. Without ``instances`` each mesh is placed once, as its
+    positions say; without ``textures`` there is one for each image. ``Scene()`` is empty:
+    nothing but background, black unless one is given.
+
+    Raises `omma.Error`, which names the part, where an index leads nowhere, sizes do not go
+    together or a number is not finite.
     """
 
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self) -> None: ...
+    def __init__(self, *, meshes: Iterable[Mesh] = (), instances: Iterable[Instance] | None = None, materials: Iterable[Material] = (), textures: Iterable[Texture] | None = None, images: Iterable[Image] = (), cameras: Iterable[Camera] = (), hit_boxes: Iterable[HitBox] = (), background: Background | None = None, color_rule: str = 'gltf') -> None: ...
+
+    @property
+    def meshes(self, /) -> list[Mesh]:
+        """
+        Meshes stored, one for each glTF primitive; their arrays are the scene's own memory.
+        """
+
+    @property
+    def instances(self) -> list[Instance]:
+        """Meshes placed in the world."""
+
+    @property
+    def materials(self) -> list[Material]: ...
+
+    @property
+    def textures(self) -> list[Texture]: ...
+
+    @property
+    def images(self, /) -> list[Image]: ...
+
+    @property
+    def hit_boxes(self, /) -> list[HitBox]:
+        """
+        Regions, which are not drawn: meshes whose extras say ``hitbox``. One in several places
+        is several, of one name.
+        """
+
+    @property
+    def color_rule(self) -> str:
+        """'gltf' or 'compoundray': see `omma.load_scene`."""
+
+    def replace(self, **changes: Any) -> Scene:
+        """
+        Another scene that differs in what is given by keyword, as for making one. It comes
+        from no file: its ``path`` is ''.
+        """
+
+    def __getstate__(self) -> tuple[Any, ...]: ...
+
+    def __setstate__(self, state: tuple[Any, ...]) -> None: ...
+
+    def __hash__(self) -> int: ...
 
     @property
     def path(self, /) -> str:
@@ -240,10 +686,8 @@ class Scene:
         """What a ray sees that meets no surface."""
 
     @property
-    def hit_boxes(self) -> list[str]:
-        """
-        Names of the regions: meshes whose extras say ``hitbox``, which are not drawn.
-        """
+    def hit_box_names(self) -> list[str]:
+        """Names of the hit boxes, each once."""
 
     def hit_box_bounds(self, name: str) -> numpy.typing.NDArray[numpy.float64] | None:
         """
@@ -266,7 +710,18 @@ class Scene:
 
     def __repr__(self) -> str: ...
 
+    def __eq__(self, other: object) -> bool: ...
+
+    def __copy__(self) -> Scene: ...
+
+    def __deepcopy__(self, memo: object) -> Scene: ...
+
 def load_scene(path: str | os.PathLike[str], scene_index: int = -1, color_rule: str = 'gltf', progress: Callable[[float], object] | None = None) -> Scene: ...
+
+def save_scene(path: str | os.PathLike[str], scene: Scene, progress: Callable[[float], object] | None = None) -> None: ...
+
+def with_path(scene: Scene, path: str | os.PathLike[str]) -> Scene:
+    """The same scene, which says that it came from that file."""
 
 class Acceptance:
     """

@@ -57,7 +57,9 @@ std::string path_text(nb::handle path);
 nb::object path_object(const std::string& path);
 
 void bind_camera(nb::module_& m);
+void bind_background(nb::module_& m);
 void bind_scene(nb::module_& m);
+void bind_scene_parts(nb::module_& m);
 void bind_acceptance(nb::module_& m);
 void bind_eye(nb::module_& m);
 void bind_eye_files(nb::module_& m);

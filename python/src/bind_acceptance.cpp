@@ -12,7 +12,9 @@
 #include "arrays.h"
 #include "omma/error.h"
 #include "omma/receptor.h"
+#include "optics/acceptance_hash.h"
 #include "progress.h"
+#include "struct_values.h"
 
 namespace omma::python {
 namespace {
@@ -76,12 +78,13 @@ constexpr const char* of_angles =
 }  // namespace
 
 void bind_acceptance(nb::module_& m) {
-  nb::class_<Acceptance>(
+  nb::class_<Acceptance> acceptance_class(
       m, "Acceptance",
       "The angular sensitivity of an ommatidium: a kernel and its parameters.\n\n"
       "Made by one of its static methods. Directions are given by their polar angle from the axis\n"
       "and their azimuth, 0 towards the ommatidium's up vector and growing towards its right.\n"
-      "Raises `omma.Error` on a parameter out of range. Sources: docs/acceptance.md.")
+      "Raises `omma.Error` on a parameter out of range. Sources: docs/acceptance.md.");
+  acceptance_class
       .def_static(
           "gaussian",
           [](double width_rad, std::optional<double> minor_width_rad, double major_angle_rad) {
@@ -269,23 +272,14 @@ void bind_acceptance(nb::module_& m) {
                   "numpy.typing.NDArray[numpy.float32]"),
           "Directions drawn in proportion to the sensitivity: (count, 3), with x towards up, y\n"
           "towards the right and z along the axis.")
-      .def(
-          "__eq__",
-          [](const Acceptance& a, nb::handle other) {
-            return nb::isinstance<Acceptance>(other) && a == nb::cast<const Acceptance&>(other);
-          },
-          nb::sig("def __eq__(self, other: object) -> bool"))
-      .def("__hash__",
-           [](const Acceptance& a) {
-             return std::hash<double>{}(a.width_rad + a.facet_diameter_m + a.rhabdom_diameter_m) +
-                    static_cast<std::size_t>(a.kernel);
-           })
       .def("__repr__", [](const Acceptance& a) {
         return "<omma.Acceptance " + std::string(kernel_names[static_cast<int>(a.kernel)]) + ", " +
                std::to_string(mean_acceptance_width_rad(a) / degree) + " deg>";
       });
+  def_struct_value(
+      acceptance_class, [](const Acceptance& a) { checked(a); }, AcceptanceHash{});
 
-  nb::class_<ReceptorType>(
+  nb::class_<ReceptorType> receptor_class(
       m, "ReceptorType",
       "What a kind of photoreceptor is sensitive to.\n\n"
       "Parameters\n----------\n"
@@ -298,7 +292,8 @@ void bind_acceptance(nb::module_& m) {
       "absorption_per_m, length_m : of the rhabdom; 0 where not known.\n"
       "right_rad, up_rad : where it looks, from the ommatidium's axis.\n"
       "acceptance : its own `Acceptance`; None: the ommatidium's.\n\n"
-      "Raises `omma.Error` on a parameter out of range.")
+      "Raises `omma.Error` on a parameter out of range.");
+  receptor_class
       .def(
           "__init__",
           [](ReceptorType* self, const std::string& name, double peak_wavelength_nm,
@@ -348,15 +343,12 @@ void bind_acceptance(nb::module_& m) {
       .def_ro("right_rad", &ReceptorType::right_rad)
       .def_ro("up_rad", &ReceptorType::up_rad)
       .def_ro("acceptance", &ReceptorType::acceptance)
-      .def(
-          "__eq__",
-          [](const ReceptorType& a, nb::handle other) {
-            return nb::isinstance<ReceptorType>(other) && a == nb::cast<const ReceptorType&>(other);
-          },
-          nb::sig("def __eq__(self, other: object) -> bool"))
-      .def("__hash__", [](const ReceptorType& a) { return std::hash<std::string>{}(a.name); })
       .def("__repr__",
            [](const ReceptorType& a) { return "<omma.receptors.ReceptorType '" + a.name + "'>"; });
+  def_struct_value(
+      receptor_class,
+      [](const ReceptorType& type) { validate_receptor_type(type, "ReceptorType"); },
+      [](const ReceptorType& type) { return std::hash<std::string>{}(type.name); });
 }
 
 }  // namespace omma::python

@@ -4,15 +4,19 @@
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "arrays.h"
 #include "eye_arguments.h"
+#include "eye_html.h"
 #include "model/text.h"
 #include "omma/error.h"
 #include "omma/eye.h"
+#include "physics/hash.h"
 #include "progress.h"
+#include "struct_values.h"
 
 namespace omma::python {
 
@@ -91,6 +95,13 @@ Eye take_rows(const Eye& eye, nb::handle ommatidia) {
   return take_ommatidia(eye, std::vector<std::int64_t>(array.data(), array.data() + array.size()));
 }
 
+std::size_t hash_of(const Eye& eye) {
+  std::uint64_t hash = eye.size();
+  for (const Vec3& axis : eye.axis)
+    for (const float x : {axis.x, axis.y, axis.z}) hash = hash_combine(hash, std::hash<float>{}(x));
+  return hash;
+}
+
 }  // namespace
 
 void bind_eye(nb::module_& m) {
@@ -115,7 +126,7 @@ void bind_eye(nb::module_& m) {
       "receptor_types : list of `ReceptorType`.\n"
       "receptors : indices into receptor_types, a list for all ommatidia or a list of N lists.\n"
       "columns : dict from names to (N,) numbers or N texts, kept but not used.\n"
-      "path : the file it came from.\n\n"
+      "path : the file it came from; eyes that differ in nothing else are equal.\n\n"
       "Raises `omma.Error` on a wrong shape, a zero axis, an acceptance out of range, a NaN.");
   const auto property = [&](const char* name, auto getter, const char* type, const char* doc) {
     const std::string signature = "def " + std::string(name) + "(self, /) -> " + type;
@@ -243,7 +254,10 @@ void bind_eye(nb::module_& m) {
       .def("select", &select_eye, nb::arg("eye_id"),
            "The ommatidia of one eye of a head.\n\nRaises `omma.Error` where there is no such eye.")
       .def("__len__", &Eye::size)
-      .def("__repr__", [](const Eye& self) { return repr(self); });
+      .def("__repr__", [](const Eye& self) { return repr(self); })
+      .def("_repr_html_", &eye_html, "What notebooks show: a map of the axes.");
+  def_struct_value(
+      eye, [](Eye& made) { run_long_work([&] { validate_eye(made); }); }, &hash_of);
 
   m.def(
       "merge_eyes", &merge, nb::arg("eyes"),

@@ -1,5 +1,5 @@
-// Scene and Background for Python. A scene is read-only: it is made by `load_scene` or
-// empty, and shared with the renderers that use it.
+// Scene for Python: read from a file or made of its parts, then read-only and shared with the
+// worlds that use it.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
@@ -8,114 +8,102 @@
 #include <algorithm>
 #include <memory>
 
-#include "arrays.h"
+#include "model/scene_place.h"
 #include "model/text.h"
 #include "omma/camera.h"
 #include "omma/error.h"
 #include "omma/io.h"
 #include "omma/scene.h"
 #include "progress.h"
+#include "scene_text.h"
 #include "threads/parallel.h"
+#include "values.h"
 
 namespace omma::python {
 
 namespace {
 
-const char* word(BackgroundType type) {
-  switch (type) {
-    case BackgroundType::constant:
-      return "constant";
-    case BackgroundType::simple_sky:
-      return "simple_sky";
-    case BackgroundType::test_pattern:
-      return "test_pattern";
-    case BackgroundType::image:
-      return "image";
+constexpr Words<ColorRule, 2> color_rules = {
+    {{"gltf", ColorRule::gltf}, {"compoundray", ColorRule::compoundray}}};
+
+// What makes an equal scene: keywords of the constructor and properties, both.
+const std::vector<const char*> fields = {"meshes",    "instances",  "materials",
+                                         "textures",  "images",     "cameras",
+                                         "hit_boxes", "background", "color_rule"};
+
+// A list of parts of one kind; None gives an empty one.
+template <typename T>
+std::vector<T> parts(nb::handle list, const char* name) {
+  const std::string kind = "omma.scene." + str_of(nb::type<T>().attr("__name__"));
+  const auto refuse = [&](const std::string& what, nb::handle found) {
+    throw nb::type_error((what + ": expected " + kind + ", found " + type_name_of(found)).c_str());
+  };
+  if (nb::isinstance<T>(list) || nb::isinstance<nb::str>(list) || !nb::hasattr(list, "__iter__"))
+    throw nb::type_error(
+        (std::string(name) + ": expected a list of " + kind + ", found " + type_name_of(list))
+            .c_str());
+  std::vector<T> made;
+  for (nb::handle item : nb::iter(list)) {
+    if (!nb::isinstance<T>(item))
+      refuse(std::string(name) + "[" + std::to_string(made.size()) + "]", item);
+    made.push_back(nb::cast<const T&>(item));
   }
-  return "";
+  return made;
 }
 
-Background constant_background(nb::handle color) {
-  const Vec3d c = vec3d(color, "color");
-  if (!std::isfinite(c.x) || !std::isfinite(c.y) || !std::isfinite(c.z))
-    throw Error("color: expected three finite numbers");
-  Background background;
-  background.color = to_float(c);
-  return background;
-}
-
-Background background_of_type(BackgroundType type) {
-  Background background;
-  background.type = type;
-  return background;
-}
-
-// [height][width][3 or 4] to RGBA; `opaque` is the alpha of an image without one.
-template <typename T, typename Array>
-std::vector<T> to_rgba(const Array& pixels, std::size_t components, T opaque) {
-  const std::size_t count = pixels.shape(0) * pixels.shape(1);
-  std::vector<T> rgba(count * 4, opaque);
-  for (std::size_t i = 0; i < count; ++i)
-    for (std::size_t c = 0; c < components; ++c)
-      rgba[4 * i + c] = static_cast<T>(pixels.data()[components * i + c]);
-  return rgba;
-}
-
-Background image_background(nb::handle source) {
-  Background background = background_of_type(BackgroundType::image);
-  if (nb::isinstance<nb::str>(source) || nb::hasattr(source, "__fspath__")) {
-    const std::string path = path_text(source);
-    run_with_progress(nb::none(), [&](const std::function<bool(double)>& report) {
-      background.image = load_image(path, report);
-    });
-    return background;
+Scene made_scene(nb::handle meshes, nb::handle instances, nb::handle materials, nb::handle textures,
+                 nb::handle images, nb::handle cameras, nb::handle hit_boxes, nb::handle background,
+                 nb::handle color_rule) {
+  Scene scene;
+  scene.meshes = parts<Mesh>(meshes, "meshes");
+  if (instances.is_none())
+    for (std::size_t i = 0; i < scene.meshes.size(); ++i)
+      scene.instances.push_back({scene.meshes[i].name, static_cast<int>(i), {}, -1});
+  else
+    scene.instances = parts<Instance>(instances, "instances");
+  scene.materials = parts<Material>(materials, "materials");
+  scene.images = parts<Image>(images, "images");
+  if (textures.is_none())
+    for (std::size_t i = 0; i < scene.images.size(); ++i)
+      scene.textures.push_back({static_cast<int>(i)});
+  else
+    scene.textures = parts<Texture>(textures, "textures");
+  scene.cameras = parts<Camera>(cameras, "cameras");
+  scene.hit_boxes = parts<HitBox>(hit_boxes, "hit_boxes");
+  if (!background.is_none()) {
+    if (!nb::isinstance<Background>(background))
+      throw nb::type_error(
+          ("background: expected omma.Background, found " + type_name_of(background)).c_str());
+    scene.background = nb::cast<const Background&>(background);
   }
-  const nb::object array = nb::module_::import_("numpy").attr("asarray")(source);
-  const auto kind = nb::cast<std::string>(array.attr("dtype").attr("kind"));
-  const bool bytes = str_of(array.attr("dtype")) == "uint8";
-  const auto shape = nb::cast<std::vector<std::int64_t>>(array.attr("shape"));
-  const bool rgb = shape.size() == 3 && (shape[2] == 3 || shape[2] == 4);
-  const bool sized =
-      rgb && shape[0] > 0 && shape[1] > 0 && shape[0] <= 1 << 16 && shape[1] <= 1 << 16;
-  if (!sized || !(bytes || kind == "f"))
-    throw Error(
-        "image: expected a path, or uint8 (sRGB) or float (linear) values of shape (height, width, "
-        "3 or 4), found " +
-        str_of(array.attr("dtype")) + " of shape " + str_of(array.attr("shape")));
-  background.image.name = "image";
-  background.image.height = static_cast<int>(shape[0]);
-  background.image.width = static_cast<int>(shape[1]);
-  const auto components = static_cast<std::size_t>(shape[2]);
-  if (bytes) {
-    const nb::object packed = nb::module_::import_("numpy").attr("ascontiguousarray")(array);
-    background.image.rgba_srgb8 =
-        to_rgba<std::uint8_t>(nb::cast<InputArray<std::uint8_t>>(packed), components, 255);
-  } else {
-    const auto packed = float_array(array, "image", {-1, -1, shape[2]});
-    const float* begin = packed.data();
-    if (!std::all_of(begin, begin + packed.size(), [](float v) { return std::isfinite(v); }))
-      throw Error("image: expected finite values");
-    background.image.rgba_linear = to_rgba<float>(packed, components, 1.0f);
-  }
-  return background;
+  scene.color_rule = word_argument(color_rules, color_rule, "color_rule");
+  validate_scene(scene);
+  scene.warnings = place_warnings(scene);
+  return scene;
 }
 
-std::string repr(const Background& background) {
-  std::string text = std::string("<omma.Background ") + word(background.type);
-  if (background.type == BackgroundType::constant)
-    text += " (" + std::to_string(background.color.x) + ", " + std::to_string(background.color.y) +
-            ", " + std::to_string(background.color.z) + ")";
-  if (background.type == BackgroundType::image)
-    text += " " + std::to_string(background.image.width) + " x " +
-            std::to_string(background.image.height);
-  return text + ">";
+// From what __getstate__ gives: the fields by name, and where it came from.
+Scene restored(const nb::tuple& state) {
+  if (state.size() != 5 || !nb::isinstance<nb::dict>(state[0]))
+    throw Error("state: expected that of a scene");
+  const nb::object given = state[0];
+  Scene scene = made_scene(given["meshes"], given["instances"], given["materials"],
+                           given["textures"], given["images"], given["cameras"], given["hit_boxes"],
+                           given["background"], given["color_rule"]);
+  scene.path = path_text(state[1]);
+  scene.warnings = nb::cast<std::vector<std::string>>(state[2]);
+  scene.scene_names = nb::cast<std::vector<std::string>>(state[3]);
+  scene.node_count = nb::cast<int>(state[4]);
+  return scene;
 }
 
-std::string repr(const Scene& scene) {
-  return "<omma.Scene " +
-         (scene.path.empty() ? "in memory" : "'" + readable_text(scene.path) + "'") + ": " +
-         std::to_string(triangle_count(scene)) + " triangles, " +
-         std::to_string(scene.cameras.size()) + " cameras>";
+// The scene's own parts, not copies: they keep the scene.
+template <typename T>
+nb::list own_parts(nb::handle self, std::vector<T> Scene::*list) {
+  nb::list found;
+  for (T& part : nb::cast<Scene&>(self).*list)
+    found.append(nb::cast(&part, nb::rv_policy::reference_internal, self));
+  return found;
 }
 
 nb::object corners(const Bounds& box) {
@@ -185,49 +173,85 @@ auto size_of(std::vector<T> Scene::*list) {
 }  // namespace
 
 void bind_scene(nb::module_& m) {
-  nb::class_<Background>(
-      m, "Background",
-      "Radiance of a ray that meets no surface, instead of the scene's own background.\n\n"
-      "Make one with ``constant``, ``simple_sky``, ``test_pattern`` or ``image`` and pass it to\n"
-      "`Renderer`.")
-      .def_static("constant", &constant_background, nb::arg("color"),
-                  nb::sig("def constant(color: numpy.typing.ArrayLike) -> Background"),
-                  "The same linear radiance ``(r, g, b)`` in every direction.\n\n"
-                  "Raises `omma.Error` where it is not three finite numbers.")
-      .def_static(
-          "simple_sky", [] { return background_of_type(BackgroundType::simple_sky); },
-          "CompoundRay's ``simple_sky``: (143, 179, 203)/255*0.8 at the horizon and below, linear\n"
-          "in elevation to (1, 31, 117)/255 at the zenith; taken as linear radiance.")
-      .def_static(
-          "test_pattern", [] { return background_of_type(BackgroundType::test_pattern); },
-          "CompoundRay's ``default_background``: red grows with azimuth, green with elevation,\n"
-          "black where a component of the direction is under 0.01.")
-      .def_static(
-          "image", &image_background, nb::arg("image"),
-          nb::sig("def image(image: str | os.PathLike[str] | numpy.typing.ArrayLike) -> "
-                  "Background"),
-          "An equirectangular image: forward (-Z) in the middle, +X to the right of it, +Y\n"
-          "at the top.\n\n"
-          "A path to a PNG or JPEG (8 and 16 bit: sRGB), Radiance HDR or OpenEXR file (float:\n"
-          "linear radiance), or an array of shape (height, width, 3 or 4): uint8 is sRGB, float is\n"
-          "linear radiance. OpenEXR has channels R, G and B, or Y alone.\n\n"
-          "Raises `omma.Error` where the file or the array is not such an image.")
-      .def_prop_ro(
-          "type", [](const Background& b) { return word(b.type); },
-          "'constant', 'simple_sky', 'test_pattern' or 'image'.")
-      .def_prop_ro(
-          "color",
-          [](const Background& b) { return nb::make_tuple(b.color.x, b.color.y, b.color.z); },
-          nb::for_getter(nb::sig("def color(self, /) -> tuple[float, float, float]")),
-          "Linear radiance (r, g, b) of a constant background.")
-      .def("__repr__", [](const Background& b) { return repr(b); });
-
-  nb::class_<Scene>(
+  using Self = nb::handle_t<Scene>;
+  nb::class_<Scene> scene_class(
       m, "Scene",
       "A scene: meshes, instances, materials, textures, cameras and a background, in\n"
       "glTF's world frame (right-handed, +Y up, metres). Read-only.\n\n"
-      "`omma.load_scene` reads one; ``Scene()`` is empty: nothing but background.")
-      .def("__init__", [](Scene* self) { new (self) Scene(); })
+      "`omma.load_scene` reads one; here one is made of its parts, which are in `omma.scene`. "
+      "They\n"
+      "refer to each other by index: an instance to its mesh, a mesh to its material, a material\n"
+      "to textures, a texture to its image. Without ``instances`` each mesh is placed once, as "
+      "its\n"
+      "positions say; without ``textures`` there is one for each image. ``Scene()`` is empty:\n"
+      "nothing but background, black unless one is given.\n\n"
+      "Raises `omma.Error`, which names the part, where an index leads nowhere, sizes do not go\n"
+      "together or a number is not finite.");
+  scene_class
+      .def(
+          "__init__",
+          [](Scene* self, nb::handle meshes, nb::handle instances, nb::handle materials,
+             nb::handle textures, nb::handle images, nb::handle cameras, nb::handle hit_boxes,
+             nb::handle background, nb::handle color_rule) {
+            new (self) Scene(made_scene(meshes, instances, materials, textures, images, cameras,
+                                        hit_boxes, background, color_rule));
+          },
+          nb::kw_only(), nb::arg("meshes") = nb::make_tuple(), nb::arg("instances") = nb::none(),
+          nb::arg("materials") = nb::make_tuple(), nb::arg("textures") = nb::none(),
+          nb::arg("images") = nb::make_tuple(), nb::arg("cameras") = nb::make_tuple(),
+          nb::arg("hit_boxes") = nb::make_tuple(), nb::arg("background") = nb::none(),
+          nb::arg("color_rule") = "gltf",
+          nb::sig("def __init__(self, *, meshes: collections.abc.Iterable[Mesh] = (), instances: "
+                  "collections.abc.Iterable[Instance] | None = None, materials: "
+                  "collections.abc.Iterable[Material] = (), textures: "
+                  "collections.abc.Iterable[Texture] | None = None, images: "
+                  "collections.abc.Iterable[Image] = (), cameras: "
+                  "collections.abc.Iterable[Camera] = (), hit_boxes: "
+                  "collections.abc.Iterable[HitBox] = (), background: Background | None = None, "
+                  "color_rule: str = 'gltf') -> None"))
+      .def_prop_ro(
+          "meshes", [](Self self) { return own_parts(self, &Scene::meshes); },
+          nb::for_getter(nb::sig("def meshes(self, /) -> list[Mesh]")),
+          "Meshes stored, one for each glTF primitive; their arrays are the scene's own memory.")
+      .def_prop_ro(
+          "instances", [](const Scene& s) { return s.instances; }, "Meshes placed in the world.")
+      .def_prop_ro("materials", [](const Scene& s) { return s.materials; })
+      .def_prop_ro("textures", [](const Scene& s) { return s.textures; })
+      .def_prop_ro(
+          "images", [](Self self) { return own_parts(self, &Scene::images); },
+          nb::for_getter(nb::sig("def images(self, /) -> list[Image]")))
+      .def_prop_ro(
+          "hit_boxes", [](Self self) { return own_parts(self, &Scene::hit_boxes); },
+          nb::for_getter(nb::sig("def hit_boxes(self, /) -> list[HitBox]")),
+          "Regions, which are not drawn: meshes whose extras say ``hitbox``. One in several "
+          "places\n"
+          "is several, of one name.")
+      .def_prop_ro(
+          "color_rule", [](const Scene& s) { return word_of(color_rules, s.color_rule); },
+          "'gltf' or 'compoundray': see `omma.load_scene`.")
+      .def(
+          "replace",
+          [](Self self, const nb::kwargs& changes) { return replaced(self, fields, changes); },
+          nb::sig("def replace(self, **changes: typing.Any) -> Scene"),
+          "Another scene that differs in what is given by keyword, as for making one. It comes\n"
+          "from no file: its ``path`` is ''.")
+      .def(
+          "__getstate__",
+          [](Self self) {
+            const auto& s = nb::cast<const Scene&>(self);
+            return nb::make_tuple(fields_of(self, fields), path_object(s.path), s.warnings,
+                                  s.scene_names, s.node_count);
+          },
+          nb::sig("def __getstate__(self) -> tuple[typing.Any, ...]"))
+      .def(
+          "__setstate__",
+          [](Scene& self, const nb::tuple& state) { new (&self) Scene(restored(state)); },
+          nb::sig("def __setstate__(self, state: tuple[typing.Any, ...]) -> None"))
+      .def("__hash__",
+           [](const Scene& s) {
+             return static_cast<std::size_t>(triangle_count(s)) + s.cameras.size();
+           })
+      .def("_repr_html_", &scene_html)
       .def_prop_ro(
           "path", [](const Scene& s) { return path_object(s.path); },
           nb::sig("def path(self, /) -> str"), "The file it came from, '' for one made in memory.")
@@ -269,8 +293,7 @@ void bind_scene(nb::module_& m) {
       .def_prop_ro(
           "background", [](const Scene& s) { return s.background; },
           "What a ray sees that meets no surface.")
-      .def_prop_ro("hit_boxes", &hit_box_names,
-                   "Names of the regions: meshes whose extras say ``hitbox``, which are not drawn.")
+      .def_prop_ro("hit_box_names", &hit_box_names, "Names of the hit boxes, each once.")
       .def("hit_box_bounds", &bounds_of_hit_box, nb::arg("name"),
            nb::sig("def hit_box_bounds(self, name: str) -> numpy.typing.NDArray[numpy.float64] | "
                    "None"),
@@ -290,18 +313,16 @@ void bind_scene(nb::module_& m) {
             return sentences;
           },
           "What the loader passed over, a sentence each.")
-      .def("__repr__", [](const Scene& s) { return repr(s); });
+      .def("__repr__", &scene_repr);
+  def_equality(scene_class);
 
   m.def(
       "load_scene",
-      [](nb::handle path, int scene_index, const std::string& color_rule,
-         const nb::object& progress) {
+      [](nb::handle path, int scene_index, nb::handle color_rule, const nb::object& progress) {
         const std::string name = path_text(path);
-        if (color_rule != "gltf" && color_rule != "compoundray")
-          throw Error("color_rule: expected gltf or compoundray, found '" + color_rule + "'");
         SceneOptions options;
         options.scene_index = scene_index;
-        if (color_rule == "compoundray") options.color_rule = ColorRule::compoundray;
+        options.color_rule = word_argument(color_rules, color_rule, "color_rule");
         auto scene = std::make_shared<Scene>();
         run_with_progress(progress, [&](const std::function<bool(double)>& report) {
           options.progress = report;
@@ -314,6 +335,28 @@ void bind_scene(nb::module_& m) {
       nb::sig("def load_scene(path: str | os.PathLike[str], scene_index: int = -1, color_rule: str "
               "= 'gltf', progress: collections.abc.Callable[[float], object] | None = None) -> "
               "Scene"));
+
+  m.def(
+      "save_scene",
+      [](nb::handle path, const Scene& scene, const nb::object& progress) {
+        const std::string name = path_text(path);
+        run_with_progress(progress, [&](const std::function<bool(double)>& report) {
+          save_scene(name, scene, report);
+        });
+      },
+      nb::arg("path"), nb::arg("scene"), nb::arg("progress") = nb::none(),
+      nb::sig("def save_scene(path: str | os.PathLike[str], scene: Scene, progress: "
+              "collections.abc.Callable[[float], object] | None = None) -> None"));
+  m.def(
+      "with_path",
+      [](const Scene& scene, nb::handle path) {
+        auto made = std::make_shared<Scene>(scene);
+        made->path = path_text(path);
+        return made;
+      },
+      nb::arg("scene"), nb::arg("path"),
+      nb::sig("def with_path(scene: Scene, path: str | os.PathLike[str]) -> Scene"),
+      "The same scene, which says that it came from that file.");
 }
 
 }  // namespace omma::python

@@ -5,13 +5,16 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "arrays.h"
 #include "omma/world.h"
 #include "progress.h"
+#include "struct_values.h"
 
 namespace omma::python {
 
@@ -35,7 +38,9 @@ nb::object build_times(const World& world) {
 }  // namespace
 
 void bind_world(nb::module_& m) {
-  nb::class_<WorldInstance>(m, "WorldInstance", "Something in a world that can be moved.")
+  nb::class_<WorldInstance> instance_class(m, "WorldInstance",
+                                           "Something in a world that can be moved.");
+  instance_class
       .def_ro("name", &WorldInstance::name,
               "Of its node in the file; others may have the same one.")
       .def_prop_ro(
@@ -47,6 +52,9 @@ void bind_world(nb::module_& m) {
       .def("__repr__", [](const WorldInstance& instance) {
         return "<omma.scene.WorldInstance '" + instance.name + "'>";
       });
+  def_struct_value(
+      instance_class, [](const WorldInstance&) {},
+      [](const WorldInstance& value) { return std::hash<std::string>{}(value.name); });
 
   nb::class_<World>(m, "World", "The engine's world; `omma.World` is the one to use.")
       .def(

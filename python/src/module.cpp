@@ -45,7 +45,9 @@ NB_MODULE(_core, m) {
   error.attr("__str__") = nb::cpp_function(&error_text, nb::is_method());
 
   omma::python::bind_files(m);
+  omma::python::bind_background(m);
   omma::python::bind_camera(m);
+  omma::python::bind_scene_parts(m);
   omma::python::bind_scene(m);
   omma::python::bind_acceptance(m);
   omma::python::bind_eye(m);

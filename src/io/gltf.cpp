@@ -3,6 +3,7 @@
 // gltf_accessor and gltf_mesh (geometry), gltf_material (materials and images), gltf_nodes.
 #include "io/gltf.h"
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>
@@ -15,6 +16,7 @@
 #include "io/gltf_material.h"
 #include "io/gltf_mesh.h"
 #include "io/gltf_nodes.h"
+#include "io/gltf_schema.h"
 #include "io/gltf_warnings.h"
 #include "model/scene_place.h"
 #include "omma/error.h"
@@ -54,19 +56,33 @@ void check_extensions(Loader& loader) {
       loader.warnings.add("the glTF extension " + extension + " is not supported; it is ignored");
 }
 
-Background read_background(Loader& loader, const json& scene) {
+// What the scene's extras say: CompoundRay's "background-shader", or what save_scene writes.
+Background read_background(Loader& loader, const json& scene, const std::string& place) {
   Background background;
   const auto extras = scene.find("extras");
-  if (extras == scene.end() || !extras->is_object() || !extras->contains("background-shader"))
-    return background;
-  const json& shader = (*extras)["background-shader"];
-  if (shader == "simple_sky")
-    background.type = BackgroundType::simple_sky;
-  else if (shader == "default_background")
-    background.type = BackgroundType::test_pattern;
-  else
-    loader.warnings.add("the background shader " + shader.dump() +
-                        " is not known; the background is black");
+  if (extras == scene.end() || !extras->is_object()) return background;
+  if (extras->contains("background-shader")) {
+    const json& shader = (*extras)["background-shader"];
+    if (shader == "simple_sky")
+      background.type = BackgroundType::simple_sky;
+    else if (shader == "default_background")
+      background.type = BackgroundType::test_pattern;
+    else
+      loader.warnings.add("the background shader " + shader.dump() +
+                          " is not known; the background is black");
+  } else if (extras->contains("background-color")) {
+    const json& color = (*extras)["background-color"];
+    if (!color.is_array() || color.size() != 3 ||
+        !std::all_of(color.begin(), color.end(), [](const json& v) { return v.is_number(); }))
+      throw Error(place + ": background-color: expected an array of 3 numbers");
+    background.color = {color[0].get<float>(), color[1].get<float>(), color[2].get<float>()};
+  } else if (extras->contains("background-image")) {
+    const auto index = gltf_whole_number((*extras)["background-image"]);
+    if (!index || *index >= gltf_list(loader.gltf.document, "images").size())
+      throw Error(place + ": background-image: expected the index of an image");
+    background.type = BackgroundType::image;
+    background.image = read_gltf_image(loader.gltf, static_cast<int>(*index));
+  }
   return background;
 }
 
@@ -102,7 +118,7 @@ std::vector<int> scene_roots(Loader& loader, const std::vector<int>& parent, int
     if (!seen.insert(root).second)
       throw Error(place + ": lists node " + std::to_string(root) + " twice");
   }
-  loader.scene.background = read_background(loader, scene);
+  loader.scene.background = read_background(loader, scene, place);
   return {seen.begin(), seen.end()};
 }
 
@@ -120,6 +136,18 @@ bool is_true(const json& extras, const char* key) {
 std::string text_of(const json& extras, const char* key) {
   const auto found = extras.find(key);
   return found != extras.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
+void set_extras(Camera& camera, const json& extras) {
+  if (extras.empty()) return;  // those say nothing
+  camera.extras_json = extras.dump();
+  if (!extras.is_object()) return;
+  camera.compound_structure = text_of(extras, "compound-structure");
+  camera.compound_projection = text_of(extras, "compound-projection");
+  if (camera.type == CameraType::perspective && is_true(extras, "panoramic"))
+    camera.type = CameraType::panoramic;
+  else if (camera.type == CameraType::perspective && is_true(extras, "compound-eye"))
+    camera.type = CameraType::compound;
 }
 
 void add_camera(Loader& loader, const GltfNode& node, const Mat4& world_from_node) {
@@ -145,18 +173,7 @@ void add_camera(Loader& loader, const GltfNode& node, const Mat4& world_from_nod
   camera.znear_m = (*lens)["znear"].get<double>();
   camera.zfar_m = lens->value("zfar", 0.0);
   camera.world_from_camera = world_from_node;
-  if (source.contains("extras")) {
-    const json& extras = source["extras"];
-    camera.extras_json = extras.dump();
-    if (extras.is_object()) {
-      camera.compound_structure = text_of(extras, "compound-structure");
-      camera.compound_projection = text_of(extras, "compound-projection");
-      if (camera.type == CameraType::perspective && is_true(extras, "panoramic"))
-        camera.type = CameraType::panoramic;
-      else if (camera.type == CameraType::perspective && is_true(extras, "compound-eye"))
-        camera.type = CameraType::compound;
-    }
-  }
+  if (source.contains("extras")) set_extras(camera, source["extras"]);
   loader.gltf.budget.spend(1, sizeof(Camera) + camera.extras_json.size());
   loader.scene.cameras.push_back(std::move(camera));
 }
@@ -256,6 +273,14 @@ void use_compoundray_colors(Scene& scene) {
 }
 
 }  // namespace
+
+void read_camera_extras(Camera& camera, const std::string& json_text) {
+  try {
+    set_extras(camera, json::parse(json_text));
+  } catch (const json::exception&) {
+    throw Error("extras: expected JSON text");
+  }
+}
 
 Scene parse_scene(std::string file, const std::string& path, const SceneOptions& options,
                   const WorkPart& work) {

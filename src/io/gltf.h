@@ -14,4 +14,9 @@ namespace omma {
 Scene parse_scene(std::string file, const std::string& path, const SceneOptions& options = {},
                   const WorkPart& work = {});
 
+// What a camera's extras, JSON text, say of it, and themselves: `extras_json`, the type of a
+// perspective camera that is panoramic or compound, the eye and projection of a compound one.
+// Throws omma::Error where the text is not JSON.
+void read_camera_extras(Camera& camera, const std::string& json_text);
+
 }  // namespace omma

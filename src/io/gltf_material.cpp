@@ -3,11 +3,15 @@
 #include "io/gltf_material.h"
 
 #include <atomic>
+#include <cstring>
 #include <exception>
+#include <limits>
 #include <map>
 #include <string_view>
 #include <utility>
 
+#include "io/csv_text.h"
+#include "io/gltf_schema.h"
 #include "io/image.h"
 #include "omma/error.h"
 #include "threads/parallel.h"
@@ -214,6 +218,29 @@ void charge_images(const std::vector<EncodedFile>& images) {
   }
 }
 
+// Images in linear floats that Omma has written keep their values beside the PNG, [pixel] RGBA.
+void use_linear_pixels(GltfContainer& gltf, int index, const std::string& place, Image& image) {
+  const json& source = gltf.document["images"][static_cast<std::size_t>(index)];
+  const auto extras = source.find("extras");
+  if (extras == source.end() || !extras->is_object()) return;
+  const auto view = extras->find("omma-linear-rgba");
+  if (view == extras->end()) return;
+  const auto number = gltf_whole_number(*view);
+  if (!number || *number > std::numeric_limits<int>::max())
+    throw Error(place + ": extras: omma-linear-rgba: expected a buffer view, found " +
+                shown_text(view->dump()));
+  const std::span<const std::uint8_t> bytes =
+      buffer_view_bytes(gltf, static_cast<int>(*number), place);
+  const std::size_t values =
+      4 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+  if (bytes.size() != values * sizeof(float))
+    throw Error(place + ": extras: omma-linear-rgba: has " + std::to_string(bytes.size()) +
+                " bytes, expected " + std::to_string(values * sizeof(float)));
+  image.rgba_srgb8.clear();
+  image.rgba_linear.resize(values);
+  std::memcpy(image.rgba_linear.data(), bytes.data(), bytes.size());
+}
+
 // All images at once; of several errors the first image's is thrown, whatever the threads did.
 void read_images(MaterialReader& reader, const WorkPart& work) {
   std::vector<int> sources(reader.image_of.size());
@@ -246,9 +273,20 @@ void read_images(MaterialReader& reader, const WorkPart& work) {
   });
   for (const std::exception_ptr& error : errors)
     if (error) std::rethrow_exception(error);
+  for (std::size_t i = 0; i < sources.size(); ++i)
+    use_linear_pixels(reader.gltf, sources[i], encoded[i].place, reader.scene.images[i]);
 }
 
 }  // namespace
+
+Image read_gltf_image(GltfContainer& gltf, int index) {
+  const std::vector<EncodedFile> encoded = {read_encoded(gltf, index, {})};
+  charge_images(encoded);
+  Image image = decode_claimed_image(encoded[0].bytes(), encoded[0].place, {});
+  use_linear_pixels(gltf, index, encoded[0].place, image);
+  image.name = encoded[0].name;
+  return image;
+}
 
 Image read_gltf_texture(GltfContainer& gltf, int index, const std::string& place,
                         Texture& sampling) {
@@ -258,9 +296,7 @@ Image read_gltf_texture(GltfContainer& gltf, int index, const std::string& place
   if (!texture.contains("source")) throw Error(inside + ": has no image, used by " + place);
   const int source = texture["source"].get<int>();
   gltf_element(gltf, "images", "image", source, inside);
-  const std::vector<EncodedFile> encoded = {read_encoded(gltf, source, {})};
-  charge_images(encoded);
-  return decode_claimed_image(encoded[0].bytes(), encoded[0].place, {});
+  return read_gltf_image(gltf, source);
 }
 
 void read_materials(GltfContainer& gltf, Scene& scene, GltfWarnings& warnings,

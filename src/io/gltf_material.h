@@ -12,6 +12,9 @@ namespace omma {
 void read_materials(GltfContainer& gltf, Scene& scene, GltfWarnings& warnings,
                     const WorkPart& work);
 
+// One image, decoded. There is an image of that index.
+Image read_gltf_image(GltfContainer& gltf, int index);
+
 // The image of a texture, decoded, and how it is sampled. There is a texture of that index; throws
 // omma::Error that names path, texture or image, or `place` where the texture has no image.
 Image read_gltf_texture(GltfContainer& gltf, int index, const std::string& place,

@@ -2,6 +2,7 @@
 #include "io/gltf_mesh.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -184,6 +185,17 @@ bool read_primitive(GltfMeshReader& reader, const json& primitive, const std::st
   const std::vector<std::uint32_t> kept = keep_used(mesh.triangles, vertices);
 
   mesh.positions = gathered<Vec3>(reader, positions, kept);
+  const GltfAccessor* normals = attribute(reader, primitive, place, "NORMAL", 3, 3);
+  check_count(normals, vertices, place, "NORMAL");
+  mesh.normals = gathered<Vec3>(reader, normals, kept);
+  const auto is_finite = [](Vec3 n) {
+    return std::isfinite(n.x) && std::isfinite(n.y) && std::isfinite(n.z);
+  };
+  if (!std::all_of(mesh.normals.begin(), mesh.normals.end(), is_finite)) {
+    reader.warnings.add("normals that are not finite are ignored, those of triangles are taken",
+                        place);
+    mesh.normals.clear();
+  }
   for (std::size_t set = 0; set < 2; ++set) {
     const std::string semantic = "TEXCOORD_" + std::to_string(set);
     const GltfAccessor* texcoords = attribute(reader, primitive, place, semantic, 2, 2);

@@ -10,6 +10,7 @@
 
 #include "io/csv_text.h"
 #include "io/eye_json.h"
+#include "io/glb_bytes.h"
 #include "io/oces.h"
 #include "io/oces_file.h"
 #include "omma/error.h"
@@ -241,28 +242,12 @@ std::string base64(const std::string& bytes) {
   return text;
 }
 
-std::string little_endian_u32(std::size_t value) {
-  std::string bytes;
-  for (int shift = 0; shift < 32; shift += 8) bytes += static_cast<char>(value >> shift & 0xFF);
-  return bytes;
-}
-
-std::string json_text(const json& document, int indent) {
+std::string json_text(const json& document) {
   try {
-    return document.dump(indent);
+    return document.dump(1);
   } catch (const json::exception&) {
     throw Error("the eye has texts that are not UTF-8, which OCES cannot hold");
   }
-}
-
-std::string glb_bytes(const json& document, const std::string& binary) {
-  std::string text = json_text(document, -1);
-  text.resize((text.size() + 3) / 4 * 4, ' ');
-  const std::size_t size = 28 + text.size() + binary.size();
-  if (size > std::numeric_limits<std::uint32_t>::max())
-    throw Error("the eye is too large for a .glb file: " + std::to_string(size) + " bytes");
-  return "glTF" + little_endian_u32(2) + little_endian_u32(size) + little_endian_u32(text.size()) +
-         "JSON" + text + little_endian_u32(binary.size()) + std::string("BIN\0", 4) + binary;
 }
 
 }  // namespace
@@ -303,10 +288,10 @@ std::string oces_bytes(const Eye& given, bool binary) {
   document["nodes"] = std::move(nodes);
   document["scene"] = 0;
   document["scenes"] = {{{"name", "eyes"}, {"nodes", {0}}}};
+  if (binary) return glb_bytes(document, writer.binary, "the eye");
   document["buffers"] = {{{"byteLength", writer.binary.size()}}};
-  if (binary) return glb_bytes(document, writer.binary);
   document["buffers"][0]["uri"] = "data:application/octet-stream;base64," + base64(writer.binary);
-  return json_text(document, 1);
+  return json_text(document);
 }
 
 }  // namespace omma

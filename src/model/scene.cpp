@@ -74,11 +74,23 @@ void check_transform(const Mat4& t, const std::string& place, const char* what) 
     throw Error(place + ": the bottom row of " + what + " is not 0 0 0 1");
 }
 
-bool same(const Mat4& a, const Mat4& b) {
-  for (int r = 0; r < 4; ++r)
-    for (int c = 0; c < 4; ++c)
-      if (a.m[r][c] != b.m[r][c]) return false;
-  return true;
+// Of each instance, the first one that moves with it.
+std::vector<std::size_t> first_of_each_node(const std::vector<Instance>& instances) {
+  std::unordered_map<int, std::size_t> first_of_node;
+  std::vector<std::size_t> first;
+  for (std::size_t i = 0; i < instances.size(); ++i)
+    first.push_back(
+        instances[i].node < 0 ? i : first_of_node.try_emplace(instances[i].node, i).first->second);
+  return first;
+}
+
+bool same_instances(const std::vector<Instance>& a, const std::vector<Instance>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const Instance& one, const Instance& other) {
+                      return one.name == other.name && one.mesh == other.mesh &&
+                             one.world_from_mesh == other.world_from_mesh;
+                    }) &&
+         first_of_each_node(a) == first_of_each_node(b);
 }
 
 // The largest component of all, in magnitude, and at least 1: what a product may grow by.
@@ -123,24 +135,30 @@ void check_radiance(const Scene& scene, const Material& material, std::span<cons
                 place, "its emission (factor x texture)");
 }
 
+void check_triangles(const std::vector<std::array<std::uint32_t, 3>>& triangles,
+                     std::size_t vertices, const std::string& place) {
+  if (triangles.size() > most_triangles)
+    throw Error(place + ": has " + std::to_string(triangles.size()) +
+                " triangles, a mesh may have " + std::to_string(most_triangles));
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    for (const std::uint32_t vertex : triangles[i])
+      if (vertex >= vertices)
+        throw Error(place + ": triangle " + std::to_string(i) + " has vertex " +
+                    std::to_string(vertex) + ", there are " + std::to_string(vertices));
+}
+
 void check_mesh(const Scene& scene, const Mesh& mesh, const std::string& place) {
   check_handle(mesh.material, scene.materials.size(), true, place, "material");
   check_finite(mesh.positions, place, "the position");
+  check_size(mesh.normals.size(), mesh.positions.size(), place, "normals");
+  check_finite(mesh.normals, place, "the normal");
   for (std::size_t set = 0; set < mesh.texcoords.size(); ++set) {
     check_size(mesh.texcoords[set].size(), mesh.positions.size(), place, "texture coordinates");
     check_finite(mesh.texcoords[set], place, "the texture coordinate");
   }
   check_size(mesh.colors.size(), mesh.positions.size(), place, "colours");
-  if (mesh.triangles.size() > most_triangles)
-    throw Error(place + ": has " + std::to_string(mesh.triangles.size()) +
-                " triangles, a mesh may have " + std::to_string(most_triangles));
   check_finite(mesh.colors, place, "the colour");
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-    for (const std::uint32_t vertex : mesh.triangles[i])
-      if (vertex >= mesh.positions.size())
-        throw Error(place + ": triangle " + std::to_string(i) + " has vertex " +
-                    std::to_string(vertex) + ", there are " +
-                    std::to_string(mesh.positions.size()));
+  check_triangles(mesh.triangles, mesh.positions.size(), place);
 }
 
 void check_texture_use(const Scene& scene, const TextureUse& use, const std::string& place) {
@@ -158,6 +176,9 @@ void check_material(const Scene& scene, const Material& material, const std::str
     throw Error(place + ": its base colour is negative or not finite");
   if (!finite(material.emissive) || !non_negative(material.emissive))
     throw Error(place + ": its emission is negative or not finite");
+  if (material.unlit &&
+      (material.emissive != Vec3{0, 0, 0} || material.emissive_texture.texture >= 0))
+    throw Error(place + ": is unlit and has an emission, which unlit materials do not have");
   if (!std::isfinite(material.alpha_cutoff))
     throw Error(place + ": its alpha cutoff is not finite");
   check_texture_use(scene, material.base_color_texture, place);
@@ -194,6 +215,13 @@ void check_camera(const Camera& camera, const std::string& place) {
 
 }  // namespace
 
+bool operator==(const Scene& a, const Scene& b) {
+  return a.color_rule == b.color_rule && a.meshes == b.meshes &&
+         same_instances(a.instances, b.instances) && a.materials == b.materials &&
+         a.textures == b.textures && a.images == b.images && a.cameras == b.cameras &&
+         a.hit_boxes == b.hit_boxes && a.background == b.background;
+}
+
 void validate_scene(const Scene& scene) {
   for (std::size_t i = 0; i < scene.images.size(); ++i)
     check_image(scene.images[i], place_of(scene, "image", i, scene.images[i].name));
@@ -215,23 +243,26 @@ void validate_scene(const Scene& scene) {
         mesh.material < 0 ? Material{} : scene.materials[static_cast<std::size_t>(mesh.material)];
     if (!mesh.colors.empty()) check_radiance(scene, material, largest_in_image, mesh.colors, place);
   }
-  std::unordered_map<int, std::size_t> first_of_node;
+  const std::vector<std::size_t> firsts = first_of_each_node(scene.instances);
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
     const std::string place = place_of(scene, "instance", i, instance.name);
     check_handle(instance.mesh, scene.meshes.size(), false, place, "mesh");
     check_transform(instance.world_from_mesh, place, "world_from_mesh");
-    if (instance.node < 0) continue;
-    const std::size_t first = first_of_node.try_emplace(instance.node, i).first->second;
-    if (!same(scene.instances[first].world_from_mesh, instance.world_from_mesh))
+    const std::size_t first = firsts[i];
+    if (scene.instances[first].world_from_mesh != instance.world_from_mesh)
       throw Error(place + ": is of node " + std::to_string(instance.node) + " as instance " +
                   std::to_string(first) + " is, but has another world_from_mesh");
   }
   for (std::size_t i = 0; i < scene.cameras.size(); ++i)
     check_camera(scene.cameras[i], place_of(scene, "camera", i, scene.cameras[i].name));
-  for (std::size_t i = 0; i < scene.hit_boxes.size(); ++i)
-    check_transform(scene.hit_boxes[i].world_from_mesh,
-                    place_of(scene, "hit box", i, scene.hit_boxes[i].name), "world_from_mesh");
+  for (std::size_t i = 0; i < scene.hit_boxes.size(); ++i) {
+    const HitBox& box = scene.hit_boxes[i];
+    const std::string place = place_of(scene, "hit box", i, box.name);
+    check_finite(box.positions, place, "the position");
+    check_triangles(box.triangles, box.positions.size(), place);
+    check_transform(box.world_from_mesh, place, "world_from_mesh");
+  }
   const std::string background =
       (scene.path.empty() ? "scene" : scene.path) + std::string(": background");
   const Vec3 sky = scene.background.color;
@@ -267,7 +298,7 @@ Bounds scene_bounds(const Scene& scene) {
 
 Bounds hit_box_bounds(const HitBox& box) {
   Scene alone;
-  alone.meshes.push_back({"", box.positions, box.triangles, {}, {}, -1});
+  alone.meshes.push_back({"", box.positions, box.triangles, {}, {}, {}, -1});
   alone.instances.push_back({"", 0, box.world_from_mesh});
   return scene_bounds(alone);
 }

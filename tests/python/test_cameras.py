@@ -403,7 +403,8 @@ def test_hit_boxes(tmp_path):
     scene = omma.load_scene(path)
     assert scene.triangle_count == 0
     # Both places of the mesh are one region.
-    assert scene.hit_boxes == ["pyramid"]
+    assert scene.hit_box_names == ["pyramid"]
+    assert len(scene.hit_boxes) == 2
     assert scene.hit_box_bounds("pyramid").tolist() == [[-10, 1, -10], [110, 5, 10]]
     points = [[0, 2, 0], [0, 4.9, 0], [0, 5.1, 0], [0, 0.9, 0], [9, 3, 0], [100, 2, 1], [50, 2, 0]]
     inside = scene.is_inside("pyramid", points)

@@ -121,6 +121,7 @@ def arrays_of(**values: Any) -> list[NDArray[np.float64]]:
 # What `checked` knows by name: things of Omma's own, which hold what functions then ask them for.
 _OWN = {
     "AcuteZone": "omma.eye.AcuteZone",
+    "Background": "omma.Background",
     "Camera": "omma.scene.Camera",
     "Eye": "omma.Eye",
     "EyeMeasures": "omma.eye.EyeMeasures",

@@ -28,7 +28,7 @@ from omma.job.info import describe_file
 from omma.job.rendering import SUFFIXES, render_file
 from omma.picture.projections import PROJECTIONS
 from omma.rendering.renderer import READING
-from omma.rendering.settings import Settings, Shared, ToError, options_of
+from omma.rendering.settings import Settings, Shared, ToError
 from omma.scene.backgrounds import NAMED_BACKGROUNDS
 
 RENDER_HELP = """
@@ -253,7 +253,6 @@ def render(
     ] = False,
 ) -> None:
     """Render what an eye sees in a scene, or a camera of the scene."""
-    options = {one.name: getattr(settings, one.name) for one in options_of(Settings)}
     if all_cameras:
         _check_all_cameras(
             {
@@ -278,7 +277,7 @@ def render(
                 scene,
                 output[0],
                 settings.sampling,
-                **options,
+                **settings.options(),
                 unit=unit,
                 threads=threads,
                 backend=backend,
@@ -297,7 +296,7 @@ def render(
             scene,
             output,
             settings.sampling,
-            **options,
+            **settings.options(),
             eyes=eye or (),
             unit=unit,
             camera=camera,

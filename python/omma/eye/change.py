@@ -19,6 +19,7 @@ from omma._core import Error, Eye
 from omma.base.arguments import checked, positive
 from omma.base.files import PathLike, metres_per_unit, open_text
 from omma.base.poses import poses_from_angles
+from omma.base.values import value_class
 
 Floats = NDArray[np.float64]
 
@@ -228,7 +229,8 @@ def _nearest_axis(eye: Eye) -> tuple[NDArray[np.intp], Floats]:
     return nearest, 2 * np.arcsin(np.minimum(chord / 2, 1))
 
 
-@dataclass(frozen=True)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class ConvertedEye:
     """An eye from an old file, and what was assumed, dropped or looks wrong, a sentence each."""
 

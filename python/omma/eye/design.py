@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, positive, whole
+from omma.base.values import value_class
 from omma.eye.relaxation import bisected
 
 Floats = NDArray[np.float64]
@@ -35,7 +36,8 @@ _STEPS_PER_SEARCH = 10
 _MOST_CANDIDATES = 5_000_000
 
 
-@dataclass(frozen=True)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class AcuteZone:
     """More ommatidia per steradian around a direction: ``factor`` times at its centre, falling off
     as a Gaussian of full width at half maximum ``width_rad``; a factor below 1 thins them out.

@@ -13,13 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma.base.directions import azimuth_elevation_deg_of
+from omma.base.values import value_class
 from omma.eye.neighbours import Flags, Floats, Neighbours
 
 # Directions that the sphere is asked in: 0.57° apart, each 0.1 msr.
 _DIRECTIONS = 1 << 17
 
 
-@dataclass(frozen=True)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class BlindZone:
     """A connected region that no eye sees.
 
@@ -33,7 +35,8 @@ class BlindZone:
     radius_deg: float
 
 
-@dataclass(frozen=True)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class Field:
     """Solid angles, sr: of each eye's field (by eye id), of what any eye sees, of what at least two
     see; and the regions that none sees, the largest first."""

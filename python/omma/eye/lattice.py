@@ -20,6 +20,7 @@ from omma.base.arguments import array_of, checked, whole
 from omma.base.directions import azimuth_elevation_deg_of as azimuth_elevation_deg_of
 from omma.base.directions import direction as direction
 from omma.base.directions import unit
+from omma.base.values import value_class
 from omma.eye.cells import cells
 from omma.eye.relaxation import MARGIN, Domain, Progress, Region, grown
 
@@ -29,7 +30,8 @@ Angle = float | Callable[[Floats], ArrayLike]
 FieldOfView = Callable[[Floats], ArrayLike]
 
 
-@dataclass(frozen=True)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class Lattice:
     """Directions (N, 3), unit vectors in the head frame, and the factor ``scale`` by which the
     wanted angles had to be multiplied to give as many as asked."""
@@ -250,7 +252,8 @@ def lay_directions(
     return Lattice(points, sphere.scale)
 
 
-@dataclass(frozen=True)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class LatticeCheck:
     """How near a lattice comes to what was wanted.
 

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye
 from omma.base.arguments import checked
+from omma.base.values import value_class
 from omma.eye.field import Field, field_of_view
 from omma.eye.neighbours import (
     Flags,
@@ -38,7 +39,8 @@ _WAVELENGTH_NM = 500.0  # of the diffraction limit, where no other is asked for
 DIFFRACTION_LIMIT = 0.58
 
 
-@dataclass(frozen=True)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class EyeMeasures:
     """Numbers about N ommatidia. All arrays are (N,); NaN where a value is not known or there are
     no neighbours. Angles in radians, lengths in metres. See `measure_eye`.

@@ -17,6 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from omma.base.values import value_class
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
@@ -32,7 +34,8 @@ _FLATTEST_RAD, _FLATTEST_OUTER_RAD = np.radians(110), np.radians(95)
 _SAME_RAD = 1e-6  # directions in single precision are known to 1e-7
 
 
-@dataclass(frozen=True)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class Neighbours:
     """The neighbours among K points.
 

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked
 from omma.base.files import PathLike, metres_per_unit
+from omma.base.values import value_class
 from omma.eye.change import set_acceptance
 from omma.eye.facets import facet_diameters_m
 from omma.eye.scan_pairs import match_tips, split_eyes
@@ -29,7 +30,8 @@ ODA_POSITION = (("x", "y", "z"), ("x_center", "y_center", "z_center"))
 ODA_AXES = {"anatomical": "anatomical_axis", "approx": "approx_axis"}
 
 
-@dataclass(frozen=True)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class ImportedEye:
     """An eye from a measurement, and what was assumed, left out or looks wrong, a sentence each."""
 
@@ -37,7 +39,8 @@ class ImportedEye:
     notes: tuple[str, ...]
 
 
-@dataclass(frozen=True)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class LensConeEye(ImportedEye):
     """An eye from lenses and cones: ommatidium i has lens ``lens[i]`` and cone ``cone[i]``.
 

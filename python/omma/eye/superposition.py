@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error, Eye, ReceptorType
 from omma.base.arguments import array_of, checked, positive, whole
 from omma.base.directions import unit
+from omma.base.values import value_class
 from omma.eye.neighbours import direction_lattice
 from omma.receptors.mosaic import COLUMN, Region, region_mask
 from omma.receptors.sensitivity import ommatidium_of_receptor, receptor_axis
@@ -34,7 +35,8 @@ TRAPEZOID = {"R1": (1, -1), "R2": (1, 0), "R3": (1, 1), "R4": (0, 1), "R5": (-1,
 _OFFSET_STEP = 1 / 10
 
 
-@dataclass(frozen=True, eq=False)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class Wiring:
     """Which responses are pooled into which: those of target i are index[first[i]:first[i + 1]].
 

@@ -20,6 +20,7 @@ from omma._core import Error
 from omma.base.arguments import array_of, checked, positive, whole
 from omma.base.directions import unit
 from omma.base.files import PathLike, metres_per_unit
+from omma.base.values import value_class
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -54,7 +55,8 @@ class Surface(Protocol):
         """Distance (K,) to where it ends; None where it is closed."""
 
 
-@dataclass(frozen=True)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class Ellipsoid:
     """An ellipsoid by its centre and semi-axes to the right, up and forward, metres."""
 
@@ -217,6 +219,21 @@ class Mesh:
         self._tree = cKDTree(self._points)
         self._edge_tree = self._make_edge_tree()
         self._normal_tree: cKDTree | None = None
+
+    def __reduce__(self) -> tuple[type[Mesh], tuple[Floats, Ints]]:
+        return Mesh, (self.vertices, self.triangles)
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, Mesh)
+            and np.array_equal(self.vertices, other.vertices)
+            and np.array_equal(self.triangles, other.triangles)
+        )
+
+    __hash__ = None  # type: ignore[assignment]  # what holds arrays has none
+
+    def __repr__(self) -> str:
+        return f"<surface of {len(self.triangles):,} triangles>"
 
     def onto(self, points: Floats) -> Floats:
         return self._nearest(points)[0]

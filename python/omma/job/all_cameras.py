@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from omma._core import Background, Camera, Error, Eye
 from omma.base.arguments import checked
 from omma.base.files import PathLike, WholeFiles, check_target, left_behind, make_directory
+from omma.base.values import value_class
 from omma.job.rendering import Stage
 from omma.picture.cameras import camera_eye, camera_projection, display, picture_size, render_camera
 from omma.picture.files import paint_of_projection, write_png
@@ -30,7 +31,8 @@ if TYPE_CHECKING:
 _LONGEST_NAME = 100
 
 
-@dataclass(frozen=True)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class CameraReport:
     """One camera of several that were rendered."""
 
@@ -45,7 +47,8 @@ class CameraReport:
     projection: str  # that the eye is shown in, "" where the camera is none
 
 
-@dataclass(frozen=True)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class AllCamerasReport:
     """What `render_all_cameras` did."""
 

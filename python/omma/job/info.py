@@ -87,7 +87,7 @@ def describe_scene(scene: Scene) -> Lines:
         if camera.compound_projection:
             text += f" as {camera.compound_projection}"
         lines.append(("camera", text))
-    for name in scene.hit_boxes:
+    for name in scene.hit_box_names:
         box = scene.hit_box_bounds(name)
         place = "empty" if box is None else f"{_point(box[0])} to {_point(box[1])} m"
         lines.append(("hit box", f"{name}: {place}"))

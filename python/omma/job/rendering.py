@@ -25,6 +25,7 @@ from omma.base.files import (
     metres_per_unit,
 )
 from omma.base.poses import Matrices, load_poses, poses_from_angles
+from omma.base.values import value_class
 from omma.eye.files import load_eye
 from omma.job.pieces import render_of_ommatidia, render_of_receptors, render_pieces
 from omma.job.resuming import KeptRender, inputs_of
@@ -76,7 +77,8 @@ _NO_RECORD = (
 )
 
 
-@dataclass(frozen=True)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class RenderReport:
     """What a render did."""
 

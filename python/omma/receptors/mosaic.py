@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye, ReceptorType
 from omma.base.arguments import array_of, checked
+from omma.base.values import value_class
 
 Flags = NDArray[np.bool_]
 
@@ -20,7 +21,8 @@ Region = ArrayLike | Callable[[NDArray[np.float64], NDArray[np.float64]], ArrayL
 COLUMN = "ommatidium_type"
 
 
-@dataclass(frozen=True)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class OmmatidiumType:
     """What the ommatidia of one type have, and how common they are.
 

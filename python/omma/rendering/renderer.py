@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import itertools
 import sys
 import warnings
@@ -16,8 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 from omma import _core
 from omma._core import Background, Error, Eye, Scene
 from omma.base.arguments import checked, expect, output_array, whole
+from omma.base.notebook import html_table
 from omma.base.poses import Matrices, as_poses, is_position_pair
 from omma.rendering.dataset import make_dataset
+from omma.rendering.pickling import parts_of
 from omma.rendering.receptor_views import ReceptorViews, render_receptors
 from omma.rendering.report import SamplingReport
 from omma.rendering.settings import (
@@ -28,6 +29,7 @@ from omma.rendering.settings import (
     ToError,
     fixed_samples,
     frame_number,
+    settings_as_record,
     takes_options,
 )
 from omma.scene.world import World
@@ -79,6 +81,11 @@ class Renderer:
             a second, where one is made. What it raises ends the building and is raised here; so
             does Ctrl-C.
 
+    Pickled, a renderer is its world, its eye and its settings, and is built again where it is
+    unpickled: to the same bits, with noise="new_every_frame" from frame 0 on, and with the threads
+    of that machine where none were asked for. Renderers that are pickled together go on to share
+    their world. A copy (`copy.copy`) shares it too; a deep copy does not.
+
     In a process made by fork from one that had used a renderer, those made before the fork go on to
     work, on one thread; new ones of a scene are refused (docs/processes.md). Other start methods
     have no such limits.
@@ -121,6 +128,7 @@ class Renderer:
             scene = scene.with_background(background)
         self._world = scene
         self._engine = _core.Renderer(scene._engine, eye, for_engine)
+        self._asked_threads = threads
         self._receptors: ReceptorViews | None = None
 
     @checked
@@ -140,7 +148,8 @@ class Renderer:
             TypeError: an argument is of another type.
         """
         chosen = self._settings.sampling if sampling is None else sampling
-        other = copy.copy(self)
+        other = object.__new__(Renderer)
+        vars(other).update(vars(self))
         other._settings = replace(self._settings, sampling=chosen, **options)
         for_engine = other._settings.engine_settings(self.threads)
         other._engine = _core.Renderer(self._engine, _one_eye(eye), for_engine)
@@ -559,6 +568,14 @@ class Renderer:
             f"<omma.Renderer {len(self.eye)} ommatidia, {rays}, {self.settings.kernel}, "
             f"{self.backend}, {self.threads} threads>"
         )
+
+    def _repr_html_(self) -> str:
+        rows = {"world": repr(self.world), "eye": repr(self.eye)}
+        options = {name: str(value) for name, value in settings_as_record(self.settings).items()}
+        return html_table("omma.Renderer", rows | options | {"threads": str(self.threads)})
+
+    def __reduce__(self) -> tuple[Callable[..., Renderer], tuple[Any, ...]]:
+        return parts_of(self, self._asked_threads)
 
 
 def _one_eye(eye: Eye | Sequence[Eye | tuple[Eye, ArrayLike]]) -> Eye:

@@ -7,11 +7,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from omma.base.values import value_class
+
 # Ommatidia that are named where many missed the error.
 _NAMED = 8
 
 
-@dataclass(frozen=True, eq=False)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class SamplingReport:
     """Rays and standard errors of a render with `omma.ToError`.
 

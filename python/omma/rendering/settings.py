@@ -12,7 +12,7 @@ import dataclasses
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal, TypedDict, TypeVar, get_args, get_type_hints
+from typing import Any, Literal, TypedDict, TypeVar, cast, get_args, get_type_hints
 
 from omma import _core
 from omma._core import Error, RenderSettings
@@ -200,6 +200,11 @@ class Settings:
             if self.noise != "frozen":
                 raise Error(f"noise: expected frozen where rays are shared, found {self.noise}")
 
+    def options(self) -> Options:
+        """All but the sampling, as keyword arguments of `Renderer`."""
+        found: Any = {one.name: getattr(self, one.name) for one in options_of(Settings)}
+        return cast(Options, found)
+
     def engine_settings(self, threads: int) -> RenderSettings:
         """As the engine takes them."""
         sampling = self.sampling
@@ -208,9 +213,8 @@ class Settings:
             chosen = ("to_error", sampling.error, *sampling.limits())
         else:
             chosen = ("shared" if isinstance(sampling, Shared) else "fixed", sampling.samples)
-        options = {one.name: getattr(self, one.name) for one in options_of(Settings)}
         threads = whole(threads, "threads", 0, 1 << 16)
-        return _core.RenderSettings(sampling=chosen, threads=threads, **options)
+        return _core.RenderSettings(sampling=chosen, threads=threads, **self.options())
 
 
 class Options(TypedDict, total=False):

@@ -1,7 +1,31 @@
-from .files import Camera
+from .files import Camera, load_scene, save_scene
+from .joining import merge_scenes, place_scene
+from .parts import HitBox, Image, Instance, Material, Mesh, Texture, TextureUse
+from .solids import box, cylinder, disc, plane, sphere
+from .trimesh_scenes import from_trimesh
+from .walls import corridor, drum
 from .world import WorldInstance
 
 __all__ = [
     "Camera",
+    "HitBox",
+    "Image",
+    "Instance",
+    "Material",
+    "Mesh",
+    "Texture",
+    "TextureUse",
     "WorldInstance",
+    "box",
+    "corridor",
+    "cylinder",
+    "disc",
+    "drum",
+    "from_trimesh",
+    "load_scene",
+    "merge_scenes",
+    "place_scene",
+    "plane",
+    "save_scene",
+    "sphere",
 ]

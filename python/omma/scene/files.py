@@ -1,4 +1,4 @@
-"""Scenes from files."""
+"""Scenes from files, and in files."""
 
 from __future__ import annotations
 
@@ -11,6 +11,9 @@ from omma._core import Camera as Camera
 from omma._core import Error, Scene
 from omma.base.arguments import checked
 from omma.base.files import PathLike
+from omma.scene.trimesh_scenes import load_mesh_file
+
+_MESH_FILES = (".obj", ".ply", ".stl")
 
 
 @checked
@@ -19,9 +22,14 @@ def load_scene(
     scene_index: int | None = None,
     *,
     color_rule: str = "gltf",
+    unit: str | float | None = None,
+    up: str | None = None,
     progress: Callable[[float], object] | None = None,
 ) -> Scene:
-    """Read a glTF 2.0 scene, `.gltf` or `.glb`.
+    """Read a glTF 2.0 scene, `.gltf` or `.glb`, or the meshes of an `.obj`, `.ply` or `.stl` file.
+
+    The latter need trimesh (`pip install 'omma[meshes]'`); `omma.scene.from_trimesh` says what
+    becomes of colours and pictures.
 
     Other Python threads run meanwhile, and Ctrl-C stops the work within a second.
 
@@ -33,8 +41,11 @@ def load_scene(
             CompoundRay: vertex colours to the power 2.2 in place of all else, or else the factor
             times the texture to the power 2.2; everything opaque and seen from both sides
             (BrainsOnBoard/compound-ray, libEyeRenderer3/shaders.cu).
+        unit: of lengths in `.obj`, `.ply` and `.stl` files, which do not say it: "m" (None), "mm",
+            "um" or a number of metres.
+        up: the axis that points up in these: "y" (None) or "z".
         progress: called with the finished share (0 to 1), roughly, a few times a second. What it
-            raises ends the loading and is raised here.
+            raises ends the loading and is raised here. Not for `.obj`, `.ply` and `.stl`.
 
     Raises:
         omma.Error: the file is missing, broken or needs an extension that is not supported; it
@@ -44,7 +55,52 @@ def load_scene(
     name = os.fsdecode(path)
     if Path(name).suffix.lower() in (".eye", ".csv"):
         raise Error(f"{name}: expected a scene, .gltf or .glb, found the name of an eye file")
+    if Path(name).suffix.lower() == ".blend":
+        raise Error(
+            f"{name}: expected a scene, .gltf or .glb, found a file of Blender; there: File > "
+            "Export > glTF 2.0, with the format glTF Binary (.glb)"
+        )
+    if Path(name).suffix.lower() in _MESH_FILES:
+        if scene_index is not None:
+            raise Error(f"scene_index: expected none, as {name} holds no list of scenes")
+        if color_rule != "gltf":
+            raise Error(f"color_rule: expected gltf, as {name} is no glTF file")
+        made = load_mesh_file(name, "m" if unit is None else unit, "y" if up is None else up)
+        return _core.with_path(made, path)
+    for argument, value in (("unit", unit), ("up", up)):
+        if value is not None:
+            raise Error(
+                f"{argument}: expected none, as glTF is in metres with +Y up, found {value!r}"
+            )
     if scene_index is not None and scene_index < 0:
         raise Error(f"scene_index: expected 0 or more, found {scene_index}")
     index = -1 if scene_index is None else scene_index
     return _core.load_scene(path, index, color_rule, progress)
+
+
+@checked
+def save_scene(
+    path: PathLike, scene: Scene, *, progress: Callable[[float], object] | None = None
+) -> None:
+    """Write a scene as a `.glb` file, whole in itself, which `load_scene` reads to an equal one.
+
+    Blender and other programs open it. Backgrounds, and the values of pictures in linear floats, of
+    which others see 8 bits, are in the file's extras.
+
+    What nobody sees is left out: meshes that no instance places, pictures that no material uses.
+    The others come in the order of their first use; so a scene that was made in another order is
+    seen alike when it is read, but does not compare equal.
+
+    Args:
+        path: the file, whose name ends in .glb. It is there whole or not at all.
+        scene: what to write.
+        progress: called with the finished share (0 to 1) a few times a second. What it raises ends
+            the writing and is raised here.
+
+    Raises:
+        omma.Error: another ending, more than 4 GB, or the system refuses.
+    """
+    name = os.fsdecode(path)
+    if Path(name).suffix.lower() != ".glb":
+        raise Error(f"{name}: expected a name that ends in .glb")
+    _core.save_scene(path, scene, progress)

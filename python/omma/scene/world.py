@@ -12,6 +12,11 @@ from omma import _core
 from omma._core import Background, Error, Scene
 from omma._core import WorldInstance as WorldInstance
 from omma.base.arguments import array_of, checked, expect, whole
+from omma.base.notebook import html_table
+from omma.base.values import check_format
+
+# Of the pickles of worlds; raised where what they hold changes.
+_PICKLE_FORMAT = 1
 
 Progress = Callable[[float], object]
 Instances = str | int | Sequence[str | int] | NDArray[np.integer]
@@ -20,7 +25,10 @@ Instances = str | int | Sequence[str | int] | NDArray[np.integer]
 class World:
     """A scene with its acceleration structure and background, for any number of renderers.
 
-    What is moved here has moved for all who see it: renderers hold the world itself, not a copy.
+    What is moved here has moved for all who see it: renderers hold the world itself, not a copy,
+    and `copy.copy` gives the same world too. Pickled, it is its scene, its background, what has
+    moved and the other arguments below; it is built again where it is unpickled. A deep copy is
+    such a world of its own. Worlds are equal only to themselves.
 
     Args:
         scene: what there is to see.
@@ -55,7 +63,11 @@ class World:
         if background is not None:
             expect(background, Background, "background", "omma.Background.constant gives one")
         self._scene = scene
+        self._background = background
+        self._base: World | None = None  # of which this is another background
+        self._moved: set[int] = set()  # shared with such worlds
         number = whole(threads, "threads", 0, 1 << 16)
+        self._asked = {"threads": number, "backend": backend}
         self._band_from_rgb: NDArray[np.float64] | None = None
         weights: list[float] = []
         if band_from_rgb is not None:
@@ -69,10 +81,33 @@ class World:
         """The same world before another background: what moves in one moves in both."""
         expect(background, Background, "background", "omma.Background.constant gives one")
         other = object.__new__(World)
-        other._scene = self._scene
-        other._band_from_rgb = self._band_from_rgb
+        vars(other).update(vars(self))
+        other._background = background
+        other._base = self
         other._engine = self._engine.with_background(background)
         return other
+
+    def __copy__(self) -> World:
+        return self
+
+    def __reduce__(self) -> tuple[Callable[..., World], tuple[Any, ...]]:
+        if self._base is not None:
+            # What moves in one moves in both: so also where both are unpickled together.
+            return World.with_background, (self._base, self._background)
+        moved = sorted(self._moved)
+        instances = self.instances if moved else []
+        state = {
+            "format": _PICKLE_FORMAT,
+            "arguments": {
+                **self._asked,
+                "scene": self._scene,
+                "background": self._background,
+                "band_from_rgb": self._band_from_rgb,
+            },
+            "moved": moved,
+            "world_from_node": [instances[index].world_from_node for index in moved],
+        }
+        return _from_pickle, (state,)
 
     @property
     def scene(self) -> Scene:
@@ -143,6 +178,7 @@ class World:
         self._engine.set_transforms(
             np.array(indices, np.int32), np.ascontiguousarray(matrices), progress
         )
+        self._moved.update(indices)
 
     @property
     def bands(self) -> int:
@@ -172,3 +208,25 @@ class World:
     def __repr__(self) -> str:
         count = len(self.instances)
         return f"<omma.World of {self._scene!r}, {count:,} things, {self.backend}>"
+
+    def _repr_html_(self) -> str:
+        scene = self._scene
+        rows = {
+            "scene": scene.path or "in memory",
+            "triangles": f"{scene.triangle_count:,}",
+            "things": f"{len(self.instances):,}, {len(self._moved):,} of them moved",
+            "cameras": ", ".join(camera.name for camera in scene.cameras),
+            "background": repr(self._background or scene.background),
+            "bands": "RGB" if self._band_from_rgb is None else str(self.bands),
+            "backend": self.backend,
+            "threads": str(self.threads),
+        }
+        return html_table("omma.World", rows)
+
+
+def _from_pickle(state: dict[str, Any]) -> World:
+    check_format(state["format"], _PICKLE_FORMAT, "World")
+    world = World(**state["arguments"])
+    if state["moved"]:
+        world.set_transforms(state["moved"], np.stack(state["world_from_node"]))
+    return world

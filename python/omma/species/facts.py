@@ -15,13 +15,15 @@ from importlib.resources import files
 
 from omma._core import Error, Eye
 from omma.base.arguments import checked, one_of
+from omma.base.values import value_class
 
 STATUSES = ("measured", "interpolated", "assumed")
 # To SI: what a unit in the table is worth. Counts, shares and ratios stay as they are.
 _UNITS = {"um": 1e-6, "mm": 1e-3, "nm": 1.0, "per um": 1e6, "deg": math.pi / 180.0}
 
 
-@dataclass(frozen=True)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class Source:
     """A citation, and how its numbers were read: the paper's table, its abstract, at second
     hand, or not at all (recalled)."""
@@ -34,7 +36,8 @@ class Source:
         return f"{self.citation} [{self.read}]" if self.read else self.citation
 
 
-@dataclass(frozen=True)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class Fact:
     """One number of one animal: ``value`` in ``unit`` as printed."""
 
@@ -52,7 +55,8 @@ class Fact:
         return self.value * _UNITS.get(self.unit, 1.0)
 
 
-@dataclass(frozen=True)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class Species:
     """An animal's two eyes, in the head frame, and what they are made of.
 

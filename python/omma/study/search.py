@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error, Scene
 from omma.base.arguments import checked, whole
 from omma.base.poses import as_poses, numbers, poses_from_quaternions
+from omma.base.values import value_class
 from omma.rendering.renderer import Renderer
 from omma.study.variance import (
     FULL_SCALE,
@@ -40,7 +41,8 @@ _SEARCH_RAYS = 64
 _LAST_RAYS = 8192
 
 
-@dataclass(frozen=True)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class Box:
     """Positions between two corners, m."""
 
@@ -48,7 +50,8 @@ class Box:
     high_m: tuple[float, float, float]
 
 
-@dataclass(frozen=True)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class Cylinder:
     """Positions in an upright cylinder: centre of its base, radius, height, m."""
 
@@ -57,7 +60,8 @@ class Cylinder:
     height_m: float
 
 
-@dataclass(frozen=True)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class MinimumSamples:
     """What `minimum_samples` found.
 

@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error, Eye, Scene
 from omma.base.arguments import array_of, checked, whole
 from omma.base.poses import as_poses
+from omma.base.values import value_class
 from omma.rendering.renderer import BUILDING, Renderer
 from omma.rendering.settings import Fixed
 from omma.study.variance import OURS, Method, Progress
@@ -33,7 +34,8 @@ PUBLISHED_FRAMES_PER_S = {
 }
 
 
-@dataclass(frozen=True)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class SpeedTest:
     """Frames/s for each number of rays per ommatidium (K,), and of what.
 

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error, Eye, Scene
 from omma.base.arguments import checked, positive, whole
 from omma.base.poses import as_poses, numbers
+from omma.base.values import value_class
 from omma.rendering.renderer import Renderer
 from omma.rendering.settings import Fixed, KernelName, PointsName
 
@@ -34,7 +35,8 @@ FULL_SCALE: dict[str, float] = {"linear": 1.0, "compoundray": 255 * 3**0.5}
 _CHUNK_BYTES = 64 << 20
 
 
-@dataclass(frozen=True)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class Method:
     """How directions are drawn: names of a `Renderer`'s kernel and points."""
 

@@ -1,0 +1,17 @@
+"""What notebooks show of a value."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Mapping
+
+
+def html_table(title: str, rows: Mapping[str, str]) -> str:
+    """A small HTML table with a title, and a line for each name and its text, if it has any."""
+    lines = "".join(
+        f"<tr><th style='text-align:left'>{html.escape(name)}</th>"
+        f"<td style='text-align:left'>{html.escape(text)}</td></tr>"
+        for name, text in rows.items()
+        if text
+    )
+    return f"<div><b>{html.escape(title)}</b></div><table>{lines}</table>"

@@ -1,0 +1,135 @@
+"""Results and settings as values: compared, hashed, pickled and printed in one way."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any, TypeVar
+
+import numpy as np
+
+from omma._core import Error
+
+T = TypeVar("T")
+
+# Characters of a repr, of one text and of one other thing in it, and items of one sequence in it.
+_REPR, _TEXT, _THING, _ITEMS = 200, 40, 80, 3
+
+
+def value_class(cls: type[T]) -> type[T]:
+    """A frozen dataclass, made with ``eq=False, repr=False``, as a value, though it holds arrays.
+
+    Equal is what has the same type and the same fields, element by element; NaN equals NaN. What
+    holds an array, a list or a dictionary has no hash. A pickle of a version with other fields is
+    refused. The repr is a line, unless the class has its own.
+    """
+    methods = {
+        "__eq__": _equal,
+        "__hash__": _hash,
+        "__getstate__": _state,
+        "__setstate__": _set_state,
+        "__repr__": _line,
+    }
+    for name, method in methods.items():
+        if name != "__repr__" or name not in vars(cls):
+            setattr(cls, name, method)
+    return cls
+
+
+def same(one: Any, other: Any) -> bool:
+    """Whether two values are the same: arrays by their elements, and NaN is the same as NaN."""
+    if isinstance(one, np.ndarray) and isinstance(other, np.ndarray):
+        numbers = one.dtype.kind in "fc" and other.dtype.kind in "fc"
+        return bool(np.array_equal(one, other, equal_nan=numbers))
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        return False
+    if isinstance(one, (tuple, list)) and type(one) is type(other):
+        return len(one) == len(other) and all(map(same, one, other))
+    if isinstance(one, dict) and isinstance(other, dict):
+        return one.keys() == other.keys() and all(same(one[key], other[key]) for key in one)
+    return bool(one == other or (one != one and other != other))
+
+
+def check_format(found: object, expected: int, name: str) -> None:
+    """omma.Error where a pickle of ``name`` has another format than this version's."""
+    if found != expected:
+        raise Error(
+            f"pickle of {name}: expected format {expected}, found {found!r:.40}: it is of another "
+            "version of Omma"
+        )
+
+
+def _fields(self: Any) -> dict[str, Any]:
+    return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+
+
+def _equal(self: Any, other: object) -> Any:
+    if type(self) is not type(other):
+        return NotImplemented
+    return same(_fields(self), _fields(other))
+
+
+def _hash(self: Any) -> int:
+    return hash((type(self), *(_hashed(self, name, part) for name, part in _fields(self).items())))
+
+
+def _hashed(self: Any, name: str, part: Any) -> int:
+    if isinstance(part, tuple):
+        return hash(tuple(_hashed(self, name, item) for item in part))
+    if isinstance(part, float) and part != part:
+        return 0  # one NaN equals another, but their own hashes differ
+    try:
+        return hash(part)
+    except TypeError:
+        owner, kind = type(self).__name__, type(part).__name__
+        raise TypeError(
+            f"{owner}: has no hash, as its field {name} holds what can change ({kind})"
+        ) from None
+
+
+def _state(self: Any) -> dict[str, Any]:
+    # Not what a class may keep besides, which is made again when it is asked for.
+    return _fields(self)
+
+
+def _set_state(self: Any, state: dict[str, Any]) -> None:
+    expected = [field.name for field in dataclasses.fields(self)]
+    if set(state) != set(expected):
+        raise Error(
+            f"pickle of {type(self).__name__}: expected the fields {', '.join(expected)}, found "
+            f"{', '.join(state)}: it is of another version of Omma"
+        )
+    vars(self).update(state)
+
+
+def _line(self: Any) -> str:
+    """Its fields in one line, arrays by their type and shape; fields at their default left out."""
+    text = ""
+    for field in dataclasses.fields(self):
+        part = getattr(self, field.name)
+        if field.default is not dataclasses.MISSING and same(part, field.default):
+            continue
+        added = f"{', ' if text else ''}{field.name}={_short(part)}"
+        if len(text) + len(added) > _REPR - len(type(self).__name__) - len("(, ...)"):
+            text += ", ..."
+            break
+        text += added
+    return f"{type(self).__name__}({text})"
+
+
+def _short(part: Any) -> str:
+    if isinstance(part, np.ndarray):
+        return f"<{part.dtype} {part.shape}>"
+    if isinstance(part, np.generic):
+        return repr(part.item())
+    if isinstance(part, str) and len(part) > _TEXT:
+        return repr(part[: _TEXT - 3] + "...")
+    if isinstance(part, (tuple, list)):
+        items = [_short(item) for item in part[:_ITEMS]]
+        if len(part) > _ITEMS:
+            items.append(f"... {len(part)} in all")
+        comma = "," if isinstance(part, tuple) and len(part) == 1 else ""
+        return (
+            f"({', '.join(items)}{comma})" if isinstance(part, tuple) else f"[{', '.join(items)}]"
+        )
+    text = repr(part)
+    return text if len(text) <= _THING else f"<{type(part).__name__}>"

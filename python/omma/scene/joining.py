@@ -1,0 +1,134 @@
+"""Scenes put elsewhere, and several in one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from omma._core import (
+    Background,
+    Error,
+    Instance,
+    Material,
+    Mesh,
+    Scene,
+    Texture,
+    TextureUse,
+)
+from omma.base.arguments import array_of, checked
+
+
+@checked
+def place_scene(scene: Scene, world_from_scene: ArrayLike) -> Scene:
+    """The same scene at another place: its instances, cameras and hit boxes, all together.
+
+    Args:
+        world_from_scene: (4, 4), m, applied after where each of them is already.
+
+    Raises:
+        omma.Error: it is no finite transform.
+    """
+    matrix = array_of(world_from_scene, "world_from_scene", (4, 4))
+    if not np.isfinite(matrix).all() or (matrix[3] != (0, 0, 0, 1)).any():
+        raise Error("world_from_scene: expected finite numbers, the last row 0, 0, 0, 1")
+    return scene.replace(
+        instances=[
+            one.replace(world_from_mesh=matrix @ one.world_from_mesh) for one in scene.instances
+        ],
+        cameras=[
+            one.replace(world_from_camera=matrix @ one.world_from_camera) for one in scene.cameras
+        ],
+        hit_boxes=[
+            one.replace(world_from_mesh=matrix @ one.world_from_mesh) for one in scene.hit_boxes
+        ],
+    )
+
+
+@checked
+def merge_scenes(scenes: Sequence[Scene], *, background: Background | None = None) -> Scene:
+    """All that is in several scenes, in one, each thing where it is and under its name.
+
+    Things of the same name may come together (`World.index` then asks for their index); cameras may
+    not, as they are chosen by name.
+
+    Args:
+        scenes: at least one.
+        background: None takes that of the first.
+
+    Raises:
+        omma.Error: no scene; cameras of one name in two of them; scenes of different colour rules.
+    """
+    scenes = list(scenes)
+    if not scenes:
+        raise Error("scenes: expected at least one, found none")
+    _check_together(scenes)
+    parts: dict[str, list[Any]] = {
+        name: []
+        for name in (
+            "meshes", "instances", "materials", "textures", "images", "cameras", "hit_boxes",
+        )
+    }  # fmt: skip
+    nodes = 0
+    for scene in scenes:
+        # Indices of this scene go on after those of the scenes before.
+        before = {name: len(found) for name, found in parts.items()}
+        parts["meshes"] += [_mesh(one, before["materials"]) for one in scene.meshes]
+        parts["materials"] += [_material(one, before["textures"]) for one in scene.materials]
+        parts["textures"] += [_texture(one, before["images"]) for one in scene.textures]
+        parts["images"] += scene.images
+        parts["cameras"] += scene.cameras
+        parts["hit_boxes"] += scene.hit_boxes
+        instances = scene.instances
+        parts["instances"] += [_instance(one, before["meshes"], nodes) for one in instances]
+        nodes += 1 + max((one.node for one in instances if one.node is not None), default=-1)
+    return Scene(
+        **parts,
+        background=scenes[0].background if background is None else background,
+        color_rule=scenes[0].color_rule,
+    )
+
+
+def _check_together(scenes: list[Scene]) -> None:
+    first_with: dict[str, int] = {}
+    for number, scene in enumerate(scenes):
+        if scene.color_rule != scenes[0].color_rule:
+            raise Error(
+                f"scenes[{number}]: expected the colour rule {scenes[0].color_rule}, as scenes[0] "
+                f"has, found {scene.color_rule}"
+            )
+        for camera in scene.cameras:
+            if camera.name and first_with.setdefault(camera.name, number) != number:
+                raise Error(
+                    f"scenes[{number}]: its camera '{camera.name}' is also in "
+                    f"scenes[{first_with[camera.name]}]; leave one out, or give it another name: "
+                    "scene.replace(cameras=[...]), camera.replace(name=...)"
+                )
+
+
+def _mesh(mesh: Mesh, materials: int) -> Mesh:
+    if mesh.material is None or materials == 0:
+        return mesh
+    return mesh.replace(material=mesh.material + materials)
+
+
+def _instance(instance: Instance, meshes: int, nodes: int) -> Instance:
+    node = None if instance.node is None else instance.node + nodes
+    return instance.replace(mesh=instance.mesh + meshes, node=node)
+
+
+def _texture(texture: Texture, images: int) -> Texture:
+    return texture.replace(image=texture.image + images)
+
+
+def _material(material: Material, textures: int) -> Material:
+    return material.replace(
+        base_color_texture=_use(material.base_color_texture, textures),
+        emissive_texture=_use(material.emissive_texture, textures),
+    )
+
+
+def _use(use: TextureUse | None, textures: int) -> TextureUse | None:
+    return None if use is None else use.replace(texture=use.texture + textures)

@@ -1,0 +1,256 @@
+"""Scenes written as .glb and read again; meshes of other formats; files that are none."""
+
+import json
+import os
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import DATA
+from test_scene_values import BACKGROUNDS, everything
+
+import omma
+from omma.scene import (
+    Image,
+    Instance,
+    Material,
+    Mesh,
+    from_trimesh,
+    load_scene,
+    merge_scenes,
+    save_scene,
+)
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+
+
+def document_of(path):
+    """The JSON of a .glb file."""
+    data = path.read_bytes()
+    assert struct.unpack("<4sII", data[:12]) == (b"glTF", 2, len(data))
+    size, kind = struct.unpack("<I4s", data[12:20])
+    assert kind == b"JSON"
+    return json.loads(data[20 : 20 + size])
+
+
+def saved_and_loaded(scene, folder):
+    save_scene(folder / "scene.glb", scene)
+    return load_scene(folder / "scene.glb")
+
+
+@pytest.mark.parametrize("background", BACKGROUNDS)
+def test_a_saved_scene_is_equal(tmp_path, background):
+    scene = everything().replace(background=background)
+    again = saved_and_loaded(scene, tmp_path)
+    for part in (
+        "meshes", "instances", "materials", "textures", "images", "cameras", "hit_boxes",
+    ):  # fmt: skip
+        found, expected = getattr(again, part), getattr(scene, part)
+        if part == "meshes":  # the two of a node have one name
+            found = [one.replace(name="") for one in found]
+            expected = [one.replace(name="") for one in expected]
+        if part == "instances":
+            found = [one.replace(node=None) for one in found]
+            expected = [one.replace(node=None) for one in expected]
+        assert found == expected, part
+    assert again.background == background
+    assert again.warnings == []
+
+
+def test_the_meadow_is_seen_alike(tmp_path, eye):
+    scene = load_scene(EXAMPLES / "meadow.glb")
+    again = saved_and_loaded(scene, tmp_path)
+    assert again == scene
+    pose = omma.look_at((0, 1, 0), (0, 1, -5))
+    seen, other = (omma.Renderer(s, eye, samples=8).render(pose) for s in (scene, again))
+    assert seen.tobytes() == other.tobytes()
+    # Shared meshes are stored once.
+    assert len(again.meshes) == len(scene.meshes) < len(scene.instances)
+    assert os.path.getsize(tmp_path / "scene.glb") < 3 * os.path.getsize(scene.path)
+
+
+def test_solids_are_saved(tmp_path):
+    picture = np.random.default_rng(2).integers(0, 256, (16, 32, 3), np.uint8)
+    scene = merge_scenes(
+        [
+            omma.scene.drum(1, 2, picture, repeats=4, sharp=True),
+            omma.scene.cylinder(0.1, 0.3, (0.2, 0.3, 0.1), center_m=(0, 0, -0.5)),
+            omma.scene.disc(0.1, (1, 0, 0, 0.5), center_m=(0, 0.3, -0.5)),
+        ]
+    )
+    assert saved_and_loaded(scene, tmp_path) == scene
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason=f"no real data at {DATA}")
+@pytest.mark.parametrize("name", ["natural-standin-sky.gltf", "ofstad-arena.gltf", "env_2.gltf"])
+def test_real_scenes_are_saved(name, tmp_path):
+    scene = load_scene(DATA / "compound-ray" / "scenes" / name)
+    assert saved_and_loaded(scene, tmp_path) == scene
+
+
+def test_what_others_read(tmp_path):
+    """As the glTF 2.0 specification has it."""
+    save_scene(tmp_path / "scene.glb", everything())
+    document = document_of(tmp_path / "scene.glb")
+    assert document["asset"]["version"] == "2.0"
+    assert set(document["extensionsUsed"]) == {
+        "KHR_materials_emissive_strength", "KHR_materials_unlit", "KHR_texture_transform",
+    }  # fmt: skip
+    green = document["materials"][0]
+    assert max(green["emissiveFactor"]) <= 1
+    assert green["alphaMode"] == "MASK"
+    assert all(image["mimeType"] == "image/png" for image in document["images"])
+    views = document["bufferViews"]
+    assert all(view["byteOffset"] % 4 == 0 for view in views)
+    end = max(view["byteOffset"] + view["byteLength"] for view in views)
+    assert document["buffers"] == [{"byteLength": end}]
+    for mesh in document["meshes"]:
+        for primitive in mesh["primitives"]:
+            position = document["accessors"][primitive["attributes"]["POSITION"]]
+            assert len(position["min"]) == len(position["max"]) == 3
+    assert document["meshes"][-1]["extras"] == {"hitbox": "true"}
+
+
+def test_nothing_is_left_where_writing_fails(tmp_path):
+    with pytest.raises(omma.Error, match=r"expected a name that ends in \.glb"):
+        save_scene(tmp_path / "scene.gltf", omma.Scene())
+    (tmp_path / "scene.glb").mkdir()
+    with pytest.raises(omma.Error):
+        save_scene(tmp_path / "scene.glb", everything())
+
+    def stop(share):
+        raise KeyError(share)
+
+    with pytest.raises(KeyError):
+        save_scene(tmp_path / "other.glb", everything(), progress=stop)
+    assert [one.name for one in tmp_path.iterdir()] == ["scene.glb"]
+
+
+def test_an_empty_scene_is_saved(tmp_path):
+    assert saved_and_loaded(omma.Scene(), tmp_path) == omma.Scene()
+
+
+def test_what_is_not_seen_is_not_saved(tmp_path):
+    triangle = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], name="a")
+    scene = omma.Scene(
+        meshes=[triangle, triangle.replace(name="b")],
+        instances=[Instance(1)],
+        images=[Image(np.zeros((1, 1, 3), np.uint8))],
+        materials=[Material("unused")],
+    )
+    again = saved_and_loaded(scene, tmp_path)
+    assert [one.name for one in again.meshes] == ["b"]
+    assert again.images == []
+    assert again.materials == scene.materials
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"background-color": [1, 2]}, "background-color: expected an array of 3 numbers"),
+        ({"background-image": 7}, "background-image: expected the index of an image"),
+        ({"background-image": "sky"}, "background-image: expected the index of an image"),
+    ],
+)
+def test_broken_extras_are_named(tmp_path, change, message):
+    from conftest import write_gltf
+
+    with pytest.raises(omma.Error, match=message):
+        load_scene(write_gltf(tmp_path / "scene.gltf", scene_extras=change))
+
+
+def test_files_of_blender_are_told_how_to_export(tmp_path):
+    with pytest.raises(omma.Error, match=r"File > Export > glTF 2\.0"):
+        load_scene(tmp_path / "arena.blend")
+
+
+trimesh = pytest.importorskip("trimesh")
+
+# A wedge that is different along each axis, so that a turn shows.
+WEDGE = trimesh.Trimesh(
+    [[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]],
+    [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+    process=False,
+)
+
+
+@pytest.mark.parametrize("ending", ["obj", "ply", "stl"])
+def test_meshes_of_other_formats(tmp_path, ending):
+    path = tmp_path / f"wedge.{ending}"
+    WEDGE.export(path)
+    scene = load_scene(path)
+    assert scene.path == str(path)
+    assert scene.triangle_count == 4
+    assert scene.bounds.tolist() == [[0, 0, 0], [1, 2, 3]]
+    small = load_scene(path, unit="mm", up="z")
+    assert small.bounds == pytest.approx(np.array([[0, 0, -0.002], [0.001, 0.003, 0]]))
+    # Outside stays outside: the volume is positive and the same.
+    for one in (scene, small):
+        mesh, place = one.meshes[0], one.instances[0].world_from_mesh
+        corners = mesh.positions_m[mesh.triangles] @ place[:3, :3].T + place[:3, 3]
+        scale = 1 if one is scene else 1e-9
+        assert np.linalg.det(corners).sum() / 6 == pytest.approx(1 * scale)
+
+
+def test_what_trimesh_cannot_read_is_named(tmp_path):
+    with pytest.raises(omma.Error, match=r"none\.obj: expected a file, found none"):
+        load_scene(tmp_path / "none.obj")
+    (tmp_path / "bad.ply").write_bytes(b"\xff\x00nonsense")
+    with pytest.raises(omma.Error, match=r"bad\.ply: trimesh cannot read it"):
+        load_scene(tmp_path / "bad.ply")
+    (tmp_path / "empty.obj").write_text("# nothing\n")
+    with pytest.raises(omma.Error, match=r"empty\.obj: "):
+        load_scene(tmp_path / "empty.obj")
+    WEDGE.export(tmp_path / "wedge.stl")
+    with pytest.raises(omma.Error, match="scene_index: expected none"):
+        load_scene(tmp_path / "wedge.stl", 0)
+    with pytest.raises(omma.Error, match="up: expected one of y, z"):
+        load_scene(tmp_path / "wedge.stl", up="x")
+    with pytest.raises(omma.Error, match="unit: expected none, as glTF is in metres"):
+        load_scene(EXAMPLES / "meadow.glb", unit="mm")
+
+
+def test_colours_of_trimesh():
+    wedge = WEDGE.copy()
+    wedge.visual.vertex_colors = [[255, 0, 0, 255], [188, 188, 188, 255]] * 2
+    colors = from_trimesh(wedge).meshes[0].colors
+    assert colors[0].tolist() == [1, 0, 0, 1]
+    assert colors[1, 0] == pytest.approx(0.5029, abs=1e-4)  # sRGB 188
+    wedge = WEDGE.copy()
+    wedge.visual.face_colors = [[255, 0, 0, 255]] * 3 + [[0, 0, 255, 255]]
+    mesh = from_trimesh(wedge).meshes[0]
+    assert mesh.positions_m.shape == (12, 3)
+    assert mesh.colors[-1].tolist() == [0, 0, 1, 1]
+
+
+def test_pictures_of_trimesh(tmp_path):
+    """An OBJ file with a picture: upper left red, as one sees it from in front."""
+    image = pytest.importorskip("PIL.Image")
+    pixels = np.full((8, 8, 3), (0, 0, 255), np.uint8)
+    pixels[:4, :4] = 255, 0, 0
+    image.fromarray(pixels).save(tmp_path / "red.png")
+    (tmp_path / "square.mtl").write_text("newmtl wall\nKd 0.5 0.5 0.5\nmap_Kd red.png\n")
+    (tmp_path / "square.obj").write_text(
+        "mtllib square.mtl\nusemtl wall\n"
+        "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\n"
+        "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+        "f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n"
+    )
+    scene = load_scene(tmp_path / "square.obj")
+    eye = omma.Eye([[-0.5, 0.5, 1], [0.5, 0.5, 1], [-0.5, -0.5, 1]], [[0, 0, -1]] * 3, 0.0)
+    seen = omma.Renderer(scene, eye, samples=1).render(np.eye(4))[0]
+    assert seen.tolist() == [[1, 0, 0], [0, 0, 1], [0, 0, 1]]
+
+
+def test_scenes_of_trimesh_share_meshes_and_keep_names():
+    several = trimesh.Scene()
+    several.add_geometry(WEDGE, node_name="one", geom_name="wedge")
+    moved = trimesh.transformations.translation_matrix((5, 0, 0))
+    several.graph.update("two", geometry="wedge", matrix=moved)
+    scene = from_trimesh(several)
+    assert len(scene.meshes) == 1
+    assert {one.name for one in scene.instances} == {"one", "two"}
+    assert scene.bounds.tolist() == [[0, 0, 0], [6, 2, 3]]
+    with pytest.raises(omma.Error, match=r"mesh: expected a trimesh\.Trimesh"):
+        from_trimesh("wedge.obj")
