@@ -9,13 +9,15 @@ if(embree_FOUND)
   set(omma_find_embree "find_dependency(embree ${embree_major} CONFIG)")
 endif()
 
-install(TARGETS omma EXPORT ommaTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(DIRECTORY include/omma DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
-install(EXPORT ommaTargets NAMESPACE omma:: DESTINATION ${omma_cmake_dir})
+install(TARGETS omma EXPORT ommaTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+        COMPONENT development)
+install(DIRECTORY include/omma DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development
+        FILES_MATCHING PATTERN "*.h")
+install(EXPORT ommaTargets NAMESPACE omma:: DESTINATION ${omma_cmake_dir} COMPONENT development)
 configure_package_config_file(cmake/ommaConfig.cmake.in ommaConfig.cmake
                               INSTALL_DESTINATION ${omma_cmake_dir})
 # Before 1.0 a minor version may change what programs are written against.
 write_basic_package_version_file(ommaConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/ommaConfig.cmake
               ${CMAKE_CURRENT_BINARY_DIR}/ommaConfigVersion.cmake
-        DESTINATION ${omma_cmake_dir})
+        DESTINATION ${omma_cmake_dir} COMPONENT development)
