@@ -31,7 +31,7 @@ class WholeDirectory:
         try:
             self._own.mkdir()
             self._lock = os.open(self._own, os.O_RDONLY)
-            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(self._lock, fcntl.LOCK_EX)  # who asks whether it is free is done at once
         except OSError as error:
             raise self._error(error) from None
         self._process = os.getpid()  # a forked child must not remove its parent's
