@@ -189,7 +189,7 @@ def test_what_is_cut_off_leaves_nothing(folder, name):
 def test_a_killed_run_leaves_what_the_next_one_names(folder, run_omma):
     command = [
         *(sys.executable, "-m", "omma", "render", "scene.gltf", "--eye", "bug.eye"),
-        *("--path", "path.csv", "--samples", "100000", "-o", "out.zarr"),
+        *("--path", "path.csv", "--samples", "1000000", "-o", "out.zarr"),
     ]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     deadline = time.perf_counter() + 300  # a watchdog
