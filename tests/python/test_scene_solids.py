@@ -160,7 +160,8 @@ def test_a_drum_closes_without_a_gap():
     axes = np.stack([np.sin(angle), np.zeros_like(angle), -np.cos(angle)], -1)
     eye = omma.Eye(np.zeros((len(axes), 3)), axes, 0.0)
     black = omma.Background.constant((0, 0, 0))
-    assert (omma.Renderer(around, eye, omma.Fixed(1), background=black).render(np.eye(4)) == 1).all()
+    renderer = omma.Renderer(around, eye, omma.Fixed(1), background=black)
+    assert (renderer.render(np.eye(4)) == 1).all()
     # The same place to the last bit, of the first and the last column of vertices.
     positions = around.meshes[0].positions_m.reshape(2, -1, 3)
     assert (positions[:, 0] == positions[:, -1]).all()

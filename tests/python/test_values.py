@@ -86,6 +86,7 @@ def examples(files, tmp_path_factory):
         "eye.AcuteZone": omma.eye.AcuteZone(0.1, 0.2, 0.3, 2.0, band=True),
         "eye.ConvertedEye": omma.eye.convert_eye(old),
         "eye.EyeMeasures": omma.eye.measure_eye(eye),
+        "eye.HexagonalCoordinates": omma.eye.hexagonal_coordinates(angles),
         "eye.ImportedEye": oda,
         "eye.Lattice": omma.eye.lay_directions(0.4),
         "eye.LatticeCheck": omma.eye.check_lattice(angles.axis, 0.1),
@@ -140,7 +141,7 @@ def examples(files, tmp_path_factory):
 # A world and what renders it are there once; an exception is what Python makes of it.
 BY_IDENTITY = {"World", "Renderer", "Error"}
 UNHASHABLE = {
-    "eye.EyeMeasures", "eye.Lattice", "eye.LatticeCheck", "eye.LensConeEye", "eye.Wiring",
+    "eye.HexagonalCoordinates", "eye.EyeMeasures", "eye.Lattice", "eye.LatticeCheck", "eye.LensConeEye", "eye.Wiring",
     "rendering.SamplingReport", "study.MinimumSamples", "study.SpeedTest",
     "mesh_surface()", "EyeMeasures.field",
 }  # fmt: skip

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from omma._core import Eye
 from omma.base.arguments import checked, one_of
 from omma.base.directions import unit
+from omma.base.values import value_class
 from omma.eye.neighbours import Neighbours, direction_lattice, sides, surface_lattice
 
 Floats = NDArray[np.float64]
@@ -42,7 +43,8 @@ _FIRST_RAD = np.radians(15)
 _POLE_RAD = np.radians(60)
 
 
-@dataclass(frozen=True, eq=False)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class HexagonalCoordinates:
     """Where each of N ommatidia is in the lattice of its eye.
 
