@@ -141,7 +141,8 @@ def examples(files, tmp_path_factory):
 # A world and what renders it are there once; an exception is what Python makes of it.
 BY_IDENTITY = {"World", "Renderer", "Error"}
 UNHASHABLE = {
-    "eye.HexagonalCoordinates", "eye.EyeMeasures", "eye.Lattice", "eye.LatticeCheck", "eye.LensConeEye", "eye.Wiring",
+    "eye.EyeMeasures", "eye.HexagonalCoordinates", "eye.Lattice", "eye.LatticeCheck",
+    "eye.LensConeEye", "eye.Wiring",
     "rendering.SamplingReport", "study.MinimumSamples", "study.SpeedTest",
     "mesh_surface()", "EyeMeasures.field",
 }  # fmt: skip
