@@ -276,7 +276,7 @@ void def_struct_value(nb::class_<T>& type, const Check& check, const Hash& hash)
           [](const T& value, nb::handle other) {
             return nb::isinstance<T>(other) && Same::are(value, nb::cast<const T&>(other));
           },
-          nb::sig("def __eq__(self, other: object) -> bool"))
+          nb::arg("other").none(), nb::sig("def __eq__(self, other: object) -> bool"))
       .def("__hash__", [hash](const T& value) -> std::size_t { return hash(value); });
 }
 

@@ -101,7 +101,7 @@ void def_equality(nb::class_<T>& type) {
       [](const T& a, nb::handle other) {
         return nb::isinstance<T>(other) && a == nb::cast<const T&>(other);
       },
-      nb::sig("def __eq__(self, other: object) -> bool"));
+      nb::arg("other").none(), nb::sig("def __eq__(self, other: object) -> bool"));
   type.def(
       "__copy__", [](nb::handle self) { return nb::borrow(self); },
       own_signature(type, "def __copy__(self) -> "));

@@ -117,9 +117,7 @@ def test_refused(
 
 
 def test_no_single_rays(sharing: omma.Renderer) -> None:
-    with pytest.raises(
-        omma.Error, match=r"expected omma\.Fixed for render_rays"
-    ):
+    with pytest.raises(omma.Error, match=r"expected omma\.Fixed for render_rays"):
         sharing.render_rays(np.eye(4))
 
 

@@ -3,6 +3,7 @@
 import copy
 import dataclasses
 import inspect
+import operator
 import pickle
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -164,6 +165,7 @@ def test_one_of_each(examples, name):
             assert repr(other) == repr(value)
     assert value != "something else"
     assert value != 1
+    assert operator.ne(value, None)
     if name in UNHASHABLE:
         with pytest.raises(TypeError, match=r"has no hash, as its field|unhashable"):
             hash(value)

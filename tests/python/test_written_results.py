@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 import tracemalloc
+from contextlib import ExitStack
 
 import numpy as np
 import pytest
@@ -124,9 +125,9 @@ def test_pieces_of_any_size_make_one_file(folder, name, sizes):
     poses = omma.load_poses("path.csv")
     responses = renderer.render(poses)
     labels = labels_of(renderer, poses)
-    with WholeFiles() as files:
+    with WholeFiles() as files, ExitStack() as closed:
         writers, _ = writers_of(
-            files, [name], labels, renderer.eye,
+            files, closed, [name], labels, renderer.eye,
             receptors=False, standard_error=False, make_paint=None,
         )  # fmt: skip
         first = 0
@@ -147,9 +148,9 @@ def test_memory_does_not_grow_with_poses(folder, name):
         piece = np.zeros((20, len(eye), 3), np.float32)
         labels = labels_of(renderer, matrices)
         tracemalloc.start()
-        with WholeFiles() as files:
+        with WholeFiles() as files, ExitStack() as closed:
             writers, _ = writers_of(
-                files, [name], labels, eye,
+                files, closed, [name], labels, eye,
                 receptors=False, standard_error=False, make_paint=None,
             )  # fmt: skip
             for first in range(0, poses, len(piece)):

@@ -45,6 +45,10 @@ def look_at(
     Args:
         up: (3,), what is roughly up.
 
+    Example:
+        >>> omma.look_at((0, 1, 0), (0, 1, -5))[:3, 3].tolist()
+        [0.0, 1.0, 0.0]
+
     Raises:
         omma.Error: the target is the position, or ``up`` is along the view.
     """
@@ -86,6 +90,12 @@ def poses_from_angles(positions_m: ArrayLike, yaw_pitch_roll_deg: ArrayLike) -> 
     Yaw turns to the right (0 looks along -Z, 90 along +X), then pitch lifts the view, then roll
     lowers the right side: R = Ry(-yaw) Rx(pitch) Rz(-roll). One row serves for all.
 
+    Example:
+        >>> # A quarter turn to the right: the head's -Z, where it looks, is the world's +X.
+        >>> poses = omma.poses_from_angles((0, 1, 0), (90, 0, 0))
+        >>> poses[0, :3, 2].round(6).tolist()
+        [-1.0, 0.0, 0.0]
+
     Raises:
         omma.Error: a wrong shape or a number that is not finite.
     """
@@ -111,6 +121,10 @@ def load_poses(path: str | os.PathLike[str]) -> Matrices:
     `poses_from_quaternions`) or ``x,y,z,yaw_deg,pitch_deg,roll_deg`` (see `poses_from_angles`);
     x, y, z are the head's position in metres in the scene's frame. Empty lines, and what follows a
     ``#``, are passed over.
+
+    Example:
+        >>> omma.load_poses(omma.examples.flight()).shape
+        (120, 4, 4)
 
     Raises:
         omma.Error: the file cannot be read, or a line is wrong; it names the line.

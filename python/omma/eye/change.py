@@ -113,7 +113,12 @@ def mirror_eye(eye: Eye) -> Eye:
 @checked
 def pair_of_eyes(right: Eye) -> Eye:
     """A head with an eye and its mirror image: ``eye_id`` 0 is left, the image; 1 is right, the
-    eye given."""
+    eye given.
+
+    Example:
+        >>> len(omma.eye.pair_of_eyes(omma.eye.generate_eye(50)))
+        100
+    """
     return merge_eyes([mirror_eye(right), right])
 
 

@@ -119,6 +119,10 @@ def generate_eye(
         progress: called as progress(stage, share done) now and then.
         allow_unusual: a radius beyond those of animals' eyes (1 µm to 10 cm) is meant.
 
+    Example:
+        >>> len(omma.eye.generate_eye(500))
+        500
+
     Raises:
         omma.Error: an argument out of range, a density that is negative, not finite, 0 everywhere
             or too peaked.

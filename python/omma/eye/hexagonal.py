@@ -102,6 +102,11 @@ def hexagonal_coordinates(
         Coordinates and neighbours; none in an eye whose lattice is not hexagonal (square, or
         scattered).
 
+    Example:
+        >>> found = omma.eye.hexagonal_coordinates(omma.eye.generate_eye(200))
+        >>> found.neighbours.shape
+        (200, 6)
+
     Raises:
         omma.Error: another word for ``by``.
     """

@@ -59,6 +59,10 @@ def band_from_rgb(edges_nm: ArrayLike) -> Floats:
     Args:
         edges_nm: (B + 1,), ascending, nm: band b is from edges_nm[b] to edges_nm[b + 1].
 
+    Example:
+        >>> omma.light.band_from_rgb([300, 400, 500, 600, 700]).shape
+        (4, 3)
+
     Raises:
         omma.Error: edges that do not ascend, fewer than 2 or more than 129.
     """

@@ -50,6 +50,10 @@ def projection_ids(
             the other; 1024 wide where both are. ``single_dimension_fast`` and
             ``raw_ommatidial_samples`` are as wide as there are ommatidia.
 
+    Example:
+        >>> omma.picture.projection_ids(omma.eye.generate_eye(50), width=64).shape
+        (32, 64)
+
     Raises:
         omma.Error: a projection that there is not, a size that makes no sense, an eye that the
             projection cannot show (``facets`` of an eye whose positions are one point, say).

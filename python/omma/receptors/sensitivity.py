@@ -93,6 +93,13 @@ def receptor_matrix(
         edges_nm: (B + 1,), ascending, nm, of the bands of a world (`band_from_rgb`); the light in a
             band counts as the same at all its wavelengths. Not together with ``ultraviolet``.
 
+    Example:
+        >>> eye = omma.species.honeybee_worker().eye
+        >>> [one.name for one in eye.receptor_types]
+        ['ultraviolet', 'blue', 'green']
+        >>> omma.receptors.receptor_matrix(eye).shape  # types and red, green, blue
+        (3, 3)
+
     Raises:
         omma.Error: no sensitivity, weights of another shape, negative or not finite, or edges that
             do not ascend.

@@ -85,6 +85,15 @@ class Renderer:
     work, on one thread; new ones of a scene are refused (docs/processes.md). Other start methods
     have no such limits.
 
+    Example:
+        >>> eye = omma.eye.generate_eye(50)
+        >>> white = omma.Background.constant((1, 1, 1))
+        >>> renderer = omma.Renderer(omma.Scene(), eye, omma.Fixed(4), background=white)
+        >>> renderer.render(np.eye(4)).shape
+        (1, 50, 3)
+        >>> renderer.with_eye(eye, omma.ToError(0.01)).settings.sampling
+        ToError(error=0.01, least=None, most=None)
+
     Raises:
         omma.Error: an argument is out of its range.
         TypeError: an argument is of another type.

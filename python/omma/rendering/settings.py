@@ -77,7 +77,12 @@ class Fixed:
 
 @dataclass(frozen=True)
 class ToError:
-    """As many rays as each ommatidium needs for its standard error, as estimated, to be small."""
+    """As many rays as each ommatidium needs for its standard error, as estimated, to be small.
+
+    Example:
+        >>> omma.ToError(0.003).limits()  # rays of an ommatidium, at least and at most
+        (32, 4096)
+    """
 
     error: float = _option(
         dataclasses.MISSING,

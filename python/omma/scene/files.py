@@ -48,6 +48,11 @@ def load_scene(
         progress: called with the finished share (0 to 1), roughly, a few times a second. What it
             raises ends the loading and is raised here. Not for `.obj`, `.ply` and `.stl`.
 
+    Example:
+        >>> scene = omma.load_scene(omma.examples.meadow())
+        >>> [camera.name for camera in scene.cameras]
+        ['bee', 'bee-low', 'overview']
+
     Raises:
         omma.Error: the file is missing, broken or needs an extension that is not supported; it
             names the file and what is wrong.

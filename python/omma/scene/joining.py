@@ -58,6 +58,12 @@ def merge_scenes(scenes: Sequence[Scene], *, background: Background | None = Non
         scenes: at least one.
         background: None takes that of the first.
 
+    Example:
+        >>> ball = omma.scene.sphere(center_m=(0, 2, 0), name="ball")
+        >>> both = omma.scene.merge_scenes([omma.scene.box(name="crate"), ball])
+        >>> [instance.name for instance in both.instances]
+        ['crate', 'ball']
+
     Raises:
         omma.Error: no scene; cameras of one name in two of them; scenes of different colour rules.
     """

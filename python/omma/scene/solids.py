@@ -33,6 +33,11 @@ def box(
         center_m: (3,), where its middle is.
         name: of the instance.
 
+    Example:
+        >>> crate = omma.scene.box((2, 1, 1), (0.5, 0.3, 0.1), center_m=(0, 0.5, -3))
+        >>> crate.bounds.tolist()
+        [[-1.0, 0.0, -3.5], [1.0, 1.0, -2.5]]
+
     Raises:
         omma.Error: a size that is not above 0, or what is no colour and no picture.
     """

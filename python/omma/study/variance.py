@@ -65,7 +65,12 @@ def icosahedral_eye() -> Eye:
 
 @checked
 def solid_angles_sr(eye: Eye) -> Array:
-    """Solid angle of each ommatidium's cone, 2π(1 - cos(Δρ/2)): (N,), sr."""
+    """Solid angle of each ommatidium's cone, 2π(1 - cos(Δρ/2)): (N,), sr.
+
+    Example:
+        >>> omma.study.solid_angles_sr(omma.study.icosahedral_eye())[0].round(6)
+        np.float64(1.0)
+    """
     half = eye.acceptance_angle_rad.astype(np.float64) / 2
     return 4 * np.pi * np.sin(half / 2) ** 2  # the same, exact for narrow cones too
 
