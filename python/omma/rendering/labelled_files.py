@@ -34,7 +34,8 @@ class ZarrWriter:
             # Zarr warns that texts and the index of a store are newer than its standard; any
             # reader of Zarr 3 in Python, and xarray, reads both.
             warnings.simplefilter("ignore")
-            group = zarr.open_group(path, mode="w", zarr_format=3)
+            # Not "w", which would make the directory anew, and lose the lock that is on it.
+            group = zarr.open_group(path, mode="a", zarr_format=3)
             group.attrs.update(labels.attributes)
             for variable, (dimensions, values, attributes) in labels.coordinates.items():
                 text = values.dtype.kind == "U"
