@@ -192,6 +192,9 @@ void bind_material(nb::module_& m) {
             made.alpha_cutoff = static_cast<float>(number_argument(alpha_cutoff, "alpha_cutoff"));
             made.double_sided = flag_argument(double_sided, "double_sided");
             made.unlit = flag_argument(unlit, "unlit");
+            if (made.unlit &&
+                (made.emissive != Vec3{0, 0, 0} || made.emissive_texture.texture >= 0))
+              throw Error("unlit: is unlit and has an emission, which unlit materials do not have");
             new (self) Material(std::move(made));
           },
           nb::arg("name") = "", nb::kw_only(),

@@ -171,6 +171,9 @@ json written_material(Writer& writer, const Material& material) {
     }
   }
   if (material.unlit) {
+    if (e != Vec3{0, 0, 0} || material.emissive_texture.texture >= 0)
+      throw Error("material '" + material.name +
+                  "': is unlit and has an emission, which glTF has not for unlit materials");
     writer.use_extension("KHR_materials_unlit");
     made["extensions"]["KHR_materials_unlit"] = json::object();
   }

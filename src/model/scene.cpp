@@ -176,9 +176,6 @@ void check_material(const Scene& scene, const Material& material, const std::str
     throw Error(place + ": its base colour is negative or not finite");
   if (!finite(material.emissive) || !non_negative(material.emissive))
     throw Error(place + ": its emission is negative or not finite");
-  if (material.unlit &&
-      (material.emissive != Vec3{0, 0, 0} || material.emissive_texture.texture >= 0))
-    throw Error(place + ": is unlit and has an emission, which unlit materials do not have");
   if (!std::isfinite(material.alpha_cutoff))
     throw Error(place + ": its alpha cutoff is not finite");
   check_texture_use(scene, material.base_color_texture, place);

@@ -211,4 +211,4 @@ def test_renders_use_each_ommatidiums_own_sensitivity() -> None:
     assert own[1] == pytest.approx(1, abs=1e-3)
     assert own[0] < 0.9
     assert plain.render(far[None])[0, 0, 0] == pytest.approx(own[0], abs=1e-6)
-    assert plain.kernel == "gaussian"
+    assert plain.settings.kernel == "gaussian"

@@ -162,4 +162,5 @@ def test_from_file_to_file():
         eyes=EXAMPLES / "honeybee_worker_left.eye",
     )
     assert np.load("bee.npy").shape[2] == 3
-    assert {os.path.basename(name) for name in report.outputs} == {"bee.npy", "bee.png"}
+    written = {os.path.basename(name) for name in report.outputs}
+    assert written == {"bee.npy", "bee.json", "bee.png"}

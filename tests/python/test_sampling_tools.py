@@ -405,7 +405,7 @@ def test_min_samples_command(omma_command, tmp_path):  # noqa: F811
         ((), "expected one of --box, --cylinder and --path"),
         (("--cylinder", 0, 0, 0, 1, 1, "--box", 0, 0, 0, 1, 1, 1), "expected one of --box"),
         (("--path", "none.csv"), "none.csv: there is no such file"),
-        (("--cylinder", 0, 0, 0, 1, 1, "-o", "x.txt"), "x.txt: expected an output ending in .csv"),
+        (("--cylinder", 0, 0, 0, 1, 1, "-o", "x.txt"), "x.txt: expected a name ending in .csv"),
         (("--cylinder", 0, 0, 0, 1, 1, "-o", "no/x.csv"), "there is no directory no"),
     ],
 )
