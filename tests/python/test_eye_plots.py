@@ -145,7 +145,8 @@ def test_poster_says_what_it_shows(tmp_path, head):
         sources=["[somebody 1999] A paper"],
     )
     said = texts(tmp_path / "a.svg")
-    for words in ("A fly", "from ahead", "right eye, from its right", "right eye, from ahead, right and above", "facets", "−20 µm",
+    for words in ("A fly", "from ahead", "right eye, from its right",
+                  "right eye, from ahead, right and above", "facets", "−20 µm",
                   "measured, somebody 1999", "interommatidial angle Δφ (°)", "wavelength (nm)",
                   "green: 544 nm", "blue, blue-crossed: 436 nm", "ommatidia", "Facts it is made of",
                   "Sources: [somebody 1999] A paper", "optical sensitivity S",

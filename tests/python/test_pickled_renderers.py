@@ -127,7 +127,7 @@ def test_as_many_threads_as_were_asked_for(scene, eye):
         assert other.threads == renderer.threads
         assert other.world.threads == renderer.world.threads
         # 0 is kept as such, so that another machine takes its own number.
-        assert other.__reduce__()[1][1]["options"]["threads"] == threads
+        assert other.__reduce__()[1][1]["threads"] == threads
 
 
 @pytest.mark.parametrize("kind", ["World", "Renderer"])
