@@ -83,8 +83,13 @@ def write_scene(path: Path, triangles: int) -> int:
                 ]
             }
         ],
+        "extensionsUsed": ["KHR_materials_unlit"],
         "materials": [
-            {"doubleSided": True, "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}
+            {
+                "doubleSided": True,
+                "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}},
+                "extensions": {"KHR_materials_unlit": {}},
+            }
         ],
         "textures": [{"source": 0}],
         "images": [{"uri": "data:image/png;base64," + image, "mimeType": "image/png"}],
