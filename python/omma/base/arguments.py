@@ -219,7 +219,10 @@ def checked(function: F) -> F:
 
     @functools.wraps(function)
     def edge(*arguments: Any, **named: Any) -> Any:
-        given = signature.bind(*arguments, **named).arguments
+        try:
+            given = signature.bind(*arguments, **named).arguments
+        except TypeError as error:  # which does not say of what
+            raise TypeError(f"{function.__qualname__}: {error}") from None
         for name in order:
             if name in given and not any(fits(given[name]) for fits, _ in known[name]):
                 value = given[name]
