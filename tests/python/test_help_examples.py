@@ -31,6 +31,7 @@ def examples():
     """All commands in backquotes in the help, each on one line."""
 
     def of(command):
+        command = command.load() if isinstance(command, main.Later) else command
         yield from re.findall(r"`(omma [^`]+)`", command.help or "")
         for below in getattr(command, "commands", {}).values():
             yield from of(below)

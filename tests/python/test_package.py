@@ -98,6 +98,17 @@ def test_importing_takes_nothing_heavy_along():
     assert done.stdout.strip() == "[]"
 
 
+def test_help_of_the_command_takes_nothing_heavy_along():
+    heavy = ["numpy", "scipy", "matplotlib", "omma.cli.render", "omma.rendering.renderer"]
+    code = (
+        "import sys\nfrom omma.cli.main import app\n"
+        "app(['--help'], standalone_mode=False)\n"
+        f"print([name for name in {heavy} if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
 def test_version():
     assert omma.__version__ == importlib.metadata.version("omma")
 

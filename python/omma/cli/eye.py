@@ -67,6 +67,7 @@ eye_app = typer.Typer(
     name="eye",
     help="Make, change, convert, check and draw eyes.",
     no_args_is_help=True,
+    add_completion=False,
     rich_markup_mode="markdown",
 )
 add_make_commands(eye_app)

@@ -1,113 +1,63 @@
-"""The command ``omma``: a thin skin over `render_file` and `describe_file`."""
+"""The command ``omma``: its commands, and what an error, a signal and an exit code are to it."""
 
 from __future__ import annotations
 
-import shlex
+import importlib
 import sys
 import warnings
 from collections.abc import Callable, Sequence
-from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import typer
+import typer.core
 
 from omma._core import Error, __version__
-from omma.cli.eye import eye_app
-from omma.cli.measure import measure_app
-from omma.cli.options import takes_settings
-from omma.cli.report import camera_lines, report_lines
-from omma.cli.working import (
-    fail,
-    interrupted,
-    open_missing_streams,
-    unwinding_on_signals,
-    warn,
-    working,
-)
-from omma.job.again import render_like
-from omma.job.all_cameras import render_all_cameras
-from omma.job.info import describe_file
-from omma.job.outputs import SUFFIXES
-from omma.job.rendering import render_file
-from omma.picture.projections import PROJECTIONS
-from omma.rendering.renderer import READING
-from omma.rendering.settings import Settings, Shared, ToError
-from omma.scene.backgrounds import NAMED_BACKGROUNDS
+from omma.cli.working import fail, interrupted, open_missing_streams, unwinding_on_signals
 
-RENDER_HELP = """
-Render what an eye sees in a scene, or a camera of the scene, and write responses or pictures.
+# The module of each command, its app there, and what the list of commands says of it.
+_COMMANDS = {
+    "render": ("render", "render_app", "Render what an eye or a camera sees in a scene."),
+    "info": ("info", "info_app", "Say what is in a scene, an eye or responses."),
+    "eye": ("eye", "eye_app", "Make, change, convert, check and draw eyes."),
+    "measure": (
+        "measure",
+        "measure_app",
+        "Measure scatter and speed: rays needed, variance maps, aliasing, frames/s.",
+    ),
+}
 
-**Examples**
 
-What an eye sees from the scene's first camera, as a picture and as numbers:
+class Later(typer.core.TyperCommand):
+    """A command whose module is imported when it is used, so that ``omma --help`` is quick."""
 
-`omma render meadow.glb --eye honeybee.eye -o view.png -o view.npy`
+    def __init__(self, name: str, module: str, app_name: str, text: str) -> None:
+        super().__init__(name, help=text, rich_markup_mode="markdown")
+        self._module, self._app_name = module, app_name
 
-Two eyes, side by side in the picture, looking from one point at another:
+    def load(self) -> Any:
+        """The command itself."""
+        module = importlib.import_module(f"omma.cli.{self._module}")
+        command = typer.main.get_command(getattr(module, self._app_name))
+        command.name = self.name
+        return command
 
-`omma render meadow.glb --eye left.eye --eye right.eye --side-by-side --position 0 1 0
---look-at 0 1 -5 -o both.png`
+    def make_context(self, *arguments: Any, **named: Any) -> Any:
+        """Of the command itself, which then runs."""
+        return self.load().make_context(*arguments, **named)
 
-A camera of the scene by name or index; a compound one with the eye file that it names:
 
-`omma render arena.gltf --camera insect-eye -o responses.csv -o facets.png --projection facets`
+class _Commands(typer.core.TyperGroup):
+    """All commands of ``omma``."""
 
-`omma render arena.gltf --camera 2 --width 1920 --samples 64 -o panorama.png`
+    def __init__(self, **attributes: Any) -> None:
+        super().__init__(**attributes)
+        for name, where in _COMMANDS.items():
+            self.add_command(Later(name, *where))
 
-All cameras of the scene, each into a picture of its own:
-
-`omma render arena.gltf --all-cameras -o pictures/`
-
-As many rays as each ommatidium needs for a standard error of 0.01, at most 1,024:
-
-`omma render meadow.glb --eye honeybee.eye --error 0.01 --most 1024
--o view.npy`
-
-A path of many poses, with standard errors (flight.npy, flight.error.npy; flight.json says what
-they are):
-
-`omma render meadow.glb --eye honeybee.eye --path flight.csv --samples 64 --standard-error
--o flight.npy`
-
-The path as a video, 30 poses a second (pip install 'omma[video]'):
-
-`omma render meadow.glb --eye left.eye --eye right.eye --path flight.csv -o flight.mp4`
-
-A path that takes hours; after Ctrl-C, a kill or a loss of power the same command goes on from where
-it was, to the same numbers:
-
-`omma render meadow.glb --eye honeybee.eye --path flight.csv --samples 4096 --resume
--o flight.npy`
-
-What an earlier render wrote, rendered again to the same bits:
-
-`omma render --like flight.npy -o again.zarr`
-
-What the receptors of an eye answer, with blue standing for ultraviolet, too:
-
-`omma render meadow.glb --eye bee.csv --receptors --ultraviolet 0 0 1 -o receptors.csv`
-
-The path is a CSV file with a header, x,y,z,qx,qy,qz,qw or x,y,z,yaw_deg,pitch_deg,roll_deg.
-"""
-
-INFO_HELP = """
-Say what is in a file: a scene, an eye, or responses and how they were made.
-
-What an eye is like as an eye is measured by **omma eye info**.
-
-**Examples**
-
-`omma info meadow.glb`
-
-`omma info honeybee.eye`
-
-`omma info eye-in-micrometres.eye --unit um`
-
-`omma info flight.npy`
-"""
 
 app = typer.Typer(
     name="omma",
+    cls=_Commands,
     help="What an animal with compound eyes sees: from a scene and an eye to responses.",
     epilog="`omma render --help` and `omma info --help` show examples.",
     no_args_is_help=True,
@@ -115,22 +65,6 @@ app = typer.Typer(
     rich_markup_mode="markdown",
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-app.add_typer(eye_app, name="eye")
-app.add_typer(measure_app, name="measure")
-
-_DEFAULTS = Settings()
-
-# Nothing else may be said of a render that is made again.
-_WITH_LIKE = ("like", "output", "scene", "eye", "threads")
-
-UnitOption = Annotated[
-    str | None,
-    typer.Option(
-        help="Unit of lengths in the eye file: mm, um, m or a number of metres. "
-        "Default: mm; for a camera's own eye the scene's unit.",
-        metavar="UNIT",
-    ),
-]
 
 
 def _print_version(wanted: bool) -> None:
@@ -149,243 +83,6 @@ def _root(
     ] = False,
 ) -> None:
     pass
-
-
-@app.command(help=RENDER_HELP, short_help="Render what an eye or a camera sees in a scene.")
-@takes_settings
-def render(
-    context: typer.Context,
-    output: Annotated[
-        list[Path],
-        typer.Option(
-            "-o",
-            "--output",
-            help="File to write: .png, or of an eye .zarr, .nc, .parquet, .npy (a .json beside "
-            "it), .csv or .mp4; may be given several times. With --all-cameras: a folder.",
-            metavar="OUT",
-        ),
-    ],
-    scene: Annotated[
-        Path | None, typer.Argument(help="Scene: a glTF 2.0 file, .gltf or .glb.", metavar="SCENE")
-    ] = None,
-    like: Annotated[
-        Path | None,
-        typer.Option(
-            help="What a render wrote (.zarr, .nc, .parquet, .npy): render it again, to the same "
-            "bits. Only -o, --threads, and where SCENE and --eye are now, may be given with it.",
-            metavar="FILE",
-        ),
-    ] = None,
-    eye: Annotated[
-        list[Path] | None,
-        typer.Option(
-            help="Eye file; several make one head. Default: none, the camera itself is rendered.",
-            metavar="EYE",
-        ),
-    ] = None,
-    unit: UnitOption = None,
-    camera: Annotated[
-        str | None,
-        typer.Option(
-            help="Camera of the scene to render, or to look from with an eye. Default: the first; "
-            "without an eye the first compound one, where there is one.",
-            metavar="NAME|INDEX",
-        ),
-    ] = None,
-    all_cameras: Annotated[
-        bool, typer.Option("--all-cameras", help="Render every camera of the scene.")
-    ] = False,
-    position: Annotated[
-        tuple[float, float, float] | None,
-        typer.Option(help="Where the head is, in metres.", metavar="X Y Z"),
-    ] = None,
-    look_at: Annotated[
-        tuple[float, float, float] | None,
-        typer.Option(help="Point that the head looks at. Default: along -Z.", metavar="X Y Z"),
-    ] = None,
-    path: Annotated[
-        Path | None, typer.Option(help="CSV file of poses, one a line.", metavar="CSV")
-    ] = None,
-    background: Annotated[
-        str | None,
-        typer.Option(
-            help="Instead of the scene's: linear radiance R,G,B, an equirectangular image file, "
-            + " or ".join(NAMED_BACKGROUNDS)
-            + ".",
-            metavar="R,G,B|FILE|NAME",
-        ),
-    ] = None,
-    standard_error: Annotated[
-        bool,
-        typer.Option(
-            "--standard-error",
-            help="Write standard errors too: 8 times the rays, but none more with --error.",
-        ),
-    ] = False,
-    receptors: Annotated[
-        bool,
-        typer.Option(
-            "--receptors",
-            help="Write what the eye's receptors answer: .npy [pose, receptor], and .csv with a "
-            "line for each pose and receptor.",
-        ),
-    ] = False,
-    ultraviolet: Annotated[
-        tuple[float, float, float] | None,
-        typer.Option(
-            help="With --receptors: light below 400 nm as a mix of red, green and blue. Default: "
-            "none, as RGB says nothing of it.",
-            metavar="R G B",
-        ),
-    ] = None,
-    settings: Settings = _DEFAULTS,
-    threads: Annotated[int, typer.Option(help="Threads; 0: all.", metavar="N")] = 0,
-    backend: Annotated[
-        Literal["", "embree", "portable"],
-        typer.Option(
-            help="What traces the rays: embree, or portable, which is Omma's own. Default: the "
-            "fastest there is.",
-            show_default=False,
-        ),
-    ] = "",
-    projection: Annotated[
-        str | None,
-        typer.Option(
-            help="How an eye is shown in a .png: " + ", ".join(PROJECTIONS) + "; with _ids added, "
-            "numbers of ommatidia. Default: azimuth and elevation, empty where no ommatidium "
-            "looks, with eyes whose fields overlap apart; for a camera's own eye what the camera "
-            "says.",
-            metavar="NAME",
-        ),
-    ] = None,
-    width: Annotated[
-        int | None,
-        typer.Option(
-            help="Width of a picture, in pixels. Default: from its height, or 1024.", metavar="N"
-        ),
-    ] = None,
-    height: Annotated[
-        int | None,
-        typer.Option(help="Height of a picture. Default: from its width.", metavar="N"),
-    ] = None,
-    gamma: Annotated[float, typer.Option(help="Display gamma of a .png.")] = 2.2,
-    side_by_side: Annotated[
-        bool, typer.Option("--side-by-side", help="Paint each eye apart in a .png, always.")
-    ] = False,
-    resume: Annotated[
-        bool,
-        typer.Option(
-            "--resume",
-            help="Of a --path: keep what is rendered when cut off (OUT.partial, OUT.resume), and "
-            "go on from there where that is left of the same inputs.",
-        ),
-    ] = False,
-) -> None:
-    """Render what an eye sees in a scene, or a camera of the scene."""
-    command = shlex.join(["omma", *sys.argv[1:]])
-    if like is not None:
-        _check_like(context)
-        with working() as bar:
-            report = render_like(
-                like,
-                output,
-                scene=scene,
-                eyes=eye or (),
-                threads=threads,
-                command=command,
-                progress=bar.show,
-            )
-        _print_warnings(report.warnings)
-        print("\n".join(report_lines(report)))
-        return
-    if scene is None:
-        raise typer.BadParameter("expected a scene to render, found none", param_hint="SCENE")
-    if all_cameras:
-        _check_all_cameras(
-            {
-                "--eye": bool(eye),
-                "--camera": camera is not None,
-                "--position": position is not None,
-                "--look-at": look_at is not None,
-                "--path": path is not None,
-                "--standard-error": standard_error,
-                "--receptors": receptors,
-                "--ultraviolet": ultraviolet is not None,
-                "--error": isinstance(settings.sampling, ToError),
-                "--shared": isinstance(settings.sampling, Shared),
-                "--noise": settings.noise != "frozen",
-                "--side-by-side": side_by_side,
-                "--resume": resume,
-            },
-            output,
-        )
-        with working() as bar:
-            everything = render_all_cameras(
-                scene,
-                output[0],
-                settings.sampling,
-                **settings.options(),
-                unit=unit,
-                threads=threads,
-                backend=backend,
-                background=background,
-                projection=projection,
-                width=width,
-                height=height,
-                gamma=gamma,
-                progress=bar.show,
-            )
-        _print_warnings(everything.warnings)
-        print("\n".join(camera_lines(everything)))
-        return
-    with working() as bar:
-        report = render_file(
-            scene,
-            output,
-            settings.sampling,
-            **settings.options(),
-            eyes=eye or (),
-            unit=unit,
-            camera=camera,
-            position=position,
-            look_at=look_at,
-            path=path,
-            threads=threads,
-            backend=backend,
-            background=background,
-            standard_error=standard_error,
-            receptors=receptors,
-            ultraviolet=ultraviolet,
-            projection=projection,
-            width=width,
-            height=height,
-            gamma=gamma,
-            side_by_side=side_by_side,
-            resume=resume,
-            command=command,
-            progress=bar.show,
-        )
-    _print_warnings(report.warnings)
-    print("\n".join(report_lines(report)))
-
-
-@app.command(help=INFO_HELP, short_help="Say what is in a scene, an eye or responses.")
-def info(
-    file: Annotated[
-        Path,
-        typer.Argument(
-            help="A scene (.gltf, .glb), an eye (.eye, .csv), or responses (.zarr, .nc, .parquet, "
-            ".npy, .csv).",
-            metavar="FILE",
-        ),
-    ],
-    unit: UnitOption = None,
-) -> None:
-    """Say what is in a file."""
-    with working() as bar:
-        lines = describe_file(file, "mm" if unit is None else unit, bar.fraction_of(READING))
-    for what, value in lines:
-        print(f"{what:<16} {value}")
 
 
 def main() -> None:
@@ -434,6 +131,7 @@ def _with_option(message: str, arguments: Sequence[str]) -> str:
     command: Any = typer.main.get_command(app)
     for word in arguments:
         command = getattr(command, "commands", {}).get(word, command)
+        command = command.load() if isinstance(command, Later) else command
     known = {text for parameter in command.params for text in parameter.opts}
     return f"{option}{colon}{rest}" if option in known else message
 
@@ -449,24 +147,3 @@ def _usage(error: Exception, message: str) -> str:
 
 def _warning_line(message: Warning | str, *_: object, **__: object) -> str:
     return f"omma: warning: {message}\n"
-
-
-def _print_warnings(warnings: Sequence[str]) -> None:
-    for warning in warnings:
-        warn(warning)
-
-
-def _check_like(context: typer.Context) -> None:
-    for parameter in context.command.params:
-        name = parameter.name or ""
-        given = context.get_parameter_source(name)
-        if name not in _WITH_LIKE and given is not None and given.name == "COMMANDLINE":
-            raise Error(f"{parameter.opts[0]}: not together with --like, which says it")
-
-
-def _check_all_cameras(others: dict[str, bool], output: list[Path]) -> None:
-    for name, given in others.items():
-        if given:
-            raise Error(f"{name}: not together with --all-cameras, which renders each as it is")
-    if len(output) > 1 or output[0].suffix.lower() in SUFFIXES:
-        raise Error(f"{output[-1]}: expected one folder as the output of --all-cameras")

@@ -93,6 +93,7 @@ measure_app = typer.Typer(
     help="Measure scatter and speed: rays needed, variance maps, aliasing, frames/s.",
     epilog="`omma measure min-samples --help` and so on show examples.",
     no_args_is_help=True,
+    add_completion=False,
     rich_markup_mode="markdown",
 )
 

@@ -17,7 +17,6 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from omma._core import Error
-from omma.base.files import check_target, left_behind
 
 
 @contextmanager
@@ -94,6 +93,9 @@ def interrupted(error: KeyboardInterrupt) -> int:
 def check_outputs(*paths: Path | None) -> None:
     """An error now where a file cannot be written, not after minutes of work; and a warning where
     runs that were killed left something behind."""
+    # Here, as it needs NumPy, which ``omma --help`` does not.
+    from omma.base.files import check_target, left_behind
+
     names = [str(path) for path in paths if path is not None]
     for name in names:
         check_target(name)
