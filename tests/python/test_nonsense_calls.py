@@ -24,7 +24,10 @@ from omma import species
 # Calls of each function, and of those where one that works takes a second or more.
 CALLS = 16
 CALLS_OF_SLOW = 4
-SLOW = {"plot_acceptance", "plot_eye_maps", "plot_poster", "plot_species", "species.build"}
+SLOW = {
+    "plot_acceptance", "plot_eye_maps", "plot_poster", "plot_responses", "plot_species",
+    "species.build",
+}  # fmt: skip
 
 # Known to let something else through, by function and parameter, and why. Whoever mends one takes
 # it off the list.
@@ -114,6 +117,8 @@ def public_calls(folder):
     found = omma.study.minimum_samples(renderer, pose[None], fraction=0.5, poses=1)
     speed = omma.study.measure_speed(scene, eye, pose, [1], frames=1, warm_up_s=0)
     png, csv = str(folder / "o.png"), str(folder / "o.csv")
+    kept = str(folder / "kept.npy")
+    omma.render_file(scene_file, kept, omma.Fixed(1), eyes=folder / "bug.eye")
     table = omma.Acceptance.table([0, 0.1, 0.2], [1, 0.5, 0])
     green = omma.receptors.ReceptorType("green", peak_wavelength_nm=540.0)
     good = {
@@ -270,6 +275,10 @@ def public_calls(folder):
             "scene": renderer, "centre_m": (0, 1, 0), "size_m": 1.0, "steps": 2, "repeats": 2,
         },
         "window": (),
+        "hexagonal_coordinates": (eye,),
+        "load_responses": (kept,),
+        "plot_responses": (png, eye, rgb),
+        "render_like": (kept, csv),
         "species.make": ("melophorus",),
         "species.build": ("honeybee_worker",),
         "species.facts": ("honeybee_worker",),

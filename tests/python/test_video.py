@@ -41,7 +41,7 @@ def test_frames_are_the_pictures_of_the_poses(files, tmp_path, run_omma, monkeyp
         picture = omma.picture.project(eye, responses, None, 75)
         # Lossy: a frame is nearer to its own picture than a few grey levels.
         assert np.abs(frame[:37, :75].astype(int) - picture).mean() < 6
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.mp4", "a.npy", "path.csv"]
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.json", "a.mp4", "a.npy", "path.csv"]
 
 
 def test_nothing_is_left_where_a_render_fails(files, tmp_path, monkeypatch):
@@ -68,7 +68,7 @@ def test_nothing_is_left_where_a_render_fails(files, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ({"resume": True}, "resume: a video cannot"),
+        ({"resume": True}, "resume: is for .npy, .csv and .png"),
         ({"projection": "facets_ids"}, "projection: a video shows responses"),
         ({"eyes": (), "camera": "plain", "path": None}, "a.mp4: expected .npy or .png"),
     ],
