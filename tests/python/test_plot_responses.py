@@ -113,6 +113,7 @@ def test_several_eyes_have_one_scale(tmp_path, monkeypatch):
             {"receptors": True, "responses": np.zeros(8), "channels": ["red"]},
             r"channels: expected receptors of this eye \(uv, green, blue\), found 'red'",
         ),
+        ({"responses": np.full((3, 3), np.nan)}, "responses: expected finite numbers"),
     ],
 )
 def test_what_makes_no_sense_is_refused(tmp_path, arguments, words):

@@ -64,7 +64,8 @@ def test_values(settings):
 
 
 def test_numbers_are_kept_as_plain_ones():
-    settings = Settings(omma.Fixed(np.int64(4)), seed=np.uint64(2**63))
+    settings = Settings(omma.Fixed(np.int64(4)), seed=np.uint64(2**63), footprints=np.True_)
+    assert settings.footprints is True
     assert settings == Settings(omma.Fixed(4), seed=2**63)
     assert type(settings.sampling.samples) is type(settings.seed) is int
     assert type(omma.ToError(np.float32(0.5)).error) is float
@@ -73,3 +74,6 @@ def test_numbers_are_kept_as_plain_ones():
 def test_a_record_of_something_else_is_refused():
     with pytest.raises(omma.Error, match=r"^sampling: expected one of Fixed, ToError, Shared"):
         settings_from_record(settings_as_record(Settings()) | {"sampling": "Fixd"})
+    for wrong in ({"sampling": "Fixed"}, settings_as_record(Settings()) | {"seed": "many"}):
+        with pytest.raises(omma.Error, match=r"^settings: expected those of a render"):
+            settings_from_record(wrong)

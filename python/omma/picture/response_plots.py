@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from omma._core import Error, Eye
-from omma.base.arguments import checked, positive
+from omma.base.arguments import array_of, checked, positive
 from omma.base.figures import MM, figure_names, figure_style, load_matplotlib, save_figure
 from omma.base.files import PathLike
 from omma.eye.neighbours import Floats
@@ -137,6 +137,9 @@ def _all_shown(
 ) -> list[Shown]:
     if len(arrays) != len(eyes):
         raise Error(f"{name}: expected {len(eyes)} arrays, one for each eye, found {len(arrays)}")
+    for array in arrays:
+        if not np.isfinite(array_of(array, name)).all():
+            raise Error(f"{name}: expected finite numbers")
     of = receptors_shown if receptors else bands_shown
     shown = [of(eye, array, channels, name) for eye, array in zip(eyes, arrays, strict=True)]
     kinds = {len(each.names) for each in shown}

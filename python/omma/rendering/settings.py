@@ -14,6 +14,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypedDict, TypeVar, cast, get_args, get_type_hints
 
+import numpy as np
+
 from omma import _core
 from omma._core import Error, RenderSettings
 from omma.base.arguments import one_of, positive, whole
@@ -47,15 +49,17 @@ def option_types(kind: Any) -> dict[str, Any]:
 
 def _check(part: Any) -> None:
     """Check all options of a part, and keep plain numbers: 16, not numpy.int64(16)."""
+    types = option_types(type(part))
     for one in options_of(type(part)):
-        value, kind = getattr(part, one.name), option_types(type(part))[one.name]
+        value, kind = getattr(part, one.name), types[one.name]
         choices = get_args(kind)
         if value is None and type(None) in choices:
             continue
         if kind is bool:
-            if not isinstance(value, bool):
+            if not isinstance(value, (bool, np.bool_)):
                 found = f"{type(value).__name__} {value!r:.40}"
                 raise TypeError(f"{one.name}: expected True or False, found {found}")
+            value = bool(value)
         elif kind is float:
             value = positive(value, one.name)
         elif kind is int or int in choices:
@@ -273,7 +277,10 @@ def settings_from_record(record: Mapping[str, Any]) -> Settings:
     """
     kinds = {kind.__name__: kind for kind in get_args(Sampling)}
     kind = kinds[one_of(record.get("sampling"), kinds, "sampling")]
-    values = {**record, "seed": int(record["seed"]), "footprints": bool(record["footprints"])}
+    try:
+        values = {**record, "seed": int(record["seed"]), "footprints": bool(record["footprints"])}
+    except (KeyError, ValueError) as error:
+        raise Error(f"settings: expected those of a render, found none or wrong: {error}") from None
     of_sampling, others = (
         {one.name: values[one.name] for one in options_of(part) if one.name in values}
         for part in (kind, Settings)
