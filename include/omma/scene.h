@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "omma/spectrum.h"
 #include "omma/vec.h"
 
 namespace omma {
@@ -48,6 +49,14 @@ struct TextureUse {
 
 enum class AlphaMode : std::uint8_t { opaque, mask, blend };
 
+// More of a surface's reflectance than RGB says: an image whose channels are amounts of given
+// spectra, e.g. a petal's ultraviolet guide. They add to what the base colour gives.
+struct ExtraReflectance {
+  TextureUse texture;                // linear, not sRGB
+  std::array<Spectrum, 3> spectrum;  // reflectance where the channel red, green, blue is 1; or empty
+  bool operator==(const ExtraReflectance&) const = default;
+};
+
 struct Material {
   std::string name;
   Vec4 base_color{1, 1, 1, 1};  // linear RGBA factor
@@ -58,7 +67,48 @@ struct Material {
   float alpha_cutoff = 0.5f;
   bool double_sided = false;  // false: back faces are invisible (glTF 2.0, 3.9.3)
   bool unlit = false;         // KHR_materials_unlit
+
+  // How it scatters light, as glTF 2.0 and its extensions say; for worlds that are lit.
+  float metallic = 0, roughness = 1;
+  TextureUse metallic_roughness_texture;  // metallic in blue, roughness in green; linear
+  TextureUse normal_texture;              // linear
+  float normal_scale = 1;
+  float ior = 1.5f;                // KHR_materials_ior, 1 or more
+  float specular = 1;              // KHR_materials_specular, 0 to 1
+  Vec3 specular_color{1, 1, 1};    // the same, 0 to 1
+  float transmission = 0;          // KHR_materials_transmission: straight through, thin
+  float diffuse_transmission = 0;  // KHR_materials_diffuse_transmission
+  Vec3 diffuse_transmission_color{1, 1, 1};
+  TextureUse diffuse_transmission_texture;  // of the colour, sRGB
+  float clearcoat = 0, clearcoat_roughness = 0;  // KHR_materials_clearcoat
+
+  // Spectra of the diffuse part, where known, at a base colour (factor x texture x vertex colour)
+  // of this luminance (relative, of linear sRGB); proportional to it at others. Else RGB stands for
+  // the primary spectra (omma/receptor.h).
+  Spectrum reflectance;
+  Spectrum transmittance;  // through the sheet; in place of diffuse_transmission and its colour
+  float spectral_luminance = 1;
+  ExtraReflectance extra;
+  // W m^-2 sr^-1 nm^-1 where the emissive factor times texture has luminance 1; empty: emissive is
+  // cd m^-2 of the primary spectra.
+  Spectrum emission;
   bool operator==(const Material&) const = default;
+};
+
+enum class PunctualLightType : std::uint8_t { directional, point, spot };
+
+// KHR_lights_punctual: shines along the -Z of its node.
+struct PunctualLight {
+  std::string name;  // of the node, or else of the light
+  PunctualLightType type = PunctualLightType::point;
+  Vec3 color{1, 1, 1};   // linear
+  double intensity = 1;  // cd, or lx where directional
+  double range_m = 0;    // 0: without end
+  double inner_cone_rad = 0, outer_cone_rad = pi / 4;  // spot, half angles
+  Mat4 world_from_light;
+  // W sr^-1 nm^-1, or W m^-2 nm^-1 where directional, in place of colour and intensity.
+  Spectrum spectrum;
+  bool operator==(const PunctualLight&) const = default;
 };
 
 // Triangles of one material, in their own frame.
@@ -139,6 +189,7 @@ struct Scene {
   std::vector<Image> images;
   std::vector<Camera> cameras;
   std::vector<HitBox> hit_boxes;
+  std::vector<PunctualLight> lights;
   Background background;
   std::vector<std::string> scene_names;  // of all scenes in the file
   int node_count = 0;                    // nodes reached from the loaded scene

@@ -33,6 +33,26 @@ struct MaterialView {
   bool double_sided = true;
 };
 
+// How a material scatters light in the world's bands; null pointers where there is nothing.
+struct ScatterView {
+  float metallic = 0, roughness = 1, normal_scale = 1;
+  float ior = 1.5f, specular = 1, transmission = 0;
+  float clearcoat = 0, clearcoat_roughness = 0;
+  Vec3 transmission_color{1, 1, 1};  // of diffuse transmission
+  // Index into SceneView::textures, -1 for none.
+  std::int32_t roughness_texture = -1, normal_texture = -1, transmission_texture = -1,
+               extra_texture = -1;
+  // Of linear R, G, B of the base colour (`reflectance`) or of the transmission's colour
+  // (`transmittance`; null: nothing is transmitted), and of 1: [band][4].
+  const float* reflectance = nullptr;
+  const float* transmittance = nullptr;
+  bool transmits_base_color = false;       // the transmission's colour is the base colour
+  const float* extra = nullptr;            // of the extra texture's R, G, B: [band][3]
+  const float* emission = nullptr;         // of linear RGB: [band][3]
+  const float* specular_tint = nullptr;    // [band], at normal incidence; null: 1
+  const float* specular_albedo = nullptr;  // of its smooth or rough surface, specular_albedo.h
+};
+
 struct MeshView {
   // Values of corners, [triangle][3], or in large scenes of vertices: those of `vertex_of_corner`.
   const float* base_uv = nullptr;                  // [.][u, v]; null where there is no texture
@@ -47,6 +67,16 @@ struct MeshView {
   std::int32_t material = 0;                // index into SceneView::materials
   const float* positions = nullptr;         // [vertex][3], m, in the mesh's frame
   const std::int32_t* triangles = nullptr;  // [triangle][3], vertices
+  // For light, as base_uv and base_density; null where there is no texture, or no light.
+  const float* roughness_uv = nullptr;
+  const float* normal_uv = nullptr;
+  const float* transmission_uv = nullptr;
+  const float* extra_uv = nullptr;
+  const float* roughness_density = nullptr;
+  const float* normal_density = nullptr;
+  const float* transmission_density = nullptr;
+  const float* extra_density = nullptr;
+  const float* normals = nullptr;  // [vertex][3], in the mesh's frame; null: those of triangles
 };
 
 struct BackgroundView {

@@ -1,0 +1,62 @@
+// What a world is lit by, in absolute units: a sky, discs far away such as the sun, and the lamps
+// and shining surfaces of its scene.
+//
+// Spectral radiance is in photons m^-2 s^-1 sr^-1 nm^-1, or in W m^-2 sr^-1 nm^-1. Polarised light
+// is a Stokes vector (I, Q, U): with psi the angle of the electric vector from a reference axis,
+// turning to the right as one looks towards the light, and p the degree of polarisation,
+// Q = p I cos 2 psi, U = p I sin 2 psi. The reference axis of light from afar points up, in the
+// plane of its direction and the vertical. Circular polarisation is not simulated.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "omma/spectrum.h"
+#include "omma/vec.h"
+
+namespace omma {
+
+enum class LightUnit : std::uint8_t { photons, watts };
+
+// Radiance from afar by direction, bilinear between nodes. Columns are azimuths: column c looks
+// 2 pi c / columns to the right of -Z, seen from above. Rows are elevations, evenly from the horizon
+// (row 0) to the zenith, and from the horizon to the nadir: the horizon belongs to both halves, so
+// that light may change there at once. At the zenith and the nadir all columns look one way, but
+// each has a reference axis of its own.
+struct SkyMap {
+  int columns = 0;     // 4 or more
+  int rows = 0;        // of each half, 2 or more
+  int components = 1;  // 1: I; 3: I, Q, U
+  int channels = 0;    // numbers of each component: bands, or what band_from_channel takes
+  std::vector<float> radiance;  // [above, below][row][column][component][channel]
+  // [band][channel], as for a panorama in RGB; empty: channels are the bands.
+  std::vector<double> band_from_channel;
+
+  bool operator==(const SkyMap&) const = default;
+};
+
+// A disc far away, unpolarised: the sun, the moon.
+struct Disc {
+  Vec3 direction{0, 1, 0};       // towards its centre, unit
+  double angular_radius_rad = 0; // above 0, below a tenth
+  std::vector<double> radiance;  // [band], mean over the disc
+  // [band], u in L(mu) = L(1) (1 - u (1 - mu)), mu the cosine at the disc's own surface; empty: 0.
+  std::vector<double> limb_darkening;
+
+  bool operator==(const Disc&) const = default;
+};
+
+struct Light {
+  Bands bands;
+  LightUnit unit = LightUnit::photons;
+  std::shared_ptr<const SkyMap> sky;  // null: dark
+  std::vector<Disc> discs;
+  // [material of the scene], reflectance below 400 nm of what is known in RGB only, as weights of
+  // linear red, green, blue and of 1; empty: none reflects any.
+  std::vector<std::array<double, 4>> ultraviolet;
+};
+
+}  // namespace omma
