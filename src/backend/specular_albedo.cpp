@@ -1,0 +1,113 @@
+#include "backend/specular_albedo.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "optics/gauss_legendre.h"
+#include "physics/specular_albedo.h"
+
+namespace omma {
+namespace {
+
+double reflectance(double cos_i, double ior) {
+  const double g = std::sqrt(ior * ior - 1 + cos_i * cos_i);
+  if (g == 0) return 0;
+  const double s = (cos_i - g) / (cos_i + g);
+  const double p = (ior * ior * cos_i - g) / (ior * ior * cos_i + g);
+  return 0.5 * (s * s + p * p);
+}
+
+// Over the two numbers that sample_microfacet takes, as what is left to integrate there is smooth:
+// Fresnel's reflectance times G2 / G1 of the direction they give. Azimuths left and right of the
+// viewer give the same.
+class AlbedoQuadrature {
+ public:
+  AlbedoQuadrature() : height_(gauss_legendre(48)), azimuth_(gauss_legendre(24)) {
+    for (const double t : azimuth_.node) cosine_.push_back(std::cos(pi * t));
+    for (const double t : azimuth_.node) sine_.push_back(std::sin(pi * t));
+  }
+
+  double eval(double ior, double alpha, double cos_o) const {
+    const double alpha2 = alpha * alpha;
+    const auto root = [&](double c) { return std::sqrt(alpha2 + (1 - alpha2) * c * c); };
+    const double sin_o = std::sqrt(std::max(0.0, 1 - cos_o * cos_o)), root_o = root(cos_o);
+    const double x = alpha * sin_o / root_o, z = cos_o / root_o;
+    double sum = 0;
+    for (std::size_t k = 0; k < height_.node.size(); ++k) {
+      const double below = height_.node[k] * (1 + z), radius = std::sqrt(below * (2 - below));
+      const double hz = (1 + z) * (1 - height_.node[k]);
+      for (std::size_t j = 0; j < cosine_.size(); ++j) {
+        const double hx = alpha * (x + radius * cosine_[j]), hy = alpha * radius * sine_[j];
+        const double length2 = hx * hx + hy * hy + hz * hz;
+        const double along = sin_o * hx + cos_o * hz;
+        const double cos_w = 2 * along * hz / length2 - cos_o;
+        if (cos_w <= 0) continue;
+        sum += height_.weight[k] * azimuth_.weight[j] *
+               reflectance(along / std::sqrt(length2), ior) * cos_w * (cos_o + root_o) /
+               (cos_w * root_o + cos_o * root(cos_w));
+      }
+    }
+    return sum;
+  }
+
+ private:
+  Quadrature height_, azimuth_;
+  std::vector<double> cosine_, sine_;  // of the azimuths
+};
+
+double alpha_of(double roughness) {
+  return std::pow(std::max(roughness, static_cast<double>(least_roughness)), 2);
+}
+
+// 2 integral E(c) c dc of what the table gives, linear in t between nodes, c = alpha (e^(s t) - 1).
+// Its pieces are smooth: four nodes are exact to float.
+double mean_of_row(const std::vector<double>& row, double alpha) {
+  static constexpr int last = albedo_cosines - 1;
+  const double s = std::log1p(1 / alpha) / last;
+  const Quadrature q = gauss_legendre(4);
+  double mean = 0;
+  for (int k = 0; k < last; ++k)
+    for (std::size_t i = 0; i < q.node.size(); ++i) {
+      const double t = q.node[i], grown = std::exp(s * (k + t));
+      const auto at = static_cast<std::size_t>(k);
+      mean += 2 * q.weight[i] * ((1 - t) * row[at] + t * row[at + 1]) * alpha * (grown - 1) *
+              alpha * s * grown;
+    }
+  return mean;
+}
+
+}  // namespace
+
+double specular_albedo(double ior, double roughness, double cosine) {
+  return AlbedoQuadrature().eval(ior, alpha_of(roughness), cosine);
+}
+
+std::vector<float> make_specular_albedo(double ior) {
+  const AlbedoQuadrature quadrature;
+  const double first = std::pow(static_cast<double>(least_roughness), 0.25);
+  std::vector<double> mean;
+  std::vector<float> table;
+  table.reserve(albedo_floats);
+  const auto append = [&](const std::vector<double>& values) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      table.push_back(static_cast<float>(values[i]));
+      table.push_back(i + 1 < values.size() ? static_cast<float>(values[i + 1] - values[i]) : 0);
+    }
+  };
+  for (int r = 0; r < albedo_rows; ++r) {
+    const double alpha = alpha_of(std::pow(first + (1 - first) * r / (albedo_rows - 1), 4));
+    const double s = std::log1p(1 / alpha) / (albedo_cosines - 1);
+    std::vector<double> row;
+    for (int k = 0; k < albedo_cosines; ++k) {
+      // At 0 all is hidden but in the limit.
+      const double cosine = std::clamp(alpha * std::expm1(s * k), 1e-9, 1.0);
+      row.push_back(quadrature.eval(ior, alpha, cosine));
+    }
+    append(row);
+    mean.push_back(mean_of_row(row, alpha));
+  }
+  append(mean);
+  return table;
+}
+
+}  // namespace omma

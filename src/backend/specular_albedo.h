@@ -1,0 +1,15 @@
+// Tables of physics/specular_albedo.h.
+#pragma once
+
+#include <vector>
+
+namespace omma {
+
+// Directional albedo of a dielectric's rough boundary, seen from outside, by quadrature: within
+// 2e-4. `roughness` as glTF has it, `cosine` of the direction to the normal, in (0, 1].
+double specular_albedo(double ior, double roughness, double cosine);
+
+// [albedo_floats] for a dielectric of this refractive index, 1 or more.
+std::vector<float> make_specular_albedo(double ior);
+
+}  // namespace omma

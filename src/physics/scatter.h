@@ -1,0 +1,294 @@
+// How a surface scatters light, as glTF 2.0 (appendix B) and its extensions say, made to keep
+// energy: no surface gives back more than it gets, and a sheet that absorbs nothing gives back all.
+//
+// Six lobes, each light that takes one way: (1) a diffuse base that reflects rho and (2) transmits
+// tau, below (3) a rough dielectric boundary, microfacet.h with Fresnel's reflectance, which
+// polarises; (4) a rough metal in their place, by `metallic`; (5) straight through a thin sheet,
+// KHR_materials_transmission, in place of the base; (6) a clear coat above all.
+//
+// What a boundary does not reflect, 1 - E (specular_albedo.h), reaches the base and leaves it:
+//
+//   f = rho / pi (1 - E(o)) (1 - E(w)) / (1 - mean E),
+//
+// the coupling of Kelemen and Szirmay-Kalos 2001 (A Microfacet Based Coupled Specular-Matte BRDF
+// Model): of uniform light the base returns rho (1 - E(o)). So whatever E is, all together is
+// E(o) + (rho + tau) (1 - E(o)). A coat dims what is below it by 1 - E of its own on both ways, and
+// keeps the rest. Light from the base counts as unpolarised, though on its way out through a smooth
+// boundary of ior 1.5 it is polarised by 0.04 at 45 deg.
+//
+// What differs by band (rho, tau, the colour of a metal) is the caller's; lobes are told without.
+#pragma once
+
+#include "physics/fresnel.h"
+#include "physics/specular_albedo.h"
+
+namespace omma {
+
+enum class Lobe : std::int32_t {
+  diffuse_reflection,
+  diffuse_transmission,
+  dielectric,
+  metal,
+  straight,
+  coat
+};
+inline constexpr int lobe_count = 6;
+
+inline constexpr float coat_ior = 1.5f;  // KHR_materials_clearcoat
+
+// A surface where rays met it. Vectors are unit and in one frame. A ray that met nothing has a
+// direction too, and zeros otherwise.
+template <typename F>
+struct ScatterSurface {
+  F direction[3];         // of the ray, towards the surface
+  F geometric_normal[3];  // of the triangle, towards the viewer
+  F normal[3];            // what light is shaded by, on the same side of the triangle
+  F roughness, metallic, specular, transmission, ior;
+  F coat, coat_roughness;
+  const float* albedo_tables;   // [table][albedo_floats], make_specular_albedo of its ior
+  decltype(to_int(F{})) table;  // the lane's
+  const float* coat_table;      // [albedo_floats], of coat_ior; null: no lane has a coat
+};
+
+// A boundary of small mirrors, as the viewer sees it.
+template <typename F>
+struct RoughBoundary {
+  F alpha, root_o;  // smith_root of o
+  AlbedoRow<F> row;
+};
+
+// All that does not depend on the direction of the light.
+template <typename F>
+struct ScatterPoint {
+  F tangent[3], bitangent[3], normal[3], geometric_normal[3], direction[3];
+  LocalDirection<F> o;  // towards the viewer, in the frame of tangent, bitangent, normal
+  F ior, specular, coat;
+  RoughBoundary<F> boundary, coat_boundary;
+  const float* albedo_tables;
+  const float* coat_table;
+  F dielectric_albedo, coat_albedo;  // what the whole lobe gives back of uniform light
+  // Shares of lobes, with all that o does to them. Of the base, per sr and to be multiplied by 1 -
+  // E of the light's direction; of what goes straight, the whole.
+  F base, dielectric, metal, straight;
+};
+
+// What falls on the surface from direction w and goes to the viewer, over what falls on a surface
+// that faces w (the cosine is in it), per sr; and the densities with which sample_scatter finds w.
+template <typename F>
+struct ScatterValue {
+  F diffuse_reflection;    // where rho is 1
+  F diffuse_transmission;  // where tau is 1
+  Mueller<F> dielectric;   // in the axes s of reflection_axis
+  F metal;                 // times f0 + (1 - f0) schlick
+  F schlick;
+  Mueller<F> coat;
+  F cosine;  // between w and the normal
+  F boundary_pdf, coat_pdf;
+};
+
+template <typename F>
+OMMA_HD F dot_lanes(const F (&a)[3], const F (&b)[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+// Least cosine between a normal and the viewer. Those of vertices and of normal maps may turn away
+// from who sees the triangle: they are bent back, as far as it takes.
+inline constexpr float least_cosine = 1e-3f;
+
+template <typename F>
+OMMA_HD void bend_normal(const F (&normal)[3], const F (&direction)[3], F (&out)[3]) {
+  const F lacking = least_cosine + dot_lanes(normal, direction);
+  const F bend = lacking > 0.0f ? lacking : broadcast<F>(0.0f);
+  for (int r = 0; r < 3; ++r) out[r] = normal[r] - bend * direction[r];
+  const F unit = 1.0f / sqrt_lanes(dot_lanes(out, out));
+  for (int r = 0; r < 3; ++r) out[r] = out[r] * unit;
+}
+
+// Two axes across a unit vector: Duff et al. 2017, listing 3.
+template <typename F>
+OMMA_HD void make_axes(const F (&n)[3], F (&tangent)[3], F (&bitangent)[3]) {
+  const F sign = n[2] < 0.0f ? broadcast<F>(-1.0f) : broadcast<F>(1.0f);
+  const F a = -1.0f / (sign + n[2]), b = n[0] * n[1] * a;
+  tangent[0] = 1.0f + sign * n[0] * n[0] * a;
+  tangent[1] = sign * b;
+  tangent[2] = -sign * n[0];
+  bitangent[0] = b;
+  bitangent[1] = sign + n[1] * n[1] * a;
+  bitangent[2] = -n[1];
+}
+
+template <typename F>
+OMMA_HD LocalDirection<F> to_local(const ScatterPoint<F>& p, const F (&w)[3]) {
+  return {dot_lanes(p.tangent, w), dot_lanes(p.bitangent, w), dot_lanes(p.normal, w)};
+}
+
+template <typename F>
+OMMA_HD RoughBoundary<F> make_boundary(F roughness, F cos_o, decltype(to_int(F{})) table) {
+  const F alpha = microfacet_alpha(roughness);
+  return {alpha, smith_root(cos_o, alpha), find_albedo_row(roughness, table)};
+}
+
+template <typename F>
+OMMA_HD ScatterPoint<F> make_scatter_point(const ScatterSurface<F>& s) {
+  const F one = broadcast<F>(1.0f);
+  ScatterPoint<F> p;
+  for (int r = 0; r < 3; ++r) {
+    p.geometric_normal[r] = s.geometric_normal[r];
+    p.direction[r] = s.direction[r];
+  }
+  bend_normal(s.normal, s.direction, p.normal);
+  make_axes(p.normal, p.tangent, p.bitangent);
+  const LocalDirection<F> away = to_local(p, s.direction);
+  p.o = {-away.x, -away.y, -away.z};
+  p.ior = s.ior;
+  p.specular = s.specular;
+  p.albedo_tables = s.albedo_tables;
+  p.boundary = make_boundary(s.roughness, p.o.z, s.table);
+  const F albedo_o = s.specular * eval_albedo(s.albedo_tables, p.boundary.row, p.o.z);
+  // A boundary that reflects all (ior of thousands) leaves nothing to couple.
+  const F entering = 1.0f - s.specular * eval_mean_albedo(s.albedo_tables, p.boundary.row);
+  const F coupling = 1.0f / (entering > 1e-3f ? entering : broadcast<F>(1e-3f));
+
+  p.coat = s.coat;
+  p.coat_table = s.coat_table;
+  p.coat_albedo = broadcast<F>(0.0f);
+  if (s.coat_table != nullptr) {
+    p.coat_boundary = make_boundary(s.coat_roughness, p.o.z, s.table * 0);
+    p.coat_albedo = s.coat * eval_albedo(s.coat_table, p.coat_boundary.row, p.o.z);
+  }
+  const F below_coat = one - p.coat_albedo;
+  p.metal = s.metallic * below_coat;
+  const F not_metal = (one - s.metallic) * below_coat;
+  p.dielectric = not_metal * s.specular;
+  p.dielectric_albedo = not_metal * albedo_o;
+  const F inside = not_metal - p.dielectric_albedo;
+  p.base = inside * (one - s.transmission) * coupling * inverse_pi;
+  p.straight = inside * s.transmission * below_coat;
+  return p;
+}
+
+// `w`: a unit vector towards the light. Light reaches the viewer from the viewer's side of both the
+// triangle and the shading normal by reflection, from the far side of both through the sheet.
+template <typename F>
+OMMA_HD ScatterValue<F> eval_scatter(const ScatterPoint<F>& p, const F (&w)[3]) {
+  const LocalDirection<F> local = to_local(p, w);
+  const F side = dot_lanes(p.geometric_normal, w), cosine = local.z;
+  const auto reflects = cosine > 0.0f && side > 0.0f;
+  const auto transmits = cosine < 0.0f && side < 0.0f;
+  const F size = cosine < 0.0f ? -cosine : cosine;
+  const F cos_w = size < 1.0f ? size : broadcast<F>(1.0f);
+
+  ScatterValue<F> value;
+  value.cosine = cosine;
+  const HalfVector<F> half = half_vector(p.o, local, p.boundary.alpha);
+  const F mirrored =
+      eval_microfacet(half.density, p.o.z, p.boundary.root_o, cos_w, p.boundary.alpha);
+  value.boundary_pdf = keep(cosine > 0.0f, microfacet_pdf(half.density, p.o.z, p.boundary.root_o));
+  F below_coat = broadcast<F>(1.0f);
+  value.coat = {F{}, F{}, F{}};
+  value.coat_pdf = F{};
+  if (p.coat_table != nullptr) {
+    const RoughBoundary<F>& coat = p.coat_boundary;
+    const HalfVector<F> coat_half = half_vector(p.o, local, coat.alpha);
+    const F of_coat =
+        p.coat * eval_microfacet(coat_half.density, p.o.z, coat.root_o, cos_w, coat.alpha);
+    value.coat = mueller_of(fresnel_dielectric(half.cosine, broadcast<F>(coat_ior))) *
+                 keep(reflects, of_coat);
+    value.coat_pdf = keep(cosine > 0.0f, microfacet_pdf(coat_half.density, p.o.z, coat.root_o));
+    below_coat = 1.0f - p.coat * eval_albedo(p.coat_table, coat.row, cos_w);
+  }
+  const F through = 1.0f - p.specular * eval_albedo(p.albedo_tables, p.boundary.row, cos_w);
+  const F diffuse = p.base * below_coat * through * cos_w;
+  value.diffuse_reflection = keep(reflects, diffuse);
+  value.diffuse_transmission = keep(transmits, diffuse);
+  const F of_mirrors = keep(reflects, below_coat * mirrored);
+  value.dielectric =
+      mueller_of(fresnel_dielectric(half.cosine, p.ior)) * (p.dielectric * of_mirrors);
+  value.metal = p.metal * of_mirrors;
+  value.schlick = schlick_weight(half.cosine);
+  return value;
+}
+
+// Per sr, of what sample_scatter gives for the lobe; 0 of what goes straight.
+template <typename F, typename I>
+OMMA_HD F pdf_scatter(I lobe, const ScatterValue<F>& value) {
+  const auto is = [&](Lobe one) { return lobe == static_cast<std::int32_t>(one); };
+  F pdf = keep(is(Lobe::diffuse_reflection), cosine_pdf(value.cosine));
+  pdf = is(Lobe::diffuse_transmission) ? cosine_pdf(-value.cosine) : pdf;
+  pdf = is(Lobe::dielectric) || is(Lobe::metal) ? value.boundary_pdf : pdf;
+  return is(Lobe::coat) ? value.coat_pdf : pdf;
+}
+template <typename F, typename I>
+OMMA_HD F pdf_scatter(I lobe, const ScatterPoint<F>& point, const F (&w)[3]) {
+  return pdf_scatter(lobe, eval_scatter(point, w));
+}
+
+// A direction of a lobe for two numbers in [0, 1), unit; eval_scatter may be 0 there.
+template <typename F, typename I>
+OMMA_HD void sample_scatter(I lobe, const ScatterPoint<F>& p, F u0, F u1, F (&w)[3]) {
+  const auto is = [&](Lobe one) { return lobe == static_cast<std::int32_t>(one); };
+  const auto is_boundary = is(Lobe::dielectric) || is(Lobe::metal);
+  LocalDirection<F> local = sample_cosine(u0, u1);
+  local.z = is(Lobe::diffuse_transmission) ? -local.z : local.z;
+  const auto take = [&](const auto& those, const LocalDirection<F>& d) {
+    local.x = those ? d.x : local.x;
+    local.y = those ? d.y : local.y;
+    local.z = those ? d.z : local.z;
+  };
+  if (any_lane(is_boundary)) take(is_boundary, sample_microfacet(p.o, p.boundary.alpha, u0, u1));
+  if (p.coat_table != nullptr)
+    take(is(Lobe::coat), sample_microfacet(p.o, p.coat_boundary.alpha, u0, u1));
+  for (int r = 0; r < 3; ++r) {
+    const F turned = p.tangent[r] * local.x + p.bitangent[r] * local.y + p.normal[r] * local.z;
+    w[r] = is(Lobe::straight) ? p.direction[r] : turned;
+  }
+}
+
+// Means over bands of what colours the lobes.
+template <typename F>
+struct LobeColors {
+  F reflectance, transmittance;  // of the base, as it goes through a sheet diffusely
+  F metal;                       // at normal incidence
+  F straight;
+};
+
+// Probabilities of the lobes, about as much as each gives back of uniform light; they add up to 1,
+// or to 0 where nothing comes back.
+template <typename F>
+OMMA_HD void lobe_weights(const ScatterPoint<F>& p, const LobeColors<F>& colors,
+                          F (&weight)[lobe_count]) {
+  const F base = p.base * 3.14159265f;
+  weight[0] = base * colors.reflectance;
+  weight[1] = base * colors.transmittance;
+  weight[2] = p.dielectric_albedo;
+  weight[3] = p.metal * (colors.metal + (1.0f - colors.metal) * schlick_weight(p.o.z));
+  weight[4] = p.straight * colors.straight;
+  weight[5] = p.coat_albedo;
+  F sum = weight[0];
+  for (int k = 1; k < lobe_count; ++k) sum = sum + weight[k];
+  const F scale = keep(sum > 0.0f, 1.0f / (sum > 0.0f ? sum : broadcast<F>(1.0f)));
+  for (F& x : weight) x = x * scale;
+}
+
+template <typename F>
+struct LobeChoice {
+  decltype(to_int(F{})) lobe;
+  F probability;  // 0: none
+};
+
+// `u` in [0, 1).
+template <typename F>
+OMMA_HD LobeChoice<F> choose_lobe(const F (&weight)[lobe_count], F u) {
+  LobeChoice<F> choice{to_int(F{}), F{}};
+  F below = F{};
+  for (int k = 0; k < lobe_count; ++k) {
+    // The last that u has reached; one of no weight is never it, nor is one that rounding lost.
+    const auto is_it = weight[k] > 0.0f && u >= below;
+    choice.lobe = is_it ? choice.lobe * 0 + k : choice.lobe;
+    choice.probability = is_it ? weight[k] : choice.probability;
+    below = below + weight[k];
+  }
+  return choice;
+}
+
+}  // namespace omma
