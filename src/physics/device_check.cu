@@ -2,6 +2,7 @@
 // hierarchy. Nothing runs this; it keeps what is written once good for both host and device.
 #include "physics/block.h"
 #include "physics/footprint.h"
+#include "physics/scatter.h"
 #include "physics/traverse.h"
 #include "physics/weigh.h"
 
@@ -58,6 +59,20 @@ __global__ void device_check_acceptance(AcceptanceWarpView warp, double* out) {
   const SensitivityView& s = warp.sensitivity;
   out[0] = acceptance_pdf(warp, 0.1, 0.2) + eval_polar_density(s, 0.1, 0.2) +
            footprint_width_rad(widest_footprint(s.kernel, 1) * s.width_rad, s.width_rad, 16);
+}
+
+// A direction in which a surface scatters, and what comes from there.
+__global__ void device_check_scatter(const ScatterSurface<float>* surfaces, Vec2 u,
+                                     Mueller3<float>* paths) {
+  const ScatterPoint<float> point = make_scatter_point(surfaces[threadIdx.x]);
+  float weight[lobe_count], w[3], s[3];
+  lobe_weights(point, {0.5f, 0.5f, 0.5f, 0.5f}, weight);
+  const LobeChoice<float> choice = choose_lobe(weight, u.x);
+  sample_scatter(choice.lobe, point, u.x, u.y, w);
+  const ScatterValue<float> value = eval_scatter(point, w);
+  reflection_axis(point.direction, w, point.tangent, s);
+  paths[threadIdx.x] = paths[threadIdx.x] * frame_turn(point.tangent, point.bitangent, s) *
+                       (value.dielectric * (1.0f / pdf_scatter(choice.lobe, value)));
 }
 
 // A ray that leaves what another met, and what is in its way.

@@ -80,8 +80,7 @@ struct FrameTurn {
 // `other`: the other frame's first axis.
 template <typename F>
 OMMA_HD FrameTurn<F> frame_turn(const F (&e1)[3], const F (&e2)[3], const F (&other)[3]) {
-  const F c = e1[0] * other[0] + e1[1] * other[1] + e1[2] * other[2];
-  const F s = e2[0] * other[0] + e2[1] * other[1] + e2[2] * other[2];
+  const F c = dot_lanes(e1, other), s = dot_lanes(e2, other);
   return {c * c - s * s, 2.0f * (c * s)};
 }
 
@@ -147,20 +146,13 @@ OMMA_HD Stokes<F> operator*(const Mueller3<F>& path, const Stokes<F>& s) {
   return {row(path.m[0]), row(path.m[1]), row(path.m[2])};
 }
 
-template <typename F>
-OMMA_HD void cross_lanes(const F (&a)[3], const F (&b)[3], F (&out)[3]) {
-  out[0] = a[1] * b[2] - a[2] * b[1];
-  out[1] = a[2] * b[0] - a[0] * b[2];
-  out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 // The axis s of a reflection that takes the ray `before` to the ray `after`, unit; where light goes
 // back the way it came any axis across the ray is right, and `fallback` is taken.
 template <typename F>
 OMMA_HD void reflection_axis(const F (&before)[3], const F (&after)[3], const F (&fallback)[3],
                              F (&s)[3]) {
   cross_lanes(before, after, s);
-  const F length2 = s[0] * s[0] + s[1] * s[1] + s[2] * s[2];
+  const F length2 = dot_lanes(s, s);
   // Below this, at 1e-4 rad, rounding turns the cross product by more than 1e-3 rad.
   const auto is_known = length2 > 1e-8f;
   const F scale = 1.0f / sqrt_lanes(is_known ? length2 : broadcast<F>(1.0f));

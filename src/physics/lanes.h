@@ -369,6 +369,18 @@ OMMA_HD F floor_lanes(F x) {
   return towards_zero > x ? towards_zero - 1.0f : towards_zero;
 }
 
+// Of vectors.
+template <typename F>
+OMMA_HD F dot_lanes(const F (&a)[3], const F (&b)[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+template <typename F>
+OMMA_HD void cross_lanes(const F (&a)[3], const F (&b)[3], F (&out)[3]) {
+  out[0] = a[1] * b[2] - a[2] * b[1];
+  out[1] = a[2] * b[0] - a[0] * b[2];
+  out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
 // Into [0, 1]. Comparisons, not fminf and fmaxf, which compilers may turn into calls.
 template <typename F>
 OMMA_HD F clamp_unit_lanes(F x) {

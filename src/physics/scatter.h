@@ -86,11 +86,6 @@ struct ScatterValue {
   F boundary_pdf, coat_pdf;
 };
 
-template <typename F>
-OMMA_HD F dot_lanes(const F (&a)[3], const F (&b)[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 // Least cosine between a normal and the viewer. Those of vertices and of normal maps may turn away
 // from who sees the triangle: they are bent back, as far as it takes.
 inline constexpr float least_cosine = 1e-3f;

@@ -21,13 +21,6 @@ struct SeenTriangle {
   V height;
 };
 
-template <typename V>
-OMMA_HD void cross_lanes(const V (&a)[3], const V (&b)[3], V (&out)[3]) {
-  out[0] = a[1] * b[2] - a[2] * b[1];
-  out[1] = a[2] * b[0] - a[0] * b[2];
-  out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 // Not normalised; counter-clockwise corners are seen from where it points to.
 template <typename V>
 OMMA_HD void triangle_normal(const V (&corner)[3][3], V (&normal)[3]) {
