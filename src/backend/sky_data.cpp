@@ -10,7 +10,7 @@
 namespace omma {
 namespace {
 
-// Part of the probability that is spread evenly over all that shines at all.
+// Part of the probability that goes to all that shines at all, however little.
 constexpr double even_part = 1.0 / 64;
 
 // Of the nodes of a map, with what is the same for all of a row.
@@ -88,11 +88,12 @@ void make_cells(LightData& data, const SkyNodes& nodes, const std::vector<double
     std::copy(sum.begin(), sum.end(),
               data.column_sum.begin() + static_cast<std::ptrdiff_t>(row * (columns + 1)));
   });
-  data.row_sum = running_sum(row_weight);
+  std::vector<double> row_sr(2 * half);
+  for (std::size_t row = 0; row < 2 * half; ++row) row_sr[row] = cell_sr(data, row % half, columns);
+  data.row_sum = running_sum(row_weight, row_sr);
   for (std::size_t row = 0; row < 2 * half; ++row)
-    data.row_density[row] =
-        static_cast<float>(static_cast<double>(data.row_sum[row + 1] - data.row_sum[row]) /
-                           cell_sr(data, row % half, columns));
+    data.row_density[row] = static_cast<float>(
+        static_cast<double>(data.row_sum[row + 1] - data.row_sum[row]) / row_sr[row]);
 }
 
 // The mean of mu, the cosine at a disc's own surface, over a disc of this radius: the integral of
@@ -136,17 +137,21 @@ void make_discs(LightData& data, const Light& light) {
 
 }  // namespace
 
-std::vector<float> running_sum(const std::vector<double>& weights) {
-  double total = 0, shining = 0;
-  for (const double w : weights) {
-    total += w;
-    shining += w > 0 ? 1 : 0;
+std::vector<float> running_sum(const std::vector<double>& weights,
+                               const std::vector<double>& even) {
+  const auto even_weight = [&](std::size_t i) {
+    return !(weights[i] > 0) ? 0.0 : even.empty() ? 1.0 : even[i];
+  };
+  double total = 0, even_total = 0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    total += weights[i];
+    even_total += even_weight(i);
   }
   std::vector<float> sum(weights.size() + 1, 0.0f);
   if (!(total > 0)) return sum;
   double so_far = 0;
   for (std::size_t i = 0; i < weights.size(); ++i) {
-    if (weights[i] > 0) so_far += (1 - even_part) * weights[i] / total + even_part / shining;
+    so_far += (1 - even_part) * weights[i] / total + even_part * even_weight(i) / even_total;
     sum[i + 1] = static_cast<float>(std::min(std::round(so_far * 0x1p24) * 0x1p-24, 1.0));
   }
   return sum;
