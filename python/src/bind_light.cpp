@@ -36,7 +36,7 @@ std::shared_ptr<const SkyMap> sky_argument(nb::handle radiance, nb::handle band_
   }
   const auto values = float_array(radiance, "sky", {2, -1, -1, -1, -1});
   for (std::size_t axis = 1; axis < 5; ++axis)
-    if (values.shape(axis) > std::size_t{most_sky_nodes})
+    if (values.shape(axis) > std::size_t{most_sky_columns})
       throw Error("sky: expected at most 65536 along each axis, found " +
                   std::to_string(values.shape(axis)));
   auto sky = std::make_shared<SkyMap>();

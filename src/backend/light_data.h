@@ -23,6 +23,7 @@ struct LightData {
 
   std::shared_ptr<const SkyMap> sky;  // its radiance is read where it is
   std::vector<float> band_from_channel, one_minus_sine, row_sum, column_sum, row_density;
+  std::vector<std::uint16_t> row_guide, column_guide;
   std::vector<DiscView> discs;
   std::vector<float> disc_radiance, disc_limb;  // [disc][band]
   std::vector<LampView> lamps;

@@ -53,6 +53,15 @@ std::vector<double> channel_flux(const LightData& data, const SkyNodes& nodes) {
   return flux;
 }
 
+// SkyView::row_guide or a row of column_guide. A little before j / count, as u may be rounded up.
+void make_guide(const float* sum, std::size_t count, std::uint16_t* guide) {
+  for (std::size_t j = 0, i = 0; j < count; ++j) {
+    const double u = (static_cast<double>(j) - 0.01) / static_cast<double>(count);
+    while (i + 1 < count && static_cast<double>(sum[i + 1]) <= u) ++i;
+    guide[j] = static_cast<std::uint16_t>(i);
+  }
+}
+
 // Rows and columns of cells by weight; `of_channel` is what a channel counts for.
 void make_cells(LightData& data, const SkyNodes& nodes, const std::vector<double>& of_channel) {
   const std::size_t columns = nodes.columns, half = nodes.rows - 1;
@@ -68,7 +77,9 @@ void make_cells(LightData& data, const SkyNodes& nodes, const std::vector<double
   });
   std::vector<double> row_weight(2 * half);
   data.column_sum.resize(2 * half * (columns + 1));
+  data.column_guide.resize(2 * half * columns);
   data.row_density.resize(2 * half);
+  data.row_guide.resize(2 * half);
   parallel_for(std::size_t{0}, 2 * half, [&](std::size_t row) {
     // A cell's weight is the mean of its corners: what is seen anywhere in it is at most four times
     // that.
@@ -87,10 +98,12 @@ void make_cells(LightData& data, const SkyNodes& nodes, const std::vector<double
     const std::vector<float> sum = running_sum(weights);
     std::copy(sum.begin(), sum.end(),
               data.column_sum.begin() + static_cast<std::ptrdiff_t>(row * (columns + 1)));
+    make_guide(sum.data(), columns, data.column_guide.data() + row * columns);
   });
   std::vector<double> row_sr(2 * half);
   for (std::size_t row = 0; row < 2 * half; ++row) row_sr[row] = cell_sr(data, row % half, columns);
   data.row_sum = running_sum(row_weight, row_sr);
+  make_guide(data.row_sum.data(), 2 * half, data.row_guide.data());
   for (std::size_t row = 0; row < 2 * half; ++row)
     data.row_density[row] = static_cast<float>(
         static_cast<double>(data.row_sum[row + 1] - data.row_sum[row]) / row_sr[row]);
@@ -210,6 +223,8 @@ std::vector<double> make_far(LightData& data, const Light& light) {
     sky.one_minus_sine = data.one_minus_sine.data();
     sky.row_sum = data.row_sum.data();
     sky.column_sum = data.column_sum.data();
+    sky.row_guide = data.row_guide.data();
+    sky.column_guide = data.column_guide.data();
     sky.row_density = data.row_density.data();
   }
 

@@ -89,10 +89,10 @@ bool is_row_valid(const SkyMap& sky, std::size_t row) {
 }
 
 void check_sky(const SkyMap& sky, std::size_t bands) {
-  if (sky.columns < 4 || sky.columns > most_sky_nodes)
-    refuse("sky.columns", "4 to " + std::to_string(most_sky_nodes), std::to_string(sky.columns));
-  if (sky.rows < 2 || sky.rows > most_sky_nodes)
-    refuse("sky.rows", "2 to " + std::to_string(most_sky_nodes), std::to_string(sky.rows));
+  if (sky.columns < 4 || sky.columns > most_sky_columns)
+    refuse("sky.columns", "4 to " + std::to_string(most_sky_columns), std::to_string(sky.columns));
+  if (sky.rows < 2 || sky.rows > most_sky_rows)
+    refuse("sky.rows", "2 to " + std::to_string(most_sky_rows), std::to_string(sky.rows));
   if (sky.components != 1 && sky.components != 3)
     refuse("sky.components", "1 (I) or 3 (I, Q, U)", std::to_string(sky.components));
   if (sky.channels < 1 || sky.channels > most_bands)

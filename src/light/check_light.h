@@ -11,8 +11,8 @@ namespace omma {
 // sr^-1 nm^-1.
 inline constexpr double most_radiance = 1e30;
 
-// Nodes of a sky map, along each side of a half.
-inline constexpr int most_sky_nodes = 1 << 16;
+// Nodes of a half of a sky map: what its tables for sampling count with 16 bits.
+inline constexpr int most_sky_columns = 1 << 16, most_sky_rows = 1 << 15;
 
 // Throws omma::Error naming the member. `materials`: of the scene that is lit.
 void validate_light(const Light& light, std::size_t materials);

@@ -19,18 +19,18 @@ OMMA_HD Vec3 cross_of(Vec3 a, Vec3 b) {
 }
 
 // A triangle about the point from which it is seen, in the traced frame.
-struct SeenTriangle {
+struct LightTriangle {
   Vec3 corner[3];  // m, from the point
   Vec3 normal;     // not unit: twice the area; towards the side that is the front
   Vec3 unit[3];    // corners as directions
   float solid_angle_sr;
 };
 
-OMMA_HD SeenTriangle see_triangle(const SceneView& scene, std::int32_t instance, std::int32_t mesh,
-                                  std::int32_t triangle, Vec3 from) {
+OMMA_HD LightTriangle see_triangle(const SceneView& scene, std::int32_t instance, std::int32_t mesh,
+                                   std::int32_t triangle, Vec3 from) {
   const MeshView& view = scene.meshes[mesh];
   const float* m = scene.frame_from_mesh + 12 * static_cast<std::ptrdiff_t>(instance);
-  SeenTriangle seen;
+  LightTriangle seen;
   for (int k = 0; k < 3; ++k) {
     const std::ptrdiff_t vertex = view.triangles[3 * static_cast<std::ptrdiff_t>(triangle) + k];
     const float* own = view.positions + 3 * vertex;
@@ -60,13 +60,13 @@ OMMA_HD SeenTriangle see_triangle(const SceneView& scene, std::int32_t instance,
   return seen;
 }
 
-OMMA_HD bool is_sampled_by_solid_angle(const SeenTriangle& seen) {
+OMMA_HD bool is_sampled_by_solid_angle(const LightTriangle& seen) {
   return seen.solid_angle_sr >= least_sampled_sr && seen.solid_angle_sr <= most_sampled_sr;
 }
 
 // Probability per solid angle of a place that lies in a unit direction, of those on the triangle; 0
 // where it is seen edge on.
-OMMA_HD float seen_triangle_pdf(const SeenTriangle& seen, Vec3 direction, float distance_m) {
+OMMA_HD float seen_triangle_pdf(const LightTriangle& seen, Vec3 direction, float distance_m) {
   if (is_sampled_by_solid_angle(seen)) return 1.0f / seen.solid_angle_sr;
   const float twice_projected = fabsf(dot(seen.normal, direction));
   return twice_projected > 0.0f ? 2.0f * distance_m * distance_m / twice_projected : 0.0f;
@@ -88,7 +88,7 @@ OMMA_HD Vec3 across_unit(Vec3 a, Vec3 n) {
 
 // A unit direction into the triangle, evenly by solid angle: Arvo 1995, Stratified sampling of
 // spherical triangles, doi:10.1145/218380.218500.
-OMMA_HD Vec3 sample_spherical_triangle(const SeenTriangle& seen, float u0, float u1) {
+OMMA_HD Vec3 sample_spherical_triangle(const LightTriangle& seen, float u0, float u1) {
   const Vec3 a = seen.unit[0], b = seen.unit[1], c = seen.unit[2];
   const SineCosine<float> alpha = angle_between(cross_of(a, b), cross_of(a, c));
   float area = u0 * seen.solid_angle_sr;
@@ -114,7 +114,7 @@ struct TrianglePlace {
   float pdf;   // per solid angle; 0 where there is no such place
 };
 
-OMMA_HD TrianglePlace sample_triangle(const SeenTriangle& seen, float u0, float u1) {
+OMMA_HD TrianglePlace sample_triangle(const LightTriangle& seen, float u0, float u1) {
   const Vec3 e1 = seen.corner[1] - seen.corner[0], e2 = seen.corner[2] - seen.corner[0];
   TrianglePlace place{};
   if (is_sampled_by_solid_angle(seen)) {
@@ -142,7 +142,7 @@ OMMA_HD TrianglePlace sample_triangle(const SeenTriangle& seen, float u0, float 
 }
 
 // Whether light goes from the triangle's place to the point: single-sided surfaces shine in front.
-OMMA_HD bool shines_towards(const SceneView& scene, std::int32_t mesh, const SeenTriangle& seen,
+OMMA_HD bool shines_towards(const SceneView& scene, std::int32_t mesh, const LightTriangle& seen,
                             Vec3 direction) {
   return scene.materials[scene.meshes[mesh].material].double_sided ||
          dot(seen.normal, direction) < 0.0f;

@@ -44,14 +44,14 @@ OMMA_HD float met_light_pdf(const SceneView& scene, std::int32_t instance, std::
                        (light.emissive_sum[index + 1] - light.emissive_sum[index]) *
                        (emissive.triangle_sum[triangle + 1] - emissive.triangle_sum[triangle]);
   if (!(chosen > 0.0f)) return 0.0f;
-  const SeenTriangle seen = see_triangle(scene, instance, emissive.mesh, triangle, position);
+  const LightTriangle seen = see_triangle(scene, instance, emissive.mesh, triangle, position);
   if (!shines_towards(scene, emissive.mesh, seen, direction)) return 0.0f;
   return chosen * seen_triangle_pdf(seen, direction, distance_m);
 }
 
 OMMA_HD LightSample sample_lamps(const LightView& light, Vec3 position, float u) {
   LightSample sample;
-  sample.index = find_interval(light.lamp_sum, light.lamp_count, u);
+  sample.index = find_in_sum(light.lamp_sum, light.lamp_count, u);
   const LampAt at = eval_lamp_at(light.lamps[sample.index], position);
   sample.kind = LightKind::lamp;
   sample.is_delta = true;
@@ -67,15 +67,15 @@ OMMA_HD LightSample sample_lamps(const LightView& light, Vec3 position, float u)
 OMMA_HD LightSample sample_surfaces(const SceneView& scene, Vec3 position, float u, float u0,
                                     float u1) {
   const LightView& light = *scene.light;
-  const std::int32_t index = find_interval(light.emissive_sum, light.emissive_count, u);
+  const std::int32_t index = find_in_sum(light.emissive_sum, light.emissive_count, u);
   const EmissiveView& emissive = light.emissive[index];
-  const float within = within_interval(light.emissive_sum, index, u);
+  const float within = within_part(light.emissive_sum, index, u);
   LightSample sample;
   sample.kind = LightKind::surface;
   sample.index = emissive.instance;
   sample.mesh = emissive.mesh;
-  sample.triangle = find_interval(emissive.triangle_sum, emissive.triangles, within);
-  const SeenTriangle seen =
+  sample.triangle = find_in_sum(emissive.triangle_sum, emissive.triangles, within);
+  const LightTriangle seen =
       see_triangle(scene, sample.index, sample.mesh, sample.triangle, position);
   const TrianglePlace place = sample_triangle(seen, u0, u1);
   sample.direction = place.direction;

@@ -20,8 +20,11 @@ struct SkyView {
   float columns_per_rad = 0, rows_per_rad = 0;
   const float* one_minus_sine = nullptr;  // [row], of the elevation of nodes
   // Cumulative probabilities, 0 to 1, in steps of 2^-24: of rows of cells, and of cells in each.
-  const float* row_sum = nullptr;      // [row of cells + 1]
-  const float* column_sum = nullptr;   // [row of cells][columns + 1]
+  const float* row_sum = nullptr;     // [row of cells + 1]
+  const float* column_sum = nullptr;  // [row of cells][columns + 1]
+  // The interval of j / count, for each of `count` intervals: where to begin to look for others.
+  const std::uint16_t* row_guide = nullptr;     // [row of cells]
+  const std::uint16_t* column_guide = nullptr;  // [row of cells][columns]
   const float* row_density = nullptr;  // [row of cells], its probability by a cell's solid angle
   float probability = 0;               // that light from afar is sampled from the sky
 };
@@ -76,7 +79,7 @@ struct LightView {
 
 // Which of the intervals of `sum`, [count + 1] ascending from 0 to 1, holds u: never one without
 // width.
-OMMA_HD std::int32_t find_interval(const float* sum, std::int32_t count, float u) {
+OMMA_HD std::int32_t find_in_sum(const float* sum, std::int32_t count, float u) {
   std::int32_t first = 0;
   while (count > 1) {
     const std::int32_t half = count / 2;
@@ -86,8 +89,18 @@ OMMA_HD std::int32_t find_interval(const float* sum, std::int32_t count, float u
   return first;
 }
 
+// The same from what is known of j / count, j the whole part of u count: a step or two on average
+// however many intervals there are (the method of cutpoints, Chen and Asau 1974).
+OMMA_HD std::int32_t find_in_sum(const float* sum, const std::uint16_t* guide, std::int32_t count,
+                                 float u) {
+  const auto j = static_cast<std::int32_t>(u * static_cast<float>(count));
+  std::int32_t i = guide[j < count ? j : count - 1];
+  while (sum[i + 1] <= u) ++i;
+  return i;
+}
+
 // u within the interval that it lies in, in [0, 1).
-OMMA_HD float within_interval(const float* sum, std::int32_t interval, float u) {
+OMMA_HD float within_part(const float* sum, std::int32_t interval, float u) {
   const float inside = (u - sum[interval]) / (sum[interval + 1] - sum[interval]);
   return fminf(fmaxf(inside, 0.0f), 0x1.fffffep-1f);
 }

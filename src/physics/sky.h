@@ -142,20 +142,25 @@ OMMA_HD void eval_far(const LightView& light, Vec3 d, int components, float* sto
   }
 }
 
-// Probability per solid angle with which sample_far gives a unit direction.
-OMMA_HD float far_pdf(const LightView& light, Vec3 d) {
-  const SkyView& sky = light.sky;
+// Probability per solid angle with which sample_far gives a unit direction that lies in discs.
+OMMA_HD float discs_pdf(const LightView& light, Vec3 d) {
   float pdf = 0;
-  if (sky.rows > 0) {
-    const SkyPlace place = find_on_sky(sky, d);
-    const std::int32_t row = place.half * (sky.rows - 1) + place.row;
-    const float* sum = sky.column_sum + static_cast<std::ptrdiff_t>(row) * (sky.columns + 1);
-    pdf = sky.probability * sky.row_density[row] * (sum[place.column + 1] - sum[place.column]);
-  }
   for (int i = 0; i < light.disc_count; ++i)
     if (chord_2(d, light.discs[i].direction) <= light.discs[i].chord_2)
       pdf += light.discs[i].probability * light.discs[i].density;
   return pdf;
+}
+
+// The same of any unit direction.
+OMMA_HD float far_pdf(const LightView& light, Vec3 d) {
+  const SkyView& sky = light.sky;
+  const float of_discs = discs_pdf(light, d);
+  if (sky.rows == 0) return of_discs;
+  const SkyPlace place = find_on_sky(sky, d);
+  const std::int32_t row = place.half * (sky.rows - 1) + place.row;
+  const float* sum = sky.column_sum + static_cast<std::ptrdiff_t>(row) * (sky.columns + 1);
+  const float in_sky = sky.row_density[row] * (sum[place.column + 1] - sum[place.column]);
+  return sky.probability * in_sky + of_discs;
 }
 
 struct DirectionSample {
@@ -163,14 +168,15 @@ struct DirectionSample {
   float pdf;       // per solid angle
 };
 
-// A direction in a cell of the sky, evenly by solid angle.
-OMMA_HD Vec3 sample_sky(const SkyView& sky, float u0, float u1) {
+// A direction in a cell of the sky, evenly by solid angle; its density is the sky's alone.
+OMMA_HD DirectionSample sample_sky(const SkyView& sky, float u0, float u1) {
   const std::int32_t cell_rows = sky.rows - 1;
-  const std::int32_t row = find_interval(sky.row_sum, 2 * cell_rows, u0);
+  const std::int32_t row = find_in_sum(sky.row_sum, sky.row_guide, 2 * cell_rows, u0);
   const float* sum = sky.column_sum + static_cast<std::ptrdiff_t>(row) * (sky.columns + 1);
-  const std::int32_t column = find_interval(sum, sky.columns, u1);
-  const float along_row = within_interval(sky.row_sum, row, u0);
-  const float along_column = within_interval(sum, column, u1);
+  const std::int32_t column = find_in_sum(
+      sum, sky.column_guide + static_cast<std::ptrdiff_t>(row) * sky.columns, sky.columns, u1);
+  const float along_row = within_part(sky.row_sum, row, u0);
+  const float along_column = within_part(sum, column, u1);
   const bool below = row >= cell_rows;
   const float* level = sky.one_minus_sine + (below ? row - cell_rows : row);
   // One minus the sine of elevation keeps its digits at the zenith.
@@ -180,7 +186,8 @@ OMMA_HD Vec3 sample_sky(const SkyView& sky, float u0, float u1) {
   float azimuth = (to_float(column) + along_column) / sky.columns_per_rad;
   azimuth = azimuth > 3.14159265f ? azimuth - 6.28318531f : azimuth;
   const SineCosine<float> turn = sine_cosine(azimuth);
-  return {turn.sine * cosine, below ? -sine : sine, -turn.cosine * cosine};
+  return {{turn.sine * cosine, below ? -sine : sine, -turn.cosine * cosine},
+          sky.row_density[row] * (sum[column + 1] - sum[column])};
 }
 
 // A direction in a disc, evenly by solid angle. The frame about its centre: Duff et al. 2017,
@@ -210,8 +217,9 @@ OMMA_HD DirectionSample sample_far(const LightView& light, float u0, float u1) {
   }
   if (!(light.sky.probability > 0.0f)) return {{0, 1, 0}, 0.0f};
   const float u = fminf(u0 / light.sky.probability, 0x1.fffffep-1f);
-  const Vec3 d = sample_sky(light.sky, u, u1);
-  return {d, far_pdf(light, d)};
+  const DirectionSample in_sky = sample_sky(light.sky, u, u1);
+  return {in_sky.direction,
+          light.sky.probability * in_sky.pdf + discs_pdf(light, in_sky.direction)};
 }
 
 }  // namespace omma
