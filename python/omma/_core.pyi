@@ -882,6 +882,56 @@ class Acceptance:
 
     def __hash__(self) -> int: ...
 
+class Light:
+    """
+    What the engine lights a world with; the values of `omma.light` are the ones to use.
+
+    Args:
+        wavelength_nm: (K,), ascending.
+        weight: (B, K), of the wavelengths in each band, adding up to 1.
+        unit: 'photons' (m^-2 s^-1 sr^-1 nm^-1) or 'watts' (m^-2 sr^-1 nm^-1).
+        sky: radiance by direction, (2, rows, columns, components, channels): above and below
+            the horizon, from it to the zenith and the nadir, to the right from -Z; 1 component
+            (I) or 3 (I, Q, U). None: dark.
+        band_from_channel: (B, channels); None: channels are the bands.
+        discs: tuples (direction (3,), angular_radius_rad, radiance (B,), limb_darkening (B,)
+            or None).
+        ultraviolet: (M, 4), of each material of the scene that will be lit: reflectance below
+            400 nm of what is known in RGB only, as weights of red, green, blue and 1.
+
+    Raises `omma.Error` that names the argument.
+    """
+
+    def __init__(self, wavelength_nm: numpy.typing.ArrayLike, weight: numpy.typing.ArrayLike, unit: str, sky: numpy.typing.ArrayLike | None, band_from_channel: numpy.typing.ArrayLike | None, discs: Iterable[tuple[numpy.typing.ArrayLike, float, numpy.typing.ArrayLike, numpy.typing.ArrayLike | None]], ultraviolet: numpy.typing.ArrayLike | None) -> None: ...
+
+    @property
+    def wavelength_nm(self, /) -> numpy.typing.NDArray[numpy.float64]:
+        """Read-only, (K,)."""
+
+    @property
+    def weight(self, /) -> numpy.typing.NDArray[numpy.float64]:
+        """Read-only, (B, K)."""
+
+    @property
+    def unit(self) -> str:
+        """'photons' or 'watts'."""
+
+    @property
+    def sky(self, /) -> numpy.typing.NDArray[numpy.float32] | None:
+        """Read-only, as given; or None."""
+
+    @property
+    def band_from_channel(self, /) -> numpy.typing.NDArray[numpy.float64] | None:
+        """Read-only, (B, channels); or None."""
+
+    @property
+    def discs(self, /) -> tuple[tuple[tuple[float, float, float], float, numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64] | None], ...]:
+        """Tuples as given."""
+
+    @property
+    def ultraviolet(self, /) -> numpy.typing.NDArray[numpy.float64] | None:
+        """Read-only, (M, 4); or None."""
+
 class ReceptorType:
     """
     What a kind of photoreceptor is sensitive to.

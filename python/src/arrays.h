@@ -61,6 +61,7 @@ void bind_background(nb::module_& m);
 void bind_scene(nb::module_& m);
 void bind_scene_parts(nb::module_& m);
 void bind_acceptance(nb::module_& m);
+void bind_light(nb::module_& m);
 void bind_eye(nb::module_& m);
 void bind_eye_files(nb::module_& m);
 void bind_files(nb::module_& m);

@@ -3,6 +3,7 @@
 #include "physics/block.h"
 #include "physics/footprint.h"
 #include "physics/scatter.h"
+#include "physics/light_sample.h"
 #include "physics/traverse.h"
 #include "physics/weigh.h"
 
@@ -98,6 +99,15 @@ __global__ void device_check_leaving(SceneView scene, BvhView bvh, const PlacedM
   }
   packet.rays.t_far_m[0] = INFINITY;
   occluded_rays[threadIdx.x] = search.occluded(&valid, packet.rays);
+}
+
+// Towards something that shines, and what comes from there.
+__global__ void device_check_light(SceneView scene, Vec3 position, float* out) {
+  const LightSample sample = sample_light(scene, position, 0.1f, 0.2f, 0.3f);
+  eval_light_sample(scene, sample, 3, out, 1, scene.bands);
+  out[0] += escaped_light_pdf(scene, sample.direction) +
+            met_light_pdf(scene, sample.index, sample.triangle, position, sample.direction,
+                          sample.distance_m);
 }
 
 }  // namespace omma

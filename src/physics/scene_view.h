@@ -79,6 +79,8 @@ struct MeshView {
   const float* normals = nullptr;  // [vertex][3], in the mesh's frame; null: those of triangles
 };
 
+struct LightView;  // light_view.h
+
 struct BackgroundView {
   BackgroundType type = BackgroundType::constant;
   Vec3 color{0, 0, 0};
@@ -101,6 +103,11 @@ struct SceneView {
   // What linear RGB is in each band: [bands][3], or null where the bands are RGB itself.
   int bands = 3;
   const float* band_from_rgb = nullptr;
+  // Where the world is lit: by what, and how its surfaces scatter light; else null.
+  const LightView* light = nullptr;
+  const ScatterView* scatter = nullptr;  // [material], as `materials`
+  int depth = 0;           // most scatterings on a path; 0: as many as it takes
+  bool polarized = false;  // whether light is a Stokes vector on its way
 };
 
 // Where a ray met a surface.

@@ -97,19 +97,38 @@ OMMA_HD Color<F> eval_base_color(const SceneView& scene, const MeshView& mesh,
   return color;
 }
 
+// What a surface sends out by itself: factor x texture, as linear RGB.
+template <typename F, typename I>
+OMMA_HD Color<F> emitted_rgb(const SceneView& scene, const MeshView& mesh,
+                             const SurfacePoint<F, I>& p) {
+  const MaterialView& material = scene.materials[mesh.material];
+  const Color<F> emitted{broadcast<F>(material.emissive.x), broadcast<F>(material.emissive.y),
+                         broadcast<F>(material.emissive.z), broadcast<F>(1.0f)};
+  if (mesh.emissive_uv == nullptr) return emitted;
+  return emitted * eval_texture_at(scene, mesh, material.emissive_texture, mesh.emissive_uv,
+                                   mesh.emissive_density, p);
+}
+
+// Fraction of what lies behind that a surface covers, whose base colour is known.
+template <typename F>
+OMMA_HD F opacity_of(const MaterialView& material, const Color<F>& base) {
+  return material.alpha_mode == AlphaMode::blend ? clamp_unit_lanes(base.a) : broadcast<F>(1.0f);
+}
+
+template <typename F, typename I>
+OMMA_HD F eval_opacity(const SceneView& scene, const MeshView& mesh, const SurfacePoint<F, I>& p) {
+  const MaterialView& material = scene.materials[mesh.material];
+  if (material.alpha_mode != AlphaMode::blend) return broadcast<F>(1.0f);
+  return opacity_of(material, eval_base_color(scene, mesh, p));
+}
+
 template <typename F, typename I>
 OMMA_HD SurfaceColor<F> eval_surface(const SceneView& scene, const MeshView& mesh,
                                      const SurfacePoint<F, I>& p) {
-  const MaterialView& material = scene.materials[mesh.material];
   const Color<F> base = eval_base_color(scene, mesh, p);
-  Color<F> emitted{broadcast<F>(material.emissive.x), broadcast<F>(material.emissive.y),
-                   broadcast<F>(material.emissive.z), broadcast<F>(1.0f)};
-  if (mesh.emissive_uv != nullptr)
-    emitted = emitted * eval_texture_at(scene, mesh, material.emissive_texture, mesh.emissive_uv,
-                                        mesh.emissive_density, p);
-  const F alpha =
-      material.alpha_mode == AlphaMode::blend ? clamp_unit_lanes(base.a) : broadcast<F>(1.0f);
-  return {{base.r + emitted.r, base.g + emitted.g, base.b + emitted.b}, alpha};
+  const Color<F> emitted = emitted_rgb(scene, mesh, p);
+  return {{base.r + emitted.r, base.g + emitted.g, base.b + emitted.b},
+          opacity_of(scene.materials[mesh.material], base)};
 }
 
 OMMA_HD SurfacePoint<float, std::int32_t> point_of(const SurfaceHit& hit) {

@@ -1,0 +1,214 @@
+// Flattens a validated Light for the physics: lamps, surfaces that shine, and how often each kind
+// of light is sampled. Light from afar: backend/sky_data.
+#include "backend/light_data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "backend/sky_data.h"
+#include "light/bands.h"
+#include "physics/surface.h"
+#include "threads/parallel.h"
+
+namespace omma {
+namespace {
+
+// Relative luminance of linear sRGB (IEC 61966-2-1).
+constexpr std::array<double, 3> luminance = {0.2126, 0.7152, 0.0722};
+
+// Of a lamp, per sr or where directional per m^2, in the light's unit, [band].
+std::vector<double> lamp_strength(const Light& light, const PunctualLight& lamp) {
+  if (!lamp.spectrum.empty()) return band_mean_of_watts(light.bands, light.unit, lamp.spectrum);
+  const auto per_lumen = primaries_per_lumen(light.bands, light.unit);
+  std::vector<double> strength;
+  for (const auto& rgb : per_lumen)
+    strength.push_back(lamp.intensity * (rgb[0] * static_cast<double>(lamp.color.x) +
+                                         rgb[1] * static_cast<double>(lamp.color.y) +
+                                         rgb[2] * static_cast<double>(lamp.color.z)));
+  return strength;
+}
+
+double sum_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+// Fills in what does not depend on the origin; gives what lamps send to a surface half the scene's
+// size away, [band].
+std::vector<double> make_lamps(LightData& data, const Light& light, const Scene& scene,
+                               double distance_m) {
+  std::vector<double> sent(light.bands.count(), 0.0), weights;
+  for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+    const PunctualLight& lamp = scene.lights[i];
+    std::vector<double> strength = lamp_strength(light, lamp);
+    if (!(sum_of(strength) > 0)) continue;
+    LampView view;
+    view.type = lamp.type;
+    if (lamp.range_m > 0) view.per_range_2 = static_cast<float>(1 / (lamp.range_m * lamp.range_m));
+    if (lamp.type == PunctualLightType::spot) {
+      // At least a thousandth, as KHR_lights_punctual has it.
+      const double outer = std::cos(lamp.outer_cone_rad);
+      const double scale = 1 / std::max(0.001, std::cos(lamp.inner_cone_rad) - outer);
+      view.cone_scale = static_cast<float>(scale);
+      view.cone_offset = static_cast<float>(-outer * scale);
+    }
+    data.lamps.push_back(view);
+    data.lamp_of_scene.push_back(i);
+    const bool is_far = lamp.type == PunctualLightType::directional;
+    for (std::size_t b = 0; b < sent.size(); ++b) {
+      data.lamp_strength.push_back(static_cast<float>(strength[b]));
+      if (!is_far) strength[b] /= distance_m * distance_m;
+      sent[b] += strength[b];
+    }
+    weights.push_back(sum_of(strength));
+  }
+  for (std::size_t i = 0; i < data.lamps.size(); ++i)
+    data.lamps[i].strength = data.lamp_strength.data() + i * sent.size();
+  data.lamp_sum = running_sum(weights);
+  return sent;
+}
+
+// Area times emission, summed over bands, of each triangle in the mesh's own frame. A texture is
+// read as wide as the triangle, at its middle; as that may miss what is bright, no triangle counts
+// for less than a twentieth of what it is without the texture.
+std::vector<double> triangle_powers(const SceneView& scene, std::int32_t mesh,
+                                    std::size_t triangles, const std::array<double, 3>& of_rgb) {
+  const MeshView& view = scene.meshes[mesh];
+  const Vec3 factor = scene.materials[view.material].emissive;
+  const auto total = [&](float r, float g, float b) {
+    return of_rgb[0] * static_cast<double>(r) + of_rgb[1] * static_cast<double>(g) +
+           of_rgb[2] * static_cast<double>(b);
+  };
+  const double least = 0.05 * total(factor.x, factor.y, factor.z);
+  std::vector<double> powers(triangles);
+  parallel_for(std::size_t{0}, triangles, [&](std::size_t t) {
+    Vec3d corner[3];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const float* p = view.positions + 3 * static_cast<std::size_t>(view.triangles[3 * t + k]);
+      corner[k] = {p[0], p[1], p[2]};
+    }
+    const double area = length(cross(corner[1] - corner[0], corner[2] - corner[0])) / 2;
+    const Color<float> c = emitted_rgb(
+        scene, view,
+        SurfacePoint<float, std::int32_t>{static_cast<std::int32_t>(t), 1.0f / 3, 1.0f / 3,
+                                          static_cast<float>(std::sqrt(area))});
+    powers[t] = area * std::max(total(c.r, c.g, c.b), least);
+  });
+  return powers;
+}
+
+// The same of surfaces.
+std::vector<double> make_emissive(LightData& data, const Light& light, const Scene& scene,
+                                  const Placement& placement, const SceneView& view,
+                                  double distance_m) {
+  std::vector<double> sent(light.bands.count(), 0.0), weights;
+  std::map<std::int32_t, double> power_of_mesh;
+  data.emissive_of_instance.assign(scene.instances.size(), -1);
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const std::int32_t mesh = scene.instances[i].mesh;
+    const std::size_t triangles = scene.meshes[static_cast<std::size_t>(mesh)].triangles.size();
+    const std::int32_t material = view.meshes[mesh].material;
+    const float* matrix = view.scatter[material].emission;
+    if (triangles == 0 || matrix == nullptr) continue;
+    std::array<double, 3> of_rgb{};
+    for (std::size_t k = 0; k < 3 * sent.size(); ++k)
+      of_rgb[k % 3] += static_cast<double>(matrix[k]);
+    const auto [known, is_new] = power_of_mesh.try_emplace(mesh, 0.0);
+    if (is_new) {
+      const std::vector<double> powers = triangle_powers(view, mesh, triangles, of_rgb);
+      known->second = sum_of(powers);
+      if (known->second > 0) data.triangle_sum[mesh] = running_sum(powers);
+    }
+    if (!(known->second > 0)) continue;
+    data.emissive_of_instance[i] = static_cast<std::int32_t>(data.emissive.size());
+    data.emissive.push_back({static_cast<std::int32_t>(i), mesh,
+                             static_cast<std::int32_t>(triangles), data.triangle_sum[mesh].data()});
+    // Areas grow about as the square of the mean scale. A surface of area A and radiance L sends
+    // pi A L, or A L / 4 to each direction in the mean.
+    const double det = std::fabs(determinant(placement.world_from_mesh[i]));
+    const double sides = view.materials[material].double_sided ? 2 : 1;
+    const double seen =
+        sides * known->second * std::pow(det, 2.0 / 3) / (4 * distance_m * distance_m);
+    weights.push_back(seen);
+    const Vec3 factor = view.materials[material].emissive;
+    const double all = of_rgb[0] * static_cast<double>(factor.x) +
+                       of_rgb[1] * static_cast<double>(factor.y) +
+                       of_rgb[2] * static_cast<double>(factor.z);
+    for (std::size_t b = 0; b < sent.size(); ++b) {
+      const float* row = matrix + 3 * b;
+      sent[b] += seen *
+                 static_cast<double>(row[0] * factor.x + row[1] * factor.y + row[2] * factor.z) /
+                 all;
+    }
+  }
+  data.emissive_sum = running_sum(weights);
+  return sent;
+}
+
+// How often each kind is sampled: by its share of what a surface gets, whichever way it faces, the
+// mean over bands; and now and then in any case, as places may lie closer to it.
+void choose_probabilities(LightView& view, const std::array<std::vector<double>, 3>& sent) {
+  std::array<double, 3> share{};
+  double kinds = 0, bands = 0;
+  for (std::size_t b = 0; b < sent[0].size(); ++b) {
+    const double all = sent[0][b] + sent[1][b] + sent[2][b];
+    if (!(all > 0)) continue;
+    ++bands;
+    for (std::size_t k = 0; k < 3; ++k) share[k] += sent[k][b] / all;
+  }
+  for (const double s : share) kinds += s > 0 ? 1 : 0;
+  const auto probability = [&](std::size_t k) {
+    return share[k] > 0 ? static_cast<float>(0.1 / kinds + 0.9 * share[k] / bands) : 0.0f;
+  };
+  view.far_probability = probability(0);
+  view.lamp_probability = probability(1);
+  view.emissive_probability = probability(2);
+}
+
+}  // namespace
+
+std::unique_ptr<LightData> make_light_data(const Light& light, const Scene& scene,
+                                           const Placement& placement, const SceneView& view) {
+  auto data = std::make_unique<LightData>();
+  data->view.bands = static_cast<std::int32_t>(light.bands.count());
+  const double distance_m = std::max(placement.half_size_m, 1e-6);
+  const std::array<std::vector<double>, 3> sent = {
+      make_far(*data, light), make_lamps(*data, light, scene, distance_m),
+      make_emissive(*data, light, scene, placement, view, distance_m)};
+  place_lamps(*data, scene, placement.origin_m);
+
+  LightView& out = data->view;
+  out.lamps = data->lamps.data();
+  out.lamp_sum = data->lamp_sum.data();
+  out.lamp_count = static_cast<std::int32_t>(data->lamps.size());
+  out.emissive = data->emissive.data();
+  out.emissive_sum = data->emissive_sum.data();
+  out.emissive_of_instance = data->emissive_of_instance.data();
+  out.emissive_count = static_cast<std::int32_t>(data->emissive.size());
+  choose_probabilities(out, sent);
+  return data;
+}
+
+void place_lamps(LightData& data, const Scene& scene, Vec3d origin_m) {
+  for (std::size_t i = 0; i < data.lamps.size(); ++i) {
+    const Mat4& world_from_light = scene.lights[data.lamp_of_scene[i]].world_from_light;
+    data.lamps[i].position = to_float(transform_point(world_from_light, {}) - origin_m);
+    data.lamps[i].direction = to_float(normalize(transform_vector(world_from_light, {0, 0, -1})));
+  }
+}
+
+std::vector<float> make_emission_matrix(const Light& light, const Material& material) {
+  const Vec3 factor = material.emissive;
+  if (material.unlit || !(factor.x > 0 || factor.y > 0 || factor.z > 0)) return {};
+  std::vector<float> matrix;
+  if (material.emission.empty()) {
+    for (const auto& rgb : primaries_per_lumen(light.bands, light.unit))
+      for (const double x : rgb) matrix.push_back(static_cast<float>(x));
+  } else {
+    for (const double x : band_mean_of_watts(light.bands, light.unit, material.emission))
+      for (const double y : luminance) matrix.push_back(static_cast<float>(x * y));
+  }
+  return matrix;
+}
+
+}  // namespace omma

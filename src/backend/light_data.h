@@ -1,0 +1,53 @@
+// A Light and what shines in a Scene turned into the flat arrays that the physics reads. Shared by
+// all backends.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "model/scene_place.h"
+#include "omma/light.h"
+#include "omma/scene.h"
+#include "physics/light_view.h"
+#include "physics/scene_view.h"
+
+namespace omma {
+
+// Owns what its `view` points to. Not to be copied: the views are addresses.
+struct LightData {
+  LightData() = default;
+  LightData(const LightData&) = delete;
+  LightData& operator=(const LightData&) = delete;
+
+  std::shared_ptr<const SkyMap> sky;  // its radiance is read where it is
+  std::vector<float> band_from_channel, one_minus_sine, row_sum, column_sum, row_density;
+  std::vector<std::uint16_t> row_guide, column_guide;
+  std::vector<DiscView> discs;
+  std::vector<float> disc_radiance, disc_limb;  // [disc][band]
+  std::vector<LampView> lamps;
+  std::vector<std::size_t> lamp_of_scene;  // [lamp], index into Scene::lights
+  std::vector<float> lamp_strength;        // [lamp][band]
+  std::vector<float> lamp_sum;
+  std::vector<EmissiveView> emissive;
+  std::map<std::int32_t, std::vector<float>> triangle_sum;  // of meshes that shine
+  std::vector<float> emissive_sum;
+  std::vector<std::int32_t> emissive_of_instance;
+  LightView view;
+};
+
+// Of a validated light and scene. `view` is of the scene's shading data, with `scatter` set, as
+// emission in bands is asked of it. Surfaces may move afterwards; probabilities of choosing them
+// stay those of where they are now.
+std::unique_ptr<LightData> make_light_data(const Light& light, const Scene& scene,
+                                           const Placement& placement, const SceneView& view);
+
+// To be called where the origin of the traced frame has changed.
+void place_lamps(LightData& data, const Scene& scene, Vec3d origin_m);
+
+// What linear RGB of a material's emissive factor times texture is in each band, [band][3], in the
+// light's unit (ScatterView::emission); empty where it does not shine.
+std::vector<float> make_emission_matrix(const Light& light, const Material& material);
+
+}  // namespace omma

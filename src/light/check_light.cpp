@@ -1,0 +1,167 @@
+// Checks of a Light, where it is made. Written so that NaN fails each of them.
+#include "light/check_light.h"
+
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "omma/error.h"
+#include "omma/scene.h"
+#include "threads/parallel.h"
+
+namespace omma {
+namespace {
+
+std::string number_text(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", x);
+  return text;
+}
+
+[[noreturn]] void refuse(const std::string& member, const std::string& expected,
+                         const std::string& found) {
+  throw Error(member + ": expected " + expected + ", found " + found);
+}
+
+bool is_radiance(double x) {
+  return x >= 0 && x <= most_radiance;
+}
+
+const std::string a_radiance = "radiance of 0 to 1e30";
+
+void check_bands(const Bands& bands) {
+  const std::size_t samples = bands.wavelength_nm.size();
+  if (samples == 0) refuse("bands.wavelength_nm", "at least one wavelength", "none");
+  double before = 0;
+  for (const double nm : bands.wavelength_nm) {
+    if (!(nm > before) || !std::isfinite(nm))
+      refuse("bands.wavelength_nm", "wavelengths above 0 that ascend",
+             number_text(nm) + " after " + number_text(before));
+    before = nm;
+  }
+  const std::size_t count = bands.weight.size() / samples;
+  if (count * samples != bands.weight.size() || count == 0 || count > std::size_t{most_bands})
+    refuse(
+        "bands.weight",
+        "1 to " + std::to_string(most_bands) + " rows of " + std::to_string(samples) + " weights",
+        std::to_string(bands.weight.size()) + " weights");
+  for (std::size_t b = 0; b < count; ++b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < samples; ++i) {
+      const double w = bands.weight[b * samples + i];
+      if (!(w >= 0))
+        refuse("bands.weight", "weights of 0 or more",
+               number_text(w) + " in band " + std::to_string(b));
+      sum += w;
+    }
+    if (!(std::fabs(sum - 1) <= 1e-6))
+      refuse("bands.weight", "weights that add up to 1 in each band",
+             number_text(sum) + " in band " + std::to_string(b));
+  }
+}
+
+// Of the nodes in a row of a map, whether any number is none that light can have.
+bool is_row_valid(const SkyMap& sky, std::size_t row) {
+  const auto columns = static_cast<std::size_t>(sky.columns);
+  const auto channels = static_cast<std::size_t>(sky.channels);
+  const auto components = static_cast<std::size_t>(sky.components);
+  for (std::size_t c = 0; c < columns; ++c) {
+    const float* at = sky.radiance.data() + (row * columns + c) * components * channels;
+    for (std::size_t k = 0; k < channels; ++k) {
+      const double i = static_cast<double>(at[k]);
+      if (!is_radiance(i)) return false;
+      if (components == 1) continue;
+      const double q = static_cast<double>(at[channels + k]);
+      const double u = static_cast<double>(at[2 * channels + k]);
+      // A thousandth for what tables are rounded to.
+      if (!(q * q + u * u <= i * i * (1 + 1e-3))) return false;
+    }
+  }
+  return true;
+}
+
+[[noreturn]] void refuse_node(const SkyMap& sky, std::size_t row) {
+  const auto rows = static_cast<std::size_t>(sky.rows);
+  refuse("sky.radiance", a_radiance + " and Q^2 + U^2 of at most I^2 at each node",
+         "others in row " + std::to_string(row % rows) + (row < rows ? " above" : " below") +
+             " the horizon");
+}
+
+void check_sky(const SkyMap& sky, std::size_t bands) {
+  if (sky.columns < 4 || sky.columns > most_sky_columns)
+    refuse("sky.columns", "4 to " + std::to_string(most_sky_columns), std::to_string(sky.columns));
+  if (sky.rows < 2 || sky.rows > most_sky_rows)
+    refuse("sky.rows", "2 to " + std::to_string(most_sky_rows), std::to_string(sky.rows));
+  if (sky.components != 1 && sky.components != 3)
+    refuse("sky.components", "1 (I) or 3 (I, Q, U)", std::to_string(sky.components));
+  if (sky.channels < 1 || sky.channels > most_bands)
+    refuse("sky.channels", "1 to " + std::to_string(most_bands), std::to_string(sky.channels));
+  const auto channels = static_cast<std::size_t>(sky.channels);
+  if (sky.band_from_channel.empty() && channels != bands)
+    refuse("sky.channels", "one for each of " + std::to_string(bands) + " bands",
+           std::to_string(channels));
+  if (!sky.band_from_channel.empty()) {
+    if (sky.band_from_channel.size() != bands * channels)
+      refuse("sky.band_from_channel",
+             std::to_string(bands) + " rows of " + std::to_string(channels) + " weights",
+             std::to_string(sky.band_from_channel.size()) + " weights");
+    for (const double w : sky.band_from_channel)
+      if (!(w >= 0 && w <= 1e6))
+        refuse("sky.band_from_channel", "weights of 0 to 1e6", number_text(w));
+  }
+  const std::size_t rows = 2 * static_cast<std::size_t>(sky.rows);
+  const std::size_t size = rows * static_cast<std::size_t>(sky.columns) *
+                           static_cast<std::size_t>(sky.components) * channels;
+  if (sky.radiance.size() != size)
+    refuse("sky.radiance", std::to_string(size) + " numbers", std::to_string(sky.radiance.size()));
+  std::atomic<std::size_t> bad = rows;
+  parallel_for(std::size_t{0}, rows, [&](std::size_t row) {
+    if (is_row_valid(sky, row)) return;
+    std::size_t first = bad;
+    while (row < first && !bad.compare_exchange_weak(first, row)) {
+    }
+  });
+  if (bad < rows) refuse_node(sky, bad);
+}
+
+void check_disc(const Disc& disc, std::size_t bands, const std::string& name) {
+  if (!(std::fabs(length(to_double(disc.direction)) - 1) <= 1e-4))
+    refuse(name + ".direction", "a unit vector",
+           "one of length " + number_text(length(to_double(disc.direction))));
+  if (!(disc.angular_radius_rad > 0 && disc.angular_radius_rad < 0.1))
+    refuse(name + ".angular_radius_rad", "above 0 and below 0.1",
+           number_text(disc.angular_radius_rad));
+  if (disc.radiance.size() != bands)
+    refuse(name + ".radiance", "one for each of " + std::to_string(bands) + " bands",
+           std::to_string(disc.radiance.size()));
+  for (const double x : disc.radiance)
+    if (!is_radiance(x)) refuse(name + ".radiance", a_radiance, number_text(x));
+  if (!disc.limb_darkening.empty() && disc.limb_darkening.size() != bands)
+    refuse(name + ".limb_darkening", "one for each of " + std::to_string(bands) + " bands, or none",
+           std::to_string(disc.limb_darkening.size()));
+  for (const double u : disc.limb_darkening)
+    if (!(u >= 0 && u <= 1)) refuse(name + ".limb_darkening", "0 to 1", number_text(u));
+}
+
+}  // namespace
+
+void validate_light(const Light& light, std::size_t materials) {
+  check_bands(light.bands);
+  const std::size_t bands = light.bands.count();
+  if (light.sky != nullptr) check_sky(*light.sky, bands);
+  for (std::size_t i = 0; i < light.discs.size(); ++i)
+    check_disc(light.discs[i], bands, "discs[" + std::to_string(i) + "]");
+  if (!light.ultraviolet.empty() && light.ultraviolet.size() != materials)
+    refuse("ultraviolet", "one for each of " + std::to_string(materials) + " materials, or none",
+           std::to_string(light.ultraviolet.size()));
+  for (const auto& weights : light.ultraviolet) {
+    for (const double w : weights)
+      if (!(w >= 0)) refuse("ultraviolet", "weights of 0 or more", number_text(w));
+    const double white = weights[0] + weights[1] + weights[2] + weights[3];
+    if (!(white <= 1 + 1e-6))
+      refuse("ultraviolet", "weights that add up to 1 at most", number_text(white));
+  }
+}
+
+}  // namespace omma

@@ -1,0 +1,108 @@
+// What shines, as the physics sees it: flat arrays behind pointers, the same on host and device.
+// Made by backend/light_data. Directions and places are those of the traced frame, which is turned
+// as the world is.
+#pragma once
+
+#include <cstdint>
+
+#include "omma/scene.h"
+#include "omma/vec.h"
+
+namespace omma {
+
+// omma::SkyMap, and cells between its nodes, from which directions are sampled: rows of cells are
+// those above the horizon from the horizon up, then those below it from the horizon down.
+struct SkyView {
+  std::int32_t columns = 0, rows = 0;  // of nodes, rows of each half; 0 where the sky is dark
+  std::int32_t components = 1, channels = 0;
+  const float* radiance = nullptr;           // [above, below][row][column][component][channel]
+  const float* band_from_channel = nullptr;  // [band][channel], or null: channels are the bands
+  float columns_per_rad = 0, rows_per_rad = 0;
+  const float* one_minus_sine = nullptr;  // [row], of the elevation of nodes
+  // Cumulative probabilities, 0 to 1, in steps of 2^-24: of rows of cells, and of cells in each.
+  const float* row_sum = nullptr;     // [row of cells + 1]
+  const float* column_sum = nullptr;  // [row of cells][columns + 1]
+  // The interval of j / count, for each of `count` intervals: where to begin to look for others.
+  const std::uint16_t* row_guide = nullptr;     // [row of cells]
+  const std::uint16_t* column_guide = nullptr;  // [row of cells][columns]
+  const float* row_density = nullptr;  // [row of cells], its probability by a cell's solid angle
+  float probability = 0;               // that light from afar is sampled from the sky
+};
+
+struct DiscView {
+  Vec3 direction{0, 1, 0};  // unit
+  // By the distance of a direction from the centre's as points of the unit sphere, squared: 2 minus
+  // two cosines, which resolves discs that a cosine in single precision does not.
+  float chord_2 = 0;                // of the rim
+  float per_sine_2 = 0;             // 1 / sin^2 of the radius
+  float density = 0;                // 1 / solid angle
+  float probability = 0;            // that light from afar is sampled from it
+  const float* radiance = nullptr;  // [band], at the centre
+  const float* limb = nullptr;      // [band], u of omma::Disc; or null
+};
+
+struct LampView {
+  PunctualLightType type = PunctualLightType::point;
+  Vec3 position;                          // m
+  Vec3 direction{0, 0, -1};               // unit, in which it shines
+  float per_range_2 = 0;                  // 1 / range^2, m^-2; 0: without end
+  float cone_scale = 0, cone_offset = 1;  // of the cosine from `direction`, of a spot
+  const float* strength = nullptr;        // [band], per sr, or per m^2 where directional
+};
+
+// An instance whose surface shines. Its triangles are chosen by their own power, then places on
+// them.
+struct EmissiveView {
+  std::int32_t instance = 0;  // of the scene
+  std::int32_t mesh = 0, triangles = 0;
+  const float* triangle_sum = nullptr;  // [triangle + 1], cumulative probabilities
+};
+
+struct LightView {
+  std::int32_t bands = 0;
+  SkyView sky;
+  const DiscView* discs = nullptr;
+  std::int32_t disc_count = 0;
+
+  const LampView* lamps = nullptr;
+  const float* lamp_sum = nullptr;  // [lamp + 1], cumulative probabilities
+  std::int32_t lamp_count = 0;
+
+  const EmissiveView* emissive = nullptr;
+  const float* emissive_sum = nullptr;                 // [emissive + 1]
+  const std::int32_t* emissive_of_instance = nullptr;  // [instance of the scene], -1: none
+  std::int32_t emissive_count = 0;
+
+  // That a light sample is from afar, of a lamp, on a surface; they add up to 1, or are all 0.
+  float far_probability = 0, lamp_probability = 0, emissive_probability = 0;
+};
+
+// Which of the intervals of `sum`, [count + 1] ascending from 0 to 1, holds u: never one without
+// width.
+OMMA_HD std::int32_t find_in_sum(const float* sum, std::int32_t count, float u) {
+  std::int32_t first = 0;
+  while (count > 1) {
+    const std::int32_t half = count / 2;
+    first = sum[first + half] <= u ? first + half : first;
+    count -= half;
+  }
+  return first;
+}
+
+// The same from what is known of j / count, j the whole part of u count: a step or two on average
+// however many intervals there are (the method of cutpoints, Chen and Asau 1974).
+OMMA_HD std::int32_t find_in_sum(const float* sum, const std::uint16_t* guide, std::int32_t count,
+                                 float u) {
+  const auto j = static_cast<std::int32_t>(u * static_cast<float>(count));
+  std::int32_t i = guide[j < count ? j : count - 1];
+  while (sum[i + 1] <= u) ++i;
+  return i;
+}
+
+// u within the interval that it lies in, in [0, 1).
+OMMA_HD float within_part(const float* sum, std::int32_t interval, float u) {
+  const float inside = (u - sum[interval]) / (sum[interval + 1] - sum[interval]);
+  return fminf(fmaxf(inside, 0.0f), 0x1.fffffep-1f);
+}
+
+}  // namespace omma

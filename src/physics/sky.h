@@ -1,0 +1,225 @@
+// Light from afar, one direction at a time: what the sky and discs such as the sun send from it,
+// and directions sampled by how much that is. Stokes vectors in the frame of omma/light.h.
+// Distances in angle are found without the C library, so that all instruction sets give the same
+// bits.
+#pragma once
+
+#include "physics/light_view.h"
+#include "physics/random_direction.h"
+
+namespace omma {
+
+// The angle from x towards y of a point with x, y >= 0, within 2e-7 rad: atan of an argument below
+// tan(pi/8) as a polynomial (minimax, 5e-9); beyond it by the angle from the diagonal.
+OMMA_HD float angle_in_quadrant(float x, float y) {
+  const float small = fminf(x, y), large = fmaxf(x, y);
+  const bool near_diagonal = small > 0.41421356f * large;
+  const float over = near_diagonal ? small - large : small;
+  const float under = near_diagonal ? small + large : large;
+  const float t = over / fmaxf(under, 1e-37f), t2 = t * t;
+  float p = 0.0790005287f * t2 - 0.138236603f;
+  p = p * t2 + 0.199718037f;
+  p = p * t2 - 0.333327546f;
+  const float angle = (near_diagonal ? 0.785398163f : 0.0f) + (t + t * t2 * p);
+  return y > x ? 1.57079633f - angle : angle;
+}
+
+// Where a direction lies among the nodes of a sky.
+struct SkyPlace {
+  std::int32_t half;               // 0: above the horizon, and the horizon itself; 1: below
+  std::int32_t row, column, next;  // nodes at or before it, the column to the right of it
+  float along_row, along_column;   // how far on to the next row and column, 0 to 1
+};
+
+OMMA_HD SkyPlace find_on_sky(const SkyView& sky, Vec3 d) {
+  SkyPlace place;
+  place.half = d.y < 0.0f ? 1 : 0;
+  const float level = sqrtf(d.x * d.x + d.z * d.z);
+  const float row = angle_in_quadrant(level, fabsf(d.y)) * sky.rows_per_rad;
+  place.row = to_int(row);
+  place.row = place.row > sky.rows - 2 ? sky.rows - 2 : place.row;
+  place.along_row = fminf(row - to_float(place.row), 1.0f);
+
+  const float turned = angle_in_quadrant(fabsf(d.z), fabsf(d.x));
+  const float azimuth = d.z > 0.0f ? 3.14159265f - turned : turned;
+  float column = (d.x < 0.0f ? 6.28318531f - azimuth : azimuth) * sky.columns_per_rad;
+  column = fminf(fmaxf(column, 0.0f), to_float(sky.columns));
+  place.column = to_int(column);
+  place.column = place.column > sky.columns - 1 ? sky.columns - 1 : place.column;
+  place.along_column = column - to_float(place.column);
+  place.next = place.column + 1 < sky.columns ? place.column + 1 : 0;
+  return place;
+}
+
+// Radiance of the sky, all bands, `components` of I, Q, U.
+OMMA_HD void eval_sky(const LightView& light, Vec3 d, int components, float* stokes,
+                      int band_stride, int component_stride) {
+  const SkyView& sky = light.sky;
+  const SkyPlace place = find_on_sky(sky, d);
+  const std::ptrdiff_t node = static_cast<std::ptrdiff_t>(sky.components) * sky.channels;
+  const std::ptrdiff_t row = (static_cast<std::ptrdiff_t>(place.half) * sky.rows + place.row);
+  const float* lower = sky.radiance + row * sky.columns * node;
+  const float* upper = lower + sky.columns * node;
+  const float* a = lower + place.column * node;
+  const float* b = lower + place.next * node;
+  const float* c = upper + place.column * node;
+  const float* e = upper + place.next * node;
+  const float right = place.along_column, up = place.along_row;
+  const float wa = (1.0f - right) * (1.0f - up), wb = right * (1.0f - up), wc = (1.0f - right) * up,
+              we = right * up;
+  const int channels = sky.channels;
+  alignas(64) float mixed[most_bands];
+  const auto put = [&](int component) {
+    float* out = stokes + component * component_stride;
+    if (sky.band_from_channel == nullptr) {
+      for (int k = 0; k < channels; ++k) out[k * band_stride] = mixed[k];
+      return;
+    }
+    for (int k = 0; k < light.bands; ++k) {
+      const float* weights = sky.band_from_channel + k * channels;
+      float sum = 0;
+      for (int i = 0; i < channels; ++i) sum += weights[i] * mixed[i];
+      out[k * band_stride] = sum;
+    }
+  };
+  for (int k = 0; k < channels; ++k) mixed[k] = wa * a[k] + wb * b[k] + wc * c[k] + we * e[k];
+  put(0);
+  if (components == 1) return;
+  if (sky.components == 1) {
+    for (int p = 1; p < 3; ++p)
+      for (int k = 0; k < light.bands; ++k) stokes[p * component_stride + k * band_stride] = 0;
+    return;
+  }
+  // Each node has a reference axis of its own. Carried to the direction without being turned, along
+  // a circle of elevation, it lies beside the direction's own by the azimuth between them times the
+  // sine of elevation: wholly at the zenith, not at all at the horizon. Left alone, what is one
+  // polarisation all about the zenith would lose some of its degree between columns.
+  const float turn = 2.0f * d.y / sky.columns_per_rad;
+  const SineCosine<float> from_left = sine_cosine(turn * right);
+  const SineCosine<float> from_right = sine_cosine(turn * (right - 1.0f));
+  const float ca = wa * from_left.cosine, sa = wa * from_left.sine;
+  const float cc = wc * from_left.cosine, sc = wc * from_left.sine;
+  const float cb = wb * from_right.cosine, sb = wb * from_right.sine;
+  const float ce = we * from_right.cosine, se = we * from_right.sine;
+  const int q = channels, u = 2 * channels;
+  for (int k = 0; k < channels; ++k)
+    mixed[k] = (ca * a[q + k] - sa * a[u + k]) + (cb * b[q + k] - sb * b[u + k]) +
+               (cc * c[q + k] - sc * c[u + k]) + (ce * e[q + k] - se * e[u + k]);
+  put(1);
+  for (int k = 0; k < channels; ++k)
+    mixed[k] = (sa * a[q + k] + ca * a[u + k]) + (sb * b[q + k] + cb * b[u + k]) +
+               (sc * c[q + k] + cc * c[u + k]) + (se * e[q + k] + ce * e[u + k]);
+  put(2);
+}
+
+OMMA_HD float chord_2(Vec3 a, Vec3 b) {
+  const Vec3 between = a - b;
+  return dot(between, between);
+}
+
+// Radiance of sky and discs in a unit direction: all bands, `components` 1 (I) or 3 (I, Q, U), at
+// stokes[component * component_stride + band * band_stride].
+OMMA_HD void eval_far(const LightView& light, Vec3 d, int components, float* stokes,
+                      int band_stride, int component_stride) {
+  if (light.sky.rows > 0) {
+    eval_sky(light, d, components, stokes, band_stride, component_stride);
+  } else {
+    for (int p = 0; p < components; ++p)
+      for (int k = 0; k < light.bands; ++k) stokes[p * component_stride + k * band_stride] = 0;
+  }
+  for (int i = 0; i < light.disc_count; ++i) {
+    const DiscView& disc = light.discs[i];
+    const float chord = chord_2(d, disc.direction);
+    if (chord > disc.chord_2) continue;
+    if (disc.limb == nullptr) {
+      for (int k = 0; k < light.bands; ++k) stokes[k * band_stride] += disc.radiance[k];
+      continue;
+    }
+    const float sine_2 = chord * (1.0f - 0.25f * chord);
+    const float darkened = 1.0f - sqrtf(fmaxf(1.0f - sine_2 * disc.per_sine_2, 0.0f));
+    for (int k = 0; k < light.bands; ++k)
+      stokes[k * band_stride] += disc.radiance[k] * (1.0f - disc.limb[k] * darkened);
+  }
+}
+
+// Probability per solid angle with which sample_far gives a unit direction that lies in discs.
+OMMA_HD float discs_pdf(const LightView& light, Vec3 d) {
+  float pdf = 0;
+  for (int i = 0; i < light.disc_count; ++i)
+    if (chord_2(d, light.discs[i].direction) <= light.discs[i].chord_2)
+      pdf += light.discs[i].probability * light.discs[i].density;
+  return pdf;
+}
+
+// The same of any unit direction.
+OMMA_HD float far_pdf(const LightView& light, Vec3 d) {
+  const SkyView& sky = light.sky;
+  const float of_discs = discs_pdf(light, d);
+  if (sky.rows == 0) return of_discs;
+  const SkyPlace place = find_on_sky(sky, d);
+  const std::int32_t row = place.half * (sky.rows - 1) + place.row;
+  const float* sum = sky.column_sum + static_cast<std::ptrdiff_t>(row) * (sky.columns + 1);
+  const float in_sky = sky.row_density[row] * (sum[place.column + 1] - sum[place.column]);
+  return sky.probability * in_sky + of_discs;
+}
+
+struct DirectionSample {
+  Vec3 direction;  // unit
+  float pdf;       // per solid angle
+};
+
+// A direction in a cell of the sky, evenly by solid angle; its density is the sky's alone.
+OMMA_HD DirectionSample sample_sky(const SkyView& sky, float u0, float u1) {
+  const std::int32_t cell_rows = sky.rows - 1;
+  const std::int32_t row = find_in_sum(sky.row_sum, sky.row_guide, 2 * cell_rows, u0);
+  const float* sum = sky.column_sum + static_cast<std::ptrdiff_t>(row) * (sky.columns + 1);
+  const std::int32_t column = find_in_sum(
+      sum, sky.column_guide + static_cast<std::ptrdiff_t>(row) * sky.columns, sky.columns, u1);
+  const float along_row = within_part(sky.row_sum, row, u0);
+  const float along_column = within_part(sum, column, u1);
+  const bool below = row >= cell_rows;
+  const float* level = sky.one_minus_sine + (below ? row - cell_rows : row);
+  // One minus the sine of elevation keeps its digits at the zenith.
+  const float k = level[0] + along_row * (level[1] - level[0]);
+  const float sine = fmaxf(1.0f - k, 0x1p-25f);  // not 0, so that below stays below
+  const float cosine = sqrtf(k * (2.0f - k));
+  float azimuth = (to_float(column) + along_column) / sky.columns_per_rad;
+  azimuth = azimuth > 3.14159265f ? azimuth - 6.28318531f : azimuth;
+  const SineCosine<float> turn = sine_cosine(azimuth);
+  return {{turn.sine * cosine, below ? -sine : sine, -turn.cosine * cosine},
+          sky.row_density[row] * (sum[column + 1] - sum[column])};
+}
+
+// A direction in a disc, evenly by solid angle. The frame about its centre: Duff et al. 2017,
+// Building an orthonormal basis, revisited (Journal of Computer Graphics Techniques 6(1)).
+OMMA_HD Vec3 sample_disc(const DiscView& disc, float u0, float u1) {
+  const Vec3 n = disc.direction;
+  const float sign = n.z < 0.0f ? -1.0f : 1.0f;
+  const float a = -1.0f / (sign + n.z), b = n.x * n.y * a;
+  const Vec3 s{1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x};
+  const Vec3 t{b, sign + n.y * n.y * a, -n.y};
+  const float chord = u0 * disc.chord_2;
+  const float sine = sqrtf(chord * (1.0f - 0.25f * chord));
+  const SineCosine<float> turn = sine_cosine((2.0f * u1 - 1.0f) * 3.14159265f);
+  return n * (1.0f - 0.5f * chord) + (s * turn.cosine + t * turn.sine) * sine;
+}
+
+// A direction by how much light comes from it, of u0 and u1 in [0, 1). `pdf` is 0 where nothing
+// shines from afar.
+OMMA_HD DirectionSample sample_far(const LightView& light, float u0, float u1) {
+  for (int i = 0; i < light.disc_count; ++i) {
+    const float p = light.discs[i].probability;
+    if (u0 < p) {
+      const Vec3 d = sample_disc(light.discs[i], u0 / p, u1);
+      return {d, far_pdf(light, d)};
+    }
+    u0 -= p;
+  }
+  if (!(light.sky.probability > 0.0f)) return {{0, 1, 0}, 0.0f};
+  const float u = fminf(u0 / light.sky.probability, 0x1.fffffep-1f);
+  const DirectionSample in_sky = sample_sky(light.sky, u, u1);
+  return {in_sky.direction,
+          light.sky.probability * in_sky.pdf + discs_pdf(light, in_sky.direction)};
+}
+
+}  // namespace omma
