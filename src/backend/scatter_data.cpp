@@ -8,6 +8,7 @@
 
 #include "backend/texture_table.h"
 #include "light/bands.h"
+#include "model/spectrum.h"
 #include "omma/receptor.h"
 
 namespace omma {
@@ -33,7 +34,7 @@ Weights table_weights(const Spectrum& table, double luminance, double wavelength
   const bool known =
       wavelength_nm >= table.wavelength_nm.front() && wavelength_nm <= table.wavelength_nm.back();
   if (!known && wavelength_nm < visible_from_nm) return ultraviolet;
-  const double value = spectrum_at(table, wavelength_nm) / luminance;
+  const double value = held_spectrum(table, wavelength_nm) / luminance;
   return {luminance_weights[0] * value, luminance_weights[1] * value, luminance_weights[2] * value,
           0};
 }
@@ -44,7 +45,7 @@ std::vector<float> band_matrix(const Bands& bands, const At& at) {
   std::vector<float> matrix(bands.count() * columns);
   for (std::size_t c = 0; c < columns; ++c) {
     const std::vector<double> means =
-        band_means(bands, [&](double wavelength_nm) { return at(wavelength_nm)[c]; });
+        band_mean(bands, [&](double wavelength_nm) { return at(wavelength_nm)[c]; });
     for (std::size_t b = 0; b < means.size(); ++b)
       matrix[columns * b + c] = static_cast<float>(means[b]);
   }
@@ -100,7 +101,7 @@ void add_extra(const Maker& make, const ExtraReflectance& extra, ScatterView& vi
   view.extra_texture = make.texture(extra.texture, ImageCodes::linear);
   std::vector<float> matrix(3 * make.bands.count());
   for (std::size_t c = 0; c < 3; ++c) {
-    const std::vector<double> means = band_means(make.bands, extra.spectrum[c]);
+    const std::vector<double> means = band_mean(make.bands, extra.spectrum[c]);
     for (std::size_t b = 0; b < means.size(); ++b) matrix[3 * b + c] = static_cast<float>(means[b]);
   }
   view.extra = make.keep(std::move(matrix));

@@ -37,20 +37,20 @@ void read_cones(const json& light, PunctualLight& made) {
 
 }  // namespace
 
-void read_light(GltfContainer& gltf, const json& node, const GltfNode& place,
+void read_light(GltfContainer& gltf, const json& description, const GltfNode& node,
                 const Mat4& world_from_node, Scene& scene) {
-  const json& use = gltf_extension(node, lights_extension);
+  const json& use = gltf_extension(description, lights_extension);
   if (use.empty()) return;
   const json& extension = gltf_extension(gltf.document, lights_extension);
   const std::size_t count = extension.empty() ? 0 : extension["lights"].size();
   const int index = use["light"].get<int>();
   if (static_cast<std::size_t>(index) >= count)
-    throw Error(place.place + ": refers to light " + std::to_string(index) + ", there are " +
+    throw Error(node.place + ": refers to light " + std::to_string(index) + ", there are " +
                 std::to_string(count));
   const json& light = extension["lights"][static_cast<std::size_t>(index)];
   const std::string inside = gltf.path + ": light " + std::to_string(index) + gltf_name(light);
   PunctualLight made;
-  made.name = place.name.empty() ? light.value("name", "") : place.name;
+  made.name = node.name.empty() ? light.value("name", "") : node.name;
   made.type = read_type(light["type"].get<std::string>(), inside);
   if (light.contains("color")) made.color = gltf_vec3(light["color"]);
   made.intensity = light.value("intensity", 1.0);

@@ -1,36 +1,82 @@
-// Means over bands: weighted sums over their samples.
+// Means over bands, and candelas in absolute units.
 #include "light/bands.h"
 
 #include <algorithm>
 
-namespace omma {
+#include "omma/receptor.h"
 
-double spectrum_at(const Spectrum& spectrum, double wavelength_nm) {
+namespace omma {
+namespace {
+
+// lm per W at 555 nm, where V is 1: the SI's definition of the candela.
+constexpr double most_lumens_per_watt = 683;
+
+// CIE 1924, as in CIE 018:2019, table 1: at 380, 390, ... 780 nm.
+constexpr double first_efficiency_nm = 380, efficiency_step_nm = 10;
+constexpr std::array<double, 41> efficiency = {
+    0.000039, 0.00012, 0.000396, 0.00121, 0.004,   0.0116,   0.023,    0.038,    0.06,
+    0.09098,  0.13902, 0.20802,  0.323,   0.503,   0.71,     0.862,    0.954,    0.99495,
+    0.995,    0.952,   0.87,     0.757,   0.631,   0.503,    0.381,    0.265,    0.175,
+    0.107,    0.061,   0.032,    0.017,   0.00821, 0.004102, 0.002091, 0.001047, 0.00052,
+    0.000249, 0.00012, 0.00006,  0.00003, 0.000015};
+
+// Photons s^-1 nm^-1 from 400 to 700 nm that are a lumen.
+double photons_per_lumen_nm() {
+  double lumens = 0;  // of one photon per nm and second; trapezoidal rule at 1 nm
+  for (int nm = static_cast<int>(visible_from_nm); nm <= static_cast<int>(visible_to_nm); ++nm) {
+    const bool is_end =
+        nm == static_cast<int>(visible_from_nm) || nm == static_cast<int>(visible_to_nm);
+    lumens += (is_end ? 0.5 : 1.0) * luminous_efficiency(nm) / (photons_per_joule_nm * nm);
+  }
+  return 1 / (most_lumens_per_watt * lumens);
+}
+
+}  // namespace
+
+double eval_spectrum(const Spectrum& spectrum, double wavelength_nm) {
   const std::vector<double>& knots = spectrum.wavelength_nm;
+  if (knots.empty() || !(wavelength_nm >= knots.front() && wavelength_nm <= knots.back())) return 0;
   const auto above = std::upper_bound(knots.begin(), knots.end(), wavelength_nm);
-  if (above == knots.begin()) return spectrum.value.front();
   if (above == knots.end()) return spectrum.value.back();
   const auto k = static_cast<std::size_t>(above - knots.begin());
   const double t = (wavelength_nm - knots[k - 1]) / (knots[k] - knots[k - 1]);
   return spectrum.value[k - 1] * (1 - t) + spectrum.value[k] * t;
 }
 
-std::vector<double> band_means(const Bands& bands, const std::function<double(double)>& value) {
-  const std::size_t samples = bands.wavelength_nm.size();
-  std::vector<double> at_sample(samples), means(bands.count());
-  std::transform(bands.wavelength_nm.begin(), bands.wavelength_nm.end(), at_sample.begin(), value);
-  for (std::size_t b = 0; b < means.size(); ++b)
-    for (std::size_t s = 0; s < samples; ++s)
-      means[b] += bands.weight[b * samples + s] * at_sample[s];
-  return means;
+double unit_per_watt(LightUnit unit, double wavelength_nm) {
+  return unit == LightUnit::photons ? photons_per_joule_nm * wavelength_nm : 1;
 }
 
-std::vector<double> band_means(const Bands& bands, const Spectrum& spectrum) {
-  return band_means(bands, [&](double wavelength_nm) {
-    const bool inside = !spectrum.empty() && wavelength_nm >= spectrum.wavelength_nm.front() &&
-                        wavelength_nm <= spectrum.wavelength_nm.back();
-    return inside ? spectrum_at(spectrum, wavelength_nm) : 0.0;
-  });
+std::vector<double> band_mean(const Bands& bands, const Spectrum& spectrum) {
+  return band_mean(bands, [&](double nm) { return eval_spectrum(spectrum, nm); });
+}
+
+std::vector<double> band_mean_of_watts(const Bands& bands, LightUnit unit,
+                                       const Spectrum& watts_per_nm) {
+  return band_mean(
+      bands, [&](double nm) { return unit_per_watt(unit, nm) * eval_spectrum(watts_per_nm, nm); });
+}
+
+double luminous_efficiency(double wavelength_nm) {
+  const double at = (wavelength_nm - first_efficiency_nm) / efficiency_step_nm;
+  constexpr auto last = static_cast<double>(efficiency.size() - 1);
+  if (!(at >= 0 && at <= last)) return 0;
+  const auto k = static_cast<std::size_t>(std::min(at, last - 1));
+  const double t = at - static_cast<double>(k);
+  return efficiency[k] * (1 - t) + efficiency[k + 1] * t;
+}
+
+std::vector<std::array<double, 3>> primaries_per_lumen(const Bands& bands, LightUnit unit) {
+  const double photons = photons_per_lumen_nm();
+  std::vector<std::array<double, 3>> made(bands.count());
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::vector<double> means = band_mean(bands, [&](double nm) {
+      return photons * primary_spectra(nm)[c] / (photons_per_joule_nm * nm) *
+             unit_per_watt(unit, nm);
+    });
+    for (std::size_t b = 0; b < made.size(); ++b) made[b][c] = means[b];
+  }
+  return made;
 }
 
 }  // namespace omma

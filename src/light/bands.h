@@ -1,21 +1,47 @@
-// Means over bands of wavelengths: what light and surfaces are in each of them.
+// Spectra as the bands of a light have them: means over bands, watts as photons, what a candela of
+// RGB is.
 #pragma once
 
-#include <functional>
+#include <array>
 #include <vector>
 
+#include "omma/light.h"
 #include "omma/spectrum.h"
 
 namespace omma {
 
-// The value at a wavelength, linear between knots, that of the nearest knot beyond them. There is
-// at least one.
-double spectrum_at(const Spectrum& spectrum, double wavelength_nm);
+// Photons in a joule of light at 1 nm, 1 / (h c) with the constants of the SI, per J nm; as many
+// times the wavelength at others.
+inline constexpr double photons_per_joule_nm = 5.034116567542709e15;
 
-// The mean of a function of the wavelength, nm, over each band: [band].
-std::vector<double> band_means(const Bands& bands, const std::function<double(double)>& value);
+// Linear between knots, 0 outside.
+double eval_spectrum(const Spectrum& spectrum, double wavelength_nm);
 
-// Of a spectrum, which is 0 beyond its knots.
-std::vector<double> band_means(const Bands& bands, const Spectrum& spectrum);
+// What a quantity in watts is in `unit` at a wavelength, as a factor.
+double unit_per_watt(LightUnit unit, double wavelength_nm);
+
+// The weighted mean over each band, [band], of value(wavelength_nm).
+template <typename Value>
+std::vector<double> band_mean(const Bands& bands, const Value& value) {
+  const std::size_t samples = bands.wavelength_nm.size();
+  std::vector<double> at(samples), means(bands.count(), 0.0);
+  for (std::size_t i = 0; i < samples; ++i) at[i] = value(bands.wavelength_nm[i]);
+  for (std::size_t b = 0; b < means.size(); ++b)
+    for (std::size_t i = 0; i < samples; ++i) means[b] += bands.weight[b * samples + i] * at[i];
+  return means;
+}
+
+// Of a spectrum as it is, such as a reflectance; and of one in watts, in `unit`.
+std::vector<double> band_mean(const Bands& bands, const Spectrum& spectrum);
+std::vector<double> band_mean_of_watts(const Bands& bands, LightUnit unit,
+                                       const Spectrum& watts_per_nm);
+
+// Relative luminous efficiency of light for us in daylight, V(wavelength): CIE 1924.
+double luminous_efficiency(double wavelength_nm);
+
+// Red, green and blue of linear sRGB in each band, in `unit`, where white (1, 1, 1) is one lumen
+// (per whatever it is: a candela, a lux, a candela per square metre) of equal numbers of photons
+// from 400 to 700 nm and the primaries have their spectra (omma/receptor.h).
+std::vector<std::array<double, 3>> primaries_per_lumen(const Bands& bands, LightUnit unit);
 
 }  // namespace omma

@@ -7,7 +7,6 @@
 #include <initializer_list>
 #include <vector>
 
-#include "light/bands.h"
 #include "model/spectrum.h"
 #include "omma/error.h"
 
@@ -42,8 +41,8 @@ double largest_sum(const Spectrum& a, double a_factor, double a_flat, const Spec
                    double b_factor, double b_flat) {
   double most = 0;
   const auto look = [&](double wavelength_nm) {
-    most = std::max(most, (a.empty() ? a_flat : a_factor * spectrum_at(a, wavelength_nm)) +
-                              (b.empty() ? b_flat : b_factor * spectrum_at(b, wavelength_nm)));
+    most = std::max(most, (a.empty() ? a_flat : a_factor * held_spectrum(a, wavelength_nm)) +
+                              (b.empty() ? b_flat : b_factor * held_spectrum(b, wavelength_nm)));
   };
   for (const double wavelength_nm : a.wavelength_nm) look(wavelength_nm);
   for (const double wavelength_nm : b.wavelength_nm) look(wavelength_nm);
@@ -55,17 +54,30 @@ float largest_component(Vec3 color) {
   return std::max({color.x, color.y, color.z});
 }
 
-// What the base colour of a material is at most, by its brightest texel.
-double largest_base_color(const Scene& scene, const Material& material) {
-  const Vec4 base = material.base_color;
-  const double factor = std::max({base.x, base.y, base.z});
-  if (material.base_color_texture.texture < 0) return factor;
-  const auto texture = static_cast<std::size_t>(material.base_color_texture.texture);
-  const Image& image = scene.images[static_cast<std::size_t>(scene.textures[texture].image)];
-  float texel = image.rgba_linear.empty() ? 1.0f : 0.0f;
-  for (std::size_t i = 0; i < image.rgba_linear.size(); ++i)
-    if (i % 4 != 3) texel = std::max(texel, image.rgba_linear[i]);
-  return factor * static_cast<double>(texel);
+Vec3 largest_of_both(Vec3 a, Vec3 b) {
+  return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
+}
+
+// The brightest texel by each component, 1 for 8 bits and for none.
+Vec3 brightest_texel(const Scene& scene, const TextureUse& use) {
+  if (use.texture < 0) return {1, 1, 1};
+  const Texture& texture = scene.textures[static_cast<std::size_t>(use.texture)];
+  const std::vector<float>& texels =
+      scene.images[static_cast<std::size_t>(texture.image)].rgba_linear;
+  if (texels.empty()) return {1, 1, 1};
+  Vec3 most{0, 0, 0};
+  for (std::size_t i = 0; i + 3 < texels.size(); i += 4)
+    most = largest_of_both(most, {texels[i], texels[i + 1], texels[i + 2]});
+  return most;
+}
+
+// What the base colour of a material is at most where vertex colours are.
+double largest_base_color(const Scene& scene, const Material& material, Vec3 vertex_color) {
+  const Vec3 texel = brightest_texel(scene, material.base_color_texture);
+  const Vec4 factor = material.base_color;
+  return largest_component({factor.x * texel.x * vertex_color.x,
+                            factor.y * texel.y * vertex_color.y,
+                            factor.z * texel.z * vertex_color.z});
 }
 
 // What a surface of one colour, the factor, gives back at most.
@@ -92,8 +104,8 @@ void check_scattering(const Material& m, const std::string& place) {
   check_fractions(m.diffuse_transmission_color, place + "diffuse_transmission_color");
   check_range(m.clearcoat, 0, 1, place + "clearcoat");
   check_range(m.clearcoat_roughness, 0, 1, place + "clearcoat_roughness");
-  check_spectrum(m.reflectance, place + "reflectance", 1);
-  check_spectrum(m.transmittance, place + "transmittance", 1);
+  check_spectrum(m.reflectance, place + "reflectance: ", 1);
+  check_spectrum(m.transmittance, place + "transmittance: ", 1);
   if (!m.reflectance.empty() && !m.transmittance.empty()) {
     const double most = largest_sum(m.reflectance, 1, 0, m.transmittance, 1, 0);
     if (most > 1 + slack)
@@ -103,10 +115,10 @@ void check_scattering(const Material& m, const std::string& place) {
   if (!(m.spectral_luminance > 0) || !std::isfinite(m.spectral_luminance))
     throw Error(place + "spectral_luminance: expected more than 0, found " +
                 short_text(m.spectral_luminance));
-  check_spectrum(m.emission, place + "emission");
+  check_spectrum(m.emission, place + "emission: ");
   bool any = false;
   for (const Spectrum& spectrum : m.extra.spectrum) {
-    check_spectrum(spectrum, place + "extra_reflectance", 1);
+    check_spectrum(spectrum, place + "extra_reflectance: ", 1);
     any |= !spectrum.empty();
   }
   if (any != (m.extra.texture.texture >= 0))
@@ -129,19 +141,19 @@ void check_punctual_light(const PunctualLight& light, const std::string& place) 
         light.outer_cone_rad <= pi / 2))
     throw Error(place + "cones: expected 0 <= inner < outer <= pi / 2 rad, found " +
                 short_text(light.inner_cone_rad) + " and " + short_text(light.outer_cone_rad));
-  check_spectrum(light.spectrum, place + "spectrum");
+  check_spectrum(light.spectrum, place + "spectrum: ");
 }
 
 void check_lit_scene(const Scene& scene) {
-  std::vector<double> vertex_color(scene.materials.size(), 0);  // 0: in no use
-  double default_color = 0;
+  // The brightest vertex colours of those in use, the last of meshes without a material.
+  constexpr Vec3 unused{-1, -1, -1};
+  std::vector<Vec3> vertex_color(scene.materials.size() + 1, unused);
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)];
-    double& most =
-        mesh.material < 0 ? default_color : vertex_color[static_cast<std::size_t>(mesh.material)];
-    if (mesh.colors.empty()) most = std::max(most, 1.0);
-    for (const Vec4 c : mesh.colors)
-      most = std::max(most, static_cast<double>(largest_component({c.x, c.y, c.z})));
+    Vec3& most = mesh.material < 0 ? vertex_color.back()
+                                   : vertex_color[static_cast<std::size_t>(mesh.material)];
+    if (mesh.colors.empty()) most = largest_of_both(most, {1, 1, 1});
+    for (const Vec4 c : mesh.colors) most = largest_of_both(most, {c.x, c.y, c.z});
   }
   constexpr int most_named = 8;
   std::string found;
@@ -152,14 +164,15 @@ void check_lit_scene(const Scene& scene) {
   };
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     const Material& material = scene.materials[i];
-    if (vertex_color[i] == 0) continue;
-    double most = vertex_color[i] * largest_base_color(scene, material);
+    if (vertex_color[i] == unused) continue;
+    double most = largest_base_color(scene, material, vertex_color[i]);
     if (most <= 1 + slack && material.base_color_texture.texture < 0)
       most = std::max(most, largest_return(material));
     if (most > 1 + slack)
       refuse(std::to_string(i) + (material.name.empty() ? "" : " \"" + material.name + "\""), most);
   }
-  if (default_color > 1 + slack) refuse("that of meshes without one", default_color);
+  const double without = largest_component(vertex_color.back());
+  if (without > 1 + slack) refuse("that of meshes without one", without);
   if (count == 0) return;
   if (count > most_named) found += " and " + std::to_string(count - most_named) + " more";
   throw Error((scene.path.empty() ? "scene" : scene.path) +
