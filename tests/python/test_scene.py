@@ -133,7 +133,8 @@ def test_a_scene_that_is_not_lit_says_so_once(tmp_path, run_omma):
     lit.write_text(json.dumps(document))
     says = (
         "unless the world is given light, nothing is lit; lights that are ignored: 1; materials "
-        "that are meant to be lit (without KHR_materials_unlit) and show base colour and emission alone: 1 of 1"
+        "that are meant to be lit (without KHR_materials_unlit) and show base colour and "
+        "emission alone: 1 of 1"
     )
     with pytest.warns(UserWarning, match=re.escape(f"{lit}: {says}")) as heard:
         scene = omma.load_scene(lit)

@@ -146,10 +146,7 @@ def materials(draw):
         transmittance=draw(maybe | spectra(0.5)),
         spectral_luminance=draw(st.floats(2**-10, 10, width=32)),
         extra_reflectance=draw(
-            maybe
-            | st.builds(
-                ExtraReflectance, use, st.lists(spectra(), min_size=1, max_size=3)
-            )
+            maybe | st.builds(ExtraReflectance, use, st.lists(spectra(), min_size=1, max_size=3))
         ),
         emission=draw(maybe | spectra(1e9)),
         unlit=draw(st.booleans()),
