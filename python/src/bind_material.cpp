@@ -38,7 +38,6 @@ ExtraReflectance extra_argument(nb::handle object, const char* name) {
 ExtraReflectance made_extra(nb::handle texture, nb::handle spectra) {
   ExtraReflectance made;
   made.texture = texture_use_argument(texture, "texture");
-  if (made.texture.texture < 0) throw Error("texture: expected one, found None");
   if (!nb::isinstance<nb::sequence>(spectra) || nb::isinstance<nb::str>(spectra))
     throw nb::type_error(("spectra: expected up to three of omma.light.Spectrum or None, found " +
                           type_name_of(spectra))

@@ -399,7 +399,6 @@ WRONG = {
         [300, 400], [1, 1, 1]
     ),
     "spectra: expected one to three, found 0": lambda: ExtraReflectance(0, []),
-    "texture: expected one, found None": lambda: ExtraReflectance(None, [None]),
     "expected a texture and spectra, found only a texture": lambda: ExtraReflectance(0, [None]),
     "intensity: expected a number that is finite and not negative": lambda: PunctualLight(
         intensity=-1
