@@ -68,8 +68,8 @@ struct Material {
   bool double_sided = false;  // false: back faces are invisible (glTF 2.0, 3.9.3)
   bool unlit = false;         // KHR_materials_unlit
 
-  // How it scatters light, as glTF 2.0 and its extensions say; for worlds that are lit. Rough matter:
-  // who makes one by hand means that. glTF's own default is metallic 1, which the loader sets.
+  // How it scatters light, as glTF 2.0 and its extensions say; for worlds that are lit. Rough
+  // matter: who makes one by hand means that. glTF's own default, metallic 1, the loader sets.
   float metallic = 0, roughness = 1;
   TextureUse metallic_roughness_texture;  // metallic in blue, roughness in green; linear
   TextureUse normal_texture;              // linear
