@@ -55,7 +55,7 @@ struct Light {
   std::shared_ptr<const SkyMap> sky;  // null: dark
   std::vector<Disc> discs;
   // [material of the scene], reflectance below 400 nm of what is known in RGB only, as weights of
-  // linear red, green, blue and of 1; empty: none reflects any.
+  // linear red, green, blue and of 1, and one more for meshes without one; empty: none reflects.
   std::vector<std::array<double, 4>> ultraviolet;
 };
 

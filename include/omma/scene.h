@@ -68,7 +68,8 @@ struct Material {
   bool double_sided = false;  // false: back faces are invisible (glTF 2.0, 3.9.3)
   bool unlit = false;         // KHR_materials_unlit
 
-  // How it scatters light, as glTF 2.0 and its extensions say; for worlds that are lit.
+  // How it scatters light, as glTF 2.0 and its extensions say; for worlds that are lit. Rough
+  // matter: who makes one by hand means that. glTF's own default, metallic 1, the loader sets.
   float metallic = 0, roughness = 1;
   TextureUse metallic_roughness_texture;  // metallic in blue, roughness in green; linear
   TextureUse normal_texture;              // linear
@@ -116,7 +117,7 @@ struct Mesh {
   std::string name;
   std::vector<Vec3> positions;                          // [vertex], m
   std::vector<std::array<std::uint32_t, 3>> triangles;  // [triangle], counter-clockwise in front
-  std::vector<Vec3> normals;                            // [vertex], as the file has them, or empty
+  std::vector<Vec3> normals;                            // [vertex], none zero, or empty
   std::array<std::vector<Vec2>, 2> texcoords;           // [set][vertex], or empty
   std::vector<Vec4> colors;                             // [vertex], linear RGBA, or empty
   int material = -1;                                    // index into Scene::materials, -1: white

@@ -228,6 +228,46 @@ def picture_size(camera: Camera, width: int, height: int) -> tuple[int, int]: ..
 
 def render_camera(world: World, camera: Camera, picture: numpy.typing.NDArray[numpy.float32], samples: int, seed: int, progress: Callable[[float], object] | None) -> None: ...
 
+class Spectrum:
+    """
+    Values at wavelengths, linear between: a reflectance, a transmittance, the power of a lamp.
+
+    Two to 10,000 wavelengths from 100 to 5,000 nm, ascending, and as many values that are not
+    negative.
+
+    Raises `omma.Error`, which names the argument.
+    """
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    def __init__(self, wavelength_nm: numpy.typing.ArrayLike, value: numpy.typing.ArrayLike) -> None: ...
+
+    @property
+    def wavelength_nm(self, /) -> numpy.typing.NDArray[numpy.float64]:
+        """(K,), nm, ascending; read-only."""
+
+    @property
+    def value(self, /) -> numpy.typing.NDArray[numpy.float64]:
+        """(K,); read-only."""
+
+    def __hash__(self) -> int: ...
+
+    def __repr__(self) -> str: ...
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __copy__(self) -> Spectrum: ...
+
+    def __deepcopy__(self, memo: object) -> Spectrum: ...
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+    def replace(self, **changes: Any) -> Spectrum:
+        """
+        Another one that differs in what is given by keyword, as for making one.
+        """
+
 class Image:
     """
     A picture in memory, row 0 at the top.
@@ -355,6 +395,45 @@ class TextureUse:
         Another one that differs in what is given by keyword, as for making one.
         """
 
+class ExtraReflectance:
+    """
+    More reflectance of a surface than red, green and blue say, as a petal's ultraviolet guide:
+    the channels of an image, linear, are amounts of up to three spectra, which add to what the
+    base colour gives. A spectrum (`omma.light.Spectrum`, 0 to 1) is 0 beyond its wavelengths;
+    None: the channel says nothing.
+
+    Raises `omma.Error`, which names the argument.
+    """
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    def __init__(self, texture: int | TextureUse, spectra: Sequence[Spectrum | None]) -> None: ...
+
+    @property
+    def texture(self) -> TextureUse: ...
+
+    @property
+    def spectra(self, /) -> tuple[Spectrum | None, Spectrum | None, Spectrum | None]:
+        """Of the channels red, green and blue."""
+
+    def __hash__(self) -> int: ...
+
+    def __repr__(self) -> str: ...
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __copy__(self) -> ExtraReflectance: ...
+
+    def __deepcopy__(self, memo: object) -> ExtraReflectance: ...
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+    def replace(self, **changes: Any) -> ExtraReflectance:
+        """
+        Another one that differs in what is given by keyword, as for making one.
+        """
+
 class Material:
     """
     What a surface looks like: base colour × texture × the mesh's vertex colours, and emission
@@ -363,13 +442,25 @@ class Material:
     ``alpha_mode`` 'opaque' takes no notice of alpha, 'mask' cuts where it is under
     ``alpha_cutoff``, 'blend' lets light through. Back faces are seen only where
     ``double_sided``. ``unlit`` says that its base colour is its radiance, whatever falls on
-    it.
+    it; in a world with a light it reflects as matter of that colour.
+
+    The others say how it scatters light, as glTF 2.0 and its extensions do, and count in a
+    world with a light only. By default it is rough matter, not the metal that glTF's own
+    defaults are. ``ior`` is the index of refraction; ``specular`` (and its colour) a factor of
+    the reflection by it; ``transmission`` what goes straight through, ``diffuse_transmission``
+    what leaves a thin sheet scattered on its other side; ``clearcoat`` a second surface on it.
+    ``reflectance`` and ``transmittance`` are spectra (`omma.light.Spectrum`, 0 to 1, together
+    at most 1) in place of what RGB stands for, where the base colour has the relative
+    luminance ``spectral_luminance``, and proportional to it elsewhere. ``extra_reflectance``
+    adds an image of spectra, ``emission`` is the spectrum of what shines.
+
+    Raises `omma.Error`, which names the argument.
     """
 
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self, name: str = '', *, base_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0, 1.0), base_color_texture: int | TextureUse | None = None, emissive: numpy.typing.ArrayLike = (0.0, 0.0, 0.0), emissive_texture: int | TextureUse | None = None, alpha_mode: str = 'opaque', alpha_cutoff: float = 0.5, double_sided: bool = False, unlit: bool = False) -> None: ...
+    def __init__(self, name: str = '', *, base_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0, 1.0), base_color_texture: int | TextureUse | None = None, emissive: numpy.typing.ArrayLike = (0.0, 0.0, 0.0), emissive_texture: int | TextureUse | None = None, alpha_mode: str = 'opaque', alpha_cutoff: float = 0.5, double_sided: bool = False, unlit: bool = False, metallic: float = 0.0, roughness: float = 1.0, metallic_roughness_texture: int | TextureUse | None = None, normal_texture: int | TextureUse | None = None, normal_scale: float = 1.0, ior: float = 1.5, specular: float = 1.0, specular_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), transmission: float = 0.0, diffuse_transmission: float = 0.0, diffuse_transmission_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), diffuse_transmission_texture: int | TextureUse | None = None, clearcoat: float = 0.0, clearcoat_roughness: float = 0.0, reflectance: Spectrum | None = None, transmittance: Spectrum | None = None, spectral_luminance: float = 1.0, extra_reflectance: ExtraReflectance | None = None, emission: Spectrum | None = None) -> None: ...
 
     @property
     def name(self) -> str: ...
@@ -400,6 +491,69 @@ class Material:
     @property
     def unlit(self) -> bool: ...
 
+    @property
+    def metallic(self) -> float: ...
+
+    @property
+    def roughness(self) -> float: ...
+
+    @property
+    def metallic_roughness_texture(self, /) -> TextureUse | None:
+        """Metallic in blue, roughness in green; linear."""
+
+    @property
+    def normal_texture(self, /) -> TextureUse | None:
+        """Linear."""
+
+    @property
+    def normal_scale(self) -> float: ...
+
+    @property
+    def ior(self) -> float: ...
+
+    @property
+    def specular(self) -> float: ...
+
+    @property
+    def specular_color(self, /) -> tuple[float, float, float]: ...
+
+    @property
+    def transmission(self) -> float: ...
+
+    @property
+    def diffuse_transmission(self) -> float: ...
+
+    @property
+    def diffuse_transmission_color(self, /) -> tuple[float, float, float]: ...
+
+    @property
+    def diffuse_transmission_texture(self, /) -> TextureUse | None:
+        """Of the colour, sRGB."""
+
+    @property
+    def clearcoat(self) -> float: ...
+
+    @property
+    def clearcoat_roughness(self) -> float: ...
+
+    @property
+    def reflectance(self, /) -> Spectrum | None: ...
+
+    @property
+    def transmittance(self, /) -> Spectrum | None: ...
+
+    @property
+    def spectral_luminance(self) -> float: ...
+
+    @property
+    def extra_reflectance(self, /) -> ExtraReflectance | None: ...
+
+    @property
+    def emission(self, /) -> Spectrum | None:
+        """
+        W m⁻² sr⁻¹ nm⁻¹ where the emissive factor times texture has luminance 1.
+        """
+
     def __hash__(self) -> int: ...
 
     def __repr__(self) -> str: ...
@@ -422,8 +576,8 @@ class Mesh:
     Triangles of one material, in a frame of their own.
 
     Positions (V, 3), m, and the three vertices of each triangle (T, 3), counter-clockwise as
-    seen from in front. For each vertex, where there are any: normals (V, 3), which nothing
-    reads yet; texture coordinates (V, 2), (0, 0) the upper left corner of the picture and
+    seen from in front. For each vertex, where there are any: normals (V, 3), none of
+    them zero, which count in a world with a light; texture coordinates (V, 2), (0, 0) the upper left corner of the picture and
     (1, 1) the lower right one; linear colours (V, 3 or 4). ``material`` is an index into the
     scene's materials, None white.
 
@@ -571,9 +725,72 @@ class HitBox:
         Another one that differs in what is given by keyword, as for making one.
         """
 
+class PunctualLight:
+    """
+    A lamp without size, which shines in a world with a light: 'point' to all sides, 'spot' in a
+    cone along its -Z, 'directional' along its -Z from afar, as KHR_lights_punctual has them.
+
+    ``color`` is linear, ``intensity`` in cd, of a directional one in lx; ``spectrum`` in
+    W sr⁻¹ nm⁻¹, of a directional one in W m⁻² nm⁻¹, stands in place of both. ``range_m`` is
+    where it ends, 0 nowhere. A spot has full intensity within ``inner_cone_rad`` of its axis
+    and none beyond ``outer_cone_rad``. ``world_from_light`` is (4, 4), m.
+
+    Raises `omma.Error`, which names the argument.
+    """
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    def __init__(self, name: str = '', *, type: str = 'point', color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), intensity: float = 1.0, range_m: float = 0.0, inner_cone_rad: float = 0.0, outer_cone_rad: float = 0.7853981633974483, world_from_light: numpy.typing.ArrayLike | None = None, spectrum: Spectrum | None = None) -> None: ...
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def type(self) -> str: ...
+
+    @property
+    def color(self, /) -> tuple[float, float, float]: ...
+
+    @property
+    def intensity(self) -> float: ...
+
+    @property
+    def range_m(self) -> float: ...
+
+    @property
+    def inner_cone_rad(self) -> float: ...
+
+    @property
+    def outer_cone_rad(self) -> float: ...
+
+    @property
+    def world_from_light(self, /) -> numpy.typing.NDArray[numpy.float64]:
+        """(4, 4), m."""
+
+    @property
+    def spectrum(self, /) -> Spectrum | None: ...
+
+    def __hash__(self) -> int: ...
+
+    def __repr__(self) -> str: ...
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __copy__(self) -> PunctualLight: ...
+
+    def __deepcopy__(self, memo: object) -> PunctualLight: ...
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+    def replace(self, **changes: Any) -> PunctualLight:
+        """
+        Another one that differs in what is given by keyword, as for making one.
+        """
+
 class Scene:
     """
-    A scene: meshes, instances, materials, textures, cameras and a background, in
+    A scene: meshes, instances, materials, textures, cameras, lamps and a background, in
     glTF's world frame (right-handed, +Y up, metres). Read-only.
 
     `omma.load_scene` reads one; here one is made of its parts, which are in `omma.scene`. They
@@ -589,7 +806,7 @@ class Scene:
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self, *, meshes: Iterable[Mesh] = (), instances: Iterable[Instance] | None = None, materials: Iterable[Material] = (), textures: Iterable[Texture] | None = None, images: Iterable[Image] = (), cameras: Iterable[Camera] = (), hit_boxes: Iterable[HitBox] = (), background: Background | None = None, color_rule: str = 'gltf') -> None: ...
+    def __init__(self, *, meshes: Iterable[Mesh] = (), instances: Iterable[Instance] | None = None, materials: Iterable[Material] = (), textures: Iterable[Texture] | None = None, images: Iterable[Image] = (), cameras: Iterable[Camera] = (), hit_boxes: Iterable[HitBox] = (), lights: Iterable[PunctualLight] = (), background: Background | None = None, color_rule: str = 'gltf') -> None: ...
 
     @property
     def meshes(self, /) -> list[Mesh]:
@@ -616,6 +833,10 @@ class Scene:
         Regions, which are not drawn: meshes whose extras say ``hitbox``. One in several places
         is several, of one name.
         """
+
+    @property
+    def lights(self) -> list[PunctualLight]:
+        """Lamps, which shine in a world with a light."""
 
     @property
     def color_rule(self) -> str:

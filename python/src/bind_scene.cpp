@@ -27,9 +27,9 @@ constexpr Words<ColorRule, 2> color_rules = {
     {{"gltf", ColorRule::gltf}, {"compoundray", ColorRule::compoundray}}};
 
 // What makes an equal scene: keywords of the constructor and properties, both.
-const std::vector<const char*> fields = {"meshes",    "instances",  "materials",
-                                         "textures",  "images",     "cameras",
-                                         "hit_boxes", "background", "color_rule"};
+const std::vector<const char*> fields = {"meshes",     "instances", "materials", "textures",
+                                         "images",     "cameras",   "hit_boxes", "lights",
+                                         "background", "color_rule"};
 
 // A list of parts of one kind; None gives an empty one.
 template <typename T>
@@ -52,8 +52,8 @@ std::vector<T> parts(nb::handle list, const char* name) {
 }
 
 Scene made_scene(nb::handle meshes, nb::handle instances, nb::handle materials, nb::handle textures,
-                 nb::handle images, nb::handle cameras, nb::handle hit_boxes, nb::handle background,
-                 nb::handle color_rule) {
+                 nb::handle images, nb::handle cameras, nb::handle hit_boxes, nb::handle lights,
+                 nb::handle background, nb::handle color_rule) {
   Scene scene;
   scene.meshes = parts<Mesh>(meshes, "meshes");
   if (instances.is_none())
@@ -70,6 +70,7 @@ Scene made_scene(nb::handle meshes, nb::handle instances, nb::handle materials, 
     scene.textures = parts<Texture>(textures, "textures");
   scene.cameras = parts<Camera>(cameras, "cameras");
   scene.hit_boxes = parts<HitBox>(hit_boxes, "hit_boxes");
+  scene.lights = parts<PunctualLight>(lights, "lights");
   if (!background.is_none()) {
     if (!nb::isinstance<Background>(background))
       throw nb::type_error(
@@ -89,7 +90,7 @@ Scene restored(const nb::tuple& state) {
   const nb::object given = state[0];
   Scene scene = made_scene(given["meshes"], given["instances"], given["materials"],
                            given["textures"], given["images"], given["cameras"], given["hit_boxes"],
-                           given["background"], given["color_rule"]);
+                           given["lights"], given["background"], given["color_rule"]);
   scene.path = path_text(state[1]);
   scene.warnings = nb::cast<std::vector<std::string>>(state[2]);
   scene.scene_names = nb::cast<std::vector<std::string>>(state[3]);
@@ -176,7 +177,7 @@ void bind_scene(nb::module_& m) {
   using Self = nb::handle_t<Scene>;
   nb::class_<Scene> scene_class(
       m, "Scene",
-      "A scene: meshes, instances, materials, textures, cameras and a background, in\n"
+      "A scene: meshes, instances, materials, textures, cameras, lamps and a background, in\n"
       "glTF's world frame (right-handed, +Y up, metres). Read-only.\n\n"
       "`omma.load_scene` reads one; here one is made of its parts, which are in `omma.scene`. "
       "They\n"
@@ -192,22 +193,24 @@ void bind_scene(nb::module_& m) {
           "__init__",
           [](Scene* self, nb::handle meshes, nb::handle instances, nb::handle materials,
              nb::handle textures, nb::handle images, nb::handle cameras, nb::handle hit_boxes,
-             nb::handle background, nb::handle color_rule) {
+             nb::handle lights, nb::handle background, nb::handle color_rule) {
             new (self) Scene(made_scene(meshes, instances, materials, textures, images, cameras,
-                                        hit_boxes, background, color_rule));
+                                        hit_boxes, lights, background, color_rule));
           },
           nb::kw_only(), nb::arg("meshes") = nb::make_tuple(), nb::arg("instances") = nb::none(),
           nb::arg("materials") = nb::make_tuple(), nb::arg("textures") = nb::none(),
           nb::arg("images") = nb::make_tuple(), nb::arg("cameras") = nb::make_tuple(),
-          nb::arg("hit_boxes") = nb::make_tuple(), nb::arg("background") = nb::none(),
-          nb::arg("color_rule") = "gltf",
+          nb::arg("hit_boxes") = nb::make_tuple(), nb::arg("lights") = nb::make_tuple(),
+          nb::arg("background") = nb::none(), nb::arg("color_rule") = "gltf",
           nb::sig("def __init__(self, *, meshes: collections.abc.Iterable[Mesh] = (), instances: "
                   "collections.abc.Iterable[Instance] | None = None, materials: "
                   "collections.abc.Iterable[Material] = (), textures: "
                   "collections.abc.Iterable[Texture] | None = None, images: "
                   "collections.abc.Iterable[Image] = (), cameras: "
                   "collections.abc.Iterable[Camera] = (), hit_boxes: "
-                  "collections.abc.Iterable[HitBox] = (), background: Background | None = None, "
+                  "collections.abc.Iterable[HitBox] = (), lights: "
+                  "collections.abc.Iterable[PunctualLight] = (), background: Background | None = "
+                  "None, "
                   "color_rule: str = 'gltf') -> None"))
       .def_prop_ro(
           "meshes", [](Self self) { return own_parts(self, &Scene::meshes); },
@@ -226,6 +229,9 @@ void bind_scene(nb::module_& m) {
           "Regions, which are not drawn: meshes whose extras say ``hitbox``. One in several "
           "places\n"
           "is several, of one name.")
+      .def_prop_ro(
+          "lights", [](const Scene& s) { return s.lights; },
+          "Lamps, which shine in a world with a light.")
       .def_prop_ro(
           "color_rule", [](const Scene& s) { return word_of(color_rules, s.color_rule); },
           "'gltf' or 'compoundray': see `omma.load_scene`.")

@@ -47,7 +47,15 @@ NB_MODULE(_core, m) {
   omma::python::bind_files(m);
   omma::python::bind_background(m);
   omma::python::bind_camera(m);
-  omma::python::bind_scene_parts(m);
+  omma::python::bind_spectrum(m);
+  omma::python::bind_image(m);
+  omma::python::bind_texture(m);
+  omma::python::bind_texture_use(m);
+  omma::python::bind_material(m);
+  omma::python::bind_mesh(m);
+  omma::python::bind_instance(m);
+  omma::python::bind_hit_box(m);
+  omma::python::bind_punctual_light(m);
   omma::python::bind_scene(m);
   omma::python::bind_acceptance(m);
   omma::python::bind_light(m);

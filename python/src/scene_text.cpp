@@ -95,6 +95,7 @@ std::string scene_html(const Scene& scene) {
                                   : point(box.lower.x, box.lower.y, box.lower.z) + " to " +
                                         point(box.upper.x, box.upper.y, box.upper.z) + " m");
   html += row("background", background_text(scene.background));
+  if (!scene.lights.empty()) html += row("lights", grouped(scene.lights.size()));
   if (!scene.hit_boxes.empty()) html += row("hit boxes", grouped(scene.hit_boxes.size()));
   for (std::size_t i = 0; i < scene.cameras.size() && i < most_rows; ++i) {
     const Camera& camera = scene.cameras[i];

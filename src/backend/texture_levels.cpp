@@ -15,13 +15,12 @@ double linear_from_srgb(double s) {
 }
 
 // What an 8-bit code of colour stands for. 16 bits hold linear light to within 7.6e-6 of full
-// scale. With CompoundRay's colours the code values themselves are kept: they are raised to their
-// power after interpolation.
-std::vector<std::int32_t> values_of_codes(ColorRule rule) {
+// scale.
+std::vector<std::int32_t> values_of_codes(ImageCodes codes) {
   std::vector<std::int32_t> values;
   for (int i = 0; i < 256; ++i) {
     const double code = i / 255.0;
-    const double value = rule == ColorRule::gltf ? linear_from_srgb(code) : code;
+    const double value = codes == ImageCodes::srgb ? linear_from_srgb(code) : code;
     values.push_back(static_cast<std::int32_t>(std::lround(65535.0 * value)));
   }
   return values;
@@ -135,7 +134,7 @@ std::uint32_t round16(float value) {
 
 }  // namespace
 
-TextureLevels make_texture_levels(const Image& image, ColorRule rule, AlphaUse alpha, bool levels,
+TextureLevels make_texture_levels(const Image& image, ImageCodes codes, AlphaUse alpha, bool levels,
                                   bool large) {
   TextureLevels result;
   result.first_texel.push_back(0);
@@ -150,7 +149,7 @@ TextureLevels make_texture_levels(const Image& image, ColorRule rule, AlphaUse a
       w = half(w), h = half(h);
       texels += static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
     }
-  const std::vector<std::int32_t> value_of_code = values_of_codes(rule);
+  const std::vector<std::int32_t> value_of_code = values_of_codes(codes);
   // Where the 16-bit values of a texel are.
   const std::size_t texels_elsewhere = large ? image_texels : 0;
   if (eight_bit) {
@@ -231,7 +230,7 @@ TextureView view_levels(const Image& image, const TextureLevels& levels) {
   return view;
 }
 
-std::vector<float> texel_density(const Mesh& mesh, const std::vector<Vec2>& uvs, bool of_vertices,
+std::vector<float> texel_density(const Mesh& mesh, const Vec2* uvs, bool of_vertices,
                                  const TextureView& texture) {
   std::vector<float> density(mesh.triangles.size());
   parallel_for(std::size_t{0}, density.size(), [&](std::size_t i) {

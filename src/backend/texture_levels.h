@@ -18,6 +18,10 @@ struct AlphaUse {
   auto operator<=>(const AlphaUse&) const = default;
 };
 
+// What 8-bit codes of colour stand for: light in sRGB, or their own values from 0 to 1, as of
+// CompoundRay's colours, which are raised to their power after interpolation, and of normals.
+enum class ImageCodes : std::uint8_t { srgb, linear };
+
 // Images of more texels altogether are large: there memory counts for more than the last of speed.
 inline constexpr std::size_t most_fast_texels = std::size_t(1) << 24;
 
@@ -33,7 +37,7 @@ struct TextureLevels {
 // The image alone, where `levels` is false; float images are then left where they are, and 8-bit
 // images where they are `large`, whose level 0 stays 8-bit in any case: half the memory, and the
 // same light.
-TextureLevels make_texture_levels(const Image& image, ColorRule rule, AlphaUse alpha, bool levels,
+TextureLevels make_texture_levels(const Image& image, ImageCodes codes, AlphaUse alpha, bool levels,
                                   bool large = false);
 
 // `levels` and the image stay where they are.
@@ -41,7 +45,7 @@ TextureView view_levels(const Image& image, const TextureLevels& levels);
 
 // Texels per metre of the mesh along the direction in which they are least dense, [triangle]; 0
 // where a triangle has no area in space or in the image. `uvs`: of vertices or [triangle][3].
-std::vector<float> texel_density(const Mesh& mesh, const std::vector<Vec2>& uvs, bool of_vertices,
+std::vector<float> texel_density(const Mesh& mesh, const Vec2* uvs, bool of_vertices,
                                  const TextureView& texture);
 
 // The same of an equirectangular image, per rad.

@@ -13,10 +13,12 @@
 #include "io/atomic_file.h"
 #include "io/csv_text.h"
 #include "io/gltf_container.h"
+#include "io/gltf_lights.h"
 #include "io/gltf_material.h"
 #include "io/gltf_mesh.h"
 #include "io/gltf_nodes.h"
 #include "io/gltf_schema.h"
+#include "io/gltf_textures.h"
 #include "io/gltf_warnings.h"
 #include "model/scene_place.h"
 #include "omma/error.h"
@@ -32,14 +34,21 @@ struct Loader {
   std::vector<GltfNode> nodes;
   GltfWarnings warnings;
   Scene scene;
-  int lights = 0;  // that nodes of the scene have
+  ColorRule color_rule = ColorRule::gltf;
 };
 
-constexpr std::array<std::string_view, 5> supported_extensions = {
-    "KHR_materials_emissive_strength", "KHR_materials_unlit", "KHR_mesh_quantization",
-    "KHR_texture_transform", "OCES_eyes"};  // eyes are nothing to see; load_eye reads them
-
-constexpr const char* lights_extension = "KHR_lights_punctual";
+constexpr std::array<std::string_view, 11> supported_extensions = {
+    lights_extension,
+    "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+    "OCES_eyes"};  // eyes are nothing to see; load_eye reads them
 
 bool is_supported(const std::string& extension) {
   for (const std::string_view supported : supported_extensions)
@@ -55,7 +64,7 @@ void check_extensions(Loader& loader) {
       throw Error(loader.gltf.path + ": requires the glTF extension " + extension +
                   ", which is not supported");
   for (const std::string& extension : document.value("extensionsUsed", std::set<std::string>()))
-    if (!is_supported(extension) && extension != lights_extension)  // see warn_of_light
+    if (!is_supported(extension) && extension != "KHR_materials_volume")  // see read_scattering
       loader.warnings.add("the glTF extension " + extension + " is not supported; it is ignored");
 }
 
@@ -241,9 +250,9 @@ void add_nodes(Loader& loader, const std::vector<int>& roots, const WorkPart& wo
     if (node.skin >= 0)
       loader.warnings.add("skins are ignored: the mesh is shown in its base pose", node.place);
     if (node.camera >= 0) add_camera(loader, node, world_from_node);
-    const json& as_given = loader.gltf.document["nodes"][static_cast<std::size_t>(visit.node)];
-    if (as_given.contains("extensions") && as_given["extensions"].contains(lights_extension))
-      ++loader.lights;
+    if (loader.color_rule == ColorRule::gltf)
+      read_light(loader.gltf, loader.gltf.document["nodes"][static_cast<std::size_t>(visit.node)],
+                 node, world_from_node, loader.scene);
     if (node.mesh >= 0) {
       const json& mesh = gltf_element(loader.gltf, "meshes", "mesh", node.mesh, node.place);
       const std::string place =
@@ -263,8 +272,8 @@ void add_nodes(Loader& loader, const std::vector<int>& roots, const WorkPart& wo
   }
 }
 
-// Nothing is lit: one sentence counts what asks for it. Nothing says so of a primitive without a
-// material, and where CompoundRay's colours are asked for it is what was asked for.
+// What only a world with a light shows: one sentence counts it. Nothing says so of a primitive
+// without a material, and where CompoundRay's colours are asked for it is what was asked for.
 void warn_of_light(Loader& loader) {
   std::set<int> shown, lit;
   for (const Mesh& mesh : loader.scene.meshes) {
@@ -274,13 +283,15 @@ void warn_of_light(Loader& loader) {
       lit.insert(mesh.material);
   }
   std::string ignored;
-  if (loader.lights > 0) ignored = "lights that are ignored: " + std::to_string(loader.lights);
+  const std::size_t lights = loader.scene.lights.size();
+  if (lights > 0) ignored = "lights that are ignored: " + std::to_string(lights);
   if (!lit.empty())
     ignored += std::string(ignored.empty() ? "" : "; ") +
                "materials that are meant to be lit (without KHR_materials_unlit) and show base "
                "colour and emission alone: " +
                std::to_string(lit.size()) + " of " + std::to_string(shown.size());
-  if (!ignored.empty()) loader.warnings.add("nothing is lit; " + ignored);
+  if (!ignored.empty())
+    loader.warnings.add("unless the world is given light, nothing is lit; " + ignored);
 }
 
 // What CompoundRay makes of materials (BrainsOnBoard/compound-ray, libEyeRenderer3/shaders.cu and
@@ -318,7 +329,9 @@ Scene parse_scene(std::string file, const std::string& path, const SceneOptions&
   loader.nodes = read_gltf_nodes(loader.gltf.document, path);
   const std::vector<int> parent = gltf_node_parents(loader.nodes);
   const std::vector<int> roots = scene_roots(loader, parent, options.scene_index);
-  read_materials(loader.gltf, loader.scene, loader.warnings, work.part(0.4, 0.6));
+  loader.color_rule = options.color_rule;
+  read_materials(loader.gltf, loader.scene, loader.warnings, options.color_rule == ColorRule::gltf,
+                 work.part(0.4, 0.6));
   if (options.color_rule == ColorRule::compoundray) use_compoundray_colors(loader.scene);
   add_nodes(loader, roots, work.part(0.7, 1));
   if (options.color_rule == ColorRule::gltf) warn_of_light(loader);

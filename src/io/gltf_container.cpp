@@ -315,6 +315,22 @@ const json& gltf_element(const GltfContainer& gltf, const char* array, const cha
   return list[static_cast<std::size_t>(index)];
 }
 
+const json& gltf_extension(const json& object, const char* name) {
+  static const json none = json::object();
+  const auto extensions = object.find("extensions");
+  if (extensions == object.end()) return none;
+  const auto found = extensions->find(name);
+  return found == extensions->end() ? none : *found;
+}
+
+float gltf_number(const json& values, std::size_t i) {
+  return values[i].get<float>();
+}
+
+Vec3 gltf_vec3(const json& values) {
+  return {gltf_number(values, 0), gltf_number(values, 1), gltf_number(values, 2)};
+}
+
 std::string gltf_name(const json& object) {
   const std::string name = object.value("name", "");
   return name.empty() ? name : " \"" + name + "\"";

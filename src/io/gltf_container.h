@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "model/long_work.h"
+#include "omma/vec.h"
 
 namespace omma {
 
@@ -47,6 +48,13 @@ const nlohmann::json& gltf_list(const nlohmann::json& document, const char* arra
 // that says that `place` refers to, say, "buffer view" 7.
 const nlohmann::json& gltf_element(const GltfContainer& gltf, const char* array, const char* what,
                                    int index, const std::string& place);
+
+// An extension of an object; an empty object where it is not there.
+const nlohmann::json& gltf_extension(const nlohmann::json& object, const char* name);
+
+// Of arrays of numbers.
+float gltf_number(const nlohmann::json& values, std::size_t i);
+Vec3 gltf_vec3(const nlohmann::json& values);
 
 // " \"name\"" of an object that has one, else "".
 std::string gltf_name(const nlohmann::json& object);

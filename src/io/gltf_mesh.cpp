@@ -149,7 +149,9 @@ void check_colors(const GltfAccessor* colors, const std::string& place) {
 void warn_of_missing_texcoords(GltfMeshReader& reader, const std::string& place, const Mesh& mesh) {
   if (mesh.material < 0) return;
   const Material& material = reader.materials[static_cast<std::size_t>(mesh.material)];
-  for (const TextureUse* use : {&material.base_color_texture, &material.emissive_texture})
+  for (const TextureUse* use : {&material.base_color_texture, &material.emissive_texture,
+                                &material.metallic_roughness_texture, &material.normal_texture,
+                                &material.diffuse_transmission_texture, &material.extra.texture})
     if (use->texture >= 0 && mesh.texcoords[static_cast<std::size_t>(use->texcoord_set)].empty())
       reader.warnings.add(
           "a mesh has no texture coordinates for its material's texture; (0, 0) is "
@@ -188,12 +190,13 @@ bool read_primitive(GltfMeshReader& reader, const json& primitive, const std::st
   const GltfAccessor* normals = attribute(reader, primitive, place, "NORMAL", 3, 3);
   check_count(normals, vertices, place, "NORMAL");
   mesh.normals = gathered<Vec3>(reader, normals, kept);
-  const auto is_finite = [](Vec3 n) {
-    return std::isfinite(n.x) && std::isfinite(n.y) && std::isfinite(n.z);
+  const auto is_normal = [](Vec3 n) {
+    return std::isfinite(n.x) && std::isfinite(n.y) && std::isfinite(n.z) && n != Vec3{0, 0, 0};
   };
-  if (!std::all_of(mesh.normals.begin(), mesh.normals.end(), is_finite)) {
-    reader.warnings.add("normals that are not finite are ignored, those of triangles are taken",
-                        place);
+  if (!std::all_of(mesh.normals.begin(), mesh.normals.end(), is_normal)) {
+    reader.warnings.add(
+        "normals of which some are zero or not finite are ignored, those of triangles are taken",
+        place);
     mesh.normals.clear();
   }
   for (std::size_t set = 0; set < 2; ++set) {

@@ -44,6 +44,7 @@ constexpr Kind boolean{"true or false", [](const json& v) { return v.is_boolean(
 constexpr Kind string{"a string", is_string};
 constexpr Kind strings{"an array of strings", is_list<is_string>};
 constexpr Kind number{"a number", is_number};
+constexpr Kind numbers{"an array of numbers", is_list<is_number>};
 constexpr Kind two_numbers{"an array of 2 numbers", is_numbers<2>};
 constexpr Kind three_numbers{"an array of 3 numbers", is_numbers<3>};
 constexpr Kind four_numbers{"an array of 4 numbers", is_numbers<4>};
@@ -58,6 +59,15 @@ constexpr Kind integer_map{"an object of accessor indices", [](const json& v) {
                            }};
 constexpr Kind object{"an object", is_object};
 constexpr Kind objects{"an array of objects", is_list<is_object>};
+bool is_spectrum_or_null(const json& value) {
+  if (value.is_null()) return true;
+  if (!value.is_object() || !value.contains("wavelength_nm") || !value.contains("value"))
+    return false;
+  return is_list<is_number>(value["wavelength_nm"]) && is_list<is_number>(value["value"]);
+}
+constexpr Kind spectra{"an array of at most 3 spectra or nulls", [](const json& v) {
+                         return is_list<is_spectrum_or_null>(v) && v.size() <= 3;
+                       }};
 
 struct Property {
   const char* name;
@@ -78,116 +88,193 @@ std::string shortened(const json& value) {
 
 // Properties of the objects that a path leads to; "[]" stands for every element of a list.
 struct Object {
-  const char* path;
+  std::string path;
   std::vector<Property> properties;
 };
 
+// What uses a texture.
+void add_texture_use(std::vector<Object>& all, const std::string& path) {
+  all.push_back(
+      {path, {{"index", integer, required}, {"texCoord", integer}, {"extensions", object}}});
+  all.push_back({path + ".extensions", {{"KHR_texture_transform", object}}});
+  all.push_back({path + ".extensions.KHR_texture_transform",
+                 {{"offset", two_numbers},
+                  {"scale", two_numbers},
+                  {"rotation", number},
+                  {"texCoord", integer}}});
+}
+
+// How materials scatter light: their extensions, and the spectra in extras.
+void add_scattering(std::vector<Object>& all) {
+  const std::string extensions = "materials[].extensions.", omma = "materials[].extras.omma";
+  all.push_back({extensions + "KHR_materials_ior", {{"ior", number}}});
+  all.push_back({extensions + "KHR_materials_specular",
+                 {{"specularFactor", number}, {"specularColorFactor", three_numbers}}});
+  all.push_back({extensions + "KHR_materials_transmission", {{"transmissionFactor", number}}});
+  all.push_back({extensions + "KHR_materials_diffuse_transmission",
+                 {{"diffuseTransmissionFactor", number},
+                  {"diffuseTransmissionColorFactor", three_numbers},
+                  {"diffuseTransmissionColorTexture", object}}});
+  all.push_back({extensions + "KHR_materials_clearcoat",
+                 {{"clearcoatFactor", number}, {"clearcoatRoughnessFactor", number}}});
+  all.push_back({"materials[].extras", {{"omma", object}}});
+  all.push_back({omma,
+                 {{"reflectance", object},
+                  {"transmittance", object},
+                  {"spectral_luminance", number},
+                  {"emission", object},
+                  {"extra_reflectance", object}}});
+  const std::vector<Property> spectrum = {{"wavelength_nm", numbers, required},
+                                          {"value", numbers, required}};
+  for (const char* name : {".reflectance", ".transmittance", ".emission"})
+    all.push_back({omma + name, spectrum});
+  all.push_back({omma + ".extra_reflectance",
+                 {{"texture", object, required}, {"spectra", spectra, required}}});
+  for (const std::string& use :
+       {std::string("materials[].emissiveTexture"), std::string("materials[].normalTexture"),
+        std::string("materials[].pbrMetallicRoughness.baseColorTexture"),
+        std::string("materials[].pbrMetallicRoughness.metallicRoughnessTexture"),
+        extensions + "KHR_materials_diffuse_transmission.diffuseTransmissionColorTexture",
+        omma + ".extra_reflectance.texture"})
+    add_texture_use(all, use);
+  all.push_back({"materials[].normalTexture", {{"scale", number}}});
+}
+
+void add_lights(std::vector<Object>& all) {
+  const std::string lights = "extensions.KHR_lights_punctual.lights[]";
+  all.push_back({"extensions", {{"KHR_lights_punctual", object}}});
+  all.push_back({"extensions.KHR_lights_punctual", {{"lights", objects, required}}});
+  all.push_back({lights,
+                 {{"name", string},
+                  {"type", string, required},
+                  {"color", three_numbers},
+                  {"intensity", number},
+                  {"range", number},
+                  {"spot", object}}});
+  all.push_back({lights + ".spot", {{"innerConeAngle", number}, {"outerConeAngle", number}}});
+  all.push_back({lights + ".extras", {{"omma", object}}});
+  all.push_back({lights + ".extras.omma", {{"spectrum", object}}});
+  all.push_back({lights + ".extras.omma.spectrum",
+                 {{"wavelength_nm", numbers, required}, {"value", numbers, required}}});
+  all.push_back({"nodes[].extensions", {{"KHR_lights_punctual", object}}});
+  all.push_back({"nodes[].extensions.KHR_lights_punctual", {{"light", integer, required}}});
+}
+
 // Every list and object is checked before what is in it.
 const std::vector<Object>& schema() {
-  static const std::vector<Property> texture_use = {
-      {"index", integer, required}, {"texCoord", integer}, {"extensions", object}};
-  static const std::vector<Property> texture_extensions = {{"KHR_texture_transform", object}};
-  static const std::vector<Property> texture_transform = {
-      {"offset", two_numbers}, {"scale", two_numbers}, {"rotation", number}, {"texCoord", integer}};
-  static const std::vector<Object> all = {
-      {"",
-       {{"asset", object, required},
-        {"extensionsUsed", strings},
-        {"extensionsRequired", strings},
-        {"scene", integer},
-        {"scenes", objects},
-        {"nodes", objects},
-        {"meshes", objects},
-        {"materials", objects},
-        {"textures", objects},
-        {"samplers", objects},
-        {"images", objects},
-        {"cameras", objects},
-        {"accessors", objects},
-        {"bufferViews", objects},
-        {"buffers", objects},
-        {"animations", objects}}},
-      {"asset", {{"version", string, required}, {"minVersion", string}}},
-      {"scenes[]", {{"name", string}, {"nodes", integers}}},
-      {"nodes[]",
-       {{"name", string},
-        {"children", integers},
-        {"mesh", integer},
-        {"camera", integer},
-        {"skin", integer},
-        {"matrix", sixteen_numbers},
-        {"translation", three_numbers},
-        {"rotation", four_numbers},
-        {"scale", three_numbers}}},
-      {"meshes[]", {{"name", string}, {"primitives", objects, required}}},
-      {"meshes[].primitives[]",
-       {{"attributes", integer_map, required},
-        {"indices", integer},
-        {"material", integer},
-        {"mode", integer},
-        {"targets", objects}}},
-      {"materials[]",
-       {{"name", string},
-        {"pbrMetallicRoughness", object},
-        {"emissiveFactor", three_numbers},
-        {"emissiveTexture", object},
-        {"alphaMode", string},
-        {"alphaCutoff", number},
-        {"doubleSided", boolean},
-        {"extensions", object}}},
-      {"materials[].emissiveTexture", texture_use},
-      {"materials[].emissiveTexture.extensions", texture_extensions},
-      {"materials[].emissiveTexture.extensions.KHR_texture_transform", texture_transform},
-      {"materials[].pbrMetallicRoughness",
-       {{"baseColorFactor", four_numbers}, {"baseColorTexture", object}}},
-      {"materials[].pbrMetallicRoughness.baseColorTexture", texture_use},
-      {"materials[].pbrMetallicRoughness.baseColorTexture.extensions", texture_extensions},
-      {"materials[].pbrMetallicRoughness.baseColorTexture.extensions.KHR_texture_transform",
-       texture_transform},
-      {"materials[].extensions",
-       {{"KHR_materials_unlit", object}, {"KHR_materials_emissive_strength", object}}},
-      {"materials[].extensions.KHR_materials_emissive_strength", {{"emissiveStrength", number}}},
-      {"textures[]", {{"sampler", integer}, {"source", integer}}},
-      {"samplers[]",
-       {{"magFilter", integer}, {"minFilter", integer}, {"wrapS", integer}, {"wrapT", integer}}},
-      {"images[]", {{"name", string}, {"uri", string}, {"bufferView", integer}}},
-      {"cameras[]",
-       {{"name", string},
-        {"type", string, required},
-        {"perspective", object},
-        {"orthographic", object}}},
-      {"cameras[].perspective",
-       {{"yfov", number, required},
-        {"znear", number, required},
-        {"zfar", number},
-        {"aspectRatio", number}}},
-      {"cameras[].orthographic",
-       {{"xmag", number, required},
-        {"ymag", number, required},
-        {"znear", number, required},
-        {"zfar", number, required}}},
-      {"accessors[]",
-       {{"name", string},
-        {"bufferView", integer},
-        {"byteOffset", byte_size},
-        {"componentType", integer, required},
-        {"normalized", boolean},
-        {"count", byte_size, required},
-        {"type", string, required},
-        {"sparse", object}}},
-      {"accessors[].sparse",
-       {{"count", integer, required}, {"indices", object, required}, {"values", object, required}}},
-      {"accessors[].sparse.indices",
-       {{"bufferView", integer, required},
-        {"byteOffset", integer},
-        {"componentType", integer, required}}},
-      {"accessors[].sparse.values", {{"bufferView", integer, required}, {"byteOffset", integer}}},
-      {"bufferViews[]",
-       {{"buffer", integer, required},
-        {"byteOffset", byte_size},
-        {"byteLength", byte_size, required},
-        {"byteStride", integer}}},
-      {"buffers[]", {{"uri", string}, {"byteLength", byte_size, required}}}};
+  static const std::vector<Object> all = [] {
+    std::vector<Object> rows = {
+        {"",
+         {{"asset", object, required},
+          {"extensionsUsed", strings},
+          {"extensionsRequired", strings},
+          {"scene", integer},
+          {"scenes", objects},
+          {"nodes", objects},
+          {"meshes", objects},
+          {"materials", objects},
+          {"textures", objects},
+          {"samplers", objects},
+          {"images", objects},
+          {"cameras", objects},
+          {"accessors", objects},
+          {"bufferViews", objects},
+          {"buffers", objects},
+          {"animations", objects},
+          {"extensions", object}}},
+        {"asset", {{"version", string, required}, {"minVersion", string}}},
+        {"scenes[]", {{"name", string}, {"nodes", integers}}},
+        {"nodes[]",
+         {{"name", string},
+          {"children", integers},
+          {"mesh", integer},
+          {"camera", integer},
+          {"skin", integer},
+          {"extensions", object},
+          {"matrix", sixteen_numbers},
+          {"translation", three_numbers},
+          {"rotation", four_numbers},
+          {"scale", three_numbers}}},
+        {"meshes[]", {{"name", string}, {"primitives", objects, required}}},
+        {"meshes[].primitives[]",
+         {{"attributes", integer_map, required},
+          {"indices", integer},
+          {"material", integer},
+          {"mode", integer},
+          {"targets", objects}}},
+        {"materials[]",
+         {{"name", string},
+          {"pbrMetallicRoughness", object},
+          {"emissiveFactor", three_numbers},
+          {"emissiveTexture", object},
+          {"normalTexture", object},
+          {"alphaMode", string},
+          {"alphaCutoff", number},
+          {"doubleSided", boolean},
+          {"extensions", object}}},
+        {"materials[].pbrMetallicRoughness",
+         {{"baseColorFactor", four_numbers},
+          {"baseColorTexture", object},
+          {"metallicFactor", number},
+          {"roughnessFactor", number},
+          {"metallicRoughnessTexture", object}}},
+        {"materials[].extensions",
+         {{"KHR_materials_unlit", object},
+          {"KHR_materials_emissive_strength", object},
+          {"KHR_materials_ior", object},
+          {"KHR_materials_specular", object},
+          {"KHR_materials_transmission", object},
+          {"KHR_materials_diffuse_transmission", object},
+          {"KHR_materials_clearcoat", object},
+          {"KHR_materials_volume", object}}},
+        {"materials[].extensions.KHR_materials_emissive_strength", {{"emissiveStrength", number}}},
+        {"textures[]", {{"sampler", integer}, {"source", integer}}},
+        {"samplers[]",
+         {{"magFilter", integer}, {"minFilter", integer}, {"wrapS", integer}, {"wrapT", integer}}},
+        {"images[]", {{"name", string}, {"uri", string}, {"bufferView", integer}}},
+        {"cameras[]",
+         {{"name", string},
+          {"type", string, required},
+          {"perspective", object},
+          {"orthographic", object}}},
+        {"cameras[].perspective",
+         {{"yfov", number, required},
+          {"znear", number, required},
+          {"zfar", number},
+          {"aspectRatio", number}}},
+        {"cameras[].orthographic",
+         {{"xmag", number, required},
+          {"ymag", number, required},
+          {"znear", number, required},
+          {"zfar", number, required}}},
+        {"accessors[]",
+         {{"name", string},
+          {"bufferView", integer},
+          {"byteOffset", byte_size},
+          {"componentType", integer, required},
+          {"normalized", boolean},
+          {"count", byte_size, required},
+          {"type", string, required},
+          {"sparse", object}}},
+        {"accessors[].sparse",
+         {{"count", integer, required},
+          {"indices", object, required},
+          {"values", object, required}}},
+        {"accessors[].sparse.indices",
+         {{"bufferView", integer, required},
+          {"byteOffset", integer},
+          {"componentType", integer, required}}},
+        {"accessors[].sparse.values", {{"bufferView", integer, required}, {"byteOffset", integer}}},
+        {"bufferViews[]",
+         {{"buffer", integer, required},
+          {"byteOffset", byte_size},
+          {"byteLength", byte_size, required},
+          {"byteStride", integer}}},
+        {"buffers[]", {{"uri", string}, {"byteLength", byte_size, required}}}};
+    add_scattering(rows);
+    add_lights(rows);
+    return rows;
+  }();
   return all;
 }
 

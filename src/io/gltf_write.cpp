@@ -1,10 +1,11 @@
 // Scenes as .glb files that load_scene reads to equal ones, bit for bit, and that other programs
-// open. Nodes are flat: one for each set of instances that move together, each camera and each hit
-// box, with their whole transforms. What glTF has no place for is in extras: backgrounds, and the
-// values of images in linear floats, of which others see 8 bits.
+// open. Nodes are flat: one for each set of instances that move together, each camera, each lamp
+// and each hit box, with their whole transforms. What glTF has no place for is in extras:
+// backgrounds, spectra, and the values of images in linear floats, of which others see 8 bits.
 //
 // Not written is what nobody sees: meshes that no instance places, textures and images that no
-// material uses; nor the colour rule, and names of meshes that share a node, but the first. The
+// material uses, the scale of normals without a texture, cones of lamps that are no spots; nor the
+// colour rule, and names of meshes that share a node, but the first. The
 // loader gives the others in the order of their first use, and a mesh that is alone in one node and
 // with others in another twice.
 #include <algorithm>
@@ -13,9 +14,12 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "io/glb_bytes.h"
-#include "io/image_formats.h"
+#include "io/gltf_lights.h"
+#include "io/gltf_writer.h"
+#include "io/image.h"
 #include "model/long_work.h"
 #include "omma/error.h"
 #include "omma/io.h"
@@ -26,54 +30,8 @@ namespace {
 using nlohmann::json;
 
 // Numbers of the glTF 2.0 specification.
-constexpr int gl_float = 5126, gl_unsigned_int = 5125, gl_triangles = 4;
-constexpr int gl_array_buffer = 34962, gl_element_array_buffer = 34963;
-
-struct Writer {
-  const Scene& scene;
-  json document = {{"asset", {{"version", "2.0"}, {"generator", "Omma"}}}};
-  std::string binary = {};
-  std::map<std::size_t, json> primitives = {};          // by mesh of the scene
-  std::map<std::vector<std::size_t>, int> meshes = {};  // by the meshes of a node
-
-  int push(const char* list, json element) {
-    document[list].push_back(std::move(element));
-    return static_cast<int>(document[list].size()) - 1;
-  }
-
-  void use_extension(const char* name) {
-    json& used = document["extensionsUsed"];
-    if (std::find(used.begin(), used.end(), name) == used.end()) used.push_back(name);
-  }
-
-  int view(const void* data, std::size_t bytes, int target = 0) {
-    binary.resize((binary.size() + 3) / 4 * 4);
-    json made = {{"buffer", 0}, {"byteOffset", binary.size()}, {"byteLength", bytes}};
-    if (target != 0) made["target"] = target;
-    binary.append(static_cast<const char*>(data), bytes);
-    return push("bufferViews", std::move(made));
-  }
-
-  template <typename Vector>
-  int floats(const std::vector<Vector>& values) {
-    constexpr int components = sizeof(Vector) / sizeof(float);
-    const int at = view(values.data(), values.size() * sizeof(Vector), gl_array_buffer);
-    return push("accessors", {{"bufferView", at},
-                              {"componentType", gl_float},
-                              {"count", values.size()},
-                              {"type", "VEC" + std::to_string(components)}});
-  }
-};
-
-json numbers(Vec2 v) {
-  return {v.x, v.y};
-}
-json numbers(Vec3 v) {
-  return {v.x, v.y, v.z};
-}
-json numbers(Vec4 v) {
-  return {v.x, v.y, v.z, v.w};
-}
+constexpr int gl_unsigned_int = 5125, gl_triangles = 4;
+constexpr int gl_element_array_buffer = 34963;
 
 json matrix(const Mat4& t) {  // column major
   json values = json::array();
@@ -82,31 +40,22 @@ json matrix(const Mat4& t) {  // column major
   return values;
 }
 
-void set_name(json& object, const std::string& name) {
-  if (!name.empty()) object["name"] = name;
-}
-
-std::uint8_t srgb8(float linear) {
-  const double v = std::clamp(static_cast<double>(linear), 0.0, 1.0);
-  const double encoded = v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055;
-  return static_cast<std::uint8_t>(std::lround(255 * encoded));
-}
-
-// What an 8-bit PNG holds of an image.
-std::vector<std::uint8_t> eight_bits(const Image& image) {
+// What an 8-bit PNG holds of an image; of data, such as normals, the values themselves.
+std::vector<std::uint8_t> eight_bits(const Image& image, bool is_data) {
   if (!image.rgba_srgb8.empty()) return image.rgba_srgb8;
   std::vector<std::uint8_t> rgba(image.rgba_linear.size());
   for (std::size_t i = 0; i < rgba.size(); ++i) {
-    const float value = image.rgba_linear[i];
-    rgba[i] = i % 4 == 3 ? static_cast<std::uint8_t>(std::lround(255 * std::clamp(value, 0.f, 1.f)))
-                         : srgb8(value);
+    const double value = std::clamp(static_cast<double>(image.rgba_linear[i]), 0.0, 1.0);
+    const bool linear = is_data || i % 4 == 3;
+    rgba[i] =
+        static_cast<std::uint8_t>(std::lround(255 * (linear ? value : srgb_from_linear(value))));
   }
   return rgba;
 }
 
-int write_image(Writer& writer, const Image& image, const std::string& place,
+int write_image(GltfWriter& writer, const Image& image, const std::string& place, bool is_data,
                 const WorkPart& work) {
-  std::vector<std::uint8_t> pixels = eight_bits(image);
+  std::vector<std::uint8_t> pixels = eight_bits(image, is_data);
   bool opaque = true;
   for (std::size_t i = 3; i < pixels.size() && opaque; i += 4) opaque = pixels[i] == 255;
   if (opaque) {
@@ -135,60 +84,8 @@ json sampler(const Texture& texture) {
           {"minFilter", linear ? 9987 : 9984}};  // with levels, as Omma reads them
 }
 
-json texture_use(Writer& writer, const TextureUse& use) {
-  json made = {{"index", use.texture}};
-  if (use.texcoord_set != 0) made["texCoord"] = use.texcoord_set;
-  if (use.offset != Vec2{0, 0} || use.scale != Vec2{1, 1} || use.rotation_rad != 0) {
-    writer.use_extension("KHR_texture_transform");
-    made["extensions"]["KHR_texture_transform"] = {{"offset", numbers(use.offset)},
-                                                   {"scale", numbers(use.scale)},
-                                                   {"rotation", use.rotation_rad}};
-  }
-  return made;
-}
-
-json written_material(Writer& writer, const Material& material) {
-  json made = {{"pbrMetallicRoughness",
-                {{"baseColorFactor", numbers(material.base_color)},
-                 {"metallicFactor", 0},
-                 {"roughnessFactor", 1}}}};
-  set_name(made, material.name);
-  if (material.base_color_texture.texture >= 0)
-    made["pbrMetallicRoughness"]["baseColorTexture"] =
-        texture_use(writer, material.base_color_texture);
-  if (material.emissive_texture.texture >= 0)
-    made["emissiveTexture"] = texture_use(writer, material.emissive_texture);
-  const Vec3 e = material.emissive;
-  if (e != Vec3{0, 0, 0}) {
-    // The factor is at most 1, the strength a power of two, so that their product is exact.
-    int exponent = 0;
-    std::frexp(std::max({e.x, e.y, e.z, 1.0f}), &exponent);
-    const float strength = e.x > 1 || e.y > 1 || e.z > 1 ? std::ldexp(1.0f, exponent) : 1.0f;
-    made["emissiveFactor"] = numbers(e * (1 / strength));
-    if (strength != 1) {
-      writer.use_extension("KHR_materials_emissive_strength");
-      made["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"] = strength;
-    }
-  }
-  if (material.unlit) {
-    if (e != Vec3{0, 0, 0} || material.emissive_texture.texture >= 0)
-      throw Error("material '" + material.name +
-                  "': is unlit and has an emission, which glTF has not for unlit materials");
-    writer.use_extension("KHR_materials_unlit");
-    made["extensions"]["KHR_materials_unlit"] = json::object();
-  }
-  constexpr float usual_cutoff = 0.5f;
-  if (material.alpha_mode != AlphaMode::opaque || material.alpha_cutoff != usual_cutoff)
-    made["alphaMode"] = material.alpha_mode == AlphaMode::mask    ? "MASK"
-                        : material.alpha_mode == AlphaMode::blend ? "BLEND"
-                                                                  : "OPAQUE";
-  if (material.alpha_cutoff != usual_cutoff) made["alphaCutoff"] = material.alpha_cutoff;
-  if (material.double_sided) made["doubleSided"] = true;
-  return made;
-}
-
 // Positions with their bounds, which glTF asks for, and triangles.
-json written_triangles(Writer& writer, const std::vector<Vec3>& positions,
+json written_triangles(GltfWriter& writer, const std::vector<Vec3>& positions,
                        const std::vector<std::array<std::uint32_t, 3>>& triangles) {
   Vec3 low = positions[0], high = positions[0];
   for (const Vec3 p : positions) {
@@ -209,7 +106,7 @@ json written_triangles(Writer& writer, const std::vector<Vec3>& positions,
                                                 {"type", "SCALAR"}})}};
 }
 
-const json& written_primitive(Writer& writer, std::size_t index) {
+const json& written_primitive(GltfWriter& writer, std::size_t index) {
   const auto [found, is_new] = writer.primitives.try_emplace(index);
   if (!is_new) return found->second;
   const Mesh& mesh = writer.scene.meshes[index];
@@ -225,7 +122,7 @@ const json& written_primitive(Writer& writer, std::size_t index) {
 }
 
 // The glTF mesh of all that one node places; nodes that place the same share it.
-int written_mesh(Writer& writer, const std::vector<std::size_t>& parts) {
+int written_mesh(GltfWriter& writer, const std::vector<std::size_t>& parts) {
   const auto [found, is_new] = writer.meshes.try_emplace(parts);
   if (!is_new) return found->second;
   json primitives = json::array();
@@ -235,14 +132,14 @@ int written_mesh(Writer& writer, const std::vector<std::size_t>& parts) {
   return found->second = writer.push("meshes", std::move(made));
 }
 
-void add_node(Writer& writer, json node, const std::string& name, const Mat4& world_from_node) {
+void add_node(GltfWriter& writer, json node, const std::string& name, const Mat4& world_from_node) {
   set_name(node, name);
   if (world_from_node != Mat4{}) node["matrix"] = matrix(world_from_node);
   const int at = writer.push("nodes", std::move(node));
   writer.document["scenes"][0]["nodes"].push_back(at);
 }
 
-void write_instances(Writer& writer) {
+void write_instances(GltfWriter& writer) {
   struct Node {
     std::size_t first;               // instance
     std::vector<std::size_t> parts;  // meshes
@@ -265,7 +162,7 @@ void write_instances(Writer& writer) {
   }
 }
 
-void write_camera(Writer& writer, const Camera& camera) {
+void write_camera(GltfWriter& writer, const Camera& camera) {
   json lens = {{"znear", camera.znear_m}};
   const bool flat = camera.type == CameraType::orthographic;
   if (flat) {
@@ -285,7 +182,7 @@ void write_camera(Writer& writer, const Camera& camera) {
            camera.world_from_camera);
 }
 
-void write_hit_box(Writer& writer, const HitBox& box) {
+void write_hit_box(GltfWriter& writer, const HitBox& box) {
   if (box.triangles.empty()) return;
   json mesh = {{"primitives", {written_triangles(writer, box.positions, box.triangles)}},
                {"extras", {{"hitbox", "true"}}}};
@@ -293,7 +190,15 @@ void write_hit_box(Writer& writer, const HitBox& box) {
   add_node(writer, {{"mesh", writer.push("meshes", std::move(mesh))}}, "", box.world_from_mesh);
 }
 
-void write_background(Writer& writer, const Background& background, const WorkPart& work) {
+void write_light(GltfWriter& writer, const PunctualLight& light) {
+  writer.use_extension(lights_extension);
+  json& lights = writer.document["extensions"][lights_extension]["lights"];
+  lights.push_back(written_light(light));
+  add_node(writer, {{"extensions", {{lights_extension, {{"light", lights.size() - 1}}}}}},
+           light.name, light.world_from_light);
+}
+
+void write_background(GltfWriter& writer, const Background& background, const WorkPart& work) {
   json& extras = writer.document["scenes"][0]["extras"];
   switch (background.type) {
     case BackgroundType::constant:
@@ -306,18 +211,38 @@ void write_background(Writer& writer, const Background& background, const WorkPa
       extras["background-shader"] = "default_background";
       return;
     case BackgroundType::image:
-      extras["background-image"] = write_image(writer, background.image, "background", work);
+      extras["background-image"] = write_image(writer, background.image, "background", false, work);
       return;
   }
 }
 
+// Images that are data to all materials, and colours to none.
+std::set<int> data_images(const Scene& scene) {
+  std::set<int> data, colors;
+  const auto add = [&](std::set<int>& to, const TextureUse& use) {
+    if (use.texture >= 0) to.insert(scene.textures[static_cast<std::size_t>(use.texture)].image);
+  };
+  for (const Material& m : scene.materials) {
+    for (const TextureUse* use :
+         {&m.base_color_texture, &m.emissive_texture, &m.diffuse_transmission_texture})
+      add(colors, *use);
+    for (const TextureUse* use :
+         {&m.metallic_roughness_texture, &m.normal_texture, &m.extra.texture})
+      add(data, *use);
+  }
+  for (const int image : colors) data.erase(image);
+  return data;
+}
+
 std::string glb_of(const Scene& scene, const WorkPart& work) {
-  Writer writer{scene};
+  GltfWriter writer{scene};
   writer.document["scene"] = 0;
   writer.document["scenes"] = json::array({json::object()});
+  const std::set<int> data = data_images(scene);
   const double images = static_cast<double>(scene.images.size() + 1);
   for (std::size_t i = 0; i < scene.images.size(); ++i)
     write_image(writer, scene.images[i], "image " + std::to_string(i),
+                data.contains(static_cast<int>(i)),
                 work.part(static_cast<double>(i) / images, static_cast<double>(i + 1) / images));
   for (const Texture& texture : scene.textures)
     writer.push("textures", {{"source", texture.image},
@@ -327,6 +252,7 @@ std::string glb_of(const Scene& scene, const WorkPart& work) {
   write_instances(writer);
   for (const Camera& camera : scene.cameras) write_camera(writer, camera);
   for (const HitBox& box : scene.hit_boxes) write_hit_box(writer, box);
+  for (const PunctualLight& light : scene.lights) write_light(writer, light);
   write_background(writer, scene.background, work.part((images - 1) / images, 1));
   return glb_bytes(writer.document, std::move(writer.binary), "the scene");
 }

@@ -2,6 +2,8 @@
 // formats have in common; each has a file of its own, the only one to include its library.
 #include "io/image.h"
 
+#include <cmath>
+
 #include "io/atomic_file.h"
 #include "omma/error.h"
 #include "omma/io.h"
@@ -42,6 +44,10 @@ Image decode_alone(EncodedImage bytes, const std::string& place, const WorkPart&
 }
 
 }  // namespace
+
+double srgb_from_linear(double linear) {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
 
 ImageClaim image_claim(EncodedImage bytes, const std::string& place) {
   const ImageClaim claim = format_of(bytes, place).claim(bytes, place);

@@ -14,6 +14,9 @@ ImageClaim image_claim(EncodedImage bytes, const std::string& place);
 // read, and well-packed ones beyond; too little for a file made to exhaust the memory.
 std::uint64_t image_budget(std::uint64_t encoded_bytes);
 
+// sRGB code value in [0, 1] of linear light (IEC 61966-2-1).
+double srgb_from_linear(double linear);
+
 // As decode_image of omma/io.h, watched; without a limit of memory, which is the caller's.
 Image decode_claimed_image(EncodedImage bytes, const std::string& place, const WorkPart& work);
 

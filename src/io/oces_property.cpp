@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "io/csv_text.h"
-#include "io/gltf_material.h"
 #include "io/gltf_schema.h"
+#include "io/gltf_textures.h"
 #include "io/oces_file.h"
 #include "omma/error.h"
 #include "omma/io.h"

@@ -2,6 +2,7 @@
 #include "omma/scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <initializer_list>
@@ -9,6 +10,7 @@
 #include <span>
 #include <unordered_map>
 
+#include "model/scene_light.h"
 #include "omma/error.h"
 
 namespace omma {
@@ -22,6 +24,12 @@ constexpr std::size_t most_pixels = std::size_t(1) << 28;
 // Of a base colour, an emission or a background; 1 is full scale. Squares of what differs by two of
 // these, summed over 2^20 rays in eight scrambles, are 3e37 and stay within single precision.
 constexpr double most_radiance = 1e15;
+
+// All that materials read, but for the extra reflectance.
+constexpr std::array<TextureUse Material::*, 5> texture_uses = {
+    &Material::base_color_texture, &Material::emissive_texture,
+    &Material::metallic_roughness_texture, &Material::normal_texture,
+    &Material::diffuse_transmission_texture};
 
 bool finite(Vec2 v) {
   return std::isfinite(v.x) && std::isfinite(v.y);
@@ -152,6 +160,10 @@ void check_mesh(const Scene& scene, const Mesh& mesh, const std::string& place) 
   check_finite(mesh.positions, place, "the position");
   check_size(mesh.normals.size(), mesh.positions.size(), place, "normals");
   check_finite(mesh.normals, place, "the normal");
+  const auto zero = std::find(mesh.normals.begin(), mesh.normals.end(), Vec3{0, 0, 0});
+  if (zero != mesh.normals.end())
+    throw Error(place + ": the normal of vertex " + std::to_string(zero - mesh.normals.begin()) +
+                " is zero");
   for (std::size_t set = 0; set < mesh.texcoords.size(); ++set) {
     check_size(mesh.texcoords[set].size(), mesh.positions.size(), place, "texture coordinates");
     check_finite(mesh.texcoords[set], place, "the texture coordinate");
@@ -178,8 +190,10 @@ void check_material(const Scene& scene, const Material& material, const std::str
     throw Error(place + ": its emission is negative or not finite");
   if (!std::isfinite(material.alpha_cutoff))
     throw Error(place + ": its alpha cutoff is not finite");
-  check_texture_use(scene, material.base_color_texture, place);
-  check_texture_use(scene, material.emissive_texture, place);
+  for (const TextureUse Material::*use : texture_uses)
+    check_texture_use(scene, material.*use, place);
+  check_texture_use(scene, material.extra.texture, place);
+  check_scattering(material, place + ": ");
 }
 
 void check_image(const Image& image, const std::string& place) {
@@ -216,7 +230,7 @@ bool operator==(const Scene& a, const Scene& b) {
   return a.color_rule == b.color_rule && a.meshes == b.meshes &&
          same_instances(a.instances, b.instances) && a.materials == b.materials &&
          a.textures == b.textures && a.images == b.images && a.cameras == b.cameras &&
-         a.hit_boxes == b.hit_boxes && a.background == b.background;
+         a.hit_boxes == b.hit_boxes && a.lights == b.lights && a.background == b.background;
 }
 
 void validate_scene(const Scene& scene) {
@@ -259,6 +273,12 @@ void validate_scene(const Scene& scene) {
     check_finite(box.positions, place, "the position");
     check_triangles(box.triangles, box.positions.size(), place);
     check_transform(box.world_from_mesh, place, "world_from_mesh");
+  }
+  for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+    const PunctualLight& light = scene.lights[i];
+    const std::string place = place_of(scene, "light", i, light.name);
+    check_punctual_light(light, place + ": ");
+    check_transform(light.world_from_light, place, "world_from_light");
   }
   const std::string background =
       (scene.path.empty() ? "scene" : scene.path) + std::string(": background");

@@ -247,7 +247,7 @@ TEST(GltfImage, OnlyThoseShownAreRead) {
   GltfBuilder b = red_triangle();
   b.push("images", {{"uri", "not-there.png"}});
   b.push("textures", {{"source", 1}});
-  b.document["materials"][0]["normalTexture"] = {{"index", 1}};
+  b.document["materials"][0]["occlusionTexture"] = {{"index", 1}};
   EXPECT_EQ(load(b).images.size(), 1u);
 }
 
@@ -275,13 +275,13 @@ TEST(GltfExtension, RequiredAndNotSupportedIsAnError) {
 
 TEST(GltfExtension, UsedAndNotSupportedIsAWarning) {
   GltfBuilder b = one_triangle();
-  b.document["extensionsUsed"] = {"KHR_materials_clearcoat", "KHR_materials_unlit"};
+  b.document["extensionsUsed"] = {"KHR_materials_sheen", "KHR_materials_unlit"};
   const Scene scene = load(b);
   EXPECT_EQ(scene.warnings.size(), 1u);
-  EXPECT_TRUE(has_warning(scene, "KHR_materials_clearcoat"));
+  EXPECT_TRUE(has_warning(scene, "KHR_materials_sheen"));
 }
 
-TEST(GltfLight, NothingIsLitIsSaidOnceWithCounts) {
+TEST(GltfLight, WhatOnlyLightShowsIsSaidOnceWithCounts) {
   GltfBuilder b = one_triangle();
   EXPECT_TRUE(load(b).warnings.empty());  // nothing says that it is meant to be lit
   b.document["extensionsUsed"] = {"KHR_lights_punctual", "KHR_materials_unlit"};
@@ -290,11 +290,13 @@ TEST(GltfLight, NothingIsLitIsSaidOnceWithCounts) {
   b.root({{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
   b.root({{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
   ASSERT_EQ(load(b).warnings.size(), 1u);
-  EXPECT_EQ(load(b).warnings[0], "nothing is lit; lights that are ignored: 2");
+  EXPECT_EQ(load(b).warnings[0],
+            "unless the world is given light, nothing is lit; lights that are ignored: 2");
   b.document["materials"] = {{{"name", "lit"}}};
   b.document["meshes"][0]["primitives"][0]["material"] = 0;
   ASSERT_EQ(load(b).warnings.size(), 1u);
-  EXPECT_TRUE(has_warning(load(b), "lights that are ignored: 2; materials that are meant to be lit"));
+  EXPECT_TRUE(
+      has_warning(load(b), "lights that are ignored: 2; materials that are meant to be lit"));
   EXPECT_TRUE(has_warning(load(b), "base colour and emission alone: 1 of 1"));
   b.document["materials"][0]["extensions"]["KHR_materials_unlit"] = json::object();
   EXPECT_FALSE(has_warning(load(b), "materials"));

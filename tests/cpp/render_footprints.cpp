@@ -61,7 +61,7 @@ TEST(TextureLevels, KeepTheMeanAndTheCoverage) {
       for (const AlphaUse use :
            {AlphaUse{}, AlphaUse{AlphaMode::blend}, AlphaUse{AlphaMode::mask, 0.4f}}) {
         const Image image = random_image(width, height, 5, eight_bit);
-        const TextureLevels levels = make_texture_levels(image, ColorRule::gltf, use, true);
+        const TextureLevels levels = make_texture_levels(image, ImageCodes::srgb, use, true);
         const TextureView view = view_levels(image, levels);
         const auto last = level_of(view, view.last_level);
         EXPECT_EQ(last.width * last.height, 1);
@@ -79,7 +79,7 @@ TEST(TextureLevels, KeepTheMeanAndTheCoverage) {
 // At a power of two the finer level's weight runs out just as the coarser one takes over.
 TEST(TextureLevels, AreContinuousInTheWidth) {
   const Image image = random_image(64, 64, 8, false);
-  const TextureLevels levels = make_texture_levels(image, ColorRule::gltf, {}, true);
+  const TextureLevels levels = make_texture_levels(image, ImageCodes::srgb, {}, true);
   const TextureView view = view_levels(image, levels);
   for (const float width : {1.0f, 2.0f, 4.0f, 32.0f, 64.0f}) {
     const float below = eval_texture(view, 0.3f, 0.7f, width * (1 - 1e-6f)).r;
@@ -95,7 +95,7 @@ TEST(TextureLevels, OneLaneIsManyLanes) {
   for (const bool eight_bit : {true, false})
     for (const Wrap wrap : {Wrap::repeat, Wrap::mirrored_repeat, Wrap::clamp_to_edge}) {
       const Image image = random_image(37, 20, 9, eight_bit);
-      const TextureLevels levels = make_texture_levels(image, ColorRule::gltf, {}, true);
+      const TextureLevels levels = make_texture_levels(image, ImageCodes::srgb, {}, true);
       TextureView view = view_levels(image, levels);
       view.wrap_u = view.wrap_v = wrap;
       for (int i = 0; i < 1000; ++i) {
@@ -118,12 +118,12 @@ TEST(TextureLevels, OfLargeScenesAreTheSameBits) {
   Random random{4};
   for (const auto& [width, height] :
        {std::pair{1, 1}, {2, 1}, {5, 3}, {64, 64}, {33, 1}, {1, 90}, {250, 101}, {6, 11}})
-    for (const ColorRule rule : {ColorRule::gltf, ColorRule::compoundray})
+    for (const ImageCodes codes : {ImageCodes::srgb, ImageCodes::linear})
       for (const AlphaUse use : {AlphaUse{}, AlphaUse{AlphaMode::mask, 0.4f}})
         for (const bool with_levels : {true, false}) {
           const Image image = random_image(width, height, 6, true);
-          const TextureLevels small = make_texture_levels(image, rule, use, with_levels);
-          const TextureLevels large = make_texture_levels(image, rule, use, with_levels, true);
+          const TextureLevels small = make_texture_levels(image, codes, use, with_levels);
+          const TextureLevels large = make_texture_levels(image, codes, use, with_levels, true);
           ASSERT_EQ(large.linear16.size() + 2 * static_cast<std::size_t>(width * height),
                     small.linear16.size());
           const TextureView a = view_levels(image, small), b = view_levels(image, large);

@@ -132,8 +132,9 @@ def test_a_scene_that_is_not_lit_says_so_once(tmp_path, run_omma):
     document["nodes"][0]["extensions"] = {"KHR_lights_punctual": {"light": 0}}
     lit.write_text(json.dumps(document))
     says = (
-        "nothing is lit; lights that are ignored: 1; materials that are meant to be lit (without "
-        "KHR_materials_unlit) and show base colour and emission alone: 1 of 1"
+        "unless the world is given light, nothing is lit; lights that are ignored: 1; materials "
+        "that are meant to be lit (without KHR_materials_unlit) and show base colour and "
+        "emission alone: 1 of 1"
     )
     with pytest.warns(UserWarning, match=re.escape(f"{lit}: {says}")) as heard:
         scene = omma.load_scene(lit)

@@ -8,14 +8,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import DATA
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from test_scene_values import BACKGROUNDS, everything
 
 import omma
 from omma.scene import (
+    ExtraReflectance,
     Image,
     Instance,
     Material,
     Mesh,
+    PunctualLight,
+    TextureUse,
     from_trimesh,
     load_scene,
     merge_scenes,
@@ -45,8 +50,8 @@ def test_a_saved_scene_is_equal(tmp_path, background):
     again = saved_and_loaded(scene, tmp_path)
     assert again == scene
     assert again.background == background
-    (warning,) = again.warnings  # of the material that is not unlit
-    assert warning.startswith("nothing is lit")
+    (warning,) = again.warnings  # of what only a light shows
+    assert warning.startswith("unless the world is given light, nothing is lit")
 
 
 def test_the_meadow_is_seen_alike(tmp_path, eye):
@@ -86,7 +91,9 @@ def test_what_others_read(tmp_path):
     document = document_of(tmp_path / "scene.glb")
     assert document["asset"]["version"] == "2.0"
     assert set(document["extensionsUsed"]) == {
-        "KHR_materials_emissive_strength", "KHR_materials_unlit", "KHR_texture_transform",
+        "KHR_lights_punctual", "KHR_materials_clearcoat", "KHR_materials_diffuse_transmission",
+        "KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_materials_specular",
+        "KHR_materials_transmission", "KHR_materials_unlit", "KHR_texture_transform",
     }  # fmt: skip
     green = document["materials"][0]
     assert max(green["emissiveFactor"]) <= 1
@@ -101,6 +108,97 @@ def test_what_others_read(tmp_path):
             position = document["accessors"][primitive["attributes"]["POSITION"]]
             assert len(position["min"]) == len(position["max"]) == 3
     assert document["meshes"][-1]["extras"] == {"hitbox": "true"}
+
+
+fractions = st.floats(0, 1, width=32)
+colors = st.tuples(fractions, fractions, fractions)
+positive = st.floats(0, 1e6)
+
+
+@st.composite
+def spectra(draw, most=1.0):
+    knots = sorted(draw(st.sets(st.floats(100, 5000), min_size=2, max_size=5)))
+    return omma.light.Spectrum(knots, [draw(st.floats(0, most)) for _ in knots])
+
+
+@st.composite
+def materials(draw):
+    maybe = st.none()
+    use = st.builds(TextureUse, st.just(0), st.integers(0, 1), st.tuples(fractions, fractions))
+    texture = maybe | use
+    normal = draw(texture)
+    return Material(
+        metallic=draw(fractions),
+        roughness=draw(fractions),
+        metallic_roughness_texture=draw(texture),
+        normal_texture=normal,
+        normal_scale=1 if normal is None else draw(st.floats(-8, 8, width=32)),
+        ior=draw(st.floats(1, 10, width=32)),
+        specular=draw(fractions),
+        specular_color=draw(colors),
+        transmission=draw(fractions),
+        diffuse_transmission=draw(fractions),
+        diffuse_transmission_color=draw(colors),
+        diffuse_transmission_texture=draw(texture),
+        clearcoat=draw(fractions),
+        clearcoat_roughness=draw(fractions),
+        reflectance=draw(maybe | spectra(0.5)),
+        transmittance=draw(maybe | spectra(0.5)),
+        spectral_luminance=draw(st.floats(2**-10, 10, width=32)),
+        extra_reflectance=draw(
+            maybe | st.builds(ExtraReflectance, use, st.lists(spectra(), min_size=1, max_size=3))
+        ),
+        emission=draw(maybe | spectra(1e9)),
+        unlit=draw(st.booleans()),
+    )
+
+
+@st.composite
+def lights(draw):
+    kind = draw(st.sampled_from(["directional", "point", "spot"]))
+    cones = {}
+    if kind == "spot":
+        inner, outer = sorted(draw(st.sets(st.floats(0, 1.5), min_size=2, max_size=2)))
+        cones = {"inner_cone_rad": inner, "outer_cone_rad": outer}
+    place = np.eye(4)
+    place[:3, 3] = draw(st.tuples(positive, positive, positive))
+    return PunctualLight(
+        draw(st.text(max_size=3)),
+        type=kind,
+        color=draw(colors),
+        intensity=draw(positive),
+        range_m=draw(positive),
+        world_from_light=place,
+        spectrum=draw(st.none() | spectra(1e9)),
+        **cones,
+    )
+
+
+@settings(
+    max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(st.lists(materials(), max_size=3), st.lists(lights(), max_size=3))
+def test_all_that_scatters_and_shines_is_kept(tmp_path, made, lamps):
+    scene = omma.Scene(
+        materials=[Material(base_color_texture=0), *made],  # so that the texture is used
+        images=[Image(np.full((1, 1, 3), 0.3, np.float32))],
+        lights=lamps,
+    )
+    assert saved_and_loaded(scene, tmp_path) == scene
+
+
+def test_data_are_written_as_data(tmp_path):
+    """Normals in floats: other programs see the codes of the values, not of light."""
+    values = np.array([[[0.5, 0.25, 1.0]]], np.float32)
+    scene = omma.Scene(materials=[Material(normal_texture=0)], images=[Image(values)])
+    again = saved_and_loaded(scene, tmp_path)
+    assert again == scene
+    document = document_of(tmp_path / "scene.glb")
+    view = document["bufferViews"][document["images"][0]["bufferView"]]
+    data = (tmp_path / "scene.glb").read_bytes()
+    start = 28 + struct.unpack("<I", data[12:16])[0] + view.get("byteOffset", 0)
+    (tmp_path / "normals.png").write_bytes(data[start : start + view["byteLength"]])
+    assert Image(tmp_path / "normals.png").pixels[0, 0].tolist() == [128, 64, 255, 255]
 
 
 def test_nothing_is_left_where_writing_fails(tmp_path):

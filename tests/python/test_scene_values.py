@@ -14,13 +14,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import omma
+from omma.light import Spectrum
 from omma.scene import (
     Camera,
+    ExtraReflectance,
     HitBox,
     Image,
     Instance,
     Material,
     Mesh,
+    PunctualLight,
     Texture,
     TextureUse,
     merge_scenes,
@@ -68,11 +71,43 @@ def everything():
                 double_sided=True,
             ),
             Material("paper", unlit=True, alpha_mode="blend"),
+            Material(
+                "petal",
+                metallic=0.1,
+                roughness=0.3,
+                metallic_roughness_texture=TextureUse(2, 1, scale=(3, 3)),
+                normal_texture=3,
+                normal_scale=0.7,
+                ior=1.4,
+                specular=0.9,
+                specular_color=(1, 0.9, 0.8),
+                transmission=0.05,
+                diffuse_transmission=0.3,
+                diffuse_transmission_color=(0.2, 0.9, 0.1),
+                diffuse_transmission_texture=4,
+                clearcoat=0.2,
+                clearcoat_roughness=0.6,
+                reflectance=Spectrum([300, 401.5, 700], [0.05, 0.1, 1 / 3]),
+                transmittance=Spectrum([300, 700], [0.001, 0.2]),
+                spectral_luminance=0.3,
+                extra_reflectance=ExtraReflectance(
+                    TextureUse(3, 1), [None, Spectrum([300, 400], [0.5, 0.1])]
+                ),
+                emission=Spectrum([400, 700], [1e-9, 123.456]),
+            ),
         ],
-        textures=[Texture(0, "clamp_to_edge", "mirrored_repeat", "nearest"), Texture(1)],
+        textures=[
+            Texture(0, "clamp_to_edge", "mirrored_repeat", "nearest"),
+            Texture(1),
+            Texture(2),
+            Texture(3),
+            Texture(0),
+        ],
         images=[
             Image(rng.integers(0, 256, (3, 5, 4), np.uint8), "bytes"),
             Image(rng.random((2, 3, 3), np.float32) * 40, "floats"),
+            Image(rng.integers(0, 256, (2, 2, 3), np.uint8), "roughness"),
+            Image(rng.random((2, 3, 3), np.float32), "normals"),
         ],
         cameras=[
             Camera("ahead", world_from_camera=turned, yfov_rad=0.7, aspect_ratio=1.5),
@@ -81,6 +116,17 @@ def everything():
             Camera("bee", type="compound", extras={"compound-structure": "bee.eye"}),
         ],
         hit_boxes=[HitBox("zone", *TRIANGLE, turned)],
+        lights=[
+            PunctualLight("sun", type="directional", intensity=1e5, world_from_light=turned),
+            PunctualLight(color=(1, 0.5, 0), range_m=3.5),
+            PunctualLight(
+                "lamp",
+                type="spot",
+                inner_cone_rad=0.1,
+                outer_cone_rad=0.3,
+                spectrum=Spectrum([300, 500, 700], [0, 1.5, 1 / 3]),
+            ),
+        ],
         background=omma.Background.constant((0.1, 0.2, 7.5)),
     )
 
@@ -99,6 +145,7 @@ def values():
     lists = (
         scene.meshes, scene.instances, scene.materials, scene.textures, scene.images,
         scene.cameras, scene.hit_boxes, [scene.materials[0].base_color_texture], BACKGROUNDS,
+        scene.lights, [scene.materials[2].reflectance, scene.materials[2].extra_reflectance],
     )  # fmt: skip
     return [scene, omma.Scene(), omma.load_scene(EXAMPLES / "meadow.glb")] + [
         one for found in lists for one in found
@@ -162,6 +209,17 @@ def test_what_parts_say():
     assert scene.cameras[3].compound_structure == "bee.eye"
     assert scene.camera("lens").name == "map"
     assert scene.hit_box_names == ["zone"]
+    petal = scene.materials[2]
+    assert petal.reflectance.wavelength_nm.tolist() == [300, 401.5, 700]
+    assert petal.reflectance.value.tolist() == [0.05, 0.1, 1 / 3]
+    assert not petal.reflectance.value.flags.writeable
+    assert petal.extra_reflectance.spectra == (None, Spectrum([300, 400], [0.5, 0.1]), None)
+    assert (petal.ior, petal.normal_scale) == pytest.approx((1.4, 0.7))
+    plain = scene.materials[0]
+    assert (plain.metallic, plain.roughness) == (0, 1)
+    assert plain.reflectance is plain.extra_reflectance is plain.normal_texture is None
+    assert [one.type for one in scene.lights] == ["directional", "point", "spot"]
+    assert scene.lights[1].spectrum is None
     assert scene.background.color == pytest.approx((0.1, 0.2, 7.5))
 
 
@@ -255,6 +313,14 @@ def test_merged_scenes_are_those_scenes(eye):
         use = merged.materials[mesh.material].base_color_texture
         assert merged.images[merged.textures[use.texture].image] == box.images[0]
     assert merged.meshes[:3] == scene.meshes
+    assert merged.lights == scene.lights
+    again = merge_scenes([box, scene])
+    petal = again.materials[len(box.materials) + 2]
+    assert petal.normal_texture.texture == 3 + len(box.textures)
+    assert petal.metallic_roughness_texture.texture == 2 + len(box.textures)
+    assert petal.diffuse_transmission_texture.texture == 4 + len(box.textures)
+    assert petal.extra_reflectance.texture.texture == 3 + len(box.textures)
+    assert petal.extra_reflectance.spectra == scene.materials[2].extra_reflectance.spectra
     other = omma.Background.constant((1, 0, 0))
     assert merge_scenes([box, box], background=other).background == other
     # One alone is itself.
@@ -278,6 +344,7 @@ def test_placed_scenes():
     placed = place_scene(scene, shifted)
     assert placed.bounds == pytest.approx(scene.bounds + (1, 2, 3))
     assert placed.cameras[0].world_from_camera[:3, 3] == pytest.approx((2, 4, 6))
+    assert placed.lights[1].world_from_light[:3, 3] == pytest.approx((1, 2, 3))
     assert placed.hit_box_bounds("zone") == pytest.approx(
         scene.hit_box_bounds("zone") + (1, 2, 3), abs=1e-12
     )
@@ -310,6 +377,41 @@ WRONG = {
     ),
     "base_color: expected three or four": lambda: Material(base_color=(1, 2)),
     "alpha_mode: expected one of opaque, mask, blend": lambda: Material(alpha_mode="MASK"),
+    "metallic: expected 0 to 1, found 2": lambda: Material(metallic=2),
+    "ior: expected 1 to 10": lambda: Material(ior=0),
+    "specular_color: expected 0 to 1": lambda: Material(specular_color=(0, 0, 3)),
+    "spectral_luminance: expected more than 0": lambda: Material(spectral_luminance=0),
+    "reflectance: value: expected 0 to 1, found 1.5 at 300 nm": lambda: Material(
+        reflectance=Spectrum([300, 400], [1.5, 0])
+    ),
+    "reflectance and transmittance: expected at most 1 together, found 1.2": lambda: Material(
+        reflectance=Spectrum([300, 400], [0.6, 0.6]), transmittance=Spectrum([350, 450], [0.6, 0])
+    ),
+    "wavelength_nm: expected 2 to 10000": lambda: Spectrum([300], [1]),
+    "wavelength_nm: expected 2 or more": lambda: Spectrum([], []),
+    "wavelength_nm: expected wavelengths that grow, found 400 and then 300": lambda: Spectrum(
+        [400, 300], [1, 1]
+    ),
+    "value: expected numbers that are finite and not negative, found -1": lambda: Spectrum(
+        [300, 400], [-1, 1]
+    ),
+    "value: expected one for each of 2 wavelengths, found 3": lambda: Spectrum(
+        [300, 400], [1, 1, 1]
+    ),
+    "spectra: expected one to three, found 0": lambda: ExtraReflectance(0, []),
+    "expected a texture and spectra, found only a texture": lambda: ExtraReflectance(0, [None]),
+    "intensity: expected a number that is finite and not negative": lambda: PunctualLight(
+        intensity=-1
+    ),
+    "cones: expected 0 <= inner < outer": lambda: PunctualLight(type="spot", inner_cone_rad=1),
+    "type: expected one of directional, point, spot": lambda: PunctualLight(type="area"),
+    "light 0: world_from_light is not finite": lambda: PunctualLight(
+        world_from_light=np.full((4, 4), np.inf)
+    ),
+    "material 0: refers to texture 7": lambda: omma.Scene(materials=[Material(normal_texture=7)]),
+    "the normal of vertex 1 is zero": lambda: Mesh(
+        *TRIANGLE, normals=[[0, 0, 1], [0, 0, 0], [0, 0, 1]]
+    ),
     "pixels: expected": lambda: Image(np.zeros((2, 2), np.uint8)),
     "pixels: expected finite values": lambda: Image(np.full((2, 2, 3), np.nan)),
     "type: expected one of perspective": lambda: Camera(type="fisheye"),
@@ -341,6 +443,12 @@ def test_other_types_are_named():
         omma.Scene(background="sky")
     with pytest.raises(TypeError, match="double_sided: expected True or False, found int"):
         Material(double_sided=1)
+    with pytest.raises(TypeError, match=r"emission: expected omma.light.Spectrum or None, found"):
+        Material(emission=[1, 2])
+    with pytest.raises(TypeError, match=r"extra_reflectance: expected omma.scene.ExtraReflectance"):
+        Material(extra_reflectance=0)
+    with pytest.raises(TypeError, match=r"lights\[0\]: expected omma.scene.PunctualLight, found"):
+        omma.Scene(lights=[1])
 
 
 anything = st.one_of(
@@ -357,18 +465,28 @@ anything = st.one_of(
 
 
 @settings(max_examples=200, deadline=None)
-@given(st.sampled_from([Mesh, Image, Instance, Material, Camera, HitBox, TextureUse]), st.data())
+@given(
+    st.sampled_from(
+        [Mesh, Image, Instance, Material, Camera, HitBox, TextureUse, PunctualLight, Spectrum]
+    ),
+    st.data(),
+)
 def test_nonsense_is_refused_or_makes_a_value(part, data):
     """Whatever is given: an error of ours or a TypeError, or a part that a scene takes or names."""
     names = {
         Mesh: ("positions_m", "triangles", "colors", "texture_coordinates", "material", "name"),
         Image: ("pixels", "name"),
         Instance: ("mesh", "world_from_mesh", "name", "node"),
-        Material: ("name", "base_color", "emissive", "alpha_cutoff", "base_color_texture"),
+        Material: (
+            "name", "base_color", "emissive", "alpha_cutoff", "base_color_texture", "ior",
+            "specular_color", "normal_texture", "reflectance",
+        ),
         Camera: ("name", "yfov_rad", "extras", "world_from_camera"),
         HitBox: ("name", "positions_m", "triangles"),
         TextureUse: ("texture", "offset", "rotation_rad"),
-    }[part]
+        PunctualLight: ("name", "color", "intensity", "outer_cone_rad", "world_from_light"),
+        Spectrum: ("wavelength_nm", "value"),
+    }[part]  # fmt: skip
     with contextlib.suppress(omma.Error, TypeError):
         made = part(**{name: data.draw(anything) for name in names})
         assert pickle.loads(pickle.dumps(made)) == made

@@ -1,4 +1,5 @@
-"""Light in bands of wavelengths: what red, green and blue stand for, and what they are in bands."""
+"""Light in bands of wavelengths: what red, green and blue stand for, and what they are in bands;
+spectra."""
 
 import lazy_loader
 

@@ -1,6 +1,16 @@
 from .files import Camera, load_scene, save_scene
 from .joining import merge_scenes, place_scene
-from .parts import HitBox, Image, Instance, Material, Mesh, Texture, TextureUse
+from .parts import (
+    ExtraReflectance,
+    HitBox,
+    Image,
+    Instance,
+    Material,
+    Mesh,
+    PunctualLight,
+    Texture,
+    TextureUse,
+)
 from .solids import box, cylinder, disc, plane, sphere
 from .trimesh_scenes import from_trimesh
 from .walls import corridor, drum
@@ -8,11 +18,13 @@ from .world import WorldInstance
 
 __all__ = [
     "Camera",
+    "ExtraReflectance",
     "HitBox",
     "Image",
     "Instance",
     "Material",
     "Mesh",
+    "PunctualLight",
     "Texture",
     "TextureUse",
     "WorldInstance",

@@ -23,7 +23,7 @@ from omma.base.arguments import array_of, checked
 
 @checked
 def place_scene(scene: Scene, world_from_scene: ArrayLike) -> Scene:
-    """The same scene at another place: its instances, cameras and hit boxes, all together.
+    """The same scene at another place: its instances, cameras, lamps and hit boxes, all together.
 
     Args:
         world_from_scene: (4, 4), m, applied after where each of them is already.
@@ -43,6 +43,9 @@ def place_scene(scene: Scene, world_from_scene: ArrayLike) -> Scene:
         ],
         hit_boxes=[
             one.replace(world_from_mesh=matrix @ one.world_from_mesh) for one in scene.hit_boxes
+        ],
+        lights=[
+            one.replace(world_from_light=matrix @ one.world_from_light) for one in scene.lights
         ],
     )
 
@@ -75,6 +78,7 @@ def merge_scenes(scenes: Sequence[Scene], *, background: Background | None = Non
         name: []
         for name in (
             "meshes", "instances", "materials", "textures", "images", "cameras", "hit_boxes",
+            "lights",
         )
     }  # fmt: skip
     nodes = 0
@@ -87,6 +91,7 @@ def merge_scenes(scenes: Sequence[Scene], *, background: Background | None = Non
         parts["images"] += scene.images
         parts["cameras"] += scene.cameras
         parts["hit_boxes"] += scene.hit_boxes
+        parts["lights"] += scene.lights
         instances = scene.instances
         parts["instances"] += [_instance(one, before["meshes"], nodes) for one in instances]
         nodes += 1 + max((one.node for one in instances if one.node is not None), default=-1)
@@ -130,9 +135,14 @@ def _texture(texture: Texture, images: int) -> Texture:
 
 
 def _material(material: Material, textures: int) -> Material:
+    extra = material.extra_reflectance
     return material.replace(
         base_color_texture=_use(material.base_color_texture, textures),
         emissive_texture=_use(material.emissive_texture, textures),
+        metallic_roughness_texture=_use(material.metallic_roughness_texture, textures),
+        normal_texture=_use(material.normal_texture, textures),
+        diffuse_transmission_texture=_use(material.diffuse_transmission_texture, textures),
+        extra_reflectance=extra and extra.replace(texture=_use(extra.texture, textures)),
     )
 
 

@@ -1,0 +1,230 @@
+// Reflectances and transmittances in bands, from RGB and from spectra.
+#include "backend/scatter_data.h"
+
+#include <algorithm>
+#include <array>
+#include <set>
+#include <utility>
+
+#include "backend/texture_table.h"
+#include "light/bands.h"
+#include "model/spectrum.h"
+#include "omma/receptor.h"
+
+namespace omma {
+namespace {
+
+// Of linear red, green and blue of a colour, and of 1.
+using Weights = std::array<double, 4>;
+
+// Luminance of linear sRGB.
+constexpr std::array<double, 3> luminance_weights = {0.2126, 0.7152, 0.0722};
+
+// What a colour is at a wavelength. Below the visible RGB says nothing, and the caller does.
+Weights rgb_weights(double wavelength_nm, const Weights& ultraviolet) {
+  if (wavelength_nm < visible_from_nm) return ultraviolet;
+  const std::array<double, 3> part = primary_spectra(std::min(wavelength_nm, visible_to_nm));
+  return {part[0], part[1], part[2], 0};
+}
+
+// The same of a material whose spectrum is known at a colour of some luminance. Beyond a table its
+// last value is held where light is visible to us, and above.
+Weights table_weights(const Spectrum& table, double luminance, double wavelength_nm,
+                      const Weights& ultraviolet) {
+  const bool known =
+      wavelength_nm >= table.wavelength_nm.front() && wavelength_nm <= table.wavelength_nm.back();
+  if (!known && wavelength_nm < visible_from_nm) return ultraviolet;
+  const double value = held_spectrum(table, wavelength_nm) / luminance;
+  return {luminance_weights[0] * value, luminance_weights[1] * value, luminance_weights[2] * value,
+          0};
+}
+
+// Means over the bands of a function that gives `columns` numbers for a wavelength: [band][column].
+template <std::size_t columns, typename At>
+std::vector<float> band_matrix(const Bands& bands, const At& at) {
+  std::vector<float> matrix(bands.count() * columns);
+  for (std::size_t c = 0; c < columns; ++c) {
+    const std::vector<double> means =
+        band_mean(bands, [&](double wavelength_nm) { return at(wavelength_nm)[c]; });
+    for (std::size_t b = 0; b < means.size(); ++b)
+      matrix[columns * b + c] = static_cast<float>(means[b]);
+  }
+  return matrix;
+}
+
+Weights scaled(const Weights& weights, double factor) {
+  return {weights[0] * factor, weights[1] * factor, weights[2] * factor, weights[3] * factor};
+}
+
+struct Maker {
+  const Scene& scene;
+  const Bands& bands;
+  ShadingData& shading;
+  ScatterData& data;
+
+  const float* keep(std::vector<float> matrix) const {
+    data.matrices.push_back(std::move(matrix));
+    return data.matrices.back().data();
+  }
+
+  std::int32_t texture(const TextureUse& use, ImageCodes codes) const {
+    return find_texture(scene, shading, use.texture, {}, codes);
+  }
+};
+
+void add_diffuse(const Maker& make, const Material& m, const Weights& ultraviolet,
+                 ScatterView& view) {
+  const auto weights = [&](const Spectrum& table, double wavelength_nm) {
+    return table.empty() ? rgb_weights(wavelength_nm, ultraviolet)
+                         : table_weights(table, m.spectral_luminance, wavelength_nm, ultraviolet);
+  };
+  // As glTF has it, what is transmitted is taken from what is reflected; spectra stand for
+  // themselves.
+  const bool shared = m.reflectance.empty() && m.transmittance.empty();
+  const double reflected = shared ? 1 - static_cast<double>(m.diffuse_transmission) : 1;
+  view.reflectance = make.keep(band_matrix<4>(make.bands, [&](double wavelength_nm) {
+    return scaled(weights(m.reflectance, wavelength_nm), reflected);
+  }));
+  if (m.transmittance.empty() && m.diffuse_transmission == 0) return;
+  const double transmitted = m.transmittance.empty() ? m.diffuse_transmission : 1;
+  view.transmittance = make.keep(band_matrix<4>(make.bands, [&](double wavelength_nm) {
+    return scaled(weights(m.transmittance, wavelength_nm), transmitted);
+  }));
+  view.transmits_base_color = !m.transmittance.empty();
+  if (view.transmits_base_color) return;
+  view.transmission_color = m.diffuse_transmission_color;
+  view.transmission_texture = make.texture(m.diffuse_transmission_texture, ImageCodes::srgb);
+}
+
+void add_extra(const Maker& make, const ExtraReflectance& extra, ScatterView& view) {
+  if (extra.texture.texture < 0) return;
+  view.extra_texture = make.texture(extra.texture, ImageCodes::linear);
+  std::vector<float> matrix(3 * make.bands.count());
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::vector<double> means = band_mean(make.bands, extra.spectrum[c]);
+    for (std::size_t b = 0; b < means.size(); ++b) matrix[3 * b + c] = static_cast<float>(means[b]);
+  }
+  view.extra = make.keep(std::move(matrix));
+}
+
+// The reflection of the surface: of an unlit material none.
+void add_surface(const Maker& make, const Material& m, ScatterView& view) {
+  view.specular = 0;
+  if (m.unlit) return;
+  view.metallic = m.metallic;
+  view.roughness = m.roughness;
+  view.roughness_texture = make.texture(m.metallic_roughness_texture, ImageCodes::linear);
+  view.normal_texture = make.texture(m.normal_texture, ImageCodes::linear);
+  view.normal_scale = m.normal_scale;
+  view.ior = m.ior;
+  view.specular = m.specular;
+  view.transmission = m.transmission;
+  view.clearcoat = m.clearcoat;
+  view.clearcoat_roughness = m.clearcoat_roughness;
+  const Vec3 tint = m.specular_color;
+  if (tint == Vec3{1, 1, 1}) return;
+  // Below the visible as at its end: RGB says nothing of it, and reflections without a colour, of
+  // nearly all surfaces, have none there either.
+  view.specular_tint = make.keep(band_matrix<1>(make.bands, [&](double wavelength_nm) {
+    const Weights w = rgb_weights(std::max(wavelength_nm, visible_from_nm), {});
+    return std::array<double, 1>{w[0] * tint.x + w[1] * tint.y + w[2] * tint.z};
+  }));
+}
+
+ScatterView scatter_view(const Maker& make, const Material& material, const Weights& ultraviolet) {
+  ScatterView view;
+  add_diffuse(make, material, ultraviolet, view);
+  add_extra(make, material.extra, view);
+  add_surface(make, material, view);
+  return view;
+}
+
+void lay_out(const Mesh& mesh, const Material& m, const ScatterView& scatter, bool large,
+             ShadingData& shading, MeshView& view) {
+  // Textures are mostly read with the same coordinates, which are then made once.
+  std::vector<std::pair<const TextureUse*, const Vec2*>> made;
+  if (view.base_uv != nullptr)
+    made.emplace_back(&m.base_color_texture, reinterpret_cast<const Vec2*>(view.base_uv));
+  const auto add = [&](const TextureUse& use, std::int32_t texture, const float*& uv,
+                       const float*& density) {
+    if (texture < 0) return;
+    const auto same = std::find_if(made.begin(), made.end(), [&](const auto& one) {
+      TextureUse other = *one.first;
+      other.texture = use.texture;
+      return other == use;
+    });
+    const Vec2* uvs =
+        same == made.end() ? texture_coordinates(mesh, use, large, shading) : same->second;
+    if (same == made.end()) made.emplace_back(&use, uvs);
+    uv = &uvs->x;
+    density = texel_densities(mesh, uvs, texture, large, shading);
+  };
+  add(m.metallic_roughness_texture, scatter.roughness_texture, view.roughness_uv,
+      view.roughness_density);
+  add(m.normal_texture, scatter.normal_texture, view.normal_uv, view.normal_density);
+  add(m.diffuse_transmission_texture, scatter.transmission_texture, view.transmission_uv,
+      view.transmission_density);
+  add(m.extra.texture, scatter.extra_texture, view.extra_uv, view.extra_density);
+}
+
+// Whether a table says all between two wavelengths.
+bool covers(const Spectrum& table, double from_nm, double to_nm) {
+  return !table.empty() && table.wavelength_nm.front() <= from_nm &&
+         table.wavelength_nm.back() >= to_nm;
+}
+
+}  // namespace
+
+std::unique_ptr<ScatterData> make_scatter_data(const Scene& scene, const Light& light,
+                                               ShadingData& shading) {
+  auto data = std::make_unique<ScatterData>();
+  const Maker make{scene, light.bands, shading, *data};
+  const auto ultraviolet = [&](std::size_t material) {
+    return material < light.ultraviolet.size() ? light.ultraviolet[material] : Weights{};
+  };
+  for (std::size_t i = 0; i < scene.materials.size(); ++i)
+    data->materials.push_back(scatter_view(make, scene.materials[i], ultraviolet(i)));
+  Material usual;  // of glTF: a white, rough metal
+  usual.metallic = 1;
+  data->materials.push_back(scatter_view(make, usual, ultraviolet(scene.materials.size())));
+
+  const bool large = is_large(scene);
+  for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
+    const Mesh& mesh = scene.meshes[i];
+    MeshView& view = shading.meshes[i];
+    if (!mesh.normals.empty()) view.normals = &mesh.normals.data()->x;
+    if (mesh.material < 0) continue;
+    const auto material = static_cast<std::size_t>(mesh.material);
+    lay_out(mesh, scene.materials[material], data->materials[material], large, shading, view);
+  }
+  shading.view.textures = shading.textures.data();
+  return data;
+}
+
+std::vector<int> materials_without_ultraviolet(const Scene& scene, const Bands& bands) {
+  std::vector<double> sampled_nm;
+  const std::size_t samples = bands.wavelength_nm.size();
+  for (std::size_t s = 0; s < samples; ++s) {
+    bool used = false;
+    for (std::size_t b = 0; b < bands.count(); ++b) used |= bands.weight[b * samples + s] > 0;
+    if (used && bands.wavelength_nm[s] < visible_from_nm)
+      sampled_nm.push_back(bands.wavelength_nm[s]);
+  }
+  if (sampled_nm.empty()) return {};
+  const auto is_known = [&](const Spectrum& table) {
+    return covers(table, sampled_nm.front(), sampled_nm.back());
+  };
+  std::set<int> in_use, found;
+  for (const Instance& instance : scene.instances)
+    in_use.insert(scene.meshes[static_cast<std::size_t>(instance.mesh)].material);
+  for (const int index : in_use) {
+    const Material material =
+        index < 0 ? Material{} : scene.materials[static_cast<std::size_t>(index)];
+    const bool transmits = !material.transmittance.empty() || material.diffuse_transmission > 0;
+    if (!is_known(material.reflectance) || (transmits && !is_known(material.transmittance)))
+      found.insert(index);
+  }
+  return {found.begin(), found.end()};
+}
+
+}  // namespace omma

@@ -1,0 +1,57 @@
+// Checks of spectra, and their values.
+#include "model/spectrum.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "omma/error.h"
+
+namespace omma {
+namespace {
+
+constexpr double shortest_nm = 100, longest_nm = 5000;
+constexpr std::size_t most_knots = 10000;
+
+std::string short_text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
+
+}  // namespace
+
+void check_spectrum(const Spectrum& spectrum, const std::string& place, double most) {
+  const std::size_t knots = spectrum.wavelength_nm.size();
+  if (spectrum.value.size() != knots)
+    throw Error(place + "value: expected one for each of " + std::to_string(knots) +
+                " wavelengths, found " + std::to_string(spectrum.value.size()));
+  if (knots == 0) return;
+  if (knots < 2 || knots > most_knots)
+    throw Error(place + "wavelength_nm: expected 2 to " + std::to_string(most_knots) +
+                " wavelengths, found " + std::to_string(knots));
+  for (std::size_t k = 0; k < knots; ++k) {
+    const double wavelength = spectrum.wavelength_nm[k], value = spectrum.value[k];
+    if (!(wavelength >= shortest_nm && wavelength <= longest_nm))
+      throw Error(place + "wavelength_nm: expected 100 to 5000, found " + short_text(wavelength));
+    if (k > 0 && !(wavelength > spectrum.wavelength_nm[k - 1]))
+      throw Error(place + "wavelength_nm: expected wavelengths that grow, found " +
+                  short_text(spectrum.wavelength_nm[k - 1]) + " and then " +
+                  short_text(wavelength));
+    if (!(value >= 0 && value <= most))
+      throw Error(place + "value: expected " +
+                  (most == 1 ? "0 to 1" : "numbers that are finite and not negative") + ", found " +
+                  short_text(value) + " at " + short_text(wavelength) + " nm");
+  }
+}
+
+double held_spectrum(const Spectrum& spectrum, double wavelength_nm) {
+  const std::vector<double>& knots = spectrum.wavelength_nm;
+  const auto above = std::upper_bound(knots.begin(), knots.end(), wavelength_nm);
+  if (above == knots.begin()) return spectrum.value.front();
+  if (above == knots.end()) return spectrum.value.back();
+  const auto k = static_cast<std::size_t>(above - knots.begin());
+  const double t = (wavelength_nm - knots[k - 1]) / (knots[k] - knots[k - 1]);
+  return spectrum.value[k - 1] * (1 - t) + spectrum.value[k] * t;
+}
+
+}  // namespace omma
