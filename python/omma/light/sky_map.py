@@ -1,0 +1,117 @@
+"""Sky maps as the engine has them: radiance looked up by direction, added up over a hemisphere,
+turned, and made from equirectangular pictures.
+
+A map is (2, rows, columns, components, channels): the half above the horizon, then the one below;
+rows from the horizon to the zenith or the nadir, both included; columns from -Z (azimuth 0) to the
+right; I, or I, Q, U with the reference axis up.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Map = NDArray[np.float32]
+
+# Of sums over a hemisphere: intervals between rows are cut to this, or finer where the map is.
+_STEP_DEG = 1.0
+
+
+def sky_nodes(rows: int, columns: int) -> tuple[Floats, Floats]:
+    """Elevations (2, rows) and azimuths (columns,) of a map's nodes, rad."""
+    above = np.linspace(0, np.pi / 2, rows)
+    return np.stack([above, -above]), np.arange(columns) * 2 * np.pi / columns
+
+
+def look_up(sky: Map, direction: Floats) -> Floats:
+    """What a map says of directions (..., 3), unit vectors: (..., components, channels)."""
+    elevation = np.arcsin(np.clip(direction[..., 1], -1, 1))
+    azimuth = np.arctan2(direction[..., 0], -direction[..., 2])
+    found = 0.0
+    for share, node in _corners(sky.shape[1], sky.shape[2], elevation, azimuth):
+        found = found + share[..., None, None] * sky[node].astype(np.float64)
+    return np.asarray(found)
+
+
+def irradiance(sky: Map, normal: Floats) -> Floats:
+    """What falls on a surface with that normal (3,), from all of a map: (channels,) of I.
+
+    Gauss-Legendre over elevation, the mean over azimuth: to 1e-5, and 1e-4 where the surface's own
+    horizon cuts through the map.
+    """
+    rows, columns = sky.shape[1:3]
+    pieces = (rows - 1) * max(1, int(np.ceil(90 / (rows - 1) / _STEP_DEG)))
+    x, w = np.polynomial.legendre.leggauss(3)
+    edges = np.linspace(0, np.pi / 2, pieces + 1)
+    half = (edges[1] - edges[0]) / 2
+    above = ((edges[:-1] + half)[:, None] + half * x).ravel()
+    weight = np.tile(half * w, pieces) * np.cos(above)
+    around = columns * max(1, int(np.ceil(360 / columns)))
+    azimuth = (np.arange(around) + 0.5) * 2 * np.pi / around
+    total = np.zeros(2 * rows * columns)
+    for elevation in (above, -above):
+        e, a = np.meshgrid(elevation, azimuth, indexing="ij")
+        towards = np.stack([np.cos(e) * np.sin(a), np.sin(e), -np.cos(e) * np.cos(a)], -1)
+        share_of = np.maximum(towards @ normal, 0) * (weight * 2 * np.pi / around)[:, None]
+        for share, node in _corners(rows, columns, e, a):
+            index = np.ravel_multi_index(node, (2, rows, columns))
+            total += np.bincount(index.ravel(), (share * share_of).ravel(), len(total))
+    return np.asarray(total @ sky[:, :, :, 0].reshape(len(total), -1).astype(np.float64))
+
+
+def turned(sky: Map, azimuth_rad: float) -> Map:
+    """The map turned to the right, seen from above; between columns linear."""
+    columns = sky.shape[2]
+    shift = azimuth_rad / (2 * np.pi) * columns
+    whole = int(np.floor(shift))
+    rest = np.float32(shift - whole)
+    return (1 - rest) * np.roll(sky, whole, 2) + rest * np.roll(sky, whole + 1, 2)
+
+
+def from_equirectangular(picture: Floats) -> Map:
+    """The map of an equirectangular picture (height, width, components, channels): ahead (-Z) in
+    the middle, row 0 at the top.
+
+    Nodes are as far apart as pixels, between them; the rows next to the horizon belong to one half
+    each, and at the zenith and the nadir all columns are the mean of the rows there.
+    """
+    height, width = picture.shape[:2]
+    rows, columns = max(2, (height + 1) // 2 + 1), max(4, width)
+    elevation, azimuth = sky_nodes(rows, columns)
+    # Column 0 looks ahead, which is the picture's middle.
+    column = (azimuth / (2 * np.pi) + 0.5) * width - 0.5
+    left = np.floor(column).astype(int)
+    part = (column - left)[:, None, None]
+    across = (1 - part) * picture[:, left % width] + part * picture[:, (left + 1) % width]
+    halves = []
+    for k, nodes in enumerate(elevation):
+        row = (0.5 - nodes / np.pi) * height - 0.5
+        low, high = (0, (height - 1) // 2) if k == 0 else (height // 2, height - 1)
+        row = np.clip(row, low, high)
+        top = np.floor(row).astype(int)
+        down = (row - top)[:, None, None, None]
+        half = (1 - down) * across[top] + down * across[np.minimum(top + 1, high)]
+        half[-1] = half[-1].mean(axis=0)
+        halves.append(half)
+    return np.stack(halves).astype(np.float32)
+
+
+def _corners(
+    rows: int, columns: int, elevation: Floats, azimuth: Floats
+) -> list[tuple[Floats, tuple[NDArray[np.int64], ...]]]:
+    """The four nodes around directions and the share that each has in what is between them."""
+    half = (elevation < 0).astype(np.int64)
+    row = np.clip(np.abs(elevation) / (np.pi / 2), 0, 1) * (rows - 1)
+    low = np.minimum(row.astype(np.int64), rows - 2)
+    up = row - low
+    column = (azimuth / (2 * np.pi)) % 1.0 * columns
+    left = column.astype(np.int64) % columns
+    along = column - np.floor(column)
+    right = (left + 1) % columns
+    return [
+        ((1 - up) * (1 - along), (half, low, left)),
+        ((1 - up) * along, (half, low, right)),
+        (up * (1 - along), (half, low + 1, left)),
+        (up * along, (half, low + 1, right)),
+    ]
