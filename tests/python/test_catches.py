@@ -1,4 +1,4 @@
-"""What receptors make of bands of light: matrices, photons caught, polarisation, errors of bands."""
+"""What receptors make of light in bands: matrices, photons, polarisation, and how wrong it is."""
 
 import numpy as np
 import pytest

@@ -260,4 +260,4 @@ class Bands:
             )
         columns = values.reshape(len(knots), -1).T
         at = np.array([np.interp(self.wavelength_nm, knots, column) for column in columns]).T
-        return at.reshape(len(self.wavelength_nm), *values.shape[1:])
+        return np.asarray(at.reshape(len(self.wavelength_nm), *values.shape[1:]))

@@ -26,6 +26,8 @@ F = TypeVar("F", bound=Callable[..., Any])
 Recipe = tuple[str, dict[str, Any]]
 
 _LARGEST_DISC_RAD = 0.1
+# Letters of a repr for how a light was made.
+_LONGEST = 120
 
 
 @value_class
@@ -74,11 +76,16 @@ class Disc:
         """What falls on a surface that faces it: (B,)."""
         return np.asarray(self.radiance * np.pi * np.sin(self.angular_radius_rad) ** 2)
 
-    def radiance_at(self, direction: Floats) -> Floats:
-        """Radiance in directions (..., 3), unit vectors: (..., B), 0 beside the disc."""
-        sine = np.linalg.norm(np.cross(direction, self.direction), axis=-1)
+    def radiance_at(self, direction: ArrayLike) -> Floats:
+        """Radiance in directions (..., 3): (..., B), 0 beside the disc.
+
+        Raises:
+            omma.Error: directions that are zero or not finite.
+        """
+        towards = _directions(direction)
+        sine = np.linalg.norm(np.cross(towards, self.direction), axis=-1)
         out = sine / np.sin(self.angular_radius_rad)
-        inside = (out <= 1) & (direction @ self.direction > 0)
+        inside = (out <= 1) & (towards @ self.direction > 0)
         found = np.ones((*inside.shape, len(self.radiance)))
         if self.limb_darkening is not None:
             mu = np.sqrt(np.maximum(1 - out**2, 0))[..., None]
@@ -146,6 +153,7 @@ class Light:
             name, arguments = self.recipe
             own = [f"{k}={v!r:.60}" for k, v in arguments.items() if k not in ("bands", "unit")]
             made = f"{name}({', '.join(own)})"
+            made = made if len(made) <= _LONGEST else made[: _LONGEST - 4] + "...)"
         return f"Light({made}, {self.bands!r}, {self.unit})"
 
     def __reduce__(self) -> tuple[Callable[..., Light], tuple[Any, ...]]:
@@ -278,11 +286,11 @@ def makes_light(function: F) -> F:
 def _made(name: str, arguments: dict[str, Any]) -> Light:
     if "light" in arguments:
         rest = {key: value for key, value in arguments.items() if key != "light"}
-        return cast(Light, getattr(arguments["light"], name)(**rest))
+        return getattr(arguments["light"], name)(**rest)  # type: ignore[no-any-return]
     # Here, as the makers' modules import this one.
     from omma.light import skies
 
-    return cast(Light, getattr(skies, name)(**arguments))
+    return getattr(skies, name)(**arguments)  # type: ignore[no-any-return]
 
 
 def _of_fields(own: dict[str, Any]) -> Light:
@@ -303,7 +311,7 @@ def _strengths(value: Any, name: str, shape: tuple[int | None, ...]) -> Floats:
     if not np.all(np.isfinite(numbers)) or np.any(numbers < 0):
         raise Error(f"{name}: expected finite numbers of at least 0")
     numbers.flags.writeable = False
-    return numbers
+    return np.asarray(numbers)
 
 
 def _checked_sky(sky: Any, bands: int, matrix: Floats | None) -> NDArray[np.float32]:

@@ -78,7 +78,7 @@ def uniform_sky(
         raise Error("radiance: expected finite numbers of at least 0")
     if not (np.isfinite(below) and below >= 0):
         raise Error(f"below: expected a number of at least 0, found {below}")
-    sky = np.empty((2, 2, 4, 1, len(bands)))
+    sky = np.empty((2, 2, 4, 1, len(bands)), np.float32)
     sky[0], sky[1] = each, below * each
     return Light(bands, unit, sky)
 
@@ -251,7 +251,7 @@ def overcast_sky(
     rows = 91
     elevation, _ = sky_nodes(rows, 4)
     shape = np.stack([(1 + 2 * np.sin(elevation[0])) / 3, np.zeros(rows)])
-    sky = np.empty((2, rows, 4, 1, len(clear.bands)))
+    sky = np.empty((2, rows, 4, 1, len(clear.bands)), np.float32)
     # A sky of this shape with 1 in the zenith gives 7/9 pi on level ground.
     sky[:] = shape[:, :, None, None, None] * level / (7 / 9 * np.pi)
     sky[1] = albedo * level / np.pi

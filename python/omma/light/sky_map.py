@@ -28,10 +28,10 @@ def look_up(sky: Map, direction: Floats) -> Floats:
     """What a map says of directions (..., 3), unit vectors: (..., components, channels)."""
     elevation = np.arcsin(np.clip(direction[..., 1], -1, 1))
     azimuth = np.arctan2(direction[..., 0], -direction[..., 2])
-    found = 0.0
+    found = np.zeros((*elevation.shape, *sky.shape[3:]))
     for share, node in _corners(sky.shape[1], sky.shape[2], elevation, azimuth):
-        found = found + share[..., None, None] * sky[node].astype(np.float64)
-    return np.asarray(found)
+        found += share[..., None, None] * sky[node]
+    return found
 
 
 def irradiance(sky: Map, normal: Floats) -> Floats:
@@ -66,7 +66,8 @@ def turned(sky: Map, azimuth_rad: float) -> Map:
     shift = azimuth_rad / (2 * np.pi) * columns
     whole = int(np.floor(shift))
     rest = np.float32(shift - whole)
-    return (1 - rest) * np.roll(sky, whole, 2) + rest * np.roll(sky, whole + 1, 2)
+    left, right = np.roll(sky, whole, 2), np.roll(sky, whole + 1, 2)
+    return np.asarray((1 - rest) * left + rest * right)
 
 
 def from_equirectangular(picture: Floats) -> Map:

@@ -93,7 +93,8 @@ def band_error(
     def catches(of: Bands) -> Floats:
         spectra = np.concatenate([_spectra(one.in_bands(of)) for one in lights])
         given_back = of.mean(rows.T, nm).T ** count
-        return np.einsum("lb,kb,tb->lkt", spectra, given_back, receptor_matrix(receptors, bands=of))
+        matrix = receptor_matrix(receptors, bands=of)
+        return np.asarray(np.einsum("lb,kb,tb->lkt", spectra, given_back, matrix))
 
     truth = catches(fine)
     error = np.full(truth.shape, np.nan)

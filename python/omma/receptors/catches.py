@@ -58,7 +58,8 @@ def photon_catch(
             f"which {unknown} of {count} receptors lack"
         )
     per_type = np.array([sensitivity_integral_nm(one) for one in eye.receptor_types])
-    return answers * sensitivity * per_type[eye.receptor_type] * integration_time_s
+    per_response = sensitivity * per_type[eye.receptor_type] * integration_time_s
+    return np.asarray(answers * per_response)
 
 
 @checked

@@ -17,7 +17,7 @@ from omma import _core
 from omma._core import Error, Eye
 from omma._core import ReceptorType as ReceptorType
 from omma.base.arguments import array_of, arrays_of, checked
-from omma.light.bands import Bands, band_edges, band_means
+from omma.light.bands import Bands, band_means
 
 Floats = NDArray[np.float64]
 Responses = NDArray[np.float32]
@@ -112,12 +112,13 @@ def receptor_matrix(
         given = "edges_nm" if bands is None else "bands"
         if ultraviolet is not None:
             raise Error(f"ultraviolet: is for RGB; not together with {given}")
-        if bands is None:
-            bands = Bands.from_edges(band_edges(edges_nm))
-        elif edges_nm is not None:
+        if bands is not None and edges_nm is not None:
             raise Error("edges_nm: not together with bands, which say where they are")
-        rows = [_band_weights(one, bands) / sensitivity_integral_nm(one) for one in types]
-        return np.array(rows, np.float64).reshape(len(rows), len(bands))
+        if edges_nm is not None:
+            bands = Bands.from_edges(edges_nm)
+        assert bands is not None
+        shares = [_band_weights(one, bands) / sensitivity_integral_nm(one) for one in types]
+        return np.array(shares, np.float64).reshape(len(shares), len(bands))
     mix = np.zeros(3) if ultraviolet is None else array_of(ultraviolet, "ultraviolet")
     if mix.shape != (3,) or not np.all(np.isfinite(mix)) or np.any(mix < 0):
         raise Error(
