@@ -13,40 +13,27 @@ from omma.base.directions import direction
 from omma.light.bands import Bands
 from omma.light.lights import Disc, Light, makes_light
 from omma.light.sky_map import sky_nodes
+from omma.light.sky_tables import (
+    LOWEST_SUN_DEG,
+    SUN_DIAMETER_DEG,
+    WAVELENGTH_RANGE_NM,
+    clear_sky_map,
+    sun_limb_darkening,
+)
 from omma.light.sun_position import sun_position
 from omma.light.units import Unit, check_unit
 
 Floats = NDArray[np.float64]
 
-_SUN_RADIUS_RAD = float(np.radians(0.533 / 2))  # at its mean distance
-_MOON_RADIUS_RAD = float(np.radians(0.518 / 2))
-
-# Mean radiance of the sun's disc over that at its centre (Neckel and Labs, Solar Physics 153:91,
-# 1994, table 1), between its lines. That of 1 - u (1 - mu) is 1 - u/3.
-_LIMB_NM = (
-    303.3,
-    329.9,
-    349.9,
-    374.1,
-    402.0,
-    427.9,
-    457.3,
-    492.9,
-    541.8,
-    579.9,
-    611.0,
-    669.4,
-    700.9,
-)
-_MEAN_OVER_CENTRE = (
-    0.6826, 0.7116, 0.7260, 0.7288, 0.7303, 0.7495, 0.7651, 0.7823, 0.8002, 0.8125, 0.8221, 0.8360,
-    0.8434,
-)  # fmt: skip
+_MOON_RADIUS_RAD = float(np.radians(0.518 / 2))  # at its mean distance
 
 # Visual magnitudes of the sun and of the full moon, and how much a moon that is not full loses
 # (Allen, Astrophysical Quantities, 3rd edition, 1973), good to 150 degrees of phase angle.
 _SUN_MAGNITUDE, _FULL_MOON_MAGNITUDE = -26.74, -12.73
 _MOST_PHASE_DEG = 150.0
+
+# So that rounding stays far below what is looked at.
+_MOST_AZIMUTH_DEG = 1e6
 
 
 @checked
@@ -98,14 +85,14 @@ def clear_sky(
     """A sky without clouds and its sun, by day and in twilight, polarised.
 
     From tables of radiative transfer with all orders of scattering, ozone and haze; docs/light.md
-    says how they were made and how exact they are. The sun's disc is 0.533° wide, darker towards
-    its limb (Neckel and Labs 1994). Below the horizon is even ground.
+    says how they were made and how exact they are. The sun's disc is 0.533° wide and darker towards
+    its limb. Below the horizon is even ground.
 
     Args:
-        sun_elevation_deg: of the sun's centre, without refraction.
+        sun_elevation_deg: of the sun's centre, without refraction, -8 to 90.
         sun_azimuth_deg: from -Z to the right (from north to the east, where -Z is north).
-        aerosol: optical depth of haze at 550 nm.
-        ozone_du: in a column of air, Dobson units.
+        aerosol: optical depth of haze at 550 nm, 0 to 0.3.
+        ozone_du: in a column of air, 200 to 450 Dobson units.
         albedo: share of light that the land around gives back, 0 to 1.
         bands: by default 16 of 25 nm from 300 to 700 nm.
         unit: "photons" m⁻² s⁻¹ sr⁻¹ nm⁻¹ or "watts" m⁻² sr⁻¹ nm⁻¹.
@@ -115,11 +102,9 @@ def clear_sky(
     """
     bands = bands or Bands.equal()
     check_unit(unit)
-    if not np.isfinite(sun_azimuth_deg):
-        raise Error(f"sun_azimuth_deg: expected a finite angle, found {sun_azimuth_deg}")
-    # Here, as it reads tables.
-    from omma.light.sky_tables import clear_sky_map
-
+    low, high = bands.wavelength_nm[[0, -1]]
+    if low < WAVELENGTH_RANGE_NM[0] or high > WAVELENGTH_RANGE_NM[1]:
+        raise Error(f"bands: expected some within 300 to 700 nm, found {low:g} to {high:g} nm")
     sky, sun = clear_sky_map(
         bands.wavelength_nm,
         bands.weight,
@@ -130,8 +115,9 @@ def clear_sky(
         albedo=albedo,
         unit=unit,
     )
-    limb = bands.mean(lambda nm: 3 * (1 - np.interp(nm, _LIMB_NM, _MEAN_OVER_CENTRE)))
-    discs = _disc(sun_elevation_deg, sun_azimuth_deg, _SUN_RADIUS_RAD, sun, limb)
+    limb = bands.mean(sun_limb_darkening)
+    radius = float(np.radians(SUN_DIAMETER_DEG / 2))
+    discs = _disc(sun_elevation_deg, sun_azimuth_deg, radius, sun, limb)
     return Light(bands, unit, sky, discs=discs)
 
 
@@ -199,6 +185,8 @@ def moonlit_sky(
     Raises:
         omma.Error: a number out of range.
     """
+    within(moon_elevation_deg, "moon_elevation_deg", LOWEST_SUN_DEG, 90)
+    within(moon_azimuth_deg, "moon_azimuth_deg", -_MOST_AZIMUTH_DEG, _MOST_AZIMUTH_DEG)
     within(phase_angle_deg, "phase_angle_deg", -_MOST_PHASE_DEG, _MOST_PHASE_DEG)
     sunlit = clear_sky(
         moon_elevation_deg, moon_azimuth_deg, aerosol=aerosol, ozone_du=ozone_du, albedo=albedo,
