@@ -1,6 +1,6 @@
 """Draws the figures of docs/light.md: how Stokes vectors are meant, and a sky.
 
-    python docs/make_light_figures.py            (into docs/)
+python docs/make_light_figures.py            (into docs/)
 """
 
 from pathlib import Path
@@ -55,6 +55,7 @@ def draw_dome(panel):
     arrow(panel, view, d, d + 0.5 * e1, BLUE, "e₁, up", (0.27, 0.04))
     arrow(panel, view, d, d + 0.5 * e2, RED, "e₂ = d × e₁", (0.2, -0.11))
     text(panel, view, np.array([0, 1.1, 0]), "up, +Y", GREY)
+    text(panel, view, np.array([0, -0.95, 0]), "d: from the eye towards the light", INK)
     ready(panel, "light from afar", (-1.15, 1.65))
 
 
@@ -97,13 +98,16 @@ def draw_ommatidium(panel):
     text(panel, view, 0.68 * (np.cos(phi / 2) * up + np.sin(phi / 2) * right), "φ", GREEN)
     text(panel, view, np.array([-0.62, -0.52, 0]), "microvilli", GREEN)
     ray = direction(52, 4)
-    arrow(panel, view, middle, 1.25 * ray, INK, "ray", (-0.08, -0.12))
+    arrow(panel, view, middle, 1.25 * ray, INK, "ray", (-0.3, -0.14))
     carried = shortest_turn(axis, ray) @ up
     end = 1.25 * ray
     arrow(panel, view, end, end + 0.45 * carried, BLUE, "e₁", (0, 0.09))
     arrow(panel, view, end, end + 0.45 * np.cross(ray, carried), RED, "e₂", (0.10, -0.08))
     between = unit(np.array([axis * (1 - t) + ray * t for t in np.linspace(0, 1, 20)]))
     line(panel, view, 0.9 * between, GREY, 0.8, ":")
+    panel.text(
+        0.45, -1.2, "a receptor sees\nI + m (Q cos 2φ + U sin 2φ)", ha="center", fontsize="small"
+    )
     ready(panel, "a ray of an ommatidium", (-0.95, 1.85))
 
 
