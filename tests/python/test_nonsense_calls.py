@@ -10,6 +10,7 @@ import json
 import random
 import re
 import warnings
+from datetime import datetime, timezone
 from inspect import signature
 
 import numpy as np
@@ -25,7 +26,7 @@ from omma import species
 CALLS = 16
 CALLS_OF_SLOW = 4
 SLOW = {
-    "plot_acceptance", "plot_eye_maps", "plot_poster", "plot_responses", "plot_species",
+    "plot_acceptance", "plot_eye_maps", "plot_poster", "plot_responses", "plot_sky", "plot_species",
     "species.build",
 }  # fmt: skip
 
@@ -117,6 +118,8 @@ def public_calls(folder):
     found = omma.study.minimum_samples(renderer, pose[None], fraction=0.5, poses=1)
     speed = omma.study.measure_speed(scene, eye, pose, [1], frames=1, warm_up_s=0)
     png, csv = str(folder / "o.png"), str(folder / "o.csv")
+    few = omma.light.Bands.equal(4)
+    light = omma.light.clear_sky(30.0, bands=few)
     kept = str(folder / "kept.npy")
     omma.render_file(scene_file, kept, omma.Fixed(1), eyes=folder / "bug.eye")
     table = omma.Acceptance.table([0, 0.1, 0.2], [1, 0.5, 0])
@@ -233,6 +236,32 @@ def public_calls(folder):
         "pool": (np.zeros(1, np.float32), omma.eye.Wiring([0, 1], [0], [1.0])),
         "poses_from_angles": ((0, 0, 0), (0, 0, 0)),
         "poses_from_quaternions": ((0, 0, 0), (0, 0, 0, 1)),
+        "Bands": ([400.0, 500.0], [[1.0, 1.0]]),
+        "Bands.equal": (4,),
+        "Bands.from_edges": ([400.0, 500.0],),
+        "Bands.from_sensitivities": ([400.0, 500.0], [[1.0, 1.0]]),
+        "Disc": ((0, 1, 0), 0.004, [1.0]),
+        "Light": (few,),
+        "band_error": (light, [green]),
+        "clear_sky": {"sun_elevation_deg": 30.0, "bands": few},
+        "clear_sky_at": {
+            "date_time": datetime(2026, 6, 21, 12, tzinfo=timezone.utc), "latitude_deg": 50.0,
+            "longitude_deg": 10.0, "bands": few,
+        },
+        "moonlit_sky": {"moon_elevation_deg": 30.0, "bands": few},
+        "overcast_sky": {"sun_elevation_deg": 30.0, "bands": few},
+        "panorama": {"image": np.ones((2, 4, 3), np.float32), "ultraviolet": "dark", "bands": few},
+        "panorama_bands": {"radiance": np.ones((2, 4, 4)), "bands": few},
+        "photon_catch": {
+            "eye": bee.replace(facet_diameter_m=2e-5), "responses": np.ones(len(bee.receptor_type)),
+            "light": light, "integration_time_s": 0.01,
+        },
+        "photons_from_watts": (1.0, 500.0),
+        "plot_sky": {"paths": png, "light": light, "wavelengths_nm": [500.0], "size_mm": 40.0},
+        "polarisation_weights": (bee,),
+        "sun_position": (datetime(2026, 6, 21, 12, tzinfo=timezone.utc), 50.0, 10.0),
+        "uniform_sky": {"radiance": 1.0, "bands": few},
+        "watts_from_photons": (1.0, 500.0),
         "band_from_rgb": ([400.0, 500.0, 700.0],),
         "primary_spectra": ([500.0],),
         "project": (eye, rgb, "spherical_orientationwise", 16, 8),
@@ -302,6 +331,13 @@ def public_calls(folder):
             "with_background": (omma.Background.constant((1, 1, 1)),),
         }),
         "Lattice": (omma.eye.lay_directions(0.3), {}),
+        "Bands": (few, {"mean": ([1.0, 2.0], [300.0, 700.0])}),
+        "Disc": (omma.light.Disc((0, 1, 0), 0.004, [1.0]), {"radiance_at": ((0, 1, 0),)}),
+        "Light": (light, {
+            "radiance": ((0, 1, 0),), "irradiance": (), "turned": (10.0,), "scaled": (2.0,),
+            "in_bands": (few,),
+        }),
+        "BandError": (omma.receptors.BandError(np.zeros((1, 1, 1))), {}),
         "EyeMeasures": (measures, {}),
         "Ellipsoid": (sphere, {
             "onto": (1e-3 * directions,), "normals": (1e-3 * directions,),
@@ -328,7 +364,7 @@ def public_calls(folder):
         if dataclasses.is_dataclass(thing) and full not in good:
             continue  # results: whoever makes one knows what of
         yield full, thing, good.get(full, ())
-    for kind in (omma.Acceptance, omma.Background):
+    for kind in (omma.Acceptance, omma.Background, omma.light.Bands):
         for name, thing in vars(kind).items():
             if isinstance(thing, staticmethod) or type(thing).__name__ == "nb_func":
                 full = f"{kind.__name__}.{name}"

@@ -107,6 +107,12 @@ def examples(files, tmp_path_factory):
             position=(0, 1, 0),
         ),
         "light.Spectrum": omma.light.Spectrum([300, 700], [0.1, 0.2]),
+        "light.Bands": omma.light.Bands.equal(),
+        "light.Disc": omma.light.Disc((0, 1, 0), 0.004, [1.0, 2.0], [0.5, 0.6]),
+        "light.Light": omma.light.uniform_sky(2.0).turned(10).scaled(3),
+        "receptors.BandError": omma.receptors.band_error(
+            omma.light.uniform_sky(), omma.receptors.honeybee_ommatidia()[0].receptors
+        ),
         "receptors.OmmatidiumType": kind,
         "receptors.ReceptorType": all_round_eye().receptor_types[0],
         "rendering.Settings": omma.rendering.Settings(omma.Shared(4), seed=7),
@@ -148,7 +154,8 @@ def examples(files, tmp_path_factory):
 BY_IDENTITY = {"World", "Renderer", "Error"}
 UNHASHABLE = {
     "eye.EyeMeasures", "eye.HexagonalCoordinates", "eye.Lattice", "eye.LatticeCheck",
-    "eye.LensConeEye", "eye.Wiring",
+    "eye.LensConeEye", "eye.Wiring", "light.Bands", "light.Disc", "light.Light",
+    "receptors.BandError",
     "rendering.SamplingReport", "study.MinimumSamples", "study.SpeedTest",
     "mesh_surface()", "EyeMeasures.field",
 }  # fmt: skip

@@ -53,6 +53,13 @@ def positive(value: float, name: str) -> float:
     return float(value)
 
 
+def within(value: float, name: str, low: float, high: float) -> float:
+    """``value`` where it is a number from ``low`` to ``high``; omma.Error names the argument."""
+    if not (_is_number(value) and low <= value <= high):
+        raise Error(f"{name}: expected {low:g} to {high:g}, found {value!r:.40}")
+    return float(value)
+
+
 def array_of(
     value: Any, name: str, shape: tuple[int | None, ...] | None = None, dtype: Any = np.float64
 ) -> NDArray[Any]:
@@ -122,9 +129,11 @@ def arrays_of(**values: Any) -> list[NDArray[np.float64]]:
 _OWN = {
     "AcuteZone": "omma.eye.AcuteZone",
     "Background": "omma.Background",
+    "Bands": "omma.light.Bands",
     "Camera": "omma.scene.Camera",
     "Eye": "omma.Eye",
     "EyeMeasures": "omma.eye.EyeMeasures",
+    "Light": "omma.light.Light",
     "Method": "omma.study.Method",
     "MinimumSamples": "omma.study.MinimumSamples",
     "OmmatidiumType": "omma.receptors.OmmatidiumType",
@@ -154,7 +163,7 @@ _PLAIN: dict[str, tuple[Callable[[Any], bool], str]] = {
 _ALIASES = {
     "AxisAt": "Callable", "Density": "Callable", "FieldOfView": "Callable", "Measure": "str",
     "NormalOf": "Callable", "Progress": "Callable", "Projection": "str", "Finished": "Callable",
-    "Stage": "Callable", "Style": "str", "str | os.PathLike[str]": "PathLike",
+    "Stage": "Callable", "Style": "str", "Unit": "str", "str | os.PathLike[str]": "PathLike",
 }  # fmt: skip
 
 

@@ -1,5 +1,6 @@
-"""Light in bands of wavelengths: what red, green and blue stand for, and what they are in bands;
-spectra."""
+"""Light: bands of wavelengths, spectra, skies and what else a world is lit by in absolute units,
+and what red, green and blue stand for.
+"""
 
 import lazy_loader
 

@@ -1,8 +1,26 @@
-from .bands import band_from_rgb, primary_spectra
+from .bands import Bands, band_from_rgb, primary_spectra
+from .lights import Disc, Light
+from .panoramas import panorama, panorama_bands
+from .skies import clear_sky, clear_sky_at, moonlit_sky, overcast_sky, uniform_sky
 from .spectrum import Spectrum
+from .sun_position import sun_position
+from .units import photons_from_watts, watts_from_photons
 
 __all__ = [
+    "Bands",
+    "Disc",
+    "Light",
     "Spectrum",
     "band_from_rgb",
+    "clear_sky",
+    "clear_sky_at",
+    "moonlit_sky",
+    "overcast_sky",
+    "panorama",
+    "panorama_bands",
+    "photons_from_watts",
     "primary_spectra",
+    "sun_position",
+    "uniform_sky",
+    "watts_from_photons",
 ]

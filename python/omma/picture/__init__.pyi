@@ -13,6 +13,7 @@ from .id_maps import (
 from .poster import plot_poster, plot_species
 from .projections import PROJECTIONS, project, projection_ids
 from .response_plots import plot_responses
+from .sky_plots import plot_sky
 
 __all__ = [
     "PROJECTIONS",
@@ -28,6 +29,7 @@ __all__ = [
     "plot_eye_maps",
     "plot_poster",
     "plot_responses",
+    "plot_sky",
     "plot_species",
     "project",
     "projection_ids",

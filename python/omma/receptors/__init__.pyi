@@ -1,3 +1,5 @@
+from .band_error import BandError, band_error, natural_reflectances
+from .catches import photon_catch, polarisation_weights
 from .mosaic import OmmatidiumType, assign_receptors, honeybee_ommatidia, up_towards
 from .sensitivity import (
     ReceptorType,
@@ -12,14 +14,19 @@ from .sensitivity import (
 )
 
 __all__ = [
+    "BandError",
     "OmmatidiumType",
     "ReceptorType",
     "assign_receptors",
+    "band_error",
     "govardovskii",
     "honeybee_ommatidia",
     "microvillus_direction",
+    "natural_reflectances",
     "ommatidium_of_receptor",
     "optical_sensitivity",
+    "photon_catch",
+    "polarisation_weights",
     "receptor_axis",
     "receptor_matrix",
     "receptor_optical_sensitivity",

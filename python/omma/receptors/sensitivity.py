@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,10 +17,7 @@ from omma import _core
 from omma._core import Error, Eye
 from omma._core import ReceptorType as ReceptorType
 from omma.base.arguments import array_of, arrays_of, checked
-from omma.light.bands import band_edges, band_means
-
-if TYPE_CHECKING:
-    pass
+from omma.light.bands import Bands, band_means
 
 Floats = NDArray[np.float64]
 Responses = NDArray[np.float32]
@@ -76,6 +73,7 @@ def receptor_matrix(
     ultraviolet: ArrayLike | None = None,
     *,
     edges_nm: ArrayLike | None = None,
+    bands: Bands | None = None,
 ) -> Floats:
     """What receptors make of linear sRGB: (T, 3), weights of red, green and blue by type; or of
     bands of light: (T, B).
@@ -92,6 +90,8 @@ def receptor_matrix(
             as much as blue, (0, 0, 0.1) a tenth of it; for each type the same. None: nothing.
         edges_nm: (B + 1,), ascending, nm, of the bands of a world (`band_from_rgb`); the light in a
             band counts as the same at all its wavelengths. Not together with ``ultraviolet``.
+        bands: those of a world with light, instead of edges. Of bands that are no intervals, each
+            sensitivity is that sum of their weights which comes nearest (least squares).
 
     Example:
         >>> eye = omma.species.honeybee_worker().eye
@@ -108,18 +108,17 @@ def receptor_matrix(
         types = types.receptor_types
     elif isinstance(types, ReceptorType):
         types = [types]
-    if edges_nm is not None:
+    if edges_nm is not None or bands is not None:
+        given = "edges_nm" if bands is None else "bands"
         if ultraviolet is not None:
-            raise Error("ultraviolet: is for RGB; not together with edges_nm")
-        edges = band_edges(edges_nm)
-        widths = np.diff(edges)
-        low, high = _RECEPTOR_RANGE_NM
-        rows = []
-        for one in types:
-            of_type = functools.partial(spectral_sensitivity, one)
-            all_light = band_means(np.array([low, high]), of_type)[0] * (high - low)
-            rows.append(band_means(edges, of_type) * widths / all_light)
-        return np.array(rows, np.float64).reshape(len(rows), len(widths))
+            raise Error(f"ultraviolet: is for RGB; not together with {given}")
+        if bands is not None and edges_nm is not None:
+            raise Error("edges_nm: not together with bands, which say where they are")
+        if edges_nm is not None:
+            bands = Bands.from_edges(edges_nm)
+        assert bands is not None
+        shares = [_band_weights(one, bands) / sensitivity_integral_nm(one) for one in types]
+        return np.array(shares, np.float64).reshape(len(shares), len(bands))
     mix = np.zeros(3) if ultraviolet is None else array_of(ultraviolet, "ultraviolet")
     if mix.shape != (3,) or not np.all(np.isfinite(mix)) or np.any(mix < 0):
         raise Error(
@@ -127,6 +126,24 @@ def receptor_matrix(
         )
     rows = [_core.receptor_weights(one, mix.tolist()) for one in types]
     return np.array(rows, np.float64).reshape(len(rows), 3)
+
+
+def sensitivity_integral_nm(receptor: ReceptorType) -> float:
+    """∫ S dλ from 300 to 700 nm of a relative spectral sensitivity, nm."""
+    low, high = _RECEPTOR_RANGE_NM
+    of_type = functools.partial(spectral_sensitivity, receptor)
+    return float(band_means(np.array([low, high]), of_type)[0] * (high - low))
+
+
+def _band_weights(receptor: ReceptorType, bands: Bands) -> Floats:
+    """What each band adds to ∫ S L dλ, for light of 1 per nm in it: (B,), nm."""
+    of_type = functools.partial(spectral_sensitivity, receptor)
+    if bands.edges_nm is not None:
+        return band_means(bands.edges_nm, of_type) * bands.widths_nm
+    # S as a sum of the bands' weights per nm: by the normal equations of least squares.
+    products = (bands.weight / bands.steps_nm) @ bands.weight.T
+    found = np.linalg.lstsq(products, bands.weight @ of_type(bands.wavelength_nm), rcond=None)[0]
+    return np.asarray(found)
 
 
 @checked

@@ -1,0 +1,134 @@
+"""``omma light show``: a figure of what a sky is like."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from omma._core import Error
+from omma.base.figures import figure_names
+from omma.cli.working import check_outputs, working
+from omma.light.bands import Bands
+from omma.light.lights import Light
+from omma.light.skies import clear_sky, clear_sky_at, moonlit_sky, overcast_sky
+from omma.picture.sky_plots import plot_sky
+
+LIGHT_HELP = "Draw skies: their radiance, polarisation and spectrum."
+
+SHOW_HELP = """
+Draw a sky: its radiance, degree and angle of polarisation at some wavelengths, and the spectra of
+what sky and sun give to level ground; .pdf, .svg or .png.
+
+North is at the top, east at the right, the zenith in the middle. The sun stands where --sun and
+--azimuth say, or where it is at a time (with its time zone) and place. docs/light.md says what the
+skies are.
+
+**Examples**
+
+`omma light show --sun 30 --azimuth 135 -o sky.png`
+
+`omma light show --time 2026-06-21T19:30:00+02:00 --place 52.5,13.4 -o evening.pdf`
+
+`omma light show --sun 40 --kind overcast -o cloud.png --wavelength 500`
+"""
+
+# Of figures: finer than eyes need.
+_BANDS = 40
+
+light_app = typer.Typer(
+    help=LIGHT_HELP, no_args_is_help=True, add_completion=False, rich_markup_mode="markdown"
+)
+
+
+@light_app.callback()
+def _light() -> None:
+    pass
+
+
+@light_app.command(help=SHOW_HELP, short_help="Draw a sky.")
+def show(
+    output: Annotated[
+        list[Path],
+        typer.Option(
+            "-o", "--output", help="Figure to write: .pdf, .svg, .png. May be repeated.",
+            metavar="OUT",
+        ),
+    ],
+    sun: Annotated[
+        float | None, typer.Option(help="Elevation of the sun or the moon, degrees.")
+    ] = None,
+    azimuth: Annotated[
+        float, typer.Option(help="Its azimuth from north to the east, degrees.")
+    ] = 0.0,
+    time: Annotated[
+        str | None,
+        typer.Option(help="Instead: when, such as 2026-06-21T12:00:00+02:00.", metavar="TIME"),
+    ] = None,
+    place: Annotated[
+        str | None,
+        typer.Option(help="And where: latitude and longitude, degrees.", metavar="LAT,LON"),
+    ] = None,
+    kind: Annotated[
+        Literal["clear", "moonlit", "overcast"], typer.Option(help="Which sky.")
+    ] = "clear",
+    aerosol: Annotated[float, typer.Option(help="Optical depth of haze at 550 nm.")] = 0.1,
+    ozone: Annotated[float, typer.Option(help="Ozone, Dobson units.")] = 300.0,
+    albedo: Annotated[float, typer.Option(help="What land gives back, 0 to 1.")] = 0.1,
+    wavelength: Annotated[
+        list[float] | None,
+        typer.Option(help="To draw, nm; may be repeated. Default: 350, 440, 550.", metavar="NM"),
+    ] = None,
+    unit: Annotated[Literal["photons", "watts"], typer.Option(help="Of light.")] = "photons",
+) -> None:  # fmt: skip
+    """Draw a sky."""
+    names = figure_names(output)
+    check_outputs(*output)
+    with working():
+        light = _sky(sun, azimuth, time, place, kind, aerosol, ozone, albedo, unit)
+        plot_sky(names, light, wavelength or (350.0, 440.0, 550.0))
+    for name in names:
+        print(f"wrote {name}")
+
+
+def _sky(
+    sun: float | None, azimuth: float, time: str | None, place: str | None, kind: str,
+    aerosol: float, ozone: float, albedo: float, unit: Literal["photons", "watts"],
+) -> Light:  # fmt: skip
+    bands = Bands.equal(_BANDS)
+    if (sun is None) == (time is None) or (time is None) != (place is None):
+        raise Error("show: expected either --sun or --time and --place")
+    if sun is None:
+        if kind != "clear":
+            raise Error(f"kind: expected clear with --time and --place, found {kind}")
+        return clear_sky_at(
+            _moment(time or ""), *_place(place or ""), aerosol=aerosol, ozone_du=ozone,
+            albedo=albedo, bands=bands, unit=unit,
+        )  # fmt: skip
+    if kind == "overcast":
+        return overcast_sky(
+            sun, aerosol=aerosol, ozone_du=ozone, albedo=albedo, bands=bands, unit=unit
+        )
+    make = clear_sky if kind == "clear" else moonlit_sky
+    return make(
+        sun, azimuth, aerosol=aerosol, ozone_du=ozone, albedo=albedo, bands=bands, unit=unit
+    )
+
+
+def _moment(text: str) -> datetime:
+    try:
+        return datetime.fromisoformat(text.replace("Z", "+00:00"))
+    except ValueError:
+        raise Error(
+            f"time: expected one such as 2026-06-21T12:00:00+02:00, found {text!r:.60}"
+        ) from None
+
+
+def _place(text: str) -> tuple[float, float]:
+    try:
+        latitude, longitude = (float(word) for word in text.split(","))
+    except ValueError:
+        raise Error(f"place: expected latitude,longitude, found {text!r:.60}") from None
+    return latitude, longitude

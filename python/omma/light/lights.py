@@ -1,0 +1,337 @@
+"""What a world is lit by: a sky and discs far away, in bands and in absolute units, as a value."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+from typing import Any, TypeVar, cast
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma._core import Error
+from omma.base.arguments import array_of, checked, expect
+from omma.base.directions import unit as unit_vectors
+from omma.base.values import value_class
+from omma.light import sky_map
+from omma.light.bands import Bands
+from omma.light.units import Unit, check_unit
+
+Floats = NDArray[np.float64]
+F = TypeVar("F", bound=Callable[..., Any])
+
+# A maker's name and its arguments.
+Recipe = tuple[str, dict[str, Any]]
+
+_LARGEST_DISC_RAD = 0.1
+# Letters of a repr for how a light was made.
+_LONGEST = 120
+
+
+@value_class
+@dataclass(frozen=True, eq=False)
+class Disc:
+    """A disc far away, unpolarised, such as the sun or the moon.
+
+    direction: (3,), towards its centre.
+    angular_radius_rad: above 0, less than a tenth.
+    radiance: (B,), the mean over the disc by band.
+    limb_darkening: (B,), u in L(mu) = L(1) (1 - u (1 - mu)), 0 to 1, mu the cosine at the disc's
+        own surface. None: it is even.
+
+    Raises:
+        omma.Error: a direction that is zero or not finite, a radius out of range, radiances that
+            are negative or not finite.
+    """
+
+    direction: Floats
+    angular_radius_rad: float
+    radiance: Floats
+    limb_darkening: Floats | None = None
+
+    def __post_init__(self) -> None:
+        direction = array_of(self.direction, "direction", (3,))
+        if not np.all(np.isfinite(direction)) or not direction.any():
+            raise Error(f"direction: expected three numbers, not all 0, found {direction.tolist()}")
+        radius = array_of(self.angular_radius_rad, "angular_radius_rad", ())
+        if not 0 < radius < _LARGEST_DISC_RAD:
+            raise Error(
+                f"angular_radius_rad: expected more than 0, less than {_LARGEST_DISC_RAD}, found "
+                f"{radius:g}"
+            )
+        radiance = _strengths(self.radiance, "radiance", (None,))
+        limb = None
+        if self.limb_darkening is not None:
+            limb = _strengths(self.limb_darkening, "limb_darkening", radiance.shape)
+            if np.any(limb > 1):
+                raise Error("limb_darkening: expected 0 to 1")
+        object.__setattr__(self, "direction", unit_vectors(direction))
+        object.__setattr__(self, "angular_radius_rad", float(radius))
+        object.__setattr__(self, "radiance", radiance)
+        object.__setattr__(self, "limb_darkening", limb)
+
+    def irradiance(self) -> Floats:
+        """What falls on a surface that faces it: (B,)."""
+        return np.asarray(self.radiance * np.pi * np.sin(self.angular_radius_rad) ** 2)
+
+    def radiance_at(self, direction: ArrayLike) -> Floats:
+        """Radiance in directions (..., 3): (..., B), 0 beside the disc.
+
+        Raises:
+            omma.Error: directions that are zero or not finite.
+        """
+        towards = _directions(direction)
+        sine = np.linalg.norm(np.cross(towards, self.direction), axis=-1)
+        out = sine / np.sin(self.angular_radius_rad)
+        inside = (out <= 1) & (towards @ self.direction > 0)
+        found = np.ones((*inside.shape, len(self.radiance)))
+        if self.limb_darkening is not None:
+            mu = np.sqrt(np.maximum(1 - out**2, 0))[..., None]
+            u = self.limb_darkening
+            found = (1 - u * (1 - mu)) / (1 - u / 3)
+        return np.where(inside[..., None], found * self.radiance, 0.0)
+
+
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
+class Light:
+    """What a world is lit by: a sky and discs far away, in bands and in absolute units.
+
+    Made by `uniform_sky`, `clear_sky` and others; here are the numbers themselves. Spectral
+    radiance is in photons m⁻² s⁻¹ sr⁻¹ nm⁻¹ or in W m⁻² sr⁻¹ nm⁻¹. docs/light.md has a drawing of
+    how Stokes vectors are meant.
+
+    bands: wavelengths of its bands.
+    unit: "photons" or "watts".
+    sky: (2, rows, columns, components, channels), radiance above and below the horizon, rows from
+        the horizon (row 0) to the zenith and to the nadir, columns from -Z to the right; one
+        component I, or three I, Q, U. None: dark.
+    band_from_channel: (B, channels), as of a panorama in RGB. None: channels are the bands.
+    discs: the sun, the moon.
+    recipe: the name and the arguments of what made it, which is what a pickle holds. None: of
+        numbers, which a pickle then holds.
+
+    Raises:
+        omma.Error: shapes that do not go together, numbers that are negative or not finite.
+    """
+
+    bands: Bands
+    unit: Unit = "photons"
+    sky: NDArray[np.float32] | None = None
+    band_from_channel: Floats | None = None
+    discs: tuple[Disc, ...] = ()
+    recipe: Recipe | None = None
+
+    def __post_init__(self) -> None:
+        expect(self.bands, Bands, "bands", "omma.light.Bands.equal gives some")
+        check_unit(self.unit)
+        matrix = self.band_from_channel
+        if matrix is not None:
+            matrix = _strengths(matrix, "band_from_channel", (len(self.bands), None))
+        if self.sky is not None:
+            object.__setattr__(self, "sky", _checked_sky(self.sky, len(self.bands), matrix))
+        elif matrix is not None:
+            raise Error("band_from_channel: goes with a sky, found none")
+        discs = tuple(self.discs)
+        for k, disc in enumerate(discs):
+            expect(disc, Disc, f"discs[{k}]", "omma.light.Disc makes one")
+            if len(disc.radiance) != len(self.bands):
+                raise Error(
+                    f"discs[{k}]: expected radiance in {len(self.bands)} bands, found "
+                    f"{len(disc.radiance)}"
+                )
+        object.__setattr__(self, "band_from_channel", matrix)
+        object.__setattr__(self, "discs", discs)
+
+    def __repr__(self) -> str:
+        if self.recipe is None:
+            sky = "no sky" if self.sky is None else f"sky {self.sky.shape[1]} x {self.sky.shape[2]}"
+            made = f"{sky}, {len(self.discs)} disc{'s' if len(self.discs) != 1 else ''}"
+        else:
+            name, arguments = self.recipe
+            own = [f"{k}={v!r:.60}" for k, v in arguments.items() if k not in ("bands", "unit")]
+            made = f"{name}({', '.join(own)})"
+            made = made if len(made) <= _LONGEST else made[: _LONGEST - 4] + "...)"
+        return f"Light({made}, {self.bands!r}, {self.unit})"
+
+    def __reduce__(self) -> tuple[Callable[..., Light], tuple[Any, ...]]:
+        if self.recipe is not None:
+            return _made, self.recipe
+        own = {one.name: getattr(self, one.name) for one in fields(self)}
+        return _of_fields, (own,)
+
+    def radiance(self, direction: ArrayLike) -> Floats:
+        """Stokes vectors of sky and discs in directions (..., 3): (..., 3, B).
+
+        I, Q, U; the reference axis points up. Between nodes of the sky linear, as in rendering.
+
+        Raises:
+            omma.Error: directions that are zero or not finite.
+        """
+        towards = _directions(direction)
+        found = np.zeros((*towards.shape[:-1], 3, len(self.bands)))
+        if self.sky is not None:
+            seen = self._in_bands(sky_map.look_up(self.sky, towards))
+            found[..., : seen.shape[-2], :] = seen
+        for disc in self.discs:
+            found[..., 0, :] += disc.radiance_at(towards)
+        return found
+
+    def irradiance(self, normal: ArrayLike = (0, 1, 0)) -> tuple[Floats, Floats]:
+        """What falls on an unshaded surface from the sky and from the discs, each (B,).
+
+        Discs count where their centre is above the surface's horizon.
+
+        Args:
+            normal: (3,) of the surface; by default it lies on its back.
+
+        Example:
+            >>> sky, discs = omma.light.uniform_sky(1.0).irradiance()
+            >>> float(sky[0] / np.pi).__round__(4), float(discs[0])
+            (1.0, 0.0)
+
+        Raises:
+            omma.Error: a normal that is zero or not finite.
+        """
+        facing = _directions(array_of(normal, "normal", (3,)), "normal")
+        sky = np.zeros(len(self.bands))
+        if self.sky is not None:
+            sky = self._in_bands(sky_map.irradiance(self.sky, facing))
+        discs = np.zeros(len(self.bands))
+        for disc in self.discs:
+            discs = discs + disc.irradiance() * max(float(disc.direction @ facing), 0.0)
+        return sky, discs
+
+    @checked
+    def turned(self, azimuth_deg: float) -> Light:
+        """The same light turned to the right, seen from above: a sun in the north goes east."""
+        turn = float(np.radians(azimuth_deg))
+        if not np.isfinite(turn):
+            raise Error(f"azimuth_deg: expected a finite angle, found {azimuth_deg}")
+        c, s = np.cos(turn), np.sin(turn)
+        to_the_right = np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])
+        discs = tuple(replace(one, direction=to_the_right @ one.direction) for one in self.discs)
+        sky = None if self.sky is None else sky_map.turned(self.sky, turn)
+        recipe = self._changed("turned", azimuth_deg=azimuth_deg)
+        return replace(self, sky=sky, discs=discs, recipe=recipe)
+
+    @checked
+    def scaled(self, factor: float) -> Light:
+        """The same light ``factor`` times as strong, factor at least 0."""
+        if not (np.isfinite(factor) and factor >= 0):
+            raise Error(f"factor: expected a number of at least 0, found {factor}")
+        sky = None if self.sky is None else np.float32(factor) * self.sky
+        discs = tuple(replace(one, radiance=factor * one.radiance) for one in self.discs)
+        recipe = self._changed("scaled", factor=factor)
+        return replace(self, sky=sky, discs=discs, recipe=recipe)
+
+    @checked
+    def in_bands(self, bands: Bands) -> Light:
+        """The same light in other bands, made anew.
+
+        Raises:
+            omma.Error: it was made of numbers, which say nothing of other bands.
+        """
+        if self.recipe is None:
+            raise Error(
+                "light: expected one with a recipe, such as clear_sky, found one of numbers"
+            )
+        name, arguments = self.recipe
+        if "light" in arguments:
+            return _made(name, {**arguments, "light": arguments["light"].in_bands(bands)})
+        return _made(name, {**arguments, "bands": bands})
+
+    def _in_bands(self, channels: Floats) -> Floats:
+        return channels if self.band_from_channel is None else channels @ self.band_from_channel.T
+
+    def _changed(self, name: str, **arguments: Any) -> Recipe | None:
+        return None if self.recipe is None else (name, {"light": self, **arguments})
+
+    def _for_engine(self) -> dict[str, Any]:
+        """The arguments of the engine's own Light."""
+        zero = np.zeros(len(self.bands))
+        return {
+            "wavelength_nm": self.bands.wavelength_nm,
+            "weight": self.bands.weight,
+            "unit": self.unit,
+            "sky": self.sky,
+            "band_from_channel": self.band_from_channel,
+            "discs": [
+                (
+                    one.direction,
+                    one.angular_radius_rad,
+                    one.radiance,
+                    zero if one.limb_darkening is None else one.limb_darkening,
+                )
+                for one in self.discs
+            ],
+            "ultraviolet": None,
+        }
+
+
+def makes_light(function: F) -> F:
+    """The same function, whose light remembers how it was made."""
+    signature = inspect.signature(function)
+
+    @functools.wraps(function)
+    def maker(*arguments: Any, **named: Any) -> Light:
+        given = dict(signature.bind(*arguments, **named).arguments)
+        return replace(function(*arguments, **named), recipe=(function.__name__, given))
+
+    return cast(F, maker)
+
+
+def _made(name: str, arguments: dict[str, Any]) -> Light:
+    if "light" in arguments:
+        rest = {key: value for key, value in arguments.items() if key != "light"}
+        return getattr(arguments["light"], name)(**rest)  # type: ignore[no-any-return]
+    # Here, as the makers' modules import this one.
+    from omma.light import skies
+
+    return getattr(skies, name)(**arguments)  # type: ignore[no-any-return]
+
+
+def _of_fields(own: dict[str, Any]) -> Light:
+    return Light(**own)
+
+
+def _directions(direction: ArrayLike, name: str = "direction") -> Floats:
+    towards = array_of(direction, name)
+    if towards.shape[-1:] != (3,):
+        raise Error(f"{name}: expected shape (..., 3), found {towards.shape}")
+    if not np.all(np.isfinite(towards)) or not np.all(towards.any(axis=-1)):
+        raise Error(f"{name}: expected vectors that are finite and not zero")
+    return unit_vectors(towards)
+
+
+def _strengths(value: Any, name: str, shape: tuple[int | None, ...]) -> Floats:
+    numbers = array_of(value, name, shape).copy()
+    if not np.all(np.isfinite(numbers)) or np.any(numbers < 0):
+        raise Error(f"{name}: expected finite numbers of at least 0")
+    numbers.flags.writeable = False
+    return np.asarray(numbers)
+
+
+def _checked_sky(sky: Any, bands: int, matrix: Floats | None) -> NDArray[np.float32]:
+    array = array_of(sky, "sky", (2, None, None, None, None), np.float32)
+    _, rows, columns, components, channels = array.shape
+    expected = bands if matrix is None else matrix.shape[1]
+    if rows < 2 or columns < 4 or components not in (1, 3) or channels != expected:
+        raise Error(
+            "sky: expected 2 halves, 2 or more rows, 4 or more columns, 1 or 3 components, "
+            f"{expected} channels, found {array.shape}"
+        )
+    if not np.all(np.isfinite(array)) or np.any(array[:, :, :, 0] < 0):
+        raise Error("sky: expected finite radiances of at least 0")
+    if components == 3:
+        intensity = array[:, :, :, 0]
+        polarised = np.hypot(array[:, :, :, 1], array[:, :, :, 2])
+        # Rounding of what is fully polarised.
+        if np.any(polarised > intensity * np.float32(1 + 1e-5)):
+            raise Error("sky: expected a polarised part, sqrt(Q² + U²), of at most I")
+    # Not the caller's own, which may change.
+    array = np.ascontiguousarray(array).copy() if array is sky else np.ascontiguousarray(array)
+    array.flags.writeable = False
+    return array

@@ -1,0 +1,311 @@
+"""Clear skies from tables: radiance and polarisation from 300 to 700 nm, and the sun through air.
+
+The tables (data/clear_sky.npz) are made by scripts/make_sky_tables.py; docs/sky.md says what they
+hold. Stored is the logarithm of radiance over the sun's irradiance and over the phase function of
+what the air holds, which is smooth even near the sun, and Q/I and U/I; all over a black ground.
+What a ground adds is the same for every sun: its radiance times what one unit of it gives.
+"""
+
+from __future__ import annotations
+
+import functools
+from importlib import resources
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma._core import Error
+from omma.base.arguments import array_of, checked, one_of
+
+Floats = NDArray[np.float64]
+
+LOWEST_SUN_DEG = -8.0
+MOST_AEROSOL = 0.3
+OZONE_RANGE_DU = (200.0, 450.0)
+WAVELENGTH_RANGE_NM = (300.0, 700.0)
+SUN_DIAMETER_DEG = 0.533
+PHOTONS_PER_J_NM = 5.034116567542709e15  # 1e-9 / (h c), SI 2019
+ROWS, COLUMNS = 91, 360  # of the maps that are made: one degree
+
+# Allen's Astrophysical Quantities (4th ed., 2000, section 14.7): wavelength, nm, and the two
+# numbers u2, v2 of 1 - u2 - v2 + u2 mu + v2 mu^2.
+_LIMB = np.array(
+    [
+        (320, 0.88, 0.03),
+        (350, 0.98, -0.10),
+        (370, 1.03, -0.16),
+        (380, 0.92, -0.05),
+        (400, 0.91, -0.05),
+        (450, 0.99, -0.17),
+        (500, 0.97, -0.22),
+        (550, 0.93, -0.23),
+        (600, 0.88, -0.23),
+        (800, 0.73, -0.22),
+    ]
+)
+
+
+@checked
+def clear_sky_map(
+    wavelength_nm: ArrayLike,
+    weight: ArrayLike,
+    sun_elevation_deg: float,
+    sun_azimuth_deg: float,
+    *,
+    aerosol: float = 0.0,
+    ozone_du: float = 300.0,
+    albedo: float = 0.1,
+    unit: str = "photons",
+) -> tuple[NDArray[np.float32], Floats]:
+    """The clear sky over a wide ground, and the sun, in bands.
+
+    Args:
+        wavelength_nm: (K,), ascending, from 300 to 700 nm; bands are means over these.
+        weight: (B, K), of each wavelength in each band, adding up to 1 in a band.
+        sun_elevation_deg: of the sun's centre, without refraction, from -8 to 90 degrees.
+        sun_azimuth_deg: 0 is -Z, 90 is +X.
+        aerosol: optical depth of haze at 550 nm, from 0 (none) to 0.3.
+        ozone_du: column of ozone, from 200 to 450 Dobson units.
+        albedo: of the ground all round, from 0 to 1.
+        unit: "photons", m^-2 s^-1 sr^-1 nm^-1, or "watts", W m^-2 sr^-1 nm^-1.
+
+    Returns:
+        The sky, (2, 91, 360, 3, B), float32, as a light's sky map has it: Stokes I, Q, U above and
+        below the horizon, from it to the zenith and the nadir by degrees. Below is the ground, lit
+        by this sky and sun. And (B,), the irradiance across the sun's rays on the ground, per m2
+        instead of per m2 and sr; at one astronomical unit. It is 0 where the sun's centre is below
+        the horizon.
+
+    Raises:
+        omma.Error: a number outside of its range, wavelengths that do not ascend, weights of
+            another shape or below 0.
+    """
+    nm, weights = _bands(wavelength_nm, weight)
+    _within(sun_elevation_deg, "sun_elevation_deg", LOWEST_SUN_DEG, 90)
+    _within(sun_azimuth_deg, "sun_azimuth_deg", -1e6, 1e6)
+    _within(aerosol, "aerosol", 0, MOST_AEROSOL)
+    _within(ozone_du, "ozone_du", *OZONE_RANGE_DU)
+    _within(albedo, "albedo", 0, 1)
+    one_of(unit, ["photons", "watts"], "unit")
+    sky = TableSky(float(sun_elevation_deg), float(aerosol), float(ozone_du))
+    elevation = np.linspace(0, 90, ROWS)
+    turn = np.arange(COLUMNS) * (360 / COLUMNS) - float(sun_azimuth_deg)
+    relative = np.round((turn + 180) % 360 - 180, 9)  # right of the sun
+    azimuth, column = np.unique(np.abs(relative), return_inverse=True)
+    log_i, q, u = sky.stokes(elevation, azimuth, nm)
+    spectrum = sun_spectrum(nm, unit)
+    radiance = np.exp(log_i) * spectrum.astype(np.float32)
+    direct = spectrum * sky.transmission(nm)
+    solid_angle = _solid_angles(elevation, np.bincount(column))
+    lit = solid_angle.ravel() @ radiance.reshape(-1, len(nm)) + direct * max(
+        0.0, np.sin(np.radians(sun_elevation_deg))
+    )
+    ground, back, back_q = sky.ground(elevation, nm, albedo)
+    shine = lit * ground  # the ground's radiance
+    bands = weights.T.astype(np.float32)
+    above = np.empty((ROWS, len(azimuth), 3, len(weights)), np.float32)
+    above[:, :, 0] = radiance @ bands + ((back * shine) @ weights.T)[:, None]
+    above[:, :, 1] = (radiance * q) @ bands + ((back_q * shine) @ weights.T)[:, None]
+    above[:, :, 2] = (radiance * u) @ bands
+    result = np.zeros((2, ROWS, COLUMNS, 3, len(weights)), np.float32)
+    result[0] = above[:, column]
+    result[0, :, :, 2] *= np.where(relative < 0, -1, 1)[:, None]
+    _join_zenith(result[0, -1], relative)
+    result[1, :, :, 0] = weights @ shine
+    return result, weights @ direct
+
+
+def _join_zenith(row: NDArray[np.float32], relative_deg: Floats) -> None:
+    """Gives all columns, (columns, 3, B), the one light of the zenith, each by its own axis."""
+    turn = np.exp(2j * np.radians(relative_deg))[:, None]
+    along = turn * np.mean((row[:, 1] + 1j * row[:, 2]) / turn, axis=0)
+    row[:, 0] = row[:, 0].mean(axis=0)
+    row[:, 1], row[:, 2] = along.real, along.imag
+
+
+def sun_spectrum(wavelength_nm: Floats, unit: str) -> Floats:
+    """Irradiance of the sun above the air, (K,), per m2 and nm, at one astronomical unit."""
+    table = _tables()
+    watts = np.interp(wavelength_nm, table["fine_nm"], table["sun_w"])
+    return watts * PHOTONS_PER_J_NM * wavelength_nm if unit == "photons" else watts
+
+
+def sun_limb_darkening(wavelength_nm: Floats) -> Floats:
+    """u in L = L(1) (1 - u (1 - mu)), (K,): the linear law whose mean over the disc is right."""
+    linear = _LIMB[:, 1] + 1.5 * _LIMB[:, 2]
+    return np.interp(wavelength_nm, _LIMB[:, 0], linear)
+
+
+def _bands(wavelength_nm: ArrayLike, weight: ArrayLike) -> tuple[Floats, Floats]:
+    nm = array_of(wavelength_nm, "wavelength_nm", (None,))
+    low, high = WAVELENGTH_RANGE_NM
+    if not (len(nm) and np.all(np.diff(nm) > 0) and low <= nm[0] and nm[-1] <= high):
+        raise Error(
+            "wavelength_nm: expected wavelengths that ascend from 300 to 700 nm, found "
+            f"{nm.tolist()!s:.60}"
+        )
+    weights = array_of(weight, "weight", (None, len(nm)))
+    if not (np.all(np.isfinite(weights)) and np.all(weights >= 0)):
+        raise Error("weight: expected numbers of 0 or more, found others")
+    return nm, weights
+
+
+def _within(value: float, name: str, low: float, high: float) -> None:
+    if not low <= value <= high:
+        raise Error(f"{name}: expected {low:g} to {high:g}, found {value!r:.40}")
+
+
+@functools.cache
+def _tables() -> dict[str, Any]:
+    """The tables as they are stored, read once."""
+    file = resources.files("omma.light") / "data" / "clear_sky.npz"
+    with file.open("rb") as stream, np.load(stream) as stored:
+        return {name: stored[name] for name in stored.files}
+
+
+class TableSky:
+    """The tables for one sun, haze and ozone column, on their grid of directions."""
+
+    def __init__(self, sun_deg: float, haze: float, ozone_du: float) -> None:
+        table = self.table = _tables()
+        self.sun_deg, self.haze, self.ozone_du = sun_deg, haze, ozone_du
+        suns = _neighbours(table["sun_deg"], sun_deg)
+        self.hazes = _neighbours(table["haze"], haze)
+        log_i: Any = 0.0
+        stokes: Any = 0.0
+        for h, of_haze in self.hazes:
+            for s, of_sun in suns:
+                steps = np.cumsum(table["steps"][h, s], axis=-1, dtype=np.int32)
+                share = of_haze * of_sun
+                stokes = stokes + share * steps * table["step"][:, None, None, None]
+                log_i = log_i + share * table["log_mean"][h, s]
+        ozone: Any = 0.0
+        for s, of_sun in suns:
+            ozone = ozone + of_sun * table["ozone"][:, s]
+        x = (ozone_du - 300) / 300
+        few = x * ozone[0] + x**2 * ozone[1]
+        change = table["ozone_elevation"] @ few @ table["ozone_azimuth"].T
+        # [3, wavelength, elevation, azimuth]
+        self.fields = stokes
+        self.fields[0] += log_i[:, None, None] + change
+
+    def stokes(self, elevation_deg: Floats, azimuth_deg: Floats, nm: Floats) -> Any:
+        """log(I / irradiance), Q/I, U/I, float32: (elevation, azimuth, K) each."""
+        table = self.table
+        up = _elevation_matrix(tuple(elevation_deg))
+        even, odd = _azimuth_matrices(tuple(azimuth_deg))
+        sign = np.array([1, 1, -1])[:, None, None, None]
+        beyond = sign * self.fields[:, :, -1:-5:-1, ::-1]  # over the zenith, down the other side
+        fields = up @ np.concatenate([self.fields, beyond], axis=2)
+        log_i, q, u = fields[0] @ even.T, fields[1] @ even.T, fields[2] @ odd.T
+        log_i = log_i + np.log(self._phase(elevation_deg, azimuth_deg))
+        along = _spline_matrix(tuple(table["wavelength_nm"]), tuple(nm)).astype(np.float32)
+        return tuple(
+            np.moveaxis(one, 0, -1).astype(np.float32, order="C") @ along.T
+            for one in (log_i, q, u)
+        )
+
+    def _phase(self, elevation_deg: Floats, azimuth_deg: Floats) -> Any:
+        """The phase function of the air with its haze: (wavelength, elevation, azimuth)."""
+        table = self.table
+        e, a = np.radians(elevation_deg)[:, None], np.radians(azimuth_deg)
+        sun = np.radians(self.sun_deg)
+        cosine = np.sin(e) * np.sin(sun) + np.cos(e) * np.cos(sun) * np.cos(a)
+        return mixed_phase(table, self.haze, cosine)
+
+    def transmission(self, nm: Floats) -> Floats:
+        """Share of the sun's rays that reach the ground, (K,); 0 for a sun below the horizon."""
+        if self.sun_deg < 0:
+            return np.zeros(len(nm))
+        table = self.table
+        mass = [np.interp(self.sun_deg, table["mass_deg"], one) for one in table["mass"]]
+        fine = table["fine_nm"]
+        depth = [
+            np.interp(nm, fine, table["rayleigh_depth"]),
+            np.interp(nm, fine, table["ozone_depth_per_du"]) * self.ozone_du,
+            np.interp(nm, fine, table["haze_depth"]) * self.haze,
+        ]
+        through: Floats = np.exp(-np.einsum("c,ck->k", mass, depth))
+        return through
+
+    def ground(self, elevation_deg: Floats, nm: Floats, albedo: float) -> tuple[Floats, ...]:
+        """Radiance of the ground over what falls on it over a black one, (K,), and what one unit of
+        that radiance adds to I and Q of the sky, (elevation, K).
+        """
+        table = self.table
+        along = _spline_matrix(tuple(table["wavelength_nm"]), tuple(nm))
+        up = _spline_matrix(tuple(table["elevation_deg"]), tuple(elevation_deg))
+        back: Any = sum(share * table["ground"][h] for h, share in self.hazes)
+        returned: Any = sum(share * table["returned"][h] for h, share in self.hazes)
+        shine = albedo / (np.pi * (1 - albedo * (along @ returned)))
+        return shine, up @ (along @ back[0]).T, up @ (along @ back[1]).T
+
+
+def mixed_phase(table: dict[str, Any], haze: float, cosine: Any) -> Any:
+    """Phase function of air with haze by the cosine of scattering: (wavelength, ...)."""
+    nodes = (slice(None),) + (None,) * np.ndim(cosine)
+    delta = table["anisotropy"][nodes]
+    air = 0.75 * delta * (1 + cosine**2) + 1 - delta
+    if haze == 0:
+        return air
+    half = np.sqrt(np.clip(0.5 - 0.5 * cosine, 0, 1))
+    at = np.linspace(0, 1, table["haze_phase"].shape[1])
+    hazy = np.array([np.interp(half, at, one) for one in table["haze_phase"]])
+    nm, fine = table["wavelength_nm"], table["fine_nm"]
+    of_air = np.interp(nm, fine, table["rayleigh_depth"])[nodes]
+    of_haze = haze * (np.interp(nm, fine, table["haze_depth"]) * table["haze_scattered"])[nodes]
+    return (of_air * air + of_haze * hazy) / (of_air + of_haze)
+
+
+def _neighbours(nodes: Floats, at: float) -> list[tuple[int, float]]:
+    """Up to four nodes and their shares in the cubic through them; (index, share)."""
+    count = min(4, len(nodes))
+    order = np.argsort(nodes)
+    place = int(np.searchsorted(nodes[order], at))
+    first = int(np.clip(place - 2, 0, len(nodes) - count))
+    near = order[first : first + count]
+    shares = []
+    for one in near:
+        others = nodes[near[near != one]]
+        shares.append(float(np.prod((at - others) / (nodes[one] - others))))
+    return [(int(i), share) for i, share in zip(near, shares) if share != 0]
+
+
+@functools.lru_cache(maxsize=64)
+def _spline_matrix(nodes: tuple[float, ...], at: tuple[float, ...]) -> Floats:
+    """(points, nodes), which takes values at nodes to those of their cubic spline."""
+    from scipy.interpolate import CubicSpline
+
+    matrix: Floats = CubicSpline(np.array(nodes), np.eye(len(nodes)))(np.array(at))
+    return matrix
+
+
+def _elevation_matrix(elevation_deg: tuple[float, ...]) -> Floats:
+    """For nodes of the table and the last four once more, beyond the zenith."""
+    nodes = _tables()["elevation_deg"]
+    return _spline_matrix((*nodes, *(180 - nodes[-1:-5:-1])), elevation_deg)
+
+
+@functools.lru_cache(maxsize=64)
+def _azimuth_matrices(azimuth_deg: tuple[float, ...]) -> tuple[Floats, Floats]:
+    """For what is the same on both sides of the sun, and for what changes its sign."""
+    from scipy.interpolate import CubicSpline
+
+    nodes = _tables()["azimuth_deg"]  # from 0 to 180
+    round_ = np.concatenate([nodes, 360 - nodes[-2::-1]])
+    matrices = []
+    for sign in (1.0, -1.0):
+        eye = np.eye(len(nodes))
+        if sign < 0:
+            eye[0] = eye[-1] = 0
+        values = np.concatenate([eye, sign * eye[-2::-1]])
+        matrices.append(CubicSpline(round_, values, bc_type="periodic")(np.array(azimuth_deg)))
+    return matrices[0], matrices[1]
+
+
+def _solid_angles(elevation_deg: Floats, columns: NDArray[np.intp]) -> Floats:
+    """Solid angle times the sine of elevation that nodes stand for, (elevation, azimuth)."""
+    edge = np.radians(np.concatenate([[0], (elevation_deg[1:] + elevation_deg[:-1]) / 2, [90]]))
+    rings = 0.5 * np.diff(np.sin(edge) ** 2)
+    return rings[:, None] * columns * (2 * np.pi / columns.sum())

@@ -1,0 +1,69 @@
+"""Where the sun stands, by time and place: PyEphem, an optional extra, without a network."""
+
+from __future__ import annotations
+
+import math
+from datetime import datetime, timezone
+from typing import Any
+
+from omma._core import Error
+from omma.base.arguments import checked, within
+
+# The earth's rotation is known or can be foretold to seconds for these, which is 0.01 degrees.
+FIRST_YEAR, LAST_YEAR = 1900, 2100
+
+
+@checked
+def sun_position(
+    date_time: datetime, latitude_deg: float, longitude_deg: float
+) -> tuple[float, float]:
+    """Elevation and azimuth of the sun's centre, degrees; azimuth from north to the east.
+
+    As it would stand without the air's refraction, which lifts it by 0.5° at the horizon and by
+    less than 0.1° above 10°. Within 0.01° from 1900 to 2100.
+
+    Args:
+        date_time: with its time zone.
+        latitude_deg: -90 to 90, north is positive.
+        longitude_deg: -180 to 180, east is positive.
+
+    Raises:
+        omma.Error: a time without a time zone or out of range, a place out of range, or PyEphem is
+            not installed.
+    """
+    moment = _universal(date_time)
+    within(latitude_deg, "latitude_deg", -90, 90)
+    within(longitude_deg, "longitude_deg", -180, 180)
+    ephem = _load_ephem()
+    place = ephem.Observer()
+    place.lat, place.lon = math.radians(latitude_deg), math.radians(longitude_deg)
+    place.pressure = 0  # no refraction
+    place.date = moment.replace(tzinfo=None)
+    sun = ephem.Sun(place)
+    return math.degrees(sun.alt), math.degrees(sun.az)
+
+
+def _universal(date_time: Any) -> datetime:
+    if not isinstance(date_time, datetime):
+        raise TypeError(f"date_time: expected a datetime.datetime, found {date_time!r:.40}")
+    if date_time.utcoffset() is None:
+        raise Error(
+            "date_time: expected a time with its time zone, such as "
+            f"datetime(2026, 6, 21, 12, tzinfo=timezone.utc), found {date_time.isoformat()}"
+        )
+    if not FIRST_YEAR < date_time.year < LAST_YEAR:
+        raise Error(
+            f"date_time: expected a year from {FIRST_YEAR + 1} to {LAST_YEAR - 1}, found "
+            f"{date_time.year}"
+        )
+    return date_time.astimezone(timezone.utc)
+
+
+def _load_ephem() -> Any:
+    try:
+        import ephem
+    except ImportError:
+        raise Error(
+            "the sun's place needs PyEphem, which is not installed: pip install 'omma[sky]'"
+        ) from None
+    return ephem

@@ -1,0 +1,251 @@
+"""Figures of light: the sky's radiance and polarisation at some wavelengths, and the spectra of
+what sky and sun give to level ground.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omma._core import Error
+from omma.base.arguments import array_of, checked, positive
+from omma.base.directions import azimuth_elevation_deg_of, direction
+from omma.base.figures import COLOURS, GREY, INK, MM, figure_names, figure_style, load_matplotlib
+from omma.base.figures import save_figure as save
+from omma.base.files import PathLike
+from omma.light.lights import Light
+
+Floats = NDArray[np.float64]
+
+_PIXELS = 301  # across a sky
+_LEAST_POLARISED = 0.01  # below it there is no angle to draw
+_MOST_WAVELENGTHS = 6
+_UNITS = {
+    "photons": ("photons m⁻² s⁻¹ sr⁻¹ nm⁻¹", "photons m⁻² s⁻¹ nm⁻¹"),
+    "watts": ("W m⁻² sr⁻¹ nm⁻¹", "W m⁻² nm⁻¹"),
+}
+
+
+@checked
+def plot_sky(
+    paths: PathLike | Sequence[PathLike],
+    light: Light,
+    wavelengths_nm: Sequence[float] = (350.0, 440.0, 550.0),
+    *,
+    title: str | None = None,
+    size_mm: float = 180.0,
+) -> None:
+    """Draw a light: radiance, degree and angle of polarisation of the sky above, in the bands
+    nearest to some wavelengths, and the spectra of what sky and discs give to level ground.
+
+    The sky as a map, seen from above: -Z (north) at the top, +X (east) at the right, the zenith in
+    the middle, equal angles equally far. Crosses are neutral points on the sun's meridian, where
+    nothing is polarised; a yellow dot is the sun or the moon.
+
+    Args:
+        paths: .pdf, .svg or .png, one or several.
+        wavelengths_nm: 1 to 6.
+        title: by default how the light was made.
+        size_mm: width of the figure.
+
+    Raises:
+        omma.Error: Matplotlib is missing, a name ends in something else, an argument is out of
+            range, a file cannot be written.
+    """
+    names = figure_names(paths)
+    chosen = array_of(wavelengths_nm, "wavelengths_nm", (None,))
+    if not 1 <= len(chosen) <= _MOST_WAVELENGTHS or not np.all(np.isfinite(chosen)):
+        raise Error(f"wavelengths_nm: expected 1 to {_MOST_WAVELENGTHS} wavelengths")
+    positive(size_mm, "size_mm")
+    bands = [int(np.argmin(np.abs(light.bands.centers_nm - nm))) for nm in chosen]
+    with figure_style(max(3.0, 7 * size_mm / 180)):
+        save(_figure(light, bands, title or _title(light), size_mm), names)
+
+
+def neutral_points(light: Light, band: int) -> list[tuple[str, Floats]]:
+    """Neutral points on the meridian of the first disc, above the horizon: names and directions
+    (3,). Above the sun Babinet's, below it Brewster's, over the zenith Arago's."""
+    if light.sky is None or light.sky.shape[3] == 1 or not light.discs:
+        return []
+    (azimuth,), (sun,) = (
+        np.atleast_1d(a) for a in azimuth_elevation_deg_of(light.discs[0].direction)
+    )
+    # From the horizon below the sun over the zenith to the horizon opposite.
+    arc = np.linspace(0.25, 179.75, 719)
+    along = np.where(
+        (arc <= 90)[:, None], direction(azimuth, arc), direction(azimuth + 180, 180 - arc)
+    )
+    q = light.radiance(along)[:, 1, band]
+    found = []
+    for k in np.flatnonzero(q[:-1] * q[1:] < 0):
+        at = arc[k] + (arc[k + 1] - arc[k]) * q[k] / (q[k] - q[k + 1])
+        name = "Arago" if at > 90 else "Babinet" if at > sun else "Brewster"
+        towards = direction(azimuth, at) if at <= 90 else direction(azimuth + 180, 180 - at)
+        found.append((name, np.asarray(towards)))
+    return found
+
+
+def _figure(light: Light, bands: list[int], title: str, size_mm: float) -> Any:
+    figure = load_matplotlib()(
+        figsize=(size_mm * MM, size_mm * MM * (0.25 * len(bands) + 0.27)), layout="constrained"
+    )
+    figure.suptitle(title)
+    grid = figure.add_gridspec(len(bands) + 1, 3, height_ratios=[1.0] * len(bands) + [0.8])
+    span = np.linspace(-1, 1, _PIXELS)
+    east, north = np.meshgrid(span, span)
+    from_zenith = np.hypot(east, north) * 90
+    inside = from_zenith <= 90
+    towards = direction(np.degrees(np.arctan2(east, north)), np.maximum(90 - from_zenith, 0))
+    stokes = light.radiance(towards)[:, :, :, bands]
+    skies = [[figure.add_subplot(grid[row, k]) for k in range(3)] for row in range(len(bands))]
+    for row, band in enumerate(bands):
+        i, q, u = (np.where(inside, stokes[:, :, k, row], np.nan) for k in range(3))
+        label = f"{light.bands.centers_nm[band]:.0f} nm"
+        _radiance(figure, skies[row][0], light, i, label)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            degree = np.hypot(q, u) / i
+        _degree(figure, skies[row][1], degree)
+        _angle(figure, skies[row][2], np.degrees(np.arctan2(u, q)) / 2, degree)
+        for panel in skies[row]:
+            _sky_frame(panel, light)
+        for panel in skies[row][1:]:
+            _mark_neutral(panel, neutral_points(light, band))
+    for panel, name in zip(
+        skies[0], ("radiance", "degree of polarisation", "angle of polarisation"), strict=True
+    ):
+        panel.set_title(name)
+    _spectra(figure.add_subplot(grid[-1, :]), light)
+    return figure
+
+
+def _radiance(figure: Any, panel: Any, light: Light, values: Floats, label: str) -> None:
+    from matplotlib.colors import LogNorm
+
+    lit = values[np.isfinite(values) & (values > 0)]
+    panel.set_ylabel(label, rotation=0, labelpad=20, fontsize="large")
+    if not len(lit):
+        panel.text(0, 0, "dark", ha="center", va="center", color=GREY)
+        return
+    # A disc of a pixel or two is not to set the scale.
+    high = float(np.percentile(lit, 99.9))
+    low = max(float(lit.min()), high * 1e-3)
+    image = panel.imshow(
+        values, origin="lower", extent=(-1, 1, -1, 1), norm=LogNorm(low / 1.05, high * 1.05),
+        cmap="viridis",
+    )  # fmt: skip
+    _bar(figure, image, panel, _UNITS[light.unit][0])
+
+
+def _degree(figure: Any, panel: Any, degree: Floats) -> None:
+    image = panel.imshow(
+        degree, origin="lower", extent=(-1, 1, -1, 1), vmin=0, vmax=1, cmap="magma"
+    )
+    _bar(figure, image, panel, "polarised share of I")
+
+
+def _angle(figure: Any, panel: Any, angle_deg: Floats, degree: Floats) -> None:
+    shown = np.where(degree >= _LEAST_POLARISED, angle_deg, np.nan)
+    image = panel.imshow(
+        shown, origin="lower", extent=(-1, 1, -1, 1), vmin=-90, vmax=90, cmap="twilight"
+    )
+    bar = _bar(figure, image, panel, "from up, to the right")
+    bar.set_ticks([-90, -45, 0, 45, 90], labels=["−90°", "−45°", "0°", "45°", "90°"])
+    if not np.any(np.isfinite(shown)):
+        panel.text(0, 0, "unpolarised", ha="center", va="center", color=GREY)
+        return
+    # The electric vector, as it lies in the map: up points to the middle.
+    rings = [(r, k / n * 2 * np.pi) for r, n in ((0.2, 6), (0.45, 14), (0.7, 22), (0.93, 30))
+             for k in range(n)]  # fmt: skip
+    for r, azimuth in rings:
+        x, y = r * np.sin(azimuth), r * np.cos(azimuth)
+        pixel = tuple(round((c + 1) / 2 * (_PIXELS - 1)) for c in (y, x))
+        if not np.isfinite(shown[pixel]):
+            continue
+        # Who looks to the rim of the map has up behind and the right at the right.
+        psi = np.radians(shown[pixel])
+        inwards, sideways = np.array([-x, -y]) / r, np.array([y, -x]) / r
+        half = 0.05 * (np.cos(psi) * inwards + np.sin(psi) * sideways)
+        panel.plot([x - half[0], x + half[0]], [y - half[1], y + half[1]], color="k", linewidth=0.7)
+
+
+def _bar(figure: Any, image: Any, panel: Any, label: str) -> Any:
+    bar = figure.colorbar(image, cax=panel.inset_axes((1.04, 0.12, 0.045, 0.76)))
+    bar.set_label(label, fontsize="small")
+    bar.outline.set_linewidth(0.4)
+    return bar
+
+
+def _mark_neutral(panel: Any, points: list[tuple[str, Floats]]) -> None:
+    for name, towards in points:
+        x, y = _on_map(towards)
+        panel.plot(x, y, "+", color="w", markersize=6, markeredgewidth=1.6)
+        panel.plot(x, y, "+", color=COLOURS[1], markersize=5, markeredgewidth=0.9)
+        panel.annotate(
+            name, (x, y), xytext=(4, 0), textcoords="offset points", fontsize="x-small",
+            va="center", color="w", path_effects=_outline(),
+        )  # fmt: skip
+
+
+def _outline() -> list[Any]:
+    from matplotlib.patheffects import withStroke
+
+    return [withStroke(linewidth=1.4, foreground=INK)]
+
+
+def _sky_frame(panel: Any, light: Light) -> None:
+    for elevation in (30, 60):
+        turn = np.linspace(0, 2 * np.pi, 181)
+        r = 1 - elevation / 90
+        panel.plot(r * np.sin(turn), r * np.cos(turn), color="w", linewidth=0.3, alpha=0.6)
+    for name, x, y in (("N", 0, 1.09), ("E", 1.09, 0), ("S", 0, -1.09), ("W", -1.09, 0)):
+        panel.text(x, y, name, ha="center", va="center", fontsize="x-small", color=GREY)
+    for disc in light.discs:
+        if disc.direction[1] > 0:
+            panel.plot(
+                *_on_map(disc.direction), "o", color="#ffd23f", markersize=4, markeredgecolor=INK,
+                markeredgewidth=0.5,
+            )  # fmt: skip
+    panel.set(xlim=(-1.17, 1.17), ylim=(-1.17, 1.17), aspect="equal", xticks=[], yticks=[])
+    panel.spines[:].set_visible(False)
+
+
+def _on_map(towards: Floats) -> tuple[float, float]:
+    azimuth, elevation = azimuth_elevation_deg_of(towards)
+    r = 1 - float(elevation) / 90
+    return r * float(np.sin(np.radians(azimuth))), r * float(np.cos(np.radians(azimuth)))
+
+
+def _spectra(panel: Any, light: Light) -> None:
+    sky, discs = light.irradiance()
+    curves = [("sky", sky, COLOURS[0])]
+    if light.discs:
+        curves.append(("sun or moon", discs, COLOURS[1]))
+        curves.append(("both", sky + discs, INK))
+    for name, values, colour in curves:
+        if np.any(values > 0):
+            panel.plot(light.bands.centers_nm, values, "o-", color=colour, label=name, markersize=2)
+    panel.set(
+        xlabel="wavelength (nm)",
+        ylabel=f"on level ground\n({_UNITS[light.unit][1]})",
+        ylim=(0, None),
+    )
+    if panel.lines:
+        panel.legend(frameon=False, loc="upper left")
+
+
+def _title(light: Light) -> str:
+    if light.recipe is None:
+        return f"{len(light.bands)} bands"
+    name, arguments = light.recipe
+    if "light" in arguments:
+        return _title(arguments["light"])
+    words = [
+        f"{key.removesuffix('_deg').removesuffix('_du').replace('_', ' ')} {value:g}"
+        + ("°" if key.endswith("_deg") else " DU" if key.endswith("_du") else "")
+        for key, value in arguments.items()
+        if isinstance(value, (int, float))
+    ]
+    return ", ".join([name.replace("_", " "), *words])

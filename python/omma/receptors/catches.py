@@ -1,0 +1,83 @@
+"""Photons that receptors catch in light of absolute units, and what microvilli make of its
+polarisation.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma._core import Error, Eye
+from omma.base.arguments import array_of, checked, positive
+from omma.light.lights import Light
+from omma.receptors.sensitivity import (
+    receptor_optical_sensitivity,
+    sensitivity_integral_nm,
+)
+
+Floats = NDArray[np.float64]
+
+
+@checked
+def photon_catch(
+    eye: Eye, responses: ArrayLike, light: Light, *, integration_time_s: float
+) -> Floats:
+    """Photons that each receptor absorbs in a time: (..., R).
+
+    N = (π/4)² D² Δρ² t ∫ L (1 - exp(-k a l)) dλ from 300 to 700 nm (Land 1981; Warrant and Nilsson
+    1998), with the facet's diameter D, the acceptance angle Δρ, the rhabdom's absorption k and
+    length l and the pigment's absorbance a. What the lens and what is before the rhabdom take away
+    is not counted. Of a receptor with a table, its largest sensitivity stands for 1 - exp(-kl).
+
+    Args:
+        responses: (..., R), what receptors answer: radiance weighted by their sensitivity, as
+            `receptor_matrix` makes of bands.
+        light: what the world was lit by; it must be in photons.
+        integration_time_s: over which a receptor adds up.
+
+    Raises:
+        omma.Error: light in watts, responses of another number of receptors, an eye without
+            receptors, or one in which the facet of a receptor or its absorption or length is not
+            known.
+    """
+    if light.unit != "photons":
+        raise Error(f"light: expected one in photons, as catches are, found {light.unit}")
+    positive(integration_time_s, "integration_time_s")
+    count = len(eye.receptor_type) if eye.receptor_types else 0
+    if count == 0:
+        raise Error("eye: expected one with receptors, found none")
+    answers = array_of(responses, "responses")
+    if answers.shape[-1:] != (count,):
+        raise Error(f"responses: expected shape (..., {count}), found {answers.shape}")
+    # Land's S for light at the pigment's peak has the factor 1 - exp(-kl).
+    sensitivity = receptor_optical_sensitivity(eye, monochromatic=True)
+    if np.any(np.isnan(sensitivity)):
+        unknown = int(np.count_nonzero(np.isnan(sensitivity)))
+        raise Error(
+            "eye: expected facet_diameter_m, and absorption_per_m and length_m of each receptor, "
+            f"which {unknown} of {count} receptors lack"
+        )
+    per_type = np.array([sensitivity_integral_nm(one) for one in eye.receptor_types])
+    per_response = sensitivity * per_type[eye.receptor_type] * integration_time_s
+    return np.asarray(answers * per_response)
+
+
+@checked
+def polarisation_weights(eye: Eye) -> tuple[Floats, Floats]:
+    """How much each receptor sees of polarisation, and along which angle: m (R,) and φ (R,), rad.
+
+    Of light with the Stokes vector (I, Q, U) in the ommatidium's frame, a receptor sees
+    I + m (Q cos 2φ + U sin 2φ), m = (PS - 1)/(PS + 1) of its polarisation sensitivity PS: the more
+    the nearer the electric vector is to its microvilli, at φ from up towards the right. The mean
+    over all angles is I.
+
+    Raises:
+        omma.Error: the eye has no receptors.
+    """
+    types = eye.receptor_types
+    if not types:
+        raise Error("eye: expected one with receptors, found none")
+    ratio = np.array([one.polarisation_sensitivity for one in types])
+    angle = np.array([one.microvillus_angle_rad for one in types])
+    modulation = (ratio - 1) / (ratio + 1)
+    return modulation[eye.receptor_type], angle[eye.receptor_type]

@@ -1,0 +1,72 @@
+"""Compares the stored tables with direct computations between their nodes."""
+
+import discrete_ordinates
+import monte_carlo
+import numpy as np
+from atmosphere import clear_atmosphere
+
+NM = np.array([312.0, 332.0, 352.0, 390.0, 440.0, 510.0, 570.0, 650.0])
+AZIMUTH_DEG = np.array([3.0, 40.0, 94.0, 131.0, 176.0])
+ELEVATION_DEG = np.array([1.3, 4.0, 9.0, 22.0, 45.0, 65.0, 87.0])
+BY_ORDINATES = (85.0, 65.0, 45.0, 32.0, 22.0, 15.5)
+BY_MONTE_CARLO = (12.5, 8.0, 6.0, 3.5, 1.5, -0.5, -2.5, -4.5, -6.5)
+PATHS, BATCHES = 6_000, 8
+OTHERS = ((0.05, 300.0), (0.2, 300.0), (0.0, 250.0), (0.0, 400.0))  # haze, ozone
+
+
+def check_tables() -> None:
+    """Prints, for each sun and for other air, how far the tables are from direct computation."""
+    print("sun, haze, ozone: radiance rms % (worst), polarisation rms (worst)", flush=True)
+    for sun in BY_ORDINATES:
+        _compare(sun, 0.0, 300.0)
+    for haze, ozone in OTHERS:
+        _compare(45.0, haze, ozone)
+    for sun in BY_MONTE_CARLO:
+        _compare(sun, 0.0, 300.0)
+    for haze, ozone in OTHERS:
+        _compare(6.0, haze, ozone)
+
+
+def _compare(sun: float, haze: float, ozone: float) -> None:
+    atmosphere = clear_atmosphere(NM, ozone, haze)
+    error = 0.0
+    if sun in BY_MONTE_CARLO:
+        both = [
+            monte_carlo.sky_stokes(atmosphere, np.array([sun]), e, AZIMUTH_DEG, PATHS, BATCHES, 77)
+            for e in ELEVATION_DEG
+        ]
+        direct = np.array([means[0] for means, _ in both])
+        error = np.mean([errors[0, :, 0] / means[0, :, 0] for means, errors in both])
+    else:
+        direct = discrete_ordinates.sky_stokes(atmosphere, sun, ELEVATION_DEG, AZIMUTH_DEG)
+    stored = stored_stokes(sun, haze, ozone, ELEVATION_DEG, AZIMUTH_DEG, NM)
+    off = 100 * (stored[:, :, 0] / direct[:, :, 0] - 1)
+    polarised = np.hypot(
+        *np.moveaxis(stored[:, :, 1:] / stored[:, :, :1] - direct[:, :, 1:] / direct[:, :, :1], 2, 0)
+    )
+    print(
+        f"{sun:5.1f} {haze:4.2f} {ozone:4.0f}: {_rms(off):5.2f} ({np.abs(off).max():5.2f})  "
+        f"{_rms(polarised):.4f} ({polarised.max():.4f})"
+        + (f"  Monte Carlo's own {100 * error:.2f} %" if error else ""),
+        flush=True,
+    )
+
+
+def stored_stokes(
+    sun: float,
+    haze: float,
+    ozone: float,
+    elevation_deg: np.ndarray,
+    azimuth_deg: np.ndarray,
+    nm: np.ndarray,
+) -> np.ndarray:
+    """The tables over black ground and irradiance 1: [elevation, azimuth, 3, wavelength]."""
+    from omma.light.sky_tables import TableSky
+
+    log_i, q, u = TableSky(sun, haze, ozone).stokes(elevation_deg, azimuth_deg, nm)
+    i = np.exp(log_i)
+    return np.stack([i, i * q, i * u], axis=2)
+
+
+def _rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values**2)))

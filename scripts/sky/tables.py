@@ -1,0 +1,211 @@
+"""Puts the pieces together: the tables as python/omma/light/sky_tables.py reads them."""
+
+from pathlib import Path
+
+import grid
+import numpy as np
+from atmosphere import (
+    ANGLE_DEG,
+    EARTH_RADIUS_M,
+    HAZE_SCALE_HEIGHT_M,
+    air_density,
+    haze_optics,
+    ozone_per_du,
+    ozone_profile,
+    rayleigh_anisotropy,
+    rayleigh_cross_section_m2,
+    sun_spectrum,
+)
+
+STEP = np.array([5e-4, 1e-4, 1e-4])  # of log I, Q/I, U/I as whole numbers
+FINE_NM = np.arange(300.0, 701.0)
+MASS_DEG = np.concatenate([np.arange(0, 10, 0.25), np.arange(10, 30, 1.0), np.arange(30, 91, 5.0)])
+# Degrees of polynomials and harmonics that Monte Carlo is smoothed to, of low suns and twilight.
+SMOOTH_DEGREE = {"low": (10, 9), "twilight": (6, 7)}
+
+
+def assemble(folder: Path) -> dict[str, np.ndarray]:
+    """Everything that is stored, by name."""
+    parts = fixed_parts()
+    fields = np.stack([_fields(folder, parts, haze) for haze in grid.HAZE])
+    mean = fields[:, :, 0].mean(axis=(-2, -1))
+    fields[:, :, 0] -= mean[..., None, None]
+    whole = np.rint(fields / STEP[:, None, None, None]).astype(np.int32)
+    steps = np.diff(whole, axis=-1, prepend=0)
+    assert np.abs(steps).max() < 2**15, np.abs(steps).max()
+    ground, returned = zip(*(_ground(folder, parts, haze) for haze in grid.HAZE))
+    return {
+        **parts,
+        "steps": steps.astype(np.int16),
+        "step": STEP,
+        "log_mean": mean.astype(np.float32),
+        "ground": np.array(ground, np.float32),
+        "returned": np.array(returned, np.float32),
+        **_ozone(folder),
+    }
+
+
+def fixed_parts() -> dict[str, np.ndarray]:
+    """Grids, the sun's spectrum and optical depths: what needs no radiative transfer."""
+    nm, watts = sun_spectrum()
+    sun = [np.mean(watts[np.abs(nm - one) <= 0.5]) for one in FINE_NM]
+    fine_m = np.linspace(0, 100e3, 100_001)
+    column = np.trapezoid(air_density(fine_m), fine_m)
+    total, scattered, phase, _ = haze_optics(tuple(grid.WAVELENGTH_NM))
+    half = np.sin(np.radians(ANGLE_DEG[::2]) / 2)
+    assert np.allclose(np.diff(half), half[1])
+    return {
+        "wavelength_nm": grid.WAVELENGTH_NM,
+        "elevation_deg": grid.ELEVATION_DEG,
+        "azimuth_deg": grid.AZIMUTH_DEG,
+        "sun_deg": grid.SUN_DEG,
+        "haze": grid.HAZE,
+        "fine_nm": FINE_NM,
+        "sun_w": np.array(sun, np.float32),
+        "rayleigh_depth": rayleigh_cross_section_m2(FINE_NM) * column,
+        "ozone_depth_per_du": ozone_per_du(FINE_NM, 1.0),
+        "haze_depth": np.exp(
+            np.interp(np.log(FINE_NM), np.log(grid.WAVELENGTH_NM), np.log(total))
+        ),
+        "haze_scattered": scattered,
+        "haze_phase": phase[:, ::2, 0].astype(np.float32),
+        "anisotropy": rayleigh_anisotropy(grid.WAVELENGTH_NM),
+        "mass_deg": MASS_DEG,
+        "mass": _air_masses(),
+    }
+
+
+def _air_masses() -> np.ndarray:
+    """Columns along the sun's ray over those upwards: air, ozone, haze by MASS_DEG."""
+    height = np.linspace(0, 1, 2001) ** 3 * 100e3
+    middle = 0.5 * (height[1:] + height[:-1])
+    sine = np.sin(np.radians(MASS_DEG))[:, None]
+    radius = EARTH_RADIUS_M
+    # Along the ray to a height: sqrt(r^2 - R^2 cos^2 e) - R sin e.
+    along = np.sqrt((radius + height) ** 2 - radius**2 * (1 - sine**2)) - radius * sine
+    masses = []
+    for profile in (air_density, ozone_profile, lambda h: np.exp(-h / HAZE_SCALE_HEIGHT_M)):
+        values = profile(middle)
+        masses.append(np.diff(along) @ values / (np.diff(height) @ values))
+    return np.array(masses)
+
+
+def _fields(folder: Path, parts: dict[str, np.ndarray], haze: float) -> np.ndarray:
+    """[sun, (log I over phase function, Q/I, U/I), wavelength, elevation, azimuth]."""
+    fields = []
+    for sun in grid.ORDINATES_SUN_DEG:
+        stokes = np.load(folder / f"ordinates_{haze:g}_{sun:g}.npz")["stokes"]
+        fields.append(_relative(stokes, parts, haze, sun, grid.AZIMUTH_DEG))
+    for name, suns in (("low", grid.LOW_SUN_DEG), ("twilight", grid.TWILIGHT_SUN_DEG)):
+        pieces = [np.load(folder / f"{name}_{haze:g}_{e:g}.npz") for e in grid.ELEVATION_DEG]
+        stokes = np.stack([one["stokes"] for one in pieces])  # [elevation, sun, azimuth, 3, nm]
+        error = np.stack([one["error"] for one in pieces])
+        for i, sun in enumerate(suns):
+            rough = _relative(stokes[:, i], parts, haze, sun, grid.MONTE_CARLO_AZIMUTH_DEG)
+            noise = error[:, i, :, 0] / np.maximum(stokes[:, i, :, 0], 1e-300)
+            fields.append(_smooth(rough, np.moveaxis(noise, -1, 0), *SMOOTH_DEGREE[name]))
+    return np.array(fields)
+
+
+def _relative(
+    stokes: np.ndarray,
+    parts: dict[str, np.ndarray],
+    haze: float,
+    sun_deg: float,
+    azimuth_deg: np.ndarray,
+) -> np.ndarray:
+    """Stokes [elevation, azimuth, 3, wavelength] as fields [3, wavelength, elevation, azimuth]."""
+    from omma.light.sky_tables import mixed_phase
+
+    e = np.radians(grid.ELEVATION_DEG)[:, None]
+    a, sun = np.radians(azimuth_deg), np.radians(sun_deg)
+    cosine = np.sin(e) * np.sin(sun) + np.cos(e) * np.cos(sun) * np.cos(a)
+    phase = mixed_phase(parts, haze, cosine)
+    i, q, u = np.moveaxis(stokes, (2, 3), (0, 1))
+    return np.array([np.log(i / phase), q / i, u / i])
+
+
+def _smooth(rough: np.ndarray, noise: np.ndarray, degree: int, harmonics: int) -> np.ndarray:
+    """The fields on all azimuths: polynomials of elevation times harmonics of azimuth, fitted."""
+    x = np.arcsinh(grid.ELEVATION_DEG / 4)
+    up = np.polynomial.chebyshev.chebvander(2 * x / x[-1] - 1, degree)
+    count = np.arange(harmonics)
+    result = []
+    for k, field in enumerate(rough):
+        wave, shift = (np.sin, 1) if k == 2 else (np.cos, 0)
+        some = wave(np.radians(grid.MONTE_CARLO_AZIMUTH_DEG)[:, None] * (count + shift))
+        every = wave(np.radians(grid.AZIMUTH_DEG)[:, None] * (count + shift))
+        turned = field @ np.linalg.pinv(some).T  # [wavelength, elevation, harmonic]
+        fitted = []
+        for nm in range(len(field)):
+            weight = 1 / np.maximum(noise[nm].mean(axis=-1), 1e-3)[:, None]
+            fitted.append(up @ np.linalg.lstsq(weight * up, weight * turned[nm], rcond=None)[0])
+        result.append(np.array(fitted) @ every.T)
+    return np.array(result)
+
+
+def _ground(
+    folder: Path, parts: dict[str, np.ndarray], haze: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """What the ground's radiance adds to I and Q, [2, wavelength, elevation], and what comes back.
+
+    Over albedo A the ground gets E0 / (1 - A s); so skies over 0, 0.5 and 1 give s, and the two
+    over 0 and 0.5 with E0 the rest.
+    """
+    black, half, white = (
+        np.load(folder / f"ground_{haze:g}_{a:g}.npz")["stokes"] for a in (0.0, 0.5, 1.0)
+    )
+    one, two = (half - black).mean(axis=1), (white - black).mean(axis=1)  # over azimuths
+    ratio = np.median(two[:, 0] / one[:, 0], axis=0)
+    returned = (ratio - 2) / (ratio - 1)
+    sun = np.load(folder / f"ordinates_{haze:g}_{grid.GROUND_SUN_DEG:g}.npz")["stokes"][:, :, 0]
+    fine = np.radians(np.linspace(0, 90, 181))
+    from scipy.interpolate import CubicSpline
+
+    over = CubicSpline(np.radians(grid.ELEVATION_DEG), sun)(fine)
+    around = np.trapezoid(over, np.radians(grid.AZIMUTH_DEG), axis=1) * 2
+    sky = np.trapezoid(around * (np.sin(fine) * np.cos(fine))[:, None], fine, axis=0)
+    nm = parts["wavelength_nm"]
+    depth = [
+        np.interp(nm, FINE_NM, parts["rayleigh_depth"]),
+        300 * ozone_per_du(nm),
+        haze * np.interp(nm, FINE_NM, parts["haze_depth"]),
+    ]
+    mass = [np.interp(grid.GROUND_SUN_DEG, MASS_DEG, m) for m in parts["mass"]]
+    direct = np.exp(-np.array(mass) @ np.array(depth)) * np.sin(np.radians(grid.GROUND_SUN_DEG))
+    shine = 0.5 * (sky + direct) / (1 - 0.5 * returned) / np.pi
+    return np.stack([(one[:, k] / shine).T for k in (0, 1)]), returned
+
+
+def _ozone(folder: Path) -> dict[str, np.ndarray]:
+    """log I = that of 300 DU + a x + b x^2, x = (DU - 300) / 300.
+
+    "ozone" has [a or b, sun, wavelength, few elevations, few azimuths], the others what takes these
+    to all: a cubic in a measure of the air's mass, cosines in azimuth.
+    """
+    logs = []
+    for ozone in grid.OZONE_DU:
+        high = [
+            np.load(folder / f"ozone_{ozone:g}_{sun:g}.npz")["stokes"][:, :, 0]
+            for sun in grid.ORDINATES_SUN_DEG
+        ]
+        low = [
+            np.load(folder / f"ozone_{ozone:g}_low_{e:g}.npz")["stokes"][:, :, 0]
+            for e in grid.OZONE_ELEVATION_DEG
+        ]
+        both = np.concatenate([np.array(high), np.array(low).transpose(1, 0, 2, 3)])
+        logs.append(np.log(np.maximum(both, 1e-300)))
+    x = (grid.OZONE_DU[[0, 2]] - 300) / 300
+    change = np.stack([logs[0] - logs[1], logs[2] - logs[1]])
+    solved = np.tensordot(np.linalg.inv(np.stack([x, x**2], axis=1)), change, axes=1)
+    measure = np.log(np.sin(np.radians(grid.ELEVATION_DEG)) + 0.05)
+    nodes = np.log(np.sin(np.radians(grid.OZONE_ELEVATION_DEG)) + 0.05)
+    up = np.vander(measure, 4) @ np.linalg.inv(np.vander(nodes, 4))
+    few = np.cos(np.radians(grid.OZONE_AZIMUTH_DEG)[:, None] * np.arange(3))
+    every = np.cos(np.radians(grid.AZIMUTH_DEG)[:, None] * np.arange(3))
+    round_ = every @ np.linalg.inv(few)
+    return {
+        "ozone": np.moveaxis(solved, -1, 2).astype(np.float32),
+        "ozone_elevation": up,
+        "ozone_azimuth": round_,
+    }

@@ -1,0 +1,77 @@
+"""Bands of wavelengths, and photons and watts."""
+
+import numpy as np
+import pytest
+
+import omma
+from omma.light import Bands
+
+
+def test_equal_bands_are_sixteen_of_25_nm():
+    bands = Bands.equal()
+    assert len(bands) == 16
+    np.testing.assert_allclose(bands.edges_nm, np.arange(300, 701, 25))
+    np.testing.assert_allclose(bands.widths_nm, 25)
+    np.testing.assert_allclose(bands.centers_nm, np.arange(312.5, 700, 25))
+    assert repr(bands) == "Bands(16 bands from 300 to 700 nm, 25 nm each)"
+
+
+def test_means_over_bands():
+    bands = Bands.from_edges([300, 310, 400.5])
+    # Of a straight line, the value in the middle; by samples at the middles of equal steps, exact.
+    np.testing.assert_allclose(bands.mean(lambda nm: nm), [305, 355.25])
+    np.testing.assert_allclose(bands.mean([3.0, 7.0], [300, 700]), [3.05, 3.5525])
+    both = bands.mean(np.array([[1.0, 2.0], [1.0, 2.0]]), [200, 800])
+    np.testing.assert_allclose(both, [[1, 2], [1, 2]])
+
+
+def test_bands_of_sensitivities_weigh_as_these_do():
+    nm = np.array([400.0, 500.0, 600.0])
+    bands = Bands.from_sensitivities(nm, [[0, 1, 0], [1, 1, 1]])
+    # A triangle: its mean is in the middle; 1 / ∫ w² dλ of one 200 nm wide is 150 nm.
+    np.testing.assert_allclose(bands.centers_nm, [500, 500])
+    np.testing.assert_allclose(bands.widths_nm, [150, 200], rtol=1e-4)  # of 1 nm steps
+    assert bands.edges_nm is None
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Bands.from_edges([400, 300]), "edges_nm: expected 2 to 129 wavelengths that asc"),
+        (lambda: Bands.from_edges([300, np.nan]), "edges_nm"),
+        (lambda: Bands.equal(0), "count: expected 1 to 128, found 0"),
+        (lambda: Bands.equal(129), "count: expected 1 to 128"),
+        (lambda: Bands.equal(4, 500, 400), "low_nm, high_nm"),
+        (lambda: Bands.from_sensitivities([300, 400], [[0, 0]]), "sensitivity: expected some abo"),
+        (lambda: Bands.from_sensitivities([300, 400], [[-1, 1]]), "sensitivity: expected numbers"),
+        (lambda: Bands.from_sensitivities([400, 300], [[1, 1]]), "wavelength_nm"),
+        (lambda: Bands([300, 300], [[1, 1]]), "wavelength_nm: expected wavelengths above 0"),
+        (lambda: Bands([300, 400], [[0, 0]]), "weight"),
+        (lambda: Bands([300, 400], [[1, np.inf]]), "weight"),
+        (lambda: Bands([300, 400], [[1, 1]], [1, 2, 3]), "edges_nm: expected 2, found 3"),
+        (
+            lambda: Bands.equal().mean([1.0, 2.0], [350, 700]),
+            "spectrum: expected values from 300.5",
+        ),
+        (lambda: Bands.equal().mean([1.0, 2.0]), "wavelength_nm: expected those of the spectrum"),
+        (lambda: Bands.equal().mean(lambda nm: nm * np.nan), "spectrum: expected finite"),
+    ],
+)
+def test_what_is_no_band_is_refused(make, message):
+    with pytest.raises(omma.Error, match=message):
+        make()
+
+
+def test_photons_and_watts():
+    # LED light of 1 W at 500 nm: λ / (h c), with the SI's exact h and c.
+    photons = omma.light.photons_from_watts(1.0, 500)
+    assert photons == pytest.approx(500e-9 / (6.62607015e-34 * 299792458), rel=1e-15)
+    assert photons / 500 == pytest.approx(5.0341e15, rel=1e-5)  # as it is quoted
+    nm = np.array([300.0, 700.0])
+    np.testing.assert_allclose(
+        omma.light.watts_from_photons(omma.light.photons_from_watts([2.0, 3.0], nm), nm), [2, 3]
+    )
+    with pytest.raises(omma.Error, match="wavelength_nm"):
+        omma.light.photons_from_watts(1.0, 0)
+    with pytest.raises(omma.Error, match="photons, wavelength_nm: expected shapes that go"):
+        omma.light.watts_from_photons([1, 2, 3], [300, 400])

@@ -1,0 +1,87 @@
+"""Figures of light, and the command that draws them."""
+
+import numpy as np
+import pytest
+
+import omma
+from omma.picture.sky_plots import neutral_points
+
+pytest.importorskip("matplotlib")
+
+
+def test_a_figure_of_each_kind(tmp_path):
+    few = omma.light.Bands.equal(4)
+    lights = [
+        omma.light.clear_sky(30, 135, bands=few),
+        omma.light.overcast_sky(30, bands=few, unit="watts"),
+        omma.light.uniform_sky(0, bands=few),
+        omma.light.panorama_bands(np.ones((4, 8, 4)), bands=few).scaled(2),
+    ]
+    for k, light in enumerate(lights):
+        omma.picture.plot_sky(tmp_path / f"{k}.png", light, [550], size_mm=60)
+        assert (tmp_path / f"{k}.png").stat().st_size > 5000
+    omma.picture.plot_sky([tmp_path / "a.svg", tmp_path / "a.pdf"], lights[0], [350, 550])
+    assert b"<svg" in (tmp_path / "a.svg").read_bytes()
+
+
+def test_what_cannot_be_drawn(tmp_path):
+    light = omma.light.uniform_sky()
+    with pytest.raises(omma.Error, match=r"expected a name ending in \.pdf"):
+        omma.picture.plot_sky(tmp_path / "a.txt", light)
+    with pytest.raises(omma.Error, match="wavelengths_nm: expected 1 to 6"):
+        omma.picture.plot_sky(tmp_path / "a.png", light, [])
+    with pytest.raises(TypeError, match=r"light: expected omma\.light\.Light"):
+        omma.picture.plot_sky(tmp_path / "a.png", 3)
+
+
+def test_the_command(tmp_path, run_omma):
+    name = str(tmp_path / "sky.png")
+    code, out, err = run_omma(
+        "light", "show", "--sun", "20", "--azimuth", "90", "--wavelength", "440", "-o", name
+    )
+    assert (code, err) == (0, "")
+    assert out == f"wrote {name}\n"
+
+
+def test_a_time_and_place(tmp_path, run_omma):
+    pytest.importorskip("ephem")
+    name = str(tmp_path / "sky.png")
+    given = ("--time", "2026-06-21T12:00:00+02:00", "--place", "52.5,13.4", "--wavelength", "440")
+    code, _, err = run_omma("light", "show", *given, "-o", name)
+    assert (code, err) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ((), "show: expected either --sun or --time and --place"),
+        (("--sun", "3", "--time", "2026-06-21"), "show: expected either"),
+        (("--time", "noon", "--place", "1,2"), "--time: expected one such as 2026-06-21T12:00"),
+        (("--time", "2026-06-21T12:00", "--place", "1,2"), "expected a time with its time zone"),
+        (("--time", "2026-06-21T12:00Z", "--place", "1"), "--place: expected latitude,longitude"),
+        (
+            ("--time", "2026-06-21T12:00Z", "--place", "1,2", "--kind", "overcast"),
+            "--kind: expected clear",
+        ),
+    ],
+)
+def test_wrong_options(tmp_path, run_omma, given, message):
+    code, _, err = run_omma("light", "show", *given, "-o", str(tmp_path / "sky.png"))
+    assert code == 1
+    assert message in err
+
+
+def test_neutral_points_are_where_polarisation_along_the_meridian_changes_sign():
+    # Across the meridian (Q < 0) but for 10 to 50 degrees on the sun's side, and under 20 opposite.
+    sky = np.zeros((2, 91, 8, 3, 1))
+    sky[:, :, :, 0], sky[:, :, :, 1] = 1, -0.05
+    sky[0, 10:50, 0, 1] = 0.05
+    sky[0, :20, 4, 1] = 0.05
+    disc = omma.light.Disc((0, 0.5, -np.sqrt(0.75)), 0.004, [1.0])
+    light = omma.light.Light(omma.light.Bands.equal(1), sky=sky, discs=(disc,))
+    found = neutral_points(light, 0)
+    assert [name for name, _ in found] == ["Brewster", "Babinet", "Arago"]
+    elevation = [np.degrees(np.arcsin(towards[1])) for _, towards in found]
+    # Between rows of 1 degree.
+    np.testing.assert_allclose(elevation, [9.5, 49.5, 19.5], atol=0.01)
+    assert neutral_points(omma.light.uniform_sky(), 0) == []

@@ -1,0 +1,250 @@
+"""Clear skies from the shipped tables: known figures, an independent Monte Carlo, and sasktran2."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from sky_monte_carlo import RoundSky
+
+import omma
+from omma.light.sky_tables import TableSky, clear_sky_map, sun_limb_darkening, sun_spectrum
+
+SCRIPTS = Path(__file__).resolve().parents[2] / "scripts" / "sky"
+NM = np.array([350.0, 440.0, 540.0])
+FINE = np.arange(300.5, 700.0)
+BANDS = np.kron(np.eye(16), np.full(25, 1 / 25))  # 16 of 25 nm
+
+
+def at_wavelengths(sun, azimuth=0.0, nm=NM, **settings):
+    return clear_sky_map(nm, np.eye(len(nm)), sun, azimuth, **settings)
+
+
+def irradiance(sky):
+    """On the ground, (B,), from I of the upper half."""
+    elevation = np.radians(np.arange(91.0))
+    edge = np.concatenate([[0], (elevation[1:] + elevation[:-1]) / 2, [np.pi / 2]])
+    ring = np.pi * np.diff(np.sin(edge) ** 2) / 360
+    return np.einsum("e,ecb->b", ring, sky[0, :, :, 0].astype(float))
+
+
+def degree(sky):
+    return np.hypot(sky[0, :, :, 1], sky[0, :, :, 2]) / sky[0, :, :, 0]
+
+
+def zero_crossings(values):
+    """Where linear interpolation passes 0, in steps."""
+    at = np.flatnonzero(values[:-1] * values[1:] < 0)
+    return at + values[at] / (values[at] - values[at + 1])
+
+
+def test_sky_share_of_light_and_its_absolute_level():
+    # Figures of a separate computation, which are given to two digits.
+    sky, sun = at_wavelengths(30)
+    down = irradiance(sky)
+    np.testing.assert_allclose(down / (down + 0.5 * sun), [0.55, 0.25, 0.11], atol=0.005)
+    sky, sun = clear_sky_map(FINE, BANDS, 30, 0)
+    photons = 25 * (irradiance(sky) + 0.5 * sun)[4:].sum()
+    assert photons == pytest.approx(6.4e20, rel=0.01)
+
+
+def test_neutral_points_of_babinet_brewster_and_arago():
+    sky, _ = at_wavelengths(30)
+    low, high = zero_crossings(sky[0, :89, 0, 1, 1])
+    assert high == pytest.approx(30 + 17.5, abs=0.5)  # Babinet's
+    assert low == pytest.approx(30 - 22, abs=0.5)  # Brewster's
+    sky, _ = at_wavelengths(10)
+    (arago,) = zero_crossings(sky[0, :89, 180, 1, 1])
+    assert arago == pytest.approx(24 - 10, abs=0.5)  # above the antisun
+
+
+def test_zenith_under_a_sun_on_the_horizon():
+    sky, sun = at_wavelengths(0)
+    # Of a receptor with a polarisation sensitivity of 6.3; figures of a separate computation.
+    modulation = 5.3 / 7.3 * degree(sky)[90, 0]
+    np.testing.assert_allclose(modulation[:2], [0.454, 0.566], rtol=0.01)
+    assert np.all(sun >= 0)
+    assert np.all(at_wavelengths(-0.1)[1] == 0)
+
+
+@pytest.mark.parametrize("sun", [90, 63, 12, 4.5, 0, -2.5, -6, -8])
+def test_symmetric_polarised_and_smooth(sun):
+    sky, _ = at_wavelengths(sun)
+    assert sky.shape == (2, 91, 360, 3, 3)
+    assert sky.dtype == np.float32
+    assert np.all(np.isfinite(sky))
+    assert np.all(sky[0, :, :, 0] > 0)
+    assert np.all(degree(sky) < 0.95)
+    other = sky[0][:, -np.arange(360) % 360] * np.array([1, 1, -1])[:, None]
+    np.testing.assert_allclose(other, sky[0], rtol=1e-5, atol=1e-6 * sky[0].max())
+    # At the zenith all columns are one direction, each with an axis of its own; what is stored
+    # half a degree before it fits, but for the noise of Monte Carlo.
+    top, near = sky[0, 90], sky[0, 89]
+    np.testing.assert_allclose(top[:, 0], np.broadcast_to(top[0, 0], (360, 3)), rtol=1e-5)
+    turn = np.exp(2j * np.radians(np.arange(360)))[:, None]
+    for row, noise in ((top, 1e-5), (near, 0.02 if sun > 11 else 0.05)):
+        axis = (row[:, 1] + 1j * row[:, 2]) / row[:, 0] / turn
+        np.testing.assert_allclose(axis, np.broadcast_to(axis.mean(axis=0), axis.shape), atol=noise)
+    np.testing.assert_allclose(near[:, 0].mean(axis=0), top[0, 0], rtol=0.02)
+
+
+def test_turns_with_the_sun():
+    still, _ = at_wavelengths(20, 0)
+    turned, _ = at_wavelengths(20, 90)
+    np.testing.assert_array_equal(turned, np.roll(still, 90, axis=2))
+    assert turned[0, 20, 90, 0, 0] == turned[0, 20, :, 0, 0].max()
+    between, _ = at_wavelengths(20, 0.5)
+    step = (still + np.roll(still, 1, axis=2)) / 2
+    np.testing.assert_allclose(between[0, :, :, 0], step[0, :, :, 0], rtol=1e-3)
+
+
+def test_electric_vector_across_the_plane_to_the_sun():
+    # A quarter turn to the right of a sun on the horizon the ray is across it: the electric vector
+    # is vertical at the horizon; of a sun 45 degrees up it leans to the right.
+    sky, _ = at_wavelengths(0)
+    assert sky[0, 5, 90, 1, 1] > 0.5 * sky[0, 5, 90, 0, 1]
+    assert abs(sky[0, 5, 90, 2, 1]) < 0.15 * sky[0, 5, 90, 0, 1]
+    sky, _ = at_wavelengths(45)
+    assert sky[0, 5, 90, 2, 1] > 0.4 * sky[0, 5, 90, 0, 1]
+    assert sky[0, 5, 270, 2, 1] < -0.4 * sky[0, 5, 270, 0, 1]
+
+
+def test_ground_is_lit_by_sky_and_sun():
+    for albedo in (0.0, 0.1, 0.8):
+        sky, sun = at_wavelengths(40, albedo=albedo)
+        total = irradiance(sky) + np.sin(np.radians(40)) * sun
+        # Light that goes to and fro is there too; a percent for the table of what comes back.
+        np.testing.assert_allclose(sky[1, 50, 7, 0], albedo * total / np.pi, rtol=0.01)
+        assert np.all(sky[1, :, :, 1:] == 0)
+    black, _ = at_wavelengths(40, albedo=0.0)
+    assert np.all(irradiance(sky) > irradiance(black))
+
+
+def test_ozone_takes_ultraviolet_and_haze_brings_it_down_from_the_sky():
+    nm = np.array([310.0, 350.0, 600.0])
+    thin, thick = (at_wavelengths(30, nm=nm, ozone_du=du)[0] for du in (220, 420))
+    ratio = irradiance(thick) / irradiance(thin)
+    assert ratio[0] < 0.3
+    assert ratio[1] == pytest.approx(1, abs=0.02)
+    assert 0.9 < ratio[2] < 1  # Chappuis' bands
+    clear, sun = at_wavelengths(30, nm=nm)
+    hazy, dim = at_wavelengths(30, nm=nm, aerosol=0.3)
+    assert np.all(dim < 0.8 * sun)
+    assert irradiance(hazy)[2] > 1.5 * irradiance(clear)[2]
+    assert degree(hazy)[:, :, 2].max() < degree(clear)[:, :, 2].max()
+    # The aureole: near the sun haze is brighter than at a right angle by far more than air is.
+    assert hazy[0, 33, 0, 0, 2] / hazy[0, 90, 0, 0, 2] > 2 * clear[0, 33, 0, 0, 2] / (
+        clear[0, 90, 0, 0, 2]
+    )
+
+
+def test_units_and_bands():
+    photons, sun = at_wavelengths(25)
+    watts, sun_watts = at_wavelengths(25, unit="watts")
+    each = 6.62607015e-34 * 299792458 / (NM * 1e-9)
+    np.testing.assert_allclose(photons * each, watts, rtol=1e-5)
+    np.testing.assert_allclose(sun * each, sun_watts, rtol=1e-12)
+    # The solar constant from 300 to 700 nm: ASTM E490 has 659 W m-2 there.
+    assert sun_spectrum(FINE, "watts").sum() == pytest.approx(659, rel=0.02)
+    every, _ = clear_sky_map(FINE, np.eye(400)[:50], 25, 0)
+    bands, _ = clear_sky_map(FINE, BANDS[:2], 25, 0)
+    means = every.reshape(*every.shape[:4], 2, 25).mean(axis=-1)
+    np.testing.assert_allclose(bands, means, rtol=1e-4, atol=1e-5 * bands.max())
+
+
+def test_limb_darkening():
+    u = sun_limb_darkening(np.array([300.0, 350.0, 550.0, 700.0]))
+    assert np.all(np.diff(u) < 0)
+    assert u[2] == pytest.approx(0.58, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"sun_elevation_deg": -8.1}, "sun_elevation_deg: expected -8 to 90"),
+        ({"sun_elevation_deg": np.nan}, "sun_elevation_deg"),
+        ({"sun_azimuth_deg": np.inf}, "sun_azimuth_deg"),
+        ({"aerosol": 0.4}, "aerosol: expected 0 to 0.3"),
+        ({"ozone_du": 100}, "ozone_du: expected 200 to 450"),
+        ({"albedo": 1.2}, "albedo: expected 0 to 1"),
+        ({"unit": "lux"}, "unit: expected one of photons, watts"),
+        ({"wavelength_nm": [290, 300, 310]}, "wavelength_nm"),
+        ({"wavelength_nm": [400, 390, 500]}, "wavelength_nm"),
+        ({"weight": np.eye(2)}, "weight: expected shape"),
+        ({"weight": -np.eye(3)}, "weight"),
+    ],
+)
+def test_nonsense_is_refused(change, message):
+    good = {
+        "wavelength_nm": NM,
+        "weight": np.eye(3),
+        "sun_elevation_deg": 30,
+        "sun_azimuth_deg": 0,
+    }
+    with pytest.raises(omma.Error, match=message):
+        clear_sky_map(**{**good, **change})
+
+
+@pytest.mark.parametrize(
+    ("sun", "elevation", "azimuth", "nm"),
+    [(30, 45, 90, 440), (45, 20, 130, 380), (3, 10, 0, 440), (-4, 30, 0, 440)],
+)
+def test_tables_against_an_independent_monte_carlo(sun, elevation, azimuth, nm):
+    table = np.load(
+        Path(omma.__file__).parent / "light" / "data" / "clear_sky.npz", allow_pickle=False
+    )
+    fine = table["fine_nm"]
+    sky = RoundSky(
+        np.interp(nm, fine, table["rayleigh_depth"]),
+        300 * np.interp(nm, fine, table["ozone_depth_per_du"]),
+        np.interp(nm, table["wavelength_nm"], table["anisotropy"]),
+    )
+    mean, error = sky.radiance(sun, elevation, azimuth, 20_000, np.random.default_rng(5))
+    log_i, q, u = TableSky(sun, 0.0, 300.0).stokes(
+        np.array([elevation]), np.array([azimuth]), np.array([nm])
+    )
+    radiance, degree_ = (0.05, 0.02) if sun < 5 else (0.01, 0.005)
+    # Three standard errors of Monte Carlo on top of what the tables promise.
+    assert abs(np.exp(log_i.item()) - mean[0]) < radiance * mean[0] + 3 * error[0]
+    assert abs(q.item() - mean[1] / mean[0]) < degree_ + 3 * error[1] / mean[0]
+    assert abs(u.item() - mean[2] / mean[0]) < degree_ + 3 * error[2] / mean[0]
+
+
+def test_generator_gives_the_numbers_of_natraj(monkeypatch):
+    pytest.importorskip("sasktran2")
+    monkeypatch.syspath_prepend(str(SCRIPTS))
+    from atmosphere import Atmosphere, Scatterer, rayleigh_phase
+    from discrete_ordinates import sky_stokes
+
+    # A slab of optical depth 0.5 over black ground, Natraj, Li and Yung (2009): mu0 0.2, mu 0.4,
+    # 90 degrees from the sun, for a flux of pi. Their Q has the other sign.
+    height = np.linspace(0, 1e4, 81)
+    phase, moments = rayleigh_phase(np.ones(1))
+    slab = Scatterer(np.full((81, 1), 0.5e-4), np.ones(1), phase, moments)
+    still = Atmosphere(height, np.array([400.0]), np.zeros((81, 1)), (slab,))
+    i, q, u = np.pi * sky_stokes(
+        still,
+        np.degrees(np.arcsin(0.2)),
+        np.degrees(np.arcsin([0.4])),
+        np.array([90.0]),
+        earth_radius_m=6.371e9,
+    ).reshape(3)
+    assert i == pytest.approx(0.088421, rel=0.003)
+    assert np.hypot(q, u) / i == pytest.approx(np.hypot(0.063207, 0.021626) / 0.088421, abs=0.002)
+    assert -q / i == pytest.approx(-0.063207 / 0.088421, abs=0.002)
+
+
+@pytest.mark.parametrize(("sun", "haze", "ozone"), [(33, 0.0, 300), (45, 0.05, 300), (60, 0.0, 350)])
+def test_tables_between_nodes_against_sasktran2(monkeypatch, sun, haze, ozone):
+    pytest.importorskip("sasktran2")
+    pytest.importorskip("musica")
+    monkeypatch.syspath_prepend(str(SCRIPTS))
+    from atmosphere import clear_atmosphere
+    from discrete_ordinates import sky_stokes
+
+    nm = np.array([352.0, 440.0, 570.0])
+    elevation, azimuth = np.array([4.0, 22.0, 65.0]), np.array([40.0, 131.0])
+    direct = sky_stokes(clear_atmosphere(nm, ozone, haze), sun, elevation, azimuth)
+    log_i, q, u = TableSky(sun, haze, ozone).stokes(elevation, azimuth, nm)
+    np.testing.assert_allclose(np.exp(log_i), direct[:, :, 0], rtol=0.01)
+    np.testing.assert_allclose(q, direct[:, :, 1] / direct[:, :, 0], atol=0.005)
+    np.testing.assert_allclose(u, direct[:, :, 2] / direct[:, :, 0], atol=0.005)
