@@ -42,7 +42,9 @@ def _compare(sun: float, haze: float, ozone: float) -> None:
     stored = stored_stokes(sun, haze, ozone, ELEVATION_DEG, AZIMUTH_DEG, NM)
     off = 100 * (stored[:, :, 0] / direct[:, :, 0] - 1)
     polarised = np.hypot(
-        *np.moveaxis(stored[:, :, 1:] / stored[:, :, :1] - direct[:, :, 1:] / direct[:, :, :1], 2, 0)
+        *np.moveaxis(
+            stored[:, :, 1:] / stored[:, :, :1] - direct[:, :, 1:] / direct[:, :, :1], 2, 0
+        )
     )
     print(
         f"{sun:5.1f} {haze:4.2f} {ozone:4.0f}: {_rms(off):5.2f} ({np.abs(off).max():5.2f})  "

@@ -64,9 +64,7 @@ def fixed_parts() -> dict[str, np.ndarray]:
         "sun_w": np.array(sun, np.float32),
         "rayleigh_depth": rayleigh_cross_section_m2(FINE_NM) * column,
         "ozone_depth_per_du": ozone_per_du(FINE_NM, 1.0),
-        "haze_depth": np.exp(
-            np.interp(np.log(FINE_NM), np.log(grid.WAVELENGTH_NM), np.log(total))
-        ),
+        "haze_depth": np.exp(np.interp(np.log(FINE_NM), np.log(grid.WAVELENGTH_NM), np.log(total))),
         "haze_scattered": scattered,
         "haze_phase": phase[:, ::2, 0].astype(np.float32),
         "anisotropy": rayleigh_anisotropy(grid.WAVELENGTH_NM),

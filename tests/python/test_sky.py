@@ -123,7 +123,7 @@ def test_ozone_takes_ultraviolet_and_haze_brings_it_down_from_the_sky():
     nm = np.array([310.0, 350.0, 600.0])
     thin, thick = (at_wavelengths(30, nm=nm, ozone_du=du)[0] for du in (220, 420))
     ratio = irradiance(thick) / irradiance(thin)
-    assert ratio[0] < 0.3
+    assert 0.3 < ratio[0] < 0.45  # 200 DU are 0.5 deep there, twice for the sun's rays
     assert ratio[1] == pytest.approx(1, abs=0.02)
     assert 0.9 < ratio[2] < 1  # Chappuis' bands
     clear, sun = at_wavelengths(30, nm=nm)
@@ -132,8 +132,9 @@ def test_ozone_takes_ultraviolet_and_haze_brings_it_down_from_the_sky():
     assert irradiance(hazy)[2] > 1.5 * irradiance(clear)[2]
     assert degree(hazy)[:, :, 2].max() < degree(clear)[:, :, 2].max()
     # The aureole: near the sun haze is brighter than at a right angle by far more than air is.
-    assert hazy[0, 33, 0, 0, 2] / hazy[0, 90, 0, 0, 2] > 2 * clear[0, 33, 0, 0, 2] / (
-        clear[0, 90, 0, 0, 2]
+    assert (
+        hazy[0, 33, 0, 0, 2] / hazy[0, 90, 0, 0, 2]
+        > 2 * clear[0, 33, 0, 0, 2] / (clear[0, 90, 0, 0, 2])
     )
 
 
@@ -141,7 +142,7 @@ def test_units_and_bands():
     photons, sun = at_wavelengths(25)
     watts, sun_watts = at_wavelengths(25, unit="watts")
     each = 6.62607015e-34 * 299792458 / (NM * 1e-9)
-    np.testing.assert_allclose(photons * each, watts, rtol=1e-5)
+    np.testing.assert_allclose(photons * each, watts, rtol=1e-5, atol=1e-6 * watts.max())
     np.testing.assert_allclose(sun * each, sun_watts, rtol=1e-12)
     # The solar constant from 300 to 700 nm: ASTM E490 has 659 W m-2 there.
     assert sun_spectrum(FINE, "watts").sum() == pytest.approx(659, rel=0.02)
@@ -233,7 +234,9 @@ def test_generator_gives_the_numbers_of_natraj(monkeypatch):
     assert -q / i == pytest.approx(-0.063207 / 0.088421, abs=0.002)
 
 
-@pytest.mark.parametrize(("sun", "haze", "ozone"), [(33, 0.0, 300), (45, 0.05, 300), (60, 0.0, 350)])
+@pytest.mark.parametrize(
+    ("sun", "haze", "ozone"), [(33, 0.0, 300), (45, 0.05, 300), (60, 0.0, 350)]
+)
 def test_tables_between_nodes_against_sasktran2(monkeypatch, sun, haze, ozone):
     pytest.importorskip("sasktran2")
     pytest.importorskip("musica")

@@ -127,8 +127,10 @@ def _join_zenith(row: NDArray[np.float32], relative_deg: Floats) -> None:
 def sun_spectrum(wavelength_nm: Floats, unit: str) -> Floats:
     """Irradiance of the sun above the air, (K,), per m2 and nm, at one astronomical unit."""
     table = _tables()
-    watts = np.interp(wavelength_nm, table["fine_nm"], table["sun_w"])
-    return watts * PHOTONS_PER_J_NM * wavelength_nm if unit == "photons" else watts
+    spectrum: Floats = np.interp(wavelength_nm, table["fine_nm"], table["sun_w"])
+    if unit == "photons":
+        spectrum = spectrum * PHOTONS_PER_J_NM * wavelength_nm
+    return spectrum
 
 
 def sun_limb_darkening(wavelength_nm: Floats) -> Floats:
@@ -202,8 +204,7 @@ class TableSky:
         log_i = log_i + np.log(self._phase(elevation_deg, azimuth_deg))
         along = _spline_matrix(tuple(table["wavelength_nm"]), tuple(nm)).astype(np.float32)
         return tuple(
-            np.moveaxis(one, 0, -1).astype(np.float32, order="C") @ along.T
-            for one in (log_i, q, u)
+            np.moveaxis(one, 0, -1).astype(np.float32, order="C") @ along.T for one in (log_i, q, u)
         )
 
     def _phase(self, elevation_deg: Floats, azimuth_deg: Floats) -> Any:
@@ -308,4 +309,5 @@ def _solid_angles(elevation_deg: Floats, columns: NDArray[np.intp]) -> Floats:
     """Solid angle times the sine of elevation that nodes stand for, (elevation, azimuth)."""
     edge = np.radians(np.concatenate([[0], (elevation_deg[1:] + elevation_deg[:-1]) / 2, [90]]))
     rings = 0.5 * np.diff(np.sin(edge) ** 2)
-    return rings[:, None] * columns * (2 * np.pi / columns.sum())
+    angles: Floats = rings[:, None] * columns * (2 * np.pi / columns.sum())
+    return angles
