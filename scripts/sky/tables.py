@@ -124,22 +124,37 @@ def _relative(
 
 
 def _smooth(rough: np.ndarray, noise: np.ndarray, degree: int, harmonics: int) -> np.ndarray:
-    """The fields on all azimuths: polynomials of elevation times harmonics of azimuth, fitted."""
+    """The fields on all azimuths: polynomials of elevation times harmonics of azimuth, fitted.
+
+    Of what the fit leaves, the share that is more than noise is kept, by wavelength: low in the red
+    the sky has more structure than the fit, and Monte Carlo little noise there.
+    """
     x = np.arcsinh(grid.ELEVATION_DEG / 4)
     up = np.polynomial.chebyshev.chebvander(2 * x / x[-1] - 1, degree)
-    count = np.arange(harmonics)
     result = []
     for k, field in enumerate(rough):
-        wave, shift = (np.sin, 1) if k == 2 else (np.cos, 0)
-        some = wave(np.radians(grid.MONTE_CARLO_AZIMUTH_DEG)[:, None] * (count + shift))
-        every = wave(np.radians(grid.AZIMUTH_DEG)[:, None] * (count + shift))
+        some, every = (
+            _harmonics(a, k == 2) for a in (grid.MONTE_CARLO_AZIMUTH_DEG, grid.AZIMUTH_DEG)
+        )
         turned = field @ np.linalg.pinv(some).T  # [wavelength, elevation, harmonic]
-        fitted = []
+        smooth = np.zeros_like(turned)
         for nm in range(len(field)):
             weight = 1 / np.maximum(noise[nm].mean(axis=-1), 1e-3)[:, None]
-            fitted.append(up @ np.linalg.lstsq(weight * up, weight * turned[nm], rcond=None)[0])
-        result.append(np.array(fitted) @ every.T)
+            few = turned[nm, :, :harmonics]
+            smooth[nm, :, :harmonics] = (
+                up @ np.linalg.lstsq(weight * up, weight * few, rcond=None)[0]
+            )
+        left = np.mean((field - smooth @ some.T) ** 2, axis=(1, 2))
+        kept = np.clip(1 - np.mean(noise**2, axis=(1, 2)) / np.maximum(left, 1e-30), 0, 1)
+        result.append((smooth + kept[:, None, None] * (turned - smooth)) @ every.T)
     return np.array(result)
+
+
+def _harmonics(azimuth_deg: np.ndarray, odd: bool) -> np.ndarray:
+    """Cosines of azimuth, or sines for what changes sign at the sun: as many as nodes tell apart."""
+    count = len(grid.MONTE_CARLO_AZIMUTH_DEG)
+    angle = np.radians(azimuth_deg)[:, None]
+    return np.sin(angle * np.arange(1, count - 1)) if odd else np.cos(angle * np.arange(count))
 
 
 def _ground(
