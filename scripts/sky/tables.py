@@ -89,7 +89,7 @@ def _air_masses() -> np.ndarray:
 
 
 def _fields(folder: Path, parts: dict[str, np.ndarray], haze: float) -> np.ndarray:
-    """[sun, (log I over phase function, Q/I, U/I), wavelength, elevation, azimuth]."""
+    """[sun, (log I over its first guess, Q/I, U/I), wavelength, elevation, azimuth]."""
     fields = []
     for sun in grid.ORDINATES_SUN_DEG:
         stokes = np.load(folder / f"ordinates_{haze:g}_{sun:g}.npz")["stokes"]
@@ -113,14 +113,11 @@ def _relative(
     azimuth_deg: np.ndarray,
 ) -> np.ndarray:
     """Stokes [elevation, azimuth, 3, wavelength] as fields [3, wavelength, elevation, azimuth]."""
-    from omma.light.sky_tables import mixed_phase
+    from omma.light.sky_tables import first_guess
 
-    e = np.radians(grid.ELEVATION_DEG)[:, None]
-    a, sun = np.radians(azimuth_deg), np.radians(sun_deg)
-    cosine = np.sin(e) * np.sin(sun) + np.cos(e) * np.cos(sun) * np.cos(a)
-    phase = mixed_phase(parts, haze, cosine)
+    guess = first_guess(parts, haze, sun_deg, grid.ELEVATION_DEG, azimuth_deg)
     i, q, u = np.moveaxis(stokes, (2, 3), (0, 1))
-    return np.array([np.log(i / phase), q / i, u / i])
+    return np.array([np.log(i / guess), q / i, u / i])
 
 
 def _smooth(rough: np.ndarray, noise: np.ndarray, degree: int, harmonics: int) -> np.ndarray:
