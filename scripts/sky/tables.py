@@ -148,7 +148,7 @@ def _smooth(rough: np.ndarray, noise: np.ndarray, degree: int, harmonics: int) -
 
 
 def _harmonics(azimuth_deg: np.ndarray, odd: bool) -> np.ndarray:
-    """Cosines of azimuth, or sines for what changes sign at the sun: as many as nodes tell apart."""
+    """Cosines of azimuth, or sines for what changes sign: as many as nodes tell apart."""
     count = len(grid.MONTE_CARLO_AZIMUTH_DEG)
     angle = np.radians(azimuth_deg)[:, None]
     return np.sin(angle * np.arange(1, count - 1)) if odd else np.cos(angle * np.arange(count))
