@@ -15,11 +15,11 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent / "sky"))
 
-import check  # noqa: E402
-import grid  # noqa: E402
-import numpy as np  # noqa: E402
-import pieces  # noqa: E402
-import tables  # noqa: E402
+import check
+import grid
+import numpy as np
+import pieces
+import tables
 
 TABLE = Path(__file__).resolve().parents[1] / "python/omma/light/data/clear_sky.npz"
 

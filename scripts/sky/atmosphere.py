@@ -52,15 +52,18 @@ class Atmosphere:
 
 
 def standard_altitudes_m() -> np.ndarray:
-    return np.concatenate(
-        [
-            np.arange(0, 6, 0.2),
-            np.arange(6, 16, 0.5),
-            np.arange(16, 36, 1.0),
-            np.arange(36, 50, 2.0),
-            np.arange(50, 101, 10.0),
-        ]
-    ) * 1000.0
+    return (
+        np.concatenate(
+            [
+                np.arange(0, 6, 0.2),
+                np.arange(6, 16, 0.5),
+                np.arange(16, 36, 1.0),
+                np.arange(36, 50, 2.0),
+                np.arange(50, 101, 10.0),
+            ]
+        )
+        * 1000.0
+    )
 
 
 def clear_atmosphere(

@@ -1,6 +1,6 @@
 """The sky from sasktran2: discrete ordinates for light scattered often, exact for the first time.
 
-sasktran2 (the package of that name, on the registry of Python packages) solves polarised
+The package sasktran2 solves polarised
 radiative transfer. What its settings must be for an observer on the ground that looks up, and what
 does not work, was found out against the tables of Natraj, Li and Yung (2009): Q and U are wrong
 exactly at the zenith, so rays stay half a degree away.

@@ -21,7 +21,7 @@ SUN_DEG = np.concatenate([ORDINATES_SUN_DEG, LOW_SUN_DEG, TWILIGHT_SUN_DEG])
 MONTE_CARLO_AZIMUTH_DEG = AZIMUTH_DEG[::2]
 
 HAZE = np.array([0.0, 0.1, 0.3])  # optical depth at 550 nm
-PATHS = {0.0: (8_000, 16_000), 0.1: (4_000, 6_000), 0.3: (4_000, 6_000)}  # a batch: low, twilight
+PATHS = {0.0: (8_000, 16_000), 0.1: (3_000, 5_000), 0.3: (3_000, 5_000)}  # a batch: low, twilight
 
 OZONE_DU = np.array([200.0, 300.0, 450.0])
 OZONE_ELEVATION_DEG = np.array([1.8, 10.5, 32.5, 89.5])

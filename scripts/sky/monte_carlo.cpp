@@ -5,161 +5,14 @@
 // is scattered into it is added, for all suns and all wavelengths at once, as neither changes the
 // path. Wavelengths differ by weights, so they must be neighbours. From each scattering two rays
 // leave: along one the path goes on as light does, the other, which adds the suns' light, is drawn
-// more often near the horizon and far ahead, where the air is still lit in twilight. The first numbers of a path are a lattice, shifted anew for each batch, so that
-// batches say how large the error is. Stokes frames: see include/omma/light.h.
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
-#include <vector>
+// more often near the horizon and far ahead, where the air is still lit in twilight. The first
+// numbers of a path are a lattice, shifted anew for each batch, so that batches say how large the
+// error is. Stokes frames: see include/omma/light.h.
+#include "round_air.h"
 
 namespace {
 
-constexpr int lanes = 8;      // wavelengths together
-constexpr int components = 3; // air, ozone, haze
-constexpr int lattice_numbers = 14;
-constexpr int angle_cells = 720;
-constexpr int zenith_cells = 1024;
-constexpr double pi = 3.14159265358979323846;
-
-struct Vec {
-  double x, y, z;
-};
-Vec operator+(Vec a, Vec b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-Vec operator-(Vec a, Vec b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Vec operator*(double s, Vec a) { return {s * a.x, s * a.y, s * a.z}; }
-double dot(Vec a, Vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Vec cross(Vec a, Vec b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-Vec unit(Vec a) { return (1 / std::sqrt(dot(a, a))) * a; }
-
-using Lanes = std::array<float, lanes>;
-
-struct Random {  // splitmix64
-  std::uint64_t state;
-  double operator()() {
-    std::uint64_t z = (state += 0x9e3779b97f4a7c15ull);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-    return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
-  }
-};
-
-// What the caller gives; arrays are his.
-struct Air {
-  int shells;
-  const double* radius_m;  // [shell + 1], of the shells' borders, from the ground up
-  const double* density;   // [component][shell], optical depth per m over that of the whole column
-  const double* depth;     // [component][lanes + 1], of the whole column; the last is that of paths
-  const double* scattered; // [component][lanes + 1], share of it that is scattered
-  const double* phase;     // [component][angle_cells + 1][lanes + 1][P11, P12, P22, P33]
-};
-
-struct Sky {
-  Air air;
-  std::vector<float> column;               // [component][border][zenith cell + 1], to the sun
-  std::array<std::vector<double>, 3> draw; // [component], share scattered up to each angle
-  std::vector<float> phase;                // [component][angle_cells + 1][P11, P12][lane]
-};
-
-double horizon_cosine(const Air& air, double radius) {  // below which the ground hides the sun
-  const double ratio = std::min(1.0, air.radius_m[0] / radius);
-  return -std::sqrt(1 - ratio * ratio);
-}
-
-// Angles of scattering are tabulated evenly by the sine of their half.
-double cell_cosine(double cell) { return 1 - 2 * (cell / angle_cells) * (cell / angle_cells); }
-
-std::size_t column_at(int borders, int component, int border, int cell) {
-  return (static_cast<std::size_t>(component) * borders + border) * (zenith_cells + 1) + cell;
-}
-
-int shell_of(const Air& air, double radius) {
-  const double* end = air.radius_m + air.shells + 1;
-  const int above = static_cast<int>(std::upper_bound(air.radius_m, end, radius) - air.radius_m);
-  return std::clamp(above - 1, 0, air.shells - 1);
-}
-
-// Goes along a ray through the shells, to the ground or out, and tells `visit(shell, length)` of each.
-template <typename Visit>
-void march(const Air& air, Vec from, Vec way, Visit visit) {
-  const double r2 = dot(from, from), b = dot(from, way);
-  const double nearest2 = r2 - b * b;  // squared, of the line to the centre
-  const double r = std::sqrt(r2);
-  int shell = shell_of(air, r);
-  double at = b;  // along the line, from its nearest point
-  bool down = b < 0;
-  if (down && r <= air.radius_m[shell] * (1 + 1e-12) && shell > 0) --shell;
-  for (;;) {
-    double to;
-    int next;
-    const double inner2 = air.radius_m[shell] * air.radius_m[shell] - nearest2;
-    if (down && inner2 > 0) {
-      to = -std::sqrt(inner2);
-      next = shell - 1;
-    } else {
-      const double outer = air.radius_m[shell + 1];
-      to = std::sqrt(std::max(0.0, outer * outer - nearest2));
-      next = shell + 1;
-      down = false;
-    }
-    if (to > at) visit(shell, to - at);
-    at = std::max(at, to);
-    if (next < 0 || next == air.shells) return;
-    shell = next;
-  }
-}
-
-void make_columns(Sky& sky) {
-  const Air& air = sky.air;
-  const int borders = air.shells + 1;
-  sky.column.assign(static_cast<std::size_t>(components) * borders * (zenith_cells + 1), 0.0f);
-  for (int border = 0; border < borders; ++border) {
-    const double r = air.radius_m[border];
-    const double lowest = horizon_cosine(air, r);
-    for (int cell = 0; cell <= zenith_cells; ++cell) {
-      const double t = static_cast<double>(cell) / zenith_cells;
-      const double up = std::min(1.0, lowest + (1 - lowest) * t * t + 1e-12);
-      std::array<double, components> sum{};
-      march(air, {0, r, 0}, {std::sqrt(1 - up * up), up, 0}, [&](int shell, double length) {
-        for (int c = 0; c < components; ++c) sum[c] += length * air.density[c * air.shells + shell];
-      });
-      for (int c = 0; c < components; ++c) {
-        sky.column[column_at(borders, c, border, cell)] = static_cast<float>(sum[c]);
-      }
-    }
-  }
-}
-
-void make_draws(Sky& sky) {
-  for (int c = 0; c < components; ++c) {
-    std::vector<double>& share = sky.draw[c];
-    share.assign(angle_cells + 1, 0.0);
-    for (int i = 0; i < angle_cells; ++i) {
-      const auto value = [&](int at) {
-        return sky.air.phase[((c * (angle_cells + 1) + at) * (lanes + 1) + lanes) * 4];
-      };
-      const double width = cell_cosine(i) - cell_cosine(i + 1);
-      share[i + 1] = share[i] + 0.5 * (value(i) + value(i + 1)) * width;
-    }
-    for (double& one : share) one /= share.back() > 0 ? share.back() : 1;
-  }
-}
-
-void make_phase(Sky& sky) {
-  for (int c = 0; c < components; ++c) {
-    for (int i = 0; i <= angle_cells; ++i) {
-      for (int k = 0; k < 2; ++k) {
-        for (int l = 0; l < lanes; ++l) {
-          const double value =
-              sky.air.phase[((c * (angle_cells + 1) + i) * (lanes + 1) + l) * 4 + k];
-          sky.phase.push_back(static_cast<float>(value));
-        }
-      }
-    }
-  }
-}
+using namespace sky;
 
 struct Path {
   Vec at, way, axis;  // where it is, where it looks, the axis of its Stokes vectors
@@ -212,7 +65,8 @@ Place draw_place(const Air& air, const Path& path, const Ahead& ahead, double ev
   }
   const double within = std::clamp((choice - before) / chance, 0.0, 1.0);
   const double depth = ahead.depth[chosen];
-  const double share = depth > 1e-6 ? -std::log(1 - within * (1 - std::exp(-depth))) / depth : within;
+  const double share =
+      depth > 1e-6 ? -std::log(1 - within * (1 - std::exp(-depth))) / depth : within;
   std::array<double, components> column{};
   double way = 0;
   for (std::size_t i = 0; i <= chosen; ++i) {
@@ -244,9 +98,9 @@ Rates rates_in(const Air& air, int shell) {
   Rates rates;
   for (int c = 0; c < components; ++c) {
     for (int l = 0; l <= lanes; ++l) {
-      rates[c][l] = static_cast<float>(air.density[c * air.shells + shell] *
-                                       air.depth[c * (lanes + 1) + l] *
-                                       air.scattered[c * (lanes + 1) + l]);
+      rates[c][l] =
+          static_cast<float>(air.density[c * air.shells + shell] * air.depth[c * (lanes + 1) + l] *
+                             air.scattered[c * (lanes + 1) + l]);
     }
   }
   return rates;
@@ -278,12 +132,13 @@ void add_suns(const Sky& sky, const Path& path, const Place& place, Suns& suns, 
   project(path.axis, suns.along);
   project(side, suns.across);
   const int shell = shell_of(air, r);
-  const float above = static_cast<float>(
-      std::clamp((r - air.radius_m[shell]) / (air.radius_m[shell + 1] - air.radius_m[shell]), 0., 1.));
+  const float above = static_cast<float>(std::clamp(
+      (r - air.radius_m[shell]) / (air.radius_m[shell + 1] - air.radius_m[shell]), 0., 1.));
   const float lowest = static_cast<float>(horizon_cosine(air, r));
   Lanes depth[components];
   for (int c = 0; c < components; ++c) {
-    for (int l = 0; l < lanes; ++l) depth[c][l] = static_cast<float>(air.depth[c * (lanes + 1) + l]);
+    for (int l = 0; l < lanes; ++l)
+      depth[c][l] = static_cast<float>(air.depth[c * (lanes + 1) + l]);
   }
   for (int s = 0; s < suns.count; ++s) {
     if (suns.lift[s] <= lowest) continue;
@@ -297,11 +152,12 @@ void add_suns(const Sky& sky, const Path& path, const Place& place, Suns& suns, 
     for (int c = 0; c < components; ++c) {
       const float* low = &sky.column[column_at(borders, c, shell, cell)];
       const float* high = low + zenith_cells + 1;
-      const float column = (1 - above) * ((1 - f) * low[0] + f * low[1]) +
-                           above * ((1 - f) * high[0] + f * high[1]);
+      const float column =
+          (1 - above) * ((1 - f) * low[0] + f * low[1]) + above * ((1 - f) * high[0] + f * high[1]);
       for (int l = 0; l < lanes; ++l) through[l] -= column * depth[c][l];
       if (rates[c][lanes] == 0) continue;
-      const float* table = &sky.phase[(static_cast<std::size_t>(c) * (angle_cells + 1) + step) * 2 * lanes];
+      const float* table =
+          &sky.phase[(static_cast<std::size_t>(c) * (angle_cells + 1) + step) * 2 * lanes];
       for (int l = 0; l < lanes; ++l) {
         p11[l] += rates[c][l] * ((1 - g) * table[l] + g * table[2 * lanes + l]);
         p12[l] += rates[c][l] * ((1 - g) * table[lanes + l] + g * table[3 * lanes + l]);
@@ -315,19 +171,21 @@ void add_suns(const Sky& sky, const Path& path, const Place& place, Suns& suns, 
       float* sum = &sums[(s * 3 + row) * lanes];
       const auto& stokes = path.stokes[row];
       for (int l = 0; l < lanes; ++l) {
-        sum[l] += through[l] * (stokes[0][l] * p11[l] +
-                                p12[l] * (stokes[1][l] * c2 + stokes[2][l] * s2));
+        sum[l] +=
+            through[l] * (stokes[0][l] * p11[l] + p12[l] * (stokes[1][l] * c2 + stokes[2][l] * s2));
       }
     }
   }
 }
 
-// Directions just above the horizon, where twilight comes from: density exp(-x / low_sky) by the sine
-// of elevation x, over that of even directions.
+// Directions just above the horizon, where twilight comes from: density exp(-x / low_sky) by the
+// sine of elevation x, over that of even directions.
 constexpr double low_sky = 0.15;
 const double low_norm = low_sky * (1 - std::exp(-1 / low_sky));
 
-double low_density(double x) { return x > 0 ? 2 * std::exp(-x / low_sky) / low_norm : 0; }
+double low_density(double x) {
+  return x > 0 ? 2 * std::exp(-x / low_sky) / low_norm : 0;
+}
 
 Vec draw_low(Vec up, double choice, double round) {
   const double x = -low_sky * std::log(1 - choice * low_norm / low_sky);
@@ -337,8 +195,8 @@ Vec draw_low(Vec up, double choice, double round) {
   return x * up + flat * (std::cos(2 * pi * round) * right + std::sin(2 * pi * round) * ahead);
 }
 
-Vec draw_scattered(const Sky& sky, const Path& path, const Rates& rates, double total, double choice,
-                   double round) {
+Vec draw_scattered(const Sky& sky, const Path& path, const Rates& rates, double total,
+                   double choice, double round) {
   double u = choice * total;
   int by = 0;
   while (by < components - 1 && u >= rates[by][lanes]) u -= rates[by++][lanes];
@@ -363,9 +221,9 @@ void turn(const Sky& sky, Path& path, const Rates& rates, double low, double cho
   double total = 0;
   for (int c = 0; c < components; ++c) total += rates[c][lanes];
   const Vec up = unit(path.at);
-  const Vec way = choice < low ? draw_low(up, choice / low, round)
-                               : draw_scattered(sky, path, rates, total,
-                                                (choice - low) / (1 - low), round);
+  const Vec way = choice < low
+                      ? draw_low(up, choice / low, round)
+                      : draw_scattered(sky, path, rates, total, (choice - low) / (1 - low), round);
   const double cosine = std::clamp(dot(path.way, way), -1.0, 1.0);
   const double angle = std::sqrt(std::max(0.0, 0.5 - 0.5 * cosine)) * angle_cells;
   const int step = std::min(static_cast<int>(angle), angle_cells - 1);
@@ -389,7 +247,8 @@ void turn(const Sky& sky, Path& path, const Rates& rates, double low, double cho
   // cos and sin of twice the angle from the path's axis to the plane of scattering.
   const double a = dot(way, path.axis), b = dot(way, cross(path.way, path.axis));
   const double ab = a * a + b * b + 1e-30;
-  const float c2 = static_cast<float>((a * a - b * b) / ab), s2 = static_cast<float>(2 * a * b / ab);
+  const float c2 = static_cast<float>((a * a - b * b) / ab),
+              s2 = static_cast<float>(2 * a * b / ab);
   const float scale = static_cast<float>(1 / drawn);
   for (int l = 0; l < lanes; ++l) {
     const float p11 = static_cast<float>(matrix[l][0]) * scale;
@@ -417,8 +276,8 @@ void turn(const Sky& sky, Path& path, const Rates& rates, double low, double cho
 extern "C" void omma_sky_monte_carlo(int shells, const double* radius_m, const double* density,
                                      const double* depth, const double* scattered,
                                      const double* phase, const double* way, int suns,
-                                     const double* sun, int batches, int paths, int most_scatterings,
-                                     std::uint64_t seed, double* result) {
+                                     const double* sun, int batches, int paths,
+                                     int most_scatterings, std::uint64_t seed, double* result) {
   Sky sky{{shells, radius_m, density, depth, scattered, phase}, {}, {}, {}};
   make_columns(sky);
   make_draws(sky);
@@ -474,7 +333,8 @@ extern "C" void omma_sky_monte_carlo(int shells, const double* radius_m, const d
         turn(sky, branch, rates, 0.5, choice, round);
         look_ahead(sky.air, branch, ahead);
         if (ahead.sum > 1e-9) {
-          add_suns(sky, branch, draw_place(sky.air, branch, ahead, 0.5, number()), all, part.data());
+          add_suns(sky, branch, draw_place(sky.air, branch, ahead, 0.5, number()), all,
+                   part.data());
         }
         choice = number(), round = number();
         turn(sky, path, rates, 0.0, choice, round);

@@ -71,7 +71,7 @@ def sky_stokes(
 def _library() -> ctypes.CDLL:
     folder = Path(tempfile.mkdtemp(prefix="omma_sky_"))
     built = folder / "monte_carlo.so"
-    command = "g++ -O3 -march=native -ffast-math -std=c++20 -shared -fPIC".split()
+    command = ["g++", "-O3", "-march=native", "-ffast-math", "-std=c++20", "-shared", "-fPIC"]
     subprocess.run([*command, str(SOURCE), "-o", str(built)], check=True)
     library = ctypes.CDLL(str(built))
     library.omma_sky_monte_carlo.restype = None

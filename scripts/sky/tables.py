@@ -64,9 +64,7 @@ def fixed_parts() -> dict[str, np.ndarray]:
         "sun_w": np.array(sun, np.float32),
         "rayleigh_depth": rayleigh_cross_section_m2(FINE_NM) * column,
         "ozone_depth_per_du": ozone_per_du(FINE_NM, 1.0),
-        "haze_depth": np.exp(
-            np.interp(np.log(FINE_NM), np.log(grid.WAVELENGTH_NM), np.log(total))
-        ),
+        "haze_depth": np.exp(np.interp(np.log(FINE_NM), np.log(grid.WAVELENGTH_NM), np.log(total))),
         "haze_scattered": scattered,
         "haze_phase": phase[:, ::2, 0].astype(np.float32),
         "anisotropy": rayleigh_anisotropy(grid.WAVELENGTH_NM),
@@ -91,7 +89,7 @@ def _air_masses() -> np.ndarray:
 
 
 def _fields(folder: Path, parts: dict[str, np.ndarray], haze: float) -> np.ndarray:
-    """[sun, (log I over phase function, Q/I, U/I), wavelength, elevation, azimuth]."""
+    """[sun, (log I over its first guess, Q/I, U/I), wavelength, elevation, azimuth]."""
     fields = []
     for sun in grid.ORDINATES_SUN_DEG:
         stokes = np.load(folder / f"ordinates_{haze:g}_{sun:g}.npz")["stokes"]
@@ -115,33 +113,45 @@ def _relative(
     azimuth_deg: np.ndarray,
 ) -> np.ndarray:
     """Stokes [elevation, azimuth, 3, wavelength] as fields [3, wavelength, elevation, azimuth]."""
-    from omma.light.sky_tables import mixed_phase
+    from omma.light.sky_tables import first_guess
 
-    e = np.radians(grid.ELEVATION_DEG)[:, None]
-    a, sun = np.radians(azimuth_deg), np.radians(sun_deg)
-    cosine = np.sin(e) * np.sin(sun) + np.cos(e) * np.cos(sun) * np.cos(a)
-    phase = mixed_phase(parts, haze, cosine)
+    guess = first_guess(parts, haze, sun_deg, grid.ELEVATION_DEG, azimuth_deg)
     i, q, u = np.moveaxis(stokes, (2, 3), (0, 1))
-    return np.array([np.log(i / phase), q / i, u / i])
+    return np.array([np.log(i / guess), q / i, u / i])
 
 
 def _smooth(rough: np.ndarray, noise: np.ndarray, degree: int, harmonics: int) -> np.ndarray:
-    """The fields on all azimuths: polynomials of elevation times harmonics of azimuth, fitted."""
+    """The fields on all azimuths: polynomials of elevation times harmonics of azimuth, fitted.
+
+    Of what the fit leaves, the share that is more than noise is kept, by wavelength: low in the red
+    the sky has more structure than the fit, and Monte Carlo little noise there.
+    """
     x = np.arcsinh(grid.ELEVATION_DEG / 4)
     up = np.polynomial.chebyshev.chebvander(2 * x / x[-1] - 1, degree)
-    count = np.arange(harmonics)
     result = []
     for k, field in enumerate(rough):
-        wave, shift = (np.sin, 1) if k == 2 else (np.cos, 0)
-        some = wave(np.radians(grid.MONTE_CARLO_AZIMUTH_DEG)[:, None] * (count + shift))
-        every = wave(np.radians(grid.AZIMUTH_DEG)[:, None] * (count + shift))
+        some, every = (
+            _harmonics(a, k == 2) for a in (grid.MONTE_CARLO_AZIMUTH_DEG, grid.AZIMUTH_DEG)
+        )
         turned = field @ np.linalg.pinv(some).T  # [wavelength, elevation, harmonic]
-        fitted = []
+        smooth = np.zeros_like(turned)
         for nm in range(len(field)):
             weight = 1 / np.maximum(noise[nm].mean(axis=-1), 1e-3)[:, None]
-            fitted.append(up @ np.linalg.lstsq(weight * up, weight * turned[nm], rcond=None)[0])
-        result.append(np.array(fitted) @ every.T)
+            few = turned[nm, :, :harmonics]
+            smooth[nm, :, :harmonics] = (
+                up @ np.linalg.lstsq(weight * up, weight * few, rcond=None)[0]
+            )
+        left = np.mean((field - smooth @ some.T) ** 2, axis=(1, 2))
+        kept = np.clip(1 - np.mean(noise**2, axis=(1, 2)) / np.maximum(left, 1e-30), 0, 1)
+        result.append((smooth + kept[:, None, None] * (turned - smooth)) @ every.T)
     return np.array(result)
+
+
+def _harmonics(azimuth_deg: np.ndarray, odd: bool) -> np.ndarray:
+    """Cosines of azimuth, or sines for what changes sign: as many as nodes tell apart."""
+    count = len(grid.MONTE_CARLO_AZIMUTH_DEG)
+    angle = np.radians(azimuth_deg)[:, None]
+    return np.sin(angle * np.arange(1, count - 1)) if odd else np.cos(angle * np.arange(count))
 
 
 def _ground(

