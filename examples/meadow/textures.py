@@ -2,6 +2,9 @@
 
 All are drawn, none is a photograph. The ground is nearly neutral (its hue comes from the terrain's
 vertex colours) so that one picture serves lush grass, dry grass, soil and stones.
+
+For lit materials the colours of grass and leaves hold no light: all blades and leaves are a light
+grey that only varies from one to the next; their hue and brightness come from the material.
 """
 
 import io
@@ -11,6 +14,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 SUPERSAMPLING = 4
+NEUTRAL = np.full(3, 205.0)  # of blades and leaves without light
 
 
 def encoded(image, **options):
@@ -109,12 +113,15 @@ def draw_blade(draw, base, tip, bend, width, low, high, steps=9):
         draw.polygon(right, (*other, 255))
 
 
-def grass_png(rng, size=512):
+def grass_png(rng, lit=False, size=512):
     """Two strips, one above the other: short lush grass, and tall thin grass with seed heads."""
     s = SUPERSAMPLING
     width, height = size * s, size * s // 2
     sheet = Image.new("RGBA", (width, height * 2), (0, 0, 0, 0))
     low, high = np.array([58, 74, 27]), np.array([166, 188, 84])
+    straw_low, straw_high = np.array([70, 84, 36]), np.array([196, 184, 118])
+    if lit:
+        low = high = straw_low = straw_high = NEUTRAL
     lush = Image.new("RGBA", (width, height), (0, 0, 0, 0))
     draw = ImageDraw.Draw(lush)
     for i in range(105):
@@ -122,7 +129,7 @@ def grass_png(rng, size=512):
         x = rng.uniform(0.03, 0.97) * width
         reach = rng.uniform(0.45, 0.97) * height * (1 - 0.25 * abs(2 * x / width - 1))
         lean = rng.normal(0, 0.11) * width
-        tint = rng.normal(1, 0.09) * (0.72 + 0.33 * depth)
+        tint = rng.normal(1, 0.09) * (1 if lit else 0.72 + 0.33 * depth)
         hue = np.array([rng.normal(1, 0.10), 1.0, rng.normal(1, 0.08)])
         if rng.random() < 0.10:
             hue = np.array([1.22, 1.02, 0.9])  # a dry one
@@ -131,7 +138,6 @@ def grass_png(rng, size=512):
         draw_blade(draw, (x, height), tip, bend, rng.uniform(4, 8.5) * s, low, high * tint * hue)
     tall = Image.new("RGBA", (width, height), (0, 0, 0, 0))
     draw = ImageDraw.Draw(tall)
-    straw_low, straw_high = np.array([70, 84, 36]), np.array([196, 184, 118])
     for _ in range(46):
         x = rng.uniform(0.05, 0.95) * width
         reach = rng.uniform(0.3, 0.62) * height
@@ -170,7 +176,7 @@ def draw_leaf(draw, centre, angle, length, width, colour):
         draw.polygon([tuple(p) for p in outline], (*shade, 255))
 
 
-def leaves_png(rng, size=512):
+def leaves_png(rng, lit=False, size=512):
     """Four sprays of leaves: broad (oak), small and light (birch), bush, dense far foliage."""
     s = SUPERSAMPLING
     half = size * s // 2
@@ -190,11 +196,12 @@ def leaves_png(rng, size=512):
             # An uneven rim, so that a card's outline is not a disc.
             radius *= 0.82 + 0.2 * math.sin(3 * direction + k) * math.cos(2 * direction)
             centre = np.array([math.cos(direction), math.sin(direction)]) * radius + half / 2
-            light = 0.55 + 0.5 * i / count + rng.normal(0, 0.07)
+            light = (1 if lit else 0.55 + 0.5 * i / count) + rng.normal(0, 0.07)
             hue = np.array([rng.normal(1, 0.07), 1, rng.normal(1, 0.06)])
             angle = direction + rng.normal(0, 0.9)
             scale = s * rng.uniform(0.75, 1.2)
-            draw_leaf(draw, centre, angle, length * scale, width * scale, colour * hue * light)
+            shown = (NEUTRAL if lit else colour) * hue * light
+            draw_leaf(draw, centre, angle, length * scale, width * scale, shown)
         sheet.paste(tile, ((k % 2) * half, (k // 2) * half))
     return cutout_png(sheet)
 

@@ -1,5 +1,11 @@
 from .files import Camera, load_scene, save_scene
 from .joining import merge_scenes, place_scene
+from .materials import (
+    MaterialFact,
+    NaturalMaterial,
+    natural_material,
+    natural_materials,
+)
 from .parts import HitBox, Image, Instance, Material, Mesh, Texture, TextureUse
 from .solids import box, cylinder, disc, plane, sphere
 from .trimesh_scenes import from_trimesh
@@ -12,7 +18,9 @@ __all__ = [
     "Image",
     "Instance",
     "Material",
+    "MaterialFact",
     "Mesh",
+    "NaturalMaterial",
     "Texture",
     "TextureUse",
     "WorldInstance",
@@ -24,6 +32,8 @@ __all__ = [
     "from_trimesh",
     "load_scene",
     "merge_scenes",
+    "natural_material",
+    "natural_materials",
     "place_scene",
     "plane",
     "save_scene",
