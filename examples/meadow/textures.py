@@ -15,6 +15,9 @@ from PIL import Image, ImageDraw
 
 SUPERSAMPLING = 4
 NEUTRAL = np.full(3, 205.0)  # of blades and leaves without light
+# Of the lightest: even dry grass, of which 0.72 comes out again, is not to send back more than it
+# gets where its picture is lightest.
+LIGHTEST = 220
 
 
 def encoded(image, **options):
@@ -64,7 +67,7 @@ def ground_jpeg(rng, size=1024):
     return encoded(image, format="JPEG", quality=62, optimize=True, subsampling=2)
 
 
-def cutout_png(image):
+def cutout_png(image, lightest=255):
     """RGBA drawn large -> RGBA small with the colour spread into the holes, encoded as PNG."""
     width, height = (v // SUPERSAMPLING for v in image.size)
     large = np.asarray(image).astype(float)
@@ -85,7 +88,7 @@ def cutout_png(image):
         colour = np.where(grown, total / np.maximum(count, 1), colour)
         known = known | grown
     mean = (colour * weight).sum(axis=(0, 1)) / weight.sum()
-    colour = np.where(known, colour, mean)
+    colour = np.minimum(np.where(known, colour, mean), lightest)
     # Steps of 4 cannot be seen here and make the PNG a third smaller. Alpha above and below the
     # cut-off stays where it is.
     colour = np.round(colour / 4) * 4
@@ -133,6 +136,8 @@ def grass_png(rng, lit=False, size=512):
         hue = np.array([rng.normal(1, 0.10), 1.0, rng.normal(1, 0.08)])
         if rng.random() < 0.10:
             hue = np.array([1.22, 1.02, 0.9])  # a dry one
+        if lit:
+            tint, hue = (1 + tint) / 2, 1.0
         tip = (np.clip(x + lean, 0.01 * width, 0.99 * width), height - reach)
         bend = lean * rng.uniform(-0.8, -0.2)
         draw_blade(draw, (x, height), tip, bend, rng.uniform(4, 8.5) * s, low, high * tint * hue)
@@ -161,7 +166,7 @@ def grass_png(rng, lit=False, size=512):
             draw.ellipse(box, (*seed, 255))
     sheet.paste(lush, (0, 0))
     sheet.paste(tall, (0, height))
-    return cutout_png(sheet)
+    return cutout_png(sheet, LIGHTEST if lit else 255)
 
 
 def draw_leaf(draw, centre, angle, length, width, colour):

@@ -115,7 +115,9 @@ def examples(files, tmp_path_factory):
         "scene.Image": omma.scene.Image(np.zeros((2, 3, 3), np.uint8), "black"),
         "scene.Instance": scene.instances[0],
         "scene.Material": omma.scene.Material("paper", unlit=True),
+        "scene.MaterialFact": omma.scene.natural_materials()["sand"].facts[0],
         "scene.Mesh": omma.scene.Mesh(*TRIANGLE),
+        "scene.NaturalMaterial": omma.scene.natural_materials()["grass blade"],
         "scene.Texture": omma.scene.Texture(0),
         "scene.TextureUse": omma.scene.TextureUse(0),
         "scene.WorldInstance": renderer.world.instances[0],
@@ -144,7 +146,7 @@ BY_IDENTITY = {"World", "Renderer", "Error"}
 UNHASHABLE = {
     "eye.EyeMeasures", "eye.HexagonalCoordinates", "eye.Lattice", "eye.LatticeCheck",
     "eye.LensConeEye", "eye.Wiring",
-    "rendering.SamplingReport", "study.MinimumSamples", "study.SpeedTest",
+    "rendering.SamplingReport", "scene.NaturalMaterial", "study.MinimumSamples", "study.SpeedTest",
     "mesh_surface()", "EyeMeasures.field",
 }  # fmt: skip
 CLASSES = sorted(
