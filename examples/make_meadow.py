@@ -1,11 +1,15 @@
 """Writes meadow.glb: a meadow with hills, grass, flowers, trees, a path and a sky.
 
     python examples/make_meadow.py [file]
+    python examples/make_meadow.py --lit [file]
 
 Everything is made here from a fixed seed (NumPy, and Pillow to encode the textures): the same
 versions of those give the same bytes. Many plants are few meshes under many nodes. The materials
 are unlit; sun, shade and distance haze are baked into the colours to go with the sky called
 "simple_sky", which readers of the scene's extras draw.
+
+With --lit it writes meadow_lit.glb: the same triangles, with materials that have spectra and hold
+no light, and a pond. That needs omma, for the spectra.
 """
 
 import math
@@ -13,96 +17,25 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from meadow import land, plants, textures, trees
-from meadow.glb import add_material, add_mesh, add_texture, append, glb_bytes, join, new_glb
+from meadow import land, plants, trees
+from meadow.glb import add_mesh, append, glb_bytes, join, new_glb
+from meadow.lit import EXTENSIONS, POND, add_lit_material, pond, with_brightness
+from meadow.paint import LIGHTS, lit_paint, unlit_paint
+from meadow.places import (
+    BUSHES,
+    CROWN,
+    DRIFT_COLOURS,
+    DRIFTS,
+    FLOWER_HEIGHTS,
+    HEDGES,
+    PETALS,
+    STONES,
+    TREES,
+)
 from meadow.shapes import linear, unit
 
 SEED = 20240521
-REPEAT, CLAMP = 10497, 33071
 TILE_M = 2.0  # of turf
-
-# name, x, z, size, turn about the vertical (small, as the sun side is baked in)
-TREES = [
-    ("oak", -8.6, -7.4, 1.3, 0.0),
-    ("oak", 19.0, -27.0, 1.1, 0.3),
-    ("oak", -15.0, 9.5, 1.25, -0.25),
-    ("oak", -27.0, -30.0, 1.1, 0.2),
-    ("birch", 6.9, -6.6, 1.3, 0.0),
-    ("birch", 9.6, -9.0, 1.15, 0.35),
-    ("birch", 6.2, -11.5, 1.0, -0.3),
-    ("birch", -3.5, -31.0, 1.1, 0.2),
-    ("birch", 12.0, 6.4, 1.35, -0.2),
-    ("birch", 14.4, 8.6, 1.1, 0.2),
-    ("birch", -9.0, 24.0, 1.2, 0.3),
-]
-CROWN = {"oak": (4.4, 5.6), "birch": (2.2, 5.5)}  # radius and height of the middle, metres
-
-# Drifts of flowers: kind, x, z, radius, number of plants. The first rows frame the camera "bee".
-DRIFTS = [
-    ("poppies", -0.66, 3.9, 0.4, 11),
-    ("cornflowers", 0.64, 3.95, 0.3, 9),
-    ("daisies", 0.1, 3.45, 0.42, 10),
-    ("buttercups", -0.25, 2.7, 0.55, 10),
-    ("poppies", -1.6, 3.1, 0.7, 20),
-    ("cornflowers", 2.5, 3.0, 0.8, 24),
-    ("poppies", 2.5, 0.6, 0.9, 16),
-    ("poppies", -3.6, 0.4, 1.5, 40),
-    ("poppies", 5.0, -3.0, 2.4, 80),
-    ("cornflowers", -1.6, 1.4, 1.0, 18),
-    ("cornflowers", 4.6, 1.0, 1.6, 30),
-    ("daisies", -0.5, 1.9, 0.8, 14),
-    ("daisies", 2.4, 2.2, 0.8, 16),
-    ("daisies", -2.6, 3.6, 1.0, 18),
-    ("daisies", -4.8, -3.6, 2.4, 60),
-    ("daisies", 7.2, -2.2, 2.0, 30),
-    ("daisies", 0.1, 4.6, 1.1, 18),
-    ("buttercups", -0.1, 4.5, 1.2, 20),
-    # Around and behind it: a bee sees almost everything.
-    ("daisies", 0.9, 5.7, 0.6, 14),
-    ("poppies", -0.9, 5.6, 0.7, 16),
-    ("buttercups", -2.0, 5.2, 0.8, 14),
-    ("cornflowers", -0.2, 6.4, 0.7, 12),
-    ("clover", 0.3, 5.4, 0.5, 6),
-    ("poppies", 3.8, 5.0, 1.2, 28),
-    ("daisies", -4.2, 6.6, 1.5, 24),
-    ("poppies", 0.4, 8.4, 1.5, 34),
-    ("cornflowers", -3.6, 9.0, 1.3, 16),
-    ("daisies", 4.2, 8.0, 1.4, 20),
-    ("buttercups", -0.4, 1.2, 1.1, 26),
-    ("buttercups", -1.8, -4.6, 2.4, 46),
-    ("buttercups", 3.2, -8.0, 2.2, 34),
-    ("clover", 0.2, 3.9, 0.6, 8),
-    ("clover", -1.7, 4.4, 0.8, 12),
-    ("clover", 2.9, 2.0, 1.1, 18),
-]
-DRIFT_COLOURS = {
-    "poppies": linear(206, 50, 28),
-    "cornflowers": linear(82, 104, 210),
-    "daisies": linear(236, 236, 224),
-    "buttercups": linear(240, 206, 40),
-    "clover": linear(196, 126, 172),
-}
-FLOWER_HEIGHTS = {  # of the heads in a distant drift, metres
-    "poppies": (0.4, 0.6),
-    "cornflowers": (0.35, 0.6),
-    "daisies": (0.3, 0.5),
-    "buttercups": (0.25, 0.45),
-    "clover": (0.15, 0.25),
-}
-BUSHES = [(-15.5, -13, 1.5), (-13.2, -17, 1.2), (13.5, -17.5, 1.4), (16, -15, 1.0), (25, -18, 1.5)]
-BUSHES += [(-30, -8, 1.7), (-6.5, -24, 1.2), (28, 2, 1.5), (-20, 24, 1.6), (14, 27, 1.4)]
-# Hedges between the fields: from x, z to x, z.
-HEDGES = [(-62, -50, -20, -62), (-20, -62, 34, -58), (34, -58, 66, -40), (-20, -62, -30, -104)]
-HEDGES += [(34, -58, 44, -98), (60, 20, 44, 66), (-50, 40, -66, -8)]
-STONES = [(-2.9, 1.9, 0.55), (-3.4, 2.5, 0.3), (3.6, -1.6, 0.7), (4.3, -1.3, 0.35)]
-STONES += [
-    (-6.0, -8.5, 1.3),
-    (-5.2, -7.6, 0.6),
-    (11.5, -7.0, 1.0),
-    (2.9, -14, 0.8),
-    (-14, 3, 0.9),
-    (15, 5, 1.2),
-]
 
 
 def quaternion(up, yaw):
@@ -178,7 +111,6 @@ GRASS = {
     "edge turf": (0.5, 7, plants.LUSH_STRIP, 0.42, 0.24),
     "tall grass": (0.7, 7, plants.TALL_STRIP, 0.70, 0.62),
 }
-LIGHTS = {"sun": (1.0, 1.0, 1.0), "dry": (1.0, 0.90, 0.64), "shade": (0.5, 0.5, 0.5)}
 
 
 def grass_places(rng):
@@ -214,25 +146,27 @@ def grass_places(rng):
     return places + [("few blades", *p, rng.uniform(0, 7)) for p in zip(edge, z)]
 
 
-def add_grass(glb, rng, card_material, plain_material):
+def add_grass(glb, rng, paint):
     meshes = {}
     low, high = linear(48, 66, 24), linear(158, 178, 82)
     for kind in (*GRASS, "blades", "few blades"):
         for i in range(2):
             if kind in GRASS:
-                mesh, material = plants.grass_patch(rng, *GRASS[kind]), card_material
+                mesh, materials = plants.grass_patch(rng, *GRASS[kind]), paint.cards
             else:
                 count, radius, height = (32, 0.25, 0.34) if kind == "blades" else (16, 0.07, 0.24)
                 mesh = plants.blade_tuft(rng, count, radius, height, low, high)
-                material = plain_material
+                materials = paint.blades
             for light, factor in LIGHTS.items():
-                meshes[kind, light, i] = (f"{kind} {i} {light}", mesh.tinted(factor), material)
+                if light in materials:
+                    named = f"{kind} {i} {light}"
+                    meshes[kind, light, i] = (named, mesh.tinted(factor), materials[light])
     added = {}
     children = []
     tree_shadows = shadows()
     for i, (kind, x, z, yaw) in enumerate(grass_places(rng)):
         if land.shade(x, z, tree_shadows) < 0.75:
-            light = "shade"
+            light = "sun" if paint.lit else "shade"
         else:
             light = "dry" if land.waves(x, z, 19, 4) + rng.normal(0, 0.25) > 0.3 else "sun"
         key = (kind, light, i % 2)
@@ -243,16 +177,17 @@ def add_grass(glb, rng, card_material, plain_material):
     return add_group(glb, "grass", children)
 
 
-def add_flowers(glb, rng, material, drifts):
+def add_flowers(glb, rng, paint, drifts):
     children = []
     meshes, far_meshes = {}, {}
     for kind, colour in DRIFT_COLOURS.items():
         make = getattr(plants, kind)
-        meshes[kind] = [add_mesh(glb, f"{kind} {i}", make(rng), material) for i in range(3)]
+        meshes[kind] = [add_mesh(glb, f"{kind} {i}", make(rng), paint.plants) for i in range(3)]
         size = 0.02 if kind in ("clover", "buttercups") else 0.028
         size = 0.042 if kind == "poppies" else size
         far = plants.far_flowers(rng, colour, 30, 0.9, FLOWER_HEIGHTS[kind], size)
-        far_meshes[kind] = add_mesh(glb, f"drift of {kind}", far, material)
+        far = far.of(PETALS[kind])
+        far_meshes[kind] = add_mesh(glb, f"drift of {kind}", far, paint.plants)
 
     def put(kind, mesh, x, z, margin, scale):
         if free_of_path(x, z, margin):
@@ -278,19 +213,19 @@ def add_flowers(glb, rng, material, drifts):
     return add_group(glb, "flowers", children)
 
 
-def add_trees(glb, rng, bark, leaf):
+def add_trees(glb, rng, paint):
     children = []
     for kind in ("oak", "birch"):
         wood, leaves = trees.tree(rng, kind)
-        trunk = add_mesh(glb, f"{kind} wood", wood, bark)
-        crown = add_mesh(glb, f"{kind} leaves", leaves, leaf)
+        trunk = add_mesh(glb, f"{kind} wood", wood, paint.bark[kind])
+        crown = add_mesh(glb, f"{kind} leaves", leaves, paint.leaf)
         for i, (name, x, z, size, yaw) in enumerate(TREES):
             if name == kind:
                 node = add_node(glb, f"{kind} {i}", trunk, x, z, yaw, size, 1.0)
                 child = append(glb, "nodes", {"name": f"{kind} {i} crown", "mesh": crown})
                 glb.document["nodes"][node]["children"] = [child]
                 children.append(node)
-    bushes = [add_mesh(glb, f"bush {i}", trees.bush(rng), leaf) for i in range(2)]
+    bushes = [add_mesh(glb, f"bush {i}", trees.bush(rng), paint.leaf) for i in range(2)]
     for i, (x, z, size) in enumerate(BUSHES):
         yaw = rng.uniform(-0.5, 0.5)
         children.append(add_node(glb, f"bush {i}", bushes[i % 2], x, z, yaw, size, 0.8))
@@ -356,33 +291,29 @@ def add_camera(glb, name, place, look_at, yfov_deg):
     return append(glb, "nodes", node | {"rotation": numbers(turn, 7)})
 
 
-def build():
+def build(lit=False):
     rng = np.random.default_rng(SEED)
-    glb = new_glb("Omma examples/make_meadow.py", "The Omma authors, MIT licence")
-    ground_texture = add_texture(glb, "ground", textures.ground_jpeg(rng), "image/jpeg", REPEAT)
-    grass_texture = add_texture(glb, "grass", textures.grass_png(rng), "image/png", CLAMP)
-    leaf_texture = add_texture(glb, "leaves", textures.leaves_png(rng), "image/png", CLAMP)
-    bark_texture = add_texture(glb, "bark", textures.bark_jpeg(rng), "image/jpeg", REPEAT)
-    ground = add_material(glb, "ground", ground_texture)
-    grass = add_material(glb, "grass", grass_texture, cutout=True)
-    leaf = add_material(glb, "leaves", leaf_texture, cutout=True)
-    bark = add_material(glb, "bark", bark_texture)
-    plain = add_material(glb, "petals and stems")
-
+    extensions = EXTENSIONS if lit else ["KHR_materials_unlit"]
+    glb = new_glb("Omma examples/make_meadow.py", "The Omma authors, MIT licence", extensions)
+    paint = lit_paint(glb, rng) if lit else unlit_paint(glb, rng)
     drifts = far_drifts(rng)
     tints = [(x, z, r, DRIFT_COLOURS[kind], 0.05) for kind, x, z, r in drifts]
     terrain = land.terrain(shadows(), tints)
+    if lit:
+        terrain = with_brightness(terrain)
     path = land.path_strip(shadows(), tints)
-    stone_meshes = [add_mesh(glb, f"stone {i}", trees.stone(rng), ground) for i in range(2)]
+    stone_meshes = [add_mesh(glb, f"stone {i}", trees.stone(rng), paint.stones) for i in range(2)]
     hedges = join([land.hedge_strip(row[:2], row[2:]) for row in HEDGES])
     roots = [
-        append(glb, "nodes", {"name": "land", "mesh": add_mesh(glb, "land", terrain, ground)}),
-        append(glb, "nodes", {"name": "path", "mesh": add_mesh(glb, "path", path, ground)}),
-        append(glb, "nodes", {"name": "verges", "mesh": add_mesh(glb, "verges", hedges, ground)}),
-        add_grass(glb, rng, grass, plain),
-        add_flowers(glb, rng, plain, drifts),
-        add_trees(glb, rng, bark, leaf),
-        add_wood(glb, rng, leaf),
+        append(glb, "nodes", {"name": "land", "mesh": add_mesh(glb, "land", terrain, paint.land)}),
+        append(glb, "nodes", {"name": "path", "mesh": add_mesh(glb, "path", path, paint.path)}),
+        append(
+            glb, "nodes", {"name": "verges", "mesh": add_mesh(glb, "verges", hedges, paint.verges)}
+        ),
+        add_grass(glb, rng, paint),
+        add_flowers(glb, rng, paint, drifts),
+        add_trees(glb, rng, paint),
+        add_wood(glb, rng, paint.leaf),
         add_group(
             glb,
             "stones",
@@ -395,20 +326,34 @@ def build():
         add_camera(glb, "bee-low", BEE_LOW, (-1.5, 0.42, 2.3), 60),
         add_camera(glb, "overview", (2.0, 10.0, 24.0), (0.0, 1.0, -8.0), 52),
     ]
+    if lit:
+        roots += add_pond(glb)
     extras = {"background-shader": "simple_sky"}
-    append(glb, "scenes", {"name": "meadow", "nodes": roots, "extras": extras})
+    name = "lit meadow" if lit else "meadow"
+    append(glb, "scenes", {"name": name, "nodes": roots, "extras": extras})
     return glb
 
 
+def add_pond(glb):
+    """The pond, and a camera on its bank."""
+    water = {"": add_lit_material(glb, "pond water", "pond water")}
+    node = {"name": "pond", "mesh": add_mesh(glb, "pond", pond(), water)}
+    x, z = POND
+    camera = add_camera(glb, "pond", (x + 5.5, 0.5, z - 6.5), (x - 2.0, 0.1, z + 2.0), 50)
+    return [append(glb, "nodes", node), camera]
+
+
 def main():
-    default = Path(__file__).resolve().parent / "meadow.glb"
-    path = Path(sys.argv[1]) if len(sys.argv) > 1 else default
-    glb = build()
+    arguments = [text for text in sys.argv[1:] if text != "--lit"]
+    lit = len(arguments) < len(sys.argv) - 1
+    default = Path(__file__).resolve().parent / ("meadow_lit.glb" if lit else "meadow.glb")
+    path = Path(arguments[0]) if arguments else default
+    glb = build(lit)
     data = glb_bytes(glb)
     path.write_bytes(data)
     document = glb.document
-    indices = [mesh["primitives"][0]["indices"] for mesh in document["meshes"]]
-    count = [document["accessors"][i]["count"] // 3 for i in indices]
+    indices = [[part["indices"] for part in mesh["primitives"]] for mesh in document["meshes"]]
+    count = [sum(document["accessors"][i]["count"] // 3 for i in mesh) for mesh in indices]
     drawn = sum(count[node["mesh"]] for node in document["nodes"] if "mesh" in node)
     print(
         f"{path}: {len(data) / 1e6:.2f} MB, {len(document['nodes'])} nodes, {sum(count)} triangles "

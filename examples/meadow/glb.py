@@ -1,13 +1,13 @@
 """Writes a glTF 2.0 binary (.glb) from triangle meshes: only what the meadow needs of the format.
 
 Vertex attributes of one kind share a buffer view with a stride, colours are normalised bytes, and
-indices are 8 or 16 bit, which keeps the file small. Meshes carry no normals: all materials here are
-unlit (the light is baked into the colours), and for others a reader must compute flat ones.
+indices are 8 or 16 bit, which keeps the file small. Meshes carry no normals: unlit materials need
+none (the light is baked into the colours), and for others a reader must compute flat ones.
 """
 
 import json
 import struct
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -17,19 +17,41 @@ ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
 
 @dataclass
 class Mesh:
-    """Triangles: position (V, 3) in metres, colour (V, 3) linear, texcoord (V, 2), index (T, 3)."""
+    """Triangles: position (V, 3) in metres, colour (V, 3) linear, texcoord (V, 2), index (T, 3).
+
+    colour holds the light, for unlit materials. For others part (T,) says what a triangle is of,
+    and brightness (V,) how bright it is, relative to its material.
+    """
 
     position: np.ndarray
     colour: np.ndarray
     index: np.ndarray
     texcoord: np.ndarray | None = None
+    part: np.ndarray | None = None
+    brightness: np.ndarray | None = None
 
     def moved(self, matrix=None, offset=(0, 0, 0)):
         position = self.position if matrix is None else self.position @ np.asarray(matrix).T
-        return Mesh(position + np.asarray(offset), self.colour, self.index, self.texcoord)
+        return replace(self, position=position + np.asarray(offset))
 
     def tinted(self, factor):
-        return Mesh(self.position, np.clip(self.colour * factor, 0, 1), self.index, self.texcoord)
+        return replace(self, colour=np.clip(self.colour * factor, 0, 1))
+
+    def of(self, part):
+        """The same triangles, all of one part."""
+        return replace(self, part=np.full(len(self.index), part))
+
+    def cut(self, chosen):
+        """The chosen triangles (T,) alone, with the vertices they use."""
+        used, index = np.unique(self.index[chosen], return_inverse=True)
+        return Mesh(
+            self.position[used],
+            self.colour[used],
+            index.reshape(-1, 3),
+            None if self.texcoord is None else self.texcoord[used],
+            None if self.part is None else self.part[chosen],
+            None if self.brightness is None else self.brightness[used],
+        )
 
 
 def join(meshes):
@@ -40,6 +62,7 @@ def join(meshes):
         np.concatenate([m.colour for m in meshes]),
         np.concatenate([m.index + s for m, s in zip(meshes, starts)]),
         None if meshes[0].texcoord is None else np.concatenate([m.texcoord for m in meshes]),
+        None if meshes[0].part is None else np.concatenate([m.part for m in meshes]),
     )
 
 
@@ -62,10 +85,10 @@ VIEW_FIELDS = {
 }
 
 
-def new_glb(generator, copyright_line):
+def new_glb(generator, copyright_line, extensions):
     asset = {"version": "2.0", "generator": generator, "copyright": copyright_line}
     keys = ("accessors", "meshes", "materials", "textures", "images", "samplers", "cameras")
-    document = {"asset": asset, "extensionsUsed": ["KHR_materials_unlit"]}
+    document = {"asset": asset, "extensionsUsed": extensions}
     document |= {"scene": 0, "scenes": [], "nodes": []} | {key: [] for key in keys}
     return Glb(document, {name: bytearray() for name in VIEW_FIELDS})
 
@@ -96,6 +119,24 @@ def colour_bytes(colour):
 
 
 def add_mesh(glb, name, mesh, material):
+    """A mesh of one unlit material (an index), with its colours; or of several lit ones: an index
+    for each part, "" for a mesh without parts."""
+    if isinstance(material, int):
+        pieces = [(mesh, colour_bytes(mesh.colour), material)]
+    elif mesh.part is None:
+        pieces = [(mesh, brightness_bytes(mesh.brightness), material[""])]
+    else:
+        cuts = [(mesh.cut(mesh.part == part), material[part]) for part in np.unique(mesh.part)]
+        pieces = [(cut, brightness_bytes(cut.brightness), index) for cut, index in cuts]
+    primitives = [add_primitive(glb, name, *piece) for piece in pieces]
+    return append(glb, "meshes", {"name": name, "primitives": primitives})
+
+
+def brightness_bytes(brightness):
+    return None if brightness is None else colour_bytes(np.repeat(brightness[:, None], 3, axis=1))
+
+
+def add_primitive(glb, name, mesh, colours, material):
     position = mesh.position.astype("<f4")
     attributes = {
         "POSITION": add_accessor(
@@ -106,11 +147,12 @@ def add_mesh(glb, name, mesh, material):
             "VEC3",
             min=[float(v) for v in position.min(axis=0)],
             max=[float(v) for v in position.max(axis=0)],
-        ),
-        "COLOR_0": add_accessor(
-            glb, "colours", colour_bytes(mesh.colour), UBYTE, "VEC4", normalized=True
-        ),
+        )
     }
+    if colours is not None:
+        attributes["COLOR_0"] = add_accessor(
+            glb, "colours", colours, UBYTE, "VEC4", normalized=True
+        )
     if mesh.texcoord is not None:
         texcoord = mesh.texcoord.astype("<f4")
         attributes["TEXCOORD_0"] = add_accessor(glb, "texcoords", texcoord, FLOAT, "VEC2")
@@ -121,8 +163,7 @@ def add_mesh(glb, name, mesh, material):
     if len(position) > 65535:
         raise ValueError(f"mesh {name}: {len(position)} vertices are too many for 16-bit indices")
     indices = add_accessor(glb, view, index, component, "SCALAR")
-    primitive = {"attributes": attributes, "indices": indices, "material": material}
-    return append(glb, "meshes", {"name": name, "primitives": [primitive]})
+    return {"attributes": attributes, "indices": indices, "material": material}
 
 
 def add_texture(glb, name, data, mime_type, wrap):
@@ -140,7 +181,7 @@ def add_texture(glb, name, data, mime_type, wrap):
     return append(glb, "textures", texture)
 
 
-def add_material(glb, name, texture=None, cutout=False):
+def add_unlit_material(glb, name, texture=None, cutout=False):
     surface = {"metallicFactor": 0, "roughnessFactor": 1}
     if texture is not None:
         surface["baseColorTexture"] = {"index": texture}

@@ -1,10 +1,12 @@
 """Grass and meadow flowers: each function returns one mesh of a plant that stands at the origin.
 
 Sizes are in metres and close to life (flower heads a fifth larger). Colours are linear and already
-hold the light: dark at the roots, bright at the tips.
+hold the light: dark at the roots, bright at the tips. Parts say what a triangle is of: "stem", or
+the name of a natural material.
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -57,7 +59,7 @@ def blade_tuft(rng, blades, radius, height, low, high):
         tint = np.array([rng.uniform(0.88, 1.12), 1, rng.uniform(0.85, 1.1)]) * light
         colours = (low + (high - low) * np.array([0, 0.45, 0.8, 1.0])[:, None]) * tint
         pieces.append(ribbon(line, side, [width, width, 0.7 * width, 0], colours))
-    return join(pieces)
+    return join(pieces).of("grass blade")
 
 
 def stem(rng, height, lean=0.08, radius=0.0022, low=STEM_LOW, high=STEM_HIGH):
@@ -67,7 +69,7 @@ def stem(rng, height, lean=0.08, radius=0.0022, low=STEM_LOW, high=STEM_HIGH):
     bend = np.array([sway[0], 0, sway[1]])
     path = np.array([0, height, 0]) * fraction + bend * fraction**2 - [0, 0.02, 0]
     colours = low + (high - low) * fraction
-    mesh = tube(path, [radius * 1.3, radius, radius * 0.8], colours)
+    mesh = tube(path, [radius * 1.3, radius, radius * 0.8], colours).of("stem")
     return mesh, path[-1], path[-1] - path[-2]
 
 
@@ -78,12 +80,13 @@ def narrow_leaf(rng, foot, length, width):
     rise = np.array([0, length, 0]) * (0.8 * fraction - 0.5 * fraction**2)
     line = foot + out * length * 0.8 * fraction + rise
     colours = linear(70, 96, 42) + (linear(116, 146, 66) - linear(70, 96, 42)) * fraction
-    return ribbon(line, [-out[2], 0, out[0]], [width * 0.5, width, 0], colours)
+    mesh = ribbon(line, [-out[2], 0, out[0]], [width * 0.5, width, 0], colours)
+    return mesh.of("grass blade")
 
 
 def petal_ring(count, length, width, lift, droop, base, tip, shape=(0.35, 1.0, 0.6), turn=0.0):
     """Petals around y. lift: slope at the base; droop: how far they bend down (negative: up).
-    shape: half-widths from base to tip, relative to width / 2."""
+    shape: half-widths from base to tip, relative to width / 2, none of them 0."""
     fraction = (np.linspace(0.12, 1.0, len(shape)) ** 0.85)[:, None]
     petals = []
     # A petal on the far side of the head leans towards the sun and catches more of it.
@@ -97,6 +100,13 @@ def petal_ring(count, length, width, lift, droop, base, tip, shape=(0.35, 1.0, 0
         side = [-out[2], 0.06, out[0]]  # a slight twist keeps neighbours from lying in one plane
         petals.append(ribbon(line, side, np.array(shape) * width / 2, colours))
     return join(petals)
+
+
+def with_foot(petals, count, foot):
+    """A ring of so many petals with another part at their feet: the first strip of each."""
+    part = petals.part.astype(object).reshape(count, -1)
+    part[:, :2] = foot
+    return replace(petals, part=part.reshape(-1).astype(str))
 
 
 def placed(head, end, direction):
@@ -129,7 +139,8 @@ def daisy_head(rng):
     white, shade = linear(246, 246, 238), linear(204, 208, 200)
     petals = petal_ring(12, size, size * 0.45, 0.10, rng.uniform(0.05, 0.3), shade, white)
     eye = dome(size * 0.34, size * 0.2, 7, 2, linear(206, 140, 16), linear(250, 204, 44))
-    return join([petals.moved(turn_y(rng.uniform(0, 1))), eye])
+    petals = petals.moved(turn_y(rng.uniform(0, 1))).of("white petal")
+    return join([petals, eye.of("yellow petal")])
 
 
 def poppy_head(rng):
@@ -147,10 +158,11 @@ def poppy_head(rng):
         petals.position[:, 1] += rng.normal(0, 0.05 * size, len(petals.position))
         petals.colour *= rng.uniform(0.86, 1.06, (len(petals.position), 1))
         petals.colour[np.arange(len(petals.position)) % 10 < 2] = dark
-        pieces.append(petals)
+        pieces.append(with_foot(petals.of("red petal with ultraviolet"), 2, "dark petal"))
     eye = dome(size * 0.22, size * 0.26, 6, 2, linear(22, 18, 24), linear(84, 96, 58))
     stamens = petal_ring(9, size * 0.36, 0.004, 0.5, 0.0, linear(16, 12, 20), linear(34, 26, 44))
-    return join([*pieces, stamens, eye]).moved(turn_y(rng.uniform(0, 3)))
+    pieces += [stamens.of("dark petal"), eye.of("dark petal")]
+    return join(pieces).moved(turn_y(rng.uniform(0, 3)))
 
 
 def cornflower_head(rng):
@@ -162,7 +174,8 @@ def cornflower_head(rng):
     dark, light = linear(56, 26, 110), linear(136, 80, 200)
     inner = petal_ring(7, size * 0.55, size * 0.3, 1.0, 0.1, dark, light)
     cup = dome(size * 0.3, -size * 0.55, 5, 2, linear(92, 116, 70), linear(64, 84, 44))
-    return join([cup, outer, inner.moved(turn_y(0.4))])
+    florets = join([outer, inner.moved(turn_y(0.4))])
+    return join([cup.of("stem"), florets.of("blue petal")])
 
 
 def buttercup_head(rng):
@@ -170,7 +183,8 @@ def buttercup_head(rng):
     base, tip = linear(222, 172, 0), linear(255, 224, 30)
     petals = petal_ring(5, size, size * 1.25, 0.35, -0.25, base, tip, (0.35, 1.0, 0.75))
     eye = dome(size * 0.3, size * 0.3, 5, 1, linear(196, 170, 20), linear(214, 200, 50))
-    return join([petals, eye])
+    petals = with_foot(petals.of("yellow petal with ultraviolet"), 5, "yellow petal")
+    return join([petals, eye.of("yellow petal")])
 
 
 def clover_head(rng):
@@ -184,7 +198,7 @@ def clover_head(rng):
         shape, turn = (0.4, 1.0, 0.35), 0.3 * row
         florets = petal_ring(count, length, size * 0.5, lift, 0.0, low, tip, shape, turn)
         pieces.append(florets.moved(offset=(0, size * 0.45, 0)))
-    return join(pieces)
+    return join(pieces).of("pink petal")
 
 
 def clover_leaves(rng, count):
@@ -196,7 +210,7 @@ def clover_leaves(rng, count):
         green, pale = linear(70, 112, 46), linear(122, 158, 84)
         leaf = petal_ring(3, 0.022, 0.024, 0.1, 0.1, green, pale, (0.3, 1.0, 0.7), angle)
         pieces.append(placed(leaf, top, [rng.normal(0, 0.2), 1, rng.normal(0, 0.2)]))
-    return join(pieces)
+    return join(pieces).of("green leaf")
 
 
 def daisies(rng):
@@ -206,7 +220,7 @@ def daisies(rng):
 def poppies(rng):
     base = plant(rng, 2, (0.42, 0.66), 0.08, poppy_head, 0.5, 3, (0.16, 0.010), 0.06)
     mesh, end, _ = stem(rng, rng.uniform(0.35, 0.5))
-    bud = dome(0.009, 0.026, 5, 2, linear(84, 104, 56), linear(120, 134, 76))
+    bud = dome(0.009, 0.026, 5, 2, linear(84, 104, 56), linear(120, 134, 76)).of("stem")
     return join([base, mesh, placed(bud, end, [0.5, 0.3, 0.2])])
 
 

@@ -2,6 +2,9 @@
 
 All are drawn, none is a photograph. The ground is nearly neutral (its hue comes from the terrain's
 vertex colours) so that one picture serves lush grass, dry grass, soil and stones.
+
+For lit materials the colours of grass and leaves hold no light: all blades and leaves are a light
+grey that only varies from one to the next; their hue and brightness come from the material.
 """
 
 import io
@@ -11,6 +14,10 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 SUPERSAMPLING = 4
+NEUTRAL = np.full(3, 205.0)  # of blades and leaves without light
+# Of the lightest: even dry grass, of which 0.72 comes out again, is not to send back more than it
+# gets where its picture is lightest.
+LIGHTEST = 220
 
 
 def encoded(image, **options):
@@ -60,7 +67,7 @@ def ground_jpeg(rng, size=1024):
     return encoded(image, format="JPEG", quality=62, optimize=True, subsampling=2)
 
 
-def cutout_png(image):
+def cutout_png(image, lightest=255):
     """RGBA drawn large -> RGBA small with the colour spread into the holes, encoded as PNG."""
     width, height = (v // SUPERSAMPLING for v in image.size)
     large = np.asarray(image).astype(float)
@@ -81,7 +88,7 @@ def cutout_png(image):
         colour = np.where(grown, total / np.maximum(count, 1), colour)
         known = known | grown
     mean = (colour * weight).sum(axis=(0, 1)) / weight.sum()
-    colour = np.where(known, colour, mean)
+    colour = np.minimum(np.where(known, colour, mean), lightest)
     # Steps of 4 cannot be seen here and make the PNG a third smaller. Alpha above and below the
     # cut-off stays where it is.
     colour = np.round(colour / 4) * 4
@@ -109,12 +116,15 @@ def draw_blade(draw, base, tip, bend, width, low, high, steps=9):
         draw.polygon(right, (*other, 255))
 
 
-def grass_png(rng, size=512):
+def grass_png(rng, lit=False, size=512):
     """Two strips, one above the other: short lush grass, and tall thin grass with seed heads."""
     s = SUPERSAMPLING
     width, height = size * s, size * s // 2
     sheet = Image.new("RGBA", (width, height * 2), (0, 0, 0, 0))
     low, high = np.array([58, 74, 27]), np.array([166, 188, 84])
+    straw_low, straw_high = np.array([70, 84, 36]), np.array([196, 184, 118])
+    if lit:
+        low = high = straw_low = straw_high = NEUTRAL
     lush = Image.new("RGBA", (width, height), (0, 0, 0, 0))
     draw = ImageDraw.Draw(lush)
     for i in range(105):
@@ -122,16 +132,17 @@ def grass_png(rng, size=512):
         x = rng.uniform(0.03, 0.97) * width
         reach = rng.uniform(0.45, 0.97) * height * (1 - 0.25 * abs(2 * x / width - 1))
         lean = rng.normal(0, 0.11) * width
-        tint = rng.normal(1, 0.09) * (0.72 + 0.33 * depth)
+        tint = rng.normal(1, 0.09) * (1 if lit else 0.72 + 0.33 * depth)
         hue = np.array([rng.normal(1, 0.10), 1.0, rng.normal(1, 0.08)])
         if rng.random() < 0.10:
             hue = np.array([1.22, 1.02, 0.9])  # a dry one
+        if lit:
+            tint, hue = (1 + tint) / 2, 1.0
         tip = (np.clip(x + lean, 0.01 * width, 0.99 * width), height - reach)
         bend = lean * rng.uniform(-0.8, -0.2)
         draw_blade(draw, (x, height), tip, bend, rng.uniform(4, 8.5) * s, low, high * tint * hue)
     tall = Image.new("RGBA", (width, height), (0, 0, 0, 0))
     draw = ImageDraw.Draw(tall)
-    straw_low, straw_high = np.array([70, 84, 36]), np.array([196, 184, 118])
     for _ in range(46):
         x = rng.uniform(0.05, 0.95) * width
         reach = rng.uniform(0.3, 0.62) * height
@@ -155,7 +166,7 @@ def grass_png(rng, size=512):
             draw.ellipse(box, (*seed, 255))
     sheet.paste(lush, (0, 0))
     sheet.paste(tall, (0, height))
-    return cutout_png(sheet)
+    return cutout_png(sheet, LIGHTEST if lit else 255)
 
 
 def draw_leaf(draw, centre, angle, length, width, colour):
@@ -170,7 +181,7 @@ def draw_leaf(draw, centre, angle, length, width, colour):
         draw.polygon([tuple(p) for p in outline], (*shade, 255))
 
 
-def leaves_png(rng, size=512):
+def leaves_png(rng, lit=False, size=512):
     """Four sprays of leaves: broad (oak), small and light (birch), bush, dense far foliage."""
     s = SUPERSAMPLING
     half = size * s // 2
@@ -190,11 +201,12 @@ def leaves_png(rng, size=512):
             # An uneven rim, so that a card's outline is not a disc.
             radius *= 0.82 + 0.2 * math.sin(3 * direction + k) * math.cos(2 * direction)
             centre = np.array([math.cos(direction), math.sin(direction)]) * radius + half / 2
-            light = 0.55 + 0.5 * i / count + rng.normal(0, 0.07)
+            light = (1 if lit else 0.55 + 0.5 * i / count) + rng.normal(0, 0.07)
             hue = np.array([rng.normal(1, 0.07), 1, rng.normal(1, 0.06)])
             angle = direction + rng.normal(0, 0.9)
             scale = s * rng.uniform(0.75, 1.2)
-            draw_leaf(draw, centre, angle, length * scale, width * scale, colour * hue * light)
+            shown = (NEUTRAL if lit else colour) * hue * light
+            draw_leaf(draw, centre, angle, length * scale, width * scale, shown)
         sheet.paste(tile, ((k % 2) * half, (k // 2) * half))
     return cutout_png(sheet)
 

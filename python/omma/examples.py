@@ -4,7 +4,7 @@ from pathlib import Path
 
 from omma._core import Error
 
-__all__ = ["flight", "meadow"]
+__all__ = ["flight", "lit_meadow", "meadow"]
 
 
 def meadow() -> Path:
@@ -15,6 +15,19 @@ def meadow() -> Path:
     Raises omma.Error where this installation lacks it.
     """
     return _bundled("meadow.glb")
+
+
+def lit_meadow() -> Path:
+    """Where the meadow for worlds that are lit is: the same triangles, and a pond.
+
+    Its materials have spectra from 300 to 700 nm and hold no light; grass, leaves and petals let
+    light through. It has the cameras of `meadow`, and "pond".
+
+        scene = omma.load_scene(omma.examples.lit_meadow())
+
+    Raises omma.Error where this installation lacks it.
+    """
+    return _bundled("meadow_lit.glb")
 
 
 def flight() -> Path:

@@ -106,13 +106,13 @@ def examples(files, tmp_path_factory):
             eyes=files / "bug.eye",
             position=(0, 1, 0),
         ),
-        "light.Spectrum": omma.light.Spectrum([300, 700], [0.1, 0.2]),
         "light.Bands": omma.light.Bands.equal(),
         "light.Disc": omma.light.Disc((0, 1, 0), 0.004, [1.0, 2.0], [0.5, 0.6]),
         "light.Light": omma.light.uniform_sky(2.0).turned(10).scaled(3),
         "receptors.BandError": omma.receptors.band_error(
             omma.light.uniform_sky(), omma.receptors.honeybee_ommatidia()[0].receptors
         ),
+        "light.Spectrum": omma.light.Spectrum([300, 700], [0.1, 0.2]),
         "receptors.OmmatidiumType": kind,
         "receptors.ReceptorType": all_round_eye().receptor_types[0],
         "rendering.Settings": omma.rendering.Settings(omma.Shared(4), seed=7),
@@ -125,8 +125,10 @@ def examples(files, tmp_path_factory):
         "scene.Image": omma.scene.Image(np.zeros((2, 3, 3), np.uint8), "black"),
         "scene.Instance": scene.instances[0],
         "scene.Material": omma.scene.Material("paper", unlit=True),
+        "scene.MaterialFact": omma.scene.natural_materials()["sand"].facts[0],
         "scene.Mesh": omma.scene.Mesh(*TRIANGLE),
         "scene.PunctualLight": omma.scene.PunctualLight("lamp", type="spot"),
+        "scene.NaturalMaterial": omma.scene.natural_materials()["grass blade"],
         "scene.Texture": omma.scene.Texture(0),
         "scene.TextureUse": omma.scene.TextureUse(0),
         "scene.WorldInstance": renderer.world.instances[0],
@@ -157,7 +159,7 @@ UNHASHABLE = {
     "eye.LensConeEye", "eye.Wiring", "light.Bands", "light.Disc", "light.Light",
     "receptors.BandError",
     "rendering.SamplingReport", "study.MinimumSamples", "study.SpeedTest",
-    "mesh_surface()", "EyeMeasures.field",
+    "scene.NaturalMaterial", "mesh_surface()", "EyeMeasures.field",
 }  # fmt: skip
 CLASSES = sorted(
     f"{room}.{name}".strip(".") for room, name, thing in public_things() if inspect.isclass(thing)

@@ -11,6 +11,12 @@ from .parts import (
     Texture,
     TextureUse,
 )
+from .materials import (
+    MaterialFact,
+    NaturalMaterial,
+    natural_material,
+    natural_materials,
+)
 from .solids import box, cylinder, disc, plane, sphere
 from .trimesh_scenes import from_trimesh
 from .walls import corridor, drum
@@ -23,8 +29,10 @@ __all__ = [
     "Image",
     "Instance",
     "Material",
+    "MaterialFact",
     "Mesh",
     "PunctualLight",
+    "NaturalMaterial",
     "Texture",
     "TextureUse",
     "WorldInstance",
@@ -36,6 +44,8 @@ __all__ = [
     "from_trimesh",
     "load_scene",
     "merge_scenes",
+    "natural_material",
+    "natural_materials",
     "place_scene",
     "plane",
     "save_scene",
