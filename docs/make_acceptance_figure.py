@@ -26,9 +26,7 @@ def kinds(rhabdom_m: float) -> dict[str, omma.Acceptance]:
     """The same lens and rhabdom, by each model."""
 
     def with_model(model: str) -> omma.Acceptance:
-        return omma.Acceptance.lens_rhabdom(
-            FACET_M, FOCAL_M, rhabdom_m, WAVELENGTH_NM, model=model
-        )
+        return omma.Acceptance.lens_rhabdom(FACET_M, FOCAL_M, rhabdom_m, WAVELENGTH_NM, model=model)
 
     return {
         "Airy": omma.Acceptance.airy(FACET_M, WAVELENGTH_NM),

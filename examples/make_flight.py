@@ -1,6 +1,6 @@
 """Makes examples/flight.csv: a bee rises from the camera `bee` of the meadow and flies on, weaving.
 
-    python examples/make_flight.py
+python examples/make_flight.py
 """
 
 import math

@@ -61,8 +61,14 @@ void check_output(const char* name, std::span<float> output, std::size_t expecte
                 " values (pose x ommatidium x band), found " + std::to_string(output.size()));
 }
 
-Outputs make_outputs(std::span<const double> output_from_band, int bands) {
-  if (output_from_band.empty()) return {bands, {}};
+Outputs make_outputs(const RenderCall& call, const SceneView& view) {
+  const std::span<const double> output_from_band = call.output_from_band;
+  const int components = view.polarized ? 3 : 1, bands = view.bands * components;
+  if (call.stokes && !view.polarized)
+    throw Error("stokes: expected a world that is polarised, found one that is not");
+  if (call.stokes && !output_from_band.empty())
+    throw Error("stokes: not together with output_from_band, whose rows say what is asked for");
+  if (output_from_band.empty()) return {call.stokes ? bands : view.bands, {}};
   const auto row = static_cast<std::size_t>(bands);
   if (output_from_band.size() % row != 0)
     throw Error("output_from_band: expected rows of " + std::to_string(bands) +
@@ -113,6 +119,10 @@ Renderer::State::State(World seen, Eye its_eye, RenderSettings its_settings,
       settings(std::move(its_settings)),
       threads(settings.threads) {
   check_sharing(eye, settings);
+  if (shares_rays(settings.sampling) && world.state().view.polarized)
+    throw Error(
+        "sampling: Shared, not in a polarised world: a ray that several ommatidia share has no one "
+        "reference axis for its polarisation");
   if (settings.background) world = world.with_background(*settings.background);
   settings.background.reset();
   run_in_arena(*threads.arena, [&] {
@@ -166,7 +176,7 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
                       const RenderCall& call) const {
   const State& s = *state_;
   const std::size_t ommatidia = s.eye.size(), poses = world_from_head.size();
-  const Outputs outputs = make_outputs(call.output_from_band, s.view()->bands);
+  const Outputs outputs = make_outputs(call, *s.view());
   const std::size_t pose_size = ommatidia * static_cast<std::size_t>(outputs.count);
   check_output("responses", responses, poses * pose_size);
   if (!call.standard_error.empty())
@@ -201,6 +211,7 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
                 static_cast<int>(ommatidia)};
   FrameView& frame = blocks.frame;
   frame.outputs = outputs.count;
+  frame.radiance_unit = s.world.state().radiance_unit;
   if (!outputs.from_band.empty()) frame.output_from_band = outputs.from_band.data();
   if (to_error != nullptr) {
     frame.rounds = static_cast<int>(s.directions.size());

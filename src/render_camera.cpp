@@ -92,8 +92,9 @@ std::unique_ptr<CameraRays> new_camera_rays(const Camera& camera, const CameraSe
 }
 
 // Traces the rays of a band and averages those of each pixel into `out`, [pixel][radiance band].
+// `number`: of the band, by which choices on the way of its rays differ from those of others.
 void render_band(const World& world, const CameraRays& rays, const EyeArrays& band,
-                 const Mat4& world_from_camera, float* out) {
+                 std::size_t number, const Mat4& world_from_camera, float* out) {
   const BuiltScene& built = *world.state().built;
   const std::vector<Mat4> pose =
       traced_poses(std::span(&world_from_camera, 1), band, built.placement.origin_m);
@@ -107,9 +108,10 @@ void render_band(const World& world, const CameraRays& rays, const EyeArrays& ba
                 static_cast<int>(band.size()),
                 most_per_block};
   blocks.frame.outputs = world.bands();
+  blocks.frame.radiance_unit = world.state().radiance_unit;
   std::vector<float> radiance(band.size() * bands);
   for (std::size_t i = 0; i < blocks.count(); ++i) {
-    BlockTask task = make_task(blocks, i, pose.front(), 0);
+    BlockTask task = make_task(blocks, i, pose.front(), number);
     task.responses = radiance.data();
     trace_task(blocks, task);
   }
@@ -155,7 +157,7 @@ void render_camera(const World& world, const Camera& camera, const CameraSetting
   const auto run_band = [&](std::size_t band) {
     float* const out = picture.data() + band * rays->pixels_per_band * static_cast<std::size_t>(world.bands());
     const auto render = [&](const EyeArrays& of_band) {
-      render_band(world, *rays, of_band, camera.world_from_camera, out);
+      render_band(world, *rays, of_band, band, camera.world_from_camera, out);
     };
     if (band >= rays->bands.size()) return render(lay_out_band(*rays, points, band));
     EyeArrays& kept = rays->bands[band];

@@ -19,6 +19,7 @@ void render_frame(const Renderer::State& s, const SharedSet& set, const Mat4& wo
                 static_cast<int>(set.rays.rays.size()),
                 most_per_block};
   blocks.frame.outputs = outputs.count;
+  blocks.frame.radiance_unit = s.world.state().radiance_unit;
   if (!outputs.from_band.empty()) blocks.frame.output_from_band = outputs.from_band.data();
   std::vector<float>& radiance = s.radiance.local();  // the same room for all frames
   radiance.resize(set.rays.rays.size() * static_cast<std::size_t>(outputs.count));

@@ -6,6 +6,8 @@
 #include <unordered_map>
 
 #include "camera_rays.h"
+#include "light/check_light.h"
+#include "model/scene_light.h"
 #include "model/text.h"
 #include "render_poses.h"
 #include "threads/parallel.h"
@@ -32,9 +34,9 @@ std::vector<float> checked_bands(const std::vector<double>& band_from_rgb) {
   return weights;
 }
 
-// What the physics reads: what was built, before a background, in the world's bands.
+// What the physics reads: what was built, before a background, in the world's bands and light.
 SceneView view_of(const World::State& state) {
-  SceneView view = state.built->shading->view;
+  SceneView view = state.lit != nullptr ? state.lit->view : state.built->shading->view;
   view.background = state.background.view;
   view.frame_from_mesh = state.built->frames.data();
   if (!state.band_from_rgb.empty()) {
@@ -102,6 +104,30 @@ std::string similar_names(const BuiltScene& built, const std::string& name) {
   return text + (names.size() > names_told ? ", ..." : "");
 }
 
+// `state` has its settings and what was built of its scene.
+void light_up(World::State& state) {
+  if (!state.settings.lighting) return;
+  const BuiltScene& built = *state.built;
+  state.lit = make_lit_data(*state.settings.lighting, *built.scene, built.placement,
+                            {built.frames.data(), built.first_origin_m, built.first_origin_now_m});
+  state.radiance_unit = state.lit->light->radiance_unit;
+}
+
+void check_lighting(const WorldSettings& settings, const Scene& scene) {
+  if (!settings.lighting) return;
+  if (settings.background)
+    throw Error("background: expected none in a lit world, which has the sky of its light");
+  if (!settings.band_from_rgb.empty())
+    throw Error("band_from_rgb: expected none in a lit world, which has the bands of its light");
+  const Lighting& lighting = *settings.lighting;
+  if (lighting.depth < 0 || lighting.depth > most_depth)
+    throw Error("depth: expected 1 to " + std::to_string(most_depth) +
+                " scatterings, or 0 for as many as it takes, found " +
+                std::to_string(lighting.depth));
+  validate_light(lighting.light, scene.materials.size() + 1);
+  check_lit_scene(scene);
+}
+
 void check_background(const Background& background) {
   Scene only_background;
   only_background.path = "the given background";
@@ -136,6 +162,7 @@ World::World(std::shared_ptr<const Scene> scene, WorldSettings settings,
   check_threads(settings.threads);
   validate_scene(*scene);
   if (settings.background) check_background(*settings.background);
+  check_lighting(settings, *scene);
   auto state = std::make_shared<State>();
   state->band_from_rgb = checked_bands(settings.band_from_rgb);
   state->settings = std::move(settings);
@@ -150,10 +177,12 @@ World::World(std::shared_ptr<const Scene> scene, WorldSettings settings,
     built.things = things_of(*built.scene);
     built.box_of_mesh = boxes_of_used_meshes(*built.scene);
     built.placement = placement_of(*built.scene);
+    built.first_origin_m = built.placement.origin_m;
     built.times.scene_s = seconds_since(start);
     const auto before_building = Clock::now();
     take_acceleration(built, built_as_placed(built, work));
     built.times.acceleration_s = seconds_since(before_building);
+    light_up(*state);
     const std::optional<Background>& own = state->settings.background;
     state->background = make_background_data(own ? *own : built.scene->background);
     state->view = view_of(*state);
@@ -163,8 +192,26 @@ World::World(std::shared_ptr<const Scene> scene, WorldSettings settings,
   state_ = std::move(state);
 }
 
+World World::with_lighting(Lighting lighting) const {
+  auto state = std::make_shared<State>();
+  state->settings = state_->settings;
+  state->settings.background.reset();
+  state->settings.band_from_rgb.clear();
+  state->settings.lighting = std::move(lighting);
+  check_lighting(state->settings, *state_->built->scene);
+  state->built = state_->built;
+  const Rendering unmoved(*this);
+  run_in_arena(*state->built->threads.arena, [&] { light_up(*state); });
+  state->view = view_of(*state);
+  World other;
+  other.state_ = std::move(state);
+  return other;
+}
+
 World World::with_background(const Background& background) const {
   check_background(background);
+  if (state_->settings.lighting)
+    throw Error("background: expected none in a lit world, which has the sky of its light");
   auto state = std::make_shared<State>();
   state->settings = state_->settings;
   state->settings.background = background;
@@ -219,6 +266,9 @@ const WorldBuildTimes& World::build_times() const {
 }
 int World::bands() const {
   return state_->view.bands;
+}
+int World::components() const {
+  return state_->view.polarized ? 3 : 1;
 }
 int World::threads() const {
   return state_->built->threads.threads;

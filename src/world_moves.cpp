@@ -141,6 +141,10 @@ void take_acceleration(BuiltScene& built, Acceleration acceleration) {
       still = box_around(still, box_of(built, i, built.placement.world_from_mesh[i]));
   built.frames.resize(12 * built.placement.moves.size());
   for (std::size_t i = 0; i < built.placement.moves.size(); ++i) place_frame(built, i);
+  const Vec3d shift = built.first_origin_m - built.placement.origin_m;
+  built.first_origin_now_m[0] = static_cast<float>(shift.x);
+  built.first_origin_now_m[1] = static_cast<float>(shift.y);
+  built.first_origin_now_m[2] = static_cast<float>(shift.z);
   built.moving = std::move(moving);
   built.still_box = still;
   built.acceleration = std::move(acceleration);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "backend/backend.h"
+#include "backend/lit_data.h"
 #include "backend/shading_data.h"
 #include "model/scene_place.h"
 #include "omma/world.h"
@@ -50,6 +51,9 @@ struct BuiltScene {
   Acceleration acceleration;
   Placement placement;
   std::vector<float> frames;  // [instance][3][4], where they are in the traced frame, row major
+  // Lamps do not move, but the traced frame's origin may: where the first one is in it now, m.
+  Vec3d first_origin_m;
+  float first_origin_now_m[3] = {0, 0, 0};
   Bounds still_box;         // around what was never moved
   std::vector<int> moving;  // indices of instances that were
 
@@ -80,6 +84,8 @@ struct World::State {
   std::shared_ptr<BuiltScene> built;
   BackgroundData background;         // refers to the settings' background, or else the scene's
   std::vector<float> band_from_rgb;  // [band][3], empty where the bands are RGB itself
+  std::unique_ptr<LitData> lit;      // where the world is lit
+  double radiance_unit = 1;          // what a radiance of 1 is in `view`
   SceneView view;                    // what the physics reads
 };
 

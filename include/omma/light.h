@@ -54,8 +54,8 @@ struct Light {
   LightUnit unit = LightUnit::photons;
   std::shared_ptr<const SkyMap> sky;  // null: dark
   std::vector<Disc> discs;
-  // [material of the scene], reflectance below 400 nm of what is known in RGB only, as weights of
-  // linear red, green, blue and of 1, and one more for meshes without one; empty: none reflects.
+  // [material of the scene, and at the end of meshes without one], reflectance below 400 nm of what
+  // is known in RGB only, as weights of linear red, green, blue and of 1; empty: none reflects any.
   std::vector<std::array<double, 4>> ultraviolet;
 };
 

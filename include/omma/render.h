@@ -129,8 +129,11 @@ struct RenderCall {
   // [pose, ommatidium], rays that each response comes from, or empty; where rays are shared, each
   // counts for all that use it.
   std::span<std::int32_t> rays;
-  // Where not empty, responses are mixtures of the bands, one for each row: [output, band]. What was
-  // [.., band] everywhere else is then [.., output], and errors are those of the mixtures.
+  // Of a polarised world: Q and U of the bands stand behind their I, [.., component x band].
+  bool stokes = false;
+  // Where not empty, responses are mixtures of the bands, one for each row: [output, band], or in a
+  // polarised world [output, component, band]. What was [.., band] everywhere else is then
+  // [.., output], and errors are those of the mixtures.
   std::span<const double> output_from_band;
   // Radiance that each single ray brought, [pose, ommatidium, sample, band], or empty for none.
   // Not together with standard_error.

@@ -10,10 +10,19 @@
 #include <vector>
 
 #include "omma/error.h"
+#include "omma/light.h"
 #include "omma/scene.h"
 #include "omma/vec.h"
 
 namespace omma {
+
+// How a world is lit: by paths of light, from the eye to what shines.
+struct Lighting {
+  Light light;
+  int depth = 0;           // most scatterings on a path, at most most_depth; 0: as many as it takes
+  bool polarized = false;  // radiance is then a Stokes vector, I, Q and U
+};
+inline constexpr int most_depth = 1000;
 
 struct WorldSettings {
   int threads = 0;                                      // that build it and take pictures; 0: all
@@ -21,8 +30,12 @@ struct WorldSettings {
   // What traces the rays: "embree", "portable", or "" for the fastest that is built in.
   std::string backend = "";
   // What linear RGB, as textures, colours and backgrounds have it, is in each band: [band][3], 1 to
-  // most_bands rows. Empty: the bands are RGB itself.
+  // most_bands rows. Empty: the bands are RGB itself. Not where the world is lit, whose light has
+  // bands.
   std::vector<double> band_from_rgb = {};
+  // None: surfaces show their base colour and emission, as they are. A lit world has its light's sky
+  // instead of a background.
+  std::optional<Lighting> lighting = std::nullopt;
 };
 
 // Something that can be moved: a node of the file with all its primitives, or an instance of a
@@ -55,6 +68,9 @@ class World {
   // another background.
   World with_background(const Background& background) const;
 
+  // The same world in another light.
+  World with_lighting(Lighting lighting) const;
+
   // As it was given: where things are now, instances() says.
   const Scene& scene() const;
   // [instance], in the order of the scene's instances.
@@ -81,7 +97,8 @@ class World {
 
   const WorldSettings& settings() const;
   const WorldBuildTimes& build_times() const;
-  int bands() const;            // numbers that radiance has
+  int bands() const;            // numbers that radiance has, of each component
+  int components() const;       // of radiance: 1, or 3 where it is a Stokes vector
   int threads() const;          // that it uses
   std::string backend() const;  // e.g. "embree 3.13.5"
 

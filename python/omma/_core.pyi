@@ -1103,56 +1103,6 @@ class Acceptance:
 
     def __hash__(self) -> int: ...
 
-class Light:
-    """
-    What the engine lights a world with; the values of `omma.light` are the ones to use.
-
-    Args:
-        wavelength_nm: (K,), ascending.
-        weight: (B, K), of the wavelengths in each band, adding up to 1.
-        unit: 'photons' (m^-2 s^-1 sr^-1 nm^-1) or 'watts' (m^-2 sr^-1 nm^-1).
-        sky: radiance by direction, (2, rows, columns, components, channels): above and below
-            the horizon, from it to the zenith and the nadir, to the right from -Z; 1 component
-            (I) or 3 (I, Q, U). None: dark.
-        band_from_channel: (B, channels); None: channels are the bands.
-        discs: tuples (direction (3,), angular_radius_rad, radiance (B,), limb_darkening (B,)
-            or None).
-        ultraviolet: (M, 4), of each material of the scene that will be lit: reflectance below
-            400 nm of what is known in RGB only, as weights of red, green, blue and 1.
-
-    Raises `omma.Error` that names the argument.
-    """
-
-    def __init__(self, wavelength_nm: numpy.typing.ArrayLike, weight: numpy.typing.ArrayLike, unit: str, sky: numpy.typing.ArrayLike | None, band_from_channel: numpy.typing.ArrayLike | None, discs: Iterable[tuple[numpy.typing.ArrayLike, float, numpy.typing.ArrayLike, numpy.typing.ArrayLike | None]], ultraviolet: numpy.typing.ArrayLike | None) -> None: ...
-
-    @property
-    def wavelength_nm(self, /) -> numpy.typing.NDArray[numpy.float64]:
-        """Read-only, (K,)."""
-
-    @property
-    def weight(self, /) -> numpy.typing.NDArray[numpy.float64]:
-        """Read-only, (B, K)."""
-
-    @property
-    def unit(self) -> str:
-        """'photons' or 'watts'."""
-
-    @property
-    def sky(self, /) -> numpy.typing.NDArray[numpy.float32] | None:
-        """Read-only, as given; or None."""
-
-    @property
-    def band_from_channel(self, /) -> numpy.typing.NDArray[numpy.float64] | None:
-        """Read-only, (B, channels); or None."""
-
-    @property
-    def discs(self, /) -> tuple[tuple[tuple[float, float, float], float, numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64] | None], ...]:
-        """Tuples as given."""
-
-    @property
-    def ultraviolet(self, /) -> numpy.typing.NDArray[numpy.float64] | None:
-        """Read-only, (M, 4); or None."""
-
 class ReceptorType:
     """
     What a kind of photoreceptor is sensitive to.
@@ -1226,6 +1176,65 @@ class ReceptorType:
     def __hash__(self) -> int: ...
 
 def expect_eye_radius(name: str, radius_m: float, allow_unusual: bool) -> None: ...
+
+class Light:
+    """
+    What the engine lights a world with; the values of `omma.light` are the ones to use.
+
+    Args:
+        wavelength_nm: (K,), ascending.
+        weight: (B, K), of the wavelengths in each band, adding up to 1.
+        unit: 'photons' (m^-2 s^-1 sr^-1 nm^-1) or 'watts' (m^-2 sr^-1 nm^-1).
+        sky: radiance by direction, (2, rows, columns, components, channels): above and below
+            the horizon, from it to the zenith and the nadir, to the right from -Z; 1 component
+            (I) or 3 (I, Q, U). None: dark.
+        band_from_channel: (B, channels); None: channels are the bands.
+        discs: tuples (direction (3,), angular_radius_rad, radiance (B,), limb_darkening (B,)
+            or None).
+        ultraviolet: (M, 4), of each material of the scene that will be lit: reflectance below
+            400 nm of what is known in RGB only, as weights of red, green, blue and 1.
+
+    Raises `omma.Error` that names the argument.
+    """
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    def __init__(self, wavelength_nm: numpy.typing.ArrayLike, weight: numpy.typing.ArrayLike, unit: str, sky: numpy.typing.ArrayLike | None, band_from_channel: numpy.typing.ArrayLike | None, discs: Iterable[tuple[numpy.typing.ArrayLike, float, numpy.typing.ArrayLike, numpy.typing.ArrayLike | None]], ultraviolet: numpy.typing.ArrayLike | None) -> None: ...
+
+    @property
+    def wavelength_nm(self, /) -> numpy.typing.NDArray[numpy.float64]:
+        """Read-only, (K,)."""
+
+    @property
+    def weight(self, /) -> numpy.typing.NDArray[numpy.float64]:
+        """Read-only, (B, K)."""
+
+    @property
+    def unit(self) -> str:
+        """'photons' or 'watts'."""
+
+    @property
+    def sky(self, /) -> numpy.typing.NDArray[numpy.float32] | None:
+        """Read-only, as given; or None."""
+
+    @property
+    def band_from_channel(self, /) -> numpy.typing.NDArray[numpy.float64] | None:
+        """Read-only, (B, channels); or None."""
+
+    @property
+    def discs(self, /) -> tuple[tuple[tuple[float, float, float], float, numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64] | None], ...]:
+        """Tuples as given."""
+
+    @property
+    def ultraviolet(self, /) -> numpy.typing.NDArray[numpy.float64] | None:
+        """Read-only, (M, 4); or None."""
+
+def materials_without_ultraviolet(scene: Scene, wavelength_nm: numpy.typing.ArrayLike, weight: numpy.typing.ArrayLike) -> list[int]:
+    """
+    Materials in use of which nothing is known in some of the bands' ultraviolet: indices, -1 for
+    meshes without a material.
+    """
 
 class Eye:
     """
@@ -1430,7 +1439,9 @@ class World:
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self, scene: Scene, threads: int, background: Background | None, backend: str, band_from_rgb: Sequence[float], progress: object | None) -> None: ...
+    def __init__(self, scene: Scene, threads: int, background: Background | None, backend: str, band_from_rgb: Sequence[float], lighting: tuple[Light, int, bool] | None, progress: object | None) -> None: ...
+
+    def with_lighting(self, lighting: tuple[Light, int, bool]) -> World: ...
 
     def with_background(self, background: Background) -> World: ...
 
@@ -1445,6 +1456,9 @@ class World:
 
     @property
     def bands(self) -> int: ...
+
+    @property
+    def components(self) -> int: ...
 
     @property
     def threads(self) -> int: ...
@@ -1485,7 +1499,7 @@ class Renderer:
     @overload
     def __init__(self, same_world: Renderer, eye: Eye, settings: RenderSettings) -> None: ...
 
-    def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: numpy.typing.NDArray[numpy.float32], standard_error: numpy.typing.NDArray[numpy.float32] | None, rays: numpy.typing.NDArray[numpy.int32] | None, ray_radiance: numpy.typing.NDArray[numpy.float32] | None, first_pose: int | None, output_from_band: numpy.typing.NDArray[numpy.float64] | None, progress: Callable[[float], object] | None) -> None: ...
+    def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: numpy.typing.NDArray[numpy.float32], standard_error: numpy.typing.NDArray[numpy.float32] | None, rays: numpy.typing.NDArray[numpy.int32] | None, ray_radiance: numpy.typing.NDArray[numpy.float32] | None, first_pose: int | None, output_from_band: numpy.typing.NDArray[numpy.float64] | None, stokes: bool, progress: Callable[[float], object] | None) -> None: ...
 
     def precision_warning(self, poses: numpy.typing.NDArray[numpy.float64]) -> str: ...
 

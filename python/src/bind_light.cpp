@@ -2,12 +2,14 @@
 // omma.light has put together.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <memory>
 #include <vector>
 
 #include "arrays.h"
+#include "backend/scatter_data.h"
 #include "light/check_light.h"
 #include "omma/error.h"
 #include "omma/light.h"
@@ -204,6 +206,21 @@ void bind_light(nb::module_& m) {
           nb::for_getter(
               nb::sig("def ultraviolet(self, /) -> numpy.typing.NDArray[numpy.float64] | None")),
           "Read-only, (M, 4); or None.");
+
+  m.def(
+      "materials_without_ultraviolet",
+      [](const Scene& scene, nb::handle wavelength_nm, nb::handle weight) {
+        Bands bands;
+        bands.wavelength_nm = vector_of(double_array(wavelength_nm, "wavelength_nm", {-1}));
+        bands.weight = vector_of(double_array(
+            weight, "weight", {-1, static_cast<std::int64_t>(bands.wavelength_nm.size())}));
+        return materials_without_ultraviolet(scene, bands);
+      },
+      nb::arg("scene"), nb::arg("wavelength_nm"), nb::arg("weight"),
+      nb::sig("def materials_without_ultraviolet(scene: Scene, wavelength_nm: "
+              "numpy.typing.ArrayLike, weight: numpy.typing.ArrayLike) -> list[int]"),
+      "Materials in use of which nothing is known in some of the bands' ultraviolet: indices, -1 "
+      "for\nmeshes without a material.");
 }
 
 }  // namespace omma::python

@@ -33,8 +33,10 @@ std::span<float> span_of(const Output& output) {
 void render(const Renderer& renderer, const Poses& poses, const Output& responses,
             const std::optional<Output>& standard_error, const std::optional<CountOutput>& rays,
             const std::optional<RayOutput>& ray_radiance, std::optional<std::uint64_t> first_pose,
-            const std::optional<Matrix>& output_from_band, const nb::object& progress) {
+            const std::optional<Matrix>& output_from_band, bool stokes,
+            const nb::object& progress) {
   RenderCall call;
+  call.stokes = stokes;
   if (output_from_band)
     call.output_from_band = {output_from_band->data(), output_from_band->size()};
   call.first_pose = first_pose;
@@ -184,13 +186,15 @@ void bind_renderer(nb::module_& m) {
       .def("render", &render, nb::arg("poses").noconvert(), nb::arg("responses").noconvert(),
            nb::arg("standard_error").noconvert().none(), nb::arg("rays").noconvert().none(),
            nb::arg("ray_radiance").noconvert().none(), nb::arg("first_pose").none(),
-           nb::arg("output_from_band").noconvert().none(), nb::arg("progress").none(),
+           nb::arg("output_from_band").noconvert().none(), nb::arg("stokes"),
+           nb::arg("progress").none(),
            nb::sig("def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: "
                    "numpy.typing.NDArray[numpy.float32], standard_error: "
                    "numpy.typing.NDArray[numpy.float32] | None, rays: "
                    "numpy.typing.NDArray[numpy.int32] | None, ray_radiance: "
                    "numpy.typing.NDArray[numpy.float32] | None, first_pose: int | None, "
-                   "output_from_band: numpy.typing.NDArray[numpy.float64] | None, progress: "
+                   "output_from_band: numpy.typing.NDArray[numpy.float64] | None, stokes: bool, "
+                   "progress: "
                    "collections.abc.Callable[[float], object] | None) -> None"))
       .def(
           "precision_warning",

@@ -3,12 +3,14 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <functional>
 #include <optional>
 #include <span>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "arrays.h"
@@ -26,6 +28,13 @@ using Matrices = nb::ndarray<nb::numpy, const double, nb::shape<-1, 4, 4>, nb::c
 // The memory of a C-ordered (4, 4) float64 array is that of a Mat4.
 std::span<const Mat4> matrices_of(const Matrices& matrices) {
   return {reinterpret_cast<const Mat4*>(matrices.data()), matrices.shape(0)};
+}
+
+using LightingTuple = std::tuple<Light, int, bool>;
+
+Lighting lighting_of(const LightingTuple& given) {
+  const auto& [light, depth, polarized] = given;
+  return {light, depth, polarized};
 }
 
 nb::object build_times(const World& world) {
@@ -61,15 +70,24 @@ void bind_world(nb::module_& m) {
           "__init__",
           [](World* self, std::shared_ptr<Scene> scene, int threads,
              std::optional<Background> background, std::string backend,
-             std::vector<double> band_from_rgb, const nb::object& progress) {
+             std::vector<double> band_from_rgb, const std::optional<LightingTuple>& lighting,
+             const nb::object& progress) {
             WorldSettings settings{threads, std::move(background), std::move(backend),
-                                   std::move(band_from_rgb)};
+                                   std::move(band_from_rgb), std::nullopt};
+            if (lighting) settings.lighting = lighting_of(*lighting);
             run_with_progress(progress, [&](const std::function<bool(double)>& report) {
               new (self) World(std::move(scene), std::move(settings), report);
             });
           },
           nb::arg("scene"), nb::arg("threads"), nb::arg("background").none(), nb::arg("backend"),
-          nb::arg("band_from_rgb"), nb::arg("progress").none())
+          nb::arg("band_from_rgb"), nb::arg("lighting").none(), nb::arg("progress").none())
+      .def(
+          "with_lighting",
+          [](const World& world, const LightingTuple& lighting) {
+            Lighting given = lighting_of(lighting);
+            return run_long([&] { return world.with_lighting(std::move(given)); });
+          },
+          nb::arg("lighting"))
       .def(
           "with_background",
           [](const World& world, const Background& background) {
@@ -100,6 +118,7 @@ void bind_world(nb::module_& m) {
           nb::arg("poses").noconvert(),
           nb::sig("def precision_warning(self, poses: numpy.typing.NDArray[numpy.float64]) -> str"))
       .def_prop_ro("bands", &World::bands)
+      .def_prop_ro("components", &World::components)
       .def_prop_ro("threads", &World::threads)
       .def_prop_ro("backend", &World::backend)
       .def_prop_ro("build_times", &build_times,

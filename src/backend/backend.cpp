@@ -31,7 +31,7 @@ const Backend& find_backend(const std::string& name) {
 
 std::size_t block_memory_bytes(const FrameView& frame) {
   Room room;
-  lay_out(room, frame.scene->bands, frame, packet_rays);
+  lay_out(room, frame, packet_rays);
   return room.used;
 }
 

@@ -18,7 +18,7 @@ BlockFunctions build_block() {
     Search search{static_cast<const Tracer*>(tracer)};
     Room room{memory};
     render_block<Packets>(frame, task, search,
-                          lay_out(room, frame.scene->bands, frame, packet_rays));
+                          lay_out(room, frame, packet_rays));
   };
   block.weigh = [](const SharedWeights& shared, const float* radiance, int outputs,
                    std::int64_t first, std::int64_t end, float* responses) {

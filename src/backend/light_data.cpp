@@ -165,6 +165,15 @@ void choose_probabilities(LightView& view, const std::array<std::vector<double>,
   view.emissive_probability = probability(2);
 }
 
+// About what a surface gets, the mean over bands, over 4 pi.
+double choose_radiance_unit(const std::array<std::vector<double>, 3>& sent) {
+  double all = 0;
+  for (const std::vector<double>& of_kind : sent) all += sum_of(of_kind);
+  const double mean = all / (4 * pi * static_cast<double>(sent[0].size()));
+  if (!(mean > 1e-300)) return 1;
+  return std::exp2(std::clamp(std::round(std::log2(mean)), -120.0, 120.0));
+}
+
 }  // namespace
 
 std::unique_ptr<LightData> make_light_data(const Light& light, const Scene& scene,
@@ -186,7 +195,15 @@ std::unique_ptr<LightData> make_light_data(const Light& light, const Scene& scen
   out.emissive_of_instance = data->emissive_of_instance.data();
   out.emissive_count = static_cast<std::int32_t>(data->emissive.size());
   choose_probabilities(out, sent);
+  data->radiance_unit = choose_radiance_unit(sent);
   return data;
+}
+
+void scale_to_radiance_unit(LightData& data) {
+  const auto per_unit = static_cast<float>(1 / data.radiance_unit);
+  data.view.sky.per_unit = per_unit;
+  for (float& x : data.disc_radiance) x *= per_unit;
+  for (float& x : data.lamp_strength) x *= per_unit;
 }
 
 void place_lamps(LightData& data, const Scene& scene, Vec3d origin_m) {

@@ -22,7 +22,7 @@ struct LightData {
   LightData& operator=(const LightData&) = delete;
 
   std::shared_ptr<const SkyMap> sky;  // its radiance is read where it is
-  std::vector<float> band_from_channel, one_minus_sine, row_sum, column_sum, row_density;
+  std::vector<float> band_from_channel, one_minus_sine, row_sum, column_sum, cell_density;
   std::vector<std::uint16_t> row_guide, column_guide;
   std::vector<DiscView> discs;
   std::vector<float> disc_radiance, disc_limb;  // [disc][band]
@@ -35,15 +35,21 @@ struct LightData {
   std::vector<float> emissive_sum;
   std::vector<std::int32_t> emissive_of_instance;
   LightView view;
+  // About how bright it is, a power of two: what a radiance of 1 should be on the way of rays, so that
+  // squares of absolute radiances, 10^18 and more, stay in single precision.
+  double radiance_unit = 1;
 };
 
-// Of a validated light and scene. `view` is of the scene's shading data, with `scatter` set, as
-// emission in bands is asked of it. Surfaces may move afterwards; probabilities of choosing them
-// stay those of where they are now.
+// Of a validated light and scene, in the light's unit. `view` is of the scene's shading data, with
+// `scatter` set, as emission in bands is asked of it. Surfaces may move afterwards; probabilities of
+// choosing them stay those of where they are now.
 std::unique_ptr<LightData> make_light_data(const Light& light, const Scene& scene,
                                            const Placement& placement, const SceneView& view);
 
-// To be called where the origin of the traced frame has changed.
+// All radiance in `radiance_unit`, but for that of surfaces, which is the caller's. Once.
+void scale_to_radiance_unit(LightData& data);
+
+// Lamps in a frame with this origin, which LightView::lamp_origin_m places in the traced one.
 void place_lamps(LightData& data, const Scene& scene, Vec3d origin_m);
 
 // What linear RGB of a material's emissive factor times texture is in each band, [band][3], in the

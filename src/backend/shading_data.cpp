@@ -22,7 +22,8 @@ MaterialView material_view(const Scene& scene, const Material& m, ShadingData& d
           find_texture(scene, data, m.emissive_texture.texture, {}, codes),
           m.alpha_cutoff,
           m.alpha_mode,
-          m.double_sided};
+          m.double_sided,
+          !m.unlit && m.transmission > 0};
 }
 
 }  // namespace

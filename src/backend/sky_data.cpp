@@ -78,7 +78,7 @@ void make_cells(LightData& data, const SkyNodes& nodes, const std::vector<double
   std::vector<double> row_weight(2 * half);
   data.column_sum.resize(2 * half * (columns + 1));
   data.column_guide.resize(2 * half * columns);
-  data.row_density.resize(2 * half);
+  data.cell_density.resize(2 * half * columns);
   data.row_guide.resize(2 * half);
   parallel_for(std::size_t{0}, 2 * half, [&](std::size_t row) {
     // A cell's weight is the mean of its corners: what is seen anywhere in it is at most four times
@@ -104,9 +104,31 @@ void make_cells(LightData& data, const SkyNodes& nodes, const std::vector<double
   for (std::size_t row = 0; row < 2 * half; ++row) row_sr[row] = cell_sr(data, row % half, columns);
   data.row_sum = running_sum(row_weight, row_sr);
   make_guide(data.row_sum.data(), 2 * half, data.row_guide.data());
-  for (std::size_t row = 0; row < 2 * half; ++row)
-    data.row_density[row] = static_cast<float>(
-        static_cast<double>(data.row_sum[row + 1] - data.row_sum[row]) / row_sr[row]);
+  for (std::size_t row = 0; row < 2 * half; ++row) {
+    const double of_row = static_cast<double>(data.row_sum[row + 1] - data.row_sum[row]) /
+                          row_sr[row];
+    const float* sum = data.column_sum.data() + row * (columns + 1);
+    for (std::size_t c = 0; c < columns; ++c)
+      data.cell_density[row * columns + c] =
+          static_cast<float>(of_row * static_cast<double>(sum[c + 1] - sum[c]));
+  }
+}
+
+// How far the density of directions is from an even one, over the sphere or the upper half of it,
+// whichever is nearer: the distance of total variation, 0 to 1, but at least a twentieth.
+double unevenness(const LightData& data, const SkyView& sky) {
+  const auto columns = static_cast<std::size_t>(sky.columns);
+  const auto half = static_cast<std::size_t>(sky.rows - 1);
+  double from_sphere = 0, from_half = 0;
+  for (std::size_t row = 0; row < 2 * half; ++row) {
+    const double sr = cell_sr(data, row % half, columns);
+    for (std::size_t c = 0; c < columns; ++c) {
+      const auto density = static_cast<double>(data.cell_density[row * columns + c]);
+      from_sphere += std::fabs(density - 1 / (4 * pi)) * sr;
+      from_half += std::fabs(density - (row < half ? 1 / (2 * pi) : 0)) * sr;
+    }
+  }
+  return std::max(std::min(from_sphere, from_half) / 2, 0.05);
 }
 
 // The mean of mu, the cosine at a disc's own surface, over a disc of this radius: the integral of
@@ -225,10 +247,11 @@ std::vector<double> make_far(LightData& data, const Light& light) {
     sky.column_sum = data.column_sum.data();
     sky.row_guide = data.row_guide.data();
     sky.column_guide = data.column_guide.data();
-    sky.row_density = data.row_density.data();
+    sky.cell_density = data.cell_density.data();
   }
 
-  // By the mean over bands of their share.
+  // By the mean over bands of their share; a sky that is not beside a disc by how uneven it is, as
+  // an even one is found as well by the directions that surfaces scatter to.
   double shining = 0, of_sky = 0;
   for (std::size_t b = 0; b < bands; ++b) {
     if (!(flux[b] > 0)) continue;
@@ -236,13 +259,19 @@ std::vector<double> make_far(LightData& data, const Light& light) {
     of_sky += sky_flux[b] / flux[b];
   }
   if (shining > 0) {
-    sky.probability = static_cast<float>(of_sky / shining);
-    for (std::size_t i = 0; i < of_disc.size(); ++i) {
+    double all = of_sky > 0 ? of_sky * unevenness(data, sky) : 0;
+    sky.probability = static_cast<float>(all);
+    std::vector<double> shares;
+    for (const std::vector<double>& disc : of_disc) {
       double share = 0;
       for (std::size_t b = 0; b < bands; ++b)
-        if (flux[b] > 0) share += of_disc[i][b] / flux[b];
-      data.discs[i].probability = static_cast<float>(share / shining);
+        if (flux[b] > 0) share += disc[b] / flux[b];
+      shares.push_back(share);
+      all += share;
     }
+    sky.probability = static_cast<float>(static_cast<double>(sky.probability) / all);
+    for (std::size_t i = 0; i < shares.size(); ++i)
+      data.discs[i].probability = static_cast<float>(shares[i] / all);
   }
   data.view.discs = data.discs.data();
   data.view.disc_count = static_cast<std::int32_t>(data.discs.size());

@@ -153,7 +153,9 @@ void validate_light(const Light& light, std::size_t materials) {
   for (std::size_t i = 0; i < light.discs.size(); ++i)
     check_disc(light.discs[i], bands, "discs[" + std::to_string(i) + "]");
   if (!light.ultraviolet.empty() && light.ultraviolet.size() != materials)
-    refuse("ultraviolet", "one for each of " + std::to_string(materials) + " materials, or none",
+    refuse("ultraviolet",
+           "none, or " + std::to_string(materials) +
+               ": one for each material and one for meshes without",
            std::to_string(light.ultraviolet.size()));
   for (const auto& weights : light.ultraviolet) {
     for (const double w : weights)

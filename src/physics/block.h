@@ -1,7 +1,7 @@
 // The hot loop: one block of neighbouring ommatidia at one pose, from directions to responses. A
 // backend runs it with a search of its own, which has two members:
 //
-//   closest(valid, rays, passed)  the closest accepted hits (surface.h) of a RayPacket, between
+//   closest(valid, rays, passed, spread)  the closest accepted hits (surface.h) of a RayPacket, between
 //     t_near_m and t_far_m, of the lanes where valid[lane] is not 0; where `passed` is not null,
 //     surfaces that a ray has passed (passed.h) do not count
 //   placed()                      the table of placed meshes that hits point into
@@ -16,7 +16,8 @@ namespace omma {
 // Responses from the sums of a block: the mean over all scrambles.
 OMMA_HD void reduce(const FrameView& frame, const BlockTask& task, const double* sums) {
   const int scrambles = frame.scrambles;
-  const double weight = 1.0 / (static_cast<double>(frame.directions->samples) * scrambles);
+  const double weight =
+      frame.radiance_unit / (static_cast<double>(frame.directions->samples) * scrambles);
   const std::int32_t* ommatidium = frame.eye->ommatidium + task.first;
   for (int o = 0; o < frame.outputs; ++o, sums += unit_room) {
     float means[block_capacity];
@@ -46,7 +47,8 @@ OMMA_HD void reduce_errors(const FrameView& frame, const BlockTask& task, const 
         squares += d * d;
       }
       task.standard_error[ommatidium * frame.outputs + o] =
-          static_cast<float>(sqrt(squares / (scrambles * (scrambles - 1.0))));
+          static_cast<float>(sqrt(squares / (scrambles * (scrambles - 1.0))) *
+                             frame.radiance_unit);
     }
   }
 }
@@ -70,7 +72,7 @@ OMMA_HD void prepare_block(const FrameView& frame, const BlockTask& task,
                            RayPacket<L::count>* packets) {
   const UnitList all{nullptr, 0, frame.scrambles, task.count * frame.scrambles};
   Units units;
-  make_units<L>(*frame.eye, task, *frame.directions, all, units);
+  make_units<L>(*frame.eye, task, *frame.directions, all, false, units);
   Packet<L> packet;
   clear<L>(packet.rays);
   for_each_packet<L>(*frame.directions, units, all.count, packet, [&](const PacketPlace&) {

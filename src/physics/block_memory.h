@@ -23,11 +23,25 @@ struct Room {
   }
 };
 
+// What is known of a packet's rays and of the surfaces they met, all [band][lane].
+struct SpectraMemory {
+  float* throughput = nullptr;  // what light from the path's end still counts
+  // Of the surfaces that were met; see LitSurface.
+  float *reflectance = nullptr, *transmittance = nullptr, *emission = nullptr, *tint = nullptr;
+};
+
+// Of a packet's paths; null where worlds are not lit.
+struct PathMemory : SpectraMemory {
+  float* light = nullptr;  // [component][band][lane], arriving
+  SpectraMemory shadow;    // of rays to lights
+};
+
 // What has a number for each output of each unit is [output][unit_room].
 struct BlockMemory {
-  // [component][band][lane] of one packet. Component 0 is the radiance; those of a Stokes vector
-  // stand behind it where polarisation is traced, which is nowhere yet.
+  // [component][band][lane] of one packet. Component 0 is the radiance; in a polarised world Q and
+  // U stand behind it.
   float* radiance = nullptr;
+  PathMemory paths;
   float* output = nullptr;      // [output][lane] of one packet; the radiance itself without a matrix
   float* squares = nullptr;     // [output][lane] of one packet, see pair_squares
   float* short_rays = nullptr;  // [output][short_room], see add_short_units
@@ -41,12 +55,23 @@ struct BlockMemory {
 // packet's width of units, each up to 15 rays long.
 inline constexpr int short_room = block_rays + 16 + 16 * 16;
 
-OMMA_HD BlockMemory lay_out(Room& room, int bands, const FrameView& frame, int lanes) {
+OMMA_HD BlockMemory lay_out(Room& room, const FrameView& frame, int lanes) {
   const auto outputs = static_cast<std::size_t>(frame.outputs);
   const auto packet = static_cast<std::size_t>(lanes);
   const std::size_t units = outputs * unit_room;
   BlockMemory memory;
-  memory.radiance = room.take<float>(static_cast<std::size_t>(bands) * packet);
+  const SceneView& scene = *frame.scene;
+  const std::size_t one = static_cast<std::size_t>(scene.bands) * packet;
+  const std::size_t components = scene.polarized ? 3 : 1;
+  memory.radiance = room.take<float>(components * one);
+  if (scene.light != nullptr) {
+    PathMemory& paths = memory.paths;
+    for (SpectraMemory* spectra : {static_cast<SpectraMemory*>(&paths), &paths.shadow})
+      for (float** values : {&spectra->throughput, &spectra->reflectance, &spectra->transmittance,
+                             &spectra->emission, &spectra->tint})
+        *values = room.take<float>(one);
+    paths.light = room.take<float>(components * one);
+  }
   memory.output = frame.output_from_band == nullptr ? memory.radiance
                                                     : room.take<float>(outputs * packet);
   memory.short_rays = room.take<float>(outputs * short_room);

@@ -2,8 +2,8 @@
 // hierarchy. Nothing runs this; it keeps what is written once good for both host and device.
 #include "physics/block.h"
 #include "physics/footprint.h"
-#include "physics/scatter.h"
 #include "physics/light_sample.h"
+#include "physics/scatter.h"
 #include "physics/traverse.h"
 #include "physics/weigh.h"
 
@@ -22,7 +22,7 @@ struct Search {
     return accept_hit(*scene, {placed_meshes[placed].mesh, triangle, u, v}, from_behind);
   }
   OMMA_HD void closest(const std::int32_t* valid, RayPacket<1>& rays,
-                       const PassedSurfaces<1>* passed) const {
+                       const PassedSurfaces<1>* passed, Spread = Spread::together) const {
     const auto accept = [&](int lane, float t_m, float u, float v, std::uint32_t triangle,
                             std::uint32_t placed, bool from_behind) {
       if (!accepts(placed, triangle, u, v, from_behind)) return false;
@@ -32,7 +32,8 @@ struct Search {
     };
     omma::closest<OneLane>(*bvh, valid, rays, accept);
   }
-  OMMA_HD unsigned occluded(const std::int32_t* valid, const RayPacket<1>& rays) const {
+  OMMA_HD unsigned occluded(const std::int32_t* valid, const RayPacket<1>& rays,
+                            Spread = Spread::together) const {
     return omma::occluded<OneLane>(
         *bvh, valid, rays,
         [&](int, float, float u, float v, std::uint32_t triangle, std::uint32_t placed,
@@ -49,7 +50,7 @@ __global__ void device_check(FrameView frame, BlockTask task, BvhView bvh, const
                              std::byte* memory) {
   Search search{frame.scene, &bvh, placed};
   Room room{memory};
-  render_block<OneLane>(frame, task, search, lay_out(room, frame.scene->bands, frame, 1));
+  render_block<OneLane>(frame, task, search, lay_out(room, frame, 1));
 }
 
 __global__ void device_check_weights(SharedWeights shared, const float* radiance, float* responses) {
@@ -105,7 +106,7 @@ __global__ void device_check_leaving(SceneView scene, BvhView bvh, const PlacedM
 __global__ void device_check_light(SceneView scene, Vec3 position, float* out) {
   const LightSample sample = sample_light(scene, position, 0.1f, 0.2f, 0.3f);
   eval_light_sample(scene, sample, 3, out, 1, scene.bands);
-  out[0] += escaped_light_pdf(scene, sample.direction) +
+  out[0] += escaped_light_pdf(scene, sample.direction, sample.place) +
             met_light_pdf(scene, sample.index, sample.triangle, position, sample.direction,
                           sample.distance_m);
 }

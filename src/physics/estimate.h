@@ -69,10 +69,12 @@ OMMA_HD double scaled_variance(const BlockMemory& memory, int i, int o, double r
   return memory.roughness[o * unit_room + i] * roots + unseen * unseen;
 }
 
+// Whether the standard errors are small enough; all in radiance units.
 OMMA_HD bool reaches_error(const FrameView& frame, const BlockMemory& memory, int i, double rays,
                            double roots) {
+  const double error = frame.error / frame.radiance_unit;
   for (int o = 0; o < frame.outputs; ++o)
-    if (scaled_variance(memory, i, o, roots) > frame.error * frame.error * rays * rays)
+    if (scaled_variance(memory, i, o, roots) > error * error * rays * rays)
       return false;
   return true;
 }
@@ -119,7 +121,9 @@ OMMA_HD void trace_round(const FrameView& frame, const BlockTask& task, int k, i
     const UnitList list{scramble == 0 ? nullptr : ordinal, scramble, 1, count};
     trace_units<L>(frame, task, directions, list, search, memory, memory.round_sums,
                    memory.round_squares);
-    const double credit = directions.random ? 1.0 : even_credit;
+    // Choices on the way of a path are not as even as the directions that they begin with.
+    const bool is_even = !directions.random && frame.scene->light == nullptr;
+    const double credit = is_even ? even_credit : 1.0;
     for (int u = 0; u < count; ++u) {
       way.rays[member[u]] += directions.samples;
       way.roots[member[u]] += sqrt(static_cast<double>(directions.samples));
@@ -156,10 +160,11 @@ OMMA_HD void render_to_error(const FrameView& frame, const BlockTask& task, Sear
     for (int o = 0; o < frame.outputs; ++o) {
       const std::int64_t out = ommatidium * frame.outputs + o;
       task.responses[out] =
-          static_cast<float>(memory.sums[o * unit_room + i] / way.rays[i]);
+          static_cast<float>(memory.sums[o * unit_room + i] / way.rays[i] * frame.radiance_unit);
       if (task.standard_error != nullptr)
         task.standard_error[out] = static_cast<float>(
-            sqrt(scaled_variance(memory, i, o, way.roots[i])) / way.rays[i]);
+            sqrt(scaled_variance(memory, i, o, way.roots[i])) / way.rays[i] *
+            frame.radiance_unit);
     }
   }
 }

@@ -52,9 +52,13 @@ struct FrameView {
   const EyeView* eye = nullptr;
   const DirectionsView* directions = nullptr;  // [rounds]
   int scrambles = 1;                           // independent estimates of each response
-  // Responses have so many numbers: the bands of the scene or, where there is a matrix, its rows.
+  // Responses have so many numbers: the bands of the scene, in a polarised world those of I or of
+  // I, Q and U one behind the other, or where there is a matrix its rows.
   int outputs = 3;
-  const float* output_from_band = nullptr;  // [output][band], or null: the bands themselves
+  // [output][component][band], or null: the bands themselves.
+  const float* output_from_band = nullptr;
+  // What a radiance of 1 is on the way, so that squares stay in single precision; a power of two.
+  double radiance_unit = 1;
   // Rendering to an error: a round of directions[k].samples rays, twice as many for each k, goes to
   // the ommatidia that need it until their standard error is `error` or their rays are
   // most_samples.

@@ -23,12 +23,15 @@ struct LightSample {
   std::int32_t mesh = 0, triangle = 0;  // of a surface
   float u = 0, v = 0;                   // barycentric, where on it
   float scale = 1;                      // of a lamp's strength
+  SkyPlace place = {};                  // of light from afar
 };
 
-// Probability of a direction in which a ray has left the scene, as sample_light would give it.
-OMMA_HD float escaped_light_pdf(const SceneView& scene, Vec3 direction) {
+// Probability of a direction in which a ray has left the scene, as sample_light would give it;
+// `place` is its place on the sky (find_far).
+OMMA_HD float escaped_light_pdf(const SceneView& scene, Vec3 direction, const SkyPlace& place) {
   const LightView& light = *scene.light;
-  return light.far_probability > 0.0f ? light.far_probability * far_pdf(light, direction) : 0.0f;
+  if (!(light.far_probability > 0.0f)) return 0.0f;
+  return light.far_probability * far_pdf(light, direction, place);
 }
 
 // That of a direction in which a ray from `position` has met a surface, `distance_m` away; 0 where
@@ -52,7 +55,9 @@ OMMA_HD float met_light_pdf(const SceneView& scene, std::int32_t instance, std::
 OMMA_HD LightSample sample_lamps(const LightView& light, Vec3 position, float u) {
   LightSample sample;
   sample.index = find_in_sum(light.lamp_sum, light.lamp_count, u);
-  const LampAt at = eval_lamp_at(light.lamps[sample.index], position);
+  const float* origin = light.lamp_origin_m;
+  const Vec3 from_lamps = origin == nullptr ? position : position - Vec3{origin[0], origin[1], origin[2]};
+  const LampAt at = eval_lamp_at(light.lamps[sample.index], from_lamps);
   sample.kind = LightKind::lamp;
   sample.is_delta = true;
   sample.direction = at.direction;
@@ -100,6 +105,7 @@ OMMA_HD LightSample sample_light(const SceneView& scene, Vec3 position, float u_
     LightSample sample;
     sample.kind = LightKind::far;
     sample.direction = far.direction;
+    sample.place = find_far(light, far.direction);
     sample.pdf = light.far_probability * far.pdf;
     return sample;
   }
@@ -120,7 +126,8 @@ OMMA_HD void eval_light_sample(const SceneView& scene, const LightSample& sample
                                float* out, int band_stride, int component_stride) {
   const LightView& light = *scene.light;
   if (sample.kind == LightKind::far)
-    return eval_far(light, sample.direction, components, out, band_stride, component_stride);
+    return eval_far(light, sample.direction, sample.place, components, out, band_stride,
+                    component_stride);
   for (int p = 0; p < components; ++p)
     for (int k = 0; k < light.bands; ++k) out[p * component_stride + k * band_stride] = 0;
   if (sample.kind == LightKind::lamp) {

@@ -16,6 +16,7 @@ struct SkyView {
   std::int32_t columns = 0, rows = 0;  // of nodes, rows of each half; 0 where the sky is dark
   std::int32_t components = 1, channels = 0;
   const float* radiance = nullptr;           // [above, below][row][column][component][channel]
+  float per_unit = 1;                        // of `radiance`, in the unit of all else
   const float* band_from_channel = nullptr;  // [band][channel], or null: channels are the bands
   float columns_per_rad = 0, rows_per_rad = 0;
   const float* one_minus_sine = nullptr;  // [row], of the elevation of nodes
@@ -25,7 +26,7 @@ struct SkyView {
   // The interval of j / count, for each of `count` intervals: where to begin to look for others.
   const std::uint16_t* row_guide = nullptr;     // [row of cells]
   const std::uint16_t* column_guide = nullptr;  // [row of cells][columns]
-  const float* row_density = nullptr;  // [row of cells], its probability by a cell's solid angle
+  const float* cell_density = nullptr;  // [row of cells][column], per solid angle
   float probability = 0;               // that light from afar is sampled from the sky
 };
 
@@ -66,6 +67,8 @@ struct LightView {
 
   const LampView* lamps = nullptr;
   const float* lamp_sum = nullptr;  // [lamp + 1], cumulative probabilities
+  // Where the origin of lamps' positions is in the traced frame, [3], m; null: at its own.
+  const float* lamp_origin_m = nullptr;
   std::int32_t lamp_count = 0;
 
   const EmissiveView* emissive = nullptr;

@@ -9,6 +9,9 @@
 
 namespace omma {
 
+// How the rays of a packet lie to each other, for searches that do better where they know.
+enum class Spread : std::uint8_t { together, scattered };
+
 // No surface, no instance.
 inline constexpr std::uint32_t none = 0xffffffffu;
 

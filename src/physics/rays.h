@@ -15,6 +15,11 @@ template <typename L>
 struct Packet {
   RayPacket<L::count> rays;
   alignas(L::count * 4) float footprint_rad[L::count];  // width of each ray (footprint.h)
+  // Of paths: what their choices are hashed from, which sample of its unit each is, and the
+  // reference axis of its polarisation: unit, across the ray.
+  alignas(L::count * 4) std::int32_t hash[L::count];
+  alignas(L::count * 4) std::int32_t sample[L::count];
+  alignas(L::count * 4) float reference[3][L::count];
 };
 
 // What is the same for all rays.
@@ -55,13 +60,29 @@ OMMA_HD DiscPoints<typename L::F> disc_points(typename L::I hash, typename L::I 
   return {radius * a.cosine, radius * a.sine};
 }
 
+// The up vector of an ommatidium carried along by the shortest turn from its axis to a ray: the lens
+// bends light that comes along the ray into the rhabdom, which lies along the axis. All unit, up
+// across the axis.
+template <typename F>
+OMMA_HD void turn_with(const F (&axis)[3], const F (&ray)[3], const F (&up)[3], F (&turned)[3]) {
+  const F along = up[0] * ray[0] + up[1] * ray[1] + up[2] * ray[2];
+  const F cosine = axis[0] * ray[0] + axis[1] * ray[1] + axis[2] * ray[2];
+  // Straight behind the axis there are many shortest turns; the bound takes one of them.
+  const F over = 1.0f + cosine;
+  const F part = along / (over > 1e-6f ? over : broadcast<F>(1e-6f));
+  for (int r = 0; r < 3; ++r) turned[r] = up[r] - part * (axis[r] + ray[r]);
+  const F length = sqrt_lanes(turned[0] * turned[0] + turned[1] * turned[1] + turned[2] * turned[2]);
+  for (F& x : turned) x /= length;
+}
+
 // Writes L::width rays from lane l on: the first is sample `sample` of unit `unit`.
 template <typename L>
 OMMA_HD void write_rays(const DirectionsView& directions, const Units& units, int last_unit,
                         int unit, int sample, float per_sample, Packet<L>& packet, int l) {
   using F = typename L::F;
   using I = typename L::I;
-  const auto write = [&](LocalDirection<F> d, const auto& of_unit, const auto& points) {
+  const auto write = [&](LocalDirection<F> d, const auto& of_unit, const auto& points,
+                         const auto& hash, I sample_of_unit) {
     RayPacket<L::count>& rays = packet.rays;
     if (units.has_scales) {
       const F scale = of_unit(units.scale);
@@ -88,6 +109,17 @@ OMMA_HD void write_rays(const DirectionsView& directions, const Units& units, in
     }
     store(rays.t_near_m + l, of_unit(units.t_near_m));
     store(packet.footprint_rad + l, of_unit(units.footprint_rad));
+    if (!units.is_lit) return;
+    store(packet.hash + l, hash());
+    store(packet.sample + l, sample_of_unit);
+    F axis[3], ray[3], up[3], turned[3];
+    for (int r = 0; r < 3; ++r) {
+      axis[r] = of_unit(units.axis[r]);
+      ray[r] = load<F>(rays.direction[r] + l);
+      up[r] = of_unit(units.up[r]);
+    }
+    turn_with(axis, ray, up, turned);
+    for (int r = 0; r < 3; ++r) store(packet.reference[r] + l, turned[r]);
   };
 
   // All lanes are one unit's: straight from its pattern.
@@ -100,7 +132,8 @@ OMMA_HD void write_rays(const DirectionsView& directions, const Units& units, in
           [&] {
             return disc_points<L>(lane_numbers<L>() * 0 + units.hash[unit],
                                   lane_numbers<L>() + sample);
-          });
+          },
+          [&] { return lane_numbers<L>() * 0 + units.hash[unit]; }, lane_numbers<L>() + sample);
     return;
   }
 
@@ -132,7 +165,8 @@ OMMA_HD void write_rays(const DirectionsView& directions, const Units& units, in
   }
   write(
       d, [&](const float* values) { return pick(values + unit, ahead); },
-      [&] { return disc_points<L>(gather(units.hash + unit, ahead), local_sample); });
+      [&] { return disc_points<L>(gather(units.hash + unit, ahead), local_sample); },
+      [&] { return gather(units.hash + unit, ahead); }, local_sample);
 }
 
 // Where a packet stands: its first ray is sample `sample` of unit `unit`; `filled` lanes hold rays.

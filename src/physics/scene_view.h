@@ -31,6 +31,7 @@ struct MaterialView {
   float alpha_cutoff = 0.5f;
   AlphaMode alpha_mode = AlphaMode::opaque;
   bool double_sided = true;
+  bool is_glass = false;  // whether light goes straight through, where there is light
 };
 
 // How a material scatters light in the world's bands; null pointers where there is nothing.
@@ -50,7 +51,7 @@ struct ScatterView {
   const float* extra = nullptr;            // of the extra texture's R, G, B: [band][3]
   const float* emission = nullptr;         // of linear RGB: [band][3]
   const float* specular_tint = nullptr;    // [band], at normal incidence; null: 1
-  const float* specular_albedo = nullptr;  // of its smooth or rough surface, specular_albedo.h
+  std::int32_t albedo_table = 0;  // of its ior, among SceneView::specular_albedo
 };
 
 struct MeshView {
@@ -106,6 +107,9 @@ struct SceneView {
   // Where the world is lit: by what, and how its surfaces scatter light; else null.
   const LightView* light = nullptr;
   const ScatterView* scatter = nullptr;  // [material], as `materials`
+  const float* specular_albedo = nullptr;  // tables of specular_albedo.h, one for each ior
+  const float* coat_albedo = nullptr;      // that of clear coats, or null where there are none
+  bool has_glass = false;  // whether light goes straight through any material
   int depth = 0;           // most scatterings on a path; 0: as many as it takes
   bool polarized = false;  // whether light is a Stokes vector on its way
 };

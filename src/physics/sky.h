@@ -26,9 +26,9 @@ OMMA_HD float angle_in_quadrant(float x, float y) {
 
 // Where a direction lies among the nodes of a sky.
 struct SkyPlace {
-  std::int32_t half;               // 0: above the horizon, and the horizon itself; 1: below
-  std::int32_t row, column, next;  // nodes at or before it, the column to the right of it
-  float along_row, along_column;   // how far on to the next row and column, 0 to 1
+  std::int32_t half = 0;                      // 0: above the horizon, and the horizon itself; 1: below
+  std::int32_t row = 0, column = 0, next = 0;  // nodes at or before it, the column to the right
+  float along_row = 0, along_column = 0;      // how far on to the next row and column, 0 to 1
 };
 
 OMMA_HD SkyPlace find_on_sky(const SkyView& sky, Vec3 d) {
@@ -51,11 +51,31 @@ OMMA_HD SkyPlace find_on_sky(const SkyView& sky, Vec3 d) {
   return place;
 }
 
-// Radiance of the sky, all bands, `components` of I, Q, U.
-OMMA_HD void eval_sky(const LightView& light, Vec3 d, int components, float* stokes,
-                      int band_stride, int component_stride) {
+// The cell of a place, in tables of cells.
+OMMA_HD std::ptrdiff_t cell_of(const SkyView& sky, const SkyPlace& place) {
+  const std::int32_t row = place.half * (sky.rows - 1) + place.row;
+  return static_cast<std::ptrdiff_t>(row) * sky.columns + place.column;
+}
+
+// Asks for what will be read of a place: maps are larger than what a processor holds near it.
+OMMA_HD void fetch_sky(const SkyView& sky, const SkyPlace& place) {
+#if !defined(__CUDACC__)
+  const std::ptrdiff_t node = static_cast<std::ptrdiff_t>(sky.components) * sky.channels;
+  const std::ptrdiff_t row = (static_cast<std::ptrdiff_t>(place.half) * sky.rows + place.row);
+  const float* lower = sky.radiance + (row * sky.columns + place.column) * node;
+  // Columns that follow each other lie beside each other, but for the last and the first.
+  for (std::ptrdiff_t k = 0; k < 2 * node; k += 16) {
+    __builtin_prefetch(lower + k);
+    __builtin_prefetch(lower + sky.columns * node + k);
+  }
+  __builtin_prefetch(sky.cell_density + cell_of(sky, place));
+#endif
+}
+
+// Radiance of the sky at the place of a direction, all bands, `components` of I, Q, U.
+OMMA_HD void eval_sky(const LightView& light, Vec3 d, const SkyPlace& place, int components,
+                      float* stokes, int band_stride, int component_stride) {
   const SkyView& sky = light.sky;
-  const SkyPlace place = find_on_sky(sky, d);
   const std::ptrdiff_t node = static_cast<std::ptrdiff_t>(sky.components) * sky.channels;
   const std::ptrdiff_t row = (static_cast<std::ptrdiff_t>(place.half) * sky.rows + place.row);
   const float* lower = sky.radiance + row * sky.columns * node;
@@ -65,8 +85,9 @@ OMMA_HD void eval_sky(const LightView& light, Vec3 d, int components, float* sto
   const float* c = upper + place.column * node;
   const float* e = upper + place.next * node;
   const float right = place.along_column, up = place.along_row;
-  const float wa = (1.0f - right) * (1.0f - up), wb = right * (1.0f - up), wc = (1.0f - right) * up,
-              we = right * up;
+  const float high = up * sky.per_unit, low = (1.0f - up) * sky.per_unit;
+  const float wa = (1.0f - right) * low, wb = right * low, wc = (1.0f - right) * high,
+              we = right * high;
   const int channels = sky.channels;
   alignas(64) float mixed[most_bands];
   const auto put = [&](int component) {
@@ -117,12 +138,20 @@ OMMA_HD float chord_2(Vec3 a, Vec3 b) {
   return dot(between, between);
 }
 
-// Radiance of sky and discs in a unit direction: all bands, `components` 1 (I) or 3 (I, Q, U), at
-// stokes[component * component_stride + band * band_stride].
-OMMA_HD void eval_far(const LightView& light, Vec3 d, int components, float* stokes,
-                      int band_stride, int component_stride) {
+// Where light from afar in a unit direction is to be looked up, and asked for.
+OMMA_HD SkyPlace find_far(const LightView& light, Vec3 d) {
+  if (light.sky.rows == 0) return {};
+  const SkyPlace place = find_on_sky(light.sky, d);
+  fetch_sky(light.sky, place);
+  return place;
+}
+
+// Radiance of sky and discs in a unit direction, whose place find_far gave: all bands, `components`
+// 1 (I) or 3 (I, Q, U), at stokes[component * component_stride + band * band_stride].
+OMMA_HD void eval_far(const LightView& light, Vec3 d, const SkyPlace& place, int components,
+                      float* stokes, int band_stride, int component_stride) {
   if (light.sky.rows > 0) {
-    eval_sky(light, d, components, stokes, band_stride, component_stride);
+    eval_sky(light, d, place, components, stokes, band_stride, component_stride);
   } else {
     for (int p = 0; p < components; ++p)
       for (int k = 0; k < light.bands; ++k) stokes[p * component_stride + k * band_stride] = 0;
@@ -151,16 +180,19 @@ OMMA_HD float discs_pdf(const LightView& light, Vec3 d) {
   return pdf;
 }
 
-// The same of any unit direction.
-OMMA_HD float far_pdf(const LightView& light, Vec3 d) {
+// The same of any unit direction, whose place find_far gave.
+OMMA_HD float far_pdf(const LightView& light, Vec3 d, const SkyPlace& place) {
   const SkyView& sky = light.sky;
   const float of_discs = discs_pdf(light, d);
   if (sky.rows == 0) return of_discs;
-  const SkyPlace place = find_on_sky(sky, d);
-  const std::int32_t row = place.half * (sky.rows - 1) + place.row;
-  const float* sum = sky.column_sum + static_cast<std::ptrdiff_t>(row) * (sky.columns + 1);
-  const float in_sky = sky.row_density[row] * (sum[place.column + 1] - sum[place.column]);
-  return sky.probability * in_sky + of_discs;
+  return sky.probability * sky.cell_density[cell_of(sky, place)] + of_discs;
+}
+OMMA_HD float far_pdf(const LightView& light, Vec3 d) {
+  return far_pdf(light, d, find_far(light, d));
+}
+OMMA_HD void eval_far(const LightView& light, Vec3 d, int components, float* stokes,
+                      int band_stride, int component_stride) {
+  eval_far(light, d, find_far(light, d), components, stokes, band_stride, component_stride);
 }
 
 struct DirectionSample {
@@ -187,7 +219,7 @@ OMMA_HD DirectionSample sample_sky(const SkyView& sky, float u0, float u1) {
   azimuth = azimuth > 3.14159265f ? azimuth - 6.28318531f : azimuth;
   const SineCosine<float> turn = sine_cosine(azimuth);
   return {{turn.sine * cosine, below ? -sine : sine, -turn.cosine * cosine},
-          sky.row_density[row] * (sum[column + 1] - sum[column])};
+          sky.cell_density[static_cast<std::ptrdiff_t>(row) * sky.columns + column]};
 }
 
 // A direction in a disc, evenly by solid angle. The frame about its centre: Duff et al. 2017,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "physics/block_memory.h"
+#include "physics/lit_path.h"
 #include "physics/path.h"
 
 namespace omma {
@@ -34,7 +35,8 @@ OMMA_HD void keep_rays(const FrameView& frame, const BlockTask& task, const Pack
   for (int l = 0; l < place.filled; ++l) {
     const auto ommatidium = static_cast<std::int64_t>(frame.eye->ommatidium[task.first + unit]);
     float* out = task.ray_radiance + (ommatidium * samples + sample) * frame.outputs;
-    for (int o = 0; o < frame.outputs; ++o) out[o] = light[o * L::count + l];
+    for (int o = 0; o < frame.outputs; ++o)
+      out[o] = light[o * L::count + l] * static_cast<float>(frame.radiance_unit);
     if (++sample < samples) continue;
     sample = 0;
     ++unit;
@@ -97,7 +99,7 @@ OMMA_HD void add_pair(const float* light, int sample, int outputs, float* first,
 template <typename L>
 OMMA_HD void make_outputs(const FrameView& frame, const float* radiance, float* output) {
   using F = typename L::F;
-  const int bands = frame.scene->bands;
+  const int bands = frame.scene->bands * (frame.scene->polarized ? 3 : 1);
   for (int o = 0; o < frame.outputs; ++o)
     for (int l = 0; l < L::count; l += L::width) {
       F sum = broadcast<F>(0.0f);
@@ -114,7 +116,7 @@ OMMA_HD void trace_units(const FrameView& frame, const BlockTask& task,
                          const DirectionsView& directions, const UnitList& list, Search& search,
                          const BlockMemory& memory, double* sums, double* squares) {
   Units units;
-  make_units<L>(*frame.eye, task, directions, list, units);
+  make_units<L>(*frame.eye, task, directions, list, frame.scene->light != nullptr, units);
   const bool is_short = directions.samples < L::count;
   const int outputs = frame.outputs;
   int traced = 0;
@@ -123,7 +125,10 @@ OMMA_HD void trace_units(const FrameView& frame, const BlockTask& task,
   for_each_packet<L>(directions, units, list.count, packet, [&](const PacketPlace& place) {
     alignas(L::count * 4) std::int32_t valid[L::count];
     for (int l = 0; l < L::count; ++l) valid[l] = l < place.filled ? -1 : 0;
-    eval_path<L>(*frame.scene, search, valid, packet, memory.radiance);
+    if (frame.scene->light != nullptr)
+      eval_lit_path<L>(*frame.scene, search, valid, packet, memory.paths, memory.radiance);
+    else
+      eval_path<L>(*frame.scene, search, valid, packet, memory.radiance);
     if (frame.output_from_band != nullptr)
       make_outputs<L>(frame, memory.radiance, memory.output);
     if (is_short) {

@@ -163,6 +163,12 @@ OMMA_HD bool accept_hit(const SceneView& scene, const SurfaceHit& hit, bool from
   return is_above_cutoff(scene, hit);
 }
 
+// Whether rays may go on straight behind the surface: a search is then asked to leave out what they
+// have passed (passed.h).
+OMMA_HD bool lets_rays_on(const MaterialView& material) {
+  return material.alpha_mode == AlphaMode::blend || material.is_glass;
+}
+
 // Whether accept_hit can ever say no: meshes for which it cannot are traced without asking.
 OMMA_HD bool may_reject(const MaterialView& material) {
   return !material.double_sided || material.alpha_mode == AlphaMode::mask;

@@ -38,14 +38,16 @@ struct Units {
   alignas(64) float scale[unit_room];              // of sines of polar angles
   alignas(64) std::int32_t directions[unit_room];  // where its pattern begins, or which warp
   alignas(64) std::int32_t hash[unit_room];        // of its scramble
+  alignas(64) float up[3][unit_room];              // across the axis, before any turn
   bool has_apertures, has_scales;
+  bool is_lit;  // whether rays go on as paths, which need hashes, and up vectors where polarised
 };
 
 // The eye's arrays are padded, so that the last lanes read something; lanes behind the last unit
 // repeat it.
 template <typename L>
 OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const DirectionsView& directions,
-                        const UnitList& list, Units& units) {
+                        const UnitList& list, bool is_lit, Units& units) {
   using F = typename L::F;
   using I = typename L::I;
   using U = typename L::U;
@@ -54,6 +56,7 @@ OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const Directi
   const bool in_order = list.ordinal == nullptr && list.scrambles == 1;
   units.has_apertures = eye.has_apertures;
   units.has_scales = eye.has_scales;
+  units.is_lit = is_lit;
   const float per_scramble = 1.0f / static_cast<float>(list.scrambles);
   for (int u = 0; u < list.count; u += L::width) {
     I unit = lane_numbers<L>() + u;
@@ -102,6 +105,7 @@ OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const Directi
       store(units.axis[r] + u, a[r]);
       store(units.s[r] + u, s[r] * cosine + t[r] * sine);
       store(units.t[r] + u, t[r] * cosine - s[r] * sine);
+      if (is_lit) store(units.up[r] + u, s[r]);
     }
     store(units.footprint_rad + u, gather(directions.footprint_rad, warp));
     if (directions.patterns > 0) {

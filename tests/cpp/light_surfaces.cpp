@@ -111,7 +111,7 @@ TEST(ShiningSquare, DensityOfWhatARayMeetsIsThatOfSampling) {
     if (sample.kind == LightKind::far) {
       ++of_far;
       EXPECT_EQ(sample.distance_m, INFINITY);
-      EXPECT_NEAR(escaped_light_pdf(lit->view, sample.direction) / sample.pdf, 1, 1e-4);
+      EXPECT_NEAR(escaped_light_pdf(lit->view, sample.direction, sample.place) / sample.pdf, 1, 1e-4);
     } else if (sample.kind == LightKind::lamp) {
       ++of_lamp;
       EXPECT_TRUE(sample.is_delta);

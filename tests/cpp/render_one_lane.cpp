@@ -20,7 +20,8 @@ namespace {
 struct SingleRays {
   EmbreeSearch search;
 
-  void closest(const std::int32_t* valid, RayPacket<1>& rays, const PassedSurfaces<1>* passed) {
+  void closest(const std::int32_t* valid, RayPacket<1>& rays, const PassedSurfaces<1>* passed,
+               Spread spread = Spread::together) {
     RayPacket<16> packet{};
     PassedSurfaces<16> packet_passed;
     alignas(64) std::int32_t packet_valid[16] = {valid[0]};
@@ -29,14 +30,15 @@ struct SingleRays {
       packet_passed.count[0] = passed->count[0];
       std::copy_n(passed->surface[0], passed->count[0], packet_passed.surface[0]);
     }
-    search.closest(packet_valid, packet, passed == nullptr ? nullptr : &packet_passed);
+    search.closest(packet_valid, packet, passed == nullptr ? nullptr : &packet_passed, spread);
     copy_lane<1, 16>(rays, packet);
   }
-  unsigned occluded(const std::int32_t* valid, const RayPacket<1>& rays) {
+  unsigned occluded(const std::int32_t* valid, const RayPacket<1>& rays,
+                    Spread spread = Spread::together) {
     RayPacket<16> packet{};
     alignas(64) const std::int32_t packet_valid[16] = {valid[0]};
     copy_lane<16, 1>(packet, rays);
-    return search.occluded(packet_valid, packet);
+    return search.occluded(packet_valid, packet, spread);
   }
   const PlacedMesh* placed() const {
     return search.placed();
@@ -139,7 +141,7 @@ Output in_one_lane(const BlockSetup& setup) {
     const DenormalsAreZero denormals_are_zero;
     SingleRays search{{static_cast<const EmbreeTracer*>(tracer), {}}};
     Room room{thread_memory(block_memory_bytes(frame))};
-    render_block<Lanes<1, 1>>(frame, task, search, lay_out(room, frame.scene->bands, frame, 1));
+    render_block<Lanes<1, 1>>(frame, task, search, lay_out(room, frame, 1));
   });
 }
 

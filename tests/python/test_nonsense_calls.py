@@ -50,6 +50,7 @@ LEFT = {
 WITHOUT = {
     "compoundray_library": "the library of CompoundRay's interface, which is built on request",
     "plot_species": "a species, which takes seconds to make",
+    "Renderer.render_stokes": "a world that is polarised",
 }
 
 
@@ -243,6 +244,8 @@ def public_calls(folder):
         "Disc": ((0, 1, 0), 0.004, [1.0]),
         "Light": (few,),
         "band_error": (light, [green]),
+        "natural_material": ("sand",),
+        "bands_to_rgb": (np.ones((5, len(light.bands))), light),
         "clear_sky": {"sun_elevation_deg": 30.0, "bands": few},
         "clear_sky_at": {
             "date_time": datetime(2026, 6, 21, 12, tzinfo=timezone.utc), "latitude_deg": 50.0,
@@ -319,6 +322,7 @@ def public_calls(folder):
     methods = {
         "Renderer": (omma.Renderer(scene, bee, omma.Fixed(1), threads=1), {
             "render": (pose,), "render_rays": (pose,), "render_receptors": (pose,),
+            "render_stokes": (pose,),
             "with_eye": (eye,), "render_iter": ([pose],), "dataset": (pose,),
         }),
         "Eye": (bee, {"select": (0,), "acceptance": (0,), "take": ([0, 1],)}),
@@ -329,6 +333,7 @@ def public_calls(folder):
         "World": (omma.World(scene), {
             "index": ("ground",), "set_transforms": ("ground", pose),
             "with_background": (omma.Background.constant((1, 1, 1)),),
+            "with_light": {"light": omma.light.uniform_sky(1.0), "ultraviolet": "dark"},
         }),
         "Lattice": (omma.eye.lay_directions(0.3), {}),
         "Bands": (few, {"mean": ([1.0, 2.0], [300.0, 700.0])}),

@@ -278,7 +278,8 @@ def makes_light(function: F) -> F:
     @functools.wraps(function)
     def maker(*arguments: Any, **named: Any) -> Light:
         given = dict(signature.bind(*arguments, **named).arguments)
-        return replace(function(*arguments, **named), recipe=(function.__name__, given))
+        made: Light = function(*arguments, **named)
+        return replace(made, recipe=(function.__name__, given))
 
     return cast(F, maker)
 

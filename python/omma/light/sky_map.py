@@ -104,7 +104,7 @@ def _pole(values: Floats, axis: Floats) -> Floats:
         to_own = np.exp(2j * axis)[:, None]
         polarised = ((values[:, 1] + 1j * values[:, 2]) / to_own).mean(axis=0) * to_own
         mean[:, 1], mean[:, 2] = polarised.real, polarised.imag
-    return mean
+    return np.asarray(mean)
 
 
 def _mixed(sky: Map, half: Whole, height: Floats, azimuth: Floats) -> Floats:
@@ -116,7 +116,7 @@ def _mixed(sky: Map, half: Whole, height: Floats, azimuth: Floats) -> Floats:
     """
     found = np.zeros((*azimuth.shape, *sky.shape[3:]))
     sine = np.sin(height) * np.where(half == 0, 1, -1)
-    for share, beside, node in _corners(*sky.shape[1:3], half, height, azimuth):
+    for share, beside, node in _corners(sky.shape[1], sky.shape[2], half, height, azimuth):
         own = sky[node].astype(np.float64)
         if sky.shape[3] == 3:
             cos, sin = np.cos(2 * beside * sine)[..., None], np.sin(2 * beside * sine)[..., None]

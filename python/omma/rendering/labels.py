@@ -50,6 +50,10 @@ class Labels:
         return tuple(self.sizes[dimension] for dimension in self.variables[variable][0])
 
 
+# Of spectral radiance in a lit world.
+_UNITS = {"photons": "photons m-2 s-1 sr-1 nm-1", "watts": "W m-2 sr-1 nm-1"}
+
+
 def labels_of(
     renderer: Renderer,
     matrices: Matrices,
@@ -61,6 +65,7 @@ def labels_of(
 ) -> Labels:
     """Labels of what a renderer makes of poses (P, 4, 4); ``more`` attributes come last."""
     first = "pose" if time_s is None else "time"
+    light = renderer.world.light
     coordinates: Variables = {}
     if time_s is not None:
         coordinates["time"] = ((first,), time_s, {"units": "s"})
@@ -72,14 +77,17 @@ def labels_of(
         dimensions = (first, "ommatidium", "band")
         coordinates |= _ommatidia(renderer.eye)
         coordinates["band"] = (("band",), np.array(_band_names(renderer)), {})
+        if light is not None:
+            coordinates["wavelength"] = (("band",), light.bands.centers_nm, {"units": "nm"})
     coordinates |= place_variables(matrices, first)
-    about = {"units": "1", "long_name": CATCH if receptors else RADIANCE}
+    unit = "1" if light is None else _UNITS[light.unit]
+    about = {"units": unit, "long_name": CATCH if receptors else RADIANCE}
     variables: dict[str, tuple[tuple[str, ...], str, dict[str, Any]]] = {
         "response": (dimensions, "float32", about)
     }
     to_error = isinstance(renderer.settings.sampling, ToError)
     if standard_error or to_error:
-        variables["standard_error"] = (dimensions, "float32", {"units": "1"})
+        variables["standard_error"] = (dimensions, "float32", {"units": unit})
     if to_error:
         variables["rays"] = (dimensions[:2], "int32", {"long_name": "rays spent"})
     sizes = {
@@ -172,6 +180,9 @@ def _receptors(eye: Eye) -> Variables:
 
 
 def _band_names(renderer: Renderer) -> list[str]:
+    light = renderer.world.light
+    if light is not None:
+        return [f"{nm:g} nm" for nm in np.round(light.bands.centers_nm, 2)]
     if renderer.world.band_from_rgb is None:
         return ["red", "green", "blue"]
     return [f"band_{k}" for k in range(renderer.bands)]
@@ -180,8 +191,10 @@ def _band_names(renderer: Renderer) -> list[str]:
 def _attributes(renderer: Renderer) -> dict[str, Any]:
     """What the responses were made of, as plain texts and numbers that every format can hold."""
     scene = renderer.world.scene
+    light = renderer.world.light
+    of_what = "relative to radiance 1" if light is None else f"in {_UNITS[light.unit]}"
     found: dict[str, Any] = {
-        "units": "lengths m, angles degree, wavelengths nm; responses relative to radiance 1",
+        "units": f"lengths m, angles degree, wavelengths nm; responses {of_what}",
         "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
         "omma_version": _core.__version__,
         "backend": renderer.backend,
@@ -192,6 +205,11 @@ def _attributes(renderer: Renderer) -> dict[str, Any]:
     }
     if scene.path and os.path.exists(scene.path):
         found["scene_sha256"] = json.dumps(digests_of(scene.path), sort_keys=True)
+    if light is not None:
+        depth = renderer.world.depth
+        found["light"] = repr(light)
+        found["depth"] = "no limit" if depth is None else depth
+        found["polarized"] = int(renderer.world.polarized)
     if renderer.world.band_from_rgb is not None:
         found["band_from_rgb"] = json.dumps(renderer.world.band_from_rgb.tolist())
     if scene.warnings:

@@ -43,11 +43,25 @@ class ReceptorViews:
         self._matrices: dict[tuple[float, ...] | None, Floats] = {}
 
     def matrix(self, eye: Eye, ultraviolet: ArrayLike | None) -> Floats:
-        """`receptor_matrix` of the eye, made once."""
+        """`receptor_matrix` of the eye, made once: of RGB, or in a lit world of its bands."""
         key = None if ultraviolet is None else tuple(np.ravel(ultraviolet).tolist())
         if key not in self._matrices:
-            self._matrices[key] = receptor_matrix(eye, ultraviolet)
+            light = self.renderer.world.light
+            self._matrices[key] = (
+                receptor_matrix(eye, ultraviolet)
+                if light is None
+                else receptor_matrix(eye, ultraviolet, bands=light.bands)
+            )
         return self._matrices[key]
+
+
+def _with_polarisation(eye: Eye, weights: Floats) -> Floats:
+    """Weights [type, band] as [type, component x band]: what microvilli make of I, Q and U."""
+    ratio = np.array([one.polarisation_sensitivity for one in eye.receptor_types])
+    angle = np.array([one.microvillus_angle_rad for one in eye.receptor_types])
+    modulation = (ratio - 1) / (ratio + 1)
+    parts = [np.ones(len(ratio)), modulation * np.cos(2 * angle), modulation * np.sin(2 * angle)]
+    return np.concatenate([part[:, None] * weights for part in parts], axis=1)
 
 
 def render_receptors(
@@ -81,6 +95,9 @@ def render_receptors(
                 f"{weights.shape}"
                 + ("" if weights.shape != expected else ", not all of them finite")
             )
+    polarized = renderer.world.polarized
+    if polarized:
+        weights = _with_polarisation(eye, weights)
     matrices = renderer._matrices(poses)
     first = frame_number(first_pose)
     shape = (len(matrices), len(eye.receptor_type))
@@ -88,8 +105,10 @@ def render_receptors(
     errors = np.empty(shape, np.float32) if standard_error else None
     # Errors are those of the receptors' own estimates, for some types at a time.
     groups = [weights[k : k + _MOST_TYPES] for k in range(0, len(weights), _MOST_TYPES)]
-    passes = 1 if errors is None else len(groups)
-    wide = renderer.bands if errors is None else min(len(weights), _MOST_TYPES)
+    # Where Q and U count, types are rendered as themselves; else I of all bands does for all.
+    by_type = polarized or errors is not None
+    passes = len(groups) if by_type else 1
+    wide = min(len(weights), _MOST_TYPES) if by_type else renderer.bands
     chunk = max(1, _CHUNK_BYTES // (len(views.renderer.eye) * wide * 4))
     for start in range(0, len(matrices), chunk):
         piece = matrices[start : start + chunk]
@@ -106,15 +125,18 @@ def render_receptors(
 
             tell = None if progress is None else report
             into = responses[start : start + chunk]
-            if errors is None:
+            if not by_type:
                 radiance = views.renderer.render(piece, first_pose=number, progress=tell)
                 seen = radiance[:, views.view_of_receptor]
                 into[...] = np.einsum("prb,rb->pr", seen, weights[eye.receptor_type])
                 continue
-            found, error = views.renderer._render_outputs(piece, groups[k], number, tell)
+            found, error = views.renderer._render_outputs(
+                piece, groups[k], number, tell, errors is not None
+            )
             type_in_group = eye.receptor_type - k * _MOST_TYPES
             which = np.flatnonzero((type_in_group >= 0) & (type_in_group < len(groups[k])))
             at = views.view_of_receptor[which], type_in_group[which]
             into[:, which] = found[:, at[0], at[1]]
-            errors[start : start + chunk, which] = error[:, at[0], at[1]]
+            if errors is not None and error is not None:
+                errors[start : start + chunk, which] = error[:, at[0], at[1]]
     return responses if errors is None else (responses, errors)

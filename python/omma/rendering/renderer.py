@@ -266,7 +266,7 @@ class Renderer:
             raise Error("error_out: shares memory with out")
         rays = np.empty(shape[:2], np.int32) if report else None
         first = frame_number(first_pose)
-        self._engine.render(matrices, responses, errors, rays, None, first, None, progress)
+        self._engine.render(matrices, responses, errors, rays, None, first, None, False, progress)
         warn_of_precision(self._engine.precision_warning(matrices))
         if errors is not None and rays is not None and isinstance(target, ToError):
             return responses, SamplingReport(rays, errors, target.error)
@@ -342,18 +342,78 @@ class Renderer:
             progress,
         )
 
+    @overload
+    def render_stokes(
+        self,
+        poses: Poses,
+        *,
+        standard_error: Literal[False] = False,
+        first_pose: int | None = None,
+        progress: Progress | None = None,
+    ) -> Responses: ...
+
+    @overload
+    def render_stokes(
+        self,
+        poses: Poses,
+        *,
+        standard_error: Literal[True],
+        first_pose: int | None = None,
+        progress: Progress | None = None,
+    ) -> tuple[Responses, Responses]: ...
+
+    @checked
+    def render_stokes(
+        self,
+        poses: Poses,
+        *,
+        standard_error: bool = False,
+        first_pose: int | None = None,
+        progress: Progress | None = None,
+    ) -> Responses | tuple[Responses, Responses]:
+        """Stokes vectors (P, N, 3, B): I, Q, U of each band, in a polarised world.
+
+        With the angle ψ of the electric vector from the ommatidium's up vector towards its right,
+        and the degree of polarisation p, Q = p I cos 2ψ and U = p I sin 2ψ (docs/light.md). The
+        mean over the field of view, with each ray's axes turned with it from the ommatidium's.
+
+        Args:
+            poses, standard_error, first_pose, progress: as in `render`.
+
+        Raises:
+            omma.Error: the world is not polarised, or what `render` raises.
+        """
+        matrices = self._matrices(poses)
+        shape = (len(matrices), len(self.eye), 3 * self.bands)
+        found = np.empty(shape, np.float32)
+        errors = np.empty(shape, np.float32) if standard_error else None
+        first = frame_number(first_pose)
+        self._engine.render(matrices, found, errors, None, None, first, None, True, progress)
+        warn_of_precision(self._engine.precision_warning(matrices))
+        parts = (*shape[:2], 3, self.bands)
+        return (
+            found.reshape(parts)
+            if errors is None
+            else (found.reshape(parts), errors.reshape(parts))
+        )
+
     def _render_outputs(
         self,
         matrices: Matrices,
         output_from_band: NDArray[np.float64],
         first_pose: int | None,
         progress: Progress | None,
-    ) -> tuple[Responses, Responses]:
-        """Mixtures of the bands, [output, band], and their standard errors: (P, N, outputs)."""
+        standard_error: bool = True,
+    ) -> tuple[Responses, Responses | None]:
+        """Mixtures of the bands, [output, component x band], and their standard errors: (P, N,
+        outputs)."""
         shape = (len(matrices), len(self.eye), len(output_from_band))
-        found, errors = np.empty(shape, np.float32), np.empty(shape, np.float32)
+        found = np.empty(shape, np.float32)
+        errors = np.empty(shape, np.float32) if standard_error else None
         weights = np.ascontiguousarray(output_from_band)
-        self._engine.render(matrices, found, errors, None, None, first_pose, weights, progress)
+        self._engine.render(
+            matrices, found, errors, None, None, first_pose, weights, False, progress
+        )
         return found, errors
 
     def _receptor_views(self) -> ReceptorViews:
@@ -376,7 +436,7 @@ class Renderer:
         rays = np.empty((*shape[:2], samples, shape[2]), np.float32)
         first = frame_number(first_pose)
         responses = np.empty(shape, np.float32)
-        self._engine.render(matrices, responses, None, None, rays, first, None, progress)
+        self._engine.render(matrices, responses, None, None, rays, first, None, False, progress)
         warn_of_precision(self._engine.precision_warning(matrices))
         return rays
 

@@ -14,6 +14,8 @@ from omma._core import WorldInstance as WorldInstance
 from omma.base.arguments import array_of, checked, expect, whole
 from omma.base.notebook import html_table
 from omma.base.values import check_format
+from omma.light import Light
+from omma.scene.lighting import Lighting, LightingName, Ultraviolet, checked_lighting
 
 # Of the pickles of worlds; raised where what they hold changes.
 _PICKLE_FORMAT = 1
@@ -38,13 +40,28 @@ class World:
             processor; or "" for the fastest that is built in.
         band_from_rgb: (B, 3), what linear RGB, as textures, colours and backgrounds have it, is in
             each of 1 to 128 bands (`omma.light.band_from_rgb` makes it); responses are then
-            [..., B]. None: the bands are red, green and blue.
+            [..., B]. None: the bands are red, green and blue. Not together with ``light``, which
+            has bands of its own.
+        light: what the world is lit by (`omma.light.clear_sky` and others); radiance is then in its
+            bands and its unit, absolute, and its sky takes the place of a background. None:
+            surfaces show their base colour and emission, as they are.
+        lighting: "path" follows light over all surfaces; "unlit" is what it is without ``light``.
+            None: "path" where there is light.
+        depth: most scatterings on the way of light to the eye: 1 is direct light alone. None: as
+            many as it takes.
+        polarized: follow light as Stokes vectors, which receptors with microvilli and
+            ``render(..., stokes=True)`` see.
+        ultraviolet: what materials of which only RGB is known reflect below 400 nm: "dark",
+            nothing; "as_blue", as much as blue; or a reflectance from 0 to 1, e.g. 0.02 of leaves.
+            A mapping {name of a material: one of these} says it for each, "" for those that it does
+            not name. None: refused, where there is such a material.
         progress: called with the finished share (0 to 1) of the acceleration structure a few times
             a second. What it raises ends the building and is raised here; so does Ctrl-C.
 
     Raises:
-        omma.Error: an argument is out of its range, or this is a process made by fork from one that
-            had used a renderer (docs/processes.md).
+        omma.Error: an argument is out of its range, a material of which nobody says what it
+            reflects in the ultraviolet, or this is a process made by fork from one that had used a
+            renderer (docs/processes.md).
         TypeError: an argument is of another type.
     """
 
@@ -57,6 +74,11 @@ class World:
         threads: int = 0,
         backend: str = "",
         band_from_rgb: ArrayLike | None = None,
+        light: Light | None = None,
+        lighting: LightingName | None = None,
+        depth: int | None = None,
+        polarized: bool = False,
+        ultraviolet: Ultraviolet = None,
         progress: Progress | None = None,
     ) -> None:
         expect(scene, Scene, "scene", "omma.load_scene gives one")
@@ -75,7 +97,9 @@ class World:
             weights = self._band_from_rgb.ravel().tolist()
             if not weights:
                 raise Error("band_from_rgb: expected at least one band, found none")
-        self._engine = _core.World(scene, number, background, backend, weights, progress)
+        self._lighting = checked_lighting(light, lighting, depth, polarized, ultraviolet)
+        lit = None if self._lighting is None else self._lighting.for_engine(scene)
+        self._engine = _core.World(scene, number, background, backend, weights, lit, progress)
 
     def with_background(self, background: Background) -> World:
         """The same world before another background: what moves in one moves in both."""
@@ -87,12 +111,42 @@ class World:
         other._engine = self._engine.with_background(background)
         return other
 
+    @checked
+    def with_light(
+        self,
+        light: Light,
+        *,
+        depth: int | None = None,
+        polarized: bool | None = None,
+        ultraviolet: Ultraviolet = None,
+    ) -> World:
+        """The same world in another light: what moves in one moves in both.
+
+        It shares the acceleration structure. What is not given is as in this world, where it is
+        lit; arguments and errors are those of `World`.
+        """
+        before = self._lighting
+        if before is not None:
+            depth = before.depth if depth is None else depth
+            polarized = before.polarized if polarized is None else polarized
+            ultraviolet = before.ultraviolet if ultraviolet is None else ultraviolet
+        other = object.__new__(World)
+        vars(other).update(vars(self))
+        other._background = other._band_from_rgb = None
+        other._base = self
+        other._lighting = checked_lighting(light, None, depth, bool(polarized), ultraviolet)
+        assert other._lighting is not None
+        other._engine = self._engine.with_lighting(other._lighting.for_engine(self._scene))
+        return other
+
     def __copy__(self) -> World:
         return self
 
     def __reduce__(self) -> tuple[Callable[..., World], tuple[Any, ...]]:
         if self._base is not None:
             # What moves in one moves in both: so also where both are unpickled together.
+            if self._lighting is not None and self._background is None:
+                return _lit_again, (self._base, self._lighting)
             return World.with_background, (self._base, self._background)
         moved = sorted(self._moved)
         instances = self.instances if moved else []
@@ -103,6 +157,7 @@ class World:
                 "scene": self._scene,
                 "background": self._background,
                 "band_from_rgb": self._band_from_rgb,
+                **({} if self._lighting is None else vars(self._lighting)),
             },
             "moved": moved,
             "world_from_node": [instances[index].world_from_node for index in moved],
@@ -191,6 +246,21 @@ class World:
         return self._band_from_rgb
 
     @property
+    def light(self) -> Light | None:
+        """What it is lit by; None: surfaces are as they are."""
+        return None if self._lighting is None else self._lighting.light
+
+    @property
+    def depth(self) -> int | None:
+        """Most scatterings on the way of light to the eye; None: no limit, or no light."""
+        return None if self._lighting is None else self._lighting.depth
+
+    @property
+    def polarized(self) -> bool:
+        """Whether light is followed as Stokes vectors."""
+        return self._lighting is not None and self._lighting.polarized
+
+    @property
     def threads(self) -> int:
         """Threads that build it and take pictures."""
         return self._engine.threads
@@ -217,11 +287,16 @@ class World:
             "things": f"{len(self.instances):,}, {len(self._moved):,} of them moved",
             "cameras": ", ".join(camera.name for camera in scene.cameras),
             "background": repr(self._background or scene.background),
-            "bands": "RGB" if self._band_from_rgb is None else str(self.bands),
+            "light": "none: surfaces are as they are" if self.light is None else repr(self.light),
+            "bands": "RGB" if self.bands == 3 and self._band_from_rgb is None else str(self.bands),
             "backend": self.backend,
             "threads": str(self.threads),
         }
         return html_table("omma.World", rows)
+
+
+def _lit_again(base: World, lighting: Lighting) -> World:
+    return base.with_light(**vars(lighting))
 
 
 def _from_pickle(state: dict[str, Any]) -> World:

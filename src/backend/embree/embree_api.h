@@ -34,8 +34,8 @@ OMMA_HD RTCRayHit16& rays_of(RayPacket<16>& packet) {
   return reinterpret_cast<RTCRayHit16&>(packet);
 }
 
-// Rays of one ommatidium run close together, which is what coherent traversal is for. Filters find
-// the context again, and in it what the rays have passed.
+// Rays of one ommatidium run close together, which is what coherent traversal is for; scattered ones
+// it takes far longer. Filters find the context again, and in it what the rays have passed.
 #if RTC_VERSION_MAJOR >= 4
 struct QueryContext : RTCRayQueryContext {
   const PassedSurfaces<16>* passed = nullptr;
@@ -46,8 +46,12 @@ struct IntersectArguments {
   OMMA_HD IntersectArguments() {
     rtcInitRayQueryContext(&context);
     rtcInitIntersectArguments(&arguments);
-    arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
     arguments.context = &context;
+    expect(Spread::together);
+  }
+  OMMA_HD void expect(Spread spread) {
+    arguments.flags = spread == Spread::together ? RTC_RAY_QUERY_FLAG_COHERENT
+                                                 : RTC_RAY_QUERY_FLAG_INCOHERENT;
   }
   IntersectArguments(const IntersectArguments&) = delete;
   IntersectArguments& operator=(const IntersectArguments&) = delete;
@@ -61,7 +65,7 @@ OMMA_HD void occluded_16(RTCScene scene, const int* valid, RTCRay16& rays,
                          IntersectArguments& arguments) {
   RTCOccludedArguments occluded;
   rtcInitOccludedArguments(&occluded);
-  occluded.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  occluded.flags = arguments.arguments.flags;
   occluded.context = &arguments.context;
   rtcOccluded16(valid, scene, &rays, &occluded);
 }
@@ -73,7 +77,11 @@ struct IntersectArguments {
   QueryContext context;
   OMMA_HD IntersectArguments() {
     rtcInitIntersectContext(&context);
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    expect(Spread::together);
+  }
+  OMMA_HD void expect(Spread spread) {
+    context.flags = spread == Spread::together ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
+                                               : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   }
 };
 OMMA_HD void intersect_16(RTCScene scene, const int* valid,

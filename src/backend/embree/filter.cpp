@@ -61,7 +61,7 @@ void reject_unseen_and_passed(const RTCFilterFunctionNArguments* args) {
 }  // namespace
 
 RTCFilterFunctionN filter_for(const MaterialView& material) {
-  const bool lets_through = material.alpha_mode == AlphaMode::blend;
+  const bool lets_through = lets_rays_on(material);
   if (may_reject(material)) return lets_through ? reject_unseen_and_passed : reject_unseen;
   return lets_through ? reject_passed : nullptr;
 }

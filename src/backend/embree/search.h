@@ -12,16 +12,19 @@ struct EmbreeSearch {
   IntersectArguments arguments = {};
 
   OMMA_HD void closest(const std::int32_t* valid, RayPacket<16>& rays,
-                       const PassedSurfaces<16>* passed) {
+                       const PassedSurfaces<16>* passed, Spread spread = Spread::together) {
     arguments.context.passed = passed;
+    arguments.expect(spread);
     intersect_16(tracer->scene, valid, rays_of(rays), arguments);
     // Only what is nearer than what was found is looked for.
     if (tracer->moving != nullptr) intersect_16(tracer->moving, valid, rays_of(rays), arguments);
   }
   // A bit for each valid ray that meets an accepted surface between its t_near and t_far; one that
   // lets light through in part counts as any other. Nothing of the rays is kept.
-  OMMA_HD unsigned occluded(const std::int32_t* valid, RayPacket<16> rays) {
+  OMMA_HD unsigned occluded(const std::int32_t* valid, RayPacket<16> rays,
+                            Spread spread = Spread::together) {
     arguments.context.passed = nullptr;
+    arguments.expect(spread);
     RTCRay16& as_embree = rays_of(rays).ray;
     occluded_16(tracer->scene, valid, as_embree, arguments);
     if (tracer->moving != nullptr) occluded_16(tracer->moving, valid, as_embree, arguments);

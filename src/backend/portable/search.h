@@ -14,7 +14,8 @@ struct PortableSearch {
   const PortableTracer* tracer;
 
   OMMA_HD void closest(const std::int32_t* valid, RayPacket<L::count>& rays,
-                       const PassedSurfaces<L::count>* passed) const {
+                       const PassedSurfaces<L::count>* passed,
+                       Spread = Spread::together) const {
     const auto accept = [&](int lane, float t_m, float u, float v, std::uint32_t triangle,
                             std::uint32_t placed, bool from_behind) {
       if (!accepts(placed, triangle, u, v, from_behind)) return false;
@@ -31,7 +32,8 @@ struct PortableSearch {
 
   // A bit for each valid ray that meets an accepted surface between its t_near and t_far; one that
   // lets light through in part counts as any other.
-  OMMA_HD unsigned occluded(const std::int32_t* valid, const RayPacket<L::count>& rays) const {
+  OMMA_HD unsigned occluded(const std::int32_t* valid, const RayPacket<L::count>& rays,
+                            Spread = Spread::together) const {
     return omma::occluded<L>(tracer->view, valid, rays,
                              [&](int, float, float u, float v, std::uint32_t triangle,
                                  std::uint32_t placed, bool from_behind) {

@@ -221,7 +221,7 @@ void build_top(PortableTracer& tracer) {
 
 bool may_ask(const SceneView& view, std::int32_t mesh) {
   const MaterialView& material = view.materials[view.meshes[mesh].material];
-  return may_reject(material) || material.alpha_mode == AlphaMode::blend;
+  return may_reject(material) || lets_rays_on(material);
 }
 
 // All trees. Each is a part of the work as large as its triangles.

@@ -1,0 +1,141 @@
+"""How a world is lit: by which light, how far it is followed, and what RGB says of ultraviolet."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omma import _core
+from omma._core import Error, Scene
+from omma.base.arguments import expect, one_of, whole
+from omma.base.values import value_class
+from omma.light import Light
+
+LightingName = Literal["path", "unlit"]
+# What is reflected below 400 nm where only RGB is known.
+Rule = Literal["dark", "as_blue"] | float
+Ultraviolet = Rule | Mapping[str, Rule] | None
+
+_MOST_DEPTH = 1000
+_NAMES_TOLD = 8
+
+
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
+class Lighting:
+    """What `omma.World` is given of light, checked; its docstring says what each is."""
+
+    light: Light
+    depth: int | None
+    polarized: bool
+    ultraviolet: Ultraviolet
+
+    def for_engine(self, scene: Scene) -> tuple[Any, int, bool]:
+        """The engine's light, depth and polarisation for a scene.
+
+        Raises:
+            omma.Error: a material of which nobody says what it reflects in the ultraviolet.
+        """
+        arguments = self.light._for_engine()
+        arguments["ultraviolet"] = self._weights(scene)
+        return _core.Light(**arguments), self.depth or 0, self.polarized
+
+    def _weights(self, scene: Scene) -> NDArray[np.float64] | None:
+        """Reflectance below 400 nm as weights of red, green, blue and of 1: (M + 1, 4); the last is
+        for surfaces without a material."""
+        bands = self.light.bands
+        unknown = _core.materials_without_ultraviolet(scene, bands.wavelength_nm, bands.weight)
+        names = [one.name for one in scene.materials] + [""]
+        weights = np.zeros((len(names), 4))
+        left = []
+        for material in unknown:
+            rule = self._rule(names[material])
+            if rule is None:
+                left.append(names[material])
+            else:
+                weights[material] = _weights_of(rule)
+        if left:
+            raise Error(_asking(left, self.light))
+        return weights
+
+    def _rule(self, name: str) -> Rule | None:
+        if isinstance(self.ultraviolet, Mapping):
+            return self.ultraviolet.get(name, self.ultraviolet.get(""))
+        return self.ultraviolet
+
+
+def checked_lighting(
+    light: Light | None,
+    lighting: str | None,
+    depth: int | None,
+    polarized: bool,
+    ultraviolet: Ultraviolet,
+) -> Lighting | None:
+    """The arguments of a world as a value; None where it is not lit.
+
+    Raises:
+        omma.Error: an argument is out of its range, or needs a light.
+        TypeError: an argument is of another type.
+    """
+    if lighting is not None:
+        one_of(lighting, ("path", "unlit"), "lighting")
+    if light is None or lighting == "unlit":
+        if lighting == "path":
+            raise Error('lighting: "path" needs a light (omma.light.clear_sky makes one)')
+        if light is not None:
+            raise Error('lighting: "unlit" is what it is without a light; expected light=None')
+        for name, given in (
+            ("depth", depth),
+            ("polarized", polarized or None),
+            ("ultraviolet", ultraviolet),
+        ):
+            if given is not None:
+                raise Error(f"{name}: is for worlds with a light, found none")
+        return None
+    expect(light, Light, "light", "omma.light.clear_sky makes one")
+    number = None if depth is None else whole(depth, "depth", 1, _MOST_DEPTH)
+    if not isinstance(polarized, (bool, np.bool_)):
+        raise TypeError(f"polarized: expected True or False, found {polarized!r:.40}")
+    if isinstance(ultraviolet, Mapping):
+        ultraviolet = {name: _checked_rule(rule) for name, rule in ultraviolet.items()}
+    elif ultraviolet is not None:
+        ultraviolet = _checked_rule(ultraviolet)
+    return Lighting(light, number, bool(polarized), ultraviolet)
+
+
+def _checked_rule(rule: Any) -> Rule:
+    if rule in ("dark", "as_blue"):
+        return rule  # type: ignore[no-any-return]
+    if isinstance(rule, (int, float, np.number)) and not isinstance(rule, bool) and 0 <= rule <= 1:
+        return float(rule)
+    raise Error(
+        f'ultraviolet: expected "dark", "as_blue" or a reflectance from 0 to 1, found {rule!r:.40}'
+    )
+
+
+def _weights_of(rule: Rule) -> tuple[float, float, float, float]:
+    if rule == "as_blue":
+        return 0.0, 0.0, 1.0, 0.0
+    return 0.0, 0.0, 0.0, 0.0 if rule == "dark" else float(rule)
+
+
+def _asking(names: list[str], light: Light) -> str:
+    """Who lacks ultraviolet, how much light there is of it, and what can be said."""
+    bands = light.bands
+    below = (bands.weight * (bands.wavelength_nm < 400)).sum(axis=1)
+    fallen = sum(light.irradiance()) * bands.widths_nm
+    part = float((fallen * below).sum() / max(fallen.sum(), 1e-300))
+    told = ", ".join(
+        f'"{name}"' if name else "those without a material" for name in names[:_NAMES_TOLD]
+    )
+    more = f" and {len(names) - _NAMES_TOLD} more" if len(names) > _NAMES_TOLD else ""
+    return (
+        f"ultraviolet: of {len(names)} materials only RGB is known, which says nothing below 400 "
+        f"nm, where {part:.1%} of this light is, and receptors for ultraviolet see little else: "
+        f'{told}{more}. Say what they reflect there: ultraviolet="dark", "as_blue", a reflectance '
+        "such as 0.02, or a mapping by name; or give materials spectra (docs/materials.md)"
+    )

@@ -1,0 +1,66 @@
+// Puts together what a lit world reads.
+#include "backend/lit_data.h"
+
+#include <algorithm>
+#include <map>
+
+#include "backend/specular_albedo.h"
+#include "physics/scatter.h"
+
+namespace omma {
+namespace {
+
+// A table of the boundary's albedo for each refractive index, and whose is which.
+void make_albedos(LitData& lit) {
+  std::map<float, std::int32_t> table_of_ior;
+  for (ScatterView& material : lit.scatter->materials) {
+    const auto table = static_cast<std::int32_t>(table_of_ior.size());
+    const auto [known, is_new] = table_of_ior.try_emplace(material.ior, table);
+    material.albedo_table = known->second;
+    if (!is_new) continue;
+    const std::vector<float> made = make_specular_albedo(static_cast<double>(material.ior));
+    lit.albedos.insert(lit.albedos.end(), made.begin(), made.end());
+  }
+  const bool has_coat =
+      std::any_of(lit.scatter->materials.begin(), lit.scatter->materials.end(),
+                  [](const ScatterView& material) { return material.clearcoat > 0; });
+  if (has_coat) lit.coat_albedo = make_specular_albedo(static_cast<double>(coat_ior));
+}
+
+}  // namespace
+
+std::unique_ptr<LitData> make_lit_data(const Lighting& lighting, const Scene& scene,
+                                       const Placement& placement, const MovingFrames& frames) {
+  auto lit = std::make_unique<LitData>();
+  const Light& light = lighting.light;
+  lit->shading = make_shading_data(scene);
+  lit->scatter = make_scatter_data(scene, light, *lit->shading);
+  std::vector<ScatterView>& materials = lit->scatter->materials;
+  make_albedos(*lit);
+  for (std::size_t m = 0; m < scene.materials.size(); ++m) {
+    lit->emission.push_back(make_emission_matrix(light, scene.materials[m]));
+    if (!lit->emission.back().empty()) materials[m].emission = lit->emission.back().data();
+  }
+  SceneView& view = lit->view;
+  view = lit->shading->view;
+  view.frame_from_mesh = frames.frame_from_mesh;
+  view.bands = static_cast<int>(light.bands.count());
+  view.scatter = materials.data();
+  view.specular_albedo = lit->albedos.data();
+  view.coat_albedo = lit->coat_albedo.empty() ? nullptr : lit->coat_albedo.data();
+  view.has_glass = std::any_of(materials.begin(), materials.end(),
+                               [](const ScatterView& m) { return m.transmission > 0; });
+  view.depth = lighting.depth;
+  view.polarized = lighting.polarized;
+  lit->light = make_light_data(light, scene, placement, view);
+  scale_to_radiance_unit(*lit->light);
+  place_lamps(*lit->light, scene, frames.lamp_origin_m);
+  lit->light->view.lamp_origin_m = frames.lamp_origin_now_m;
+  view.light = &lit->light->view;
+  const auto per_unit = static_cast<float>(1 / lit->light->radiance_unit);
+  for (std::vector<float>& matrix : lit->emission)
+    for (float& x : matrix) x *= per_unit;
+  return lit;
+}
+
+}  // namespace omma

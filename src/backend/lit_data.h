@@ -1,0 +1,36 @@
+// What a lit world has besides what is built of its scene: how surfaces scatter, what shines, and
+// the view of both that the physics reads.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "backend/light_data.h"
+#include "backend/scatter_data.h"
+#include "backend/shading_data.h"
+#include "omma/world.h"
+
+namespace omma {
+
+// Owns what its `view` points to, but for the scene's own arrays and the frames of its instances.
+struct LitData {
+  std::unique_ptr<ShadingData> shading;  // with what light reads of meshes
+  std::unique_ptr<ScatterData> scatter;
+  std::unique_ptr<LightData> light;
+  std::vector<float> albedos, coat_albedo;      // see SceneView
+  std::vector<std::vector<float>> emission;     // [material that shines][band][3]
+  SceneView view;                               // without a background
+};
+
+// What of a world changes as things move, and where it is kept.
+struct MovingFrames {
+  const float* frame_from_mesh;     // as in SceneView
+  Vec3d lamp_origin_m;              // of the frame that lamps are placed in, in the world
+  const float* lamp_origin_now_m;  // [3], the same in the traced frame
+};
+
+// Of a checked lighting and scene.
+std::unique_ptr<LitData> make_lit_data(const Lighting& lighting, const Scene& scene,
+                                       const Placement& placement, const MovingFrames& frames);
+
+}  // namespace omma

@@ -1,0 +1,277 @@
+// What surfaces are where rays met them, for light: the normal that shades, how rough, how metallic,
+// and in each band how much they reflect, transmit and shine. How they scatter is scatter.h.
+#pragma once
+
+#include "physics/block_memory.h"
+#include "physics/hits.h"
+#include "physics/scatter.h"
+#include "physics/surface.h"
+
+namespace omma {
+
+// All [lane], and anything where nothing was met; what is by band is in SpectraMemory:
+//   reflectance    of the base colour; a metal's reflection at normal incidence
+//   transmittance  diffuse, through the sheet
+//   emission       radiance, where the material shines; else anything
+//   tint           of a dielectric's reflection at normal incidence
+template <typename L>
+struct LitSurface {
+  alignas(L::count * 4) float normal[3][L::count];     // that shades, unit, towards the viewer
+  alignas(L::count * 4) float geometric[3][L::count];  // of the triangle, unit, towards the viewer
+  alignas(L::count * 4) float roughness[L::count];
+  alignas(L::count * 4) float metallic[L::count];
+  alignas(L::count * 4) float ior[L::count];
+  alignas(L::count * 4) float specular[L::count];
+  alignas(L::count * 4) float transmission[L::count];  // straight through
+  alignas(L::count * 4) float coat[L::count];
+  alignas(L::count * 4) float coat_roughness[L::count];
+  alignas(L::count * 4) float alpha[L::count];            // fraction of what lies behind it covers
+  alignas(L::count * 4) std::int32_t table[L::count];     // of its ior, ScatterView::albedo_table
+  alignas(L::count * 4) std::int32_t material[L::count];  // -1 where nothing was met
+};
+
+// To unit length; what has none stays zero.
+template <typename F>
+OMMA_HD void normalize3(F (&a)[3]) {
+  const F square = dot_lanes(a, a);
+  const F scale = square > 0.0f ? 1.0f / sqrt_lanes(square) : square;
+  for (F& x : a) x *= scale;
+}
+
+// The transform of a mesh's frame, [row][column], of some lanes.
+template <typename F, typename I>
+OMMA_HD void load_frame(const SceneView& scene, I instance, F (&m)[3][4]) {
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 4; ++c) m[r][c] = gather(scene.frame_from_mesh + 4 * r + c, instance * 12);
+}
+
+// Normals go with the cofactors of a transform: across all that lies across them.
+template <typename F>
+OMMA_HD void transform_normal(const F (&m)[3][4], const F (&own)[3], F (&n)[3]) {
+  for (int r = 0; r < 3; ++r) {
+    const int s = (r + 1) % 3, t = (r + 2) % 3;
+    n[r] = (m[s][1] * m[t][2] - m[s][2] * m[t][1]) * own[0] +
+           (m[s][2] * m[t][0] - m[s][0] * m[t][2]) * own[1] +
+           (m[s][0] * m[t][1] - m[s][1] * m[t][0]) * own[2];
+  }
+}
+
+// The normal turned as a normal map says (glTF 2.0, 3.9.3): x along the image's rightwards, y
+// along its upwards direction on the surface, which come from the triangle's own coordinates.
+template <typename F, typename I>
+OMMA_HD void map_normal(const SceneView& scene, const MeshView& mesh, const ScatterView& scatter,
+                        const F (&m)[3][4], const SurfacePoint<F, I>& p, F (&n)[3]) {
+  F corner[3][3];
+  Pair<F> uv[3];
+  for (int k = 0; k < 3; ++k) {
+    const I corner_index = p.triangle * 3 + k;
+    const I vertex = gather(mesh.triangles, corner_index);
+    const I at = mesh.vertex_of_corner != nullptr ? vertex : corner_index;
+    uv[k] = gather_pair(mesh.normal_uv, at);
+    F own[3];
+    for (int a = 0; a < 3; ++a) own[a] = gather(mesh.positions + a, vertex * 3);
+    for (int r = 0; r < 3; ++r)
+      corner[k][r] = m[r][0] * own[0] + m[r][1] * own[1] + m[r][2] * own[2];
+  }
+  const F du1 = uv[1].first - uv[0].first, du2 = uv[2].first - uv[0].first;
+  const F dv1 = uv[1].second - uv[0].second, dv2 = uv[2].second - uv[0].second;
+  const F det = du1 * dv2 - du2 * dv1;
+  F right[3], up[3];
+  for (int r = 0; r < 3; ++r) {
+    const F e1 = corner[1][r] - corner[0][r], e2 = corner[2][r] - corner[0][r];
+    const F along_u = (e1 * dv2 - e2 * dv1) * (det < 0.0f ? broadcast<F>(-1.0f) : broadcast<F>(1.0f));
+    const F along_v = (e2 * du1 - e1 * du2) * (det < 0.0f ? broadcast<F>(-1.0f) : broadcast<F>(1.0f));
+    right[r] = along_u;
+    up[r] = 0.0f - along_v;
+  }
+  const F along = dot_lanes(right, n);
+  for (int r = 0; r < 3; ++r) right[r] -= along * n[r];
+  normalize3(right);
+  F across[3];
+  cross_lanes(n, right, across);
+  const F hand = dot_lanes(across, up) < 0.0f ? broadcast<F>(-1.0f) : broadcast<F>(1.0f);
+  const Color<F> c = eval_texture_at(scene, mesh, scatter.normal_texture, mesh.normal_uv,
+                                     mesh.normal_density, p);
+  const F x = (c.r * 2.0f - 1.0f) * scatter.normal_scale;
+  const F y = (c.g * 2.0f - 1.0f) * scatter.normal_scale * hand;
+  const F z = c.b * 2.0f - 1.0f;
+  F turned[3];
+  for (int r = 0; r < 3; ++r) turned[r] = right[r] * x + across[r] * y + n[r] * z;
+  normalize3(turned);
+  const auto is_usable = dot_lanes(turned, turned) > 0.5f;
+  for (int r = 0; r < 3; ++r) n[r] = is_usable ? turned[r] : n[r];
+}
+
+// The normal that shades some lanes of one mesh, on the side of the triangle to which `geometric`
+// looks.
+template <typename F, typename I>
+OMMA_HD void eval_shading_normal(const SceneView& scene, const MeshView& mesh,
+                                 const ScatterView& scatter, I instance,
+                                 const SurfacePoint<F, I>& p, const F (&geometric)[3],
+                                 F (&normal)[3]) {
+  for (int r = 0; r < 3; ++r) normal[r] = geometric[r];
+  if (mesh.normals == nullptr && mesh.normal_uv == nullptr) return;
+  F m[3][4];
+  load_frame(scene, instance, m);
+  if (mesh.normals != nullptr) {
+    const F weight[3] = {1.0f - p.u - p.v, p.u, p.v};
+    F own[3] = {};
+    for (int k = 0; k < 3; ++k) {
+      const I vertex = gather(mesh.triangles, p.triangle * 3 + k) * 3;
+      for (int a = 0; a < 3; ++a) own[a] = own[a] + weight[k] * gather(mesh.normals + a, vertex);
+    }
+    F turned[3];
+    transform_normal(m, own, turned);
+    normalize3(turned);
+    const F side = dot_lanes(turned, geometric);
+    const auto is_usable = dot_lanes(turned, turned) > 0.5f;
+    for (int r = 0; r < 3; ++r) {
+      const F towards = side < 0.0f ? 0.0f - turned[r] : turned[r];
+      normal[r] = is_usable ? towards : normal[r];
+    }
+  }
+  if (mesh.normal_uv != nullptr) map_normal(scene, mesh, scatter, m, p, normal);
+}
+
+// Spectra of the lanes of one mesh; `keep_at(values, b, x)` stores them.
+template <typename F, typename I, typename Store>
+OMMA_HD void eval_spectra(const SceneView& scene, const MeshView& mesh, const ScatterView& scatter,
+                          const Color<F>& base, const SurfacePoint<F, I>& p,
+                          const SpectraMemory& memory, const Store& keep_at) {
+  Color<F> through = base, extra{};
+  if (scatter.transmittance != nullptr && !scatter.transmits_base_color) {
+    const Vec3 factor = scatter.transmission_color;
+    through = {broadcast<F>(factor.x), broadcast<F>(factor.y), broadcast<F>(factor.z),
+               broadcast<F>(1.0f)};
+    if (mesh.transmission_uv != nullptr)
+      through = through * eval_texture_at(scene, mesh, scatter.transmission_texture,
+                                          mesh.transmission_uv, mesh.transmission_density, p);
+  }
+  if (mesh.extra_uv != nullptr && scatter.extra != nullptr)
+    extra = eval_texture_at(scene, mesh, scatter.extra_texture, mesh.extra_uv, mesh.extra_density,
+                            p);
+  const auto of = [](const float* row, const Color<F>& c) {
+    return c.r * row[0] + c.g * row[1] + c.b * row[2];
+  };
+  for (int b = 0; b < scene.bands; ++b) {
+    const float* row = scatter.reflectance + 4 * b;
+    F reflected = of(row, base) + row[3];
+    if (scatter.extra != nullptr) reflected = reflected + of(scatter.extra + 3 * b, extra);
+    reflected = clamp_unit_lanes(reflected);
+    F transmitted = broadcast<F>(0.0f);
+    if (scatter.transmittance != nullptr) {
+      const float* of_sheet = scatter.transmittance + 4 * b;
+      transmitted = clamp_unit_lanes(of(of_sheet, through) + of_sheet[3]);
+      // No sheet gives back more than it gets, whatever its textures say.
+      const F sum = reflected + transmitted, scale = sum > 1.0f ? 1.0f / sum : broadcast<F>(1.0f);
+      reflected *= scale;
+      transmitted *= scale;
+    }
+    keep_at(memory.reflectance, b, reflected);
+    keep_at(memory.transmittance, b, transmitted);
+    keep_at(memory.tint, b,
+            broadcast<F>(scatter.specular_tint != nullptr ? scatter.specular_tint[b] : 1.0f));
+  }
+}
+
+// Emission by band, of the lanes of one mesh that shines.
+template <typename F, typename I, typename Store>
+OMMA_HD void eval_emitted(const SceneView& scene, const MeshView& mesh, const ScatterView& scatter,
+                          const SurfacePoint<F, I>& p, const Store& keep_band) {
+  const Color<F> rgb = emitted_rgb(scene, mesh, p);
+  for (int b = 0; b < scene.bands; ++b) {
+    const float* row = scatter.emission + 3 * b;
+    keep_band(b, rgb.r * row[0] + rgb.g * row[1] + rgb.b * row[2]);
+  }
+}
+
+template <typename L>
+OMMA_HD void eval_lit_surfaces(const SceneView& scene, const Packet<L>& packet,
+                               const Hits<L>& hits, const HitGeometry<L>& geometry,
+                               const SpectraMemory& memory, LitSurface<L>& surface) {
+  using F = typename L::F;
+  using I = typename L::I;
+  for (int l = 0; l < L::count; ++l) surface.material[l] = -1;
+  for_each_mesh(hits, [&](std::int32_t index, int l, const auto& is_member) {
+    const MeshView& mesh = scene.meshes[index];
+    const MaterialView& material = scene.materials[mesh.material];
+    const ScatterView& scatter = scene.scatter[mesh.material];
+    const auto of_members = [&](const float* x) { return keep(is_member, load<F>(x + l)); };
+    const SurfacePoint<F, I> p{keep(is_member, load<I>(packet.rays.triangle + l)),
+                               of_members(packet.rays.u), of_members(packet.rays.v),
+                               of_members(hits.footprint_m)};
+    const auto set = [&](auto* values, auto value) {
+      using Vector = decltype(value);
+      store(values + l, is_member ? value : load<Vector>(values + l));
+    };
+    const auto set_band = [&](float* values, int b, F value) { set(values + b * L::count, value); };
+
+    const Color<F> base = eval_base_color(scene, mesh, p);
+    eval_spectra(scene, mesh, scatter, base, p, memory, set_band);
+    if (scatter.emission != nullptr)
+      eval_emitted(scene, mesh, scatter, p,
+                   [&](int b, F light) { set_band(memory.emission, b, light); });
+
+    F geometric[3], direction[3], normal[3];
+    for (int r = 0; r < 3; ++r) {
+      geometric[r] = load<F>(geometry.normal[r] + l);
+      direction[r] = load<F>(packet.rays.direction[r] + l);
+    }
+    const F facing = dot_lanes(geometric, direction);
+    for (F& x : geometric) x = facing > 0.0f ? 0.0f - x : x;
+    eval_shading_normal(scene, mesh, scatter, keep(is_member, load<I>(hits.instance + l)), p,
+                        geometric, normal);
+    for (int r = 0; r < 3; ++r) {
+      set(surface.normal[r], normal[r]);
+      set(surface.geometric[r], geometric[r]);
+    }
+
+    F roughness = broadcast<F>(scatter.roughness), metallic = broadcast<F>(scatter.metallic);
+    if (mesh.roughness_uv != nullptr) {
+      const Color<F> c = eval_texture_at(scene, mesh, scatter.roughness_texture, mesh.roughness_uv,
+                                         mesh.roughness_density, p);
+      roughness = roughness * clamp_unit_lanes(c.g);
+      metallic = metallic * clamp_unit_lanes(c.b);
+    }
+    set(surface.roughness, roughness);
+    set(surface.metallic, metallic);
+    set(surface.ior, broadcast<F>(scatter.ior));
+    set(surface.specular, broadcast<F>(scatter.specular));
+    set(surface.transmission, broadcast<F>(scatter.transmission));
+    set(surface.alpha, opacity_of(material, base));
+    set(surface.coat, broadcast<F>(scatter.clearcoat));
+    set(surface.coat_roughness, broadcast<F>(scatter.clearcoat_roughness));
+    set(surface.table, load<I>(hits.mesh + l) * 0 + scatter.albedo_table);
+    set(surface.material, keep(is_member, load<I>(hits.mesh + l) * 0 + mesh.material));
+  });
+}
+
+// What is met by lanes from l on, for scatter.h.
+template <typename L>
+OMMA_HD ScatterSurface<typename L::F> scatter_surface(const SceneView& scene,
+                                                      const RayPacket<L::count>& rays,
+                                                      const LitSurface<L>& surface, int l) {
+  using F = typename L::F;
+  using I = typename L::I;
+  ScatterSurface<F> s;
+  const auto is_met = load<I>(surface.material + l) >= 0;
+  const auto met = [&](const float* x) { return keep(is_met, load<F>(x + l)); };
+  for (int r = 0; r < 3; ++r) {
+    s.direction[r] = load<F>(rays.direction[r] + l);
+    s.geometric_normal[r] = met(surface.geometric[r]);
+    s.normal[r] = met(surface.normal[r]);
+  }
+  s.roughness = met(surface.roughness);
+  s.metallic = met(surface.metallic);
+  s.specular = met(surface.specular);
+  s.transmission = met(surface.transmission);
+  s.ior = is_met ? load<F>(surface.ior + l) : broadcast<F>(1.0f);
+  s.coat = met(surface.coat);
+  s.coat_roughness = met(surface.coat_roughness);
+  s.table = keep(is_met, load<I>(surface.table + l));
+  s.albedo_tables = scene.specular_albedo;
+  s.coat_table = scene.coat_albedo;
+  return s;
+}
+
+}  // namespace omma
