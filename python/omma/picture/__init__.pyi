@@ -1,4 +1,5 @@
 from .acceptance_plots import plot_acceptance
+from .band_colours import bands_to_rgb
 from .cameras import camera_eye, display
 from .drawing import draw_eye
 from .eye_maps import plot_eye_maps
@@ -17,6 +18,7 @@ from .sky_plots import plot_sky
 
 __all__ = [
     "PROJECTIONS",
+    "bands_to_rgb",
     "camera_eye",
     "display",
     "draw_eye",

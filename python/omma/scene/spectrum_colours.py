@@ -43,13 +43,13 @@ def linear_srgb(wavelength_nm: Floats, reflectance: Floats) -> Floats:
     Exact for spectra that are made of RGB (`omma.light.primary_spectra`).
     """
     nm = np.arange(400.0, 701.0)
-    seen = _colour_matching(nm) * np.interp(nm, np.arange(400.0, 701.0, 10.0), _D65)
+    seen = colour_matching(nm) * np.interp(nm, np.arange(400.0, 701.0, 10.0), _D65)
     primaries = seen @ primary_spectra(nm)
     rgb = np.linalg.solve(primaries, seen @ np.interp(nm, wavelength_nm, reflectance))
     return np.clip(rgb, 0, 1)
 
 
-def _colour_matching(nm: Floats) -> Floats:
+def colour_matching(nm: Floats) -> Floats:
     """x, y and z of the CIE 1931 observer, (3, W)."""
     rows = []
     for lobes in _LOBES:
