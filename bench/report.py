@@ -10,6 +10,7 @@ import textwrap
 from pathlib import Path
 
 from curves import Reached, Row, crossing, least, pick, random_error, read
+from report_light import aims_of_light, parts_table, peer_table, ways_table
 
 from omma.study.speed_test import PUBLISHED_FRAMES_PER_S, PUBLISHED_RAYS
 
@@ -412,6 +413,35 @@ def aims(results: Path) -> list[str]:
     return ["## Aims and what is reached", "", *table("what | aim | reached", cells)]
 
 
+def light(rows: list[Row]) -> list[str]:
+    """The section of RESULTS.md about light."""
+    head, parts = parts_table(rows)
+    lines = [
+        "## 10. Light",
+        "",
+        *text(
+            "`bench/light.py`: one thread, all ways in turns, medians of the processor's time for",
+            "each ray from the eye; ratios are medians of those within each turn. A clear sky, the",
+            "sun 30° high, 16 bands if not said otherwise. Scattered up to so many times; `paths`:",
+            "without a limit.",
+        ),
+        *table("what | asked | reached", aims_of_light(rows)),
+        *table("scene | way | bands | ns a ray | million rays/s | compared", ways_table(rows)),
+        *text(
+            "What each part costs, as differences between two of these, for each ray from the eye:"
+        ),
+        *table(head, parts),
+    ]
+    if peers := peer_table(rows):
+        lines += text(
+            "Beside Mitsuba 3's path integrator, the quicker of its variants `llvm_ad_rgb` and",
+            "`llvm_ad_spectral`; Omma with 16 bands. The same triangles (flattened, diffuse,",
+            "opaque), sky, sun and number of rays, million paths/s of one core:",
+        )
+        lines += table("scene | scattered | Omma | Mitsuba | its variant | ratio", peers)
+    return lines
+
+
 def report(results: Path, quick: bool = False) -> list[str]:
     """The lines of RESULTS.md."""
     facts = {row["what"]: row["found"] for row in read(results, "machine")}
@@ -439,6 +469,7 @@ def report(results: Path, quick: bool = False) -> list[str]:
         "build": build,
         "moving": moving,
         "instructions": instructions,
+        "light": light,
     }
     missing = []
     for name, part in parts.items():

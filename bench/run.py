@@ -31,7 +31,7 @@ import report  # noqa: E402
 from make_large_scene import write_scene  # noqa: E402
 
 PARTS = ("ceiling", "error", "frames", "latency", "threads", "kernels", "build", "moving",
-         "search", "worlds", "instructions")  # fmt: skip
+         "search", "worlds", "instructions", "light")  # fmt: skip
 COUNTED = ("1", "16", "16-plain", "16-random", "16-shared", "target")
 
 
@@ -173,6 +173,9 @@ def main() -> None:
             lines = measure_latency(given.program, quick)
         elif part == "build":
             lines = measure_build(given.program, quick)
+        elif part == "light":
+            data = [DATA] if DATA.exists() else []
+            lines = printed_table([sys.executable, BENCH / "light.py", *data, *quick])
         elif part == "instructions":
             lines = measure_instructions(given.program)
         else:

@@ -8,7 +8,8 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "bench"))
 
 from curves import crossing, least, pick, random_error
-from report import report, serial_fraction
+from report import light, report, serial_fraction
+from report_light import PARTS, aims_of_light, beside_peer, part_costs
 from run import write_lines
 
 
@@ -63,3 +64,39 @@ def test_report_says_what_was_not_measured(tmp_path):
     assert "| a | 7 | 0.03000 | footprints | 10 | 10.00 | 0.1 | 10,000 | 10.0 |" in text
     assert "- ceiling was not measured" in text
     assert "CompoundRay's scenes and eyes, which are missing here" in text
+
+
+def light_rows():
+    """Ways of which each takes 10 ns more than the one before."""
+    ways = list(dict.fromkeys(way for _, more, less in PARTS for way in (less, more)))
+    taken = {way: 10.0 * (k + 1) for k, way in enumerate(ways)}
+    times = {
+        "unlit in bands": "1.25", "direct light": "4.0", "direct light, polarised": "1.05",
+        "paths, polarised": "1.08", "llvm_ad_rgb, up to 4": "2.5", "llvm_ad_spectral, up to 4": "3",
+    }  # fmt: skip
+    taken |= {"Omma, up to 4": 100.0, "llvm_ad_rgb, up to 4": 250.0}
+    taken |= {"llvm_ad_spectral, up to 4": 300.0}
+    return [
+        {
+            "scene": "a", "way": way, "bands": "16", "ns_per_ray": str(ns),
+            "compared_with": "unlit", "times": times.get(way, ""),
+        }
+        for way, ns in taken.items()
+    ]  # fmt: skip
+
+
+def test_parts_of_light_are_differences():
+    rows = light_rows()
+    taken = {row["way"]: float(row["ns_per_ray"]) for row in rows}
+    for (_, cost), (_, more, less) in zip(part_costs(rows), PARTS):
+        assert cost == taken[more] - taken[less]
+
+
+def test_light_is_compared_with_the_quicker_peer_and_the_aims():
+    rows = light_rows()
+    assert beside_peer(rows) == [("up to 4", 100.0, "llvm_ad_rgb", 250.0, 2.5)]
+    reached = [cells[-1] for cells in aims_of_light(rows)]
+    assert reached == ["0.80", "0.25", "5.00 to 8.00 %", "2.50"]
+    alone = [row for row in rows if not row["way"].startswith(("Omma", "llvm"))]
+    assert len(aims_of_light(alone)) == 3  # without a peer, nothing of it
+    assert "| a | up to 4 | 10.00 | 4.00 | llvm_ad_rgb | 2.50 |" in light(rows)

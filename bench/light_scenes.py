@@ -1,0 +1,106 @@
+"""Scenes and lights of light.py: the light meadow, the lit meadow, and either one flattened, with
+diffuse surfaces and a grey light, which all renderers agree about.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+import omma
+from omma.light import Bands, Light
+from omma.scene import Material, Mesh
+
+LIT_MEADOW = Path(__file__).resolve().parents[1] / "examples" / "meadow_lit.glb"
+
+
+@dataclass(frozen=True)
+class Setup:
+    """A scene, who sees it, and from where, (4, 4)."""
+
+    name: str
+    scene: omma.Scene
+    eye: omma.Eye
+    pose: NDArray[np.float64]
+
+
+def light_meadow(data: Path) -> Setup:
+    """CompoundRay's meadow, a surface of hills with one texture, and a honeybee above it."""
+    scene = omma.load_scene(data / "scenes" / "natural-standin-sky.gltf")
+    pose = np.eye(4)
+    pose[1, 3] = 0.15
+    return Setup(
+        "natural-standin-sky", scene, omma.load_eye(data / "bees" / "AM_60185-real.eye"), pose
+    )
+
+
+def lit_meadow() -> Setup:
+    """The bundled meadow with materials that have spectra, and a honeybee in its grass."""
+    scene = omma.load_scene(LIT_MEADOW)
+    eye = omma.species.honeybee_worker().eye
+    return Setup("lit meadow", scene, eye, scene.camera("bee").world_from_camera)
+
+
+def diffuse_setup(setup: Setup) -> Setup:
+    """The same triangles in one mesh for each material; surfaces diffuse, opaque, two-sided.
+
+    Without vertex colours, normals and spectra: what is left means the same in every renderer.
+    """
+    scene = setup.scene
+    parts: dict[int, list[tuple[NDArray[np.float64], NDArray[np.uint32], NDArray[np.float32]]]] = {}
+    meshes = scene.meshes
+    for instance in scene.instances:
+        mesh = meshes[instance.mesh]
+        matrix = np.asarray(instance.world_from_mesh)
+        position = mesh.positions_m @ matrix[:3, :3].T + matrix[:3, 3]
+        where = mesh.texture_coordinates
+        if where is None:
+            where = np.zeros((len(position), 2), np.float32)
+        own = -1 if mesh.material is None else mesh.material
+        parts.setdefault(own, []).append((position, mesh.triangles, where))
+    materials, flat = [], []
+    for own, pieces in parts.items():
+        start = np.cumsum([0] + [len(position) for position, _, _ in pieces])
+        flat.append(
+            Mesh(
+                np.concatenate([position for position, _, _ in pieces]),
+                np.concatenate([one + first for (_, one, _), first in zip(pieces, start)]),
+                texture_coordinates=np.concatenate([where for _, _, where in pieces]),
+                material=len(materials),
+            )
+        )
+        materials.append(
+            _diffuse(scene.materials[own]) if own >= 0 else Material(double_sided=True)
+        )
+    flattened = omma.Scene(
+        meshes=flat, materials=materials, textures=scene.textures, images=scene.images
+    )
+    return replace(setup, scene=flattened)
+
+
+def _diffuse(material: Material) -> Material:
+    return Material(
+        material.name,
+        base_color=material.base_color,
+        base_color_texture=material.base_color_texture,
+        double_sided=True,
+        specular=0.0,
+    )
+
+
+def grey_light(light: Light, bands: Bands) -> Light:
+    """A light of the same shape, unpolarised and the same in all bands, as other bands have it."""
+    assert light.sky is not None
+    strength = 1.0 / light.sky[..., :1, :].mean()
+    sky = light.sky[..., :1, :].mean(axis=-1, keepdims=True) * strength
+    sky = np.repeat(sky, len(bands), axis=-1).astype(np.float32)
+    discs = tuple(
+        replace(
+            one, radiance=np.full(len(bands), one.radiance.mean() * strength), limb_darkening=None
+        )
+        for one in light.discs
+    )
+    return Light(bands, light.unit, sky, None, discs)
