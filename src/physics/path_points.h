@@ -47,10 +47,11 @@ struct UnitPair {
   F x, y;  // in (0, 1)
 };
 
-// In (0, 1) from the upper 24 bits.
+// In (0, 1), from the upper 23 bits: with one more the largest would be rounded to 1, which is no
+// place in any table.
 template <typename U>
 OMMA_HD auto open_unit(U bits) {
-  return (to_float(int_of(bits >> 8)) + 0.5f) * 0x1p-24f;
+  return (to_float(int_of(bits >> 9)) + 0.5f) * 0x1p-23f;
 }
 
 // The pair of choice number `choice` for sample `sample` of the unit with this hash.

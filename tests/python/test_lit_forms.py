@@ -8,7 +8,6 @@ from lit_checks_surfaces import CASES as OF_SURFACES
 CASES = {**OF_SURFACES, **OF_LIGHTS}
 # What takes over a second, once.
 SLOW = {"furnace", "energy", "form factors", "overcast", "sun"}
-DEFECT = pytest.mark.xfail(reason="passed surfaces are asked of BLEND only", strict=True)
 
 
 @pytest.mark.parametrize(
