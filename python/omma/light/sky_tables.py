@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, one_of
+from omma.light.units import PHOTONS_PER_JOULE_NM
 
 Floats = NDArray[np.float64]
 
@@ -25,7 +26,6 @@ MOST_AEROSOL = 0.3
 OZONE_RANGE_DU = (200.0, 450.0)
 WAVELENGTH_RANGE_NM = (300.0, 700.0)
 SUN_DIAMETER_DEG = 0.533
-PHOTONS_PER_J_NM = 5.034116567542709e15  # 1e-9 / (h c), SI 2019
 ROWS, COLUMNS = 91, 360  # of the maps that are made: one degree
 
 # Optical depth that is added to that of all, so that log I is nearly a parabola over haze's part.
@@ -132,7 +132,7 @@ def sun_spectrum(wavelength_nm: Floats, unit: str) -> Floats:
     table = _tables()
     spectrum: Floats = np.interp(wavelength_nm, table["fine_nm"], table["sun_w"])
     if unit == "photons":
-        spectrum = spectrum * PHOTONS_PER_J_NM * wavelength_nm
+        spectrum = spectrum * PHOTONS_PER_JOULE_NM * wavelength_nm
     return spectrum
 
 

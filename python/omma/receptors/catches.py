@@ -74,10 +74,14 @@ def polarisation_weights(eye: Eye) -> tuple[Floats, Floats]:
     Raises:
         omma.Error: the eye has no receptors.
     """
-    types = eye.receptor_types
-    if not types:
+    if not eye.receptor_types:
         raise Error("eye: expected one with receptors, found none")
-    ratio = np.array([one.polarisation_sensitivity for one in types])
-    angle = np.array([one.microvillus_angle_rad for one in types])
-    modulation = (ratio - 1) / (ratio + 1)
+    modulation, angle = type_polarisation(eye)
     return modulation[eye.receptor_type], angle[eye.receptor_type]
+
+
+def type_polarisation(eye: Eye) -> tuple[Floats, Floats]:
+    """The same of each receptor type: m (T,) and φ (T,), rad."""
+    types = eye.receptor_types
+    ratio = np.array([one.polarisation_sensitivity for one in types])
+    return (ratio - 1) / (ratio + 1), np.array([one.microvillus_angle_rad for one in types])

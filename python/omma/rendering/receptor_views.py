@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma import _core
 from omma._core import Error, Eye
 from omma.base.arguments import output_array
+from omma.receptors.catches import type_polarisation
 from omma.receptors.sensitivity import ommatidium_of_receptor, receptor_matrix
 from omma.rendering.settings import frame_number
 
@@ -57,10 +58,8 @@ class ReceptorViews:
 
 def _with_polarisation(eye: Eye, weights: Floats) -> Floats:
     """Weights [type, band] as [type, component x band]: what microvilli make of I, Q and U."""
-    ratio = np.array([one.polarisation_sensitivity for one in eye.receptor_types])
-    angle = np.array([one.microvillus_angle_rad for one in eye.receptor_types])
-    modulation = (ratio - 1) / (ratio + 1)
-    parts = [np.ones(len(ratio)), modulation * np.cos(2 * angle), modulation * np.sin(2 * angle)]
+    modulation, angle = type_polarisation(eye)
+    parts = [np.ones(len(angle)), modulation * np.cos(2 * angle), modulation * np.sin(2 * angle)]
     return np.concatenate([part[:, None] * weights for part in parts], axis=1)
 
 

@@ -15,8 +15,7 @@ from importlib.resources import files
 import numpy as np
 from numpy.typing import NDArray
 
-from omma import light
-from omma._core import Material
+from omma._core import Material, Spectrum
 from omma.base.arguments import checked, one_of
 from omma.base.values import value_class
 from omma.scene.spectrum_colours import linear_srgb, luminance
@@ -154,8 +153,8 @@ def natural_material(name: str) -> Material:
         roughness=one.roughness,
         diffuse_transmission=one.diffuse_transmission,
         diffuse_transmission_color=one.diffuse_transmission_color,
-        reflectance=light.Spectrum(one.wavelength_nm, one.reflectance),
-        transmittance=None if through is None else light.Spectrum(one.wavelength_nm, through),
+        reflectance=Spectrum(one.wavelength_nm, one.reflectance),
+        transmittance=None if through is None else Spectrum(one.wavelength_nm, through),
         spectral_luminance=luminance(one.base_color),
     )
 

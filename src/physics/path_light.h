@@ -1,0 +1,245 @@
+// Light that arrives at the eye along the paths of a packet: from afar, from surfaces that shine, past
+// what lets it by. Where paths stand, and what light from their end still counts: a number for each
+// band times, where light is polarised, one Mueller matrix for all bands, as lobes that polarise do so
+// alike in all bands, and all others leave of a Stokes vector its I alone.
+#pragma once
+
+#include "physics/light_sample.h"
+#include "physics/lit_surface.h"
+#include "physics/passed.h"
+#include "physics/path_points.h"
+
+namespace omma {
+
+// Most flights of a path. Roulette ends them long before, but for light that goes straight through
+// more sheets than that.
+inline constexpr int most_flights = 4096;
+
+// Below this fraction what lies behind a surface that lets light by counts for nothing.
+inline constexpr float least_passing = 1e-7f;
+
+// Numbers that decide on the way of a path; each a pair of path_points.h for each flight.
+enum class Choice : std::uint32_t { light, place_on_light, lobe_and_roulette, direction, count };
+
+// Where the paths of a packet stand, [lane].
+template <typename L>
+struct PathState {
+  static constexpr int n = L::count;
+  // Probability per solid angle with which the ray's direction was chosen, that of its lobe
+  // included; infinite for rays from the eye.
+  alignas(n * 4) float density[n];
+  alignas(n * 4) float mueller[9][n];  // row by row, where light is polarised
+  alignas(n * 4) std::int32_t active[n];
+  std::int32_t scatterings[n];
+  int flight = 0;
+};
+
+// The pair of numbers for a choice on the present flight, of lanes from l on.
+template <typename L>
+OMMA_HD UnitPair<typename L::F> choose(const Packet<L>& packet, const PathState<L>& state, int l,
+                                       Choice choice) {
+  using U = typename L::U;
+  const auto first =
+      static_cast<std::uint32_t>(state.flight) * static_cast<std::uint32_t>(Choice::count);
+  return path_pair(load<U>(packet.hash + l), load<U>(packet.sample + l),
+                   first + static_cast<std::uint32_t>(choice));
+}
+
+// The reference axis of light from afar in a direction (omma/light.h).
+OMMA_HD Vec3 vertical_axis(Vec3 d) {
+  const float level = d.x * d.x + d.z * d.z;
+  if (level < 1e-14f) return {0, 0, d.y > 0 ? 1.0f : -1.0f};  // of azimuth 0
+  const float scale = 1.0f / sqrtf(level);
+  return {-d.y * d.x * scale, level * scale, -d.y * d.z * scale};
+}
+
+template <int n>
+OMMA_HD Vec3 vec_at(const float (&values)[3][n], int l) {
+  return {values[0][l], values[1][l], values[2][l]};
+}
+
+template <typename F, int n>
+OMMA_HD void load_3(const float (&values)[3][n], int l, F (&out)[3]) {
+  for (int r = 0; r < 3; ++r) out[r] = load<F>(values[r] + l);
+}
+
+template <typename L>
+OMMA_HD Mueller3<typename L::F> load_mueller(const PathState<L>& state, int l) {
+  Mueller3<typename L::F> m;
+  for (int k = 0; k < 9; ++k) m.m[k / 3][k % 3] = load<typename L::F>(state.mueller[k] + l);
+  return m;
+}
+
+OMMA_HD bool is_from_eye(float density) {
+  return !(density < INFINITY);
+}
+
+// The balance heuristic's weight of a direction that was chosen with one density and could have been
+// with another.
+template <typename F>
+OMMA_HD F balance(F chosen, F other) {
+  const F sum = chosen + other;
+  return sum > 0.0f ? chosen / sum : broadcast<F>(0.0f);
+}
+
+// Adds light that arrives along the packet's rays, `light` [component][band][lane], with a weight
+// for each lane, 0 for none. Its Stokes vectors are by the axes `axis`; where that is null it is
+// unpolarised, and `light` has I alone.
+template <typename L>
+OMMA_HD void add_light(const SceneView& scene, const Packet<L>& packet, const PathState<L>& state,
+                       const float* weight, const float (*axis)[L::count],
+                       const PathMemory& memory, const float* light, float* radiance) {
+  using F = typename L::F;
+  const int stride = scene.bands * L::count;
+  for (int l = 0; l < L::count; l += L::width) {
+    const F w = load<F>(weight + l);
+    const auto is_on = w > 0.0f;
+    if (!any_lane(is_on)) continue;
+    Mueller3<F> path{};
+    FrameTurn<F> turn{};
+    if (scene.polarized) {
+      path = load_mueller(state, l);
+      if (axis != nullptr) {
+        F d[3], own[3], across[3], theirs[3];
+        load_3(packet.rays.direction, l, d);
+        load_3(packet.reference, l, own);
+        for (int r = 0; r < 3; ++r) theirs[r] = load<F>(axis[r] + l);
+        cross_lanes(d, own, across);
+        turn = frame_turn(own, across, theirs);
+      }
+    }
+    for (int b = 0; b < scene.bands; ++b) {
+      const int at = b * L::count + l;
+      const F scale = load<F>(memory.throughput + at) * w;
+      Stokes<F> s{load<F>(light + at), F{}, F{}};
+      const auto add = [&](int component, F x) {
+        float* sum = radiance + component * stride + at;
+        store(sum, load<F>(sum) + keep(is_on, scale * x));
+      };
+      if (!scene.polarized) {
+        add(0, s.i);
+        continue;
+      }
+      if (axis != nullptr)
+        s = turn * Stokes<F>{s.i, load<F>(light + stride + at), load<F>(light + 2 * stride + at)};
+      s = path * s;
+      add(0, s.i);
+      add(1, s.q);
+      add(2, s.u);
+    }
+  }
+}
+
+// Light from afar along the rays of some lanes, which met nothing.
+template <typename L>
+OMMA_HD void add_far(const SceneView& scene, const Packet<L>& packet, const PathState<L>& state,
+                     unsigned lanes, const PathMemory& memory, float* radiance) {
+  constexpr int n = L::count;
+  const int components = scene.polarized ? 3 : 1;
+  alignas(n * 4) float weight[n] = {}, axis[3][n] = {};
+  // All are asked for before the first is read.
+  SkyPlace places[n] = {};
+  for (int l = 0; l < n; ++l)
+    if ((lanes >> l & 1u) != 0)
+      places[l] = find_far(*scene.light, vec_at(packet.rays.direction, l));
+  for (int l = 0; l < n; ++l) {
+    if ((lanes >> l & 1u) == 0) continue;
+    const Vec3 d = vec_at(packet.rays.direction, l);
+    eval_far(*scene.light, d, places[l], components, memory.light + l, n, scene.bands * n);
+    const float density = state.density[l];
+    weight[l] =
+        is_from_eye(density) ? 1.0f : balance(density, escaped_light_pdf(scene, d, places[l]));
+    if (!scene.polarized) continue;
+    const Vec3 up = vertical_axis(d);
+    axis[0][l] = up.x, axis[1][l] = up.y, axis[2][l] = up.z;
+  }
+  add_light<L>(scene, packet, state, weight, axis, memory, memory.light, radiance);
+}
+
+// What surfaces that were met shine with themselves.
+template <typename L>
+OMMA_HD void add_emission(const SceneView& scene, const Packet<L>& packet, const Hits<L>& hits,
+                          const LitSurface<L>& surface, const PathState<L>& state, unsigned lanes,
+                          const PathMemory& memory, float* radiance) {
+  constexpr int n = L::count;
+  alignas(n * 4) float weight[n] = {};
+  bool any = false;
+  for (int l = 0; l < n; ++l) {
+    if ((lanes >> l & 1u) == 0 || scene.scatter[surface.material[l]].emission == nullptr) continue;
+    weight[l] = surface.alpha[l];
+    if (!is_from_eye(state.density[l]))
+      weight[l] *= balance(
+          state.density[l],
+          met_light_pdf(scene, hits.instance[l], int_of(packet.rays.triangle[l]),
+                        vec_at(packet.rays.origin, l), vec_at(packet.rays.direction, l),
+                        packet.rays.t_far_m[l]));
+    any = true;
+  }
+  if (any) add_light<L>(scene, packet, state, weight, nullptr, memory, memory.emission, radiance);
+}
+
+// Straight on through a part of a surface: what is left, [band][lane], of light from behind, where
+// it covers little or is glass.
+template <typename F>
+OMMA_HD F passing(F alpha, F straight, F reflectance) {
+  return (1.0f - alpha) + alpha * straight * reflectance;
+}
+
+// Shadow rays past surfaces that let light straight through: what is left of it is the throughput.
+// Returns the lanes that reach their light.
+template <typename L, typename Search>
+OMMA_HD unsigned dim_by_passing(const SceneView& scene, Search& search, unsigned lanes,
+                                Packet<L>& shadow, const SpectraMemory& memory) {
+  using F = typename L::F;
+  PassedSurfaces<L::count> passed;
+  alignas(L::count * 4) std::int32_t active[L::count];
+  alignas(L::count * 4) float t_far_m[L::count];
+  for (int l = 0; l < L::count; ++l) {
+    active[l] = (lanes >> l & 1u) != 0 ? -1 : 0;
+    t_far_m[l] = shadow.rays.t_far_m[l];
+  }
+  float* const dimmed = memory.throughput;
+  for (int i = 0; i < scene.bands * L::count; ++i) dimmed[i] = 1;
+  unsigned left = lanes, reached = 0;
+  for (int flight = 0; left != 0 && flight < most_flights; ++flight) {
+    clear_hits<L>(shadow.rays);
+    for (int l = 0; l < L::count; ++l) shadow.rays.t_far_m[l] = t_far_m[l];
+    search.closest(active, shadow.rays, &passed, Spread::scattered);
+    Hits<L> hits;
+    find_hits<L>(search.placed(), shadow, hits);
+    HitGeometry<L> geometry;
+    eval_geometry<L>(scene, shadow.rays, hits, geometry);
+    LitSurface<L> surface;
+    eval_lit_surfaces<L>(scene, shadow, hits, geometry, memory, surface);
+    for (int l = 0; l < L::count; l += L::width) {
+      const auto point = make_scatter_point(scatter_surface<L>(scene, shadow.rays, surface, l));
+      F most{};
+      for (int b = 0; b < scene.bands; ++b) {
+        float* const at = dimmed + b * L::count + l;
+        const F part = passing(load<F>(surface.alpha + l), point.straight,
+                               load<F>(memory.reflectance + b * L::count + l));
+        const auto is_met = load<typename L::I>(surface.material + l) >= 0 &&
+                            load<typename L::I>(active + l) != 0;
+        const F after = is_met ? load<F>(at) * part : load<F>(at);
+        store(at, after);
+        most = after > most ? after : most;
+      }
+      const unsigned bright = lane_bits(most > least_passing) << l;
+      for (int k = l; k < l + L::width; ++k) {
+        if (active[k] == 0) continue;
+        if (surface.material[k] < 0) {
+          active[k] = 0;
+          reached |= 1u << k;
+        } else if ((bright >> k & 1u) == 0) {
+          active[k] = 0;
+        } else {
+          pass(passed, k, shadow.rays);
+        }
+      }
+    }
+    left = packet_bits<L>(active);
+  }
+  return reached;
+}
+
+}  // namespace omma

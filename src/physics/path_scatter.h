@@ -1,0 +1,243 @@
+// What the surfaces that a packet met make of light: of a sample of a light, which they scatter
+// towards the eye, and of the path itself, which goes on in one direction of one of their lobes. The
+// two are weighed against each other, each lobe by itself.
+#pragma once
+
+#include "physics/path_light.h"
+
+namespace omma {
+
+// How light of a direction is scattered towards the eye by what was met, [lane]: scatter.h's values,
+// over the density with which the direction was chosen, and weighed.
+template <typename L>
+struct Scattered {
+  static constexpr int n = L::count;
+  alignas(n * 4) float reflected[n], transmitted[n];  // of reflectance and transmittance
+  alignas(n * 4) float dielectric[3][n];              // a, b, c of its Mueller matrix, of the tint
+  alignas(n * 4) float metal[n];
+  alignas(n * 4) float schlick[n];
+  alignas(n * 4) float coat[3][n];
+};
+
+// Scatters `light` [component][band][lane], which comes from direction `w` [lane] with Stokes
+// vectors by `axis`, towards the eye, in place: by the rays' own reference axes.
+template <typename L>
+OMMA_HD void scatter_light(const SceneView& scene, const Packet<L>& packet,
+                           const Scattered<L>& by, const float (&w)[3][L::count],
+                           const float (&axis)[3][L::count], const PathMemory& memory,
+                           float* light) {
+  using F = typename L::F;
+  const int stride = scene.bands * L::count;
+  for (int l = 0; l < L::count; l += L::width) {
+    const F reflected = load<F>(by.reflected + l), transmitted = load<F>(by.transmitted + l);
+    const F metal = load<F>(by.metal + l), schlick = load<F>(by.schlick + l);
+    Mueller<F> dielectric{load<F>(by.dielectric[0] + l), F{}, F{}};
+    Mueller<F> coat{load<F>(by.coat[0] + l), F{}, F{}};
+    FrameTurn<F> before{}, after{};
+    if (scene.polarized) {
+      dielectric.b = load<F>(by.dielectric[1] + l);
+      dielectric.c = load<F>(by.dielectric[2] + l);
+      coat.b = load<F>(by.coat[1] + l);
+      coat.c = load<F>(by.coat[2] + l);
+      F d[3], from[3], own[3], across[3], theirs[3], s[3];
+      load_3(packet.rays.direction, l, d);
+      load_3(w, l, from);
+      load_3(packet.reference, l, own);
+      load_3(axis, l, theirs);
+      reflection_axis(d, from, own, s);
+      // From the light's axes to s, and from s to the ray's.
+      cross_lanes(from, s, across);
+      before = frame_turn(s, across, theirs);
+      cross_lanes(d, own, across);
+      after = frame_turn(own, across, s);
+    }
+    for (int b = 0; b < scene.bands; ++b) {
+      const int at = b * L::count + l;
+      const F reflectance = load<F>(memory.reflectance + at), tint = load<F>(memory.tint + at);
+      const F colour = tint + (1.0f - tint) * schlick;
+      const F of_metal = metal * (reflectance + (1.0f - reflectance) * schlick);
+      const F diffuse =
+          reflected * reflectance + transmitted * load<F>(memory.transmittance + at);
+      const F i = load<F>(light + at);
+      if (!scene.polarized) {
+        store(light + at, (diffuse + dielectric.a * colour + coat.a + of_metal) * i);
+        continue;
+      }
+      const Stokes<F> s =
+          before * Stokes<F>{i, load<F>(light + stride + at), load<F>(light + 2 * stride + at)};
+      const Mueller<F> all{dielectric.a * colour + coat.a + of_metal,
+                           dielectric.b * colour + coat.b,
+                           dielectric.c * colour + coat.c - of_metal};
+      const Stokes<F> out = after * (all * s);
+      store(light + at, out.i + diffuse * i);
+      store(light + stride + at, out.q);
+      store(light + 2 * stride + at, out.u);
+    }
+  }
+}
+
+// In place of a lobe: none, where a path ends, and past the surface, which let the light by.
+inline constexpr std::int32_t no_lobe = -1, let_by = -2;
+
+// The way on of the packet's paths, [lane].
+template <typename L>
+struct Onward {
+  static constexpr int n = L::count;
+  alignas(n * 4) float direction[3][n];
+  alignas(n * 4) float density[n];   // 0 where the path ends
+  alignas(n * 4) float roulette[n];  // a number in (0, 1)
+  alignas(n * 4) std::int32_t lobe[n];
+  Scattered<L> by;  // of the lobe that was chosen alone, over the density
+};
+
+// What the surfaces that were met make of one light sample and where their paths go on.
+template <typename L>
+OMMA_HD void scatter_packet(const SceneView& scene, const Packet<L>& packet,
+                            const LitSurface<L>& surface, const PathState<L>& state,
+                            const PathMemory& memory, const float (&to_light)[3][L::count],
+                            const float* light_density, const float* is_delta,
+                            Scattered<L>& direct, Onward<L>& onward) {
+  using F = typename L::F;
+  using I = typename L::I;
+  for (int l = 0; l < L::count; l += L::width) {
+    const auto point = make_scatter_point(scatter_surface<L>(scene, packet.rays, surface, l));
+
+    // Which lobe, by what all bands get of it.
+    LobeColors<F> colors{};
+    for (int b = 0; b < scene.bands; ++b) {
+      const int at = b * L::count + l;
+      colors.reflectance = colors.reflectance + load<F>(memory.reflectance + at);
+      colors.transmittance = colors.transmittance + load<F>(memory.transmittance + at);
+    }
+    const float each = 1.0f / static_cast<float>(scene.bands);
+    colors.reflectance = colors.reflectance * each;
+    colors.transmittance = colors.transmittance * each;
+    colors.metal = colors.straight = colors.reflectance;
+    F weight[lobe_count];
+    lobe_weights(point, colors, weight);
+    const auto pair = choose<L>(packet, state, l, Choice::lobe_and_roulette);
+    store(onward.roulette + l, pair.y);
+    const LobeChoice<F> chosen = choose_lobe(weight, pair.x);
+
+    // The light sample: each lobe by itself, as the path may find the same light by that lobe.
+    F w[3];
+    load_3(to_light, l, w);
+    const ScatterValue<F> seen = eval_scatter(point, w);
+    const F density = load<F>(light_density + l);
+    const F over = 1.0f / (density > 0.0f ? density : broadcast<F>(1.0f));
+    const auto delta = load<F>(is_delta + l) > 0.0f;
+    const auto weighed = [&](int lobe, F pdf) {
+      const F found = weight[lobe] * pdf;
+      return over * (delta ? broadcast<F>(1.0f) : balance(density, found));
+    };
+    const F by_dielectric = weighed(2, seen.boundary_pdf), by_coat = weighed(5, seen.coat_pdf);
+    store(direct.reflected + l,
+          seen.diffuse_reflection * weighed(0, cosine_pdf(seen.cosine)));
+    store(direct.transmitted + l,
+          seen.diffuse_transmission * weighed(1, cosine_pdf(0.0f - seen.cosine)));
+    store(direct.dielectric[0] + l, seen.dielectric.a * by_dielectric);
+    store(direct.dielectric[1] + l, seen.dielectric.b * by_dielectric);
+    store(direct.dielectric[2] + l, seen.dielectric.c * by_dielectric);
+    store(direct.metal + l, seen.metal * weighed(3, seen.boundary_pdf));
+    store(direct.schlick + l, seen.schlick);
+    store(direct.coat[0] + l, seen.coat.a * by_coat);
+    store(direct.coat[1] + l, seen.coat.b * by_coat);
+    store(direct.coat[2] + l, seen.coat.c * by_coat);
+
+    // The way on.
+    const auto place = choose<L>(packet, state, l, Choice::direction);
+    sample_scatter(chosen.lobe, point, place.x, place.y, w);
+    const ScatterValue<F> found = eval_scatter(point, w);
+    const F own = chosen.probability * pdf_scatter(chosen.lobe, found);
+    const auto is = [&](Lobe one) { return chosen.lobe == static_cast<std::int32_t>(one); };
+    const auto is_straight = is(Lobe::straight);
+    const F inverse = keep(own > 0.0f, 1.0f / (own > 0.0f ? own : broadcast<F>(1.0f)));
+    const auto of_lobe = [&](Lobe one, F x) { return keep(is(one), x * inverse); };
+    store(onward.by.reflected + l, of_lobe(Lobe::diffuse_reflection, found.diffuse_reflection));
+    store(onward.by.transmitted + l,
+          of_lobe(Lobe::diffuse_transmission, found.diffuse_transmission));
+    store(onward.by.dielectric[0] + l, of_lobe(Lobe::dielectric, found.dielectric.a));
+    store(onward.by.dielectric[1] + l, of_lobe(Lobe::dielectric, found.dielectric.b));
+    store(onward.by.dielectric[2] + l, of_lobe(Lobe::dielectric, found.dielectric.c));
+    store(onward.by.metal + l, of_lobe(Lobe::metal, found.metal));
+    store(onward.by.schlick + l, found.schlick);
+    store(onward.by.coat[0] + l, of_lobe(Lobe::coat, found.coat.a));
+    store(onward.by.coat[1] + l, of_lobe(Lobe::coat, found.coat.b));
+    store(onward.by.coat[2] + l, of_lobe(Lobe::coat, found.coat.c));
+    for (int r = 0; r < 3; ++r) store(onward.direction[r] + l, without_noise(w[r]));
+    // Light that goes straight on was chosen as before: what reflects it is by `reflected`.
+    const F straight = point.straight / (chosen.probability > 0.0f ? chosen.probability
+                                                                   : broadcast<F>(1.0f));
+    const F reflected = load<F>(onward.by.reflected + l);
+    store(onward.by.reflected + l, is_straight ? straight : reflected);
+    store(onward.density + l, is_straight ? load<F>(state.density + l) : own);
+    const I lobe = chosen.lobe;
+    store(onward.lobe + l, chosen.probability > 0.0f ? lobe : lobe * 0 + no_lobe);
+  }
+}
+
+// Throughput and Mueller matrices lengthened by the way on; `most` [lane]: the largest throughput.
+template <typename L>
+OMMA_HD void lengthen(const SceneView& scene, Packet<L>& packet, const Onward<L>& onward,
+                      PathState<L>& state, const PathMemory& memory, float* most) {
+  using F = typename L::F;
+  using I = typename L::I;
+  for (int l = 0; l < L::count; l += L::width) {
+    const Scattered<L>& by = onward.by;
+    const F reflected = load<F>(by.reflected + l), transmitted = load<F>(by.transmitted + l);
+    const F metal = load<F>(by.metal + l), schlick = load<F>(by.schlick + l);
+    const F dielectric = load<F>(by.dielectric[0] + l), coat = load<F>(by.coat[0] + l);
+    const I lobe = load<I>(onward.lobe + l);
+    const auto is_by = lobe == let_by;
+    F largest{};
+    for (int b = 0; b < scene.bands; ++b) {
+      const int at = b * L::count + l;
+      const F reflectance = load<F>(memory.reflectance + at), tint = load<F>(memory.tint + at);
+      const F part = reflected * reflectance + transmitted * load<F>(memory.transmittance + at) +
+                     dielectric * (tint + (1.0f - tint) * schlick) + coat +
+                     metal * (reflectance + (1.0f - reflectance) * schlick);
+      const F before = load<F>(memory.throughput + at);
+      const F after = is_by ? before : before * part;
+      store(memory.throughput + at, after);
+      largest = after > largest ? after : largest;
+    }
+    store(most + l, largest);
+    if (!scene.polarized) continue;
+
+    const auto is = [&](Lobe one) { return lobe == static_cast<std::int32_t>(one); };
+    F d[3], w[3], own[3], across[3], s[3];
+    load_3(packet.rays.direction, l, d);
+    load_3(onward.direction, l, w);
+    load_3(packet.reference, l, own);
+    reflection_axis(d, w, own, s);
+    cross_lanes(d, own, across);
+    // As parts of what is reflected, which the throughput has.
+    const auto is_coat = is(Lobe::coat);
+    const auto is_metal = is(Lobe::metal);
+    const F a = is_coat ? coat : dielectric;
+    const F scale = 1.0f / (a > 0.0f ? a : broadcast<F>(1.0f));
+    const F b = (is_coat ? load<F>(by.coat[1] + l) : load<F>(by.dielectric[1] + l)) * scale;
+    const F c = (is_coat ? load<F>(by.coat[2] + l) : load<F>(by.dielectric[2] + l)) * scale;
+    const F one = broadcast<F>(1.0f);
+    const Mueller<F> mirror{one, is_metal ? F{} : b, is_metal ? 0.0f - one : c};
+    const Mueller3<F> before = load_mueller(state, l);
+    const Mueller3<F> mirrored = before * frame_turn(own, across, s) * mirror;
+    const Mueller3<F> diffuse = depolarized(before);
+    const auto is_mirrored = is_coat || is_metal || is(Lobe::dielectric);
+    const auto is_straight = is(Lobe::straight) || is_by;
+    for (int k = 0; k < 9; ++k) {
+      const int r = k / 3, q = k % 3;
+      const F scattered = is_mirrored ? mirrored.m[r][q] : diffuse.m[r][q];
+      store(state.mueller[k] + l, is_straight ? before.m[r][q] : scattered);
+    }
+    // Any axis across the new ray will do for what was depolarised.
+    F any_axis[3], other[3];
+    make_axes(w, any_axis, other);
+    for (int r = 0; r < 3; ++r) {
+      const F next = is_mirrored ? s[r] : any_axis[r];
+      store(packet.reference[r] + l, is_straight ? own[r] : next);
+    }
+  }
+}
+
+}  // namespace omma
