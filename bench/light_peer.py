@@ -125,7 +125,9 @@ def _shapes(mitsuba: Any, scene: omma.Scene) -> dict[str, Any]:
         if use is not None:
             texels = _linear(images[scene.textures[use.texture].image].pixels[..., :3])
             texels *= np.asarray(material.base_color[:3], np.float32)
-            reflectance = {"type": "bitmap", "bitmap": mitsuba.Bitmap(texels), "raw": True}
+            # Raw numbers are no colours that could be spectra.
+            raw = mitsuba.variant().endswith("rgb")
+            reflectance = {"type": "bitmap", "bitmap": mitsuba.Bitmap(texels), "raw": raw}
         properties = mitsuba.Properties()
         properties["own"] = mitsuba.load_dict(
             {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": reflectance}}
