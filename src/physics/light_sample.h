@@ -95,18 +95,16 @@ OMMA_HD LightSample sample_surfaces(const SceneView& scene, Vec3 position, float
   return sample;
 }
 
-// A direction from `position` towards something that shines, of random numbers in [0, 1).
-OMMA_HD LightSample sample_light(const SceneView& scene, Vec3 position, float u_choice, float u0,
+// A direction from `position` towards something that shines, of random numbers in [0, 1). Of light
+// from afar place and density are left to find_sampled_far.
+OMMA_HD LightSample sample_light_direction(const SceneView& scene, Vec3 position, float u_choice, float u0,
                                  float u1) {
   const LightView& light = *scene.light;
   constexpr float below_1 = 0x1.fffffep-1f;
   if (u_choice < light.far_probability) {
-    const DirectionSample far = sample_far(light, u0, u1);
     LightSample sample;
     sample.kind = LightKind::far;
-    sample.direction = far.direction;
-    sample.place = find_far(light, far.direction);
-    sample.pdf = light.far_probability * far.pdf;
+    sample.direction = sample_far_direction(light, u0, u1);
     return sample;
   }
   const float left = u_choice - light.far_probability;
@@ -117,6 +115,19 @@ OMMA_HD LightSample sample_light(const SceneView& scene, Vec3 position, float u_
     return sample_surfaces(scene, position, fminf(fmaxf(u, 0.0f), below_1), u0, u1);
   }
   return {};
+}
+
+OMMA_HD void find_sampled_far(const SceneView& scene, const SkyPlace& place, LightSample& sample) {
+  sample.place = place;
+  sample.pdf = escaped_light_pdf(scene, sample.direction, place);
+}
+
+OMMA_HD LightSample sample_light(const SceneView& scene, Vec3 position, float u_choice, float u0,
+                                 float u1) {
+  LightSample sample = sample_light_direction(scene, position, u_choice, u0, u1);
+  if (sample.kind == LightKind::far)
+    find_sampled_far(scene, find_far(*scene.light, sample.direction), sample);
+  return sample;
 }
 
 // What comes from where a sample looks, all bands, `components` of I, Q, U, at

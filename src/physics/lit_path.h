@@ -87,14 +87,21 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
       store(place_x + l, place.x);
       store(place_y + l, place.y);
     }
+    unsigned from_afar = 0;
     for (int l = 0; l < n; ++l) {
       lights[l] = {};
       if ((scattering >> l & 1u) != 0)
-        lights[l] = sample_light(scene, vec_at(geometry.position, l), which[l], place_x[l],
-                                 place_y[l]);
+        lights[l] = sample_light_direction(scene, vec_at(geometry.position, l), which[l],
+                                           place_x[l], place_y[l]);
+      if (lights[l].kind == LightKind::far) from_afar |= 1u << l;
       to_light[0][l] = lights[l].direction.x;
       to_light[1][l] = lights[l].direction.y;
       to_light[2][l] = lights[l].direction.z;
+    }
+    SkyPlace places[n] = {};
+    find_far_lanes<L>(*scene.light, to_light, from_afar, components, places);
+    for (int l = 0; l < n; ++l) {
+      if ((from_afar >> l & 1u) != 0) find_sampled_far(scene, places[l], lights[l]);
       light_density[l] = lights[l].pdf;
       is_delta[l] = lights[l].is_delta ? 1.0f : 0.0f;
     }

@@ -70,6 +70,15 @@ OMMA_HD Mueller3<typename L::F> load_mueller(const PathState<L>& state, int l) {
   return m;
 }
 
+// Whether of light that arrives at a path's end more than I counts: not where a diffuse surface lies
+// on it.
+template <typename L>
+OMMA_HD bool keeps_polarisation(const PathState<L>& state, int l) {
+  for (int k = 0; k < 9; ++k)
+    if (k % 3 != 0 && state.mueller[k][l] != 0.0f) return true;
+  return false;
+}
+
 OMMA_HD bool is_from_eye(float density) {
   return !(density < INFINITY);
 }
@@ -97,9 +106,11 @@ OMMA_HD void add_light(const SceneView& scene, const Packet<L>& packet, const Pa
     if (!any_lane(is_on)) continue;
     Mueller3<F> path{};
     FrameTurn<F> turn{};
+    bool keeps = false;
     if (scene.polarized) {
       path = load_mueller(state, l);
-      if (axis != nullptr) {
+      for (int k = l; k < l + L::width; ++k) keeps = keeps || keeps_polarisation<L>(state, k);
+      if (axis != nullptr && keeps) {
         F d[3], own[3], across[3], theirs[3];
         load_3(packet.rays.direction, l, d);
         load_3(packet.reference, l, own);
@@ -120,6 +131,10 @@ OMMA_HD void add_light(const SceneView& scene, const Packet<L>& packet, const Pa
         add(0, s.i);
         continue;
       }
+      if (!keeps) {
+        for (int p = 0; p < 3; ++p) add(p, path.m[p][0] * s.i);
+        continue;
+      }
       if (axis != nullptr)
         s = turn * Stokes<F>{s.i, load<F>(light + stride + at), load<F>(light + 2 * stride + at)};
       s = path * s;
@@ -130,22 +145,52 @@ OMMA_HD void add_light(const SceneView& scene, const Packet<L>& packet, const Pa
   }
 }
 
+// Where light from afar of some lanes' directions is to be looked up, and asked for; all before the
+// first is read.
+template <typename L>
+OMMA_HD void find_far_lanes(const LightView& light, const float (&direction)[3][L::count],
+                            unsigned lanes, int components, SkyPlace (&places)[L::count]) {
+  using F = typename L::F;
+  constexpr int n = L::count;
+  if (light.sky.rows == 0) return;
+  for (int l = 0; l < n; l += L::width) {
+    if ((lanes >> l & ((1u << L::width) - 1u)) == 0) continue;
+    F d[3];
+    load_3(direction, l, d);
+    const auto found = find_on_sky(light.sky, d[0], d[1], d[2]);
+    alignas(L::width * 4) std::int32_t half[L::width], row[L::width], column[L::width],
+        next[L::width];
+    alignas(L::width * 4) float along_row[L::width], along_column[L::width];
+    store(half, found.half);
+    store(row, found.row);
+    store(column, found.column);
+    store(next, found.next);
+    store(along_row, found.along_row);
+    store(along_column, found.along_column);
+    for (int k = 0; k < L::width; ++k) {
+      if ((lanes >> (l + k) & 1u) == 0) continue;
+      places[l + k] = {half[k], row[k], column[k], next[k], along_row[k], along_column[k]};
+      fetch_sky(light.sky, places[l + k], components);
+    }
+  }
+}
+
 // Light from afar along the rays of some lanes, which met nothing.
 template <typename L>
 OMMA_HD void add_far(const SceneView& scene, const Packet<L>& packet, const PathState<L>& state,
                      unsigned lanes, const PathMemory& memory, float* radiance) {
   constexpr int n = L::count;
-  const int components = scene.polarized ? 3 : 1;
+  const int stride = scene.bands * n;
   alignas(n * 4) float weight[n] = {}, axis[3][n] = {};
-  // All are asked for before the first is read.
   SkyPlace places[n] = {};
-  for (int l = 0; l < n; ++l)
-    if ((lanes >> l & 1u) != 0)
-      places[l] = find_far(*scene.light, vec_at(packet.rays.direction, l));
+  find_far_lanes<L>(*scene.light, packet.rays.direction, lanes, scene.polarized ? 3 : 1, places);
   for (int l = 0; l < n; ++l) {
     if ((lanes >> l & 1u) == 0) continue;
     const Vec3 d = vec_at(packet.rays.direction, l);
-    eval_far(*scene.light, d, places[l], components, memory.light + l, n, scene.bands * n);
+    const bool keeps = scene.polarized && keeps_polarisation<L>(state, l);
+    eval_far(*scene.light, d, places[l], keeps ? 3 : 1, memory.light + l, n, stride);
+    for (int i = l; scene.polarized && !keeps && i < stride; i += n)
+      memory.light[stride + i] = memory.light[2 * stride + i] = 0;
     const float density = state.density[l];
     weight[l] =
         is_from_eye(density) ? 1.0f : balance(density, escaped_light_pdf(scene, d, places[l]));

@@ -11,43 +11,54 @@ namespace omma {
 
 // The angle from x towards y of a point with x, y >= 0, within 2e-7 rad: atan of an argument below
 // tan(pi/8) as a polynomial (minimax, 5e-9); beyond it by the angle from the diagonal.
-OMMA_HD float angle_in_quadrant(float x, float y) {
-  const float small = fminf(x, y), large = fmaxf(x, y);
-  const bool near_diagonal = small > 0.41421356f * large;
-  const float over = near_diagonal ? small - large : small;
-  const float under = near_diagonal ? small + large : large;
-  const float t = over / fmaxf(under, 1e-37f), t2 = t * t;
-  float p = 0.0790005287f * t2 - 0.138236603f;
+template <typename F>
+OMMA_HD F angle_in_quadrant(F x, F y) {
+  const F small = x < y ? x : y, large = x < y ? y : x;
+  const auto near_diagonal = small > 0.41421356f * large;
+  const F over = near_diagonal ? small - large : small;
+  const F under = near_diagonal ? small + large : large;
+  const F t = over / (under > 1e-37f ? under : broadcast<F>(1e-37f)), t2 = t * t;
+  F p = 0.0790005287f * t2 - 0.138236603f;
   p = p * t2 + 0.199718037f;
   p = p * t2 - 0.333327546f;
-  const float angle = (near_diagonal ? 0.785398163f : 0.0f) + (t + t * t2 * p);
+  const F angle = keep(near_diagonal, broadcast<F>(0.785398163f)) + (t + t * t2 * p);
   return y > x ? 1.57079633f - angle : angle;
 }
 
-// Where a direction lies among the nodes of a sky.
-struct SkyPlace {
-  std::int32_t half = 0;                      // 0: above the horizon, and the horizon itself; 1: below
-  std::int32_t row = 0, column = 0, next = 0;  // nodes at or before it, the column to the right
-  float along_row = 0, along_column = 0;      // how far on to the next row and column, 0 to 1
+// Where directions lie among the nodes of a sky.
+template <typename F, typename I>
+struct SkyPlaces {
+  I half = {};  // 0: above the horizon, and the horizon itself; 1: below
+  // Nodes at or before it, the column to the right, and how far on to the next row and column, 0 to 1.
+  I row = {}, column = {}, next = {};
+  F along_row = {}, along_column = {};
 };
+using SkyPlace = SkyPlaces<float, std::int32_t>;
 
-OMMA_HD SkyPlace find_on_sky(const SkyView& sky, Vec3 d) {
-  SkyPlace place;
-  place.half = d.y < 0.0f ? 1 : 0;
-  const float level = sqrtf(d.x * d.x + d.z * d.z);
-  const float row = angle_in_quadrant(level, fabsf(d.y)) * sky.rows_per_rad;
+template <typename F>
+OMMA_HD auto find_on_sky(const SkyView& sky, F x, F y, F z) {
+  using I = decltype(to_int(x));
+  const auto size = [](F value) { return value < 0.0f ? 0.0f - value : value; };
+  SkyPlaces<F, I> place;
+  const I one = to_int(broadcast<F>(1.0f));
+  place.half = keep(y < 0.0f, one);
+  const F row = angle_in_quadrant(sqrt_lanes(x * x + z * z), size(y)) * sky.rows_per_rad;
+  const I last_row = one * (sky.rows - 2), last_column = one * (sky.columns - 1);
   place.row = to_int(row);
-  place.row = place.row > sky.rows - 2 ? sky.rows - 2 : place.row;
-  place.along_row = fminf(row - to_float(place.row), 1.0f);
+  place.row = place.row > last_row ? last_row : place.row;
+  const F along_row = row - to_float(place.row);
+  place.along_row = along_row < 1.0f ? along_row : broadcast<F>(1.0f);
 
-  const float turned = angle_in_quadrant(fabsf(d.z), fabsf(d.x));
-  const float azimuth = d.z > 0.0f ? 3.14159265f - turned : turned;
-  float column = (d.x < 0.0f ? 6.28318531f - azimuth : azimuth) * sky.columns_per_rad;
-  column = fminf(fmaxf(column, 0.0f), to_float(sky.columns));
+  const F turned = angle_in_quadrant(size(z), size(x));
+  const F azimuth = z > 0.0f ? 3.14159265f - turned : turned;
+  F column = (x < 0.0f ? 6.28318531f - azimuth : azimuth) * sky.columns_per_rad;
+  const F all = to_float(last_column + one);
+  column = column > 0.0f ? column : broadcast<F>(0.0f);
+  column = column < all ? column : all;
   place.column = to_int(column);
-  place.column = place.column > sky.columns - 1 ? sky.columns - 1 : place.column;
+  place.column = place.column > last_column ? last_column : place.column;
   place.along_column = column - to_float(place.column);
-  place.next = place.column + 1 < sky.columns ? place.column + 1 : 0;
+  place.next = keep(place.column < last_column, place.column + one);
   return place;
 }
 
@@ -57,17 +68,18 @@ OMMA_HD std::ptrdiff_t cell_of(const SkyView& sky, const SkyPlace& place) {
   return static_cast<std::ptrdiff_t>(row) * sky.columns + place.column;
 }
 
-// Asks for what will be read of a place: maps are larger than what a processor holds near it.
-OMMA_HD void fetch_sky(const SkyView& sky, const SkyPlace& place) {
+// Asks for what will be read of a place, `components` of I, Q, U: maps are larger than what a
+// processor holds near it.
+OMMA_HD void fetch_sky(const SkyView& sky, const SkyPlace& place, int components) {
 #if !defined(__CUDACC__)
   const std::ptrdiff_t node = static_cast<std::ptrdiff_t>(sky.components) * sky.channels;
   const std::ptrdiff_t row = (static_cast<std::ptrdiff_t>(place.half) * sky.rows + place.row);
-  const float* lower = sky.radiance + (row * sky.columns + place.column) * node;
+  const float* left = sky.radiance + (row * sky.columns + place.column) * node;
+  const int wanted = components < sky.components ? components : sky.components;
   // Columns that follow each other lie beside each other, but for the last and the first.
-  for (std::ptrdiff_t k = 0; k < 2 * node; k += 16) {
-    __builtin_prefetch(lower + k);
-    __builtin_prefetch(lower + sky.columns * node + k);
-  }
+  for (int k = 0; k < wanted * sky.channels; k += 16)
+    for (int corner = 0; corner < 4; ++corner)
+      __builtin_prefetch(left + ((corner & 1) + (corner >> 1) * sky.columns) * node + k);
   __builtin_prefetch(sky.cell_density + cell_of(sky, place));
 #endif
 }
@@ -139,10 +151,10 @@ OMMA_HD float chord_2(Vec3 a, Vec3 b) {
 }
 
 // Where light from afar in a unit direction is to be looked up, and asked for.
-OMMA_HD SkyPlace find_far(const LightView& light, Vec3 d) {
+OMMA_HD SkyPlace find_far(const LightView& light, Vec3 d, int components = 1) {
   if (light.sky.rows == 0) return {};
-  const SkyPlace place = find_on_sky(light.sky, d);
-  fetch_sky(light.sky, place);
+  const SkyPlace place = find_on_sky(light.sky, d.x, d.y, d.z);
+  fetch_sky(light.sky, place, components);
   return place;
 }
 
@@ -192,7 +204,7 @@ OMMA_HD float far_pdf(const LightView& light, Vec3 d) {
 }
 OMMA_HD void eval_far(const LightView& light, Vec3 d, int components, float* stokes,
                       int band_stride, int component_stride) {
-  eval_far(light, d, find_far(light, d), components, stokes, band_stride, component_stride);
+  eval_far(light, d, find_far(light, d, components), components, stokes, band_stride, component_stride);
 }
 
 struct DirectionSample {
@@ -200,8 +212,8 @@ struct DirectionSample {
   float pdf;       // per solid angle
 };
 
-// A direction in a cell of the sky, evenly by solid angle; its density is the sky's alone.
-OMMA_HD DirectionSample sample_sky(const SkyView& sky, float u0, float u1) {
+// A direction in a cell of the sky, evenly by solid angle.
+OMMA_HD Vec3 sample_sky(const SkyView& sky, float u0, float u1) {
   const std::int32_t cell_rows = sky.rows - 1;
   const std::int32_t row = find_in_sum(sky.row_sum, sky.row_guide, 2 * cell_rows, u0);
   const float* sum = sky.column_sum + static_cast<std::ptrdiff_t>(row) * (sky.columns + 1);
@@ -218,8 +230,7 @@ OMMA_HD DirectionSample sample_sky(const SkyView& sky, float u0, float u1) {
   float azimuth = (to_float(column) + along_column) / sky.columns_per_rad;
   azimuth = azimuth > 3.14159265f ? azimuth - 6.28318531f : azimuth;
   const SineCosine<float> turn = sine_cosine(azimuth);
-  return {{turn.sine * cosine, below ? -sine : sine, -turn.cosine * cosine},
-          sky.cell_density[static_cast<std::ptrdiff_t>(row) * sky.columns + column]};
+  return {turn.sine * cosine, below ? -sine : sine, -turn.cosine * cosine};
 }
 
 // A direction in a disc, evenly by solid angle. The frame about its centre: Duff et al. 2017,
@@ -236,22 +247,21 @@ OMMA_HD Vec3 sample_disc(const DiscView& disc, float u0, float u1) {
   return n * (1.0f - 0.5f * chord) + (s * turn.cosine + t * turn.sine) * sine;
 }
 
-// A direction by how much light comes from it, of u0 and u1 in [0, 1). `pdf` is 0 where nothing
-// shines from afar.
-OMMA_HD DirectionSample sample_far(const LightView& light, float u0, float u1) {
+// A direction by how much light comes from it, of u0 and u1 in [0, 1); its density is far_pdf, which
+// is 0 where nothing shines from afar.
+OMMA_HD Vec3 sample_far_direction(const LightView& light, float u0, float u1) {
   for (int i = 0; i < light.disc_count; ++i) {
     const float p = light.discs[i].probability;
-    if (u0 < p) {
-      const Vec3 d = sample_disc(light.discs[i], u0 / p, u1);
-      return {d, far_pdf(light, d)};
-    }
+    if (u0 < p) return sample_disc(light.discs[i], u0 / p, u1);
     u0 -= p;
   }
-  if (!(light.sky.probability > 0.0f)) return {{0, 1, 0}, 0.0f};
-  const float u = fminf(u0 / light.sky.probability, 0x1.fffffep-1f);
-  const DirectionSample in_sky = sample_sky(light.sky, u, u1);
-  return {in_sky.direction,
-          light.sky.probability * in_sky.pdf + discs_pdf(light, in_sky.direction)};
+  if (!(light.sky.probability > 0.0f)) return {0, 1, 0};
+  return sample_sky(light.sky, fminf(u0 / light.sky.probability, 0x1.fffffep-1f), u1);
+}
+
+OMMA_HD DirectionSample sample_far(const LightView& light, float u0, float u1) {
+  const Vec3 direction = sample_far_direction(light, u0, u1);
+  return {direction, far_pdf(light, direction)};
 }
 
 }  // namespace omma
