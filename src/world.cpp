@@ -109,7 +109,8 @@ void light_up(World::State& state) {
   if (!state.settings.lighting) return;
   const BuiltScene& built = *state.built;
   state.lit = make_lit_data(*state.settings.lighting, *built.scene, built.placement,
-                            {built.frames.data(), built.first_origin_m, built.first_origin_now_m});
+                            {built.frames.data(), built.first_origin_m, built.first_origin_now_m,
+                             built.placement.moves.data()});
   state.radiance_unit = state.lit->light->radiance_unit;
 }
 
@@ -125,6 +126,12 @@ void check_lighting(const WorldSettings& settings, const Scene& scene) {
                 " scatterings, or 0 for as many as it takes, found " +
                 std::to_string(lighting.depth));
   validate_light(lighting.light, scene.materials.size() + 1);
+  if (lighting.baked != nullptr) {
+    if (lighting.depth != 0)
+      throw Error("depth: expected 0, as many scatterings as it takes, of light that is baked; found " +
+                  std::to_string(lighting.depth));
+    check_baked_light(*lighting.baked, scene, static_cast<int>(lighting.light.bands.count()));
+  }
   check_lit_scene(scene);
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "omma/bake.h"
 #include "omma/error.h"
 #include "omma/light.h"
 #include "omma/scene.h"
@@ -16,11 +17,13 @@
 
 namespace omma {
 
-// How a world is lit: by paths of light, from the eye to what shines.
+// How a world is lit: by paths of light, from the eye to what shines; or by light that was baked
+// (bake_light), and by paths to discs and lamps and along gloss.
 struct Lighting {
   Light light;
   int depth = 0;           // most scatterings on a path, at most most_depth; 0: as many as it takes
   bool polarized = false;  // radiance is then a Stokes vector, I, Q and U
+  std::shared_ptr<const BakedLight> baked;  // in this light; null: all by paths
 };
 inline constexpr int most_depth = 1000;
 

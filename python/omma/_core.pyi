@@ -1236,6 +1236,55 @@ def materials_without_ultraviolet(scene: Scene, wavelength_nm: numpy.typing.Arra
     meshes without a material.
     """
 
+class BakedLight:
+    """Light that was baked, as the engine reads it."""
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    def __init__(self, unit: float, values: numpy.typing.NDArray[numpy.uint16], first_cell: numpy.typing.NDArray[numpy.int32], cell_of_triangle: Sequence[numpy.typing.NDArray[numpy.int32]], probe_origin_m: numpy.typing.ArrayLike, probe_spacing_m: numpy.typing.ArrayLike, probe_values: numpy.typing.NDArray[numpy.uint16], cell_m: float, paths: int, by_probes: int, seconds: float) -> None: ...
+
+    @property
+    def unit(self) -> float: ...
+
+    @property
+    def cell_m(self) -> float: ...
+
+    @property
+    def cells(self) -> int: ...
+
+    @property
+    def paths(self) -> int: ...
+
+    @property
+    def by_probes(self) -> int: ...
+
+    @property
+    def seconds(self) -> float: ...
+
+    @property
+    def bytes(self) -> int: ...
+
+    @property
+    def values(self, /) -> numpy.typing.NDArray[numpy.uint16]: ...
+
+    @property
+    def first_cell(self, /) -> numpy.typing.NDArray[numpy.int32]: ...
+
+    @property
+    def cell_of_triangle(self, /) -> list[numpy.typing.NDArray[numpy.int32]]: ...
+
+    @property
+    def probe_origin_m(self, /) -> numpy.typing.NDArray[numpy.float64]: ...
+
+    @property
+    def probe_spacing_m(self, /) -> numpy.typing.NDArray[numpy.float64]: ...
+
+    @property
+    def probe_values(self, /) -> numpy.typing.NDArray[numpy.uint16]: ...
+
+def bake_light(world: World, cell_m: float, paths: int, most_bytes: int, progress: Callable[[float], object] | None) -> BakedLight: ...
+
 class Eye:
     """
     An eye, or all eyes of a head: N ommatidia, each with its own position, axis, acceptance.
@@ -1439,9 +1488,9 @@ class World:
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self, scene: Scene, threads: int, background: Background | None, backend: str, band_from_rgb: Sequence[float], lighting: tuple[Light, int, bool] | None, progress: object | None) -> None: ...
+    def __init__(self, scene: Scene, threads: int, background: Background | None, backend: str, band_from_rgb: Sequence[float], lighting: tuple[Light, int, bool, BakedLight] | None, progress: object | None) -> None: ...
 
-    def with_lighting(self, lighting: tuple[Light, int, bool]) -> World: ...
+    def with_lighting(self, lighting: tuple[Light, int, bool, BakedLight]) -> World: ...
 
     def with_background(self, background: Background) -> World: ...
 

@@ -70,6 +70,7 @@ void bind_hit_box(nb::module_& m);
 void bind_punctual_light(nb::module_& m);
 void bind_acceptance(nb::module_& m);
 void bind_light(nb::module_& m);
+void bind_baked_light(nb::module_& m);
 void bind_eye(nb::module_& m);
 void bind_eye_files(nb::module_& m);
 void bind_files(nb::module_& m);

@@ -59,6 +59,7 @@ NB_MODULE(_core, m) {
   omma::python::bind_scene(m);
   omma::python::bind_acceptance(m);
   omma::python::bind_light(m);
+  omma::python::bind_baked_light(m);
   omma::python::bind_eye(m);
   omma::python::bind_eye_files(m);
   omma::python::bind_world(m);

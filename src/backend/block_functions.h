@@ -6,6 +6,7 @@
 
 #include "backend/denormals.h"
 #include "physics/block.h"
+#include "physics/gather.h"
 #include "physics/weigh.h"
 
 namespace omma {
@@ -20,6 +21,9 @@ struct BlockFunctions {
                  std::byte* memory) = nullptr;
   void (*weigh)(const SharedWeights&, const float* radiance, int outputs, std::int64_t first,
                 std::int64_t end, float* responses) = nullptr;
+  // Mean over the place's paths, [band], in the view's unit; memory as of `render`.
+  void (*gather)(const FrameView&, const GatherPlace&, const void* tracer, std::byte* memory,
+                 double* mean) = nullptr;
   void (*prepare)(const FrameView&, const BlockTask&, RayPacket<packet_rays>* packets) = nullptr;
 };
 

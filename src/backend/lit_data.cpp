@@ -27,6 +27,48 @@ void make_albedos(LitData& lit) {
   if (has_coat) lit.coat_albedo = make_specular_albedo(static_cast<double>(coat_ior));
 }
 
+// Of a light, what is asked for at run time where the rest was baked: discs and lamps.
+LightView without_baked(LightView light) {
+  float discs = 0;
+  for (int i = 0; i < light.disc_count; ++i) discs += light.discs[i].probability;
+  // `discs` are those of the light, whose probabilities are of light from afar.
+  light.sky.probability = 0;
+  light.emissive_probability = 0;
+  const float far = discs > 0 ? light.far_probability : 0.0f;
+  const float sum = far + light.lamp_probability;
+  light.far_probability = sum > 0 ? far / sum : 0.0f;
+  light.lamp_probability = sum > 0 ? 1.0f - light.far_probability : 0.0f;
+  return light;
+}
+
+void take_baked(LitData& lit, const std::shared_ptr<const BakedLight>& baked,
+                const MovingFrames& frames) {
+  lit.baked_light = baked;
+  lit.left_out = without_baked(lit.light->view);
+  float discs = 0;
+  for (const DiscView& disc : lit.light->discs) discs += disc.probability;
+  lit.discs_alone = lit.light->discs;
+  for (DiscView& disc : lit.discs_alone) disc.probability /= discs > 0 ? discs : 1.0f;
+  lit.left_out.discs = lit.discs_alone.data();
+  for (const std::vector<std::int32_t>& first : baked->cell_of_triangle)
+    lit.cell_of_triangle.push_back(first.empty() ? nullptr : first.data());
+  BakedView& view = lit.baked;
+  view.values = baked->lines.empty() ? nullptr : baked->lines.front().values;
+  view.first_cell = baked->first_cell.data();
+  view.cell_of_triangle = lit.cell_of_triangle.data();
+  view.moves = frames.moves;
+  view.probe_values = baked->probe_values.data();
+  for (int a = 0; a < 3; ++a) {
+    view.probe_origin_m[a] = baked->probe_origin_m[a];
+    view.probe_spacing_m[a] = baked->probe_spacing_m[a];
+    view.probes[a] = baked->probes[a];
+  }
+  view.first_origin_m = frames.lamp_origin_now_m;
+  view.unit = static_cast<float>(baked->unit / lit.light->radiance_unit);
+  lit.view.light = &lit.left_out;
+  lit.view.baked = &lit.baked;
+}
+
 }  // namespace
 
 std::unique_ptr<LitData> make_lit_data(const Lighting& lighting, const Scene& scene,
@@ -60,6 +102,7 @@ std::unique_ptr<LitData> make_lit_data(const Lighting& lighting, const Scene& sc
   const auto per_unit = static_cast<float>(1 / lit->light->radiance_unit);
   for (std::vector<float>& matrix : lit->emission)
     for (float& x : matrix) x *= per_unit;
+  if (lighting.baked != nullptr) take_baked(*lit, lighting.baked, frames);
   return lit;
 }
 

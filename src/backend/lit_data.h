@@ -19,6 +19,12 @@ struct LitData {
   std::unique_ptr<LightData> light;
   std::vector<float> albedos, coat_albedo;      // see SceneView
   std::vector<std::vector<float>> emission;     // [material that shines][band][3]
+  // Where light was baked: what of `light` it leaves out, and where it is read.
+  LightView left_out;
+  std::vector<DiscView> discs_alone;
+  std::shared_ptr<const BakedLight> baked_light;
+  std::vector<const std::int32_t*> cell_of_triangle;  // [mesh]
+  BakedView baked;
   SceneView view;                               // without a background
 };
 
@@ -27,6 +33,7 @@ struct MovingFrames {
   const float* frame_from_mesh;     // as in SceneView
   Vec3d lamp_origin_m;              // of the frame that lamps are placed in, in the world
   const float* lamp_origin_now_m;  // [3], the same in the traced frame
+  const char* moves;               // [instance], as in BakedView
 };
 
 // Of a checked lighting and scene.

@@ -33,6 +33,9 @@ struct SpectraMemory {
 // Of a packet's paths; null where worlds are not lit.
 struct PathMemory : SpectraMemory {
   float* light = nullptr;  // [component][band][lane], arriving
+  // [band][lane], what white surfaces would send back of baked light, before and behind the one that
+  // was met; null where there is none.
+  float *front = nullptr, *back = nullptr;
   SpectraMemory shadow;    // of rays to lights
 };
 
@@ -71,6 +74,10 @@ OMMA_HD BlockMemory lay_out(Room& room, const FrameView& frame, int lanes) {
                              &spectra->emission, &spectra->tint})
         *values = room.take<float>(one);
     paths.light = room.take<float>(components * one);
+    if (scene.baked != nullptr) {
+      paths.front = room.take<float>(one);
+      paths.back = room.take<float>(one);
+    }
   }
   memory.output = frame.output_from_band == nullptr ? memory.radiance
                                                     : room.take<float>(outputs * packet);

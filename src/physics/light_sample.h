@@ -10,10 +10,10 @@
 
 namespace omma {
 
-enum class LightKind : std::uint8_t { none, far, lamp, surface };
+enum class LightKind : std::uint8_t { dark, far, lamp, surface };
 
 struct LightSample {
-  LightKind kind = LightKind::none;
+  LightKind kind = LightKind::dark;
   bool is_delta = false;  // a lamp: no path meets it, and `pdf` is the probability of choosing it
   Vec3 direction;         // unit, towards the light
   float distance_m = INFINITY;
@@ -136,12 +136,14 @@ OMMA_HD LightSample sample_light(const SceneView& scene, Vec3 position, float u_
 OMMA_HD void eval_light_sample(const SceneView& scene, const LightSample& sample, int components,
                                float* out, int band_stride, int component_stride) {
   const LightView& light = *scene.light;
-  if (sample.kind == LightKind::far)
+  if (sample.kind == LightKind::far && light.sky.probability > 0.0f)
     return eval_far(light, sample.direction, sample.place, components, out, band_stride,
                     component_stride);
   for (int p = 0; p < components; ++p)
     for (int k = 0; k < light.bands; ++k) out[p * component_stride + k * band_stride] = 0;
-  if (sample.kind == LightKind::lamp) {
+  if (sample.kind == LightKind::far) {
+    add_discs(light, sample.direction, out, band_stride);
+  } else if (sample.kind == LightKind::lamp) {
     const float* strength = light.lamps[sample.index].strength;
     for (int k = 0; k < light.bands; ++k) out[k * band_stride] = strength[k] * sample.scale;
   } else if (sample.kind == LightKind::surface) {

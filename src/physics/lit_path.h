@@ -16,17 +16,25 @@ inline constexpr float most_survival = 0.95f;
 // A light that lies on a surface is not hidden by that surface: a ray to it looks this far.
 inline constexpr float up_to_light = 1.0f - 1e-4f;
 
-// Radiance [component][band][lane] of the rays of a packet, where `valid` [lane] is not 0.
+// Radiance [component][band][lane] of the rays of a packet, where `valid` [lane] is not 0. Rays that
+// gather begin at surfaces; see PathState.
 template <typename L, typename Search>
 OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::int32_t* valid,
-                           Packet<L>& packet, const PathMemory& memory, float* radiance) {
+                           Packet<L>& packet, const PathMemory& memory, float* radiance,
+                           bool gathers = false) {
   using I = typename L::I;
   constexpr int n = L::count;
   const int components = scene.polarized ? 3 : 1, stride = scene.bands * n;
   const bool lets_through = scene.has_blend || scene.has_glass;
   // Whether the last flight of a path can only find light from afar.
   const bool is_dark = !lets_through && scene.light->emissive_count == 0;
+  const bool samples_lights = scene.light->far_probability > 0.0f ||
+                              scene.light->lamp_probability > 0.0f ||
+                              scene.light->emissive_probability > 0.0f;
   PathState<L> state;
+  state.gathers = gathers;
+  // Many paths that are baked add up, so they may end early; what gloss sends on has been cut already.
+  const int roulette_from = scene.baked != nullptr ? most_flights : (gathers ? 1 : roulette_after + 1);
   PassedSurfaces<n> passed;
   for (int i = 0; i < components * stride; ++i) radiance[i] = 0;
   for (int i = 0; i < stride; ++i) memory.throughput[i] = 1;
@@ -41,7 +49,8 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
     // What the rays meet, and where they meet nothing the sky.
     Hits<L> hits;
     clear_hits<L>(packet.rays);
-    const Spread spread = state.flight == 0 ? Spread::together : Spread::scattered;
+    const Spread spread =
+        state.flight == 0 && !gathers ? Spread::together : Spread::scattered;
     if (is_dark && scene.depth > 0 && state.flight == scene.depth) {
       const unsigned met = search.occluded(state.active, packet.rays, spread);
       return add_far<L>(scene, packet, state, on & ~met, memory, radiance);
@@ -56,6 +65,8 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
       if ((met >> l & 1u) == 0) hits.mesh[l] = -1;
     if (met == 0) return;
 
+    BakedPlaces<n> baked;
+    if (scene.baked != nullptr) find_baked<L>(scene, packet, hits, baked);
     HitGeometry<L> geometry;
     LitSurface<L> surface;
     eval_geometry<L>(scene, packet.rays, hits, geometry);
@@ -76,6 +87,8 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
         on &= ~(1u << l);
     }
     const unsigned scattering = on & ~by;
+    if (scene.baked != nullptr)
+      eval_baked<L>(scene, packet, baked, geometry, surface, scattering, memory);
 
     // A light for each, sampled.
     LightSample lights[n];
@@ -90,7 +103,7 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
     unsigned from_afar = 0;
     for (int l = 0; l < n; ++l) {
       lights[l] = {};
-      if ((scattering >> l & 1u) != 0)
+      if (samples_lights && (scattering >> l & 1u) != 0)
         lights[l] = sample_light_direction(scene, vec_at(geometry.position, l), which[l],
                                            place_x[l], place_y[l]);
       if (lights[l].kind == LightKind::far) from_afar |= 1u << l;
@@ -99,7 +112,8 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
       to_light[2][l] = lights[l].direction.z;
     }
     SkyPlace places[n] = {};
-    find_far_lanes<L>(*scene.light, to_light, from_afar, components, places);
+    if (scene.light->sky.probability > 0.0f)
+      find_far_lanes<L>(*scene.light, to_light, from_afar, components, places);
     for (int l = 0; l < n; ++l) {
       if ((from_afar >> l & 1u) != 0) find_sampled_far(scene, places[l], lights[l]);
       light_density[l] = lights[l].pdf;
@@ -107,7 +121,7 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
     }
     Scattered<L> direct;
     Onward<L> onward;
-    scatter_packet<L>(scene, packet, surface, state, memory, to_light, light_density, is_delta,
+    scatter_packet<L>(scene, packet, surface, state, memory, scattering, radiance, to_light, light_density, is_delta,
                       direct, onward);
 
     // Shadow rays to those from which light would come to the eye.
@@ -163,6 +177,8 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
     for (int l = 0; l < n; ++l)
       if ((by >> l & 1u) != 0) onward.lobe[l] = let_by;
     lengthen<L>(scene, packet, onward, state, memory, most);
+    if (scene.baked != nullptr)
+      follow_some<L>(scene, packet, state, on, onward, most, memory, radiance);
     for (int l = 0; l < n; ++l) {
       const unsigned bit = 1u << l;
       if ((on & bit) == 0) continue;
@@ -178,7 +194,8 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
         pass(passed, l, packet.rays);
         continue;
       }
-      if (++state.scatterings[l] > roulette_after) {
+      ++state.scatterings[l];
+      if (roulette_from <= state.scatterings[l]) {
         const float survival = fminf(most[l], most_survival);
         if (onward.roulette[l] >= survival) {
           on &= ~bit;

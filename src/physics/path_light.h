@@ -31,6 +31,9 @@ struct PathState {
   alignas(n * 4) float mueller[9][n];  // row by row, where light is polarised
   alignas(n * 4) std::int32_t active[n];
   std::int32_t scatterings[n];
+  // Whether rays begin at a surface and gather what scattered light comes there: they see neither
+  // discs nor what shines until they have met another surface.
+  bool gathers = false;
   int flight = 0;
 };
 
@@ -102,7 +105,7 @@ OMMA_HD void add_light(const SceneView& scene, const Packet<L>& packet, const Pa
   const int stride = scene.bands * L::count;
   for (int l = 0; l < L::count; l += L::width) {
     const F w = load<F>(weight + l);
-    const auto is_on = w > 0.0f;
+    const auto is_on = w != 0.0f;
     if (!any_lane(is_on)) continue;
     Mueller3<F> path{};
     FrameTurn<F> turn{};
@@ -188,7 +191,8 @@ OMMA_HD void add_far(const SceneView& scene, const Packet<L>& packet, const Path
     if ((lanes >> l & 1u) == 0) continue;
     const Vec3 d = vec_at(packet.rays.direction, l);
     const bool keeps = scene.polarized && keeps_polarisation<L>(state, l);
-    eval_far(*scene.light, d, places[l], keeps ? 3 : 1, memory.light + l, n, stride);
+    const bool has_discs = !state.gathers || state.scatterings[l] > 0;
+    eval_far(*scene.light, d, places[l], keeps ? 3 : 1, memory.light + l, n, stride, has_discs);
     for (int i = l; scene.polarized && !keeps && i < stride; i += n)
       memory.light[stride + i] = memory.light[2 * stride + i] = 0;
     const float density = state.density[l];
@@ -211,6 +215,7 @@ OMMA_HD void add_emission(const SceneView& scene, const Packet<L>& packet, const
   bool any = false;
   for (int l = 0; l < n; ++l) {
     if ((lanes >> l & 1u) == 0 || scene.scatter[surface.material[l]].emission == nullptr) continue;
+    if (state.gathers && state.scatterings[l] == 0) continue;
     weight[l] = surface.alpha[l];
     if (!is_from_eye(state.density[l]))
       weight[l] *= balance(

@@ -3,9 +3,14 @@
 // two are weighed against each other, each lobe by itself.
 #pragma once
 
+#include "physics/baked.h"
 #include "physics/path_light.h"
 
 namespace omma {
+
+// Where light was baked, a ray that gloss sends on is followed with this probability over what it
+// counts for, at most 1.
+inline constexpr float gloss_rays = 4.0f;
 
 // How light of a direction is scattered towards the eye by what was met, [lane]: scatter.h's values,
 // over the density with which the direction was chosen, and weighed.
@@ -90,11 +95,39 @@ struct Onward {
   Scattered<L> by;  // of the lobe that was chosen alone, over the density
 };
 
-// What the surfaces that were met make of one light sample and where their paths go on.
+// What diffuse surfaces send to the eye of the baked light about them, of lanes from l on.
+template <typename L, typename F>
+OMMA_HD void add_baked(const SceneView& scene, const PathState<L>& state,
+                       const ScatterPoint<F>& point, unsigned scattering, int l,
+                       const PathMemory& memory, float* radiance) {
+  constexpr int n = L::count;
+  alignas(L::width * 4) float is_on[L::width];
+  for (int k = 0; k < L::width; ++k) is_on[k] = (scattering >> (l + k) & 1u) != 0 ? 1.0f : 0.0f;
+  const F diffuse = keep(load<F>(is_on) > 0.0f, point.diffuse);
+  const int stride = scene.bands * n;
+  for (int b = 0; b < scene.bands; ++b) {
+    const int at = b * n + l;
+    const F sent = diffuse * load<F>(memory.throughput + at) *
+                   (load<F>(memory.reflectance + at) * load<F>(memory.front + at) +
+                    load<F>(memory.transmittance + at) * load<F>(memory.back + at));
+    if (!scene.polarized) {
+      store(radiance + at, load<F>(radiance + at) + sent);
+      continue;
+    }
+    for (int p = 0; p < 3; ++p) {
+      float* const to = radiance + p * stride + at;
+      store(to, load<F>(to) + load<F>(state.mueller[3 * p] + l) * sent);
+    }
+  }
+}
+
+// What the surfaces that were met make of one light sample and where their paths go on; where light
+// was baked, what they send of it to the eye is added to `radiance`, of the lanes in `scattering`.
 template <typename L>
 OMMA_HD void scatter_packet(const SceneView& scene, const Packet<L>& packet,
                             const LitSurface<L>& surface, const PathState<L>& state,
-                            const PathMemory& memory, const float (&to_light)[3][L::count],
+                            const PathMemory& memory, unsigned scattering, float* radiance,
+                            const float (&to_light)[3][L::count],
                             const float* light_density, const float* is_delta,
                             Scattered<L>& direct, Onward<L>& onward) {
   using F = typename L::F;
@@ -115,6 +148,10 @@ OMMA_HD void scatter_packet(const SceneView& scene, const Packet<L>& packet,
     colors.metal = colors.straight = colors.reflectance;
     F weight[lobe_count];
     lobe_weights(point, colors, weight);
+    if (scene.baked != nullptr) {
+      add_baked<L>(scene, state, point, scattering, l, memory, radiance);
+      leave_out_diffuse_lobes(weight);
+    }
     const auto pair = choose<L>(packet, state, l, Choice::lobe_and_roulette);
     store(onward.roulette + l, pair.y);
     const LobeChoice<F> chosen = choose_lobe(weight, pair.x);
@@ -238,6 +275,37 @@ OMMA_HD void lengthen(const SceneView& scene, Packet<L>& packet, const Onward<L>
       store(packet.reference[r] + l, is_straight ? own[r] : next);
     }
   }
+}
+
+// Of paths that gloss sends on in baked light only some are followed, by chance; what surfaces get of
+// the light before them on average stands for the others, and its mean is made up for by those that
+// are, so that nothing is lost.
+template <typename L>
+OMMA_HD void follow_some(const SceneView& scene, const Packet<L>& packet,
+                         const PathState<L>& state, unsigned on, Onward<L>& onward,
+                         const float* most, const PathMemory& memory, float* radiance) {
+  constexpr int n = L::count;
+  alignas(n * 4) float part[n] = {}, scale[n];
+  bool any = false;
+  for (int l = 0; l < n; ++l) {
+    scale[l] = 1;
+    const std::int32_t lobe = onward.lobe[l];
+    if ((on >> l & 1u) == 0 || lobe < 0 || lobe == static_cast<std::int32_t>(Lobe::straight) ||
+        !(most[l] > 0.0f) || !(onward.density[l] > 0.0f))
+      continue;
+    const float followed = fminf(gloss_rays * most[l], 1.0f);
+    part[l] = 1;
+    if (onward.roulette[l] < followed) {
+      scale[l] = 1.0f / followed;
+      part[l] = 1.0f - scale[l];
+    } else {
+      onward.lobe[l] = no_lobe;
+    }
+    any = any || part[l] != 0.0f;
+  }
+  if (any) add_light<L>(scene, packet, state, part, nullptr, memory, memory.front, radiance);
+  for (int b = 0; b < scene.bands; ++b)
+    for (int l = 0; l < n; ++l) memory.throughput[b * n + l] *= scale[l];
 }
 
 }  // namespace omma

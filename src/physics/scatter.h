@@ -70,6 +70,8 @@ struct ScatterPoint {
   // Shares of lobes, with all that o does to them. Of the base, per sr and to be multiplied by 1 -
   // E of the light's direction; of what goes straight, the whole.
   F base, dielectric, metal, straight;
+  F diffuse;   // what the base gives back of uniform light, where rho is 1
+  F coupling;  // of the boundary, the 1 / (1 - mean E) that is in `base`
 };
 
 // What falls on the surface from direction w and goes to the viewer, over what falls on a surface
@@ -157,9 +159,22 @@ OMMA_HD ScatterPoint<F> make_scatter_point(const ScatterSurface<F>& s) {
   p.dielectric = not_metal * s.specular;
   p.dielectric_albedo = not_metal * albedo_o;
   const F inside = not_metal - p.dielectric_albedo;
-  p.base = inside * (one - s.transmission) * coupling * inverse_pi;
+  p.coupling = coupling;
+  p.diffuse = inside * (one - s.transmission);
+  p.base = p.diffuse * coupling * inverse_pi;
   p.straight = inside * s.transmission * below_coat;
   return p;
+}
+
+// What the boundary and the coat let in to the base of light from a direction, over what they let in
+// of uniform light.
+template <typename F>
+OMMA_HD F eval_entering(const ScatterPoint<F>& p, F cos_w) {
+  F entering =
+      p.coupling * (1.0f - p.specular * eval_albedo(p.albedo_tables, p.boundary.row, cos_w));
+  if (p.coat_table != nullptr)
+    entering = entering * (1.0f - p.coat * eval_albedo(p.coat_table, p.coat_boundary.row, cos_w));
+  return entering;
 }
 
 // `w`: a unit vector towards the light. Light reaches the viewer from the viewer's side of both the
@@ -261,6 +276,17 @@ OMMA_HD void lobe_weights(const ScatterPoint<F>& p, const LobeColors<F>& colors,
   weight[5] = p.coat_albedo;
   F sum = weight[0];
   for (int k = 1; k < lobe_count; ++k) sum = sum + weight[k];
+  const F scale = keep(sum > 0.0f, 1.0f / (sum > 0.0f ? sum : broadcast<F>(1.0f)));
+  for (F& x : weight) x = x * scale;
+}
+
+// The lobes of baked light, which has the diffuse ones already, are all others.
+template <typename F>
+OMMA_HD void leave_out_diffuse_lobes(F (&weight)[lobe_count]) {
+  weight[static_cast<int>(Lobe::diffuse_reflection)] = broadcast<F>(0.0f);
+  weight[static_cast<int>(Lobe::diffuse_transmission)] = broadcast<F>(0.0f);
+  F sum = weight[2];
+  for (int k = 3; k < lobe_count; ++k) sum = sum + weight[k];
   const F scale = keep(sum > 0.0f, 1.0f / (sum > 0.0f ? sum : broadcast<F>(1.0f)));
   for (F& x : weight) x = x * scale;
 }

@@ -82,6 +82,19 @@ struct MeshView {
 
 struct LightView;  // light_view.h
 
+// omma::BakedLight.
+struct BakedView {
+  const std::uint16_t* values = nullptr;                   // [cell][front, back][band]
+  const std::int32_t* first_cell = nullptr;                // [instance of the scene], or -1
+  const std::int32_t* const* cell_of_triangle = nullptr;   // [mesh][triangle + 1], or null
+  const char* moves = nullptr;  // [instance of the scene], not 0 where it has moved since
+  const std::uint16_t* probe_values = nullptr;  // [z][y][x][direction][band]
+  float probe_origin_m[3] = {0, 0, 0}, probe_spacing_m[3] = {1, 1, 1};  // traced frame
+  std::int32_t probes[3] = {2, 2, 2};
+  const float* first_origin_m = nullptr;  // [3], of the frame of probes in the traced one
+  float unit = 1;  // radiance of a value of 1
+};
+
 struct BackgroundView {
   BackgroundType type = BackgroundType::constant;
   Vec3 color{0, 0, 0};
@@ -112,6 +125,9 @@ struct SceneView {
   bool has_glass = false;  // whether light goes straight through any material
   int depth = 0;           // most scatterings on a path; 0: as many as it takes
   bool polarized = false;  // whether light is a Stokes vector on its way
+  // Light that was found before; null: all light is followed along paths. Where it is set, `light`
+  // samples only what it leaves out.
+  const BakedView* baked = nullptr;
 };
 
 // Where a ray met a surface.

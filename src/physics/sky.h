@@ -158,16 +158,8 @@ OMMA_HD SkyPlace find_far(const LightView& light, Vec3 d, int components = 1) {
   return place;
 }
 
-// Radiance of sky and discs in a unit direction, whose place find_far gave: all bands, `components`
-// 1 (I) or 3 (I, Q, U), at stokes[component * component_stride + band * band_stride].
-OMMA_HD void eval_far(const LightView& light, Vec3 d, const SkyPlace& place, int components,
-                      float* stokes, int band_stride, int component_stride) {
-  if (light.sky.rows > 0) {
-    eval_sky(light, d, place, components, stokes, band_stride, component_stride);
-  } else {
-    for (int p = 0; p < components; ++p)
-      for (int k = 0; k < light.bands; ++k) stokes[p * component_stride + k * band_stride] = 0;
-  }
+// Adds the radiance of discs in a unit direction, all bands.
+OMMA_HD void add_discs(const LightView& light, Vec3 d, float* stokes, int band_stride) {
   for (int i = 0; i < light.disc_count; ++i) {
     const DiscView& disc = light.discs[i];
     const float chord = chord_2(d, disc.direction);
@@ -181,6 +173,21 @@ OMMA_HD void eval_far(const LightView& light, Vec3 d, const SkyPlace& place, int
     for (int k = 0; k < light.bands; ++k)
       stokes[k * band_stride] += disc.radiance[k] * (1.0f - disc.limb[k] * darkened);
   }
+}
+
+// Radiance of sky and discs in a unit direction, whose place find_far gave: all bands, `components`
+// 1 (I) or 3 (I, Q, U), at stokes[component * component_stride + band * band_stride].
+// Without discs where `has_discs` is false.
+OMMA_HD void eval_far(const LightView& light, Vec3 d, const SkyPlace& place, int components,
+                      float* stokes, int band_stride, int component_stride,
+                      bool has_discs = true) {
+  if (light.sky.rows > 0) {
+    eval_sky(light, d, place, components, stokes, band_stride, component_stride);
+  } else {
+    for (int p = 0; p < components; ++p)
+      for (int k = 0; k < light.bands; ++k) stokes[p * component_stride + k * band_stride] = 0;
+  }
+  if (has_discs) add_discs(light, d, stokes, band_stride);
 }
 
 // Probability per solid angle with which sample_far gives a unit direction that lies in discs.

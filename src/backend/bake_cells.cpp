@@ -1,0 +1,188 @@
+// Cells of a size, of as many as have room.
+#include "backend/bake_cells.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <numeric>
+
+#include "omma/error.h"
+
+namespace omma {
+namespace {
+
+// So that edges of 2^10 parts and sums of cells stay in 32 bits.
+constexpr double most_divisions = 1024;
+constexpr std::int64_t most_cells = std::numeric_limits<std::int32_t>::max();
+// Cells besides one for each triangle, where their size is chosen.
+constexpr std::int64_t cells_of_small_scenes = std::int64_t{1} << 14;
+
+double largest_edge_m(const Mesh& mesh, std::size_t triangle, const Mat4& world_from_mesh) {
+  Vec3d corner[3];
+  for (std::size_t k = 0; k < 3; ++k)
+    corner[k] = transform_vector(world_from_mesh,
+                                 to_double(mesh.positions[mesh.triangles[triangle][k]]));
+  double longest = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3d edge = corner[(k + 1) % 3] - corner[k];
+    longest = std::max(longest, std::sqrt(dot(edge, edge)));
+  }
+  return longest;
+}
+
+// Longest edge of each triangle of each mesh, where it is placed largest: [mesh][triangle], m.
+std::vector<std::vector<float>> longest_edges(const Scene& scene, const Placement& placement) {
+  std::vector<std::vector<float>> edges(scene.meshes.size());
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const auto m = static_cast<std::size_t>(scene.instances[i].mesh);
+    const Mesh& mesh = scene.meshes[m];
+    edges[m].resize(mesh.triangles.size(), 0.0f);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+      edges[m][t] = std::max(
+          edges[m][t],
+          static_cast<float>(largest_edge_m(mesh, t, placement.world_from_mesh[i])));
+  }
+  return edges;
+}
+
+std::int64_t divisions(float edge_m, double cell_m) {
+  const double parts = std::ceil(static_cast<double>(edge_m) / cell_m);
+  return static_cast<std::int64_t>(std::clamp(parts, 1.0, most_divisions));
+}
+
+std::int64_t cells_of_mesh(const std::vector<float>& edges, double cell_m) {
+  std::int64_t cells = 0;
+  for (const float edge : edges) {
+    const std::int64_t k = divisions(edge, cell_m);
+    cells += k * k;
+  }
+  return cells;
+}
+
+struct Counted {
+  const Scene& scene;
+  const std::vector<std::vector<float>>& edges;
+  std::vector<bool> has_cells;  // [instance]
+
+  std::int64_t cells(double cell_m) const {
+    std::vector<std::int64_t> of_mesh(edges.size(), -1);
+    std::int64_t all = 0;
+    for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+      if (!has_cells[i]) continue;
+      const auto m = static_cast<std::size_t>(scene.instances[i].mesh);
+      if (of_mesh[m] < 0) of_mesh[m] = cells_of_mesh(edges[m], cell_m);
+      all += of_mesh[m];
+    }
+    return all;
+  }
+};
+
+// The smallest cells, within a hundredth, of which there are at most so many.
+double smallest_cell_m(const Counted& counted, std::int64_t most) {
+  double large = 0;
+  for (const std::vector<float>& edges : counted.edges)
+    for (const float edge : edges) large = std::max(large, static_cast<double>(edge));
+  if (!(large > 0)) return 1;
+  double small = large / most_divisions;
+  if (counted.cells(small) <= most) return small;
+  while (large > small * 1.01) {
+    const double middle = std::sqrt(small * large);
+    (counted.cells(middle) <= most ? large : small) = middle;
+  }
+  return large;
+}
+
+std::string in_mebibytes(double bytes) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g MiB", bytes / 1048576);
+  return text;
+}
+
+// Instances by the size of their triangles, the smallest first, lose their cells until the others
+// have room.
+void leave_out_smallest(Counted& counted, std::int64_t room) {
+  const Scene& scene = counted.scene;
+  const auto triangles = [&](std::size_t i) {
+    return static_cast<std::int64_t>(
+        counted.edges[static_cast<std::size_t>(scene.instances[i].mesh)].size());
+  };
+  const auto mean_edge = [&](std::size_t i) {
+    const std::vector<float>& edges = counted.edges[static_cast<std::size_t>(scene.instances[i].mesh)];
+    return std::accumulate(edges.begin(), edges.end(), 0.0) /
+           std::max<double>(1, static_cast<double>(edges.size()));
+  };
+  std::vector<std::pair<double, std::size_t>> order;
+  std::int64_t all = 0;
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    order.emplace_back(mean_edge(i), i);
+    all += triangles(i);
+  }
+  std::sort(order.begin(), order.end());
+  for (const auto& [edge, i] : order) {
+    if (all <= room) return;
+    counted.has_cells[i] = false;
+    all -= triangles(i);
+  }
+}
+
+}  // namespace
+
+BakeCells divide_into_cells(const Scene& scene, const Placement& placement, std::size_t bands,
+                            const BakeSettings& settings) {
+  const std::vector<std::vector<float>> edges = longest_edges(scene, placement);
+  Counted counted{scene, edges, std::vector<bool>(scene.instances.size(), true)};
+  const auto room = static_cast<std::int64_t>(std::min<std::size_t>(
+      settings.most_bytes / bytes_of_cell(bands), static_cast<std::size_t>(most_cells)));
+  BakeCells plan;
+  std::int64_t triangles = 0;
+  for (const Instance& instance : scene.instances)
+    triangles += static_cast<std::int64_t>(edges[static_cast<std::size_t>(instance.mesh)].size());
+  if (settings.cell_m > 0) {
+    plan.cell_m = settings.cell_m;
+    const std::int64_t needed = counted.cells(settings.cell_m);
+    if (needed > room) {
+      const double each = static_cast<double>(bytes_of_cell(bands));
+      char fits[64];
+      if (triangles <= room)
+        std::snprintf(fits, sizeof fits, "cells of %.3g m would fit",
+                      smallest_cell_m(counted, room));
+      else
+        std::snprintf(fits, sizeof fits, "not even one for each triangle fits");
+      throw Error("baked light: expected cells in " +
+                  in_mebibytes(static_cast<double>(settings.most_bytes)) + ", found " +
+                  std::to_string(needed) + " cells, which take " +
+                  in_mebibytes(static_cast<double>(needed) * each) + "; " + fits);
+    }
+  } else {
+    if (triangles > room) leave_out_smallest(counted, room);
+    plan.cell_m = smallest_cell_m(counted, std::min(room, 2 * triangles + cells_of_small_scenes));
+  }
+
+  plan.cell_of_triangle.resize(edges.size());
+  std::vector<std::int64_t> of_mesh(edges.size(), 0);
+  for (std::size_t m = 0; m < edges.size(); ++m) {
+    std::vector<std::int32_t> first{0};
+    for (const float edge : edges[m]) {
+      const std::int64_t k = divisions(edge, plan.cell_m);
+      of_mesh[m] += k * k;
+      first.push_back(static_cast<std::int32_t>(of_mesh[m]));
+    }
+    if (of_mesh[m] > static_cast<std::int64_t>(edges[m].size()))
+      plan.cell_of_triangle[m] = std::move(first);
+  }
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const auto m = static_cast<std::size_t>(scene.instances[i].mesh);
+    const auto own = static_cast<std::int64_t>(edges[m].size());
+    const bool has_cells = counted.has_cells[i] && own > 0;
+    plan.first_cell.push_back(has_cells ? static_cast<std::int32_t>(plan.cells) : -1);
+    if (has_cells)
+      plan.cells += of_mesh[m];
+    else
+      plan.by_probes += own;
+  }
+  return plan;
+}
+
+}  // namespace omma

@@ -1,0 +1,32 @@
+// Into which cells the light on a scene is divided when it is baked.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "model/scene_place.h"
+#include "omma/bake.h"
+#include "omma/scene.h"
+
+namespace omma {
+
+struct BakeCells {
+  double cell_m = 0;
+  std::vector<std::int32_t> first_cell;                     // as in BakedLight
+  std::vector<std::vector<std::int32_t>> cell_of_triangle;  // as in BakedLight
+  std::int64_t cells = 0;
+  std::int64_t by_probes = 0;  // triangles without a cell
+};
+
+// Bytes of a cell: both sides, all bands, of 16 bits.
+inline std::size_t bytes_of_cell(std::size_t bands) {
+  return 4 * bands;
+}
+
+// Throws omma::Error where cells were asked for that have no room. Where a size was not asked for,
+// large triangles get as many cells as there are triangles, and some more; where even a cell for
+// each triangle has no room, instances of the smallest triangles get none.
+BakeCells divide_into_cells(const Scene& scene, const Placement& placement, std::size_t bands,
+                            const BakeSettings& settings);
+
+}  // namespace omma

@@ -1,0 +1,240 @@
+// Light that arrives at places from all around, as it is baked: paths begin at points of a patch of
+// a surface, or at a place in the air, in directions by the cosine, and are followed like those of an
+// eye. What comes straight from discs and lamps is left out.
+#pragma once
+
+#include "physics/lit_path.h"
+
+namespace omma {
+
+struct GatherPlace {
+  // A patch of a triangle, on one side: its corners [corner][u, v]. mesh -1: a place in the air.
+  std::int32_t instance = -1, mesh = -1, triangle = 0;
+  bool is_back = false;
+  float uv[3][2] = {};
+  Vec3 position, normal;  // of a place in the air, traced frame
+  std::uint32_t hash = 0;
+  int paths = 0;  // a multiple of the packet
+};
+
+// Choices at the beginning of paths; those on the way count up from 0 (Choice).
+inline constexpr std::uint32_t choice_of_point = 0xfffffff0u, choice_of_way = 0xfffffff1u,
+                               choice_of_shining = 0xfffffff2u, choice_on_shining = 0xfffffff3u;
+
+// Points that are cut out of a patch are chosen anew, so often at most.
+inline constexpr std::uint32_t most_attempts = 8;
+
+// The packet's points on the patch, as rays would have met them; false where none is on the surface.
+template <typename L>
+OMMA_HD bool choose_points(const SceneView& scene, const GatherPlace& place, int first,
+                           Packet<L>& packet, Hits<L>& hits) {
+  const bool has_holes =
+      scene.materials[scene.meshes[place.mesh].material].alpha_mode == AlphaMode::mask;
+  bool any = false;
+  for (int l = 0; l < L::count; ++l) {
+    hits.mesh[l] = -1;
+    hits.instance[l] = place.instance;
+    hits.footprint_m[l] = 0;
+    for (std::uint32_t attempt = 0; attempt < most_attempts && hits.mesh[l] < 0; ++attempt) {
+      const auto pair = path_pair(place.hash + attempt * 0x9e3779b9u,
+                                  static_cast<std::uint32_t>(first + l), choice_of_point);
+      const float root = sqrtf(pair.x), b = root * pair.y, a = root - b;
+      const float u = place.uv[0][0] + a * (place.uv[1][0] - place.uv[0][0]) +
+                      b * (place.uv[2][0] - place.uv[0][0]);
+      const float v = place.uv[0][1] + a * (place.uv[1][1] - place.uv[0][1]) +
+                      b * (place.uv[2][1] - place.uv[0][1]);
+      const SurfaceHit hit{place.mesh, static_cast<std::uint32_t>(place.triangle), u, v, 0.0f};
+      if (has_holes && !accept_hit(scene, hit, false)) continue;
+      hits.mesh[l] = place.mesh;
+      packet.rays.triangle[l] = static_cast<unsigned>(place.triangle);
+      packet.rays.u[l] = u;
+      packet.rays.v[l] = v;
+      any = true;
+    }
+  }
+  return any;
+}
+
+// Light that surfaces which shine send straight to the beginnings of paths, [band][lane] added to
+// `radiance`, as radiance that a white surface sends back.
+template <typename L, typename Search>
+OMMA_HD void add_shining(const SceneView& scene, Search& search, const GatherPlace& place,
+                         int first, const HitGeometry<L>& geometry,
+                         const float (&normal)[3][L::count], const ScatterPoint<typename L::F>* points,
+                         const std::int32_t* valid, const PathMemory& memory, float* radiance) {
+  using F = typename L::F;
+  constexpr int n = L::count;
+  LightSample lights[n];
+  Packet<L> shadow;
+  clear<L>(shadow.rays);
+  alignas(n * 4) std::int32_t asked[n];
+  alignas(n * 4) float cosine[n], weight[n];
+  unsigned open = 0;
+  for (int l = 0; l < n; ++l) {
+    lights[l] = {};
+    asked[l] = 0;
+    cosine[l] = weight[l] = 0;
+    for (int r = 0; r < 3; ++r) shadow.rays.origin[r][l] = shadow.rays.direction[r][l] = 0;
+    shadow.rays.t_near_m[l] = shadow.rays.t_far_m[l] = shadow.footprint_rad[l] = 0;
+    if (valid[l] == 0) continue;
+    const auto sample = static_cast<std::uint32_t>(first + l);
+    const auto which = path_pair(place.hash, sample, choice_of_shining);
+    const auto on = path_pair(place.hash, sample, choice_on_shining);
+    lights[l] = sample_surfaces(scene, vec_at(geometry.position, l), which.x, on.x, on.y);
+    const Vec3 d = lights[l].direction;
+    const float at[3] = {geometry.position[0][l], geometry.position[1][l],
+                         geometry.position[2][l]};
+    const float side[3] = {geometry.normal[0][l], geometry.normal[1][l], geometry.normal[2][l]};
+    const float towards[3] = {d.x, d.y, d.z};
+    cosine[l] = normal[0][l] * d.x + normal[1][l] * d.y + normal[2][l] * d.z;
+    float facing = side[0] * d.x + side[1] * d.y + side[2] * d.z;
+    if (place.mesh >= 0 && place.is_back) facing = -facing;
+    if (!(lights[l].pdf > 0.0f) || !(cosine[l] > 0.0f) || !(facing > 0.0f)) continue;
+    float from[3];
+    leave_surface(at, side, geometry.reach_m[l], towards, from);
+    for (int r = 0; r < 3; ++r) {
+      shadow.rays.origin[r][l] = from[r];
+      shadow.rays.direction[r][l] = without_noise(towards[r]);
+    }
+    shadow.rays.t_far_m[l] = lights[l].distance_m * up_to_light;
+    weight[l] = cosine[l] * inverse_pi / (lights[l].pdf / scene.light->emissive_probability);
+    asked[l] = -1;
+    open |= 1u << l;
+  }
+  const bool lets_through = scene.has_blend || scene.has_glass;
+  if (open != 0)
+    open = lets_through ? dim_by_passing<L>(scene, search, open, shadow, memory.shadow)
+                        : open & ~search.occluded(asked, shadow.rays, Spread::scattered);
+  if (open == 0) return;
+  for (int i = 0; i < scene.bands * n; ++i) memory.light[i] = 0;
+  for (int l = 0; l < n; ++l)
+    if ((open >> l & 1u) != 0)
+      eval_light_sample(scene, lights[l], 1, memory.light + l, n, scene.bands * n);
+  for (int l = 0; l < n; l += L::width) {
+    F entering = load<F>(weight + l);
+    if (points != nullptr) entering = entering * eval_entering(points[l / L::width], load<F>(cosine + l));
+    for (int k = 0; k < L::width; ++k)
+      if ((open >> (l + k) & 1u) == 0) weight[l + k] = 0;
+    entering = keep(load<F>(weight + l) > 0.0f, entering);
+    for (int b = 0; b < scene.bands; ++b) {
+      const int at = b * n + l;
+      F light = load<F>(memory.light + at);
+      if (lets_through) light = light * load<F>(memory.shadow.throughput + at);
+      store(radiance + at, load<F>(radiance + at) + entering * light);
+    }
+  }
+}
+
+// Mean of what white surfaces there would send back, [band].
+template <typename L, typename Search>
+OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherPlace& place,
+                          const PathMemory& memory, float* radiance, double* mean) {
+  using F = typename L::F;
+  constexpr int n = L::count;
+  int points_found = 0;
+  for (int b = 0; b < scene.bands; ++b) mean[b] = 0;
+  for (int first = 0; first < place.paths; first += n) {
+    Packet<L> packet;
+    clear<L>(packet.rays);
+    Hits<L> hits;
+    HitGeometry<L> geometry;
+    LitSurface<L> surface;
+    ScatterPoint<F> points[n / L::width];
+    alignas(n * 4) float normal[3][n], way[3][n], entering[n];
+    const bool is_on_surface = place.mesh >= 0;
+    for (int l = 0; l < n; ++l) {
+      packet.rays.t_far_m[l] = INFINITY;
+      packet.footprint_rad[l] = 0;
+      packet.hash[l] = static_cast<std::int32_t>(place.hash);
+      packet.sample[l] = first + l;
+    }
+    if (is_on_surface) {
+      if (!choose_points<L>(scene, place, first, packet, hits)) continue;
+      eval_geometry<L>(scene, packet.rays, hits, geometry);
+      // Seen by one who looks straight down on it.
+      for (int l = 0; l < n; ++l)
+        for (int r = 0; r < 3; ++r)
+          packet.rays.direction[r][l] =
+              place.is_back ? geometry.normal[r][l] : -geometry.normal[r][l];
+      eval_lit_surfaces<L>(scene, packet, hits, geometry, memory, surface);
+    } else {
+      geometry = {};
+      for (int l = 0; l < n; ++l) {
+        hits.mesh[l] = 0;
+        const float at[3] = {place.position.x, place.position.y, place.position.z};
+        const float up[3] = {place.normal.x, place.normal.y, place.normal.z};
+        for (int r = 0; r < 3; ++r) {
+          geometry.position[r][l] = at[r];
+          geometry.normal[r][l] = up[r];
+        }
+      }
+    }
+    for (int l = 0; l < n; l += L::width) {
+      F tangent[3], bitangent[3], up[3], w[3];
+      if (is_on_surface) {
+        points[l / L::width] = make_scatter_point(scatter_surface<L>(scene, packet.rays, surface, l));
+        for (int r = 0; r < 3; ++r) up[r] = points[l / L::width].normal[r];
+      } else {
+        load_3(geometry.normal, l, up);
+      }
+      make_axes(up, tangent, bitangent);
+      const auto pair = path_pair(load<typename L::U>(packet.hash + l),
+                                  load<typename L::U>(packet.sample + l), choice_of_way);
+      const LocalDirection<F> local = sample_cosine(pair.x, pair.y);
+      for (int r = 0; r < 3; ++r) {
+        w[r] = without_noise(tangent[r] * local.x + bitangent[r] * local.y + up[r] * local.z);
+        store(way[r] + l, w[r]);
+        store(normal[r] + l, up[r]);
+      }
+      F reaches_base = broadcast<F>(1.0f);
+      if (is_on_surface) {
+        const ScatterPoint<F>& point = points[l / L::width];
+        const F side = dot_lanes(point.geometric_normal, w);
+        reaches_base = keep(side > 0.0f, eval_entering(point, local.z));
+      }
+      store(entering + l, reaches_base);
+    }
+    alignas(n * 4) std::int32_t valid[n];
+    for (int l = 0; l < n; ++l) {
+      valid[l] = hits.mesh[l] >= 0 ? -1 : 0;
+      if (valid[l] != 0) ++points_found;
+      if (!(entering[l] > 0.0f)) valid[l] = 0;
+      const float at[3] = {geometry.position[0][l], geometry.position[1][l],
+                           geometry.position[2][l]};
+      const float side[3] = {geometry.normal[0][l], geometry.normal[1][l], geometry.normal[2][l]};
+      const float towards[3] = {way[0][l], way[1][l], way[2][l]};
+      float from[3];
+      leave_surface(at, side, geometry.reach_m[l], towards, from);
+      for (int r = 0; r < 3; ++r) {
+        // Rays that are not traced must be such as could be: Embree checks all.
+        packet.rays.origin[r][l] = valid[l] != 0 ? from[r] : 0.0f;
+        packet.rays.direction[r][l] = valid[l] != 0 ? towards[r] : (r == 1 ? 1.0f : 0.0f);
+        packet.reference[r][l] = valid[l] != 0 ? normal[r][l] : (r == 0 ? 1.0f : 0.0f);
+      }
+      packet.rays.t_near_m[l] = 0;
+    }
+    // What shines is sampled first: the paths move on from where they begin.
+    const auto sum = [&](const float* light) {
+      for (int b = 0; b < scene.bands; ++b)
+        for (int l = 0; l < n; ++l)
+          if (valid[l] != 0) mean[b] += static_cast<double>(light[b * n + l]);
+    };
+    if (scene.light->emissive_probability > 0.0f) {
+      alignas(n * 4) std::int32_t on[n];
+      for (int l = 0; l < n; ++l) on[l] = hits.mesh[l] >= 0 ? -1 : 0;
+      for (int i = 0; i < scene.bands * n; ++i) radiance[i] = 0;
+      add_shining<L>(scene, search, place, first, geometry, normal,
+                     is_on_surface ? points : nullptr, on, memory, radiance);
+      for (int b = 0; b < scene.bands; ++b)
+        for (int l = 0; l < n; ++l) mean[b] += static_cast<double>(radiance[b * n + l]);
+    }
+    eval_lit_path<L>(scene, search, valid, packet, memory, radiance, true);
+    for (int l = 0; l < n; ++l)
+      for (int b = 0; b < scene.bands; ++b) radiance[b * n + l] *= entering[l];
+    sum(radiance);
+  }
+  const double each = points_found > 0 ? 1.0 / points_found : 0.0;
+  for (int b = 0; b < scene.bands; ++b) mean[b] *= each;
+}
+
+}  // namespace omma
