@@ -50,18 +50,29 @@ COLUMNS = (
 )
 SUN_ELEVATION_DEG, SUN_AZIMUTH_DEG = 30.0, 135.0
 # What cube maps and rays of Omma are compared with: 8 times as many rays, for its standard error.
-TRUE_RAYS, QUICK_TRUE_RAYS = 1024, 32
+TRUE_RAYS, QUICK_TRUE_RAYS = 512, 32
 OWN_RAYS, QUICK_OWN_RAYS = (4, 16, 64, 256, 1024), (4, 16)
 SHARED_RAYS, QUICK_SHARED_RAYS = (1, 4, 16, 64), (4,)
 # Pixels along an edge of a face, rays a pixel.
-CUBES = ((16, 1), (16, 16), (32, 1), (32, 4), (64, 1), (64, 4), (128, 1), (128, 4), (256, 1))
+CUBES = (
+    (16, 1),
+    (16, 16),
+    (32, 1),
+    (32, 4),
+    (64, 1),
+    (64, 4),
+    (128, 1),
+    (128, 4),
+    (256, 1),
+    (256, 4),
+)
 QUICK_CUBES = ((16, 1), (32, 1))
 # Pixels along an edge of a small camera, rays a pixel.
-CAMERAS, QUICK_CAMERAS = ((4, 1), (4, 4), (8, 4)), ((4, 1),)
+CAMERAS, QUICK_CAMERAS = ((4, 1), (8, 4)), ((4, 1),)
 PEER_RAYS, QUICK_PEER_RAYS = (16, 64, 256), (16,)
 # Rays of a cube map without noise.
 MANY_RAYS, QUICK_MANY_RAYS = 4_000_000, 200_000
-TURNS, QUICK_TURNS = 5, 2
+TURNS, QUICK_TURNS = 3, 2
 QUICK_OMMATIDIA = 200
 
 See = Callable[[NDArray[np.float64], int], NDArray[np.float32]]

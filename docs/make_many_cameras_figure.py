@@ -75,10 +75,12 @@ def make(results: Path, out: Path) -> None:
         return
     tables = tables_of(rows)
     columns = len({eye for _, eye in tables})
-    lines = len(tables) // columns
+    lines = -(-len(tables) // columns)
     figure = Figure(figsize=(5.4 * columns, 4.0 * lines + 0.8), layout="constrained")
     panels = figure.subplots(lines, columns, squeeze=False, sharex="col", sharey="row")
-    for axes, (lighting, eye) in zip(panels.ravel(), tables, strict=True):
+    for axes in panels.ravel()[len(tables) :]:
+        axes.set_visible(False)
+    for axes, (lighting, eye) in zip(panels.ravel(), tables, strict=False):
         own = pick(rows, lighting=lighting, eye=eye)
         panel(axes, own)
         count = int(own[0]["ommatidia"])

@@ -134,10 +134,10 @@ def test_camera_pixels_count_by_the_sensitivity():
     np.testing.assert_allclose(weights, weights[:, ::-1], atol=ROUNDING)
     np.testing.assert_allclose(weights, weights.swapaxes(1, 2), atol=ROUNDING)
     np.testing.assert_allclose(np.degrees(fov_rad), np.array([2, 5]) * 6 / 2.3548, rtol=1e-4)
-    # Pixels are a standard deviation wide; of a normal distribution that is cut off at three
-    # 0.3423 are in each of the two in the middle. Thirds of a pixel make 0.0012 too much of it, the
-    # tangent of 6 degrees less than 0.001.
-    np.testing.assert_allclose(weights.sum(axis=1)[:, 2], 0.3423, atol=2.5e-3)
+    # Pixels are a standard deviation wide, so that the row is read at 0.5, 1.5 and 2.5 of them; the
+    # tangent of 6 degrees makes less than 0.001 of it.
+    row = np.exp(-(np.array([0.5, 1.5, 2.5]) ** 2) / 2)
+    np.testing.assert_allclose(weights.sum(axis=1)[:, 2], row[0] / row.sum() / 2, atol=1e-3)
 
 
 def test_who_looks_at_the_sun_is_left_out(eye):
