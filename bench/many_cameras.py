@@ -55,17 +55,8 @@ OWN_RAYS, QUICK_OWN_RAYS = (4, 16, 64, 256, 1024), (4, 16)
 SHARED_RAYS, QUICK_SHARED_RAYS = (1, 4, 16, 64), (4,)
 # Pixels along an edge of a face, rays a pixel.
 CUBES = (
-    (16, 1),
-    (16, 16),
-    (32, 1),
-    (32, 4),
-    (64, 1),
-    (64, 4),
-    (128, 1),
-    (128, 4),
-    (256, 1),
-    (256, 4),
-)
+    (16, 1), (16, 16), (32, 1), (32, 4), (64, 1), (64, 4), (128, 1), (128, 4), (256, 1), (256, 4),
+)  # fmt: skip
 QUICK_CUBES = ((16, 1), (32, 1))
 # Pixels along an edge of a small camera, rays a pixel.
 CAMERAS, QUICK_CAMERAS = ((4, 1), (8, 4)), ((4, 1),)

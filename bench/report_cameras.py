@@ -50,6 +50,11 @@ def ms_to(rows: list[Row], error: float) -> float | None:
     return points[0][0]
 
 
+def number(value: float) -> str:
+    """Three digits, more before the point."""
+    return f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
+
+
 def times_table(rows: list[Row]) -> list[list[object]]:
     """Milliseconds a frame to each of the errors, by lighting, eye and way."""
     found: list[list[object]] = []
@@ -60,7 +65,7 @@ def times_table(rows: list[Row]) -> list[list[object]]:
                 continue
             times = [ms_to(own, error) for error in AT_PERCENT]
             least = min(float(row["error_percent"]) for row in own)
-            cells = ["not reached" if ms is None else f"{ms:,.3g}" for ms in times]
+            cells = ["not reached" if ms is None else number(ms) for ms in times]
             found.append([lighting, eye, way, *cells, f"{least:.2g}"])
     return found
 
@@ -71,7 +76,7 @@ def all_table(rows: list[Row]) -> list[list[object]]:
         [
             row["lighting"], row["eye"], row["way"], row["setting"],
             f"{float(row['rays_per_ommatidium']):.3g}", f"{float(row['setup_s']):.2g}",
-            f"{float(row['ms_per_frame']):,.3g}",
+            number(float(row["ms_per_frame"])),
             *(f"{float(row[f'{key}_percent']):.2g}" for key in ("error", "noise", "bias", "place")),
         ]
         for row in rows

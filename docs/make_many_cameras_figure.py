@@ -63,7 +63,7 @@ def panel(axes: Axes, rows: list[Row]) -> None:
     place = max(float(row["place_percent"] or 0) for row in rows)
     axes.axhline(place, color="#009E73", lw=1, ls=":")
     axes.annotate(
-        "cube maps: one place for all ommatidia", (1, place), (-2, 3), ha="right", fontsize=7.5,
+        "cube maps: one place for all ommatidia", (0, place), (4, -10), ha="left", fontsize=7.5,
         xycoords=("axes fraction", "data"), textcoords="offset points", color="#555555",
     )  # fmt: skip
 
@@ -95,7 +95,13 @@ def make(results: Path, out: Path) -> None:
 
 def write_table(rows: list[Row]) -> None:
     """Into the page, between its two marks."""
-    names = ["light", "eye", "way", *(f"to {error:g} %" for error in AT_PERCENT), "least error, %"]
+    names = [
+        "light",
+        "eye",
+        "way",
+        *(f"ms to {error:g} %" for error in AT_PERCENT),
+        "least error, %",
+    ]
     cells = [names, ["---"] * len(names), *times_table(rows)]
     lines = ["| " + " | ".join(str(cell) for cell in line) + " |" for line in cells]
     before, rest = PAGE.read_text(encoding="utf-8").split(START)
