@@ -7,7 +7,7 @@ import os
 from typing import Any
 
 import numpy as np
-from light_scenes import Setup
+from light_scenes import Setup, linear_pixels
 from numpy.typing import NDArray
 
 import omma
@@ -36,10 +36,8 @@ class Peer:
         drjit.set_thread_count(1)
         self.variant = variant
         self.bands = 3 if variant.endswith("rgb") else 4
-        self._scene = mitsuba.load_dict(
-            {"type": "scene", **_lights(mitsuba, light), **_shapes(mitsuba, setup.scene)}
-        )
-        self._origin, self._direction = _rays(setup, rays)
+        self._scene = peer_scene(setup.scene, light)
+        self._origin, self._direction = gaussian_rays(setup.eye, setup.pose, rays)
         self._sampler = mitsuba.load_dict({"type": "independent"})
         self._integrators: dict[int, Any] = {}
         self._turn = 0
@@ -69,18 +67,28 @@ class Peer:
         return count
 
 
-def _rays(setup: Setup, rays: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def peer_scene(scene: omma.Scene, light: Light) -> Any:
+    """The scene in that light, in the variant that is set."""
+    import mitsuba
+
+    return mitsuba.load_dict(
+        {"type": "scene", **_lights(mitsuba, light), **_shapes(mitsuba, scene)}
+    )
+
+
+def gaussian_rays(
+    eye: omma.Eye, pose: NDArray[np.float64], rays: int, seed: int = 1
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Origins and directions (3, N), ommatidium by ommatidium, within Gaussian acceptances."""
-    eye = setup.eye
     samples = max(1, round(rays / len(eye)))
-    random = np.random.default_rng(1)
+    random = np.random.default_rng(seed)
     axis = np.repeat(eye.axis, samples, axis=0)
     width_rad = np.repeat(np.asarray(eye.acceptance_angle_rad), samples)
     off = random.normal(size=axis.shape) * (width_rad / np.sqrt(8 * np.log(2)))[:, None]
     off -= (off * axis).sum(axis=1, keepdims=True) * axis
     direction = axis + off
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-    turn, place = setup.pose[:3, :3], setup.pose[:3, 3]
+    turn, place = pose[:3, :3], pose[:3, 3]
     origin = np.repeat(eye.position_m, samples, axis=0) @ turn.T + place
     return origin.T.astype(np.float32), (direction @ turn.T).T.astype(np.float32)
 
@@ -106,14 +114,6 @@ def _lights(mitsuba: Any, light: Light) -> dict[str, Any]:
     return lights
 
 
-def _linear(pixels: NDArray[Any]) -> NDArray[np.float32]:
-    """Linear light of pixels as an `omma.scene.Image` has them: 8 bits are sRGB."""
-    if pixels.dtype != np.uint8:
-        return pixels.astype(np.float32)
-    encoded = pixels.astype(np.float32) / 255
-    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
-
-
 def _shapes(mitsuba: Any, scene: omma.Scene) -> dict[str, Any]:
     """A mesh for each material, diffuse from both sides."""
     images = scene.images
@@ -123,7 +123,7 @@ def _shapes(mitsuba: Any, scene: omma.Scene) -> dict[str, Any]:
         use = material.base_color_texture
         reflectance: dict[str, Any] = {"type": "rgb", "value": list(material.base_color[:3])}
         if use is not None:
-            texels = _linear(images[scene.textures[use.texture].image].pixels[..., :3])
+            texels = linear_pixels(images[scene.textures[use.texture].image].pixels[..., :3])
             texels *= np.asarray(material.base_color[:3], np.float32)
             # Raw numbers are no colours that could be spectra.
             raw = mitsuba.variant().endswith("rgb")

@@ -6,13 +6,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 import omma
 from omma.light import Bands, Light
-from omma.scene import Material, Mesh
+from omma.scene import Image, Material, Mesh
 
 LIT_MEADOW = Path(__file__).resolve().parents[1] / "examples" / "meadow_lit.glb"
 
@@ -79,6 +80,35 @@ def diffuse_setup(setup: Setup) -> Setup:
         meshes=flat, materials=materials, textures=scene.textures, images=scene.images
     )
     return replace(setup, scene=flattened)
+
+
+def grey_setup(setup: Setup) -> Setup:
+    """The same with grey surfaces, which are the same in red, green, blue and in bands of spectra.
+
+    Base colours and texels are the mean of their red, green and blue.
+    """
+    scene = setup.scene
+    images = []
+    for image in scene.images:
+        texels = linear_pixels(image.pixels[..., :3])
+        images.append(Image(np.repeat(texels.mean(axis=-1, keepdims=True), 3, axis=-1)))
+    materials = [
+        one.replace(base_color=(*[float(np.mean(one.base_color[:3]))] * 3, 1.0))
+        for one in scene.materials
+    ]
+    grey = omma.Scene(
+        meshes=scene.meshes, instances=scene.instances, materials=materials,
+        textures=scene.textures, images=images,
+    )  # fmt: skip
+    return replace(setup, scene=grey)
+
+
+def linear_pixels(pixels: NDArray[Any]) -> NDArray[np.float32]:
+    """Linear light of pixels as an `omma.scene.Image` has them: 8 bits are sRGB."""
+    if pixels.dtype != np.uint8:
+        return pixels.astype(np.float32)
+    encoded = pixels.astype(np.float32) / 255
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
 
 
 def _diffuse(material: Material) -> Material:

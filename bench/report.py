@@ -10,6 +10,7 @@ import textwrap
 from pathlib import Path
 
 from curves import Reached, Row, crossing, least, pick, random_error, read
+from report_cameras import AT_PERCENT, all_table, times_table
 from report_light import aims_of_light, parts_table, peer_table, ways_table
 
 from omma.study.speed_test import PUBLISHED_FRAMES_PER_S, PUBLISHED_RAYS
@@ -442,6 +443,27 @@ def light(rows: list[Row]) -> list[str]:
     return lines
 
 
+def cameras(rows: list[Row]) -> list[str]:
+    """The section of RESULTS.md about many cameras."""
+    errors = " | ".join(f"ms to {error:.0f} %" for error in AT_PERCENT)
+    return [
+        "## 11. Many cameras",
+        "",
+        *text(
+            "`bench/many_cameras.py`: one thread, processor time of a frame, at a pose that is",
+            "another in each; errors are root mean squares over ommatidia in percent of the mean",
+            "response. What it means: [docs/many-cameras.md](../docs/many-cameras.md).",
+        ),
+        *table(f"lighting | eye | way | {errors} | least error, %", times_table(rows)),
+        *text("All that was measured; pixels along an edge, squared, by rays a pixel:"),
+        *table(
+            "lighting | eye | way | rays | rays per ommatidium | set-up, s | ms a frame "
+            "| error, % | noise, % | bias, % | place, %",
+            all_table(rows),
+        ),
+    ]
+
+
 def report(results: Path, quick: bool = False) -> list[str]:
     """The lines of RESULTS.md."""
     facts = {row["what"]: row["found"] for row in read(results, "machine")}
@@ -470,6 +492,7 @@ def report(results: Path, quick: bool = False) -> list[str]:
         "moving": moving,
         "instructions": instructions,
         "light": light,
+        "cameras": cameras,
     }
     missing = []
     for name, part in parts.items():

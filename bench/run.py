@@ -26,12 +26,13 @@ ROOT = BENCH.parent
 DATA = ROOT.parent / "shared" / "data" / "compound-ray"
 sys.path[:0] = [str(BENCH), str(ROOT / "docs")]
 
+import make_many_cameras_figure  # noqa: E402
 import make_performance_figures  # noqa: E402
 import report  # noqa: E402
 from make_large_scene import write_scene  # noqa: E402
 
 PARTS = ("ceiling", "error", "frames", "latency", "threads", "kernels", "build", "moving",
-         "search", "worlds", "instructions", "light")  # fmt: skip
+         "search", "worlds", "instructions", "light", "cameras")  # fmt: skip
 COUNTED = ("1", "16", "16-plain", "16-random", "16-shared", "target")
 
 
@@ -176,6 +177,8 @@ def main() -> None:
         elif part == "light":
             data = [DATA] if DATA.exists() else []
             lines = printed_table([sys.executable, BENCH / "light.py", *data, *quick])
+        elif part == "cameras":
+            lines = printed_table([sys.executable, BENCH / "many_cameras.py", *quick])
         elif part == "instructions":
             lines = measure_instructions(given.program)
         else:
@@ -185,6 +188,7 @@ def main() -> None:
         print(f"  {time.monotonic() - start:.0f} s", flush=True)
     write_lines(out / "RESULTS.md", report.report(results, given.quick))
     make_performance_figures.make(results, given.out or ROOT / "docs")
+    make_many_cameras_figure.make(results, given.out or ROOT / "docs")
     print(f"Wrote {out / 'RESULTS.md'}, {results} and the figures.")
 
 

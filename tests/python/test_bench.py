@@ -8,7 +8,8 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "bench"))
 
 from curves import crossing, least, pick, random_error
-from report import light, report, serial_fraction
+from report import cameras, light, report, serial_fraction
+from report_cameras import front, ms_to, times_table
 from report_light import PARTS, aims_of_light, beside_peer, part_costs
 from run import write_lines
 
@@ -100,3 +101,32 @@ def test_light_is_compared_with_the_quicker_peer_and_the_aims():
     alone = [row for row in rows if not row["way"].startswith(("Omma", "llvm"))]
     assert len(aims_of_light(alone)) == 3  # without a peer, nothing of it
     assert "| a | up to 4 | 10.00 | 4.00 | llvm_ad_rgb | 2.50 |" in light(rows)
+
+
+def camera_rows(way, points):
+    return [
+        {
+            "lighting": "unlit", "eye": "fly", "ommatidia": "7", "way": way, "setting": "a",
+            "rays_per_ommatidium": "4", "setup_s": "0.1", "ms_per_frame": str(ms), "mean": "1",
+            "error_percent": str(error), "noise_percent": "1", "bias_percent": "1",
+            "place_percent": "0",
+        }
+        for ms, error in points
+    ]  # fmt: skip
+
+
+def test_times_to_an_error_are_those_of_the_best_settings():
+    # From 40 % at 1 ms to 10 % at 4 ms, with a worse setting between.
+    rows = camera_rows("Omma, own rays", [(4, 10), (1, 40), (3, 60)])
+    assert front(rows) == [(1, 40), (4, 10)]
+    assert ms_to(rows, 20) == pytest.approx(2)
+    assert ms_to(rows, 50) == 1
+    assert ms_to(rows, 5) is None
+
+
+def test_the_section_of_cameras_leaves_out_what_is_missing():
+    rows = camera_rows("Omma, own rays", [(1, 60), (4, 15)]) + camera_rows("truth", [])
+    assert times_table(rows) == [
+        ["unlit", "fly", "Omma, own rays", "2", "not reached", "not reached", "15"]
+    ]
+    assert "| unlit | fly | Omma, own rays | a | 4 | 0.1 | 4 | 15 | 1 | 1 | 0 |" in cameras(rows)

@@ -98,6 +98,7 @@ NOT_RUN = {
     "omma measure aliasing meadow.glb": "minutes; test_sampling_tools.py has smaller ones",
     "omma measure speed arena.gltf": "minutes; test_speed_test.py has smaller ones",
     "omma_render_tests": "a test of the C++ build, which scripts/test runs as a whole",
+    "python bench/many_cameras.py": "a minute; test_many_cameras.py has it smaller",
     r"(\.venv/bin/)?python docs/make_": "figures and tables of the pages: minutes to half an hour",
     "cd compound-ray": "needs a clone of CompoundRay's repository; test_compoundray.py",
     "mkdir -p build/make/lib": "see above",
