@@ -21,6 +21,9 @@ struct BlockFunctions {
   void (*weigh)(const SharedWeights&, const float* radiance, int outputs, std::int64_t first,
                 std::int64_t end, float* responses) = nullptr;
   void (*prepare)(const FrameView&, const BlockTask&, RayPacket<packet_rays>* packets) = nullptr;
+  // Closest accepted hits, between t_near_m and t_far_m, of rays whose `valid` is not 0.
+  void (*closest)(const void* tracer, const std::int32_t* valid,
+                  RayPacket<packet_rays>& rays) = nullptr;
 };
 
 // What `render` needs, on each thread.
