@@ -12,8 +12,9 @@ namespace omma {
 namespace {
 
 // How far in front of a surface others do not shade it: so much of a texel, as hollow ground would
-// otherwise shade itself where triangles meet (1 % of its light in a meadow; twice as much lets by as
-// much light beneath blades); and so much of the greatest coordinate, as rays and places are rounded.
+// otherwise shade itself where triangles meet (1 % of its light in a meadow; twice as much lets by
+// as much light beneath blades); and so much of the greatest coordinate, as rays and places are
+// rounded.
 constexpr double bias_texels = 0.05;
 constexpr double bias_of_reach = 0x1p-20;
 
@@ -124,8 +125,7 @@ SunMapData make_sun_map(const SunMapTracing& tracing, const Scene& scene,
     const auto page_row = static_cast<double>(p / static_cast<std::size_t>(grid.columns));
     const double texel_m = grid.page_texel_m / side;
     SunPage& page = map.pages[p];
-    page.tile_and_level =
-        (static_cast<std::int32_t>(first_tile[p]) << sun_level_bits) | level;
+    page.tile_and_level = (static_cast<std::int32_t>(first_tile[p]) << sun_level_bits) | level;
     page.texel_m = static_cast<float>(texel_m);
     const SunRays rays{
         frame.axis[0] * (grid.first_m[0] + page_column * sun_tile_columns * grid.page_texel_m) +

@@ -1,10 +1,10 @@
 // Makes the shadow map of the sun (physics/sun_map.h) of a scene as it is placed now. Shared by all
 // backends.
 //
-// What the map does not know: surfaces that let light through in part (BLEND, glass) would cast full
-// shadows, so that worlds with any need shadow rays; may_have_sun_map says so. A surface of which one
-// side alone is seen shades where the sun sees it, a shadow ray where it is seen from below: of closed
-// bodies both are the same. Things that moved since are where they were.
+// What the map does not know: surfaces that let light through in part (BLEND, glass) would cast
+// full shadows, so that worlds with any need shadow rays; may_have_sun_map says so. A surface of
+// which one side alone is seen shades where the sun sees it, a shadow ray where it is seen from
+// below: of closed bodies both are the same. Things that moved since are where they were.
 #pragma once
 
 #include <cstddef>
@@ -20,8 +20,8 @@
 namespace omma {
 
 struct SunMapSettings {
-  // Size of the finest texels across the light, m; 0: 5 mm, or a 2000th of a scene below 10 m. All are
-  // as fine where that fits into `most_bytes`; else those are that have the most triangles.
+  // Size of the finest texels across the light, m; 0: 5 mm, or a 2000th of a scene below 10 m. All
+  // are as fine where that fits into `most_bytes`; else those are that have the most triangles.
   double texel_m = 0;
   std::size_t most_bytes = std::size_t{64} << 20;
 };

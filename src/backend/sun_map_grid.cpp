@@ -1,5 +1,5 @@
-// Memory goes where triangles are: a page's texels are as wide as a share of its triangles, the same
-// for all pages, and that share is the least that fits.
+// Memory goes where triangles are: a page's texels are as wide as a share of its triangles, the
+// same for all pages, and that share is the least that fits.
 #include "backend/sun_map_grid.h"
 
 #include <algorithm>
@@ -18,9 +18,9 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double usual_texel_m = 0.005;
 constexpr double least_texels = 2000;
 
-// Pages are as large as it takes to have so many, up to the greatest level; then there are more, and
-// then texels are coarser. Along an axis there are so few that a place in single precision is known to
-// a twentieth of the finest texel.
+// Pages are as large as it takes to have so many, up to the greatest level; then there are more,
+// and then texels are coarser. Along an axis there are so few that a place in single precision is
+// known to a twentieth of the finest texel.
 constexpr double enough_pages = 4096, most_pages = 65536;
 constexpr double most_columns = 512, most_rows = 1024;
 constexpr int most_level = 7;
@@ -139,8 +139,8 @@ std::vector<double> count_triangles(const Scene& scene, const Placement& placeme
   return detail.sums();
 }
 
-// The level at which a page's texels are so much of the width of its triangles, each of which has an
-// equal part of it.
+// The level at which a page's texels are so much of the width of its triangles, each of which has
+// an equal part of it.
 int level_of(double triangles, double share, int finest) {
   if (!(triangles > 0)) return 0;
   const double texels = double{sun_tile_columns} * double{sun_tile_rows};  // at level 0
@@ -182,8 +182,8 @@ SunGrid choose_sun_grid(const Scene& scene, const Placement& placement, const Su
     texel_m = usual_texel_m;
     if (longest_m > 0) texel_m = std::min(texel_m, longest_m / least_texels);
   }
-  // The scene begins a fine texel from the first page's edge, and ends a coarse one before the last's:
-  // at the rim nothing is met.
+  // The scene begins a fine texel from the first page's edge, and ends a coarse one before the
+  // last's: at the rim nothing is met.
   SunGrid grid;
   const double bytes = static_cast<double>(most_bytes);
   const double affordable =
@@ -211,8 +211,8 @@ SunGrid choose_sun_grid(const Scene& scene, const Placement& placement, const Su
   const std::vector<double> triangles = count_triangles(scene, placement, frame, grid);
   const double tiles =
       std::min((bytes - columns * rows * sizeof(SunPage)) / tile_bytes, most_tiles);
-  // Steps finer than levels, so that not all pages change theirs at once; the first is as fine as any
-  // page can be, the last as coarse.
+  // Steps finer than levels, so that not all pages change theirs at once; the first is as fine as
+  // any page can be, the last as coarse.
   double share = 0x1p-10;
   for (; share < 0x1p40; share *= 1.1) {
     double taken = 0;

@@ -1,15 +1,16 @@
-// A shadow map of the sun (Williams 1978, Casting curved shadows on curved surfaces): how high, along
-// the direction towards the middle of its disc, the first surface lies that each ray of a grid from
-// there meets. Made by backend/sun_map; a place is lit where nothing lies above it.
+// A shadow map of the sun (Williams 1978, Casting curved shadows on curved surfaces): how high,
+// along the direction towards the middle of its disc, the first surface lies that each ray of a
+// grid from there meets. Made by backend/sun_map; a place is lit where nothing lies above it.
 //
-// The four rays about a place are asked, and what they say is bilinear, so that edges of shadows are
-// ramps as wide as a texel. Each ray is compared with where it meets the plane of the triangle that
-// the place lies on, not with the place itself: then no slope shades itself, and sheets that are
-// close to each other still do. The sun counts as a point: shadows have no penumbra but that ramp.
+// The four rays about a place are asked, and what they say is bilinear, so that edges of shadows
+// are ramps as wide as a texel. Each ray is compared with where it meets the plane of the triangle
+// that the place lies on, not with the place itself: then no slope shades itself, and sheets that
+// are close to each other still do. The sun counts as a point: shadows have no penumbra but that
+// ramp.
 //
 // The map is a grid of pages, each of texels as fine as what lies there needs. Heights are codes of
-// 16 bits, 0 for nothing, two to a word. They lie in tiles of 8 x 4 texels, a line of the cache, which
-// share their last column and row with the next: the four about any place are in one tile.
+// 16 bits, 0 for nothing, two to a word. They lie in tiles of 8 x 4 texels, a line of the cache,
+// which share their last column and row with the next: the four about any place are in one tile.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +28,7 @@ inline constexpr std::int32_t sun_level_bits = 4;
 struct alignas(16) SunPage {
   // The page's level, 2^level x 2^level tiles, and above sun_level_bits its first tile.
   std::int32_t tile_and_level = 0;
-  float lowest_m = 0;     // the height of code 1
+  float lowest_m = 0;  // the height of code 1
   float codes_per_m = 0;
   float texel_m = 0;
 };
@@ -37,7 +38,7 @@ struct SunMapView {
   const SunPage* pages = nullptr;       // [row][column]
   const std::int32_t* words = nullptr;  // [page][row of tiles][column of tiles][sun_tile_words]
   std::int32_t page_columns = 0;
-  float last_column = 0, last_row = 0;  // the greatest that may be looked up, pages
+  float last_column = 0, last_row = 0;          // the greatest that may be looked up, pages
   float column_axis[3] = {}, row_axis[3] = {};  // unit, across the light
   float column_per_m = 0, row_per_m = 0, column_offset = 0, row_offset = 0;  // pages
   float towards[3] = {0, 1, 0};  // unit, to the middle of the sun's disc; heights are along it
@@ -70,9 +71,9 @@ OMMA_HD SunMapPlace<F> find_on_sun_map(const SunMapView& map, const F (&position
     x = x > 0.0f ? x : broadcast<F>(0.0f);
     return x < last ? x : broadcast<F>(last);
   };
-  const F column = page_at(
-      along_axis(position, map.column_axis) * map.column_per_m + map.column_offset,
-      map.last_column);
+  const F column =
+      page_at(along_axis(position, map.column_axis) * map.column_per_m + map.column_offset,
+              map.last_column);
   const F row =
       page_at(along_axis(position, map.row_axis) * map.row_per_m + map.row_offset, map.last_row);
   const I i = to_int(column), j = to_int(row);
@@ -81,8 +82,8 @@ OMMA_HD SunMapPlace<F> find_on_sun_map(const SunMapView& map, const F (&position
   const I tile_and_level = gather(&map.pages->tile_and_level, place.page * 4);
   const I level = tile_and_level & ((1 << sun_level_bits) - 1);
   const F tiles = float_of((level + 127) << 23);
-  // In texels of the page, and the tile that has them: half a texel on, the quotient is never near a
-  // whole number.
+  // In texels of the page, and the tile that has them: half a texel on, the quotient is never near
+  // a whole number.
   const F x = (column - to_float(i)) * tiles * static_cast<float>(sun_tile_columns);
   const F y = (row - to_float(j)) * tiles * static_cast<float>(sun_tile_rows);
   const I texel_column = to_int(x), texel_row = to_int(y);
@@ -105,26 +106,26 @@ OMMA_HD void fetch_sun_map(const SunMapView& map, std::int32_t word) {
 #endif
 }
 
-// The part of the sun that is seen, 0 to 1, from places on triangles with this unit normal; which of
-// its sides is meant makes no difference.
+// The part of the sun that is seen, 0 to 1, from places on triangles with this unit normal; which
+// of its sides is meant makes no difference.
 template <typename F>
 OMMA_HD F eval_sun_map(const SunMapView& map, const SunMapPlace<F>& place, const F (&position)[3],
                        const F (&normal)[3]) {
-  const F lowest_m =
-      float_of(gather_pair(&map.pages->tile_and_level, place.page * 2).second);
+  const F lowest_m = float_of(gather_pair(&map.pages->tile_and_level, place.page * 2).second);
   const Pair<F> scales = gather_pair(&map.pages->codes_per_m, place.page * 2);
   const F codes_per_m = scales.first, texel_m = scales.second;
   const F facing = along_axis(normal, map.towards);
   const F size = facing < 0.0f ? -facing : facing;
   const F per_cosine = 1.0f / (size > least_sun_cosine ? size : broadcast<F>(least_sun_cosine));
-  // How much the triangle's plane rises from texel to texel, and how high it is at the first of them.
+  // How much the triangle's plane rises from texel to texel, and how high it is at the first of
+  // them.
   const F rise = (facing < 0.0f ? per_cosine : -per_cosine) * texel_m * codes_per_m;
   const F per_column = along_axis(normal, map.column_axis) * rise;
   const F per_row = along_axis(normal, map.row_axis) * rise;
   const F bias_m = (map.bias_m + map.bias_texels * texel_m) * per_cosine;
   const F height_m = along_axis(position, map.towards) - lowest_m + bias_m;
-  const F here = height_m * codes_per_m + 1.0f - place.along_column * per_column -
-                 place.along_row * per_row;
+  const F here =
+      height_m * codes_per_m + 1.0f - place.along_column * per_column - place.along_row * per_row;
   const auto is_odd = place.is_odd != 0;
   const F one = broadcast<F>(1.0f);
   F lit[2];
@@ -144,7 +145,8 @@ OMMA_HD F eval_sun_map(const SunMapView& map, const SunMapPlace<F>& place, const
   return clamp_unit_lanes(lit[0] + (lit[1] - lit[0]) * place.along_row);
 }
 
-// The same for what a packet's rays met, [lane]; lanes that met nothing get some number from 0 to 1.
+// The same for what a packet's rays met, [lane]; lanes that met nothing get some number from 0
+// to 1.
 template <typename L>
 OMMA_HD void eval_sun_map(const SunMapView& map, const HitGeometry<L>& geometry,
                           float (&visible)[L::count]) {

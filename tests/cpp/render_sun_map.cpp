@@ -165,8 +165,8 @@ TEST(SunMap, ASlopeDoesNotShadeItself) {
     for (const double azimuth : {0.0, 0.4, 2.2})
       for (const double texel : {0.05, 0.005})
         for (const double away_m : {0.0, 300.0}) {
-          SCOPED_TRACE(testing::Message() << slope_deg << ' ' << azimuth << ' ' << texel << ' '
-                                          << away_m);
+          SCOPED_TRACE(testing::Message()
+                       << slope_deg << ' ' << azimuth << ' ' << texel << ' ' << away_m);
           SunScene lit = sheets(slope_deg, azimuth, {0}, {away_m, 0.3 * away_m, 0}, 1);
           if (away_m > 0) {  // and something elsewhere, so that all is traced from there
             Scene scene = lit.scene;
@@ -175,9 +175,8 @@ TEST(SunMap, ASlopeDoesNotShadeItself) {
           }
           const SunMapData map = lit.map({0, 1, 0}, {texel});
           int shaded = 0;
-          for_places(lit, 0, random, 0, [&](Vec3d p, Vec3d normal) {
-            shaded += lit.visible(map, p, normal) < 1;
-          });
+          for_places(lit, 0, random, 0,
+                     [&](Vec3d p, Vec3d normal) { shaded += lit.visible(map, p, normal) < 1; });
           EXPECT_EQ(shaded, 0);
         }
 }
@@ -191,12 +190,10 @@ TEST(SunMap, SheetsFiveMillimetresApartShadeEachOther) {
       const SunMapData map = lit.map({0, 1, 0}, {0.001});
       EXPECT_EQ(map.finest_texel_m, 0.001);
       // At 85 degrees the upper one stands over 57 mm less of the lower one.
-      for_places(lit, 0, random, 0.15, [&](Vec3d p, Vec3d normal) {
-        ASSERT_EQ(lit.visible(map, p, normal), 0.0f);
-      });
-      for_places(lit, 1, random, 0, [&](Vec3d p, Vec3d normal) {
-        ASSERT_EQ(lit.visible(map, p, normal), 1.0f);
-      });
+      for_places(lit, 0, random, 0.15,
+                 [&](Vec3d p, Vec3d normal) { ASSERT_EQ(lit.visible(map, p, normal), 0.0f); });
+      for_places(lit, 1, random, 0,
+                 [&](Vec3d p, Vec3d normal) { ASSERT_EQ(lit.visible(map, p, normal), 1.0f); });
     }
 }
 
@@ -280,15 +277,19 @@ TEST(SunMap, CutOutsAndBackFacesShadeAsTheyAreSeen) {
   Material leaf;
   leaf.alpha_mode = AlphaMode::mask;
   leaf.double_sided = true;
-  leaf.base_color_texture.texture = add_texture(
-      scene, make_image(2, 1, [](int column, int) { return Vec4{1, 1, 1, column == 0 ? 1.0f : 0}; }),
-      Texture{0, Wrap::clamp_to_edge, Wrap::clamp_to_edge, Filter::nearest});
+  leaf.base_color_texture.texture =
+      add_texture(scene,
+                  make_image(2, 1,
+                             [](int column, int) {
+                               return Vec4{1, 1, 1, column == 0 ? 1.0f : 0};
+                             }),
+                  Texture{0, Wrap::clamp_to_edge, Wrap::clamp_to_edge, Filter::nearest});
   Material one_side;
   one_side.double_sided = false;
   const Vec3d x{0.25, 0, 0}, z{0, 0, -0.25};
   add_quad(scene, {-1, 1, 0}, x, z, add_material(scene, leaf));
   const int plain = add_material(scene, one_side);
-  add_quad(scene, {0, 1, 0}, x, z, plain);        // its front to the sun
+  add_quad(scene, {0, 1, 0}, x, z, plain);         // its front to the sun
   add_quad(scene, {1, 1, 0}, x * -1.0, z, plain);  // its back
   const SunScene lit(std::move(scene));
   const SunMapData map = lit.map({0, 1, 0}, {0.01});
@@ -311,7 +312,8 @@ TEST(SunMap, NotWhereLightPassesInPart) {
 TEST(SunMap, OfNothingAllIsLit) {
   const SunScene lit{Scene{}};
   const SunMapData map = lit.map({0, 1, 0});
-  for (const double x : {0.0, 1e-3, -1.0, 1e6}) EXPECT_EQ(lit.visible(map, {x, 0, x}, {0, 1, 0}), 1);
+  for (const double x : {0.0, 1e-3, -1.0, 1e6})
+    EXPECT_EQ(lit.visible(map, {x, 0, x}, {0, 1, 0}), 1);
 }
 
 // As many lanes at once as there are, and one: the same bits; also of places that are outside, or
@@ -359,10 +361,10 @@ TEST(SunMap, TheSameBitsFromAnyNumberOfThreads) {
     });
   for (const SunMapData& map : maps) {
     ASSERT_EQ(map.bytes(), maps[0].bytes());
-    EXPECT_EQ(std::memcmp(map.tiles.data(), maps[0].tiles.data(),
-                          map.tiles.size() * sizeof(SunTile)), 0);
-    EXPECT_EQ(std::memcmp(map.pages.data(), maps[0].pages.data(),
-                          map.pages.size() * sizeof(SunPage)), 0);
+    EXPECT_EQ(
+        std::memcmp(map.tiles.data(), maps[0].tiles.data(), map.tiles.size() * sizeof(SunTile)), 0);
+    EXPECT_EQ(
+        std::memcmp(map.pages.data(), maps[0].pages.data(), map.pages.size() * sizeof(SunPage)), 0);
   }
 }
 
