@@ -117,8 +117,7 @@ OMMA_HD F eval_sun_map(const SunMapView& map, const SunMapPlace<F>& place, const
   const F facing = along_axis(normal, map.towards);
   const F size = facing < 0.0f ? -facing : facing;
   const F per_cosine = 1.0f / (size > least_sun_cosine ? size : broadcast<F>(least_sun_cosine));
-  // How much the triangle's plane rises from texel to texel, and how high it is at the first of
-  // them.
+  // How much the triangle's plane rises from texel to texel, and how high it is at the first one.
   const F rise = (facing < 0.0f ? per_cosine : -per_cosine) * texel_m * codes_per_m;
   const F per_column = along_axis(normal, map.column_axis) * rise;
   const F per_row = along_axis(normal, map.row_axis) * rise;
@@ -134,7 +133,7 @@ OMMA_HD F eval_sun_map(const SunMapView& map, const SunMapPlace<F>& place, const
     const auto left = gather(map.words, at), right = gather(map.words, at + place.is_odd);
     const auto first = (is_odd ? left >> 16 : left) & 0xffff;
     const auto second = (is_odd ? right : right >> 16) & 0xffff;
-    // Of at least 0, so that nothing is above no place.
+    // At least 0: where nothing was met the code is 0, and that is lit.
     F plane[2] = {r == 0 ? here : here + per_row};
     plane[1] = plane[0] + per_column;
     for (F& x : plane) x = x > 0.0f ? x : broadcast<F>(0.0f);
@@ -145,8 +144,7 @@ OMMA_HD F eval_sun_map(const SunMapView& map, const SunMapPlace<F>& place, const
   return clamp_unit_lanes(lit[0] + (lit[1] - lit[0]) * place.along_row);
 }
 
-// The same for what a packet's rays met, [lane]; lanes that met nothing get some number from 0
-// to 1.
+// The same for what a packet's rays met, [lane]. Lanes that met nothing get some number, 0 to 1.
 template <typename L>
 OMMA_HD void eval_sun_map(const SunMapView& map, const HitGeometry<L>& geometry,
                           float (&visible)[L::count]) {
