@@ -1,6 +1,7 @@
 // What scripts/bench runs: measures one thing and prints it as CSV.
 //
-//   omma_bench ceiling|error|frames|latency|threads|kernels|moving|search|closed|worlds [--quick]
+//   omma_bench ceiling|error|frames|latency|threads|kernels|moving|search|closed|worlds|
+//              sun_map [--quick]
 //   omma_bench build NAME SCENE
 //   omma_bench instructions 1|16|16-plain|16-random|16-shared|target
 #include <cstdio>
@@ -34,13 +35,15 @@ int main(int argc, char** argv) {
       if (part == "moving") return moving(quick), 0;
       if (part == "closed") return closed(quick), 0;
       if (part == "worlds") return worlds(quick), 0;
+      if (part == "sun_map") return sun_map(quick), 0;
     }
   } catch (const std::exception& e) {
     std::fprintf(stderr, "omma_bench: %s\n", e.what());
     return 1;
   }
   std::fprintf(stderr,
-               "omma_bench ceiling|error|frames|latency|threads|kernels|moving|search|closed|worlds [--quick]\n"
+               "omma_bench ceiling|error|frames|latency|threads|kernels|moving|search|closed|worlds|sun_map "
+               "[--quick]\n"
                "omma_bench build NAME SCENE\n"
                "omma_bench instructions 1|16|16-plain|16-random|16-shared|target\n");
   return 2;

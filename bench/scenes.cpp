@@ -128,6 +128,11 @@ Setup bundled() {
   return {"bundled meadow", scene, bundled_eye(), {find_camera(*scene, "bee").world_from_camera}};
 }
 
+Setup bundled_lit() {
+  auto scene = std::make_shared<const Scene>(load_scene(examples + "/meadow_lit.glb"));
+  return {"bundled meadow lit", scene, bundled_eye(), {find_camera(*scene, "bee").world_from_camera}};
+}
+
 Setup bundled_opaque() {
   Setup setup = bundled();
   Scene scene = *setup.scene;

@@ -37,7 +37,9 @@ Setup meadow();
 Setup arena();
 // The bundled meadow with its bee: cut-outs, many meshes, much overlap.
 Setup bundled();
-// The same with its cut-outs opaque: what cutting out costs.
+// Its version for light, which is without painted shade.
+Setup bundled_lit();
+// The bundled one with its cut-outs opaque: what cutting out costs.
 Setup bundled_opaque();
 // 2 cells^2 triangles of rolling ground over a square kilometre, textured with a checkerboard.
 Setup hills(int cells);
@@ -63,6 +65,7 @@ void search(bool quick);
 void moving(bool quick);
 void closed(bool quick);
 void worlds(bool quick);
+void sun_map(bool quick);
 void build(const std::string& name, const std::string& scene_file);
 // One fixed small render on one thread, for counting instructions.
 void instructions(const std::string& which);

@@ -4,6 +4,7 @@
 #include "physics/footprint.h"
 #include "physics/light_sample.h"
 #include "physics/scatter.h"
+#include "physics/sun_map.h"
 #include "physics/traverse.h"
 #include "physics/weigh.h"
 
@@ -100,6 +101,13 @@ __global__ void device_check_leaving(SceneView scene, BvhView bvh, const PlacedM
   }
   packet.rays.t_far_m[0] = INFINITY;
   occluded_rays[threadIdx.x] = search.occluded(&valid, packet.rays);
+}
+
+// How much of the sun is seen from where a ray met something.
+__global__ void device_check_sun_map(SunMapView map, const HitGeometry<OneLane>* hits, float* visible) {
+  float seen[1];
+  eval_sun_map(map, hits[threadIdx.x], seen);
+  visible[threadIdx.x] = seen[0];
 }
 
 // Towards something that shines, and what comes from there.
