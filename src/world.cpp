@@ -112,6 +112,16 @@ void light_up(World::State& state) {
                             {built.frames.data(), built.first_origin_m, built.first_origin_now_m,
                              built.placement.moves.data()});
   state.radiance_unit = state.lit->light->radiance_unit;
+  if (!state.settings.lighting->sun_map) return;
+  LitData& lit = *state.lit;
+  if (!may_have_sun_map(lit.view))
+    throw Error(
+        "sun: expected \"exact\" in a world with surfaces that let light straight through (BLEND, "
+        "transmission), whose shadows a map does not know; found \"map\"");
+  lit.sun_map = make_sun_map({built.functions.closest, built.acceleration.tracer.get()},
+                             *built.scene, built.placement,
+                             state.settings.lighting->light.discs.front().direction);
+  lit.view.sun_map = &lit.sun_map.view;
 }
 
 void check_lighting(const WorldSettings& settings, const Scene& scene) {
@@ -132,6 +142,12 @@ void check_lighting(const WorldSettings& settings, const Scene& scene) {
                   std::to_string(lighting.depth));
     check_baked_light(*lighting.baked, scene, static_cast<int>(lighting.light.bands.count()));
   }
+  if (lighting.sun_map && (lighting.baked == nullptr || lighting.light.discs.size() != 1))
+    throw Error(lighting.baked == nullptr
+                    ? "sun: expected \"exact\" where light is not baked, found \"map\""
+                    : "sun: expected \"exact\" in a light of " +
+                          std::to_string(lighting.light.discs.size()) +
+                          " discs, as a map knows one sun, found \"map\"");
   check_lit_scene(scene);
 }
 

@@ -24,6 +24,10 @@ struct Lighting {
   int depth = 0;           // most scatterings on a path, at most most_depth; 0: as many as it takes
   bool polarized = false;  // radiance is then a Stokes vector, I, Q and U
   std::shared_ptr<const BakedLight> baked;  // in this light; null: all by paths
+  // With baked light: how much of the sun surfaces see is looked up in a shadow map of things as they
+  // lie when the world is lit. For worlds with one disc and no surface that light goes straight
+  // through.
+  bool sun_map = false;
 };
 inline constexpr int most_depth = 1000;
 

@@ -8,6 +8,7 @@
 #include "backend/light_data.h"
 #include "backend/scatter_data.h"
 #include "backend/shading_data.h"
+#include "backend/sun_map.h"
 #include "omma/world.h"
 
 namespace omma {
@@ -25,6 +26,7 @@ struct LitData {
   std::shared_ptr<const BakedLight> baked_light;
   std::vector<const std::int32_t*> cell_of_triangle;  // [mesh]
   BakedView baked;
+  SunMapData sun_map;
   SceneView view;                               // without a background
 };
 

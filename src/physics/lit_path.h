@@ -5,6 +5,7 @@
 #pragma once
 
 #include "physics/path_scatter.h"
+#include "physics/sun_map.h"
 
 namespace omma {
 
@@ -128,12 +129,20 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
     Packet<L> shadow;
     clear<L>(shadow.rays);
     alignas(n * 4) std::int32_t asked[n];
-    unsigned open = 0;
+    alignas(n * 4) float weight[n] = {};
+    unsigned open = 0, mapped = 0;
+    if (scene.sun_map != nullptr) eval_sun_map<L>(*scene.sun_map, geometry, weight);
     for (int l = 0; l < n; ++l) {
       const bool is_seen = direct.reflected[l] > 0 || direct.transmitted[l] > 0 ||
                            direct.dielectric[0][l] > 0 || direct.metal[l] > 0 ||
                            direct.coat[0][l] > 0;
       asked[l] = (scattering >> l & 1u) != 0 && lights[l].pdf > 0 && is_seen ? -1 : 0;
+      if (scene.sun_map != nullptr && lights[l].kind == LightKind::far) {
+        if (asked[l] != 0 && weight[l] > 0) mapped |= 1u << l;
+        asked[l] = 0;
+      } else {
+        weight[l] = 1;
+      }
       if (asked[l] != 0) open |= 1u << l;
       const float at[3] = {geometry.position[0][l], geometry.position[1][l],
                            geometry.position[2][l]};
@@ -153,14 +162,17 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
     if (open != 0)
       open = lets_through ? dim_by_passing<L>(scene, search, open, shadow, memory.shadow)
                           : open & ~search.occluded(asked, shadow.rays, Spread::scattered);
+    open |= mapped;
     if (open != 0) {
-      alignas(n * 4) float weight[n] = {}, axis[3][n];
+      alignas(n * 4) float axis[3][n];
       for (int i = 0; i < components * stride; ++i) memory.light[i] = 0;
       for (int l = 0; l < n; ++l) {
         const Vec3 up = vertical_axis(lights[l].direction);
         axis[0][l] = up.x, axis[1][l] = up.y, axis[2][l] = up.z;
-        if ((open >> l & 1u) == 0) continue;
-        weight[l] = 1;
+        if ((open >> l & 1u) == 0) {
+          weight[l] = 0;
+          continue;
+        }
         eval_light_sample(scene, lights[l], components, memory.light + l, n, stride);
       }
       if (lets_through)

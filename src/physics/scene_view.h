@@ -80,7 +80,8 @@ struct MeshView {
   const float* normals = nullptr;  // [vertex][3], in the mesh's frame; null: those of triangles
 };
 
-struct LightView;  // light_view.h
+struct LightView;   // light_view.h
+struct SunMapView;  // sun_map.h
 
 // omma::BakedLight.
 struct BakedView {
@@ -128,6 +129,8 @@ struct SceneView {
   // Light that was found before; null: all light is followed along paths. Where it is set, `light`
   // samples only what it leaves out.
   const BakedView* baked = nullptr;
+  // How much of the sun, then the one disc, surfaces see; null: shadow rays find out.
+  const SunMapView* sun_map = nullptr;
 };
 
 // Where a ray met a surface.

@@ -42,7 +42,7 @@ class Lighting:
         """
         arguments = self.light._for_engine()
         arguments["ultraviolet"] = self._weights(scene)
-        return _core.Light(**arguments), self.depth or 0, self.polarized, None
+        return _core.Light(**arguments), self.depth or 0, self.polarized, None, False
 
     def _weights(self, scene: Scene) -> NDArray[np.float64] | None:
         """Reflectance below 400 nm as weights of red, green, blue and of 1: (M + 1, 4); the last is
