@@ -47,15 +47,18 @@ std::vector<std::vector<float>> longest_edges(const Scene& scene, const Placemen
   return edges;
 }
 
-std::int64_t divisions(float edge_m, double cell_m) {
-  const double parts = std::ceil(static_cast<double>(edge_m) / cell_m);
+// Parts of an edge: no longer than a cell, where its size was asked for. Chosen, cells grow with the
+// root of the triangle's size: distant ground is no meadow.
+std::int64_t divisions(float edge_m, double cell_m, bool is_chosen) {
+  const double ratio = static_cast<double>(edge_m) / cell_m;
+  const double parts = std::ceil(is_chosen ? std::sqrt(ratio) : ratio);
   return static_cast<std::int64_t>(std::clamp(parts, 1.0, most_divisions));
 }
 
-std::int64_t cells_of_mesh(const std::vector<float>& edges, double cell_m) {
+std::int64_t cells_of_mesh(const std::vector<float>& edges, double cell_m, bool is_chosen) {
   std::int64_t cells = 0;
   for (const float edge : edges) {
-    const std::int64_t k = divisions(edge, cell_m);
+    const std::int64_t k = divisions(edge, cell_m, is_chosen);
     cells += k * k;
   }
   return cells;
@@ -64,6 +67,7 @@ std::int64_t cells_of_mesh(const std::vector<float>& edges, double cell_m) {
 struct Counted {
   const Scene& scene;
   const std::vector<std::vector<float>>& edges;
+  bool is_chosen;
   std::vector<bool> has_cells;  // [instance]
 
   std::int64_t cells(double cell_m) const {
@@ -72,7 +76,7 @@ struct Counted {
     for (std::size_t i = 0; i < scene.instances.size(); ++i) {
       if (!has_cells[i]) continue;
       const auto m = static_cast<std::size_t>(scene.instances[i].mesh);
-      if (of_mesh[m] < 0) of_mesh[m] = cells_of_mesh(edges[m], cell_m);
+      if (of_mesh[m] < 0) of_mesh[m] = cells_of_mesh(edges[m], cell_m, is_chosen);
       all += of_mesh[m];
     }
     return all;
@@ -85,7 +89,7 @@ double smallest_cell_m(const Counted& counted, std::int64_t most) {
   for (const std::vector<float>& edges : counted.edges)
     for (const float edge : edges) large = std::max(large, static_cast<double>(edge));
   if (!(large > 0)) return 1;
-  double small = large / most_divisions;
+  double small = large / (counted.is_chosen ? most_divisions * most_divisions : most_divisions);
   if (counted.cells(small) <= most) return small;
   while (large > small * 1.01) {
     const double middle = std::sqrt(small * large);
@@ -132,7 +136,8 @@ void leave_out_smallest(Counted& counted, std::int64_t room) {
 BakeCells divide_into_cells(const Scene& scene, const Placement& placement, std::size_t bands,
                             const BakeSettings& settings) {
   const std::vector<std::vector<float>> edges = longest_edges(scene, placement);
-  Counted counted{scene, edges, std::vector<bool>(scene.instances.size(), true)};
+  const bool is_chosen = !(settings.cell_m > 0);
+  Counted counted{scene, edges, is_chosen, std::vector<bool>(scene.instances.size(), true)};
   const auto room = static_cast<std::int64_t>(std::min<std::size_t>(
       settings.most_bytes / bytes_of_cell(bands), static_cast<std::size_t>(most_cells)));
   BakeCells plan;
@@ -157,7 +162,7 @@ BakeCells divide_into_cells(const Scene& scene, const Placement& placement, std:
     }
   } else {
     if (triangles > room) leave_out_smallest(counted, room);
-    plan.cell_m = smallest_cell_m(counted, std::min(room, 2 * triangles + cells_of_small_scenes));
+    plan.cell_m = smallest_cell_m(counted, std::min(room, 3 * triangles + cells_of_small_scenes));
   }
 
   plan.cell_of_triangle.resize(edges.size());
@@ -165,7 +170,7 @@ BakeCells divide_into_cells(const Scene& scene, const Placement& placement, std:
   for (std::size_t m = 0; m < edges.size(); ++m) {
     std::vector<std::int32_t> first{0};
     for (const float edge : edges[m]) {
-      const std::int64_t k = divisions(edge, plan.cell_m);
+      const std::int64_t k = divisions(edge, plan.cell_m, is_chosen);
       of_mesh[m] += k * k;
       first.push_back(static_cast<std::int32_t>(of_mesh[m]));
     }

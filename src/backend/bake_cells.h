@@ -24,7 +24,7 @@ inline std::size_t bytes_of_cell(std::size_t bands) {
 }
 
 // Throws omma::Error where cells were asked for that have no room. Where a size was not asked for,
-// large triangles get as many cells as there are triangles, and some more; where even a cell for
+// there are some three times as many cells as triangles; where even a cell for
 // each triangle has no room, instances of the smallest triangles get none.
 BakeCells divide_into_cells(const Scene& scene, const Placement& placement, std::size_t bands,
                             const BakeSettings& settings);

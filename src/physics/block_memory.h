@@ -34,7 +34,7 @@ struct SpectraMemory {
 struct PathMemory : SpectraMemory {
   float* light = nullptr;  // [component][band][lane], arriving
   // [band][lane], what white surfaces would send back of baked light, before and behind the one that
-  // was met; null where there is none.
+  // was met.
   float *front = nullptr, *back = nullptr;
   SpectraMemory shadow;    // of rays to lights
 };
@@ -74,10 +74,8 @@ OMMA_HD BlockMemory lay_out(Room& room, const FrameView& frame, int lanes) {
                              &spectra->emission, &spectra->tint})
         *values = room.take<float>(one);
     paths.light = room.take<float>(components * one);
-    if (scene.baked != nullptr) {
-      paths.front = room.take<float>(one);
-      paths.back = room.take<float>(one);
-    }
+    paths.front = room.take<float>(one);
+    paths.back = room.take<float>(one);
   }
   memory.output = frame.output_from_band == nullptr ? memory.radiance
                                                     : room.take<float>(outputs * packet);

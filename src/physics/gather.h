@@ -1,6 +1,11 @@
 // Light that arrives at places from all around, as it is baked: paths begin at points of a patch of
 // a surface, or at a place in the air, in directions by the cosine, and are followed like those of an
 // eye. What comes straight from discs and lamps is left out.
+//
+// A point of a patch counts as much as it can be seen: the part of its paths that go on freely for
+// `seen_from_m`. What of a blade lies hidden in the ground, or deep among leaves, is dark and is
+// hardly ever looked at, and would make all of the patch too dark. Of the paths of a point one half
+// says how much the other counts, so that chance alone brings no light.
 #pragma once
 
 #include "physics/lit_path.h"
@@ -12,6 +17,7 @@ struct GatherPlace {
   std::int32_t instance = -1, mesh = -1, triangle = 0;
   bool is_back = false;
   float uv[3][2] = {};
+  float seen_from_m = 0;
   Vec3 position, normal;  // of a place in the air, traced frame
   std::uint32_t hash = 0;
   int paths = 0;  // a multiple of the packet
@@ -23,6 +29,9 @@ inline constexpr std::uint32_t choice_of_point = 0xfffffff0u, choice_of_way = 0x
 
 // Points that are cut out of a patch are chosen anew, so often at most.
 inline constexpr std::uint32_t most_attempts = 8;
+
+// Paths that begin at one point; a packet is a whole number of points.
+inline constexpr int paths_of_point = 8;
 
 // The packet's points on the patch, as rays would have met them; false where none is on the surface.
 template <typename L>
@@ -37,7 +46,8 @@ OMMA_HD bool choose_points(const SceneView& scene, const GatherPlace& place, int
     hits.footprint_m[l] = 0;
     for (std::uint32_t attempt = 0; attempt < most_attempts && hits.mesh[l] < 0; ++attempt) {
       const auto pair = path_pair(place.hash + attempt * 0x9e3779b9u,
-                                  static_cast<std::uint32_t>(first + l), choice_of_point);
+                                  static_cast<std::uint32_t>((first + l) / paths_of_point),
+                                  choice_of_point);
       const float root = sqrtf(pair.x), b = root * pair.y, a = root - b;
       const float u = place.uv[0][0] + a * (place.uv[1][0] - place.uv[0][0]) +
                       b * (place.uv[2][0] - place.uv[0][0]);
@@ -131,8 +141,8 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherPl
                           const PathMemory& memory, float* radiance, double* mean) {
   using F = typename L::F;
   constexpr int n = L::count;
-  int points_found = 0;
-  for (int b = 0; b < scene.bands; ++b) mean[b] = 0;
+  double all[most_bands], all_found = 0, seen_found = 0;
+  for (int b = 0; b < scene.bands; ++b) all[b] = mean[b] = 0;
   for (int first = 0; first < place.paths; first += n) {
     Packet<L> packet;
     clear<L>(packet.rays);
@@ -173,7 +183,7 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherPl
       F tangent[3], bitangent[3], up[3], w[3];
       if (is_on_surface) {
         points[l / L::width] = make_scatter_point(scatter_surface<L>(scene, packet.rays, surface, l));
-        for (int r = 0; r < 3; ++r) up[r] = points[l / L::width].normal[r];
+        for (int r = 0; r < 3; ++r) up[r] = points[l / L::width].base_normal[r];
       } else {
         load_3(geometry.normal, l, up);
       }
@@ -197,7 +207,6 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherPl
     alignas(n * 4) std::int32_t valid[n];
     for (int l = 0; l < n; ++l) {
       valid[l] = hits.mesh[l] >= 0 ? -1 : 0;
-      if (valid[l] != 0) ++points_found;
       if (!(entering[l] > 0.0f)) valid[l] = 0;
       const float at[3] = {geometry.position[0][l], geometry.position[1][l],
                            geometry.position[2][l]};
@@ -214,27 +223,48 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherPl
       packet.rays.t_near_m[l] = 0;
     }
     // What shines is sampled first: the paths move on from where they begin.
-    const auto sum = [&](const float* light) {
-      for (int b = 0; b < scene.bands; ++b)
-        for (int l = 0; l < n; ++l)
-          if (valid[l] != 0) mean[b] += static_cast<double>(light[b * n + l]);
-    };
+    const int values = scene.bands * n;
+    alignas(n * 4) float free_m[n];
+    for (int l = 0; l < n; ++l) free_m[l] = 0;
+    for (int i = 0; i < values; ++i) memory.front[i] = 0;
     if (scene.light->emissive_probability > 0.0f) {
       alignas(n * 4) std::int32_t on[n];
       for (int l = 0; l < n; ++l) on[l] = hits.mesh[l] >= 0 ? -1 : 0;
-      for (int i = 0; i < scene.bands * n; ++i) radiance[i] = 0;
       add_shining<L>(scene, search, place, first, geometry, normal,
-                     is_on_surface ? points : nullptr, on, memory, radiance);
-      for (int b = 0; b < scene.bands; ++b)
-        for (int l = 0; l < n; ++l) mean[b] += static_cast<double>(radiance[b * n + l]);
+                     is_on_surface ? points : nullptr, on, memory, memory.front);
     }
-    eval_lit_path<L>(scene, search, valid, packet, memory, radiance, true);
-    for (int l = 0; l < n; ++l)
-      for (int b = 0; b < scene.bands; ++b) radiance[b * n + l] *= entering[l];
-    sum(radiance);
+    eval_lit_path<L>(scene, search, valid, packet, memory, radiance, free_m);
+    for (int b = 0; b < scene.bands; ++b)
+      for (int l = 0; l < n; ++l) {
+        const float found = valid[l] != 0 ? radiance[b * n + l] * entering[l] : 0.0f;
+        radiance[b * n + l] = memory.front[b * n + l] + found;
+      }
+    constexpr int half = paths_of_point / 2;
+    for (int l = 0; l < n; l += half) {
+      const int other = l % paths_of_point == 0 ? l + half : l - half;
+      int open = 0, found = 0;
+      for (int k = 0; k < half; ++k) {
+        if (valid[other + k] != 0 && free_m[other + k] >= place.seen_from_m) ++open;
+        if (hits.mesh[l + k] >= 0) ++found;
+      }
+      all_found += found;
+      seen_found += open * found;
+      for (int b = 0; b < scene.bands; ++b) {
+        double sum = 0;
+        for (int k = 0; k < half; ++k)
+          if (hits.mesh[l + k] >= 0) sum += static_cast<double>(radiance[b * n + l + k]);
+        all[b] += sum;
+        mean[b] += open * sum;
+      }
+    }
   }
-  const double each = points_found > 0 ? 1.0 / points_found : 0.0;
-  for (int b = 0; b < scene.bands; ++b) mean[b] *= each;
+  // Where nothing can be seen, all points count alike.
+  for (int b = 0; b < scene.bands; ++b) {
+    if (seen_found > 0)
+      mean[b] /= seen_found;
+    else
+      mean[b] = all_found > 0 ? all[b] / all_found : 0.0;
+  }
 }
 
 }  // namespace omma

@@ -18,11 +18,11 @@ inline constexpr float most_survival = 0.95f;
 inline constexpr float up_to_light = 1.0f - 1e-4f;
 
 // Radiance [component][band][lane] of the rays of a packet, where `valid` [lane] is not 0. Rays that
-// gather begin at surfaces; see PathState.
+// gather begin at surfaces (PathState): `free_m` [lane] takes how far each goes; else it is null.
 template <typename L, typename Search>
 OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::int32_t* valid,
                            Packet<L>& packet, const PathMemory& memory, float* radiance,
-                           bool gathers = false) {
+                           float* free_m = nullptr) {
   using I = typename L::I;
   constexpr int n = L::count;
   const int components = scene.polarized ? 3 : 1, stride = scene.bands * n;
@@ -33,7 +33,7 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
                               scene.light->lamp_probability > 0.0f ||
                               scene.light->emissive_probability > 0.0f;
   PathState<L> state;
-  state.gathers = gathers;
+  const bool gathers = state.gathers = free_m != nullptr;
   // Many paths that are baked add up, so they may end early; what gloss sends on has been cut already.
   const int roulette_from = scene.baked != nullptr ? most_flights : (gathers ? 1 : roulette_after + 1);
   PassedSurfaces<n> passed;
@@ -58,6 +58,8 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
     }
     search.closest(state.active, packet.rays, lets_through ? &passed : nullptr, spread);
     find_hits<L>(search.placed(), packet, hits);
+    if (gathers && state.flight == 0)
+      for (int l = 0; l < n; ++l) free_m[l] = packet.rays.t_far_m[l];
     unsigned met = 0;
     for (int l = 0; l < n; l += L::width) met |= lane_bits(load<I>(hits.mesh + l) >= 0) << l;
     met &= on;

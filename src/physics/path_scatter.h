@@ -10,7 +10,7 @@ namespace omma {
 
 // Where light was baked, a ray that gloss sends on is followed with this probability over what it
 // counts for, at most 1.
-inline constexpr float gloss_rays = 4.0f;
+inline constexpr float gloss_rays = 1.0f;
 
 // How light of a direction is scattered towards the eye by what was met, [lane]: scatter.h's values,
 // over the density with which the direction was chosen, and weighed.

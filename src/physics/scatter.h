@@ -61,6 +61,9 @@ struct RoughBoundary {
 template <typename F>
 struct ScatterPoint {
   F tangent[3], bitangent[3], normal[3], geometric_normal[3], direction[3];
+  // By which the base is lit: the surface's own, not bent towards the viewer, so that what falls on
+  // it is the same whoever looks.
+  F base_normal[3];
   LocalDirection<F> o;  // towards the viewer, in the frame of tangent, bitangent, normal
   F ior, specular, coat;
   RoughBoundary<F> boundary, coat_boundary;
@@ -84,12 +87,12 @@ struct ScatterValue {
   F metal;                 // times f0 + (1 - f0) schlick
   F schlick;
   Mueller<F> coat;
-  F cosine;  // between w and the normal
+  F cosine;  // between w and the base's normal
   F boundary_pdf, coat_pdf;
 };
 
 // Least cosine between a normal and the viewer. Those of vertices and of normal maps may turn away
-// from who sees the triangle: they are bent back, as far as it takes.
+// from who sees the triangle: for the lobes that mirror they are bent back, as far as it takes.
 inline constexpr float least_cosine = 1e-3f;
 
 template <typename F>
@@ -132,6 +135,7 @@ OMMA_HD ScatterPoint<F> make_scatter_point(const ScatterSurface<F>& s) {
   for (int r = 0; r < 3; ++r) {
     p.geometric_normal[r] = s.geometric_normal[r];
     p.direction[r] = s.direction[r];
+    p.base_normal[r] = s.normal[r];
   }
   bend_normal(s.normal, s.direction, p.normal);
   make_axes(p.normal, p.tangent, p.bitangent);
@@ -178,18 +182,21 @@ OMMA_HD F eval_entering(const ScatterPoint<F>& p, F cos_w) {
 }
 
 // `w`: a unit vector towards the light. Light reaches the viewer from the viewer's side of both the
-// triangle and the shading normal by reflection, from the far side of both through the sheet.
+// triangle and the normal of the lobe by reflection, from the far side of both through the sheet.
 template <typename F>
 OMMA_HD ScatterValue<F> eval_scatter(const ScatterPoint<F>& p, const F (&w)[3]) {
   const LocalDirection<F> local = to_local(p, w);
   const F side = dot_lanes(p.geometric_normal, w), cosine = local.z;
+  const F on_base = dot_lanes(p.base_normal, w);
   const auto reflects = cosine > 0.0f && side > 0.0f;
-  const auto transmits = cosine < 0.0f && side < 0.0f;
-  const F size = cosine < 0.0f ? -cosine : cosine;
-  const F cos_w = size < 1.0f ? size : broadcast<F>(1.0f);
+  const auto below_1 = [](F x) {
+    const F size = x < 0.0f ? -x : x;
+    return size < 1.0f ? size : broadcast<F>(1.0f);
+  };
+  const F cos_w = below_1(cosine), cos_base = below_1(on_base);
 
   ScatterValue<F> value;
-  value.cosine = cosine;
+  value.cosine = on_base;
   const HalfVector<F> half = half_vector(p.o, local, p.boundary.alpha);
   const F mirrored =
       eval_microfacet(half.density, p.o.z, p.boundary.root_o, cos_w, p.boundary.alpha);
@@ -207,10 +214,9 @@ OMMA_HD ScatterValue<F> eval_scatter(const ScatterPoint<F>& p, const F (&w)[3]) 
     value.coat_pdf = keep(cosine > 0.0f, microfacet_pdf(coat_half.density, p.o.z, coat.root_o));
     below_coat = 1.0f - p.coat * eval_albedo(p.coat_table, coat.row, cos_w);
   }
-  const F through = 1.0f - p.specular * eval_albedo(p.albedo_tables, p.boundary.row, cos_w);
-  const F diffuse = p.base * below_coat * through * cos_w;
-  value.diffuse_reflection = keep(reflects, diffuse);
-  value.diffuse_transmission = keep(transmits, diffuse);
+  const F diffuse = p.diffuse * inverse_pi * eval_entering(p, cos_base) * cos_base;
+  value.diffuse_reflection = keep(on_base > 0.0f && side > 0.0f, diffuse);
+  value.diffuse_transmission = keep(on_base < 0.0f && side < 0.0f, diffuse);
   const F of_mirrors = keep(reflects, below_coat * mirrored);
   value.dielectric =
       mueller_of(fresnel_dielectric(half.cosine, p.ior)) * (p.dielectric * of_mirrors);
@@ -238,8 +244,11 @@ template <typename F, typename I>
 OMMA_HD void sample_scatter(I lobe, const ScatterPoint<F>& p, F u0, F u1, F (&w)[3]) {
   const auto is = [&](Lobe one) { return lobe == static_cast<std::int32_t>(one); };
   const auto is_boundary = is(Lobe::dielectric) || is(Lobe::metal);
-  LocalDirection<F> local = sample_cosine(u0, u1);
-  local.z = is(Lobe::diffuse_transmission) ? -local.z : local.z;
+  LocalDirection<F> diffuse = sample_cosine(u0, u1), local = diffuse;
+  diffuse.z = is(Lobe::diffuse_transmission) ? -diffuse.z : diffuse.z;
+  F across[3], along[3];
+  make_axes(p.base_normal, across, along);
+  const auto is_diffuse = is(Lobe::diffuse_reflection) || is(Lobe::diffuse_transmission);
   const auto take = [&](const auto& those, const LocalDirection<F>& d) {
     local.x = those ? d.x : local.x;
     local.y = those ? d.y : local.y;
@@ -249,7 +258,9 @@ OMMA_HD void sample_scatter(I lobe, const ScatterPoint<F>& p, F u0, F u1, F (&w)
   if (p.coat_table != nullptr)
     take(is(Lobe::coat), sample_microfacet(p.o, p.coat_boundary.alpha, u0, u1));
   for (int r = 0; r < 3; ++r) {
-    const F turned = p.tangent[r] * local.x + p.bitangent[r] * local.y + p.normal[r] * local.z;
+    const F mirrored = p.tangent[r] * local.x + p.bitangent[r] * local.y + p.normal[r] * local.z;
+    const F scattered = across[r] * diffuse.x + along[r] * diffuse.y + p.base_normal[r] * diffuse.z;
+    const F turned = is_diffuse ? scattered : mirrored;
     w[r] = is(Lobe::straight) ? p.direction[r] : turned;
   }
 }
