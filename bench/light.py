@@ -82,7 +82,9 @@ def renders(world: omma.World, setup: Setup, rays: int) -> Callable[[], int]:
 def lit_ways(setup: Setup, rays: int) -> list[Way]:
     """The unlit world, and the same world in the light of a clear sky."""
     unlit = omma.World(setup.scene, threads=1)
-    base = omma.World(setup.scene, light=clear_light(16), ultraviolet=0.02, threads=1)
+    base = omma.World(
+        setup.scene, light=clear_light(16), ultraviolet=0.02, threads=1, lighting="path"
+    )
     edges_nm = Bands.equal(16).edges_nm
     empty = omma.Scene()
 
@@ -130,7 +132,7 @@ def peer_ways(setup: Setup, rays: int) -> list[Way]:
     """Omma and Mitsuba on one flattened, diffuse scene in one grey light."""
     light = grey_light(clear_light(16), Bands.equal(16, 400.0, 700.0))
     plain = diffuse_setup(setup)
-    base = omma.World(plain.scene, light=light, threads=1)
+    base = omma.World(plain.scene, light=light, threads=1, lighting="path")
     peers = [Peer(variant, plain, light, rays) for variant in peer_variants()]
     ways = []
     for depth in PEER_DEPTHS:

@@ -93,7 +93,8 @@ def look(eye, rays=128):
         "clear": omma.light.clear_sky(SUN_ELEVATION_DEG, SUN_AZIMUTH_DEG, bands=bands),
         "overcast": omma.light.overcast_sky(SUN_ELEVATION_DEG, bands=bands),
     }
-    world = omma.World(scene, light=lights["clear"], polarized=True)
+    # By paths: for one pose that is sooner done than baking.
+    world = omma.World(scene, light=lights["clear"], polarized=True, lighting="path")
     found = {
         name: omma.Renderer(world.with_light(light), eye, omma.Fixed(rays)).render_stokes(pose)[0]
         for name, light in lights.items()

@@ -2,8 +2,10 @@
 
 import base64
 import json
+import os
 import signal
 import sys
+import tempfile
 import threading
 from pathlib import Path
 
@@ -17,6 +19,10 @@ from omma.cli.main import main
 # that they start and interrupt; a handler ends that.
 if threading.current_thread() is threading.main_thread():
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+# What tests bake is kept for them alone, also by the programs that they start.
+_cache = tempfile.TemporaryDirectory(prefix="omma-cache-")
+os.environ["OMMA_CACHE"] = _cache.name
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 

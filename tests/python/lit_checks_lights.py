@@ -58,7 +58,7 @@ def overcast(backend: str) -> Iterator[Check]:
         found = []
         for normal in ((0.0, 1.0, 0.0), (1.0, 0.0, 0.0)):
             scene = omma.Scene(meshes=[square(2, (0, 0, 0), normal)], materials=[matter(1.0)])
-            world = omma.World(scene, light=light, backend=backend)
+            world = omma.World(scene, light=light, backend=backend, lighting="path")
             seen, error = look(world, normal, -np.array(normal), samples=2048)
             found.append((np.pi * seen[0] / level, np.pi * error[0] / level))
         yield Check(f"{name}, level ground", "E = 7π/9 L_z", 7 * np.pi / 9, *found[0], tolerance)
@@ -77,7 +77,7 @@ def form_factors(backend: str) -> Iterator[Check]:
             meshes=[square(1, (0.5, 0, 0.5), (0, 1, 0), 0), square(1, shining_at, facing, 1)],
             materials=[matter(1.0), shining(1.0)],
         )
-        world = omma.World(scene, light=DARK, backend=backend)
+        world = omma.World(scene, light=DARK, backend=backend, lighting="path")
         found = []
         for seed in range(repeats):
             # A place in each cell of a grid, all else of random numbers anew.
@@ -119,7 +119,10 @@ def disc_shade(backend: str) -> Iterator[Check]:
             materials=[matter(1.0), matter(0.0)],
         )
         world = omma.World(
-            scene, light=uniform_sky(1.0, below=0, bands=BAND, unit="watts"), backend=backend
+            scene,
+            light=uniform_sky(1.0, below=0, bands=BAND, unit="watts"),
+            backend=backend,
+            lighting="path",
         )
         seen, error = look(world, (0, 0.1, 0), (0, -1, 0), samples=4096)
         taken = radius**2 / (radius**2 + height**2)
@@ -148,7 +151,9 @@ def sun(backend: str) -> Iterator[Check]:
     for elevation in (90.0, 30.0, 5.0):
         angle = np.radians(elevation)
         limb = Disc((0, np.sin(angle), -np.cos(angle)), SUN_RADIUS_RAD, [2.0], [0.6])
-        world = omma.World(ground(0.4), light=Light(BAND, "watts", discs=(limb,)), backend=backend)
+        world = omma.World(
+            ground(0.4), light=Light(BAND, "watts", discs=(limb,)), backend=backend, lighting="path"
+        )
         seen, error = look(world, (0, 1, 0), (0, -1, 0))
         yield Check(
             f"ground of ρ 0.4 in the sun at {elevation:.0f}°",
@@ -162,7 +167,7 @@ def sun(backend: str) -> Iterator[Check]:
     scene = ground()
     scene = omma.Scene(meshes=[*scene.meshes, edge], materials=[*scene.materials, matter(0.0)])
     overhead = Light(BAND, "watts", discs=(Disc((0, 1, 0), SUN_RADIUS_RAD, [1.0]),))
-    world = omma.World(scene, light=overhead, backend=backend)
+    world = omma.World(scene, light=overhead, backend=backend, lighting="path")
     radius = height * np.tan(SUN_RADIUS_RAD)
     x = (np.arange(240) + 0.5) / 240 * 2.4 * radius - 1.2 * radius
     at = np.column_stack([x, np.full(len(x), 1.0), np.zeros(len(x))])
@@ -199,7 +204,9 @@ def lamps(backend: str) -> Iterator[Check]:
     """Lamps without size."""
 
     def seen_of(lamp: PunctualLight, x: float) -> tuple[float, float]:
-        world = omma.World(ground().replace(lights=[lamp]), light=DARK, backend=backend)
+        world = omma.World(
+            ground().replace(lights=[lamp]), light=DARK, backend=backend, lighting="path"
+        )
         seen, error = look(world, (x, 0.5, 0), (0, -1, 0), samples=16)
         return seen[0], error[0]
 
@@ -240,7 +247,10 @@ def lamps(backend: str) -> Iterator[Check]:
         (PunctualLight(type="directional", intensity=70.0, world_from_light=down), 70.0),
     ):
         world = omma.World(
-            ground().replace(lights=[lamp]), light=Light(fine, "watts"), backend=backend
+            ground().replace(lights=[lamp]),
+            light=Light(fine, "watts"),
+            backend=backend,
+            lighting="path",
         )
         seen, _ = look(world, (0.0, 0.5, 0), (0, -1, 0), samples=16, count=4)
         lux = 683 * (np.pi * seen * efficiency * fine.widths_nm).sum()
@@ -265,7 +275,7 @@ def moved(backend: str) -> Iterator[Check]:
         materials=[matter(1.0), shining(1000.0)],
         instances=[Instance(0), Instance(1, translated(0, 4, 0), name="lamp")],
     )
-    world = omma.World(scene, light=DARK, backend=backend)
+    world = omma.World(scene, light=DARK, backend=backend, lighting="path")
     for height in (4.0, 1.5):
         if height != 4.0:
             world.set_transforms("lamp", translated(0, height, 0))
@@ -291,7 +301,11 @@ def microvilli(backend: str) -> Iterator[Check]:
     sky[..., 0, 0] = 1
     sky[..., 1, 0], sky[..., 2, 0] = degree * np.cos(2 * psi), degree * np.sin(2 * psi)
     world = omma.World(
-        omma.Scene(), light=Light(BAND, "photons", sky), polarized=True, backend=backend
+        omma.Scene(),
+        light=Light(BAND, "photons", sky),
+        polarized=True,
+        backend=backend,
+        lighting="path",
     )
     types = [
         ReceptorType(
@@ -322,7 +336,7 @@ def photons(backend: str) -> Iterator[Check]:
     scene = omma.Scene(meshes=[square(2, (0, 0, 0), (0, 1, 0))], materials=[shining(2.5)])
     found = [
         look(
-            omma.World(scene, light=Light(bands, unit), backend=backend),
+            omma.World(scene, light=Light(bands, unit), backend=backend, lighting="path"),
             (0, 1, 0),
             (0, -1, 0),
             samples=1,
@@ -351,7 +365,7 @@ def catch(backend: str) -> Iterator[Check]:
         receptor_types=[kind],
         receptors=[[0]],
     )
-    world = omma.World(omma.Scene(), light=light, backend=backend)
+    world = omma.World(omma.Scene(), light=light, backend=backend, lighting="path")
     answers = omma.Renderer(world, eye, omma.Fixed(16)).render_receptors(np.eye(4))
     found = omma.receptors.photon_catch(eye, answers, light, integration_time_s=0.014)
     nm = np.arange(300.0, 700.01, 0.5)

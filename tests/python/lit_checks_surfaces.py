@@ -39,7 +39,7 @@ def furnace(backend: str) -> Iterator[Check]:
     """A closed room that shines and reflects."""
     for reflectance in (0.2, 0.5):
         scene = omma.Scene(meshes=room(2), materials=[shining(1.0, reflectance)])
-        world = omma.World(scene, light=DARK, backend=backend)
+        world = omma.World(scene, light=DARK, backend=backend, lighting="path")
         eye = (0.1, 0.2, 0.3), (0.3, -1, 0.2)
         seen, error = look(world, *eye, samples=2048)
         yield Check(
@@ -74,7 +74,7 @@ def leaf(backend: str) -> Iterator[Check]:
     for name, gloss in (("matt", 0.0), ("glossy", 1.0)):
         sheet = matter(0.6, transmittance=flat_spectrum(0.4), specular=gloss, roughness=0.4)
         scene = omma.Scene(meshes=[square(2, (0, 0, 0), (0, 1, 0))], materials=[sheet])
-        world = omma.World(scene, light=WHITE_SKY, backend=backend)
+        world = omma.World(scene, light=WHITE_SKY, backend=backend, lighting="path")
         tolerance = ALBEDO_TABLE if gloss else ROUNDING
         for angle in (0, 60, 80):
             seen, error = look(world, *slanted(angle), samples=2048)
@@ -94,7 +94,7 @@ def facet(backend: str) -> Iterator[Check]:
         angle = np.radians(tilt)
         normal = np.array([np.sin(angle), np.cos(angle), 0.0])
         scene = omma.Scene(meshes=[square(2, (0, 0, 0), normal)], materials=[matter(1.0)])
-        world = omma.World(scene, light=UPPER_SKY, backend=backend)
+        world = omma.World(scene, light=UPPER_SKY, backend=backend, lighting="path")
         seen, error = look(world, normal, -normal, samples=2048)
         yield Check(
             f"facet tilted by {tilt}°, E of a uniform sky",
@@ -112,7 +112,7 @@ def angles(backend: str) -> Iterator[Check]:
             meshes=[square(2, (0, 0, 0), (0, 1, 0))],
             materials=[matter(0.0, specular=1.0, ior=ior, roughness=0.0)],
         )
-        world = omma.World(scene, light=WHITE_SKY, polarized=True, backend=backend)
+        world = omma.World(scene, light=WHITE_SKY, polarized=True, backend=backend, lighting="path")
         brewster = np.degrees(np.arctan(ior))
         for angle in (20.0, brewster, 75.0):
             across, along = fresnel(angle, ior)
@@ -155,7 +155,7 @@ def leaf_polarisation(backend: str) -> Iterator[Check]:
             meshes=[square(2, (0, 0, 0), (0, 1, 0))],
             materials=[matter(rho, specular=1.0, ior=1.5, roughness=0.0)],
         )
-        world = omma.World(scene, light=WHITE_SKY, polarized=True, backend=backend)
+        world = omma.World(scene, light=WHITE_SKY, polarized=True, backend=backend, lighting="path")
         each = look_each(world, *slanted(np.degrees(np.arctan(1.5))))[:, :2, 0]
         degree = -each[:, 1] / each[:, 0]
         yield Check(
@@ -177,7 +177,7 @@ def glass(backend: str) -> Iterator[Check]:
         meshes=[square(2, (0, 0, 0), (0, 1, 0)), square(9, (0, -1, 0), (0, 1, 0), 1)],
         materials=[pane, shining(1.0)],
     )
-    world = omma.World(scene, light=DARK, backend=backend)
+    world = omma.World(scene, light=DARK, backend=backend, lighting="path")
     for angle in (0.0, 50.0):
         lost = sum(fresnel(angle, 1.5)) / 2
         seen, error = look(world, *slanted(angle))
@@ -190,7 +190,10 @@ def glass(backend: str) -> Iterator[Check]:
             MIRROR,
         )
     lit = omma.World(
-        omma.Scene(meshes=scene.meshes[:1], materials=[pane]), light=WHITE_SKY, backend=backend
+        omma.Scene(meshes=scene.meshes[:1], materials=[pane]),
+        light=WHITE_SKY,
+        backend=backend,
+        lighting="path",
     )
     seen, error = look(lit, *slanted(50))
     yield Check("pane of glass in a uniform surround", "L", 1.0, seen[0], error[0], MIRROR)
@@ -213,7 +216,7 @@ def blend_and_mask(backend: str) -> Iterator[Check]:
         images=[half],
         textures=[omma.scene.Texture(0, filter="nearest")],
     )
-    world = omma.World(scene, light=sun, backend=backend)
+    world = omma.World(scene, light=sun, backend=backend, lighting="path")
     for effect, form, x, share in (
         ("ground in the sun", "ρ E/π", -3.0, 1.0),
         ("under a sheet of alpha 0.5 (BLEND)", "ρ E/(2 π)", 0.1, 0.5),
@@ -238,7 +241,7 @@ def normal_map(backend: str) -> Iterator[Check]:
         materials=[matter(0.5, normal_texture=TextureUse(0))],
         images=[picture],
     )
-    world = omma.World(scene, light=sun, backend=backend)
+    world = omma.World(scene, light=sun, backend=backend, lighting="path")
     seen, error = look(world, (0.1, 1, 0.1), (0, -1, 0))
     yield Check(
         "normal map, normal turned by 30° from the sun",
@@ -310,7 +313,7 @@ def energy(backend: str) -> Iterator[Check]:
         back = np.array([0.0, np.cos(angle), np.sin(angle)]) * 0.3
         eyes.append((place + back, -back))
     scene = omma.Scene(meshes=meshes, materials=materials)
-    world = omma.World(scene, light=WHITE_SKY, backend=backend)
+    world = omma.World(scene, light=WHITE_SKY, backend=backend, lighting="path")
     seen, error = look_many(world, *np.array(eyes).transpose(1, 0, 2), samples=256)
     over = seen[:, 0] - 3 * error[:, 0]
     worst = int(np.argmax(over))

@@ -167,7 +167,7 @@ def test_a_diffuse_scene():
         meshes=[FLOOR, WALL, LAMP, ball],
         materials=[matter(0.6), matter(0.3), shining(8.0), matter(0.8)],
     )
-    world = omma.World(scene, light=uniform_sky(0.3, bands=BAND, unit="watts"))
+    world = omma.World(scene, light=uniform_sky(0.3, bands=BAND, unit="watts"), lighting="path")
     # Ours shines to both sides, theirs to the front.
     back = LAMP.replace(triangles=LAMP.triangles[:, ::-1])
     shapes = [
@@ -188,7 +188,7 @@ def test_a_glossy_scene():
         meshes=[FLOOR, WALL, LAMP, ball],
         materials=[black_gloss(0.25), matter(0.5), shining(8.0), black_gloss(0.25)],
     )
-    world = omma.World(scene, light=uniform_sky(0.3, bands=BAND, unit="watts"))
+    world = omma.World(scene, light=uniform_sky(0.3, bands=BAND, unit="watts"), lighting="path")
     back = LAMP.replace(triangles=LAMP.triangles[:, ::-1])
     shapes = [
         (FLOOR, gloss(0.25), None),
@@ -207,7 +207,9 @@ def test_a_polarised_scene():
         meshes=[FLOOR, WALL],
         materials=[black_gloss(0.25), matter(0.5)],
     )
-    world = omma.World(scene, light=uniform_sky(0.3, bands=BAND, unit="watts"), polarized=True)
+    world = omma.World(
+        scene, light=uniform_sky(0.3, bands=BAND, unit="watts"), polarized=True, lighting="path"
+    )
     shapes = [(FLOOR, gloss(0.25), None), (WALL, diffuse(0.5), None)]
     sky = {"type": "constant", "radiance": {"type": "uniform", "value": 0.3}}
     mean, error = theirs(shapes, sky, 192, polarised=True)

@@ -16,7 +16,7 @@ TRUTH = 2.0
 def furnace():
     """A closed room of e = 1 and ρ = 0.5, in which all is 2."""
     scene = omma.Scene(meshes=room(2), materials=[shining(1.0, 0.5)])
-    return omma.World(scene, light=DARK, threads=2)
+    return omma.World(scene, light=DARK, threads=2, lighting="path")
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +41,7 @@ def test_standard_errors_cover_the_truth(furnace, eye):
     axes = eye.axis * [1, 0, 1] + [0, -1, 0]
     down = omma.Eye(np.zeros((300, 3)), axes, 0.0)
     plain = omma.Scene(meshes=[square(200, (0, -1, 0), (0, 1, 0))], materials=[matter(0.5)])
-    ground = omma.World(plain, light=uniform_sky(1.0, below=0, bands=BAND))
+    ground = omma.World(plain, light=uniform_sky(1.0, below=0, bands=BAND), lighting="path")
     z = z_scores(ground, 0.5, down, 16, 4)
     # Of Student's t with 7 degrees of freedom the rms is sqrt(7/5); of 1,200 to some 4 %.
     assert np.sqrt(np.mean(z**2)) == pytest.approx(np.sqrt(7 / 5), rel=0.12)
@@ -69,7 +69,7 @@ def test_rendered_to_an_error(furnace, eye):
 def test_the_same_bits_for_any_number_of_threads(furnace, eye):
     found = []
     for threads in (1, 2, 7):
-        world = omma.World(furnace.scene, light=DARK, threads=threads)
+        world = omma.World(furnace.scene, light=DARK, threads=threads, lighting="path")
         renderer = omma.Renderer(world, eye, omma.Fixed(8), threads=threads)
         found.append(renderer.render(np.eye(4)))
     np.testing.assert_array_equal(found[0], found[1])
@@ -120,7 +120,7 @@ def test_with_light_is_a_fresh_world(sheets, eye):
     day, dusk = uniform_sky(3.0, bands=BAND), uniform_sky(0.1, below=0, bands=BAND)
     pose = np.eye(4)
     pose[1, 3] = 1.5
-    shared = omma.World(sheets, light=day).with_light(dusk, depth=2)
+    shared = omma.World(sheets, light=day, lighting="path").with_light(dusk, depth=2)
     fresh = omma.World(sheets, light=dusk, depth=2)
     found = [omma.Renderer(world, eye, omma.Fixed(8)).render(pose) for world in (shared, fresh)]
     np.testing.assert_array_equal(*found)
@@ -152,7 +152,7 @@ def test_polarisation_does_not_change_intensity_of_matt_scenes(sheets, eye):
     matt = sheets.replace(
         materials=[sheets.materials[0].replace(specular=0.0), sheets.materials[1]]
     )
-    world = omma.World(matt, light=uniform_sky(1.0, bands=BAND))
+    world = omma.World(matt, light=uniform_sky(1.0, bands=BAND), lighting="path")
     plain = omma.Renderer(world, eye, omma.Fixed(8)).render(HIGH)
     polarised = world.with_light(world.light, polarized=True)
     stokes = omma.Renderer(polarised, eye, omma.Fixed(8)).render_stokes(HIGH)
@@ -163,7 +163,7 @@ def test_polarisation_does_not_change_intensity_of_matt_scenes(sheets, eye):
 def test_shared_rays(sheets):
     axes = omma.eye.generate_eye(200).axis
     many = omma.Eye(np.zeros((200, 3)), axes, np.radians(20))
-    world = omma.World(sheets, light=uniform_sky(1.0, below=0, bands=BAND))
+    world = omma.World(sheets, light=uniform_sky(1.0, below=0, bands=BAND), lighting="path")
     own = omma.Renderer(world, many, omma.Fixed(256)).render(HIGH)
     shared = omma.Renderer(world, many, omma.Shared()).render(HIGH)
     # Rays of few samples each: means over the eye agree.
@@ -182,7 +182,11 @@ def test_stokes_need_a_polarised_world(furnace, eye):
 def test_both_backends_agree(sheets):
     light = uniform_sky(1.0, below=0, bands=BAND)
     found = [
-        look(omma.World(sheets, light=light, backend=backend), (0.3, 3, 0.2), (0, -1, 0.1))[0]
+        look(
+            omma.World(sheets, light=light, backend=backend, lighting="path"),
+            (0.3, 3, 0.2),
+            (0, -1, 0.1),
+        )[0]
         for backend in ("embree", "portable")
     ]
     # The same random numbers; where a ray hits differs in its last bits.

@@ -117,6 +117,8 @@ def examples(files, tmp_path_factory):
         "receptors.ReceptorType": all_round_eye().receptor_types[0],
         "rendering.Settings": omma.rendering.Settings(omma.Shared(4), seed=7),
         "rendering.SamplingReport": renderer.render(pose, report=True)[1],
+        "scene.Bake": omma.scene.Bake(cell_m=0.5, paths=64, cache=False),
+        "scene.BakedInfo": omma.scene.BakedInfo(9, 0.5, 32, 1152, 3, 0.25, True),
         "scene.Camera": scene.cameras[1],
         "scene.ExtraReflectance": omma.scene.ExtraReflectance(
             0, [omma.light.Spectrum([300, 400], [0.1, 0.2])]

@@ -129,6 +129,7 @@ def arrays_of(**values: Any) -> list[NDArray[np.float64]]:
 _OWN = {
     "AcuteZone": "omma.eye.AcuteZone",
     "Background": "omma.Background",
+    "Bake": "omma.scene.Bake",
     "Bands": "omma.light.Bands",
     "Camera": "omma.scene.Camera",
     "Eye": "omma.Eye",

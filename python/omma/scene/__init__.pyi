@@ -1,3 +1,4 @@
+from .baking import Bake, BakedInfo
 from .files import Camera, load_scene, save_scene
 from .joining import merge_scenes, place_scene
 from .parts import (
@@ -23,6 +24,8 @@ from .walls import corridor, drum
 from .world import WorldInstance
 
 __all__ = [
+    "Bake",
+    "BakedInfo",
     "Camera",
     "ExtraReflectance",
     "HitBox",

@@ -14,8 +14,11 @@ from omma._core import Error, Scene
 from omma.base.arguments import expect, one_of, whole
 from omma.base.values import value_class
 from omma.light import Light
+from omma.scene.baking import Bake
 
-LightingName = Literal["path", "unlit"]
+LightingName = Literal["baked", "path", "unlit"]
+# How the sun is asked for where the rest of the light was baked.
+Sun = Literal["exact", "map"]
 # What is reflected below 400 nm where only RGB is known.
 Rule = Literal["dark", "as_blue"] | float
 Ultraviolet = Rule | Mapping[str, Rule] | None
@@ -30,19 +33,29 @@ class Lighting:
     """What `omma.World` is given of light, checked; its docstring says what each is."""
 
     light: Light
+    lighting: LightingName
     depth: int | None
     polarized: bool
     ultraviolet: Ultraviolet
+    sun: Sun
+    bake: Bake | None  # where light is baked
 
-    def for_engine(self, scene: Scene) -> tuple[Any, int, bool, Any]:
-        """The engine's light, depth and polarisation for a scene.
+    def light_arguments(self, scene: Scene) -> dict[str, Any]:
+        """The arguments of the engine's light for a scene.
 
         Raises:
             omma.Error: a material of which nobody says what it reflects in the ultraviolet.
         """
         arguments = self.light._for_engine()
         arguments["ultraviolet"] = self._weights(scene)
-        return _core.Light(**arguments), self.depth or 0, self.polarized, None, False
+        return arguments
+
+    def for_engine(
+        self, arguments: dict[str, Any], baked: _core.BakedLight | None = None
+    ) -> tuple[Any, int, bool, _core.BakedLight | None, bool]:
+        """The engine's lighting, of the arguments of its light."""
+        has_map = baked is not None and self.sun == "map"
+        return _core.Light(**arguments), self.depth or 0, self.polarized, baked, has_map
 
     def _weights(self, scene: Scene) -> NDArray[np.float64] | None:
         """Reflectance below 400 nm as weights of red, green, blue and of 1: (M + 1, 4); the last is
@@ -74,6 +87,8 @@ def checked_lighting(
     depth: int | None,
     polarized: bool,
     ultraviolet: Ultraviolet,
+    sun: str,
+    bake: Bake | None,
 ) -> Lighting | None:
     """The arguments of a world as a value; None where it is not lit.
 
@@ -82,29 +97,45 @@ def checked_lighting(
         TypeError: an argument is of another type.
     """
     if lighting is not None:
-        one_of(lighting, ("path", "unlit"), "lighting")
+        one_of(lighting, ("baked", "path", "unlit"), "lighting")
+    one_of(sun, ("exact", "map"), "sun")
     if light is None or lighting == "unlit":
-        if lighting == "path":
-            raise Error('lighting: "path" needs a light (omma.light.clear_sky makes one)')
+        if lighting in ("baked", "path"):
+            raise Error(f'lighting: "{lighting}" needs a light (omma.light.clear_sky makes one)')
         if light is not None:
             raise Error('lighting: "unlit" is what it is without a light; expected light=None')
         for name, given in (
             ("depth", depth),
             ("polarized", polarized or None),
             ("ultraviolet", ultraviolet),
+            ("bake", bake),
         ):
             if given is not None:
                 raise Error(f"{name}: is for worlds with a light, found none")
         return None
     expect(light, Light, "light", "omma.light.clear_sky makes one")
     number = None if depth is None else whole(depth, "depth", 1, _MOST_DEPTH)
+    is_baked = lighting == "baked" or (lighting is None and bake is not None)
+    how: LightingName = "baked" if is_baked else "path"
+    if how == "baked" and depth is not None:
+        raise Error(
+            f"depth: expected None, as baked light is that of all scatterings, found {depth}; "
+            'lighting="path" follows light so far'
+        )
+    if how == "path" and bake is not None:
+        raise Error('bake: is for baked light, found lighting="path"')
+    if how == "path" and sun != "exact":
+        raise Error('sun: "map" is for baked light, found lighting="path"')
+    if how == "baked" and bake is None:
+        bake = Bake()
+    kind: Sun = "map" if sun == "map" else "exact"
     if not isinstance(polarized, (bool, np.bool_)):
         raise TypeError(f"polarized: expected True or False, found {polarized!r:.40}")
     if isinstance(ultraviolet, Mapping):
-        ultraviolet = {name: _checked_rule(rule) for name, rule in ultraviolet.items()}
+        ultraviolet = {of: _checked_rule(rule) for of, rule in ultraviolet.items()}
     elif ultraviolet is not None:
         ultraviolet = _checked_rule(ultraviolet)
-    return Lighting(light, number, bool(polarized), ultraviolet)
+    return Lighting(light, how, number, bool(polarized), ultraviolet, kind, bake)
 
 
 def _checked_rule(rule: Any) -> Rule:

@@ -15,10 +15,13 @@ from omma.base.arguments import array_of, checked, expect, whole
 from omma.base.notebook import html_table
 from omma.base.values import check_format
 from omma.light import Light
-from omma.scene.lighting import Lighting, LightingName, Ultraviolet, checked_lighting
+from omma.scene.baking import Bake, BakedInfo, find_baked_light, share_of
+from omma.scene.lighting import Lighting, LightingName, Sun, Ultraviolet, checked_lighting
 
 # Of the pickles of worlds; raised where what they hold changes.
-_PICKLE_FORMAT = 1
+_PICKLE_FORMAT = 2
+# The share of progress that building has where light is baked too.
+_BUILDING = 0.1
 
 Progress = Callable[[float], object]
 Instances = str | int | Sequence[str | int] | NDArray[np.integer]
@@ -45,24 +48,34 @@ class World:
         light: what the world is lit by (`omma.light.clear_sky` and others); radiance is then in its
             bands and its unit, absolute, and its sky takes the place of a background. None:
             surfaces show their base colour and emission, as they are.
-        lighting: "path" follows light over all surfaces; "unlit" is what it is without ``light``.
-            None: "path" where there is light.
+        lighting: "baked" finds the light of the sky and between surfaces once, on both sides of
+            every triangle, and looks it up where rays meet them (docs/baked-light.md); "path", the
+            reference, follows light over all surfaces for every ray; "unlit" is what it is without
+            ``light``. None: "baked" where ``bake`` says how, else "path" where there is light.
         depth: most scatterings on the way of light to the eye: 1 is direct light alone. None: as
-            many as it takes.
+            many as it takes, and so always where light is baked.
         polarized: follow light as Stokes vectors, which receptors with microvilli and
             ``render(..., stokes=True)`` see.
         ultraviolet: what materials of which only RGB is known reflect below 400 nm: "dark",
             nothing; "as_blue", as much as blue; or a reflectance from 0 to 1, e.g. 0.02 of leaves.
             A mapping {name of a material: one of these} says it for each, "" for those that it does
             not name. None: refused, where there is such a material.
-        progress: called with the finished share (0 to 1) of the acceleration structure a few times
-            a second. What it raises ends the building and is raised here; so does Ctrl-C.
+        sun: how the sun is asked for where light is baked: "exact" past a shadow ray for each ray,
+            "map" in a shadow map, which is faster and has no penumbra.
+        bake: how light is baked, and where it is kept.
+        progress: called with the finished share (0 to 1) of the acceleration structure and of
+            baking a few times a second. What it raises ends the work and is raised here; so does
+            Ctrl-C.
 
     Raises:
         omma.Error: an argument is out of its range, a material of which nobody says what it
-            reflects in the ultraviolet, or this is a process made by fork from one that had used a
-            renderer (docs/processes.md).
+            reflects in the ultraviolet, cells of the size asked for do not fit in memory, or this
+            is a process made by fork from one that had used a renderer (docs/processes.md).
         TypeError: an argument is of another type.
+
+    Warns:
+        UserWarning: triangles are lit by probes, as cells have no room, or what was baked cannot be
+            kept.
     """
 
     @checked
@@ -79,6 +92,8 @@ class World:
         depth: int | None = None,
         polarized: bool = False,
         ultraviolet: Ultraviolet = None,
+        sun: Sun = "exact",
+        bake: Bake | None = None,
         progress: Progress | None = None,
     ) -> None:
         expect(scene, Scene, "scene", "omma.load_scene gives one")
@@ -87,7 +102,8 @@ class World:
         self._scene = scene
         self._background = background
         self._base: World | None = None  # of which this is another background
-        self._moved: set[int] = set()  # shared with such worlds
+        # What has moved, and where it was before; shared with such worlds.
+        self._moved: dict[int, NDArray[np.float64]] = {}
         number = whole(threads, "threads", 0, 1 << 16)
         self._asked = {"threads": number, "backend": backend}
         self._band_from_rgb: NDArray[np.float64] | None = None
@@ -97,9 +113,30 @@ class World:
             weights = self._band_from_rgb.ravel().tolist()
             if not weights:
                 raise Error("band_from_rgb: expected at least one band, found none")
-        self._lighting = checked_lighting(light, lighting, depth, polarized, ultraviolet)
-        lit = None if self._lighting is None else self._lighting.for_engine(scene)
-        self._engine = _core.World(scene, number, background, backend, weights, lit, progress)
+        given = checked_lighting(light, lighting, depth, polarized, ultraviolet, sun, bake)
+        self._lighting = given
+        self._baked: BakedInfo | None = None
+        self._places_when_baked: dict[int, NDArray[np.float64]] = {}
+        arguments = None if given is None else given.light_arguments(scene)
+        lit = None if given is None or arguments is None else given.for_engine(arguments)
+        bakes = given is not None and given.bake is not None
+        building = share_of(progress, 0, _BUILDING) if bakes else progress
+        self._engine = _core.World(scene, number, background, backend, weights, lit, building)
+        if arguments is not None:
+            self._bake(arguments, share_of(progress, _BUILDING, 1))
+
+    def _bake(self, light: dict[str, Any], progress: Progress | None) -> None:
+        """Goes on with baked light, where that was asked for, from a world that is lit by paths."""
+        lighting = self._lighting
+        self._baked = None
+        if lighting is None or lighting.bake is None:
+            return
+        baked, self._baked = find_baked_light(
+            self._engine, self._scene, light, lighting.bake, progress
+        )
+        self._engine = self._engine.with_lighting(lighting.for_engine(light, baked))
+        instances = self.instances if self._moved else []
+        self._places_when_baked = {k: instances[k].world_from_node for k in self._moved}
 
     def with_background(self, background: Background) -> World:
         """The same world before another background: what moves in one moves in both."""
@@ -116,27 +153,46 @@ class World:
         self,
         light: Light,
         *,
+        lighting: LightingName | None = None,
         depth: int | None = None,
         polarized: bool | None = None,
         ultraviolet: Ultraviolet = None,
+        sun: Sun | None = None,
+        bake: Bake | None = None,
+        progress: Progress | None = None,
     ) -> World:
         """The same world in another light: what moves in one moves in both.
 
-        It shares the acceleration structure. What is not given is as in this world, where it is
-        lit; arguments and errors are those of `World`.
+        It shares the acceleration structure; light is baked anew, with things where they are now,
+        unless the cache has it (``baked`` says how long it took). What is not given is as in this
+        world, where it is lit, but a ``depth`` makes it "path". Arguments, errors and warnings are
+        those of `World`. ``world.with_light(world.light, lighting="path")`` is the reference of
+        baked light.
         """
         before = self._lighting
         if before is not None:
-            depth = before.depth if depth is None else depth
+            if lighting is None:
+                lighting = before.lighting if depth is None else "path"
+            if lighting == "path" and depth is None:
+                depth = before.depth
+            if lighting == "baked" and bake is None:
+                bake = before.bake
+            if lighting == "baked" and sun is None:
+                sun = before.sun
             polarized = before.polarized if polarized is None else polarized
             ultraviolet = before.ultraviolet if ultraviolet is None else ultraviolet
         other = object.__new__(World)
         vars(other).update(vars(self))
         other._background = other._band_from_rgb = None
         other._base = self
-        other._lighting = checked_lighting(light, None, depth, bool(polarized), ultraviolet)
-        assert other._lighting is not None
-        other._engine = self._engine.with_lighting(other._lighting.for_engine(self._scene))
+        given = checked_lighting(
+            light, lighting, depth, bool(polarized), ultraviolet, sun or "exact", bake
+        )
+        assert given is not None
+        other._lighting = given
+        arguments = given.light_arguments(self._scene)
+        other._engine = self._engine.with_lighting(given.for_engine(arguments))
+        other._bake(arguments, progress)
         return other
 
     def __copy__(self) -> World:
@@ -146,7 +202,7 @@ class World:
         if self._base is not None:
             # What moves in one moves in both: so also where both are unpickled together.
             if self._lighting is not None and self._background is None:
-                return _lit_again, (self._base, self._lighting)
+                return _lit_again, (self._base, self._lighting, self._places_when_baked)
             return World.with_background, (self._base, self._background)
         moved = sorted(self._moved)
         instances = self.instances if moved else []
@@ -230,10 +286,12 @@ class World:
             raise Error(
                 f"transforms: expected shape ({len(indices)}, 4, 4), found {np.shape(transforms)}"
             )
+        new = set(indices) - self._moved.keys()
+        before = self.instances if new else []
         self._engine.set_transforms(
             np.array(indices, np.int32), np.ascontiguousarray(matrices), progress
         )
-        self._moved.update(indices)
+        self._moved.update((index, before[index].world_from_node) for index in new)
 
     @property
     def bands(self) -> int:
@@ -249,6 +307,16 @@ class World:
     def light(self) -> Light | None:
         """What it is lit by; None: surfaces are as they are."""
         return None if self._lighting is None else self._lighting.light
+
+    @property
+    def lighting(self) -> LightingName:
+        """How it is lit: "baked", "path" or "unlit"."""
+        return "unlit" if self._lighting is None else self._lighting.lighting
+
+    @property
+    def baked(self) -> BakedInfo | None:
+        """What was baked, how long that took and how much memory it has; None: nothing was."""
+        return self._baked
 
     @property
     def depth(self) -> int | None:
@@ -277,7 +345,8 @@ class World:
 
     def __repr__(self) -> str:
         count = len(self.instances)
-        return f"<omma.World of {self._scene!r}, {count:,} things, {self.backend}>"
+        lit = {"unlit": "", "path": ", lit by paths", "baked": ", light baked"}[self.lighting]
+        return f"<omma.World of {self._scene!r}, {count:,} things{lit}, {self.backend}>"
 
     def _repr_html_(self) -> str:
         scene = self._scene
@@ -288,6 +357,7 @@ class World:
             "cameras": ", ".join(camera.name for camera in scene.cameras),
             "background": repr(self._background or scene.background),
             "light": "none: surfaces are as they are" if self.light is None else repr(self.light),
+            "lighting": self.lighting if self._baked is None else f"baked: {self._baked}",
             "bands": "RGB" if self.bands == 3 and self._band_from_rgb is None else str(self.bands),
             "backend": self.backend,
             "threads": str(self.threads),
@@ -295,8 +365,18 @@ class World:
         return html_table("omma.World", rows)
 
 
-def _lit_again(base: World, lighting: Lighting) -> World:
-    return base.with_light(**vars(lighting))
+def _lit_again(
+    base: World, lighting: Lighting, places_when_baked: dict[int, NDArray[np.float64]]
+) -> World:
+    """The same world in a light, which was baked while things were elsewhere perhaps."""
+    if lighting.bake is None or not base._moved:
+        return base.with_light(**vars(lighting))
+    now, instances = base._moved.keys(), base.instances
+    then = [places_when_baked.get(k, before) for k, before in base._moved.items()]
+    base.set_transforms(list(now), np.stack(then))
+    lit = base.with_light(**vars(lighting))
+    base.set_transforms(list(now), np.stack([instances[k].world_from_node for k in now]))
+    return lit
 
 
 def _from_pickle(state: dict[str, Any]) -> World:

@@ -1,0 +1,198 @@
+"""The cache of baked light: files that are named by all that their light depends on."""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import hashlib
+import json
+import os
+import time
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from omma import _core
+from omma._core import Error, Scene, __version__
+from omma.base.files import WholeFiles, make_directory
+from omma.base.warn import warn_caller
+
+# Of keys and files; raised where either changes.
+_FORMAT = 1
+_MAGIC = b"omma baked light\n"
+_NUMBER = 8  # bytes of each of the two numbers behind that: check sum, length of the header
+_ENDING = ".baked"
+
+_MOST_BYTES = 2 << 30
+_DAY_S = 86400.0
+
+# Of a scene what light depends on; names play no part.
+_PARTS = ("meshes", "instances", "materials", "textures", "images", "lights", "color_rule")
+_ARRAYS = ("values", "first_cell", "probe_values")
+_NUMBERS = ("unit", "cell_m", "paths", "by_probes", "seconds")
+_PLACES = ("probe_origin_m", "probe_spacing_m")
+
+
+def cache_directory(cache: bool | str | os.PathLike[str]) -> Path | None:
+    """The folder to look in and write to; None for none."""
+    if not isinstance(cache, bool):
+        return Path(cache)
+    if not cache:
+        return None
+    given = os.environ.get("OMMA_CACHE")
+    if given:
+        return Path(given) / "baked-light"
+    import platformdirs
+
+    return Path(platformdirs.user_cache_dir("omma")) / "baked-light"
+
+
+def scene_digest(scene: Scene) -> bytes:
+    """Of all of a scene that light depends on."""
+    digest = hashlib.blake2b(digest_size=32)
+    for part in _PARTS:
+        _add(digest, part)
+        _add(digest, getattr(scene, part))
+    return digest.digest()
+
+
+def world_key(
+    engine: _core.World, of_scene: bytes, light: dict[str, Any], settings: tuple[Any, ...]
+) -> str:
+    """The name of what is baked: 64 hexadecimal digits of all that it depends on.
+
+    Args:
+        of_scene: of `scene_digest`.
+        light: the arguments of the engine's light.
+        settings: of the bake.
+    """
+    digest = hashlib.blake2b(digest_size=32)
+    places = [one.world_from_node for one in engine.instances]
+    for part in (_FORMAT, __version__, engine.backend, of_scene, places, light, settings):
+        _add(digest, part)
+    return digest.hexdigest()
+
+
+def _add(digest: Any, value: Any) -> None:
+    """A value to a digest, with its type and length, so that no two values read alike."""
+    if isinstance(value, np.ndarray):
+        digest.update(f"{value.dtype.str}{value.shape}".encode())
+        digest.update(np.ascontiguousarray(value).reshape(-1).view(np.uint8))
+    elif isinstance(value, (list, tuple)):
+        digest.update(f"[{len(value)}]".encode())
+        for item in value:
+            _add(digest, item)
+    elif isinstance(value, dict):
+        digest.update(f"{{{len(value)}}}".encode())
+        for key, item in value.items():
+            _add(digest, key)
+            _add(digest, item)
+    elif value is None or isinstance(value, (bool, int, float, str, bytes)):
+        text = repr(value).encode("utf-8", "surrogateescape")
+        digest.update(f"{type(value).__name__}{len(text)} ".encode() + text)
+    else:
+        # A part of a scene: what makes it again is all that it is.
+        make = value.__reduce__()[0]
+        assert isinstance(make, functools.partial)
+        _add(digest, type(value).__name__)
+        _add(digest, {name: item for name, item in make.keywords.items() if name != "name"})
+
+
+def read_baked_light(directory: Path, key: str) -> _core.BakedLight | None:
+    """What is kept under that name; None where nothing is, or what is there is not whole."""
+    path = directory / (key + _ENDING)
+    if not path.exists():
+        return None
+    try:
+        baked = _baked_light_of(_core.read_file(path), key)
+    except (Error, OSError, ValueError, KeyError, TypeError):
+        return None  # baked and written anew
+    with contextlib.suppress(OSError):  # of a folder that can only be read
+        os.utime(path)  # used last
+    return baked
+
+
+def _baked_light_of(data: bytes, key: str) -> _core.BakedLight:
+    """The baked light in the bytes of a file; ValueError and others where they are not whole."""
+    start = len(_MAGIC) + 2 * _NUMBER
+    checksum, length = np.frombuffer(data, "<u8", 2, len(_MAGIC)).tolist()
+    body = memoryview(data)[start - _NUMBER :]
+    if not data.startswith(_MAGIC) or zlib.crc32(body) != checksum:
+        raise ValueError("not whole")
+    header = json.loads(data[start : start + length])
+    if header["format"] != _FORMAT or header["key"] != key:
+        raise ValueError("of another format or world")
+    offset = start + length
+    arrays = {}
+    for name, dtype, shape in header["arrays"]:
+        count = int(np.prod(shape, dtype=np.int64))
+        array = np.frombuffer(data, dtype, count, offset).reshape(shape)
+        arrays[name] = array
+        offset += array.nbytes
+    cells = arrays.pop("cell_of_triangle")
+    ends = np.cumsum(header["triangles"])[:-1]
+    return _core.BakedLight(
+        cell_of_triangle=np.split(cells, ends) if header["triangles"] else [],
+        **arrays,
+        **{name: header[name] for name in (*_NUMBERS, *_PLACES)},
+    )
+
+
+def write_baked_light(directory: Path, key: str, baked: _core.BakedLight) -> None:
+    """Keeps it under that name; a UserWarning where that cannot be."""
+    cells = baked.cell_of_triangle
+    arrays = {name: getattr(baked, name) for name in _ARRAYS}
+    arrays["cell_of_triangle"] = np.concatenate([np.empty(0, np.int32), *cells])
+    header = {
+        "format": _FORMAT,
+        "key": key,
+        **{name: getattr(baked, name) for name in _NUMBERS},
+        **{name: getattr(baked, name).tolist() for name in _PLACES},
+        "triangles": [len(first) for first in cells],
+        "arrays": [[name, array.dtype.str, array.shape] for name, array in arrays.items()],
+    }
+    text = json.dumps(header).encode()
+    parts: list[Any] = [np.array(len(text), "<u8").tobytes(), text]
+    parts += [memoryview(array.reshape(-1)) for array in arrays.values() if array.size]
+    checksum = 0
+    for part in parts:
+        checksum = zlib.crc32(part, checksum)
+    try:
+        make_directory(directory)
+        with WholeFiles() as files:
+            file = files.open(str(directory / (key + _ENDING)))
+            file.write(_MAGIC + np.array(checksum, "<u8").tobytes())
+            for part in parts:
+                file.write(part)
+    except (Error, OSError) as error:
+        warn_caller(
+            f"cache of baked light: {directory}: {error}; the light is baked again next time "
+            "(OMMA_CACHE or omma.scene.Bake(cache=...) names another folder)",
+            UserWarning,
+        )
+        return
+    _remove_oldest(directory, key + _ENDING)
+
+
+def _remove_oldest(directory: Path, kept: str) -> None:
+    """Files used least recently, until the others take no more than 2 GiB, and what runs that were
+    killed left behind."""
+    found = []
+    with contextlib.suppress(OSError):
+        for entry in os.scandir(directory):
+            with contextlib.suppress(OSError):  # another process has removed it
+                about = entry.stat()
+                if entry.name.endswith(_ENDING) and entry.name != kept:
+                    found.append((about.st_mtime, about.st_size, entry.path))
+                elif entry.name.endswith(".partial") and about.st_mtime < time.time() - _DAY_S:
+                    os.remove(entry.path)
+    room = _MOST_BYTES
+    with contextlib.suppress(OSError):
+        room -= os.path.getsize(directory / kept)
+    for _, size, path in sorted(found, reverse=True):
+        room -= size
+        if room < 0:
+            with contextlib.suppress(OSError):
+                os.remove(path)

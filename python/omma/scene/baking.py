@@ -1,0 +1,163 @@
+"""Baked light: how it is asked for, what came of it, and where it comes from, bake or cache."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from omma import _core
+from omma._core import Error, Scene
+from omma.base.arguments import positive, whole
+from omma.base.values import value_class
+from omma.base.warn import warn_caller
+from omma.scene.baked_files import (
+    cache_directory,
+    read_baked_light,
+    scene_digest,
+    world_key,
+    write_baked_light,
+)
+
+Progress = Callable[[float], object]
+
+_PATHS_AT_ONCE, _MOST_PATHS = 16, 65536
+# Both sides of a cell, 16 bits a band.
+_BYTES_OF_BAND = 4
+
+
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
+class Bake:
+    """How light is baked (docs/baked-light.md).
+
+    Args:
+        cell_m: longest edge of the cells into which large triangles are divided, m. None: chosen
+            by the scene, for at most some 16,000 cells more than twice its triangles.
+        paths: of light for each side of a cell: a multiple of 16 up to 65,536. Noise of what is
+            baked halves with four times as many, which take four times as long.
+        most_bytes: that cells take, 4 for each band of a cell. Triangles without room are lit by a
+            coarse grid of probes.
+        cache: keep what is baked in the user's cache folder, and look for it there; a folder to
+            use that one; False to do neither.
+
+    Raises:
+        omma.Error: a number is out of its range.
+        TypeError: an argument is of another type.
+    """
+
+    cell_m: float | None = None
+    paths: int = 32
+    most_bytes: int = 1 << 30
+    cache: bool | str | os.PathLike[str] = True
+
+    def __post_init__(self) -> None:
+        if self.cell_m is not None:
+            object.__setattr__(self, "cell_m", positive(self.cell_m, "cell_m"))
+        paths = whole(self.paths, "paths", _PATHS_AT_ONCE, _MOST_PATHS)
+        if paths % _PATHS_AT_ONCE != 0:
+            raise Error(f"paths: expected a multiple of {_PATHS_AT_ONCE}, found {paths}")
+        object.__setattr__(self, "paths", paths)
+        object.__setattr__(self, "most_bytes", whole(self.most_bytes, "most_bytes", 0, 1 << 50))
+        if not isinstance(self.cache, (bool, str, os.PathLike)):
+            raise TypeError(
+                f"cache: expected True, False or a folder, found {type(self.cache).__name__}"
+            )
+
+
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
+class BakedInfo:
+    """What was baked for a world.
+
+    cells: that light is kept for, both sides of each.
+    cell_m: longest edge of cells on large triangles, m.
+    paths: of light for each side of a cell.
+    bytes: of memory.
+    triangles_by_probes: that have no room for cells; things that have moved are not counted.
+    seconds: that the bake took, also where it was read from the cache.
+    from_cache: whether it was read from there.
+    """
+
+    cells: int
+    cell_m: float
+    paths: int
+    bytes: int
+    triangles_by_probes: int
+    seconds: float
+    from_cache: bool
+
+    def __str__(self) -> str:
+        source = "from the cache, was baked" if self.from_cache else "baked"
+        probes = (
+            f", {self.triangles_by_probes:,} triangles lit by probes"
+            if self.triangles_by_probes
+            else ""
+        )
+        return (
+            f"{self.cells:,} cells of at most {self.cell_m:.3g} m, {self.paths} paths a side, "
+            f"{self.bytes / 1e6:,.1f} MB, {source} in {self.seconds:.1f} s{probes}"
+        )
+
+
+def share_of(progress: Progress | None, first: float, last: float) -> Progress | None:
+    """A progress function for one stage, which takes ``progress`` from ``first`` to ``last``."""
+    if progress is None:
+        return None
+    whole_work = progress
+    return lambda done: whole_work(first + (last - first) * done)
+
+
+def find_baked_light(
+    engine: _core.World,
+    scene: Scene,
+    light: dict[str, Any],
+    bake: Bake,
+    progress: Progress | None,
+) -> tuple[_core.BakedLight, BakedInfo]:
+    """The baked light of a world that is lit by paths: of the cache, or baked and put there.
+
+    Args:
+        light: the arguments of the engine's light.
+        progress: called with the finished share (0 to 1).
+
+    Warns:
+        UserWarning: triangles had no room, or the cache cannot be written to.
+    """
+    directory = cache_directory(bake.cache)
+    key, baked = "", None
+    if directory is not None:
+        settings = (bake.cell_m, bake.paths, bake.most_bytes)
+        key = world_key(engine, scene_digest(scene), light, settings)
+        baked = read_baked_light(directory, key)
+    from_cache = baked is not None
+    if baked is None:
+        baked = _core.bake_light(engine, bake.cell_m or 0.0, bake.paths, bake.most_bytes, progress)
+        if directory is not None:
+            write_baked_light(directory, key, baked)
+    elif progress is not None:
+        progress(1.0)
+    if baked.by_probes > 0:
+        warn_caller(_without_room(baked, scene, bake, engine.bands), UserWarning)
+    return baked, BakedInfo(
+        baked.cells,
+        baked.cell_m,
+        baked.paths,
+        baked.bytes,
+        baked.by_probes,
+        baked.seconds,
+        from_cache,
+    )
+
+
+def _without_room(baked: _core.BakedLight, scene: Scene, bake: Bake, bands: int) -> str:
+    of_mesh = np.array([len(mesh.triangles) for mesh in scene.meshes])
+    triangles = int(sum(of_mesh[instance.mesh] for instance in scene.instances))
+    return (
+        f"baked light: {baked.by_probes:,} of {triangles:,} triangles have no room in "
+        f"{bake.most_bytes:,} bytes and are lit by a coarse grid of probes; for a cell on each it "
+        f"takes omma.scene.Bake(most_bytes={_BYTES_OF_BAND * bands * triangles})"
+    )
