@@ -18,10 +18,11 @@ namespace omma {
 namespace {
 
 constexpr int most_paths = 65536;
-// Probes along the longest side of the scene, and those of all sides together.
+// Probes along the longest side of the scene, and those of all sides together: few where there are
+// few cells, so that they never take most of the time.
 constexpr int probes_along = 48;
-constexpr std::int64_t most_probes = 16384;
-constexpr int least_paths_of_probe = 64;
+constexpr std::int64_t least_probes = 512, most_probes = 16384, cells_of_probe = 8;
+constexpr int paths_of_probe = 64;
 constexpr std::uint32_t hash_of_cells = 0x63656c6cu, hash_of_probes = 0x70726f62u;
 
 // A value of 1 of what is kept, over the light's usual brightness; where a scene turns out to be
@@ -167,6 +168,8 @@ void lay_out_probes(BakedLight& baked, const Bounds& box) {
     longest = std::max(longest, high[a] - low[a]);
   if (!(longest > 0)) longest = 1;
   double spacing = longest / (probes_along - 1);
+  const std::int64_t most =
+      std::clamp<std::int64_t>(baked.cells / cells_of_probe, least_probes, most_probes);
   std::int64_t all;
   do {
     all = 1;
@@ -176,7 +179,7 @@ void lay_out_probes(BakedLight& baked, const Bounds& box) {
       all *= baked.probes[a];
     }
     spacing *= 1.1;
-  } while (all > most_probes);
+  } while (all > most);
   for (int a = 0; a < 3; ++a) {
     const double extent = std::max(0.0, high[a] - low[a]);
     const double step = extent > 0 ? extent / (baked.probes[a] - 1) : longest / (probes_along - 1);
@@ -240,7 +243,7 @@ bool gather_all(const World& world, BakedLight& baked, WorkState& work) {
   const std::size_t per_cell = 2 * gather.bands;
   const std::int32_t probes = baked.probes[0] * baked.probes[1] * baked.probes[2];
   // In paths, as far as is known beforehand.
-  const double all = 2.0 * baked.cells * baked.paths + 6.0 * probes * least_paths_of_probe;
+  const double all = 2.0 * baked.cells * baked.paths + 6.0 * probes * paths_of_probe;
   std::atomic<std::int64_t> done{0};
   const auto finish = [&](std::int64_t paths) {
     work.reach(static_cast<double>(done += paths) / all);
@@ -263,10 +266,10 @@ bool gather_all(const World& world, BakedLight& baked, WorkState& work) {
       place.normal = probe_directions[d];
       place.hash = mix_bits_32(mix_bits_32(static_cast<std::uint32_t>(probe) + hash_of_probes) +
                                static_cast<std::uint32_t>(d));
-      place.paths = std::max(baked.paths, least_paths_of_probe);
+      place.paths = paths_of_probe;
       gather(place, baked.probe_values.data() + (6 * static_cast<std::size_t>(probe) + d) * gather.bands);
     }
-    finish(6 * least_paths_of_probe);
+    finish(6 * paths_of_probe);
   });
   return !too_bright;
 }

@@ -37,27 +37,28 @@ void make_baked_light(BakedLight* self, double unit, const Values& values,
   constexpr std::size_t most = 1u << 30;
   if (values.shape(0) > most || values.shape(2) != probe_values.shape(4))
     throw Error("baked light: expected at most 2^30 cells, and as many bands of probes as of cells");
-  auto* baked = new (self) BakedLight();
-  baked->bands = static_cast<int>(values.shape(2));
-  baked->unit = unit;
-  baked->first_cell = vector_of(first_cell);
-  for (const Indices& first : cell_of_triangle) baked->cell_of_triangle.push_back(vector_of(first));
-  baked->cells = static_cast<std::int32_t>(values.shape(0));
+  BakedLight baked;
+  baked.bands = static_cast<int>(values.shape(2));
+  baked.unit = unit;
+  baked.first_cell = vector_of(first_cell);
+  for (const Indices& first : cell_of_triangle) baked.cell_of_triangle.push_back(vector_of(first));
+  baked.cells = static_cast<std::int32_t>(values.shape(0));
   const std::size_t bytes = values.size() * sizeof(std::uint16_t);
-  baked->lines.resize((bytes + sizeof(BakedLine) - 1) / sizeof(BakedLine));
-  if (bytes > 0) std::memcpy(baked->lines.data(), values.data(), bytes);
+  baked.lines.resize((bytes + sizeof(BakedLine) - 1) / sizeof(BakedLine));
+  if (bytes > 0) std::memcpy(baked.lines.data(), values.data(), bytes);
   const auto origin = double_array(probe_origin_m, "probe_origin_m", {3});
   const auto spacing = double_array(probe_spacing_m, "probe_spacing_m", {3});
   for (std::size_t a = 0; a < 3; ++a) {
-    baked->probe_origin_m[a] = static_cast<float>(origin.data()[a]);
-    baked->probe_spacing_m[a] = static_cast<float>(spacing.data()[a]);
-    baked->probes[a] = static_cast<std::int32_t>(std::min(probe_values.shape(2 - a), most));
+    baked.probe_origin_m[a] = static_cast<float>(origin.data()[a]);
+    baked.probe_spacing_m[a] = static_cast<float>(spacing.data()[a]);
+    baked.probes[a] = static_cast<std::int32_t>(std::min(probe_values.shape(2 - a), most));
   }
-  baked->probe_values.assign(probe_values.data(), probe_values.data() + probe_values.size());
-  baked->cell_m = cell_m;
-  baked->paths = paths;
-  baked->by_probes = by_probes;
-  baked->seconds = seconds;
+  baked.probe_values.assign(probe_values.data(), probe_values.data() + probe_values.size());
+  baked.cell_m = cell_m;
+  baked.paths = paths;
+  baked.by_probes = by_probes;
+  baked.seconds = seconds;
+  new (self) BakedLight(std::move(baked));
 }
 
 nb::object doubles(const float (&values)[3]) {

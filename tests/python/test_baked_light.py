@@ -20,7 +20,7 @@ from omma.scene import Bake, Instance, Mesh
 
 UPPER = uniform_sky(1.0, below=0, bands=BAND, unit="watts")
 WHITE = uniform_sky(1.0, bands=BAND, unit="watts")
-# What the issue asks for: beside three standard errors.
+# Half a percent, beside three standard errors.
 MOST = 0.005
 
 
