@@ -277,6 +277,32 @@ def test_what_moves(small):
     assert 0.5 * truth < seen < 1.2 * truth
 
 
+def test_a_map_of_the_sun(small):
+    exact = world_of(small, LIGHT, cell_m=0.05)
+    mapped = exact.with_light(LIGHT, sun="map")
+    again = exact.with_light(LIGHT, sun="map")
+    seen, truth = seen_of(mapped, 16), seen_of(exact, 16)
+    np.testing.assert_array_equal(seen, seen_of(again, 16))
+    # A map has no half-shade, of which as much lies on either side of a shadow's edge; what is left is
+    # a texel along the edges of things of 10 cm.
+    assert np.any(seen != truth)
+    assert seen.mean() == pytest.approx(truth.mean(), rel=0.02)
+
+
+def test_where_the_sun_has_no_map(small):
+    with pytest.raises(omma.Error, match='sun: "map" is for baked light'):
+        omma.World(small, light=LIGHT, sun="map")
+    with pytest.raises(omma.Error, match='expected "exact" in a light of 0 discs'):
+        omma.World(small, light=UPPER, sun="map", bake=Bake(paths=16, cache=False))
+    glass = omma.Scene(
+        meshes=[strip((0, 1, 0))],
+        materials=[omma.scene.Material("pane", transmission=1.0)],
+        instances=[Instance(0)],
+    )
+    with pytest.raises(omma.Error, match='sun: expected "exact" in a world with surfaces'):
+        omma.World(glass, light=LIGHT, sun="map", ultraviolet=0.5, bake=Bake(paths=16, cache=False))
+
+
 def test_how_it_is_lit(small):
     world = world_of(small, LIGHT, cell_m=0.1, paths=16)
     assert world.lighting == "baked"
