@@ -283,8 +283,8 @@ def test_a_map_of_the_sun(small):
     again = exact.with_light(LIGHT, sun="map")
     seen, truth = seen_of(mapped, 16), seen_of(exact, 16)
     np.testing.assert_array_equal(seen, seen_of(again, 16))
-    # A map has no half-shade, of which as much lies on either side of a shadow's edge; what is left is
-    # a texel along the edges of things of 10 cm.
+    # A map has no half-shade, of which as much lies on either side of a shadow's edge; what is left
+    # is a texel along the edges of things of 10 cm.
     assert np.any(seen != truth)
     assert seen.mean() == pytest.approx(truth.mean(), rel=0.02)
 
