@@ -68,7 +68,7 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
       if ((met >> l & 1u) == 0) hits.mesh[l] = -1;
     if (met == 0) return;
 
-    BakedPlaces<n> baked;
+    BakedPlaces<n> baked = {};
     if (scene.baked != nullptr) find_baked<L>(scene, packet, hits, baked);
     HitGeometry<L> geometry;
     LitSurface<L> surface;
