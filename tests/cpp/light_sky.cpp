@@ -20,9 +20,9 @@ TEST(Sky, AnglesAreWithinTwoTenMillionths) {
     worst = std::max(worst, std::fabs(static_cast<double>(angle_in_quadrant(x, y)) - exact));
   }
   EXPECT_LT(worst, 2e-7);
-  EXPECT_EQ(angle_in_quadrant(1, 0), 0);
-  EXPECT_FLOAT_EQ(angle_in_quadrant(0, 1), static_cast<float>(pi / 2));
-  EXPECT_EQ(angle_in_quadrant(0, 0), 0);
+  EXPECT_EQ(angle_in_quadrant(1.0f, 0.0f), 0);
+  EXPECT_FLOAT_EQ(angle_in_quadrant(0.0f, 1.0f), static_cast<float>(pi / 2));
+  EXPECT_EQ(angle_in_quadrant(0.0f, 0.0f), 0);
 }
 
 // A map of the direction's own numbers, against their bilinear mixture found in doubles.

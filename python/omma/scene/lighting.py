@@ -139,8 +139,8 @@ def checked_lighting(
 
 
 def _checked_rule(rule: Any) -> Rule:
-    if rule in ("dark", "as_blue"):
-        return rule  # type: ignore[no-any-return]
+    if isinstance(rule, str) and rule in ("dark", "as_blue"):
+        return rule  # type: ignore[return-value]
     if isinstance(rule, (int, float, np.number)) and not isinstance(rule, bool) and 0 <= rule <= 1:
         return float(rule)
     raise Error(
