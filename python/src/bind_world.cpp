@@ -30,11 +30,12 @@ std::span<const Mat4> matrices_of(const Matrices& matrices) {
   return {reinterpret_cast<const Mat4*>(matrices.data()), matrices.shape(0)};
 }
 
-using LightingTuple = std::tuple<Light, int, bool, std::shared_ptr<BakedLight>, bool>;
+using LightingTuple =
+    std::tuple<Light, int, bool, std::optional<std::shared_ptr<BakedLight>>, bool>;
 
 Lighting lighting_of(const LightingTuple& given) {
   const auto& [light, depth, polarized, baked, sun_map] = given;
-  return {light, depth, polarized, baked, sun_map};
+  return {light, depth, polarized, baked.value_or(nullptr), sun_map};
 }
 
 nb::object build_times(const World& world) {
