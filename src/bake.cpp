@@ -111,35 +111,6 @@ struct CellOwners {
   }
 };
 
-// A patch is looked at from this many times its longest edge away.
-constexpr float seen_from_cells = 2;
-
-float longest_edge_m(const SceneView& view, const GatherPlace& place) {
-  const MeshView& mesh = view.meshes[place.mesh];
-  const float* m = view.frame_from_mesh + 12 * static_cast<std::ptrdiff_t>(place.instance);
-  float corner[3][3];
-  for (int k = 0; k < 3; ++k) {
-    const float* own = mesh.positions + 3 * static_cast<std::ptrdiff_t>(
-                                                mesh.triangles[3 * static_cast<std::ptrdiff_t>(place.triangle) + k]);
-    for (int r = 0; r < 3; ++r)
-      corner[k][r] = m[4 * r] * own[0] + m[4 * r + 1] * own[1] + m[4 * r + 2] * own[2];
-  }
-  float at[3][3], longest = 0;
-  for (int k = 0; k < 3; ++k)
-    for (int r = 0; r < 3; ++r)
-      at[k][r] = corner[0][r] + place.uv[k][0] * (corner[1][r] - corner[0][r]) +
-                 place.uv[k][1] * (corner[2][r] - corner[0][r]);
-  for (int k = 0; k < 3; ++k) {
-    float square = 0;
-    for (int r = 0; r < 3; ++r) {
-      const float d = at[(k + 1) % 3][r] - at[k][r];
-      square += d * d;
-    }
-    longest = std::max(longest, square);
-  }
-  return std::sqrt(longest);
-}
-
 void gather_cell(const Gathering& gather, const CellOwners& owners, std::int32_t cell,
                  std::uint16_t* values) {
   const CellOwner owner = owners(cell);
@@ -149,7 +120,6 @@ void gather_cell(const Gathering& gather, const CellOwners& owners, std::int32_t
   place.triangle = owner.triangle;
   place.paths = owners.baked.paths;
   corners_of_cell(divisions_of(owner.count), owner.within, place.uv);
-  place.seen_from_m = seen_from_cells * longest_edge_m(gather.view, place);
   const Sides sides = sides_of(gather.view, place.mesh);
   for (int side = 0; side < 2; ++side) {
     if (side == 0 ? !sides.front : !sides.back) continue;

@@ -45,9 +45,7 @@ struct BakedLight {
   std::int32_t probes[3] = {0, 0, 0};
   std::vector<std::uint16_t> probe_values;  // [z][y][x][direction][band]
 
-  // Longest edge of cells that was kept to; where it was chosen, triangles of an edge e have cells of
-  // sqrt(e cell_m).
-  double cell_m = 0;
+  double cell_m = 0;        // the longest edge of a cell
   int paths = 0;
   std::int64_t by_probes = 0;  // triangles that have no room for cells
   double seconds = 0;       // that it took

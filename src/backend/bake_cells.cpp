@@ -141,11 +141,12 @@ BakeCells divide_into_cells(const Scene& scene, const Placement& placement, std:
   const auto room = static_cast<std::int64_t>(std::min<std::size_t>(
       settings.most_bytes / bytes_of_cell(bands), static_cast<std::size_t>(most_cells)));
   BakeCells plan;
+  double cell_m = 0;
   std::int64_t triangles = 0;
   for (const Instance& instance : scene.instances)
     triangles += static_cast<std::int64_t>(edges[static_cast<std::size_t>(instance.mesh)].size());
   if (settings.cell_m > 0) {
-    plan.cell_m = settings.cell_m;
+    cell_m = settings.cell_m;
     const std::int64_t needed = counted.cells(settings.cell_m);
     if (needed > room) {
       const double each = static_cast<double>(bytes_of_cell(bands));
@@ -162,7 +163,7 @@ BakeCells divide_into_cells(const Scene& scene, const Placement& placement, std:
     }
   } else {
     if (triangles > room) leave_out_smallest(counted, room);
-    plan.cell_m = smallest_cell_m(counted, std::min(room, 3 * triangles + cells_of_small_scenes));
+    cell_m = smallest_cell_m(counted, std::min(room, 3 * triangles + cells_of_small_scenes));
   }
 
   plan.cell_of_triangle.resize(edges.size());
@@ -170,7 +171,8 @@ BakeCells divide_into_cells(const Scene& scene, const Placement& placement, std:
   for (std::size_t m = 0; m < edges.size(); ++m) {
     std::vector<std::int32_t> first{0};
     for (const float edge : edges[m]) {
-      const std::int64_t k = divisions(edge, plan.cell_m, is_chosen);
+      const std::int64_t k = divisions(edge, cell_m, is_chosen);
+      plan.cell_m = std::max(plan.cell_m, static_cast<double>(edge) / static_cast<double>(k));
       of_mesh[m] += k * k;
       first.push_back(static_cast<std::int32_t>(of_mesh[m]));
     }

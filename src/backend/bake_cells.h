@@ -11,7 +11,7 @@
 namespace omma {
 
 struct BakeCells {
-  double cell_m = 0;
+  double cell_m = 0;  // the longest edge of a cell
   std::vector<std::int32_t> first_cell;                     // as in BakedLight
   std::vector<std::vector<std::int32_t>> cell_of_triangle;  // as in BakedLight
   std::int64_t cells = 0;

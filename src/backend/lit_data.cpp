@@ -27,29 +27,27 @@ void make_albedos(LitData& lit) {
   if (has_coat) lit.coat_albedo = make_specular_albedo(static_cast<double>(coat_ior));
 }
 
-// Of a light, what is asked for at run time where the rest was baked: discs and lamps.
-LightView without_baked(LightView light) {
+// Of the light, what is asked for at run time where the rest was baked: discs and lamps.
+void leave_out_baked(LitData& lit) {
+  LightView& light = lit.left_out;
+  light = lit.light->view;
+  lit.discs_alone = lit.light->discs;
+  light.discs = lit.discs_alone.data();
   float discs = 0;
-  for (int i = 0; i < light.disc_count; ++i) discs += light.discs[i].probability;
-  // `discs` are those of the light, whose probabilities are of light from afar.
+  for (const DiscView& disc : lit.discs_alone) discs += disc.probability;
+  for (DiscView& disc : lit.discs_alone) disc.probability /= discs > 0 ? discs : 1.0f;
   light.sky.probability = 0;
   light.emissive_probability = 0;
   const float far = discs > 0 ? light.far_probability : 0.0f;
   const float sum = far + light.lamp_probability;
   light.far_probability = sum > 0 ? far / sum : 0.0f;
   light.lamp_probability = sum > 0 ? 1.0f - light.far_probability : 0.0f;
-  return light;
 }
 
 void take_baked(LitData& lit, const std::shared_ptr<const BakedLight>& baked,
                 const MovingFrames& frames) {
   lit.baked_light = baked;
-  lit.left_out = without_baked(lit.light->view);
-  float discs = 0;
-  for (const DiscView& disc : lit.light->discs) discs += disc.probability;
-  lit.discs_alone = lit.light->discs;
-  for (DiscView& disc : lit.discs_alone) disc.probability /= discs > 0 ? discs : 1.0f;
-  lit.left_out.discs = lit.discs_alone.data();
+  leave_out_baked(lit);
   for (const std::vector<std::int32_t>& first : baked->cell_of_triangle)
     lit.cell_of_triangle.push_back(first.empty() ? nullptr : first.data());
   BakedView& view = lit.baked;

@@ -1,11 +1,6 @@
 // Light that arrives at places from all around, as it is baked: paths begin at points of a patch of
 // a surface, or at a place in the air, in directions by the cosine, and are followed like those of an
 // eye. What comes straight from discs and lamps is left out.
-//
-// A point of a patch counts as much as it can be seen: the part of its paths that go on freely for
-// `seen_from_m`. What of a blade lies hidden in the ground, or deep among leaves, is dark and is
-// hardly ever looked at, and would make all of the patch too dark. Of the paths of a point one half
-// says how much the other counts, so that chance alone brings no light.
 #pragma once
 
 #include "physics/lit_path.h"
@@ -17,7 +12,6 @@ struct GatherPlace {
   std::int32_t instance = -1, mesh = -1, triangle = 0;
   bool is_back = false;
   float uv[3][2] = {};
-  float seen_from_m = 0;
   Vec3 position, normal;  // of a place in the air, traced frame
   std::uint32_t hash = 0;
   int paths = 0;  // a multiple of the packet
@@ -29,9 +23,6 @@ inline constexpr std::uint32_t choice_of_point = 0xfffffff0u, choice_of_way = 0x
 
 // Points that are cut out of a patch are chosen anew, so often at most.
 inline constexpr std::uint32_t most_attempts = 8;
-
-// Paths that begin at one point; a packet is a whole number of points.
-inline constexpr int paths_of_point = 8;
 
 // The packet's points on the patch, as rays would have met them; false where none is on the surface.
 template <typename L>
@@ -46,8 +37,7 @@ OMMA_HD bool choose_points(const SceneView& scene, const GatherPlace& place, int
     hits.footprint_m[l] = 0;
     for (std::uint32_t attempt = 0; attempt < most_attempts && hits.mesh[l] < 0; ++attempt) {
       const auto pair = path_pair(place.hash + attempt * 0x9e3779b9u,
-                                  static_cast<std::uint32_t>((first + l) / paths_of_point),
-                                  choice_of_point);
+                                  static_cast<std::uint32_t>(first + l), choice_of_point);
       const float root = sqrtf(pair.x), b = root * pair.y, a = root - b;
       const float u = place.uv[0][0] + a * (place.uv[1][0] - place.uv[0][0]) +
                       b * (place.uv[2][0] - place.uv[0][0]);
@@ -70,8 +60,9 @@ OMMA_HD bool choose_points(const SceneView& scene, const GatherPlace& place, int
 template <typename L, typename Search>
 OMMA_HD void add_shining(const SceneView& scene, Search& search, const GatherPlace& place,
                          int first, const HitGeometry<L>& geometry,
-                         const float (&normal)[3][L::count], const ScatterPoint<typename L::F>* points,
-                         const std::int32_t* valid, const PathMemory& memory, float* radiance) {
+                         const float (&normal)[3][L::count],
+                         const ScatterPoint<typename L::F>* points, const std::int32_t* valid,
+                         const PathMemory& memory, float* radiance) {
   using F = typename L::F;
   constexpr int n = L::count;
   LightSample lights[n];
@@ -92,20 +83,12 @@ OMMA_HD void add_shining(const SceneView& scene, Search& search, const GatherPla
     const auto on = path_pair(place.hash, sample, choice_on_shining);
     lights[l] = sample_surfaces(scene, vec_at(geometry.position, l), which.x, on.x, on.y);
     const Vec3 d = lights[l].direction;
-    const float at[3] = {geometry.position[0][l], geometry.position[1][l],
-                         geometry.position[2][l]};
-    const float side[3] = {geometry.normal[0][l], geometry.normal[1][l], geometry.normal[2][l]};
     const float towards[3] = {d.x, d.y, d.z};
     cosine[l] = normal[0][l] * d.x + normal[1][l] * d.y + normal[2][l] * d.z;
-    float facing = side[0] * d.x + side[1] * d.y + side[2] * d.z;
+    float facing = dot(vec_at(geometry.normal, l), d);
     if (place.mesh >= 0 && place.is_back) facing = -facing;
     if (!(lights[l].pdf > 0.0f) || !(cosine[l] > 0.0f) || !(facing > 0.0f)) continue;
-    float from[3];
-    leave_surface(at, side, geometry.reach_m[l], towards, from);
-    for (int r = 0; r < 3; ++r) {
-      shadow.rays.origin[r][l] = from[r];
-      shadow.rays.direction[r][l] = without_noise(towards[r]);
-    }
+    leave_surface<L>(geometry, l, towards, shadow.rays);
     shadow.rays.t_far_m[l] = lights[l].distance_m * up_to_light;
     weight[l] = cosine[l] * inverse_pi / (lights[l].pdf / scene.light->emissive_probability);
     asked[l] = -1;
@@ -122,7 +105,8 @@ OMMA_HD void add_shining(const SceneView& scene, Search& search, const GatherPla
       eval_light_sample(scene, lights[l], 1, memory.light + l, n, scene.bands * n);
   for (int l = 0; l < n; l += L::width) {
     F entering = load<F>(weight + l);
-    if (points != nullptr) entering = entering * eval_entering(points[l / L::width], load<F>(cosine + l));
+    if (points != nullptr)
+      entering = entering * eval_entering(points[l / L::width], load<F>(cosine + l));
     for (int k = 0; k < L::width; ++k)
       if ((open >> (l + k) & 1u) == 0) weight[l + k] = 0;
     entering = keep(load<F>(weight + l) > 0.0f, entering);
@@ -141,8 +125,8 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherPl
                           const PathMemory& memory, float* radiance, double* mean) {
   using F = typename L::F;
   constexpr int n = L::count;
-  double all[most_bands], all_found = 0, seen_found = 0;
-  for (int b = 0; b < scene.bands; ++b) all[b] = mean[b] = 0;
+  int points_found = 0;
+  for (int b = 0; b < scene.bands; ++b) mean[b] = 0;
   for (int first = 0; first < place.paths; first += n) {
     Packet<L> packet;
     clear<L>(packet.rays);
@@ -182,7 +166,8 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherPl
     for (int l = 0; l < n; l += L::width) {
       F tangent[3], bitangent[3], up[3], w[3];
       if (is_on_surface) {
-        points[l / L::width] = make_scatter_point(scatter_surface<L>(scene, packet.rays, surface, l));
+        points[l / L::width] =
+            make_scatter_point(scatter_surface<L>(scene, packet.rays, surface, l));
         for (int r = 0; r < 3; ++r) up[r] = points[l / L::width].base_normal[r];
       } else {
         load_3(geometry.normal, l, up);
@@ -204,67 +189,36 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherPl
       }
       store(entering + l, reaches_base);
     }
-    alignas(n * 4) std::int32_t valid[n];
+    // Places that there are, and those of which a path goes on.
+    alignas(n * 4) std::int32_t on[n], valid[n];
     for (int l = 0; l < n; ++l) {
-      valid[l] = hits.mesh[l] >= 0 ? -1 : 0;
-      if (!(entering[l] > 0.0f)) valid[l] = 0;
-      const float at[3] = {geometry.position[0][l], geometry.position[1][l],
-                           geometry.position[2][l]};
-      const float side[3] = {geometry.normal[0][l], geometry.normal[1][l], geometry.normal[2][l]};
-      const float towards[3] = {way[0][l], way[1][l], way[2][l]};
-      float from[3];
-      leave_surface(at, side, geometry.reach_m[l], towards, from);
-      for (int r = 0; r < 3; ++r) {
-        // Rays that are not traced must be such as could be: Embree checks all.
-        packet.rays.origin[r][l] = valid[l] != 0 ? from[r] : 0.0f;
-        packet.rays.direction[r][l] = valid[l] != 0 ? towards[r] : (r == 1 ? 1.0f : 0.0f);
-        packet.reference[r][l] = valid[l] != 0 ? normal[r][l] : (r == 0 ? 1.0f : 0.0f);
-      }
-      packet.rays.t_near_m[l] = 0;
+      on[l] = hits.mesh[l] >= 0 ? -1 : 0;
+      valid[l] = entering[l] > 0.0f ? on[l] : 0;
+      // Rays that are not traced must be such as could be: Embree checks all.
+      const bool goes_on = valid[l] != 0;
+      const float towards[3] = {goes_on ? way[0][l] : 0.0f, goes_on ? way[1][l] : 1.0f,
+                                goes_on ? way[2][l] : 0.0f};
+      leave_surface<L>(geometry, l, towards, packet.rays);
+      for (int r = 0; r < 3; ++r)
+        packet.reference[r][l] = goes_on ? normal[r][l] : (r == 0 ? 1.0f : 0.0f);
     }
     // What shines is sampled first: the paths move on from where they begin.
-    const int values = scene.bands * n;
-    alignas(n * 4) float free_m[n];
-    for (int l = 0; l < n; ++l) free_m[l] = 0;
-    for (int i = 0; i < values; ++i) memory.front[i] = 0;
-    if (scene.light->emissive_probability > 0.0f) {
-      alignas(n * 4) std::int32_t on[n];
-      for (int l = 0; l < n; ++l) on[l] = hits.mesh[l] >= 0 ? -1 : 0;
+    for (int i = 0; i < scene.bands * n; ++i) memory.front[i] = 0;
+    if (scene.light->emissive_probability > 0.0f)
       add_shining<L>(scene, search, place, first, geometry, normal,
                      is_on_surface ? points : nullptr, on, memory, memory.front);
-    }
-    eval_lit_path<L>(scene, search, valid, packet, memory, radiance, free_m);
-    for (int b = 0; b < scene.bands; ++b)
-      for (int l = 0; l < n; ++l) {
-        const float found = valid[l] != 0 ? radiance[b * n + l] * entering[l] : 0.0f;
-        radiance[b * n + l] = memory.front[b * n + l] + found;
-      }
-    constexpr int half = paths_of_point / 2;
-    for (int l = 0; l < n; l += half) {
-      const int other = l % paths_of_point == 0 ? l + half : l - half;
-      int open = 0, found = 0;
-      for (int k = 0; k < half; ++k) {
-        if (valid[other + k] != 0 && free_m[other + k] >= place.seen_from_m) ++open;
-        if (hits.mesh[l + k] >= 0) ++found;
-      }
-      all_found += found;
-      seen_found += open * found;
+    eval_lit_path<L>(scene, search, valid, packet, memory, radiance, true);
+    for (int l = 0; l < n; ++l) {
+      if (on[l] == 0) continue;
+      ++points_found;
       for (int b = 0; b < scene.bands; ++b) {
-        double sum = 0;
-        for (int k = 0; k < half; ++k)
-          if (hits.mesh[l + k] >= 0) sum += static_cast<double>(radiance[b * n + l + k]);
-        all[b] += sum;
-        mean[b] += open * sum;
+        const float found = valid[l] != 0 ? radiance[b * n + l] * entering[l] : 0.0f;
+        mean[b] += static_cast<double>(memory.front[b * n + l] + found);
       }
     }
   }
-  // Where nothing can be seen, all points count alike.
-  for (int b = 0; b < scene.bands; ++b) {
-    if (seen_found > 0)
-      mean[b] /= seen_found;
-    else
-      mean[b] = all_found > 0 ? all[b] / all_found : 0.0;
-  }
+  const double each = points_found > 0 ? 1.0 / points_found : 0.0;
+  for (int b = 0; b < scene.bands; ++b) mean[b] *= each;
 }
 
 }  // namespace omma

@@ -141,4 +141,19 @@ OMMA_HD void leave_surface(const F (&position)[3], const F (&normal)[3], F reach
   for (int r = 0; r < 3; ++r) origin[r] = position[r] + normal[r] * step;
 }
 
+// The same of one lane of what a packet met: the ray that goes on from there.
+template <typename L>
+OMMA_HD void leave_surface(const HitGeometry<L>& geometry, int l, const float (&towards)[3],
+                           RayPacket<L::count>& rays) {
+  const float at[3] = {geometry.position[0][l], geometry.position[1][l], geometry.position[2][l]};
+  const float normal[3] = {geometry.normal[0][l], geometry.normal[1][l], geometry.normal[2][l]};
+  float from[3];
+  leave_surface(at, normal, geometry.reach_m[l], towards, from);
+  for (int r = 0; r < 3; ++r) {
+    rays.origin[r][l] = from[r];
+    rays.direction[r][l] = without_noise(towards[r]);
+  }
+  rays.t_near_m[l] = 0;
+}
+
 }  // namespace omma

@@ -18,11 +18,11 @@ inline constexpr float most_survival = 0.95f;
 inline constexpr float up_to_light = 1.0f - 1e-4f;
 
 // Radiance [component][band][lane] of the rays of a packet, where `valid` [lane] is not 0. Rays that
-// gather begin at surfaces (PathState): `free_m` [lane] takes how far each goes; else it is null.
+// gather begin at surfaces; see PathState.
 template <typename L, typename Search>
 OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::int32_t* valid,
                            Packet<L>& packet, const PathMemory& memory, float* radiance,
-                           float* free_m = nullptr) {
+                           bool gathers = false) {
   using I = typename L::I;
   constexpr int n = L::count;
   const int components = scene.polarized ? 3 : 1, stride = scene.bands * n;
@@ -33,9 +33,11 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
                               scene.light->lamp_probability > 0.0f ||
                               scene.light->emissive_probability > 0.0f;
   PathState<L> state;
-  const bool gathers = state.gathers = free_m != nullptr;
-  // Many paths that are baked add up, so they may end early; what gloss sends on has been cut already.
-  const int roulette_from = scene.baked != nullptr ? most_flights : (gathers ? 1 : roulette_after + 1);
+  state.gathers = gathers;
+  // Many paths that are baked add up, so they may end early; what gloss sends on in baked light has
+  // been cut already.
+  const int in_path = gathers ? 1 : roulette_after + 1;
+  const int roulette_from = scene.baked != nullptr ? most_flights : in_path;
   PassedSurfaces<n> passed;
   for (int i = 0; i < components * stride; ++i) radiance[i] = 0;
   for (int i = 0; i < stride; ++i) memory.throughput[i] = 1;
@@ -58,8 +60,6 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
     }
     search.closest(state.active, packet.rays, lets_through ? &passed : nullptr, spread);
     find_hits<L>(search.placed(), packet, hits);
-    if (gathers && state.flight == 0)
-      for (int l = 0; l < n; ++l) free_m[l] = packet.rays.t_far_m[l];
     unsigned met = 0;
     for (int l = 0; l < n; l += L::width) met |= lane_bits(load<I>(hits.mesh + l) >= 0) << l;
     met &= on;
@@ -124,8 +124,8 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
     }
     Scattered<L> direct;
     Onward<L> onward;
-    scatter_packet<L>(scene, packet, surface, state, memory, scattering, radiance, to_light, light_density, is_delta,
-                      direct, onward);
+    scatter_packet<L>(scene, packet, surface, state, memory, scattering, radiance, to_light,
+                      light_density, is_delta, direct, onward);
 
     // Shadow rays to those from which light would come to the eye.
     Packet<L> shadow;
@@ -146,18 +146,8 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
         weight[l] = 1;
       }
       if (asked[l] != 0) open |= 1u << l;
-      const float at[3] = {geometry.position[0][l], geometry.position[1][l],
-                           geometry.position[2][l]};
-      const float normal[3] = {geometry.normal[0][l], geometry.normal[1][l],
-                               geometry.normal[2][l]};
       const float towards[3] = {to_light[0][l], to_light[1][l], to_light[2][l]};
-      float from[3];
-      leave_surface(at, normal, geometry.reach_m[l], towards, from);
-      for (int r = 0; r < 3; ++r) {
-        shadow.rays.origin[r][l] = from[r];
-        shadow.rays.direction[r][l] = without_noise(towards[r]);
-      }
-      shadow.rays.t_near_m[l] = 0;
+      leave_surface<L>(geometry, l, towards, shadow.rays);
       shadow.rays.t_far_m[l] = lights[l].distance_m * up_to_light;
       shadow.footprint_rad[l] = 0;
     }
@@ -219,19 +209,9 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
         for (int b = 0; b < scene.bands; ++b) memory.throughput[b * n + l] *= scale;
       }
       state.density[l] = onward.density[l];
-      const float at[3] = {geometry.position[0][l], geometry.position[1][l],
-                           geometry.position[2][l]};
-      const float normal[3] = {geometry.normal[0][l], geometry.normal[1][l],
-                               geometry.normal[2][l]};
       const float towards[3] = {onward.direction[0][l], onward.direction[1][l],
                                 onward.direction[2][l]};
-      float from[3];
-      leave_surface(at, normal, geometry.reach_m[l], towards, from);
-      for (int r = 0; r < 3; ++r) {
-        packet.rays.origin[r][l] = from[r];
-        packet.rays.direction[r][l] = towards[r];
-      }
-      packet.rays.t_near_m[l] = 0;
+      leave_surface<L>(geometry, l, towards, packet.rays);
       packet.footprint_rad[l] = 0;
       passed.count[l] = 0;
     }

@@ -35,8 +35,9 @@ class Bake:
     """How light is baked (docs/baked-light.md).
 
     Args:
-        cell_m: longest edge of the cells into which large triangles are divided, m. None: chosen
-            by the scene, for at most some 16,000 cells more than twice its triangles.
+        cell_m: longest edge of the cells into which large triangles are divided, m; each edge into
+            1,024 parts at most. None: chosen by the scene, for at most some 16,000 cells more than
+            three times its triangles, and the larger the larger their triangles are.
         paths: of light for each side of a cell: a multiple of 16 up to 65,536. Noise of what is
             baked halves with four times as many, which take four times as long.
         most_bytes: that cells take, 4 for each band of a cell. Triangles without room are lit by a
@@ -74,7 +75,7 @@ class BakedInfo:
     """What was baked for a world.
 
     cells: that light is kept for, both sides of each.
-    cell_m: longest edge of cells on large triangles, m.
+    cell_m: the longest edge of a cell, m.
     paths: of light for each side of a cell.
     bytes: of memory.
     triangles_by_probes: that have no room for cells; things that have moved are not counted.
