@@ -261,7 +261,9 @@ BakedLight bake_light(const World& world, const BakeSettings& settings,
   const auto bands = static_cast<std::size_t>(world.bands());
   BakedLight baked;
   const auto bake = [&](WorkState& work) {
-    BakeCells plan = divide_into_cells(*built.scene, built.placement, bands, settings);
+    const Tracing tracing{built.functions.closest, built.acceleration.tracer.get()};
+    BakeCells plan =
+        divide_into_cells(tracing, *built.scene, built.placement, bands, settings);
     baked.bands = world.bands();
     baked.cell_m = plan.cell_m;
     baked.paths = settings.paths;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render_motion.h"
 #include "render_poses.h"
 #include "render_state.h"
 #include "sampling/sampling_choice.h"
@@ -52,6 +53,13 @@ void check_settings(const RenderSettings& s) {
     throw Error(
         "kernel: expected gaussian, pillbox or compoundray, which an acceptance angle says "
         "all of; others belong to the eye");
+  for (std::size_t k = 0; k < s.delays_s.size(); ++k)
+    if (s.delays_s.size() < 2 || !std::isfinite(s.delays_s[k]) ||
+        s.delays_s[k] < (k == 0 ? 0.0 : s.delays_s[k - 1]))
+      throw Error("delays_s: expected two or more growing delays from 0 on, found " +
+                  std::to_string(s.delays_s[k]) + " as number " + std::to_string(k));
+  if (!s.delays_s.empty() && shares_rays(s.sampling))
+    throw Error("sampling: Shared, not with an impulse response: rays of one delay would be shared");
   check_threads(s.threads);
 }
 
@@ -204,6 +212,10 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
                                         : s.frames.fetch_add(poses);
 
   if (shares_rays(s.settings.sampling)) return render_shared(s, traced, responses, call, outputs);
+  const HeadPath path = head_path(
+      s.settings, call,
+      traced_poses(call.past_world_from_head, s.eye_arrays, s.built().placement.origin_m), traced);
+  oneapi::tbb::enumerable_thread_specific<FrameMotion> motions;
 
   // One block of ommatidia at one pose is a task: some 512 rays, but no more than fit its sums.
   Blocks blocks{{s.view(), &s.eye_view, s.direction_views.data()},
@@ -234,6 +246,7 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
     const std::size_t p = index / blocks_per_pose;
     BlockTask task =
         make_task(blocks, index % blocks_per_pose, traced[p], s.frame_of(p, first_frame));
+    task.motion = motion_of(path, p, motions.local());
     task.responses = responses.data() + p * pose_size;
     if (!call.standard_error.empty())
       task.standard_error = call.standard_error.data() + p * pose_size;

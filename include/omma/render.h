@@ -103,6 +103,10 @@ struct RenderSettings {
   // function's modulation transfer stays within 0.01.
   bool footprints = true;
   Noise noise = Noise::frozen;  // only frozen with Shared, whose rays are fixed to the head
+  // What photoreceptors make of time: how long before a frame light falls on them that counts in it,
+  // s, as quantiles at equal steps of probability, from the least to the greatest. Each ray draws a
+  // delay and is sent from where the head was then. Empty: frames are instants.
+  std::vector<double> delays_s = {};
 };
 
 // Calls f(name, option) for each option that can be set by name, as from Python, and where its
@@ -138,6 +142,12 @@ struct RenderCall {
   // Radiance that each single ray brought, [pose, ommatidium, sample, band], or empty for none.
   // Not together with standard_error.
   std::span<float> ray_radiance;
+  // With delays: when each pose is, s, growing. Between poses the head moves on a straight way and
+  // turns evenly (slerp); before the first it stood still.
+  std::span<const double> times_s;  // [pose]
+  // Poses before the first, for frames that are rendered piece by piece, and when they were.
+  std::span<const Mat4> past_world_from_head;
+  std::span<const double> past_times_s;
   // Called from the calling thread several times a second with the finished fraction (0 to 1);
   // false cancels the render, which then throws omma::Cancelled.
   std::function<bool(double)> progress;

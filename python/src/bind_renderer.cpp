@@ -3,10 +3,13 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
 
 #include <optional>
 #include <span>
 #include <string>
+#include <tuple>
 #include <type_traits>
 #include <variant>
 
@@ -24,6 +27,8 @@ using Output = nb::ndarray<nb::numpy, float, nb::ndim<3>, nb::c_contig>;
 using CountOutput = nb::ndarray<nb::numpy, std::int32_t, nb::ndim<2>, nb::c_contig>;
 using RayOutput = nb::ndarray<nb::numpy, float, nb::ndim<4>, nb::c_contig>;
 
+using Times = nb::ndarray<nb::numpy, const double, nb::shape<-1>, nb::c_contig>;
+using Past = std::tuple<Poses, Times>;
 using Matrix = nb::ndarray<nb::numpy, const double, nb::ndim<2>, nb::c_contig>;
 
 std::span<float> span_of(const Output& output) {
@@ -34,6 +39,7 @@ void render(const Renderer& renderer, const Poses& poses, const Output& response
             const std::optional<Output>& standard_error, const std::optional<CountOutput>& rays,
             const std::optional<RayOutput>& ray_radiance, std::optional<std::uint64_t> first_pose,
             const std::optional<Matrix>& output_from_band, bool stokes,
+            const std::optional<Times>& times_s, const std::optional<Past>& past,
             const nb::object& progress) {
   RenderCall call;
   call.stokes = stokes;
@@ -43,6 +49,13 @@ void render(const Renderer& renderer, const Poses& poses, const Output& response
   if (standard_error) call.standard_error = span_of(*standard_error);
   if (rays) call.rays = {rays->data(), rays->size()};
   if (ray_radiance) call.ray_radiance = {ray_radiance->data(), ray_radiance->size()};
+  if (times_s) call.times_s = {times_s->data(), times_s->size()};
+  if (past) {
+    const auto& [poses_before, times_before] = *past;
+    call.past_world_from_head = {reinterpret_cast<const Mat4*>(poses_before.data()),
+                                 poses_before.shape(0)};
+    call.past_times_s = {times_before.data(), times_before.size()};
+  }
   // The memory of a C-ordered (4, 4) float64 array is that of a Mat4.
   const std::span<const Mat4> world_from_head(reinterpret_cast<const Mat4*>(poses.data()),
                                               poses.shape(0));
@@ -118,6 +131,11 @@ nb::tuple sampling_tuple(const Shared& s) {
 RenderSettings settings_of(const nb::tuple& sampling, nb::dict options) {
   RenderSettings settings;
   settings.sampling = sampling_of(sampling);
+  if (options.contains("delays_s")) {
+    const nb::object given(options.attr("pop")("delays_s"));
+    if (!nb::try_cast(given, settings.delays_s))
+      throw Error("delays_s: expected numbers, found " + repr_of(given));
+  }
   std::string known;
   for_each_option(settings, [&](const char* name, auto& value, const auto&... names) {
     known += (known.empty() ? "" : ", ") + std::string(name);
@@ -187,6 +205,7 @@ void bind_renderer(nb::module_& m) {
            nb::arg("standard_error").noconvert().none(), nb::arg("rays").noconvert().none(),
            nb::arg("ray_radiance").noconvert().none(), nb::arg("first_pose").none(),
            nb::arg("output_from_band").noconvert().none(), nb::arg("stokes"),
+           nb::arg("times_s").noconvert().none(), nb::arg("past").none(),
            nb::arg("progress").none(),
            nb::sig("def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: "
                    "numpy.typing.NDArray[numpy.float32], standard_error: "
@@ -194,6 +213,9 @@ void bind_renderer(nb::module_& m) {
                    "numpy.typing.NDArray[numpy.int32] | None, ray_radiance: "
                    "numpy.typing.NDArray[numpy.float32] | None, first_pose: int | None, "
                    "output_from_band: numpy.typing.NDArray[numpy.float64] | None, stokes: bool, "
+                   "times_s: numpy.typing.NDArray[numpy.float64] | None, past: "
+                   "tuple[numpy.typing.NDArray[numpy.float64], "
+                   "numpy.typing.NDArray[numpy.float64]] | None, "
                    "progress: "
                    "collections.abc.Callable[[float], object] | None) -> None"))
       .def(

@@ -47,18 +47,34 @@ std::vector<std::vector<float>> longest_edges(const Scene& scene, const Placemen
   return edges;
 }
 
-// Parts of an edge: no longer than a cell, where its size was asked for. Chosen, cells grow with the
-// root of the triangle's size: distant ground is no meadow.
-std::int64_t divisions(float edge_m, double cell_m, bool is_chosen) {
-  const double ratio = static_cast<double>(edge_m) / cell_m;
-  const double parts = std::ceil(is_chosen ? std::sqrt(ratio) : ratio);
-  return static_cast<std::int64_t>(std::clamp(parts, 1.0, most_divisions));
+// What cells are divided by: the longest edges of triangles, and where cells are chosen how much
+// room there is about them, [mesh][triangle], m.
+struct Sizes {
+  std::vector<std::vector<float>> edges, clearances;
+};
+
+// Clearances that count, over the edge: nearer or farther says nothing of the whole triangle.
+constexpr double nearest = 1.0 / 64, farthest = 64;
+
+// Parts of a triangle's edge: no longer than a cell, where its size was asked for. Chosen, cells are
+// the finer the closer surfaces stand, but they grow with the triangle, as distant ground is no
+// meadow. Measured in the lit meadow, at equally many cells: green light is 0.37 % too dark with these
+// powers, 0.51 % where clearances count twice as much.
+std::int64_t divisions(const Sizes& sizes, std::size_t mesh, std::size_t triangle, double cell_m) {
+  const auto edge_m = static_cast<double>(sizes.edges[mesh][triangle]);
+  double own_m = cell_m;
+  if (!sizes.clearances.empty()) {
+    const double clearance_m =
+        std::clamp<double>(sizes.clearances[mesh][triangle], nearest * edge_m, farthest * edge_m);
+    own_m = std::sqrt(edge_m * std::sqrt(cell_m * clearance_m));
+  }
+  return static_cast<std::int64_t>(std::clamp(std::ceil(edge_m / own_m), 1.0, most_divisions));
 }
 
-std::int64_t cells_of_mesh(const std::vector<float>& edges, double cell_m, bool is_chosen) {
+std::int64_t cells_of_mesh(const Sizes& sizes, std::size_t mesh, double cell_m) {
   std::int64_t cells = 0;
-  for (const float edge : edges) {
-    const std::int64_t k = divisions(edge, cell_m, is_chosen);
+  for (std::size_t t = 0; t < sizes.edges[mesh].size(); ++t) {
+    const std::int64_t k = divisions(sizes, mesh, t, cell_m);
     cells += k * k;
   }
   return cells;
@@ -66,17 +82,16 @@ std::int64_t cells_of_mesh(const std::vector<float>& edges, double cell_m, bool 
 
 struct Counted {
   const Scene& scene;
-  const std::vector<std::vector<float>>& edges;
-  bool is_chosen;
+  const Sizes& sizes;
   std::vector<bool> has_cells;  // [instance]
 
   std::int64_t cells(double cell_m) const {
-    std::vector<std::int64_t> of_mesh(edges.size(), -1);
+    std::vector<std::int64_t> of_mesh(sizes.edges.size(), -1);
     std::int64_t all = 0;
     for (std::size_t i = 0; i < scene.instances.size(); ++i) {
       if (!has_cells[i]) continue;
       const auto m = static_cast<std::size_t>(scene.instances[i].mesh);
-      if (of_mesh[m] < 0) of_mesh[m] = cells_of_mesh(edges[m], cell_m, is_chosen);
+      if (of_mesh[m] < 0) of_mesh[m] = cells_of_mesh(sizes, m, cell_m);
       all += of_mesh[m];
     }
     return all;
@@ -86,10 +101,10 @@ struct Counted {
 // The smallest cells, within a hundredth, of which there are at most so many.
 double smallest_cell_m(const Counted& counted, std::int64_t most) {
   double large = 0;
-  for (const std::vector<float>& edges : counted.edges)
+  for (const std::vector<float>& edges : counted.sizes.edges)
     for (const float edge : edges) large = std::max(large, static_cast<double>(edge));
   if (!(large > 0)) return 1;
-  double small = large / (counted.is_chosen ? most_divisions * most_divisions : most_divisions);
+  double small = large / (counted.sizes.clearances.empty() ? most_divisions : 1e12);
   if (counted.cells(small) <= most) return small;
   while (large > small * 1.01) {
     const double middle = std::sqrt(small * large);
@@ -110,10 +125,10 @@ void leave_out_smallest(Counted& counted, std::int64_t room) {
   const Scene& scene = counted.scene;
   const auto triangles = [&](std::size_t i) {
     return static_cast<std::int64_t>(
-        counted.edges[static_cast<std::size_t>(scene.instances[i].mesh)].size());
+        counted.sizes.edges[static_cast<std::size_t>(scene.instances[i].mesh)].size());
   };
   const auto mean_edge = [&](std::size_t i) {
-    const std::vector<float>& edges = counted.edges[static_cast<std::size_t>(scene.instances[i].mesh)];
+    const std::vector<float>& edges = counted.sizes.edges[static_cast<std::size_t>(scene.instances[i].mesh)];
     return std::accumulate(edges.begin(), edges.end(), 0.0) /
            std::max<double>(1, static_cast<double>(edges.size()));
   };
@@ -133,11 +148,12 @@ void leave_out_smallest(Counted& counted, std::int64_t room) {
 
 }  // namespace
 
-BakeCells divide_into_cells(const Scene& scene, const Placement& placement, std::size_t bands,
-                            const BakeSettings& settings) {
-  const std::vector<std::vector<float>> edges = longest_edges(scene, placement);
-  const bool is_chosen = !(settings.cell_m > 0);
-  Counted counted{scene, edges, is_chosen, std::vector<bool>(scene.instances.size(), true)};
+BakeCells divide_into_cells(const Tracing& tracing, const Scene& scene, const Placement& placement,
+                            std::size_t bands, const BakeSettings& settings) {
+  Sizes sizes{longest_edges(scene, placement), {}};
+  if (!(settings.cell_m > 0)) sizes.clearances = clearances_m(tracing, scene, placement);
+  const std::vector<std::vector<float>>& edges = sizes.edges;
+  Counted counted{scene, sizes, std::vector<bool>(scene.instances.size(), true)};
   const auto room = static_cast<std::int64_t>(std::min<std::size_t>(
       settings.most_bytes / bytes_of_cell(bands), static_cast<std::size_t>(most_cells)));
   BakeCells plan;
@@ -170,9 +186,10 @@ BakeCells divide_into_cells(const Scene& scene, const Placement& placement, std:
   std::vector<std::int64_t> of_mesh(edges.size(), 0);
   for (std::size_t m = 0; m < edges.size(); ++m) {
     std::vector<std::int32_t> first{0};
-    for (const float edge : edges[m]) {
-      const std::int64_t k = divisions(edge, cell_m, is_chosen);
-      plan.cell_m = std::max(plan.cell_m, static_cast<double>(edge) / static_cast<double>(k));
+    for (std::size_t t = 0; t < edges[m].size(); ++t) {
+      const std::int64_t k = divisions(sizes, m, t, cell_m);
+      plan.cell_m =
+          std::max(plan.cell_m, static_cast<double>(edges[m][t]) / static_cast<double>(k));
       of_mesh[m] += k * k;
       first.push_back(static_cast<std::int32_t>(of_mesh[m]));
     }

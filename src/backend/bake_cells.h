@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "backend/clearance.h"
 #include "model/scene_place.h"
 #include "omma/bake.h"
 #include "omma/scene.h"
@@ -24,9 +25,10 @@ inline std::size_t bytes_of_cell(std::size_t bands) {
 }
 
 // Throws omma::Error where cells were asked for that have no room. Where a size was not asked for,
-// there are some three times as many cells as triangles; where even a cell for
-// each triangle has no room, instances of the smallest triangles get none.
-BakeCells divide_into_cells(const Scene& scene, const Placement& placement, std::size_t bands,
-                            const BakeSettings& settings);
+// there are some three times as many cells as triangles, the smaller the nearer other surfaces are
+// (clearances_m); where even a cell for each triangle has no room, instances of the smallest
+// triangles get none.
+BakeCells divide_into_cells(const Tracing& tracing, const Scene& scene, const Placement& placement,
+                            std::size_t bands, const BakeSettings& settings);
 
 }  // namespace omma

@@ -31,7 +31,7 @@ struct SunRays {
 };
 
 // How far rays go until they meet something, [row][column], m; infinite where they do not.
-void trace_texels(const SunMapTracing& tracing, const SunRays& rays, std::int32_t columns,
+void trace_texels(const Tracing& tracing, const SunRays& rays, std::int32_t columns,
                   std::int32_t rows, float* distance_m) {
   RayPacket<packet_rays> packet{};
   alignas(64) std::int32_t valid[packet_rays];
@@ -99,7 +99,7 @@ void set_axis(float (&axis)[3], Vec3d v) {
 
 }  // namespace
 
-SunMapData make_sun_map(const SunMapTracing& tracing, const Scene& scene,
+SunMapData make_sun_map(const Tracing& tracing, const Scene& scene,
                         const Placement& placement, Vec3 towards, const SunMapSettings& settings,
                         const WorkPart& work) {
   const SunFrame frame = sun_frame_around(scene, placement, normalize(to_double(towards)));

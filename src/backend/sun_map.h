@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "backend/block_functions.h"
+#include "backend/clearance.h"
 #include "model/long_work.h"
 #include "model/scene_place.h"
 #include "omma/scene.h"
@@ -48,12 +48,6 @@ struct SunMapData {
   }
 };
 
-// What finds the surfaces: of a backend.
-struct SunMapTracing {
-  decltype(BlockFunctions::closest) closest = nullptr;
-  const void* tracer = nullptr;
-};
-
 // Whether a map can stand for shadow rays.
 inline bool may_have_sun_map(const SceneView& view) {
   return !view.has_blend && !view.has_glass;
@@ -61,7 +55,7 @@ inline bool may_have_sun_map(const SceneView& view) {
 
 // `towards`: unit, to the middle of the sun's disc. Throws omma::Cancelled. The same bits for any
 // number of threads.
-SunMapData make_sun_map(const SunMapTracing& tracing, const Scene& scene,
+SunMapData make_sun_map(const Tracing& tracing, const Scene& scene,
                         const Placement& placement, Vec3 towards,
                         const SunMapSettings& settings = {}, const WorkPart& work = {});
 

@@ -68,9 +68,13 @@ struct FrameView {
   const std::uint8_t* nearest = nullptr;  // [ommatidium][listened_to], place in its block
 };
 
+struct HeadMotion;  // head_motion.h
+
 // A block of neighbouring ommatidia at one pose.
 struct BlockTask {
   float world_from_head[3][4] = {};  // row major
+  // How the head moves while what is seen goes into the frame; null: it does not.
+  const HeadMotion* motion = nullptr;
   std::uint64_t pose = 0;            // index, for the random numbers
   int first = 0, count = 0;          // ommatidia, in the order of EyeView
   float* responses = nullptr;        // [ommatidium][output] of this pose

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "physics/block_memory.h"
+#include "physics/head_motion.h"
 #include "physics/lit_path.h"
 #include "physics/path.h"
 
@@ -116,7 +117,8 @@ OMMA_HD void trace_units(const FrameView& frame, const BlockTask& task,
                          const DirectionsView& directions, const UnitList& list, Search& search,
                          const BlockMemory& memory, double* sums, double* squares) {
   Units units;
-  make_units<L>(*frame.eye, task, directions, list, frame.scene->light != nullptr, units);
+  const bool has_choices = frame.scene->light != nullptr || task.motion != nullptr;
+  make_units<L>(*frame.eye, task, directions, list, has_choices, units);
   const bool is_short = directions.samples < L::count;
   const int outputs = frame.outputs;
   int traced = 0;
@@ -125,6 +127,7 @@ OMMA_HD void trace_units(const FrameView& frame, const BlockTask& task,
   for_each_packet<L>(directions, units, list.count, packet, [&](const PacketPlace& place) {
     alignas(L::count * 4) std::int32_t valid[L::count];
     for (int l = 0; l < L::count; ++l) valid[l] = l < place.filled ? -1 : 0;
+    if (task.motion != nullptr) move_with_head<L>(*task.motion, packet);
     if (frame.scene->light != nullptr)
       eval_lit_path<L>(*frame.scene, search, valid, packet, memory.paths, memory.radiance);
     else

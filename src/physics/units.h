@@ -40,14 +40,16 @@ struct Units {
   alignas(64) std::int32_t hash[unit_room];        // of its scramble
   alignas(64) float up[3][unit_room];              // across the axis, before any turn
   bool has_apertures, has_scales;
-  bool is_lit;  // whether rays go on as paths, which need hashes, and up vectors where polarised
+  // Whether rays choose more than directions, ways of paths or times: they then have hashes and, for
+  // their polarisation, up vectors.
+  bool has_choices;
 };
 
 // The eye's arrays are padded, so that the last lanes read something; lanes behind the last unit
 // repeat it.
 template <typename L>
 OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const DirectionsView& directions,
-                        const UnitList& list, bool is_lit, Units& units) {
+                        const UnitList& list, bool has_choices, Units& units) {
   using F = typename L::F;
   using I = typename L::I;
   using U = typename L::U;
@@ -56,7 +58,7 @@ OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const Directi
   const bool in_order = list.ordinal == nullptr && list.scrambles == 1;
   units.has_apertures = eye.has_apertures;
   units.has_scales = eye.has_scales;
-  units.is_lit = is_lit;
+  units.has_choices = has_choices;
   const float per_scramble = 1.0f / static_cast<float>(list.scrambles);
   for (int u = 0; u < list.count; u += L::width) {
     I unit = lane_numbers<L>() + u;
@@ -105,7 +107,7 @@ OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const Directi
       store(units.axis[r] + u, a[r]);
       store(units.s[r] + u, s[r] * cosine + t[r] * sine);
       store(units.t[r] + u, t[r] * cosine - s[r] * sine);
-      if (is_lit) store(units.up[r] + u, s[r]);
+      if (has_choices) store(units.up[r] + u, s[r]);
     }
     store(units.footprint_rad + u, gather(directions.footprint_rad, warp));
     if (directions.patterns > 0) {

@@ -110,7 +110,7 @@ def test_dates_beyond_the_ephemeris():
         ({"lighting": "bake"}, "lighting: expected one of"),
         ({"lighting": "baked", "depth": 2}, "depth: expected None"),
         ({"lighting": "path", "bake": omma.scene.Bake()}, "bake: is for baked light"),
-        ({"sun": "map"}, 'sun: "map" is for baked light'),
+        ({"sun": "map", "lighting": "path"}, 'sun: "map" is for baked light'),
         ({"lighting": "unlit"}, "lighting"),
         ({"ultraviolet": "blue"}, "ultraviolet"),
         ({"ultraviolet": 1.5}, "ultraviolet"),

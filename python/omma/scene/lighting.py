@@ -115,7 +115,7 @@ def checked_lighting(
         return None
     expect(light, Light, "light", "omma.light.clear_sky makes one")
     number = None if depth is None else whole(depth, "depth", 1, _MOST_DEPTH)
-    is_baked = lighting == "baked" or (lighting is None and bake is not None)
+    is_baked = lighting == "baked" or (lighting is None and depth is None)
     how: LightingName = "baked" if is_baked else "path"
     if how == "baked" and depth is not None:
         raise Error(

@@ -51,7 +51,7 @@ class World:
         lighting: "baked" finds the light of the sky and between surfaces once, on both sides of
             every triangle, and looks it up where rays meet them (docs/baked-light.md); "path", the
             reference, follows light over all surfaces for every ray; "unlit" is what it is without
-            ``light``. None: "baked" where ``bake`` says how, else "path" where there is light.
+            ``light``. None: "baked" where there is light, but "path" with a ``depth``.
         depth: most scatterings on the way of light to the eye: 1 is direct light alone. None: as
             many as it takes, and so always where light is baked.
         polarized: follow light as Stokes vectors, which receptors with microvilli and

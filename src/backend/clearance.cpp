@@ -1,0 +1,104 @@
+// Clearances by a packet of rays from each triangle.
+#include "backend/clearance.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "physics/hash.h"
+#include "physics/hits.h"
+#include "physics/low_discrepancy.h"
+#include "physics/path_points.h"
+#include "threads/parallel.h"
+
+namespace omma {
+namespace {
+
+// Instances of a mesh that are looked at.
+constexpr std::size_t most_looked_at = 3;
+constexpr std::uint32_t hash_of_clearances = 0x726f6f6du;
+
+using L = Lanes<packet_rays, 1>;
+
+// Sum of the inverse distances of a packet's rays, half of them from each side.
+double inverse_distances(const Tracing& tracing, const Vec3 (&corner)[3], std::uint32_t hash) {
+  const Vec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
+  const Vec3d area = cross(to_double(e1), to_double(e2));
+  if (!(dot(area, area) > 0)) return 0;
+  const Vec3 normal = to_float(normalize(area));
+  HitGeometry<L> geometry{};
+  RayPacket<packet_rays> rays{};
+  clear<L>(rays);
+  alignas(64) std::int32_t valid[packet_rays];
+  float reach = 0;
+  for (const Vec3& c : corner)
+    reach = std::max({reach, std::abs(c.x), std::abs(c.y), std::abs(c.z)});
+  for (int l = 0; l < packet_rays; ++l) {
+    const auto sample = static_cast<std::uint32_t>(l);
+    const auto place = path_pair(hash, sample, 0u), way = path_pair(hash, sample, 1u);
+    const float root = std::sqrt(place.x), u = root - root * place.y, v = root * place.y;
+    const Vec3 at = corner[0] + e1 * u + e2 * v;
+    const Vec3 up = l % 2 == 0 ? normal : normal * -1.0f;
+    const float from[3] = {up.x, up.y, up.z};
+    float tangent[3], bitangent[3], towards[3];
+    make_axes(from, tangent, bitangent);
+    const LocalDirection<float> local = sample_cosine(way.x, way.y);
+    for (int r = 0; r < 3; ++r)
+      towards[r] = tangent[r] * local.x + bitangent[r] * local.y + from[r] * local.z;
+    const float position[3] = {at.x, at.y, at.z};
+    for (int r = 0; r < 3; ++r) {
+      geometry.position[r][l] = position[r];
+      geometry.normal[r][l] = from[r];
+    }
+    geometry.reach_m[l] = reach;
+    leave_surface<L>(geometry, l, towards, rays);
+    rays.t_far_m[l] = INFINITY;
+    valid[l] = -1;
+  }
+  tracing.closest(tracing.tracer, valid, rays);
+  double sum = 0;
+  for (int l = 0; l < packet_rays; ++l)
+    if (rays.geometry[l] != none) sum += 1.0 / std::max(1e-30, double{rays.t_far_m[l]});
+  return sum;
+}
+
+}  // namespace
+
+std::vector<std::vector<float>> clearances_m(const Tracing& tracing, const Scene& scene,
+                                             const Placement& placement) {
+  std::vector<std::vector<std::size_t>> instances(scene.meshes.size());
+  for (std::size_t i = 0; i < scene.instances.size(); ++i)
+    instances[static_cast<std::size_t>(scene.instances[i].mesh)].push_back(i);
+  std::vector<std::vector<float>> clearance(scene.meshes.size());
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+    const Mesh& mesh = scene.meshes[m];
+    const std::vector<std::size_t>& of_mesh = instances[m];
+    if (of_mesh.empty()) continue;
+    const std::size_t looks = std::min(most_looked_at, of_mesh.size());
+    clearance[m].resize(mesh.triangles.size());
+    parallel_ranges<std::size_t>(
+        0, mesh.triangles.size(), 64, [&](std::size_t first, std::size_t last) {
+          check_cancelled();
+          for (std::size_t t = first; t < last; ++t) {
+            double sum = 0;
+            for (std::size_t k = 0; k < looks; ++k) {
+              const std::size_t i = of_mesh[k * of_mesh.size() / looks];
+              Vec3 corner[3];
+              for (std::size_t c = 0; c < 3; ++c)
+                corner[c] = to_float(
+                    transform_point(placement.world_from_mesh[i],
+                                    to_double(mesh.positions[mesh.triangles[t][c]])) -
+                    placement.origin_m);
+              const std::uint32_t hash =
+                  mix_bits_32(mix_bits_32(static_cast<std::uint32_t>(t) + hash_of_clearances) +
+                              static_cast<std::uint32_t>(i));
+              sum += inverse_distances(tracing, corner, hash);
+            }
+            clearance[m][t] =
+                static_cast<float>(static_cast<double>(looks * packet_rays) / sum);
+          }
+        });
+  }
+  return clearance;
+}
+
+}  // namespace omma

@@ -1,0 +1,26 @@
+// How much room there is about the triangles of a scene: where surfaces stand close together, the
+// light on them changes within short distances.
+#pragma once
+
+#include <vector>
+
+#include "backend/block_functions.h"
+#include "model/scene_place.h"
+#include "omma/scene.h"
+
+namespace omma {
+
+// What finds the surfaces: of a backend.
+struct Tracing {
+  decltype(BlockFunctions::closest) closest = nullptr;
+  const void* tracer = nullptr;
+};
+
+// Harmonic mean of the distances to what surrounds each triangle, on both its sides, [mesh][triangle],
+// m; infinite where nothing does. The mean spacing of places where light has to be known goes by it
+// (Ward, Rubinstein and Clear 1988, A ray tracing solution for diffuse interreflection, eq. 5). Of a
+// mesh with many instances some stand for all.
+std::vector<std::vector<float>> clearances_m(const Tracing& tracing, const Scene& scene,
+                                             const Placement& placement);
+
+}  // namespace omma

@@ -1,0 +1,76 @@
+// Where the head is while what is seen goes into a frame: each ray draws how long before the frame it
+// looks, by the impulse response of a photoreceptor, and starts from where the head was then.
+#pragma once
+
+#include "physics/rays.h"
+
+namespace omma {
+
+// Of one frame.
+struct HeadMotion {
+  // [delays + 1], quantiles of the delay at equal steps of probability, in nodes.
+  const float* delay = nullptr;
+  int delays = 0;
+  // [nodes][3][4], row major: from where a ray is at the frame itself, less `centre`, to where it is
+  // so many nodes before; at least two.
+  const float* node = nullptr;
+  int nodes = 0;
+  float centre[3] = {};  // m, traced frame
+};
+
+// Numbers in (0, 1) of samples of units: steps of the golden ratio, so that any run of samples, whose
+// directions are neighbours, has times from all over; shifted by the unit's hash.
+template <typename F, typename U>
+OMMA_HD F time_fraction(U hash, U sample) {
+  const U bits = mix_bits_32(hash + 0x3c6ef372u) + sample * 2654435769u;
+  return (to_float(int_of(bits >> 8)) + 0.5f) * 0x1p-24f;
+}
+
+// Moves the rays of a packet, which are as at the frame itself, to where they are when they look.
+template <typename L>
+OMMA_HD void move_with_head(const HeadMotion& motion, Packet<L>& packet) {
+  using F = typename L::F;
+  using I = typename L::I;
+  using U = typename L::U;
+  for (int l = 0; l < L::count; l += L::width) {
+    const F step = time_fraction<F>(load<U>(packet.hash + l), load<U>(packet.sample + l)) *
+                   to_float(motion.delays);
+    const I first = to_int(step);
+    const F early = gather(motion.delay, first), late = gather(motion.delay + 1, first);
+    const F at = early + (late - early) * (step - to_float(first));
+    I before = to_int(at);
+    before = before > motion.nodes - 2 ? before * 0 + (motion.nodes - 2) : before;
+    const F part = at - to_float(before);
+    F m[3][4], from[3], way[3], axis[3];
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 4; ++c) {
+        const float* node = motion.node + 4 * r + c;
+        const F a = gather(node, before * 12), b = gather(node + 12, before * 12);
+        m[r][c] = a + (b - a) * part;
+      }
+    for (int r = 0; r < 3; ++r) {
+      from[r] = load<F>(packet.rays.origin[r] + l) - motion.centre[r];
+      way[r] = load<F>(packet.rays.direction[r] + l);
+      axis[r] = load<F>(packet.reference[r] + l);
+    }
+    const auto turned = [&](const F(&v)[3], int r) {
+      return m[r][0] * v[0] + m[r][1] * v[1] + m[r][2] * v[2];
+    };
+    // Between nodes, and where a pose stretches, turned vectors are not quite of unit length.
+    F direction[3], reference[3], of_direction{}, of_reference{};
+    for (int r = 0; r < 3; ++r) {
+      store(packet.rays.origin[r] + l, turned(from, r) + m[r][3]);
+      direction[r] = turned(way, r);
+      reference[r] = turned(axis, r);
+      of_direction = of_direction + direction[r] * direction[r];
+      of_reference = of_reference + reference[r] * reference[r];
+    }
+    const F scale = 1.0f / sqrt_lanes(of_direction), of_axis = 1.0f / sqrt_lanes(of_reference);
+    for (int r = 0; r < 3; ++r) {
+      store(packet.rays.direction[r] + l, without_noise(direction[r] * scale));
+      store(packet.reference[r] + l, reference[r] * of_axis);
+    }
+  }
+}
+
+}  // namespace omma
