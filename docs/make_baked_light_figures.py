@@ -1,7 +1,7 @@
 """Makes docs/baked-light.png: three scenes by paths, with baked light, and the difference of both.
 
-    .venv/bin/python docs/make_baked_light_figures.py          some 20 minutes on two cores
-    .venv/bin/python docs/make_baked_light_figures.py draft    coarse and noisy, a minute
+.venv/bin/python docs/make_baked_light_figures.py          some 5 minutes on two cores
+.venv/bin/python docs/make_baked_light_figures.py draft    coarse and noisy, a minute
 """
 
 from __future__ import annotations
@@ -150,7 +150,7 @@ def pixels(width: int, height: int, height_deg: float) -> omma.Eye:
 
 
 def compare(setup: Setup, width: int, rays: int, paths: int) -> Found:
-    """Both ways, each in two halves of its own random numbers: what these differ by is its noise."""
+    """Both ways, each in two halves with random numbers of their own, which tell its noise."""
     bake = omma.scene.Bake(cell_m=setup.cell_m, paths=paths)
     world = omma.World(setup.scene, light=setup.light, bake=bake)
     by_paths = world.with_light(setup.light, lighting="path")

@@ -210,8 +210,8 @@ def opponent(answers: NDArray[Any], pairs: NDArray[np.int64]) -> NDArray[np.floa
 
 
 def dome() -> tuple[omma.Eye, NDArray[np.bool_]]:
-    """An ommatidium for each pixel of a map of the sky, zenith in the middle, and which pixels these
-    are. Its up vectors point to the zenith."""
+    """An ommatidium for each pixel of a map of the sky, zenith in the middle, its up vector towards
+    the zenith; and which pixels of the square these are."""
     span = np.linspace(-1, 1, DOME_PIXELS)
     x, y = np.meshgrid(span, span[::-1])
     inside = np.hypot(x, y) <= 1
@@ -223,9 +223,7 @@ def on_map(axis: NDArray[Any]) -> NDArray[np.float64]:
     """Directions (N, 3) on a map of the sky, zenith in the middle, ahead up, right at the right."""
     azimuth, elevation = azimuth_elevation_deg_of(axis)
     r = 1 - elevation / 90
-    return np.stack(
-        [r * np.sin(np.radians(azimuth)), r * np.cos(np.radians(azimuth))], axis=-1
-    )
+    return np.stack([r * np.sin(np.radians(azimuth)), r * np.cos(np.radians(azimuth))], axis=-1)
 
 
 def through_the_rim() -> None:
@@ -246,8 +244,10 @@ def through_the_rim() -> None:
     ) % 180  # fmt: skip
     group = (turn // 60).astype(int)
 
-    figure = Figure(figsize=(7.2, 5.9), layout="constrained")
-    panels = figure.subplots(3, 3, height_ratios=[1.0, 0.55, 0.68])
+    figure = Figure(figsize=(7.2, 5.3))
+    grid = {"left": 0.1, "right": 0.88, "bottom": 0.085, "top": 0.915, "hspace": 0.08,
+            "wspace": 0.12, "height_ratios": [1.0, 0.55, 0.75]}  # fmt: skip
+    panels = figure.subplots(3, 3, gridspec_kw=grid)
     for name, (sky, rims, curves) in zip(TIMES, panels.T):
         world = lit(name)
         stokes = omma.Renderer(world, sky_eye, omma.Fixed(16)).render_stokes(ant_pose(0))
@@ -274,7 +274,7 @@ def through_the_rim() -> None:
         curves.axvline(azimuth, color=GREY, lw=0.8, ls=":")
         curves.annotate("sun", (azimuth, 0.97), (2, 0), xycoords=("data", "axes fraction"),
                         textcoords="offset points", color=GREY, va="top")  # fmt: skip
-        sky.set_title(title(name).replace(": the sun is ", "\nsun "))
+        sky.set_title(title(name).replace(": the sun is ", "\nsun "), pad=2)
         frame(sky, azimuth, max(sun_of(name)[0], 0.0))
         rims.set(xlim=(-0.6, 0.6), ylim=(0.02, 0.62), aspect="equal", xticks=[], yticks=[])
         rims.spines[:].set_visible(False)
@@ -283,19 +283,26 @@ def through_the_rim() -> None:
             xlabel="heading (0°: north, 90°: east)",
         )  # fmt: skip
         curves.axhline(0, color=GREY, lw=0.5)
-    panels[0, 0].set_ylabel("sky above the ant")
+    panels[0, 0].set_ylabel("sky above the ant\n")
     panels[1, 0].set_ylabel("signals of its\ndorsal rims")
     panels[2, 0].set_ylabel("mean signals of the\nright rim as it turns")
     panels[2, 1].legend(
-        title="of microvilli at", frameon=False, fontsize="x-small", title_fontsize="x-small",
-        loc="lower left", ncols=3, columnspacing=1.0, handlelength=1.0,
+        title="microvilli, from up to the right", frameon=False, fontsize="x-small",
+        title_fontsize="x-small", loc="lower center", ncols=3, columnspacing=0.8,
+        handlelength=0.8, handletextpad=0.4,
     )  # fmt: skip
+    for panel in panels[2, 1:]:
+        panel.set_yticklabels([])
+    for words, x in (("left", -0.3), ("right", 0.3)):
+        panels[1, 0].text(x, 0.57, words, ha="center", fontsize="small", color=GREY)
     for row, marks, label in (
         (0, polarised, "degree of polarisation,\n350 to 375 nm"),
         (1, ScalarMappable(Normalize(-FULL_SIGNAL, FULL_SIGNAL), SIGNAL_COLOURS),
          "(along − across) /\n(along + across)"),
     ):  # fmt: skip
-        bar = figure.colorbar(marks, ax=panels[row], shrink=0.85, aspect=20 - 8 * row, pad=0.02)
+        box = panels[row, 2].get_position()
+        place = figure.add_axes((0.895, box.y0 + 0.1 * box.height, 0.012, 0.8 * box.height))
+        bar = figure.colorbar(marks, cax=place)
         bar.set_label(label)
         bar.outline.set_visible(False)
     save_figure(figure, [str(DOCS / "lit-rim.png")], dpi=DPI * 1.3)
