@@ -42,8 +42,8 @@ LOWEST_DEG, PER_DEG = -60, 2
 WIDTH, HEIGHT = 360 * PER_DEG, (90 - LOWEST_DEG) * PER_DEG
 EXTENT = (-180.0, 180.0, float(LOWEST_DEG), 90.0)
 RAYS, BEE_RAYS = 16, 96
-DECADES = 3  # of the scales of receptors
-DPI = 110
+DECADES = 4  # of the scales of receptors
+DPI = 102
 OUTSIDE = 0.88  # grey, where no ommatidium looks
 
 
@@ -130,7 +130,7 @@ def through_the_bee(name: str) -> None:
         panel.imshow(picture, extent=EXTENT, interpolation="nearest")
         degrees(panel, words, k == 0)
     # One scale for all three: as much above the brightest but a few as takes these in.
-    high = float(np.quantile(values, 0.995))
+    high = float(np.quantile(values, 0.98))
     power = 10.0 ** np.ceil(np.log10(high))
     top = power * min(step for step in (0.2, 0.5, 1.0) if power * step >= high)
     for k, kind in enumerate(reversed(kinds)):
@@ -153,10 +153,14 @@ def through_the_bee(name: str) -> None:
 
 
 def exposed(colours: NDArray[Any]) -> NDArray[np.uint8]:
-    """As on film: what is on the ground, in the lower part, well lit, and the sky not burnt out."""
-    ground = np.quantile(colours[LOWEST_DEG * PER_DEG :].mean(axis=-1), 0.8)
-    film = 1 - np.exp(-np.clip(colours, 0, None) * (0.5 / ground))
-    return omma.picture.display(film.astype(np.float32))
+    """For the screen: hues as they are, the sky bright but not burnt out, and contrast lowered as
+    far as it takes to see what is on the ground."""
+    bright = np.maximum(colours.mean(axis=-1, keepdims=True), 1e-9)
+    horizon = 90 * PER_DEG
+    sky, ground = np.median(bright[: horizon // 2]), np.median(bright[horizon:])
+    power = min(1.0, np.log(0.1) / np.log(min(ground / sky, 0.1)))
+    film = 1 - np.exp(-1.2 * (bright / sky) ** power)
+    return omma.picture.display(np.clip(colours * (film / bright), 0, 1).astype(np.float32))
 
 
 def degrees(panel: Any, words: str, first: bool) -> None:
@@ -305,7 +309,7 @@ def through_the_rim() -> None:
         bar = figure.colorbar(marks, cax=place)
         bar.set_label(label)
         bar.outline.set_visible(False)
-    save_figure(figure, [str(DOCS / "lit-rim.png")], dpi=DPI * 1.3)
+    save_figure(figure, [str(DOCS / "lit-rim.png")], dpi=143)
 
 
 def draw_sky(
