@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from omma._core import Scene
 from omma.base.arguments import checked, within
@@ -15,7 +14,7 @@ from omma.stimuli.checks import angle_deg, keep, name_of, radiance_of
 from omma.stimuli.checks import speed_deg_s as checked_speed
 from omma.stimuli.gaussian import Floats
 from omma.stimuli.shapes import drifted, longitude_latitude_deg, sphere_patch
-from omma.stimuli.stimulus import Stimulus, as_directions, as_times
+from omma.stimuli.stimulus import Stimulus
 
 
 @value_class
@@ -61,16 +60,12 @@ class Bar(Stimulus):
             name=name_of(self.name, "name"),
         )
 
-    @property
-    def names(self) -> list[str]:
-        return [self.name]
+    def _transforms(self, times_s: Floats) -> Floats:
+        return drifted(self._longitude_deg(times_s), self.direction_deg)[:, None]
 
-    def transforms(self, times_s: ArrayLike) -> Floats:
-        return drifted(self._longitude_deg(as_times(times_s)), self.direction_deg)[:, None]
-
-    def radiance(self, directions: ArrayLike, time_s: float) -> Floats:
+    def _radiance(self, directions: Floats, time_s: float) -> Floats:
         longitude, latitude = longitude_latitude_deg(
-            as_directions(directions), float(self._longitude_deg(time_s)), self.direction_deg
+            directions, float(self._longitude_deg(time_s)), self.direction_deg
         )
         on_bar = np.abs(longitude) <= self.width_deg / 2
         on_bar &= np.abs(latitude) <= self.height_deg / 2

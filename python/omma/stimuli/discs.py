@@ -14,7 +14,7 @@ from omma.scene.solids import disc
 from omma.stimuli.checks import angle_deg, keep, length_m, name_of, radiance_of
 from omma.stimuli.gaussian import Floats, caps_share
 from omma.stimuli.shapes import facing_origin, polygon_radius_m, unit_vectors
-from omma.stimuli.stimulus import Stimulus, as_directions, as_times
+from omma.stimuli.stimulus import Stimulus, as_times
 
 # Of the polygon that is a disc, whose area is the circle's.
 _CORNERS = 256
@@ -72,24 +72,20 @@ class LoomingDisc(Stimulus):
             name=name_of(self.name, "name"),
         )
 
-    @property
-    def names(self) -> list[str]:
-        return [self.name]
-
     def size_deg(self, times_s: ArrayLike) -> Floats:
         """Its angular size θ (T,), degrees, at times (T,), s."""
         left_s = np.maximum(self.collision_s - as_times(times_s), 0.0)
         size = 2 * np.degrees(np.arctan2(self.l_over_v_s, left_s))
         return np.asarray(np.minimum(size, self.largest_deg))
 
-    def transforms(self, times_s: ArrayLike) -> Floats:
+    def _transforms(self, times_s: Floats) -> Floats:
         distance = self.half_width_m / np.tan(np.radians(self.size_deg(times_s)) / 2)
         towards = np.broadcast_to(self._direction(), (len(distance), 3))
         return facing_origin(towards, distance)[:, None]
 
-    def radiance(self, directions: ArrayLike, time_s: float) -> Floats:
+    def _radiance(self, directions: Floats, time_s: float) -> Floats:
         half = np.radians(self.size_deg([time_s])[0]) / 2
-        on_disc = as_directions(directions) @ self._direction() > np.cos(half)
+        on_disc = directions @ self._direction() > np.cos(half)
         return np.where(on_disc, self.disc, self.background)
 
     def _direction(self) -> Floats:
@@ -168,10 +164,6 @@ class Target(Stimulus):
             name=name_of(self.name, "name"),
         )
 
-    @property
-    def names(self) -> list[str]:
-        return [self.name]
-
     def directions(self, times_s: ArrayLike) -> Floats:
         """Where it is: unit vectors (T, 3) at times (T,), s."""
         times = np.clip(as_times(times_s), self.path_s[0], self.path_s[-1])
@@ -188,13 +180,13 @@ class Target(Stimulus):
         of_b = part * np.sinc(part * angle / np.pi) / whole
         return np.asarray(of_a[:, None] * a + of_b[:, None] * b)
 
-    def transforms(self, times_s: ArrayLike) -> Floats:
+    def _transforms(self, times_s: Floats) -> Floats:
         towards = self.directions(times_s)
         return facing_origin(towards, np.full(len(towards), self.distance_m))[:, None]
 
-    def radiance(self, directions: ArrayLike, time_s: float) -> Floats:
+    def _radiance(self, directions: Floats, time_s: float) -> Floats:
         half = np.radians(self.diameter_deg) / 2
-        on_target = as_directions(directions) @ self.directions([time_s])[0] > np.cos(half)
+        on_target = directions @ self.directions([time_s])[0] > np.cos(half)
         return np.where(on_target, self.target, self.background)
 
     def _expected(self, axes: Floats, acceptance_rad: Floats, times_s: Floats) -> Floats:

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from omma._core import Error, Instance, Material, Mesh, Scene
 from omma.base.arguments import array_of, whole, within
@@ -22,7 +21,7 @@ from omma.stimuli.shapes import (
     polygon,
     polygon_radius_m,
 )
-from omma.stimuli.stimulus import Stimulus, as_directions, as_times
+from omma.stimuli.stimulus import Stimulus, as_times
 
 _MOST = 100_000
 # Corners of a dot and of a star.
@@ -78,10 +77,6 @@ class RandomDots(Stimulus):
         )
 
     @property
-    def names(self) -> list[str]:
-        return [self.name]
-
-    @property
     def coverage(self) -> float:
         """Share of the sphere that dots cover, on average over seeds."""
         of_one = (1 - np.cos(np.radians(self.diameter_deg) / 2)) / 2
@@ -93,13 +88,13 @@ class RandomDots(Stimulus):
         drawn = np.random.default_rng(self.seed).normal(size=(self.count, 3))
         return np.asarray(drawn / np.linalg.norm(drawn, axis=1, keepdims=True))
 
-    def transforms(self, times_s: ArrayLike) -> Floats:
-        return drifted(self._drift_deg(as_times(times_s)), self.direction_deg)[:, None]
+    def _transforms(self, times_s: Floats) -> Floats:
+        return drifted(self._drift_deg(times_s), self.direction_deg)[:, None]
 
-    def radiance(self, directions: ArrayLike, time_s: float) -> Floats:
+    def _radiance(self, directions: Floats, time_s: float) -> Floats:
         centres = self._centres_at(time_s)
         half = np.full(self.count, np.radians(self.diameter_deg) / 2)
-        on_dot = _on_any(as_directions(directions), centres, half)
+        on_dot = _on_any(directions, centres, half)
         return np.where(on_dot, self.dot, self.background)
 
     def _centres_at(self, time_s: float) -> Floats:
@@ -180,6 +175,7 @@ class Starfield(Stimulus):
 
     @property
     def names(self) -> list[str]:
+        """Of the stars."""
         return [f"{self.name} {number}" for number in range(self.count)]
 
     def positions_m(self, time_s: float) -> Floats:
@@ -192,17 +188,17 @@ class Starfield(Stimulus):
         drawn = np.random.default_rng(self.seed).random((self.count, 3))
         return np.asarray((drawn - 0.5) * self.cube_m)
 
-    def transforms(self, times_s: ArrayLike) -> Floats:
+    def _transforms(self, times_s: Floats) -> Floats:
         found = []
-        for time_s in as_times(times_s):
+        for time_s in times_s:
             directions, distance = self._seen(time_s)
             found.append(facing_origin(directions, distance))
         return np.array(found).reshape(len(found), self.count, 4, 4)
 
-    def radiance(self, directions: ArrayLike, time_s: float) -> Floats:
+    def _radiance(self, directions: Floats, time_s: float) -> Floats:
         centres, distance = self._seen(time_s)
         half = np.arctan2(self.radius_m, distance)
-        on_star = _on_any(as_directions(directions), centres, half)
+        on_star = _on_any(directions, centres, half)
         return np.where(on_star, self.star, self.background)
 
     def _seen(self, time_s: float) -> tuple[Floats, Floats]:

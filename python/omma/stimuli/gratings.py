@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from omma._core import Error, Scene
 from omma.base.arguments import array_of, checked, one_of, whole, within
@@ -24,7 +24,7 @@ from omma.stimuli.checks import (
 )
 from omma.stimuli.gaussian import Floats, field_directions
 from omma.stimuli.shapes import drifted, grey, longitude_latitude_deg, sphere_patch
-from omma.stimuli.stimulus import Stimulus, as_directions, as_times
+from omma.stimuli.stimulus import Stimulus
 
 Waveform = Literal["sine", "square"]
 
@@ -83,15 +83,11 @@ class DrumGrating(Stimulus):
             height_m=length_m(self.height_m, "height_m"),
         )
 
-    @property
-    def names(self) -> list[str]:
-        return [self.name]
+    def _transforms(self, times_s: Floats) -> Floats:
+        return drifted(self._drift_deg(times_s), 0.0)[:, None]
 
-    def transforms(self, times_s: ArrayLike) -> Floats:
-        return drifted(self._drift_deg(as_times(times_s)), 0.0)[:, None]
-
-    def radiance(self, directions: ArrayLike, time_s: float) -> Floats:
-        vectors = as_directions(directions)
+    def _radiance(self, directions: Floats, time_s: float) -> Floats:
+        vectors = directions
         azimuth, elevation = longitude_latitude_deg(vectors, 0.0, 0.0)
         phase = (azimuth - self._drift_deg(time_s)) / self.wavelength_deg
         return np.where(self._inside(elevation), wave(self, phase), self.background)
@@ -162,15 +158,11 @@ class SphereGrating(Stimulus):
             direction_deg=angle_deg(self.direction_deg, "direction_deg"),
         )
 
-    @property
-    def names(self) -> list[str]:
-        return [self.name]
+    def _transforms(self, times_s: Floats) -> Floats:
+        return drifted(self._drift_deg(times_s), self.direction_deg)[:, None]
 
-    def transforms(self, times_s: ArrayLike) -> Floats:
-        return drifted(self._drift_deg(as_times(times_s)), self.direction_deg)[:, None]
-
-    def radiance(self, directions: ArrayLike, time_s: float) -> Floats:
-        longitude, _ = longitude_latitude_deg(as_directions(directions), 0.0, self.direction_deg)
+    def _radiance(self, directions: Floats, time_s: float) -> Floats:
+        longitude, _ = longitude_latitude_deg(directions, 0.0, self.direction_deg)
         return wave(self, (longitude - self._drift_deg(time_s)) / self.wavelength_deg)
 
     def _drift_deg(self, time_s: Floats | float) -> Floats:
@@ -244,19 +236,15 @@ class PlaneGrating(Stimulus):
             size_m=tuple(size),
         )
 
-    @property
-    def names(self) -> list[str]:
-        return [self.name]
-
-    def transforms(self, times_s: ArrayLike) -> Floats:
+    def _transforms(self, times_s: Floats) -> Floats:
         along, _, _ = self._frame()
-        places = np.broadcast_to(np.eye(4), (len(as_times(times_s)), 4, 4)).copy()
-        shift = self._shift_m(as_times(times_s))
+        places = np.broadcast_to(np.eye(4), (len(times_s), 4, 4)).copy()
+        shift = self._shift_m(times_s)
         places[:, :3, 3] = np.array(self.center_m) + shift[:, None] * along
-        return places[:, None]
+        return np.asarray(places[:, None])
 
-    def radiance(self, directions: ArrayLike, time_s: float) -> Floats:
-        vectors = as_directions(directions)
+    def _radiance(self, directions: Floats, time_s: float) -> Floats:
+        vectors = directions
         along, right, up = self._frame()
         center = np.array(self.center_m)
         distance = np.linalg.norm(center)

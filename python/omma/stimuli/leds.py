@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from omma._core import Error, Image, Instance, Material, Mesh, Scene, Texture
 from omma.base.arguments import whole, within
@@ -22,7 +22,7 @@ from omma.scene.solids import tube
 from omma.stimuli.checks import keep, name_of, radiance_of
 from omma.stimuli.gaussian import Floats
 from omma.stimuli.shapes import grey
-from omma.stimuli.stimulus import Stimulus, as_directions, as_times
+from omma.stimuli.stimulus import Stimulus, as_times
 
 # LEDs of a panel, across and up.
 _LEDS = 8
@@ -117,10 +117,12 @@ class LedArena(Stimulus):
 
     @property
     def height_m(self) -> float:
+        """Of the panels together."""
         return self.panels_up * _PANEL_M
 
     @property
     def names(self) -> list[str]:
+        """Of the frames that differ."""
         return [f"{self.name} {number}" for number in range(len(self._different[0]))]
 
     def pixels(self, time_s: float) -> Floats:
@@ -129,18 +131,18 @@ class LedArena(Stimulus):
         frames, of_frame = self._different
         return self._radiance_of(frames[of_frame[self._frame(as_times([time_s]))[0]]])
 
-    def transforms(self, times_s: ArrayLike) -> Floats:
-        times = as_times(times_s)
+    def _transforms(self, times_s: Floats) -> Floats:
+        times = times_s
         frames, of_frame = self._different
         # Out of sight is tiny and far below.
         away = np.diag([1e-6, 1e-6, 1e-6, 1.0])
         away[1, 3] = -10.0
         places = np.broadcast_to(away, (len(times), len(frames), 4, 4)).copy()
         places[np.arange(len(times)), of_frame[self._frame(times)]] = np.eye(4)
-        return places
+        return np.asarray(places)
 
-    def radiance(self, directions: ArrayLike, time_s: float) -> Floats:
-        x, y, z = np.moveaxis(as_directions(directions), -1, 0)
+    def _radiance(self, directions: Floats, time_s: float) -> Floats:
+        x, y, z = np.moveaxis(directions, -1, 0)
         sides = (np.arctan2(x, -z) / (2 * np.pi) + 0.5) * self.panels_around
         panel = np.clip(np.floor(sides).astype(int), 0, self.panels_around - 1)
         angle = (sides - panel - 0.5) * 2 * np.pi / self.panels_around

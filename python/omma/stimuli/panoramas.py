@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from omma._core import Scene
 from omma.base.arguments import whole, within
@@ -17,7 +16,7 @@ from omma.stimuli.checks import speed_deg_s as checked_speed
 from omma.stimuli.gaussian import Floats
 from omma.stimuli.random_fields import random_field
 from omma.stimuli.shapes import drifted, grey, longitude_latitude_deg, sphere_patch
-from omma.stimuli.stimulus import Stimulus, as_directions, as_times
+from omma.stimuli.stimulus import Stimulus
 
 
 @value_class
@@ -71,24 +70,20 @@ class NoisePanorama(Stimulus):
             name=name_of(self.name, "name"),
         )
 
-    @property
-    def names(self) -> list[str]:
-        return [self.name]
-
     @cached_property
     def picture(self) -> Floats:
         """Radiance (H, 2 H), equirectangular: ahead at time 0 in the middle, row 0 at the top."""
         noise = _noise(self.slope, round(180 / self.pixel_deg), self.seed)
         return np.asarray(np.maximum(self.mean * (1 + self.contrast * noise), 0.0))
 
-    def transforms(self, times_s: ArrayLike) -> Floats:
-        return drifted(self._drift_deg(as_times(times_s)), self.direction_deg)[:, None]
+    def _transforms(self, times_s: Floats) -> Floats:
+        return drifted(self._drift_deg(times_s), self.direction_deg)[:, None]
 
-    def radiance(self, directions: ArrayLike, time_s: float) -> Floats:
+    def _radiance(self, directions: Floats, time_s: float) -> Floats:
         picture = self.picture
         rows, columns = picture.shape
         longitude, latitude = longitude_latitude_deg(
-            as_directions(directions), float(self._drift_deg(time_s)), self.direction_deg
+            directions, float(self._drift_deg(time_s)), self.direction_deg
         )
         x = (longitude / 360 + 0.5) * columns - 0.5
         y = (0.5 - latitude / 180) * rows - 0.5

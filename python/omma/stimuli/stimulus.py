@@ -41,20 +41,37 @@ class Stimulus:
 
     """
 
-    # Radiance where nothing of it is, a field of each.
+    # Fields of each: what it is called, and the radiance where nothing of it is.
+    name: str
     background: float
 
     @property
     def names(self) -> list[str]:
         """Of the K things that move, as `World.set_transforms` takes them."""
-        raise NotImplementedError
+        return [self.name]
 
+    @checked
     def transforms(self, times_s: ArrayLike) -> Floats:
-        """Where its things are: ``world_from_node`` (T, K, 4, 4), m, at times (T,), s."""
+        """Where its things are: ``world_from_node`` (T, K, 4, 4), m, at times (T,), s.
+
+        Raises:
+            omma.Error: a wrong shape, or a time that is not finite.
+        """
+        return self._transforms(as_times(times_s))
+
+    @checked
+    def radiance(self, directions: ArrayLike, time_s: float) -> Floats:
+        """What is seen from the origin in unit directions (..., 3) of the world: (...).
+
+        Raises:
+            omma.Error: a wrong shape, vectors that are not of length 1, a time that is not finite.
+        """
+        return self._radiance(_as_directions(directions), _one_time(time_s))
+
+    def _transforms(self, times_s: Floats) -> Floats:
         raise NotImplementedError
 
-    def radiance(self, directions: ArrayLike, time_s: float) -> Floats:
-        """What is seen from the origin in unit directions (..., 3) of the world: (...)."""
+    def _radiance(self, directions: Floats, time_s: float) -> Floats:
         raise NotImplementedError
 
     def _parts(self) -> Scene:
@@ -64,7 +81,7 @@ class Stimulus:
     def scene(self) -> Scene:
         """Its things, as they are at time 0, before its background."""
         made = self._parts()
-        places = dict(zip(self.names, self.transforms([0.0])[0], strict=True))
+        places = dict(zip(self.names, self._transforms(np.zeros(1))[0], strict=True))
         return made.replace(
             instances=[one.replace(world_from_mesh=places[one.name]) for one in made.instances],
             background=Background.constant([self.background] * 3),
@@ -121,7 +138,7 @@ class Stimulus:
         return self._expected(vectors / length, all_widths, as_times(times_s))
 
     def _expected(self, axes: Floats, acceptance_rad: Floats, times_s: Floats) -> Floats:
-        return gaussian_means(self.radiance, axes, acceptance_rad, times_s)
+        return gaussian_means(self._radiance, axes, acceptance_rad, times_s)
 
     @checked
     def play(
@@ -180,7 +197,7 @@ def as_times(times_s: ArrayLike) -> Floats:
     return times
 
 
-def as_directions(directions: ArrayLike) -> Floats:
+def _as_directions(directions: ArrayLike) -> Floats:
     """Unit vectors (..., 3), checked."""
     vectors = array_of(directions, "directions")
     if vectors.shape[-1:] != (3,):
