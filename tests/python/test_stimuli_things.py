@@ -41,7 +41,7 @@ def test_a_looming_disc_grows_as_it_should():
     assert disc.size_deg([0.0, 1.0]) == pytest.approx(
         2 * np.degrees(np.arctan([0.5 / 25, 0.5 / 12.5]))
     )
-    assert disc.size_deg([1.96, 1.99, 3.0]).tolist() == [90, 90, 90]
+    assert disc.size_deg([1.96, 1.99, 3.0]) == pytest.approx([90, 90, 90])
     # It comes with a constant speed, l over l/v: 0.1 m / 0.04 s.
     places = disc.transforms([0.5, 0.7])[:, 0]
     assert places[:, :3, 3] == pytest.approx(np.array([[0, 0, -3.75], [0, 0, -3.25]]))
@@ -55,8 +55,8 @@ def test_a_disc_s_solid_angle_is_weighed_by_the_sensitivity(acceptance_deg, away
     disc = LoomingDisc(0.1, 1.0, disc=1.0, background=0.0)  # 11.4° at time 0
     axis, width = direction(away_deg, 0.0), np.radians(acceptance_deg)
     found = disc.expected(axis[None], width, [0.0])[0, 0]
-    # The grid's own error at the rim: a cell of 1/1500 of the field, here and there.
-    assert found == pytest.approx(share_by_counting(disc, axis, width, 0.0, 1.0), abs=3e-4)
+    # The grid's own error: of its 1,500 rings one, which holds up to 5e-4, goes along the rim.
+    assert found == pytest.approx(share_by_counting(disc, axis, width, 0.0, 1.0), abs=5e-4)
     if away_deg == 0:
         # A ring is inside or outside: ∫S sinθ from 0 to the rim over that to the end.
         theta = np.linspace(0, np.pi, 400_001)
@@ -71,8 +71,8 @@ def test_a_looming_disc_rendered_is_the_formula():
     axes = direction([0.0, 8.0, 25.0], [0.0, 3.0, 0.0])
     eye = omma.Eye(np.zeros((3, 3)), axes, np.radians(8))
     played = disc.play(omma.Renderer(disc.world(), eye, omma.Fixed(4096)), times)[..., 0]
-    # 4,096 rays on a rim are right to about 0.001.
-    assert np.abs(played - disc.expected(axes, np.radians(8), times)).max() < 0.002
+    # 4,096 rays on a rim are right to about 0.002.
+    assert np.abs(played - disc.expected(axes, np.radians(8), times)).max() < 0.004
     assert played[0, 0] > 0.5
     assert played[-1].max() < 1e-3
 
@@ -121,7 +121,7 @@ def test_random_dots_cover_what_their_number_says():
     ]
     # 20 x 300 dots of 0.12 % each cover 31 %; 80,000 directions, about 25 of them to a dot.
     assert np.mean(covered) == pytest.approx(RandomDots(300, 8.0).coverage, abs=0.01)
-    assert RandomDots(300, 8.0).coverage == pytest.approx(0.3060, abs=1e-4)
+    assert RandomDots(300, 8.0).coverage == pytest.approx(0.30623, abs=1e-5)
     # As many to each side.
     centres = np.concatenate([RandomDots(1000, seed=seed)._centres for seed in range(10)])
     assert np.abs(centres.mean(axis=0)).max() < 0.02
@@ -173,7 +173,9 @@ def test_noise_has_the_slope_that_it_is_given(slope):
         area = np.sin(polar) * np.pi / rows * 2 * np.pi
         waves = np.fft.rfft(picture, axis=1) / columns
         assert (area[:, None] * picture).sum() / columns == pytest.approx(0, abs=1e-9)
-        assert (area[:, None] * picture**2).sum() / columns / 4 / np.pi == pytest.approx(0.01)
+        assert (area[:, None] * picture**2).sum() / columns / 4 / np.pi == pytest.approx(
+            0.01, rel=1e-4
+        )
         for k, degree in enumerate(degrees):
             for m in range(degree + 1):
                 norm = np.log((2 * degree + 1) / (4 * np.pi))
@@ -199,13 +201,13 @@ def test_noise_is_the_same_all_around():
 
 
 def test_leds_have_pixels_and_levels():
-    grating = DrumGrating(30, 1)
+    grating = DrumGrating(120, 1)
     for bits in (1, 2, 4):
         arena = LedArena(grating, bits=bits, refresh_hz=50, brightest=0.9)
-        seen = np.unique(np.concatenate([arena.pixels(t).ravel() for t in (0, 0.13, 0.4)]))
+        seen = np.unique(np.concatenate([arena.pixels(t).ravel() for t in np.arange(0, 1, 0.02)]))
         levels = np.arange(2**bits) * 0.9 / (2**bits - 1)
         assert seen == pytest.approx(levels)
-    arena = LedArena(grating, bits=8, refresh_hz=50)
+    arena = LedArena(DrumGrating(30, 1), bits=8, refresh_hz=50)
     assert arena.pixels(0).shape == (32, 96)
     # 96 around, 3.75° each, nearly: they are on flat panels.
     row = arena.pixels(0)[16]
@@ -219,7 +221,7 @@ def test_leds_have_pixels_and_levels():
 
 
 def test_leds_hold_what_they_show():
-    arena = LedArena(Bar(30, 180, 360.0), 1.0, bits=1, refresh_hz=20)
+    arena = LedArena(Bar(30, 180, 360.0, bar=0.2), 1.0, bits=1, refresh_hz=20)
     assert arena.frame_count == 20
     shown = [arena.pixels(t) for t in np.arange(0, 1.2, 0.01)]
     changes = [k for k in range(1, len(shown)) if (shown[k] != shown[k - 1]).any()]

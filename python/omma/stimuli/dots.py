@@ -47,8 +47,8 @@ class RandomDots(Stimulus):
         name: of the thing that turns.
 
     Example:
-        >>> omma.stimuli.RandomDots(1000, 5.0).coverage
-        0.8512
+        >>> round(omma.stimuli.RandomDots(1000, 5.0).coverage, 4)
+        0.3787
 
     Raises:
         omma.Error: a parameter out of its range.

@@ -1,13 +1,13 @@
 """What a Gaussian ommatidium answers, by quadrature over its angular sensitivity.
 
-S(θ) = exp(-4 ln2 (θ/Δρ)²) with θ the true angle from the axis, so the measure is sinθ dθ dφ. All
-sums are over rings around the axis: Gauss-Legendre in θ.
+S(θ) = exp(-4 ln2 (θ/Δρ)²) with θ the true angle from the axis, so the measure is sinθ dθ dφ. Discs
+are summed over rings around the axis, of which one knows what they cover; all else over directions.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,39 +16,34 @@ Floats = NDArray[np.float64]
 
 # Beyond this many acceptance angles S is under 1e-7.
 _REACH = 2.4
-# Rings, and directions in each. Of an edge straight through a field the mean is then within 5e-4,
-# of a sine of up to two cycles per acceptance angle within 1e-7 (test_stimuli.py).
-_RINGS, _AROUND = 64, 256
+# Over so many directions the mean of an edge through a field is within 5e-4, of a sine 1e-4.
+_DIRECTIONS = 32_768
 # Rings where what lies in each is known exactly.
-_FINE_RINGS = 512
-# From ring to ring directions are turned by the golden angle, so that edges do not run along rows.
+_RINGS = 512
+# The golden angle.
 _TURN = np.pi * (3 - np.sqrt(5))
 
 
-def ring_shares(acceptance_rad: float, rings: int = _FINE_RINGS) -> tuple[Floats, Floats]:
-    """Polar angles (rings,), rad, and the share of each in a response; the shares sum to 1.
+def field_directions(axis: Floats, acceptance_rad: float) -> Floats:
+    """Unit vectors (Q, 3) over the field of an ommatidium, each with the same share of a response.
 
-    An acceptance angle of 0 gives rings of no width, around a single ray.
+    On a spiral by the golden angle (Vogel 1979, Math Biosci 44:179), which has no rows along which
+    an edge could run, at polar angles that share the sensitivity evenly.
     """
-    most = min(_REACH, np.pi / acceptance_rad) if acceptance_rad > 0 else _REACH
-    nodes, weights = _gauss(rings)
-    x = most * (nodes + 1) / 2
-    theta = acceptance_rad * x
-    # sinθ/Δρ, also where Δρ is 0.
-    share = weights * np.exp(-4 * np.log(2) * x**2) * x * np.sinc(theta / np.pi)
-    return theta, share / share.sum()
-
-
-def field_directions(axis: Floats, acceptance_rad: float) -> tuple[Floats, Floats]:
-    """Unit vectors (Q, 3) over the field of an ommatidium, and the share of each in its response
-    (Q,); the shares sum to 1."""
-    theta, share = ring_shares(acceptance_rad, _RINGS)
-    turn = 2 * np.pi * np.arange(_AROUND) / _AROUND
-    phi = turn + _TURN * np.arange(_RINGS)[:, None]
+    theta, phi = _polar_angles(acceptance_rad), _TURN * np.arange(_DIRECTIONS)
     right, up = tangents(axis)
-    across = np.cos(phi)[..., None] * right + np.sin(phi)[..., None] * up
-    directions = np.cos(theta)[:, None, None] * axis + np.sin(theta)[:, None, None] * across
-    return directions.reshape(-1, 3), np.repeat(share / _AROUND, _AROUND)
+    across = np.cos(phi)[:, None] * right + np.sin(phi)[:, None] * up
+    return np.asarray(np.cos(theta)[:, None] * axis + np.sin(theta)[:, None] * across)
+
+
+@lru_cache(maxsize=64)
+def _polar_angles(acceptance_rad: float) -> Floats:
+    """Polar angles (Q,), rad, in order: the middles of equal shares of the sensitivity."""
+    x = np.linspace(0, _farthest(acceptance_rad), 20_001)
+    density = _density(x, acceptance_rad)
+    below = np.concatenate([[0.0], np.cumsum(density[1:] + density[:-1])])
+    share = (np.arange(_DIRECTIONS) + 0.5) / _DIRECTIONS
+    return np.asarray(acceptance_rad * np.interp(share, below / below[-1], x))
 
 
 def gaussian_means(
@@ -60,9 +55,9 @@ def gaussian_means(
     """Responses (T, N) to a radiance, a function of directions (Q, 3) and the time, s."""
     means = np.empty((len(times_s), len(axes)))
     for n, (axis, width) in enumerate(zip(axes, acceptance_rad, strict=True)):
-        directions, share = field_directions(axis, width)
+        directions = field_directions(axis, float(width))
         for k, time_s in enumerate(times_s):
-            means[k, n] = (radiance(directions, time_s) * share).sum()
+            means[k, n] = radiance(directions, time_s).mean()
     return means
 
 
@@ -89,7 +84,7 @@ def caps_share(axis: Floats, acceptance_rad: float, centres: Floats, radii_rad: 
         kinks = [abs(away[0] - radius[0]), away[0] + radius[0]]
         theta, share = _split_rings(acceptance_rad, kinks)
     else:
-        theta, share = ring_shares(acceptance_rad)
+        theta, share = _ring_shares(acceptance_rad)
     # A cap covers of the ring at θ what is within ± half of its azimuth: the cosine rule.
     sines = np.sin(theta)[:, None] * np.sin(away)
     excess = np.cos(radius) - np.cos(theta)[:, None] * np.cos(away)
@@ -107,6 +102,24 @@ def tangents(axis: Floats) -> tuple[Floats, Floats]:
     return right, np.cross(axis, right)
 
 
+def _ring_shares(acceptance_rad: float) -> tuple[Floats, Floats]:
+    """Polar angles of rings (R,), rad, and the share of each in a response; the shares sum to 1."""
+    nodes, weights = _gauss(_RINGS)
+    x = _farthest(acceptance_rad) * (nodes + 1) / 2
+    share = weights * _density(x, acceptance_rad)
+    return acceptance_rad * x, share / share.sum()
+
+
+def _farthest(acceptance_rad: float) -> float:
+    """How far sensitivity reaches, in acceptance angles."""
+    return float(min(_REACH, np.pi / acceptance_rad)) if acceptance_rad > 0 else _REACH
+
+
+def _density(x: Floats, acceptance_rad: float) -> Floats:
+    """Sensitivity times sinθ at θ of x acceptance angles, up to a factor; also where Δρ is 0."""
+    return np.asarray(np.exp(-4 * np.log(2) * x**2) * x * np.sinc(x * acceptance_rad / np.pi))
+
+
 @cache
 def _gauss(count: int) -> tuple[Floats, Floats]:
     """Nodes and weights of Gauss-Legendre from -1 to 1."""
@@ -122,7 +135,7 @@ def _split_rings(acceptance_rad: float, kinks: list[float]) -> tuple[Floats, Flo
     """
     end = min(_REACH * acceptance_rad, np.pi)
     bounds = sorted({0.0, end, *(min(kink, end) for kink in kinks)})
-    nodes, weights = _gauss(_FINE_RINGS // 8)
+    nodes, weights = _gauss(_RINGS // 8)
     # x = sin²(π/2 s) from s in [0, 1].
     s, ds = (nodes + 1) / 2, weights / 2
     x, dx = np.sin(np.pi / 2 * s) ** 2, np.pi / 2 * np.sin(np.pi * s) * ds

@@ -106,11 +106,12 @@ class DrumGrating(Stimulus):
         drift = self._drift_deg(times_s) / self.wavelength_deg
         means = np.empty((len(times_s), len(axes)))
         for n, (axis, width) in enumerate(zip(axes, acceptance_rad, strict=True)):
-            directions, share = field_directions(axis, width)
+            directions = field_directions(axis, float(width))
             azimuth, elevation = longitude_latitude_deg(directions, 0.0, 0.0)
-            share_inside = share * self._inside(elevation)
-            means[:, n] = _sine_means(self, azimuth / self.wavelength_deg, share_inside, drift)
-            means[:, n] += (1 - share_inside.sum()) * self.background
+            inside = self._inside(elevation)
+            periods = azimuth[inside] / self.wavelength_deg
+            means[:, n] = _sine_sums(self, periods, drift) / len(directions)
+            means[:, n] += (1 - inside.mean()) * self.background
         return means
 
     def _parts(self) -> Scene:
@@ -174,9 +175,10 @@ class SphereGrating(Stimulus):
         drift = self._drift_deg(times_s) / self.wavelength_deg
         means = np.empty((len(times_s), len(axes)))
         for n, (axis, width) in enumerate(zip(axes, acceptance_rad, strict=True)):
-            directions, share = field_directions(axis, width)
+            directions = field_directions(axis, float(width))
             longitude, _ = longitude_latitude_deg(directions, 0.0, self.direction_deg)
-            means[:, n] = _sine_means(self, longitude / self.wavelength_deg, share, drift)
+            periods = longitude / self.wavelength_deg
+            means[:, n] = _sine_sums(self, periods, drift) / len(directions)
         return means
 
     def _parts(self) -> Scene:
@@ -330,13 +332,13 @@ def wave(grating: Grating, periods: Floats) -> Floats:
     return np.asarray(grating.mean * (1 + grating.contrast * shape))
 
 
-def _sine_means(grating: Grating, periods: Floats, share: Floats, drift: Floats) -> Floats:
-    """Means (T,) of a sine over directions (Q,), each with its share, when it has drifted by so
-    many periods (T,): one sum for all times, as a drift turns the phase of the mean alone."""
-    turned = (np.exp(2j * np.pi * periods) * share).sum()
+def _sine_sums(grating: Grating, periods: Floats, drift: Floats) -> Floats:
+    """Sums (T,) of a sine over directions so many periods (Q,) from its phase, when it has drifted
+    by so many (T,): one sum for all times, as a drift only turns its phase."""
+    turned = np.exp(2j * np.pi * periods).sum()
     angle = -2 * np.pi * drift + np.radians(grating.phase_deg)
     amplitude = np.imag(turned * np.exp(1j * angle))
-    return np.asarray(grating.mean * (share.sum() + grating.contrast * amplitude))
+    return np.asarray(grating.mean * (len(periods) + grating.contrast * amplitude))
 
 
 def _striped(surface: Surface, periods: Floats, grating: Grating) -> Scene:

@@ -172,7 +172,8 @@ class LedArena(Stimulus):
         levels = np.empty((self.frame_count, *towards.shape[:2]), np.uint8)
         for number in range(self.frame_count):
             radiance = self.shown.radiance(towards, number / self.refresh_hz)
-            levels[number] = np.clip(np.rint(radiance / self.brightest * most), 0, most)
+            # Halves go up: of two levels a grey background is the bright one.
+            levels[number] = np.clip(np.floor(radiance / self.brightest * most + 0.5), 0, most)
         frames, of_frame = np.unique(levels, axis=0, return_inverse=True)
         return frames, np.asarray(of_frame.reshape(-1), np.int64)
 
