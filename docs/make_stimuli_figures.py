@@ -34,7 +34,7 @@ SHOWN = {
     "Bar(15, 100, 60.0, direction_deg=30)": stimuli.Bar(15, 100, 60.0, direction_deg=30),
     "edge(60.0)": stimuli.edge(60.0),
     "LoomingDisc(0.1, 0.6, azimuth_deg=40)": stimuli.LoomingDisc(0.1, 0.6, azimuth_deg=40),
-    "Target(6, [0, 1], [-90, 90], [0, 30])": stimuli.Target(6, [0, 1], [-90, 90], [0, 30]),
+    "Target(6, [0, 1], [-60, 60], [0, 20])": stimuli.Target(6, [0, 1], [-60, 60], [0, 20]),
     "RandomDots(400, 6.0)": stimuli.RandomDots(400, 6.0),
     "Starfield(400, 0.05)": stimuli.Starfield(400, 0.05),
     "NoisePanorama()": stimuli.NoisePanorama(),
@@ -55,7 +55,7 @@ def panoramas() -> None:
     azimuth = ((np.arange(COLUMNS) + 0.5) / COLUMNS - 0.5) * 360
     elevation = (0.5 - (np.arange(ROWS) + 0.5) / ROWS) * 180
     axes = direction(*np.meshgrid(azimuth, elevation)).reshape(-1, 3)
-    figure = Figure(figsize=(9.6, 12.6), layout="constrained")
+    figure = Figure(figsize=(9.6, 9.6), layout="constrained")
     panels = figure.subplots(len(SHOWN) // 2, 4)
     for number, (title, stimulus) in enumerate(SHOWN.items()):
         row, side = divmod(number, 2)

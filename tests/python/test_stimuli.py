@@ -245,6 +245,8 @@ def test_bad_paths_and_arenas_are_named():
         LedArena(LedArena(DrumGrating()))
     with pytest.raises(omma.Error, match="duration_s: expected at most 20,000 frames"):
         LedArena(DrumGrating(), 100.0)
+    with pytest.raises(omma.Error, match="panels_up: expected at most 268,435,456 pixels"):
+        LedArena(DrumGrating(), panels_around=100, panels_up=100)
     with pytest.raises(omma.Error, match="bits: expected 1 to 8"):
         LedArena(DrumGrating(), bits=9)
 

@@ -10,8 +10,7 @@ from omma._core import Scene
 from omma.base.arguments import checked, within
 from omma.base.values import value_class
 from omma.scene.paint import painted_scene
-from omma.stimuli.checks import angle_deg, keep, name_of, radiance_of
-from omma.stimuli.checks import speed_deg_s as checked_speed
+from omma.stimuli.checks import angle_deg, angular_speed, keep, name_of, radiance_of
 from omma.stimuli.gaussian import Floats
 from omma.stimuli.shapes import drifted, longitude_latitude_deg, sphere_patch
 from omma.stimuli.stimulus import Stimulus
@@ -52,7 +51,7 @@ class Bar(Stimulus):
             self,
             width_deg=within(self.width_deg, "width_deg", 0.01, 359.9),
             height_deg=within(self.height_deg, "height_deg", 0.01, 180.0),
-            speed_deg_s=checked_speed(self.speed_deg_s, "speed_deg_s"),
+            speed_deg_s=angular_speed(self.speed_deg_s, "speed_deg_s"),
             azimuth_deg=angle_deg(self.azimuth_deg, "azimuth_deg"),
             direction_deg=angle_deg(self.direction_deg, "direction_deg"),
             bar=radiance_of(self.bar, "bar"),

@@ -27,7 +27,7 @@ def frequency_hz(value: float, name: str) -> float:
     return within(value, name, -_MOST_HZ, _MOST_HZ)
 
 
-def speed_deg_s(value: float, name: str) -> float:
+def angular_speed(value: float, name: str) -> float:
     """An angular speed, degrees/s, of either sign."""
     return within(value, name, -_MOST_DEG_S, _MOST_DEG_S)
 

@@ -11,8 +11,7 @@ from omma._core import Error, Instance, Material, Mesh, Scene
 from omma.base.arguments import array_of, whole, within
 from omma.base.values import value_class
 from omma.scene.paint import painted_scene
-from omma.stimuli.checks import angle_deg, keep, length_m, name_of, radiance_of
-from omma.stimuli.checks import speed_deg_s as checked_speed
+from omma.stimuli.checks import angle_deg, angular_speed, keep, length_m, name_of, radiance_of
 from omma.stimuli.gaussian import Floats, caps_share
 from omma.stimuli.shapes import (
     SPHERE_RADIUS_M,
@@ -68,7 +67,7 @@ class RandomDots(Stimulus):
             self,
             count=whole(self.count, "count", 1, _MOST),
             diameter_deg=within(self.diameter_deg, "diameter_deg", 1e-3, 90.0),
-            speed_deg_s=checked_speed(self.speed_deg_s, "speed_deg_s"),
+            speed_deg_s=angular_speed(self.speed_deg_s, "speed_deg_s"),
             direction_deg=angle_deg(self.direction_deg, "direction_deg"),
             seed=whole(self.seed, "seed", 0, (1 << 63) - 1),
             dot=radiance_of(self.dot, "dot"),

@@ -15,12 +15,12 @@ from omma.scene.paint import Surface, painted_scene
 from omma.scene.solids import tube, upright
 from omma.stimuli.checks import (
     angle_deg,
+    angular_speed,
     frequency_hz,
     keep,
     length_m,
     name_of,
     radiance_of,
-    speed_deg_s,
 )
 from omma.stimuli.gaussian import Floats, field_directions
 from omma.stimuli.shapes import drifted, grey, longitude_latitude_deg, sphere_patch
@@ -308,7 +308,7 @@ def optomotor_drum(
         omma.Error: a parameter out of its range.
     """
     count = whole(stripes, "stripes", 1, 1800)
-    speed = _speed(speed_deg_s)
+    speed = angular_speed(speed_deg_s, "speed_deg_s")
     highest = within(height_deg, "height_deg", 0.1, 89.0)
     return DrumGrating(
         360 / count,
@@ -387,7 +387,3 @@ def _whole_periods(wavelength_deg: float) -> float:
 def _periods(frequency_hz: float, time_s: Floats | float) -> Floats:
     """Periods since time 0, without whole ones."""
     return np.asarray(np.mod(frequency_hz * np.asarray(time_s), 1.0))
-
-
-def _speed(value: float) -> float:
-    return speed_deg_s(value, "speed_deg_s")

@@ -30,6 +30,8 @@ _PANEL_M = 0.032
 # Of a panel whose LEDs are on or off, Hz; grey levels share it.
 _SCAN_HZ = 4000.0
 _MOST_FRAMES = 20_000
+# Pixels of all frames, a byte each.
+_MOST_PIXELS = 1 << 28
 # A time that is a refresh but for rounding counts as after it.
 _ROUNDING = 1e-6
 
@@ -67,7 +69,8 @@ class LedArena(Stimulus):
         (32, 96)
 
     Raises:
-        omma.Error: a parameter out of its range, more than 20,000 frames.
+        omma.Error: a parameter out of its range, more than 20,000 frames or 268 million pixels in
+                them all.
         TypeError: what is shown is no stimulus, or another arena.
     """
 
@@ -102,6 +105,12 @@ class LedArena(Stimulus):
             raise Error(
                 f"duration_s: expected at most {_MOST_FRAMES:,} frames, found "
                 f"{self.duration_s:g} s of {self.refresh_hz:g} Hz"
+            )
+        pixels = self.panels_around * self.panels_up * _LEDS**2
+        if self.frame_count * pixels > _MOST_PIXELS:
+            raise Error(
+                f"panels_up: expected at most {_MOST_PIXELS:,} pixels in all frames, found "
+                f"{self.frame_count:,} frames of {pixels:,}"
             )
 
     @property

@@ -11,8 +11,7 @@ from omma._core import Scene
 from omma.base.arguments import whole, within
 from omma.base.values import value_class
 from omma.scene.paint import painted_scene
-from omma.stimuli.checks import angle_deg, keep, name_of, radiance_of
-from omma.stimuli.checks import speed_deg_s as checked_speed
+from omma.stimuli.checks import angle_deg, angular_speed, keep, name_of, radiance_of
 from omma.stimuli.gaussian import Floats
 from omma.stimuli.random_fields import random_field
 from omma.stimuli.shapes import drifted, grey, longitude_latitude_deg, sphere_patch
@@ -63,7 +62,7 @@ class NoisePanorama(Stimulus):
             contrast=within(self.contrast, "contrast", 0.0, 10.0),
             mean=radiance_of(self.mean, "mean"),
             pixel_deg=180 / rows,
-            speed_deg_s=checked_speed(self.speed_deg_s, "speed_deg_s"),
+            speed_deg_s=angular_speed(self.speed_deg_s, "speed_deg_s"),
             direction_deg=angle_deg(self.direction_deg, "direction_deg"),
             seed=whole(self.seed, "seed", 0, (1 << 63) - 1),
             background=radiance_of(self.background, "background"),
