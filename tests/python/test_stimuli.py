@@ -20,6 +20,7 @@ from omma.stimuli import (
     edge,
     optomotor_drum,
 )
+from omma.stimuli.shapes import longitude_latitude_deg
 
 TIMES_S = np.array([0.0, 0.37, 0.8])
 STIMULI = {
@@ -76,8 +77,12 @@ def test_single_rays_see_the_radiance_itself(name):
     seen = stimulus.play(renderer, [0.3])[0, :, 1]
     off = np.abs(seen - stimulus.radiance(axes, 0.3))
     # Exact to 1e-3 but where a ray passes within the fraction of a degree by which polygons differ
-    # from circles and meridians from chords.
-    assert np.mean(off > 1e-3) < 0.003
+    # from circles and meridians from chords; and on a sine that narrows towards the poles of its
+    # sphere, where the mesh's triangles of 1° interpolate it: to 1e-3 up to latitudes of 60°.
+    assert np.mean(off > 1e-3) < (0.02 if name == "sphere" else 0.003)
+    if name == "sphere":
+        _, latitude = longitude_latitude_deg(axes, 0.0, stimulus.direction_deg)
+        assert off[np.abs(latitude) < 60].max() < 1e-3
     expected = stimulus.expected(axes[:50], 0.0, [0.3])[0]
     assert expected == pytest.approx(stimulus.radiance(axes[:50], 0.3), abs=1e-9)
 
