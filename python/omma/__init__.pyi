@@ -9,6 +9,7 @@ from . import (
     rendering,
     scene,
     species,
+    stimuli,
     study,
 )
 from ._core import Acceptance, Background, Error, Eye, Scene, __version__
@@ -56,5 +57,6 @@ __all__ = [
     "save_responses",
     "scene",
     "species",
+    "stimuli",
     "study",
 ]

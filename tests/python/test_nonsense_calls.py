@@ -125,6 +125,7 @@ def public_calls(folder):
     omma.render_file(scene_file, kept, omma.Fixed(1), eyes=folder / "bug.eye")
     table = omma.Acceptance.table([0, 0.1, 0.2], [1, 0.5, 0])
     green = omma.receptors.ReceptorType("green", peak_wavelength_nm=540.0)
+    drum = omma.stimuli.DrumGrating()
     good = {
         "AcuteZone": (0.0, 0.0, 0.5, 2.0),
         "Box": ((0, 0, 0), (1, 1, 1)),
@@ -310,6 +311,18 @@ def public_calls(folder):
             "scene": renderer, "centre_m": (0, 1, 0), "size_m": 1.0, "steps": 2, "repeats": 2,
         },
         "window": (),
+        "Bar": (10.0, 60.0),
+        "DrumGrating": (20.0, 1.0),
+        "LedArena": (drum, 0.05, 1, 40.0),
+        "LoomingDisc": (0.05, 1.0),
+        "NoisePanorama": {"pixel_deg": 10.0},
+        "PlaneGrating": (0.5, 1.0),
+        "RandomDots": (10, 5.0),
+        "SphereGrating": (20.0, 1.0),
+        "Starfield": (10, 0.02),
+        "Target": (1.0, [0, 1], [0, 10], [0, 0]),
+        "edge": (60.0,),
+        "optomotor_drum": (18, 60.0),
         "hexagonal_coordinates": (eye,),
         "load_responses": (kept,),
         "plot_responses": (png, eye, rgb),
@@ -319,7 +332,33 @@ def public_calls(folder):
         "species.facts": ("honeybee_worker",),
         "species.facts_text": ("honeybee_worker",),
     }  # fmt: skip
+    of_stimulus = {
+        "scene": (), "world": {}, "move": (drum.world(), 0.1),
+        "expected": ([[0, 0, -1]], 0.1, [0.0]), "transforms": ([0.0],),
+        "radiance": ([0, 0, -1], 0.0), "play": (omma.Renderer(drum.world(), eye), [0.0]),
+    }  # fmt: skip
+    disc = omma.stimuli.LoomingDisc()
+    target = omma.stimuli.Target(1.0, [0, 1], [0, 10], [0, 0])
+    stars = omma.stimuli.Starfield(3)
+    arena = omma.stimuli.LedArena(drum, 0.05, refresh_hz=40.0)
     methods = {
+        "DrumGrating": (drum, of_stimulus),
+        "LoomingDisc": (disc, {
+            **of_stimulus, "size_deg": ([0.0],), "move": (disc.world(), 0.1),
+            "play": (omma.Renderer(disc.world(), eye), [0.0]),
+        }),
+        "Target": (target, {
+            **of_stimulus, "directions": ([0.0],), "move": (target.world(), 0.1),
+            "play": (omma.Renderer(target.world(), eye), [0.0]),
+        }),
+        "Starfield": (stars, {
+            **of_stimulus, "positions_m": (0.0,), "move": (stars.world(), 0.1),
+            "play": (omma.Renderer(stars.world(), eye), [0.0]),
+        }),
+        "LedArena": (arena, {
+            **of_stimulus, "pixels": (0.0,), "move": (arena.world(), 0.1),
+            "play": (omma.Renderer(arena.world(), eye), [0.0]),
+        }),
         "Renderer": (omma.Renderer(scene, bee, omma.Fixed(1), threads=1), {
             "render": (pose,), "render_rays": (pose,), "render_receptors": (pose,),
             "render_stokes": (pose,),

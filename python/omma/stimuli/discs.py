@@ -1,0 +1,230 @@
+"""Discs that face the head: one that looms, and a small target that flies along a path."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from omma._core import Error, Scene
+from omma.base.arguments import array_of, within
+from omma.base.values import value_class
+from omma.scene.solids import disc
+from omma.stimuli.checks import angle_deg, keep, length_m, name_of, radiance_of
+from omma.stimuli.gaussian import Floats, caps_share
+from omma.stimuli.shapes import facing_origin, polygon_radius_m, unit_vectors
+from omma.stimuli.stimulus import Stimulus, as_times
+
+# Of the polygon that is a disc, whose area is the circle's.
+_CORNERS = 256
+
+
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
+class LoomingDisc(Stimulus):
+    """A disc that comes straight at the head with a constant speed, and so appears to explode.
+
+    Its angular size is θ(t) = 2 atan(l/v / (t_c - t)), with half its width l, its speed v and the
+    time of collision t_c (Gabbiani, Krapp & Laurent 1999, J Neurosci 19:1122). It stops when it is
+    as large as ``largest_deg``, and stays.
+
+    Args:
+        l_over_v_s: half its width over its speed, s.
+        collision_s: when it would meet the head.
+        largest_deg: angular size at which it stops.
+        azimuth_deg, elevation_deg: where it comes from.
+        half_width_m: l; from the middle of the head one sees only l/v.
+        disc: its radiance.
+        background: radiance behind it.
+        name: of the thing that moves.
+
+    Example:
+        >>> disc = omma.stimuli.LoomingDisc(l_over_v_s=0.05, collision_s=1.0)
+        >>> disc.size_deg([0.0, 0.95]).round(2).tolist()
+        [5.72, 90.0]
+
+    Raises:
+        omma.Error: a parameter out of its range.
+    """
+
+    l_over_v_s: float = 0.05
+    collision_s: float = 1.0
+    largest_deg: float = 120.0
+    azimuth_deg: float = 0.0
+    elevation_deg: float = 0.0
+    half_width_m: float = 0.1
+    disc: float = 0.0
+    background: float = 0.5
+    name: str = "disc"
+
+    def __post_init__(self) -> None:
+        keep(
+            self,
+            l_over_v_s=within(self.l_over_v_s, "l_over_v_s", 1e-6, 1e6),
+            collision_s=within(self.collision_s, "collision_s", -1e6, 1e6),
+            largest_deg=within(self.largest_deg, "largest_deg", 0.01, 175.0),
+            azimuth_deg=angle_deg(self.azimuth_deg, "azimuth_deg"),
+            elevation_deg=within(self.elevation_deg, "elevation_deg", -90.0, 90.0),
+            half_width_m=length_m(self.half_width_m, "half_width_m"),
+            disc=radiance_of(self.disc, "disc"),
+            background=radiance_of(self.background, "background"),
+            name=name_of(self.name, "name"),
+        )
+
+    def size_deg(self, times_s: ArrayLike) -> Floats:
+        """Its angular size θ (T,), degrees, at times (T,), s."""
+        left_s = np.maximum(self.collision_s - as_times(times_s), 0.0)
+        size = 2 * np.degrees(np.arctan2(self.l_over_v_s, left_s))
+        return np.asarray(np.minimum(size, self.largest_deg))
+
+    def _transforms(self, times_s: Floats) -> Floats:
+        distance = self.half_width_m / np.tan(np.radians(self.size_deg(times_s)) / 2)
+        towards = np.broadcast_to(self._direction(), (len(distance), 3))
+        return facing_origin(towards, distance)[:, None]
+
+    def _radiance(self, directions: Floats, time_s: float) -> Floats:
+        half = np.radians(self.size_deg([time_s])[0]) / 2
+        on_disc = directions @ self._direction() > np.cos(half)
+        return np.where(on_disc, self.disc, self.background)
+
+    def _direction(self) -> Floats:
+        return unit_vectors(self.azimuth_deg, self.elevation_deg)
+
+    def _expected(self, axes: Floats, acceptance_rad: Floats, times_s: Floats) -> Floats:
+        centres = np.broadcast_to(self._direction(), (len(times_s), 3))
+        half = np.radians(self.size_deg(times_s)) / 2
+        return _disc_means(self, axes, acceptance_rad, centres, half)
+
+    def _parts(self) -> Scene:
+        return _disc_scene(self.half_width_m, self.disc, self.name)
+
+
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
+class Target(Stimulus):
+    """A small disc at a constant distance that flies along a path, on great circles from each of
+    its points to the next; before the first and after the last it stays there.
+
+    Args:
+        diameter_deg: its angular size.
+        path_s: (K,), times of the points of its path, which grow, s.
+        azimuth_deg, elevation_deg: (K,), where it is then.
+        distance_m: how far away.
+        target: its radiance.
+        background: radiance behind it.
+        name: of the thing that moves.
+
+    Example:
+        >>> fly = omma.stimuli.Target(1.0, [0, 1], azimuth_deg=[-20, 20], elevation_deg=[0, 0])
+        >>> fly.directions([0.5]).round(6).tolist()
+        [[0.0, 0.0, -1.0]]
+
+    Raises:
+        omma.Error: a parameter out of its range, times that do not grow, neighbouring points that
+            lie opposite to each other.
+    """
+
+    diameter_deg: float
+    path_s: Floats
+    azimuth_deg: Floats
+    elevation_deg: Floats
+    distance_m: float = 1.0
+    target: float = 0.0
+    background: float = 0.5
+    name: str = "target"
+
+    def __post_init__(self) -> None:
+        path_s = _kept(as_times(array_of(self.path_s, "path_s", (None,))))
+        if not (len(path_s) and (np.diff(path_s) > 0).all()):
+            raise Error("path_s: expected one or more times that grow")
+        azimuth = _kept(array_of(self.azimuth_deg, "azimuth_deg", path_s.shape))
+        elevation = _kept(array_of(self.elevation_deg, "elevation_deg", path_s.shape))
+        if not (np.abs(azimuth) <= 3600).all():
+            raise Error("azimuth_deg: expected angles from -3600 to 3600")
+        if not (np.abs(elevation) <= 90).all():
+            raise Error("elevation_deg: expected angles from -90 to 90")
+        points = unit_vectors(azimuth, elevation)
+        opposite = np.flatnonzero(np.sum(points[:-1] * points[1:], axis=1) < -1 + 1e-9)
+        if opposite.size:
+            first = int(opposite[0])
+            raise Error(
+                f"azimuth_deg: expected one way from each point to the next, found points {first} "
+                f"and {first + 1} opposite to each other"
+            )
+        keep(
+            self,
+            diameter_deg=within(self.diameter_deg, "diameter_deg", 1e-3, 175.0),
+            path_s=path_s,
+            azimuth_deg=azimuth,
+            elevation_deg=elevation,
+            distance_m=length_m(self.distance_m, "distance_m"),
+            target=radiance_of(self.target, "target"),
+            background=radiance_of(self.background, "background"),
+            name=name_of(self.name, "name"),
+        )
+
+    def directions(self, times_s: ArrayLike) -> Floats:
+        """Where it is: unit vectors (T, 3) at times (T,), s."""
+        times = np.clip(as_times(times_s), self.path_s[0], self.path_s[-1])
+        points = unit_vectors(self.azimuth_deg, self.elevation_deg)
+        if len(points) == 1:
+            return np.repeat(points, len(times), axis=0)
+        before = np.clip(np.searchsorted(self.path_s, times, "right") - 1, 0, len(points) - 2)
+        a, b = points[before], points[before + 1]
+        part = (times - self.path_s[before]) / (self.path_s[before + 1] - self.path_s[before])
+        angle = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.sum(a * b, axis=1))
+        # sinc so that points in one place divide nothing by 0.
+        whole = np.sinc(angle / np.pi)
+        of_a = (1 - part) * np.sinc((1 - part) * angle / np.pi) / whole
+        of_b = part * np.sinc(part * angle / np.pi) / whole
+        return np.asarray(of_a[:, None] * a + of_b[:, None] * b)
+
+    def _transforms(self, times_s: Floats) -> Floats:
+        towards = self.directions(times_s)
+        return facing_origin(towards, np.full(len(towards), self.distance_m))[:, None]
+
+    def _radiance(self, directions: Floats, time_s: float) -> Floats:
+        half = np.radians(self.diameter_deg) / 2
+        on_target = directions @ self.directions([time_s])[0] > np.cos(half)
+        return np.where(on_target, self.target, self.background)
+
+    def _expected(self, axes: Floats, acceptance_rad: Floats, times_s: Floats) -> Floats:
+        half = np.full(len(times_s), np.radians(self.diameter_deg) / 2)
+        return _disc_means(self, axes, acceptance_rad, self.directions(times_s), half)
+
+    def _parts(self) -> Scene:
+        radius = self.distance_m * np.tan(np.radians(self.diameter_deg) / 2)
+        return _disc_scene(float(radius), self.target, self.name)
+
+
+def _disc_means(
+    stimulus: LoomingDisc | Target,
+    axes: Floats,
+    acceptance_rad: Floats,
+    centres: Floats,
+    half_rad: Floats,
+) -> Floats:
+    """Responses (T, N) to a disc in directions (T, 3) of half widths (T,)."""
+    value = stimulus.disc if isinstance(stimulus, LoomingDisc) else stimulus.target
+    shares = [
+        [
+            caps_share(axis, width, centre[None], np.array([half]))
+            for axis, width in zip(axes, acceptance_rad)
+        ]
+        for centre, half in zip(centres, half_rad)
+    ]
+    covered = np.array(shares, np.float64).reshape(len(centres), len(axes))
+    return np.asarray(stimulus.background + (value - stimulus.background) * covered)
+
+
+def _disc_scene(radius_m: float, radiance: float, name: str) -> Scene:
+    corners = polygon_radius_m(radius_m, _CORNERS)
+    return disc(corners, (radiance,) * 3, segments=_CORNERS, name=name)
+
+
+def _kept(values: Floats) -> Floats:
+    """A copy that nobody can write to."""
+    copy = np.array(values, np.float64)
+    copy.flags.writeable = False
+    return copy

@@ -1,0 +1,118 @@
+"""Panoramas of 1/f noise, which have the spectrum of natural scenes and nothing else of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from omma._core import Scene
+from omma.base.arguments import whole, within
+from omma.base.values import value_class
+from omma.scene.paint import painted_scene
+from omma.stimuli.checks import angle_deg, angular_speed, keep, name_of, radiance_of
+from omma.stimuli.gaussian import Floats
+from omma.stimuli.random_fields import random_field
+from omma.stimuli.shapes import drifted, grey, longitude_latitude_deg, sphere_patch
+from omma.stimuli.stimulus import Stimulus
+
+
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
+class NoisePanorama(Stimulus):
+    """Noise all around the head whose amplitude falls as 1/f^slope with spatial frequency, the same
+    in all directions, and that turns. Natural scenes have slopes around 1 (Field 1987, J Opt Soc Am
+    A 4:2379).
+
+    A Gaussian random field on the sphere: harmonics of degree l from 1 on have the variance C_l ~
+    l^(-2 slope), down to wavelengths of four pixels. The picture is what is shown, interpolated
+    between its pixels; what would be darker than black, is black.
+
+    Args:
+        slope: 0 is white noise.
+        contrast: standard deviation over mean, of the picture as drawn.
+        mean: radiance.
+        pixel_deg: size of the picture's pixels at the horizon, 180 over a whole number.
+        speed_deg_s: of its drift about the poles across its direction.
+        direction_deg: where it drifts as seen ahead: 0 is to the right, 90 upwards.
+        seed: of the noise.
+        background: radiance behind it, which nobody sees.
+        name: of the thing that turns.
+
+    Raises:
+        omma.Error: a parameter out of its range.
+    """
+
+    slope: float = 1.0
+    contrast: float = 0.3
+    mean: float = 0.5
+    pixel_deg: float = 0.5
+    speed_deg_s: float = 30.0
+    direction_deg: float = 0.0
+    seed: int = 0
+    background: float = 0.5
+    name: str = "panorama"
+
+    def __post_init__(self) -> None:
+        rows = round(180 / within(self.pixel_deg, "pixel_deg", 0.1, 10.0))
+        keep(
+            self,
+            slope=within(self.slope, "slope", 0.0, 4.0),
+            contrast=within(self.contrast, "contrast", 0.0, 10.0),
+            mean=radiance_of(self.mean, "mean"),
+            pixel_deg=180 / rows,
+            speed_deg_s=angular_speed(self.speed_deg_s, "speed_deg_s"),
+            direction_deg=angle_deg(self.direction_deg, "direction_deg"),
+            seed=whole(self.seed, "seed", 0, (1 << 63) - 1),
+            background=radiance_of(self.background, "background"),
+            name=name_of(self.name, "name"),
+        )
+
+    @cached_property
+    def picture(self) -> Floats:
+        """Radiance (H, 2 H), equirectangular: ahead at time 0 in the middle, row 0 at the top."""
+        noise = _noise(self.slope, round(180 / self.pixel_deg), self.seed)
+        return np.asarray(np.maximum(self.mean * (1 + self.contrast * noise), 0.0))
+
+    def _transforms(self, times_s: Floats) -> Floats:
+        return drifted(self._drift_deg(times_s), self.direction_deg)[:, None]
+
+    def _radiance(self, directions: Floats, time_s: float) -> Floats:
+        picture = self.picture
+        rows, columns = picture.shape
+        longitude, latitude = longitude_latitude_deg(
+            directions, float(self._drift_deg(time_s)), self.direction_deg
+        )
+        x = (longitude / 360 + 0.5) * columns - 0.5
+        y = (0.5 - latitude / 180) * rows - 0.5
+        column, row = np.floor(x).astype(int), np.floor(y).astype(int)
+        above, below = np.clip(row, 0, rows - 1), np.clip(row + 1, 0, rows - 1)
+        left, right = column % columns, (column + 1) % columns
+        dx, dy = x - column, y - row
+        upper = (1 - dx) * picture[above, left] + dx * picture[above, right]
+        lower = (1 - dx) * picture[below, left] + dx * picture[below, right]
+        return np.asarray((1 - dy) * upper + dy * lower)
+
+    def _drift_deg(self, time_s: Floats | float) -> Floats:
+        return np.asarray(np.mod(self.speed_deg_s * np.asarray(time_s), 360.0))
+
+    def _parts(self) -> Scene:
+        surface, _ = sphere_patch((-180.0, 180.0), (-90.0, 90.0))
+        picture = grey(self.picture)
+        return painted_scene([("picture", surface, picture)], self.name, (0, 0, 0), wrap_u="repeat")
+
+
+@lru_cache(maxsize=4)
+def _noise(slope: float, rows: int, seed: int) -> Floats:
+    """Noise of mean 0 and variance 1 over the sphere, (rows, 2 rows)."""
+    # A harmonic of degree l has wavelengths of 360 / l degrees, two rows a degree of l.
+    degrees = np.arange(max(rows // 2, 1) + 1)
+    power = np.where(degrees > 0, np.maximum(degrees, 1.0) ** (-2 * slope), 0.0)
+    field = random_field(power, rows, 2 * rows, seed)
+    area = np.cos(np.pi * ((np.arange(rows) + 0.5) / rows - 0.5))[:, None] / (2 * rows)
+    area /= area.sum() * 2 * rows
+    field -= (area * field).sum()
+    field /= np.sqrt((area * field**2).sum())
+    field.flags.writeable = False
+    return field

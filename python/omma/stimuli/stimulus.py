@@ -1,0 +1,211 @@
+"""What all stimuli share: the world that shows one, its motion, and what must be answered to it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma._core import Background, Error, Eye, Scene
+from omma.base.arguments import array_of, checked, expect
+from omma.scene.world import World
+from omma.stimuli.gaussian import Floats, gaussian_means
+
+Progress = Callable[[float], object]
+
+
+class Renderer(Protocol):
+    """What `Stimulus.play` needs of an `omma.Renderer`."""
+
+    @property
+    def world(self) -> World: ...
+    @property
+    def eye(self) -> Eye: ...
+    @property
+    def bands(self) -> int: ...
+    def render(
+        self, poses: NDArray[np.float64], *, out: NDArray[np.float32] | None = None
+    ) -> NDArray[np.float32]: ...
+
+
+class Stimulus:
+    """What all stimuli can do; each is a frozen value with parameters of its own.
+
+    The head is at the origin of the world, at the identity pose: it looks along -Z, +X is its
+    right, +Y up; azimuths grow to the right, elevations upwards. Radiance is linear and the same in
+    red, green and blue; in a world with a light it is a reflectance instead. Things are surfaces
+    that move by their names, so that `omma.scene.merge_scenes` can put a stimulus into another
+    scene.
+
+    """
+
+    # Fields of each: what it is called, and the radiance where nothing of it is.
+    name: str
+    background: float
+
+    @property
+    def names(self) -> list[str]:
+        """Of the K things that move, as `World.set_transforms` takes them."""
+        return [self.name]
+
+    @checked
+    def transforms(self, times_s: ArrayLike) -> Floats:
+        """Where its things are: ``world_from_node`` (T, K, 4, 4), m, at times (T,), s.
+
+        Raises:
+            omma.Error: a wrong shape, or a time that is not finite.
+        """
+        return self._transforms(as_times(times_s))
+
+    @checked
+    def radiance(self, directions: ArrayLike, time_s: float) -> Floats:
+        """What is seen from the origin in unit directions (..., 3) of the world: (...).
+
+        Raises:
+            omma.Error: a wrong shape, vectors that are not of length 1, a time that is not finite.
+        """
+        return self._radiance(_as_directions(directions), _one_time(time_s))
+
+    def _transforms(self, times_s: Floats) -> Floats:
+        raise NotImplementedError
+
+    def _radiance(self, directions: Floats, time_s: float) -> Floats:
+        raise NotImplementedError
+
+    def _parts(self) -> Scene:
+        """Its things, wherever they are."""
+        raise NotImplementedError
+
+    def scene(self) -> Scene:
+        """Its things, as they are at time 0, before its background."""
+        made = self._parts()
+        places = dict(zip(self.names, self._transforms(np.zeros(1))[0], strict=True))
+        return made.replace(
+            instances=[one.replace(world_from_mesh=places[one.name]) for one in made.instances],
+            background=Background.constant([self.background] * 3),
+        )
+
+    def world(self, **options: Any) -> World:
+        """A world that shows it, at time 0, ready to be moved.
+
+        Args:
+            options: of `omma.World`: threads, band_from_rgb, light and others.
+
+        Raises:
+            omma.Error: an option is out of its range.
+        """
+        world = World(self.scene(), **options)
+        self.move(world, 0.0)
+        return world
+
+    @checked
+    def move(self, world: World, time_s: float) -> None:
+        """Put its things in a world, its own or any that has them, to where they are at a time, s.
+
+        Raises:
+            omma.Error: the world lacks them, or is being rendered.
+        """
+        expect(world, World, "world", "Stimulus.world gives one")
+        world.set_transforms(self.names, self.transforms([_one_time(time_s)])[0])
+
+    @checked
+    def expected(self, axes: ArrayLike, acceptance_rad: ArrayLike, times_s: ArrayLike) -> Floats:
+        """What ommatidia with a Gaussian angular sensitivity at the origin answer: (T, N).
+
+        In each band, where its weights of red, green and blue sum to 1. Computed from formulas,
+        not rendered: docs/stimuli.md says how, and how exactly.
+
+        Args:
+            axes: (N, 3), where they look in the world; of any length.
+            acceptance_rad: (N,) or one for all, Δρ, full width at half maximum; 0 is a single ray.
+            times_s: (T,), s.
+
+        Raises:
+            omma.Error: a wrong shape, an axis of length 0, an acceptance angle below 0 or above π.
+        """
+        vectors = array_of(axes, "axes", (None, 3))
+        length = np.linalg.norm(vectors, axis=1, keepdims=True)
+        if not (np.isfinite(length) & (length > 0)).all():
+            raise Error("axes: expected directions, found one of length 0 or not finite")
+        widths = array_of(acceptance_rad, "acceptance_rad")
+        if widths.shape not in ((), (1,), (len(vectors),)):
+            raise Error(f"acceptance_rad: expected shape ({len(vectors)},), found {widths.shape}")
+        if not ((widths >= 0) & (widths <= np.pi)).all():
+            raise Error("acceptance_rad: expected angles from 0 to π")
+        all_widths = np.broadcast_to(widths, (len(vectors),))
+        return self._expected(vectors / length, all_widths, as_times(times_s))
+
+    def _expected(self, axes: Floats, acceptance_rad: Floats, times_s: Floats) -> Floats:
+        return gaussian_means(self._radiance, axes, acceptance_rad, times_s)
+
+    @checked
+    def play(
+        self,
+        renderer: Renderer,
+        times_s: ArrayLike,
+        *,
+        poses: ArrayLike | None = None,
+        progress: Progress | None = None,
+    ) -> NDArray[np.float32]:
+        """Responses (T, N, B) to the stimulus at each time: float32 [time, ommatidium, band].
+
+        The renderer's world is moved from one time to the next, and is left as it is at the last.
+        Ctrl-C stops it.
+
+        Args:
+            renderer: an `omma.Renderer` of `world()`, or of any world with the stimulus' things.
+            times_s: (T,), s.
+            poses: ``world_from_head``, (4, 4), or (T, 4, 4), one for each time, m. None: the
+                identity.
+            progress: called with the finished share (0 to 1) after each time. What it raises ends
+                the play and is raised here.
+
+        Example:
+            >>> disc = omma.stimuli.LoomingDisc(l_over_v_s=0.05, collision_s=0.5)
+            >>> eye = omma.eye.generate_eye(50)
+            >>> renderer = omma.Renderer(disc.world(), eye, omma.Fixed(16))
+            >>> disc.play(renderer, np.linspace(0, 0.4, 5)).shape
+            (5, 50, 3)
+
+        Raises:
+            omma.Error: a wrong shape, a pose or a time that is not finite, a world without the
+                stimulus.
+        """
+        times = as_times(times_s)
+        matrices = np.eye(4) if poses is None else array_of(poses, "poses")
+        if matrices.shape not in ((4, 4), (len(times), 4, 4)):
+            raise Error(
+                f"poses: expected shape (4, 4) or ({len(times)}, 4, 4), found {matrices.shape}"
+            )
+        matrices = np.ascontiguousarray(np.broadcast_to(matrices, (len(times), 4, 4)))
+        responses = np.empty((len(times), len(renderer.eye), renderer.bands), np.float32)
+        for k, time_s in enumerate(times):
+            self.move(renderer.world, float(time_s))
+            renderer.render(matrices[k], out=responses[k : k + 1])
+            if progress is not None:
+                progress((k + 1) / len(times))
+        return responses
+
+
+def as_times(times_s: ArrayLike) -> Floats:
+    """Times (T,), s, checked."""
+    times = array_of(times_s, "times_s", (None,))
+    if not (np.isfinite(times) & (np.abs(times) < 1e9)).all():
+        raise Error("times_s: expected seconds between -1e9 and 1e9, found others")
+    return times
+
+
+def _as_directions(directions: ArrayLike) -> Floats:
+    """Unit vectors (..., 3), checked."""
+    vectors = array_of(directions, "directions")
+    if vectors.shape[-1:] != (3,):
+        raise Error(f"directions: expected shape (..., 3), found {vectors.shape}")
+    if not (np.abs(np.linalg.norm(vectors, axis=-1) - 1) < 1e-6).all():
+        raise Error("directions: expected unit vectors, found others")
+    return vectors
+
+
+def _one_time(time_s: float) -> float:
+    return float(as_times([float(time_s)])[0])
