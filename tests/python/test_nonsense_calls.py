@@ -201,6 +201,11 @@ def public_calls(folder):
         "fly_receptors": (large,),
         "generate_eye": (20,),
         "govardovskii": (540.0, [500.0]),
+        "ImpulseResponse": ("howard", 0.01, 0.3),
+        "ImpulseResponse.howard": (0.01, 0.3),
+        "ImpulseResponse.exponential": (0.01,),
+        "ImpulseResponse.box": (0.01,),
+        "ImpulseResponse.table": ([0, 0.01, 0.02], [0, 1, 0]),
         "import_lens_cone": (1e-4 * directions, 0.9e-4 * directions),
         "import_oda": (folder / "oda.csv",),
         "join_eyes": ([eye, eye],),
@@ -335,6 +340,10 @@ def public_calls(folder):
             "with_background": (omma.Background.constant((1, 1, 1)),),
             "with_light": {"light": omma.light.uniform_sky(1.0), "ultraviolet": "dark"},
         }),
+        "ImpulseResponse": (omma.photoreceptors.ImpulseResponse.howard(0.01, 0.3), {
+            "eval": ([0.01],), "cumulative": ([0.01],), "first_moment_s": ([0.01],),
+            "quantile": ([0.5],), "sample": ([0.5],), "transfer": ([10.0],),
+        }),
         "Lattice": (omma.eye.lay_directions(0.3), {}),
         "Bands": (few, {"mean": ([1.0, 2.0], [300.0, 700.0])}),
         "Disc": (omma.light.Disc((0, 1, 0), 0.004, [1.0]), {"radiance_at": ((0, 1, 0),)}),
@@ -369,7 +378,8 @@ def public_calls(folder):
         if dataclasses.is_dataclass(thing) and full not in good:
             continue  # results: whoever makes one knows what of
         yield full, thing, good.get(full, ())
-    for kind in (omma.Acceptance, omma.Background, omma.light.Bands):
+    impulse = omma.photoreceptors.ImpulseResponse
+    for kind in (omma.Acceptance, omma.Background, omma.light.Bands, impulse):
         for name, thing in vars(kind).items():
             if isinstance(thing, staticmethod) or type(thing).__name__ == "nb_func":
                 full = f"{kind.__name__}.{name}"

@@ -113,6 +113,9 @@ def examples(files, tmp_path_factory):
             omma.light.uniform_sky(), omma.receptors.honeybee_ommatidia()[0].receptors
         ),
         "light.Spectrum": omma.light.Spectrum([300, 700], [0.1, 0.2]),
+        "photoreceptors.ImpulseResponse": omma.photoreceptors.ImpulseResponse.table(
+            [0, 0.01, 0.02, 0.03], [0, 2, -0.5, 0]
+        ),
         "receptors.OmmatidiumType": kind,
         "receptors.ReceptorType": all_round_eye().receptor_types[0],
         "rendering.Settings": omma.rendering.Settings(omma.Shared(4), seed=7),

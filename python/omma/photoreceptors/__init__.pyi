@@ -1,0 +1,5 @@
+from .impulse_response import ImpulseResponse
+
+__all__ = [
+    "ImpulseResponse",
+]
