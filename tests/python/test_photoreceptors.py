@@ -67,6 +67,7 @@ def test_features_of_the_curve(name):
     assert times[peak] == pytest.approx(h.time_to_peak_s, abs=step)
     above = np.flatnonzero(values >= values[peak] / 2)
     assert above[-1] - above[0] + 1 == pytest.approx(h.full_width_s / step, abs=2)
+    assert 1 / (np.sum(values**2) * step) == pytest.approx(h.integration_time_s, rel=1e-4)
     share = np.cumsum(np.abs(values)) / np.sum(np.abs(values))
     assert share[np.searchsorted(times, h.duration_s) - 1] == pytest.approx(1, abs=1.01e-4)
 

@@ -243,6 +243,20 @@ class ImpulseResponse:
         return self.time_s if self.shape == "box" else float(self.quantile(1 - _LEFT_OUT))
 
     @property
+    def integration_time_s(self) -> float:
+        """1/∫ h²: photons that come by chance make the same noise in the response as their number
+        does that is counted over this time, s.
+        """
+        if self.shape == "howard":
+            s = self.sigma
+            return float(2 * np.sqrt(np.pi) * s * self.time_s * np.exp(0.75 * s**2))
+        if self.shape == "table":
+            times, values = self._knots
+            squares = values[:-1] ** 2 + values[:-1] * values[1:] + values[1:] ** 2
+            return float(3 / np.sum(np.diff(times) * squares))
+        return self.time_s if self.shape == "box" else 2 * self.time_s
+
+    @property
     def time_to_peak_s(self) -> float:
         """When h is largest, s; of several such times the first."""
         if self.shape == "howard":
