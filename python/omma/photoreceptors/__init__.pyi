@@ -5,6 +5,7 @@ from .impulse_response import ImpulseResponse
 from .microsaccades import displace_axes, microsaccades_rad
 from .monopolar import large_monopolar
 from .noise import intrinsic_noise, photon_noise
+from .published import published_response
 
 __all__ = [
     "FrameFilter",
@@ -18,5 +19,6 @@ __all__ = [
     "microsaccades_rad",
     "naka_rushton",
     "photon_noise",
+    "published_response",
     "van_hateren_snippe",
 ]

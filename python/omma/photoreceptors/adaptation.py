@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, positive
+
+Floats = NDArray[np.float64]
 
 
 @checked
@@ -27,7 +29,7 @@ def naka_rushton(
     Raises:
         omma.Error: catches that are negative or not finite, or numbers that are not above 0.
     """
-    ratio = _catches(catches) / positive(half, "half")
+    ratio = light_of(catches, "catches") / positive(half, "half")
     power = positive(exponent, "exponent")
     largest = positive(maximum, "maximum")
     # Of the two forms the one that does not overflow.
@@ -49,14 +51,15 @@ def logarithmic(catches: ArrayLike, dark: float, gain: float = 1.0) -> Any:
     Raises:
         omma.Error: catches that are negative or not finite, or numbers that are not above 0.
     """
-    return positive(gain, "gain") * np.log1p(_catches(catches) / positive(dark, "dark"))
+    return positive(gain, "gain") * np.log1p(light_of(catches, "catches") / positive(dark, "dark"))
 
 
-def _catches(catches: ArrayLike) -> Any:
-    given = array_of(catches, "catches")
+def light_of(value: ArrayLike, name: str) -> Floats:
+    """``value`` where it is light: numbers from 0 on; omma.Error names the argument."""
+    given = array_of(value, name)
     bad = np.argwhere(~(np.isfinite(given) & (given >= 0)))
     if len(bad):
         where = ", ".join(map(str, bad[0]))
-        value = given[tuple(bad[0])]
-        raise Error(f"catches: expected numbers from 0 on, found {value:g} at [{where}]")
+        found = given[tuple(bad[0])]
+        raise Error(f"{name}: expected numbers from 0 on, found {found:g} at [{where}]")
     return given

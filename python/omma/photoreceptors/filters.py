@@ -140,6 +140,7 @@ class FrameFilter:
         self, h: ImpulseResponse, frame_rate_hz: float, before: ArrayLike | None = None
     ) -> None:
         expect(h, ImpulseResponse, "h", "omma.photoreceptors.ImpulseResponse.howard makes one")
+        self._what = f"{h!r}, {frame_rate_hz:g}"
         self._before = before
         self._decay = 0.0
         if h.shape == "exponential":
@@ -150,6 +151,9 @@ class FrameFilter:
         self._past: Floats | None = None  # (K, n), a ring: what was seen
         self._newest = 0
         self._response = np.empty(0)  # (n,), the last one
+
+    def __repr__(self) -> str:
+        return f"FrameFilter({self._what})"
 
     def filter(self, frame: ArrayLike) -> NDArray[Any]:
         """The response to all frames up to this one: of its shape; float32 where it is, else

@@ -1,10 +1,10 @@
-"""The dynamic model of a blowfly's photoreceptors: low-pass filters, two divisive feedback loops and
-a static nonlinearity (van Hateren and Snippe 2001, Vision Res 41:1851).
+"""The dynamic model of a blowfly's photoreceptors: low-pass filters, two divisive feedback loops
+and a static nonlinearity (van Hateren and Snippe 2001, Vision Res 41:1851).
 
 Numbers are those of the authors' program, as Gabbiani and Cox carried it over for "Mathematics for
-Neuroscientists" (fly_phot9.m). There every stage hands on a millisecond late and the last filter is
-a millisecond early; here stages do not wait, and the last filter is a millisecond late, which is the
-same for any frame rate.
+Neuroscientists" (fly_phot9.m). There both loops hand on a millisecond late and the last filter is a
+millisecond early; here loops do not wait, and the last filter is a millisecond late: the same, and
+at any frame rate.
 """
 
 from __future__ import annotations
@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
-from omma.base.arguments import array_of, checked, positive
+from omma.base.arguments import checked, positive
+from omma.photoreceptors.adaptation import light_of
 from omma.photoreceptors.filters import FrameFilter
 from omma.photoreceptors.impulse_response import ImpulseResponse
 
@@ -70,17 +71,11 @@ def van_hateren_snippe(
         omma.Error: no frames, intensities that are negative or not finite, a frame rate that is not
             above 0.
     """
-    given = array_of(intensities, "intensities")
+    given = light_of(intensities, "intensities")
     if given.ndim == 0 or len(given) == 0:
         raise Error("intensities: expected frames along the first axis, found none")
     receptors = VanHaterenSnippe(frame_rate_hz, before)
-    found = np.empty_like(given)
-    for k, frame in enumerate(given):
-        try:
-            found[k] = receptors.filter(frame)
-        except Error as error:
-            raise Error(str(error).replace("frame: ", f"intensities: frame {k}: ", 1)) from None
-    return found
+    return np.array([receptors.filter(frame) for frame in given])
 
 
 class VanHaterenSnippe:
@@ -177,7 +172,4 @@ def _membrane() -> ImpulseResponse:
 
 
 def _light(value: ArrayLike, name: str) -> Floats:
-    given = array_of(value, name)
-    if not np.all(np.isfinite(given) & (given >= 0)):
-        raise Error(f"{name}: expected numbers from 0 on")
-    return np.maximum(given, _DARKEST)
+    return np.maximum(light_of(value, name), _DARKEST)

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, positive, within
-from omma.photoreceptors.adaptation import logarithmic
+from omma.photoreceptors.adaptation import light_of
 from omma.photoreceptors.filters import filter_frames
 from omma.photoreceptors.impulse_response import ImpulseResponse
 
@@ -54,7 +54,10 @@ def microsaccades_rad(
     Raises:
         omma.Error: light that is negative or not finite, no frames, times or angles out of range.
     """
-    decades = np.asarray(logarithmic(light, dark, gain=1 / np.log(10)))
+    given = light_of(light, "light")
+    if given.ndim == 0 or len(given) == 0:
+        raise Error("light: expected frames along the first axis, found none")
+    decades = np.log10(1 + given / positive(dark, "dark"))
     within(decade_rad, "decade_rad", 0.0, _WIDEST_RAD)
     within(largest_rad, "largest_rad", 0.0, _WIDEST_RAD)
     within(latency_s, "latency_s", 0.0, 1.0)

@@ -62,10 +62,14 @@ def large_monopolar(
     given = array_of(signals, "signals")
     if given.ndim < 2 or given.shape[0] == 0:
         raise Error(f"signals: expected shape (frames, ommatidia, ...), found {given.shape}")
+    if not np.all(np.isfinite(given)):
+        raise Error("signals: expected finite numbers")
     index = array_of(neighbours, "neighbours", (None, None), np.int64)
     count = given.shape[1]
     if len(index) != count:
-        raise Error(f"neighbours: expected one row for each of {count} ommatidia, found {len(index)}")
+        raise Error(
+            f"neighbours: expected one row for each of {count} ommatidia, found {len(index)}"
+        )
     outside = index[(index < -1) | (index >= count)]
     if len(outside):
         raise Error(f"neighbours: expected -1 to {count - 1}, found {outside[0]}")
@@ -76,7 +80,9 @@ def large_monopolar(
         )
     share = np.broadcast_to(share, index.shape[1:])
     if not (np.all(np.isfinite(share) & (share >= 0)) and np.sum(share) <= 1 + 1e-12):
-        raise Error(f"weights: expected numbers from 0 on, together at most 1, found {share.tolist()}")
+        raise Error(
+            f"weights: expected numbers from 0 on, together at most 1, found {share.tolist()}"
+        )
     size = within(strength, "strength", 0.0, 1e6)
     for name, h in (("excitation", excitation), ("inhibition", inhibition)):
         expect(h, ImpulseResponse, name, "omma.photoreceptors.ImpulseResponse.howard makes one")
