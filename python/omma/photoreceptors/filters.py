@@ -91,7 +91,7 @@ def filter_frames(
         weights = frame_weights(h, frame_rate_hz)
         filtered = _convolve(np.concatenate([*[earlier] * (len(weights) - 1), flat]), weights)
     dtype = np.float32 if given.dtype == np.float32 else np.float64
-    return np.moveaxis(filtered.reshape(frames.shape), 0, axis).astype(dtype)
+    return np.asarray(np.moveaxis(filtered.reshape(frames.shape), 0, axis), dtype)
 
 
 def _recursion(h: ImpulseResponse, frame_rate_hz: float) -> tuple[float, float, float]:

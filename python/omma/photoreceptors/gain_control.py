@@ -127,7 +127,7 @@ class VanHaterenSnippe:
             self._seen = self._seen + rise
             potential = self._advance(self._seen)
         self._seen = given
-        return MAXIMUM_MV * potential
+        return np.asarray(MAXIMUM_MV * potential)
 
     def _adapt_to(self, light: Floats) -> None:
         """The state after this light for hours: √I, and x with K1 x exp(K2 x) = √I."""

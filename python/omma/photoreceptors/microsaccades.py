@@ -67,7 +67,7 @@ def microsaccades_rad(
     turned = filter_frames(decades, frame_rate_hz, rise) - filter_frames(
         decades, frame_rate_hz, fall
     )
-    return np.clip(decade_rad * turned, -largest_rad, largest_rad)
+    return np.asarray(np.clip(decade_rad * turned, -largest_rad, largest_rad))
 
 
 def _even(start_s: float, end_s: float) -> ImpulseResponse:
