@@ -226,6 +226,7 @@ def monopolar() -> None:
             beside = answer[:, neighbours[middle, 0]]
             panels[0].plot(1e3 * time, beside, color=GREY, lw=1.5, label="a neighbour of the one")
     panels[0].set_xlim(0, 50)
+    panels[0].set_ylim(-0.09, 0.23)
     style(panels[0], "Response to a flash", "time after the flash (ms)", "per ms")
     legend(panels[0])
     excitation = ImpulseResponse.howard(10.3e-3, 0.236)

@@ -14,7 +14,7 @@ from omma.photoreceptors.impulse_response import ImpulseResponse
 
 Floats = NDArray[np.float64]
 
-# A hover fly's in bright light (James 1990, as O'Carroll and colleagues quote him).
+# The hover fly Eristalis tenax in bright light (James 1990, as quoted in J Vis, article 2121186).
 _EXCITATION = ImpulseResponse("howard", 10.3e-3, 0.236)
 _INHIBITION = ImpulseResponse("howard", 15.6e-3, 0.269)
 
@@ -49,8 +49,9 @@ def large_monopolar(
         weights: share of the inhibition that comes from each neighbour: a number, or one for each
             of the columns of ``neighbours``; together at most 1. 0: from the cell only.
         strength: of the inhibition; at 1 steady light is taken away entirely.
-        excitation: h₁; by default a log-normal with its peak at 10.3 ms and σ 0.236.
-        inhibition: h₂; by default one with its peak at 15.6 ms and σ 0.269.
+        excitation: h₁; by default a log-normal with its peak at 10.3 ms and σ 0.236, as James
+            (1990) found in *Eristalis tenax* in bright light.
+        inhibition: h₂; by default his, with its peak at 15.6 ms and σ 0.269.
 
     Returns:
         Of the shape of ``signals``, in their unit.
