@@ -127,6 +127,11 @@ def public_calls(folder):
     green = omma.receptors.ReceptorType("green", peak_wavelength_nm=540.0)
     impulse = omma.photoreceptors.ImpulseResponse
     frames = np.ones((4, len(eye)))
+    # The shape of their first frame is that of all.
+    started = omma.photoreceptors.FrameFilter(impulse.box(0.02), 100.0)
+    adapted = omma.photoreceptors.VanHaterenSnippe(100.0)
+    started.filter(frames[0])
+    adapted.filter(frames[0])
     good = {
         "AcuteZone": (0.0, 0.0, 0.5, 2.0),
         "Box": ((0, 0, 0), (1, 1, 1)),
@@ -358,12 +363,8 @@ def public_calls(folder):
             "eval": ([0.01],), "cumulative": ([0.01],), "first_moment_s": ([0.01],),
             "quantile": ([0.5],), "sample": ([0.5],), "transfer": ([10.0],),
         }),
-        "FrameFilter": (
-            omma.photoreceptors.FrameFilter(impulse.box(0.02), 100.0), {"filter": (frames[0],)},
-        ),
-        "VanHaterenSnippe": (
-            omma.photoreceptors.VanHaterenSnippe(100.0), {"filter": (frames[0],)},
-        ),
+        "FrameFilter": (started, {"filter": (frames[0],)}),
+        "VanHaterenSnippe": (adapted, {"filter": (frames[0],)}),
         "Lattice": (omma.eye.lay_directions(0.3), {}),
         "Bands": (few, {"mean": ([1.0, 2.0], [300.0, 700.0])}),
         "Disc": (omma.light.Disc((0, 1, 0), 0.004, [1.0]), {"radiance_at": ((0, 1, 0),)}),

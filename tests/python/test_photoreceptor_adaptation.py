@@ -205,9 +205,10 @@ ONES = np.ones((3, 2))
         (lambda: van_hateren_snippe(ONES, 0.0), "frame_rate_hz: expected a number above 0"),
         (lambda: van_hateren_snippe(5.0, 100.0), "intensities: expected frames"),
         (lambda: van_hateren_snippe([1, NAN], 100.0), r"intensities: .* found nan at \[1\]"),
-        (lambda: VanHaterenSnippe(9.0).filter([1, -1]), r"frame: .* found -1 at \[1\]"),
+        (lambda: VanHaterenSnippe(90.0).filter([1, -1]), r"frame: .* found -1 at \[1\]"),
         (lambda: van_hateren_snippe(ONES, 100.0, [1, 2, 3]), "before: expected a number or the"),
         (lambda: van_hateren_snippe(ONES, 100.0, -1), "before: expected numbers from 0 on"),
+        (lambda: VanHaterenSnippe(0.01), r"frame_rate_hz: expected 1 or more, found 0\.01"),
         (lambda: VanHaterenSnippe(NAN), "frame_rate_hz: expected a number above 0"),
     ],
 )

@@ -103,6 +103,8 @@ def test_axes_kinds_and_what_was_before():
     np.testing.assert_allclose(filter_frames(steady, 200.0, h), 0.7, rtol=1e-12)
     assert filter_frames(steady, 200.0, h, before=0)[0, 0] < 0.1
     assert FrameFilter(h, 200.0).filter(seen[0]).dtype == np.float32
+    assert FrameFilter(h, 200.0, before=0.0).filter(np.empty((0, 3))).shape == (0, 3)
+    assert filter_frames(np.empty((4, 0)), 200.0, h).shape == (4, 0)
     assert filter_frames(np.arange(4), 200.0, h).dtype == np.float64
 
 

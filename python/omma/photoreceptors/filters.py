@@ -140,7 +140,7 @@ class FrameFilter:
         self, h: ImpulseResponse, frame_rate_hz: float, before: ArrayLike | None = None
     ) -> None:
         expect(h, ImpulseResponse, "h", "omma.photoreceptors.ImpulseResponse.howard makes one")
-        self._what = f"{h!r}, {frame_rate_hz:g}"
+        self._what = f"{h!r}, {positive(frame_rate_hz, 'frame_rate_hz'):g}"
         self._before = before
         self._decay = 0.0
         if h.shape == "exponential":
@@ -169,7 +169,7 @@ class FrameFilter:
             first = seen
             if self._before is not None:
                 first = _frame_of(self._before, given.shape, "before").ravel()
-            self._past = np.tile(first, (len(self._weights), 1))
+            self._past = np.repeat(first[None], len(self._weights), axis=0)
             self._response = first.copy()
         if given.shape != self._shape:
             raise Error(f"frame: expected shape {self._shape}, found {given.shape}")

@@ -38,8 +38,10 @@ SLOW_WEIGHTS = np.sqrt(SLOW_TIMES_S) / np.sum(np.sqrt(SLOW_TIMES_S))
 POST_TIME_S, POST_POWER, POST_LATENCY_S = 0.535e-3, 11, 1e-3
 MAXIMUM_MV = 66.94
 
-# The loops are run in steps of about a millisecond, as published, or shorter.
+# The loops are run in steps of about a millisecond, as published, or shorter; between frames that
+# are further apart than this nothing is known of light that they would answer.
 _STEP_S = 1e-3
+_LONGEST_INTERVAL_S = 1.0
 # Light below this counts as this: the square root has no darkness to divide by.
 _DARKEST = 0.01
 # The exponential of the second loop ends where the program's does.
@@ -68,8 +70,8 @@ def van_hateren_snippe(
         Of the same shape, mV.
 
     Raises:
-        omma.Error: no frames, intensities that are negative or not finite, a frame rate that is not
-            above 0.
+        omma.Error: no frames, intensities that are negative or not finite, a frame rate below
+            1 Hz.
     """
     given = light_of(intensities, "intensities")
     if given.ndim == 0 or len(given) == 0:
@@ -88,11 +90,13 @@ class VanHaterenSnippe:
             the first frame.
 
     Raises:
-        omma.Error: a frame rate that is not above 0.
+        omma.Error: a frame rate below 1 Hz.
     """
 
     def __init__(self, frame_rate_hz: float, before: ArrayLike | None = None) -> None:
         interval = 1 / positive(frame_rate_hz, "frame_rate_hz")
+        if interval > _LONGEST_INTERVAL_S:
+            raise Error(f"frame_rate_hz: expected 1 or more, found {frame_rate_hz:g}")
         self._steps = max(1, round(interval / _STEP_S))
         self._step_s = interval / self._steps
         self._before = before
