@@ -17,6 +17,7 @@ At the top is what a first hour needs; the rest is in rooms, which are loaded wh
 
 - `omma.eye`: eyes made, changed, measured, read and written; `omma.species`: those of ten animals
 - `omma.receptors`, `omma.light`: sensitivities to wavelengths; bands
+- `omma.photoreceptors`: what receptors make of light in time, noise, adaptation
 - `omma.scene`, `omma.rendering`: worlds and their parts; the renderer and its reports
 - `omma.stimuli`: gratings, bars, looming discs, targets, dots, panoramas and LED arenas that move
 - `omma.picture`: pictures of responses and of eyes

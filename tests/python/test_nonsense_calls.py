@@ -126,6 +126,13 @@ def public_calls(folder):
     table = omma.Acceptance.table([0, 0.1, 0.2], [1, 0.5, 0])
     green = omma.receptors.ReceptorType("green", peak_wavelength_nm=540.0)
     drum = omma.stimuli.DrumGrating()
+    impulse = omma.photoreceptors.ImpulseResponse
+    frames = np.ones((4, len(eye)))
+    # The shape of their first frame is that of all.
+    started = omma.photoreceptors.FrameFilter(impulse.box(0.02), 100.0)
+    adapted = omma.photoreceptors.VanHaterenSnippe(100.0)
+    started.filter(frames[0])
+    adapted.filter(frames[0])
     good = {
         "AcuteZone": (0.0, 0.0, 0.5, 2.0),
         "Box": ((0, 0, 0), (1, 1, 1)),
@@ -202,6 +209,23 @@ def public_calls(folder):
         "fly_receptors": (large,),
         "generate_eye": (20,),
         "govardovskii": (540.0, [500.0]),
+        "ImpulseResponse": ("howard", 0.01, 0.3),
+        "ImpulseResponse.howard": (0.01, 0.3),
+        "ImpulseResponse.exponential": (0.01,),
+        "ImpulseResponse.box": (0.01,),
+        "ImpulseResponse.table": ([0, 0.01, 0.02], [0, 1, 0]),
+        "FrameFilter": (impulse.howard(0.01, 0.3), 100.0),
+        "VanHaterenSnippe": (100.0,),
+        "displace_axes": (eye.axis, eye.up, np.full(len(eye), 0.01), 0.0),
+        "filter_frames": (frames, 100.0, impulse.box(0.02)),
+        "intrinsic_noise": (frames, 0.1, 1),
+        "large_monopolar": (frames, 100.0, np.full((len(eye), 6), -1)),
+        "logarithmic": (frames, 1.0),
+        "microsaccades_rad": {"light": frames, "frame_rate_hz": 100.0, "dark": 1.0},
+        "naka_rushton": (frames, 1.0),
+        "photon_noise": (frames, 1),
+        "published_response": ("blowfly",),
+        "van_hateren_snippe": (frames, 100.0),
         "import_lens_cone": (1e-4 * directions, 0.9e-4 * directions),
         "import_oda": (folder / "oda.csv",),
         "join_eyes": ([eye, eye],),
@@ -374,6 +398,12 @@ def public_calls(folder):
             "with_background": (omma.Background.constant((1, 1, 1)),),
             "with_light": {"light": omma.light.uniform_sky(1.0), "ultraviolet": "dark"},
         }),
+        "ImpulseResponse": (omma.photoreceptors.ImpulseResponse.howard(0.01, 0.3), {
+            "eval": ([0.01],), "cumulative": ([0.01],), "first_moment_s": ([0.01],),
+            "quantile": ([0.5],), "sample": ([0.5],), "transfer": ([10.0],),
+        }),
+        "FrameFilter": (started, {"filter": (frames[0],)}),
+        "VanHaterenSnippe": (adapted, {"filter": (frames[0],)}),
         "Lattice": (omma.eye.lay_directions(0.3), {}),
         "Bands": (few, {"mean": ([1.0, 2.0], [300.0, 700.0])}),
         "Disc": (omma.light.Disc((0, 1, 0), 0.004, [1.0]), {"radiance_at": ((0, 1, 0),)}),
@@ -408,7 +438,7 @@ def public_calls(folder):
         if dataclasses.is_dataclass(thing) and full not in good:
             continue  # results: whoever makes one knows what of
         yield full, thing, good.get(full, ())
-    for kind in (omma.Acceptance, omma.Background, omma.light.Bands):
+    for kind in (omma.Acceptance, omma.Background, omma.light.Bands, impulse):
         for name, thing in vars(kind).items():
             if isinstance(thing, staticmethod) or type(thing).__name__ == "nb_func":
                 full = f"{kind.__name__}.{name}"

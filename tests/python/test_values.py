@@ -113,6 +113,13 @@ def examples(files, tmp_path_factory):
             omma.light.uniform_sky(), omma.receptors.honeybee_ommatidia()[0].receptors
         ),
         "light.Spectrum": omma.light.Spectrum([300, 700], [0.1, 0.2]),
+        "photoreceptors.FrameFilter": omma.photoreceptors.FrameFilter(
+            omma.photoreceptors.ImpulseResponse.box(0.01), 100.0
+        ),
+        "photoreceptors.VanHaterenSnippe": omma.photoreceptors.VanHaterenSnippe(100.0),
+        "photoreceptors.ImpulseResponse": omma.photoreceptors.ImpulseResponse.table(
+            [0, 0.01, 0.02, 0.03], [0, 2, -0.5, 0]
+        ),
         "receptors.OmmatidiumType": kind,
         "receptors.ReceptorType": all_round_eye().receptor_types[0],
         "rendering.Settings": omma.rendering.Settings(omma.Shared(4), seed=7),
@@ -164,8 +171,11 @@ def examples(files, tmp_path_factory):
     }  # fmt: skip
 
 
-# A world and what renders it are there once; an exception is what Python makes of it.
-BY_IDENTITY = {"World", "Renderer", "Error"}
+# A world and what renders it are there once, as are filters with a state; an exception is what
+# Python makes of it.
+BY_IDENTITY = {
+    "World", "Renderer", "Error", "photoreceptors.FrameFilter", "photoreceptors.VanHaterenSnippe",
+}  # fmt: skip
 UNHASHABLE = {
     "eye.EyeMeasures", "eye.HexagonalCoordinates", "eye.Lattice", "eye.LatticeCheck",
     "eye.LensConeEye", "eye.Wiring", "light.Bands", "light.Disc", "light.Light",

@@ -1,0 +1,24 @@
+from .adaptation import logarithmic, naka_rushton
+from .filters import FrameFilter, filter_frames
+from .gain_control import VanHaterenSnippe, van_hateren_snippe
+from .impulse_response import ImpulseResponse
+from .microsaccades import displace_axes, microsaccades_rad
+from .monopolar import large_monopolar
+from .noise import intrinsic_noise, photon_noise
+from .published import published_response
+
+__all__ = [
+    "FrameFilter",
+    "ImpulseResponse",
+    "VanHaterenSnippe",
+    "displace_axes",
+    "filter_frames",
+    "intrinsic_noise",
+    "large_monopolar",
+    "logarithmic",
+    "microsaccades_rad",
+    "naka_rushton",
+    "photon_noise",
+    "published_response",
+    "van_hateren_snippe",
+]
