@@ -18,6 +18,7 @@ At the top is what a first hour needs; the rest is in rooms, which are loaded wh
 - `omma.eye`: eyes made, changed, measured, read and written; `omma.species`: those of ten animals
 - `omma.receptors`, `omma.light`: sensitivities to wavelengths; bands
 - `omma.scene`, `omma.rendering`: worlds and their parts; the renderer and its reports
+- `omma.motion`: motion detectors over responses
 - `omma.picture`: pictures of responses and of eyes
 - `omma.study`: how many rays a scene needs; `omma.job`: whole renders from files to files
 - `omma.examples`: a meadow and a flight over it; `omma.compat`: for the scripts of CompoundRay

@@ -38,8 +38,8 @@ def test_every_room_says_what_it_is_for(name):
 
 # From the lowest to the highest: a room imports from those before it, and from itself.
 ROOMS = [
-    "_core", "base", "light", "receptors", "eye", "scene", "rendering", "species", "picture",
-    "study", "job", "cli",
+    "_core", "base", "light", "receptors", "eye", "scene", "rendering", "motion", "species",
+    "picture", "study", "job", "cli",
 ]  # fmt: skip
 
 

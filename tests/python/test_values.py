@@ -113,6 +113,10 @@ def examples(files, tmp_path_factory):
             omma.light.uniform_sky(), omma.receptors.honeybee_ommatidia()[0].receptors
         ),
         "light.Spectrum": omma.light.Spectrum([300, 700], [0.1, 0.2]),
+        "motion.DetectorArray": omma.motion.detector_array(angles, 0.035, 500),
+        "motion.DetectorState": omma.motion.detector_array(angles, 0.035, 500).step(
+            None, np.ones(200)
+        )[0],
         "receptors.OmmatidiumType": kind,
         "receptors.ReceptorType": all_round_eye().receptor_types[0],
         "rendering.Settings": omma.rendering.Settings(omma.Shared(4), seed=7),
@@ -159,6 +163,7 @@ BY_IDENTITY = {"World", "Renderer", "Error"}
 UNHASHABLE = {
     "eye.EyeMeasures", "eye.HexagonalCoordinates", "eye.Lattice", "eye.LatticeCheck",
     "eye.LensConeEye", "eye.Wiring", "light.Bands", "light.Disc", "light.Light",
+    "motion.DetectorArray", "motion.DetectorState",
     "receptors.BandError",
     "rendering.SamplingReport", "study.MinimumSamples", "study.SpeedTest",
     "scene.NaturalMaterial", "mesh_surface()", "EyeMeasures.field",
