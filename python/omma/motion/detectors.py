@@ -104,18 +104,12 @@ class DetectorArray:
             )
         if not np.isfinite(now).all():
             raise Error("frame: expected finite numbers")
-        then = self._at_rest(now) if state is None else state
-        if then.frame.shape != now.shape:
-            raise Error(f"frame: expected shape {then.frame.shape} as before, found {now.shape}")
-        f = self._filters
-        slow = f.slow_from_slow * then.slow + f.slow_from_then * then.frame + f.slow_from_now * now
-        late = f.late_from_late * then.late + f.late_from_slow * then.slow
-        late = late + f.late_from_then * then.frame + f.late_from_now * now
-        direct = now - slow
-        first, second = self.pairs.T
-        outputs = late[first] * direct[second] - direct[first] * late[second]
         # A copy: the caller may render the next frame into the same array.
-        return DetectorState(now.copy(), slow, late), outputs
+        after = self._at_rest(now.copy()) if state is None else self._next(state, now.copy())
+        direct = after.frame - after.slow
+        first, second = self.pairs.T
+        outputs = after.late[first] * direct[second] - direct[first] * after.late[second]
+        return after, outputs
 
     @checked
     def run(self, responses: ArrayLike) -> Floats:
@@ -185,6 +179,16 @@ class DetectorArray:
         if self.high_pass_tau_s is None:
             return DetectorState(frame, none, frame)
         return DetectorState(frame, frame, none)
+
+    def _next(self, then: DetectorState, frame: Floats) -> DetectorState:
+        if then.frame.shape != frame.shape:
+            raise Error(f"frame: expected shape {then.frame.shape} as before, found {frame.shape}")
+        f = self._filters
+        slow = f.slow_from_slow * then.slow + f.slow_from_then * then.frame
+        slow = slow + f.slow_from_now * frame
+        late = f.late_from_late * then.late + f.late_from_slow * then.slow
+        late = late + f.late_from_then * then.frame + f.late_from_now * frame
+        return DetectorState(frame, slow, late)
 
     @cached_property
     def _filters(self) -> FilterStep:
