@@ -1,0 +1,212 @@
+"""A blowfly stands before grass; a small target passes, and a disc looms. What moves, and where to?
+
+Every pair of neighbours in the fly's two eyes feeds a motion detector after Hassenstein and
+Reichardt (docs/motion-detection.md); the outputs around an ommatidium make a local motion vector.
+The target, 2.3° across, passes on the right from the front to the back; the disc comes from the
+left at constant speed, its half size over its speed 50 ms. The fly does not move, so that nothing
+else does. Time constants are of the size found in flies, and chosen here: 35 ms for the delay, 250
+ms for the high-pass that takes away the standing light. There are no photoreceptors in it: light
+comes without delay, and twice the light gives four times the output, here over the scene's mean.
+
+python examples/python/looming_and_target.py -o looming_and_target.png
+"""
+
+import argparse
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.colors import hsv_to_rgb
+from matplotlib.patches import Ellipse
+from matplotlib.projections.geo import MollweideAxes
+
+import omma
+
+FLY_M = np.array([0.1, 0.9, 4.7])  # looks along -Z, over the meadow
+RATE_HZ, DURATION_S = 250.0, 0.84
+TAU_S, HIGH_PASS_TAU_S = 0.035, 0.25
+# The disc: where it comes from, and when it would be there.
+DISC_AT = omma.eye.direction(-35.0, -8.0)
+DISC_RADIUS_M, DISC_SPEED_M_S, COLLISION_S = 0.1, 2.0, 0.95
+# The target: from one azimuth to another on a circle about the fly.
+TARGET_RADIUS_M, TARGET_AWAY_M, TARGET_ELEVATION_DEG = 0.012, 0.6, -8.0
+TARGET_FROM_DEG, TARGET_DEG_S = 15.0, 150.0
+SHOWN_S = (0.3, 0.76)  # the moments that are drawn
+
+
+def disc_distance_m(time_s):
+    return DISC_SPEED_M_S * (COLLISION_S - time_s)
+
+
+def target_direction(time_s):
+    return omma.eye.direction(TARGET_FROM_DEG + TARGET_DEG_S * time_s, TARGET_ELEVATION_DEG)
+
+
+def meadow_with_both():
+    dark = (0.01, 0.01, 0.01)
+    return omma.scene.merge_scenes(
+        [
+            omma.load_scene(omma.examples.meadow()),
+            omma.scene.disc(DISC_RADIUS_M, dark, facing=-DISC_AT, name="disc"),
+            omma.scene.sphere(TARGET_RADIUS_M, dark, segments=24, name="target"),
+        ]
+    )
+
+
+def places(time_s):
+    """``world_from_node`` (2, 4, 4) of the disc and the target."""
+    found = np.tile(np.eye(4), (2, 1, 1))
+    found[0, :3, 3] = FLY_M + disc_distance_m(time_s) * DISC_AT
+    found[1, :3, 3] = FLY_M + TARGET_AWAY_M * target_direction(time_s)
+    return found
+
+
+def watch(eye, rays=16):
+    """Times (T,), light (T, N) and motion vectors (T, N, 2), both over the scene's mean light."""
+    renderer = omma.Renderer(meadow_with_both(), eye, omma.Fixed(rays))
+    detectors = omma.motion.detector_array(eye, TAU_S, RATE_HZ, high_pass_tau_s=HIGH_PASS_TAU_S)
+    pose = np.eye(4)
+    pose[:3, 3] = FLY_M
+    times_s = np.arange(round(DURATION_S * RATE_HZ)) / RATE_HZ
+    light, vectors = np.empty((len(times_s), len(eye))), np.empty((len(times_s), len(eye), 2))
+    state, mean = None, None
+    for t, time_s in enumerate(times_s):
+        renderer.world.set_transforms(["disc", "target"], places(time_s))
+        green = renderer.render(pose)[0, :, 1].astype(float)
+        mean = green.mean() if mean is None else mean
+        light[t] = green / mean
+        state, outputs = detectors.step(state, light[t])
+        vectors[t] = detectors.vectors(outputs)
+    return times_s, light, vectors
+
+
+def in_space(eye, vectors):
+    """Motion vectors (..., N, 2) of ommatidia as vectors of the head's frame (..., N, 3)."""
+    return vectors[..., :1] * eye.right.astype(float) + vectors[..., 1:] * eye.up.astype(float)
+
+
+def away_from(eye, direction):
+    """How far each ommatidium looks from a direction (N,), degrees, and which way leads from it at
+    the ommatidium, unit vectors (N, 3)."""
+    axis = eye.axis.astype(float)
+    level = axis @ direction
+    away = axis * level[:, None] - direction
+    away /= np.maximum(np.linalg.norm(away, axis=1, keepdims=True), 1e-9)
+    return np.degrees(np.arccos(np.clip(level, -1, 1))), away
+
+
+def expansion(eye, vectors):
+    """The mean motion (T,) away from the disc's middle, of ommatidia within 30° of it."""
+    off_deg, away = away_from(eye, DISC_AT)
+    near = (off_deg < 30) & np.isfinite(vectors[0, :, 0])
+    return np.einsum("tnk,nk->tn", in_space(eye, vectors), away)[:, near].mean(axis=1)
+
+
+def rightward(eye, vectors):
+    """The mean motion (T,) to the right, of ommatidia within 3° of the target's elevation on the
+    right."""
+    azimuth, elevation = omma.eye.azimuth_elevation_deg_of(eye.axis)
+    near = (np.abs(elevation - TARGET_ELEVATION_DEG) < 3) & (azimuth > 10) & (azimuth < 150)
+    near &= np.isfinite(vectors[0, :, 0])
+    right = np.stack([np.cos(np.radians(azimuth)), 0 * azimuth, np.sin(np.radians(azimuth))], 1)
+    return np.einsum("tnk,nk->tn", in_space(eye, vectors), right)[:, near].mean(axis=1)
+
+
+def on_map(directions):
+    """Places (..., 2) of directions (..., 3) on Mollweide's map."""
+    azimuth, elevation = np.radians(omma.eye.azimuth_elevation_deg_of(directions))
+    flat = np.stack([azimuth.ravel(), elevation.ravel()], axis=1)
+    return MollweideAxes.MollweideTransform(60).transform(flat).reshape(*azimuth.shape, 2)
+
+
+def draw_map(panel, eye, light, vectors, largest, title):
+    azimuth, elevation = np.radians(np.meshgrid(np.linspace(-180, 180, 91), np.arange(-60, 61, 30)))
+    lines = np.stack([azimuth, elevation], axis=-1)
+    for line in [*lines, *np.radians([[(a, e) for e in range(-90, 91, 3)] for a in
+                                      range(-180, 181, 60)])]:  # fmt: skip
+        panel.plot(*MollweideAxes.MollweideTransform(60).transform(line).T, color="0.8", lw=0.5)
+    panel.add_patch(Ellipse((0, 0), 4 * 2**0.5, 2 * 2**0.5, fill=False, ec="0.6", lw=0.8))
+    axis = eye.axis.astype(float)
+    shade = np.clip(light / 2, 0, 1) ** (1 / 2.2)
+    panel.scatter(*on_map(axis).T, c=shade, s=3.2, lw=0, cmap="gray", vmin=0, vmax=1)
+    size = np.hypot(*vectors.T)
+    shown = np.flatnonzero(size > 0.02 * largest)  # NaN are not
+    way = in_space(eye, vectors)[shown] / size[shown, None]
+    # Arrows grow with the root, so that small ones are seen beside large ones.
+    length = np.minimum(np.sqrt(size[shown] / largest), 1.0)
+    start = on_map(axis[shown])
+    ahead = on_map(axis[shown] + 1e-3 * way) - start
+    ahead *= (0.16 * length / np.hypot(*ahead.T))[:, None]
+    hue = np.arctan2(*ahead.T[::-1]) / (2 * np.pi) % 1
+    colour = hsv_to_rgb(np.stack([hue, np.full(len(hue), 0.9), np.full(len(hue), 0.85)], axis=1))
+    panel.quiver(*start.T, *ahead.T, color=colour, angles="xy", scale_units="xy", scale=1,
+                 width=0.0022, headwidth=4.5)  # fmt: skip
+    for degrees in (-120, -60, 0, 60, 120):
+        x, y = on_map(omma.eye.direction(degrees, -90 + 1e-3))
+        x, _ = on_map(omma.eye.direction(degrees, 0.0))
+        panel.text(x, -0.06, f"{degrees}°", fontsize=7, color="0.35", ha="center", va="top")
+    panel.set_title(title, fontsize=10)
+    panel.set(aspect="equal", xlim=(-2.9, 2.9), ylim=(-1.48, 1.48))
+    panel.axis("off")
+
+
+def draw(path, eye, times_s, light, vectors):
+    figure = plt.figure(figsize=(12.5, 8.2), layout="constrained")
+    maps, courses = figure.subfigures(2, 1, height_ratios=(1.25, 1))
+    panels = maps.subplots(1, 2)
+    largest = np.nanquantile(np.hypot(*np.moveaxis(vectors, -1, 0)).max(axis=1), 0.9)
+    for panel, moment in zip(panels, SHOWN_S):
+        t = round(moment * RATE_HZ)
+        radius = np.degrees(np.arctan(DISC_RADIUS_M / disc_distance_m(times_s[t])))
+        azimuth = TARGET_FROM_DEG + TARGET_DEG_S * times_s[t]
+        draw_map(panel, eye, light[t], vectors[t], largest,
+                 f"{times_s[t]:.2f} s: target at {azimuth:.0f}°, disc {2 * radius:.0f}° across")  # fmt: skip
+    maps.suptitle("Light, and local motion vectors (length as the root; hue by direction), on "
+                  "Mollweide's map", fontsize=10.5)  # fmt: skip
+    left, right = courses.subplots(1, 2)
+    distance = disc_distance_m(times_s)
+    left.plot(times_s, expansion(eye, vectors), color="#0072b2")
+    left.set_ylabel("mean motion away from its middle", color="#0072b2")
+    left.set_title("The disc: ommatidia within 30° of it", fontsize=10)
+    size = left.twinx()
+    size.plot(times_s, 2 * np.degrees(np.arctan(DISC_RADIUS_M / distance)), "--", color="0.45")
+    size.set(ylabel="angle across, ° (dashed)", ylim=(0, None))
+    right.plot(times_s, rightward(eye, vectors), color="#d55e00", label="all along its way")
+    right.axhline(0, color="0.7", lw=0.8)
+    right.set_ylabel("mean motion to the right", color="#d55e00")
+    right.set_title("The target: ommatidia within 3° of its way", fontsize=10)
+    where = right.twinx()
+    where.plot(times_s, TARGET_FROM_DEG + TARGET_DEG_S * times_s, "--", color="0.45")
+    where.set(ylabel="azimuth, ° (dashed)", ylim=(0, None))
+    for panel in (left, right):
+        panel.set(xlabel="time, s", xlim=(0, DURATION_S))
+        panel.ticklabel_format(axis="y", scilimits=(-2, 2))
+        for moment in SHOWN_S:
+            panel.axvline(moment, color="0.85", lw=0.8, zorder=0)
+        panel.spines[["top"]].set_visible(False)
+    for panel in (size, where):
+        panel.spines[["top"]].set_visible(False)
+    figure.savefig(path, dpi=110)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("-o", "--output", default="looming_and_target.png", help="the figure")
+    parser.add_argument("--rays", type=int, default=16, help="for each ommatidium (default: 16)")
+    asked = parser.parse_args()
+    eye = omma.species.calliphora().eye
+    times_s, light, vectors = watch(eye, asked.rays)
+    looming, passing = expansion(eye, vectors), rightward(eye, vectors)
+    print(f"{len(eye):,} ommatidia, {len(times_s)} frames at {RATE_HZ:.0f} Hz")
+    print("time, s   away from the disc's middle   right along the target's way")
+    for moment in (0.1, 0.3, 0.5, 0.7, 0.8):
+        t = round(moment * RATE_HZ)
+        print(f"{times_s[t]:7.2f}   {looming[t]:27.2e}   {passing[t]:28.2e}")
+    draw(asked.output, eye, times_s, light, vectors)
+    print(f"wrote {asked.output}")
+
+
+if __name__ == "__main__":
+    main()
