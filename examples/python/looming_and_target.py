@@ -121,73 +121,93 @@ def on_map(directions):
     return MollweideAxes.MollweideTransform(60).transform(flat).reshape(*azimuth.shape, 2)
 
 
-def draw_map(panel, eye, light, vectors, largest, title):
-    azimuth, elevation = np.radians(np.meshgrid(np.linspace(-180, 180, 91), np.arange(-60, 61, 30)))
-    lines = np.stack([azimuth, elevation], axis=-1)
-    for line in [*lines, *np.radians([[(a, e) for e in range(-90, 91, 3)] for a in
-                                      range(-180, 181, 60)])]:  # fmt: skip
-        panel.plot(*MollweideAxes.MollweideTransform(60).transform(line).T, color="0.8", lw=0.5)
+def flat(azimuth_deg, elevation_deg):
+    """The same of angles (K,), degrees."""
+    angles = np.radians(np.broadcast_arrays(azimuth_deg, elevation_deg)).T
+    return MollweideAxes.MollweideTransform(60).transform(angles)
+
+
+def around(direction, radius_deg):
+    """A circle around a direction, on the map."""
+    right = np.cross(direction, (0.0, 1.0, 0.0))
+    right /= np.linalg.norm(right)
+    turn = np.linspace(0, 2 * np.pi, 60)[:, None]
+    across = np.cos(turn) * right + np.sin(turn) * np.cross(right, direction)
+    radius = np.radians(radius_deg)
+    return on_map(np.cos(radius) * direction + np.sin(radius) * across)
+
+
+def draw_map(panel, eye, light, vectors, largest, time_s):
+    for elevation in range(-60, 61, 30):
+        panel.plot(*flat(np.arange(-180, 181, 3), elevation).T, color="0.85", lw=0.5)
+    for azimuth in range(-120, 121, 60):
+        panel.plot(*flat(azimuth, np.arange(-90, 91, 3)).T, color="0.85", lw=0.5)
     panel.add_patch(Ellipse((0, 0), 4 * 2**0.5, 2 * 2**0.5, fill=False, ec="0.6", lw=0.8))
-    axis = eye.axis.astype(float)
     shade = np.clip(light / 2, 0, 1) ** (1 / 2.2)
-    panel.scatter(*on_map(axis).T, c=shade, s=3.2, lw=0, cmap="gray", vmin=0, vmax=1)
+    panel.scatter(*on_map(eye.axis).T, c=shade, s=5, lw=0, cmap="gray", vmin=-0.3, vmax=1.15)
     size = np.hypot(*vectors.T)
-    shown = np.flatnonzero(size > 0.02 * largest)  # NaN are not
+    shown = np.flatnonzero(size > 0.01 * largest)  # NaN are not
     way = in_space(eye, vectors)[shown] / size[shown, None]
-    # Arrows grow with the root, so that small ones are seen beside large ones.
-    length = np.minimum(np.sqrt(size[shown] / largest), 1.0)
-    start = on_map(axis[shown])
-    ahead = on_map(axis[shown] + 1e-3 * way) - start
-    ahead *= (0.16 * length / np.hypot(*ahead.T))[:, None]
+    # The root, so that small arrows are seen beside large ones.
+    length = np.minimum(np.sqrt(size[shown] / largest), 1.2)
+    start = on_map(eye.axis[shown])
+    ahead = on_map(eye.axis[shown] + 1e-3 * way) - start
+    ahead *= (0.14 * length / np.hypot(*ahead.T))[:, None]
     hue = np.arctan2(*ahead.T[::-1]) / (2 * np.pi) % 1
-    colour = hsv_to_rgb(np.stack([hue, np.full(len(hue), 0.9), np.full(len(hue), 0.85)], axis=1))
+    colour = hsv_to_rgb(np.stack([hue, np.ones(len(hue)), np.full(len(hue), 0.85)], axis=1))
     panel.quiver(*start.T, *ahead.T, color=colour, angles="xy", scale_units="xy", scale=1,
-                 width=0.0022, headwidth=4.5)  # fmt: skip
-    for degrees in (-120, -60, 0, 60, 120):
-        x, y = on_map(omma.eye.direction(degrees, -90 + 1e-3))
-        x, _ = on_map(omma.eye.direction(degrees, 0.0))
-        panel.text(x, -0.06, f"{degrees}°", fontsize=7, color="0.35", ha="center", va="top")
-    panel.set_title(title, fontsize=10)
-    panel.set(aspect="equal", xlim=(-2.9, 2.9), ylim=(-1.48, 1.48))
+                 width=0.0018, headwidth=5)  # fmt: skip
+    disc_deg = np.degrees(np.arctan(DISC_RADIUS_M / disc_distance_m(time_s)))
+    for direction, radius in ((DISC_AT, disc_deg), (target_direction(time_s), 6.0)):
+        panel.plot(*around(direction, radius).T, color="k", lw=0.8, ls=":")
+    azimuth = TARGET_FROM_DEG + TARGET_DEG_S * time_s
+    panel.set_title(
+        f"{time_s:.2f} s: disc {2 * disc_deg:.0f}° across, target at {azimuth:.0f}° (ringed)",
+        fontsize=10,
+    )
+    panel.set(aspect="equal", xlim=(-2.85, 2.85), ylim=(-1.45, 1.45))
     panel.axis("off")
 
 
+def draw_course(panel, times_s, motion, colour, label, angle_deg, angle_label, title):
+    panel.plot(times_s, motion, color=colour)
+    panel.axhline(0, color="0.7", lw=0.8)
+    panel.set(xlabel="time, s", xlim=(0, DURATION_S))
+    panel.set_ylabel(label, color=colour)
+    panel.set_title(title, fontsize=10)
+    panel.ticklabel_format(axis="y", scilimits=(-2, 2), useMathText=True)
+    for moment in SHOWN_S:
+        panel.axvline(moment, color="0.85", lw=0.8, zorder=0)
+    beside = panel.twinx()
+    beside.plot(times_s, angle_deg, "--", color="0.45", lw=1)
+    beside.set_ylabel(f"{angle_label} (dashed)", color="0.35")
+    beside.set_ylim(0, None)
+    for one in (panel, beside):
+        one.spines["top"].set_visible(False)
+
+
 def draw(path, eye, times_s, light, vectors):
-    figure = plt.figure(figsize=(12.5, 8.2), layout="constrained")
-    maps, courses = figure.subfigures(2, 1, height_ratios=(1.25, 1))
-    panels = maps.subplots(1, 2)
-    largest = np.nanquantile(np.hypot(*np.moveaxis(vectors, -1, 0)).max(axis=1), 0.9)
-    for panel, moment in zip(panels, SHOWN_S):
+    figure = plt.figure(figsize=(13, 8.4), layout="constrained")
+    maps, courses = figure.subfigures(1, 2, width_ratios=(1.75, 1))
+    largest = np.nanquantile(np.hypot(*np.moveaxis(vectors, -1, 0)), 0.9995)
+    for panel, moment in zip(maps.subplots(2, 1), SHOWN_S):
         t = round(moment * RATE_HZ)
-        radius = np.degrees(np.arctan(DISC_RADIUS_M / disc_distance_m(times_s[t])))
-        azimuth = TARGET_FROM_DEG + TARGET_DEG_S * times_s[t]
-        draw_map(panel, eye, light[t], vectors[t], largest,
-                 f"{times_s[t]:.2f} s: target at {azimuth:.0f}°, disc {2 * radius:.0f}° across")  # fmt: skip
-    maps.suptitle("Light, and local motion vectors (length as the root; hue by direction), on "
-                  "Mollweide's map", fontsize=10.5)  # fmt: skip
-    left, right = courses.subplots(1, 2)
-    distance = disc_distance_m(times_s)
-    left.plot(times_s, expansion(eye, vectors), color="#0072b2")
-    left.set_ylabel("mean motion away from its middle", color="#0072b2")
-    left.set_title("The disc: ommatidia within 30° of it", fontsize=10)
-    size = left.twinx()
-    size.plot(times_s, 2 * np.degrees(np.arctan(DISC_RADIUS_M / distance)), "--", color="0.45")
-    size.set(ylabel="angle across, ° (dashed)", ylim=(0, None))
-    right.plot(times_s, rightward(eye, vectors), color="#d55e00", label="all along its way")
-    right.axhline(0, color="0.7", lw=0.8)
-    right.set_ylabel("mean motion to the right", color="#d55e00")
-    right.set_title("The target: ommatidia within 3° of its way", fontsize=10)
-    where = right.twinx()
-    where.plot(times_s, TARGET_FROM_DEG + TARGET_DEG_S * times_s, "--", color="0.45")
-    where.set(ylabel="azimuth, ° (dashed)", ylim=(0, None))
-    for panel in (left, right):
-        panel.set(xlabel="time, s", xlim=(0, DURATION_S))
-        panel.ticklabel_format(axis="y", scilimits=(-2, 2))
-        for moment in SHOWN_S:
-            panel.axvline(moment, color="0.85", lw=0.8, zorder=0)
-        panel.spines[["top"]].set_visible(False)
-    for panel in (size, where):
-        panel.spines[["top"]].set_visible(False)
+        draw_map(panel, eye, light[t], vectors[t], largest, times_s[t])
+    upper, lower = courses.subplots(2, 1)
+    draw_course(
+        upper, times_s, expansion(eye, vectors), "#0072b2", "mean motion away from its middle",
+        2 * np.degrees(np.arctan(DISC_RADIUS_M / disc_distance_m(times_s))), "angle across, °",
+        "The disc: ommatidia within 30° of it",
+    )  # fmt: skip
+    draw_course(
+        lower, times_s, rightward(eye, vectors), "#d55e00", "mean motion to the right",
+        TARGET_FROM_DEG + TARGET_DEG_S * times_s, "azimuth, °",
+        "The target: ommatidia within 3° of its elevation",
+    )  # fmt: skip
+    figure.suptitle(
+        "What a blowfly's 9,000 ommatidia see, and their local motion vectors (length: the root of "
+        "the output; hue: direction)", fontsize=11,
+    )  # fmt: skip
     figure.savefig(path, dpi=110)
 
 
