@@ -216,6 +216,12 @@ def test_frame_by_frame_and_at_once_are_the_same_bits(eye, signals, high_pass_ta
     assert np.array_equal(detectors.vectors(alone), vectors[:, :, 1], equal_nan=True)
 
 
+@pytest.mark.parametrize("high_pass_tau_s", [None, SLOW_S])
+def test_what_stands_still_answers_nothing_to_the_bit(eye, signals, high_pass_tau_s):
+    detectors = omma.motion.detector_array(eye, TAU_S, 200, high_pass_tau_s=high_pass_tau_s)
+    assert not detectors.run(np.repeat(signals[:1], 50, axis=0)).any()
+
+
 def test_nothing_moves_at_first_and_pairs_turned_round_answer_the_negative(eye, signals):
     pairs = omma.motion.neighbour_pairs(eye)
     there, back = (

@@ -184,10 +184,10 @@ class DetectorArray:
         if then.frame.shape != frame.shape:
             raise Error(f"frame: expected shape {then.frame.shape} as before, found {frame.shape}")
         f = self._filters
-        slow = f.slow_from_slow * then.slow + f.slow_from_then * then.frame
-        slow = slow + f.slow_from_now * frame
-        late = f.late_from_late * then.late + f.late_from_slow * then.slow
-        late = late + f.late_from_then * then.frame + f.late_from_now * frame
+        high, rise = then.frame - then.slow, frame - then.frame
+        slow = then.slow + f.slow_gain * high + f.slow_rise * rise
+        late = then.late + f.late_gain * (high - then.late) + f.late_more * high
+        late += f.late_rise * rise
         return DetectorState(frame, slow, late)
 
     @cached_property

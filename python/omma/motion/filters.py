@@ -7,6 +7,7 @@ line; for such an input the steps are exact, whatever the time constants are to 
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -23,16 +24,18 @@ _LEAST, _MOST = 1e-6, 1e4
 
 
 class FilterStep(NamedTuple):
-    """What the values at a frame are made of: each a sum of the values at the frame before, late
-    and slow, and of the inputs then and now."""
+    """What is added from a frame to the next, in gains: of differences only, so that what stands
+    still stays as it is to the bit.
 
-    slow_from_slow: float
-    slow_from_then: float
-    slow_from_now: float
-    late_from_late: float
-    late_from_slow: float
-    late_from_then: float
-    late_from_now: float
+    slow gains slow_gain (x - slow) + slow_rise (rise of x), late late_gain (x - slow - late) +
+    late_more (x - slow) + late_rise (rise of x), all as they were at the frame before.
+    """
+
+    slow_gain: float
+    slow_rise: float
+    late_gain: float
+    late_more: float
+    late_rise: float
 
 
 def filter_step(tau_s: float, high_pass_tau_s: float | None, frame_rate_hz: float) -> FilterStep:
@@ -67,17 +70,12 @@ def filter_step(tau_s: float, high_pass_tau_s: float | None, frame_rate_hz: floa
             [0, 0, 0, 0],
         ]
     )
-    made = expm(matrix).tolist()
-    (late_from_late, late_from_slow, late_from_x, late_from_rise) = made[0]
-    (_, slow_from_slow, slow_from_x, slow_from_rise) = made[1]
+    made = expm(matrix)
+    late_gain = -math.expm1(-late)
+    # Without a high-pass late follows x alone, and there is no more.
+    late_more = 0.0 if high_pass_tau_s is None else float(made[0, 2]) - late_gain
     return FilterStep(
-        slow_from_slow,
-        slow_from_x - slow_from_rise,
-        slow_from_rise,
-        late_from_late,
-        late_from_slow,
-        late_from_x - late_from_rise,
-        late_from_rise,
+        -math.expm1(-slow), float(made[1, 3]), late_gain, late_more, float(made[0, 3])
     )
 
 
@@ -85,9 +83,11 @@ def transfer(step: FilterStep, angle_rad: Floats) -> tuple[Complex, Complex]:
     """What becomes of a sinusoid that turns by so much from frame to frame: the high-pass (the
     input itself where there is none), and the delayed high-pass, as complex factors."""
     z = np.exp(1j * angle_rad).astype(np.complex128)
-    if step.slow_from_now == 0:
+    rise = z - 1
+    if step.slow_gain == 0:
         slow = np.zeros_like(z)
     else:
-        slow = (step.slow_from_then + step.slow_from_now * z) / (z - step.slow_from_slow)
-    late = step.late_from_slow * slow + step.late_from_then + step.late_from_now * z
-    return 1 - slow, late / (z - step.late_from_late)
+        slow = (step.slow_gain + step.slow_rise * rise) / (rise + step.slow_gain)
+    high = 1 - slow
+    late = (step.late_gain + step.late_more) * high + step.late_rise * rise
+    return high, late / (rise + step.late_gain)
