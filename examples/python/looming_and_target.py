@@ -137,45 +137,43 @@ def around(direction, radius_deg):
     return on_map(np.cos(radius) * direction + np.sin(radius) * across)
 
 
-def draw_map(panel, eye, light, vectors, largest, time_s):
+def draw_map(panel, eye, light, vectors, largest, time_s, *, longest, dot):
+    """The whole map; ``longest`` is an arrow's length on it, ``dot`` an ommatidium's area."""
     for elevation in range(-60, 61, 30):
         panel.plot(*flat(np.arange(-180, 181, 3), elevation).T, color="0.85", lw=0.5)
     for azimuth in range(-120, 121, 60):
         panel.plot(*flat(azimuth, np.arange(-90, 91, 3)).T, color="0.85", lw=0.5)
     panel.add_patch(Ellipse((0, 0), 4 * 2**0.5, 2 * 2**0.5, fill=False, ec="0.6", lw=0.8))
     shade = np.clip(light / 2, 0, 1) ** (1 / 2.2)
-    panel.scatter(*on_map(eye.axis).T, c=shade, s=5, lw=0, cmap="gray", vmin=-0.3, vmax=1.15)
+    panel.scatter(*on_map(eye.axis).T, c=shade, s=dot, lw=0, cmap="gray", vmin=-0.2, vmax=1.15)
     size = np.hypot(*vectors.T)
-    shown = np.flatnonzero(size > 0.01 * largest)  # NaN are not
+    shown = np.flatnonzero(size > 0.005 * largest)  # NaN are not
     way = in_space(eye, vectors)[shown] / size[shown, None]
     # The root, so that small arrows are seen beside large ones.
-    length = np.minimum(np.sqrt(size[shown] / largest), 1.2)
+    length = np.clip(np.sqrt(size[shown] / largest), 0.2, 1.0)
     start = on_map(eye.axis[shown])
     ahead = on_map(eye.axis[shown] + 1e-3 * way) - start
-    ahead *= (0.14 * length / np.hypot(*ahead.T))[:, None]
+    ahead *= (longest * length / np.hypot(*ahead.T))[:, None]
     hue = np.arctan2(*ahead.T[::-1]) / (2 * np.pi) % 1
     colour = hsv_to_rgb(np.stack([hue, np.ones(len(hue)), np.full(len(hue), 0.85)], axis=1))
     panel.quiver(*start.T, *ahead.T, color=colour, angles="xy", scale_units="xy", scale=1,
-                 width=0.0018, headwidth=5)  # fmt: skip
-    disc_deg = np.degrees(np.arctan(DISC_RADIUS_M / disc_distance_m(time_s)))
-    for direction, radius in ((DISC_AT, disc_deg), (target_direction(time_s), 6.0)):
+                 units="inches", width=0.014, headwidth=5)  # fmt: skip
+    for direction, radius in ((DISC_AT, disc_radius_deg(time_s)), (target_direction(time_s), 4.0)):
         panel.plot(*around(direction, radius).T, color="k", lw=0.8, ls=":")
-    azimuth = TARGET_FROM_DEG + TARGET_DEG_S * time_s
-    panel.set_title(
-        f"{time_s:.2f} s: disc {2 * disc_deg:.0f}° across, target at {azimuth:.0f}° (ringed)",
-        fontsize=10,
-    )
-    panel.set(aspect="equal", xlim=(-2.85, 2.85), ylim=(-1.45, 1.45))
-    panel.axis("off")
+    panel.set_aspect("equal")
+    panel.set(xlim=(-2.85, 2.85), ylim=(-1.45, 1.45), xticks=[], yticks=[])
+
+
+def disc_radius_deg(time_s):
+    return np.degrees(np.arctan(DISC_RADIUS_M / disc_distance_m(time_s)))
 
 
 def draw_course(panel, times_s, motion, colour, label, angle_deg, angle_label, title):
-    panel.plot(times_s, motion, color=colour)
+    panel.plot(times_s, 1e3 * motion, color=colour)
     panel.axhline(0, color="0.7", lw=0.8)
     panel.set(xlabel="time, s", xlim=(0, DURATION_S))
-    panel.set_ylabel(label, color=colour)
+    panel.set_ylabel(f"{label}, 10⁻³", color=colour)
     panel.set_title(title, fontsize=10)
-    panel.ticklabel_format(axis="y", scilimits=(-2, 2), useMathText=True)
     for moment in SHOWN_S:
         panel.axvline(moment, color="0.85", lw=0.8, zorder=0)
     beside = panel.twinx()
@@ -187,26 +185,38 @@ def draw_course(panel, times_s, motion, colour, label, angle_deg, angle_label, t
 
 
 def draw(path, eye, times_s, light, vectors):
-    figure = plt.figure(figsize=(13, 8.4), layout="constrained")
-    maps, courses = figure.subfigures(1, 2, width_ratios=(1.75, 1))
+    figure = plt.figure(figsize=(13, 10.4), layout="constrained")
+    above, below = figure.subfigures(2, 1, height_ratios=(2.1, 1))
     largest = np.nanquantile(np.hypot(*np.moveaxis(vectors, -1, 0)), 0.9995)
-    for panel, moment in zip(maps.subplots(2, 1), SHOWN_S):
+    panels = above.subplots(2, 3, width_ratios=(2.1, 1, 1))
+    for (whole, disc, target), moment in zip(panels, SHOWN_S):
         t = round(moment * RATE_HZ)
-        draw_map(panel, eye, light[t], vectors[t], largest, times_s[t])
-    upper, lower = courses.subplots(2, 1)
+        seen = eye, light[t], vectors[t], largest, times_s[t]
+        draw_map(whole, *seen, longest=0.1, dot=4)
+        whole.axis("off")
+        whole.set_title(f"{times_s[t]:.2f} s", fontsize=10)
+        azimuth = TARGET_FROM_DEG + TARGET_DEG_S * times_s[t]
+        for panel, direction, half, title in (
+            (disc, DISC_AT, 0.42, f"the disc, {2 * disc_radius_deg(times_s[t]):.0f}° across"),
+            (target, target_direction(times_s[t]), 0.21, f"the target, at {azimuth:.0f}°"),
+        ):
+            draw_map(panel, *seen, longest=0.11 * half / 0.42, dot=16 * (0.42 / half) ** 2)
+            x, y = on_map(direction)
+            panel.set(xlim=(x - half, x + half), ylim=(y - half, y + half))
+            panel.set_title(title, fontsize=10)
+    left, right = below.subplots(1, 2)
     draw_course(
-        upper, times_s, expansion(eye, vectors), "#0072b2", "mean motion away from its middle",
-        2 * np.degrees(np.arctan(DISC_RADIUS_M / disc_distance_m(times_s))), "angle across, °",
-        "The disc: ommatidia within 30° of it",
+        left, times_s, expansion(eye, vectors), "#0072b2", "mean motion away from its middle",
+        2 * disc_radius_deg(times_s), "angle across, °", "The disc: ommatidia within 30° of it",
     )  # fmt: skip
     draw_course(
-        lower, times_s, rightward(eye, vectors), "#d55e00", "mean motion to the right",
+        right, times_s, rightward(eye, vectors), "#d55e00", "mean motion to the right",
         TARGET_FROM_DEG + TARGET_DEG_S * times_s, "azimuth, °",
         "The target: ommatidia within 3° of its elevation",
     )  # fmt: skip
     figure.suptitle(
-        "What a blowfly's 9,000 ommatidia see, and their local motion vectors (length: the root of "
-        "the output; hue: direction)", fontsize=11,
+        f"What a fly's {len(eye):,} ommatidia see, and their local motion vectors (length: the "
+        "root of the output; hue: direction)", fontsize=11,
     )  # fmt: skip
     figure.savefig(path, dpi=110)
 
