@@ -26,7 +26,7 @@ from omma.motion.pairs import displacements_rad, neighbour_pairs
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-# Directions of an ommatidium's pairs that lie nearer to one line than this (36°, as the ratio of
+# Directions of an ommatidium's pairs that lie nearer to one line than this (35°, as the ratio of
 # the eigenvalues of the sum of their squares) do not tell what moves across it.
 _LEAST_SPREAD = 0.1
 
