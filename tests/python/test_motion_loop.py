@@ -66,13 +66,16 @@ def closed_loop(renderer, fly):
     return heads, balls, np.stack(outputs)
 
 
-def test_a_loop_is_the_same_bits_as_its_frames_at_once(scene, fly):
+@pytest.mark.parametrize("backend", ["embree", "portable"])
+def test_a_loop_is_the_same_bits_as_its_frames_at_once(scene, fly, backend):
     eye, detectors = fly
-    heads, balls, outputs = closed_loop(omma.Renderer(scene, eye, omma.Fixed(8), threads=1), fly)
+    world = omma.World(scene, backend=backend)
+    heads, balls, outputs = closed_loop(omma.Renderer(world, eye, omma.Fixed(8), threads=1), fly)
     assert np.ptp(heads) > 1  # it did turn
     assert np.unique(balls).size == FRAMES
     # Anew, in a world and with threads of its own, from what was written down.
-    renderer = omma.Renderer(scene, eye, omma.Fixed(8), threads=2)
+    world = omma.World(scene, backend=backend)
+    renderer = omma.Renderer(world, eye, omma.Fixed(8), threads=2)
     frames = np.empty((FRAMES, len(eye), 3), np.float32)
     for t in range(FRAMES):
         renderer.world.set_transforms("ball", ball_at(balls[t]))

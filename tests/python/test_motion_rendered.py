@@ -17,9 +17,7 @@ CONTRAST, MEAN = 0.8, 0.5
 def row():
     """Twelve Gaussian ommatidia along the horizon, to the right."""
     azimuth = STEP_DEG * (np.arange(12) - 5.5)
-    return omma.Eye(
-        np.zeros((12, 3)), omma.eye.direction(azimuth, 0), np.radians(WIDTH_DEG)
-    )  # fmt: skip
+    return omma.Eye(np.zeros((12, 3)), omma.eye.direction(azimuth, 0), np.radians(WIDTH_DEG))
 
 
 def turned(azimuth_deg):
