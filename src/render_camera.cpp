@@ -85,7 +85,8 @@ std::unique_ptr<CameraRays> new_camera_rays(const Camera& camera, const CameraSe
   const auto samples = static_cast<std::size_t>(settings.samples);
   rays->pixels_per_band = std::max<std::size_t>(1, band_rays / samples);
   rays->directions = make_direction_tables(
-      rays_of_pixels(*rays, points, 0, std::min(rays->pixels_per_band, rays->pixels())), {}, 1);
+      rays_of_pixels(*rays, points, 0, std::min(rays->pixels_per_band, rays->pixels())),
+      {.seed = settings.seed}, 1);
   rays->bands.resize(
       std::min(rays->band_count(), most_kept_rays / (rays->pixels_per_band * samples)));
   return rays;

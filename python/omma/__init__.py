@@ -20,6 +20,7 @@ At the top is what a first hour needs; the rest is in rooms, which are loaded wh
 - `omma.photoreceptors`: what receptors make of light in time, noise, adaptation
 - `omma.scene`, `omma.rendering`: worlds and their parts; the renderer and its reports
 - `omma.stimuli`: gratings, bars, looming discs, targets, dots, panoramas and LED arenas that move
+- `omma.motion`: motion detectors over responses
 - `omma.picture`: pictures of responses and of eyes
 - `omma.study`: how many rays a scene needs; `omma.job`: whole renders from files to files
 - `omma.examples`: a meadow and a flight over it; `omma.compat`: for the scripts of CompoundRay

@@ -347,7 +347,22 @@ def public_calls(folder):
         "Target": (1.0, [0, 1], [0, 10], [0, 0]),
         "edge": (60.0,),
         "optomotor_drum": (18, 60.0),
+        "DetectorArray": {
+            "count": 24, "pairs": [[0, 1]], "displacement_rad": np.ones((1, 2, 2)), "tau_s": 0.035,
+            "frame_rate_hz": 500.0, "high_pass_tau_s": 0.2,
+        },
+        "best_frequency_hz": (0.035, 0.2),
+        "detector_array": {
+            "eye": eye, "tau_s": 0.035, "frame_rate_hz": 500.0, "pairs": [[0, 1]],
+            "high_pass_tau_s": 0.2,
+        },
+        "grating_response": {
+            "contrast": 1.0, "wavelength_rad": 0.5, "frequency_hz": 5.0, "separation_rad": 0.1,
+            "tau_s": 0.035, "high_pass_tau_s": 0.2, "acceptance_angle_rad": 0.1,
+            "frame_rate_hz": 500.0,
+        },
         "hexagonal_coordinates": (eye,),
+        "neighbour_pairs": (large,),
         "load_responses": (kept,),
         "plot_responses": (png, eye, rgb),
         "render_like": (kept, csv),
@@ -420,6 +435,9 @@ def public_calls(folder):
         }),
         "AcuteZone": (omma.eye.AcuteZone(0.0, 0.0, 0.5, 2.0), {"density": (directions,)}),
         "Box": (omma.study.Box((0, 0, 0), (1, 1, 1)), {}),
+        "DetectorArray": (omma.motion.detector_array(eye, 0.035, 500.0, pairs=[[0, 1]]), {
+            "step": (None, np.ones(24)), "run": (np.ones((3, 24)),), "vectors": (np.ones((3, 1)),),
+        }),
         "Wiring": (omma.eye.Wiring([0, 1], [0], [1.0]), {}),
         "SamplingReport": (
             omma.rendering.SamplingReport(np.ones((1, 1)), np.ones((1, 1, 3)), 0.1), {},

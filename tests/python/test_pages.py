@@ -70,6 +70,7 @@ COMES_OUT = {
     "docs/acceptance.md": "assert f'{math.degrees(fly.width_rad()):.1f}' == '2.2'",
     "docs/error-target.md": "assert report.rays.shape == (1, 10_760) and (low <= high).all()",
     "docs/eye-design.md": "assert len(omma.load_eye('head.csv')) == len(head)",
+    "docs/motion-detection.md": "assert np.nanmean(motion[level, 0]) > 0.01",
     "docs/neighbours.md": "assert left < 0 < right",
     "docs/receptors.md": "assert cartridges.shape == (2, 300) and responses.shape == (2, 300, 3)",
     "docs/written-files.md": "assert 0 < ahead.sizes['ommatidium'] < data.sizes['ommatidium']",
@@ -106,10 +107,11 @@ NOT_RUN = {
     "cd python-examples": "see above",
     "OMMA_COMPAT_KERNEL=gaussian": "see above",
     "python examples/localisation/localise.py": "minutes; test_localisation.py has it small",
+    "python examples/python/looming_and_target.py": "a minute; test_motion_example.py has it small",
 }
 
 # Indented blocks that are no commands: what comes out, formulas, lines of files.
-NO_COMMANDS = (r"[\d,]+ rays", "rays  ", "# receptor_type", "R_t = ", "[\u2212+]0\\.0")
+NO_COMMANDS = (r"[\d,]+ rays", "rays  ", "# receptor_type", "R_t = ", "R = ", "[\u2212+]0\\.0")
 
 
 def blocks(page, kind):

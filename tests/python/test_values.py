@@ -120,6 +120,10 @@ def examples(files, tmp_path_factory):
         "photoreceptors.ImpulseResponse": omma.photoreceptors.ImpulseResponse.table(
             [0, 0.01, 0.02, 0.03], [0, 2, -0.5, 0]
         ),
+        "motion.DetectorArray": omma.motion.detector_array(angles, 0.035, 500),
+        "motion.DetectorState": omma.motion.detector_array(angles, 0.035, 500).step(
+            None, np.ones(200)
+        )[0],
         "receptors.OmmatidiumType": kind,
         "receptors.ReceptorType": all_round_eye().receptor_types[0],
         "rendering.Settings": omma.rendering.Settings(omma.Shared(4), seed=7),
@@ -180,6 +184,7 @@ UNHASHABLE = {
     "eye.EyeMeasures", "eye.HexagonalCoordinates", "eye.Lattice", "eye.LatticeCheck",
     "eye.LensConeEye", "eye.Wiring", "light.Bands", "light.Disc", "light.Light",
     "receptors.BandError", "stimuli.Target",
+    "motion.DetectorArray", "motion.DetectorState",
     "rendering.SamplingReport", "study.MinimumSamples", "study.SpeedTest",
     "scene.NaturalMaterial", "mesh_surface()", "EyeMeasures.field",
 }  # fmt: skip

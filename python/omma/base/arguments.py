@@ -132,6 +132,7 @@ _OWN = {
     "Bake": "omma.scene.Bake",
     "Bands": "omma.light.Bands",
     "Camera": "omma.scene.Camera",
+    "DetectorState": "omma.motion.DetectorState",
     "Eye": "omma.Eye",
     "EyeMeasures": "omma.eye.EyeMeasures",
     "ImpulseResponse": "omma.photoreceptors.ImpulseResponse",

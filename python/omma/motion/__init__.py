@@ -1,0 +1,7 @@
+"""Motion from responses: Hassenstein-Reichardt detectors between ommatidia, and what they answer to
+gratings.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
