@@ -19,6 +19,7 @@
 #include "omma/eye.h"
 #include "omma/kernel.h"
 #include "omma/scene.h"
+#include "omma/truth.h"
 #include "omma/world.h"
 
 namespace omma {
@@ -138,6 +139,7 @@ struct RenderCall {
   // Radiance that each single ray brought, [pose, ommatidium, sample, band], or empty for none.
   // Not together with standard_error.
   std::span<float> ray_radiance;
+  TruthCall truth;  // from the same rays; not with Shared
   // Called from the calling thread several times a second with the finished fraction (0 to 1);
   // false cancels the render, which then throws omma::Cancelled.
   std::function<bool(double)> progress;

@@ -40,7 +40,8 @@ struct Units {
   alignas(64) std::int32_t hash[unit_room];        // of its scramble
   alignas(64) float up[3][unit_room];              // across the axis, before any turn
   bool has_apertures, has_scales;
-  bool is_lit;  // whether rays go on as paths, which need hashes, and up vectors where polarised
+  // Whether rays carry hashes and up vectors: those that go on as paths, and those of optic flow.
+  bool is_lit;
 };
 
 // The eye's arrays are padded, so that the last lanes read something; lanes behind the last unit

@@ -134,6 +134,7 @@ _OWN = {
     "Camera": "omma.scene.Camera",
     "Eye": "omma.Eye",
     "EyeMeasures": "omma.eye.EyeMeasures",
+    "GroundTruth": "omma.rendering.GroundTruth",
     "Light": "omma.light.Light",
     "Method": "omma.study.Method",
     "MinimumSamples": "omma.study.MinimumSamples",
