@@ -211,7 +211,7 @@ Eye spread_eye() {
   Random random{3};
   for (std::size_t i = 0; i < eye.size(); ++i) {
     eye.position_m[i] = to_float(random.direction() * 0.01);
-    eye.up.push_back(to_float(tangents(to_double(eye.axis[i])).first));
+    eye.up[i] = to_float(tangents(to_double(eye.axis[i])).first);
     eye.focal_offset_m[i] = 1e-4f;
   }
   validate_eye(eye);
