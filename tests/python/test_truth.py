@@ -22,7 +22,7 @@ def things():
     return solids.merge_scenes(
         [
             solids.plane((60, 60), (0.4, 0.3, 0.1)),
-            solids.sphere(0.5, (1, 0, 0), center_m=(0.5, 1, -2), name="ball"),
+            solids.sphere(0.9, (1, 0, 0), center_m=(0.5, 1, -2), name="ball"),
             solids.box((0.3, 4, 0.3), (0, 1, 0), center_m=(-1, 2, -3), name="post"),
             solids.box((0.3, 4, 0.3), (0, 0, 1), center_m=(2, 2, 1), name="post"),
         ]
@@ -41,6 +41,12 @@ def narrow_eye(count=400):
     """Rays along the axes alone, so that each number is that of one direction."""
     eye = omma.eye.generate_eye(count)
     return eye.replace(acceptance_angle_rad=np.zeros(count, np.float32))
+
+
+def eye_ahead(**acceptance):
+    """Two ommatidia that look straight ahead."""
+    ahead = np.tile(FORWARD, (2, 1)).astype(np.float32)
+    return narrow_eye(2).replace(axis=ahead, position_m=np.zeros((2, 3)), **acceptance)
 
 
 def frame_of(eye, pose):
@@ -133,10 +139,10 @@ def test_distances_places_and_normals(world):
         truth.position_m[0, ground], start[ground] + d[ground] * expected[:, None], atol=1e-3
     )
     assert_allclose(truth.normal[0, ground], np.tile([0.0, 1, 0], (ground.sum(), 1)), atol=1e-6)
-    # Of the ball: within the chords of its faces, 0.5 (1 - cos(pi / 128)) = 1.5e-4 m.
+    # Of the ball: within the chords of its faces, 0.9 (1 - cos(pi / 128)) = 2.7e-4 m.
     out = truth.position_m[0, ball] - (0.5, 1, -2)
-    assert_allclose(np.linalg.norm(out, axis=1), 0.5, atol=2.5e-4)
-    assert ((truth.normal[0, ball] * out).sum(1) > 0.498).all()
+    assert_allclose(np.linalg.norm(out, axis=1), 0.9, atol=6e-4)
+    assert ((truth.normal[0, ball] * out).sum(1) > 0.898).all()
     nothing = truth.met[0] == 0
     assert np.isinf(truth.distance_m[0, nothing]).all()
     assert np.isnan(truth.position_m[0, nothing]).all()
@@ -171,10 +177,7 @@ def test_two_discs_that_fill_as_much_have_the_same_share():
             for r, axis, name in ((1, at[0], "near"), (7, at[1], "far"))
         ]
     )
-    eye = narrow_eye(1)
-    eye = eye.replace(
-        axis=FORWARD[None].astype(np.float32), acceptance=omma.Acceptance.gaussian(width)
-    )
+    eye = eye_ahead(acceptance=omma.Acceptance.gaussian(width))
     truth = omma.Renderer(scene, eye, omma.Fixed(1 << 14)).ground_truth(
         np.eye(4), shares=["near", "far"]
     )
@@ -228,12 +231,12 @@ def test_batches_are_single_poses(world):
                 assert np.array_equal(getattr(all_at_once, name)[p], values[0], equal_nan=True)
 
 
-def test_lit_and_baked_worlds_have_the_same_truth(things, monkeypatch):
+def test_lit_and_baked_worlds_have_the_same_truth(things):
     eye = omma.eye.generate_eye(150)
     sky = omma.light.uniform_sky(1.0, below=0.2, bands=omma.light.Bands.from_edges([400, 500, 600]))
     unlit = omma.World(things)
     lit = unlit.with_light(sky, depth=2)
-    baked = unlit.with_light(sky, bake=solids.Bake(cell_m=2, paths=4, cache=False))
+    baked = unlit.with_light(sky, bake=solids.Bake(cell_m=2, paths=16, cache=False))
     kept = None
     for world in (unlit, lit, baked):
         truth = omma.Renderer(world, eye, omma.Fixed(16)).ground_truth(
@@ -254,22 +257,21 @@ def test_lit_and_baked_worlds_have_the_same_truth(things, monkeypatch):
 
 def test_things_that_were_moved_are_where_they_are(things):
     world = omma.World(things)
-    eye = narrow_eye(1).replace(axis=FORWARD[None].astype(np.float32))
-    renderer = omma.Renderer(world, eye, omma.Fixed(1))
+    renderer = omma.Renderer(world, eye_ahead(), omma.Fixed(1))
     ball = world.index("ball")
     place = np.eye(4)
-    # The sphere's vertices are where it was made, so it turns about the world's origin.
-    place[:3, 3] = (-0.5, 0, -4)
+    place[:3, 3] = (0.2, 1, -6)
     world.set_transforms("ball", place)
     truth = renderer.ground_truth(
         omma.poses_from_angles((0, 1, 0), (0, 0, 0)),
         shares=[ball],
         velocities={ball: ((0, 0, 0), (0, 1, 0))},
     )
+    # Met 0.2 m to the left of its middle; there it moves by (0, 1, 0) x (-0.2, 0, ahead).
+    ahead = np.sqrt(0.9**2 - 0.2**2)
     assert truth.shares[0, 0, 0] == 1
-    assert_allclose(truth.distance_m[0, 0], 5.5, atol=2e-4)
-    # v = (0, 1, 0) x ((0, 1, -5.5) - (-0.5, 0, -4)) = (-1.5, 0, -0.5), 5.5 m away.
-    assert_allclose(truth.flow_objects_rad_s[0, 0], [-1.5 / 5.5, 0], atol=1e-4)
+    assert_allclose(truth.distance_m[0, 0], 6 - ahead, atol=3e-4)
+    assert_allclose(truth.flow_objects_rad_s[0, 0], [ahead / (6 - ahead), 0], atol=2e-4)
 
 
 def test_dataset_names_units_and_places(things):

@@ -115,6 +115,7 @@ def examples(files, tmp_path_factory):
         "light.Spectrum": omma.light.Spectrum([300, 700], [0.1, 0.2]),
         "receptors.OmmatidiumType": kind,
         "receptors.ReceptorType": all_round_eye().receptor_types[0],
+        "rendering.GroundTruth": renderer.ground_truth(pose, shares=[0]),
         "rendering.Settings": omma.rendering.Settings(omma.Shared(4), seed=7),
         "rendering.SamplingReport": renderer.render(pose, report=True)[1],
         "scene.Bake": omma.scene.Bake(cell_m=0.5, paths=64, cache=False),
@@ -160,7 +161,7 @@ UNHASHABLE = {
     "eye.EyeMeasures", "eye.HexagonalCoordinates", "eye.Lattice", "eye.LatticeCheck",
     "eye.LensConeEye", "eye.Wiring", "light.Bands", "light.Disc", "light.Light",
     "receptors.BandError",
-    "rendering.SamplingReport", "study.MinimumSamples", "study.SpeedTest",
+    "rendering.GroundTruth", "rendering.SamplingReport", "study.MinimumSamples", "study.SpeedTest",
     "scene.NaturalMaterial", "mesh_surface()", "EyeMeasures.field",
 }  # fmt: skip
 CLASSES = sorted(
