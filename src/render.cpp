@@ -9,6 +9,7 @@
 #include "render_motion.h"
 #include "render_poses.h"
 #include "render_state.h"
+#include "render_truth.h"
 #include "sampling/sampling_choice.h"
 #include "threads/arena.h"
 #include "threads/parallel.h"
@@ -207,6 +208,9 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
   const Rendering rendering(s.world);
   const std::vector<Mat4> traced =
       traced_poses(world_from_head, s.eye_arrays, s.built().placement.origin_m);
+  const Truth truth = checked_truth(call.truth, s.built(), poses, ommatidia);
+  if (!truth.tasks.empty() && shares_rays(s.settings.sampling))
+    throw Error("truth: not where rays are shared, which start at other ommatidia (Shared)");
   const std::uint64_t first_frame = call.first_pose || s.settings.noise == Noise::frozen
                                         ? call.first_pose.value_or(0)
                                         : s.frames.fetch_add(poses);
@@ -225,6 +229,7 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
   frame.outputs = outputs.count;
   frame.radiance_unit = s.world.state().radiance_unit;
   if (!outputs.from_band.empty()) frame.output_from_band = outputs.from_band.data();
+  if (!truth.tasks.empty()) frame.truth = &truth.view;
   if (to_error != nullptr) {
     frame.rounds = static_cast<int>(s.directions.size());
     frame.error = to_error->error;
@@ -252,6 +257,7 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
       task.standard_error = call.standard_error.data() + p * pose_size;
     if (!call.rays.empty()) task.rays = call.rays.data() + p * ommatidia;
     if (!call.ray_radiance.empty()) task.ray_radiance = call.ray_radiance.data() + p * rays_size;
+    if (!truth.tasks.empty()) task.truth = &truth.tasks[p];
     trace_task(blocks, task);
   };
   const int most_rays = to_error != nullptr ? to_error->most : rays_each;

@@ -19,6 +19,7 @@
 #include "omma/eye.h"
 #include "omma/kernel.h"
 #include "omma/scene.h"
+#include "omma/truth.h"
 #include "omma/world.h"
 
 namespace omma {
@@ -148,6 +149,7 @@ struct RenderCall {
   // Poses before the first, for frames that are rendered piece by piece, and when they were.
   std::span<const Mat4> past_world_from_head;
   std::span<const double> past_times_s;
+  TruthCall truth;  // from the same rays; not with Shared
   // Called from the calling thread several times a second with the finished fraction (0 to 1);
   // false cancels the render, which then throws omma::Cancelled.
   std::function<bool(double)> progress;

@@ -1590,6 +1590,12 @@ def look_at(position_m: numpy.typing.ArrayLike, target_m: numpy.typing.ArrayLike
     Raises `omma.Error` where the target is the position or ``up`` is along the view.
     """
 
+def render_truth(renderer: Renderer, poses: numpy.typing.NDArray[numpy.float64], arrays: dict[str, numpy.typing.NDArray[Any]], first_pose: int | None, progress: Callable[[float], object] | None) -> None:
+    """
+    Responses and ground truth, into arrays by name: those of `omma.rendering.GroundTruth`,
+    and what it is asked with; see omma/truth.h.
+    """
+
 def equirectangular_ids(eye: Eye, width: int, height: int, by_position: bool, max_angle_rad: float) -> numpy.typing.NDArray[numpy.int32]: ...
 
 def projection_ids(eye: Eye, projection: str, width: int, height: int) -> numpy.typing.NDArray[numpy.int32]: ...

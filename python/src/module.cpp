@@ -64,6 +64,7 @@ NB_MODULE(_core, m) {
   omma::python::bind_eye_files(m);
   omma::python::bind_world(m);
   omma::python::bind_renderer(m);
+  omma::python::bind_truth(m);
   omma::python::bind_projection(m);
   omma::python::bind_receptor(m);
   omma::python::end_work_at_exit();

@@ -60,9 +60,13 @@ OMMA_HD void render_block(const FrameView& frame, const BlockTask& task, Search&
   if (frame.error > 0) return render_to_error<L>(frame, task, search, memory);
   const UnitList all{nullptr, 0, frame.scrambles, task.count * frame.scrambles};
   clear(memory.sums, frame.outputs, all.count);
+  if (frame.truth != nullptr) clear(*frame.truth, memory.truth_sums, all.count);
   trace_units<L>(frame, task, *frame.directions, all, search, memory, memory.sums,
-                 static_cast<double*>(nullptr));
+                 static_cast<double*>(nullptr), memory.truth_sums);
   reduce(frame, task, memory.sums);
+  for (int i = 0; frame.truth != nullptr && i < task.count; ++i)
+    reduce_truth(frame, task, memory.truth_sums, i, frame.scrambles,
+                 frame.directions->samples * frame.scrambles);
   if (task.standard_error != nullptr) reduce_errors(frame, task, memory.sums);
 }
 

@@ -39,6 +39,24 @@ struct PathMemory : SpectraMemory {
   SpectraMemory shadow;    // of rays to lights
 };
 
+// Of the ground truth (truth.h), over the rays of each unit.
+struct TruthSums {
+  double* rows = nullptr;          // [row][unit_room], see TruthRows
+  float* nearest_m = nullptr;      // [unit_room]
+  std::int32_t* shares = nullptr;  // [unit][group], rays
+};
+
+// Where the numbers of a ray lie among those that are summed up: its first three are whether it met
+// anything, how far away, and the inverse of that.
+struct TruthRows {
+  int places, flow, count;
+};
+
+OMMA_HD TruthRows rows_of(const TruthView& truth) {
+  const int flow = truth.places ? 9 : 3;
+  return {3, flow, truth.flow ? flow + 6 : flow};
+}
+
 // What has a number for each output of each unit is [output][unit_room].
 struct BlockMemory {
   // [component][band][lane] of one packet. Component 0 is the radiance; in a polarised world Q and
@@ -52,6 +70,10 @@ struct BlockMemory {
   // Rendering to an error: sums of a round, squares of a round and of all; see estimate.
   double *round_sums = nullptr, *round_squares = nullptr, *all_squares = nullptr;
   float *roughness = nullptr, *unseen = nullptr;
+  // Where ground truth is asked for: [row][lane] of a packet, [row][short_room], sums over all rays
+  // and over those of a round.
+  float *truth = nullptr, *short_truth = nullptr;
+  TruthSums truth_sums, truth_round_sums;
 };
 
 // Rays of units that are shorter than a packet, and what vector loops read behind them: up to a
@@ -88,6 +110,18 @@ OMMA_HD BlockMemory lay_out(Room& room, const FrameView& frame, int lanes) {
     memory.all_squares = room.take<double>(units);
     memory.roughness = room.take<float>(units);
     memory.unseen = room.take<float>(units);
+  }
+  if (frame.truth != nullptr) {
+    const auto rows = static_cast<std::size_t>(rows_of(*frame.truth).count);
+    memory.truth = room.take<float>(rows * packet);
+    memory.short_truth = room.take<float>(rows * short_room);
+    for (TruthSums* sums : {&memory.truth_sums, &memory.truth_round_sums}) {
+      sums->rows = room.take<double>(rows * unit_room);
+      sums->nearest_m = room.take<float>(unit_room);
+      sums->shares =
+          room.take<std::int32_t>(static_cast<std::size_t>(frame.truth->shares) * unit_room);
+      if (!(frame.error > 0)) break;
+    }
   }
   return memory;
 }

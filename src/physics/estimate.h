@@ -118,9 +118,10 @@ OMMA_HD void trace_round(const FrameView& frame, const BlockTask& task, int k, i
     if (count == 0) return;
     clear(memory.round_sums, frame.outputs, count);
     clear(memory.round_squares, frame.outputs, count);
+    if (frame.truth != nullptr) clear(*frame.truth, memory.truth_round_sums, count);
     const UnitList list{scramble == 0 ? nullptr : ordinal, scramble, 1, count};
     trace_units<L>(frame, task, directions, list, search, memory, memory.round_sums,
-                   memory.round_squares);
+                   memory.round_squares, memory.truth_round_sums);
     // Choices on the way of a path are not as even as the directions that they begin with.
     const bool is_even = !directions.random && frame.scene->light == nullptr;
     const double credit = is_even ? even_credit : 1.0;
@@ -132,6 +133,8 @@ OMMA_HD void trace_round(const FrameView& frame, const BlockTask& task, int k, i
         memory.sums[to] += memory.round_sums[from];
         memory.all_squares[to] += credit * memory.round_squares[from];
       }
+      if (frame.truth != nullptr)
+        add_truth(*frame.truth, memory.truth_round_sums, u, memory.truth_sums, member[u]);
     }
   }
 }
@@ -142,6 +145,7 @@ OMMA_HD void render_to_error(const FrameView& frame, const BlockTask& task, Sear
   WayToError way;
   clear(memory.sums, frame.outputs, task.count);
   clear(memory.all_squares, frame.outputs, task.count);
+  if (frame.truth != nullptr) clear(*frame.truth, memory.truth_sums, task.count);
   for (int i = 0; i < task.count; ++i) way.roots[i] = way.rays[i] = way.next[i] = 0;
   int rounds = 1;  // of these some are to come
   for (int scramble = 0; rounds > 0; ++scramble) {
@@ -157,6 +161,7 @@ OMMA_HD void render_to_error(const FrameView& frame, const BlockTask& task, Sear
   for (int i = 0; i < task.count; ++i) {
     const auto ommatidium = static_cast<std::int64_t>(frame.eye->ommatidium[task.first + i]);
     if (task.rays != nullptr) task.rays[ommatidium] = way.rays[i];
+    if (frame.truth != nullptr) reduce_truth(frame, task, memory.truth_sums, i, 1, way.rays[i]);
     for (int o = 0; o < frame.outputs; ++o) {
       const std::int64_t out = ommatidium * frame.outputs + o;
       task.responses[out] =

@@ -46,6 +46,27 @@ struct DirectionsView {
 // Ommatidia that each listens to where rays go on to an error.
 inline constexpr int listened_to = 8;
 
+// What is asked of the ground truth (truth.h), and of which instances of the scene.
+struct TruthView {
+  bool places = false;                               // positions and normals
+  bool flow = false;                                 // optic flow
+  int shares = 0;                                    // groups whose shares are counted
+  const std::int32_t* share_of_instance = nullptr;   // [instance], its group, or -1
+  const std::int32_t* object_of_instance = nullptr;  // [instance], among what moves, or -1; or null
+};
+
+// Where the ground truth of one pose goes (omma/truth.h says what it is); each may be null. And the
+// motions there: of the head, of objects about the origins of their frames.
+struct TruthTask {
+  double origin_m[3] = {};  // of the traced frame, in the world
+  float linear_m_s[3] = {}, angular_rad_s[3] = {};
+  const float* objects = nullptr;  // [object][origin in the traced frame, linear, angular][3]
+  float *distance_m = nullptr, *nearest_m = nullptr, *inverse_distance_per_m = nullptr;
+  float *met = nullptr, *normal = nullptr, *shares = nullptr;
+  double* position_m = nullptr;
+  float *flow_rotation = nullptr, *flow_translation = nullptr, *flow_objects = nullptr;
+};
+
 // Everything that stays the same between frames.
 struct FrameView {
   const SceneView* scene = nullptr;
@@ -66,6 +87,7 @@ struct FrameView {
   double error = 0;
   int most_samples = 0;
   const std::uint8_t* nearest = nullptr;  // [ommatidium][listened_to], place in its block
+  const TruthView* truth = nullptr;       // null: none is asked for
 };
 
 struct HeadMotion;  // head_motion.h
@@ -81,6 +103,7 @@ struct BlockTask {
   float* standard_error = nullptr;   // the same, or null
   std::int32_t* rays = nullptr;      // [ommatidium] of this pose, spent; or null
   float* ray_radiance = nullptr;     // [ommatidium][sample][output] of this pose, or null
+  const TruthTask* truth = nullptr;  // of this pose, where it is asked for
 };
 
 }  // namespace omma

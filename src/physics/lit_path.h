@@ -6,6 +6,7 @@
 
 #include "physics/path_scatter.h"
 #include "physics/sun_map.h"
+#include "physics/truth.h"
 
 namespace omma {
 
@@ -18,11 +19,11 @@ inline constexpr float most_survival = 0.95f;
 inline constexpr float up_to_light = 1.0f - 1e-4f;
 
 // Radiance [component][band][lane] of the rays of a packet, where `valid` [lane] is not 0. Rays that
-// gather begin at surfaces; see PathState.
+// gather begin at surfaces; see PathState. `first`: takes what the rays met first, or null.
 template <typename L, typename Search>
 OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::int32_t* valid,
                            Packet<L>& packet, const PathMemory& memory, float* radiance,
-                           bool gathers = false) {
+                           bool gathers = false, FirstHits<L>* first = nullptr) {
   using I = typename L::I;
   constexpr int n = L::count;
   const int components = scene.polarized ? 3 : 1, stride = scene.bands * n;
@@ -60,6 +61,8 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
     }
     search.closest(state.active, packet.rays, lets_through ? &passed : nullptr, spread);
     find_hits<L>(search.placed(), packet, hits);
+    if (first != nullptr) *first = {packet, hits};
+    first = nullptr;
     unsigned met = 0;
     for (int l = 0; l < n; l += L::width) met |= lane_bits(load<I>(hits.mesh + l) >= 0) << l;
     met &= on;

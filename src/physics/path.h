@@ -4,9 +4,9 @@
 #pragma once
 
 #include "physics/background.h"
-#include "physics/hits.h"
 #include "physics/passed.h"
 #include "physics/surface.h"
+#include "physics/truth.h"
 
 namespace omma {
 
@@ -111,10 +111,11 @@ OMMA_HD void eval_closest(const SceneView& scene, Search& search, const std::int
   eval_surfaces<L>(scene, packet.rays, hits, color);
 }
 
-// Radiance [band][lane] of the rays of a packet, where `valid` [lane] is not 0.
+// Radiance [band][lane] of the rays of a packet, where `valid` [lane] is not 0. `first`: takes what
+// they met first, or null.
 template <typename L, typename Search>
 OMMA_HD void eval_path(const SceneView& scene, Search& search, const std::int32_t* valid,
-                       Packet<L>& packet, float* radiance) {
+                       Packet<L>& packet, float* radiance, FirstHits<L>* first = nullptr) {
   using F = typename L::F;
   using I = typename L::I;
   Hits<L> hits;
@@ -126,6 +127,7 @@ OMMA_HD void eval_path(const SceneView& scene, Search& search, const std::int32_
   // Nothing lets light through: what is met first is all there is.
   if (!scene.has_blend) {
     eval_closest<L>(scene, search, valid, nullptr, packet, hits, color);
+    if (first != nullptr) *first = {packet, hits};
     for (int l = 0; l < L::count; l += L::width) {
       F rgb[3];
       colors_at(l, rgb);
@@ -145,6 +147,8 @@ OMMA_HD void eval_path(const SceneView& scene, Search& search, const std::int32_
   for (int i = 0; i < scene.bands * L::count; ++i) radiance[i] = 0;
   for (unsigned on = packet_bits<L>(active); on != 0;) {
     eval_closest<L>(scene, search, active, &passed, packet, hits, color);
+    if (first != nullptr) *first = {packet, hits};
+    first = nullptr;
     on = 0;
     for (int l = 0; l < L::count; l += L::width) {
       const auto is_active = load<I>(active + l) != 0;

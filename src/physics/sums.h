@@ -111,14 +111,19 @@ OMMA_HD void make_outputs(const FrameView& frame, const float* radiance, float* 
 }
 
 // Traces and shades units, into `sums`; `squares`, where not null, takes those of the differences
-// between pairs of samples. Both begin as zeros.
+// between pairs of samples; `truth` what is met, where the frame asks for it. All begin as zeros.
 template <typename L, typename Search>
 OMMA_HD void trace_units(const FrameView& frame, const BlockTask& task,
                          const DirectionsView& directions, const UnitList& list, Search& search,
-                         const BlockMemory& memory, double* sums, double* squares) {
+                         const BlockMemory& memory, double* sums, double* squares,
+                         const TruthSums& truth) {
   Units units;
-  const bool has_choices = frame.scene->light != nullptr || task.motion != nullptr;
+  const bool has_flow = frame.truth != nullptr && frame.truth->flow;
+  const bool has_choices = frame.scene->light != nullptr || task.motion != nullptr || has_flow;
   make_units<L>(*frame.eye, task, directions, list, has_choices, units);
+  FirstHits<L> met;
+  FirstHits<L>* const first = frame.truth != nullptr ? &met : nullptr;
+  const int truth_rows = frame.truth != nullptr ? rows_of(*frame.truth).count : 0;
   const bool is_short = directions.samples < L::count;
   const int outputs = frame.outputs;
   int traced = 0;
@@ -129,37 +134,49 @@ OMMA_HD void trace_units(const FrameView& frame, const BlockTask& task,
     for (int l = 0; l < L::count; ++l) valid[l] = l < place.filled ? -1 : 0;
     if (task.motion != nullptr) move_with_head<L>(*task.motion, packet);
     if (frame.scene->light != nullptr)
-      eval_lit_path<L>(*frame.scene, search, valid, packet, memory.paths, memory.radiance);
+      eval_lit_path<L>(*frame.scene, search, valid, packet, memory.paths, memory.radiance, false,
+                       first);
     else
-      eval_path<L>(*frame.scene, search, valid, packet, memory.radiance);
+      eval_path<L>(*frame.scene, search, valid, packet, memory.radiance, first);
     if (frame.output_from_band != nullptr)
       make_outputs<L>(frame, memory.radiance, memory.output);
+    if (first != nullptr) {
+      eval_truth<L>(frame, task, met, memory.truth);
+      add_met<L>(*frame.truth, met, directions.samples, place.unit, place.sample, place.filled,
+                 truth);
+    }
     if (is_short) {
-      for (int o = 0; o < outputs; ++o)
-        memcpy(memory.short_rays + o * short_room + traced, memory.output + o * L::count,
-               L::count * sizeof(float));
+      const auto keep_short = [&](const float* light, int count, float* to) {
+        for (int o = 0; o < count; ++o)
+          memcpy(to + o * short_room + traced, light + o * L::count, L::count * sizeof(float));
+      };
+      keep_short(memory.output, outputs, memory.short_rays);
+      keep_short(memory.truth, truth_rows, memory.short_truth);
       traced += L::count;
     } else {
       const int left = directions.samples - place.sample, in_first = left < L::count ? left : L::count;
       const int end = in_first < place.filled ? in_first : place.filled;
-      const auto add = [&](const float* light, double* to) {
-        add_lanes<L>(light, 0, end, outputs, to, place.unit);
-        if (end < place.filled) add_lanes<L>(light, end, place.filled, outputs, to, place.unit + 1);
+      const auto add = [&](const float* light, int count, double* to) {
+        add_lanes<L>(light, 0, end, count, to, place.unit);
+        if (end < place.filled) add_lanes<L>(light, end, place.filled, count, to, place.unit + 1);
       };
-      add(memory.output, sums);
+      add(memory.output, outputs, sums);
+      add(memory.truth, truth_rows, truth.rows);
       if (squares != nullptr) {
         if constexpr (L::count == 1) {
           add_pair(memory.output, place.sample, outputs, memory.squares, squares, place.unit);
         } else {
           pair_squares<L>(memory.output, outputs, memory.squares);
-          add(memory.squares, squares);
+          add(memory.squares, outputs, squares);
         }
       }
     }
     if (task.ray_radiance != nullptr) keep_rays<L>(frame, task, place, memory.output);
   });
-  if (is_short)
-    add_short_units<L>(directions.samples, list.count, outputs, memory.short_rays, sums, squares);
+  if (!is_short) return;
+  add_short_units<L>(directions.samples, list.count, outputs, memory.short_rays, sums, squares);
+  add_short_units<L>(directions.samples, list.count, truth_rows, memory.short_truth, truth.rows,
+                     static_cast<double*>(nullptr));
 }
 
 }  // namespace omma

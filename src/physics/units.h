@@ -40,8 +40,8 @@ struct Units {
   alignas(64) std::int32_t hash[unit_room];        // of its scramble
   alignas(64) float up[3][unit_room];              // across the axis, before any turn
   bool has_apertures, has_scales;
-  // Whether rays choose more than directions, ways of paths or times: they then have hashes and, for
-  // their polarisation, up vectors.
+  // Whether rays carry hashes and up vectors: those that choose ways of paths or times, and those of
+  // optic flow.
   bool has_choices;
 };
 

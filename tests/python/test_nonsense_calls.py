@@ -318,6 +318,7 @@ def public_calls(folder):
         "save_png": (png, np.zeros((2, 2, 3), np.uint8)),
         "save_responses": (csv, rgb, eye),
         "save_speed_test": (png, speed),
+        "velocities_from_poses": ([pose, pose], [0.0, 1.0]),
         "save_variance_map": (csv, np.ones((2, 2)), (0, 0, 0), 1.0),
         "set_acceptance": {"eye": eye, "angle_rad": 0.1},
         "set_facets": (eye,),
@@ -402,6 +403,7 @@ def public_calls(folder):
             "render": (pose,), "render_rays": (pose,), "render_receptors": (pose,),
             "render_stokes": (pose,),
             "with_eye": (eye,), "render_iter": ([pose],), "dataset": (pose,),
+            "ground_truth": (pose,),
         }),
         "Eye": (bee, {"select": (0,), "acceptance": (0,), "take": ([0, 1],)}),
         "Acceptance": (table, {"eval": ([0.1],), "pdf": ([0.1],), "mtf": ([1.0],), "sample": (3,)}),
@@ -439,6 +441,7 @@ def public_calls(folder):
             "step": (None, np.ones(24)), "run": (np.ones((3, 24)),), "vectors": (np.ones((3, 1)),),
         }),
         "Wiring": (omma.eye.Wiring([0, 1], [0], [1.0]), {}),
+        "GroundTruth": (renderer.ground_truth(pose), {}),
         "SamplingReport": (
             omma.rendering.SamplingReport(np.ones((1, 1)), np.ones((1, 1, 3)), 0.1), {},
         ),

@@ -126,6 +126,7 @@ def examples(files, tmp_path_factory):
         )[0],
         "receptors.OmmatidiumType": kind,
         "receptors.ReceptorType": all_round_eye().receptor_types[0],
+        "rendering.GroundTruth": renderer.ground_truth(pose, shares=[0]),
         "rendering.Settings": omma.rendering.Settings(omma.Shared(4), seed=7),
         "rendering.SamplingReport": renderer.render(pose, report=True)[1],
         "scene.Bake": omma.scene.Bake(cell_m=0.5, paths=64, cache=False),
@@ -184,7 +185,7 @@ UNHASHABLE = {
     "eye.EyeMeasures", "eye.HexagonalCoordinates", "eye.Lattice", "eye.LatticeCheck",
     "eye.LensConeEye", "eye.Wiring", "light.Bands", "light.Disc", "light.Light",
     "receptors.BandError", "stimuli.Target",
-    "motion.DetectorArray", "motion.DetectorState",
+    "motion.DetectorArray", "motion.DetectorState", "rendering.GroundTruth",
     "rendering.SamplingReport", "study.MinimumSamples", "study.SpeedTest",
     "scene.NaturalMaterial", "mesh_surface()", "EyeMeasures.field",
 }  # fmt: skip

@@ -135,6 +135,7 @@ _OWN = {
     "DetectorState": "omma.motion.DetectorState",
     "Eye": "omma.Eye",
     "EyeMeasures": "omma.eye.EyeMeasures",
+    "GroundTruth": "omma.rendering.GroundTruth",
     "ImpulseResponse": "omma.photoreceptors.ImpulseResponse",
     "Light": "omma.light.Light",
     "Method": "omma.study.Method",

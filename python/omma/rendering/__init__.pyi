@@ -1,8 +1,10 @@
 from .read_back import load_responses
 from .report import SamplingReport
 from .settings import Settings
+from .truth import GroundTruth
 
 __all__ = [
+    "GroundTruth",
     "SamplingReport",
     "Settings",
     "load_responses",

@@ -13,6 +13,7 @@ from omma._core import Error
 from omma.base.arguments import array_of
 from omma.rendering.labels import Labels, labels_of
 from omma.rendering.settings import ToError
+from omma.rendering.truth import GroundTruth, check_truth, truth_variables
 
 if TYPE_CHECKING:
     import xarray
@@ -28,6 +29,7 @@ def make_dataset(
     ultraviolet: ArrayLike | None,
     standard_error: bool,
     time_s: ArrayLike | None,
+    truth: GroundTruth | None,
     first_pose: int | None,
     progress: Progress | None,
 ) -> xarray.Dataset:
@@ -39,7 +41,13 @@ def make_dataset(
     times = None if time_s is None else array_of(time_s, "time_s", (len(matrices),))
     options: dict[str, Any] = {"first_pose": first_pose, "progress": progress}
     rays = errors = None
-    if receptors:
+    if truth is not None:
+        if receptors or standard_error:
+            raise Error("truth: not together with receptors or standard_error")
+        check_truth(truth, (len(matrices), len(renderer.eye), renderer.bands))
+        found, errors, rays = truth.responses, truth.standard_error, truth.rays
+        standard_error = errors is not None
+    elif receptors:
         options |= {"ultraviolet": ultraviolet, "standard_error": standard_error}
         found: Any = renderer.render_receptors(matrices, **options)
     else:
@@ -54,7 +62,11 @@ def make_dataset(
     labels = labels_of(
         renderer, matrices, receptors=receptors, standard_error=standard_error, time_s=times
     )
-    return dataset_of(labels, {"response": found, "standard_error": errors, "rays": rays})
+    data = dataset_of(labels, {"response": found, "standard_error": errors, "rays": rays})
+    if truth is None:
+        return data
+    first = "pose" if times is None else "time"
+    return data.assign(truth_variables(truth, (first, "ommatidium")))
 
 
 def dataset_of(labels: Labels, values: dict[str, Any]) -> xarray.Dataset:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal, overload
 
@@ -31,6 +31,7 @@ from omma.rendering.settings import (
     settings_as_record,
     takes_options,
 )
+from omma.rendering.truth import GroundTruth, render_truth
 from omma.scene.world import World
 
 if TYPE_CHECKING:
@@ -516,6 +517,51 @@ class Renderer:
             raise TypeError(f"poses: expected an array or an iterable, found {found}")
 
     @checked
+    def ground_truth(
+        self,
+        poses: Poses,
+        *,
+        shares: Sequence[str | int] = (),
+        head_velocity: tuple[ArrayLike, ArrayLike] | None = None,
+        velocities: Mapping[str | int, tuple[ArrayLike, ArrayLike]] | None = None,
+        standard_error: bool = False,
+        first_pose: int | None = None,
+        progress: Progress | None = None,
+    ) -> GroundTruth:
+        """Responses, and beside them how far, where and what each ommatidium sees.
+
+        Means over the very rays of `render`, whose bits the responses have: distances, places,
+        normals, shares of instances and optic flow; `GroundTruth` says what each is
+        (docs/ground-truth.md). Not with `Shared`.
+
+        Args:
+            poses, standard_error, first_pose, progress: as in `render`. With `ToError` there
+                are always standard errors.
+            shares: whose shares of the field to tell: names, each of all that are called so, or
+                indices in `World.instances`.
+            head_velocity: the head's linear velocity, m/s, and angular velocity, rad/s, in the
+                world's frame, each (3,) or (P, 3): of its origin, and right-handed about it.
+                `omma.velocities_from_poses` finds them from a path. With it or ``velocities`` there
+                is optic flow.
+            velocities: of what moves by itself, {name or index in `World.instances`: (linear,
+                angular)}: of the origin of the node's frame where it is now, as ``head_velocity``.
+
+        Raises:
+            omma.Error: what `render` raises, no such instance or one twice, a velocity of another
+                shape or above 1e9, rays that are shared.
+        """
+        return render_truth(
+            self,
+            poses,
+            shares=shares,
+            head_velocity=head_velocity,
+            velocities=velocities,
+            standard_error=standard_error,
+            first_pose=first_pose,
+            progress=progress,
+        )
+
+    @checked
     def dataset(
         self,
         poses: Poses,
@@ -524,6 +570,7 @@ class Renderer:
         ultraviolet: ArrayLike | None = None,
         standard_error: bool = False,
         time_s: ArrayLike | None = None,
+        truth: GroundTruth | None = None,
         first_pose: int | None = None,
         progress: Progress | None = None,
     ) -> xarray.Dataset:
@@ -543,6 +590,9 @@ class Renderer:
             receptors: what receptors answer, as `render_receptors` says, in place of bands.
             ultraviolet: as of `render_receptors`.
             time_s: (P,), when each pose is, s: the first dimension is then ``time``.
+            truth: what `ground_truth` gave for these poses. Its responses are taken, nothing is
+                rendered; each of its arrays is a variable, with ``axis`` (x, y, z), ``direction``
+                (right, up) or ``instance`` behind ``ommatidium``.
 
         Raises:
             omma.Error: what `render` and `render_receptors` raise; no xarray (``omma[data]``).
@@ -554,6 +604,7 @@ class Renderer:
             ultraviolet=ultraviolet,
             standard_error=standard_error,
             time_s=time_s,
+            truth=truth,
             first_pose=first_pose,
             progress=progress,
         )

@@ -1,0 +1,73 @@
+"""How heads and things move along a path of poses: linear and angular velocities."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma._core import Error
+from omma.base.arguments import array_of, checked
+from omma.base.poses import Matrices, as_poses
+
+
+@checked
+def velocities_from_poses(
+    poses: ArrayLike | tuple[ArrayLike, ArrayLike], times_s: ArrayLike
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Linear velocities (P, 3), m/s, and angular ones (P, 3), rad/s, of a frame along its path.
+
+    In the world's frame, the angular one right-handed about its vector. Between two poses the frame
+    goes straight and turns evenly (slerp), by the shorter way; at a pose the velocity is that
+    before and that after it, each weighted by the time of the other, and at the ends the one there
+    is. Poses of things, ``world_from_node``, are as good as poses of heads.
+
+    Args:
+        poses: (P, 4, 4), two or more, or (positions (P, 3), quaternions (P, 4)).
+        times_s: (P,), s, growing.
+
+    Example:
+        >>> poses = omma.poses_from_angles([(0, 0, 0), (0, 0, -0.1)], [(0, 0, 0), (1, 0, 0)])
+        >>> linear, angular = omma.velocities_from_poses(poses, [0, 0.01])
+        >>> linear[0].tolist(), np.degrees(angular[0]).round(3).tolist()
+        ([0.0, 0.0, -10.0], [0.0, -100.0, 0.0])
+
+    Raises:
+        omma.Error: fewer than two poses, times that do not grow, another shape, a pose that
+            flattens.
+    """
+    matrices = as_poses(poses)
+    count = len(matrices)
+    if count < 2:
+        raise Error(f"poses: expected two or more, found {count}")
+    times = array_of(times_s, "times_s", (count,))
+    steps = np.diff(times)
+    if not (np.isfinite(times).all() and (steps > 0).all()):
+        raise Error("times_s: expected finite times that grow, found others")
+    if not np.isfinite(matrices).all():
+        raise Error("poses: expected finite numbers")
+    linear = np.diff(matrices[:, :3, 3], axis=0) / steps[:, None]
+    angular = _turns(matrices) / steps[:, None]
+    return _at_poses(linear, steps), _at_poses(angular, steps)
+
+
+def _turns(matrices: Matrices) -> NDArray[np.float64]:
+    """Rotation vectors (P - 1, 3), rad, in the world, from each pose to the next."""
+    from scipy.spatial.transform import Rotation
+
+    # What scales or mirrors is left out: the nearest turn; a mirrored frame turns all the same.
+    u, size, v = np.linalg.svd(matrices[:, :3, :3])
+    if not (size > 0).all():
+        flat = int(np.flatnonzero(~(size > 0).all(axis=1))[0])
+        raise Error(f"poses: pose {flat} flattens what it places")
+    orthogonal = u @ v
+    step = orthogonal[1:] @ np.swapaxes(orthogonal[:-1], 1, 2)
+    if not (np.linalg.det(step) > 0).all():
+        raise Error("poses: expected a path along which none or all mirror")
+    return np.asarray(Rotation.from_matrix(step).as_rotvec())
+
+
+def _at_poses(between: NDArray[np.float64], steps: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Velocities at poses (P, 3) from those between them."""
+    before, after = steps[:-1, None], steps[1:, None]
+    inner = (between[:-1] * after + between[1:] * before) / (before + after)
+    return np.concatenate([between[:1], inner, between[-1:]])

@@ -1,0 +1,238 @@
+"""Ground truth beside responses: how far, where and what ommatidia see, and how it moves past."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma import _core
+from omma._core import Error
+from omma.base.arguments import array_of, whole
+from omma.base.values import value_class
+from omma.base.warn import warn_caller
+from omma.rendering.labels import Variables
+from omma.rendering.settings import Shared, ToError, frame_number
+
+if TYPE_CHECKING:
+    from omma.rendering.renderer import Poses, Progress, Renderer
+    from omma.scene.world import World
+
+Floats = NDArray[np.float32]
+
+# As omma/truth.h has it.
+_MOST_SHARES = 1 << 14
+
+
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
+class GroundTruth:
+    """What `Renderer.ground_truth` found, with the rays that the responses are made of.
+
+    All are means over an ommatidium's rays, and so over its angular sensitivity, as radiance is. A
+    ray counts for the first surface that it meets, also where that lets light through (BLEND,
+    glass); cut-outs (MASK) are as they are seen.
+    """
+
+    responses: Floats
+    """(P, N, C), as `Renderer.render` gives them."""
+    met: Floats
+    """(P, N), share of the field in which anything was met: the rest is sky."""
+    distance_m: Floats
+    """(P, N), mean over what was met, along each ray from where it starts; infinite where nothing
+    was."""
+    nearest_m: Floats
+    """(P, N), least of the rays; infinite where nothing was met."""
+    inverse_distance_per_m: Floats
+    """(P, N), mean of 1 / distance, which is 0 where nothing was met."""
+    position_m: NDArray[np.float64]
+    """(P, N, 3), in the world, mean over what was met; NaN where nothing was."""
+    normal: Floats
+    """(P, N, 3), in the world: the mean of unit normals of triangles, on the side that is seen. The
+    more they differ the shorter it is; NaN where nothing was met."""
+    names: tuple[str, ...] = ()
+    """(K,), whose shares were asked for."""
+    shares: Floats | None = None
+    """(P, N, K), share of the field that each fills. What is left of `met` is other things."""
+    flow_rotation_rad_s: Floats | None = None
+    """(P, N, 2), right and up: optic flow from the head's rotation, −ω × d."""
+    flow_translation_rad_s: Floats | None = None
+    """(P, N, 2): from the translation of where the ommatidium's rays start, −(t − (t·d) d) / r."""
+    flow_objects_rad_s: Floats | None = None
+    """(P, N, 2): from what moves by itself, (v − (v·d) d) / r."""
+    standard_error: Floats | None = None
+    """(P, N, C), of the responses, where asked for and with `ToError`."""
+    rays: NDArray[np.int32] | None = None
+    """(P, N), rays spent, with `ToError`."""
+
+    @property
+    def flow_rad_s(self) -> Floats | None:
+        """(P, N, 2), right and up: the optic flow, its three parts together."""
+        parts = (self.flow_rotation_rad_s, self.flow_translation_rad_s, self.flow_objects_rad_s)
+        if parts[0] is None or parts[1] is None or parts[2] is None:
+            return None
+        return parts[0] + parts[1] + parts[2]
+
+
+def render_truth(
+    renderer: Renderer,
+    poses: Poses,
+    *,
+    shares: Sequence[str | int],
+    head_velocity: tuple[ArrayLike, ArrayLike] | None,
+    velocities: Mapping[str | int, tuple[ArrayLike, ArrayLike]] | None,
+    standard_error: bool,
+    first_pose: int | None,
+    progress: Progress | None,
+) -> GroundTruth:
+    """What `Renderer.ground_truth` does, whose arguments these are."""
+    sampling = renderer.settings.sampling
+    if isinstance(sampling, Shared):
+        raise Error(
+            "ground_truth: expected rays of each ommatidium's own (omma.Fixed or omma.ToError), "
+            f"found {sampling}"
+        )
+    matrices = renderer._matrices(poses)
+    size = (len(matrices), len(renderer.eye))
+    found: dict[str, Any] = {"responses": np.empty((*size, renderer.bands), np.float32)}
+    for name in ("met", "distance_m", "nearest_m", "inverse_distance_per_m"):
+        found[name] = np.empty(size, np.float32)
+    found["position_m"] = np.empty((*size, 3))
+    found["normal"] = np.empty((*size, 3), np.float32)
+    if standard_error or isinstance(sampling, ToError):
+        found["standard_error"] = np.empty_like(found["responses"])
+    if isinstance(sampling, ToError):
+        found["rays"] = np.empty(size, np.int32)
+    asked: dict[str, Any] = {}
+    names: tuple[str, ...] = ()
+    if not isinstance(shares, (list, tuple)):
+        raise TypeError(f"shares: expected a list of names or indices, found {shares!r:.40}")
+    if len(shares) > 0:
+        names, asked["share_of_instance"] = _groups(renderer.world, shares)
+        found["shares"] = np.empty((*size, len(shares)), np.float32)
+    if head_velocity is not None or velocities is not None:
+        for part in ("rotation", "translation", "objects"):
+            found[f"flow_{part}_rad_s"] = np.empty((*size, 2), np.float32)
+        if head_velocity is not None:
+            asked["head"] = _velocity(head_velocity, "head_velocity", len(matrices))
+        if velocities:
+            asked |= _objects(renderer.world, velocities, len(matrices))
+    first = frame_number(first_pose)
+    _core.render_truth(renderer._engine, matrices, found | asked, first, progress)
+    sentence = renderer._engine.precision_warning(matrices)
+    if sentence:
+        warn_caller(sentence, RuntimeWarning)
+    return GroundTruth(**found, names=names)
+
+
+def truth_variables(truth: GroundTruth, dimensions: tuple[str, str]) -> Variables:
+    """Ground truth as labelled variables; ``dimensions``: of poses and of ommatidia."""
+    direction = (*dimensions, "direction")
+    axis = (*dimensions, "axis")
+    flow = "optic flow in the ommatidium's right and up, "
+    found: Variables = {
+        "met": (dimensions, truth.met, {"units": "1", "long_name": "share in which anything is"}),
+        "distance": (dimensions, truth.distance_m, {"units": "m", "long_name": "mean distance"}),
+        "nearest": (dimensions, truth.nearest_m, {"units": "m", "long_name": "least distance"}),
+        "inverse_distance": (
+            dimensions,
+            truth.inverse_distance_per_m,
+            {"units": "m-1", "long_name": "mean of the inverse distance, 0 where nothing is"},
+        ),
+        "seen_position": (
+            axis,
+            truth.position_m,
+            {"units": "m", "long_name": "mean place of what is seen, in the world"},
+        ),
+        "seen_normal": (
+            axis,
+            truth.normal,
+            {"units": "1", "long_name": "mean normal of what is seen, in the world"},
+        ),
+    }
+    if truth.shares is not None:
+        found["instance"] = (("instance",), np.array(truth.names, dtype=np.str_), {})
+        about = {"units": "1", "long_name": "share of the field that an instance fills"}
+        found["share"] = ((*dimensions, "instance"), truth.shares, about)
+    for name, values, which in (
+        ("flow", truth.flow_rad_s, "in all"),
+        ("flow_rotation", truth.flow_rotation_rad_s, "from the head's rotation"),
+        ("flow_translation", truth.flow_translation_rad_s, "from the head's translation"),
+        ("flow_objects", truth.flow_objects_rad_s, "from what moves by itself"),
+    ):
+        if values is not None:
+            found["direction"] = (("direction",), np.array(["right", "up"]), {})
+            found[name] = (direction, values, {"units": "rad s-1", "long_name": flow + which})
+    return found
+
+
+def check_truth(truth: GroundTruth, size: tuple[int, int, int]) -> None:
+    """omma.Error where ground truth is not of so many poses, ommatidia and bands."""
+    if truth.responses.shape != size:
+        raise Error(
+            f"truth: expected that of {size[0]} poses, {size[1]} ommatidia and {size[2]} bands, "
+            f"found {truth.responses.shape}"
+        )
+
+
+def _groups(world: World, shares: Sequence[str | int]) -> tuple[tuple[str, ...], Any]:
+    """What each share is called, and the share of each instance, -1 for none."""
+    if len(shares) > _MOST_SHARES:
+        raise Error(f"shares: expected at most {_MOST_SHARES}, found {len(shares)}")
+    names = [instance.name for instance in world.instances]
+    group = np.full(len(names), -1, np.int32)
+    called = []
+    for k, one in enumerate(shares):
+        if isinstance(one, str):
+            members = [index for index, name in enumerate(names) if name == one]
+            if not members:
+                world.index(one)  # raises, with names that are nearly the same
+        else:
+            members = [whole(one, f"shares[{k}]", 0, len(names) - 1)]
+        if np.any(group[members] >= 0):
+            raise Error(f"shares[{k}]: {one!r} is there twice")
+        group[members] = k
+        called.append(names[members[0]])
+    return tuple(called), group
+
+
+def _velocity(given: tuple[ArrayLike, ArrayLike], name: str, poses: int) -> NDArray[np.float64]:
+    """Linear and angular velocity in one, (P, 6)."""
+    if not isinstance(given, tuple) or len(given) != 2:
+        raise TypeError(
+            f"{name}: expected a tuple (linear_m_s, angular_rad_s), found {given!r:.40}"
+        )
+    parts = []
+    for part, what in zip(given, ("linear_m_s", "angular_rad_s"), strict=True):
+        numbers = array_of(part, f"{name}, {what}")
+        if numbers.shape not in ((3,), (poses, 3)):
+            raise Error(
+                f"{name}, {what}: expected shape (3,) or ({poses}, 3), one for each pose, found "
+                f"{numbers.shape}"
+            )
+        if not np.isfinite(numbers).all():
+            raise Error(f"{name}, {what}: expected finite numbers, found {numbers!r:.60}")
+        parts.append(np.broadcast_to(numbers, (poses, 3)))
+    return np.ascontiguousarray(np.concatenate(parts, axis=1))
+
+
+def _objects(
+    world: World, velocities: Mapping[str | int, tuple[ArrayLike, ArrayLike]], poses: int
+) -> dict[str, Any]:
+    if not isinstance(velocities, Mapping):
+        raise TypeError(
+            "velocities: expected a mapping {instance: (linear_m_s, angular_rad_s)}, found "
+            f"{velocities!r:.40}"
+        )
+    count = len(world.instances)
+    moving = [
+        world.index(one) if isinstance(one, str) else whole(one, "velocities", 0, count - 1)
+        for one in velocities
+    ]
+    if len(set(moving)) < len(moving):
+        raise Error("velocities: an instance is there twice, by its name and by its index")
+    rows = [_velocity(given, f"velocities[{one!r}]", poses) for one, given in velocities.items()]
+    return {"moving": np.array(moving, np.int32), "objects": np.stack(rows, axis=1)}
