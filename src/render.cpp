@@ -174,7 +174,14 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, Eye eye, RenderSettings s
 
 void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> responses,
                       const RenderCall& call) const {
-  const State& s = *state_;
+  if (!call.instances.empty() || !call.world_from_node.empty() || !call.times_s.empty())
+    return render_moving(*state_, world_from_head, responses, call);
+  const Rendering rendering(state_->world);
+  render_still(*state_, world_from_head, responses, call);
+}
+
+void render_still(const Renderer::State& s, std::span<const Mat4> world_from_head,
+                  std::span<float> responses, const RenderCall& call) {
   const std::size_t ommatidia = s.eye.size(), poses = world_from_head.size();
   const Outputs outputs = make_outputs(call, *s.view());
   const std::size_t pose_size = ommatidia * static_cast<std::size_t>(outputs.count);
@@ -196,7 +203,6 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
                   " values (pose x ommatidium x sample x band), found " +
                   std::to_string(call.ray_radiance.size()));
   }
-  const Rendering rendering(s.world);
   const std::vector<Mat4> traced =
       traced_poses(world_from_head, s.eye_arrays, s.built().placement.origin_m);
   const std::uint64_t first_frame = call.first_pose || s.settings.noise == Noise::frozen

@@ -138,6 +138,15 @@ struct RenderCall {
   // Radiance that each single ray brought, [pose, ommatidium, sample, band], or empty for none.
   // Not together with standard_error.
   std::span<float> ray_radiance;
+  // What moves from pose to pose, as World::set_transforms has it: [thing], and where each is at
+  // each pose, [pose][thing]. Afterwards it is where it was before; meanwhile nothing else of this
+  // world is rendered. Errors are also those of set_transforms.
+  std::span<const int> instances;
+  std::span<const Mat4> world_from_node;
+  // The same of what the scene's animations move, as World::set_time has it: [pose], s. Things that
+  // are among `instances` go where those say.
+  std::span<const double> times_s;
+  std::span<const int> animations;
   // Called from the calling thread several times a second with the finished fraction (0 to 1);
   // false cancels the render, which then throws omma::Cancelled.
   std::function<bool(double)> progress;

@@ -17,6 +17,7 @@ from omma.base.notebook import html_table
 from omma.base.poses import Matrices, as_poses, is_position_pair
 from omma.base.warn import warn_caller
 from omma.rendering.dataset import make_dataset
+from omma.rendering.moves import Moves, MovesOptions, takes_moves
 from omma.rendering.pickling import parts_of
 from omma.rendering.receptor_views import ReceptorViews, render_receptors
 from omma.rendering.report import SamplingReport
@@ -172,6 +173,7 @@ class Renderer:
         error_out: None = None,
         first_pose: int | None = None,
         progress: Progress | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> Responses: ...
 
     @overload
@@ -185,6 +187,7 @@ class Renderer:
         error_out: Responses | None = None,
         first_pose: int | None = None,
         progress: Progress | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> tuple[Responses, Responses]: ...
 
     @overload
@@ -198,9 +201,11 @@ class Renderer:
         error_out: Responses | None = None,
         first_pose: int | None = None,
         progress: Progress | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> tuple[Responses, SamplingReport]: ...
 
     @checked
+    @takes_moves
     def render(
         self,
         poses: Poses,
@@ -211,6 +216,7 @@ class Renderer:
         error_out: Responses | None = None,
         first_pose: int | None = None,
         progress: Progress | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> Responses | tuple[Responses, Responses] | tuple[Responses, SamplingReport]:
         """Responses (P, N, C): float32, linear, never clipped; always three axes.
 
@@ -237,6 +243,14 @@ class Renderer:
                 difference.
             progress: called with the finished share (0 to 1) a few times a second. What it raises
                 ends the render and is raised here.
+            instances, transforms: what moves from pose to pose: names or indices of K things, as
+                `World.set_transforms` takes them, and where they are at each pose,
+                ``world_from_node`` (P, K, 4, 4), m. Afterwards they are back where they were; the
+                bits are those of moving and rendering one pose after the other.
+            times_s: (P,), s: at each pose all that the scene's animations move is where it is at
+                that time, as `World.at` says, and back afterwards. Things that ``instances`` names
+                go where ``transforms`` says.
+            animation: with ``times_s``, as of `World.at`.
 
         Raises:
             omma.Error: a wrong shape, a pose that is not finite or not invertible or at which rays
@@ -266,7 +280,20 @@ class Renderer:
             raise Error("error_out: shares memory with out")
         rays = np.empty(shape[:2], np.int32) if report else None
         first = frame_number(first_pose)
-        self._engine.render(matrices, responses, errors, rays, None, first, None, False, progress)
+        moving = Moves(self._world, len(matrices), moves)
+        self._engine.render(
+            matrices,
+            responses,
+            errors,
+            rays,
+            None,
+            first,
+            None,
+            False,
+            moving.for_engine(),
+            progress,
+        )
+        moving.note()
         warn_of_precision(self._engine.precision_warning(matrices))
         if errors is not None and rays is not None and isinstance(target, ToError):
             return responses, SamplingReport(rays, errors, target.error)
@@ -283,6 +310,7 @@ class Renderer:
         out: Responses | None = None,
         first_pose: int | None = None,
         progress: Progress | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> Responses: ...
 
     @overload
@@ -296,9 +324,11 @@ class Renderer:
         out: Responses | None = None,
         first_pose: int | None = None,
         progress: Progress | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> tuple[Responses, Responses]: ...
 
     @checked
+    @takes_moves
     def render_receptors(
         self,
         poses: Poses,
@@ -309,6 +339,7 @@ class Renderer:
         out: Responses | None = None,
         first_pose: int | None = None,
         progress: Progress | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> Responses | tuple[Responses, Responses]:
         """What the eye's receptors answer, (P, R): float32, linear, never clipped.
 
@@ -325,6 +356,7 @@ class Renderer:
             standard_error: return (responses, errors): those of each receptor's own estimates, as
                 in `render`.
             poses, out, first_pose, progress: as in `render`.
+            instances, transforms, times_s, animation: as in `render`.
 
         Raises:
             omma.Error: an eye without receptors, a type without a sensitivity, a wrong shape, no
@@ -340,6 +372,7 @@ class Renderer:
             out,
             first_pose,
             progress,
+            moves,
         )
 
     @overload
@@ -350,6 +383,7 @@ class Renderer:
         standard_error: Literal[False] = False,
         first_pose: int | None = None,
         progress: Progress | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> Responses: ...
 
     @overload
@@ -360,9 +394,11 @@ class Renderer:
         standard_error: Literal[True],
         first_pose: int | None = None,
         progress: Progress | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> tuple[Responses, Responses]: ...
 
     @checked
+    @takes_moves
     def render_stokes(
         self,
         poses: Poses,
@@ -370,6 +406,7 @@ class Renderer:
         standard_error: bool = False,
         first_pose: int | None = None,
         progress: Progress | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> Responses | tuple[Responses, Responses]:
         """Stokes vectors (P, N, 3, B): I, Q, U of each band, in a polarised world.
 
@@ -379,6 +416,7 @@ class Renderer:
 
         Args:
             poses, standard_error, first_pose, progress: as in `render`.
+            instances, transforms, times_s, animation: as in `render`.
 
         Raises:
             omma.Error: the world is not polarised, or what `render` raises.
@@ -388,7 +426,11 @@ class Renderer:
         found = np.empty(shape, np.float32)
         errors = np.empty(shape, np.float32) if standard_error else None
         first = frame_number(first_pose)
-        self._engine.render(matrices, found, errors, None, None, first, None, True, progress)
+        moving = Moves(self._world, len(matrices), moves)
+        self._engine.render(
+            matrices, found, errors, None, None, first, None, True, moving.for_engine(), progress
+        )
+        moving.note()
         warn_of_precision(self._engine.precision_warning(matrices))
         parts = (*shape[:2], 3, self.bands)
         return (
@@ -404,6 +446,7 @@ class Renderer:
         first_pose: int | None,
         progress: Progress | None,
         standard_error: bool = True,
+        moving: Moves | None = None,
     ) -> tuple[Responses, Responses | None]:
         """Mixtures of the bands, [output, component x band], and their standard errors: (P, N,
         outputs)."""
@@ -411,8 +454,9 @@ class Renderer:
         found = np.empty(shape, np.float32)
         errors = np.empty(shape, np.float32) if standard_error else None
         weights = np.ascontiguousarray(output_from_band)
+        moves = None if moving is None else moving.for_engine()
         self._engine.render(
-            matrices, found, errors, None, None, first_pose, weights, False, progress
+            matrices, found, errors, None, None, first_pose, weights, False, moves, progress
         )
         return found, errors
 
@@ -422,8 +466,14 @@ class Renderer:
         return self._receptors
 
     @checked
+    @takes_moves
     def render_rays(
-        self, poses: Poses, *, first_pose: int | None = None, progress: Progress | None = None
+        self,
+        poses: Poses,
+        *,
+        first_pose: int | None = None,
+        progress: Progress | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> NDArray[np.float32]:
         """The radiance that each single ray brings: float32 (P, N, samples, C), linear.
 
@@ -436,7 +486,11 @@ class Renderer:
         rays = np.empty((*shape[:2], samples, shape[2]), np.float32)
         first = frame_number(first_pose)
         responses = np.empty(shape, np.float32)
-        self._engine.render(matrices, responses, None, None, rays, first, None, False, progress)
+        moving = Moves(self._world, len(matrices), moves)
+        self._engine.render(
+            matrices, responses, None, None, rays, first, None, False, moving.for_engine(), progress
+        )
+        moving.note()
         warn_of_precision(self._engine.precision_warning(matrices))
         return rays
 
@@ -516,6 +570,7 @@ class Renderer:
             raise TypeError(f"poses: expected an array or an iterable, found {found}")
 
     @checked
+    @takes_moves
     def dataset(
         self,
         poses: Poses,
@@ -526,6 +581,7 @@ class Renderer:
         time_s: ArrayLike | None = None,
         first_pose: int | None = None,
         progress: Progress | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> xarray.Dataset:
         """Responses as an `xarray.Dataset`, which says what its numbers are.
 
@@ -542,7 +598,9 @@ class Renderer:
                 are always standard errors.
             receptors: what receptors answer, as `render_receptors` says, in place of bands.
             ultraviolet: as of `render_receptors`.
-            time_s: (P,), when each pose is, s: the first dimension is then ``time``.
+            time_s: (P,), when each pose is, s: the first dimension is then ``time``. None:
+                ``times_s``, where these are given.
+            instances, transforms, times_s, animation: as of `render`.
 
         Raises:
             omma.Error: what `render` and `render_receptors` raise; no xarray (``omma[data]``).
@@ -556,6 +614,7 @@ class Renderer:
             time_s=time_s,
             first_pose=first_pose,
             progress=progress,
+            moves=moves,
         )
 
     def _matrices(self, poses: Poses) -> Matrices:
