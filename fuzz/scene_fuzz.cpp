@@ -6,6 +6,7 @@
 
 #include "io/gltf.h"
 #include "omma/error.h"
+#include "omma/rig.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   omma::SceneOptions options;
@@ -16,6 +17,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                           OMMA_FUZZ_BESIDE "/scene.gltf", options);
     omma::scene_bounds(scene);
     omma::triangle_count(scene);
+    if (scene.rig != nullptr)
+      for (std::size_t camera = 0; camera < scene.cameras.size() && camera < 4; ++camera)
+        omma::camera_at(scene, static_cast<int>(camera), 0.5, {0});
   } catch (const omma::Error&) {
   }
   return 0;

@@ -55,6 +55,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     omma::RenderCall call;
     call.standard_error = errors;
     renderer.render(poses, responses, call);
+    if (scene->rig != nullptr) {
+      omma::World world = renderer.world();
+      const int first = 0;
+      for (const double time_s : {0.0, 0.5, 1e9}) {
+        world.set_time(time_s, {&first, 1});
+        renderer.render(poses, responses, call);
+      }
+    }
     if (scene->cameras.empty()) return 0;
     omma::CameraSettings picture;
     picture.size = {8, 8};

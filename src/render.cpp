@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "omma/rig.h"
 #include "render_motion.h"
 #include "render_poses.h"
 #include "render_state.h"
@@ -183,7 +184,18 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, Eye eye, RenderSettings s
 
 void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> responses,
                       const RenderCall& call) const {
-  const State& s = *state_;
+  // Times are also those of the head's motion while frames last.
+  const bool has_animations = scene().rig != nullptr && !scene().rig->animations.empty();
+  const bool is_animated =
+      !call.times_s.empty() && (state_->settings.delays_s.empty() || has_animations);
+  if (!call.instances.empty() || !call.world_from_node.empty() || is_animated)
+    return render_moving(*state_, world_from_head, responses, call);
+  const Rendering rendering(state_->world);
+  render_still(*state_, world_from_head, responses, call);
+}
+
+void render_still(const Renderer::State& s, std::span<const Mat4> world_from_head,
+                  std::span<float> responses, const RenderCall& call) {
   const std::size_t ommatidia = s.eye.size(), poses = world_from_head.size();
   const Outputs outputs = make_outputs(call, *s.view());
   const std::size_t pose_size = ommatidia * static_cast<std::size_t>(outputs.count);
@@ -205,7 +217,6 @@ void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> re
                   " values (pose x ommatidium x sample x band), found " +
                   std::to_string(call.ray_radiance.size()));
   }
-  const Rendering rendering(s.world);
   const std::vector<Mat4> traced =
       traced_poses(world_from_head, s.eye_arrays, s.built().placement.origin_m);
   const Truth truth = checked_truth(call.truth, s.built(), poses, ommatidia);

@@ -97,6 +97,14 @@ void run_in_stretches(std::size_t tasks, double rays_per_task, int threads,
 // The set of shared rays number `pattern`, made if it is not there yet.
 const SharedSet& shared_set(const Renderer::State& state, int pattern);
 
+// Renderer::render of a world that stands still meanwhile: its caller sees to that.
+void render_still(const Renderer::State& state, std::span<const Mat4> world_from_head,
+                  std::span<float> responses, const RenderCall& call);
+
+// Renderer::render where things move from pose to pose (render_moving.cpp).
+void render_moving(const Renderer::State& state, std::span<const Mat4> world_from_head,
+                   std::span<float> responses, const RenderCall& call);
+
 // Renderer::render with Shared, arguments checked.
 void render_shared(const Renderer::State& state, std::span<const Mat4> world_from_head,
                    std::span<float> responses, const RenderCall& call, const Outputs& outputs);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
+#include <utility>
 
 #include "camera_rays.h"
 #include "light/check_light.h"
@@ -111,6 +112,7 @@ void light_up(World::State& state) {
   state.lit = make_lit_data(*state.settings.lighting, *built.scene, built.placement,
                             {built.frames.data(), built.first_origin_m, built.first_origin_now_m,
                              built.placement.moves.data()});
+  follow_shapes(built, state.lit->shading);
   state.radiance_unit = state.lit->light->radiance_unit;
   if (!state.settings.lighting->sun_map) return;
   LitData& lit = *state.lit;
@@ -176,6 +178,7 @@ Rendering::~Rendering() {
 
 BuiltScene::~BuiltScene() {
   delete camera_rays.load();
+  for (LitShading* lit = lit_shadings; lit != nullptr;) delete std::exchange(lit, lit->next);
 }
 
 World::World(std::shared_ptr<const Scene> scene, WorldSettings settings,
@@ -198,6 +201,7 @@ World::World(std::shared_ptr<const Scene> scene, WorldSettings settings,
     const auto start = Clock::now();
     built.shading = make_shading_data(*built.scene);
     built.things = things_of(*built.scene);
+    if (built.scene->rig != nullptr) built.animated = animated_of(*built.scene, built.things);
     built.box_of_mesh = boxes_of_used_meshes(*built.scene);
     built.placement = placement_of(*built.scene);
     built.first_origin_m = built.placement.origin_m;

@@ -5,11 +5,13 @@
 #include <atomic>
 #include <chrono>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "backend/backend.h"
 #include "backend/lit_data.h"
 #include "backend/shading_data.h"
+#include "model/long_work.h"
 #include "model/scene_place.h"
 #include "omma/world.h"
 #include "threads/arena.h"
@@ -23,6 +25,21 @@ inline double seconds_since(Clock::time_point start) {
 }
 
 struct CameraRays;  // camera_rays.h
+
+// What lit worlds read of meshes, in a list that only grows while anything is rendered.
+struct LitShading {
+  std::weak_ptr<ShadingData> shading;
+  LitShading* next = nullptr;
+};
+
+// What the scene's animations move.
+struct Animated {
+  struct Thing {
+    int thing, node;  // index into Things, index into Rig::nodes
+  };
+  std::vector<Thing> things;
+  std::vector<int> deformations;  // indices into Rig::deformations
+};
 
 // What can be moved: instances of the scene that belong together.
 struct Things {
@@ -45,11 +62,12 @@ struct BuiltScene {
   BlockFunctions functions;  // of the backend
 
   Things things;
-  std::vector<Bounds> box_of_mesh;  // [mesh], where it is placed somewhere
+  Animated animated;
 
   // These change as things move, and only while nothing is rendered.
   Acceleration acceleration;
   Placement placement;
+  std::vector<Bounds> box_of_mesh;  // [mesh], where it is placed somewhere
   std::vector<float> frames;  // [instance][3][4], where they are in the traced frame, row major
   // Lamps do not move, but the traced frame's origin may: where the first one is in it now, m.
   Vec3d first_origin_m;
@@ -60,6 +78,8 @@ struct BuiltScene {
   // Renders under way; -1 while things are being moved. Nobody waits for it, so that no forked
   // process can wait for threads that it does not have.
   mutable std::atomic<int> renders = 0;
+  // Of all worlds of this scene that are lit; owned. Added to by those who hold a Rendering.
+  mutable std::atomic<LitShading*> lit_shadings = nullptr;
   // Of the last picture (render_camera); owned, taken out by who uses it.
   mutable std::atomic<CameraRays*> camera_rays = nullptr;
 };
@@ -100,5 +120,43 @@ class Rendering {
  private:
   const BuiltScene& built_;
 };
+
+// While it lives its owner moves things, and nobody else renders or moves anything. Throws
+// omma::Error, which begins with what the owner does, where somebody is at it.
+class Moving {
+ public:
+  Moving(BuiltScene& built, const char* doing);
+  Moving(const Moving&) = delete;
+  Moving& operator=(const Moving&) = delete;
+  ~Moving();
+
+ private:
+  BuiltScene& built_;
+};
+
+// Where things are to be, and what shape meshes are to have.
+struct Moves {
+  std::vector<int> instances;  // things
+  std::vector<Mat4> world_from_node;
+  std::vector<int> meshes;
+  std::vector<Shape> shapes;  // of all their vertices
+};
+
+// Makes moves, of who holds a Moving. Whatever is thrown, all is as it was.
+void make_moves(BuiltScene& built, Moves moves, const Progress& progress);
+
+// What puts things and meshes back to where they are now.
+Moves moves_back(const BuiltScene& built, const Moves& moves);
+
+// What the scene's animations move, to where it is at a time; `animations` are chosen_animations.
+Moves moves_at(const BuiltScene& built, std::span<const int> animations, double time_s);
+
+// Of a scene with a rig.
+Animated animated_of(const Scene& scene, const Things& things);
+
+// Has what all that see the world read of meshes be of their shapes now.
+void follow_shapes(BuiltScene& built);
+// The same of a lit world, from now on. Its maker holds a Rendering.
+void follow_shapes(const BuiltScene& built, const std::shared_ptr<ShadingData>& shading);
 
 }  // namespace omma

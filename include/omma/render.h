@@ -143,13 +143,22 @@ struct RenderCall {
   // Radiance that each single ray brought, [pose, ommatidium, sample, band], or empty for none.
   // Not together with standard_error.
   std::span<float> ray_radiance;
-  // With delays: when each pose is, s, growing. Between poses the head moves on a straight way and
-  // turns evenly (slerp); before the first it stood still.
-  std::span<const double> times_s;  // [pose]
-  // Poses before the first, for frames that are rendered piece by piece, and when they were.
+  TruthCall truth;  // from the same rays; neither with Shared nor where things move
+  // What moves from pose to pose, as World::set_transforms has it: [thing], and where each is at
+  // each pose, [pose][thing]. Afterwards it is where it was before; meanwhile nothing else of this
+  // world is rendered. Errors are also those of set_transforms.
+  std::span<const int> instances;
+  std::span<const Mat4> world_from_node;
+  // When each pose is, [pose], s. What the scene's animations move is where it is then, as
+  // World::set_time has it; things that are among `instances` go where those say. With delays times
+  // grow: between poses the head moves on a straight way and turns evenly (slerp), before the first
+  // it stood still. Things do not move while a frame lasts.
+  std::span<const double> times_s;
+  std::span<const int> animations;
+  // With delays: poses before the first, for frames that are rendered piece by piece, and when they
+  // were.
   std::span<const Mat4> past_world_from_head;
   std::span<const double> past_times_s;
-  TruthCall truth;  // from the same rays; not with Shared
   // Called from the calling thread several times a second with the finished fraction (0 to 1);
   // false cancels the render, which then throws omma::Cancelled.
   std::function<bool(double)> progress;

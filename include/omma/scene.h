@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -180,6 +181,8 @@ struct Background {
 //   the power 2.2), both raised after interpolation; for comparison with published work.
 enum class ColorRule : std::uint8_t { gltf, compoundray };
 
+struct Rig;  // omma/rig.h
+
 struct Scene {
   std::string path;  // the file it came from, "" for one made in memory
   ColorRule color_rule = ColorRule::gltf;
@@ -192,6 +195,7 @@ struct Scene {
   std::vector<HitBox> hit_boxes;
   std::vector<PunctualLight> lights;
   Background background;
+  std::shared_ptr<const Rig> rig;        // how things move and change their shape; null: nothing does
   std::vector<std::string> scene_names;  // of all scenes in the file
   int node_count = 0;                    // nodes reached from the loaded scene
   std::vector<std::string> warnings;     // what the loader passed over, a sentence each

@@ -99,6 +99,31 @@ class World {
   void set_transforms(std::span<const int> instances, std::span<const Mat4> world_from_node,
                       const std::function<bool(double)>& progress = {});
 
+  // Gives a mesh of the scene another shape, for all its instances and all renderers; the scene
+  // keeps its own. `positions`: of each of its vertices, m; `normals` likewise: none given, a mesh
+  // that has normals gets those of its triangles. The first time costs what moving something for
+  // the first time does, and its instances count as moved.
+  //
+  // Errors as of set_transforms, and where sizes are not the mesh's or a number is not finite.
+  void set_vertices(int mesh, std::span<const Vec3> positions, std::span<const Vec3> normals = {},
+                    const std::function<bool(double)>& progress = {});
+
+  // Moves all that the scene's animations move to where it is at a time, s, and gives meshes their
+  // shape then: in those animations (indices; none: all), and before the first key as at the first,
+  // after the last as at the last. What other animations of the scene move is as the file has it.
+  //
+  // Errors as of set_transforms, and where there is no such animation or two of them move the same.
+  void set_time(double time_s, std::span<const int> animations = {},
+                const std::function<bool(double)>& progress = {});
+
+  // Indices into instances() of what set_time moves.
+  std::vector<int> animated() const;
+  // Indices of the scene's meshes that have another shape than the scene says; and the vertices of a
+  // mesh as it is now: positions, m, and normals, where it has any.
+  std::vector<int> reshaped() const;
+  std::vector<Vec3> positions(int mesh) const;
+  std::vector<Vec3> normals(int mesh) const;
+
   // As Renderer::precision_warning, of the things where they are now.
   std::string precision_warning(std::span<const Mat4> world_from_head) const;
 

@@ -725,6 +725,68 @@ class HitBox:
         Another one that differs in what is given by keyword, as for making one.
         """
 
+class Animation:
+    """An animation of a scene's file."""
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    @property
+    def name(self) -> str:
+        """As the file has it; '' where it has none."""
+
+    @property
+    def duration_s(self) -> float:
+        """When its last key is, s."""
+
+    def __repr__(self) -> str: ...
+
+    def __getstate__(self) -> tuple[Any, ...]: ...
+
+    def __setstate__(self, state: tuple[Any, ...]) -> None: ...
+
+    def __copy__(self) -> Animation: ...
+
+    def __deepcopy__(self, memo: object) -> Animation: ...
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+class Rig:
+    """
+    How things of a scene move and change their shape: nodes, bones, morph targets and
+    animations, as its file says. It goes with the scene's meshes, nodes and cameras:
+    `Scene.replace` keeps it.
+    """
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    def __init__(self) -> None:
+        """One in which nothing moves."""
+
+    def __repr__(self) -> str: ...
+
+    def __getstate__(self) -> tuple[Any, ...]: ...
+
+    def __setstate__(self, state: tuple[Any, ...]) -> None: ...
+
+    def __copy__(self) -> Rig: ...
+
+    def __deepcopy__(self, memo: object) -> Rig: ...
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+def placed_rig(rig: Rig, world_from_scene: numpy.typing.ArrayLike) -> Rig: ...
+
+def joined_rig(rig: Rig, other: Rig, meshes: int, cameras: int, nodes: int) -> Rig:
+    """
+    The rig of two scenes, where so many meshes, cameras and nodes come before the second's.
+    """
+
 class PunctualLight:
     """
     A lamp without size, which shines in a world with a light: 'point' to all sides, 'spot' in a
@@ -806,7 +868,15 @@ class Scene:
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self, *, meshes: Iterable[Mesh] = (), instances: Iterable[Instance] | None = None, materials: Iterable[Material] = (), textures: Iterable[Texture] | None = None, images: Iterable[Image] = (), cameras: Iterable[Camera] = (), hit_boxes: Iterable[HitBox] = (), lights: Iterable[PunctualLight] = (), background: Background | None = None, color_rule: str = 'gltf') -> None: ...
+    def __init__(self, *, meshes: Iterable[Mesh] = (), instances: Iterable[Instance] | None = None, materials: Iterable[Material] = (), textures: Iterable[Texture] | None = None, images: Iterable[Image] = (), cameras: Iterable[Camera] = (), hit_boxes: Iterable[HitBox] = (), lights: Iterable[PunctualLight] = (), background: Background | None = None, color_rule: str = 'gltf', rig: Rig | None = None) -> None: ...
+
+    @property
+    def rig(self, /) -> Rig | None:
+        """How its things move in time; None: nothing does."""
+
+    @property
+    def animations(self, /) -> list[Animation]:
+        """Of the file, in its order: what `World.at` can show."""
 
     @property
     def meshes(self, /) -> list[Mesh]:
@@ -945,6 +1015,10 @@ class Scene:
 def load_scene(path: str | os.PathLike[str], scene_index: int = -1, color_rule: str = 'gltf', progress: Callable[[float], object] | None = None) -> Scene: ...
 
 def save_scene(path: str | os.PathLike[str], scene: Scene, progress: Callable[[float], object] | None = None) -> None: ...
+
+def find_animation(scene: Scene, name: str) -> int: ...
+
+def camera_at(scene: Scene, camera: int, time_s: float, animations: Sequence[int]) -> numpy.typing.NDArray[numpy.float64]: ...
 
 def with_path(scene: Scene, path: str | os.PathLike[str]) -> Scene:
     """The same scene, which says that it came from that file."""
@@ -1501,6 +1575,20 @@ class World:
 
     def set_transforms(self, instances: numpy.typing.NDArray[numpy.int32], transforms: numpy.typing.NDArray[numpy.float64], progress: Callable[[float], object] | None) -> None: ...
 
+    def set_vertices(self, mesh: int, positions_m: numpy.typing.NDArray[numpy.float32], normals: numpy.typing.NDArray[numpy.float32] | None, progress: Callable[[float], object] | None) -> None: ...
+
+    @property
+    def animated(self) -> list[int]: ...
+
+    @property
+    def reshaped(self) -> list[int]: ...
+
+    def positions(self, mesh: int) -> numpy.typing.NDArray[numpy.float32]: ...
+
+    def normals(self, mesh: int) -> numpy.typing.NDArray[numpy.float32]: ...
+
+    def set_time(self, time_s: float, animations: numpy.typing.NDArray[numpy.int32], progress: Callable[[float], object] | None) -> None: ...
+
     def precision_warning(self, poses: numpy.typing.NDArray[numpy.float64]) -> str: ...
 
     @property
@@ -1548,7 +1636,7 @@ class Renderer:
     @overload
     def __init__(self, same_world: Renderer, eye: Eye, settings: RenderSettings) -> None: ...
 
-    def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: numpy.typing.NDArray[numpy.float32], standard_error: numpy.typing.NDArray[numpy.float32] | None, rays: numpy.typing.NDArray[numpy.int32] | None, ray_radiance: numpy.typing.NDArray[numpy.float32] | None, first_pose: int | None, output_from_band: numpy.typing.NDArray[numpy.float64] | None, stokes: bool, progress: Callable[[float], object] | None) -> None: ...
+    def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: numpy.typing.NDArray[numpy.float32], standard_error: numpy.typing.NDArray[numpy.float32] | None, rays: numpy.typing.NDArray[numpy.int32] | None, ray_radiance: numpy.typing.NDArray[numpy.float32] | None, first_pose: int | None, output_from_band: numpy.typing.NDArray[numpy.float64] | None, stokes: bool, moves: tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.int32]] | None, progress: Callable[[float], object] | None) -> None: ...
 
     def precision_warning(self, poses: numpy.typing.NDArray[numpy.float64]) -> str: ...
 

@@ -27,20 +27,28 @@ using Output = nb::ndarray<nb::numpy, float, nb::ndim<3>, nb::c_contig>;
 using CountOutput = nb::ndarray<nb::numpy, std::int32_t, nb::ndim<2>, nb::c_contig>;
 using RayOutput = nb::ndarray<nb::numpy, float, nb::ndim<4>, nb::c_contig>;
 
+using Indices = nb::ndarray<nb::numpy, const std::int32_t, nb::shape<-1>, nb::c_contig>;
 using Times = nb::ndarray<nb::numpy, const double, nb::shape<-1>, nb::c_contig>;
-using Past = std::tuple<Poses, Times>;
+// Of what moves from pose to pose: things, their transforms, times, animations; and poses before the
+// first, with their times.
+using MovesTuple = std::tuple<Indices, Poses, Times, Indices, Poses, Times>;
+
 using Matrix = nb::ndarray<nb::numpy, const double, nb::ndim<2>, nb::c_contig>;
 
 std::span<float> span_of(const Output& output) {
   return {output.data(), output.size()};
 }
 
+// The memory of a C-ordered (4, 4) float64 array is that of a Mat4.
+std::span<const Mat4> matrices_of(const Poses& poses) {
+  return {reinterpret_cast<const Mat4*>(poses.data()), poses.shape(0)};
+}
+
 void render(const Renderer& renderer, const Poses& poses, const Output& responses,
             const std::optional<Output>& standard_error, const std::optional<CountOutput>& rays,
             const std::optional<RayOutput>& ray_radiance, std::optional<std::uint64_t> first_pose,
             const std::optional<Matrix>& output_from_band, bool stokes,
-            const std::optional<Times>& times_s, const std::optional<Past>& past,
-            const nb::object& progress) {
+            const std::optional<MovesTuple>& moves, const nb::object& progress) {
   RenderCall call;
   call.stokes = stokes;
   if (output_from_band)
@@ -49,16 +57,16 @@ void render(const Renderer& renderer, const Poses& poses, const Output& response
   if (standard_error) call.standard_error = span_of(*standard_error);
   if (rays) call.rays = {rays->data(), rays->size()};
   if (ray_radiance) call.ray_radiance = {ray_radiance->data(), ray_radiance->size()};
-  if (times_s) call.times_s = {times_s->data(), times_s->size()};
-  if (past) {
-    const auto& [poses_before, times_before] = *past;
-    call.past_world_from_head = {reinterpret_cast<const Mat4*>(poses_before.data()),
-                                 poses_before.shape(0)};
-    call.past_times_s = {times_before.data(), times_before.size()};
+  const std::span<const Mat4> world_from_head = matrices_of(poses);
+  if (moves) {
+    const auto& [instances, transforms, times, animations, past, past_times] = *moves;
+    call.instances = {instances.data(), instances.size()};
+    call.world_from_node = matrices_of(transforms);
+    call.times_s = {times.data(), times.size()};
+    call.animations = {animations.data(), animations.size()};
+    call.past_world_from_head = matrices_of(past);
+    call.past_times_s = {past_times.data(), past_times.size()};
   }
-  // The memory of a C-ordered (4, 4) float64 array is that of a Mat4.
-  const std::span<const Mat4> world_from_head(reinterpret_cast<const Mat4*>(poses.data()),
-                                              poses.shape(0));
   run_with_progress(progress, [&](const std::function<bool(double)>& report) {
     call.progress = report;
     renderer.render(world_from_head, span_of(responses), call);
@@ -205,24 +213,22 @@ void bind_renderer(nb::module_& m) {
            nb::arg("standard_error").noconvert().none(), nb::arg("rays").noconvert().none(),
            nb::arg("ray_radiance").noconvert().none(), nb::arg("first_pose").none(),
            nb::arg("output_from_band").noconvert().none(), nb::arg("stokes"),
-           nb::arg("times_s").noconvert().none(), nb::arg("past").none(),
-           nb::arg("progress").none(),
+           nb::arg("moves").none(), nb::arg("progress").none(),
            nb::sig("def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: "
                    "numpy.typing.NDArray[numpy.float32], standard_error: "
                    "numpy.typing.NDArray[numpy.float32] | None, rays: "
                    "numpy.typing.NDArray[numpy.int32] | None, ray_radiance: "
                    "numpy.typing.NDArray[numpy.float32] | None, first_pose: int | None, "
                    "output_from_band: numpy.typing.NDArray[numpy.float64] | None, stokes: bool, "
-                   "times_s: numpy.typing.NDArray[numpy.float64] | None, past: "
-                   "tuple[numpy.typing.NDArray[numpy.float64], "
-                   "numpy.typing.NDArray[numpy.float64]] | None, "
-                   "progress: "
+                   "moves: tuple[numpy.typing.NDArray[numpy.int32], "
+                   "numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], "
+                   "numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64], "
+                   "numpy.typing.NDArray[numpy.float64]] | None, progress: "
                    "collections.abc.Callable[[float], object] | None) -> None"))
       .def(
           "precision_warning",
           [](const Renderer& renderer, const Poses& poses) {
-            return renderer.precision_warning(
-                {reinterpret_cast<const Mat4*>(poses.data()), poses.shape(0)});
+            return renderer.precision_warning(matrices_of(poses));
           },
           nb::arg("poses").noconvert(),
           nb::sig("def precision_warning(self, poses: numpy.typing.NDArray[numpy.float64]) -> str"))

@@ -13,6 +13,7 @@
 #include "omma/camera.h"
 #include "omma/error.h"
 #include "omma/io.h"
+#include "omma/rig.h"
 #include "omma/scene.h"
 #include "progress.h"
 #include "scene_text.h"
@@ -29,7 +30,7 @@ constexpr Words<ColorRule, 2> color_rules = {
 // What makes an equal scene: keywords of the constructor and properties, both.
 const std::vector<const char*> fields = {"meshes",     "instances", "materials", "textures",
                                          "images",     "cameras",   "hit_boxes", "lights",
-                                         "background", "color_rule"};
+                                         "background", "color_rule", "rig"};
 
 // A list of parts of one kind; None gives an empty one.
 template <typename T>
@@ -53,7 +54,7 @@ std::vector<T> parts(nb::handle list, const char* name) {
 
 Scene made_scene(nb::handle meshes, nb::handle instances, nb::handle materials, nb::handle textures,
                  nb::handle images, nb::handle cameras, nb::handle hit_boxes, nb::handle lights,
-                 nb::handle background, nb::handle color_rule) {
+                 nb::handle background, nb::handle color_rule, nb::handle rig) {
   Scene scene;
   scene.meshes = parts<Mesh>(meshes, "meshes");
   if (instances.is_none())
@@ -78,6 +79,11 @@ Scene made_scene(nb::handle meshes, nb::handle instances, nb::handle materials, 
     scene.background = nb::cast<const Background&>(background);
   }
   scene.color_rule = word_argument(color_rules, color_rule, "color_rule");
+  if (!rig.is_none()) {
+    if (!nb::isinstance<Rig>(rig))
+      throw nb::type_error(("rig: expected omma.scene.Rig, found " + type_name_of(rig)).c_str());
+    scene.rig = nb::cast<std::shared_ptr<Rig>>(rig);
+  }
   validate_scene(scene);
   scene.warnings = place_warnings(scene);
   return scene;
@@ -90,7 +96,7 @@ Scene restored(const nb::tuple& state) {
   const nb::object given = state[0];
   Scene scene = made_scene(given["meshes"], given["instances"], given["materials"],
                            given["textures"], given["images"], given["cameras"], given["hit_boxes"],
-                           given["lights"], given["background"], given["color_rule"]);
+                           given["lights"], given["background"], given["color_rule"], given["rig"]);
   scene.path = path_text(state[1]);
   scene.warnings = nb::cast<std::vector<std::string>>(state[2]);
   scene.scene_names = nb::cast<std::vector<std::string>>(state[3]);
@@ -193,15 +199,16 @@ void bind_scene(nb::module_& m) {
           "__init__",
           [](Scene* self, nb::handle meshes, nb::handle instances, nb::handle materials,
              nb::handle textures, nb::handle images, nb::handle cameras, nb::handle hit_boxes,
-             nb::handle lights, nb::handle background, nb::handle color_rule) {
+             nb::handle lights, nb::handle background, nb::handle color_rule, nb::handle rig) {
             new (self) Scene(made_scene(meshes, instances, materials, textures, images, cameras,
-                                        hit_boxes, lights, background, color_rule));
+                                        hit_boxes, lights, background, color_rule, rig));
           },
           nb::kw_only(), nb::arg("meshes") = nb::make_tuple(), nb::arg("instances") = nb::none(),
           nb::arg("materials") = nb::make_tuple(), nb::arg("textures") = nb::none(),
           nb::arg("images") = nb::make_tuple(), nb::arg("cameras") = nb::make_tuple(),
           nb::arg("hit_boxes") = nb::make_tuple(), nb::arg("lights") = nb::make_tuple(),
           nb::arg("background") = nb::none(), nb::arg("color_rule") = "gltf",
+          nb::arg("rig") = nb::none(),
           nb::sig("def __init__(self, *, meshes: collections.abc.Iterable[Mesh] = (), instances: "
                   "collections.abc.Iterable[Instance] | None = None, materials: "
                   "collections.abc.Iterable[Material] = (), textures: "
@@ -211,7 +218,23 @@ void bind_scene(nb::module_& m) {
                   "collections.abc.Iterable[HitBox] = (), lights: "
                   "collections.abc.Iterable[PunctualLight] = (), background: Background | None = "
                   "None, "
-                  "color_rule: str = 'gltf') -> None"))
+                  "color_rule: str = 'gltf', rig: Rig | None = None) -> None"))
+      .def_prop_ro(
+          "rig", [](const Scene& s) { return std::const_pointer_cast<Rig>(s.rig); },
+          nb::for_getter(nb::sig("def rig(self, /) -> Rig | None")),
+          "How its things move in time; None: nothing does.")
+      .def_prop_ro(
+          "animations",
+          [](Self self) {
+            nb::list found;
+            const std::shared_ptr<const Rig>& rig = nb::cast<const Scene&>(self).rig;
+            if (rig == nullptr) return found;
+            for (const Animation& animation : rig->animations)
+              found.append(nb::cast(&animation, nb::rv_policy::reference_internal, self));
+            return found;
+          },
+          nb::for_getter(nb::sig("def animations(self, /) -> list[Animation]")),
+          "Of the file, in its order: what `World.at` can show.")
       .def_prop_ro(
           "meshes", [](Self self) { return own_parts(self, &Scene::meshes); },
           nb::for_getter(nb::sig("def meshes(self, /) -> list[Mesh]")),
@@ -353,6 +376,15 @@ void bind_scene(nb::module_& m) {
       nb::arg("path"), nb::arg("scene"), nb::arg("progress") = nb::none(),
       nb::sig("def save_scene(path: str | os.PathLike[str], scene: Scene, progress: "
               "collections.abc.Callable[[float], object] | None = None) -> None"));
+  m.def("find_animation", &find_animation, nb::arg("scene"), nb::arg("name"));
+  m.def(
+      "camera_at",
+      [](const Scene& scene, int camera, double time_s, const std::vector<int>& animations) {
+        return matrix_array(camera_at(scene, camera, time_s, animations));
+      },
+      nb::arg("scene"), nb::arg("camera"), nb::arg("time_s"), nb::arg("animations"),
+      nb::sig("def camera_at(scene: Scene, camera: int, time_s: float, animations: "
+              "collections.abc.Sequence[int]) -> numpy.typing.NDArray[numpy.float64]"));
   m.def(
       "with_path",
       [](const Scene& scene, nb::handle path) {

@@ -30,6 +30,17 @@ std::span<const Mat4> matrices_of(const Matrices& matrices) {
   return {reinterpret_cast<const Mat4*>(matrices.data()), matrices.shape(0)};
 }
 
+using Vectors = nb::ndarray<nb::numpy, const float, nb::shape<-1, 3>, nb::c_contig>;
+
+std::span<const Vec3> vectors_of(const Vectors& vectors) {
+  return {reinterpret_cast<const Vec3*>(vectors.data()), vectors.shape(0)};
+}
+
+nb::object vectors_array(const std::vector<Vec3>& vectors) {
+  const auto* floats = reinterpret_cast<const float*>(vectors.data());
+  return take(std::vector<float>(floats, floats + 3 * vectors.size()), {vectors.size(), 3});
+}
+
 using LightingTuple =
     std::tuple<Light, int, bool, std::optional<std::shared_ptr<BakedLight>>, bool>;
 
@@ -110,6 +121,44 @@ void bind_world(nb::module_& m) {
           nb::arg("progress").none(),
           nb::sig("def set_transforms(self, instances: numpy.typing.NDArray[numpy.int32], "
                   "transforms: numpy.typing.NDArray[numpy.float64], progress: "
+                  "collections.abc.Callable[[float], object] | None) -> None"))
+      .def(
+          "set_vertices",
+          [](World& world, int mesh, const Vectors& positions, const std::optional<Vectors>& normals,
+             const nb::object& progress) {
+            run_with_progress(progress, [&](const std::function<bool(double)>& report) {
+              world.set_vertices(mesh, vectors_of(positions),
+                                 normals ? vectors_of(*normals) : std::span<const Vec3>(), report);
+            });
+          },
+          nb::arg("mesh"), nb::arg("positions_m").noconvert(), nb::arg("normals").none(),
+          nb::arg("progress").none(),
+          nb::sig("def set_vertices(self, mesh: int, positions_m: "
+                  "numpy.typing.NDArray[numpy.float32], normals: "
+                  "numpy.typing.NDArray[numpy.float32] | None, progress: "
+                  "collections.abc.Callable[[float], object] | None) -> None"))
+      .def_prop_ro("animated", &World::animated)
+      .def_prop_ro("reshaped", &World::reshaped)
+      .def(
+          "positions",
+          [](const World& world, int mesh) { return vectors_array(world.positions(mesh)); },
+          nb::arg("mesh"),
+          nb::sig("def positions(self, mesh: int) -> numpy.typing.NDArray[numpy.float32]"))
+      .def(
+          "normals",
+          [](const World& world, int mesh) { return vectors_array(world.normals(mesh)); },
+          nb::arg("mesh"),
+          nb::sig("def normals(self, mesh: int) -> numpy.typing.NDArray[numpy.float32]"))
+      .def(
+          "set_time",
+          [](World& world, double time_s, const Indices& animations, const nb::object& progress) {
+            run_with_progress(progress, [&](const std::function<bool(double)>& report) {
+              world.set_time(time_s, {animations.data(), animations.size()}, report);
+            });
+          },
+          nb::arg("time_s"), nb::arg("animations").noconvert(), nb::arg("progress").none(),
+          nb::sig("def set_time(self, time_s: float, animations: "
+                  "numpy.typing.NDArray[numpy.int32], progress: "
                   "collections.abc.Callable[[float], object] | None) -> None"))
       .def(
           "precision_warning",

@@ -7,6 +7,7 @@
 #include "model/text.h"
 #include "omma/error.h"
 #include "progress.h"
+#include "scene_parts.h"
 
 namespace {
 
@@ -55,6 +56,7 @@ NB_MODULE(_core, m) {
   omma::python::bind_mesh(m);
   omma::python::bind_instance(m);
   omma::python::bind_hit_box(m);
+  omma::python::bind_rig(m);
   omma::python::bind_punctual_light(m);
   omma::python::bind_scene(m);
   omma::python::bind_acceptance(m);

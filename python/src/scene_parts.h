@@ -41,4 +41,6 @@ nb::object texture_use_or_none(const TextureUse& use);
 Spectrum spectrum_argument(nb::handle object, const char* name);
 nb::object spectrum_or_none(const Spectrum& spectrum);
 
+void bind_rig(nb::module_& m);
+
 }  // namespace omma::python

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
@@ -20,6 +21,7 @@
 #include "arrays.h"
 #include "omma/error.h"
 #include "omma/eye.h"
+#include "omma/rig.h"
 #include "omma/world.h"
 
 namespace omma::python {
@@ -74,6 +76,45 @@ auto members_of(Like<Eye> auto& eye) {
 auto members_of(Like<WorldInstance> auto& instance) {
   auto& [name, world_from_node] = instance;
   return std::tie(name, world_from_node);
+}
+
+auto members_of(Like<RigNode> auto& node) {
+  auto& [name, parent, file_node, camera, has_matrix, matrix, translation_m, rotation, scale,
+         weights] = node;
+  return std::tie(name, parent, file_node, camera, has_matrix, matrix, translation_m, rotation,
+                  scale, weights);
+}
+
+auto members_of(Like<AnimationChannel> auto& channel) {
+  auto& [node, part, interpolation, times_s, values] = channel;
+  return std::tie(node, part, interpolation, times_s, values);
+}
+
+auto members_of(Like<Animation> auto& animation) {
+  auto& [name, duration_s, channels] = animation;
+  return std::tie(name, duration_s, channels);
+}
+
+auto members_of(Like<Skin> auto& skin) {
+  auto& [name, joints, joint_from_mesh] = skin;
+  return std::tie(name, joints, joint_from_mesh);
+}
+
+auto members_of(Like<MorphTarget> auto& target) {
+  auto& [positions, normals] = target;
+  return std::tie(positions, normals);
+}
+
+auto members_of(Like<Deformation> auto& deformation) {
+  auto& [mesh, positions, normals, node, targets, skin, influences, joints, weights,
+         mesh_from_world] = deformation;
+  return std::tie(mesh, positions, normals, node, targets, skin, influences, joints, weights,
+                  mesh_from_world);
+}
+
+auto members_of(Like<Rig> auto& rig) {
+  auto& [nodes, skins, deformations, animations] = rig;
+  return std::tie(nodes, skins, deformations, animations);
 }
 
 template <typename T>

@@ -27,10 +27,11 @@ struct Backend {
   // cancelled.
   Acceleration (*build)(const Scene& scene, const SceneView& view, const Placement& placement,
                         WorkState* work);
-  // Moves instances of the Scene that moved before it was built to where they are placed now. Throws
+  // Moves instances of the Scene that moved before it was built to where they are placed now, and
+  // gives meshes that had changed their shape before it was built the one that they have now. Throws
   // omma::Error where that fails; they may be anywhere then.
   void (*move)(Acceleration& acceleration, std::span<const int> instances,
-               const Placement& placement);
+               std::span<const int> meshes, const Placement& placement);
   BlockFunctions (*block_functions)();  // of this processor
 };
 

@@ -15,7 +15,7 @@ namespace omma {
 
 // Owns what its `view` points to, but for the scene's own arrays and the frames of its instances.
 struct LitData {
-  std::unique_ptr<ShadingData> shading;  // with what light reads of meshes
+  std::shared_ptr<ShadingData> shading;  // with what light reads of meshes
   std::unique_ptr<ScatterData> scatter;
   std::unique_ptr<LightData> light;
   std::vector<float> albedos, coat_albedo;      // see SceneView

@@ -56,7 +56,10 @@ struct Extent {
 // Calls body(instance, box of its mesh) for all that are near enough to be traced.
 template <typename Body>
 void for_each_placed(const Scene& scene, const Placement& placement, const Body& body) {
-  const std::vector<Bounds> boxes = boxes_of_used_meshes(scene);
+  std::vector<Bounds> boxes = boxes_of_used_meshes(scene);
+  for (std::size_t m = 0; m < boxes.size(); ++m)
+    if (!boxes[m].empty && !placement.shapes[m].positions.empty())
+      boxes[m] = vertex_bounds(placement.shapes[m].positions);
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const Bounds& box = boxes[static_cast<std::size_t>(scene.instances[i].mesh)];
     if (box.empty || is_too_far(placed_box(box, placement.world_from_mesh[i]), placement.origin_m))
@@ -116,6 +119,8 @@ std::vector<double> count_triangles(const Scene& scene, const Placement& placeme
   Detail detail(grid);
   for_each_placed(scene, placement, [&](std::size_t i, const Bounds& box) {
     const Mesh& mesh = scene.meshes[static_cast<std::size_t>(scene.instances[i].mesh)];
+    const std::vector<Vec3>& positions =
+        positions_of(scene, placement, static_cast<std::size_t>(scene.instances[i].mesh));
     const auto place = [&](Vec3d p) {
       return transform_point(placement.world_from_mesh[i], p) - placement.origin_m;
     };
@@ -132,7 +137,7 @@ std::vector<double> count_triangles(const Scene& scene, const Placement& placeme
     for (const auto& triangle : mesh.triangles) {
       Extent extent;
       for (const std::uint32_t vertex : triangle)
-        extent.include(frame, place(to_double(mesh.positions[vertex])));
+        extent.include(frame, place(to_double(positions[vertex])));
       detail.add(extent, each);
     }
   });

@@ -17,6 +17,7 @@
 #include "io/gltf_material.h"
 #include "io/gltf_mesh.h"
 #include "io/gltf_nodes.h"
+#include "io/gltf_rig.h"
 #include "io/gltf_schema.h"
 #include "io/gltf_textures.h"
 #include "io/gltf_warnings.h"
@@ -34,6 +35,7 @@ struct Loader {
   std::vector<GltfNode> nodes;
   GltfWarnings warnings;
   Scene scene;
+  GltfRigParts rig;
   ColorRule color_rule = ColorRule::gltf;
 };
 
@@ -190,20 +192,48 @@ void add_camera(Loader& loader, const GltfNode& node, const Mat4& world_from_nod
   loader.scene.cameras.push_back(std::move(camera));
 }
 
-// The scene's meshes for one glTF mesh: one for each primitive that has triangles.
+// The scene's meshes for one glTF mesh: one for each primitive that has triangles. With the index of
+// a node they are that node's alone, as it changes their shape.
 std::vector<int> add_meshes(Loader& loader, GltfMeshReader& reader, const json& source,
-                            const std::string& place) {
+                            const std::string& place, int reshaping_node = -1) {
   std::vector<int> meshes;
+  Deformation deformation;
+  std::size_t joints = 0;
+  if (reshaping_node >= 0) {
+    const GltfNode& node = loader.nodes[static_cast<std::size_t>(reshaping_node)];
+    if (node.skin >= 0) joints = gltf_joint_count(loader.gltf, node.skin, node.place);
+    deformation.node = reshaping_node;
+    deformation.skin = node.skin;
+  }
   std::size_t index = 0;
   for (const json& primitive : source["primitives"]) {
     Mesh mesh;
     mesh.name = source.value("name", "");
-    if (!read_primitive(reader, primitive, place + ", primitive " + std::to_string(index++), mesh))
+    Deformation one = deformation;
+    if (!read_primitive(reader, primitive, place + ", primitive " + std::to_string(index++), mesh,
+                        reshaping_node >= 0 ? &one : nullptr, joints))
       continue;
+    one.mesh = static_cast<int>(loader.scene.meshes.size());
+    if (reshaping_node >= 0) {
+      loader.rig.deformations.push_back(std::move(one));
+      loader.rig.instance_of_deformation.push_back(
+          static_cast<int>(loader.scene.instances.size() + meshes.size()));
+    }
     meshes.push_back(static_cast<int>(loader.scene.meshes.size()));
     loader.scene.meshes.push_back(std::move(mesh));
   }
   return meshes;
+}
+
+bool is_not_zero(double weight) {
+  return weight != 0;
+}
+
+// Whether a node changes the shape of its mesh: bends it, or blends it with others now or some time.
+bool reshapes(const GltfNode& node, const json& mesh, bool is_blended) {
+  const std::vector<double> weights =
+      node.weights.empty() ? mesh.value("weights", std::vector<double>()) : node.weights;
+  return node.skin >= 0 || is_blended || std::any_of(weights.begin(), weights.end(), is_not_zero);
 }
 
 bool is_hit_box(const json& mesh) {
@@ -234,6 +264,7 @@ void add_nodes(Loader& loader, const std::vector<int>& roots, const WorkPart& wo
   for (const json& accessor : gltf_list(loader.gltf.document, "accessors"))
     reader.all += accessor["count"].get<double>();
   std::map<int, std::vector<int>> meshes_of;  // by glTF mesh, once read
+  const std::vector<char> blended = gltf_blended_nodes(loader.gltf, loader.nodes.size());
 
   struct Visit {
     int node;
@@ -247,23 +278,32 @@ void add_nodes(Loader& loader, const std::vector<int>& roots, const WorkPart& wo
     ++loader.scene.node_count;
     const GltfNode& node = loader.nodes[static_cast<std::size_t>(visit.node)];
     const Mat4 world_from_node = visit.world_from_parent * gltf_node_transform(node);
-    if (node.skin >= 0)
-      loader.warnings.add("skins are ignored: the mesh is shown in its base pose", node.place);
-    if (node.camera >= 0) add_camera(loader, node, world_from_node);
+    if (node.camera >= 0) {
+      loader.rig.camera_of_node[visit.node] = static_cast<int>(loader.scene.cameras.size());
+      add_camera(loader, node, world_from_node);
+    }
+    const std::size_t lamps = loader.scene.lights.size();
     if (loader.color_rule == ColorRule::gltf)
       read_light(loader.gltf, loader.gltf.document["nodes"][static_cast<std::size_t>(visit.node)],
                  node, world_from_node, loader.scene);
+    if (loader.scene.lights.size() > lamps) loader.rig.lamp_nodes.push_back(visit.node);
     if (node.mesh >= 0) {
       const json& mesh = gltf_element(loader.gltf, "meshes", "mesh", node.mesh, node.place);
       const std::string place =
           loader.gltf.path + ": mesh " + std::to_string(node.mesh) + gltf_name(mesh);
       if (is_hit_box(mesh)) {
+        loader.rig.hit_box_nodes.push_back(visit.node);
         add_hit_box(loader, reader, mesh, place, world_from_node);
       } else {
-        const auto [found, is_new] = meshes_of.try_emplace(node.mesh);
+        std::vector<int> own;
+        const bool is_own = reshapes(node, mesh, blended[static_cast<std::size_t>(visit.node)]);
+        const auto [found, is_new] = is_own ? std::pair(meshes_of.end(), false)
+                                            : meshes_of.try_emplace(node.mesh);
+        if (is_own) own = add_meshes(loader, reader, mesh, place, visit.node);
         if (is_new) found->second = add_meshes(loader, reader, mesh, place);
-        loader.gltf.budget.spend(found->second.size(), sizeof(Instance) + node.name.size());
-        for (const int primitive : found->second)
+        const std::vector<int>& placed = is_own ? own : found->second;
+        loader.gltf.budget.spend(placed.size(), sizeof(Instance) + node.name.size());
+        for (const int primitive : placed)
           loader.scene.instances.push_back({node.name, primitive, world_from_node, visit.node});
       }
     }
@@ -335,8 +375,7 @@ Scene parse_scene(std::string file, const std::string& path, const SceneOptions&
   if (options.color_rule == ColorRule::compoundray) use_compoundray_colors(loader.scene);
   add_nodes(loader, roots, work.part(0.7, 1));
   if (options.color_rule == ColorRule::gltf) warn_of_light(loader);
-  if (!gltf_list(loader.gltf.document, "animations").empty())
-    loader.warnings.add("animations are ignored: the scene is shown as it stands");
+  read_rig(loader.gltf, loader.nodes, parent, std::move(loader.rig), loader.warnings, loader.scene);
   loader.scene.warnings = loader.warnings.sentences();
   validate_scene(loader.scene);
   for (std::string& warning : place_warnings(loader.scene))

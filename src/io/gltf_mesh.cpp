@@ -29,10 +29,9 @@ void note_progress(GltfMeshReader& reader, std::uint64_t elements) {
 }
 
 // An attribute of every vertex; null where it is not there.
-const GltfAccessor* attribute(GltfMeshReader& reader, const json& primitive,
+const GltfAccessor* attribute(GltfMeshReader& reader, const json& attributes,
                               const std::string& primitive_place, const std::string& semantic,
                               std::size_t fewest, std::size_t most) {
-  const json& attributes = primitive["attributes"];
   const auto found = attributes.find(semantic);
   if (found == attributes.end()) return nullptr;
   const std::string place = primitive_place + ", " + semantic;
@@ -159,21 +158,115 @@ void warn_of_missing_texcoords(GltfMeshReader& reader, const std::string& place,
           place);
 }
 
+void read_targets(GltfMeshReader& reader, const json& primitive, const std::string& place,
+                  const std::vector<std::uint32_t>& kept, std::uint64_t vertices,
+                  Deformation& deformation) {
+  if (!primitive.contains("targets")) return;
+  for (const json& target : primitive["targets"]) {
+    const std::string target_place =
+        place + ", targets[" + std::to_string(deformation.targets.size()) + "]";
+    MorphTarget& made = deformation.targets.emplace_back();
+    const auto read = [&](const char* semantic) {
+      const GltfAccessor* given = attribute(reader, target, target_place, semantic, 3, 3);
+      check_count(given, vertices, target_place, semantic);
+      return gathered<Vec3>(reader, given, kept);
+    };
+    made.positions = read("POSITION");
+    if (!deformation.normals.empty()) made.normals = read("NORMAL");
+  }
+}
+
+// Exporters round weights to bytes one by one: eight of them are off by up to 8 x 0.5 / 255 = 0.016
+// together.
+constexpr float weights_off = 0.02f;
+
+void check_bones(const Deformation& deformation, std::size_t joints, const std::string& place) {
+  const auto influences = static_cast<std::size_t>(deformation.influences);
+  for (std::size_t i = 0; i < deformation.joints.size(); ++i)
+    if (deformation.joints[i] >= joints)
+      throw Error(place + ", JOINTS_" + std::to_string(i % influences / 4) + ": vertex " +
+                  std::to_string(i / influences) + " has joint " +
+                  std::to_string(deformation.joints[i]) + ", the skin has " +
+                  std::to_string(joints));
+}
+
+// Makes the weights of each vertex sum to 1.
+void normalize_weights(Deformation& deformation, const std::string& place) {
+  const auto influences = static_cast<std::size_t>(deformation.influences);
+  for (std::size_t first = 0; first < deformation.weights.size(); first += influences) {
+    float sum = 0;
+    bool is_negative = false;
+    for (std::size_t k = first; k < first + influences; ++k) {
+      sum += deformation.weights[k];
+      is_negative = is_negative || deformation.weights[k] < 0;
+    }
+    if (is_negative || !(std::fabs(sum - 1) <= weights_off))
+      throw Error(place + ", WEIGHTS_0: the weights of vertex " +
+                  std::to_string(first / influences) + " sum to " + std::to_string(sum) +
+                  (is_negative ? " and some are below 0" : "") +
+                  ", expected 1 to within 0.02, none below 0");
+    for (std::size_t k = first; k < first + influences; ++k) deformation.weights[k] /= sum;
+  }
+}
+
+void read_bones(GltfMeshReader& reader, const json& attributes, const std::string& place,
+                const std::vector<std::uint32_t>& kept, std::uint64_t vertices, std::size_t joints,
+                Deformation& deformation) {
+  if (attributes.contains("JOINTS_2") || attributes.contains("WEIGHTS_2"))
+    throw Error(place + ": JOINTS_2: expected at most 8 bones on a vertex (JOINTS_0 and 1)");
+  const std::size_t sets = attributes.contains("JOINTS_1") ? 2 : 1;
+  deformation.influences = static_cast<int>(4 * sets);
+  const std::size_t count = deformation.positions.size();
+  reader.gltf.budget.spend(count, 4 * sets * (sizeof(float) + sizeof(std::uint16_t)));
+  deformation.joints.resize(4 * sets * count);
+  deformation.weights.resize(4 * sets * count);
+  for (std::size_t set = 0; set < sets; ++set) {
+    const auto read = [&](const std::string& semantic, bool is_joint) {
+      const GltfAccessor* given = attribute(reader, attributes, place, semantic, 4, 4);
+      if (given == nullptr)
+        throw Error(place + ": " + semantic + ": is missing, as its node has a skin");
+      check_count(given, vertices, place, semantic);
+      const bool is_integer = given->component_type == 5121 || given->component_type == 5123;
+      const bool fits = is_joint ? is_integer && !given->normalized
+                                 : given->component_type == 5126 || (is_integer && given->normalized);
+      if (!fits)
+        throw Error(place + ", " + semantic + ": expected " +
+                    (is_joint ? "unsigned bytes or shorts"
+                              : "floats, or unsigned bytes or shorts that are normalised") +
+                    ", found component type " + std::to_string(given->component_type));
+      return gathered<Vec4>(reader, given, kept);
+    };
+    const std::string number = std::to_string(set);
+    const std::vector<Vec4> bones = read("JOINTS_" + number, true);
+    const std::vector<Vec4> weights = read("WEIGHTS_" + number, false);
+    for (std::size_t i = 0; i < count; ++i) {
+      const float bone[4] = {bones[i].x, bones[i].y, bones[i].z, bones[i].w};
+      const float weight[4] = {weights[i].x, weights[i].y, weights[i].z, weights[i].w};
+      for (std::size_t k = 0; k < 4; ++k) {
+        const std::size_t at = 4 * (sets * i + set) + k;
+        deformation.joints[at] = static_cast<std::uint16_t>(bone[k]);
+        deformation.weights[at] = weight[k];
+      }
+    }
+  }
+  check_bones(deformation, joints, place);
+  normalize_weights(deformation, place);
+}
+
 }  // namespace
 
 bool read_primitive(GltfMeshReader& reader, const json& primitive, const std::string& place,
-                    Mesh& mesh) {
+                    Mesh& mesh, Deformation* deformation, std::size_t joints) {
+  const json& attributes = primitive["attributes"];
   const int mode = primitive.value("mode", 4);
   if (mode > 6) throw Error(place + ": mode: expected 0 to 6, found " + std::to_string(mode));
   if (mode < 4) {
     reader.warnings.add("points and lines are not shown", place);
     return false;
   }
-  if (primitive.contains("targets") && !primitive["targets"].empty())
-    reader.warnings.add("morph targets are ignored: the base shape is shown", place);
   mesh.material = primitive.value("material", -1);
   if (mesh.material >= 0) gltf_element(reader.gltf, "materials", "material", mesh.material, place);
-  const GltfAccessor* positions = attribute(reader, primitive, place, "POSITION", 3, 3);
+  const GltfAccessor* positions = attribute(reader, attributes, place, "POSITION", 3, 3);
   if (positions == nullptr) {
     reader.warnings.add("a primitive without positions is not shown", place);
     return false;
@@ -187,7 +280,7 @@ bool read_primitive(GltfMeshReader& reader, const json& primitive, const std::st
   const std::vector<std::uint32_t> kept = keep_used(mesh.triangles, vertices);
 
   mesh.positions = gathered<Vec3>(reader, positions, kept);
-  const GltfAccessor* normals = attribute(reader, primitive, place, "NORMAL", 3, 3);
+  const GltfAccessor* normals = attribute(reader, attributes, place, "NORMAL", 3, 3);
   check_count(normals, vertices, place, "NORMAL");
   mesh.normals = gathered<Vec3>(reader, normals, kept);
   const auto is_normal = [](Vec3 n) {
@@ -201,15 +294,21 @@ bool read_primitive(GltfMeshReader& reader, const json& primitive, const std::st
   }
   for (std::size_t set = 0; set < 2; ++set) {
     const std::string semantic = "TEXCOORD_" + std::to_string(set);
-    const GltfAccessor* texcoords = attribute(reader, primitive, place, semantic, 2, 2);
+    const GltfAccessor* texcoords = attribute(reader, attributes, place, semantic, 2, 2);
     check_count(texcoords, vertices, place, semantic);
     mesh.texcoords[set] = gathered<Vec2>(reader, texcoords, kept);
   }
-  const GltfAccessor* colors = attribute(reader, primitive, place, "COLOR_0", 3, 4);
+  const GltfAccessor* colors = attribute(reader, attributes, place, "COLOR_0", 3, 4);
   check_colors(colors, place);
   check_count(colors, vertices, place, "COLOR_0");
   mesh.colors = gathered<Vec4>(reader, colors, kept, Vec4{1, 1, 1, 1});
   warn_of_missing_texcoords(reader, place, mesh);
+  if (deformation == nullptr) return true;
+  deformation->positions = mesh.positions;
+  deformation->normals = mesh.normals;
+  read_targets(reader, primitive, place, kept, vertices, *deformation);
+  if (deformation->skin >= 0)
+    read_bones(reader, attributes, place, kept, vertices, joints, *deformation);
   return true;
 }
 

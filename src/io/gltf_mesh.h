@@ -10,6 +10,7 @@
 #include "io/gltf_accessor.h"
 #include "io/gltf_warnings.h"
 #include "model/long_work.h"
+#include "omma/rig.h"
 #include "omma/scene.h"
 
 namespace omma {
@@ -24,8 +25,10 @@ struct GltfMeshReader {
 };
 
 // Adds the primitive's triangles; false where it has none (points, lines, no positions). `place`
-// names the primitive in errors.
+// names the primitive in errors. With a deformation also what changes its shape: its morph targets,
+// and where it has a skin, of that many joints, the bones of its vertices.
 bool read_primitive(GltfMeshReader& reader, const nlohmann::json& primitive,
-                    const std::string& place, Mesh& mesh);
+                    const std::string& place, Mesh& mesh, Deformation* deformation = nullptr,
+                    std::size_t joints = 0);
 
 }  // namespace omma

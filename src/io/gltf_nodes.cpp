@@ -1,10 +1,12 @@
 // The node tree of a glTF file.
 #include "io/gltf_nodes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
 #include "io/gltf_container.h"
+#include "model/transform.h"
 #include "omma/error.h"
 
 namespace omma {
@@ -25,6 +27,7 @@ std::vector<GltfNode> read_gltf_nodes(const json& document, const std::string& p
     node.translation = description.value("translation", std::vector<double>());
     node.rotation = description.value("rotation", std::vector<double>());
     node.scale = description.value("scale", std::vector<double>());
+    node.weights = description.value("weights", std::vector<double>());
     nodes.push_back(std::move(node));
   }
   return nodes;
@@ -64,6 +67,20 @@ std::vector<int> gltf_node_parents(const std::vector<GltfNode>& nodes) {
   return parent;
 }
 
+NodeParts gltf_node_parts(const GltfNode& node) {
+  NodeParts parts;
+  std::copy(node.translation.begin(), node.translation.end(), parts.translation_m.begin());
+  std::copy(node.scale.begin(), node.scale.end(), parts.scale.begin());
+  if (node.rotation.empty()) return parts;
+  double squares = 0;
+  for (const double x : node.rotation) squares += x * x;
+  const double size = std::sqrt(squares);
+  if (!(size > 1e-6) || !std::isfinite(size))
+    throw Error(node.place + ": rotation: is not a unit quaternion");
+  for (std::size_t i = 0; i < 4; ++i) parts.rotation[i] = node.rotation[i] / size;
+  return parts;
+}
+
 Mat4 gltf_node_transform(const GltfNode& node) {
   Mat4 t;
   if (!node.matrix.empty()) {  // column major
@@ -73,23 +90,8 @@ Mat4 gltf_node_transform(const GltfNode& node) {
       throw Error(node.place + ": matrix: its bottom row is not 0 0 0 1");
     return t;
   }
-  if (!node.rotation.empty()) {
-    double x = node.rotation[0], y = node.rotation[1], z = node.rotation[2], w = node.rotation[3];
-    const double size = std::sqrt(x * x + y * y + z * z + w * w);
-    if (!(size > 1e-6) || !std::isfinite(size))
-      throw Error(node.place + ": rotation: is not a unit quaternion");
-    x /= size, y /= size, z /= size, w /= size;
-    const double rotation[3][3] = {
-        {1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
-        {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},
-        {2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}};
-    for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 3; ++c) t.m[r][c] = rotation[r][c];
-  }
-  for (std::size_t c = 0; c < node.scale.size(); ++c)
-    for (int r = 0; r < 3; ++r) t.m[r][c] *= node.scale[c];
-  for (std::size_t r = 0; r < node.translation.size(); ++r) t.m[r][3] = node.translation[r];
-  return t;
+  const NodeParts parts = gltf_node_parts(node);
+  return transform_of(parts.translation_m, parts.rotation, parts.scale);
 }
 
 }  // namespace omma

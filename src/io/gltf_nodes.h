@@ -1,6 +1,7 @@
 // The node tree of a glTF file: who is whose child, and where a node sits in its parent.
 #pragma once
 
+#include <array>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -15,6 +16,13 @@ struct GltfNode {
   std::vector<int> children;
   int mesh = -1, camera = -1, skin = -1;                     // -1 for none
   std::vector<double> matrix, translation, rotation, scale;  // as in the file, or empty
+  std::vector<double> weights;                               // of morph targets, or empty
+};
+
+struct NodeParts {
+  std::array<double, 3> translation_m{0, 0, 0};
+  std::array<double, 4> rotation{0, 0, 0, 1};  // unit quaternion x, y, z, w
+  std::array<double, 3> scale{1, 1, 1};
 };
 
 // The nodes of a document that check_gltf_schema has passed.
@@ -23,6 +31,9 @@ std::vector<GltfNode> read_gltf_nodes(const nlohmann::json& document, const std:
 // Parent of each node, -1 for none. Throws omma::Error where a node has two parents, is its own
 // ancestor or names a child that is not there (glTF 2.0, section 3.5.2).
 std::vector<int> gltf_node_parents(const std::vector<GltfNode>& nodes);
+
+// Of a node without a matrix. Throws omma::Error where its rotation is none.
+NodeParts gltf_node_parts(const GltfNode& node);
 
 // parent_from_node = translation * rotation * scale, or the matrix.
 Mat4 gltf_node_transform(const GltfNode& node);

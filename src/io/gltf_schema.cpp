@@ -57,6 +57,10 @@ constexpr Kind byte_size{"an integer that is not negative",
 constexpr Kind integer_map{"an object of accessor indices", [](const json& v) {
                              return v.is_object() && std::all_of(v.begin(), v.end(), is_integer);
                            }};
+bool is_integer_map(const json& value) {
+  return integer_map.matches(value);
+}
+constexpr Kind integer_maps{"an array of objects of accessor indices", is_list<is_integer_map>};
 constexpr Kind object{"an object", is_object};
 constexpr Kind objects{"an array of objects", is_list<is_object>};
 bool is_spectrum_or_null(const json& value) {
@@ -160,6 +164,25 @@ void add_lights(std::vector<Object>& all) {
   all.push_back({"nodes[].extensions.KHR_lights_punctual", {{"light", integer, required}}});
 }
 
+// Animations and skins.
+void add_rig(std::vector<Object>& all) {
+  all.push_back({"animations[]",
+                 {{"name", string}, {"channels", objects, required}, {"samplers", objects, required}}});
+  all.push_back(
+      {"animations[].channels[]", {{"sampler", integer, required}, {"target", object, required}}});
+  all.push_back(
+      {"animations[].channels[].target", {{"node", integer}, {"path", string, required}}});
+  all.push_back({"animations[].samplers[]",
+                 {{"input", integer, required},
+                  {"output", integer, required},
+                  {"interpolation", string}}});
+  all.push_back({"skins[]",
+                 {{"name", string},
+                  {"joints", integers, required},
+                  {"inverseBindMatrices", integer},
+                  {"skeleton", integer}}});
+}
+
 // Every list and object is checked before what is in it.
 const std::vector<Object>& schema() {
   static const std::vector<Object> all = [] {
@@ -181,6 +204,7 @@ const std::vector<Object>& schema() {
           {"bufferViews", objects},
           {"buffers", objects},
           {"animations", objects},
+          {"skins", objects},
           {"extensions", object}}},
         {"asset", {{"version", string, required}, {"minVersion", string}}},
         {"scenes[]", {{"name", string}, {"nodes", integers}}},
@@ -190,18 +214,19 @@ const std::vector<Object>& schema() {
           {"mesh", integer},
           {"camera", integer},
           {"skin", integer},
+          {"weights", numbers},
           {"extensions", object},
           {"matrix", sixteen_numbers},
           {"translation", three_numbers},
           {"rotation", four_numbers},
           {"scale", three_numbers}}},
-        {"meshes[]", {{"name", string}, {"primitives", objects, required}}},
+        {"meshes[]", {{"name", string}, {"primitives", objects, required}, {"weights", numbers}}},
         {"meshes[].primitives[]",
          {{"attributes", integer_map, required},
           {"indices", integer},
           {"material", integer},
           {"mode", integer},
-          {"targets", objects}}},
+          {"targets", integer_maps}}},
         {"materials[]",
          {{"name", string},
           {"pbrMetallicRoughness", object},
@@ -273,6 +298,7 @@ const std::vector<Object>& schema() {
         {"buffers[]", {{"uri", string}, {"byteLength", byte_size, required}}}};
     add_scattering(rows);
     add_lights(rows);
+    add_rig(rows);
     return rows;
   }();
   return all;

@@ -10,6 +10,7 @@
 #include <span>
 #include <unordered_map>
 
+#include "model/rig_check.h"
 #include "model/scene_light.h"
 #include "omma/error.h"
 
@@ -230,7 +231,8 @@ bool operator==(const Scene& a, const Scene& b) {
   return a.color_rule == b.color_rule && a.meshes == b.meshes &&
          same_instances(a.instances, b.instances) && a.materials == b.materials &&
          a.textures == b.textures && a.images == b.images && a.cameras == b.cameras &&
-         a.hit_boxes == b.hit_boxes && a.lights == b.lights && a.background == b.background;
+         a.hit_boxes == b.hit_boxes && a.lights == b.lights && a.background == b.background &&
+         (a.rig == b.rig || (a.rig != nullptr && b.rig != nullptr && *a.rig == *b.rig));
 }
 
 void validate_scene(const Scene& scene) {
@@ -280,6 +282,7 @@ void validate_scene(const Scene& scene) {
     check_punctual_light(light, place + ": ");
     check_transform(light.world_from_light, place, "world_from_light");
   }
+  check_rig(scene);
   const std::string background =
       (scene.path.empty() ? "scene" : scene.path) + std::string(": background");
   const Vec3 sky = scene.background.color;

@@ -44,11 +44,19 @@ std::string text(const char* format, double a, double b = 0) {
 
 }  // namespace
 
-Bounds mesh_bounds(const Mesh& mesh) {
+Bounds vertex_bounds(const std::vector<Vec3>& positions) {
   Bounds box = nothing;
-  if (mesh.triangles.empty()) return box;
-  for (const Vec3 position : mesh.positions) include(box, to_double(position));
-  return box;
+  if (positions.empty()) return box;
+  Vec3 lower = positions.front(), upper = lower;
+  for (const Vec3 p : positions) {
+    lower = {std::min(lower.x, p.x), std::min(lower.y, p.y), std::min(lower.z, p.z)};
+    upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
+  }
+  return {to_double(lower), to_double(upper), false};
+}
+
+Bounds mesh_bounds(const Mesh& mesh) {
+  return mesh.triangles.empty() ? nothing : vertex_bounds(mesh.positions);
 }
 
 Bounds box_around(const Bounds& a, const Bounds& b) {
@@ -112,6 +120,7 @@ Placement placement_of(const Scene& scene) {
   for (const Instance& instance : scene.instances)
     placement.world_from_mesh.push_back(instance.world_from_mesh);
   placement.moves.resize(scene.instances.size(), 0);
+  placement.shapes.resize(scene.meshes.size());
   const Bounds box = rough_scene_bounds(scene);
   placement.origin_m = origin_near(box);
   placement.half_size_m = half_size_m(box);

@@ -20,7 +20,9 @@ inline constexpr double most_geometry_m = 1e12;
 // magnitude is less, or more than one over it, have none there.
 inline constexpr double least_determinant = 1e-30;
 
-// Corners of the box around the vertices of a mesh, in its own frame; empty without triangles.
+// Corners of the box around vertices; and around those of a mesh, in its own frame, empty without
+// triangles.
+Bounds vertex_bounds(const std::vector<Vec3>& positions);
 Bounds mesh_bounds(const Mesh& mesh);
 
 // Corners of a box around all instances; not the tightest where they are turned or have vertices
@@ -45,16 +47,31 @@ bool is_too_far(const Bounds& box, Vec3d from);
 // Boxes of the meshes that are placed somewhere, [mesh], in their own frames; else empty.
 std::vector<Bounds> boxes_of_used_meshes(const Scene& scene);
 
-// Where the instances of a scene are, which of them have been moved, and what all are traced from.
+// Vertices of a mesh that has changed its shape, as omma::Mesh has them.
+struct Shape {
+  std::vector<Vec3> positions;  // [vertex], m
+  std::vector<Vec3> normals;    // [vertex], where the mesh has them
+};
+
+// Where the instances of a scene are, which of them have been moved, what shape its meshes have, and
+// what all are traced from.
 struct Placement {
   std::vector<Mat4> world_from_mesh;  // [instance]
-  std::vector<char> moves;            // [instance]
+  std::vector<char> moves;            // [instance]; those of a mesh that changes its shape do
+  std::vector<Shape> shapes;          // [mesh], with positions where it has changed
   Vec3d origin_m;                     // of the traced frame, in the world
   double half_size_m = 0;             // of the box around all, its longest side
 };
 
 // Nothing has been moved.
 Placement placement_of(const Scene& scene);
+
+// The vertices of a mesh as it is now, m.
+inline const std::vector<Vec3>& positions_of(const Scene& scene, const Placement& placement,
+                                             std::size_t mesh) {
+  const std::vector<Vec3>& changed = placement.shapes[mesh].positions;
+  return changed.empty() ? scene.meshes[mesh].positions : changed;
+}
 
 // What single precision does to a scene: vertices that it has rounded in the file, instances too
 // far away to be seen. A sentence each.

@@ -59,7 +59,7 @@ struct TracedScene {
     if (newly)
       tracer = make_portable_tracer(scene, shading->view, placement);
     else
-      move_instances(*tracer, instances, placement);
+      move_instances(*tracer, instances, {}, placement);
   }
 };
 

@@ -16,6 +16,7 @@ from inspect import signature
 import numpy as np
 import pytest
 import trimesh
+from animated_scenes import swinging_box
 from conftest import make_eye, write_gltf
 from public_names import public_things
 
@@ -113,6 +114,7 @@ def public_calls(folder):
     (folder / "face.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
     mesh = omma.scene.Mesh(corners, [[0, 1, 2]])
+    swinging = swinging_box(folder / "swing.gltf")
     wedge = trimesh.Trimesh(corners, [[0, 1, 2]])
     directions = eye.axis.astype(float)
     curve = ([1, 2], {omma.study.Method(): ([1, 2], [0.2, 0.1])})
@@ -145,6 +147,7 @@ def public_calls(folder):
             "meshes": (mesh,), "instances": (omma.scene.Instance(0),), "materials": (),
             "textures": (), "images": (), "cameras": (), "hit_boxes": (),
             "lights": (), "background": omma.Background.simple_sky(), "color_rule": "gltf",
+            "rig": None,
         },
         "Camera": ("bee",),
         "ExtraReflectance": (0, [omma.light.Spectrum([300, 400], [0.5, 0.5])]),
@@ -410,8 +413,10 @@ def public_calls(folder):
         "Scene": (scene, {
             "camera": ("plain",), "hit_box_bounds": ("box",), "is_inside": ("box", [[0, 0, 0]]),
         }),
-        "World": (omma.World(scene), {
-            "index": ("ground",), "set_transforms": ("ground", pose),
+        "World": (omma.World(omma.scene.merge_scenes([scene, swinging])), {
+            "index": ("ground",), "set_transforms": ("ground", pose), "at": (0.5, "swing"),
+            "camera_at": ("bee", 0.5), "set_vertices": (0, scene.meshes[0].positions_m),
+            "vertices": (0,),
             "with_background": (omma.Background.constant((1, 1, 1)),),
             "with_light": {"light": omma.light.uniform_sky(1.0), "ultraviolet": "dark"},
         }),
@@ -454,7 +459,7 @@ def public_calls(folder):
             continue
         if room == "species" and name in species.names():
             continue  # they take seconds, and one argument, which `make` has too
-        if name in ("Acceptance", "Background", "WorldInstance"):
+        if name in ("Acceptance", "Animation", "Background", "WorldInstance"):
             continue  # made by static methods, or by the engine alone
         if dataclasses.is_dataclass(thing) and full not in good:
             continue  # results: whoever makes one knows what of

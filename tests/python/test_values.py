@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from animated_scenes import swinging_box
 from conftest import make_eye
 from public_names import public_things
 
@@ -129,6 +130,8 @@ def examples(files, tmp_path_factory):
         "rendering.GroundTruth": renderer.ground_truth(pose, shares=[0]),
         "rendering.Settings": omma.rendering.Settings(omma.Shared(4), seed=7),
         "rendering.SamplingReport": renderer.render(pose, report=True)[1],
+        "scene.Animation": (swinging := swinging_box(folder / "swing.gltf")).animations[0],
+        "scene.Rig": swinging.rig,
         "scene.Bake": omma.scene.Bake(cell_m=0.5, paths=64, cache=False),
         "scene.BakedInfo": omma.scene.BakedInfo(9, 0.5, 32, 1152, 3, 0.25, True),
         "scene.Camera": scene.cameras[1],

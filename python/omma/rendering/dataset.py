@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from omma._core import Error
 from omma.base.arguments import array_of
 from omma.rendering.labels import Labels, labels_of
+from omma.rendering.moves import MovesOptions
 from omma.rendering.settings import ToError
 from omma.rendering.truth import GroundTruth, check_truth, truth_variables
 
@@ -32,14 +33,17 @@ def make_dataset(
     truth: GroundTruth | None,
     first_pose: int | None,
     progress: Progress | None,
+    moves: MovesOptions,
 ) -> xarray.Dataset:
     """What `Renderer.dataset` does, whose arguments these are."""
     load_xarray()
     if ultraviolet is not None and not receptors:
         raise Error("ultraviolet: is for receptors=True")
     matrices = renderer._matrices(poses)
+    if time_s is None:
+        time_s = moves.get("times_s")
     times = None if time_s is None else array_of(time_s, "time_s", (len(matrices),))
-    options: dict[str, Any] = {"first_pose": first_pose, "progress": progress}
+    options: dict[str, Any] = {"first_pose": first_pose, "progress": progress, **moves}
     rays = errors = None
     if truth is not None:
         if receptors or standard_error:

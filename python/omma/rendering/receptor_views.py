@@ -12,6 +12,7 @@ from omma._core import Error, Eye
 from omma.base.arguments import output_array
 from omma.receptors.catches import type_polarisation
 from omma.receptors.sensitivity import ommatidium_of_receptor, receptor_matrix
+from omma.rendering.moves import Moves, MovesOptions
 from omma.rendering.settings import frame_number
 
 if TYPE_CHECKING:
@@ -73,6 +74,7 @@ def render_receptors(
     out: Responses | None,
     first_pose: int | None,
     progress: Progress | None,
+    moves: MovesOptions,
 ) -> Responses | tuple[Responses, Responses]:
     """What `Renderer.render_receptors` does, whose arguments these are."""
     eye = renderer.eye
@@ -99,6 +101,7 @@ def render_receptors(
         weights = _with_polarisation(eye, weights)
     matrices = renderer._matrices(poses)
     first = frame_number(first_pose)
+    moving = renderer._moves(matrices, moves)
     shape = (len(matrices), len(eye.receptor_type))
     responses = output_array(out, shape, "out")
     errors = np.empty(shape, np.float32) if standard_error else None
@@ -112,6 +115,7 @@ def render_receptors(
     for start in range(0, len(matrices), chunk):
         piece = matrices[start : start + chunk]
         number = None if first is None else first + start
+        here = moving.part(start, len(piece))
         for k in range(passes):
 
             def report(
@@ -125,12 +129,14 @@ def render_receptors(
             tell = None if progress is None else report
             into = responses[start : start + chunk]
             if not by_type:
-                radiance = views.renderer.render(piece, first_pose=number, progress=tell)
+                radiance = views.renderer.render(
+                    piece, first_pose=number, progress=tell, **here.options()
+                )
                 seen = radiance[:, views.view_of_receptor]
                 into[...] = np.einsum("prb,rb->pr", seen, weights[eye.receptor_type])
                 continue
             found, error = views.renderer._render_outputs(
-                piece, groups[k], number, tell, errors is not None
+                piece, groups[k], number, tell, errors is not None, here
             )
             type_in_group = eye.receptor_type - k * _MOST_TYPES
             which = np.flatnonzero((type_in_group >= 0) & (type_in_group < len(groups[k])))
@@ -138,4 +144,5 @@ def render_receptors(
             into[:, which] = found[:, at[0], at[1]]
             if errors is not None and error is not None:
                 errors[start : start + chunk, which] = error[:, at[0], at[1]]
+    moving.note()
     return responses if errors is None else (responses, errors)

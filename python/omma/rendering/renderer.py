@@ -17,6 +17,7 @@ from omma.base.notebook import html_table
 from omma.base.poses import Matrices, as_poses, is_position_pair
 from omma.base.warn import warn_caller
 from omma.rendering.dataset import make_dataset
+from omma.rendering.moves import Moves, MovesOptions, takes_moves
 from omma.rendering.pickling import parts_of
 from omma.rendering.receptor_views import ReceptorViews, render_receptors
 from omma.rendering.report import SamplingReport
@@ -68,8 +69,8 @@ class Renderer:
         eye: who sees it; a list of eyes is merged as `merge_eyes` does.
         sampling: `omma.Fixed`, as many rays for every ommatidium; `omma.ToError`, as many as each
             needs for an error; or `omma.Shared`, rays that neighbours share.
-        options: seed, kernel, points, footprints and noise, as `omma.rendering.Settings` has them:
-            that says what each does.
+        options: seed, kernel, points, footprints, noise and impulse_response, as
+            `omma.rendering.Settings` has them: that says what each does.
         threads: 0 takes one per hardware thread.
         background: instead of the scene's or the world's own.
         backend: what traces the rays of a scene, see `World`; a world has its own.
@@ -173,6 +174,7 @@ class Renderer:
         error_out: None = None,
         first_pose: int | None = None,
         progress: Progress | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> Responses: ...
 
     @overload
@@ -186,6 +188,7 @@ class Renderer:
         error_out: Responses | None = None,
         first_pose: int | None = None,
         progress: Progress | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> tuple[Responses, Responses]: ...
 
     @overload
@@ -199,9 +202,11 @@ class Renderer:
         error_out: Responses | None = None,
         first_pose: int | None = None,
         progress: Progress | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> tuple[Responses, SamplingReport]: ...
 
     @checked
+    @takes_moves
     def render(
         self,
         poses: Poses,
@@ -212,6 +217,7 @@ class Renderer:
         error_out: Responses | None = None,
         first_pose: int | None = None,
         progress: Progress | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> Responses | tuple[Responses, Responses] | tuple[Responses, SamplingReport]:
         """Responses (P, N, C): float32, linear, never clipped; always three axes.
 
@@ -238,6 +244,17 @@ class Renderer:
                 difference.
             progress: called with the finished share (0 to 1) a few times a second. What it raises
                 ends the render and is raised here.
+            instances, transforms: what moves from pose to pose: names or indices of K things, as
+                `World.set_transforms` takes them, and where they are at each pose,
+                ``world_from_node`` (P, K, 4, 4), m. Afterwards they are back where they were; the
+                bits are those of moving and rendering one pose after the other.
+            times_s: (P,), s: at each pose all that the scene's animations move is where it is at
+                that time, as `World.at` says, and back afterwards. Things that ``instances`` names
+                go where ``transforms`` says.
+            animation: with ``times_s``, as of `World.at`.
+            past: with an impulse response, (poses, times) before the first frame, so that a path
+                that is rendered in pieces gives what it does at once; before the first of all the
+                head stood still.
 
         Raises:
             omma.Error: a wrong shape, a pose that is not finite or not invertible or at which rays
@@ -267,7 +284,20 @@ class Renderer:
             raise Error("error_out: shares memory with out")
         rays = np.empty(shape[:2], np.int32) if report else None
         first = frame_number(first_pose)
-        self._engine.render(matrices, responses, errors, rays, None, first, None, False, progress)
+        moving = self._moves(matrices, moves)
+        self._engine.render(
+            matrices,
+            responses,
+            errors,
+            rays,
+            None,
+            first,
+            None,
+            False,
+            moving.for_engine(),
+            progress,
+        )
+        moving.note()
         warn_of_precision(self._engine.precision_warning(matrices))
         if errors is not None and rays is not None and isinstance(target, ToError):
             return responses, SamplingReport(rays, errors, target.error)
@@ -284,6 +314,7 @@ class Renderer:
         out: Responses | None = None,
         first_pose: int | None = None,
         progress: Progress | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> Responses: ...
 
     @overload
@@ -297,9 +328,11 @@ class Renderer:
         out: Responses | None = None,
         first_pose: int | None = None,
         progress: Progress | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> tuple[Responses, Responses]: ...
 
     @checked
+    @takes_moves
     def render_receptors(
         self,
         poses: Poses,
@@ -310,6 +343,7 @@ class Renderer:
         out: Responses | None = None,
         first_pose: int | None = None,
         progress: Progress | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> Responses | tuple[Responses, Responses]:
         """What the eye's receptors answer, (P, R): float32, linear, never clipped.
 
@@ -326,6 +360,7 @@ class Renderer:
             standard_error: return (responses, errors): those of each receptor's own estimates, as
                 in `render`.
             poses, out, first_pose, progress: as in `render`.
+            instances, transforms, times_s, animation: as in `render`.
 
         Raises:
             omma.Error: an eye without receptors, a type without a sensitivity, a wrong shape, no
@@ -341,6 +376,7 @@ class Renderer:
             out,
             first_pose,
             progress,
+            moves,
         )
 
     @overload
@@ -351,6 +387,7 @@ class Renderer:
         standard_error: Literal[False] = False,
         first_pose: int | None = None,
         progress: Progress | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> Responses: ...
 
     @overload
@@ -361,9 +398,11 @@ class Renderer:
         standard_error: Literal[True],
         first_pose: int | None = None,
         progress: Progress | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> tuple[Responses, Responses]: ...
 
     @checked
+    @takes_moves
     def render_stokes(
         self,
         poses: Poses,
@@ -371,6 +410,7 @@ class Renderer:
         standard_error: bool = False,
         first_pose: int | None = None,
         progress: Progress | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> Responses | tuple[Responses, Responses]:
         """Stokes vectors (P, N, 3, B): I, Q, U of each band, in a polarised world.
 
@@ -380,6 +420,7 @@ class Renderer:
 
         Args:
             poses, standard_error, first_pose, progress: as in `render`.
+            instances, transforms, times_s, animation: as in `render`.
 
         Raises:
             omma.Error: the world is not polarised, or what `render` raises.
@@ -389,7 +430,11 @@ class Renderer:
         found = np.empty(shape, np.float32)
         errors = np.empty(shape, np.float32) if standard_error else None
         first = frame_number(first_pose)
-        self._engine.render(matrices, found, errors, None, None, first, None, True, progress)
+        moving = self._moves(matrices, moves)
+        self._engine.render(
+            matrices, found, errors, None, None, first, None, True, moving.for_engine(), progress
+        )
+        moving.note()
         warn_of_precision(self._engine.precision_warning(matrices))
         parts = (*shape[:2], 3, self.bands)
         return (
@@ -405,6 +450,7 @@ class Renderer:
         first_pose: int | None,
         progress: Progress | None,
         standard_error: bool = True,
+        moving: Moves | None = None,
     ) -> tuple[Responses, Responses | None]:
         """Mixtures of the bands, [output, component x band], and their standard errors: (P, N,
         outputs)."""
@@ -412,8 +458,9 @@ class Renderer:
         found = np.empty(shape, np.float32)
         errors = np.empty(shape, np.float32) if standard_error else None
         weights = np.ascontiguousarray(output_from_band)
+        moves = None if moving is None else moving.for_engine()
         self._engine.render(
-            matrices, found, errors, None, None, first_pose, weights, False, progress
+            matrices, found, errors, None, None, first_pose, weights, False, moves, progress
         )
         return found, errors
 
@@ -423,8 +470,14 @@ class Renderer:
         return self._receptors
 
     @checked
+    @takes_moves
     def render_rays(
-        self, poses: Poses, *, first_pose: int | None = None, progress: Progress | None = None
+        self,
+        poses: Poses,
+        *,
+        first_pose: int | None = None,
+        progress: Progress | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> NDArray[np.float32]:
         """The radiance that each single ray brings: float32 (P, N, samples, C), linear.
 
@@ -437,7 +490,11 @@ class Renderer:
         rays = np.empty((*shape[:2], samples, shape[2]), np.float32)
         first = frame_number(first_pose)
         responses = np.empty(shape, np.float32)
-        self._engine.render(matrices, responses, None, None, rays, first, None, False, progress)
+        moving = self._moves(matrices, moves)
+        self._engine.render(
+            matrices, responses, None, None, rays, first, None, False, moving.for_engine(), progress
+        )
+        moving.note()
         warn_of_precision(self._engine.precision_warning(matrices))
         return rays
 
@@ -562,6 +619,7 @@ class Renderer:
         )
 
     @checked
+    @takes_moves
     def dataset(
         self,
         poses: Poses,
@@ -573,6 +631,7 @@ class Renderer:
         truth: GroundTruth | None = None,
         first_pose: int | None = None,
         progress: Progress | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> xarray.Dataset:
         """Responses as an `xarray.Dataset`, which says what its numbers are.
 
@@ -589,10 +648,12 @@ class Renderer:
                 are always standard errors.
             receptors: what receptors answer, as `render_receptors` says, in place of bands.
             ultraviolet: as of `render_receptors`.
-            time_s: (P,), when each pose is, s: the first dimension is then ``time``.
+            time_s: (P,), when each pose is, s: the first dimension is then ``time``. None:
+                ``times_s``, where these are given.
             truth: what `ground_truth` gave for these poses. Its responses are taken, nothing is
                 rendered; each of its arrays is a variable, with ``axis`` (x, y, z), ``direction``
                 (right, up) or ``instance`` behind ``ommatidium``.
+            instances, transforms, times_s, animation: as of `render`.
 
         Raises:
             omma.Error: what `render` and `render_receptors` raise; no xarray (``omma[data]``).
@@ -607,7 +668,11 @@ class Renderer:
             truth=truth,
             first_pose=first_pose,
             progress=progress,
+            moves=moves,
         )
+
+    def _moves(self, matrices: Matrices, moves: MovesOptions) -> Moves:
+        return Moves(self._world, matrices, moves, self._settings.impulse_response)
 
     def _matrices(self, poses: Poses) -> Matrices:
         if isinstance(poses, str):

@@ -18,10 +18,12 @@ import numpy as np
 
 from omma import _core
 from omma._core import Error, RenderSettings
-from omma.base.arguments import one_of, positive, whole
+from omma.base.arguments import expect, one_of, positive, whole
+from omma.photoreceptors import ImpulseResponse
 
 MAX_SAMPLES = 1 << 20
 _MOST_UNASKED = 4096  # of ToError
+_DELAYS = 4097  # quantiles of an impulse response that the engine is given
 
 KernelName = Literal["own", "gaussian", "pillbox", "compoundray"]
 PointsName = Literal["low_discrepancy", "random"]
@@ -162,7 +164,12 @@ Sampling = Fixed | ToError | Shared
 
 @dataclass(frozen=True)
 class Settings:
-    """Everything about a renderer's rays that responses depend on."""
+    """Everything about a renderer's rays that responses depend on.
+
+    impulse_response: how photoreceptors answer a flash (`omma.photoreceptors.ImpulseResponse`): each
+        ray draws from it how long before a frame it looks, and starts from where the head was then
+        (docs/time.md). None: frames are instants.
+    """
 
     sampling: Sampling = Fixed()
     seed: int = _option(
@@ -196,6 +203,8 @@ class Settings:
         "docs/noise.md.",
     )
 
+    impulse_response: ImpulseResponse | None = None
+
     def __post_init__(self) -> None:
         if not isinstance(self.sampling, get_args(Sampling)):
             found = f"{type(self.sampling).__name__} {self.sampling!r:.40}"
@@ -208,10 +217,26 @@ class Settings:
                 raise Error("points: expected low_discrepancy where rays are shared, found random")
             if self.noise != "frozen":
                 raise Error(f"noise: expected frozen where rays are shared, found {self.noise}")
+        if self.impulse_response is not None:
+            expect(
+                self.impulse_response,
+                ImpulseResponse,
+                "impulse_response",
+                "omma.photoreceptors.ImpulseResponse.howard gives one",
+            )
+            if isinstance(self.sampling, Shared):
+                raise Error("impulse_response: expected None where rays are shared")
+            if min(self.impulse_response.values, default=0.0) < 0:
+                raise Error(
+                    "impulse_response: expected one that is nowhere negative, as rays draw their "
+                    "times from it; omma.photoreceptors.filter_frames takes any"
+                )
 
     def options(self) -> Options:
         """All but the sampling, as keyword arguments of `Renderer`."""
         found: Any = {one.name: getattr(self, one.name) for one in options_of(Settings)}
+        if self.impulse_response is not None:
+            found["impulse_response"] = self.impulse_response
         return cast(Options, found)
 
     def engine_settings(self, threads: int) -> RenderSettings:
@@ -223,7 +248,15 @@ class Settings:
         else:
             chosen = ("shared" if isinstance(sampling, Shared) else "fixed", sampling.samples)
         threads = whole(threads, "threads", 0, 1 << 16)
-        return _core.RenderSettings(sampling=chosen, threads=threads, **self.options())
+        options: dict[str, Any] = dict(self.options())
+        impulse_response = options.pop("impulse_response", None)
+        if impulse_response is not None:
+            # As fine that what lies between two of them is a straight line.
+            steps = np.linspace(0, 1, _DELAYS)
+            options["delays_s"] = np.minimum(
+                impulse_response.quantile(steps), impulse_response.duration_s
+            ).tolist()
+        return _core.RenderSettings(sampling=chosen, threads=threads, **options)
 
 
 class Options(TypedDict, total=False):
@@ -234,6 +267,7 @@ class Options(TypedDict, total=False):
     points: PointsName
     footprints: bool
     noise: NoiseName
+    impulse_response: ImpulseResponse | None
 
 
 def _document(kind: type) -> None:
@@ -246,7 +280,8 @@ def takes_options(function: F) -> F:
     """The same function, whose signature says ``**options`` one by one, as `Settings` has them."""
     signature = inspect.signature(function)
     parameters = [one for one in signature.parameters.values() if one.kind is not one.VAR_KEYWORD]
-    for one in options_of(Settings):
+    own = [one for one in dataclasses.fields(Settings) if one.name == "impulse_response"]
+    for one in [*options_of(Settings), *own]:
         parameters.append(
             inspect.Parameter(
                 one.name, inspect.Parameter.KEYWORD_ONLY, default=one.default, annotation=one.type
@@ -266,7 +301,7 @@ def settings_as_record(settings: Settings) -> dict[str, str | int | float]:
         name: int(value) if isinstance(value, bool) else value
         for name, value in flat.items()
         if value is not None
-    }
+    } | ({} if settings.impulse_response is None else {"impulse_response": repr(settings.impulse_response)})
 
 
 def settings_from_record(record: Mapping[str, Any]) -> Settings:
@@ -275,6 +310,8 @@ def settings_from_record(record: Mapping[str, Any]) -> Settings:
     Raises:
         omma.Error: not such a record.
     """
+    if "impulse_response" in record:
+        raise Error("settings: those of a renderer with an impulse response are kept as text only")
     kinds = {kind.__name__: kind for kind in get_args(Sampling)}
     kind = kinds[one_of(record.get("sampling"), kinds, "sampling")]
     try:

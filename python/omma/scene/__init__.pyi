@@ -2,6 +2,7 @@ from .baking import Bake, BakedInfo
 from .files import Camera, load_scene, save_scene
 from .joining import merge_scenes, place_scene
 from .parts import (
+    Animation,
     ExtraReflectance,
     HitBox,
     Image,
@@ -9,6 +10,7 @@ from .parts import (
     Material,
     Mesh,
     PunctualLight,
+    Rig,
     Texture,
     TextureUse,
 )
@@ -24,6 +26,7 @@ from .walls import corridor, drum
 from .world import WorldInstance
 
 __all__ = [
+    "Animation",
     "Bake",
     "BakedInfo",
     "Camera",
@@ -36,6 +39,7 @@ __all__ = [
     "Mesh",
     "PunctualLight",
     "NaturalMaterial",
+    "Rig",
     "Texture",
     "TextureUse",
     "WorldInstance",

@@ -8,12 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from omma import _core
 from omma._core import (
     Background,
     Error,
     Instance,
     Material,
     Mesh,
+    Rig,
     Scene,
     Texture,
     TextureUse,
@@ -25,6 +27,8 @@ from omma.base.arguments import array_of, checked
 def place_scene(scene: Scene, world_from_scene: ArrayLike) -> Scene:
     """The same scene at another place: its instances, cameras, lamps and hit boxes, all together.
 
+    Its animations move things about that place.
+
     Args:
         world_from_scene: (4, 4), m, applied after where each of them is already.
 
@@ -35,6 +39,7 @@ def place_scene(scene: Scene, world_from_scene: ArrayLike) -> Scene:
     if not np.isfinite(matrix).all() or (matrix[3] != (0, 0, 0, 1)).any():
         raise Error("world_from_scene: expected finite numbers, the last row 0, 0, 0, 1")
     return scene.replace(
+        rig=scene.rig and _core.placed_rig(scene.rig, matrix),
         instances=[
             one.replace(world_from_mesh=matrix @ one.world_from_mesh) for one in scene.instances
         ],
@@ -55,7 +60,7 @@ def merge_scenes(scenes: Sequence[Scene], *, background: Background | None = Non
     """All that is in several scenes, in one, each thing where it is and under its name.
 
     Things of the same name may come together (`World.index` then asks for their index); cameras may
-    not, as they are chosen by name.
+    not, as they are chosen by name. Animations come together in the order of the scenes.
 
     Args:
         scenes: at least one.
@@ -82,9 +87,13 @@ def merge_scenes(scenes: Sequence[Scene], *, background: Background | None = Non
         )
     }  # fmt: skip
     nodes = 0
+    rig: Rig | None = None
     for scene in scenes:
         # Indices of this scene go on after those of the scenes before.
         before = {name: len(found) for name, found in parts.items()}
+        if scene.rig is not None:
+            offsets = before["meshes"], before["cameras"], nodes
+            rig = _core.joined_rig(Rig() if rig is None else rig, scene.rig, *offsets)
         parts["meshes"] += [_mesh(one, before["materials"]) for one in scene.meshes]
         parts["materials"] += [_material(one, before["textures"]) for one in scene.materials]
         parts["textures"] += [_texture(one, before["images"]) for one in scene.textures]
@@ -99,6 +108,7 @@ def merge_scenes(scenes: Sequence[Scene], *, background: Background | None = Non
         **parts,
         background=scenes[0].background if background is None else background,
         color_rule=scenes[0].color_rule,
+        rig=rig,
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -19,11 +19,12 @@ from omma.scene.baking import Bake, BakedInfo, find_baked_light, share_of
 from omma.scene.lighting import Lighting, LightingName, Sun, Ultraviolet, checked_lighting
 
 # Of the pickles of worlds; raised where what they hold changes.
-_PICKLE_FORMAT = 2
+_PICKLE_FORMAT = 3
 # The share of progress that building has where light is baked too.
 _BUILDING = 0.1
 
 Progress = Callable[[float], object]
+Animations = str | int
 Instances = str | int | Sequence[str | int] | NDArray[np.integer]
 
 
@@ -217,6 +218,10 @@ class World:
             },
             "moved": moved,
             "world_from_node": [instances[index].world_from_node for index in moved],
+            "shapes": [
+                (mesh, self._engine.positions(mesh), self._engine.normals(mesh))
+                for mesh in self._engine.reshaped
+            ],
         }
         return _from_pickle, (state,)
 
@@ -270,6 +275,120 @@ class World:
                 in another thread or by the call whose progress function this is; or this is a
                 process made by fork. All is then where it was.
         """
+        indices = self._indices_of(instances)
+        matrices = array_of(transforms, "transforms")
+        if matrices.ndim == 2:
+            matrices = matrices[None]
+        if matrices.shape != (len(indices), 4, 4):
+            raise Error(
+                f"transforms: expected shape ({len(indices)}, 4, 4), found {np.shape(transforms)}"
+            )
+        before = self._places_before(indices)
+        self._engine.set_transforms(indices, np.ascontiguousarray(matrices), progress)
+        self._moved.update(before)
+
+    @checked
+    def at(
+        self,
+        time_s: float,
+        animation: Animations | None = None,
+        *,
+        progress: Progress | None = None,
+    ) -> World:
+        """Move all that the scene's animations move to where it is at a time; returns the world.
+
+        Nodes go where their animations say, and meshes take the shape that their bones and morph
+        targets give them. Before its first key an animation is as at the first, after its last as
+        at the last. What `set_transforms` has put elsewhere comes back where an animation moves it;
+        what bones bend can be put anywhere by it. The first time costs what the first
+        `set_transforms` does (docs/moving.md).
+
+        Args:
+            time_s: s, of the animations' own time.
+            animation: which: a name or an index in ``scene.animations``; what only others move is
+                as the file has it. None: all of them together.
+            progress: as of `set_transforms`.
+
+        Raises:
+            omma.Error: there is no such animation; two of all of them move the same; something is
+                flattened then, as where its scale is 0; or what `set_transforms` raises.
+        """
+        before = self._places_before(self._engine.animated)
+        self._engine.set_time(float(time_s), self._animations_of(animation), progress)
+        self._moved.update(before)
+        return self
+
+    @checked
+    def camera_at(
+        self, name_or_index: str | int, time_s: float, animation: Animations | None = None
+    ) -> NDArray[np.float64]:
+        """The pose ``world_from_camera`` (4, 4) of a camera of the scene at a time, s.
+
+        It moves as the scene's animations say, in the world as the file has it; where none moves
+        it, it is where it always is.
+
+        Args:
+            name_or_index: as `Scene.camera` takes it.
+            time_s, animation: as of `at`.
+
+        Raises:
+            omma.Error: no such camera or animation.
+        """
+        cameras = self._scene.cameras
+        index = cameras.index(self._scene.camera(name_or_index))
+        animations = self._animations_of(animation).tolist()
+        return _core.camera_at(self._scene, index, float(time_s), animations)
+
+    @checked
+    def set_vertices(
+        self,
+        mesh: int,
+        positions_m: ArrayLike,
+        normals: ArrayLike | None = None,
+        *,
+        progress: Progress | None = None,
+    ) -> None:
+        """Give a mesh another shape, for all its instances and all renderers of this world.
+
+        The scene keeps its own. The first time costs what the first `set_transforms` does, and the
+        mesh's instances count as moved; from then on its hierarchy is fitted to the new places
+        (docs/moving.md).
+
+        Args:
+            mesh: which, an index in ``scene.meshes``.
+            positions_m: (V, 3), m, of each of its vertices, in its own frame.
+            normals: (V, 3), where it has normals. None: those of its triangles, the mean around
+                each vertex, weighed by area.
+            progress: as of `set_transforms`.
+
+        Raises:
+            omma.Error: no such mesh, a wrong shape, a number that is not finite, or what
+                `set_transforms` raises.
+        """
+        which = whole(mesh, "mesh", 0, (1 << 31) - 1)
+        given = [
+            None
+            if values is None
+            else np.ascontiguousarray(array_of(values, name, (None, 3), np.float32))
+            for name, values in (("positions_m", positions_m), ("normals", normals))
+        ]
+        assert given[0] is not None
+        self._engine.set_vertices(which, given[0], given[1], progress)
+
+    @checked
+    def vertices(self, mesh: int) -> NDArray[np.float32]:
+        """The vertices of a mesh as it is now: (V, 3), m, in its own frame.
+
+        Args:
+            mesh: an index in ``scene.meshes``.
+
+        Raises:
+            omma.Error: no such mesh.
+        """
+        return self._engine.positions(whole(mesh, "mesh", 0, (1 << 31) - 1))
+
+    def _indices_of(self, instances: Instances) -> NDArray[np.int32]:
+        """Indices in `instances` of what is given by names or indices."""
         listed: Any = instances
         if isinstance(instances, str) or not hasattr(instances, "__iter__"):
             listed = [instances]
@@ -279,19 +398,26 @@ class World:
             else whole(one, f"instances[{k}]", 0, (1 << 31) - 1)
             for k, one in enumerate(listed)
         ]
-        matrices = array_of(transforms, "transforms")
-        if matrices.ndim == 2:
-            matrices = matrices[None]
-        if matrices.shape != (len(indices), 4, 4):
-            raise Error(
-                f"transforms: expected shape ({len(indices)}, 4, 4), found {np.shape(transforms)}"
-            )
-        new = set(indices) - self._moved.keys()
-        before = self.instances if new else []
-        self._engine.set_transforms(
-            np.array(indices, np.int32), np.ascontiguousarray(matrices), progress
-        )
-        self._moved.update((index, before[index].world_from_node) for index in new)
+        return np.array(indices, np.int32)
+
+    def _animations_of(self, animation: Animations | None) -> NDArray[np.int32]:
+        """Indices in ``scene.animations``; none for all."""
+        if animation is None:
+            return np.empty(0, np.int32)
+        if isinstance(animation, str):
+            return np.array([_core.find_animation(self._scene, animation)], np.int32)
+        return np.array([whole(animation, "animation", 0, (1 << 31) - 1)], np.int32)
+
+    def _places_before(self, indices: Iterable[int]) -> dict[int, NDArray[np.float64]]:
+        """Where those of these things are that have never been moved."""
+        new = {int(index) for index in indices} - self._moved.keys()
+        instances = self.instances if new else []
+        return {k: instances[k].world_from_node for k in sorted(new) if k < len(instances)}
+
+    def _note_moves(self, indices: NDArray[np.int32], animated: bool) -> None:
+        """Remember what a render has moved and put back."""
+        things = [*indices.tolist(), *(self._engine.animated if animated else ())]
+        self._moved.update(self._places_before(things))
 
     @property
     def bands(self) -> int:
@@ -384,4 +510,6 @@ def _from_pickle(state: dict[str, Any]) -> World:
     world = World(**state["arguments"])
     if state["moved"]:
         world.set_transforms(state["moved"], np.stack(state["world_from_node"]))
+    for mesh, positions, normals in state["shapes"]:
+        world.set_vertices(mesh, positions, normals if len(normals) else None)
     return world

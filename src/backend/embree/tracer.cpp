@@ -12,7 +12,7 @@ namespace omma {
 namespace {
 
 // Some ten microseconds of work.
-constexpr std::size_t instances_per_task = 64;
+constexpr std::size_t instances_per_task = 64, vertices_per_task = 4096;
 
 void check(RTCDevice device, const char* doing) {
   const RTCError code = rtcGetDeviceError(device);
@@ -54,21 +54,27 @@ Geometry new_geometry(RTCDevice device, RTCGeometryType type) {
 // vertices where they stay where they are and memory that is theirs follows the last one: it loads
 // 16 bytes for each vertex of 12. Its copies have a vertex more than there are, for the same
 // reason.
+//
+// One that changes its shape gets vertices of its own, and a hierarchy whose boxes are fitted to
+// them each time (refit).
 Geometry make_geometry(EmbreeTracer& tracer, const Mesh& mesh, std::int32_t mesh_index,
-                       const Mat4& placed, const SceneView& view) {
+                       const Mat4& placed, const SceneView& view, const Shape& shape) {
   Geometry geometry = new_geometry(tracer.device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  const std::size_t vertices = mesh.positions.size(), triangles = mesh.triangles.size();
-  const Vec3* positions = mesh.positions.data();
-  if (is_identity(placed) && mesh.positions.capacity() > vertices) {
+  const bool deforms = !shape.positions.empty();
+  const std::vector<Vec3>& given = deforms ? shape.positions : mesh.positions;
+  const std::size_t vertices = given.size(), triangles = mesh.triangles.size();
+  const Vec3* positions = given.data();
+  if (deforms) rtcSetGeometryBuildQuality(geometry.get(), RTC_BUILD_QUALITY_REFIT);
+  if (!deforms && is_identity(placed) && given.capacity() > vertices) {
     rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                               mesh.positions.data(), 0, sizeof(Vec3), vertices);
+                               given.data(), 0, sizeof(Vec3), vertices);
   } else {
     auto* position = static_cast<Vec3*>(rtcSetNewGeometryBuffer(
         geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3), vertices + 1));
     check(tracer.device, "making room for a mesh");
     position[vertices] = {};
     parallel_for(std::size_t{0}, vertices, [&](std::size_t i) {
-      position[i] = to_float(transform_point(placed, to_double(mesh.positions[i])));
+      position[i] = to_float(transform_point(placed, to_double(given[i])));
     });
     positions = position;
   }
@@ -91,12 +97,11 @@ Geometry make_geometry(EmbreeTracer& tracer, const Mesh& mesh, std::int32_t mesh
 // surround of radiance 1 would not give 1. (Of rays aimed exactly at corners a few in a thousand
 // still do.) It costs a tenth in light scenes, nothing in heavy ones.
 // Compact, for large scenes: 33 bytes a triangle instead of 57, and 31 more while building; it is
-// traced a sixth slower.
-RTCScene new_scene(RTCDevice device, bool compact) {
+// traced a sixth slower. Dynamic, of a mesh that changes its shape: the hierarchy is kept and fitted.
+RTCScene new_scene(RTCDevice device, RTCSceneFlags more) {
   RTCScene scene = rtcNewScene(device);
   if (scene != nullptr)
-    rtcSetSceneFlags(
-        scene, compact ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneFlags(scene, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | more));
   check(device, "making a scene");
   return scene;
 }
@@ -127,13 +132,14 @@ struct Build {
 
 // A mesh in a scene of its own, to be instanced, about its own origin.
 void build_mesh(EmbreeTracer& tracer, const Scene& scene, std::size_t m, const SceneView& view,
-                bool compact, Build& build) {
+                const Shape& shape, RTCSceneFlags flags, Build& build) {
   if (tracer.scene_of_mesh[m] != nullptr) return;
   const Mesh& mesh = scene.meshes[m];
-  tracer.scene_of_mesh[m] = new_scene(tracer.device, compact);
+  tracer.scene_of_mesh[m] =
+      new_scene(tracer.device, shape.positions.empty() ? flags : RTC_SCENE_FLAG_DYNAMIC);
   const Geometry geometry =
       make_geometry(tracer, mesh, static_cast<std::int32_t>(m),
-                    translation(tracer.layout.mesh_origin_m[m] * -1.0), view);
+                    translation(tracer.layout.mesh_origin_m[m] * -1.0), view, shape);
   rtcAttachGeometry(tracer.scene_of_mesh[m], geometry.get());
   build.commit(tracer.scene_of_mesh[m], mesh.triangles.size());
 }
@@ -158,7 +164,8 @@ void add_instance(EmbreeTracer& tracer, RTCScene top, std::size_t index, const S
     rtcSetGeometryInstancedScene(geometry.get(), tracer.scene_of_mesh[m]);
     place(geometry.get(), instance.frame_from_mesh);
   } else {
-    geometry = make_geometry(tracer, scene.meshes[m], instance.mesh, instance.frame_from_mesh, view);
+    geometry =
+        make_geometry(tracer, scene.meshes[m], instance.mesh, instance.frame_from_mesh, view, {});
     tracer.filter_of[index] =
         static_cast<const FilterData*>(rtcGetGeometryUserData(geometry.get()));
   }
@@ -177,6 +184,29 @@ std::unique_ptr<EmbreeTracer> new_tracer(const Scene& scene, const Placement& pl
   tracer->scene_of_mesh.resize(scene.meshes.size(), nullptr);
   tracer->filter_of.resize(tracer->layout.instances.size(), nullptr);
   return tracer;
+}
+
+// Gives a mesh that changes its shape the one that it has now.
+void reshape(EmbreeTracer& tracer, std::size_t mesh, const Placement& placement) {
+  const RTCScene scene = tracer.scene_of_mesh[mesh];
+  if (scene == nullptr) return;  // it has no triangles, or is placed nowhere
+  const RTCGeometry geometry = rtcGetGeometry(scene, 0);
+  auto* position = static_cast<Vec3*>(rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0));
+  const std::vector<Vec3>& positions = placement.shapes[mesh].positions;
+  const Vec3d origin = tracer.layout.mesh_origin_m[mesh];
+  parallel_ranges(std::size_t{0}, positions.size(), vertices_per_task,
+                  [&](std::size_t begin, std::size_t end) {
+                    for (std::size_t i = begin; i < end; ++i)
+                      position[i] = to_float(to_double(positions[i]) - origin);
+                  });
+  rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+  rtcCommitGeometry(geometry);
+  rtcCommitScene(scene);
+  check(tracer.device, "giving a mesh another shape");
+  // What places it has a box of its own to bring up to date.
+  for (std::size_t k = 0; k < tracer.layout.moving; ++k)
+    if (tracer.layout.instances[k].mesh == static_cast<std::int32_t>(mesh))
+      rtcCommitGeometry(rtcGetGeometry(tracer.moving, static_cast<unsigned>(k)));
 }
 
 }  // namespace
@@ -201,14 +231,17 @@ std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const Scene
   auto tracer = new_tracer(scene, placement);
 
   const SceneLayout& layout = tracer->layout;
-  const bool compact = layout.built_triangles > most_fast_triangles;
+  const RTCSceneFlags flags = layout.built_triangles > most_fast_triangles
+                                  ? RTC_SCENE_FLAG_COMPACT
+                                  : RTC_SCENE_FLAG_NONE;
   Build build{tracer->device, work};
   build.all = static_cast<double>(std::max<std::size_t>(layout.built_triangles, 1));
   for (const PlacedInstance& instance : layout.instances)
     if (instance.is_shared)
-      build_mesh(*tracer, scene, static_cast<std::size_t>(instance.mesh), view, compact, build);
+      build_mesh(*tracer, scene, static_cast<std::size_t>(instance.mesh), view,
+                 placement.shapes[static_cast<std::size_t>(instance.mesh)], flags, build);
 
-  tracer->scene = new_scene(tracer->device, compact);
+  tracer->scene = new_scene(tracer->device, flags);
   std::size_t copied_triangles = 0;
   for (std::size_t k = layout.moving; k < layout.instances.size(); ++k) {
     add_instance(*tracer, tracer->scene, k, scene, view);
@@ -221,7 +254,7 @@ std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const Scene
   // What moves has the lowest ids: each time that it moves, Embree goes through all ids up to the
   // last one of its scene. Its boxes are built anew then, a microsecond for each instance: building
   // them with lower quality takes longer, and Embree refits no instances.
-  tracer->moving = new_scene(tracer->device, false);
+  tracer->moving = new_scene(tracer->device, RTC_SCENE_FLAG_NONE);
   for (std::size_t k = 0; k < layout.moving; ++k)
     add_instance(*tracer, tracer->moving, k, scene, view);
   build.commit(tracer->moving, 0);
@@ -229,7 +262,8 @@ std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const Scene
 }
 
 void move_instances(EmbreeTracer& tracer, std::span<const int> instances,
-                    const Placement& placement) {
+                    std::span<const int> meshes, const Placement& placement) {
+  for (const int mesh : meshes) reshape(tracer, static_cast<std::size_t>(mesh), placement);
   parallel_ranges(std::size_t{0}, instances.size(), instances_per_task,
                   [&](std::size_t begin, std::size_t end) {
                     for (std::size_t k = begin; k < end; ++k) {

@@ -53,9 +53,9 @@ std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const Scene
                                                  const Placement& placement,
                                                  WorkState* work = nullptr);
 
-// Moves instances of the Scene that are in `moving`. Throws omma::Error where Embree fails; they
-// may be anywhere then.
+// Moves instances of the Scene that are in `moving`, and gives meshes the shape that they have now.
+// Throws omma::Error where Embree fails; they may be anywhere then.
 void move_instances(EmbreeTracer& tracer, std::span<const int> instances,
-                    const Placement& placement);
+                    std::span<const int> meshes, const Placement& placement);
 
 }  // namespace omma

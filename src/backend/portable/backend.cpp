@@ -14,9 +14,10 @@ Acceleration build(const Scene& scene, const SceneView& view, const Placement& p
   return {tracer, tracer->name};
 }
 
-void move(Acceleration& acceleration, std::span<const int> instances,
+void move(Acceleration& acceleration, std::span<const int> instances, std::span<const int> meshes,
           const Placement& placement) {
-  move_instances(*static_cast<PortableTracer*>(acceleration.tracer.get()), instances, placement);
+  move_instances(*static_cast<PortableTracer*>(acceleration.tracer.get()), instances, meshes,
+                 placement);
 }
 
 BlockFunctions block_functions() {

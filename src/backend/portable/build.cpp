@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
+#include <span>
 #include <string>
 
 #include "omma/error.h"
@@ -234,7 +235,7 @@ std::uint8_t step_exponent(double extent) {
   return static_cast<std::uint8_t>(std::clamp(exponent + 127, 1, 254));
 }
 
-void compress_boxes(const Box& own, const std::vector<Range>& children, WideNode& node) {
+void compress_boxes(const Box& own, std::span<const Box> children, WideNode& node) {
   for (int a = 0; a < 3; ++a) {
     const double origin = static_cast<double>(own.lower[a]);
     node.origin[a] = own.lower[a];
@@ -242,8 +243,8 @@ void compress_boxes(const Box& own, const std::vector<Range>& children, WideNode
     const double step = std::ldexp(1.0, node.exponent[a] - 127);
     for (std::size_t c = 0; c < children.size(); ++c) {
       const auto steps = [&](float x) { return (static_cast<double>(x) - origin) / step; };
-      node.lower[a][c] = static_cast<std::uint8_t>(std::floor(steps(children[c].box.lower[a])));
-      node.upper[a][c] = static_cast<std::uint8_t>(std::ceil(steps(children[c].box.upper[a])));
+      node.lower[a][c] = static_cast<std::uint8_t>(std::floor(steps(children[c].lower[a])));
+      node.upper[a][c] = static_cast<std::uint8_t>(std::ceil(steps(children[c].upper[a])));
     }
   }
 }
@@ -268,7 +269,10 @@ void build_node(const Tree& tree, const Range& range, FoundNode& found) {
   });
   const auto inner = static_cast<std::size_t>(leaves - children.begin());
   found.node = {};
-  compress_boxes(range.box, children, found.node);
+  std::array<Box, node_width> boxes;
+  std::transform(children.begin(), children.end(), boxes.begin(),
+                 [](const Range& child) { return child.box; });
+  compress_boxes(range.box, {boxes.data(), children.size()}, found.node);
   found.node.counts = static_cast<std::uint8_t>(children.size() << 4 | inner);
   for (std::size_t c = inner; c < children.size(); ++c) {
     found.leaf_begin[c] = children[c].begin;
@@ -303,7 +307,51 @@ void write_node(const Tree& tree, FoundNode& found, std::size_t at, BuiltTree& o
   found.children = {};
 }
 
+Box box_of_leaf(const TriangleBlock* blocks, int triangles) {
+  Box box;
+  for (int t = 0; t < triangles; ++t) {
+    const TriangleBlock& block = blocks[t / block_width];
+    const int k = t % block_width;
+    for (const auto& vertex : block.corner) {
+      const float at[3] = {vertex[0][k], vertex[1][k], vertex[2][k]};
+      if (at[0] == at[0]) box.include(at, at);  // not of a triangle that is not there
+    }
+  }
+  return box;
+}
+
 }  // namespace
+
+BuildBox refit_tree(std::span<WideNode> nodes, std::uint32_t first, const TriangleBlock* blocks) {
+  std::vector<Box> boxes(nodes.size());
+  for (std::size_t n = nodes.size(); n-- > 0;) {
+    WideNode& node = nodes[n];
+    const int children = node.counts >> 4, inner = node.counts & 15;
+    std::array<Box, node_width> child;
+    Box& own = boxes[n];
+    for (int c = 0; c < children; ++c) {
+      Box& box = child[static_cast<std::size_t>(c)];
+      box = c < inner ? boxes[node.first_child - first + static_cast<std::uint32_t>(c)]
+                      : box_of_leaf(blocks + node.first_leaf + (node.leaf[c] >> 4),
+                                    node.leaf[c] & 15);
+      own.include(box);
+    }
+    // One in which nothing can be met shrinks to a corner of its parent.
+    if (!(own.lower[0] <= own.upper[0])) continue;
+    for (Box& box : child)
+      if (!(box.lower[0] <= box.upper[0])) {
+        box = {};
+        box.include(own.lower, own.lower);
+      }
+    compress_boxes(own, {child.data(), static_cast<std::size_t>(children)}, node);
+  }
+  BuildBox all{};
+  for (int a = 0; a < 3; ++a) {
+    all.lower[a] = boxes[0].lower[a];
+    all.upper[a] = boxes[0].upper[a];
+  }
+  return all;
+}
 
 BuiltTree build_tree(std::vector<BuildBox>& boxes, int most_in_leaf, int block) {
   BuiltTree out;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "physics/bvh.h"
@@ -23,5 +24,9 @@ struct BuiltTree {
 // Leaves hold up to `most_in_leaf` boxes, in blocks of `block`. Moves the boxes about. The same
 // boxes give the same tree whatever the number of threads. Throws omma::Cancelled.
 BuiltTree build_tree(std::vector<BuildBox>& boxes, int most_in_leaf, int block);
+
+// Fits the boxes of a tree of triangles to blocks whose corners have moved; `nodes` are those of the
+// tree, which begins with node `first` of all. Returns the box around it, without an index.
+BuildBox refit_tree(std::span<WideNode> nodes, std::uint32_t first, const TriangleBlock* blocks);
 
 }  // namespace omma

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "backend/portable/build.h"
+#include "model/transform.h"
 #include "omma/error.h"
 #include "physics/surface.h"
 #include "physics/traverse.h"
@@ -20,6 +21,7 @@ namespace {
 // A mesh put into a tree.
 struct Copy {
   const Mesh* mesh = nullptr;
+  const std::vector<Vec3>* positions = nullptr;  // of the mesh as it is now
   Mat4 tree_from_mesh;
   std::uint32_t placed = 0;                          // as in TriangleBlock
   std::size_t first_triangle = 0, first_vertex = 0;  // of the tree's
@@ -29,9 +31,11 @@ struct Copies {
   std::vector<Copy> copies;
   std::vector<Vec3> vertex_m;  // [vertex of all copies], in the tree's frame
   std::size_t triangles = 0;
+  bool deforms = false;  // so that triangles that cannot be hit now may be another time
 
-  void add(const Mesh& mesh, const Mat4& tree_from_mesh, std::uint32_t placed) {
-    copies.push_back({&mesh, tree_from_mesh, placed, triangles, 0});
+  void add(const Mesh& mesh, const std::vector<Vec3>& positions, const Mat4& tree_from_mesh,
+           std::uint32_t placed) {
+    copies.push_back({&mesh, &positions, tree_from_mesh, placed, triangles, 0});
     triangles += mesh.triangles.size();
   }
   const Copy& of_triangle(std::size_t triangle) const {
@@ -73,7 +77,7 @@ std::vector<BuildBox> boxes_of(const Copies& tree) {
       const Copy& copy = tree.of_triangle(t);
       float corner[3][3];
       corners_of(tree, copy, t - copy.first_triangle, corner);
-      if (!can_be_hit(corner)) continue;
+      if (!tree.deforms && !can_be_hit(corner)) continue;
       BuildBox& box = boxes[out++];
       box.index = static_cast<std::uint32_t>(t);
       for (std::size_t a = 0; a < 3; ++a) {
@@ -93,11 +97,12 @@ std::vector<BuildBox> boxes_of(const Copies& tree) {
 void write_block(const Copies& tree, const std::uint32_t* order, TriangleBlock& block) {
   for (int k = 0; k < block_width; ++k) {
     float corner[3][3];
-    const bool is_filled = order[k] != none;
-    if (is_filled) {
+    bool is_there = order[k] != none;
+    if (is_there) {
       const Copy& copy = tree.of_triangle(order[k]);
       const std::size_t triangle = order[k] - copy.first_triangle;
       corners_of(tree, copy, triangle, corner);
+      is_there = can_be_hit(corner);
       block.triangle[k] = static_cast<std::uint32_t>(triangle);
       block.placed[k] = copy.placed;
     } else {
@@ -105,7 +110,7 @@ void write_block(const Copies& tree, const std::uint32_t* order, TriangleBlock& 
     }
     for (int i = 0; i < 3; ++i)
       for (int a = 0; a < 3; ++a)
-        block.corner[i][a][k] = is_filled ? corner[i][a] : std::numeric_limits<float>::quiet_NaN();
+        block.corner[i][a][k] = is_there ? corner[i][a] : std::numeric_limits<float>::quiet_NaN();
   }
 }
 
@@ -115,13 +120,13 @@ TreeRoot add_tree(PortableTracer& tracer, Copies& tree) {
   std::size_t vertices = 0;
   for (Copy& copy : tree.copies) {
     copy.first_vertex = vertices;
-    vertices += copy.mesh->positions.size();
+    vertices += copy.positions->size();
   }
   tree.vertex_m.resize(vertices);
   for (const Copy& copy : tree.copies)
-    parallel_for(std::size_t{0}, copy.mesh->positions.size(), [&](std::size_t i) {
+    parallel_for(std::size_t{0}, copy.positions->size(), [&](std::size_t i) {
       tree.vertex_m[copy.first_vertex + i] =
-          to_float(transform_point(copy.tree_from_mesh, to_double(copy.mesh->positions[i])));
+          to_float(transform_point(copy.tree_from_mesh, to_double((*copy.positions)[i])));
     });
   std::vector<BuildBox> boxes = boxes_of(tree);
   if (boxes.empty()) return place;
@@ -150,21 +155,8 @@ TreeRoot add_tree(PortableTracer& tracer, Copies& tree) {
     write_block(tree, built.order.data() + b * block_width, tracer.blocks[first_block + b]);
   });
   place.index = static_cast<std::uint32_t>(first_node);
+  place.end = static_cast<std::uint32_t>(tracer.nodes.size());
   return place;
-}
-
-// The inverse of an affine transform, in double.
-Mat4 inverse(const Mat4& t) {
-  const double det = determinant(t);
-  Mat4 inverse;
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c) {
-      const int r1 = (c + 1) % 3, r2 = (c + 2) % 3, c1 = (r + 1) % 3, c2 = (r + 2) % 3;
-      inverse.m[r][c] = (t.m[r1][c1] * t.m[r2][c2] - t.m[r1][c2] * t.m[r2][c1]) / det;
-    }
-  const Vec3d moved = transform_vector(inverse, {t.m[0][3], t.m[1][3], t.m[2][3]});
-  inverse.m[0][3] = -moved.x, inverse.m[1][3] = -moved.y, inverse.m[2][3] = -moved.z;
-  return inverse;
 }
 
 // The box around a placed tree, a little wider than it is: rays go into its frame in single
@@ -219,6 +211,53 @@ void build_top(PortableTracer& tracer) {
                  tracer.nodes.data(), tracer.blocks.data()};
 }
 
+// Where the k-th triangle of a block is now, about `origin`.
+void place_corners(TriangleBlock& block, int k, const Vec3* positions,
+                   const std::vector<std::array<std::uint32_t, 3>>& triangles, Vec3d origin) {
+  float corner[3][3];
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3 p = to_float(to_double(positions[triangles[block.triangle[k]][i]]) - origin);
+    corner[i][0] = p.x, corner[i][1] = p.y, corner[i][2] = p.z;
+  }
+  const bool is_there = can_be_hit(corner);
+  for (int i = 0; i < 3; ++i)
+    for (int a = 0; a < 3; ++a)
+      block.corner[i][a][k] = is_there ? corner[i][a] : std::numeric_limits<float>::quiet_NaN();
+}
+
+void take_positions(PortableTracer& tracer, const Placement& placement) {
+  tracer.position_m.clear();
+  for (std::size_t m = 0; m < tracer.scene->meshes.size(); ++m)
+    tracer.position_m.push_back(positions_of(*tracer.scene, placement, m).data());
+}
+
+// Gives a tree of a mesh the shape that this has now.
+void refit_mesh(PortableTracer& tracer, std::size_t mesh) {
+  TreeRoot& root = tracer.of_mesh[mesh];
+  if (root.index == none) return;
+  const Vec3* positions = tracer.position_m[mesh];
+  const auto& triangles = tracer.scene->meshes[mesh].triangles;
+  const Vec3d origin = tracer.layout.mesh_origin_m[mesh];
+  const std::span<WideNode> nodes(&tracer.nodes[root.index], root.end - root.index);
+  constexpr std::size_t nodes_per_task = 64;  // some hundred triangles each
+  parallel_ranges(std::size_t{0}, nodes.size(), nodes_per_task,
+                  [&](std::size_t begin, std::size_t end) {
+                    for (std::size_t n = begin; n < end; ++n) {
+                      const WideNode& node = nodes[n];
+                      for (int c = node.counts & 15; c < node.counts >> 4; ++c)
+                        for (int t = 0; t < (node.leaf[c] & 15); ++t)
+                          place_corners(tracer.blocks[node.first_leaf +
+                                                      static_cast<std::size_t>(node.leaf[c] >> 4) +
+                                                      static_cast<std::size_t>(t / block_width)],
+                                        t % block_width, positions, triangles, origin);
+                    }
+                  });
+  const BuildBox box = refit_tree(nodes, root.index, tracer.blocks.data());
+  if (!(box.lower[0] <= box.upper[0])) return;  // flattened to a point: nothing of it can be met
+  std::copy_n(box.lower, 3, root.lower);
+  std::copy_n(box.upper, 3, root.upper);
+}
+
 bool may_ask(const SceneView& view, std::int32_t mesh) {
   const MaterialView& material = view.materials[view.meshes[mesh].material];
   return may_reject(material) || lets_rays_on(material);
@@ -231,6 +270,7 @@ void build_all(PortableTracer& tracer, const Placement& placement, WorkState* wo
   tracer.nodes.clear();
   tracer.blocks.clear();
   tracer.of_mesh.assign(scene.meshes.size(), {});
+  take_positions(tracer, placement);
 
   Copies copies;
   std::vector<Copies> shared(scene.meshes.size());
@@ -240,13 +280,17 @@ void build_all(PortableTracer& tracer, const Placement& placement, WorkState* wo
     const auto m = static_cast<std::size_t>(instance.mesh);
     const std::uint32_t ask =
         may_ask(*tracer.scene_view, instance.mesh) ? ask_flag : std::uint32_t{0};
-    if (!instance.is_shared)
-      copies.add(scene.meshes[m], instance.frame_from_mesh, static_cast<std::uint32_t>(i) | ask);
-    else if (shared[m].copies.empty())
-      shared[m].add(scene.meshes[m],
+    const std::vector<Vec3>& positions = positions_of(scene, placement, m);
+    if (!instance.is_shared) {
+      copies.add(scene.meshes[m], positions, instance.frame_from_mesh,
+                 static_cast<std::uint32_t>(i) | ask);
+    } else if (shared[m].copies.empty()) {
+      shared[m].deforms = !placement.shapes[m].positions.empty();
+      shared[m].add(scene.meshes[m], positions,
                     translation(tracer.layout.mesh_origin_m[m] * -1.0), ask);
-    else
+    } else {
       continue;
+    }
     all_triangles += scene.meshes[m].triangles.size();
   }
   const auto build = [&](Copies& tree) {
@@ -274,7 +318,7 @@ Triangle PortableTracer::corners(std::uint32_t surface, std::uint32_t triangle) 
   for (std::size_t k = 0; k < 3; ++k)
     t.corner[k] =
         transform_point(instance.frame_from_mesh,
-                        to_double(mesh.positions[mesh.triangles[triangle][k]]) - about);
+                        to_double(position_m[m][mesh.triangles[triangle][k]]) - about);
   return t;
 }
 
@@ -288,7 +332,9 @@ std::unique_ptr<PortableTracer> make_portable_tracer(const Scene& scene, const S
 }
 
 void move_instances(PortableTracer& tracer, std::span<const int> instances,
-                    const Placement& placement) {
+                    std::span<const int> meshes, const Placement& placement) {
+  if (!meshes.empty()) take_positions(tracer, placement);
+  for (const int mesh : meshes) refit_mesh(tracer, static_cast<std::size_t>(mesh));
   for (const int instance : instances) {
     const std::int32_t index = tracer.layout.index_of[static_cast<std::size_t>(instance)];
     if (index >= 0) place_instance(tracer.layout, static_cast<std::size_t>(index), placement);

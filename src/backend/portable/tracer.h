@@ -19,6 +19,7 @@ namespace omma {
 // A tree of triangles.
 struct TreeRoot {
   std::uint32_t index = none;          // of its root among the nodes; `none`: nothing to hit
+  std::uint32_t end = 0;               // behind its last node; children come after their parents
   float lower[3] = {}, upper[3] = {};  // m, the box around it in its frame
 };
 
@@ -32,6 +33,7 @@ struct PortableTracer {
 
   const Scene* scene = nullptr;
   const SceneView* scene_view = nullptr;
+  std::vector<const Vec3*> position_m;  // [mesh][vertex], in the mesh's frame, as it is now
   SceneLayout layout;
   TreeRoot copies;                // of all that is not shared
   std::vector<TreeRoot> of_mesh;  // [mesh], where it is shared
@@ -47,8 +49,9 @@ std::unique_ptr<PortableTracer> make_portable_tracer(const Scene& scene, const S
                                                      WorkState* work = nullptr);
 
 // Moves instances of the Scene to where they are placed now: only the tree over what is placed is
-// built again.
+// built again. Meshes that changed their shape take it on: the boxes of their trees are fitted to
+// it.
 void move_instances(PortableTracer& tracer, std::span<const int> instances,
-                    const Placement& placement);
+                    std::span<const int> meshes, const Placement& placement);
 
 }  // namespace omma

@@ -1,0 +1,163 @@
+"""What moves from pose to pose while a renderer goes through them: checked, for the engine."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypedDict, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma._core import Error
+from omma.base.arguments import array_of
+from omma.base.poses import Matrices, as_poses
+from omma.photoreceptors import ImpulseResponse
+from omma.scene.world import Animations, Instances, World
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+F = TypeVar("F", bound=Callable[..., Any])
+EngineMoves = tuple[
+    NDArray[np.int32],
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.int32],
+    NDArray[np.float64],
+    NDArray[np.float64],
+]
+
+
+class MovesOptions(TypedDict, total=False):
+    """What moves from pose to pose, as keyword arguments of `Renderer.render`."""
+
+    instances: Instances | None
+    transforms: ArrayLike | None
+    times_s: ArrayLike | None
+    animation: Animations | None
+    past: tuple[ArrayLike | tuple[ArrayLike, ArrayLike], ArrayLike] | None
+
+
+def takes_moves(function: F) -> F:
+    """The same function, whose signature says ``**moves`` one by one (`MovesOptions`)."""
+    signature = inspect.signature(function)
+    parameters = [one for one in signature.parameters.values() if one.kind is not one.VAR_KEYWORD]
+    for name, annotation in MovesOptions.__annotations__.items():
+        text = getattr(annotation, "__forward_arg__", annotation)
+        parameters.append(
+            inspect.Parameter(
+                name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=str(text)
+            )
+        )
+    function.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+    return function
+
+
+class Moves:
+    """Where things are at each of some poses; empty where nothing moves.
+
+    Args:
+        world: in which they move.
+        matrices: the poses, (P, 4, 4).
+        options: as the user gave them.
+        impulse_response: of the renderer's settings; None: frames are instants.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        matrices: Matrices,
+        options: MovesOptions,
+        impulse_response: ImpulseResponse | None,
+    ) -> None:
+        self._world = world
+        self._poses, poses = matrices, len(matrices)
+        self._longest_s = None if impulse_response is None else impulse_response.duration_s
+        instances, transforms = options.get("instances"), options.get("transforms")
+        times, animation = options.get("times_s"), options.get("animation")
+        if (instances is None) != (transforms is None):
+            given, missing = (
+                ("instances", "transforms") if transforms is None else ("transforms", "instances")
+            )
+            raise Error(f"{missing}: expected with {given}, found None")
+        self._instances = np.empty(0, np.int32)
+        self._transforms = np.empty((poses, 0, 4, 4))
+        if instances is not None:
+            self._instances = world._indices_of(instances)
+            shape = (poses, len(self._instances), 4, 4)
+            self._transforms = array_of(transforms, "transforms")
+            if self._transforms.shape != shape:
+                raise Error(
+                    f"transforms: expected shape {shape}, one for each pose and thing, found "
+                    f"{self._transforms.shape}"
+                )
+        self._times: NDArray[np.float64] | None = None
+        if times is not None:
+            self._times = array_of(times, "times_s", (poses,))
+        elif animation is not None:
+            raise Error("animation: is for times_s, found None of these")
+        if impulse_response is not None and self._times is None:
+            raise Error(
+                "times_s: expected when each pose is, as frames last with an impulse response, "
+                "found None"
+            )
+        self._animations = world._animations_of(animation)
+        self._past = np.empty((0, 4, 4)), np.empty(0)
+        past = options.get("past")
+        if past is not None:
+            if impulse_response is None:
+                raise Error("past: is for renderers with an impulse response, found one without")
+            self._past = _checked_past(past)
+
+    def part(self, first: int, count: int) -> Self:
+        """The same of some of the poses."""
+        part = object.__new__(type(self))
+        vars(part).update(vars(self))
+        part._transforms = self._transforms[first : first + count]
+        part._poses = self._poses[first : first + count]
+        if self._longest_s is not None and self._times is not None:
+            # What the first of them still sees, and one before.
+            times = np.concatenate([self._past[1], self._times[:first]])
+            seen = int(np.searchsorted(times, self._times[first] - self._longest_s))
+            kept = slice(max(0, seen - 1), None)
+            before = np.concatenate([self._past[0], self._poses[:first]])
+            part._past = np.ascontiguousarray(before[kept]), times[kept]
+        if self._times is not None:
+            part._times = self._times[first : first + count]
+        return part
+
+    def options(self) -> MovesOptions:
+        """As a user gives them."""
+        options: MovesOptions = {}
+        if len(self._instances) > 0:
+            options |= {"instances": self._instances, "transforms": self._transforms}
+        if self._times is not None:
+            options["times_s"] = self._times
+            if len(self._animations) > 0:
+                options["animation"] = int(self._animations[0])
+            if len(self._past[1]) > 0:
+                options["past"] = self._past
+        return options
+
+    def for_engine(self) -> EngineMoves | None:
+        """As the engine takes them; None where nothing moves."""
+        if len(self._instances) == 0 and self._times is None:
+            return None
+        times = np.empty(0) if self._times is None else self._times
+        transforms = np.ascontiguousarray(self._transforms.reshape(-1, 4, 4))
+        times = np.ascontiguousarray(times)
+        return self._instances, transforms, times, self._animations, *self._past
+
+    def note(self) -> None:
+        """Have the world know what has moved, which is back where it was."""
+        if self.for_engine() is not None:
+            self._world._note_moves(self._instances, self._times is not None)
+
+
+def _checked_past(past: Any) -> tuple[Matrices, NDArray[np.float64]]:
+    """Poses before the first, and when they were."""
+    if not isinstance(past, (tuple, list)) or len(past) != 2:
+        raise Error(f"past: expected (poses, times_s), found {past!r:.40}")
+    matrices = as_poses(past[0])
+    return matrices, np.ascontiguousarray(array_of(past[1], "past", (len(matrices),)))
