@@ -73,7 +73,7 @@ class ImpulseResponse:
 
         Args:
             time_to_peak_s: t_p, when it is largest, s.
-            sigma: σ, without unit, 0.01 to 1 (wider ones hardly end); about 0.2 to 0.5 in animals.
+            sigma: σ, without unit, 0.01 to 1; wider ones hardly end.
 
         Example:
             >>> h = omma.photoreceptors.ImpulseResponse.howard(0.010, 0.3)
