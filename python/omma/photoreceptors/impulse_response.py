@@ -55,7 +55,7 @@ class ImpulseResponse:
         if self.shape != "table":
             _check_time(self.time_s, "time_s")
             if self.shape == "howard":
-                within(self.sigma, "sigma", 0.01, 2.0)
+                within(self.sigma, "sigma", 0.01, 1.0)
             if len(self.times_s) or len(self.values):
                 raise Error(f"times_s: expected none, as the shape is {self.shape}")
             object.__setattr__(self, "time_s", float(self.time_s))
@@ -73,7 +73,7 @@ class ImpulseResponse:
 
         Args:
             time_to_peak_s: t_p, when it is largest, s.
-            sigma: σ, without unit, 0.01 to 2; 0.2 to 0.5 in what is published.
+            sigma: σ, without unit, 0.01 to 1; wider ones hardly end.
 
         Example:
             >>> h = omma.photoreceptors.ImpulseResponse.howard(0.010, 0.3)

@@ -25,7 +25,7 @@ _BUMBLEBEE = {
     "bumblebee blue": 9.8e-3,
     "bumblebee ultraviolet": 12.3e-3,
 }
-# The middle of what log-normals of insects have; the time to the peak follows from the width.
+# An assumption, near the 0.24 and 0.27 of a hover fly; it gives the time to the peak.
 _ASSUMED_SIGMA = 0.3
 
 
