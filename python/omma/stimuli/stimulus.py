@@ -108,7 +108,20 @@ class Stimulus:
             omma.Error: the world lacks them, or is being rendered.
         """
         expect(world, World, "world", "Stimulus.world gives one")
-        world.set_transforms(self.names, self.transforms([_one_time(time_s)])[0])
+        places = self._transforms(np.array([_one_time(time_s)]))[0]
+        world.set_transforms(self._indices(world), places)
+
+    def _indices(self, world: World) -> list[int]:
+        """Which of a world's things are its own."""
+        numbers: dict[str, list[int]] = {}
+        for number, one in enumerate(world.instances):
+            numbers.setdefault(one.name, []).append(number)
+        found = [numbers.get(name, []) for name in self.names]
+        # The world says what is wrong with a name that nothing has, or several things.
+        return [
+            one[0] if len(one) == 1 else world.index(name)
+            for name, one in zip(self.names, found, strict=True)
+        ]
 
     @checked
     def expected(self, axes: ArrayLike, acceptance_rad: ArrayLike, times_s: ArrayLike) -> Floats:
@@ -180,9 +193,10 @@ class Stimulus:
                 f"poses: expected shape (4, 4) or ({len(times)}, 4, 4), found {matrices.shape}"
             )
         matrices = np.ascontiguousarray(np.broadcast_to(matrices, (len(times), 4, 4)))
+        indices = self._indices(renderer.world)
         responses = np.empty((len(times), len(renderer.eye), renderer.bands), np.float32)
-        for k, time_s in enumerate(times):
-            self.move(renderer.world, float(time_s))
+        for k in range(len(times)):
+            renderer.world.set_transforms(indices, self._transforms(times[k : k + 1])[0])
             renderer.render(matrices[k], out=responses[k : k + 1])
             if progress is not None:
                 progress((k + 1) / len(times))
