@@ -12,7 +12,7 @@ from omma._core import Error, Eye
 from omma.base.arguments import output_array
 from omma.receptors.catches import type_polarisation
 from omma.receptors.sensitivity import ommatidium_of_receptor, receptor_matrix
-from omma.rendering.moves import Moves, MovesOptions
+from omma.rendering.moves import MovesOptions
 from omma.rendering.settings import frame_number
 
 if TYPE_CHECKING:

@@ -166,9 +166,9 @@ Sampling = Fixed | ToError | Shared
 class Settings:
     """Everything about a renderer's rays that responses depend on.
 
-    impulse_response: how photoreceptors answer a flash (`omma.photoreceptors.ImpulseResponse`): each
-        ray draws from it how long before a frame it looks, and starts from where the head was then
-        (docs/time.md). None: frames are instants.
+    impulse_response: how photoreceptors answer a flash (`omma.photoreceptors.ImpulseResponse`):
+        each ray draws from it how long before a frame it looks, and starts from where the head was
+        then (docs/time.md). None: frames are instants.
     """
 
     sampling: Sampling = Fixed()
@@ -301,7 +301,11 @@ def settings_as_record(settings: Settings) -> dict[str, str | int | float]:
         name: int(value) if isinstance(value, bool) else value
         for name, value in flat.items()
         if value is not None
-    } | ({} if settings.impulse_response is None else {"impulse_response": repr(settings.impulse_response)})
+    } | (
+        {}
+        if settings.impulse_response is None
+        else {"impulse_response": repr(settings.impulse_response)}
+    )
 
 
 def settings_from_record(record: Mapping[str, Any]) -> Settings:
