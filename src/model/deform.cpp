@@ -1,6 +1,7 @@
 // Blending and linear blend skinning (glTF 2.0, sections 3.7.2.2 and 3.7.3).
 #include "model/deform.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "threads/parallel.h"
@@ -31,7 +32,9 @@ std::vector<Bone> bones_of(const Rig& rig, const Deformation& deformation, const
 
 // Normalised; as it was where it has no direction.
 Vec3 unit_or(Vec3 n, Vec3 otherwise) {
-  const float largest = std::fmax(std::fmax(std::fabs(n.x), std::fabs(n.y)), std::fabs(n.z));
+  const float squares = dot(n, n);
+  if (squares > 1e-20f && squares < 1e20f) return n * (1 / std::sqrt(squares));
+  const float largest = std::max({std::fabs(n.x), std::fabs(n.y), std::fabs(n.z)});
   if (!(largest > 0) || !std::isfinite(largest)) return otherwise;
   n = n * (1 / largest);
   return n * (1 / std::sqrt(dot(n, n)));

@@ -242,9 +242,12 @@ void compress_boxes(const Box& own, std::span<const Box> children, WideNode& nod
     node.exponent[a] = step_exponent(static_cast<double>(own.upper[a]) - origin);
     const double step = std::ldexp(1.0, node.exponent[a] - 127);
     for (std::size_t c = 0; c < children.size(); ++c) {
+      // Neither is below 0, so that what is cut off rounds down.
       const auto steps = [&](float x) { return (static_cast<double>(x) - origin) / step; };
-      node.lower[a][c] = static_cast<std::uint8_t>(std::floor(steps(children[c].lower[a])));
-      node.upper[a][c] = static_cast<std::uint8_t>(std::ceil(steps(children[c].upper[a])));
+      const double last = steps(children[c].upper[a]);
+      const auto whole = static_cast<int>(last);
+      node.lower[a][c] = static_cast<std::uint8_t>(steps(children[c].lower[a]));
+      node.upper[a][c] = static_cast<std::uint8_t>(whole + (last > whole ? 1 : 0));
     }
   }
 }
@@ -307,15 +310,24 @@ void write_node(const Tree& tree, FoundNode& found, std::size_t at, BuiltTree& o
   found.children = {};
 }
 
+// All places of the blocks at once: those without a triangle hold no number, which is neither less
+// nor more.
 Box box_of_leaf(const TriangleBlock* blocks, int triangles) {
+  float lower[3][block_width], upper[3][block_width];
+  for (int a = 0; a < 3; ++a)
+    for (int k = 0; k < block_width; ++k) lower[a][k] = infinity, upper[a][k] = -infinity;
+  for (int t = 0; t < triangles; t += block_width)
+    for (const auto& vertex : blocks[t / block_width].corner)
+      for (int a = 0; a < 3; ++a)
+        for (int k = 0; k < block_width; ++k) {
+          const float x = vertex[a][k];
+          lower[a][k] = x < lower[a][k] ? x : lower[a][k];
+          upper[a][k] = x > upper[a][k] ? x : upper[a][k];
+        }
   Box box;
-  for (int t = 0; t < triangles; ++t) {
-    const TriangleBlock& block = blocks[t / block_width];
-    const int k = t % block_width;
-    for (const auto& vertex : block.corner) {
-      const float at[3] = {vertex[0][k], vertex[1][k], vertex[2][k]};
-      if (at[0] == at[0]) box.include(at, at);  // not of a triangle that is not there
-    }
+  for (int a = 0; a < 3; ++a) {
+    box.lower[a] = *std::min_element(lower[a], lower[a] + block_width);
+    box.upper[a] = *std::max_element(upper[a], upper[a] + block_width);
   }
   return box;
 }

@@ -211,12 +211,12 @@ void build_top(PortableTracer& tracer) {
                  tracer.nodes.data(), tracer.blocks.data()};
 }
 
-// Where the k-th triangle of a block is now, about `origin`.
-void place_corners(TriangleBlock& block, int k, const Vec3* positions,
-                   const std::vector<std::array<std::uint32_t, 3>>& triangles, Vec3d origin) {
+// Where the k-th triangle of a block is now.
+void place_corners(TriangleBlock& block, int k, const std::vector<Vec3>& vertex_m,
+                   const std::array<std::uint32_t, 3>& vertices) {
   float corner[3][3];
   for (std::size_t i = 0; i < 3; ++i) {
-    const Vec3 p = to_float(to_double(positions[triangles[block.triangle[k]][i]]) - origin);
+    const Vec3 p = vertex_m[vertices[i]];
     corner[i][0] = p.x, corner[i][1] = p.y, corner[i][2] = p.z;
   }
   const bool is_there = can_be_hit(corner);
@@ -235,21 +235,27 @@ void take_positions(PortableTracer& tracer, const Placement& placement) {
 void refit_mesh(PortableTracer& tracer, std::size_t mesh) {
   TreeRoot& root = tracer.of_mesh[mesh];
   if (root.index == none) return;
-  const Vec3* positions = tracer.position_m[mesh];
-  const auto& triangles = tracer.scene->meshes[mesh].triangles;
+  const Mesh& own = tracer.scene->meshes[mesh];
   const Vec3d origin = tracer.layout.mesh_origin_m[mesh];
+  std::vector<Vec3> vertex_m(own.positions.size());  // in the tree's frame
+  for (std::size_t i = 0; i < vertex_m.size(); ++i)
+    vertex_m[i] = to_float(to_double(tracer.position_m[mesh][i]) - origin);
   const std::span<WideNode> nodes(&tracer.nodes[root.index], root.end - root.index);
   constexpr std::size_t nodes_per_task = 64;  // some hundred triangles each
   parallel_ranges(std::size_t{0}, nodes.size(), nodes_per_task,
                   [&](std::size_t begin, std::size_t end) {
                     for (std::size_t n = begin; n < end; ++n) {
                       const WideNode& node = nodes[n];
-                      for (int c = node.counts & 15; c < node.counts >> 4; ++c)
-                        for (int t = 0; t < (node.leaf[c] & 15); ++t)
-                          place_corners(tracer.blocks[node.first_leaf +
-                                                      static_cast<std::size_t>(node.leaf[c] >> 4) +
-                                                      static_cast<std::size_t>(t / block_width)],
-                                        t % block_width, positions, triangles, origin);
+                      for (int c = node.counts & 15; c < node.counts >> 4; ++c) {
+                        TriangleBlock* blocks =
+                            &tracer.blocks[node.first_leaf +
+                                           static_cast<std::size_t>(node.leaf[c] >> 4)];
+                        for (int t = 0; t < (node.leaf[c] & 15); ++t) {
+                          TriangleBlock& block = blocks[t / block_width];
+                          const int k = t % block_width;
+                          place_corners(block, k, vertex_m, own.triangles[block.triangle[k]]);
+                        }
+                      }
                     }
                   });
   const BuildBox box = refit_tree(nodes, root.index, tracer.blocks.data());
