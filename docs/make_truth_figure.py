@@ -20,6 +20,7 @@ from omma.picture.eye_maps import project_directions
 OUT = Path(__file__).resolve().parent / "ground-truth.png"
 # Ahead, and to the right: a flight of fruit flies and a slow saccade.
 SPEED_M_S, TURN_DEG_S = 0.5, 100.0
+ARROWS_S = 0.2
 KINDS = {
     "grass": (("turf", "grass", "blades", "verges"), (0.35, 0.62, 0.20)),
     "flowers": (
@@ -46,32 +47,38 @@ def main() -> None:
     truth = renderer.ground_truth(pose, shares=names, head_velocity=flying)
     turned = renderer.ground_truth(pose, head_velocity=turning)
 
-    figure, panels = plt.subplots(2, 2, figsize=(12, 7.4), layout="constrained")
-    seen, distance, shares, flow = panels.ravel()
+    figure, panels = plt.subplots(3, 2, figsize=(12, 11), layout="constrained")
+    seen, distance, shares, spread, flown, turns = panels.ravel()
     ids = omma.picture.projection_ids(eye, "mollweide", WIDTH, WIDTH // 2)
-    show(seen, paint(ids, omma.picture.display(truth.responses[0])), "What it sees")
+    shown = omma.picture.display(truth.responses) / 255  # (1, N, 3)
+    show(seen, paint(ids, shown[0]), "What it sees")
     image = show(
-        distance, paint(ids, truth.distance_m[0, :, None])[..., 0], "Mean distance of what is met",
-        norm=LogNorm(0.05, 300), cmap="viridis_r",
+        distance, paint(ids, truth.distance_m[0, :, None])[..., 0], "Mean distance of what is met (white: sky alone)",
+        norm=LogNorm(0.3, 300), cmap="viridis_r",
     )  # fmt: skip
-    figure.colorbar(image, ax=distance, label="m", shrink=0.75)
+    add_bar(figure, image, distance, [0.3, 1, 3, 10, 30, 100, 300], "m")
     show(shares, paint(ids, mixed(truth, kind_of)), "What fills the field, by shares")
     colours = [*((name, colour) for name, (_, colour) in KINDS.items()), ("sky", SKY)]
+    # The mean of 1/distance is what a translation makes flow of.
+    image = show(
+        spread, paint(ids, truth.inverse_distance_per_m[0, :, None])[..., 0],
+        "Mean inverse distance, 0 where sky is", vmin=0, vmax=2, cmap="viridis",
+    )  # fmt: skip
+    add_bar(figure, image, spread, [0, 1, 2], "per metre")
     shares.legend(
         handles=[patches.Patch(color=colour, label=name) for name, colour in colours],
         loc="upper center", bbox_to_anchor=(0.5, 0.02), ncols=5, frameon=False, fontsize=9,
         handlelength=1.2, columnspacing=1.2,
     )  # fmt: skip
-    show(flow, np.full((WIDTH // 2, WIDTH, 3), 0.96), "Optic flow")
     chosen = thinned(eye)
-    for motion, colour, label in (
-        (truth, "#0072b2", f"flying ahead at {SPEED_M_S:g} m/s"),
-        (turned, "#d55e00", f"turning right at {TURN_DEG_S:g}°/s"),
+    for panel, motion, colour, title in (
+        (flown, truth, "#0072b2", f"Optic flow, flying ahead at {SPEED_M_S:g} m/s"),
+        (turns, turned, "#d55e00", f"Optic flow, turning right at {TURN_DEG_S:g}° per second"),
     ):
-        draw_flow(flow, eye, motion.flow_rad_s[0], chosen, colour, label)
-    flow.legend(
-        loc="upper center", bbox_to_anchor=(0.5, 0.02), ncols=2, frameon=False, fontsize=9,
-    )  # fmt: skip
+        show(panel, np.full((WIDTH // 2, WIDTH, 3), 0.96), title)
+        draw_flow(panel, eye, motion.flow_rad_s[0], chosen, colour)
+        note = f"arrows: how far in {ARROWS_S:g} s"
+        panel.text(0, -1.5, note, ha="center", va="top", fontsize=9)
     figure.savefig(OUT, dpi=110)
     print(f"wrote {OUT.name}")
 
@@ -129,18 +136,25 @@ def thinned(eye) -> np.ndarray:
     return np.array(chosen)
 
 
-def draw_flow(panel, eye, flow_rad_s, chosen, colour, label) -> None:
-    """Arrows on the map: where what is seen would be after a moment, a tenth of a second."""
+def add_bar(figure, image, panel, ticks, label) -> None:
+    """A colour bar with plain numbers."""
+    bar = figure.colorbar(image, ax=panel, label=label, shrink=0.75, ticks=ticks)
+    bar.ax.set_yticklabels([f"{tick:g}" for tick in ticks])
+    bar.ax.minorticks_off()
+
+
+def draw_flow(panel, eye, flow_rad_s, chosen, colour) -> None:
+    """Arrows on the map: where what is seen would be after a moment."""
     axis, up = eye.axis[chosen].astype(float), eye.up[chosen].astype(float)
     shift = flow_rad_s[chosen, :1] * np.cross(axis, up) + flow_rad_s[chosen, 1:] * up
-    after = axis + 0.1 * shift
+    after = axis + ARROWS_S * shift
     after /= np.linalg.norm(after, axis=1, keepdims=True)
     start, end = (project_directions(d, "mollweide") for d in (axis, after))
     step = end - start
     near = np.abs(step[:, 0]) < 1  # not across the map's edge
     panel.quiver(
         *start[near].T, *step[near].T, color=colour, angles="xy", scale_units="xy", scale=1,
-        width=0.0032, headwidth=4, headlength=4.5, label=label,
+        width=0.0035, headwidth=4, headlength=4.5,
     )  # fmt: skip
 
 

@@ -44,9 +44,10 @@ def narrow_eye(count=400):
 
 
 def eye_ahead(**acceptance):
-    """Two ommatidia that look straight ahead."""
+    """Two ommatidia in the head's origin that look straight ahead."""
     ahead = np.tile(FORWARD, (2, 1)).astype(np.float32)
-    return narrow_eye(2).replace(axis=ahead, position_m=np.zeros((2, 3)), **acceptance)
+    up = np.tile(np.float32([0, 1, 0]), (2, 1))
+    return narrow_eye(2).replace(axis=ahead, up=up, position_m=np.zeros((2, 3)), **acceptance)
 
 
 def frame_of(eye, pose):
