@@ -184,14 +184,17 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, Eye eye, RenderSettings s
 
 void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> responses,
                       const RenderCall& call) const {
-  // Times are also those of the head's motion while frames last.
-  const bool has_animations = scene().rig != nullptr && !scene().rig->animations.empty();
-  const bool is_animated =
-      !call.times_s.empty() && (state_->settings.delays_s.empty() || has_animations);
-  if (!call.instances.empty() || !call.world_from_node.empty() || is_animated)
+  if (!call.instances.empty() || !call.world_from_node.empty() || is_animated(*state_, call))
     return render_moving(*state_, world_from_head, responses, call);
   const Rendering rendering(state_->world);
   render_still(*state_, world_from_head, responses, call);
+}
+
+bool is_animated(const Renderer::State& s, const RenderCall& call) {
+  if (call.times_s.empty()) return false;
+  // With delays they may be the head's alone.
+  const Rig* const rig = s.world.scene().rig.get();
+  return s.settings.delays_s.empty() || (rig != nullptr && !rig->animations.empty());
 }
 
 void render_still(const Renderer::State& s, std::span<const Mat4> world_from_head,

@@ -33,7 +33,7 @@ void check_divides(const char* name, std::span<T> output, std::size_t poses) {
 Moves moves_of(const BuiltScene& built, const RenderCall& call, std::span<const int> animations,
                std::size_t pose, std::size_t poses) {
   Moves moves;
-  if (!call.times_s.empty()) moves = moves_at(built, animations, call.times_s[pose]);
+  if (!animations.empty()) moves = moves_at(built, animations, call.times_s[pose]);
   if (!moves.instances.empty() && !call.instances.empty()) {
     std::size_t kept = 0;
     for (std::size_t k = 0; k < moves.instances.size(); ++k) {
@@ -126,7 +126,7 @@ void render_moving(const Renderer::State& s, std::span<const Mat4> world_from_he
   const Moving moving(built, "render");
   traced_poses(world_from_head, s.eye_arrays, built.placement.origin_m);  // all checked beforehand
   const std::vector<int> animations =
-      call.times_s.empty() ? std::vector<int>() : chosen_animations(*built.scene, call.animations);
+      is_animated(s, call) ? chosen_animations(*built.scene, call.animations) : std::vector<int>();
 
   const HeadKeys keys(s.settings, call, world_from_head);
 

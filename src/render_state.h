@@ -101,6 +101,9 @@ const SharedSet& shared_set(const Renderer::State& state, int pattern);
 void render_still(const Renderer::State& state, std::span<const Mat4> world_from_head,
                   std::span<float> responses, const RenderCall& call);
 
+// Whether the call's times say where things are that animations move.
+bool is_animated(const Renderer::State& state, const RenderCall& call);
+
 // Renderer::render where things move from pose to pose (render_moving.cpp).
 void render_moving(const Renderer::State& state, std::span<const Mat4> world_from_head,
                    std::span<float> responses, const RenderCall& call);

@@ -293,19 +293,17 @@ def takes_options(function: F) -> F:
 
 def settings_as_record(settings: Settings) -> dict[str, str | int | float]:
     """Settings as texts and numbers, which every file format can hold, without what is None."""
-    flat = {"sampling": type(settings.sampling).__name__}
+    flat: dict[str, Any] = {"sampling": type(settings.sampling).__name__}
     for part in (settings.sampling, settings):
         flat |= {one.name: getattr(part, one.name) for one in options_of(type(part))}
     flat["seed"] = str(settings.seed)  # up to 2**64 - 1, which few formats hold as a number
+    if settings.impulse_response is not None:
+        flat["impulse_response"] = repr(settings.impulse_response)
     return {
         name: int(value) if isinstance(value, bool) else value
         for name, value in flat.items()
         if value is not None
-    } | (
-        {}
-        if settings.impulse_response is None
-        else {"impulse_response": repr(settings.impulse_response)}
-    )
+    }
 
 
 def settings_from_record(record: Mapping[str, Any]) -> Settings:
