@@ -40,6 +40,7 @@ def make_dataset(
     matrices = renderer._matrices(poses)
     times = None if time_s is None else array_of(time_s, "time_s", (len(matrices),))
     options: dict[str, Any] = {"first_pose": first_pose, "progress": progress}
+    found: Any
     rays = errors = None
     if truth is not None:
         if receptors or standard_error:
@@ -49,7 +50,7 @@ def make_dataset(
         standard_error = errors is not None
     elif receptors:
         options |= {"ultraviolet": ultraviolet, "standard_error": standard_error}
-        found: Any = renderer.render_receptors(matrices, **options)
+        found = renderer.render_receptors(matrices, **options)
     else:
         auto = isinstance(renderer.settings.sampling, ToError)
         options |= {"report": True} if auto else {"standard_error": standard_error}
@@ -66,7 +67,8 @@ def make_dataset(
     if truth is None:
         return data
     first = "pose" if times is None else "time"
-    return data.assign(truth_variables(truth, (first, "ommatidium")))
+    with_truth: xarray.Dataset = data.assign(truth_variables(truth, (first, "ommatidium")))
+    return with_truth
 
 
 def dataset_of(labels: Labels, values: dict[str, Any]) -> xarray.Dataset:
