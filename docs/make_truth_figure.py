@@ -53,7 +53,8 @@ def main() -> None:
     shown = omma.picture.display(truth.responses) / 255  # (1, N, 3)
     show(seen, paint(ids, shown[0]), "What it sees")
     image = show(
-        distance, paint(ids, truth.distance_m[0, :, None])[..., 0], "Mean distance of what is met (white: sky alone)",
+        distance, paint(ids, truth.distance_m[0, :, None])[..., 0],
+        "Mean distance of what is met (white: sky alone)",
         norm=LogNorm(0.3, 300), cmap="viridis_r",
     )  # fmt: skip
     add_bar(figure, image, distance, [0.3, 1, 3, 10, 30, 100, 300], "m")

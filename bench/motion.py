@@ -1,0 +1,148 @@
+"""What motion and time cost: a still world beside one in which 100 things move, frames that last,
+and ground truth, one beside the other; how long one turn of a closed loop takes.
+
+    python bench/motion.py [--quick]
+
+Prints CSV. Frames take turns on one thread, in processor time, so that other work on the machine
+disturbs all alike: each number is a median over the turns, each ratio the median of those within a
+turn. The loop is measured in wall time, as a user waits for it, so keep the machine idle.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+import warnings
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+import omma
+from omma.scene import Instance, Material
+
+COLUMNS = "what,setting,value"
+OMMATIDIA, RAYS, THINGS = 1000, 16, 100
+POSES, QUICK_POSES = 60, 10
+TURNS, QUICK_TURNS = 9, 3
+LOOPS, QUICK_LOOPS = 5000, 200
+# Of the histogram, µs.
+EDGES = np.geomspace(100, 20_000, 61)
+
+
+def scene_of_things() -> omma.Scene:
+    """The bundled meadow, and small spheres above it."""
+    meadow = omma.load_scene(omma.examples.meadow())
+    ball = omma.scene.sphere(0.05, segments=16)
+    rng = np.random.default_rng(1)
+    instances = []
+    for k in range(THINGS):
+        place = np.eye(4)
+        place[:3, 3] = rng.uniform((-3, 0.5, -4), (3, 2.0, 1))
+        instances.append(Instance(0, place, name=f"ball {k}"))
+    balls = omma.Scene(
+        meshes=ball.meshes, materials=[Material("ball", double_sided=True)], instances=instances
+    )
+    return omma.scene.merge_scenes([meadow, balls])
+
+
+def flight(count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Poses (count, 4, 4) through the meadow at 1 m/s, and their times, s."""
+    times = np.arange(count) * 0.01
+    return np.stack([omma.look_at((t, 1, 3), (t + 0.5, 0.9, -5)) for t in times]), times
+
+
+def moves(world: omma.World, names: list[str], count: int) -> NDArray[np.float64]:
+    """Where things are at each pose, each on a small circle: (count, K, 4, 4)."""
+    where = {one.name: one.world_from_node for one in world.instances}
+    found = np.tile(np.stack([where[name] for name in names]), (count, 1, 1, 1))
+    turn = 2 * np.pi * np.arange(count)[:, None] / 50 + np.arange(len(names))
+    found[..., 0, 3] += 0.1 * np.cos(turn)
+    found[..., 1, 3] += 0.1 * np.sin(turn)
+    return found
+
+
+def cpu_s(run: Callable[[], object]) -> float:
+    """Processor time of a call, s."""
+    start = time.process_time()
+    run()
+    return time.process_time() - start
+
+
+def print_rates(quick: bool) -> None:
+    """Frames per second of each way, and of a still world's."""
+    count, turns = (QUICK_POSES, QUICK_TURNS) if quick else (POSES, TURNS)
+    eye = omma.eye.generate_eye(OMMATIDIA)
+    scene = scene_of_things()
+    names = [f"ball {k}" for k in range(THINGS)]
+    still = omma.Renderer(omma.World(scene, threads=1), eye, omma.Fixed(RAYS), threads=1)
+    moving = omma.Renderer(omma.World(scene, threads=1), eye, omma.Fixed(RAYS), threads=1)
+    poses, times = flight(count)
+    where = moves(moving.world, names, count)
+    lasting = still.with_eye(
+        eye, impulse_response=omma.photoreceptors.published_response("blowfly")
+    )
+    both = moving.with_eye(eye, impulse_response=omma.photoreceptors.published_response("blowfly"))
+    velocity = (np.tile([1.0, 0, 0], (count, 1)), np.zeros((count, 3)))
+    ways: dict[str, Callable[[], object]] = {
+        "still": lambda: still.render(poses),
+        f"{THINGS} things move": lambda: moving.render(poses, instances=names, transforms=where),
+        "frames that last": lambda: lasting.render(poses, times_s=times),
+        f"frames that last, {THINGS} things move": lambda: both.render(
+            poses, times_s=times, instances=names, transforms=where
+        ),
+        "ground truth, flow and shares": lambda: still.ground_truth(
+            poses, shares=names[:3], head_velocity=velocity
+        ),
+    }
+    taken: dict[str, list[float]] = {name: [] for name in ways}
+    for turn in range(turns + 1):
+        for name, run in ways.items():
+            took = cpu_s(run)
+            if turn > 0:  # the first warms up
+                taken[name].append(took)
+    for name, found in taken.items():
+        ratios = np.array(taken["still"]) / found
+        print(f"frames per second,{name.replace(',', ' and')},{count / np.median(found):.1f}")
+        print(f"of the still world,{name.replace(',', ' and')},{np.median(ratios):.3f}", flush=True)
+
+
+def print_loop(quick: bool) -> None:
+    """Wall time of set_transforms, render and reading what was rendered."""
+    eye = omma.eye.generate_eye(OMMATIDIA)
+    world = omma.World(scene_of_things())
+    renderer = omma.Renderer(world, eye, omma.Fixed(RAYS))
+    names = [f"ball {k}" for k in range(10)]
+    count = QUICK_LOOPS if quick else LOOPS
+    where = moves(world, names, 256)
+    poses, _ = flight(256)
+    out = np.empty((1, OMMATIDIA, 3), np.float32)
+    indices = [world.index(name) for name in names]
+    taken = []
+    for k in range(count + 200):
+        start = time.perf_counter()
+        world.set_transforms(indices, where[k % 256])
+        renderer.render(poses[k % 256], out=out)
+        float(out.mean())
+        taken.append(1e6 * (time.perf_counter() - start))
+    taken = taken[200:]
+    for percent in (50, 90, 99, 99.9):
+        print(f"loop µs,{percent} %,{np.percentile(taken, percent):.0f}")
+    counts, _ = np.histogram(np.clip(taken, EDGES[0], EDGES[-1]), EDGES)
+    for edge, number in zip(EDGES, counts, strict=False):
+        print(f"loop histogram,{edge:.1f},{number}")
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("--quick", action="store_true")
+    given = parser.parse_args()
+    warnings.simplefilter("ignore", UserWarning)
+    print(COLUMNS)
+    print_rates(given.quick)
+    print_loop(given.quick)
+
+
+if __name__ == "__main__":
+    main()
