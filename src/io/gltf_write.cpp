@@ -3,11 +3,11 @@
 // and each hit box, with their whole transforms. What glTF has no place for is in extras:
 // backgrounds, spectra, and the values of images in linear floats, of which others see 8 bits.
 //
-// Not written is what nobody sees: meshes that no instance places, textures and images that no
-// material uses, the scale of normals without a texture, cones of lamps that are no spots; nor the
-// colour rule, and names of meshes that share a node, but the first. The
-// loader gives the others in the order of their first use, and a mesh that is alone in one node and
-// with others in another twice.
+// Not written are animations, and what nobody sees: meshes that no instance places, textures and
+// images that no material uses, the scale of normals without a texture, cones of lamps that are no
+// spots; nor the colour rule, and names of meshes that share a node, but the first. The loader gives
+// the others in the order of their first use, and a mesh that is alone in one node and with others
+// in another twice.
 #include <algorithm>
 #include <cmath>
 #include <cstring>

@@ -114,7 +114,8 @@ def save_scene(
     Blender and other programs open it. Backgrounds, and the values of pictures in linear floats, of
     which others see 8 bits, are in the file's extras.
 
-    What nobody sees is left out: meshes that no instance places, pictures that no material uses.
+    The scene is written as it stands, without its animations. What nobody sees is left out: meshes
+    that no instance places, pictures that no material uses.
     The others come in the order of their first use; so a scene that was made in another order is
     seen alike when it is read, but does not compare equal.
 

@@ -366,14 +366,9 @@ class World:
                 `set_transforms` raises.
         """
         which = whole(mesh, "mesh", 0, (1 << 31) - 1)
-        given = [
-            None
-            if values is None
-            else np.ascontiguousarray(array_of(values, name, (None, 3), np.float32))
-            for name, values in (("positions_m", positions_m), ("normals", normals))
-        ]
-        assert given[0] is not None
-        self._engine.set_vertices(which, given[0], given[1], progress)
+        across = None if normals is None else _vectors(normals, "normals")
+        positions = _vectors(positions_m, "positions_m")
+        self._engine.set_vertices(which, positions, across, progress)
 
     @checked
     def vertices(self, mesh: int) -> NDArray[np.float32]:
@@ -489,6 +484,10 @@ class World:
             "threads": str(self.threads),
         }
         return html_table("omma.World", rows)
+
+
+def _vectors(values: ArrayLike, name: str) -> NDArray[np.float32]:
+    return np.ascontiguousarray(array_of(values, name, (None, 3), np.float32))
 
 
 def _lit_again(
