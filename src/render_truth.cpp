@@ -61,8 +61,7 @@ void take_shares(const TruthCall& call, const BuiltScene& built, Truth& truth) {
   truth.view.share_of_instance = truth.share_of_instance.data();
 }
 
-void take_objects(const TruthCall& call, const BuiltScene& built, std::size_t poses,
-                  Truth& truth) {
+void take_objects(const TruthCall& call, const BuiltScene& built, std::size_t poses, Truth& truth) {
   const std::size_t count = call.moving.size();
   check_velocities("objects", call.objects, poses * count, "pose x object");
   truth.object_of_instance = table_of_instances(built);

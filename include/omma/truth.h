@@ -41,9 +41,9 @@ struct TruthCall {
   // Optic flow: the angular velocity of what is seen, [pose, ommatidium, (right, up)], rad/s, in
   // the up and right of the ommatidium, turned with it from its axis to the ray by the shortest
   // turn. With a ray's direction d and the distance r (Koenderink and van Doorn 1987):
-  std::span<float> flow_rotation = {};     // -w x d, from the head's angular velocity w
-  std::span<float> flow_translation = {};  // -(t - (t d) d) / r, t that of where the ray starts
-  std::span<float> flow_objects = {};      // (v - (v d) d) / r, v that of the surface
+  std::span<float> flow_rotation = {};        // -w x d, from the head's angular velocity w
+  std::span<float> flow_translation = {};     // -(t - (t d) d) / r, t that of where the ray starts
+  std::span<float> flow_objects = {};         // (v - (v d) d) / r, v that of the surface
   std::span<const Velocity> head = {};        // [pose], of the head's frame; empty: at rest
   std::span<const std::int32_t> moving = {};  // [object], indices into World::instances
   std::span<const Velocity> objects = {};     // [pose, object], of their nodes' frames

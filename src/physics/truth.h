@@ -26,14 +26,15 @@ struct Flow {
 // Of a point that moves with `velocity` relative to where the ray starts, at 1 / inverse_m; `right`
 // and `up` lie across the ray.
 template <typename F>
-OMMA_HD Flow<F> flow_of(const F (&velocity)[3], const F (&right)[3], const F (&up)[3], F inverse_m) {
+OMMA_HD Flow<F> flow_of(const F (&velocity)[3], const F (&right)[3], const F (&up)[3],
+                        F inverse_m) {
   return {dot_lanes(velocity, right) * inverse_m, dot_lanes(velocity, up) * inverse_m};
 }
 
 // How what some lanes met moves of itself, at `place` in the traced frame; zeros where it does not.
 template <typename F, typename I>
-OMMA_HD void object_velocity(const TruthTask& task, I object,
-                             const F (&place)[3], F (&velocity)[3]) {
+OMMA_HD void object_velocity(const TruthTask& task, I object, const F (&place)[3],
+                             F (&velocity)[3]) {
   const auto moves = object > 0;  // one more than its index
   const I at = keep(moves, object - 1) * 9;
   F linear[3], angular[3], arm[3];
@@ -93,8 +94,8 @@ OMMA_HD void eval_truth(const FrameView& frame, const BlockTask& task, const Fir
     const Flow<F> passing = flow_of(head, right, up, inverse);
     if (view.object_of_instance != nullptr) {
       const I instance = keep(is_met, load<I>(first.hits.instance + l));
-      object_velocity(truth, keep(is_met, gather(view.object_of_instance, instance) + 1),
-                      place, velocity);
+      object_velocity(truth, keep(is_met, gather(view.object_of_instance, instance) + 1), place,
+                      velocity);
     }
     const Flow<F> moving = flow_of(velocity, right, up, inverse);
     // -(w x d) along right and up, as right = d x up.
@@ -153,8 +154,7 @@ OMMA_HD void reduce_truth(const FrameView& frame, const BlockTask& task, const T
   const TruthTask& truth = *task.truth;
   const TruthRows at = rows_of(view);
   const auto out = static_cast<std::int64_t>(frame.eye->ommatidium[task.first + i]);
-  for (int r = 1; r < scrambles; ++r)
-    add_truth(view, sums, i * scrambles + r, sums, i * scrambles);
+  for (int r = 1; r < scrambles; ++r) add_truth(view, sums, i * scrambles + r, sums, i * scrambles);
   const int unit = i * scrambles;
   const auto sum = [&](int row) { return sums.rows[row * unit_room + unit]; };
   const double all = rays, met = sum(0);

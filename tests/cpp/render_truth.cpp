@@ -1,5 +1,6 @@
-// Ground truth beside radiance against closed forms: distances in a sphere and before a plane, places,
-// normals, shares of discs, optic flow against its formula and against differences of directions.
+// Ground truth beside radiance against closed forms: distances in a sphere and before a plane,
+// places, normals, shares of discs, optic flow against its formula and against differences of
+// directions.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -104,7 +105,8 @@ TEST(Truth, OfASphereAround) {
     TruthRoom truth;
     truth.render(renderer);
     for (std::size_t i = 0; i < eye.size(); ++i) {
-      // Chords of 0.9 degrees lie up to 2 (1 - cos 0.45 degrees cos 0.45 degrees) = 1.2e-4 m inside.
+      // Chords of 0.9 degrees lie up to 2 (1 - cos 0.45 degrees cos 0.45 degrees) = 1.2e-4 m
+      // inside.
       EXPECT_EQ(truth.met[i], 1);
       EXPECT_NEAR(truth.distance[i], 2, 2e-4);
       EXPECT_NEAR(truth.nearest[i], 2, 2e-4);
@@ -118,8 +120,8 @@ TEST(Truth, OfASphereAround) {
       EXPECT_GT(dot(normalize(place), axis), 0.998);
       EXPECT_LT(dot(normalize(normal), axis), -0.998);
       // Each ray's place is -2 times its normal, but for the chords' slant of half a degree.
-      for (const double x : {place.x + 2 * normal.x, place.y + 2 * normal.y,
-                             place.z + 2 * normal.z})
+      for (const double x :
+           {place.x + 2 * normal.x, place.y + 2 * normal.y, place.z + 2 * normal.z})
         EXPECT_NEAR(x, 0, 0.02);
     }
   }
@@ -281,10 +283,11 @@ TEST(Truth, FlowIsHowDirectionsOfPointsChange) {
     const Vec3d all = (direction_at(dt, true) - direction_at(-dt, true)) * (0.5 / dt);
     const Vec3d moved = (direction_at(dt, false) - direction_at(-dt, false)) * (0.5 / dt);
     const double speed = std::sqrt(dot(all, all));
-    for (const auto& [k, along] : {std::pair{std::size_t{0}, its_right}, {std::size_t{1}, its_up}}) {
+    for (const auto& [k, along] :
+         {std::pair{std::size_t{0}, its_right}, {std::size_t{1}, its_up}}) {
       const std::size_t at = 2 * i + k;
-      const double flow = static_cast<double>(truth.rotation[at]) + truth.translation[at] +
-                          truth.objects[at];
+      const double flow =
+          static_cast<double>(truth.rotation[at]) + truth.translation[at] + truth.objects[at];
       EXPECT_NEAR(flow, dot(all, along), 1e-3 * speed) << i;
       EXPECT_NEAR(truth.translation[at] + truth.objects[at], dot(moved, along), 1e-3 * speed) << i;
       // -(w x d), along the axis.
@@ -295,7 +298,8 @@ TEST(Truth, FlowIsHowDirectionsOfPointsChange) {
   EXPECT_GT(moving, 10);
 }
 
-// The formula with the distance of the plane, and the mean over a wide field against its quadrature.
+// The formula with the distance of the plane, and the mean over a wide field against its
+// quadrature.
 TEST(Truth, FlowOfAWideFieldIsTheMeanOfItsRays) {
   const Eye eye = make_eye(std::vector<Vec3d>{from_azimuth_elevation(0.4, -0.6)}, 20 * degree);
   Scene scene;
@@ -311,11 +315,11 @@ TEST(Truth, FlowOfAWideFieldIsTheMeanOfItsRays) {
   for (int i = 0; i < rings; ++i)
     for (int k = 0; k < spokes; ++k) {
       const double theta = 60 * degree * (i + 0.5) / rings, phi = 2 * pi * (k + 0.5) / spokes;
-      const Vec3d d = axis * std::cos(theta) +
-                      (eye_up * std::cos(phi) + cross(axis, eye_up) * std::sin(phi)) *
-                          std::sin(theta);
-      const double s = std::sin(theta) *
-                       std::exp(-4 * std::log(2.0) * theta * theta / std::pow(20 * degree, 2));
+      const Vec3d d =
+          axis * std::cos(theta) +
+          (eye_up * std::cos(phi) + cross(axis, eye_up) * std::sin(phi)) * std::sin(theta);
+      const double s =
+          std::sin(theta) * std::exp(-4 * std::log(2.0) * theta * theta / std::pow(20 * degree, 2));
       // Up and right turned about axis x d, by the angle between the two.
       const Vec3d about = normalize(cross(axis, d));
       const Mat4 turn = rotation(about, theta);
@@ -476,10 +480,11 @@ TEST(Truth, WhatCannotBeIsRefused) {
             std::string::npos);
   EXPECT_NE(message({.flow_rotation = room_of_8, .head = infinite}, renderer).find("head[0]"),
             std::string::npos);
-  EXPECT_NE(message({.flow_objects = room_of_8, .moving = nobody, .objects = std::span(two).first(1)},
-                    renderer)
-                .find("moving[0]: expected an index into the 6 instances of the world, found 6"),
-            std::string::npos);
+  EXPECT_NE(
+      message({.flow_objects = room_of_8, .moving = nobody, .objects = std::span(two).first(1)},
+              renderer)
+          .find("moving[0]: expected an index into the 6 instances of the world, found 6"),
+      std::string::npos);
   EXPECT_NE(message({.flow_objects = room_of_8, .moving = twice, .objects = two}, renderer)
                 .find("moving[1]: 1 is there twice"),
             std::string::npos);
