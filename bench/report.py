@@ -464,6 +464,38 @@ def cameras(rows: list[Row]) -> list[str]:
     ]
 
 
+def motion(rows: list[Row]) -> list[str]:
+    """The section of RESULTS.md about what motion and time cost."""
+    shares = {
+        (row["scene"], row["setting"]): row["value"]
+        for row in pick(rows, what="of the still world")
+    }
+    rates = pick(rows, what="frames per second")
+    return [
+        "## 12. Motion and time",
+        "",
+        *text(
+            "`bench/motion.py`: 1,000 ommatidia of 16 rays, one thread, processor time in turns;",
+            "100 spheres of which all move, above a plain and above the bundled meadow.",
+        ),
+        *table(
+            "scene | what | frames/s | of the still world's",
+            [
+                [row["scene"], row["setting"], row["value"], shares[row["scene"], row["setting"]]]
+                for row in rates
+            ],
+        ),
+        *text(
+            "One turn of a closed loop above the plain, wall time of set_transforms of 10 things,",
+            "render and reading the responses, µs:",
+        ),
+        *table(
+            "share of the turns | at most",
+            [[row["setting"], row["value"]] for row in pick(rows, what="loop µs")],
+        ),
+    ]
+
+
 def report(results: Path, quick: bool = False) -> list[str]:
     """The lines of RESULTS.md."""
     facts = {row["what"]: row["found"] for row in read(results, "machine")}
@@ -493,6 +525,7 @@ def report(results: Path, quick: bool = False) -> list[str]:
         "instructions": instructions,
         "light": light,
         "cameras": cameras,
+        "motion": motion,
     }
     missing = []
     for name, part in parts.items():

@@ -26,13 +26,15 @@ ROOT = BENCH.parent
 DATA = ROOT.parent / "shared" / "data" / "compound-ray"
 sys.path[:0] = [str(BENCH), str(ROOT / "docs")]
 
+import make_loop_figure  # noqa: E402
 import make_many_cameras_figure  # noqa: E402
 import make_performance_figures  # noqa: E402
 import report  # noqa: E402
 from make_large_scene import write_scene  # noqa: E402
 
 PARTS = ("ceiling", "error", "frames", "latency", "threads", "kernels", "build", "moving",
-         "search", "worlds", "instructions", "light", "cameras")  # fmt: skip
+         "search", "worlds", "instructions", "light", "cameras",
+         "motion")  # fmt: skip
 COUNTED = ("1", "16", "16-plain", "16-random", "16-shared", "target")
 
 
@@ -179,6 +181,8 @@ def main() -> None:
             lines = printed_table([sys.executable, BENCH / "light.py", *data, *quick])
         elif part == "cameras":
             lines = printed_table([sys.executable, BENCH / "many_cameras.py", *quick])
+        elif part == "motion":
+            lines = printed_table([sys.executable, BENCH / "motion.py", *quick])
         elif part == "instructions":
             lines = measure_instructions(given.program)
         else:
@@ -189,6 +193,7 @@ def main() -> None:
     write_lines(out / "RESULTS.md", report.report(results, given.quick))
     make_performance_figures.make(results, given.out or ROOT / "docs")
     make_many_cameras_figure.make(results, given.out or ROOT / "docs")
+    make_loop_figure.make(results, given.out or ROOT / "docs")
     print(f"Wrote {out / 'RESULTS.md'}, {results} and the figures.")
 
 

@@ -8,7 +8,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "bench"))
 
 from curves import crossing, least, pick, random_error
-from report import cameras, light, report, serial_fraction
+from report import cameras, light, motion, report, serial_fraction
 from report_cameras import front, ms_to, times_table
 from report_light import PARTS, aims_of_light, beside_peer, part_costs
 from run import write_lines
@@ -130,3 +130,18 @@ def test_the_section_of_cameras_leaves_out_what_is_missing():
         ["unlit", "fly", "Omma, own rays", "2", "not reached", "not reached", "15"]
     ]
     assert "| unlit | fly | Omma, own rays | a | 4 | 0.1 | 4 | 15 | 1 | 1 | 0 |" in cameras(rows)
+
+
+def test_the_section_of_motion():
+    rows = [
+        {"scene": "plain", "what": what, "setting": setting, "value": value}
+        for what, setting, value in (
+            ("frames per second", "still", "800"),
+            ("of the still world", "still", "1.000"),
+            ("loop µs", "50 %", "700"),
+            ("loop histogram µs", "100.0", "3"),
+        )
+    ]
+    section = motion(rows)
+    assert "| plain | still | 800 | 1.000 |" in section
+    assert "| 50 % | 700 |" in section

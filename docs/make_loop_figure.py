@@ -1,0 +1,49 @@
+"""Makes docs/performance-loop.png, how long turns of a closed loop take, from
+bench/results/motion.csv, which `scripts/bench motion` measures (and then calls this).
+
+    .venv/bin/python docs/make_loop_figure.py
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "bench"))
+
+from curves import pick, read  # noqa: E402
+from make_performance_figures import save, tidy  # noqa: E402
+
+
+def make(results: Path, out: Path) -> None:
+    """The histogram, where it was measured."""
+    rows = read(results, "motion")
+    bins = pick(rows, what="loop histogram µs")
+    if not bins:
+        return
+    low = [float(row["setting"]) / 1000 for row in bins]
+    counts = [int(row["value"]) for row in bins]
+    figure = Figure(figsize=(7, 3), layout="constrained", dpi=130)
+    axes = figure.subplots()
+    widths = [low[k + 1] - low[k] for k in range(len(low) - 1)]
+    axes.bar(low[:-1], counts[:-1], widths, align="edge", color="#0072B2")
+    axes.set_xscale("log")
+    for row in pick(rows, what="loop µs"):
+        if row["setting"] in ("50 %", "99 %"):
+            at = float(row["value"]) / 1000
+            axes.axvline(at, color="#D55E00", lw=1.2)
+            axes.annotate(
+                f"{row['setting']}: {at:.2f} ms", (at, 0.97), (3, 0), va="top", fontsize=8,
+                xycoords=("data", "axes fraction"), textcoords="offset points", color="#D55E00",
+            )  # fmt: skip
+    axes.set_xlabel("time of one turn: move 10 things, render 1,000 ommatidia, read, ms")
+    axes.set_ylabel(f"turns of {sum(counts):,}")
+    tidy(axes)
+    save(figure, out / "performance-loop.png")
+
+
+if __name__ == "__main__":
+    make(ROOT / "bench" / "results", ROOT / "docs")
