@@ -35,10 +35,13 @@ def make(results: Path, out: Path) -> None:
         if row["setting"] in ("50 %", "99 %"):
             at = float(row["value"]) / 1000
             axes.axvline(at, color="#D55E00", lw=1.2)
+            is_half = row["setting"] == "50 %"
             axes.annotate(
-                f"{row['setting']}: {at:.2f} ms", (at, 0.97), (3, 0), va="top", fontsize=8,
-                xycoords=("data", "axes fraction"), textcoords="offset points", color="#D55E00",
+                f"{row['setting']}: {at:.2f} ms", (at, 0.97), (-4 if is_half else 4, 0), va="top",
+                ha="right" if is_half else "left", fontsize=9, textcoords="offset points",
+                xycoords=("data", "axes fraction"), color="#D55E00",
             )  # fmt: skip
+    axes.set_xlim(0.5 * low[next(k for k, count in enumerate(counts) if count)], low[-1])
     axes.set_xlabel("time of one turn: move 10 things, render 1,000 ommatidia, read, ms")
     axes.set_ylabel(f"turns of {sum(counts):,}")
     tidy(axes)

@@ -415,7 +415,7 @@ def public_calls(folder):
         }),
         "World": (omma.World(omma.scene.merge_scenes([scene, swinging])), {
             "index": ("ground",), "set_transforms": ("ground", pose), "at": (0.5, "swing"),
-            "camera_at": ("bee", 0.5), "set_vertices": (0, scene.meshes[0].positions_m),
+            "camera_at": ("bug", 0.5), "set_vertices": (0, scene.meshes[0].positions_m),
             "vertices": (0,),
             "with_background": (omma.Background.constant((1, 1, 1)),),
             "with_light": {"light": omma.light.uniform_sky(1.0), "ultraviolet": "dark"},
