@@ -90,7 +90,9 @@ def through_the_eye(world: omma.World, eye: omma.Eye) -> None:
 
 
 def main() -> None:
-    world = omma.World(omma.load_scene(omma.examples.lit_meadow()), light=LIGHTS["overcast"])
+    world = omma.World(
+        omma.load_scene(omma.examples.lit_meadow()), light=LIGHTS["overcast"], lighting="path"
+    )
     eye = omma.species.honeybee_worker().eye
     cameras(world, eye)
     through_the_eye(world, eye)
