@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -103,16 +104,13 @@ class DrumGrating(Stimulus):
     def _expected(self, axes: Floats, acceptance_rad: Floats, times_s: Floats) -> Floats:
         if self.waveform == "square":
             return super()._expected(axes, acceptance_rad, times_s)
-        drift = self._drift_deg(times_s) / self.wavelength_deg
-        means = np.empty((len(times_s), len(axes)))
-        for n, (axis, width) in enumerate(zip(axes, acceptance_rad, strict=True)):
-            directions = field_directions(axis, float(width))
+
+        def place(directions: Floats) -> tuple[Floats, NDArray[np.bool_]]:
             azimuth, elevation = longitude_latitude_deg(directions, 0.0, 0.0)
-            inside = self._inside(elevation)
-            periods = azimuth[inside] / self.wavelength_deg
-            means[:, n] = _sine_sums(self, periods, drift) / len(directions)
-            means[:, n] += (1 - inside.mean()) * self.background
-        return means
+            return azimuth / self.wavelength_deg, self._inside(elevation)
+
+        drift = self._drift_deg(times_s) / self.wavelength_deg
+        return _sine_means(self, axes, acceptance_rad, drift, place)
 
     def _parts(self) -> Scene:
         positions, triangles, coordinates = tube(self.radius_m, self.height_m, _SIDES, inward=True)
@@ -172,14 +170,13 @@ class SphereGrating(Stimulus):
     def _expected(self, axes: Floats, acceptance_rad: Floats, times_s: Floats) -> Floats:
         if self.waveform == "square":
             return super()._expected(axes, acceptance_rad, times_s)
+
+        def place(directions: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+            longitude, latitude = longitude_latitude_deg(directions, 0.0, self.direction_deg)
+            return longitude / self.wavelength_deg, np.ones(len(latitude), bool)
+
         drift = self._drift_deg(times_s) / self.wavelength_deg
-        means = np.empty((len(times_s), len(axes)))
-        for n, (axis, width) in enumerate(zip(axes, acceptance_rad, strict=True)):
-            directions = field_directions(axis, float(width))
-            longitude, _ = longitude_latitude_deg(directions, 0.0, self.direction_deg)
-            periods = longitude / self.wavelength_deg
-            means[:, n] = _sine_sums(self, periods, drift) / len(directions)
-        return means
+        return _sine_means(self, axes, acceptance_rad, drift, place)
 
     def _parts(self) -> Scene:
         surface, places = sphere_patch((-180.0, 180.0), (-90.0, 90.0))
@@ -332,13 +329,27 @@ def wave(grating: Grating, periods: Floats) -> Floats:
     return np.asarray(grating.mean * (1 + grating.contrast * shape))
 
 
-def _sine_sums(grating: Grating, periods: Floats, drift: Floats) -> Floats:
-    """Sums (T,) of a sine over directions so many periods (Q,) from its phase, when it has drifted
-    by so many (T,): one sum for all times, as a drift only turns its phase."""
-    turned = np.exp(2j * np.pi * periods).sum()
+def _sine_means(
+    grating: DrumGrating | SphereGrating,
+    axes: Floats,
+    acceptance_rad: Floats,
+    drift: Floats,
+    place: Callable[[Floats], tuple[Floats, NDArray[np.bool_]]],
+) -> Floats:
+    """Means (T, N) of a sine over fields of view, when it has drifted by so many periods (T,).
+
+    ``place``: of directions, how many periods from its phase each is, and whether it is on it. One
+    sum for all times, as a drift only turns its phase.
+    """
     angle = -2 * np.pi * drift + np.radians(grating.phase_deg)
-    amplitude = np.imag(turned * np.exp(1j * angle))
-    return np.asarray(grating.mean * (len(periods) + grating.contrast * amplitude))
+    means = np.empty((len(drift), len(axes)))
+    for n, (axis, width) in enumerate(zip(axes, acceptance_rad, strict=True)):
+        periods, is_on = place(field_directions(axis, float(width)))
+        turned = np.exp(2j * np.pi * periods[is_on]).sum() / len(periods)
+        amplitude = np.imag(turned * np.exp(1j * angle))
+        means[:, n] = grating.mean * (is_on.mean() + grating.contrast * amplitude)
+        means[:, n] += (1 - is_on.mean()) * grating.background
+    return means
 
 
 def _striped(surface: Surface, periods: Floats, grating: Grating) -> Scene:

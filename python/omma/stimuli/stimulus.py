@@ -8,12 +8,19 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from omma._core import Background, Error, Eye, Scene
+from omma._core import Background, Error, Scene
 from omma.base.arguments import array_of, checked, expect
 from omma.scene.world import World
 from omma.stimuli.gaussian import Floats, gaussian_means
 
 Progress = Callable[[float], object]
+
+
+class Settings(Protocol):
+    """Of a renderer."""
+
+    @property
+    def impulse_response(self) -> object: ...
 
 
 class Renderer(Protocol):
@@ -22,12 +29,8 @@ class Renderer(Protocol):
     @property
     def world(self) -> World: ...
     @property
-    def eye(self) -> Eye: ...
-    @property
-    def bands(self) -> int: ...
-    def render(
-        self, poses: NDArray[np.float64], *, out: NDArray[np.float32] | None = None
-    ) -> NDArray[np.float32]: ...
+    def settings(self) -> Settings: ...
+    def render(self, poses: NDArray[np.float64], **options: Any) -> NDArray[np.float32]: ...
 
 
 class Stimulus:
@@ -164,16 +167,17 @@ class Stimulus:
     ) -> NDArray[np.float32]:
         """Responses (T, N, B) to the stimulus at each time: float32 [time, ommatidium, band].
 
-        The renderer's world is moved from one time to the next, and is left as it is at the last.
-        Ctrl-C stops it.
+        One `render` with ``instances`` and ``transforms``: afterwards the renderer's world is as it
+        was. Ctrl-C stops it. With an impulse response things move from frame to frame, and only the
+        head (``poses``) within one.
 
         Args:
             renderer: an `omma.Renderer` of `world()`, or of any world with the stimulus' things.
             times_s: (T,), s.
             poses: ``world_from_head``, (4, 4), or (T, 4, 4), one for each time, m. None: the
                 identity.
-            progress: called with the finished share (0 to 1) after each time. What it raises ends
-                the play and is raised here.
+            progress: called with the finished share (0 to 1) a few times a second. What it raises
+                ends the play and is raised here.
 
         Example:
             >>> disc = omma.stimuli.LoomingDisc(l_over_v_s=0.05, collision_s=0.5)
@@ -193,14 +197,14 @@ class Stimulus:
                 f"poses: expected shape (4, 4) or ({len(times)}, 4, 4), found {matrices.shape}"
             )
         matrices = np.ascontiguousarray(np.broadcast_to(matrices, (len(times), 4, 4)))
-        indices = self._indices(renderer.world)
-        responses = np.empty((len(times), len(renderer.eye), renderer.bands), np.float32)
-        for k in range(len(times)):
-            renderer.world.set_transforms(indices, self._transforms(times[k : k + 1])[0])
-            renderer.render(matrices[k], out=responses[k : k + 1])
-            if progress is not None:
-                progress((k + 1) / len(times))
-        return responses
+        options: dict[str, Any] = {
+            "instances": self._indices(renderer.world),
+            "transforms": self._transforms(times),
+            "progress": progress,
+        }
+        if renderer.settings.impulse_response is not None:
+            options["times_s"] = times
+        return renderer.render(matrices, **options)
 
 
 def as_times(times_s: ArrayLike) -> Floats:
