@@ -62,6 +62,7 @@ constexpr double nearest = 1.0 / 64, farthest = 64;
 // powers, 0.51 % where clearances count twice as much.
 std::int64_t divisions(const Sizes& sizes, std::size_t mesh, std::size_t triangle, double cell_m) {
   const auto edge_m = static_cast<double>(sizes.edges[mesh][triangle]);
+  if (!(edge_m > 0)) return 1;  // all its corners in one place
   double own_m = cell_m;
   if (!sizes.clearances.empty()) {
     const double clearance_m =

@@ -45,21 +45,6 @@ void normalize(std::vector<double>& quaternion) {
     for (double& x : quaternion) x /= length;
 }
 
-// Along the shorter way round (Shoemake 1985, doi:10.1145/325334.325242).
-std::vector<double> slerp(const double* from, const double* to, double part) {
-  double cosine = 0;
-  for (int i = 0; i < 4; ++i) cosine += from[i] * to[i];
-  const double sign = cosine < 0 ? -1 : 1;
-  const double angle = std::acos(std::min(std::fabs(cosine), 1.0)), sine = std::sin(angle);
-  // Below, the chord is the arc to double precision.
-  const bool is_close = sine < 1e-8;
-  const double first = is_close ? 1 - part : std::sin((1 - part) * angle) / sine;
-  const double second = sign * (is_close ? part : std::sin(part * angle) / sine);
-  std::vector<double> between(4);
-  for (std::size_t i = 0; i < 4; ++i) between[i] = first * from[i] + second * to[i];
-  return between;
-}
-
 std::size_t components_of(const AnimationChannel& channel) {
   const std::size_t each = channel.interpolation == Interpolation::cubic_spline ? 3 : 1;
   return channel.values.size() / channel.times_s.size() / each;
@@ -99,7 +84,8 @@ std::vector<double> eval_channel(const AnimationChannel& channel, double time_s)
         break;
       case Interpolation::linear:
         if (is_rotation) {
-          value = slerp(from, to, t);
+          const std::array<double, 4> turn = slerp(from, to, t);
+          value.assign(turn.begin(), turn.end());
         } else {
           for (std::size_t i = 0; i < size; ++i) value.push_back((1 - t) * from[i] + t * to[i]);
         }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "model/transform.h"
 #include "omma/error.h"
 
 namespace omma {
@@ -64,10 +65,7 @@ Mat4 pose_from_quaternion(Vec3d position_m, double x, double y, double z, double
   y /= norm;
   z /= norm;
   w /= norm;
-  return from_columns({1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)},
-                      {2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)},
-                      {2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)},
-                      position_m);
+  return transform_of({position_m.x, position_m.y, position_m.z}, {x, y, z, w}, {1, 1, 1});
 }
 
 Mat4 look_at(Vec3d position_m, Vec3d target_m, Vec3d up) {

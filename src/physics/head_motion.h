@@ -2,6 +2,7 @@
 // looks, by the impulse response of a photoreceptor, and starts from where the head was then.
 #pragma once
 
+#include "physics/path_points.h"
 #include "physics/rays.h"
 
 namespace omma {
@@ -20,10 +21,9 @@ struct HeadMotion {
 
 // Numbers in (0, 1) of samples of units: steps of the golden ratio, so that any run of samples, whose
 // directions are neighbours, has times from all over; shifted by the unit's hash.
-template <typename F, typename U>
-OMMA_HD F time_fraction(U hash, U sample) {
-  const U bits = mix_bits_32(hash + 0x3c6ef372u) + sample * 2654435769u;
-  return (to_float(int_of(bits >> 8)) + 0.5f) * 0x1p-24f;
+template <typename U>
+OMMA_HD auto time_fraction(U hash, U sample) {
+  return open_unit(mix_bits_32(hash + 0x3c6ef372u) + sample * 2654435769u);
 }
 
 // Moves the rays of a packet, which are as at the frame itself, to where they are when they look.
@@ -33,7 +33,7 @@ OMMA_HD void move_with_head(const HeadMotion& motion, Packet<L>& packet) {
   using I = typename L::I;
   using U = typename L::U;
   for (int l = 0; l < L::count; l += L::width) {
-    const F step = time_fraction<F>(load<U>(packet.hash + l), load<U>(packet.sample + l)) *
+    const F step = time_fraction(load<U>(packet.hash + l), load<U>(packet.sample + l)) *
                    to_float(motion.delays);
     const I first = to_int(step);
     const F early = gather(motion.delay, first), late = gather(motion.delay + 1, first);

@@ -391,3 +391,13 @@ def test_progress_rises_once(small):
     assert told == sorted(told)
     assert 0 <= told[0]
     assert told[-1] == pytest.approx(1)
+
+
+def test_triangles_without_a_size_have_a_cell():
+    """All corners in one place: such triangles have no clearance and no edge to divide."""
+    flat = np.float32([[-1, 0, 1], [1, 0, 1], [0, 0, -1], [0, 0.5, 0]])
+    mesh = omma.scene.Mesh(flat, [[0, 1, 2], [3, 3, 3], [3, 3, 3]], material=0)
+    material = omma.scene.Material("grey", base_color=(0.5, 0.5, 0.5, 1), double_sided=True)
+    scene = omma.Scene(meshes=[mesh], materials=[material], instances=[Instance(0)])
+    world = world_of(scene, WHITE, paths=16)
+    assert 3 <= world.baked.cells < 100_000

@@ -194,3 +194,26 @@ def test_what_has_no_frames_that_last(scene, eye, flight):
         omma.Renderer(scene, eye, impulse_response=0.01)
     with pytest.raises(omma.Error, match="past: is for renderers with an impulse response"):
         omma.Renderer(scene, eye).render(flight, past=(np.eye(4), [-1.0]))
+
+
+def test_nothing_lies_between_a_pose_and_a_mirrored_one(scene, eye, flight):
+    renderer = omma.Renderer(scene, eye, omma.Fixed(4), impulse_response=HOWARD)
+    poses = flight[:2].copy()
+    poses[1, :3, 0] *= -1
+    with pytest.raises(omma.Error, match="expected all of them mirrored or none"):
+        renderer.render(poses, times_s=[0, 0.01])
+
+
+def test_heads_that_grow_between_poses(scene):
+    """Scaled poses scale the eye: rays go where they did, from where the head is."""
+    axes = make_eye(60).axis
+    at_origin = omma.Eye(np.zeros_like(axes), axes, np.radians(5))
+    renderer = omma.Renderer(scene, at_origin, omma.Fixed(64), impulse_response=HOWARD)
+    times_s = np.arange(30) * 0.005
+    path = np.stack([omma.look_at((t, 1, 3), (2 + 5 * t, 1, -3)) for t in times_s])
+    growing = path.copy()
+    growing[:, :3, :3] *= np.linspace(1, 3, len(path))[:, None, None]
+    plain = renderer.render(path, times_s=times_s)
+    # Ommatidia sit at the origin here, so that a scale changes nothing but rounding, which a ray in
+    # 64 may see at an edge.
+    np.testing.assert_allclose(renderer.render(growing, times_s=times_s), plain, atol=0.02)
