@@ -192,6 +192,11 @@ def test_what_has_no_frames_that_last(scene, eye, flight):
         omma.Renderer(scene, eye, omma.Shared(4), impulse_response=HOWARD)
     with pytest.raises(TypeError, match="impulse_response"):
         omma.Renderer(scene, eye, impulse_response=0.01)
+    lasting = omma.Renderer(scene, eye, omma.Fixed(4), impulse_response=HOWARD)
+    with pytest.raises(omma.Error, match="ground_truth: expected a renderer without an impulse"):
+        lasting.ground_truth(flight)
+    with pytest.raises(omma.Error, match="times_s: expected when each pose is"):
+        list(lasting.render_iter(flight))
     with pytest.raises(omma.Error, match="past: is for renderers with an impulse response"):
         omma.Renderer(scene, eye).render(flight, past=(np.eye(4), [-1.0]))
 

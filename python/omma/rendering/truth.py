@@ -95,6 +95,8 @@ def render_truth(
             "ground_truth: expected rays of each ommatidium's own (omma.Fixed or omma.ToError), "
             f"found {sampling}"
         )
+    if renderer.settings.impulse_response is not None:
+        raise Error("ground_truth: expected a renderer without an impulse response, found one with")
     matrices = renderer._matrices(poses)
     size = (len(matrices), len(renderer.eye))
     found: dict[str, Any] = {"responses": np.empty((*size, renderer.bands), np.float32)}
