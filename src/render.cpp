@@ -4,6 +4,7 @@
 #include "omma/render.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "omma/rig.h"
@@ -164,6 +165,11 @@ Renderer::Renderer(const Renderer& same_world, Eye eye, RenderSettings settings)
                                    &same_world.state_->directions.front());
 }
 
+Renderer::Renderer(const Renderer& same_eye, World world)
+    : state_(std::make_unique<State>(std::move(world), same_eye.state_->eye,
+                                     same_eye.state_->settings,
+                                     &same_eye.state_->directions.front())) {}
+
 Renderer::Renderer(std::shared_ptr<const Scene> scene, Eye eye, RenderSettings settings,
                    const std::function<bool(double)>& progress) {
   check_settings(settings);
@@ -184,7 +190,8 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, Eye eye, RenderSettings s
 
 void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> responses,
                       const RenderCall& call) const {
-  if (!call.instances.empty() || !call.world_from_node.empty() || is_animated(*state_, call))
+  if (!call.instances.empty() || !call.world_from_node.empty() || !call.unseen.empty() ||
+      !call.unseen_at.empty() || is_animated(*state_, call))
     return render_moving(*state_, world_from_head, responses, call);
   const Rendering rendering(state_->world);
   render_still(*state_, world_from_head, responses, call);
@@ -198,7 +205,7 @@ bool is_animated(const Renderer::State& s, const RenderCall& call) {
 }
 
 void render_still(const Renderer::State& s, std::span<const Mat4> world_from_head,
-                  std::span<float> responses, const RenderCall& call) {
+                  std::span<float> responses, const RenderCall& call, const TimePart& part) {
   const std::size_t ommatidia = s.eye.size(), poses = world_from_head.size();
   const Outputs outputs = make_outputs(call, *s.view());
   const std::size_t pose_size = ommatidia * static_cast<std::size_t>(outputs.count);
@@ -244,6 +251,13 @@ void render_still(const Renderer::State& s, std::span<const Mat4> world_from_hea
   frame.radiance_unit = s.world.state().radiance_unit;
   if (!outputs.from_band.empty()) frame.output_from_band = outputs.from_band.data();
   if (!truth.tasks.empty()) frame.truth = &truth.view;
+  DirectionsView some = s.direction_views.front();
+  if (part.count > 1) {
+    some.samples = samples_in(part, samples);
+    some.part = part.index;
+    some.part_bits = std::countr_zero(static_cast<unsigned>(part.count));
+    frame.directions = &some;
+  }
   if (to_error != nullptr) {
     frame.rounds = static_cast<int>(s.directions.size());
     frame.error = to_error->error;
@@ -252,7 +266,7 @@ void render_still(const Renderer::State& s, std::span<const Mat4> world_from_hea
   } else if (!call.standard_error.empty()) {
     frame.scrambles = error_scrambles;
   }
-  const int rays_each = samples * frame.scrambles;
+  const int rays_each = frame.directions->samples * frame.scrambles;
   blocks.per_block = std::clamp(block_rays / rays_each, 1,
                                 std::min(most_per_block, block_capacity / frame.scrambles));
   // Neighbours are heard within a block, so that it is large whatever the least number of rays.
@@ -265,7 +279,8 @@ void render_still(const Renderer::State& s, std::span<const Mat4> world_from_hea
     const std::size_t p = index / blocks_per_pose;
     BlockTask task =
         make_task(blocks, index % blocks_per_pose, traced[p], s.frame_of(p, first_frame));
-    task.motion = motion_of(path, p, motions.local());
+    task.sees = seen_at(call, p);
+    task.motion = motion_of(path, p, part, motions.local());
     task.responses = responses.data() + p * pose_size;
     if (!call.standard_error.empty())
       task.standard_error = call.standard_error.data() + p * pose_size;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <string>
 
@@ -15,6 +16,11 @@ namespace {
 // Nodes over the time that a frame sees: some for each key, and so many at least that a turn
 // between two of them is small.
 constexpr std::size_t nodes_per_key = 4, least_nodes = 33, most_nodes = 257;
+
+// Parts of frames in which things move: a few rays each, so that theirs are worth placing all again.
+constexpr int most_parts = 32, least_parts = 8, rays_of_part = 4;
+// How much of what makes parts alike is the probability of their delays, the rest their length.
+constexpr double by_probability = 0.75;
 
 HeadKey key_of(const Mat4& traced_from_head, double time_s) {
   HeadKey key{time_s, traced_from_head, turn_of(traced_from_head), {}};
@@ -100,7 +106,54 @@ HeadPath head_path(const RenderSettings& settings, const RenderCall& call,
   return path;
 }
 
-const HeadMotion* motion_of(const HeadPath& path, std::size_t frame, FrameMotion& kept) {
+Mat4 transform_between(const Mat4& from, const Mat4& to, double part) {
+  return from == to ? from : between(key_of(from, 0), key_of(to, 1), part);
+}
+
+int parts_for(int samples) {
+  const int wanted = std::min(most_parts, std::max(samples / rays_of_part, std::min(samples, least_parts)));
+  int parts = 1;
+  while (2 * parts <= wanted) parts *= 2;
+  return parts;
+}
+
+int samples_in(const TimePart& part, int samples) {
+  return (samples - part.index + part.count - 1) / part.count;
+}
+
+TimePart time_part(int index, int count, std::span<const double> delays_s) {
+  const std::size_t last = delays_s.size() - 1;
+  const double range_s = delays_s[last] - delays_s[0];
+  const auto reached = [&](std::size_t k) {
+    const double probability = static_cast<double>(k) / static_cast<double>(last);
+    if (!(range_s > 0)) return probability;
+    return by_probability * probability +
+           (1 - by_probability) * (delays_s[k] - delays_s[0]) / range_s;
+  };
+  const auto quantile_of = [&](int part) {
+    const double wanted = static_cast<double>(part) / count;
+    std::size_t before = 0, after = last;
+    while (after - before > 1) {
+      const std::size_t middle = (before + after) / 2;
+      (reached(middle) <= wanted ? before : after) = middle;
+    }
+    const double from = reached(before), to = reached(after);
+    return (static_cast<double>(before) + (wanted - from) / (to - from)) / static_cast<double>(last);
+  };
+  const double first = quantile_of(index);
+  return {index, count, first, quantile_of(index + 1) - first};
+}
+
+double delay_of(const TimePart& part, std::span<const double> delays_s) {
+  const double at =
+      (part.first + 0.5 * part.size) * static_cast<double>(delays_s.size() - 1);
+  const auto before = std::min(static_cast<std::size_t>(at), delays_s.size() - 2);
+  return delays_s[before] +
+         (delays_s[before + 1] - delays_s[before]) * (at - static_cast<double>(before));
+}
+
+const HeadMotion* motion_of(const HeadPath& path, std::size_t frame, const TimePart& part,
+                            FrameMotion& kept) {
   if (path.delay.empty() || !(path.longest_s > 0)) return nullptr;
   if (kept.frame == frame) return kept.stands ? nullptr : &kept.motion;
   kept.frame = frame;
@@ -133,6 +186,9 @@ const HeadMotion* motion_of(const HeadPath& path, std::size_t frame, FrameMotion
   kept.motion.node = kept.node.data();
   kept.motion.nodes = static_cast<int>(nodes);
   for (int r = 0; r < 3; ++r) kept.motion.centre[r] = static_cast<float>(now.m[r][3]);
+  kept.motion.first = static_cast<float>(part.first);
+  kept.motion.size = static_cast<float>(part.size);
+  kept.motion.shift = std::countr_zero(static_cast<unsigned>(part.count));
   return &kept.motion;
 }
 

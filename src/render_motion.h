@@ -1,4 +1,5 @@
-// The way of the head while what is seen goes into a frame, for physics/head_motion.h.
+// The way of the head, and of things, while what is seen goes into a frame, for
+// physics/head_motion.h.
 #pragma once
 
 #include <array>
@@ -38,7 +39,31 @@ struct FrameMotion {
   std::size_t frame = ~std::size_t{0};
 };
 
+// A part of a frame that lasts, for things that move meanwhile: where they are at its middle they are
+// for all its rays, one of each `count` of an ommatidium (rays.h). The whole frame is one part.
+struct TimePart {
+  int index = 0, count = 1;    // a power of two
+  double first = 0, size = 1;  // its delays, as quantiles: `size` is how much it counts
+};
+
+// As many parts as so many rays can have.
+int parts_for(int samples);
+
+// Parts are alike in a mean of how probable their delays are and how long they last: a long tail of
+// few rays moves too far to be one. `delays_s`: see RenderSettings.
+TimePart time_part(int index, int count, std::span<const double> delays_s);
+
+// So many rays of an ommatidium are in a part.
+int samples_in(const TimePart& part, int samples);
+
+// How long before the frame the middle of a part is, s.
+double delay_of(const TimePart& part, std::span<const double> delays_s);
+
 // Null where the head stands still for as long as the frame sees.
-const HeadMotion* motion_of(const HeadPath& path, std::size_t frame, FrameMotion& kept);
+const HeadMotion* motion_of(const HeadPath& path, std::size_t frame, const TimePart& part,
+                            FrameMotion& kept);
+
+// From one transform to another: positions and stretches linearly, turns by slerp.
+Mat4 transform_between(const Mat4& from, const Mat4& to, double part);
 
 }  // namespace omma

@@ -13,7 +13,7 @@ constexpr std::size_t rows_per_task = 256;
 
 // A frame with one set of rays; `parallel` where the threads are not busy with other poses.
 void render_frame(const Renderer::State& s, const SharedSet& set, const Mat4& world_from_head,
-                  std::uint64_t pose, const Outputs& outputs, bool parallel, float* responses) {
+                  std::uint32_t sees, const Outputs& outputs, bool parallel, float* responses) {
   Blocks blocks{{s.view(), &set.eye_view, &set.directions_view},
                 &s.built(),
                 static_cast<int>(set.rays.rays.size()),
@@ -25,7 +25,8 @@ void render_frame(const Renderer::State& s, const SharedSet& set, const Mat4& wo
   radiance.resize(set.rays.rays.size() * static_cast<std::size_t>(outputs.count));
   float* const traced = radiance.data();
   const auto trace = [&](std::size_t block) {
-    BlockTask task = make_task(blocks, block, world_from_head, pose);
+    BlockTask task = make_task(blocks, block, world_from_head, 0);  // rays are fixed to the head
+    task.sees = sees;
     task.responses = traced;
     trace_task(blocks, task);
   };
@@ -48,12 +49,12 @@ void render_frame(const Renderer::State& s, const SharedSet& set, const Mat4& wo
 }
 
 // The mean of all sets, and its standard error from their spread.
-void render_with_error(const Renderer::State& s, const Mat4& world_from_head, std::uint64_t pose,
+void render_with_error(const Renderer::State& s, const Mat4& world_from_head, std::uint32_t sees,
                        const Outputs& outputs, bool parallel, float* responses, float* errors) {
   const std::size_t size = s.eye.size() * static_cast<std::size_t>(outputs.count);
   std::vector<double> sum(size), squares(size);
   for (int pattern = 0; pattern < error_scrambles; ++pattern) {
-    render_frame(s, shared_set(s, pattern), world_from_head, pose, outputs, parallel, responses);
+    render_frame(s, shared_set(s, pattern), world_from_head, sees, outputs, parallel, responses);
     for (std::size_t i = 0; i < size; ++i) {
       const double x = static_cast<double>(responses[i]);
       sum[i] += x;
@@ -108,14 +109,14 @@ void render_shared(const Renderer::State& s, std::span<const Mat4> world_from_he
   }
   const auto frame = [&](std::size_t p, bool parallel) {
     float* out = responses.data() + p * pose_size;
-    const std::uint64_t pose = 0;  // rays are fixed to the head
+    const std::uint32_t sees = seen_at(call, p);
     std::copy(counts.begin(), counts.end(),
               call.rays.begin() + static_cast<std::ptrdiff_t>(p * counts.size()));
     if (with_error)
-      render_with_error(s, world_from_head[p], pose, outputs, parallel, out,
+      render_with_error(s, world_from_head[p], sees, outputs, parallel, out,
                         call.standard_error.data() + p * pose_size);
     else
-      render_frame(s, shared_set(s, 0), world_from_head[p], pose, outputs, parallel, out);
+      render_frame(s, shared_set(s, 0), world_from_head[p], sees, outputs, parallel, out);
   };
   const double rays = static_cast<double>(shared_set(s, 0).rays.rays.size()) * patterns;
   run_in_stretches(world_from_head.size(), rays, 1, call.progress,

@@ -14,6 +14,7 @@
 #include "backend/eye_arrays.h"
 #include "model/long_work.h"
 #include "omma/render.h"
+#include "render_motion.h"
 #include "sampling/directions.h"
 #include "sampling/shared_rays.h"
 #include "threads/arena.h"
@@ -97,9 +98,17 @@ void run_in_stretches(std::size_t tasks, double rays_per_task, int threads,
 // The set of shared rays number `pattern`, made if it is not there yet.
 const SharedSet& shared_set(const Renderer::State& state, int pattern);
 
-// Renderer::render of a world that stands still meanwhile: its caller sees to that.
+// Renderer::render of a world that stands still meanwhile: its caller sees to that. Of frames that
+// last also a part alone.
 void render_still(const Renderer::State& state, std::span<const Mat4> world_from_head,
-                  std::span<float> responses, const RenderCall& call);
+                  std::span<float> responses, const RenderCall& call, const TimePart& part = {});
+
+// The bits of what the rays of a pose meet (RayPacket::mask): a group's rays have its bit, which what
+// the group does not see lacks.
+inline std::uint32_t seen_at(const RenderCall& call, std::size_t pose) {
+  if (call.unseen_at.empty() || call.unseen_at[pose] < 0) return all_seen;
+  return 1u << call.unseen_at[pose];
+}
 
 // Whether the call's times say where things are that animations move.
 bool is_animated(const Renderer::State& state, const RenderCall& call);

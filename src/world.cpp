@@ -226,6 +226,10 @@ World World::with_lighting(Lighting lighting) const {
   state->settings.band_from_rgb.clear();
   state->settings.lighting = std::move(lighting);
   check_lighting(state->settings, *state_->built->scene);
+  if (!state_->built->images.empty() || state_->built->has_other_colors)
+    throw Error(
+        "light: expected a world whose images and colours are its scene's, found one in which "
+        "set_image or set_color has changed them");
   state->built = state_->built;
   const Rendering unmoved(*this);
   run_in_arena(*state->built->threads.arena, [&] { light_up(*state); });

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <map>
 #include <memory>
 #include <span>
 #include <vector>
@@ -74,6 +75,9 @@ struct BuiltScene {
   float first_origin_now_m[3] = {0, 0, 0};
   Bounds still_box;         // around what was never moved
   std::vector<int> moving;  // indices of instances that were
+  // Content that images of the scene were given, where it stays.
+  std::map<int, std::unique_ptr<const Image>> images;
+  bool has_other_colors = false;  // a material was given one
 
   // Renders under way; -1 while things are being moved. Nobody waits for it, so that no forked
   // process can wait for threads that it does not have.

@@ -126,6 +126,8 @@ void for_each_option(Settings& settings, F&& f) {
 // many independent estimates of `samples` rays; the response is their mean.
 inline constexpr int error_scrambles = 8;
 
+inline constexpr std::size_t most_unseen = 31;
+
 struct RenderCall {
   // With Noise::new_every_frame, the number of the first pose's frame, for renders done piece by
   // piece. None: frames are counted on by the renderer, from 0, in the order of the calls.
@@ -149,15 +151,23 @@ struct RenderCall {
   // world is rendered. Errors are also those of set_transforms.
   std::span<const int> instances;
   std::span<const Mat4> world_from_node;
+  // Groups of things that rays do not meet on their way from the eye, as an animal's own body,
+  // [group], things; and whose rays each pose has, [pose], a group or -1, which meets all. Light
+  // has what a group does not see: it is in shadows and in mirrors. At most most_unseen groups.
+  std::span<const std::vector<int>> unseen;
+  std::span<const int> unseen_at;
   // When each pose is, [pose], s. What the scene's animations move is where it is then, as
   // World::set_time has it; things that are among `instances` go where those say. With delays times
-  // grow: between poses the head moves on a straight way and turns evenly (slerp), before the first
-  // it stood still. Things do not move while a frame lasts.
+  // grow: between poses the head and things move on a straight way and turn evenly (slerp), before
+  // the first they stood still. The head moves for each ray by itself; where things move while a
+  // frame lasts, its rays see them at one of up to 32 times (with Fixed alone), and standard errors
+  // are as of so many independent parts, which is too much rather than too little.
   std::span<const double> times_s;
   std::span<const int> animations;
-  // With delays: poses before the first, for frames that are rendered piece by piece, and when they
-  // were.
+  // With delays: poses before the first, for frames that are rendered piece by piece, when they were,
+  // and where things were then, [past pose][thing], or empty where they were as at the first pose.
   std::span<const Mat4> past_world_from_head;
+  std::span<const Mat4> past_world_from_node;
   std::span<const double> past_times_s;
   // Called from the calling thread several times a second with the finished fraction (0 to 1);
   // false cancels the render, which then throws omma::Cancelled.
@@ -185,6 +195,8 @@ class Renderer {
   // Another eye, or other settings, in the world of a renderer: what both need is taken from there.
   // Lives on when `same_world` is gone.
   Renderer(const Renderer& same_world, Eye eye, RenderSettings settings = {});
+  // The same eye and settings in another world.
+  Renderer(const Renderer& same_eye, World world);
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
   ~Renderer();

@@ -116,6 +116,16 @@ class World {
   void set_time(double time_s, std::span<const int> animations = {},
                 const std::function<bool(double)>& progress = {});
 
+  // Gives an image of the scene another content of the same size, as of a screen, or a material
+  // another colour and light of its own, for all renderers; the scene keeps its own. An image whose
+  // alpha cuts out or lets light through stays as it is, and so does the alpha of a colour. Only in
+  // worlds that were never lit, whose light goes by the colours it was made for.
+  //
+  // Errors as of set_transforms, and where there is no such image or material, a size is another or
+  // a number is not finite or below 0.
+  void set_image(int image, Image picture);
+  void set_color(int material, Vec3 base_color, Vec3 emissive);
+
   // Indices into instances() of what set_time moves.
   std::vector<int> animated() const;
   // Indices of the scene's meshes that have another shape than the scene says; and the vertices of a

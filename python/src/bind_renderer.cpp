@@ -29,9 +29,11 @@ using RayOutput = nb::ndarray<nb::numpy, float, nb::ndim<4>, nb::c_contig>;
 
 using Indices = nb::ndarray<nb::numpy, const std::int32_t, nb::shape<-1>, nb::c_contig>;
 using Times = nb::ndarray<nb::numpy, const double, nb::shape<-1>, nb::c_contig>;
-// Of what moves from pose to pose: things, their transforms, times, animations; and poses before the
-// first, with their times.
-using MovesTuple = std::tuple<Indices, Poses, Times, Indices, Poses, Times>;
+// Of what moves from pose to pose: things, their transforms, times, animations; poses before the
+// first, with their times, and transforms of things then; groups of things that are not seen, and the
+// group of each pose.
+using MovesTuple = std::tuple<Indices, Poses, Times, Indices, Poses, Times, Poses,
+                              std::vector<std::vector<int>>, Indices>;
 
 using Matrix = nb::ndarray<nb::numpy, const double, nb::ndim<2>, nb::c_contig>;
 
@@ -59,13 +61,17 @@ void render(const Renderer& renderer, const Poses& poses, const Output& response
   if (ray_radiance) call.ray_radiance = {ray_radiance->data(), ray_radiance->size()};
   const std::span<const Mat4> world_from_head = matrices_of(poses);
   if (moves) {
-    const auto& [instances, transforms, times, animations, past, past_times] = *moves;
+    const auto& [instances, transforms, times, animations, past, past_times, past_transforms,
+                 unseen, unseen_at] = *moves;
     call.instances = {instances.data(), instances.size()};
     call.world_from_node = matrices_of(transforms);
     call.times_s = {times.data(), times.size()};
     call.animations = {animations.data(), animations.size()};
     call.past_world_from_head = matrices_of(past);
     call.past_times_s = {past_times.data(), past_times.size()};
+    call.past_world_from_node = matrices_of(past_transforms);
+    call.unseen = unseen;
+    call.unseen_at = {unseen_at.data(), unseen_at.size()};
   }
   run_with_progress(progress, [&](const std::function<bool(double)>& report) {
     call.progress = report;
@@ -209,6 +215,12 @@ void bind_renderer(nb::module_& m) {
             run_long_work([&] { new (self) Renderer(same_world, eye, settings); });
           },
           nb::arg("same_world"), nb::arg("eye"), nb::arg("settings"))
+      .def(
+          "__init__",
+          [](Renderer* self, const Renderer& same_eye, const World& world) {
+            run_long_work([&] { new (self) Renderer(same_eye, world); });
+          },
+          nb::arg("same_eye"), nb::arg("world"))
       .def("render", &render, nb::arg("poses").noconvert(), nb::arg("responses").noconvert(),
            nb::arg("standard_error").noconvert().none(), nb::arg("rays").noconvert().none(),
            nb::arg("ray_radiance").noconvert().none(), nb::arg("first_pose").none(),
@@ -223,7 +235,9 @@ void bind_renderer(nb::module_& m) {
                    "moves: tuple[numpy.typing.NDArray[numpy.int32], "
                    "numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], "
                    "numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64], "
-                   "numpy.typing.NDArray[numpy.float64]] | None, progress: "
+                   "numpy.typing.NDArray[numpy.float64], "
+                   "numpy.typing.NDArray[numpy.float64], list[list[int]], "
+                   "numpy.typing.NDArray[numpy.int32]] | None, progress: "
                    "collections.abc.Callable[[float], object] | None) -> None"))
       .def(
           "precision_warning",

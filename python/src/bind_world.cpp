@@ -1,11 +1,13 @@
 // The world for Python: built and moved with the GIL released.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <array>
 #include <functional>
 #include <optional>
 #include <span>
@@ -137,6 +139,14 @@ void bind_world(nb::module_& m) {
                   "numpy.typing.NDArray[numpy.float32], normals: "
                   "numpy.typing.NDArray[numpy.float32] | None, progress: "
                   "collections.abc.Callable[[float], object] | None) -> None"))
+      .def("set_image", &World::set_image, nb::arg("image"), nb::arg("picture"))
+      .def(
+          "set_color",
+          [](World& world, int material, std::array<float, 3> base, std::array<float, 3> emissive) {
+            world.set_color(material, {base[0], base[1], base[2]},
+                            {emissive[0], emissive[1], emissive[2]});
+          },
+          nb::arg("material"), nb::arg("base_color"), nb::arg("emissive"))
       .def_prop_ro("animated", &World::animated)
       .def_prop_ro("reshaped", &World::reshaped)
       .def(

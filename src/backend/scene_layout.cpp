@@ -41,10 +41,10 @@ float mesh_per_world(const Mat4& world_from_mesh) {
 
 void place_instance(SceneLayout& layout, std::size_t index, const Placement& placement) {
   PlacedInstance& instance = layout.instances[index];
-  const Mat4& world_from_mesh =
-      placement.world_from_mesh[static_cast<std::size_t>(instance.instance)];
-  Mat4 t = moved(world_from_mesh, placement.origin_m * -1.0);
-  layout.placed[index] = {instance.mesh, mesh_per_world(t), instance.instance};
+  const auto i = static_cast<std::size_t>(instance.instance);
+  Mat4 t = moved(placement.world_from_mesh[i], placement.origin_m * -1.0);
+  const std::uint32_t seen_by = placement.seen_by.empty() ? all_seen : placement.seen_by[i];
+  layout.placed[index] = {instance.mesh, mesh_per_world(t), instance.instance, seen_by};
   if (instance.is_shared)
     t = moved(t, transform_vector(
                      t, layout.mesh_origin_m[static_cast<std::size_t>(instance.mesh)]));

@@ -61,7 +61,7 @@ std::int32_t find_texture(const Scene& scene, ShadingData& data, int texture, Al
   // CompoundRay's colours are not linear before they are interpolated, nearest texels are asked
   // for as they are: neither can be averaged.
   const bool levels = scene.color_rule == ColorRule::gltf && t.filter == Filter::linear;
-  const TextureLevels*& made = data.levels_of_image[{t.image, alpha, codes, levels}];
+  TextureLevels*& made = data.levels_of_image[{t.image, alpha, codes, levels}];
   if (made == nullptr) {
     const bool large = texels_of_8_bits(scene) > most_fast_texels;
     data.levels.push_back(make_texture_levels(image, codes, alpha, levels, large));
@@ -73,6 +73,28 @@ std::int32_t find_texture(const Scene& scene, ShadingData& data, int texture, Al
   view.filter = t.filter;
   data.textures.push_back(view);
   return known->second;
+}
+
+void replace_image(const Scene& scene, ShadingData& data, int image, const Image& picture) {
+  const bool large = texels_of_8_bits(scene) > most_fast_texels;
+  std::vector<std::pair<TextureLevels*, TextureLevels>> made;
+  for (const auto& [key, levels] : data.levels_of_image) {
+    const auto& [of_image, alpha, codes, has_levels] = key;
+    if (of_image == image)
+      made.emplace_back(levels, make_texture_levels(picture, codes, alpha, has_levels, large));
+  }
+  for (auto& [levels, now] : made) *levels = std::move(now);
+  for (const auto& [key, index] : data.view_of_texture) {
+    const auto& [texture, alpha, codes] = key;
+    const Texture& t = scene.textures[static_cast<std::size_t>(texture)];
+    if (t.image != image) continue;
+    const bool has_levels = scene.color_rule == ColorRule::gltf && t.filter == Filter::linear;
+    TextureView& view = data.textures[static_cast<std::size_t>(index)];
+    view = view_levels(picture, *data.levels_of_image.at({image, alpha, codes, has_levels}));
+    view.wrap_u = t.wrap_u;
+    view.wrap_v = t.wrap_v;
+    view.filter = t.filter;
+  }
 }
 
 const Vec2* texture_coordinates(const Mesh& mesh, const TextureUse& use, bool large,

@@ -24,6 +24,9 @@ std::vector<T> per_corner(const Mesh& mesh, const std::vector<T>& per_vertex) {
 std::int32_t find_texture(const Scene& scene, ShadingData& data, int texture, AlphaUse alpha,
                           ImageCodes codes);
 
+// Has all textures of an image read another picture of the same size, which stays where it is.
+void replace_image(const Scene& scene, ShadingData& data, int image, const Image& picture);
+
 // The coordinates that a mesh reads a texture with, of corners, or in large scenes of vertices;
 // kept by `data`, or the mesh's own.
 const Vec2* texture_coordinates(const Mesh& mesh, const TextureUse& use, bool large,

@@ -2,6 +2,7 @@
 // distances from an origin near it, found here in double; and what is lost all the same is told.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -53,11 +54,12 @@ struct Shape {
   std::vector<Vec3> normals;    // [vertex], where the mesh has them
 };
 
-// Where the instances of a scene are, which of them have been moved, what shape its meshes have, and
-// what all are traced from.
+// Where the instances of a scene are, which of them have been moved and which rays meet those, what
+// shape its meshes have, and what all are traced from.
 struct Placement {
   std::vector<Mat4> world_from_mesh;  // [instance]
   std::vector<char> moves;            // [instance]; those of a mesh that changes its shape do
+  std::vector<std::uint32_t> seen_by;  // [instance], PlacedMesh::seen_by; empty: by all
   std::vector<Shape> shapes;          // [mesh], with positions where it has changed
   Vec3d origin_m;                     // of the traced frame, in the world
   double half_size_m = 0;             // of the box around all, its longest side

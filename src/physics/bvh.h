@@ -51,6 +51,7 @@ struct PlacedTree {
   std::uint32_t root;           // index into BvhView::nodes
   std::uint32_t placed;         // index into the table of placed meshes; `none` where the tree's
                                 // triangles say, and its frame is the traced one
+  std::uint32_t seen_by;        // as of the placed mesh (ray_packet.h)
 };
 
 struct BvhView {

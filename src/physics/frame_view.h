@@ -7,6 +7,7 @@
 
 #include "physics/acceptance.h"
 #include "physics/random_direction.h"
+#include "physics/ray_packet.h"
 #include "physics/scene_view.h"
 
 namespace omma {
@@ -31,10 +32,13 @@ struct EyeView {
 
 struct DirectionsView {
   int samples = 0;
+  // They are those of a pattern of pattern_samples that belong to one of 2^part_bits parts
+  // (rays.h, sample_of_part): all of them, but where frames last while things move.
+  int pattern_samples = 0, part = 0, part_bits = 0;
   bool random = false;  // independent directions; else low-discrepancy patterns
   std::uint64_t seed = 0;
   int patterns = 0;  // per warp, a power of two; 0: directions are made on the way
-  // [warp][pattern][x, y, z][samples], unit, in a frame with x up, y right and z along the axis.
+  // [warp][pattern][x, y, z][pattern_samples], unit, in a frame with x up, y right and z along the axis.
   const float* local = nullptr;
   const Vec2* turns = nullptr;                 // [turn_count + 1], cosine, sine; the last is no turn
   const std::int32_t* fixed_turn = nullptr;    // [warp], the turn that all have, or -1
@@ -98,6 +102,7 @@ struct BlockTask {
   // How the head moves while what is seen goes into the frame; null: it does not.
   const HeadMotion* motion = nullptr;
   std::uint64_t pose = 0;            // index, for the random numbers
+  std::uint32_t sees = all_seen;     // RayPacket::mask of rays on their way from the eye
   int first = 0, count = 0;          // ommatidia, in the order of EyeView
   float* responses = nullptr;        // [ommatidium][output] of this pose
   float* standard_error = nullptr;   // the same, or null

@@ -12,6 +12,9 @@ struct HeadMotion {
   // [delays + 1], quantiles of the delay at equal steps of probability, in nodes.
   const float* delay = nullptr;
   int delays = 0;
+  // Of them those from `first` on, as fractions of all, for rays of which one in 2^shift is there.
+  float first = 0, size = 1;
+  int shift = 0;
   // [nodes][3][4], row major: from where a ray is at the frame itself, less `centre`, to where it is
   // so many nodes before; at least two.
   const float* node = nullptr;
@@ -33,9 +36,11 @@ OMMA_HD void move_with_head(const HeadMotion& motion, Packet<L>& packet) {
   using I = typename L::I;
   using U = typename L::U;
   for (int l = 0; l < L::count; l += L::width) {
-    const F step = time_fraction(load<U>(packet.hash + l), load<U>(packet.sample + l)) *
-                   to_float(motion.delays);
-    const I first = to_int(step);
+    const F drawn =
+        time_fraction(load<U>(packet.hash + l), load<U>(packet.sample + l) >> motion.shift);
+    const F step = (motion.first + motion.size * drawn) * to_float(motion.delays);
+    I first = to_int(step);
+    first = first > motion.delays - 1 ? first * 0 + (motion.delays - 1) : first;
     const F early = gather(motion.delay, first), late = gather(motion.delay + 1, first);
     const F at = early + (late - early) * (step - to_float(first));
     I before = to_int(at);

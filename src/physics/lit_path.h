@@ -215,6 +215,7 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
       const float towards[3] = {onward.direction[0][l], onward.direction[1][l],
                                 onward.direction[2][l]};
       leave_surface<L>(geometry, l, towards, packet.rays);
+      packet.rays.mask[l] = all_seen;
       packet.footprint_rad[l] = 0;
       passed.count[l] = 0;
     }

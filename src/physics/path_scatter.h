@@ -103,20 +103,22 @@ OMMA_HD void add_baked(const SceneView& scene, const PathState<L>& state,
   constexpr int n = L::count;
   alignas(L::width * 4) float is_on[L::width];
   for (int k = 0; k < L::width; ++k) is_on[k] = (scattering >> (l + k) & 1u) != 0 ? 1.0f : 0.0f;
-  const F diffuse = keep(load<F>(is_on) > 0.0f, point.diffuse);
+  const auto scatters = load<F>(is_on) > 0.0f;
   const int stride = scene.bands * n;
   for (int b = 0; b < scene.bands; ++b) {
     const int at = b * n + l;
-    const F sent = diffuse * load<F>(memory.throughput + at) *
-                   (load<F>(memory.reflectance + at) * load<F>(memory.front + at) +
-                    load<F>(memory.transmittance + at) * load<F>(memory.back + at));
+    // Lanes that met nothing have anything for spectra, also what is not a number.
+    const F sent =
+        keep(scatters, point.diffuse * load<F>(memory.throughput + at) *
+                           (load<F>(memory.reflectance + at) * load<F>(memory.front + at) +
+                            load<F>(memory.transmittance + at) * load<F>(memory.back + at)));
     if (!scene.polarized) {
       store(radiance + at, load<F>(radiance + at) + sent);
       continue;
     }
     for (int p = 0; p < 3; ++p) {
       float* const to = radiance + p * stride + at;
-      store(to, load<F>(to) + load<F>(state.mueller[3 * p] + l) * sent);
+      store(to, load<F>(to) + keep(scatters, load<F>(state.mueller[3 * p] + l) * sent));
     }
   }
 }

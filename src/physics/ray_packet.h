@@ -15,6 +15,9 @@ enum class Spread : std::uint8_t { together, scattered };
 // No surface, no instance.
 inline constexpr std::uint32_t none = 0xffffffffu;
 
+// Of rays that meet all there is, and of surfaces that all rays meet.
+inline constexpr std::uint32_t all_seen = 0xffffffffu;
+
 template <int count>
 struct alignas(count >= 16 ? 64 : 4) RayPacket {
   float origin[3][count];     // m, traced frame
@@ -22,7 +25,8 @@ struct alignas(count >= 16 ? 64 : 4) RayPacket {
   float direction[3][count];  // unit
   float time[count];
   float t_far_m[count];  // hits further away are not seen; where a hit is found, its distance
-  std::uint32_t mask[count], id[count], flags[count];  // Embree's: all ones, the lane, 0
+  std::uint32_t mask[count];  // surfaces that have none of these bits are not met (PlacedMesh)
+  std::uint32_t id[count], flags[count];  // Embree's: the lane, 0
 
   float normal[3][count];         // of the triangle, not normalised, in the frame of its mesh
   float u[count], v[count];       // barycentric weights of the second and third vertex
@@ -35,11 +39,13 @@ struct alignas(count >= 16 ? 64 : 4) RayPacket {
 };
 
 // A placed surface: which mesh; metres of the mesh per metre of the world along the direction that
-// its transform stretches most; and which instance of the scene.
+// its transform stretches most; which instance of the scene; and which rays meet it, those that have
+// a bit of this in their mask.
 struct alignas(16) PlacedMesh {
   std::int32_t mesh = -1;
   float mesh_per_world = 0;
   std::int32_t instance = -1;
+  std::uint32_t seen_by = all_seen;
 };
 
 }  // namespace omma

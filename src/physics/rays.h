@@ -27,7 +27,7 @@ template <typename L>
 OMMA_HD void clear(RayPacket<L::count>& rays) {
   for (int l = 0; l < L::count; ++l) {
     rays.time[l] = 0;
-    rays.mask[l] = 0xffffffffu;
+    rays.mask[l] = all_seen;
     rays.flags[l] = 0;
     rays.id[l] = static_cast<unsigned>(l);  // candidates are asked about in any order
   }
@@ -73,6 +73,20 @@ OMMA_HD void turn_with(const F (&axis)[3], const F (&ray)[3], const F (&up)[3], 
   for (int r = 0; r < 3; ++r) turned[r] = up[r] - part * (axis[r] + ray[r]);
   const F length = sqrt_lanes(turned[0] * turned[0] + turned[1] * turned[1] + turned[2] * turned[2]);
   for (F& x : turned) x /= length;
+}
+
+// Which samples of a pattern belong to a part of it: one of each 2^part_bits that follow each other,
+// in each another one, by the bits of its number reversed and the part's (as in Hammersley's points).
+// Neighbours in a pattern are near each other, and always the same ones of them would all be off to
+// the same side. Behind the last full number of them there is one for each of the first parts.
+template <typename I>
+OMMA_HD I sample_of_part(const DirectionsView& directions, I number) {
+  const int bits = directions.part_bits;
+  if (bits == 0) return number;
+  I reversed = number * 0;
+  for (int b = 0; b < bits; ++b) reversed = reversed | ((number >> b & 1) << (bits - 1 - b));
+  const I own = reversed ^ directions.part, first = number * (1 << bits);
+  return first + (number < directions.pattern_samples >> bits ? own : number * 0 + directions.part);
 }
 
 // Writes L::width rays from lane l on: the first is sample `sample` of unit `unit`.
@@ -124,10 +138,10 @@ OMMA_HD void write_rays(const DirectionsView& directions, const Units& units, in
 
   // All lanes are one unit's: straight from its pattern.
   const float* local = directions.local;
-  const int samples = directions.samples;
-  if (directions.patterns > 0 && sample + L::width <= samples) {
+  const int samples = directions.samples, plane = directions.pattern_samples;
+  if (directions.patterns > 0 && directions.part_bits == 0 && sample + L::width <= samples) {
     const float* p = local + units.directions[unit] + sample;
-    write({load<F>(p), load<F>(p + samples), load<F>(p + 2 * samples)},
+    write({load<F>(p), load<F>(p + plane), load<F>(p + 2 * plane)},
           [&](const float* values) { return broadcast<F>(values[unit]); },
           [&] {
             return disc_points<L>(lane_numbers<L>() * 0 + units.hash[unit],
@@ -140,12 +154,12 @@ OMMA_HD void write_rays(const DirectionsView& directions, const Units& units, in
   // Units that the lanes are ahead of the first one, and their sample within those.
   const I lane_sample = lane_numbers<L>() + sample;
   I ahead = to_int((to_float(lane_sample) + 0.5f) * per_sample);
-  const I local_sample = lane_sample - ahead * samples;
+  const I local_sample = sample_of_part(directions, lane_sample - ahead * samples);
   ahead = ahead > last_unit - unit ? ahead * 0 + (last_unit - unit) : ahead;
   LocalDirection<F> d;
   if (directions.patterns > 0) {
     const I p = gather(units.directions + unit, ahead) + local_sample;
-    d = {gather(local, p), gather(local, p + samples), gather(local, p + 2 * samples)};
+    d = {gather(local, p), gather(local, p + plane), gather(local, p + 2 * plane)};
   } else if (directions.random) {
     d = sample_random_direction<F>(directions.polar, gather(units.directions + unit, ahead),
                                    uint_of(gather(units.hash + unit, ahead)),

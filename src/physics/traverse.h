@@ -162,6 +162,15 @@ OMMA_HD void move_rays(const float (&m)[3][4], const Packet& rays, float (&moved
   }
 }
 
+// Of those lanes, the ones whose rays meet a placed tree.
+template <typename L, typename Packet>
+OMMA_HD unsigned seeing(const Packet& rays, const PlacedTree& tree, unsigned lanes) {
+  if (tree.seen_by == all_seen) return lanes;
+  for (int l = 0; l < L::count; ++l)
+    if ((rays.mask[l] & tree.seen_by) == 0) lanes &= ~(1u << l);
+  return lanes;
+}
+
 // Goes through what is placed. `found(tree, lanes, ...)` is called for what the lanes of `bits`
 // meet of a triangle, as in search_leaf; it returns those of `lanes` that search on.
 template <typename L, typename Packet, typename Found>
@@ -181,7 +190,7 @@ OMMA_HD void search(const BvhView& bvh, unsigned valid, Packet& rays, Found foun
         move_rays<L>(tree.tree_from_frame, rays, moved);
         frame = {moved, moved + 3};
       }
-      for (unsigned left = lanes; left != 0;) {
+      for (unsigned left = seeing<L>(rays, tree, lanes); left != 0;) {
         RayBundle<L> moved_bundle;
         if (is_moved) make_bundle<L>(frame, rays.t_near_m, left, moved_bundle);
         const RayBundle<L>& own = is_moved ? moved_bundle : bundle;

@@ -113,7 +113,7 @@ OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const Directi
     if (directions.patterns > 0) {
       const U pattern = (hash + scramble) & static_cast<std::uint32_t>(directions.patterns - 1);
       store(units.directions + u,
-            (warp * directions.patterns + int_of(pattern)) * (3 * directions.samples));
+            (warp * directions.patterns + int_of(pattern)) * (3 * directions.pattern_samples));
     } else {
       store(units.directions + u, warp);
     }

@@ -199,6 +199,9 @@ DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& sett
 
 DirectionsView view(const DirectionTables& t) {
   return {t.samples,
+          t.samples,
+          0,
+          0,
           t.points == Points::random,
           t.seed,
           t.patterns,

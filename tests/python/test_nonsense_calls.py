@@ -52,6 +52,8 @@ WITHOUT = {
     "compoundray_library": "the library of CompoundRay's interface, which is built on request",
     "plot_species": "a species, which takes seconds to make",
     "Renderer.render_stokes": "a world that is polarised",
+    "World.set_color": "a world that was never lit",
+    "World.set_image": "a world that was never lit, with an image",
 }
 
 
@@ -239,6 +241,7 @@ def public_calls(folder):
         "load_acceptance": (folder / "s.csv",),
         "load_angle_table": (folder / "angles.csv",),
         "load_eye": (folder / "bug.eye",),
+        "render_agents": ([omma.Renderer(scene, bee, omma.Fixed(1))], pose[None, None]),
         "load_poses": (folder / "poses.csv",),
         "load_scene": (folder / "scene.gltf",),
         "load_surface": (folder / "face.obj",),
@@ -406,7 +409,7 @@ def public_calls(folder):
             "render": (pose,), "render_rays": (pose,), "render_receptors": (pose,),
             "render_stokes": (pose,),
             "with_eye": (eye,), "render_iter": ([pose],), "dataset": (pose,),
-            "ground_truth": (pose,),
+            "ground_truth": (pose,), "with_world": (omma.World(scene),),
         }),
         "Eye": (bee, {"select": (0,), "acceptance": (0,), "take": ([0, 1],)}),
         "Acceptance": (table, {"eval": ([0.1],), "pdf": ([0.1],), "mtf": ([1.0],), "sample": (3,)}),
@@ -416,7 +419,8 @@ def public_calls(folder):
         "World": (omma.World(omma.scene.merge_scenes([scene, swinging])), {
             "index": ("ground",), "set_transforms": ("ground", pose), "at": (0.5, "swing"),
             "camera_at": ("bug", 0.5), "set_vertices": (0, scene.meshes[0].positions_m),
-            "vertices": (0,),
+            "vertices": (0,), "set_color": (0, (0.1, 0.2, 0.3)),
+            "set_image": (0, np.zeros((2, 2, 3), np.uint8)),
             "with_background": (omma.Background.constant((1, 1, 1)),),
             "with_light": {"light": omma.light.uniform_sky(1.0), "ultraviolet": "dark"},
         }),

@@ -1,3 +1,4 @@
+from .agents import render_agents
 from .read_back import load_responses
 from .report import SamplingReport
 from .settings import Settings
@@ -8,4 +9,5 @@ __all__ = [
     "SamplingReport",
     "Settings",
     "load_responses",
+    "render_agents",
 ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, TypedDict, TypeVar
 
 import numpy as np
@@ -18,6 +18,9 @@ from omma.scene.world import Animations, Instances, World
 if TYPE_CHECKING:
     from typing_extensions import Self
 
+# Groups of things that one call can keep from being seen: bits of a ray's mask.
+MOST_UNSEEN = 31
+
 F = TypeVar("F", bound=Callable[..., Any])
 EngineMoves = tuple[
     NDArray[np.int32],
@@ -26,6 +29,9 @@ EngineMoves = tuple[
     NDArray[np.int32],
     NDArray[np.float64],
     NDArray[np.float64],
+    NDArray[np.float64],
+    list[list[int]],
+    NDArray[np.int32],
 ]
 
 
@@ -36,7 +42,12 @@ class MovesOptions(TypedDict, total=False):
     transforms: ArrayLike | None
     times_s: ArrayLike | None
     animation: Animations | None
-    past: tuple[ArrayLike | tuple[ArrayLike, ArrayLike], ArrayLike] | None
+    past: (
+        tuple[ArrayLike | tuple[ArrayLike, ArrayLike], ArrayLike]
+        | tuple[ArrayLike | tuple[ArrayLike, ArrayLike], ArrayLike, ArrayLike]
+        | None
+    )
+    unseen: Sequence[Instances | None] | None
 
 
 def takes_moves(function: F) -> F:
@@ -104,11 +115,16 @@ class Moves:
             )
         self._animations = world._animations_of(animation)
         self._past = np.empty((0, 4, 4)), np.empty(0)
+        self._past_transforms = np.empty((0, len(self._instances), 4, 4))
         past = options.get("past")
         if past is not None:
             if impulse_response is None:
                 raise Error("past: is for renderers with an impulse response, found one without")
             self._past = _checked_past(past)
+            if len(past) == 3:
+                shape = (len(self._past[1]), len(self._instances), 4, 4)
+                self._past_transforms = array_of(past[2], "past", shape)
+        self._groups, self._group_of_pose = _groups_of(world, options.get("unseen"), poses)
 
     def part(self, first: int, count: int) -> Self:
         """The same of some of the poses."""
@@ -116,6 +132,7 @@ class Moves:
         vars(part).update(vars(self))
         part._transforms = self._transforms[first : first + count]
         part._poses = self._poses[first : first + count]
+        part._group_of_pose = self._group_of_pose[first : first + count]
         if self._longest_s is not None and self._times is not None:
             # What the first of them still sees, and one before.
             times = np.concatenate([self._past[1], self._times[:first]])
@@ -123,6 +140,10 @@ class Moves:
             kept = slice(max(0, seen - 1), None)
             before = np.concatenate([self._past[0], self._poses[:first]])
             part._past = np.ascontiguousarray(before[kept]), times[kept]
+            known = self._past_transforms
+            if len(known) < len(self._past[1]):  # things stood as they are at the first pose
+                known = self._transforms[:1].repeat(len(self._past[1]), axis=0)
+            part._past_transforms = np.concatenate([known, self._transforms[:first]])[kept]
         if self._times is not None:
             part._times = self._times[first : first + count]
         return part
@@ -137,27 +158,70 @@ class Moves:
             if len(self._animations) > 0:
                 options["animation"] = int(self._animations[0])
             if len(self._past[1]) > 0:
-                options["past"] = self._past
+                options["past"] = (*self._past, self._past_transforms)
+        if self._groups:
+            options["unseen"] = [
+                self._groups[group] if group >= 0 else None for group in self._group_of_pose
+            ]
         return options
 
     def for_engine(self) -> EngineMoves | None:
         """As the engine takes them; None where nothing moves."""
-        if len(self._instances) == 0 and self._times is None:
+        if len(self._instances) == 0 and self._times is None and not self._groups:
             return None
         times = np.empty(0) if self._times is None else self._times
         transforms = np.ascontiguousarray(self._transforms.reshape(-1, 4, 4))
         times = np.ascontiguousarray(times)
-        return self._instances, transforms, times, self._animations, *self._past
+        return (
+            self._instances,
+            transforms,
+            times,
+            self._animations,
+            *self._past,
+            np.ascontiguousarray(self._past_transforms.reshape(-1, 4, 4)),
+            self._groups,
+            self._group_of_pose,
+        )
 
     def note(self) -> None:
         """Have the world know what has moved, which is back where it was."""
-        if self.for_engine() is not None:
-            self._world._note_moves(self._instances, self._times is not None)
+        unseen = [thing for group in self._groups for thing in group]
+        if len(self._instances) > 0 or self._times is not None or unseen:
+            things = np.concatenate([self._instances, np.array(unseen, np.int32)])
+            self._world._note_moves(things, self._times is not None)
 
 
 def _checked_past(past: Any) -> tuple[Matrices, NDArray[np.float64]]:
     """Poses before the first, and when they were."""
-    if not isinstance(past, (tuple, list)) or len(past) != 2:
-        raise Error(f"past: expected (poses, times_s), found {past!r:.40}")
+    if not isinstance(past, (tuple, list)) or len(past) not in (2, 3):
+        raise Error(
+            f"past: expected (poses, times_s) or (poses, times_s, transforms), found {past!r:.40}"
+        )
     matrices = as_poses(past[0])
     return matrices, np.ascontiguousarray(array_of(past[1], "past", (len(matrices),)))
+
+
+def _groups_of(world: World, unseen: Any, poses: int) -> tuple[list[list[int]], NDArray[np.int32]]:
+    """Groups of things that rays do not meet, and which one each pose has, -1 for none."""
+    if unseen is None:
+        return [], np.empty(0, np.int32)
+    if isinstance(unseen, str) or not hasattr(unseen, "__len__") or len(unseen) != poses:
+        raise Error(
+            f"unseen: expected None, or the things that are not seen, for each of {poses} poses, "
+            f"found {unseen!r:.60}"
+        )
+    found: dict[tuple[int, ...], int] = {}
+    of_pose = np.full(poses, -1, np.int32)
+    for pose, things in enumerate(unseen):
+        if things is not None:
+            indices = tuple(sorted(set(world._indices_of(things).tolist())))
+            if indices:
+                of_pose[pose] = found.setdefault(indices, len(found))
+    if not found:
+        return [], np.empty(0, np.int32)
+    if len(found) > MOST_UNSEEN:
+        raise Error(
+            f"unseen: expected at most {MOST_UNSEEN} different groups of things in one call, found "
+            f"{len(found)}"
+        )
+    return [list(indices) for indices in found], of_pose

@@ -163,6 +163,24 @@ class Renderer:
         other._receptors = None
         return other
 
+    @checked
+    def with_world(self, world: World) -> Renderer:
+        """The same eye with the same settings in another world, as before another background.
+
+        Made in milliseconds, as the eye's tables are shared.
+
+        Raises:
+            omma.Error: what the settings ask for cannot be had there, as shared rays in a polarised
+                world.
+        """
+        other = object.__new__(Renderer)
+        vars(other).update(vars(self))
+        other._world = world
+        other._engine = _core.Renderer(self._engine, world._engine)
+        other._build_times = {"scene_s": 0.0, "acceleration_s": 0.0}
+        other._receptors = None
+        return other
+
     @overload
     def render(
         self,
@@ -252,9 +270,12 @@ class Renderer:
                 that time, as `World.at` says, and back afterwards. Things that ``instances`` names
                 go where ``transforms`` says.
             animation: with ``times_s``, as of `World.at`.
-            past: with an impulse response, (poses, times) before the first frame, so that a path
-                that is rendered in pieces gives what it does at once; before the first of all the
-                head stood still.
+            past: with an impulse response, (poses, times) before the first frame, or with
+                ``instances`` (poses, times, transforms), so that a path that is rendered in pieces
+                gives what it does at once; before the first of all everything stood still.
+            unseen: for each pose None, or the things (a name, an index or several) that its eye
+                does not see, as the animal's own body; at most 31 different groups in one call.
+                Light meets them all the same: their shadows and mirror images are seen.
 
         Raises:
             omma.Error: a wrong shape, a pose that is not finite or not invertible or at which rays

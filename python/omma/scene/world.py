@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma import _core
-from omma._core import Background, Error, Scene
+from omma._core import Background, Error, Image, Scene
 from omma._core import WorldInstance as WorldInstance
 from omma.base.arguments import array_of, checked, expect, whole
 from omma.base.notebook import html_table
@@ -17,9 +17,10 @@ from omma.base.values import check_format
 from omma.light import Light
 from omma.scene.baking import Bake, BakedInfo, find_baked_light, share_of
 from omma.scene.lighting import Lighting, LightingName, Sun, Ultraviolet, checked_lighting
+from omma.scene.world_colors import Colors
 
 # Of the pickles of worlds; raised where what they hold changes.
-_PICKLE_FORMAT = 3
+_PICKLE_FORMAT = 4
 # The share of progress that building has where light is baked too.
 _BUILDING = 0.1
 
@@ -105,6 +106,7 @@ class World:
         self._base: World | None = None  # of which this is another background
         # What has moved, and where it was before; shared with such worlds.
         self._moved: dict[int, NDArray[np.float64]] = {}
+        self._colors = Colors(scene)  # that changed; shared as well
         number = whole(threads, "threads", 0, 1 << 16)
         self._asked = {"threads": number, "backend": backend}
         self._band_from_rgb: NDArray[np.float64] | None = None
@@ -222,6 +224,7 @@ class World:
                 (mesh, self._engine.positions(mesh), self._engine.normals(mesh))
                 for mesh in self._engine.reshaped
             ],
+            "colors": self._colors.parts(),
         }
         return _from_pickle, (state,)
 
@@ -382,6 +385,49 @@ class World:
         """
         return self._engine.positions(whole(mesh, "mesh", 0, (1 << 31) - 1))
 
+    @checked
+    def set_image(self, image: int | str, picture: Image | ArrayLike) -> None:
+        """Show another picture where an image of the scene is seen, as on a screen.
+
+        For all renderers of this world, whose scene keeps its own. Only in worlds that were never
+        lit: light goes by the colours that it was made for.
+
+        Args:
+            image: which, an index in ``scene.images`` or the name of one.
+            picture: of the same size: an image, or (height, width, 3 or 4), where uint8 is sRGB and
+                float linear.
+
+        Raises:
+            omma.Error: no such image, another size, an image whose alpha cuts out or blends, a
+                world that was lit, or something is being rendered.
+        """
+        self._colors.set_image(self._engine, image, picture)
+
+    @checked
+    def set_color(
+        self,
+        material: int | str,
+        base_color: ArrayLike | None = None,
+        *,
+        emissive: ArrayLike | None = None,
+    ) -> None:
+        """Give a material another colour or light of its own, as of a lamp that flickers.
+
+        For all renderers of this world, whose scene keeps its own. Only in worlds that were never
+        lit.
+
+        Args:
+            material: which, an index in ``scene.materials`` or the name of one.
+            base_color: linear RGB, by which the material's texture is multiplied. None: as it is.
+            emissive: linear RGB that it adds; nothing where the material is unlit
+                (KHR_materials_unlit). None: as it is.
+
+        Raises:
+            omma.Error: no such material, a number below 0 or not finite, a world that was lit, or
+                something is being rendered.
+        """
+        self._colors.set_color(self._engine, material, base_color, emissive)
+
     def _indices_of(self, instances: Instances) -> NDArray[np.int32]:
         """Indices in `instances` of what is given by names or indices."""
         listed: Any = instances
@@ -511,4 +557,9 @@ def _from_pickle(state: dict[str, Any]) -> World:
         world.set_transforms(state["moved"], np.stack(state["world_from_node"]))
     for mesh, positions, normals in state["shapes"]:
         world.set_vertices(mesh, positions, normals if len(normals) else None)
+    images, colors = state["colors"]
+    for image, picture in images.items():
+        world.set_image(image, picture)
+    for material, (base_color, emissive) in colors.items():
+        world.set_color(material, base_color, emissive=emissive)
     return world

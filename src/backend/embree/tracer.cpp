@@ -148,12 +148,21 @@ void build_mesh(EmbreeTracer& tracer, const Scene& scene, std::size_t m, const S
   build.commit(tracer.scene_of_mesh[m], mesh.triangles.size());
 }
 
-void place(RTCGeometry instance, const Mat4& frame_from_mesh) {
+void place(const EmbreeTracer& tracer, RTCGeometry geometry, std::size_t index) {
+  const Mat4& frame_from_mesh = tracer.layout.instances[index].frame_from_mesh;
   float columns[12];
   for (int c = 0; c < 4; ++c)
     for (int r = 0; r < 3; ++r) columns[3 * c + r] = static_cast<float>(frame_from_mesh.m[r][c]);
-  rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
-  rtcCommitGeometry(instance);
+  rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
+  rtcSetGeometryMask(geometry, tracer.layout.placed[index].seen_by);
+  rtcCommitGeometry(geometry);
+}
+
+void check_masks(const EmbreeTracer& tracer, const Placement& placement) {
+  if (placement.seen_by.empty()) return;
+  if (rtcGetDeviceProperty(tracer.device, RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED) == 0)
+    throw Error("unseen: expected an Embree that was built with ray masks (EMBREE_RAY_MASK), found " +
+                tracer.name + " without; World(..., backend=\"portable\") has them");
 }
 
 // Puts an instance of the layout into one of the top scenes: as an instance of its mesh's scene, or
@@ -166,7 +175,7 @@ void add_instance(EmbreeTracer& tracer, RTCScene top, std::size_t index, const S
   if (instance.is_shared) {
     geometry = new_geometry(tracer.device, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(geometry.get(), tracer.scene_of_mesh[m]);
-    place(geometry.get(), instance.frame_from_mesh);
+    place(tracer, geometry.get(), index);
   } else {
     geometry =
         make_geometry(tracer, scene.meshes[m], instance.mesh, instance.frame_from_mesh, view, {});
@@ -233,6 +242,7 @@ std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const Scene
         "fork, or one of its world (with_eye), or start processes with 'spawn' or 'forkserver'");
   note_threads_are_used();
   auto tracer = new_tracer(scene, placement);
+  check_masks(*tracer, placement);
 
   const SceneLayout& layout = tracer->layout;
   const RTCSceneFlags flags = layout.built_triangles > most_fast_triangles
@@ -267,6 +277,7 @@ std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const Scene
 
 void move_instances(EmbreeTracer& tracer, std::span<const int> instances,
                     std::span<const int> meshes, const Placement& placement) {
+  check_masks(tracer, placement);
   for (const int mesh : meshes) reshape(tracer, static_cast<std::size_t>(mesh), placement);
   parallel_ranges(std::size_t{0}, instances.size(), instances_per_task,
                   [&](std::size_t begin, std::size_t end) {
@@ -276,8 +287,7 @@ void move_instances(EmbreeTracer& tracer, std::span<const int> instances,
                       if (index < 0) continue;  // it has no triangles
                       const auto i = static_cast<std::size_t>(index);
                       place_instance(tracer.layout, i, placement);
-                      place(rtcGetGeometry(tracer.moving, static_cast<unsigned>(index)),
-                            tracer.layout.instances[i].frame_from_mesh);
+                      place(tracer, rtcGetGeometry(tracer.moving, static_cast<unsigned>(index)), i);
                     }
                   });
   rtcCommitScene(tracer.moving);

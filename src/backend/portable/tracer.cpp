@@ -191,7 +191,9 @@ void build_top(PortableTracer& tracer) {
     boxes.emplace_back().index = static_cast<std::uint32_t>(trees.size());
     placed_box(root, frame_from_tree, boxes.back());
     const Mat4 tree_from_frame = inverse(frame_from_tree);
-    trees.push_back({{}, root.index, placed});
+    const std::uint32_t seen_by =
+        placed == none ? all_seen : tracer.layout.placed[placed].seen_by;
+    trees.push_back({{}, root.index, placed, seen_by});
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 4; ++c)
         trees.back().tree_from_frame[r][c] = static_cast<float>(tree_from_frame.m[r][c]);
