@@ -141,6 +141,7 @@ _OWN = {
     "GroundTruth": "omma.rendering.GroundTruth",
     "ImpulseResponse": "omma.photoreceptors.ImpulseResponse",
     "Light": "omma.light.Light",
+    "Loop": "omma.gym.Loop",
     "Method": "omma.study.Method",
     "MinimumSamples": "omma.study.MinimumSamples",
     "OmmatidiumType": "omma.receptors.OmmatidiumType",
