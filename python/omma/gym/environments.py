@@ -119,7 +119,7 @@ class EyeVectorEnv(VectorEnv[Responses, Any, Any]):
         if seed is None or isinstance(seed, (int, np.integer)):
             seeds = [None if seed is None else int(seed) + k for k in range(self.num_envs)]
         else:
-            seeds = list(seed)
+            seeds = [None if one is None else int(one) for one in seed]
         if len(seeds) != self.num_envs:
             raise Error(f"seed: expected {self.num_envs} of them, found {len(seeds)}")
         kept: list[np.random.Generator | None] = [*self._rngs] or [None] * self.num_envs
