@@ -154,7 +154,7 @@ def test_many_are_rendered_in_one_call(walker, monkeypatch):
 def test_a_wall_ends_it(walker):
     env = omma.gym.eye_env(loop_of(walker, most_steps=None))
     env.reset(seed=1)
-    for step in range(1, 100):
+    for _ in range(100):
         _, _, ended, cut_off, info = env.step(np.array([1, 0], np.float32))
         assert not cut_off
         nearest = walker.ground_truth(info["pose"]).nearest_m[0].min()
@@ -164,7 +164,6 @@ def test_a_wall_ends_it(walker):
     # Of 40 ommatidia the nearest that looks at the wall is close to straight ahead of it, but the
     # wall is a drum of flat sides, and the step 5 cm long.
     assert 0.2 < WALL_M - info["pose"][2, 3] < 0.3
-    assert 10 < step < 25
 
 
 def test_things_that_flee(walker):

@@ -197,7 +197,7 @@ def is_position_pair(poses: Any) -> bool:
     if not isinstance(poses, tuple) or len(poses) != 2:
         return False
     try:
-        return np.shape(as_numpy(poses[0], "poses"))[-1:] == (3,)
+        return bool(np.shape(as_numpy(poses[0], "poses"))[-1:] == (3,))
     except ValueError:  # rows of different lengths
         return False
 

@@ -46,9 +46,8 @@ def columns_of_eye(
     ommatidium = np.flatnonzero(found.known)
     if len(ommatidium) == 0:
         raise Error("eye: expected a hexagonal lattice, found none")
-    columns = Columns(
-        found.p[ommatidium], found.q[ommatidium], found.side[ommatidium], eye.axis[ommatidium]
-    )
+    axis = eye.axis[ommatidium].astype(np.float64)
+    columns = Columns(found.p[ommatidium], found.q[ommatidium], found.side[ommatidium], axis)
     return columns, ommatidium
 
 

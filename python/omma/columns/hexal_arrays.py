@@ -111,7 +111,8 @@ def to_hexals(
     row = np.array([row_of.get((u, v), -1) for u, v in whole_lattice.tolist()])
     missing = np.flatnonzero(row < 0)
     if len(missing) and fill is None:
-        p, q = pq_from_uv(*whole_lattice[missing[0]], front)
+        first = whole_lattice[missing[0]]
+        p, q = pq_from_uv(first[0], first[1], front)
         raise Error(
             f"columns: {len(missing)} of {len(row)} hexals have none, the first p = "
             f"{p + start[0]}, q = {q + start[1]}; expected all, or a value to fill in (fill=)"

@@ -130,8 +130,12 @@ def _called(row: Mapping[str, Any], name: str, given_side: int) -> dict[str, str
         if here:
             found[key] = here[0]
     seen = ", ".join(row) or "none"
-    wanted = []
-    for either, other in ((("p", "q"), ("hex1", "hex2")), (("x", "y", "z"), ("azimuth", "elevation"))):
+    wanted: list[str] = []
+    coordinates, direction = (
+        (("p", "q"), ("hex1", "hex2")),
+        (("x", "y", "z"), ("azimuth", "elevation")),
+    )
+    for either, other in (coordinates, direction):
         keys = next((keys for keys in (either, other) if all(key in found for key in keys)), None)
         if keys is None:
             raise Error(
@@ -199,7 +203,9 @@ def _rows_of(document: Any, place: str) -> Rows:
         return _rows_of(lists[rows[0]], f"{place}, {rows[0]}")
     if rows or not lists:
         found = ", ".join(map(str, document)) or "nothing"
-        raise Error(f"{place}: expected one list of rows, or a list for each name, found {found:.99}")
+        raise Error(
+            f"{place}: expected one list of rows, or a list for each name, found {found:.99}"
+        )
     lengths = {key: len(value) for key, value in lists.items()}
     if len(set(lengths.values())) > 1:
         raise Error(f"{place}: expected lists of one length, found {lengths!r:.120}")

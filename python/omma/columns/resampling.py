@@ -46,8 +46,8 @@ def resampling_matrix(
     Args:
         width_rad: full width at half maximum of the Gaussian; None: the eye's median acceptance
             angle.
-        reach_rad: how far a column may look from the nearest ommatidium; None: three times the
-            median angle between an ommatidium and the nearest other.
+        reach_rad: how far a column may look from the nearest ommatidium; None: twice the median
+            angle between an ommatidium and the nearest other.
 
     Returns:
         (M, N) sparse (`scipy.sparse.csr_array`), for `resample`.
@@ -149,7 +149,7 @@ def _reach(axes: Floats, given: float | None) -> float:
         raise Error("reach_rad: expected a number, as the eye has but one ommatidium")
     from scipy.spatial import cKDTree
 
-    return float(3 * np.median(2 * np.arcsin(cKDTree(axes).query(axes, 2)[0][:, 1] / 2)))
+    return float(2 * np.median(2 * np.arcsin(cKDTree(axes).query(axes, 2)[0][:, 1] / 2)))
 
 
 def _width(eye: Eye, given: float | None) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -19,7 +19,7 @@ Bools = NDArray[np.bool_]
 
 def _spaces(
     loop: Loop, limits: tuple[float, float]
-) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Space[Any]]:
+) -> tuple[gymnasium.spaces.Space[Any], gymnasium.spaces.Space[Any]]:
     if not isinstance(loop.action_space, gymnasium.spaces.Space):
         found = f"{type(loop.action_space).__name__} {loop.action_space!r:.40}"
         raise TypeError(f"action_space: expected a gymnasium.spaces.Space, found {found}")
@@ -32,10 +32,9 @@ def _spaces(
 class EyeEnv(gymnasium.Env[Responses, Any]):
     """A loop as an environment; `eye_env` makes one."""
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": []}
-
     def __init__(self, loop: Loop) -> None:
         self.loop = loop
+        self.metadata = {"render_modes": []}
         self._limits = loop.limits()
         self.observation_space, self.action_space = _spaces(loop, self._limits)
         self._episode = Episode(loop)

@@ -167,7 +167,8 @@ class Episode:
 
     def observation(self, moment: Moment) -> Responses:
         """As the environment gives it, for the caller to keep."""
-        return moment.responses.copy() if self._frames is None else self._frames.copy()
+        seen = moment.responses if self._frames is None else self._frames
+        return np.array(seen, np.float32)
 
     def judged(self, moment: Moment) -> tuple[float, bool, bool]:
         """(reward, whether it has ended, whether it is cut off)."""
