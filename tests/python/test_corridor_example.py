@@ -1,5 +1,5 @@
-"""The worked example of a closed loop: flow tells a fly in a corridor which wall is near, and a rule
-by it, flown for a while, comes further than none."""
+"""The worked example of a closed loop: flow tells a fly in a corridor which wall is near, and a
+rule by it comes further than none."""
 
 import importlib.util
 from pathlib import Path

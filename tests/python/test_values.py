@@ -190,7 +190,8 @@ def examples(files, tmp_path_factory):
 # A world and what renders it are there once, as are filters with a state; an exception is what
 # Python makes of it.
 BY_IDENTITY = {
-    "World", "Renderer", "Error", "gym.Loop", "photoreceptors.FrameFilter", "photoreceptors.VanHaterenSnippe",
+    "World", "Renderer", "Error", "gym.Loop",
+    "photoreceptors.FrameFilter", "photoreceptors.VanHaterenSnippe",
 }  # fmt: skip
 UNHASHABLE = {
     "columns.Columns", "gym.Moment",
