@@ -70,6 +70,8 @@ COMES_OUT = {
     "docs/acceptance.md": "assert f'{math.degrees(fly.width_rad()):.1f}' == '2.2'",
     "docs/error-target.md": "assert report.rays.shape == (1, 10_760) and (low <= high).all()",
     "docs/eye-design.md": "assert len(omma.load_eye('head.csv')) == len(head)",
+    "docs/closed-loops.md": "assert observations.shape == (32, 200, 3) and responses.any()",
+    "docs/columns.md": "assert light.shape == (1, 3, 1, 721) and published.q.tolist() == [0, 1]",
     "docs/motion-detection.md": "assert np.nanmean(motion[level, 0]) > 0.01",
     "docs/neighbours.md": "assert left < 0 < right",
     "docs/receptors.md": "assert cartridges.shape == (2, 300) and responses.shape == (2, 300, 3)",
@@ -107,6 +109,7 @@ NOT_RUN = {
     "cd python-examples": "see above",
     "OMMA_COMPAT_KERNEL=gaussian": "see above",
     "python examples/localisation/localise.py": "minutes; test_localisation.py has it small",
+    "python examples/python/corridor.py": "minutes; test_corridor_example.py has it small",
     "python examples/python/looming_and_target.py": "a minute; test_motion_example.py has it small",
 }
 

@@ -18,6 +18,11 @@ import omma
 from omma.base.values import same, value_class
 
 
+def begun(rng):
+    """Of a loop: where it starts."""
+    return 0, np.eye(4)
+
+
 def all_round_eye(path=""):
     """An eye in which no array is as it is by default."""
     count = 6
@@ -94,6 +99,9 @@ def examples(files, tmp_path_factory):
         "eye.LatticeCheck": omma.eye.check_lattice(angles.axis, 0.1),
         "eye.LensConeEye": omma.eye.import_lens_cone(BULGING, 0.95 * BULGING, 1.0),
         "eye.Wiring": omma.eye.Wiring([0, 1, 3], [4, 5, 6], [1.0, 0.5, 0.5]),
+        "columns.Columns": omma.columns.Columns([0, 1], [0, 1], [1, 1], np.eye(3)[:2]),
+        "gym.Loop": omma.gym.Loop(renderer, begun, begun, begun, None),
+        "gym.Moment": omma.gym.Moment(1, 0, 2, np.eye(4), np.ones((3, 2), np.float32), 4),
         "job.AllCamerasReport": (
             report := omma.job.render_all_cameras(
                 files / "scene.gltf", folder, omma.Fixed(1), width=8
@@ -182,9 +190,11 @@ def examples(files, tmp_path_factory):
 # A world and what renders it are there once, as are filters with a state; an exception is what
 # Python makes of it.
 BY_IDENTITY = {
-    "World", "Renderer", "Error", "photoreceptors.FrameFilter", "photoreceptors.VanHaterenSnippe",
+    "World", "Renderer", "Error", "gym.Loop",
+    "photoreceptors.FrameFilter", "photoreceptors.VanHaterenSnippe",
 }  # fmt: skip
 UNHASHABLE = {
+    "columns.Columns", "gym.Moment",
     "eye.EyeMeasures", "eye.HexagonalCoordinates", "eye.Lattice", "eye.LatticeCheck",
     "eye.LensConeEye", "eye.Wiring", "light.Bands", "light.Disc", "light.Light",
     "receptors.BandError", "stimuli.Target",

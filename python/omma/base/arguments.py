@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Error
+from omma.base.dlpack import as_numpy
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -63,7 +64,8 @@ def within(value: float, name: str, low: float, high: float) -> float:
 def array_of(
     value: Any, name: str, shape: tuple[int | None, ...] | None = None, dtype: Any = np.float64
 ) -> NDArray[Any]:
-    """``value`` as an array of numbers, where it is one; the array itself where it fits already.
+    """``value`` as an array of numbers, where it is one; the array itself where it fits already,
+    and the memory of another library's array (`as_numpy`).
 
     Args:
         shape: that it must have; None in it for any length. None: whatever it has.
@@ -73,7 +75,7 @@ def array_of(
             ``dtype`` is whole, another shape; it names the argument.
     """
     try:
-        given = np.asarray(value)
+        given = np.asarray(as_numpy(value, name))
     except ValueError:
         raise Error(f"{name}: expected numbers, found rows of different lengths") from None
     if given.dtype.kind not in "biuf":
@@ -101,9 +103,10 @@ def expect(value: object, kind: type, name: str, hint: str) -> None:
 
 
 def output_array(out: Any, shape: tuple[int, ...], name: str) -> NDArray[np.float32]:
-    """``out`` where the engine can write to it, a new array where it is None."""
+    """``out`` where the engine can write to it, as NumPy's; a new array where it is None."""
     if out is None:
         return np.empty(shape, np.float32)
+    out = as_numpy(out, name)
     if not isinstance(out, np.ndarray) or out.dtype != np.float32:
         found = f"{out.dtype} array" if isinstance(out, np.ndarray) else type(out).__name__
         raise TypeError(f"{name}: expected a float32 array of shape {shape}, found {found}")
@@ -138,6 +141,7 @@ _OWN = {
     "GroundTruth": "omma.rendering.GroundTruth",
     "ImpulseResponse": "omma.photoreceptors.ImpulseResponse",
     "Light": "omma.light.Light",
+    "Loop": "omma.gym.Loop",
     "Method": "omma.study.Method",
     "MinimumSamples": "omma.study.MinimumSamples",
     "OmmatidiumType": "omma.receptors.OmmatidiumType",

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma import _core
 from omma._core import Error
 from omma.base.arguments import array_of, checked
+from omma.base.dlpack import as_numpy
 from omma.base.files import open_text
 
 Matrices = NDArray[np.float64]
@@ -172,6 +173,7 @@ def as_poses(poses: Any, first: int = 0) -> Matrices:
     """
     if is_position_pair(poses):
         return poses_from_quaternions(*poses)
+    poses = as_numpy(poses, "poses")
     expected = "poses: expected (P, 4, 4) or (4, 4) matrices world_from_head"
     try:
         given = np.asarray(poses, dtype=np.float64, order="C")
@@ -195,7 +197,7 @@ def is_position_pair(poses: Any) -> bool:
     if not isinstance(poses, tuple) or len(poses) != 2:
         return False
     try:
-        return np.shape(poses[0])[-1:] == (3,)
+        return bool(np.shape(as_numpy(poses[0], "poses"))[-1:] == (3,))
     except ValueError:  # rows of different lengths
         return False
 

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma import _core
 from omma._core import Background, Error, Eye, Scene
 from omma.base.arguments import checked, expect, output_array, whole
+from omma.base.dlpack import as_numpy
 from omma.base.notebook import html_table
 from omma.base.poses import Matrices, as_poses, is_position_pair
 from omma.base.warn import warn_caller
@@ -245,7 +246,8 @@ class Renderer:
         Args:
             poses: ``world_from_head``, (P, 4, 4) or (4, 4), m; or a tuple of positions (P, 3), m,
                 and quaternions (P, 4) in the order x, y, z, w; or the name of a camera in the
-                scene, whose whole transform is the pose, its scale too.
+                scene, whose whole transform is the pose, its scale too. Arrays of other libraries
+                come by DLPack, float64 without a copy (docs/closed-loops.md).
             standard_error: return (responses, errors), errors the standard error of each response.
                 It comes from 8 independent scrambles, so 8 times the rays are traced and the
                 response is their mean; with `ToError` it is estimated from the rays as they
@@ -253,8 +255,8 @@ class Renderer:
                 bounds that heed the neighbours.
             report: return (responses, report) with `ToError`: rays spent, estimated
                 standard errors, and who did not reach the error, see `SamplingReport`.
-            out: a C-contiguous float32 (P, N, C) array of the caller's to write into; it is what
-                is returned.
+            out: a C-contiguous float32 (P, N, C) array of the caller's to write into, NumPy's or
+                by DLPack another library's on the CPU; it is what is returned, as NumPy's.
             error_out: the same for the errors.
             first_pose: with noise="new_every_frame", the number of the first pose's frame, so that
                 a sequence rendered in pieces, in whatever order, equals one rendered at once. None:
@@ -583,6 +585,7 @@ class Renderer:
             first = None if first is None else first + len(matrices)
 
     def _pieces(self, poses: Poses | Iterable[ArrayLike], count: int) -> Iterator[Any]:
+        poses = as_numpy(poses, "poses")
         if isinstance(poses, (str, np.ndarray)) or is_position_pair(poses):
             matrices = self._matrices(poses)  # type: ignore[arg-type]
             yield from (matrices[i : i + count] for i in range(0, len(matrices), count))

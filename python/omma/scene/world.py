@@ -234,6 +234,11 @@ class World:
         return self._scene
 
     @property
+    def background(self) -> Background:
+        """What is behind all things in a world without light: its own, else the scene's."""
+        return self._scene.background if self._background is None else self._background
+
+    @property
     def instances(self) -> list[WorldInstance]:
         """What can be moved, each with its ``name`` and where it is, ``world_from_node`` (4, 4), m.
 

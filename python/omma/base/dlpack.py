@@ -1,0 +1,49 @@
+"""Arrays of other libraries (PyTorch, JAX, ...) as NumPy's, by DLPack: the same memory, no copy."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from omma._core import Error
+
+# Of DLPack's kinds of device the memory that this process reads as its own.
+_CPU = 1
+
+
+def as_numpy(value: Any, name: str) -> Any:
+    """``value`` as NumPy reads it, where it is another library's array; anything else as it is.
+
+    Raises:
+        omma.Error: it lies in the memory of another device, or cannot be handed over; it names the
+            argument.
+    """
+    if isinstance(value, (np.ndarray, np.generic)) or not hasattr(value, "__dlpack__"):
+        return value
+    found = f"{type(value).__module__.split('.')[0]}'s {type(value).__name__}"
+    device = int(value.__dlpack_device__()[0])
+    if device != _CPU:
+        raise Error(
+            f"{name}: expected an array in the memory of the CPU, found {found} on another device "
+            f"(DLPack's device type {device}); bring it to the CPU first"
+        )
+    try:
+        array = np.from_dlpack(value)
+    except (BufferError, RuntimeError, TypeError, ValueError) as error:
+        reason = str(error).split("\n")[0]
+        raise Error(
+            f"{name}: expected an array that DLPack can hand over, found {found}: {reason}"
+        ) from None
+    return array if array.flags.writeable else _writable(value, array)
+
+
+def _writable(value: Any, array: Any) -> Any:
+    # Before version 1 of DLPack a hand-over does not say what may be written to, and NumPy takes
+    # it for read only; where the library gives the same memory as a NumPy array, that says it.
+    if hasattr(value, "__array__"):
+        other = np.asarray(value)
+        same = other.dtype == array.dtype and other.shape == array.shape
+        if same and other.flags.writeable and np.may_share_memory(other, array):
+            return other
+    return array

@@ -1,0 +1,7 @@
+"""Medulla columns: hexagonal coordinates as connectomes name them, published maps of where columns
+look, responses brought onto them, and the arrays that flyvis-like models take.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

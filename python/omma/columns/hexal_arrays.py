@@ -1,0 +1,124 @@
+"""Hexals, the regular hexagonal lattice of flyvis-like models: where they look, and responses in
+the shape [sample, frame, channel, hexal] that such models take."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma._core import Error
+from omma.base.arguments import array_of, checked, one_of, positive
+from omma.columns.coordinates import Front, hexals, pq_from_uv, uv_from_pq
+from omma.columns.lattice import Columns
+
+
+@checked
+def hexal_columns(
+    radius: int,
+    spacing_rad: float,
+    towards: ArrayLike,
+    *,
+    side: int = 1,
+    front: Front = "right",
+) -> Columns:
+    """A regular lattice of columns in the order of hexals, that look in evenly spaced directions.
+
+    Hexals are laid out around the middle by angle (azimuthal equidistant), so that rows through the
+    middle are spaced evenly.
+
+    Args:
+        radius: steps from the middle to the border; 15 makes 721.
+        spacing_rad: between neighbours.
+        towards: (3,), where the middle looks, in the head's frame.
+        side: of which eye: -1 left, 1 right.
+        front: as of `uv_from_pq`.
+
+    Example:
+        >>> towards = omma.eye.direction(60.0, 0.0)
+        >>> columns = omma.columns.hexal_columns(15, np.radians(5), towards)
+        >>> len(columns)
+        721
+
+    Raises:
+        omma.Error: an argument out of its range, or a lattice that would go around the sphere.
+    """
+    u, v = hexals(radius).T
+    spacing = positive(spacing_rad, "spacing_rad")
+    if radius * spacing > math.pi / 2:
+        raise Error(
+            f"spacing_rad: expected at most a quarter turn from the middle to the border, found "
+            f"{math.degrees(radius * spacing):.0f}°"
+        )
+    if side not in (-1, 1):
+        raise Error(f"side: expected -1 (left) or 1 (right), found {side!r:.40}")
+    middle = array_of(towards, "towards", (3,))
+    length = np.linalg.norm(middle)
+    across = np.cross(middle, (0.0, 1.0, 0.0))
+    if not np.isfinite(length) or length == 0 or np.linalg.norm(across) < 1e-6 * length:
+        raise Error("towards: expected a direction that is not straight up or down")
+    middle, right = middle / length, across / np.linalg.norm(across)
+    # Seen by itself, the right eye has the front on its left.
+    as_seen = (one_of(front, ("right", "left"), "front") == "right") == (side == -1)
+    x, y = spacing * math.sqrt(3) / 2 * v * (1 if as_seen else -1), -spacing * (u + v / 2)
+    angle = np.hypot(x, y)
+    step = np.outer(x, right) + np.outer(y, np.cross(right, middle))
+    sine = np.sin(angle) / np.where(angle > 0, angle, 1)
+    axis = np.cos(angle)[:, None] * middle + sine[:, None] * step
+    p, q = pq_from_uv(u, v, front)
+    return Columns(p, q, np.full(len(p), side), axis)
+
+
+@checked
+def to_hexals(
+    responses: ArrayLike,
+    columns: Columns,
+    radius: int = 15,
+    *,
+    middle: tuple[int, int] = (0, 0),
+    front: Front = "right",
+    fill: float | None = None,
+) -> NDArray[np.float32]:
+    """Responses of columns as flyvis-like models take them: [sample, frame, channel, hexal].
+
+    Args:
+        responses: (M, C), a frame; (T, M, C), frames; or (S, T, M, C), samples of frames: of the
+            columns of one eye.
+        radius: of the lattice of hexals, steps.
+        middle: the column (p, q) that is the middle hexal.
+        front: as of `uv_from_pq`.
+        fill: what hexals without a column are given; None: they are an error.
+
+    Returns:
+        float32 (S, T, C, 1 + 3 radius (radius + 1)), contiguous; hexals in the order of `hexals`.
+
+    Raises:
+        omma.Error: a wrong shape, columns of two eyes, hexals without a column.
+    """
+    given = array_of(responses, "responses", dtype=None)
+    if given.ndim not in (2, 3, 4) or given.shape[-2] != len(columns):
+        raise Error(
+            f"responses: expected shape (M, C), (T, M, C) or (S, T, M, C) with M = "
+            f"{len(columns)}, found {given.shape}"
+        )
+    if len(np.unique(columns.side)) > 1:
+        raise Error("columns: expected those of one eye, found those of two")
+    whole_lattice = hexals(radius)
+    start = array_of(middle, "middle", (2,), np.int64)
+    u, v = uv_from_pq(columns.p - start[0], columns.q - start[1], front)
+    row_of = {place: k for k, place in enumerate(zip(u.tolist(), v.tolist(), strict=True))}
+    row = np.array([row_of.get((u, v), -1) for u, v in whole_lattice.tolist()])
+    missing = np.flatnonzero(row < 0)
+    if len(missing) and fill is None:
+        first = whole_lattice[missing[0]]
+        p, q = pq_from_uv(first[0], first[1], front)
+        raise Error(
+            f"columns: {len(missing)} of {len(row)} hexals have none, the first p = "
+            f"{p + start[0]}, q = {q + start[1]}; expected all, or a value to fill in (fill=)"
+        )
+    given = given.reshape((1,) * (4 - given.ndim) + given.shape)
+    found = np.ascontiguousarray(given[:, :, row].swapaxes(2, 3), np.float32)
+    if len(missing):
+        found[..., missing] = fill
+    return found

@@ -1,0 +1,76 @@
+"""Gymnasium environments of loops, where Gymnasium is installed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from omma._core import Error
+from omma.base.arguments import checked, whole
+from omma.gym.loop import Loop
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+    import gymnasium
+    import gymnasium.vector
+
+_MOST_ENVIRONMENTS = 1 << 20
+
+
+@checked
+def eye_env(loop: Loop) -> gymnasium.Env[Any, Any]:
+    """A loop as a Gymnasium environment.
+
+    Observations are what the eye sees, float32 (N, B), or (N, B, frames), in a Box between the
+    bounds of the loop; ``info`` has the pose. There is no camera: ``render_mode`` is None.
+
+    Example:
+        >>> import gymnasium
+        >>> ahead = omma.look_at((0, 0, 0), (0, 0, -1))
+        >>> loop = omma.gym.Loop(
+        ...     omma.Renderer(omma.scene.box(center_m=(0, 0, -3)), omma.eye.generate_eye(50)),
+        ...     start=lambda rng: (0, ahead),
+        ...     motion=lambda state, action, rng: (state + action, ahead),
+        ...     reward=lambda moment: 0.0,
+        ...     action_space=gymnasium.spaces.Discrete(2),
+        ... )
+        >>> observation, info = omma.gym.eye_env(loop).reset(seed=1)
+        >>> observation.shape
+        (50, 3)
+
+    Raises:
+        omma.Error: no Gymnasium (``omma[gym]``), or a space that is none.
+    """
+    environment: gymnasium.Env[Any, Any] = _environments().EyeEnv(loop)
+    return environment
+
+
+@checked
+def eye_vector_env(loop: Loop, count: int) -> gymnasium.vector.VectorEnv[Any, Any, Any]:
+    """So many environments of a loop as one, whose frames are rendered in one call.
+
+    Observations, rewards, ends and infos are, to the bit, those of so many `eye_env` of the same
+    seeds in a `gymnasium.vector.SyncVectorEnv`; an environment whose episode is over starts anew at
+    the next step (`AutoresetMode.NEXT_STEP`).
+
+    Args:
+        count: of environments.
+
+    Raises:
+        omma.Error: no Gymnasium (``omma[gym]``), a space that is none, or a count below 1.
+    """
+    number = whole(count, "count", 1, _MOST_ENVIRONMENTS)
+    made: gymnasium.vector.VectorEnv[Any, Any, Any] = _environments().EyeVectorEnv(loop, number)
+    return made
+
+
+def _environments() -> ModuleType:
+    try:
+        import gymnasium  # noqa: F401
+    except ImportError:
+        raise Error(
+            "environments need Gymnasium, which is not installed: pip install 'omma[gym]'"
+        ) from None
+    from omma.gym import environments
+
+    return environments
