@@ -1,5 +1,6 @@
 from . import (
     compat,
+    datasets,
     examples,
     eye,
     job,
@@ -40,6 +41,7 @@ __all__ = [
     "World",
     "__version__",
     "compat",
+    "datasets",
     "examples",
     "eye",
     "job",
