@@ -137,6 +137,7 @@ _OWN = {
     "EyeMeasures": "omma.eye.EyeMeasures",
     "GroundTruth": "omma.rendering.GroundTruth",
     "ImpulseResponse": "omma.photoreceptors.ImpulseResponse",
+    "Job": "omma.datasets.Job",
     "Light": "omma.light.Light",
     "Method": "omma.study.Method",
     "MinimumSamples": "omma.study.MinimumSamples",
@@ -147,6 +148,7 @@ _OWN = {
     "SpeedTest": "omma.study.SpeedTest",
     "Species": "omma.species.Species",
     "Surface": "a surface as of omma.eye.ellipsoid",
+    "Views": "omma.datasets.Views",
     "Wiring": "omma.eye.Wiring",
     "World": "omma.World",
 }

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
 import os
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import date, datetime, time
@@ -82,6 +84,11 @@ class Condition:
     sky_options: dict[str, Any]
     world_options: dict[str, Any]  # lighting, depth, ultraviolet, of `omma.World`
     objects: tuple[PlacedObject, ...]
+
+    @property
+    def light(self) -> tuple[str, str, dict[str, Any]]:
+        """Its name, the sky and the sky's arguments."""
+        return self.name, self.sky, self.sky_options
 
 
 @value_class
@@ -176,9 +183,9 @@ def job_from(values: Mapping[str, Any], file: str, said: str) -> Job:
     pictures.end()
     scenes = tuple(_scene(one, folder) for one in job.take("scene", tables))
     eyes = tuple(_eye(one, folder) for one in job.take("eye", tables))
-    conditions = tuple(
-        _condition(one, folder) for one in job.take("condition", tables, [])
-    ) or (Condition("plain", "", "", {}, {}, ()),)
+    conditions = tuple(_condition(one, folder) for one in job.take("condition", tables, [])) or (
+        Condition("plain", "", "", {}, {}, ()),
+    )
     poses = tuple(
         read_pose_set(one, folder, [scene.name for scene in scenes])
         for one in job.take("poses", tables)
@@ -186,7 +193,7 @@ def job_from(values: Mapping[str, Any], file: str, said: str) -> Job:
     slurm = dict(Table(job.take("slurm", _same, {}), f"{file}, slurm").rest())
     job.end()
     for kind, inputs in (("scene", scenes), ("eye", eyes), ("condition", conditions)):
-        check_unlike([one.name for one in inputs], f"{file}, {kind}")  # type: ignore[attr-defined]
+        check_unlike([one.name for one in inputs], f"{file}, {kind}")
     check_unlike([one.name for one in poses], f"{file}, poses")
     _check_together(file, outputs, settings, conditions)
     plain = {key: value for key, value in values.items() if key not in ("slurm",)}
@@ -195,6 +202,16 @@ def job_from(values: Mapping[str, Any], file: str, said: str) -> Job:
         file, said, _as_json(plain), str(folder / store), seed, outputs, scenes, eyes, conditions,
         poses, settings, backend, bands, width, projection, views_per_chunk, views_per_shard, slurm,
     )  # fmt: skip
+
+
+def lights_from(said: str) -> list[tuple[str, str, dict[str, Any]]]:
+    """The light of each condition in the text of a job, as `Condition.light` has it, whether its
+    files are still there or not."""
+    found = []
+    for one in _toml().loads(said).get("condition", []):
+        options = dict(one.get("light", {}))
+        found.append((one["name"], options.pop("sky", ""), options))
+    return found
 
 
 def _check_together(
@@ -329,18 +346,10 @@ def _as_json(value: Any) -> Any:
 
 
 def _toml() -> Any:
+    name = "tomllib" if sys.version_info >= (3, 11) else "tomli"
     try:
-        import tomllib
-
-        return tomllib
-    except ImportError:
-        pass
-    try:  # before Python 3.11
-        import tomli
-
-        return tomli
+        return importlib.import_module(name)
     except ImportError:
         raise Error(
-            "jobs need tomli before Python 3.11, which is not installed: pip install "
-            "'omma[datasets]'"
+            f"jobs need {name}, which is not installed: pip install 'omma[datasets]'"
         ) from None

@@ -21,7 +21,6 @@ from omma.datasets.job_file import Job
 from omma.datasets.plan import Plan
 from omma.datasets.worlds import make_light
 from omma.picture.projections import projection_ids
-from omma.rendering.dataset import load_xarray as load_xarray
 from omma.rendering.labelled_files import load_package
 from omma.rendering.labels import Labels, labels_of, place_variables
 from omma.rendering.renderer import Renderer
@@ -29,6 +28,9 @@ from omma.rendering.settings import ToError
 from omma.rendering.truth import GroundTruth, truth_variables
 
 VIEW = "view"
+
+# Attributes of labels that the manifest says better.
+_NOT_OF_EYES = ("created", "omma_version", "backend", "scene", "light", "scene_warnings")
 
 
 @dataclass(frozen=True)
@@ -73,7 +75,9 @@ class Layout:
     def create(self, root: Any, coordinates: Mapping[str, Any]) -> None:
         """Make the group in an open one; ``coordinates`` are those of views that are known."""
         group = root.require_group(self.group) if self.group else root
-        group.attrs.update(self.labels.attributes)
+        group.attrs.update(
+            {key: value for key, value in self.labels.attributes.items() if key not in _NOT_OF_EYES}
+        )
         known = {**self.labels.coordinates, **coordinates}
         along_views = [name for name, variable in self.variables.items() if not variable.is_sharded]
         for name, (dimensions, values, attributes) in known.items():
@@ -134,13 +138,16 @@ def make_layouts(job: Job, eyes: Mapping[str, Eye], plan: Plan | None = None) ->
     return found
 
 
-def view_bytes(layouts: Mapping[str, Layout]) -> int:
-    """Of a view of the largest eye."""
-    return max(
-        sum(int(np.prod(one.shape)) * np.dtype(one.dtype).itemsize
-            for one in layout.variables.values())
+def view_bytes(layouts: Mapping[str, Layout]) -> tuple[int, int]:
+    """Of a view of the largest eye: all variables, and the largest of them."""
+    sizes = [
+        [
+            int(np.prod(one.shape)) * np.dtype(one.dtype).itemsize
+            for one in layout.variables.values()
+        ]
         for layout in layouts.values()
-    )  # fmt: skip
+    ]
+    return max(map(sum, sizes)), max(map(max, sizes))
 
 
 def view_coordinates(job: Job, plan: Plan) -> dict[str, Any]:
@@ -184,7 +191,7 @@ def _labels(job: Job, eye: Eye) -> Labels:
     from omma import Scene
     from omma.scene.world import World
 
-    light = make_light(job, job.conditions[0])
+    light = make_light(*job.conditions[0].light, job.bands)
     renderer = Renderer(
         World(Scene(), light=light, backend=job.backend, threads=1),
         eye,

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from omma._core import Error
 from omma.datasets.job_file import Job
 
-# Of the largest eye's views in a shard and in a chunk, before they are compressed.
+# In a shard of all variables, and in a chunk of one, before they are compressed.
 _SHARD_BYTES = 32 << 20
 _CHUNK_BYTES = 1 << 18
 # A kill loses at most a shard; slow renders have small ones.
@@ -60,8 +60,10 @@ class Plan:
         return found
 
 
-def make_plan(job: Job, view_bytes: int) -> Plan:
-    """The plan of a job; ``view_bytes`` are those of a view of the largest eye."""
+def make_plan(job: Job, view_bytes: tuple[int, int]) -> Plan:
+    """The plan of a job; ``view_bytes`` are those of a view of the largest eye, and of the largest
+    of its variables."""
+    in_shard, in_chunk = view_bytes
     blocks, first = [], 0
     for s, scene in enumerate(job.scenes):
         for c in range(len(job.conditions)):
@@ -71,9 +73,9 @@ def make_plan(job: Job, view_bytes: int) -> Plan:
                     first += poses.count
     if not blocks:
         raise Error("poses: expected some in at least one of the scenes, found none")
-    chunk = job.views_per_chunk or _power_of_two(_CHUNK_BYTES // view_bytes, 256)
+    chunk = job.views_per_chunk or _power_of_two(_CHUNK_BYTES // in_chunk, 256)
     shard = job.views_per_shard or max(
-        chunk, _power_of_two(_SHARD_BYTES // view_bytes, _MOST_VIEWS_PER_SHARD)
+        chunk, _power_of_two(_SHARD_BYTES // in_shard, _MOST_VIEWS_PER_SHARD)
     )
     if shard % chunk:
         raise Error(

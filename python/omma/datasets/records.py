@@ -84,6 +84,11 @@ def make_manifest(
         "machine": f"{platform.node()}, {platform.machine()}, {_processor()}",
         "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
         "groups": dict(groups),
+        "names": {
+            "scene": [one.name for one in job.scenes],
+            "condition": [one.name for one in job.conditions],
+            "pose_set": [one.name for one in job.poses],
+        },
         "views": plan.views,
         "views_per_chunk": plan.views_per_chunk,
         "views_per_shard": plan.views_per_shard,

@@ -1,16 +1,13 @@
-"""Data sets made: a store begun or gone on with, and its missing shards made here or on a cluster.
-"""
+"""Data sets made: a store begun or gone on with, its missing shards made here or on a cluster."""
 
 from __future__ import annotations
 
 import os
-import shutil
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from omma import Scene, _core
 from omma._core import Error
@@ -135,9 +132,7 @@ def run(
         elif missing:
             _make_here(path, job, digests, plan, layouts, missing, threads, tell)
     made = sum(len(plan.views_of(shard)) for shard in missing)
-    return RunReport(
-        path, plan.views, plan.shards, len(missing), made, time.perf_counter() - start
-    )
+    return RunReport(path, plan.views, plan.shards, len(missing), made, time.perf_counter() - start)
 
 
 @checked
@@ -215,8 +210,7 @@ def _make_here(
 
 
 def _remove_left(path: str, plan: Plan, layouts: dict[str, Layout], missing: list[int]) -> None:
-    """Remove what killed runs left of shards that are to be made; not of workers that still write.
-    """
+    """Remove what killed runs left of shards that are to be made, not what workers still write."""
     names = [
         os.path.join(path, layout.file(variable, shard))
         for shard in missing

@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,7 +64,7 @@ class PoseSet:
 def read_pose_set(table: Table, folder: Path, scenes: list[str]) -> PoseSet:
     """What a table [[poses]] says."""
     kind = table.take("sampler", choices(SAMPLERS))
-    found = {
+    found: dict[str, Any] = {
         "name": table.take("name", name, kind),
         "sampler": kind,
         "scenes": table.take("scenes", texts, tuple(scenes)),
@@ -103,7 +104,7 @@ def read_pose_set(table: Table, folder: Path, scenes: list[str]) -> PoseSet:
     return PoseSet(**found)
 
 
-def key_of(*parts: object) -> Floats:
+def key_of(*parts: object) -> NDArray[np.uint64]:
     """A key for Philox from texts and numbers."""
     digest = hashlib.sha256("/".join(map(str, parts)).encode()).digest()
     return np.frombuffer(digest[:16], np.uint64)
@@ -126,7 +127,7 @@ def sample_poses(poses: PoseSet, seed: int, scene: str, numbers: range, probe: P
         stream.advance(numbers.start * (_DRAWN // 4))
         drawn = np.random.Generator(stream).random((len(numbers), _DRAWN))[left]
         tried = _places(poses, drawn, probe)
-        good = np.isfinite(tried).all(axis=1)
+        good = np.asarray(np.isfinite(tried).all(axis=1))
         if poses.clearance_m > 0:
             good[good] = probe.is_free(tried[good], poses.clearance_m)
         place[left[good]] = tried[good]
@@ -151,7 +152,7 @@ def no_place(poses: PoseSet, scene: str, which: str, tried: str) -> Error:
 def _places(poses: PoseSet, drawn: Floats, probe: Probe) -> Floats:
     """Positions (P, 3), m, from random numbers; NaN where there is none."""
     low, high = np.array(poses.low_m), np.array(poses.high_m)
-    spread = low + (high - low) * drawn[:, : len(low)]
+    spread: Floats = low + (high - low) * drawn[:, : len(low)]
     if poses.sampler != "surface":
         return spread
     ground = probe.ground_below(spread, poses.on)

@@ -1,5 +1,4 @@
-"""Tables of a TOML file, read with checks: what is wrong is named by the file and the place in it.
-"""
+"""Tables of a TOML file, read with checks: what is wrong is named by its place in the file."""
 
 from __future__ import annotations
 

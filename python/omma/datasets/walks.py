@@ -81,7 +81,7 @@ def _can_go(
 ) -> NDArray[np.bool_]:
     """Whether a step stays in the box, meets nothing and ends where there is room."""
     after = _gone(poses, place, yaw_deg, climb_deg)
-    good = np.all((after >= poses.low_m) & (after <= poses.high_m), axis=1)
+    good: NDArray[np.bool_] = np.all((after >= poses.low_m) & (after <= poses.high_m), axis=1)
     if poses.clearance_m > 0 and good.any():
         angles = np.column_stack([yaw_deg, climb_deg, np.zeros_like(yaw_deg)])[good]
         length = poses.speed_m_s * poses.step_s + poses.clearance_m

@@ -38,15 +38,15 @@ def load_eyes(job: Job) -> dict[str, Eye]:
     return {one.name: _eye(one) for one in job.eyes}
 
 
-def make_light(job: Job, condition: Condition) -> Light | None:
-    """What lights the worlds of a condition; None where nothing does."""
-    if not condition.sky:
+def make_light(condition: str, sky: str, options: dict[str, Any], bands: int) -> Light | None:
+    """What lights the worlds of a condition of that name; None where nothing does."""
+    if not sky:
         return None
-    bands = Bands.equal(job.bands) if job.bands else Bands.equal()
+    chosen = Bands.equal(bands) if bands else Bands.equal()
     try:
-        made: Light = getattr(light, condition.sky)(bands=bands, **condition.sky_options)
+        made: Light = getattr(light, sky)(bands=chosen, **options)
     except (Error, TypeError) as error:
-        raise Error(f"condition {condition.name!r}, light: {error}") from None
+        raise Error(f"condition {condition!r}, light: {error}") from None
     return made
 
 
@@ -58,9 +58,9 @@ class Workshop:
         self.job = job
         self.eyes = load_eyes(job)
         self._digests, self._threads = digests, threads
-        for one in (*job.eyes, *job.poses):
-            for file in one.files:
-                self._check(file)
+        files = [one.files for one in job.eyes] + [one.files for one in job.poses]
+        for file in sum(files, ()):
+            self._check(file)
         self._lock = threading.Lock()  # threads of one worker wait for the world one of them builds
         self._worlds: OrderedDict[tuple[Any, ...], tuple[World, Probe]] = OrderedDict()
         self._renderers: dict[tuple[int, int, str], Renderer] = {}
@@ -119,7 +119,7 @@ class Workshop:
     def _in_condition(self, world: World, condition: Condition) -> World:
         if condition.background:
             world = world.with_background(parse_background(condition.background))
-        made = make_light(self.job, condition)
+        made = make_light(*condition.light, self.job.bands)
         if made is None:
             return world
         return world.with_light(made, **condition.world_options)
