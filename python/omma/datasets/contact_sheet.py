@@ -72,7 +72,7 @@ def contact_sheet(
     down = -(-len(chosen) // _ACROSS)
     across_mm = _WIDTH_MM / _ACROSS
     with figure_style(7.0):
-        row_mm = across_mm * height / width + 8
+        row_mm = across_mm * height / width + 7
         figure = make_figure(
             figsize=(_WIDTH_MM * MM, (down * row_mm + 6) * MM), layout="constrained"
         )
@@ -82,6 +82,7 @@ def contact_sheet(
         axes = figure.subplots(down, _ACROSS, squeeze=False).ravel()
         for one in axes:
             one.axis("off")
+            one.set_anchor("N")  # below its own title, not above the next
         for k, picture in enumerate(pictures):
             scene, condition, pose_set = (known[name][int(found[name][k])] for name in _NAMED[:3])
             axes[k].imshow(picture, interpolation="nearest")
