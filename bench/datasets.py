@@ -32,7 +32,7 @@ from omma.datasets.worlds import Workshop, load_eyes
 
 COLUMNS = "what,setting,value"
 OMMATIDIA, VIEWS, QUICK_VIEWS = 1000, 100_000, 2048
-TURNS, QUICK_TURNS = 20, 2
+TURNS, QUICK_TURNS = 10, 2
 READ, QUICK_READ = 1000, 100
 KILLS, QUICK_KILLS = 50, 3
 

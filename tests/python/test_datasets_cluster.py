@@ -99,15 +99,17 @@ def test_a_scheduler_that_goes_away(job, whole, tmp_path):
     pytest.importorskip("distributed")
     store = tmp_path / "dask.zarr"
     code = (
+        "import time\n"
         "from distributed import LocalCluster\n"
-        "cluster = LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None)\n"
-        "print(cluster.scheduler_address, flush=True)\n"
-        "input()\n"
+        "if __name__ == '__main__':\n"
+        "    cluster = LocalCluster(n_workers=1, processes=False, dashboard_address=None,\n"
+        "                           threads_per_worker=1, host='tcp://127.0.0.1')\n"
+        "    print(cluster.scheduler_address, flush=True)\n"
+        "    time.sleep(120)\n"
     )
     with subprocess.Popen(
-        [sys.executable, "-c", "if __name__ == '__main__':\n exec(" + repr(code) + ")"],
-        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
-    ) as scheduler:  # fmt: skip
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, text=True
+    ) as scheduler:
         address = scheduler.stdout.readline().strip()
 
         def kill():

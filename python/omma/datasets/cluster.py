@@ -90,9 +90,10 @@ def make_on_cluster(
     done = 0
     while waiting:
         try:
-            finished = distributed.wait(
-                list(waiting), timeout=1, return_when="FIRST_COMPLETED"
-            ).done
+            with client.as_current():  # `wait` has no other way to be told
+                finished = distributed.wait(
+                    list(waiting), timeout=1, return_when="FIRST_COMPLETED"
+                ).done
         except (TimeoutError, distributed.TimeoutError):
             finished = set()
         except distributed.client.CancelledError:

@@ -119,7 +119,7 @@ class Layout:
             "shards": (self.views_per_shard, *one.shape) if one.is_sharded else None,
             "dimension_names": (VIEW, *one.dimensions),
             "compressors": codecs.BloscCodec(
-                cname="zstd", clevel=3, shuffle="shuffle", typesize=numbers.itemsize
+                cname="lz4", clevel=5, shuffle="shuffle", typesize=numbers.itemsize
             ),
             # What is not made yet.
             "fill_value": np.nan if numbers.kind == "f" else 0,

@@ -19,7 +19,7 @@ from omma.scene.world import World
 Floats = NDArray[np.float64]
 
 # Directions in which the room about a place is asked for, from it and towards it.
-_DIRECTIONS = 256
+_DIRECTIONS = 128
 # Surfaces above one another that a vertical line is followed through.
 _LAYERS = 256
 _PIECE = 4096  # places in one render
