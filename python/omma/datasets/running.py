@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -110,6 +111,8 @@ def run(
     tell: Stage = progress if progress is not None else lambda stage, share: None
     threads = whole(threads, "threads", 0, 1 << 16)
     slurm = whole(slurm, "slurm", 0, 1 << 16)
+    if dask is not None and not re.fullmatch(r"\w+://\S+", dask):
+        raise Error(f"dask: expected an address such as tcp://host:8786, found {dask!r:.80}")
     if dask is not None and slurm:
         raise Error("slurm: only one of dask and slurm can say who works")
     if not isinstance(job, Job):
