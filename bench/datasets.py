@@ -193,9 +193,10 @@ def differing(folder: Path) -> list[str]:
     for path in sorted((folder / "undisturbed.zarr").rglob("*")):
         name = os.path.relpath(path, folder / "undisturbed.zarr")
         other = folder / "kills.zarr" / name
-        if path.is_file() and path.parent.name != "done" and name != "zarr.json":
-            if not other.is_file() or path.read_bytes() != other.read_bytes():
-                found.append(name)
+        if not path.is_file() or path.parent.name == "done" or name == "zarr.json":
+            continue
+        if not other.is_file() or path.read_bytes() != other.read_bytes():
+            found.append(name)
     return found
 
 

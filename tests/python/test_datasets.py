@@ -34,7 +34,8 @@ def test_a_store_opens_with_xarray_and_has_what_render_gives(made):
         data = xarray.open_zarr(store)
     assert dict(data.sizes) | {"view": 10, "ommatidium": 30, "band": 3} == dict(data.sizes)
     assert data.response.dtype == np.float32
-    assert data.position.attrs["units"] == "m" and data.azimuth.attrs["units"] == "degree"
+    assert data.position.attrs["units"] == "m"
+    assert data.azimuth.attrs["units"] == "degree"
     np.testing.assert_array_equal(data.response, rendered(job, data.world_from_head))
     assert {"scene", "condition", "pose_set", "pose"} <= set(data.response.coords)
     assert data.scene.attrs["flag_meanings"] == "ground"
@@ -45,7 +46,8 @@ def test_a_store_opens_with_xarray_and_has_what_render_gives(made):
 
 def test_poses_lie_where_the_job_says(made):
     place = xarray.open_zarr(made[1]).position.values
-    assert (place >= [-5, 1, -5]).all() and (place <= [5, 3, 5]).all()
+    assert (place >= [-5, 1, -5]).all()
+    assert (place <= [5, 3, 5]).all()
     assert np.ptp(place, axis=0).min() > 1
     assert len(np.unique(place, axis=0)) == 10
 
@@ -87,7 +89,8 @@ def test_verify_finds_each_kind_of_damage(tmp_path):
     (store / "response" / "c.1.0.0").write_bytes(b"")
     (store / "position" / "c.2.0").unlink()
     report = datasets.verify(store)
-    assert not report.is_whole and len(report.damaged) == 3
+    assert not report.is_whole
+    assert len(report.damaged) == 3
     for sentence, words in zip(report.damaged, ("other bytes", "0 bytes", "missing"), strict=True):
         assert words in sentence
     # What a run sees without reading all: the two that are not as large as they were.
@@ -125,7 +128,7 @@ def test_inputs_that_change_while_it_runs_are_refused(tmp_path):
 
     digests = digests_of_inputs(job)
     omma.save_eye(tmp_path / "bug.csv", omma.eye.generate_eye(31))
-    with pytest.raises(omma.Error, match="bug.csv: has changed since"):
+    with pytest.raises(omma.Error, match=r"bug.csv: has changed since"):
         Workshop(job, digests)
 
 
@@ -177,8 +180,10 @@ def test_a_full_disk(tmp_path):
         "omma.datasets.run(sys.argv[1])\n"
     )
     done = subprocess.run([sys.executable, "-c", code, job], capture_output=True, text=True)
-    assert "cannot be written" in done.stderr and "c.1.0.0" in done.stderr
-    assert not responses.exists() and (store / "omma" / "done" / "00000000.json").exists()
+    assert "cannot be written" in done.stderr
+    assert "c.1.0.0" in done.stderr
+    assert not responses.exists()
+    assert (store / "omma" / "done" / "00000000.json").exists()
     assert datasets.run(job).made == 1
     assert bytes_of(store) == before
 
@@ -189,7 +194,8 @@ def test_eyes_of_different_sizes_have_groups(tmp_path):
     datasets.run(job)
     store = tmp_path / "job.zarr"
     bug, fly = (xarray.open_zarr(store, group=name) for name in ("bug", "fly"))
-    assert bug.sizes["ommatidium"] == 30 and fly.sizes["ommatidium"] > 1000
+    assert bug.sizes["ommatidium"] == 30
+    assert fly.sizes["ommatidium"] > 1000
     np.testing.assert_array_equal(bug.position, fly.position)
     np.testing.assert_array_equal(bug.response, rendered(job, bug.world_from_head))
     with pytest.raises(omma.Error, match="eye: expected one of bug, fly"):
@@ -213,12 +219,11 @@ def test_conditions_and_all_outputs(tmp_path):
     omma.save_eye(tmp_path / "bug.csv", eye)
     datasets.run(job)
     data = xarray.open_zarr(tmp_path / "job.zarr")
-    assert data.sizes["view"] == 6 and data.condition.values.tolist() == [0, 0, 0, 1, 1, 1]
+    assert data.sizes["view"] == 6
+    assert data.condition.values.tolist() == [0, 0, 0, 1, 1, 1]
     np.testing.assert_array_equal(data.position[:3], data.position[3:])
     scene = omma.load_scene(tmp_path / "scene.gltf")
-    red = omma.Renderer(
-        scene, eye, omma.Fixed(2), background=omma.Background.constant((1, 0, 0))
-    )
+    red = omma.Renderer(scene, eye, omma.Fixed(2), background=omma.Background.constant((1, 0, 0)))
     poses = data.world_from_head.values[:3]
     truth = red.ground_truth(poses, standard_error=True)
     np.testing.assert_array_equal(data.response[:3], truth.responses)
@@ -226,7 +231,8 @@ def test_conditions_and_all_outputs(tmp_path):
     np.testing.assert_array_equal(data.distance[:3], truth.distance_m)
     np.testing.assert_array_equal(data.receptor_response[:3], red.render_receptors(poses))
     assert (data.met[3:].values.sum() > data.met[:3].values.sum()).all()  # the crate is seen
-    assert data.picture.shape[1:] == (8, 16, 3) and data.picture.dtype == np.uint8
+    assert data.picture.shape[1:] == (8, 16, 3)
+    assert data.picture.dtype == np.uint8
     np.testing.assert_array_equal(
         data.picture[0], omma.picture.project(eye, truth.responses[0], width=16)
     )
@@ -244,7 +250,8 @@ def test_a_lit_world_by_the_time_of_day(tmp_path):
     datasets.run(job)
     data = xarray.open_zarr(tmp_path / "job.zarr")
     assert data.response.attrs["units"] == "photons m-2 s-1 sr-1 nm-1"
-    assert data.sizes["band"] == 4 and data.wavelength.attrs["units"] == "nm"
+    assert data.sizes["band"] == 4
+    assert data.wavelength.attrs["units"] == "nm"
     low, noon = data.response[:2].mean().item(), data.response[2:].mean().item()
     assert noon > 2 * low > 0
     datasets.contact_sheet(tmp_path / "sheet.png", tmp_path / "job.zarr", 3)
@@ -280,14 +287,15 @@ def test_wrong_jobs(tmp_path, old, new, words):
 def test_views_in_any_order(made):
     data = xarray.open_zarr(made[1]).response.values
     views = datasets.open_views(made[1], ["response", "pose"])
-    assert len(views) == 10 and views[3]["pose"] == 3
+    assert len(views) == 10
+    assert views[3]["pose"] == 3
     np.testing.assert_array_equal(views[3]["response"], data[3])
     np.testing.assert_array_equal(views[[7, 2, 7]]["response"], data[[7, 2, 7]])
     np.testing.assert_array_equal(views[2:5]["response"], data[2:5])
     np.testing.assert_array_equal(views[[]]["response"], data[:0])
     with pytest.raises(IndexError):
         views[10]
-    with pytest.raises(omma.Error, match="variables: expected one of .*'respose'"):
+    with pytest.raises(omma.Error, match=r"variables: expected one of .*'respose'"):
         datasets.open_views(made[1], ["respose"])
 
 
@@ -323,7 +331,8 @@ def test_tar_files(made, tmp_path):
         found = np.load(tar.extractfile("00000007.response.npy"))
         said = json.load(tar.extractfile("00000007.json"))
     np.testing.assert_array_equal(found, data.response[7])
-    assert said["scene"] == "ground" and said["pose"] == 7
+    assert said["scene"] == "ground"
+    assert said["pose"] == 7
     np.testing.assert_array_equal(said["world_from_head"], data.world_from_head[7])
 
 

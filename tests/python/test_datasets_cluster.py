@@ -1,5 +1,4 @@
-"""Data sets made by other processes: Dask workers, scripts of SLURM, and processes that are killed.
-"""
+"""Data sets made by other processes: Dask workers, SLURM scripts, processes that are killed."""
 
 import random
 import signal
@@ -47,7 +46,8 @@ def test_kills_at_random_moments_leave_no_trace(job, whole):
             process.send_signal(signal.SIGKILL)
     datasets.run(job)
     assert bytes_of(store) == whole
-    assert datasets.verify(store).is_whole and not datasets.verify(store).left
+    assert datasets.verify(store).is_whole
+    assert not datasets.verify(store).left
 
 
 def test_what_a_kill_left_is_removed(job, whole, tmp_path):
@@ -119,7 +119,7 @@ def test_a_scheduler_that_goes_away(job, whole, tmp_path):
 
         killer = threading.Thread(target=kill)
         killer.start()
-        with pytest.raises(omma.Error, match="the scheduler .* has gone away"):
+        with pytest.raises(omma.Error, match=r"the scheduler .* has gone away"):
             datasets.run(job, store, dask=address)
         killer.join()
     datasets.run(job, store)
@@ -129,7 +129,7 @@ def test_a_scheduler_that_goes_away(job, whole, tmp_path):
 def test_no_scheduler(job, tmp_path, monkeypatch):
     pytest.importorskip("distributed")
     monkeypatch.setattr("omma.datasets.cluster._TIMEOUT_S", 1)
-    with pytest.raises(omma.Error, match="dask: no scheduler answers at 'tcp://127.0.0.1:9'"):
+    with pytest.raises(omma.Error, match=r"dask: no scheduler answers at 'tcp://127.0.0.1:9'"):
         datasets.run(job, tmp_path / "none.zarr", dask="tcp://127.0.0.1:9")
 
 
@@ -146,7 +146,8 @@ def test_the_script_of_a_job_in_slurm(tmp_path):
         script = cluster.job_script()
     for line in ("-p short", "-A bees", "-t 02:00:00", "--cpus-per-task=16", "--mem=30G"):
         assert f"#SBATCH {line}" in script
-    assert "distributed.cli.dask_worker tcp://127.0.0.1" in script and "--nthreads" in script
+    assert "distributed.cli.dask_worker tcp://127.0.0.1" in script
+    assert "--nthreads" in script
     wrong = datasets.load_job(write_job(tmp_path, more='[slurm]\nqueue = "short"\n'))
     with pytest.raises(omma.Error, match="slurm: "):
         slurm_cluster(wrong)
