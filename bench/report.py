@@ -502,8 +502,8 @@ def datasets(rows: list[Row]) -> list[str]:
         "## 13. Data sets",
         "",
         *text(
-            "`bench/datasets.py`: uniform poses in a room of textured triangles, 1,000 ommatidia of",
-            "16 rays; shards beside `render` alone are in processor time, in turns.",
+            "`bench/datasets.py`: uniform poses in a room of textured triangles, 1,000 ommatidia",
+            "of 16 rays; shards beside `render` alone are in processor time, in turns.",
         ),
         *table("what | of | value", [[row["what"], row["setting"], row["value"]] for row in rows]),
     ]

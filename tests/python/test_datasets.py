@@ -176,8 +176,10 @@ def test_a_full_disk(tmp_path):
     code = (
         "import resource, signal, sys, omma\n"
         "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
-        "resource.setrlimit(resource.RLIMIT_FSIZE, (600, 600))\n"
-        "omma.datasets.run(sys.argv[1])\n"
+        "def limit(stage, share):\n"
+        "    if stage == 'Building worlds':\n"
+        "        resource.setrlimit(resource.RLIMIT_FSIZE, (600, 600))\n"
+        "omma.datasets.run(sys.argv[1], progress=limit)\n"
     )
     done = subprocess.run([sys.executable, "-c", code, job], capture_output=True, text=True)
     assert "cannot be written" in done.stderr
