@@ -496,6 +496,19 @@ def motion(rows: list[Row]) -> list[str]:
     ]
 
 
+def datasets(rows: list[Row]) -> list[str]:
+    """The section of RESULTS.md about data sets."""
+    return [
+        "## 13. Data sets",
+        "",
+        *text(
+            "`bench/datasets.py`: uniform poses in a room of textured triangles, 1,000 ommatidia",
+            "of 16 rays; shards beside `render` alone are in processor time, in turns.",
+        ),
+        *table("what | of | value", [[row["what"], row["setting"], row["value"]] for row in rows]),
+    ]
+
+
 def report(results: Path, quick: bool = False) -> list[str]:
     """The lines of RESULTS.md."""
     facts = {row["what"]: row["found"] for row in read(results, "machine")}
@@ -526,6 +539,7 @@ def report(results: Path, quick: bool = False) -> list[str]:
         "light": light,
         "cameras": cameras,
         "motion": motion,
+        "datasets": datasets,
     }
     missing = []
     for name, part in parts.items():

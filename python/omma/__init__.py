@@ -23,6 +23,7 @@ At the top is what a first hour needs; the rest is in rooms, which are loaded wh
 - `omma.motion`: motion detectors over responses
 - `omma.picture`: pictures of responses and of eyes
 - `omma.study`: how many rays a scene needs; `omma.job`: whole renders from files to files
+- `omma.datasets`: millions of views as jobs, in stores for training
 - `omma.gym`: closed loops as Gymnasium environments; `omma.columns`: medulla columns, hexagonal
   lattices
 - `omma.examples`: a meadow and a flight over it; `omma.compat`: for the scripts of CompoundRay

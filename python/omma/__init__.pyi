@@ -1,6 +1,7 @@
 from . import (
     columns,
     compat,
+    datasets,
     examples,
     eye,
     gym,
@@ -43,6 +44,7 @@ __all__ = [
     "__version__",
     "columns",
     "compat",
+    "datasets",
     "examples",
     "eye",
     "gym",

@@ -18,6 +18,7 @@ import pytest
 import trimesh
 from animated_scenes import swinging_box
 from conftest import make_eye, write_gltf
+from dataset_jobs import write_job
 from public_names import public_things
 
 import omma
@@ -50,6 +51,7 @@ LEFT = {
 # Without a call that works: these want what only other parts of the tests make.
 WITHOUT = {
     "compoundray_library": "the library of CompoundRay's interface, which is built on request",
+    "torch_dataset": "PyTorch, which is not among what the tests need",
     "plot_species": "a species, which takes seconds to make",
     "Renderer.render_stokes": "a world that is polarised",
     "World.set_color": "a world that was never lit",
@@ -137,6 +139,9 @@ def public_calls(folder):
     adapted = omma.photoreceptors.VanHaterenSnippe(100.0)
     started.filter(frames[0])
     adapted.filter(frames[0])
+    job = write_job(folder / "job", count=3)
+    omma.datasets.run(job)
+    views = omma.datasets.open_views(folder / "job" / "job.zarr")
     good = {
         "AcuteZone": (0.0, 0.0, 0.5, 2.0),
         "Box": ((0, 0, 0), (1, 1, 1)),
@@ -309,6 +314,15 @@ def public_calls(folder):
             "sampling": omma.Fixed(1),
         },
         "render_camera": {"scene": renderer, "camera": 0, "width": 8, "height": 4, "samples": 1},
+        "batches": (views, 2),
+        "contact_sheet": (png, views.store, 2),
+        "describe": (views.store,),
+        "load_job": (job,),
+        "open_views": (views.store, ["response"]),
+        "run": (job,),
+        "to_webdataset": (views.store, folder / "tars"),
+        "torch_dataset": (views,),
+        "verify": (views.store,),
         "render_file": {
             "scene": scene_file, "outputs": [csv], "eyes": [folder / "bug.eye"],
             "sampling": omma.Fixed(1),

@@ -68,6 +68,7 @@ dorsal_rim = [omma.receptors.OmmatidiumType("rim", (r7p, r7y))]
 COMES_OUT = {
     "README.md": "assert responses.shape == (1, 10760, 3) and len(receptors) == 1",
     "docs/acceptance.md": "assert f'{math.degrees(fly.width_rad()):.1f}' == '2.2'",
+    "docs/datasets.md": "assert evening.sizes['view'] == 40 and len(views) == 80",
     "docs/error-target.md": "assert report.rays.shape == (1, 10_760) and (low <= high).all()",
     "docs/eye-design.md": "assert len(omma.load_eye('head.csv')) == len(head)",
     "docs/closed-loops.md": "assert observations.shape == (32, 200, 3) and responses.any()",
@@ -85,6 +86,26 @@ assert np.abs(new - old).mean() < 2 / 255
 
 NEEDS_DATA = "examples/from_compoundray.md"
 
+# What docs/datasets.md speaks of, but smaller.
+JOB = """
+[rendering]
+samples = 1
+[[scene]]
+file = "meadow.glb"
+[[eye]]
+files = "honeybee.eye"
+[[condition]]
+name = "day"
+[[condition]]
+name = "evening"
+background = "0.5,0.2,0.1"
+[[poses]]
+sampler = "uniform"
+low_m = [-4, 1, -8]
+high_m = [4, 2, 0]
+count = 40
+"""
+
 # Pages whose snippets are not run, and why.
 SNIPPETS_NOT_RUN: dict[str, str] = {}
 
@@ -94,6 +115,7 @@ NOT_RUN = {
     "scripts/test": "it is what runs this",
     "scripts/bench": "ten minutes, and says nothing on a machine with other work",
     "pip install": "installs; it is what scripts/setup does",
+    "omma dataset run job.toml --": "needs a cluster; test_datasets_cluster.py has a small one",
     "omma render examples/meadow.glb --all-cameras": "half a minute; test_cameras.py has smaller",
     "omma measure min-samples examples/meadow.glb": "two minutes; see the next",
     "omma measure min-samples arena.gltf": "minutes; test_sampling_tools.py has smaller ones",
@@ -163,6 +185,7 @@ def folder(tmp_path):
     few_poses = (examples / "flight.csv").read_text().splitlines()[:4]
     for path in (tmp_path / "flight.csv", tmp_path / "examples" / "flight.csv"):
         path.write_text("\n".join(few_poses) + "\n")
+    (tmp_path / "job.toml").write_text(JOB)
     (tmp_path / "meadow.glb").symlink_to(examples / "meadow.glb")
     left, right = (examples / f"honeybee_worker_{side}.eye" for side in ("left", "right"))
     for name, eye in (("left", left), ("right", right), ("bee", left)):

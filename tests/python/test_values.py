@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from animated_scenes import swinging_box
 from conftest import make_eye
+from dataset_jobs import write_job
 from public_names import public_things
 
 import omma
@@ -90,6 +91,10 @@ def examples(files, tmp_path_factory):
         "Shared": omma.Shared(3),
         "ToError": omma.ToError(0.1, most=64),
         "World": renderer.world,
+        "datasets.Job": (job := omma.datasets.load_job(write_job(folder / "job"))),
+        "datasets.RunReport": omma.datasets.run(job),
+        "datasets.VerifyReport": omma.datasets.verify(job.store),
+        "datasets.Views": omma.datasets.open_views(job.store),
         "eye.AcuteZone": omma.eye.AcuteZone(0.1, 0.2, 0.3, 2.0, band=True),
         "eye.ConvertedEye": omma.eye.convert_eye(old),
         "eye.EyeMeasures": omma.eye.measure_eye(eye),

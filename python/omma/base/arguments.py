@@ -140,6 +140,7 @@ _OWN = {
     "EyeMeasures": "omma.eye.EyeMeasures",
     "GroundTruth": "omma.rendering.GroundTruth",
     "ImpulseResponse": "omma.photoreceptors.ImpulseResponse",
+    "Job": "omma.datasets.Job",
     "Light": "omma.light.Light",
     "Loop": "omma.gym.Loop",
     "Method": "omma.study.Method",
@@ -151,6 +152,7 @@ _OWN = {
     "SpeedTest": "omma.study.SpeedTest",
     "Species": "omma.species.Species",
     "Surface": "a surface as of omma.eye.ellipsoid",
+    "Views": "omma.datasets.Views",
     "Wiring": "omma.eye.Wiring",
     "World": "omma.World",
 }

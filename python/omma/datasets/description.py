@@ -1,0 +1,60 @@
+"""What is in a data set, in words: what ``omma dataset info`` prints."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+from omma.base.arguments import checked
+from omma.base.files import PathLike
+from omma.datasets.layout import VIEW
+from omma.datasets.records import read_manifest, read_record, shards_done
+from omma.rendering.labelled_files import load_package
+
+
+@checked
+def describe(store: PathLike) -> list[str]:
+    """Lines of text: how many views of what, how much of it is there, its arrays and its size.
+
+    Raises:
+        omma.Error: no data set, or one of another version.
+    """
+    path = os.fsdecode(store)
+    manifest = read_manifest(path)
+    done = shards_done(path)
+    shards = -(-manifest["views"] // manifest["views_per_shard"])
+    records = [read_record(path, shard) for shard in done]
+    views = sum(one["views"][1] - one["views"][0] for one in records)
+    seconds = sum(one["seconds"] for one in records)
+    machines = sorted({one["machine"] for one in records})
+    size = sum(file.stat().st_size for file in Path(path).rglob("*") if file.is_file())
+    names = manifest["names"]
+    lines = [
+        f"{path}: {views:,} of {manifest['views']:,} views are there, {len(done)} of {shards} "
+        f"shards, {size / 1e6:,.1f} MB",
+        f"scenes: {', '.join(names['scene'])}",
+        f"conditions: {', '.join(names['condition'])}",
+        f"sets of poses: {', '.join(names['pose_set'])}",
+        f"made by Omma {manifest['omma_version']} with {manifest['backend']}, begun "
+        f"{manifest['created']}"
+        + (f", {seconds:,.0f} s of work on {', '.join(machines)}" if records else ""),
+    ]
+    root = load_package("zarr", path).open_group(path, mode="r")
+    for eye, inside in manifest["groups"].items():
+        lines.append(f"eye {eye}:")
+        arrays = sorted((root[inside] if inside else root).arrays())
+        lines += [f"  {name} {_about(array)}" for name, array in arrays if _of_views(array)]
+    return lines
+
+
+def _of_views(array: Any) -> bool:
+    return bool(array.metadata.dimension_names[:1] == (VIEW,))
+
+
+def _about(array: Any) -> str:
+    sizes = ", ".join(
+        f"{name} {size:,}" for name, size in zip(array.metadata.dimension_names, array.shape)
+    )
+    unit = array.attrs.get("units", "1")
+    return f"({sizes}) {array.dtype}" + (f", {unit}" if unit != "1" else "")

@@ -1,0 +1,244 @@
+"""The store of a data set: its groups, arrays and attributes, and a shard's part of an array as the
+bytes of its file.
+
+Zarr 3. Each eye has a group, which is the store itself where there is one eye. All arrays of views
+have ``view`` as their first dimension; other dimensions are in one piece.
+"""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omma._core import Eye
+from omma.datasets.job_file import Job
+from omma.datasets.plan import Plan
+from omma.datasets.worlds import make_light
+from omma.picture.projections import projection_ids
+from omma.rendering.labelled_files import load_package
+from omma.rendering.labels import Labels, labels_of, place_variables
+from omma.rendering.renderer import Renderer
+from omma.rendering.settings import ToError
+from omma.rendering.truth import GroundTruth, truth_variables
+
+VIEW = "view"
+
+# Attributes of labels that the manifest says better.
+_NOT_OF_EYES = ("created", "omma_version", "backend", "scene", "light", "scene_warnings")
+
+
+@dataclass(frozen=True)
+class Variable:
+    """An array of views: what one view has."""
+
+    dimensions: tuple[str, ...]  # without the view's
+    shape: tuple[int, ...]
+    dtype: str
+    attributes: dict[str, Any]
+    is_sharded: bool = True  # else a shard is one chunk: small things, read all together
+
+
+@dataclass(frozen=True)
+class Layout:
+    """The group of one eye."""
+
+    group: str  # "" for the store itself
+    variables: dict[str, Variable]
+    labels: Labels  # of one view: coordinates and attributes
+    views: int
+    views_per_chunk: int
+    views_per_shard: int
+
+    def file(self, variable: str, shard: int) -> str:
+        """Where a shard of a variable is, in the store."""
+        zeros = ".0" * len(self.variables[variable].shape)
+        return os.path.join(self.group, variable, f"c.{shard}{zeros}")
+
+    def encoded(self, variable: str, values: NDArray[Any]) -> bytes:
+        """Values of a shard's views as the bytes of its file."""
+        zarr = load_package("zarr", "datasets")
+        kept: dict[str, Any] = {}
+        with zarr.config.set({"array.write_empty_chunks": True}):
+            array = zarr.create_array(
+                zarr.storage.MemoryStore(kept), **self._array(variable, len(values))
+            )
+            array[...] = values
+        (data,) = (value for key, value in kept.items() if not key.endswith("zarr.json"))
+        return bytes(data.to_bytes())
+
+    def create(self, root: Any, coordinates: Mapping[str, Any]) -> None:
+        """Make the group in an open one; ``coordinates`` are those of views that are known."""
+        group = root.require_group(self.group) if self.group else root
+        group.attrs.update(
+            {key: value for key, value in self.labels.attributes.items() if key not in _NOT_OF_EYES}
+        )
+        known = {**self.labels.coordinates, **coordinates}
+        along_views = [name for name, variable in self.variables.items() if not variable.is_sharded]
+        for name, (dimensions, values, attributes) in known.items():
+            if dimensions[:1] == ("pose",):
+                continue  # those of the one view that labels were made of
+            text = values.dtype.kind == "U"
+            group.create_array(
+                name,
+                shape=values.shape,
+                dtype=str if text else values.dtype,
+                chunks=tuple(max(1, size) for size in values.shape),
+                dimension_names=dimensions,
+                attributes=attributes,
+            )[...] = values
+        for name, variable in self.variables.items():
+            beside = [
+                other
+                for other, (dimensions, _, _) in known.items()
+                if dimensions != (other,) and dimensions[0] in (VIEW, *variable.dimensions)
+                and dimensions[0] != "pose"
+            ]  # fmt: skip
+            if variable.is_sharded:
+                beside += along_views
+            more = {"coordinates": " ".join(dict.fromkeys(beside))} if variable.is_sharded else {}
+            array = self._array(name, self.views)
+            array["attributes"] = variable.attributes | more
+            group.create_array(name, **array)
+
+    def _array(self, variable: str, views: int) -> dict[str, Any]:
+        """Arguments that make the array of a variable."""
+        one = self.variables[variable]
+        codecs = load_package("zarr", "datasets").codecs
+        inner = self.views_per_chunk if one.is_sharded else self.views_per_shard
+        numbers = np.dtype(one.dtype)
+        return {
+            "shape": (views, *one.shape),
+            "dtype": one.dtype,
+            "chunks": (inner, *one.shape),
+            "shards": (self.views_per_shard, *one.shape) if one.is_sharded else None,
+            "dimension_names": (VIEW, *one.dimensions),
+            "compressors": codecs.BloscCodec(
+                cname="lz4", clevel=5, shuffle="shuffle", typesize=numbers.itemsize
+            ),
+            # What is not made yet.
+            "fill_value": np.nan if numbers.kind == "f" else 0,
+            "chunk_key_encoding": {"name": "default", "separator": "."},
+        }
+
+
+def make_layouts(job: Job, eyes: Mapping[str, Eye], plan: Plan | None = None) -> dict[str, Layout]:
+    """The group of each eye, by the eye's name; without a plan only to see how large views are."""
+    found = {}
+    for eye_name, eye in eyes.items():
+        labels = _labels(job, eye)
+        group = "" if len(eyes) == 1 else eye_name
+        sizes = (plan.views, plan.views_per_chunk, plan.views_per_shard) if plan else (1, 1, 1)
+        found[eye_name] = Layout(group, _variables(job, eye, labels), labels, *sizes)
+    return found
+
+
+def view_bytes(layouts: Mapping[str, Layout]) -> tuple[int, int]:
+    """Of a view of the largest eye: all variables, and the largest of them."""
+    sizes = [
+        [
+            int(np.prod(one.shape)) * np.dtype(one.dtype).itemsize
+            for one in layout.variables.values()
+        ]
+        for layout in layouts.values()
+    ]
+    return max(map(sum, sizes)), max(map(max, sizes))
+
+
+def view_coordinates(job: Job, plan: Plan) -> dict[str, Any]:
+    """Which scene, condition and set of poses each view is of, as (dimensions, values, attributes);
+    the attributes say the names, as the CF conventions have it (3.5)."""
+    columns = np.empty((4, plan.views), np.int32)
+    for block in plan.blocks:
+        views = slice(block.first, block.first + block.count)
+        columns[:3, views] = [[block.scene], [block.condition], [block.poses]]
+        columns[3, views] = np.arange(block.count)
+    kinds = (("scene", job.scenes), ("condition", job.conditions), ("pose_set", job.poses))
+    found: dict[str, Any] = {}
+    for (name, inputs), values in zip(kinds, columns):
+        names = [one.name for one in inputs]  # type: ignore[attr-defined]
+        about = {"flag_values": list(range(len(names))), "flag_meanings": " ".join(names)}
+        found[name] = ((VIEW,), values, about)
+    found["pose"] = ((VIEW,), columns[3], {"long_name": "number of the pose in its set"})
+    return found
+
+
+def create_store(
+    path: str,
+    layouts: Mapping[str, Layout],
+    coordinates: Mapping[str, Any],
+    attributes: Mapping[str, Any],
+) -> None:
+    """Make all groups and arrays, without the views, in an empty directory."""
+    zarr = load_package("zarr", "datasets")
+    with warnings.catch_warnings():
+        # Of texts, which are newer than Zarr's standard and read by zarr and xarray.
+        warnings.simplefilter("ignore")
+        root = zarr.open_group(path, mode="a", zarr_format=3)
+        for layout in layouts.values():
+            layout.create(root, coordinates)
+        root.attrs.update(attributes)
+        zarr.consolidate_metadata(path)
+
+
+def _labels(job: Job, eye: Eye) -> Labels:
+    """Of one view in a world with nothing in it, which has the bands and the settings."""
+    from omma import Scene
+    from omma.scene.world import World
+
+    light = make_light(*job.conditions[0].light, job.bands)
+    renderer = Renderer(
+        World(Scene(), light=light, backend=job.backend, threads=1),
+        eye,
+        job.settings.sampling,
+        threads=1,
+        **job.settings.options(),
+    )
+    return labels_of(renderer, np.eye(4)[None], standard_error="errors" in job.outputs)
+
+
+def _variables(job: Job, eye: Eye, labels: Labels) -> dict[str, Variable]:
+    """What is kept of each view of an eye."""
+    found: dict[str, Variable] = {}
+    for name, (dimensions, values, about) in place_variables(np.eye(4)[None], "pose").items():
+        if dimensions[0] == "pose":
+            shape = values.shape[1:]
+            found[name] = Variable(dimensions[1:], shape, values.dtype.name, about, False)
+    for name, (dimensions, dtype, about) in labels.variables.items():
+        if name == "response" and "responses" not in job.outputs:
+            continue
+        shape = labels.shape(name)[1:]
+        found[name] = Variable(dimensions[1:], shape, dtype, about)
+    if "receptors" in job.outputs:
+        about = {"units": labels.variables["response"][2]["units"]}
+        found["receptor_response"] = Variable(
+            ("receptor",), (len(eye.receptor_type),), "float32", about
+        )
+    if "truth" in job.outputs:
+        for name, (dimensions, values, about) in truth_variables(
+            _no_truth(len(eye)), ("pose", "ommatidium")
+        ).items():
+            found[name] = Variable(dimensions[1:], values.shape[1:], values.dtype.name, about)
+    if "pictures" in job.outputs:
+        shape = (*projection_ids(eye, job.picture_projection, job.picture_width).shape, 3)
+        about = {"long_name": "picture of the response, as a screen shows it"}
+        found["picture"] = Variable(("row_of_picture", "column_of_picture", "colour"), shape,
+                                    "uint8", about)  # fmt: skip
+    return found
+
+
+def _no_truth(ommatidia: int) -> GroundTruth:
+    """Of one view, of the shapes and types that it has."""
+    one = np.zeros((1, ommatidia), np.float32)
+    three = np.zeros((1, ommatidia, 3), np.float32)
+    return GroundTruth(three, one, one, one, one, three.astype(np.float64), three)
+
+
+def is_to_error(job: Job) -> bool:
+    """Whether views have standard errors and rays in any case."""
+    return isinstance(job.settings.sampling, ToError)

@@ -1,0 +1,148 @@
+"""Where there is room in a scene: what rays tell of the surfaces about a place.
+
+An eye whose ommatidia take a single ray each is a bundle of rays; ground truth says how far each
+went. Single-sided surfaces are met from their front only, so that places are asked from both sides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma._core import Eye
+from omma.rendering.renderer import Renderer
+from omma.rendering.settings import Fixed
+from omma.scene.world import World
+
+Floats = NDArray[np.float64]
+
+# Directions in which the room about a place is asked for, from it and towards it.
+_DIRECTIONS = 128
+# Surfaces above one another that a vertical line is followed through.
+_LAYERS = 256
+_PIECE = 4096  # places in one render
+
+
+class Probe:
+    """Asks a world, which should have no light: what is seen is of no use here."""
+
+    def __init__(self, world: World, threads: int = 0) -> None:
+        bounds = world.scene.bounds
+        self._world, self._threads = world, threads
+        box = np.zeros((2, 3)) if bounds is None else np.asarray(bounds)
+        self._top = float(box[1, 1]) + 1.0
+        # What a ray is moved on by to leave a surface behind: rays are single precision.
+        self._step = max(1e-5, 1e-5 * float(np.abs(box).max()))
+        self._down = self._bundle([[0, -1, 0]])
+        self._up = self._bundle([[0, 1, 0]])
+        self._ahead = self._bundle([[0, 0, -1]])
+        self._balls: dict[float, Renderer] = {}
+
+    def is_free(self, places: Floats, clearance_m: float) -> NDArray[np.bool_]:
+        """(P,), whether nothing is nearer than ``clearance_m`` to a place (P, 3), and the place is
+        not inside of something."""
+        free = np.array(self._near(places, clearance_m) >= clearance_m)
+        free[free] = self._depth_inside(places[free]) <= 0
+        return free
+
+    def ground_below(self, spots: Floats, on: Sequence[str] = ()) -> Floats:
+        """(P,), m: the height at x and z (P, 2) of the highest surface of the instances called so,
+        through whatever is above it; without names, of anything. NaN where there is none."""
+        height = np.full(len(spots), np.nan)
+        place = np.column_stack([spots[:, 0], np.full(len(spots), self._top), spots[:, 1]])
+        left = np.arange(len(spots))
+        for _ in range(_LAYERS):
+            if len(left) == 0:
+                break
+            distance, is_wanted = self._ask(self._down, place[left], on)
+            met = np.isfinite(distance)
+            found = met & is_wanted
+            at = place[left, 1] - distance
+            height[left[found]] = at[found]
+            place[left, 1] = np.where(met, at - self._step, 0)
+            left = left[met & ~found]
+        return height
+
+    def is_clear_ahead(self, poses: NDArray[np.float64], distance_m: float) -> NDArray[np.bool_]:
+        """(P,), whether heads at poses (P, 4, 4) meet nothing within a distance straight ahead."""
+        return np.asarray(self._ahead.ground_truth(poses).nearest_m[:, 0] >= distance_m)
+
+    def _near(self, places: Floats, radius_m: float) -> Floats:
+        """(P,), m: distance of the nearest surface about a place, as far as ``radius_m``."""
+        if radius_m not in self._balls:
+            out = _directions(_DIRECTIONS)
+            # Rays from the place, and rays towards it from a sphere about it.
+            self._balls[radius_m] = self._bundle(
+                np.concatenate([out, -out]), np.concatenate([0 * out, radius_m * out])
+            )
+        found = []
+        for first in range(0, len(places), _PIECE):
+            poses = _at(places[first : first + _PIECE])
+            seen = self._balls[radius_m].ground_truth(poses).nearest_m
+            away, towards = seen[:, :_DIRECTIONS], seen[:, _DIRECTIONS:]
+            # What a ray towards the place meets beyond it is no business of ours.
+            nearest = np.minimum(away, np.where(towards < radius_m, 0, np.inf)).min(axis=1)
+            found.append(nearest)
+        return np.concatenate(found) if found else np.empty(0)
+
+    def _depth_inside(self, places: Floats) -> NDArray[np.int64]:
+        """(P,), in how many closed surfaces places (P, 3) are: of the line upwards from each, how
+        many surfaces look up, less those that look down. Two-sided ones count as both, so as
+        none."""
+        top = places.copy()
+        top[:, 1] = np.maximum(self._top, places[:, 1] + 1)
+        return self._crossed(self._down, top, -1, top[:, 1] - places[:, 1]) - self._crossed(
+            self._up, places, 1, top[:, 1] - places[:, 1]
+        )
+
+    def _crossed(
+        self, rays: Renderer, start: Floats, sign: int, length: Floats
+    ) -> NDArray[np.int64]:
+        """How many surfaces vertical rays meet on so much of their way."""
+        number = np.zeros(len(start), np.int64)
+        place, left = start.copy(), np.arange(len(start))
+        for _ in range(_LAYERS):
+            if len(left) == 0:
+                break
+            distance, _ = self._ask(rays, place[left], ())
+            gone = np.abs(place[left, 1] - start[left, 1]) + distance
+            met = gone < length[left]
+            number[left[met]] += 1
+            left = left[met]
+            place[left, 1] += sign * (distance[met] + self._step)
+        return number
+
+    def _ask(
+        self, rays: Renderer, places: Floats, on: Sequence[str]
+    ) -> tuple[Floats, NDArray[np.bool_]]:
+        """How far single rays go from places, and whether they meet one of the instances named."""
+        distance, wanted = [], []
+        for first in range(0, len(places), _PIECE):
+            truth = rays.ground_truth(_at(places[first : first + _PIECE]), shares=list(on))
+            distance.append(truth.nearest_m[:, 0].astype(np.float64))
+            shares = truth.shares
+            wanted.append(truth.met[:, 0] > 0 if shares is None else shares[:, 0].sum(axis=1) > 0)
+        return np.concatenate(distance), np.concatenate(wanted)
+
+    def _bundle(self, directions: ArrayLike, starts_m: ArrayLike | None = None) -> Renderer:
+        """One ray for each direction (N, 3), from (N, 3), m, in the head."""
+        axis = np.asarray(directions, dtype=np.float64)
+        position = np.zeros_like(axis) if starts_m is None else starts_m
+        return Renderer(self._world, Eye(position, axis, 0.0), Fixed(1), threads=self._threads)
+
+
+def _directions(number: int) -> Floats:
+    """(N, 3), unit vectors spread evenly: a spiral of golden angles."""
+    z = 1 - (2 * np.arange(number) + 1) / number
+    turn = np.pi * (3 - np.sqrt(5)) * np.arange(number)
+    across = np.sqrt(1 - z**2)
+    return np.column_stack([across * np.cos(turn), z, across * np.sin(turn)])
+
+
+def _at(places: Floats) -> Floats:
+    """Poses (P, 4, 4) of heads that are not turned."""
+    poses = np.tile(np.eye(4), (len(places), 1, 1))
+    poses[:, :3, 3] = places
+    return poses

@@ -1,0 +1,186 @@
+"""Views read back for training: in any order, in batches, ahead of time, as a PyTorch data set."""
+
+from __future__ import annotations
+
+import os
+from collections import deque
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma._core import Error
+from omma.base.arguments import checked, one_of, whole
+from omma.base.files import PathLike
+from omma.base.values import value_class
+from omma.datasets.layout import VIEW
+from omma.datasets.records import read_manifest, read_record, shards_done
+from omma.rendering.labelled_files import load_package
+
+Batch = dict[str, NDArray[Any]]
+
+_MOST = 1 << 40
+_READERS = 2  # threads; Zarr reads the chunks of one batch with more
+
+
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
+class Views:
+    """The views of one eye in a data set that are there: a sequence, read in any order.
+
+    `open_views` makes it. ``views[k]`` is a dictionary of arrays, one view of each variable;
+    ``views[[5, 2, 9]]`` or ``views[10:20]`` of several, in that order, read together.
+
+    It is picklable; each process opens the store for itself.
+    """
+
+    store: str
+    eye: str
+    variables: tuple[str, ...]
+    numbers: NDArray[np.int64]
+    """(V,), ascending: which views of the data set it has."""
+
+    def __len__(self) -> int:
+        return len(self.numbers)
+
+    def __getitem__(self, index: int | slice | ArrayLike) -> Batch:
+        """Views by their place in ``numbers``.
+
+        Raises:
+            IndexError: there is no such view.
+        """
+        if isinstance(index, slice):
+            found = self.numbers[index]
+        else:
+            found = self.numbers[np.asarray(index, dtype=np.int64)]
+        if np.ndim(found) == 0:
+            return {name: np.asarray(array[int(found)]) for name, array in self._arrays.items()}
+        wanted = np.asarray(found)
+        # Ascending and each once, as Zarr reads best; then as they were asked for.
+        sorted_, back = np.unique(wanted, return_inverse=True)
+        if len(wanted) == 0:
+            return {name: array[0:0] for name, array in self._arrays.items()}
+        if sorted_[-1] - sorted_[0] + 1 == len(sorted_):
+            rows: Any = slice(int(sorted_[0]), int(sorted_[-1]) + 1)
+            return {name: array[rows][back] for name, array in self._arrays.items()}
+        return {name: array.oindex[sorted_][back] for name, array in self._arrays.items()}
+
+    def __repr__(self) -> str:
+        names = ", ".join(self.variables)
+        return f"Views({len(self)} of {self.eye!r} in {self.store!r}: {names})"
+
+    @cached_property
+    def _arrays(self) -> dict[str, Any]:
+        zarr = load_package("zarr", self.store)
+        group = zarr.open_group(self.store, mode="r")
+        inside = read_manifest(self.store)["groups"][self.eye]
+        return {
+            name: group[os.path.join(inside, name) if inside else name] for name in self.variables
+        }
+
+
+@checked
+def open_views(
+    store: PathLike, variables: Sequence[str] = ("response",), *, eye: str | None = None
+) -> Views:
+    """The views in a data set that are there, also of one that is not whole yet.
+
+    Args:
+        store: the data set.
+        variables: which arrays to read: "response", "world_from_head", "scene", "distance", ...
+        eye: whose; None where there is one eye.
+
+    Raises:
+        omma.Error: no data set, no such eye or variable.
+    """
+    path = os.fsdecode(store)
+    manifest = read_manifest(path)
+    names = list(manifest["groups"])
+    if eye is None:
+        if len(names) > 1:
+            raise Error(f"eye: expected one of {', '.join(names)}, found none")
+        eye = names[0]
+    one_of(eye, names, "eye")
+    if isinstance(variables, str) or not all(isinstance(one, str) for one in variables):
+        raise TypeError(f"variables: expected a list of names, found {variables!r:.60}")
+    inside = manifest["groups"][eye]
+    group = load_package("zarr", path).open_group(path, mode="r")
+    arrays = (group[inside] if inside else group).arrays()
+    known = [name for name, array in arrays if array.metadata.dimension_names[:1] == (VIEW,)]
+    for one in variables:
+        one_of(one, sorted(known), "variables")
+    spans = [range(*read_record(path, shard)["views"]) for shard in shards_done(path)]
+    numbers = np.concatenate([np.arange(one.start, one.stop) for one in spans] or [np.arange(0)])
+    return Views(os.path.abspath(path), eye, tuple(variables), numbers)
+
+
+@checked
+def batches(
+    views: Views,
+    batch_size: int = 64,
+    *,
+    shuffle: bool = True,
+    seed: int = 0,
+    epoch: int = 0,
+    ahead: int = 4,
+) -> Iterator[Batch]:
+    """All views once, in batches that are read ahead while others are used.
+
+    Args:
+        views: of `open_views`.
+        batch_size: views in a batch; the last may have fewer.
+        shuffle: in an order that ``seed`` and ``epoch`` say, else as they come.
+        ahead: batches that are read before they are asked for.
+
+    Example:
+        for epoch in range(10):
+            for batch in omma.datasets.batches(views, 256, epoch=epoch):
+                train(batch["response"])
+
+    Raises:
+        omma.Error: an argument is out of its range.
+    """
+    size = whole(batch_size, "batch_size", 1, _MOST)
+    seed, epoch = whole(seed, "seed", 0, _MOST), whole(epoch, "epoch", 0, _MOST)
+    ahead = whole(ahead, "ahead", 1, 1 << 16)
+    order = np.arange(len(views))
+    if shuffle:
+        np.random.default_rng((seed, epoch)).shuffle(order)
+    return _read_ahead(views, [order[k : k + size] for k in range(0, len(order), size)], ahead)
+
+
+@checked
+def torch_dataset(views: Views) -> Any:
+    """Views as a `torch.utils.data.Dataset`, whose batches a `DataLoader` reads together.
+
+    Start a loader's workers with ``multiprocessing_context="spawn"``: Zarr has threads, which a
+    forked process lacks.
+
+    Raises:
+        omma.Error: no PyTorch.
+    """
+    try:
+        from omma.datasets.torch_views import TorchViews
+    except ImportError:
+        raise Error(
+            "torch_dataset: needs PyTorch, which is not installed: pip install torch"
+        ) from (None)
+    return TorchViews(views)
+
+
+def _read_ahead(views: Views, pieces: list[NDArray[np.int64]], ahead: int) -> Iterator[Batch]:
+    waiting: deque[Future[Batch]] = deque()
+    with ThreadPoolExecutor(_READERS) as readers:
+        try:
+            for piece in pieces:
+                waiting.append(readers.submit(views.__getitem__, piece))
+                if len(waiting) > ahead:
+                    yield waiting.popleft().result()
+            while waiting:
+                yield waiting.popleft().result()
+        finally:
+            readers.shutdown(wait=False, cancel_futures=True)

@@ -1,0 +1,213 @@
+"""What a store says of itself: its manifest, the records of its shards, who is writing it now.
+
+Beside Zarr's own files a store has a folder ``omma``: in it ``done``, a record for each shard that
+is there, and ``lock``.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import json
+import os
+import platform
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from datetime import datetime, timezone
+from pathlib import Path
+from typing import Any
+
+from omma import _core
+from omma._core import Error
+from omma.datasets.job_file import Job
+from omma.datasets.plan import Plan
+from omma.rendering.labelled_files import ZARR_MARKER, load_package
+
+FORMAT = "omma dataset 1"
+
+_RECORD = re.compile(r"(\d+)\.json")
+
+
+def record_folder(store: str) -> str:
+    """Where the records of shards are."""
+    return os.path.join(store, "omma", "done")
+
+
+def record_file(store: str, shard: int) -> str:
+    """The record of a shard."""
+    return os.path.join(record_folder(store), f"{shard:08}.json")
+
+
+def shards_done(store: str) -> list[int]:
+    """The shards that have records."""
+    try:
+        names = os.listdir(record_folder(store))
+    except OSError:
+        raise Error(f"{store}: expected a data set of Omma, found no records in it") from None
+    found = (_RECORD.fullmatch(name) for name in names)
+    return sorted(int(match[1]) for match in found if match)
+
+
+def read_record(store: str, shard: int) -> dict[str, Any]:
+    """What the record of a shard says; omma.Error where it is none."""
+    path = record_file(store, shard)
+    try:
+        found = json.loads(_core.read_file(path))
+        return {**found, "files": dict(found["files"]), "shard": int(found["shard"])}
+    except (ValueError, TypeError, KeyError):
+        raise Error(f"{path}: expected the record of a shard, found something else") from None
+
+
+def digests_of_inputs(job: Job) -> dict[str, str]:
+    """SHA-256 of every file that a job is made of, those that scene files name included, by their
+    names from the job's folder."""
+    return {name: digest for path in job.files for name, digest in job.digests(path).items()}
+
+
+def make_manifest(
+    job: Job, plan: Plan, digests: Mapping[str, str], backend: str, groups: Mapping[str, str]
+) -> dict[str, Any]:
+    """Attributes of a store: what it was made of, and by what."""
+    import numpy
+    import zarr
+
+    return {
+        "format": FORMAT,
+        "job": job.text,
+        "job_plain": job.plain,
+        "inputs_sha256": dict(digests),
+        "omma_version": _core.__version__,
+        "backend": backend,
+        "versions": {"numpy": numpy.__version__, "zarr": zarr.__version__},
+        "python": platform.python_version(),
+        "machine": f"{platform.node()}, {platform.machine()}, {_processor()}",
+        "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
+        "groups": dict(groups),
+        "names": {
+            "scene": [one.name for one in job.scenes],
+            "condition": [one.name for one in job.conditions],
+            "pose_set": [one.name for one in job.poses],
+        },
+        "views": plan.views,
+        "views_per_chunk": plan.views_per_chunk,
+        "views_per_shard": plan.views_per_shard,
+    }
+
+
+def read_manifest(store: str) -> dict[str, Any]:
+    """The manifest of a store.
+
+    Raises:
+        omma.Error: it is no data set, or one of another version of the format.
+    """
+    marker = Path(store) / ZARR_MARKER
+    if not marker.is_file():
+        raise Error(f"{store}: expected a data set, a Zarr 3 store; there is no {marker}")
+    load_package("zarr", store)
+    try:
+        attributes = json.loads(marker.read_bytes())["attributes"]
+        found = attributes["format"]
+    except (ValueError, TypeError, KeyError):
+        raise Error(f"{store}: expected a data set of Omma, found another Zarr store") from None
+    if found != FORMAT:
+        raise Error(
+            f"{store}: expected {FORMAT!r}, found {found!r:.60}: it is of another version of Omma. "
+            "What is in it is kept"
+        )
+    return dict(attributes)
+
+
+def check_same(store: str, then: Mapping[str, Any], now: Mapping[str, Any]) -> None:
+    """omma.Error where a store was begun from something else than what goes on with it."""
+    other = list(_differences(then, now))
+    if other:
+        raise Error(
+            f"{store}: was begun from something else: {'; '.join(other[:8])}. What is in it is "
+            "kept; make a new store, or put back what it was made of"
+        )
+
+
+def _differences(then: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]:
+    for name in ("omma_version", "backend"):
+        if then.get(name) != now[name]:
+            yield f"{name} was {then.get(name)!r}, is {now[name]!r}"
+    before, after = dict(then.get("inputs_sha256", {})), now["inputs_sha256"]
+    for file in [*after, *(file for file in before if file not in after)]:
+        if before.get(file) != after.get(file):
+            yield f"{file} has changed"
+    yield from _unlike(then.get("job_plain"), now["job_plain"], "job")
+
+
+def _unlike(then: Any, now: Any, place: str) -> Iterator[str]:
+    if isinstance(then, dict) and isinstance(now, dict):
+        for key in dict.fromkeys([*then, *now]):
+            yield from _unlike(then.get(key), now.get(key), f"{place}.{key}")
+    elif isinstance(then, list) and isinstance(now, list) and len(then) == len(now):
+        for k, (one, other) in enumerate(zip(then, now)):
+            yield from _unlike(one, other, f"{place}[{k}]")
+    elif then != now:
+        yield f"{place} was {then!r:.60}, is {now!r:.60}"
+
+
+@contextmanager
+def writing(store: str) -> Iterator[None]:
+    """Nobody else writes the store meanwhile; the system lets go where a process is killed."""
+    path = os.path.join(store, "omma", "lock")
+    try:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+    except OSError as error:
+        raise Error(f"{path}: cannot be written: {error.strerror}") from None
+    try:
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            raise Error(f"{store}: is being written by another run") from None
+        yield
+    finally:
+        os.close(descriptor)
+
+
+def whole_shards(store: str, shards: Iterable[int]) -> list[int]:
+    """Those of which all files are there, in the size that they had; hashes are for `verify`."""
+    found = []
+    for shard in shards:
+        files = read_record(store, shard)["files"]
+        if all(_size(os.path.join(store, name)) == said["bytes"] for name, said in files.items()):
+            found.append(shard)
+    return found
+
+
+def damages(store: str, shard: int) -> list[str]:
+    """What is wrong with the files of a shard, a sentence each."""
+    found = []
+    for name, said in read_record(store, shard)["files"].items():
+        path = os.path.join(store, name)
+        size = _size(path)
+        if size is None:
+            found.append(f"{name} is missing")
+        elif size != said["bytes"]:
+            found.append(f"{name} has {size} bytes, expected {said['bytes']}")
+        else:
+            digest = hashlib.sha256(Path(path).read_bytes()).hexdigest()
+            if digest != said["sha256"]:
+                found.append(f"{name} has other bytes than were written")
+    return found
+
+
+def _size(path: str) -> int | None:
+    try:
+        return os.stat(path).st_size
+    except OSError:
+        return None
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        return "unknown processor"
+    return next(
+        (line.partition(":")[2].strip() for line in lines if line.startswith("model name")),
+        "unknown processor",
+    )

@@ -1,0 +1,161 @@
+"""Sets of poses: what a job says of one, and the poses with these numbers.
+
+Pose number i of a set depends on the seed, the scene and i alone, whoever asks for it and for what
+others beside it: random numbers are drawn from Philox, keyed by all that and by the attempt.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omma._core import Error
+from omma.base.poses import Matrices, load_poses, poses_from_angles
+from omma.datasets.probing import Probe
+from omma.datasets.tables import Table, choices, count, name, number_above_0, numbers, span, texts
+from omma.datasets.tables import text as a_text
+
+SAMPLERS = ("uniform", "surface", "path", "walk")
+
+# Places that are tried for a pose.
+_TRIES = 1000
+# Random numbers of an attempt at a pose: a whole number of Philox's blocks of four.
+_DRAWN = 8
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class PoseSet:
+    """Poses that one sampler makes. Angles are as of `omma.poses_from_angles`."""
+
+    name: str
+    sampler: str  # one of SAMPLERS
+    count: int
+    scenes: tuple[str, ...]  # in which it is used
+    file: str = ""  # path: a CSV file of poses
+    low_m: tuple[float, ...] = ()  # uniform, walk: corners of a box (3,); surface: x and z
+    high_m: tuple[float, ...] = ()
+    yaw_deg: tuple[float, float] = (-180.0, 180.0)
+    pitch_deg: tuple[float, float] = (0.0, 0.0)
+    roll_deg: tuple[float, float] = (0.0, 0.0)
+    height_m: tuple[float, float] = (0.0, 0.0)  # surface
+    on: tuple[str, ...] = ()  # surface: names of instances; none: what is met first from above
+    clearance_m: float = 0.0  # from everything; 0: not asked for
+    steps: int = 0  # walk: poses of one walk
+    step_s: float = 0.0
+    speed_m_s: float = 0.0
+    saccades_per_s: float = 0.0
+    saccade_deg: tuple[float, float] = (0.0, 0.0)
+    saccade_s: float = 0.0
+    climb_deg: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def files(self) -> tuple[str, ...]:
+        """What it is read from."""
+        return (self.file,) if self.file else ()
+
+
+def read_pose_set(table: Table, folder: Path, scenes: list[str]) -> PoseSet:
+    """What a table [[poses]] says."""
+    kind = table.take("sampler", choices(SAMPLERS))
+    found: dict[str, Any] = {
+        "name": table.take("name", name, kind),
+        "sampler": kind,
+        "scenes": table.take("scenes", texts, tuple(scenes)),
+    }
+    for one in found["scenes"]:
+        choices(scenes)(one, f"{table.place}.scenes")
+    if kind == "path":
+        file = str(folder / table.take("file", a_text))
+        found |= {"file": file, "count": len(load_poses(file))}
+        table.end()
+        return PoseSet(**found)
+    corner = numbers(2 if kind == "surface" else 3)
+    low = table.take("low_m", corner)
+    high = table.take("high_m", corner)
+    if any(a > b for a, b in zip(low, high)):
+        raise Error(f"{table.place}.high_m: expected at least low_m {list(low)}, found {high}")
+    found |= {"low_m": low, "high_m": high}
+    found["clearance_m"] = table.take("clearance_m", number_above_0, 0.0)
+    if kind == "walk":
+        walks = table.take("walks", count)
+        found["steps"] = table.take("steps", count)
+        found["count"] = walks * found["steps"]
+        found["step_s"] = table.take("step_s", number_above_0, 0.01)
+        found["speed_m_s"] = table.take("speed_m_s", number_above_0)
+        found["saccades_per_s"] = table.take("saccades_per_s", number_above_0, 1.0)
+        found["saccade_deg"] = table.take("saccade_deg", span, (30.0, 120.0))
+        found["saccade_s"] = table.take("saccade_s", number_above_0, 0.05)
+        found["climb_deg"] = table.take("climb_deg", span, (0.0, 0.0))
+    else:
+        found["count"] = table.take("count", count)
+        for angle in ("yaw_deg", "pitch_deg", "roll_deg"):
+            found[angle] = table.take(angle, span, getattr(PoseSet, angle))
+    if kind == "surface":
+        found["height_m"] = table.take("height_m", span)
+        found["on"] = table.take("on", texts, ())
+    table.end()
+    return PoseSet(**found)
+
+
+def key_of(*parts: object) -> NDArray[np.uint64]:
+    """A key for Philox from texts and numbers."""
+    digest = hashlib.sha256("/".join(map(str, parts)).encode()).digest()
+    return np.frombuffer(digest[:16], np.uint64)
+
+
+def sample_poses(poses: PoseSet, seed: int, scene: str, numbers: range, probe: Probe) -> Matrices:
+    """Poses (P, 4, 4) with these numbers, of a set whose sampler is no walk.
+
+    Raises:
+        omma.Error: no free place was found for one of them.
+    """
+    if poses.sampler == "path":
+        return load_poses(poses.file)[numbers.start : numbers.stop]
+    place = np.full((len(numbers), 3), np.nan)
+    angles = np.empty((len(numbers), 3))
+    left = np.arange(len(numbers))
+    for attempt in range(_TRIES):
+        stream = np.random.Philox(key=key_of(seed, scene, poses.name, attempt))
+        # A step of the counter gives four numbers.
+        stream.advance(numbers.start * (_DRAWN // 4))
+        drawn = np.random.Generator(stream).random((len(numbers), _DRAWN))[left]
+        tried = _places(poses, drawn, probe)
+        good = np.asarray(np.isfinite(tried).all(axis=1))
+        if poses.clearance_m > 0:
+            good[good] = probe.is_free(tried[good], poses.clearance_m)
+        place[left[good]] = tried[good]
+        for k, (low, high) in enumerate((poses.yaw_deg, poses.pitch_deg, poses.roll_deg)):
+            angles[left[good], k] = low + (high - low) * drawn[good, 4 + k]
+        left = left[~good]
+        if len(left) == 0:
+            return poses_from_angles(place, angles)
+    raise no_place(poses, scene, f"pose {numbers[left[0]]}", f"{_TRIES} places tried")
+
+
+def no_place(poses: PoseSet, scene: str, which: str, tried: str) -> Error:
+    """What to say where there is no room."""
+    clear = f" with clearance_m {poses.clearance_m:g}" if poses.clearance_m > 0 else ""
+    where = f" on {', '.join(poses.on)}" if poses.on else ""
+    return Error(
+        f"poses {poses.name!r}: found no free place in scene {scene!r} for {which}{where} from "
+        f"low_m {list(poses.low_m)} to high_m {list(poses.high_m)}{clear}: {tried}"
+    )
+
+
+def _places(poses: PoseSet, drawn: Floats, probe: Probe) -> Floats:
+    """Positions (P, 3), m, from random numbers; NaN where there is none."""
+    low, high = np.array(poses.low_m), np.array(poses.high_m)
+    spread: Floats = low + (high - low) * drawn[:, : len(low)]
+    if poses.sampler != "surface":
+        return spread
+    ground = probe.ground_below(spread, poses.on)
+    bottom, top = poses.height_m
+    above = bottom + (top - bottom) * drawn[:, 3]
+    return np.column_stack([spread[:, 0], ground + above, spread[:, 1]])

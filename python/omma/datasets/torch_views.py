@@ -1,0 +1,25 @@
+"""Views as a PyTorch data set. This module needs PyTorch; `torch_dataset` imports it."""
+
+from __future__ import annotations
+
+from torch.utils.data import Dataset
+
+from omma.datasets.reading import Batch, Views
+
+
+class TorchViews(Dataset):  # type: ignore[misc,unused-ignore]
+    """A map-style data set; a sample is a dictionary of arrays, which loaders make tensors of."""
+
+    def __init__(self, views: Views) -> None:
+        self.views = views
+
+    def __len__(self) -> int:
+        return len(self.views)
+
+    def __getitem__(self, index: int) -> Batch:
+        return self.views[index]
+
+    def __getitems__(self, indices: list[int]) -> list[Batch]:
+        """What loaders ask for a batch."""
+        found = self.views[indices]
+        return [{name: values[k] for name, values in found.items()} for k in range(len(indices))]

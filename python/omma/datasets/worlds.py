@@ -1,0 +1,152 @@
+"""What a job is rendered with: its eyes, its worlds and renderers, each made once and kept.
+
+A worker process keeps one `Workshop` for each job, whatever number of its threads make shards.
+"""
+
+from __future__ import annotations
+
+import threading
+import warnings
+from collections import OrderedDict
+from typing import Any
+
+import numpy as np
+
+from omma import light, species
+from omma._core import Error, Eye, Scene, merge_eyes
+from omma.base.poses import Matrices, poses_from_angles
+from omma.datasets.job_file import Condition, EyeInput, Job, PlacedObject, SceneInput
+from omma.datasets.plan import Block
+from omma.datasets.probing import Probe
+from omma.datasets.samplers import sample_poses
+from omma.datasets.walks import walk_poses
+from omma.eye.files import load_eye
+from omma.light import Bands, Light
+from omma.rendering.renderer import Renderer
+from omma.scene.backgrounds import parse_background
+from omma.scene.files import read_scene
+from omma.scene.joining import merge_scenes, place_scene
+from omma.scene.world import World
+
+# Worlds and walks that are kept: those that neighbouring shards share.
+_WORLDS = 2
+_WALKS = 4
+
+
+def load_eyes(job: Job) -> dict[str, Eye]:
+    """The eyes of a job, by name."""
+    return {one.name: _eye(one) for one in job.eyes}
+
+
+def make_light(condition: str, sky: str, options: dict[str, Any], bands: int) -> Light | None:
+    """What lights the worlds of a condition of that name; None where nothing does."""
+    if not sky:
+        return None
+    chosen = Bands.equal(bands) if bands else Bands.equal()
+    try:
+        made: Light = getattr(light, sky)(bands=chosen, **options)
+    except (Error, TypeError) as error:
+        raise Error(f"condition {condition!r}, light: {error}") from None
+    return made
+
+
+class Workshop:
+    """Everything that shards of a job are made with."""
+
+    def __init__(self, job: Job, digests: dict[str, str], threads: int = 0) -> None:
+        """``digests``: of the inputs, as they were when the data set was begun."""
+        self.job = job
+        self.eyes = load_eyes(job)
+        self._digests, self._threads = digests, threads
+        files = [one.files for one in job.eyes] + [one.files for one in job.poses]
+        for file in sum(files, ()):
+            self._check(file)
+        self._lock = threading.Lock()  # threads of one worker wait for the world one of them builds
+        self._worlds: OrderedDict[tuple[Any, ...], tuple[World, Probe]] = OrderedDict()
+        self._renderers: dict[tuple[int, int, str], Renderer] = {}
+        self._walks: OrderedDict[tuple[Any, ...], Matrices] = OrderedDict()
+
+    def renderer(self, block: Block, eye: str) -> Renderer:
+        """What renders the views of a block for an eye."""
+        with self._lock:
+            scene, condition = self.job.scenes[block.scene], self.job.conditions[block.condition]
+            world, _ = self._world(scene, condition)
+            key = (block.scene, block.condition, eye)
+            if key not in self._renderers:
+                self._renderers[key] = Renderer(
+                    self._in_condition(world, condition),
+                    self.eyes[eye],
+                    self.job.settings.sampling,
+                    threads=self._threads,
+                    **self.job.settings.options(),
+                )
+            return self._renderers[key]
+
+    def poses(self, block: Block, numbers: range) -> Matrices:
+        """The poses (P, 4, 4) of a block with these numbers."""
+        scene, condition = self.job.scenes[block.scene], self.job.conditions[block.condition]
+        poses = self.job.poses[block.poses]
+        with self._lock:
+            _, probe = self._world(scene, condition)
+        if poses.sampler != "walk":
+            return sample_poses(poses, self.job.seed, scene.name, numbers, probe)
+        walks = range(numbers.start // poses.steps, -(-numbers.stop // poses.steps))
+        key = (block.scene, condition.objects, block.poses, walks)
+        found = self._walks.get(key)
+        if found is None:
+            found = walk_poses(poses, self.job.seed, scene.name, walks, probe)
+            self._walks[key] = found
+            while len(self._walks) > _WALKS:
+                self._walks.popitem(last=False)
+        first = walks.start * poses.steps
+        return found[numbers.start - first : numbers.stop - first]
+
+    def _world(self, scene: SceneInput, condition: Condition) -> tuple[World, Probe]:
+        """A scene and what a condition puts into it, without light, and what asks it for room."""
+        key = (scene.name, condition.objects)
+        if key not in self._worlds:
+            while len(self._worlds) >= _WORLDS:
+                self._worlds.popitem(last=False)
+                self._renderers.clear()
+            parts = [self._read(scene.file, scene.options)]
+            parts += [_placed(self._read(one.file, {}), one) for one in condition.objects]
+            whole = parts[0] if len(parts) == 1 else merge_scenes(parts)
+            world = World(whole, threads=self._threads, backend=self.job.backend)
+            self._worlds[key] = (world, Probe(world, self._threads))
+        self._worlds.move_to_end(key)
+        return self._worlds[key]
+
+    def _in_condition(self, world: World, condition: Condition) -> World:
+        if condition.background:
+            world = world.with_background(parse_background(condition.background))
+        made = make_light(*condition.light, self.job.bands)
+        if made is None:
+            return world
+        return world.with_light(made, **condition.world_options)
+
+    def _check(self, file: str) -> None:
+        """omma.Error where a file is not what the data set was begun with."""
+        for name, digest in self.job.digests(file).items():
+            if self._digests.get(name) != digest:
+                raise Error(f"{name}: has changed since the data set was begun")
+
+    def _read(self, file: str, options: dict[str, Any]) -> Scene:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # the scene's own warnings are in the manifest
+            scene = read_scene(file, **options)
+        self._check(file)
+        return scene
+
+
+def _eye(one: EyeInput) -> Eye:
+    if one.species:
+        return species.make(one.species).eye
+    eyes = [load_eye(file, one.unit) for file in one.files]
+    return eyes[0] if len(eyes) == 1 else merge_eyes(eyes)
+
+
+def _placed(scene: Scene, one: PlacedObject) -> Scene:
+    pose = poses_from_angles(np.array(one.position_m), (one.yaw_deg, 0, 0))[0]
+    pose[:3, :3] *= one.scale
+    # Its cameras are of no use here, and may have names that the scene's have too.
+    return place_scene(scene.replace(cameras=[]), pose)

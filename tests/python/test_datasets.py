@@ -1,0 +1,356 @@
+"""Data sets: what is in a store, that runs go on where others ended, and what is refused."""
+
+import json
+import subprocess
+import sys
+import tarfile
+import warnings
+
+import numpy as np
+import pytest
+from dataset_jobs import bytes_of, rendered, write_job
+
+import omma
+from omma import datasets
+
+zarr = pytest.importorskip("zarr")
+xarray = pytest.importorskip("xarray")
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """A job and its store, whole."""
+    job = write_job(tmp_path_factory.mktemp("made"))
+    store = job.with_name("made.zarr")
+    report = datasets.run(job, store)
+    assert (report.views, report.shards, report.made) == (10, 3, 3)
+    return job, store
+
+
+def test_a_store_opens_with_xarray_and_has_what_render_gives(made):
+    job, store = made
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        data = xarray.open_zarr(store)
+    assert dict(data.sizes) | {"view": 10, "ommatidium": 30, "band": 3} == dict(data.sizes)
+    assert data.response.dtype == np.float32
+    assert data.position.attrs["units"] == "m"
+    assert data.azimuth.attrs["units"] == "degree"
+    np.testing.assert_array_equal(data.response, rendered(job, data.world_from_head))
+    assert {"scene", "condition", "pose_set", "pose"} <= set(data.response.coords)
+    assert data.scene.attrs["flag_meanings"] == "ground"
+    assert data.attrs["job"] == job.read_text()
+    assert set(data.attrs["inputs_sha256"]) == {"scene.gltf", "bug.csv"}
+    assert {"omma_version", "backend", "machine", "created", "versions"} <= set(data.attrs)
+
+
+def test_poses_lie_where_the_job_says(made):
+    place = xarray.open_zarr(made[1]).position.values
+    assert (place >= [-5, 1, -5]).all()
+    assert (place <= [5, 3, 5]).all()
+    assert np.ptp(place, axis=0).min() > 1
+    assert len(np.unique(place, axis=0)) == 10
+
+
+def test_again_makes_nothing_and_what_is_missing(made, tmp_path):
+    job, store = made
+    before = bytes_of(store)
+    assert datasets.run(job, store).made == 0
+    (store / "omma" / "done" / "00000001.json").unlink()
+    (store / "response" / "c.1.0.0").unlink()
+    assert np.isnan(xarray.open_zarr(store).response[4:8]).all()  # what is not there is no number
+    report = datasets.run(job, store)
+    assert (report.made, report.views_made) == (1, 4)
+    assert bytes_of(store) == before
+
+
+def test_the_same_bits_for_any_threads_and_shards(made, tmp_path):
+    job, store = made
+    datasets.run(job, tmp_path / "one.zarr", threads=1)
+    assert bytes_of(tmp_path / "one.zarr") == bytes_of(store)
+    text = job.read_text().replace("views_per_shard = 4", "views_per_shard = 8")
+    job.with_name("other.toml").write_text(text)
+    datasets.run(job.with_name("other.toml"), tmp_path / "other.zarr")
+    for name in ("response", "world_from_head", "quaternion"):
+        one, other = (xarray.open_zarr(at)[name] for at in (store, tmp_path / "other.zarr"))
+        np.testing.assert_array_equal(one, other)
+
+
+def test_verify_finds_each_kind_of_damage(tmp_path):
+    job = write_job(tmp_path)
+    store = tmp_path / "job.zarr"
+    datasets.run(job)
+    before = bytes_of(store)
+    assert datasets.verify(store).is_whole
+    changed = store / "response" / "c.0.0.0"
+    data = bytearray(changed.read_bytes())
+    data[10] ^= 1
+    changed.write_bytes(data)
+    (store / "response" / "c.1.0.0").write_bytes(b"")
+    (store / "position" / "c.2.0").unlink()
+    report = datasets.verify(store)
+    assert not report.is_whole
+    assert len(report.damaged) == 3
+    for sentence, words in zip(report.damaged, ("other bytes", "0 bytes", "missing"), strict=True):
+        assert words in sentence
+    # What a run sees without reading all: the two that are not as large as they were.
+    assert datasets.run(job).made == 2
+    datasets.verify(store, forget=True)
+    assert datasets.run(job).made == 1
+    assert bytes_of(store) == before
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda job: (job.parent / "scene.gltf").write_text(
+            (job.parent / "scene.gltf").read_text() + " "), "scene.gltf has changed"),
+        (lambda job: omma.save_eye(job.parent / "bug.csv", omma.eye.generate_eye(30)),
+         "bug.csv has changed"),
+        (lambda job: write_job(job.parent, count=11), r"job.poses\[0\].count was 10, is 11"),
+    ],
+)  # fmt: skip
+def test_other_inputs_are_refused_and_what_is_done_is_kept(tmp_path, change, words):
+    job = write_job(tmp_path)
+    datasets.run(job)
+    before = bytes_of(tmp_path / "job.zarr")
+    change(job)
+    with pytest.raises(omma.Error, match=words):
+        datasets.run(job)
+    assert bytes_of(tmp_path / "job.zarr") == before
+
+
+def test_inputs_that_change_while_it_runs_are_refused(tmp_path):
+    """A world is built of what the data set was begun with, or not at all."""
+    job = datasets.load_job(write_job(tmp_path))
+    from omma.datasets.records import digests_of_inputs
+    from omma.datasets.worlds import Workshop
+
+    digests = digests_of_inputs(job)
+    omma.save_eye(tmp_path / "bug.csv", omma.eye.generate_eye(31))
+    with pytest.raises(omma.Error, match=r"bug.csv: has changed since"):
+        Workshop(job, digests)
+
+
+@pytest.mark.parametrize("key", ["format", "omma_version"])
+def test_a_store_of_another_version(made, tmp_path, key):
+    job = write_job(tmp_path)
+    datasets.run(job)
+    path = tmp_path / "job.zarr" / "zarr.json"
+    said = json.loads(path.read_text())
+    said["attributes"][key] = "another"
+    path.write_text(json.dumps(said))
+    with pytest.raises(omma.Error, match="another"):
+        datasets.run(job)
+
+
+def test_what_is_no_data_set(tmp_path):
+    job = write_job(tmp_path)
+    (tmp_path / "job.zarr").mkdir()
+    for call in (lambda: datasets.run(job), lambda: datasets.open_views(tmp_path / "job.zarr")):
+        with pytest.raises(omma.Error, match="expected a data set"):
+            call()
+    zarr.open_group(tmp_path / "other.zarr", mode="w")
+    with pytest.raises(omma.Error, match="another Zarr store"):
+        datasets.verify(tmp_path / "other.zarr")
+
+
+def test_two_runs_at_once(made):
+    from omma.datasets.records import writing
+
+    job, store = made
+    with writing(str(store)), pytest.raises(omma.Error, match="written by another run"):
+        datasets.run(job, store)
+
+
+def test_a_full_disk(tmp_path):
+    """Files that may not grow: as a full disk, the system refuses to write on."""
+    job = write_job(tmp_path, count=8)
+    datasets.run(job)
+    store = tmp_path / "job.zarr"
+    before = bytes_of(store)
+    responses = store / "response" / "c.1.0.0"
+    assert responses.stat().st_size > 600  # else nothing would be refused
+    (store / "omma" / "done" / "00000001.json").unlink()
+    responses.unlink()
+    code = (
+        "import resource, signal, sys, omma\n"
+        "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
+        "def limit(stage, share):\n"
+        "    if stage == 'Building worlds':\n"
+        "        resource.setrlimit(resource.RLIMIT_FSIZE, (600, 600))\n"
+        "omma.datasets.run(sys.argv[1], progress=limit)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code, job], capture_output=True, text=True)
+    assert "cannot be written" in done.stderr
+    assert "c.1.0.0" in done.stderr
+    assert not responses.exists()
+    assert (store / "omma" / "done" / "00000000.json").exists()
+    assert datasets.run(job).made == 1
+    assert bytes_of(store) == before
+
+
+def test_eyes_of_different_sizes_have_groups(tmp_path):
+    more = '[[eye]]\nname = "fly"\nspecies = "drosophila"'
+    job = write_job(tmp_path, count=3, more=more)
+    datasets.run(job)
+    store = tmp_path / "job.zarr"
+    bug, fly = (xarray.open_zarr(store, group=name) for name in ("bug", "fly"))
+    assert bug.sizes["ommatidium"] == 30
+    assert fly.sizes["ommatidium"] > 1000
+    np.testing.assert_array_equal(bug.position, fly.position)
+    np.testing.assert_array_equal(bug.response, rendered(job, bug.world_from_head))
+    with pytest.raises(omma.Error, match="eye: expected one of bug, fly"):
+        datasets.open_views(store)
+    assert len(datasets.open_views(store, ["response"], eye="fly")) == 3
+
+
+def test_conditions_and_all_outputs(tmp_path):
+    job = write_job(
+        tmp_path,
+        count=3,
+        dataset='outputs = ["responses", "errors", "truth", "receptors", "pictures"]',
+        more='[[condition]]\nname = "red"\nbackground = "1,0,0"\n'
+        '[[condition]]\nname = "crate"\nobject = [{file = "crate.glb", position_m = [0, 5, 0]}]\n'
+        "[pictures]\nwidth = 16",
+    )
+    omma.scene.save_scene(tmp_path / "crate.glb", omma.scene.box((8, 1, 8)))
+    eye = omma.receptors.assign_receptors(
+        omma.load_eye(tmp_path / "bug.csv"), omma.receptors.honeybee_ommatidia()
+    )
+    omma.save_eye(tmp_path / "bug.csv", eye)
+    datasets.run(job)
+    data = xarray.open_zarr(tmp_path / "job.zarr")
+    assert data.sizes["view"] == 6
+    assert data.condition.values.tolist() == [0, 0, 0, 1, 1, 1]
+    np.testing.assert_array_equal(data.position[:3], data.position[3:])
+    scene = omma.load_scene(tmp_path / "scene.gltf")
+    red = omma.Renderer(scene, eye, omma.Fixed(2), background=omma.Background.constant((1, 0, 0)))
+    poses = data.world_from_head.values[:3]
+    truth = red.ground_truth(poses, standard_error=True)
+    np.testing.assert_array_equal(data.response[:3], truth.responses)
+    np.testing.assert_array_equal(data.standard_error[:3], truth.standard_error)
+    np.testing.assert_array_equal(data.distance[:3], truth.distance_m)
+    np.testing.assert_array_equal(data.receptor_response[:3], red.render_receptors(poses))
+    assert (data.met[3:].values.sum() > data.met[:3].values.sum()).all()  # the crate is seen
+    assert data.picture.shape[1:] == (8, 16, 3)
+    assert data.picture.dtype == np.uint8
+    np.testing.assert_array_equal(
+        data.picture[0], omma.picture.project(eye, truth.responses[0], width=16)
+    )
+
+
+def test_a_lit_world_by_the_time_of_day(tmp_path):
+    sky = "light = {{sky = 'clear_sky', sun_elevation_deg = {}}}\nultraviolet = 'dark'\n"
+    job = write_job(
+        tmp_path,
+        count=2,
+        rendering="bands = 4",
+        more="[[condition]]\nname = 'low'\n" + sky.format(3)
+        + "[[condition]]\nname = 'noon'\n" + sky.format(60),
+    )  # fmt: skip
+    datasets.run(job)
+    data = xarray.open_zarr(tmp_path / "job.zarr")
+    assert data.response.attrs["units"] == "photons m-2 s-1 sr-1 nm-1"
+    assert data.sizes["band"] == 4
+    assert data.wavelength.attrs["units"] == "nm"
+    low, noon = data.response[:2].mean().item(), data.response[2:].mean().item()
+    assert noon > 2 * low > 0
+    datasets.contact_sheet(tmp_path / "sheet.png", tmp_path / "job.zarr", 3)
+    assert (tmp_path / "sheet.png").stat().st_size > 1000
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("count = 10", "", r"poses\[0\].count: expected a value"),
+        ("count = 10", "count = 0", r"poses\[0\].count: expected 1"),
+        ("count = 10", "count = 10\nsize = 2", r"poses\[0\]: expected one of .*'size'"),
+        ("uniform", "uniformly", "sampler: expected one of .*did you mean 'uniform'"),
+        ("low_m = [-5, 1, -5]", "low_m = [-5, 4, -5]", "high_m: expected at least low_m"),
+        ("samples = 2", "samples = 0", "rendering: samples: expected 1"),
+        ("samples = 2", "samples = 2\nerror = 0.1", "only one of them"),
+        ('"scene.gltf"', '"none.gltf"', r"scene\[0\].file: expected a file"),
+        ("[[scene]]", "[[scenes]]", "scene: expected a value"),
+        ("seed = 5", 'outputs = ["reponses"]', "did you mean 'responses'"),
+        ("views_per_shard = 4", "views_per_shard = 5", "a multiple of views_per_chunk"),
+        ("[dataset]", "[dataset", "expected TOML"),
+        ('name = "bug"', 'name = "a/b"', "expected a name of letters"),
+    ],
+)
+def test_wrong_jobs(tmp_path, old, new, words):
+    job = write_job(tmp_path)
+    job.write_text(job.read_text().replace(old, new, 1))
+    with pytest.raises(omma.Error, match=words):
+        datasets.run(job)
+    assert not (tmp_path / "job.zarr").exists()
+
+
+def test_views_in_any_order(made):
+    data = xarray.open_zarr(made[1]).response.values
+    views = datasets.open_views(made[1], ["response", "pose"])
+    assert len(views) == 10
+    assert views[3]["pose"] == 3
+    np.testing.assert_array_equal(views[3]["response"], data[3])
+    np.testing.assert_array_equal(views[[7, 2, 7]]["response"], data[[7, 2, 7]])
+    np.testing.assert_array_equal(views[2:5]["response"], data[2:5])
+    np.testing.assert_array_equal(views[[]]["response"], data[:0])
+    with pytest.raises(IndexError):
+        views[10]
+    with pytest.raises(omma.Error, match=r"variables: expected one of .*'respose'"):
+        datasets.open_views(made[1], ["respose"])
+
+
+def test_batches_have_each_view_once(made):
+    views = datasets.open_views(made[1], ["pose"])
+    orders = [
+        np.concatenate([one["pose"] for one in datasets.batches(views, 4, epoch=epoch, ahead=1)])
+        for epoch in (0, 0, 1)
+    ]
+    assert sorted(orders[0]) == list(range(10))
+    np.testing.assert_array_equal(orders[0], orders[1])
+    assert (orders[0] != orders[2]).any()
+    straight = next(datasets.batches(views, 4, shuffle=False))
+    assert straight["pose"].tolist() == [0, 1, 2, 3]
+
+
+def test_views_of_what_is_there(tmp_path):
+    job = write_job(tmp_path)
+    datasets.run(job)
+    (tmp_path / "job.zarr" / "omma" / "done" / "00000001.json").unlink()
+    views = datasets.open_views(tmp_path / "job.zarr", ["pose"])
+    assert views.numbers.tolist() == [0, 1, 2, 3, 8, 9]
+    assert views[4]["pose"] == 8
+    assert "6 of 10 views are there, 2 of 3 shards" in datasets.describe(tmp_path / "job.zarr")[0]
+
+
+def test_tar_files(made, tmp_path):
+    names = datasets.to_webdataset(made[1], tmp_path / "tars", views_per_file=6)
+    data = xarray.open_zarr(made[1])
+    assert [name.rsplit("/", 1)[1] for name in names] == ["views-000000.tar", "views-000001.tar"]
+    with tarfile.open(names[1]) as tar:
+        assert tar.getnames()[:2] == ["00000006.response.npy", "00000006.json"]
+        found = np.load(tar.extractfile("00000007.response.npy"))
+        said = json.load(tar.extractfile("00000007.json"))
+    np.testing.assert_array_equal(found, data.response[7])
+    assert said["scene"] == "ground"
+    assert said["pose"] == 7
+    np.testing.assert_array_equal(said["world_from_head"], data.world_from_head[7])
+
+
+def test_pytorch(made):
+    torch = pytest.importorskip("torch")
+    views = datasets.open_views(made[1])
+    loader = torch.utils.data.DataLoader(
+        datasets.torch_dataset(views), batch_size=4, num_workers=1,
+        multiprocessing_context="spawn",
+    )  # fmt: skip
+    found = torch.concatenate([one["response"] for one in loader]).numpy()
+    np.testing.assert_array_equal(found, xarray.open_zarr(made[1]).response)
+
+
+def test_without_pytorch(made, monkeypatch):
+    monkeypatch.setitem(sys.modules, "torch", None)
+    monkeypatch.delitem(sys.modules, "omma.datasets.torch_views", raising=False)
+    with pytest.raises(omma.Error, match="pip install torch"):
+        datasets.torch_dataset(datasets.open_views(made[1]))

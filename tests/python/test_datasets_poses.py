@@ -1,0 +1,117 @@
+"""Pose samplers: where poses lie, that they keep clear of things, what is said where not."""
+
+import numpy as np
+import pytest
+from dataset_jobs import write_job
+
+import omma
+from omma.datasets.job_file import load_job
+from omma.datasets.probing import Probe
+from omma.datasets.samplers import PoseSet, sample_poses
+from omma.datasets.walks import walk_poses
+
+CUBE = omma.scene.box((2, 2, 2), center_m=(0, 1, 0), name="cube")
+FLOOR = omma.scene.plane((20, 20), name="floor")
+ROOF = omma.scene.box((20, 0.1, 20), center_m=(0, 6, 0), name="roof")
+
+
+@pytest.fixture(scope="module")
+def probe():
+    """A cube of 2 m on a floor, below a roof."""
+    return Probe(omma.World(omma.scene.merge_scenes([FLOOR, CUBE, ROOF])))
+
+
+def outside(place, margin):
+    """Whether places are at least so far from the cube, to each of its faces."""
+    beside = np.abs(place - [0, 1, 0]) - 1
+    distance = np.linalg.norm(np.maximum(beside, 0), axis=1)
+    return distance >= margin
+
+
+def test_uniform_poses_keep_clear_of_a_cube(probe):
+    poses = PoseSet("a", "uniform", 400, (), low_m=(-2, 0, -2), high_m=(2, 3, 2), clearance_m=0.3)
+    place = sample_poses(poses, 1, "s", range(400), probe)[:, :3, 3]
+    # Rays 18° apart find a plane at 0.3 m where it is nearer than 0.3 cos 13°.
+    assert outside(place, 0.3 * np.cos(np.radians(13))).all()
+    assert (place[:, 1] >= 0.3 * np.cos(np.radians(13))).all()
+    assert np.ptp(place, axis=0).min() > 2.5
+
+
+def test_nobody_is_inside_of_a_cube(probe):
+    """Also where the faces, seen from within, are farther than asked for."""
+    inside = np.array([[0, 1.0, 0], [0.5, 0.6, 0.5], [3, 1, 0], [0, 3, 0], [0, -1, 0]])
+    assert probe.is_free(inside, 0.05).tolist() == [False, False, True, True, False]
+
+
+def test_poses_above_a_surface_through_what_is_above_it(probe):
+    poses = PoseSet(
+        "a", "surface", 300, (), low_m=(-3, -3), high_m=(3, 3), height_m=(0.5, 0.7),
+        on=("floor", "cube"), pitch_deg=(-10, 10),
+    )  # fmt: skip
+    made = sample_poses(poses, 1, "s", range(300), probe)
+    on_cube = (np.abs(made[:, [0, 2], 3]) < 1).all(axis=1)
+    height = made[:, 1, 3] - np.where(on_cube, 2, 0)
+    assert 0 < on_cube.sum() < 300
+    assert (height > 0.5 - 1e-4).all()
+    assert (height < 0.7 + 1e-4).all()
+    assert np.degrees(np.abs(np.arcsin(made[:, 1, 2]))).max() == pytest.approx(10, abs=1)
+    roof = PoseSet("a", "surface", 5, (), low_m=(-3, -3), high_m=(3, 3), height_m=(1, 1))
+    above = sample_poses(roof, 1, "s", range(5), probe)[:, 1, 3]
+    np.testing.assert_allclose(above, 7.05, atol=1e-4)
+
+
+def test_a_pose_does_not_depend_on_those_beside_it(probe):
+    poses = PoseSet("a", "uniform", 50, (), low_m=(-2, 0, -2), high_m=(2, 3, 2), clearance_m=0.2)
+    every = sample_poses(poses, 1, "s", range(50), probe)
+    np.testing.assert_array_equal(sample_poses(poses, 1, "s", range(17, 23), probe), every[17:23])
+    other = sample_poses(poses, 2, "s", range(50), probe)
+    assert (other[:, :3, 3] != every[:, :3, 3]).all(axis=1).all()
+
+
+def test_walks_go_straight_between_saccades_and_keep_clear(probe):
+    poses = PoseSet(
+        "w", "walk", 600, (), low_m=(-3, 0.5, -3), high_m=(3, 3, 3), clearance_m=0.1, steps=200,
+        step_s=0.02, speed_m_s=1.0, saccades_per_s=1.0, saccade_deg=(40, 90), saccade_s=0.06,
+    )  # fmt: skip
+    walks = walk_poses(poses, 3, "s", range(3), probe).reshape(3, 200, 4, 4)
+    place = walks[..., :3, 3]
+    step = np.linalg.norm(np.diff(place, axis=1), axis=2)
+    np.testing.assert_allclose(step, 0.02, atol=1e-9)  # 1 m/s
+    assert outside(place.reshape(-1, 3), 0.1 * np.cos(np.radians(13))).all()
+    turn = np.abs(np.degrees(np.arctan2(-walks[..., 0, 2], walks[..., 2, 2])))
+    turned = np.abs((np.diff(turn, axis=1) + 180) % 360 - 180)
+    still = np.mean(turned < 1e-9)
+    assert 0.4 < still < 0.98  # mostly no turn: saccades of 3 steps, about one a second, and walls
+    np.testing.assert_allclose(walks[..., 1, 1], 1, atol=1e-12)  # level
+    one = walk_poses(poses, 3, "s", range(2, 3), probe)
+    np.testing.assert_array_equal(one, walks[2])
+
+
+def test_no_free_place(tmp_path):
+    job = write_job(
+        tmp_path,
+        poses='[[poses]]\nname = "low"\nsampler = "uniform"\nlow_m = [-1, 0, -1]\n'
+        "high_m = [1, 0.1, 1]\nclearance_m = 0.5\ncount = 3\n",
+    )
+    with pytest.raises(omma.Error, match=r"poses 'low': found no free place in scene 'ground' for"):
+        omma.datasets.run(job)
+    walk = PoseSet(
+        "w", "walk", 10, (), low_m=(0, 1, 0), high_m=(0.01, 1, 0.01), steps=10, step_s=1.0,
+        speed_m_s=1.0, saccades_per_s=1.0, saccade_s=0.1,
+    )  # fmt: skip
+    probe = Probe(omma.World(omma.Scene()))
+    with pytest.raises(omma.Error, match=r"walk 0, step 1.* 64 ways tried"):
+        walk_poses(walk, 1, "s", range(1), probe)
+
+
+def test_paths_are_those_of_the_file(tmp_path):
+    (tmp_path / "way.csv").write_text(
+        "x,y,z,yaw_deg,pitch_deg,roll_deg\n0,1,0,0,0,0\n0,1,-1,20,0,0\n"
+    )
+    job = write_job(tmp_path, poses='[[poses]]\nsampler = "path"\nfile = "way.csv"\n')
+    assert load_job(job).poses[0].count == 2
+    omma.datasets.run(job)
+    views = omma.datasets.open_views(tmp_path / "job.zarr", ["world_from_head"])
+    np.testing.assert_array_equal(
+        views[:]["world_from_head"], omma.load_poses(tmp_path / "way.csv")
+    )
