@@ -39,7 +39,7 @@ def test_every_room_says_what_it_is_for(name):
 # From the lowest to the highest: a room imports from those before it, and from itself.
 ROOMS = [
     "_core", "base", "light", "receptors", "photoreceptors", "eye", "scene", "stimuli",
-    "rendering", "motion", "species", "picture", "study", "job", "cli",
+    "rendering", "motion", "species", "picture", "study", "job", "mujoco", "cli",
 ]  # fmt: skip
 
 
