@@ -9,13 +9,12 @@ from numpy.typing import NDArray
 
 from omma._core import Error, Image, Material, Mesh, Texture
 from omma.mujoco.cube_maps import cut_by_faces
-from omma.mujoco.models import HEIGHT_FIELD, MESH, PLANE, SDF, names_of
+from omma.mujoco.models import PLANE, names_of
 from omma.mujoco.shapes import Shape
 
-# mjtTexture, mjtTextureRole, mjtColorSpace
+# mjtTexture, mjtTextureRole
 PICTURE, CUBE, SKYBOX = 0, 1, 2
 _ROLE_RGB, _ROLE_RGBA = 1, 8
-_LINEAR = 1
 # The colour of a geom whose material says what colour it has.
 _NOT_SAID = (0.5, 0.5, 0.5, 1.0)
 # Below, MuJoCo draws what lies behind.
@@ -69,10 +68,8 @@ class Look:
         if texture < 0:
             which = self._material(material, rgba, None, both_sides)
             return [_mesh(name, shape, None, which)]
-        if int(self._model.tex_type[texture]) == PICTURE or shape.coordinates is not None:
-            coordinates = shape.coordinates
-            if coordinates is None:
-                coordinates = self._laid_flat(shape, material, kind, size)
+        if int(self._model.tex_type[texture]) == PICTURE or shape.own:
+            coordinates = self._laid_out(shape, material, kind, size)
             image = self._texture(texture, 0)
             which = self._material(material, rgba, image, both_sides)
             return [_mesh(name, shape, coordinates, which)]
@@ -89,18 +86,23 @@ class Look:
             found.append(_mesh(name, part, coordinates, which))
         return found
 
-    def _laid_flat(
+    def _laid_out(
         self, shape: Shape, material: int, kind: int, size: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """A picture laid on something along z: x to the right, y up, as often as the material
-        says, on the whole thing or, where it is uniform, on two units of length."""
-        repeat = np.asarray(self._model.mat_texrepeat[material], float).copy()
-        positive = size[:2] > 0
-        if kind in (PLANE, HEIGHT_FIELD, MESH, SDF):
-            repeat[positive] /= size[:2][positive]
-        if self._model.mat_texuniform[material]:
-            repeat[positive] *= size[:2][positive]
-        return np.asarray(0.5 * repeat * (1, -1) * shape.local[:, :2] - 0.5)
+        """Texture coordinates of a picture on something: as often as the material says, on all of
+        it or, where it is uniform, on a length of 1 (2 where it has no end)."""
+        if shape.own and shape.once is not None:
+            return shape.once
+        repeat = np.asarray(self._model.mat_texrepeat[material], float)
+        ends = size[:2] > 0
+        per_size = np.where(ends, size[:2], 1.0)
+        uniform = bool(self._model.mat_texuniform[material])
+        laid = repeat * (1.0 if uniform else 1 / per_size)
+        along_z = 0.5 * laid * (1, -1) * shape.local[:, :2] - 0.5
+        if shape.once is None:
+            return np.asarray(along_z)
+        once = shape.once * repeat * (per_size if uniform else 1.0)
+        return np.where(ends, once, along_z) if kind == PLANE else np.asarray(once)
 
     def _texture_of_material(self, material: int) -> int:
         if material < 0:
@@ -192,7 +194,7 @@ def texture_pixels(model: Any, texture: int, linear: bool) -> NDArray[Any]:
         pixels = np.repeat(pixels, 6, axis=0)
     if channels < 3:  # grey, and perhaps alpha
         pixels = np.concatenate([np.repeat(pixels[..., :1], 3, -1), pixels[..., 1:]], -1)
-    if linear or int(model.tex_colorspace[texture]) == _LINEAR:
+    if linear:
         return np.asarray(pixels / np.float32(255), np.float32)
     return np.ascontiguousarray(pixels)
 

@@ -28,7 +28,7 @@ from omma.mujoco.models import (
     transforms,
 )
 from omma.mujoco.poses import cameras
-from omma.mujoco.shapes import Shape, shape_of
+from omma.mujoco.shapes import Shape, drawn_size, shape_of
 from omma.mujoco.skins import skin_coordinates, skin_triangles, skin_vertices
 from omma.scene.world import World
 
@@ -89,7 +89,7 @@ def scene_from_model(
                 int(model.geom_matid[geom]),
                 model.geom_rgba[geom],
                 int(model.geom_type[geom]),
-                np.asarray(model.geom_size[geom], float),
+                drawn_size(model, geom),
             )
             parts_of[key] = range(len(meshes), len(meshes) + len(parts))
             meshes += parts
@@ -163,12 +163,12 @@ def _seen_geoms(
 
 def _skin(model: Any, data: Any, look: Look, skin: int, name: str) -> Mesh:
     positions, normals = skin_vertices(data, skin)
-    shape = Shape(
-        positions, skin_triangles(model, skin), normals, positions, skin_coordinates(model, skin)
-    )
+    coordinates = skin_coordinates(model, skin)
+    textured = coordinates is not None
+    triangles = skin_triangles(model, skin)
+    shape = Shape(positions, triangles, normals, positions, coordinates, textured)
     material = int(model.skin_matid[skin])
     size = np.ones(3)
-    textured = shape.coordinates is not None
     rgba = model.skin_rgba[skin]
     return look.meshes(name, shape, material, rgba, MESH, size, textured=textured)[0]
 

@@ -1,12 +1,12 @@
 """The shapes of geoms as triangles, in the frame of the geom.
 
-Beside places and normals a shape has local coordinates, by which MuJoCo lays textures on geoms: for
-solids those of the solid of half size 1, for planes, meshes and height fields the places themselves.
+Beside places and normals a shape has coordinates by which MuJoCo lays textures on geoms: those of
+the solid of half size 1 for cubes, and once over each surface for pictures.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -41,15 +41,18 @@ class Shape:
         positions: (V, 3), in the geom's frame.
         triangles: (T, 3), counter-clockwise as seen from in front.
         normals: (V, 3), or None: flat.
-        local: (V, 3), what textures without coordinates go by.
-        coordinates: (V, 2), a mesh's own texture coordinates, or None.
+        local: (V, 3), what textures on cubes go by: of solids in half sizes, else the positions.
+        once: (V, 2), texture coordinates that show a picture once; NaN along a plane's side that has
+            no end. None: pictures are laid along z by `local`.
+        own: whether these are a mesh's own, which no material repeats.
     """
 
     positions: Floats
     triangles: Whole
     normals: Floats | None
     local: Floats
-    coordinates: Floats | None = None
+    once: Floats | None = None
+    own: bool = False
 
 
 def shape_of(model: Any, geom: int) -> Shape:
@@ -67,19 +70,32 @@ def shape_of(model: Any, geom: int) -> Shape:
     if kind == CYLINDER:
         return _scaled(_unit_cylinder(), size[[0, 0, 1]])
     if kind == SPHERE:
-        return _scaled(_dome(-np.pi / 2, np.pi / 2), size[[0, 0, 0]])
+        return _scaled(_sphere(), size[[0, 0, 0]])
     if kind == ELLIPSOID:
-        return _scaled(_dome(-np.pi / 2, np.pi / 2), size)
+        return _scaled(_sphere(), size)
     assert kind == CAPSULE
     return _capsule(size[0], size[1])
+
+
+def drawn_size(model: Any, geom: int) -> Floats:
+    """Half sizes (3,) along x, y and z, by which textures that are uniform go."""
+    size = np.asarray(model.geom_size[geom], float)
+    kind = int(model.geom_type[geom])
+    if kind == SPHERE:
+        return size[[0, 0, 0]]
+    if kind in (CAPSULE, CYLINDER):
+        return size[[0, 0, 1]]
+    return size
 
 
 def _plane(model: Any, size: Floats) -> Shape:
     """A rectangle; where a size is 0, to where MuJoCo's pictures end."""
     far = _BEYOND_FAR * float(model.vis.map.zfar) * float(model.stat.extent)
     half = np.where(size[:2] > 0, size[:2], far)
-    corners = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]) * (*half, 0)
-    return Shape(corners, np.array([[0, 1, 2], [0, 2, 3]]), None, corners)
+    unit = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
+    once = np.where(size[:2] > 0, 0.5 + 0.5 * unit[:, :2] * (1, -1), np.nan)
+    corners = unit * (*half, 0)
+    return Shape(corners, np.array([[0, 1, 2], [0, 2, 3]]), None, corners, once)
 
 
 def _height_field(model: Any, field: int) -> Shape:
@@ -145,54 +161,60 @@ def _mesh(model: Any, mesh: int) -> Shape:
     coordinates = None
     if first_coordinate >= 0:
         coordinates = np.asarray(model.mesh_texcoord[first_coordinate + used[:, 2]], float)
-    return Shape(places, triangles.reshape(-1, 3), normals, places, coordinates)
+    own = coordinates is not None
+    return Shape(places, triangles.reshape(-1, 3), normals, places, coordinates, own)
 
 
 def _scaled(unit: Shape, half: Floats) -> Shape:
     normals = None if unit.normals is None else unit.normals / half
     if normals is not None:
         normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
-    return Shape(unit.positions * half, unit.triangles, normals, unit.local)
+    return Shape(unit.positions * half, unit.triangles, normals, unit.local, unit.once)
 
 
 def _unit_box() -> Shape:
-    positions, normals = [], []
+    """Pictures are seen along the axes, upright on the sides: so they are mirrored at the back."""
+    positions, normals, once = [], [], []
     for axis in range(3):
+        across, upwards = ((1, 2), (0, 2), (0, 1))[axis]
         for sign in (-1.0, 1.0):
             outward, right = np.zeros(3), np.zeros(3)
             outward[axis], right[(axis + 1) % 3] = sign, 1
             up = np.cross(outward, right)
-            positions += [outward - right - up, outward + right - up, outward + right + up,
-                          outward - right + up]  # fmt: skip
-            normals += [outward] * 4
+            corners = np.array([outward - right - up, outward + right - up, outward + right + up,
+                                outward - right + up])  # fmt: skip
+            positions.append(corners)
+            normals.append(np.tile(outward, (4, 1)))
+            once.append(0.5 + 0.5 * corners[:, [across, upwards]] * (1, -1))
     first = 4 * np.arange(6)[:, None, None]
     triangles = (first + np.array([[0, 1, 2], [0, 2, 3]])).reshape(-1, 3)
-    return Shape(np.array(positions), triangles, np.array(normals), np.array(positions))
+    places = np.concatenate(positions)
+    return Shape(places, triangles, np.concatenate(normals), places, np.concatenate(once))
 
 
 def _unit_cylinder() -> Shape:
     """Closed, along z from -1 to 1."""
-    side = _tube()
-    parts = [(side.positions, side.triangles, side.normals)]
-    ring = _ring()
+    parts, ring = [_tube()], _ring()
+    here = 1 + np.arange(_SLICES)
+    fan = np.stack([np.zeros(_SLICES, int), here, here + 1], -1)
     for sign in (1.0, -1.0):
-        rim = ring + (0, 0, sign)
-        here = 1 + np.arange(_SLICES)
-        fan = np.stack([np.zeros(_SLICES, int), here, here + 1], -1)
-        parts.append((
-            np.concatenate([[[0.0, 0, sign]], rim]),
-            fan if sign > 0 else fan[:, ::-1],
-            np.tile((0.0, 0, sign), (_SLICES + 2, 1)),
-        ))  # fmt: skip
+        places = np.concatenate([np.zeros((1, 3)), ring]) + (0, 0, sign)
+        normals = np.tile((0.0, 0, sign), (_SLICES + 2, 1))
+        triangles = fan if sign > 0 else fan[:, ::-1]
+        parts.append(Shape(places, triangles, normals, places, 0.5 + 0.5 * places[:, :2]))
     return _joined(parts)
 
 
 def _tube() -> Shape:
     """The side of a cylinder of radius 1, along z from -1 to 1."""
-    ring = _ring()
+    ring, around = _ring(), np.linspace(0, 1, _SLICES + 1)
     positions = np.concatenate([ring - (0, 0, 1), ring + (0, 0, 1)])
-    triangles = _grid(1)
-    return Shape(positions, triangles, np.concatenate([ring, ring]), positions)
+    once = np.stack([np.tile(around, 2), np.repeat([1.0, 0.0], _SLICES + 1)], -1)
+    return Shape(positions, _grid(1), np.concatenate([ring, ring]), positions, once)
+
+
+def _sphere() -> Shape:
+    return _dome(-np.pi / 2, np.pi / 2)
 
 
 def _dome(lowest_rad: float, highest_rad: float) -> Shape:
@@ -201,30 +223,23 @@ def _dome(lowest_rad: float, highest_rad: float) -> Shape:
     elevation = np.linspace(lowest_rad, highest_rad, steps + 1)
     level = np.cos(elevation)
     level[np.abs(elevation) == np.pi / 2] = 0  # a pole is one point
-    positions = np.concatenate(
-        [c * _ring() + (0, 0, np.sin(e)) for c, e in zip(level, elevation)]
-    )
+    positions = np.concatenate([c * _ring() + (0, 0, np.sin(e)) for c, e in zip(level, elevation)])
+    u, v = np.meshgrid(np.linspace(0, 1, _SLICES + 1), np.linspace(1, 0, steps + 1))
+    once = np.stack([u, v], -1).reshape(-1, 2)
     triangles = _grid(steps)
     a, b, c = (positions[triangles[:, k]] for k in range(3))
     there = np.linalg.norm(np.cross(b - a, c - a), axis=1) > 1e-12
-    return Shape(positions, triangles[there], positions, positions)
+    return Shape(positions, triangles[there], positions, positions, once)
 
 
 def _capsule(radius: float, half_length: float) -> Shape:
-    """A tube and two half spheres. Each half sphere has local coordinates about its own middle."""
-    tube = _scaled(_tube(), np.array([radius, radius, half_length]))
-    parts = [tube]
+    """A tube and two half spheres, each with a picture of its own about its own middle."""
+    parts = [_scaled(_tube(), np.array([radius, radius, half_length]))]
     for sign, low, high in ((1, 0.0, np.pi / 2), (-1, -np.pi / 2, 0.0)):
         cap = _dome(low, high)
         places = radius * cap.positions + (0, 0, sign * half_length)
-        parts.append(Shape(places, cap.triangles, cap.normals, cap.local))
-    firsts = np.cumsum([0] + [len(part.positions) for part in parts])
-    return Shape(
-        np.concatenate([part.positions for part in parts]),
-        np.concatenate([part.triangles + first for part, first in zip(parts, firsts)]),
-        np.concatenate([part.normals for part in parts if part.normals is not None]),
-        np.concatenate([part.local for part in parts]),
-    )
+        parts.append(replace(cap, positions=places))
+    return _joined(parts)
 
 
 def _ring() -> Floats:
@@ -243,12 +258,13 @@ def _grid(rows: int) -> Whole:
     return np.concatenate([first, second])
 
 
-def _joined(parts: list[tuple[Floats, Whole, Floats | None]]) -> Shape:
-    firsts = np.cumsum([0] + [len(positions) for positions, _, _ in parts])
-    positions = np.concatenate([positions for positions, _, _ in parts])
+def _joined(parts: list[Shape]) -> Shape:
+    """All as one; each has normals and coordinates."""
+    firsts = np.cumsum([0] + [len(part.positions) for part in parts])
     return Shape(
-        positions,
-        np.concatenate([triangles + first for (_, triangles, _), first in zip(parts, firsts)]),
-        np.concatenate([normals for _, _, normals in parts if normals is not None]),
-        positions,
+        np.concatenate([part.positions for part in parts]),
+        np.concatenate([part.triangles + first for part, first in zip(parts, firsts)]),
+        np.concatenate([part.normals for part in parts if part.normals is not None]),
+        np.concatenate([part.local for part in parts]),
+        np.concatenate([part.once for part in parts if part.once is not None]),
     )
