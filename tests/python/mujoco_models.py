@@ -179,8 +179,9 @@ def pictures(model, data, camera, width=320, height=240, segmentation=False):
     except Exception as error:  # PyOpenGL and each platform raise what they like
         pytest.skip(f"MuJoCo has no OpenGL here (libegl1 or libosmesa6): {error}")
     options = mujoco.MjvOption()
-    for flag in ("TENDON", "JOINT", "CAMERA", "LIGHT", "ACTUATOR"):
-        options.flags[getattr(mujoco.mjtVisFlag, f"mjVIS_{flag}")] = 0
+    options.flags[:] = 0
+    for flag in ("TEXTURE", "STATIC", "SKIN"):
+        options.flags[getattr(mujoco.mjtVisFlag, f"mjVIS_{flag}")] = 1
     options.sitegroup[:] = 0
     with renderer:
         if segmentation:
@@ -203,14 +204,17 @@ def pixel_eye(camera, width, height):
 
 def silhouettes(model, data, camera, width=320, height=240, groups=(0, 1, 2)):
     """For each geom and skin that either sees: its name, pixels in MuJoCo's picture, in ours, and in
-    both."""
+    both. What lies beyond its far plane, where MuJoCo ends planes without end, is nobody's."""
     theirs = pictures(model, data, camera, width, height, segmentation=True)
     world = omma.mujoco.world_from_model(model, data, groups=groups)
     eye = omma.mujoco.camera(data, camera)
     renderer = omma.Renderer(world, pixel_eye(eye, width, height), omma.Fixed(1))
     names = [one.name for one in world.instances]
     truth = renderer.ground_truth(eye.world_from_camera, shares=names)
-    ours = truth.shares[0].reshape(height, width, -1) > 0.5
+    away = truth.position_m[0] - eye.world_from_camera[:3, 3]
+    depth = -(away @ eye.world_from_camera[:3, 2])
+    near = depth < model.vis.map.zfar * model.stat.extent
+    ours = ((truth.shares[0] > 0.5) & near[:, None]).reshape(height, width, -1)
     geoms = [model.geom(k).name or f"geom {k}" for k in range(model.ngeom)]
     found = []
     for k, name in enumerate(names):

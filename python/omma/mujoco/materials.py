@@ -199,9 +199,7 @@ def texture_pixels(model: Any, texture: int, linear: bool) -> NDArray[Any]:
     return np.ascontiguousarray(pixels)
 
 
-def _mesh(
-    name: str, shape: Shape, coordinates: NDArray[np.float64] | None, material: int
-) -> Mesh:
+def _mesh(name: str, shape: Shape, coordinates: NDArray[np.float64] | None, material: int) -> Mesh:
     return Mesh(
         shape.positions,
         shape.triangles,

@@ -60,8 +60,10 @@ def cameras(model: Any, data: Any) -> list[Camera]:
     places = transforms(data.cam_xpos, data.cam_xmat)
     near, far = (float(end) * float(model.stat.extent) for end in
                  (model.vis.map.znear, model.vis.map.zfar))  # fmt: skip
-    flat = np.asarray(model.cam_projection).astype(int) if hasattr(model, "cam_projection") else (
-        np.asarray(model.cam_orthographic).astype(int)
+    flat = (
+        np.asarray(model.cam_projection).astype(int)
+        if hasattr(model, "cam_projection")
+        else (np.asarray(model.cam_orthographic).astype(int))
     )
     found = []
     for index, name in enumerate(names_of(model, "camera", model.ncam)):

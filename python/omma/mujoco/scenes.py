@@ -131,9 +131,7 @@ def world_from_model(
     Raises:
         omma.Error: as `scene_from_model` and `omma.World` do.
     """
-    scene = scene_from_model(
-        model, data, groups=groups, hidden=hidden, colors=colors, lux=lux
-    )
+    scene = scene_from_model(model, data, groups=groups, hidden=hidden, colors=colors, lux=lux)
     return World(scene, **options)
 
 
