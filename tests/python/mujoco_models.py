@@ -49,7 +49,7 @@ f 1/1 3/3 2/4
 EVERYTHING = """
 <mujoco>
   <visual>
-    <quality numslices="96" numstacks="96" numquads="4"/>
+    <quality numslices="96" numstacks="96" numquads="4" shadowsize="0" offsamples="0"/>
     <map znear="0.002" zfar="20"/>
   </visual>
   <statistic extent="4" center="0 0 0.5"/>
@@ -173,24 +173,31 @@ def everything(folder):
 
 
 def pictures(model, data, camera, width=320, height=240, segmentation=False):
-    """MuJoCo's own picture: uint8 (H, W, 3), or geoms and skins (H, W) by index and kind."""
-    try:
-        renderer = mujoco.Renderer(model, height, width)
-    except Exception as error:  # PyOpenGL and each platform raise what they like
-        pytest.skip(f"MuJoCo has no OpenGL here (libegl1 or libosmesa6): {error}")
+    """MuJoCo's own picture: uint8 (H, W, 3), or geoms and skins (H, W, 2) by index and kind."""
+    key = id(model), width, height
+    if key not in _renderers:  # making one takes longer than many pictures
+        try:
+            _renderers[key] = mujoco.Renderer(model, height, width), model
+        except Exception as error:  # PyOpenGL and each platform raise what they like
+            pytest.skip(f"MuJoCo has no OpenGL here (libegl1 or libosmesa6): {error}")
+    renderer, _ = _renderers[key]
     options = mujoco.MjvOption()
     options.flags[:] = 0
     for flag in ("TEXTURE", "STATIC", "SKIN"):
         options.flags[getattr(mujoco.mjtVisFlag, f"mjVIS_{flag}")] = 1
     options.sitegroup[:] = 0
-    with renderer:
-        if segmentation:
-            renderer.enable_segmentation_rendering()
-        renderer.update_scene(data, camera, options)
-        if not segmentation:
-            for flag in ("SHADOW", "REFLECTION", "HAZE", "FOG"):
-                renderer.scene.flags[getattr(mujoco.mjtRndFlag, f"mjRND_{flag}")] = 0
-        return renderer.render()
+    if segmentation:
+        renderer.enable_segmentation_rendering()
+    renderer.update_scene(data, camera, options)
+    if not segmentation:
+        for flag in ("SHADOW", "REFLECTION", "HAZE", "FOG"):
+            renderer.scene.flags[getattr(mujoco.mjtRndFlag, f"mjRND_{flag}")] = 0
+    found = renderer.render().copy()
+    renderer.disable_segmentation_rendering()
+    return found
+
+
+_renderers = {}
 
 
 def pixel_eye(camera, width, height):
