@@ -47,7 +47,7 @@ def walk(rays=16):
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     world = omma.mujoco.world_from_model(model, data, hidden=["body"])
-    eye = omma.species.drosophila_melanogaster().eye
+    eye = omma.species.drosophila().eye
     renderer = omma.Renderer(world, eye, omma.Fixed(rays))
     millimetres = np.diag([1000.0, 1000, 1000, 1])  # of the model, for an eye in metres
     path, seen = [], []

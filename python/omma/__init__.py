@@ -23,6 +23,7 @@ At the top is what a first hour needs; the rest is in rooms, which are loaded wh
 - `omma.motion`: motion detectors over responses
 - `omma.picture`: pictures of responses and of eyes
 - `omma.study`: how many rays a scene needs; `omma.job`: whole renders from files to files
+- `omma.mujoco`: worlds of MuJoCo models, a retina for FlyGym
 - `omma.examples`: a meadow and a flight over it; `omma.compat`: for the scripts of CompoundRay
 """
 
