@@ -2,8 +2,8 @@
 
     python bench/fly_retina.py [--frames 20]
 
-Writes bench/results/mujoco_gratings.csv and bench/results/mujoco.csv. The first needs NumPy alone:
-FlyGym's way is done anew here from its published facts (a rectilinear camera of 512 x 450 pixels and
+Writes bench/results/mujoco_gratings.csv and bench/results/mujoco.csv. The first needs NumPy:
+FlyGym's way is done anew here from its published facts (a rectilinear camera of 512 x 450 pixels,
 157 degrees, eight bits, a fisheye lens by nearest pixels, the mean over hexagons of pixels). The
 second takes FlyGym itself where it is installed, and else a model of posts about a head, of which
 FlyGym's way is only MuJoCo's two pictures.

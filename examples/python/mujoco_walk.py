@@ -31,10 +31,11 @@ MODEL = """<mujoco><option timestep="0.001" gravity="0 0 -9810"/>
 </asset>
 <worldbody>
   <geom name="ground" type="plane" size="0 0 1" material="squares"/>
-  %s
+  POSTS
   <body name="fly" pos="0 0 0.9"><freejoint/>
     <geom name="body" type="ellipsoid" size="1.3 0.6 0.6" mass="1e-3" friction="0 0 0"/></body>
-</worldbody></mujoco>""" % "\n".join(
+</worldbody></mujoco>"""
+POSTS_XML = "".join(
     f'<geom name="post {k}" type="cylinder" size="0.7 3" pos="{x} {y} 3" rgba="{r} {g} {b} 1"/>'
     for k, (x, y, (r, g, b)) in enumerate(POSTS)
 )
@@ -43,7 +44,7 @@ SPEED_MM_S, TURN_RAD_S, DURATION_S, RATE_HZ = 40.0, 0.35, 0.6, 100
 
 def walk(rays=16):
     """The eye, its path (T, 3) in mm, and what it saw (T, N, 3)."""
-    model = mujoco.MjModel.from_xml_string(MODEL)
+    model = mujoco.MjModel.from_xml_string(MODEL.replace("POSTS", POSTS_XML))
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     world = omma.mujoco.world_from_model(model, data, hidden=["body"])
@@ -75,7 +76,7 @@ def draw(path, eye, world, way, seen):
     moments = (0, len(seen) // 2, len(seen) - 1)
     for moment in moments:
         panel.plot(way[moment, 0], way[moment, 1], "o", color="#d55e00")
-        panel.annotate(f"{(moment + 1) / RATE_HZ:.2f} s", way[moment, :2], xytext=(6, 8),
+        panel.annotate(f"{(moment + 1) / RATE_HZ:.2f} s", way[moment, :2], xytext=(6, -16),
                        textcoords="offset points", fontsize=9)  # fmt: skip
     panel.set(aspect="equal", xlabel="x, mm", ylabel="y, mm", xlim=(-3, 28), ylim=(-12, 14))
     panel.grid(color="0.9")

@@ -146,7 +146,8 @@ def letter():
 def dice():
     """Six faces in a 3 x 4 grid, each of its own colour with an F."""
     colors = {(0, 1): (255, 160, 160), (1, 0): (160, 255, 160), (1, 1): (160, 160, 255),
-              (1, 2): (255, 255, 140), (1, 3): (255, 140, 255), (2, 1): (140, 255, 255)}  # fmt: skip
+              (1, 2): (255, 255, 140), (1, 3): (255, 140, 255),
+              (2, 1): (140, 255, 255)}  # fmt: skip
     pixels = np.zeros((120, 160, 3), np.uint8)
     for (row, column), color in colors.items():
         pixels[40 * row : 40 * row + 40, 40 * column : 40 * column + 40] = np.minimum(
@@ -210,7 +211,7 @@ def pixel_eye(camera, width, height):
 
 
 def silhouettes(model, data, camera, width=320, height=240, groups=(0, 1, 2)):
-    """For each geom and skin that either sees: its name, pixels in MuJoCo's picture, in ours, and in
+    """For each geom and skin that either sees: its name, pixels in MuJoCo's picture, in ours, in
     both. What lies beyond its far plane, where MuJoCo ends planes without end, is nobody's."""
     theirs = pictures(model, data, camera, width, height, segmentation=True)
     world = omma.mujoco.world_from_model(model, data, groups=groups)

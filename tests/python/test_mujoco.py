@@ -212,7 +212,7 @@ def bad(model, **changes):
 
 def test_bad_input_is_named():
     model, data = of(BOX)
-    other_model, other = of(BOX.replace('"0.1 0.2 0.3"', '"0.2 0.2 0.3"'))
+    _, other = of(BOX.replace('"0.1 0.2 0.3"', '"0.2 0.2 0.3"'))
     world = omma.mujoco.world_from_model(model, data)
     ball = of('<mujoco><worldbody><geom name="x" type="sphere" size="1"/></worldbody></mujoco>')
     diverged = mujoco.MjData(model)
@@ -240,12 +240,12 @@ def test_bad_input_is_named():
         with pytest.raises(omma.Error) as error:
             call()
         assert said in str(error.value), str(error.value)
-    with pytest.raises(TypeError, match="world: expected omma.World"):
+    with pytest.raises(TypeError, match=r"world: expected omma\.World"):
         update(model, data)
 
 
 def test_textures_of_odd_sizes_are_errors(all_kinds):
-    model, data = everything_copy(all_kinds[0])
+    model, _ = everything_copy(all_kinds[0])
     dice = next(k for k in range(model.ntex) if model.texture(k).name == "dice")
     for change, said in (
         ({"tex_height": (dice, 99)}, "texture 'dice': expected one or six squares"),

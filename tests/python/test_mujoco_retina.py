@@ -16,7 +16,7 @@ import omma
 import omma.mujoco
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "bench"))
-import fly_retina  # noqa: E402
+import fly_retina
 
 TWO_CAMERAS = """<mujoco><worldbody>
   <geom name="left wall" type="plane" size="9 9 1" pos="0 5 0" euler="90 0 0" rgba="0 0.25 0.5 1"/>

@@ -44,10 +44,10 @@ _known: weakref.WeakKeyDictionary[World, _Things] = weakref.WeakKeyDictionary()
 def update(world: World, data: Any) -> None:
     """Put the geoms and skins of a model to where they are now.
 
-    Things of the world are found by their names, so it may hold other things beside the model's, and
-    need not hold all of these. What the model welds to its world stays in the part of the world that
-    was built once, unless the model itself is changed. The first call moves everything that can
-    move, which builds the world anew (docs/moving.md).
+    Things of the world are found by their names, so it may hold other things beside the model's,
+    and need not hold all of these. What the model welds to its world stays in the part that was
+    built once, unless it is found elsewhere. The first call moves everything that can move, which
+    builds the world anew (docs/moving.md).
 
     Args:
         world: of `world_from_model`, or any world of a scene of the same model.

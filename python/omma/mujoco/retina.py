@@ -1,8 +1,8 @@
 """A retina for FlyGym 2: its call, its shape and its ommatidia, with an eye's optics.
 
 FlyGym makes a picture with a MuJoCo camera at each eye, bends it as a fisheye lens does and takes
-the mean of the pixels of each hexagon of a map. Here every ommatidium looks along the mean direction
-of its hexagon, with a round Gaussian acceptance.
+the mean of the pixels of each hexagon of a map. Here every ommatidium looks along the mean
+direction of its hexagon, with a round Gaussian acceptance.
 """
 
 from __future__ import annotations

@@ -42,8 +42,8 @@ class Shape:
         triangles: (T, 3), counter-clockwise as seen from in front.
         normals: (V, 3), or None: flat.
         local: (V, 3), what textures on cubes go by: of solids in half sizes, else the positions.
-        once: (V, 2), texture coordinates that show a picture once; NaN along a plane's side that has
-            no end. None: pictures are laid along z by `local`.
+        once: (V, 2), texture coordinates that show a picture once; NaN along a plane's side that
+            has no end. None: pictures are laid along z by `local`.
         own: whether these are a mesh's own, which no material repeats.
     """
 
