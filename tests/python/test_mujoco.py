@@ -193,7 +193,7 @@ def test_a_lamp_makes_the_light_that_the_rule_says():
 
 
 def test_cameras_and_bodies_are_poses(all_kinds):
-    model, data = all_kinds
+    _, data = all_kinds
     view = omma.mujoco.camera(data, "front")
     np.testing.assert_allclose(view.world_from_camera[:3, 3], data.cam("front").xpos)
     assert np.degrees(view.yfov_rad) == pytest.approx(50)
