@@ -26,6 +26,7 @@ At the top is what a first hour needs; the rest is in rooms, which are loaded wh
 - `omma.datasets`: millions of views as jobs, in stores for training
 - `omma.gym`: closed loops as Gymnasium environments; `omma.columns`: medulla columns, hexagonal
   lattices
+- `omma.mujoco`: worlds of MuJoCo models, a retina for FlyGym
 - `omma.examples`: a meadow and a flight over it; `omma.compat`: for the scripts of CompoundRay
 """
 

@@ -39,8 +39,8 @@ def test_every_room_says_what_it_is_for(name):
 # From the lowest to the highest: a room imports from those before it, and from itself.
 ROOMS = [
     "_core", "base", "light", "receptors", "photoreceptors", "eye", "scene", "stimuli",
-    "rendering", "motion", "species", "picture", "study", "job", "datasets", "gym", "columns",
-    "cli",
+    "rendering", "motion", "species", "picture", "study", "job", "datasets", "gym", "mujoco",
+    "columns", "cli",
 ]  # fmt: skip
 
 

@@ -73,6 +73,7 @@ COMES_OUT = {
     "docs/eye-design.md": "assert len(omma.load_eye('head.csv')) == len(head)",
     "docs/closed-loops.md": "assert observations.shape == (32, 200, 3) and responses.any()",
     "docs/columns.md": "assert light.shape == (1, 3, 1, 721) and published.q.tolist() == [0, 1]",
+    "docs/mujoco.md": "assert responses.shape == (1, 1000, 3) and lit.lighting == 'path'",
     "docs/motion-detection.md": "assert np.nanmean(motion[level, 0]) > 0.01",
     "docs/neighbours.md": "assert left < 0 < right",
     "docs/receptors.md": "assert cartridges.shape == (2, 300) and responses.shape == (2, 300, 3)",
@@ -105,6 +106,9 @@ low_m = [-4, 1, -8]
 high_m = [4, 2, 0]
 count = 40
 """
+
+# Pages whose snippets need a package that is not one of all tests.
+NEEDS_PACKAGE = {"docs/mujoco.md": "mujoco"}
 
 # Pages whose snippets are not run, and why.
 SNIPPETS_NOT_RUN: dict[str, str] = {}
@@ -226,6 +230,8 @@ def run(command, folder):
 def test_snippets_run(page, folder):
     if page == NEEDS_DATA and not COMPOUND_RAY.is_dir():
         pytest.skip(f"needs {COMPOUND_RAY}, which is not here")
+    if page in NEEDS_PACKAGE:
+        pytest.importorskip(NEEDS_PACKAGE[page])
     snippets, given = blocks(page, "python"), GIVEN_BESIDES.get(page, {})
     parts = [] if snippets[0].startswith(("import ", "from ")) else [GIVEN]
     for number, snippet in enumerate(snippets):
@@ -266,5 +272,5 @@ def test_what_is_not_run_is_on_a_page():
         assert any(re.match(beginning, command) for command in everything), beginning
     for beginning in NO_COMMANDS:
         assert any(re.match(beginning, block) for block in indented), beginning
-    for page in {*GIVEN_BESIDES, *COMES_OUT, *SNIPPETS_NOT_RUN}:
+    for page in {*GIVEN_BESIDES, *COMES_OUT, *SNIPPETS_NOT_RUN, *NEEDS_PACKAGE}:
         assert blocks(page, "python"), page
