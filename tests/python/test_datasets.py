@@ -1,5 +1,6 @@
 """Data sets: what is in a store, that runs go on where others ended, and what is refused."""
 
+import io
 import json
 import subprocess
 import sys
@@ -330,7 +331,7 @@ def test_tar_files(made, tmp_path):
     assert [name.rsplit("/", 1)[1] for name in names] == ["views-000000.tar", "views-000001.tar"]
     with tarfile.open(names[1]) as tar:
         assert tar.getnames()[:2] == ["00000006.response.npy", "00000006.json"]
-        found = np.load(tar.extractfile("00000007.response.npy"))
+        found = np.load(io.BytesIO(tar.extractfile("00000007.response.npy").read()))
         said = json.load(tar.extractfile("00000007.json"))
     np.testing.assert_array_equal(found, data.response[7])
     assert said["scene"] == "ground"

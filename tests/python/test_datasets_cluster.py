@@ -1,5 +1,6 @@
 """Data sets made by other processes: Dask workers, SLURM scripts, processes that are killed."""
 
+import os
 import random
 import signal
 import subprocess
@@ -80,17 +81,19 @@ def test_a_worker_that_is_killed(job, whole, tmp_path):
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, dashboard_address=None
     ) as cluster:
-        victim = cluster.workers[0]
+        victim, killed = cluster.workers[0], []
 
         def kill():
             while not list(store.glob("omma/done/*.json")):
                 time.sleep(0.005)
-            victim.process.process.kill()
+            os.kill(victim.pid, signal.SIGKILL)
+            killed.append(victim.pid)
 
         killer = threading.Thread(target=kill)
         killer.start()
         datasets.run(job, store, dask=cluster.scheduler_address)
         killer.join()
+    assert killed
     assert bytes_of(store) == whole
 
 

@@ -65,21 +65,30 @@ def test_textures_and_colours_lie_where_mujoco_lays_them(all_kinds, camera):
     geoms = pictures(model, data, camera, segmentation=True)
     for geom in np.unique(geoms[geoms[..., 1] == mujoco.mjtObj.mjOBJ_GEOM][:, 0]):
         mine = (geoms[..., 0] == geom) & (geoms[..., 1] == mujoco.mjtObj.mjOBJ_GEOM)
-        check_alike(model.geom(geom).name, theirs[mine], ours[mine])
-    sky = geoms[..., 0] < 0
-    check_alike("sky", theirs[sky], ours[sky])
+        check_alike(model.geom(geom).name, theirs, ours, mine)
+    check_alike("sky", theirs, ours, geoms[..., 0] < 0)
 
 
-def check_alike(name, theirs, ours):
-    """Where squares of a texture meet, or glass lets through what is behind, MuJoCo mixes coded
-    colours, we light: what is mixed differs in brightness, what lies elsewhere in all."""
-    if len(theirs) < 100:
+def is_even(picture):
+    """Pixels whose eight neighbours have about their colour."""
+    steps = [(y, x) for y in (-1, 0, 1) for x in (-1, 0, 1)]
+    apart = [np.abs(np.roll(picture, step, (0, 1)) - picture).max(-1) for step in steps]
+    return np.max(apart, axis=0) <= 8
+
+
+def check_alike(name, theirs, ours, mine):
+    """Within the squares of a texture colours are the same, but for rounding and how the one that
+    is smooth, the egg's, is read between texels. Where squares meet MuJoCo has one or the other, or
+    a mix of coded colours, we a mix of light: less alike, but far from what lies elsewhere."""
+    if mine.sum() < 100 or name == "glass":  # what it lets through is mixed otherwise
         return
-    if theirs.std(axis=0).max() < 10:
-        assert np.median(np.abs(theirs - ours)) < 3, name
-    elif name != "glass":
-        alike = np.corrcoef(theirs.ravel(), ours.ravel())[0, 1]
-        assert alike > 0.9, (name, alike)
+    inside = mine & is_even(theirs) & is_even(ours)
+    if inside.sum() >= 20:
+        apart = np.abs(theirs[inside] - ours[inside]).max(-1)
+        assert np.quantile(apart, 0.97) < 4, name
+    if theirs[mine].std(axis=0).max() >= 10:
+        alike = np.corrcoef(theirs[mine].ravel(), ours[mine].ravel())[0, 1]
+        assert alike > 0.85, (name, alike)
 
 
 def test_a_face_turned_or_mirrored_would_be_seen(all_kinds):
@@ -94,9 +103,9 @@ def test_a_face_turned_or_mirrored_would_be_seen(all_kinds):
     world.set_transforms("ball", place)
     after = coded(omma.render_camera(world, view, width=320, height=240, samples=4))
     ball = pictures(model, data, "side", segmentation=True)[..., 0] == model.geom("ball").id
-    check_alike("ball", before[ball], before[ball])
+    check_alike("ball", before, before, ball)
     with pytest.raises(AssertionError):
-        check_alike("ball", before[ball], after[ball])
+        check_alike("ball", before, after, ball)
 
 
 def test_things_have_the_names_of_geoms():
