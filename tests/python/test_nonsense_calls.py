@@ -54,6 +54,15 @@ WITHOUT = {
     "torch_dataset": "PyTorch, which is not among what the tests need",
     "plot_species": "a species, which takes seconds to make",
     "Renderer.render_stokes": "a world that is polarised",
+    "eye_env": "a loop (test_gym)",
+    "eye_vector_env": "a loop (test_gym)",
+    "FlyRetina": "a simulation of FlyGym",
+    "camera": "a model of MuJoCo (test_mujoco)",
+    "fly_eye": "FlyGym's map of hexagons (test_mujoco_retina)",
+    "head_pose": "a model of MuJoCo (test_mujoco)",
+    "scene_from_model": "a model of MuJoCo (test_mujoco)",
+    "update": "a model of MuJoCo (test_mujoco)",
+    "world_from_model": "a model of MuJoCo (test_mujoco)",
     "World.set_color": "a world that was never lit",
     "World.set_image": "a world that was never lit, with an image",
 }
@@ -100,6 +109,8 @@ def public_calls(folder):
     (folder / "angles.csv").write_text(
         "azimuth_deg,elevation_deg,dphi_h_deg\n0,0,5\n1,0,5\n0,1,5\n1,1,5\n"
     )
+    (folder / "columns.csv").write_text("side,p,q,x,y,z\nright,0,0,0,0,-1\nright,1,0,0,0.1,-1\n")
+    columns = omma.columns.hexal_columns(1, 0.1, (0, 0, -1))
     scene = omma.load_scene(scene_file)
     renderer = omma.Renderer(scene, eye, omma.Fixed(1), threads=1)
     pose = np.eye(4)
@@ -246,6 +257,21 @@ def public_calls(folder):
         "load_acceptance": (folder / "s.csv",),
         "load_angle_table": (folder / "angles.csv",),
         "load_eye": (folder / "bug.eye",),
+        "column_pairs": (columns,),
+        "columns_of_eye": (large,),
+        "eye_of_columns": (columns, 0.1),
+        "hex_from_pq": ([0, 1], [0, 1]),
+        "hexal_columns": (2, 0.1, (0, 0, -1)),
+        "hexals": (2,),
+        "load_columns": (folder / "columns.csv",),
+        "pq_from_hex": ([18, 19], [19, 20]),
+        "pq_from_uv": ([0, 1], [0, 1]),
+        "resample": (np.zeros((2, 24, 1)), omma.columns.resampling_matrix(eye, columns)),
+        "resampling_matrix": (eye, columns),
+        "seen_by": (eye, columns),
+        "to_hexals": (np.zeros((2, len(columns), 1)), columns, 1),
+        "uv_from_pq": ([0, 1], [0, 1]),
+        "response_bounds": (omma.World(scene),),
         "render_agents": ([omma.Renderer(scene, bee, omma.Fixed(1))], pose[None, None]),
         "load_poses": (folder / "poses.csv",),
         "load_scene": (folder / "scene.gltf",),

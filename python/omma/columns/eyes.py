@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye
 from omma.base.arguments import checked, one_of
-from omma.columns.lattice import Columns
+from omma.columns.lattice import Columns, expect_columns
 from omma.eye.hexagonal import hexagonal_coordinates
 
 Ints = NDArray[np.int64]
@@ -61,6 +61,7 @@ def eye_of_columns(columns: Columns, acceptance_angle_rad: ArrayLike) -> Eye:
     Raises:
         omma.Error: what `omma.Eye` refuses.
     """
+    expect_columns(columns)
     nowhere = np.zeros((len(columns), 3))
     return Eye(nowhere, columns.axis, acceptance_angle_rad, eye_id=(columns.side > 0).astype(int))
 
@@ -76,7 +77,8 @@ def column_pairs(columns: Columns, rows: Sequence[str] = ("v", "p", "-q")) -> In
     Raises:
         omma.Error: another word for a row, or no neighbours.
     """
-    if isinstance(rows, str) or not rows:
+    expect_columns(columns)
+    if not isinstance(rows, (list, tuple)) or not rows:
         raise Error(f"rows: expected some of {', '.join(_STEPS)}, found {rows!r:.40}")
     places = zip(columns.side.tolist(), columns.p.tolist(), columns.q.tolist(), strict=True)
     index = {place: k for k, place in enumerate(places)}

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error
 from omma.base.arguments import array_of, checked, one_of, positive
 from omma.columns.coordinates import Front, hexals, pq_from_uv, uv_from_pq
-from omma.columns.lattice import Columns
+from omma.columns.lattice import Columns, expect_columns
 
 
 @checked
@@ -96,6 +96,7 @@ def to_hexals(
     Raises:
         omma.Error: a wrong shape, columns of two eyes, hexals without a column.
     """
+    expect_columns(columns)
     given = array_of(responses, "responses", dtype=None)
     if given.ndim not in (2, 3, 4) or given.shape[-2] != len(columns):
         raise Error(

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
-from omma.base.arguments import array_of
+from omma.base.arguments import array_of, expect
 from omma.base.values import value_class
 
 Floats = NDArray[np.float64]
@@ -80,3 +80,8 @@ class Columns:
         order = np.lexsort(key.T)
         same = np.flatnonzero((key[order][1:] == key[order][:-1]).all(axis=1))
         return None if len(same) == 0 else (int(order[same[0]]), int(order[same[0] + 1]))
+
+
+def expect_columns(columns: object) -> None:
+    """TypeError where they are none."""
+    expect(columns, Columns, "columns", "omma.columns.load_columns gives some")

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, one_of, positive
 from omma.base.directions import unit
-from omma.columns.lattice import Columns
+from omma.columns.lattice import Columns, expect_columns
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -56,6 +56,7 @@ def resampling_matrix(
         omma.Error: columns that look where the eye does not (`seen_by` says which), an argument out
             of its range, another word for ``weights``.
     """
+    expect_columns(columns)
     one_of(weights, ("gaussian", "nearest"), "weights")
     axes = unit(np.asarray(eye.axis, np.float64))
     reach = _reach(axes, reach_rad)
@@ -97,6 +98,8 @@ def resample(responses: ArrayLike, matrix: csr_array) -> Floats:
         omma.Error: another number of ommatidia.
     """
     given = array_of(responses, "responses", dtype=None)
+    if len(getattr(matrix, "shape", ())) != 2 or not hasattr(matrix, "__matmul__"):
+        raise TypeError(f"matrix: expected one of resampling_matrix, found {matrix!r:.40}")
     count = matrix.shape[1]
     if given.ndim < 2 or given.shape[-2] != count:
         raise Error(f"responses: expected shape (..., {count}, C), found {given.shape}")
@@ -112,6 +115,7 @@ def seen_by(eye: Eye, columns: Columns, reach_rad: float | None = None) -> NDArr
     Args:
         reach_rad: as of `resampling_matrix`.
     """
+    expect_columns(columns)
     axes = unit(np.asarray(eye.axis, np.float64))
     reach = _reach(axes, reach_rad)
     found = np.zeros(len(columns), bool)

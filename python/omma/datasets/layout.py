@@ -188,7 +188,7 @@ def create_store(
 
 def _labels(job: Job, eye: Eye) -> Labels:
     """Of one view in a world with nothing in it, which has the bands and the settings."""
-    from omma import Scene
+    from omma._core import Scene
     from omma.scene.world import World
 
     light = make_light(*job.conditions[0].light, job.bands)

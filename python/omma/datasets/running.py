@@ -10,8 +10,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from omma import Scene, _core
-from omma._core import Error
+from omma import _core
+from omma._core import Error, Scene
 from omma.base.arguments import checked, whole
 from omma.base.files import PathLike, WholeFiles, make_directory
 from omma.base.values import value_class
