@@ -162,20 +162,25 @@ def print_run(folder: Path, count: int, read: int) -> None:
 def print_kills(folder: Path, kills: int) -> None:
     """Kills at random moments, then a run to the end, beside one that nobody disturbed."""
     job = write_job(folder, "kills", 3000, "views_per_chunk = 8\nviews_per_shard = 24")
-    start = time.perf_counter()
     subprocess.run([sys.executable, "-c", RUN, job], capture_output=True, check=True)
-    took = time.perf_counter() - start
     (folder / "kills.zarr").rename(folder / "undisturbed.zarr")
     rng, killed = random.Random(1), 0
     for _ in range(kills):
+        known = shards_done(folder)
         with subprocess.Popen(
             [sys.executable, "-c", RUN, job], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
         ) as process:
-            # Long enough that runs get somewhere, short enough that the job is not done before.
-            time.sleep(rng.uniform(0.1, 0.6 + 3 * took / kills))
+            # Some while it starts, some after a shard or two more, so that runs get somewhere and
+            # the job is not done before.
+            more, end = rng.randint(0, 2), time.monotonic() + 60
+            while shards_done(folder) < known + more and process.poll() is None:
+                if time.monotonic() > end:
+                    raise RuntimeError("expected a shard within a minute, found none")
+                time.sleep(0.001)
+            time.sleep(rng.uniform(0, 1.5 if more == 0 else 0.05))
             process.send_signal(signal.SIGKILL)
         killed += process.returncode == -signal.SIGKILL
-    done = len(list((folder / "kills.zarr" / "omma" / "done").glob("*.json")))
+    done = shards_done(folder)
     left = len(list((folder / "kills.zarr").rglob(".*.partial")))
     subprocess.run([sys.executable, "-c", RUN, job], capture_output=True, check=True)
     print(f"kills,at random moments,{killed}")
@@ -185,6 +190,10 @@ def print_kills(folder: Path, kills: int) -> None:
     print(f"files,that differ from an undisturbed run,{len(differing(folder))}")
     report = omma.datasets.verify(folder / "kills.zarr")
     print(f"whole,by verify,{int(report.is_whole)}", flush=True)
+
+
+def shards_done(folder: Path) -> int:
+    return len(list((folder / "kills.zarr" / "omma" / "done").glob("*.json")))
 
 
 def differing(folder: Path) -> list[str]:
