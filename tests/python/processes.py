@@ -42,5 +42,6 @@ class Program:
 
     def end(self):
         """Exit code (negative: the signal that it died of) and what is left of stdout, stderr."""
-        out, err = self.process.communicate()
-        return self.process.returncode, out, err
+        # Not `communicate`, which loses what `line` has read ahead.
+        out, err = self.process.stdout.read(), self.process.stderr.read()
+        return self.process.wait(), out, err
