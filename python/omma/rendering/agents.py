@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
-from omma.base.arguments import array_of, checked
+from omma.base.arguments import array_of, checked, expect
 from omma.rendering.moves import MOST_UNSEEN
 from omma.rendering.renderer import Progress, Renderer, Responses
 from omma.scene.world import World
@@ -53,6 +53,8 @@ def render_agents(
     animals = len(renderers)
     if animals == 0:
         raise Error("renderers: expected one or more, found none")
+    for a, renderer in enumerate(renderers):
+        expect(renderer, Renderer, f"renderers[{a}]", "omma.Renderer(world, eye) makes one")
     world = renderers[0].world
     for a, renderer in enumerate(renderers):
         if renderer.world is not world:
@@ -122,6 +124,8 @@ def _held(
     found: list[tuple[list[int], NDArray[np.float64]]] = []
     owner: dict[int, int] = {}
     for a, body in enumerate(bodies):
+        if not isinstance(body, Mapping):
+            raise Error(f"bodies[{a}]: expected {{thing: head_from_node}}, found {body!r:.40}")
         held = np.empty((len(body), 4, 4))
         own = []
         for k, (name, matrix) in enumerate(body.items()):
