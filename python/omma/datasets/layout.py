@@ -21,7 +21,7 @@ from omma.datasets.job_file import Job
 from omma.datasets.plan import Plan
 from omma.datasets.worlds import make_light
 from omma.picture.projections import projection_ids
-from omma.rendering.labelled_files import load_package
+from omma.rendering.labelled_files import load_package, write_coordinate
 from omma.rendering.labels import Labels, labels_of, place_variables
 from omma.rendering.renderer import Renderer
 from omma.rendering.settings import ToError
@@ -83,15 +83,7 @@ class Layout:
         for name, (dimensions, values, attributes) in known.items():
             if dimensions[:1] == ("pose",):
                 continue  # those of the one view that labels were made of
-            text = values.dtype.kind == "U"
-            group.create_array(
-                name,
-                shape=values.shape,
-                dtype=str if text else values.dtype,
-                chunks=tuple(max(1, size) for size in values.shape),
-                dimension_names=dimensions,
-                attributes=attributes,
-            )[...] = values
+            write_coordinate(group, name, dimensions, values, attributes)
         for name, variable in self.variables.items():
             beside = [
                 other

@@ -7,9 +7,11 @@ full size at once and filled piece by piece, so that poses need no memory.
 from __future__ import annotations
 
 import warnings
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from omma._core import Error
 from omma.base.files import WholeFiles
@@ -21,6 +23,24 @@ _CHUNK_BYTES = 4 << 20
 
 # The file that every Zarr 3 store has.
 ZARR_MARKER = "zarr.json"
+
+
+def write_coordinate(
+    group: Any,
+    name: str,
+    dimensions: tuple[str, ...],
+    values: NDArray[Any],
+    attributes: Mapping[str, Any],
+) -> None:
+    """Write a coordinate, numbers or texts, into a group of a Zarr store, as one chunk."""
+    group.create_array(
+        name,
+        shape=values.shape,
+        dtype=str if values.dtype.kind == "U" else values.dtype,
+        chunks=tuple(max(1, size) for size in values.shape),
+        dimension_names=dimensions,
+        attributes=attributes,
+    )[...] = values
 
 
 class ZarrWriter:
@@ -37,16 +57,8 @@ class ZarrWriter:
             # Not "w", which would make the directory anew, and lose the lock that is on it.
             group = zarr.open_group(path, mode="a", zarr_format=3)
             group.attrs.update(labels.attributes)
-            for variable, (dimensions, values, attributes) in labels.coordinates.items():
-                text = values.dtype.kind == "U"
-                group.create_array(
-                    variable,
-                    shape=values.shape,
-                    dtype=str if text else values.dtype,
-                    chunks=tuple(max(1, size) for size in values.shape),
-                    dimension_names=dimensions,
-                    attributes=attributes,
-                )[...] = values
+            for variable, coordinate in labels.coordinates.items():
+                write_coordinate(group, variable, *coordinate)
             for variable, (dimensions, dtype, attributes) in labels.variables.items():
                 self._arrays[variable] = group.create_array(
                     variable,
