@@ -355,3 +355,11 @@ def test_without_pytorch(made, monkeypatch):
     monkeypatch.delitem(sys.modules, "omma.datasets.torch_views", raising=False)
     with pytest.raises(omma.Error, match="pip install torch"):
         datasets.torch_dataset(datasets.open_views(made[1]))
+
+
+def test_more_views_than_fit_are_refused(tmp_path):
+    path = write_job(tmp_path, count=10**9)
+    with pytest.raises(
+        omma.Error, match=r"at most 50,000,000 views .* found 1,000,000,000"
+    ):
+        datasets.run(path)

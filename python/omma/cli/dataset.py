@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -122,9 +123,11 @@ def run(
             )
         except KeyboardInterrupt:
             if Path(store).is_dir():
+                # What Zarr was waiting for is told of where it is dropped.
+                logging.getLogger("asyncio").disabled = True
+                kept = len(shards_done(store))
                 print(
-                    f"omma: {len(shards_done(store))} shards are kept in {store}; the same command "
-                    "goes on",
+                    f"omma: shards kept in {store}: {kept}; the same command goes on",
                     file=sys.stderr,
                 )
             raise
