@@ -3,9 +3,9 @@ whether fifty kills leave a trace.
 
     python bench/datasets.py [--quick]
 
-Prints CSV. The ratio to `render` is of shards that take turns with calls of `render` for the same
-poses, in processor time, so that other work on the machine disturbs both alike. Other times are
-wall times: keep the machine idle.
+Prints CSV. A job and its shards are compared with `render` by turns, so that other work on the
+machine disturbs both alike: shards with calls of `render` for the same poses, a whole job with
+calls while it is stopped for a moment. Other times are wall times: keep the machine idle.
 """
 
 from __future__ import annotations
@@ -19,13 +19,14 @@ import subprocess
 import sys
 import tempfile
 import time
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 import omma
-from omma.datasets.layout import make_layouts, view_bytes
-from omma.datasets.plan import make_plan
+from omma.datasets.layout import Layout, make_layouts, view_bytes
+from omma.datasets.plan import Plan, make_plan
 from omma.datasets.records import digests_of_inputs
 from omma.datasets.shards import make_shard
 from omma.datasets.worlds import Workshop, load_eyes
@@ -33,6 +34,7 @@ from omma.datasets.worlds import Workshop, load_eyes
 COLUMNS = "what,setting,value"
 OMMATIDIA, VIEWS, QUICK_VIEWS = 1000, 100_000, 2048
 TURNS, QUICK_TURNS = 10, 2
+TURN_S, TURN_VIEWS = 4.0, 256  # how long a job goes on between two turns of `render`
 READ, QUICK_READ = 1000, 100
 KILLS, QUICK_KILLS = 50, 3
 
@@ -59,8 +61,8 @@ RUN = """
 import json, resource, sys, time
 import omma
 start, cpu = time.perf_counter(), time.process_time()
-report = omma.datasets.run(sys.argv[1])
-print(json.dumps([report.seconds, time.perf_counter() - start, time.process_time() - cpu,
+omma.datasets.run(sys.argv[1])
+print(json.dumps([time.perf_counter() - start, time.process_time() - cpu,
                   resource.getrusage(resource.RUSAGE_SELF).ru_maxrss]))
 """
 
@@ -90,51 +92,91 @@ def write_job(folder: Path, name: str, count: int, dataset: str = "") -> Path:
     return path
 
 
-def print_turns(folder: Path, turns: int) -> None:
-    """Views per second of processor time, of shards and of `render` alone, one after the other."""
-    job = omma.datasets.load_job(write_job(folder, "turns", 1024 * (turns + 1)))
+@dataclass
+class Beside:
+    """What `render` alone needs for views of the same job."""
+
+    job: omma.datasets.Job
+    plan: Plan
+    layouts: dict[str, Layout]
+    workshop: Workshop
+    views: int = 0
+    wall_s: float = 0.0
+    cpu_s: float = 0.0
+
+    def render(self, views: range) -> float:
+        """Render some of the job's views and write nothing; the processor time, s."""
+        block = self.plan.blocks[0]
+        poses = self.workshop.poses(block, views)
+        renderer = self.workshop.renderer(block, self.job.eyes[0].name)
+        wall, cpu = time.perf_counter(), time.process_time()
+        renderer.render(poses)
+        spent = time.process_time() - cpu
+        self.views += len(poses)
+        self.wall_s += time.perf_counter() - wall
+        self.cpu_s += spent
+        return spent
+
+
+def beside(path: Path) -> Beside:
+    """Of a job's file."""
+    job = omma.datasets.load_job(path)
     eyes = load_eyes(job)
     plan = make_plan(job, view_bytes(make_layouts(job, eyes)))
-    layouts = make_layouts(job, eyes, plan)
+    made = Beside(job, plan, make_layouts(job, eyes, plan), Workshop(job, digests_of_inputs(job)))
+    made.render(plan.views_of(0))
+    made.views, made.wall_s, made.cpu_s = 0, 0.0, 0.0  # what the first time takes does not count
+    return made
+
+
+def print_turns(folder: Path, turns: int) -> None:
+    """Views per second of processor time, of shards and of `render` alone, one after the other."""
+    alone = beside(write_job(folder, "turns", 1024 * (turns + 1)))
     omma.datasets.run(
         write_job(folder, "none", 1), folder / "none.zarr"
     )  # reads and builds once, so that nothing is new
     store = folder / "turns.zarr"
-    for layout in layouts.values():
+    for layout in alone.layouts.values():
         for name in layout.variables:
             (store / layout.group / name).mkdir(parents=True, exist_ok=True)
     (store / "omma" / "done").mkdir(parents=True)
-    workshop = Workshop(job, digests_of_inputs(job))
-    block = plan.blocks[0]
-    renderer = workshop.renderer(block, job.eyes[0].name)
-    ratios, rates = [], []
-    for shard in range(min(turns + 1, plan.shards)):
-        views = plan.views_of(shard)
-        poses = workshop.poses(block, views)
+    ratios = []
+    for shard in range(1, min(turns + 1, alone.plan.shards)):
+        render = alone.render(alone.plan.views_of(shard))
         start = time.process_time()
-        renderer.render(poses)
-        alone = time.process_time() - start
-        start = time.process_time()
-        make_shard(str(store), workshop, plan, layouts, shard)
-        whole = time.process_time() - start
-        if shard > 0:  # the first warms up
-            ratios.append(alone / whole)
-            rates.append(len(views) / alone)
-    print(f"views per processor second,render alone,{np.median(rates):.1f}")
+        make_shard(str(store), alone.workshop, alone.plan, alone.layouts, shard)
+        ratios.append(render / (time.process_time() - start))
+    print(f"views per processor second,render alone,{alone.views / alone.cpu_s:.1f}")
     print(f"of render alone,median of {len(ratios)} shards,{np.median(ratios):.3f}", flush=True)
 
 
 def print_run(folder: Path, count: int, read: int) -> None:
     """A whole job: time, memory, size; and views read from it in random order."""
     job = write_job(folder, "whole", count)
-    done = subprocess.run(
-        [sys.executable, "-c", RUN, job], capture_output=True, text=True, check=True
-    )
-    making, wall, cpu, kilobytes = json.loads(done.stdout)
+    alone = beside(job)
+    stopped, first = 0.0, 0
+    with subprocess.Popen([sys.executable, "-c", RUN, job], stdout=subprocess.PIPE) as process:
+        while True:
+            try:
+                process.wait(TURN_S)
+                break
+            except subprocess.TimeoutExpired:
+                start = time.perf_counter()
+                process.send_signal(signal.SIGSTOP)
+                alone.render(range(first, first + TURN_VIEWS))
+                first = (first + TURN_VIEWS) % (count - TURN_VIEWS)
+                process.send_signal(signal.SIGCONT)
+                stopped += time.perf_counter() - start
+        said = process.communicate()[0]
+    wall, cpu, kilobytes = json.loads(said)
+    wall -= stopped
     print(f"views,of {OMMATIDIA} ommatidia,{count}")
-    print(f"views per second,whole job,{count / making:.1f}")
     print(f"seconds,whole job with reading and checking inputs,{wall:.1f}")
-    print(f"views per processor second,whole job,{count / cpu:.1f}")
+    for clock, job_s, render_s in (("", wall, alone.wall_s), ("processor ", cpu, alone.cpu_s)):
+        render = alone.views / render_s
+        print(f"views per {clock}second,whole job,{count / job_s:.1f}")
+        print(f"views per {clock}second,render alone in turns with it,{render:.1f}")
+        print(f"of render alone,whole job by {clock}seconds,{count / job_s / render:.3f}")
     print(f"peak memory MB,whole job,{kilobytes / 1024:.0f}")
     store = folder / "whole.zarr"
     size = sum(file.stat().st_size for file in store.rglob("*") if file.is_file())

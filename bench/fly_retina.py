@@ -110,14 +110,22 @@ def grating_table(ids):
 
 
 def flygym_simulation():
-    """A fly among posts in FlyGym; None where it is not installed."""
+    """A fly on its six legs among posts in FlyGym; None where it is not installed."""
     try:
         from flygym import Simulation
-        from flygym.compose import FlatGroundWorld, NeuroMechFly
+        from flygym.anatomy import ActuatedDOFPreset, AxisOrder, JointPreset, Skeleton
+        from flygym.compose import ActuatorType, FlatGroundWorld, KinematicPosePreset, NeuroMechFly
         from flygym.utils.math import Rotation3D
     except ImportError:
         return None
     fly = NeuroMechFly(name="fly")
+    # As in FlyGym's own benchmark: joints of the legs, held in a neutral pose by actuators.
+    stance = KinematicPosePreset.NEUTRAL
+    skeleton = Skeleton(axis_order=AxisOrder.YAW_PITCH_ROLL, joint_preset=JointPreset.LEGS_ONLY)
+    fly.add_joints(skeleton, neutral_pose=stance)
+    legs = skeleton.get_actuated_dofs_from_preset(ActuatedDOFPreset.LEGS_ACTIVE_ONLY)
+    fly.add_actuators(legs, ActuatorType.POSITION, kp=50.0, neutral_input=stance)
+    fly.add_leg_adhesion()
     fly.add_vision()
     fly.colorize()
     world = FlatGroundWorld()

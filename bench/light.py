@@ -1,10 +1,12 @@
-"""What light costs: worlds without light, in direct light and with whole paths, by bands and with
-polarisation, one beside the other; and beside Mitsuba's LLVM variants, where they are installed.
+"""What light costs: worlds without light, baked, in direct light and with whole paths, by bands and
+with polarisation, one beside the other; and beside Mitsuba's LLVM variants, where they are
+installed.
 
     python bench/light.py [DATA] [--quick]
 
 Prints CSV. DATA is the folder with CompoundRay's scenes and eyes; without it the light meadow is
-left out. Mitsuba is `pip install mitsuba`, and DRJIT_LIBLLVM_PATH names a libLLVM.
+left out. Baking takes minutes the first time; afterwards its cache has it. Mitsuba is
+`pip install mitsuba`, and DRJIT_LIBLLVM_PATH names a libLLVM.
 
 All takes turns on one thread, so that other work on the machine disturbs all alike: times are the
 processor's, medians over the turns, and a ratio is the median of the ratios within each turn.
@@ -27,6 +29,7 @@ from numpy.typing import NDArray
 
 import omma
 from omma.light import Bands, Disc, Light
+from omma.scene import Bake
 
 COLUMNS = "scene,ommatidia,rays,way,bands,depth,polarized,ns_per_ray,compared_with,times"
 BANDS = (3, 8, 16, 32)
@@ -37,6 +40,8 @@ TURNS, QUICK_TURNS = 7, 3
 # A call of Mitsuba takes some 10 ms besides its rays: so many that this does not count.
 PEER_RAYS, QUICK_PEER_RAYS = 1_000_000, 200_000
 PEER_DEPTHS = (1, 4, 8)
+# For each side of a cell: how long a render takes does not depend on it.
+BAKED_PATHS = 16
 
 
 @dataclass(frozen=True)
@@ -108,6 +113,10 @@ def lit_ways(setup: Setup, rays: int) -> list[Way]:
         Way("sun", in_light(replace(clear, sky=None, recipe=None), 1), "dark", depth=1),
         Way("sky", in_light(replace(clear, discs=(), recipe=None), 1), "dark", depth=1),
     ]
+    bake = Bake(paths=BAKED_PATHS)
+    for sun in ("exact", "map"):
+        baked = base.with_light(clear, lighting="baked", sun=sun, bake=bake)
+        ways.append(Way(f"baked, sun {sun}", renders(baked, setup, rays), "unlit"))
     for depth in DEPTHS:
         ways.append(Way(path_name(depth), in_light(clear, depth), "unlit", depth=depth))
     for depth in (1, None):

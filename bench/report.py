@@ -509,6 +509,27 @@ def datasets(rows: list[Row]) -> list[str]:
     ]
 
 
+def baked(rows: list[Row]) -> list[str]:
+    """The section of RESULTS.md about what baking takes."""
+    head = "triangles | bands | cells | cell, m | baked, MB | core-s | s | peak, MB"
+    columns = ("cells", "cell_m", "baked_mb", "cpu_s", "wall_s", "peak_mb")
+    return [
+        "## 14. Baking light",
+        "",
+        *text(
+            "`bench/baked.py`: hills in the light of a clear sky, 16 paths a side of a cell.",
+            "Core-seconds are of all cores together; the peak is the whole process's.",
+        ),
+        *table(
+            head,
+            [
+                [f"{int(row['triangles']):,}", row["bands"], *(row[name] for name in columns)]
+                for row in rows
+            ],
+        ),
+    ]
+
+
 def report(results: Path, quick: bool = False) -> list[str]:
     """The lines of RESULTS.md."""
     facts = {row["what"]: row["found"] for row in read(results, "machine")}
@@ -540,6 +561,7 @@ def report(results: Path, quick: bool = False) -> list[str]:
         "cameras": cameras,
         "motion": motion,
         "datasets": datasets,
+        "baked": baked,
     }
     missing = []
     for name, part in parts.items():

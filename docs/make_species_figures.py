@@ -13,7 +13,7 @@ import omma
 from omma.picture import plot_eye_maps
 
 DOCS = Path(__file__).resolve().parent
-FIGURES = ("holcocephala", "honeybee_drone", "fiddler_crab")
+FIGURES = omma.species.names()
 
 HEAD = """# Species
 
@@ -33,9 +33,9 @@ Every number that goes into them is below and in `omma.species.facts()`, with it
 **measured**, a number that the source prints or that is computed from its data; **interpolated**,
 worked out from such numbers; **assumed**, nobody's measurement. Below the tables it is said how
 each source was read: many only as an abstract, some at second hand, and those marked "recalled" not
-at all. Who knows better numbers changes `python/omma/species/facts.csv` and has the eyes stored
-anew. Not in the table are some
-shapes, all of them assumed and written where they are used, in `bees.py`, `flies.py`, `ants.py` and
+at all. If you know better numbers, change `python/omma/species/facts.csv` and run
+`scripts/make_species.py`, which stores the eyes anew. Some shapes are not in the table. All of them
+are assumed, and written where they are used, in `bees.py`, `flies.py`, `ants.py` and
 `hunters.py` of `python/omma/species`: outlines of fields of view, and from where to where one angle
 or facet blends into another. This page is made by `docs/make_species_figures.py`.
 
@@ -64,8 +64,8 @@ or facet blends into another. This page is made by `docs/make_species_figures.py
 - The robber fly and the dragonfly are made from the surface. Facets of 78 µm that look 0.28° apart
   along the surface's normals need a radius of curvature of 16 mm, on a fly of 6 mm: the front of
   the eye is nearly flat. Outside the fovea the surface bends, and angles grow to several degrees
-  away from the fovea but much less around it. So with the dragonfly's dorsal band, where 0.24° is
-  the angle across.
+  away from the fovea but much less around it. The same holds for the dragonfly's dorsal
+  band, where 0.24° is the angle across.
 - In such a stretched lattice the six nearest axes are not the six neighbours on the surface. Maps
   go by the neighbours on the surface; by the nearest axes the robber fly's would show a star that
   is not the eye's. By neighbours on the surface, Δφ (as a root mean square) 10 to 45° from the

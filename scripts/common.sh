@@ -10,6 +10,11 @@ fail() {
   exit 1
 }
 
+# What every build needs.
+# shellcheck disable=SC2034
+build_packages=(g++ cmake ninja-build libembree-dev libtbb-dev libpng-dev libjpeg-dev
+                libopenexr-dev nlohmann-json3-dev libnanoflann-dev python3-dev python3-venv)
+
 # The second build of the same source is quick where there is a compiler cache.
 if command -v ccache > /dev/null; then
   export CMAKE_CXX_COMPILER_LAUNCHER="${CMAKE_CXX_COMPILER_LAUNCHER:-ccache}"
@@ -45,4 +50,35 @@ and run this again with OMMA_NO_APT=1."
   "${as_root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" \
     || fail "apt-get could not install: ${missing[*]}
 What it says is above. Omma is built and tested on Debian 12."
+}
+
+# requirements PYTHON [EXTRA]: what pyproject.toml says the build needs, and the extra, one a line.
+requirements() {
+  "$1" - "${2:-}" <<'PY'
+import sys
+try:
+    import tomllib
+except ImportError:  # Python 3.10
+    from pip._vendor import tomli as tomllib
+# Not load(): what Python 3.10's pip brings wants a text file there, tomllib a binary one.
+with open("pyproject.toml", encoding="utf-8") as file:
+    project = tomllib.loads(file.read())
+print(*project["build-system"]["requires"], sep="\n")
+if sys.argv[1]:
+    print(*project["project"]["optional-dependencies"][sys.argv[1]], sep="\n")
+PY
+}
+
+# install_requirements FOLDER [EXTRA]: these, into a virtual environment.
+install_requirements() {
+  local lines required
+  lines=$(requirements "$1/bin/python" "${2:-}")
+  mapfile -t required <<< "$lines"
+  "$1/bin/python" -m pip install --quiet --disable-pip-version-check "${required[@]}"
+}
+
+# Makes the Python environment build/wheel/tools, with what wheels and releases are made with.
+make_tools() {
+  [ -x build/wheel/tools/bin/python ] || python3 -m venv build/wheel/tools
+  install_requirements build/wheel/tools release
 }

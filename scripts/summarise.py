@@ -3,7 +3,8 @@
 Usage: summarise.py FOLDER "passed NAME" "failed NAME" ...
 
 FOLDER holds the JUnit reports cpp.xml and python.xml. A check that ran no tests, or that failed
-although none of its tests did, counts as one test.
+although none of its tests did, counts as one test. Of C++ tests that failed, it prints the end of
+what they printed; pytest does so itself.
 """
 
 import sys
@@ -11,6 +12,7 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 
 REPORTS = {"C++ tests": "cpp.xml", "Python tests": "python.xml"}
+SHOWN_LINES = 30
 
 
 def count(report: Path) -> tuple[dict[str, int], list[str]]:
@@ -27,6 +29,14 @@ def count(report: Path) -> tuple[dict[str, int], list[str]]:
         else:
             totals["passed"] += 1
     return totals, failed
+
+
+def printed_by(report: Path, test: str) -> list[str]:
+    """The last lines that a failed test of a JUnit report by CTest printed."""
+    for case in ET.parse(report).getroot().iter("testcase"):
+        if case.get("name") == test:
+            return (case.findtext("system-out") or "").rstrip().splitlines()[-SHOWN_LINES:]
+    return []
 
 
 def main() -> int:
@@ -52,6 +62,8 @@ def main() -> int:
         for test in failed:
             if test != name:
                 print(f"    failed: {test}")
+                for line in printed_by(report, test) if name == "C++ tests" else []:
+                    print(f"      {line}")
     print(f"{sums['passed']} passed, {sums['failed']} failed, {sums['skipped']} skipped")
     return 1 if sums["failed"] else 0
 

@@ -111,7 +111,8 @@ Mat4 transform_between(const Mat4& from, const Mat4& to, double part) {
 }
 
 int parts_for(int samples) {
-  const int wanted = std::min(most_parts, std::max(samples / rays_of_part, std::min(samples, least_parts)));
+  const int least = std::min(samples, least_parts);
+  const int wanted = std::min(most_parts, std::max(samples / rays_of_part, least));
   int parts = 1;
   while (2 * parts <= wanted) parts *= 2;
   return parts;

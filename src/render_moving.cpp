@@ -34,6 +34,20 @@ std::span<T> of_pose(std::span<T> all, std::size_t pose, std::size_t poses) {
   return of_poses(all, {pose, pose + 1}, poses);
 }
 
+// The ground truth that a call asks for of some of its poses.
+TruthCall truth_of_poses(const TruthCall& all, Stretch part, std::size_t poses) {
+  TruthCall some = all;
+  for (std::span<float> TruthCall::* const output :
+       {&TruthCall::distance_m, &TruthCall::nearest_m, &TruthCall::inverse_distance_per_m,
+        &TruthCall::met, &TruthCall::normal, &TruthCall::shares, &TruthCall::flow_rotation,
+        &TruthCall::flow_translation, &TruthCall::flow_objects})
+    some.*output = of_poses(all.*output, part, poses);
+  some.position_m = of_poses(all.position_m, part, poses);
+  some.head = of_poses(all.head, part, poses);
+  some.objects = of_poses(all.objects, part, poses);
+  return some;
+}
+
 template <typename T>
 void check_divides(const char* name, std::span<T> output, std::size_t poses) {
   if (poses != 0 && output.size() % poses == 0) return;
@@ -248,9 +262,9 @@ void render_moving(const Renderer::State& s, std::span<const Mat4> world_from_he
   BuiltScene& built = *s.world.state().built;
   check_unseen(built, call, poses);
   if (poses == 0) return;
-  if (!checked_truth(call.truth, built, poses, s.eye.size()).tasks.empty())
-    throw Error("truth: not where things move from pose to pose, nor with what is not seen");
   const Moving moving(built, "render");
+  // All of it, before anything is rendered.
+  const bool with_truth = !checked_truth(call.truth, built, poses, s.eye.size()).tasks.empty();
   traced_poses(world_from_head, s.eye_arrays, built.placement.origin_m);  // all checked beforehand
   const std::vector<int> animations =
       is_animated(s, call) ? chosen_animations(*built.scene, call.animations) : std::vector<int>();
@@ -297,6 +311,7 @@ void render_moving(const Renderer::State& s, std::span<const Mat4> world_from_he
     one.rays = of_poses(call.rays, stretch, poses);
     one.ray_radiance = of_poses(call.ray_radiance, stretch, poses);
     one.unseen_at = of_poses(call.unseen_at, stretch, poses);
+    one.truth = truth_of_poses(call.truth, stretch, poses);
     one.first_pose = first_frame + stretch.begin;
     return one;
   };
@@ -318,6 +333,7 @@ void render_moving(const Renderer::State& s, std::span<const Mat4> world_from_he
       throw Error("sampling: expected Fixed where things move while frames last, found ToError");
     if (!call.ray_radiance.empty())
       throw Error("ray_radiance: not where things move while frames last");
+    if (with_truth) throw Error("truth: not where things move while frames last");
     const Stretch stretch{pose, pose + 1};
     RenderCall one = call_of(stretch);
     PartSums sums(of_poses(responses, stretch, poses), one);

@@ -13,7 +13,7 @@ constexpr std::size_t rows_per_task = 256;
 
 // A frame with one set of rays; `parallel` where the threads are not busy with other poses.
 void render_frame(const Renderer::State& s, const SharedSet& set, const Mat4& world_from_head,
-                  std::uint32_t sees, const Outputs& outputs, bool parallel, float* responses) {
+                  const SeenMasks& sees, const Outputs& outputs, bool parallel, float* responses) {
   Blocks blocks{{s.view(), &set.eye_view, &set.directions_view},
                 &s.built(),
                 static_cast<int>(set.rays.rays.size()),
@@ -49,7 +49,7 @@ void render_frame(const Renderer::State& s, const SharedSet& set, const Mat4& wo
 }
 
 // The mean of all sets, and its standard error from their spread.
-void render_with_error(const Renderer::State& s, const Mat4& world_from_head, std::uint32_t sees,
+void render_with_error(const Renderer::State& s, const Mat4& world_from_head, const SeenMasks& sees,
                        const Outputs& outputs, bool parallel, float* responses, float* errors) {
   const std::size_t size = s.eye.size() * static_cast<std::size_t>(outputs.count);
   std::vector<double> sum(size), squares(size);
@@ -109,7 +109,7 @@ void render_shared(const Renderer::State& s, std::span<const Mat4> world_from_he
   }
   const auto frame = [&](std::size_t p, bool parallel) {
     float* out = responses.data() + p * pose_size;
-    const std::uint32_t sees = seen_at(call, p);
+    const SeenMasks sees = seen_at(call, p);
     std::copy(counts.begin(), counts.end(),
               call.rays.begin() + static_cast<std::ptrdiff_t>(p * counts.size()));
     if (with_error)

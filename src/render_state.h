@@ -105,9 +105,10 @@ void render_still(const Renderer::State& state, std::span<const Mat4> world_from
 
 // The bits of what the rays of a pose meet (RayPacket::mask): a group's rays have its bit, which what
 // the group does not see lacks.
-inline std::uint32_t seen_at(const RenderCall& call, std::size_t pose) {
-  if (call.unseen_at.empty() || call.unseen_at[pose] < 0) return all_seen;
-  return 1u << call.unseen_at[pose];
+inline SeenMasks seen_at(const RenderCall& call, std::size_t pose) {
+  if (call.unseen_at.empty() || call.unseen_at[pose] < 0) return {};
+  const std::uint32_t own = 1u << call.unseen_at[pose];
+  return {own, call.unseen_by_light ? own : all_seen};
 }
 
 // Whether the call's times say where things are that animations move.

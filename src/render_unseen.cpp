@@ -15,7 +15,8 @@ void check_unseen(const BuiltScene& built, const RenderCall& call, std::size_t p
                 std::to_string(groups));
   if (call.unseen_at.size() != (groups == 0 ? 0 : poses))
     throw Error("unseen_at: expected a group, or -1, for each of " +
-                std::to_string(groups == 0 ? 0 : poses) + " poses, found " + std::to_string(call.unseen_at.size()));
+                std::to_string(groups == 0 ? 0 : poses) + " poses, found " +
+                std::to_string(call.unseen_at.size()));
   for (const int group : call.unseen_at)
     if (group < -1 || group >= static_cast<int>(groups))
       throw Error("unseen_at: expected -1 to " + std::to_string(groups - 1) + ", found " +

@@ -40,6 +40,12 @@ std::vector<Vec3> with_room(std::span<const Vec3> positions) {
   return copy;
 }
 
+RigPose rig_pose_at(const Rig& rig, std::span<const int> animations, double time_s) {
+  if (!std::isfinite(time_s))
+    throw Error("time_s: expected a finite time, found " + std::to_string(time_s));
+  return eval_rig(rig, animations, time_s);
+}
+
 void point_to_shapes(const Scene& scene, const Placement& placement, ShadingData& shading) {
   for (std::size_t m = 0; m < shading.meshes.size(); ++m) {
     const Shape& shape = placement.shapes[m];
@@ -96,10 +102,8 @@ Animated animated_of(const Scene& scene, const Things& things) {
 }
 
 Moves moves_at(const BuiltScene& built, std::span<const int> animations, double time_s) {
-  if (!std::isfinite(time_s))
-    throw Error("time_s: expected a finite time, found " + std::to_string(time_s));
   const Rig& rig = *built.scene->rig;
-  const RigPose pose = eval_rig(rig, animations, time_s);
+  const RigPose pose = rig_pose_at(rig, animations, time_s);
   Moves moves;
   for (const Animated::Thing& animated : built.animated.things) {
     moves.instances.push_back(animated.thing);
@@ -120,6 +124,17 @@ std::vector<int> World::animated() const {
   for (const Animated::Thing& animated : state_->built->animated.things)
     things.push_back(animated.thing);
   return things;
+}
+
+std::vector<Mat4> World::animated_at(double time_s, std::span<const int> animations) const {
+  const BuiltScene& built = *state_->built;
+  const std::vector<int> chosen = chosen_animations(*built.scene, animations);
+  std::vector<Mat4> world_from_node;
+  if (built.animated.things.empty()) return world_from_node;
+  const RigPose pose = rig_pose_at(*built.scene->rig, chosen, time_s);
+  for (const Animated::Thing& animated : built.animated.things)
+    world_from_node.push_back(pose.world_from_node[static_cast<std::size_t>(animated.node)]);
+  return world_from_node;
 }
 
 std::vector<int> World::reshaped() const {

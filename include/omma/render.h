@@ -152,10 +152,12 @@ struct RenderCall {
   std::span<const int> instances;
   std::span<const Mat4> world_from_node;
   // Groups of things that rays do not meet on their way from the eye, as an animal's own body,
-  // [group], things; and whose rays each pose has, [pose], a group or -1, which meets all. Light
-  // has what a group does not see: it is in shadows and in mirrors. At most most_unseen groups.
+  // [group], things; and whose rays each pose has, [pose], a group or -1, which meets all. At most
+  // most_unseen groups. Light has what a group does not see, in shadows and in mirrors, unless
+  // `unseen_by_light`; what was baked, and a sun's shadow map, have it as it was then.
   std::span<const std::vector<int>> unseen;
   std::span<const int> unseen_at;
+  bool unseen_by_light = false;
   // When each pose is, [pose], s. What the scene's animations move is where it is then, as
   // World::set_time has it; things that are among `instances` go where those say. With delays times
   // grow: between poses the head and things move on a straight way and turn evenly (slerp), before

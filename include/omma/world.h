@@ -128,6 +128,8 @@ class World {
 
   // Indices into instances() of what set_time moves.
   std::vector<int> animated() const;
+  // Where they are at a time (their world_from_node, in that order); moves nothing.
+  std::vector<Mat4> animated_at(double time_s, std::span<const int> animations = {}) const;
   // Indices of the scene's meshes that have another shape than the scene says; and the vertices of a
   // mesh as it is now: positions, m, and normals, where it has any.
   std::vector<int> reshaped() const;

@@ -4,7 +4,7 @@
 
     scene = omma.load_scene(omma.examples.meadow())
     eye = omma.species.honeybee_worker().eye
-    renderer = omma.Renderer(scene, eye, samples=16)
+    renderer = omma.Renderer(scene, eye, omma.Fixed(16))
     responses = renderer.render(omma.look_at((0, 1, 0), (0, 1, -5)))  # float32 (1, N, 3), linear
     omma.save_png("view.png", omma.picture.equirectangular(eye, responses[0]))
 
@@ -27,6 +27,7 @@ At the top is what a first hour needs; the rest is in rooms, which are loaded wh
 - `omma.gym`: closed loops as Gymnasium environments; `omma.columns`: medulla columns, hexagonal
   lattices
 - `omma.mujoco`: worlds of MuJoCo models, a retina for FlyGym
+- `omma.view`: a page in the browser that shows what an animal sees, live
 - `omma.examples`: a meadow and a flight over it; `omma.compat`: for the scripts of CompoundRay
 """
 

@@ -17,6 +17,7 @@ from . import (
     species,
     stimuli,
     study,
+    view,
 )
 from ._core import Acceptance, Background, Error, Eye, Scene, __version__
 from .base.poses import load_poses, look_at, poses_from_angles, poses_from_quaternions
@@ -73,4 +74,5 @@ __all__ = [
     "stimuli",
     "study",
     "velocities_from_poses",
+    "view",
 ]

@@ -7,6 +7,8 @@ from typing import Any, overload
 import numpy
 import numpy.typing
 
+import omma.rendering.moves
+
 
 # Generated, not written; after a change to the bindings:
 # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
@@ -1584,6 +1586,8 @@ class World:
     @property
     def animated(self) -> list[int]: ...
 
+    def animated_at(self, time_s: float, animations: numpy.typing.NDArray[numpy.int32]) -> numpy.typing.NDArray[numpy.float64]: ...
+
     @property
     def reshaped(self) -> list[int]: ...
 
@@ -1643,7 +1647,7 @@ class Renderer:
     @overload
     def __init__(self, same_eye: Renderer, world: World) -> None: ...
 
-    def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: numpy.typing.NDArray[numpy.float32], standard_error: numpy.typing.NDArray[numpy.float32] | None, rays: numpy.typing.NDArray[numpy.int32] | None, ray_radiance: numpy.typing.NDArray[numpy.float32] | None, first_pose: int | None, output_from_band: numpy.typing.NDArray[numpy.float64] | None, stokes: bool, moves: tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], list[list[int]], numpy.typing.NDArray[numpy.int32]] | None, progress: Callable[[float], object] | None) -> None: ...
+    def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: numpy.typing.NDArray[numpy.float32], standard_error: numpy.typing.NDArray[numpy.float32] | None, rays: numpy.typing.NDArray[numpy.int32] | None, ray_radiance: numpy.typing.NDArray[numpy.float32] | None, first_pose: int | None, output_from_band: numpy.typing.NDArray[numpy.float64] | None, stokes: bool, moves: omma.rendering.moves.EngineMoves | None, progress: Callable[[float], object] | None) -> None: ...
 
     def precision_warning(self, poses: numpy.typing.NDArray[numpy.float64]) -> str: ...
 
@@ -1685,7 +1689,7 @@ def look_at(position_m: numpy.typing.ArrayLike, target_m: numpy.typing.ArrayLike
     Raises `omma.Error` where the target is the position or ``up`` is along the view.
     """
 
-def render_truth(renderer: Renderer, poses: numpy.typing.NDArray[numpy.float64], arrays: dict[str, numpy.typing.NDArray[Any]], first_pose: int | None, progress: Callable[[float], object] | None) -> None:
+def render_truth(renderer: Renderer, poses: numpy.typing.NDArray[numpy.float64], arrays: dict[str, numpy.typing.NDArray[Any]], first_pose: int | None, moves: omma.rendering.moves.EngineMoves | None, progress: Callable[[float], object] | None) -> None:
     """
     Responses and ground truth, into arrays by name: those of `omma.rendering.GroundTruth`,
     and what it is asked with; see omma/truth.h.

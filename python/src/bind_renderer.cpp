@@ -14,6 +14,7 @@
 #include <variant>
 
 #include "arrays.h"
+#include "moves.h"
 #include "omma/pose.h"
 #include "omma/render.h"
 #include "progress.h"
@@ -22,28 +23,14 @@ namespace omma::python {
 
 namespace {
 
-using Poses = nb::ndarray<nb::numpy, const double, nb::shape<-1, 4, 4>, nb::c_contig>;
 using Output = nb::ndarray<nb::numpy, float, nb::ndim<3>, nb::c_contig>;
 using CountOutput = nb::ndarray<nb::numpy, std::int32_t, nb::ndim<2>, nb::c_contig>;
 using RayOutput = nb::ndarray<nb::numpy, float, nb::ndim<4>, nb::c_contig>;
-
-using Indices = nb::ndarray<nb::numpy, const std::int32_t, nb::shape<-1>, nb::c_contig>;
-using Times = nb::ndarray<nb::numpy, const double, nb::shape<-1>, nb::c_contig>;
-// Of what moves from pose to pose: things, their transforms, times, animations; poses before the
-// first, with their times, and transforms of things then; groups of things that are not seen, and the
-// group of each pose.
-using MovesTuple = std::tuple<Indices, Poses, Times, Indices, Poses, Times, Poses,
-                              std::vector<std::vector<int>>, Indices>;
 
 using Matrix = nb::ndarray<nb::numpy, const double, nb::ndim<2>, nb::c_contig>;
 
 std::span<float> span_of(const Output& output) {
   return {output.data(), output.size()};
-}
-
-// The memory of a C-ordered (4, 4) float64 array is that of a Mat4.
-std::span<const Mat4> matrices_of(const Poses& poses) {
-  return {reinterpret_cast<const Mat4*>(poses.data()), poses.shape(0)};
 }
 
 void render(const Renderer& renderer, const Poses& poses, const Output& responses,
@@ -60,19 +47,7 @@ void render(const Renderer& renderer, const Poses& poses, const Output& response
   if (rays) call.rays = {rays->data(), rays->size()};
   if (ray_radiance) call.ray_radiance = {ray_radiance->data(), ray_radiance->size()};
   const std::span<const Mat4> world_from_head = matrices_of(poses);
-  if (moves) {
-    const auto& [instances, transforms, times, animations, past, past_times, past_transforms,
-                 unseen, unseen_at] = *moves;
-    call.instances = {instances.data(), instances.size()};
-    call.world_from_node = matrices_of(transforms);
-    call.times_s = {times.data(), times.size()};
-    call.animations = {animations.data(), animations.size()};
-    call.past_world_from_head = matrices_of(past);
-    call.past_times_s = {past_times.data(), past_times.size()};
-    call.past_world_from_node = matrices_of(past_transforms);
-    call.unseen = unseen;
-    call.unseen_at = {unseen_at.data(), unseen_at.size()};
-  }
+  if (moves) take_moves(*moves, call);
   run_with_progress(progress, [&](const std::function<bool(double)>& report) {
     call.progress = report;
     renderer.render(world_from_head, span_of(responses), call);
@@ -232,12 +207,7 @@ void bind_renderer(nb::module_& m) {
                    "numpy.typing.NDArray[numpy.int32] | None, ray_radiance: "
                    "numpy.typing.NDArray[numpy.float32] | None, first_pose: int | None, "
                    "output_from_band: numpy.typing.NDArray[numpy.float64] | None, stokes: bool, "
-                   "moves: tuple[numpy.typing.NDArray[numpy.int32], "
-                   "numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], "
-                   "numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64], "
-                   "numpy.typing.NDArray[numpy.float64], "
-                   "numpy.typing.NDArray[numpy.float64], list[list[int]], "
-                   "numpy.typing.NDArray[numpy.int32]] | None, progress: "
+                   "moves: omma.rendering.moves.EngineMoves | None, progress: "
                    "collections.abc.Callable[[float], object] | None) -> None"))
       .def(
           "precision_warning",

@@ -6,14 +6,13 @@
 #include <span>
 
 #include "arrays.h"
+#include "moves.h"
 #include "omma/render.h"
 #include "progress.h"
 
 namespace omma::python {
 
 namespace {
-
-using Poses = nb::ndarray<nb::numpy, const double, nb::shape<-1, 4, 4>, nb::c_contig>;
 
 // The memory of an array of this name; empty where there is none.
 template <typename T>
@@ -31,7 +30,8 @@ std::span<const Velocity> velocities_of(const nb::dict& arrays, const char* name
 }
 
 void render_truth(const Renderer& renderer, const Poses& poses, const nb::dict& arrays,
-                  std::optional<std::uint64_t> first_pose, const nb::object& progress) {
+                  std::optional<std::uint64_t> first_pose, const std::optional<MovesTuple>& moves,
+                  const nb::object& progress) {
   RenderCall call;
   call.first_pose = first_pose;
   call.standard_error = memory_of<float>(arrays, "standard_error");
@@ -54,12 +54,10 @@ void render_truth(const Renderer& renderer, const Poses& poses, const nb::dict& 
   truth.moving = memory_of<const std::int32_t>(arrays, "moving");
   truth.objects = velocities_of(arrays, "objects");
   const std::span<float> responses = memory_of<float>(arrays, "responses");
-  // The memory of a C-ordered (4, 4) float64 array is that of a Mat4.
-  const std::span<const Mat4> world_from_head(reinterpret_cast<const Mat4*>(poses.data()),
-                                              poses.shape(0));
+  if (moves) take_moves(*moves, call);
   run_with_progress(progress, [&](const std::function<bool(double)>& report) {
     call.progress = report;
-    renderer.render(world_from_head, responses, call);
+    renderer.render(matrices_of(poses), responses, call);
   });
 }
 
@@ -67,10 +65,12 @@ void render_truth(const Renderer& renderer, const Poses& poses, const nb::dict& 
 
 void bind_truth(nb::module_& m) {
   m.def("render_truth", &render_truth, nb::arg("renderer"), nb::arg("poses").noconvert(),
-        nb::arg("arrays"), nb::arg("first_pose").none(), nb::arg("progress").none(),
+        nb::arg("arrays"), nb::arg("first_pose").none(), nb::arg("moves").none(),
+        nb::arg("progress").none(),
         nb::sig("def render_truth(renderer: Renderer, poses: "
                 "numpy.typing.NDArray[numpy.float64], arrays: dict[str, "
-                "numpy.typing.NDArray[typing.Any]], first_pose: int | None, progress: "
+                "numpy.typing.NDArray[typing.Any]], first_pose: int | None, moves: "
+                "omma.rendering.moves.EngineMoves | None, progress: "
                 "collections.abc.Callable[[float], object] | None) -> None"),
         "Responses and ground truth, into arrays by name: those of `omma.rendering.GroundTruth`,\n"
         "and what it is asked with; see omma/truth.h.");

@@ -8,6 +8,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <array>
+#include <cstring>
 #include <functional>
 #include <optional>
 #include <span>
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include "arrays.h"
+#include "moves.h"
 #include "omma/world.h"
 #include "progress.h"
 #include "struct_values.h"
@@ -23,14 +25,6 @@
 namespace omma::python {
 
 namespace {
-
-using Indices = nb::ndarray<nb::numpy, const std::int32_t, nb::shape<-1>, nb::c_contig>;
-using Matrices = nb::ndarray<nb::numpy, const double, nb::shape<-1, 4, 4>, nb::c_contig>;
-
-// The memory of a C-ordered (4, 4) float64 array is that of a Mat4.
-std::span<const Mat4> matrices_of(const Matrices& matrices) {
-  return {reinterpret_cast<const Mat4*>(matrices.data()), matrices.shape(0)};
-}
 
 using Vectors = nb::ndarray<nb::numpy, const float, nb::shape<-1, 3>, nb::c_contig>;
 
@@ -112,7 +106,7 @@ void bind_world(nb::module_& m) {
       .def("find_instance", &World::find_instance, nb::arg("name"))
       .def(
           "set_transforms",
-          [](World& world, const Indices& instances, const Matrices& transforms,
+          [](World& world, const Indices& instances, const Poses& transforms,
              const nb::object& progress) {
             run_with_progress(progress, [&](const std::function<bool(double)>& report) {
               world.set_transforms({instances.data(), instances.size()}, matrices_of(transforms),
@@ -148,6 +142,18 @@ void bind_world(nb::module_& m) {
           },
           nb::arg("material"), nb::arg("base_color"), nb::arg("emissive"))
       .def_prop_ro("animated", &World::animated)
+      .def(
+          "animated_at",
+          [](const World& world, double time_s, const Indices& animations) {
+            const std::vector<Mat4> there =
+                world.animated_at(time_s, {animations.data(), animations.size()});
+            std::vector<double> numbers(there.size() * 16);
+            std::memcpy(numbers.data(), there.data(), there.size() * sizeof(Mat4));
+            return take(std::move(numbers), {there.size(), 4, 4});
+          },
+          nb::arg("time_s"), nb::arg("animations").noconvert(),
+          nb::sig("def animated_at(self, time_s: float, animations: "
+                  "numpy.typing.NDArray[numpy.int32]) -> numpy.typing.NDArray[numpy.float64]"))
       .def_prop_ro("reshaped", &World::reshaped)
       .def(
           "positions",
@@ -172,7 +178,7 @@ void bind_world(nb::module_& m) {
                   "collections.abc.Callable[[float], object] | None) -> None"))
       .def(
           "precision_warning",
-          [](const World& world, const Matrices& poses) {
+          [](const World& world, const Poses& poses) {
             return world.precision_warning(matrices_of(poses));
           },
           nb::arg("poses").noconvert(),

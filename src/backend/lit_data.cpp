@@ -93,6 +93,7 @@ std::unique_ptr<LitData> make_lit_data(const Lighting& lighting, const Scene& sc
   view.depth = lighting.depth;
   view.polarized = lighting.polarized;
   lit->light = make_light_data(light, scene, placement, view);
+  if (!lighting.polarized) keep_intensity_alone(*lit->light);
   scale_to_radiance_unit(*lit->light);
   place_lamps(*lit->light, scene, frames.lamp_origin_m);
   lit->light->view.lamp_origin_m = frames.lamp_origin_now_m;

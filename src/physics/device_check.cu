@@ -33,8 +33,7 @@ struct Search {
     };
     omma::closest<OneLane>(*bvh, valid, rays, accept);
   }
-  OMMA_HD unsigned occluded(const std::int32_t* valid, const RayPacket<1>& rays,
-                            Spread = Spread::together) const {
+  OMMA_HD unsigned occluded(const std::int32_t* valid, const RayPacket<1>& rays) const {
     return omma::occluded<OneLane>(
         *bvh, valid, rays,
         [&](int, float, float u, float v, std::uint32_t triangle, std::uint32_t placed,

@@ -38,7 +38,8 @@ struct DirectionsView {
   bool random = false;  // independent directions; else low-discrepancy patterns
   std::uint64_t seed = 0;
   int patterns = 0;  // per warp, a power of two; 0: directions are made on the way
-  // [warp][pattern][x, y, z][pattern_samples], unit, in a frame with x up, y right and z along the axis.
+  // [warp][pattern][x, y, z][pattern_samples], unit, in a frame with x up, y right, z along the
+  // axis.
   const float* local = nullptr;
   const Vec2* turns = nullptr;                 // [turn_count + 1], cosine, sine; the last is no turn
   const std::int32_t* fixed_turn = nullptr;    // [warp], the turn that all have, or -1
@@ -96,13 +97,19 @@ struct FrameView {
 
 struct HeadMotion;  // head_motion.h
 
+// RayPacket::mask of rays on their way from the eye, and of those that go on from surfaces and to
+// lights.
+struct SeenMasks {
+  std::uint32_t from_eye = all_seen, by_light = all_seen;
+};
+
 // A block of neighbouring ommatidia at one pose.
 struct BlockTask {
   float world_from_head[3][4] = {};  // row major
   // How the head moves while what is seen goes into the frame; null: it does not.
   const HeadMotion* motion = nullptr;
   std::uint64_t pose = 0;            // index, for the random numbers
-  std::uint32_t sees = all_seen;     // RayPacket::mask of rays on their way from the eye
+  SeenMasks sees;                    // of its rays
   int first = 0, count = 0;          // ommatidia, in the order of EyeView
   float* responses = nullptr;        // [ommatidium][output] of this pose
   float* standard_error = nullptr;   // the same, or null

@@ -97,7 +97,7 @@ OMMA_HD void add_shining(const SceneView& scene, Search& search, const GatherPla
   const bool lets_through = scene.has_blend || scene.has_glass;
   if (open != 0)
     open = lets_through ? dim_by_passing<L>(scene, search, open, shadow, memory.shadow)
-                        : open & ~search.occluded(asked, shadow.rays, Spread::scattered);
+                        : open & ~search.occluded(asked, shadow.rays);
   if (open == 0) return;
   for (int i = 0; i < scene.bands * n; ++i) memory.light[i] = 0;
   for (int l = 0; l < n; ++l)

@@ -95,19 +95,12 @@ OMMA_HD LightSample sample_surfaces(const SceneView& scene, Vec3 position, float
   return sample;
 }
 
-// A direction from `position` towards something that shines, of random numbers in [0, 1). Of light
-// from afar place and density are left to find_sampled_far.
-OMMA_HD LightSample sample_light_direction(const SceneView& scene, Vec3 position, float u_choice, float u0,
-                                 float u1) {
+// Towards a lamp or a surface that shines; `left`: a random number in [0, 1) less the probability of
+// light from afar.
+OMMA_HD LightSample sample_near_light(const SceneView& scene, Vec3 position, float left, float u0,
+                                      float u1) {
   const LightView& light = *scene.light;
   constexpr float below_1 = 0x1.fffffep-1f;
-  if (u_choice < light.far_probability) {
-    LightSample sample;
-    sample.kind = LightKind::far;
-    sample.direction = sample_far_direction(light, u0, u1);
-    return sample;
-  }
-  const float left = u_choice - light.far_probability;
   if (left < light.lamp_probability)
     return sample_lamps(light, position, fminf(left / light.lamp_probability, below_1));
   if (light.emissive_probability > 0.0f) {
@@ -117,16 +110,17 @@ OMMA_HD LightSample sample_light_direction(const SceneView& scene, Vec3 position
   return {};
 }
 
-OMMA_HD void find_sampled_far(const SceneView& scene, const SkyPlace& place, LightSample& sample) {
-  sample.place = place;
-  sample.pdf = escaped_light_pdf(scene, sample.direction, place);
-}
-
+// A direction from `position` towards something that shines, of random numbers in [0, 1).
 OMMA_HD LightSample sample_light(const SceneView& scene, Vec3 position, float u_choice, float u0,
                                  float u1) {
-  LightSample sample = sample_light_direction(scene, position, u_choice, u0, u1);
-  if (sample.kind == LightKind::far)
-    find_sampled_far(scene, find_far(*scene.light, sample.direction), sample);
+  const LightView& light = *scene.light;
+  if (!(u_choice < light.far_probability))
+    return sample_near_light(scene, position, u_choice - light.far_probability, u0, u1);
+  LightSample sample;
+  sample.kind = LightKind::far;
+  sample.direction = sample_far_direction(light, u0, u1);
+  sample.place = find_far(light, sample.direction);
+  sample.pdf = escaped_light_pdf(scene, sample.direction, sample.place);
   return sample;
 }
 

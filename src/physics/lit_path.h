@@ -24,6 +24,7 @@ template <typename L, typename Search>
 OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::int32_t* valid,
                            Packet<L>& packet, const PathMemory& memory, float* radiance,
                            bool gathers = false, FirstHits<L>* first = nullptr) {
+  using F = typename L::F;
   using I = typename L::I;
   constexpr int n = L::count;
   const int components = scene.polarized ? 3 : 1, stride = scene.bands * n;
@@ -53,12 +54,12 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
     // What the rays meet, and where they meet nothing the sky.
     Hits<L> hits;
     clear_hits<L>(packet.rays);
-    const Spread spread =
-        state.flight == 0 && !gathers ? Spread::together : Spread::scattered;
     if (is_dark && scene.depth > 0 && state.flight == scene.depth) {
-      const unsigned met = search.occluded(state.active, packet.rays, spread);
+      const unsigned met = search.occluded(state.active, packet.rays);
       return add_far<L>(scene, packet, state, on & ~met, memory, radiance);
     }
+    const Spread spread =
+        state.flight == 0 && !gathers ? Spread::together : Spread::scattered;
     search.closest(state.active, packet.rays, lets_through ? &passed : nullptr, spread);
     find_hits<L>(search.placed(), packet, hits);
     if (first != nullptr) *first = {packet, hits};
@@ -106,25 +107,33 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
       store(place_x + l, place.x);
       store(place_y + l, place.y);
     }
+    const LightView& light = *scene.light;
     unsigned from_afar = 0;
+    for (int l = 0; l < n && samples_lights; l += L::width)
+      from_afar |= lane_bits(load<F>(which + l) < light.far_probability) << l;
+    from_afar &= scattering;
+    sample_far_lanes<L>(light, place_x, place_y, from_afar, to_light);
+    const unsigned near = samples_lights ? scattering & ~from_afar : 0;
     for (int l = 0; l < n; ++l) {
       lights[l] = {};
-      if (samples_lights && (scattering >> l & 1u) != 0)
-        lights[l] = sample_light_direction(scene, vec_at(geometry.position, l), which[l],
-                                           place_x[l], place_y[l]);
-      if (lights[l].kind == LightKind::far) from_afar |= 1u << l;
+      light_density[l] = 0;
+      if ((from_afar >> l & 1u) != 0) {
+        lights[l].kind = LightKind::far;
+        continue;
+      }
+      if ((near >> l & 1u) != 0)
+        lights[l] = sample_near_light(scene, vec_at(geometry.position, l),
+                                      which[l] - light.far_probability, place_x[l], place_y[l]);
+      light_density[l] = lights[l].pdf;
       to_light[0][l] = lights[l].direction.x;
       to_light[1][l] = lights[l].direction.y;
       to_light[2][l] = lights[l].direction.z;
     }
     SkyPlace places[n] = {};
-    if (scene.light->sky.probability > 0.0f)
-      find_far_lanes<L>(*scene.light, to_light, from_afar, components, places);
-    for (int l = 0; l < n; ++l) {
-      if ((from_afar >> l & 1u) != 0) find_sampled_far(scene, places[l], lights[l]);
-      light_density[l] = lights[l].pdf;
-      is_delta[l] = lights[l].is_delta ? 1.0f : 0.0f;
-    }
+    if (light.sky.probability > 0.0f)
+      find_far_lanes<L>(light, to_light, from_afar, components, places);
+    find_far_pdf<L>(light, to_light, places, from_afar, light_density);
+    for (int l = 0; l < n; ++l) is_delta[l] = lights[l].is_delta ? 1.0f : 0.0f;
     Scattered<L> direct;
     Onward<L> onward;
     scatter_packet<L>(scene, packet, surface, state, memory, scattering, radiance, to_light,
@@ -133,6 +142,7 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
     // Shadow rays to those from which light would come to the eye.
     Packet<L> shadow;
     clear<L>(shadow.rays);
+    for (int l = 0; l < n; ++l) shadow.rays.mask[l] = packet.light_sees;
     alignas(n * 4) std::int32_t asked[n];
     alignas(n * 4) float weight[n] = {};
     unsigned open = 0, mapped = 0;
@@ -141,7 +151,7 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
       const bool is_seen = direct.reflected[l] > 0 || direct.transmitted[l] > 0 ||
                            direct.dielectric[0][l] > 0 || direct.metal[l] > 0 ||
                            direct.coat[0][l] > 0;
-      asked[l] = (scattering >> l & 1u) != 0 && lights[l].pdf > 0 && is_seen ? -1 : 0;
+      asked[l] = (scattering >> l & 1u) != 0 && light_density[l] > 0 && is_seen ? -1 : 0;
       if (scene.sun_map != nullptr && lights[l].kind == LightKind::far) {
         if (asked[l] != 0 && weight[l] > 0) mapped |= 1u << l;
         asked[l] = 0;
@@ -156,20 +166,25 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
     }
     if (open != 0)
       open = lets_through ? dim_by_passing<L>(scene, search, open, shadow, memory.shadow)
-                          : open & ~search.occluded(asked, shadow.rays, Spread::scattered);
+                          : open & ~search.occluded(asked, shadow.rays);
     open |= mapped;
     if (open != 0) {
-      alignas(n * 4) float axis[3][n];
+      alignas(n * 4) float axis[3][n] = {};
       for (int i = 0; i < components * stride; ++i) memory.light[i] = 0;
       for (int l = 0; l < n; ++l) {
-        const Vec3 up = vertical_axis(lights[l].direction);
-        axis[0][l] = up.x, axis[1][l] = up.y, axis[2][l] = up.z;
-        if ((open >> l & 1u) == 0) {
-          weight[l] = 0;
-          continue;
+        const Vec3 d = vec_at(to_light, l);
+        if (scene.polarized) {
+          const Vec3 up = vertical_axis(d);
+          axis[0][l] = up.x, axis[1][l] = up.y, axis[2][l] = up.z;
         }
-        eval_light_sample(scene, lights[l], components, memory.light + l, n, stride);
+        if ((open >> l & 1u) == 0)
+          weight[l] = 0;
+        else if (lights[l].kind != LightKind::far)
+          eval_light_sample(scene, lights[l], components, memory.light + l, n, stride);
+        else if (light.sky.probability > 0.0f)
+          eval_sky(light, d, places[l], components, memory.light + l, n, stride);
       }
+      add_disc_light<L>(light, to_light, open & from_afar, memory.light);
       if (lets_through)
         for (int c = 0; c < components; ++c)
           for (int i = 0; i < stride; ++i)
@@ -215,7 +230,7 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
       const float towards[3] = {onward.direction[0][l], onward.direction[1][l],
                                 onward.direction[2][l]};
       leave_surface<L>(geometry, l, towards, packet.rays);
-      packet.rays.mask[l] = all_seen;
+      packet.rays.mask[l] = packet.light_sees;
       packet.footprint_rad[l] = 0;
       passed.count[l] = 0;
     }

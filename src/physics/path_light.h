@@ -4,7 +4,7 @@
 // alike in all bands, and all others leave of a Stokes vector its I alone.
 #pragma once
 
-#include "physics/light_sample.h"
+#include "physics/far_lanes.h"
 #include "physics/lit_surface.h"
 #include "physics/passed.h"
 #include "physics/path_points.h"
@@ -54,16 +54,6 @@ OMMA_HD Vec3 vertical_axis(Vec3 d) {
   if (level < 1e-14f) return {0, 0, d.y > 0 ? 1.0f : -1.0f};  // of azimuth 0
   const float scale = 1.0f / sqrtf(level);
   return {-d.y * d.x * scale, level * scale, -d.y * d.z * scale};
-}
-
-template <int n>
-OMMA_HD Vec3 vec_at(const float (&values)[3][n], int l) {
-  return {values[0][l], values[1][l], values[2][l]};
-}
-
-template <typename F, int n>
-OMMA_HD void load_3(const float (&values)[3][n], int l, F (&out)[3]) {
-  for (int r = 0; r < 3; ++r) out[r] = load<F>(values[r] + l);
 }
 
 template <typename L>
@@ -148,51 +138,23 @@ OMMA_HD void add_light(const SceneView& scene, const Packet<L>& packet, const Pa
   }
 }
 
-// Where light from afar of some lanes' directions is to be looked up, and asked for; all before the
-// first is read.
-template <typename L>
-OMMA_HD void find_far_lanes(const LightView& light, const float (&direction)[3][L::count],
-                            unsigned lanes, int components, SkyPlace (&places)[L::count]) {
-  using F = typename L::F;
-  constexpr int n = L::count;
-  if (light.sky.rows == 0) return;
-  for (int l = 0; l < n; l += L::width) {
-    if ((lanes >> l & ((1u << L::width) - 1u)) == 0) continue;
-    F d[3];
-    load_3(direction, l, d);
-    const auto found = find_on_sky(light.sky, d[0], d[1], d[2]);
-    alignas(L::width * 4) std::int32_t half[L::width], row[L::width], column[L::width],
-        next[L::width];
-    alignas(L::width * 4) float along_row[L::width], along_column[L::width];
-    store(half, found.half);
-    store(row, found.row);
-    store(column, found.column);
-    store(next, found.next);
-    store(along_row, found.along_row);
-    store(along_column, found.along_column);
-    for (int k = 0; k < L::width; ++k) {
-      if ((lanes >> (l + k) & 1u) == 0) continue;
-      places[l + k] = {half[k], row[k], column[k], next[k], along_row[k], along_column[k]};
-      fetch_sky(light.sky, places[l + k], components);
-    }
-  }
-}
-
 // Light from afar along the rays of some lanes, which met nothing.
 template <typename L>
 OMMA_HD void add_far(const SceneView& scene, const Packet<L>& packet, const PathState<L>& state,
                      unsigned lanes, const PathMemory& memory, float* radiance) {
   constexpr int n = L::count;
   const int stride = scene.bands * n;
+  const LightView& light = *scene.light;
   alignas(n * 4) float weight[n] = {}, axis[3][n] = {};
   SkyPlace places[n] = {};
-  find_far_lanes<L>(*scene.light, packet.rays.direction, lanes, scene.polarized ? 3 : 1, places);
+  find_far_lanes<L>(light, packet.rays.direction, lanes, scene.polarized ? 3 : 1, places);
+  unsigned with_discs = 0;
   for (int l = 0; l < n; ++l) {
     if ((lanes >> l & 1u) == 0) continue;
     const Vec3 d = vec_at(packet.rays.direction, l);
     const bool keeps = scene.polarized && keeps_polarisation<L>(state, l);
-    const bool has_discs = !state.gathers || state.scatterings[l] > 0;
-    eval_far(*scene.light, d, places[l], keeps ? 3 : 1, memory.light + l, n, stride, has_discs);
+    if (!state.gathers || state.scatterings[l] > 0) with_discs |= 1u << l;
+    eval_sky_or_dark(light, d, places[l], keeps ? 3 : 1, memory.light + l, n, stride);
     for (int i = l; scene.polarized && !keeps && i < stride; i += n)
       memory.light[stride + i] = memory.light[2 * stride + i] = 0;
     const float density = state.density[l];
@@ -202,6 +164,7 @@ OMMA_HD void add_far(const SceneView& scene, const Packet<L>& packet, const Path
     const Vec3 up = vertical_axis(d);
     axis[0][l] = up.x, axis[1][l] = up.y, axis[2][l] = up.z;
   }
+  add_disc_light<L>(light, packet.rays.direction, with_discs, memory.light);
   add_light<L>(scene, packet, state, weight, axis, memory, memory.light, radiance);
 }
 

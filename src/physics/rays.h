@@ -20,6 +20,7 @@ struct Packet {
   alignas(L::count * 4) std::int32_t hash[L::count];
   alignas(L::count * 4) std::int32_t sample[L::count];
   alignas(L::count * 4) float reference[3][L::count];
+  std::uint32_t light_sees = all_seen;  // the mask of rays that go on from surfaces, and to lights
 };
 
 // What is the same for all rays.

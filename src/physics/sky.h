@@ -175,19 +175,21 @@ OMMA_HD void add_discs(const LightView& light, Vec3 d, float* stokes, int band_s
   }
 }
 
+// Radiance of the sky at the place of a unit direction, also where there is none.
+OMMA_HD void eval_sky_or_dark(const LightView& light, Vec3 d, const SkyPlace& place, int components,
+                              float* stokes, int band_stride, int component_stride) {
+  if (light.sky.rows > 0)
+    return eval_sky(light, d, place, components, stokes, band_stride, component_stride);
+  for (int p = 0; p < components; ++p)
+    for (int k = 0; k < light.bands; ++k) stokes[p * component_stride + k * band_stride] = 0;
+}
+
 // Radiance of sky and discs in a unit direction, whose place find_far gave: all bands, `components`
 // 1 (I) or 3 (I, Q, U), at stokes[component * component_stride + band * band_stride].
-// Without discs where `has_discs` is false.
 OMMA_HD void eval_far(const LightView& light, Vec3 d, const SkyPlace& place, int components,
-                      float* stokes, int band_stride, int component_stride,
-                      bool has_discs = true) {
-  if (light.sky.rows > 0) {
-    eval_sky(light, d, place, components, stokes, band_stride, component_stride);
-  } else {
-    for (int p = 0; p < components; ++p)
-      for (int k = 0; k < light.bands; ++k) stokes[p * component_stride + k * band_stride] = 0;
-  }
-  if (has_discs) add_discs(light, d, stokes, band_stride);
+                      float* stokes, int band_stride, int component_stride) {
+  eval_sky_or_dark(light, d, place, components, stokes, band_stride, component_stride);
+  add_discs(light, d, stokes, band_stride);
 }
 
 // Probability per solid angle with which sample_far gives a unit direction that lies in discs.
@@ -242,16 +244,19 @@ OMMA_HD Vec3 sample_sky(const SkyView& sky, float u0, float u1) {
 
 // A direction in a disc, evenly by solid angle. The frame about its centre: Duff et al. 2017,
 // Building an orthonormal basis, revisited (Journal of Computer Graphics Techniques 6(1)).
-OMMA_HD Vec3 sample_disc(const DiscView& disc, float u0, float u1) {
+template <typename F>
+OMMA_HD void sample_disc(const DiscView& disc, F u0, F u1, F (&direction)[3]) {
   const Vec3 n = disc.direction;
   const float sign = n.z < 0.0f ? -1.0f : 1.0f;
   const float a = -1.0f / (sign + n.z), b = n.x * n.y * a;
-  const Vec3 s{1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x};
-  const Vec3 t{b, sign + n.y * n.y * a, -n.y};
-  const float chord = u0 * disc.chord_2;
-  const float sine = sqrtf(chord * (1.0f - 0.25f * chord));
-  const SineCosine<float> turn = sine_cosine((2.0f * u1 - 1.0f) * 3.14159265f);
-  return n * (1.0f - 0.5f * chord) + (s * turn.cosine + t * turn.sine) * sine;
+  const float s[3] = {1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x};
+  const float t[3] = {b, sign + n.y * n.y * a, -n.y};
+  const float centre[3] = {n.x, n.y, n.z};
+  const F chord = u0 * disc.chord_2;
+  const F sine = sqrt_lanes(chord * (1.0f - 0.25f * chord));
+  const SineCosine<F> turn = sine_cosine((2.0f * u1 - 1.0f) * 3.14159265f);
+  for (int r = 0; r < 3; ++r)
+    direction[r] = (1.0f - 0.5f * chord) * centre[r] + (turn.cosine * s[r] + turn.sine * t[r]) * sine;
 }
 
 // A direction by how much light comes from it, of u0 and u1 in [0, 1); its density is far_pdf, which
@@ -259,7 +264,11 @@ OMMA_HD Vec3 sample_disc(const DiscView& disc, float u0, float u1) {
 OMMA_HD Vec3 sample_far_direction(const LightView& light, float u0, float u1) {
   for (int i = 0; i < light.disc_count; ++i) {
     const float p = light.discs[i].probability;
-    if (u0 < p) return sample_disc(light.discs[i], u0 / p, u1);
+    if (u0 < p) {
+      float direction[3];
+      sample_disc(light.discs[i], u0 / p, u1, direction);
+      return {direction[0], direction[1], direction[2]};
+    }
     u0 -= p;
   }
   if (!(light.sky.probability > 0.0f)) return {0, 1, 0};

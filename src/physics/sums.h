@@ -129,10 +129,11 @@ OMMA_HD void trace_units(const FrameView& frame, const BlockTask& task,
   int traced = 0;
   Packet<L> packet;
   clear<L>(packet.rays);
+  packet.light_sees = task.sees.by_light;
   for_each_packet<L>(directions, units, list.count, packet, [&](const PacketPlace& place) {
     alignas(L::count * 4) std::int32_t valid[L::count];
     for (int l = 0; l < L::count; ++l) valid[l] = l < place.filled ? -1 : 0;
-    for (int l = 0; l < L::count; ++l) packet.rays.mask[l] = task.sees;
+    for (int l = 0; l < L::count; ++l) packet.rays.mask[l] = task.sees.from_eye;
     if (task.motion != nullptr) move_with_head<L>(*task.motion, packet);
     if (frame.scene->light != nullptr)
       eval_lit_path<L>(*frame.scene, search, valid, packet, memory.paths, memory.radiance, false,

@@ -33,12 +33,11 @@ struct SingleRays {
     search.closest(packet_valid, packet, passed == nullptr ? nullptr : &packet_passed, spread);
     copy_lane<1, 16>(rays, packet);
   }
-  unsigned occluded(const std::int32_t* valid, const RayPacket<1>& rays,
-                    Spread spread = Spread::together) {
+  unsigned occluded(const std::int32_t* valid, const RayPacket<1>& rays) {
     RayPacket<16> packet{};
     alignas(64) const std::int32_t packet_valid[16] = {valid[0]};
     copy_lane<16, 1>(packet, rays);
-    return search.occluded(packet_valid, packet, spread);
+    return search.occluded(packet_valid, packet);
   }
   const PlacedMesh* placed() const {
     return search.placed();

@@ -58,11 +58,13 @@ Scene without(Scene scene, int node) {
 struct Unseen {
   std::vector<std::vector<int>> groups;
   std::vector<int> at;
+  bool by_light = false;
 
   std::vector<float> seen(const Renderer& renderer, const std::vector<Mat4>& poses) const {
     RenderCall call;
     call.unseen = groups;
     call.unseen_at = at;
+    call.unseen_by_light = by_light;
     std::vector<float> responses(poses.size() * renderer.eye().size() *
                                  static_cast<std::size_t>(renderer.world().bands()));
     renderer.render(poses, responses, call);
@@ -180,6 +182,9 @@ TEST(Unseen, ThrowsItsShadow) {
   EXPECT_EQ(found[0], 0) << "the shadow of what it does not see";
   EXPECT_GT(found[1], 0) << "the sunlit ground";
   EXPECT_EQ(found[0], found[2]);
+  const std::vector<float> absent = Unseen{{{roof}}, {0, -1}, true}.seen(renderer, {pose, pose});
+  EXPECT_GT(absent[0], 0.9f * found[1]) << "no shadow either";
+  EXPECT_EQ(absent[2], 0) << "the shadow of who sees it";
   EXPECT_EQ(found[1], found[3]);
 }
 

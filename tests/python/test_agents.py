@@ -145,6 +145,10 @@ def test_what_is_not_seen_has_a_shadow(swarm):
     lit = render_agents([renderer], below[None, None], bodies=[{"bee 0": shifted(x=1.5)}])[0]
     dim = render_agents([renderer], below[None, None], bodies=[{"bee 0": held}])[0]
     assert dim.sum() < 0.5 * lit.sum()
+    without = render_agents(
+        [renderer], below[None, None], bodies=[{"bee 0": held}], unseen_by_light=True
+    )[0]
+    assert without.sum() == pytest.approx(lit.sum(), rel=0.02)  # noise of 256 paths
 
 
 def test_groups_of_each_pose_in_any_render(swarm, path):
@@ -169,6 +173,10 @@ def test_what_is_wrong_is_said(swarm, path):
         renderer.render(path[:, 0], unseen=["bee 0"])
     with pytest.raises(omma.Error, match='nothing called "wasp" to move'):
         renderer.render(path[:1, 0], unseen=["wasp"])
+    with pytest.raises(omma.Error, match="unseen_by_light: goes with unseen"):
+        renderer.render(path[:1, 0], unseen_by_light=True)
+    with pytest.raises(TypeError, match="unseen_by_light: expected True or False, found 'no'"):
+        renderer.render(path[:1, 0], unseen=["bee 0"], unseen_by_light="no")
     with pytest.raises(omma.Error, match="unseen: expected indices of the world's 4 things"):
         renderer.render(path[:1, 0], unseen=[4])
     with pytest.raises(omma.Error, match="renderers: expected one or more, found none"):

@@ -73,8 +73,10 @@ def light_rows():
     taken = {way: 10.0 * (k + 1) for k, way in enumerate(ways)}
     times = {
         "unlit in bands": "1.25", "direct light": "4.0", "direct light, polarised": "1.05",
+        "baked, sun exact": "2.5", "baked, sun map": "1.6",
         "paths, polarised": "1.08", "llvm_ad_rgb, up to 4": "2.5", "llvm_ad_spectral, up to 4": "3",
     }  # fmt: skip
+    taken |= {"baked, sun exact": 25.0, "baked, sun map": 16.0}
     taken |= {"Omma, up to 4": 100.0, "llvm_ad_rgb, up to 4": 250.0}
     taken |= {"llvm_ad_spectral, up to 4": 300.0}
     return [
@@ -97,9 +99,9 @@ def test_light_is_compared_with_the_quicker_peer_and_the_aims():
     rows = light_rows()
     assert beside_peer(rows) == [("up to 4", 100.0, "llvm_ad_rgb", 250.0, 2.5)]
     reached = [cells[-1] for cells in aims_of_light(rows)]
-    assert reached == ["0.80", "0.25", "5.00 to 8.00 %", "2.50"]
+    assert reached == ["0.80", "0.25", "0.40", "0.62", "5.00 to 8.00 %", "2.50"]
     alone = [row for row in rows if not row["way"].startswith(("Omma", "llvm"))]
-    assert len(aims_of_light(alone)) == 3  # without a peer, nothing of it
+    assert len(aims_of_light(alone)) == 5  # without a peer, nothing of it
     assert "| a | up to 4 | 10.00 | 4.00 | llvm_ad_rgb | 2.50 |" in light(rows)
 
 

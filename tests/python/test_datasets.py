@@ -133,6 +133,28 @@ def test_inputs_that_change_while_it_runs_are_refused(tmp_path):
         Workshop(job, digests)
 
 
+@pytest.mark.parametrize(
+    ("part", "key", "words"),
+    [
+        ("compression", "clevel", "compression.clevel was 'another', is 5"),
+        ("versions", "zarr", "versions.zarr was 'another', is"),
+        ("versions", "numcodecs", "versions.numcodecs was 'another', is"),
+    ],
+)
+def test_other_compression_than_at_the_start(tmp_path, part, key, words):
+    job = write_job(tmp_path)
+    datasets.run(job)
+    path = tmp_path / "job.zarr" / "zarr.json"
+    said = json.loads(path.read_text())
+    said["attributes"][part][key] = "another"
+    path.write_text(json.dumps(said))
+    (tmp_path / "job.zarr" / "omma" / "done" / "00000001.json").unlink()
+    before = bytes_of(tmp_path / "job.zarr")
+    with pytest.raises(omma.Error, match=words):
+        datasets.run(job)
+    assert bytes_of(tmp_path / "job.zarr") == before
+
+
 @pytest.mark.parametrize("key", ["format", "omma_version"])
 def test_a_store_of_another_version(made, tmp_path, key):
     job = write_job(tmp_path)
@@ -287,6 +309,115 @@ def test_wrong_jobs(tmp_path, old, new, words):
     assert not (tmp_path / "job.zarr").exists()
 
 
+@pytest.mark.parametrize(
+    ("dataset", "more", "poses", "words"),
+    [
+        ('outputs = ["shares"]', "", "", "expected instances, .* found no instances"),
+        ('instances = ["crate"]', "", "", "found no output shares"),
+        ('outputs = ["shares"]\ninstances = ["crat"]', "", "", "instances: expected .*'crat'"),
+        ('outputs = ["flow"]', "", "", "poses 'high': expected speed_m_s or turn_deg_s"),
+        ("", "[[condition]]\nname = 'a'\nlight = {sky = 'uniform_sky'}\nbake = {path = 16}",
+         "", r"condition\[0\].bake: expected one of .* did you mean 'paths'"),
+        ("", "[[condition]]\nname = 'a'\nlight = {sky = 'uniform_sky'}\nbake = {paths = 17}",
+         "", r"condition\[0\].bake: paths: expected a multiple of 16"),
+        ("", "[[condition]]\nname = 'a'\nbake = {paths = 16}", "", "bake: goes with a light"),
+    ],
+)  # fmt: skip
+def test_outputs_and_light_that_cannot_be(tmp_path, dataset, more, poses, words):
+    job = write_job(tmp_path, dataset=dataset, more=more)
+    with pytest.raises(omma.Error, match=words):
+        datasets.run(job)
+    assert not (tmp_path / "job.zarr").exists()
+
+
+def test_flow_and_shares_are_those_of_ground_truth(tmp_path):
+    """Of heads that fly ahead and turn; what stands in one condition alone has no share in the
+    other."""
+    job = write_job(
+        tmp_path,
+        count=3,
+        dataset='outputs = ["responses", "flow", "shares"]\ninstances = ["crate"]',
+        more='[[condition]]\nname = "plain"\n'
+        '[[condition]]\nname = "crate"\nobject = [{file = "crate.glb", position_m = [0, 5, 0]}]',
+    )
+    job.write_text(job.read_text() + "speed_m_s = [0.5, 1]\nturn_deg_s = [-100, -50]\n")
+    omma.scene.save_scene(tmp_path / "crate.glb", omma.scene.box((8, 1, 8), name="crate"))
+    datasets.run(job)
+    data = xarray.open_zarr(tmp_path / "job.zarr")
+    assert "distance" not in data  # truth was not asked for
+    poses = data.world_from_head.values
+    ahead, up = -poses[:, :3, 2], poses[:, :3, 1]
+    speed = (data.head_velocity.values * ahead).sum(axis=1)
+    assert ((speed > 0.5) & (speed < 1)).all()
+    np.testing.assert_allclose(data.head_velocity, speed[:, None] * ahead, atol=1e-12)
+    # To the left: right-handed about the head's up.
+    turn = np.degrees((data.head_turn.values * up).sum(axis=1))
+    assert ((turn > 50) & (turn < 100)).all()
+    assert data.head_turn.attrs["units"] == data.flow.attrs["units"] == "rad s-1"
+    assert data.direction.values.tolist() == ["right", "up"]
+    assert data.instance.values.tolist() == ["crate"]
+    scene = omma.load_scene(tmp_path / "scene.gltf")
+    placed = omma.scene.place_scene(
+        omma.load_scene(tmp_path / "crate.glb"), omma.poses_from_angles((0, 5, 0), (0, 0, 0))[0]
+    )
+    eye = omma.load_eye(tmp_path / "bug.csv")
+    both = omma.Renderer(omma.scene.merge_scenes([scene, placed]), eye, omma.Fixed(2))
+    truth = both.ground_truth(
+        poses[3:],
+        shares=["crate"],
+        head_velocity=(data.head_velocity.values[3:], data.head_turn.values[3:]),
+    )
+    np.testing.assert_array_equal(data.flow[3:], truth.flow_rad_s)
+    np.testing.assert_array_equal(data.flow_rotation[3:], truth.flow_rotation_rad_s)
+    np.testing.assert_array_equal(data.share[3:], truth.shares)
+    assert (data.share[3:].values.sum(axis=(1, 2)) > 0).all()
+    assert (data.share[:3] == 0).all()
+
+
+def test_flow_along_walks_and_paths(tmp_path):
+    """Heads move as their poses follow one another, whatever shard they are in."""
+    lines = [f"0,{2 + 0.1 * k},0,{10 * k},0,0" for k in range(6)]
+    (tmp_path / "path.csv").write_text("\n".join(["x,y,z,yaw_deg,pitch_deg,roll_deg", *lines]))
+    poses = (
+        '[[poses]]\nname = "walks"\nsampler = "walk"\nlow_m = [-5, 1, -5]\nhigh_m = [5, 3, 5]\n'
+        "walks = 2\nsteps = 5\nstep_s = 0.02\nspeed_m_s = 0.5\n"
+        '[[poses]]\nname = "path"\nsampler = "path"\nfile = "path.csv"\nstep_s = 0.5\n'
+    )
+    job = write_job(tmp_path, dataset='outputs = ["flow"]', poses=poses)
+    datasets.run(job)
+    data = xarray.open_zarr(tmp_path / "job.zarr")
+    made = data.world_from_head.values
+    for some, step_s in ((slice(0, 5), 0.02), (slice(5, 10), 0.02), (slice(10, 16), 0.5)):
+        times_s = np.arange(len(made[some])) * step_s
+        linear, angular = omma.velocities_from_poses(made[some], times_s)
+        np.testing.assert_allclose(data.head_velocity[some], linear, atol=1e-9)
+        np.testing.assert_allclose(data.head_turn[some], angular, atol=1e-9)
+    np.testing.assert_allclose(data.head_velocity[10:], [[0, 0.2, 0]] * 6, atol=1e-9)
+    # 20 degrees a second to the right.
+    np.testing.assert_allclose(np.degrees(data.head_turn[10:]), [[0, -20, 0]] * 6, atol=1e-6)
+
+
+def test_baked_light_as_the_job_says(tmp_path, monkeypatch):
+    monkeypatch.setenv("OMMA_CACHE", str(tmp_path / "cache"))
+    job = write_job(
+        tmp_path,
+        count=1,
+        rendering="bands = 4",
+        more="[[condition]]\nname = 'day'\nlight = {sky = 'uniform_sky'}\nultraviolet = 'dark'\n"
+        "bake = {paths = 16, cell_m = 2.0}\n",
+    )
+    datasets.run(job)
+    bake = omma.scene.Bake(paths=16, cell_m=2.0)
+    light = omma.light.uniform_sky(bands=omma.light.Bands.equal(4))
+    scene = omma.load_scene(tmp_path / "scene.gltf")
+    world = omma.World(scene, light=light, ultraviolet="dark", bake=bake)
+    assert (world.baked.paths, world.baked.from_cache) == (16, True)  # the job's own
+    eye = omma.load_eye(tmp_path / "bug.csv")
+    data = xarray.open_zarr(tmp_path / "job.zarr")
+    seen = omma.Renderer(world, eye, omma.Fixed(2)).render(data.world_from_head.values)
+    np.testing.assert_array_equal(data.response, seen)
+
+
 def test_views_in_any_order(made):
     data = xarray.open_zarr(made[1]).response.values
     views = datasets.open_views(made[1], ["response", "pose"])
@@ -340,7 +471,7 @@ def test_tar_files(made, tmp_path):
 
 
 def test_pytorch(made):
-    torch = pytest.importorskip("torch")
+    torch = pytest.importorskip("torch", reason="needs pip install torch")
     views = datasets.open_views(made[1])
     loader = torch.utils.data.DataLoader(
         datasets.torch_dataset(views), batch_size=4, num_workers=1,
@@ -350,8 +481,28 @@ def test_pytorch(made):
     np.testing.assert_array_equal(found, xarray.open_zarr(made[1]).response)
 
 
+def test_pytorch_in_any_order(made):
+    """Several variables, shuffled: each view once, and all of one view together."""
+    torch = pytest.importorskip("torch", reason="needs pip install torch")
+    views = datasets.open_views(made[1], ["response", "pose"])
+    data = xarray.open_zarr(made[1]).response.values
+    loader = torch.utils.data.DataLoader(
+        datasets.torch_dataset(views), batch_size=3, shuffle=True,
+        generator=torch.Generator().manual_seed(1),
+    )  # fmt: skip
+    batches = list(loader)
+    order = torch.concatenate([one["pose"] for one in batches]).numpy()
+    assert sorted(order) == list(range(10))
+    assert (order != np.arange(10)).any()
+    for one in batches:
+        assert one["response"].dtype == torch.float32
+        np.testing.assert_array_equal(one["response"].numpy(), data[one["pose"].numpy()])
+
+
 def test_without_pytorch(made, monkeypatch):
-    monkeypatch.setitem(sys.modules, "torch", None)
+    # A module that is there already would be found without its package.
+    for name in ("torch", "torch.utils", "torch.utils.data"):
+        monkeypatch.setitem(sys.modules, name, None)
     monkeypatch.delitem(sys.modules, "omma.datasets.torch_views", raising=False)
     with pytest.raises(omma.Error, match="pip install torch"):
         datasets.torch_dataset(datasets.open_views(made[1]))
@@ -359,7 +510,5 @@ def test_without_pytorch(made, monkeypatch):
 
 def test_more_views_than_fit_are_refused(tmp_path):
     path = write_job(tmp_path, count=10**9)
-    with pytest.raises(
-        omma.Error, match=r"at most 50,000,000 views .* found 1,000,000,000"
-    ):
+    with pytest.raises(omma.Error, match=r"at most 50,000,000 views .* found 1,000,000,000"):
         datasets.run(path)

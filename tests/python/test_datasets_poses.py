@@ -5,6 +5,7 @@ import pytest
 from dataset_jobs import write_job
 
 import omma
+from omma.datasets.far_map import FarMap
 from omma.datasets.job_file import load_job
 from omma.datasets.probing import Probe
 from omma.datasets.samplers import PoseSet, sample_poses
@@ -71,7 +72,7 @@ def test_a_pose_does_not_depend_on_those_beside_it(probe):
 def test_walks_go_straight_between_saccades_and_keep_clear(probe):
     poses = PoseSet(
         "w", "walk", 600, (), low_m=(-3, 0.5, -3), high_m=(3, 3, 3), clearance_m=0.1, steps=200,
-        step_s=0.02, speed_m_s=1.0, saccades_per_s=1.0, saccade_deg=(40, 90), saccade_s=0.06,
+        step_s=0.02, speed_m_s=(1.0, 1.0), saccades_per_s=1.0, saccade_deg=(40, 90), saccade_s=0.06,
     )  # fmt: skip
     walks = walk_poses(poses, 3, "s", range(3), probe).reshape(3, 200, 4, 4)
     place = walks[..., :3, 3]
@@ -97,7 +98,7 @@ def test_no_free_place(tmp_path):
         omma.datasets.run(job)
     walk = PoseSet(
         "w", "walk", 10, (), low_m=(0, 1, 0), high_m=(0.01, 1, 0.01), steps=10, step_s=1.0,
-        speed_m_s=1.0, saccades_per_s=1.0, saccade_s=0.1,
+        speed_m_s=(1.0, 1.0), saccades_per_s=1.0, saccade_s=0.1,
     )  # fmt: skip
     probe = Probe(omma.World(omma.Scene()))
     with pytest.raises(omma.Error, match=r"walk 0, step 1.* 64 ways tried"):
@@ -115,3 +116,30 @@ def test_paths_are_those_of_the_file(tmp_path):
     np.testing.assert_array_equal(
         views[:]["world_from_head"], omma.load_poses(tmp_path / "way.csv")
     )
+
+
+def test_what_the_map_of_the_open_says_is_what_rays_say():
+    """In a box about a slanted cube: where the map is sure there is room, and answers are those of
+    rays alone, also outside of the box that the map is of."""
+    tilt = omma.poses_from_angles((0.3, 1.2, -0.2), (30, 40, 20))[0]
+    scene = omma.scene.merge_scenes([FLOOR, omma.scene.place_scene(CUBE, tilt)])
+    rng = np.random.default_rng(3)
+    low, high = np.array([-3, -0.5, -3]), np.array([3, 4, 3])
+    places = rng.uniform(low, high, (3000, 3))
+    clear = FarMap(scene, low, high, 0.2).is_far(places)
+    assert 0.3 < clear.mean() < 0.9
+    mapped, rays = Probe(omma.World(scene)), Probe(omma.World(scene))
+    rays._is_mapped = False
+    free = rays.is_free(places, 0.2)
+    assert free[clear & (places[:, 1] > 0)].all()
+    np.testing.assert_array_equal(mapped.is_free(places, 0.2), free)
+    assert mapped._maps  # it was asked
+    np.testing.assert_array_equal(
+        mapped.is_free(3 * places[:500], 0.2), rays.is_free(3 * places[:500], 0.2)
+    )
+    # Places within a hand's breadth of the cube's faces are none that a map is sure of.
+    local = np.linalg.inv(tilt) @ np.append(places, np.ones((3000, 1)), axis=1).T
+    beside = np.abs(local[:3].T - [0, 1, 0]) - 1
+    near = np.linalg.norm(np.maximum(beside, 0), axis=1) < 0.2
+    inner = beside.max(axis=1) < -0.2  # far inside of it: nothing is near there
+    assert not clear[near & ~inner].any()

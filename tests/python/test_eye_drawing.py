@@ -171,7 +171,7 @@ def test_wrong_arguments_are_named(tmp_path, monkeypatch, six, arguments, words)
 
 def test_without_matplotlib_it_says_what_to_install(tmp_path, monkeypatch, six):
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
-    with pytest.raises(omma.Error, match=re.escape("pip install omma[plots]")):
+    with pytest.raises(omma.Error, match=re.escape("pip install 'omma[plots]'")):
         omma.picture.draw_eye(tmp_path / "a.svg", six)
     assert list(tmp_path.iterdir()) == []
 

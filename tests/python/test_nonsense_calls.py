@@ -63,6 +63,10 @@ WITHOUT = {
     "scene_from_model": "a model of MuJoCo (test_mujoco)",
     "update": "a model of MuJoCo (test_mujoco)",
     "world_from_model": "a model of MuJoCo (test_mujoco)",
+    "show": "a server with a page (test_view)",
+    "Window": "a server with a page (test_view)",
+    "Window.close": "a server with a page (test_view)",
+    "Window.go_to": "a server with a page (test_view)",
     "World.set_color": "a world that was never lit",
     "World.set_image": "a world that was never lit, with an image",
 }
@@ -154,6 +158,8 @@ def public_calls(folder):
     omma.datasets.run(job)
     views = omma.datasets.open_views(folder / "job" / "job.zarr")
     good = {
+        "HeadPose": ((0, 0, 0),),
+        "Look": (omma.view.HeadPose(),),
         "AcuteZone": (0.0, 0.0, 0.5, 2.0),
         "Box": ((0, 0, 0), (1, 1, 1)),
         "Cylinder": ((0, 0, 0), 1.0, 1.0),
@@ -272,6 +278,16 @@ def public_calls(folder):
         "to_hexals": (np.zeros((2, len(columns), 1)), columns, 1),
         "uv_from_pq": ([0, 1], [0, 1]),
         "response_bounds": (omma.World(scene),),
+        "ultraviolet_dependence": (
+            omma.Renderer(
+                omma.World(
+                    scene, light=omma.light.uniform_sky(1e17), ultraviolet=0.1, lighting="path"
+                ),
+                bee,
+                omma.Fixed(1),
+            ),
+            pose,
+        ),
         "render_agents": ([omma.Renderer(scene, bee, omma.Fixed(1))], pose[None, None]),
         "load_poses": (folder / "poses.csv",),
         "load_scene": (folder / "scene.gltf",),
@@ -491,6 +507,9 @@ def public_calls(folder):
         }),
         "Wiring": (omma.eye.Wiring([0, 1], [0], [1.0]), {}),
         "GroundTruth": (renderer.ground_truth(pose), {}),
+        "UltravioletDependence": (
+            omma.rendering.UltravioletDependence((), np.ones((1, 1)), np.ones((1, 1))), {},
+        ),
         "SamplingReport": (
             omma.rendering.SamplingReport(np.ones((1, 1)), np.ones((1, 1, 3)), 0.1), {},
         ),

@@ -40,7 +40,7 @@ def test_every_room_says_what_it_is_for(name):
 ROOMS = [
     "_core", "base", "light", "receptors", "photoreceptors", "eye", "scene", "stimuli",
     "rendering", "motion", "species", "picture", "study", "job", "datasets", "gym", "mujoco",
-    "columns", "cli",
+    "columns", "view", "cli",
 ]  # fmt: skip
 
 

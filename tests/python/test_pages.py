@@ -24,20 +24,6 @@ PAGES = sorted(
 )
 COMPOUND_RAY = DATA / "compound-ray"
 
-# What pages that do not begin with an import take as given: the variables that their prose speaks
-# of.
-GIVEN = """
-import math
-import multiprocessing
-import numpy as np
-import omma
-scene = omma.load_scene("meadow.glb")
-eye = omma.eye.merge_eyes([omma.load_eye("left.eye"), omma.load_eye("right.eye")])
-poses = np.stack([omma.look_at((x, 1, 0), (x, 1, -5)) for x in (0.0, 0.1)])
-renderer = omma.Renderer(scene, eye, omma.Fixed(1))
-responses = renderer.render("bee")[0]
-"""
-
 # And what besides, ahead of a snippet of a page (counted from 0).
 GIVEN_BESIDES = {
     "docs/written-files.md": {
@@ -74,8 +60,11 @@ COMES_OUT = {
     "docs/closed-loops.md": "assert observations.shape == (32, 200, 3) and responses.any()",
     "docs/columns.md": "assert light.shape == (1, 3, 1, 721) and published.q.tolist() == [0, 1]",
     "docs/mujoco.md": "assert responses.shape == (1, 1000, 3) and lit.lighting == 'path'",
+    "docs/how-to.md": "assert len(eye) == 10_760 and responses.shape == (10_760, 3)",
     "docs/motion-detection.md": "assert np.nanmean(motion[level, 0]) > 0.01",
     "docs/neighbours.md": "assert left < 0 < right",
+    "docs/gallery.md": "import glob; assert len(glob.glob('gallery-*.png')) == 10",
+    "docs/start.md": "assert flight.shape == (3, 10760, 3) and inside.min() < 0.5 < inside.max()",
     "docs/receptors.md": "assert cartridges.shape == (2, 300) and responses.shape == (2, 300, 3)",
     "docs/written-files.md": "assert 0 < ahead.sizes['ommatidium'] < data.sizes['ommatidium']",
     "examples/from_compoundray.md": """
@@ -115,8 +104,12 @@ SNIPPETS_NOT_RUN: dict[str, str] = {}
 
 # Commands that are not run, by regular expressions of how they begin, and why.
 NOT_RUN = {
+    r"\. \.venv/bin/activate": "a shell's own matter",
     "scripts/quickstart": "installs; scripts/test starts with the same set-up",
     "scripts/test": "it is what runs this",
+    "scripts/blender_addon": "fetches Blender; test_blender_addon.py runs it without",
+    "scripts/wheel": "builds the engine; test_wheel.py looks at what came out",
+    "omma view": "goes on until Ctrl-C; test_view.py",
     "scripts/bench": "ten minutes, and says nothing on a machine with other work",
     "pip install": "installs; it is what scripts/setup does",
     "omma dataset run job.toml --": "needs a cluster; test_datasets_cluster.py has a small one",
@@ -163,6 +156,11 @@ def blocks(page, kind):
                 found.append("\n".join(body))
                 body = []
     return found
+
+
+def given():
+    """What pages that do not begin with an import take as given, as docs/how-to.md has it."""
+    return blocks("docs/how-to.md", "python")[1]
 
 
 def commands(page):
@@ -232,10 +230,10 @@ def test_snippets_run(page, folder):
         pytest.skip(f"needs {COMPOUND_RAY}, which is not here")
     if page in NEEDS_PACKAGE:
         pytest.importorskip(NEEDS_PACKAGE[page])
-    snippets, given = blocks(page, "python"), GIVEN_BESIDES.get(page, {})
-    parts = [] if snippets[0].startswith(("import ", "from ")) else [GIVEN]
+    snippets, besides = blocks(page, "python"), GIVEN_BESIDES.get(page, {})
+    parts = [] if snippets[0].startswith(("import ", "from ")) else [given()]
     for number, snippet in enumerate(snippets):
-        parts += [given.get(number, ""), snippet]
+        parts += [besides.get(number, ""), snippet]
     (folder / "page.py").write_text("\n".join([*parts, COMES_OUT.get(page, "")]))
     done = run([sys.executable, "page.py"], folder)
     assert done.returncode == 0, f"{page}:\n{done.stderr}"

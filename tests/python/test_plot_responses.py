@@ -95,6 +95,42 @@ def test_several_eyes_have_one_scale(tmp_path, monkeypatch):
     assert limits == [(0, 4), (0, 4)]
 
 
+@pytest.mark.parametrize("full_scale", [1.0, 3e17, 2e-5])
+def test_scales_of_photons_have_their_power_of_ten_in_the_label(tmp_path, monkeypatch, full_scale):
+    from omma.picture import response_plots
+
+    figures = []
+    monkeypatch.setattr(response_plots, "save_figure", lambda one, *_, **__: figures.append(one))
+    responses = np.full((50, 3), full_scale)
+    omma.picture.plot_responses(tmp_path / "a.png", make_eye(50), responses, full_scale=full_scale)
+    figures[0].canvas.draw()
+    scale = figures[0].axes[-1]
+    shown = [float(label.get_text()) for label in scale.get_xticklabels()]
+    power = {1.0: "", 3e17: ", $10^{17}$", 2e-5: ", $10^{-5}$"}[full_scale]
+    assert scale.get_xlabel() == f"response (display gamma 2.2){power}"
+    unit = {1.0: 1.0, 3e17: 1e17, 2e-5: 1e-5}[full_scale]
+    assert shown == pytest.approx(scale.get_xticks() / unit)
+    assert scale.xaxis.get_offset_text().get_text() == ""
+
+
+@pytest.mark.parametrize(
+    ("brightest", "end", "words"), [(500.0, 1.0, ", brighter cut off"), (5.0, 5.0, "")]
+)
+def test_one_that_sees_the_sun_leaves_the_others_visible(
+    tmp_path, monkeypatch, brightest, end, words
+):
+    from omma.picture import response_plots
+
+    figures = []
+    monkeypatch.setattr(response_plots, "save_figure", lambda one, *_, **__: figures.append(one))
+    responses = np.full((500, 3), 1.0)
+    responses[0] = brightest
+    omma.picture.plot_responses(tmp_path / "a.png", make_eye(500), responses, channels=[0, 1])
+    scale = figures[0].axes[-1]
+    assert scale.get_xlim()[1] == pytest.approx(end)
+    assert scale.get_xlabel() == f"response{words} (display gamma 2.2)"
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -375,7 +375,7 @@ def test_alias_files(tmp_path):
 
 def test_plots_say_what_to_install(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
-    with pytest.raises(omma.Error, match=r"pip install omma\[plots\]"):
+    with pytest.raises(omma.Error, match=r"pip install 'omma\[plots\]'"):
         omma.study.save_variance_map(tmp_path / "x.png", np.ones((2, 2)), (0, 0, 0), 1)
     assert not list(tmp_path.iterdir())
 

@@ -141,6 +141,9 @@ def examples(files, tmp_path_factory):
         "receptors.OmmatidiumType": kind,
         "receptors.ReceptorType": all_round_eye().receptor_types[0],
         "rendering.GroundTruth": renderer.ground_truth(pose, shares=[0]),
+        "rendering.UltravioletDependence": omma.rendering.UltravioletDependence(
+            ("grass",), np.zeros((1, 2, 3), np.float32), np.ones((1, 2, 3), np.float32)
+        ),
         "rendering.Settings": omma.rendering.Settings(omma.Shared(4), seed=7),
         "rendering.SamplingReport": renderer.render(pose, report=True)[1],
         "scene.Animation": (swinging := swinging_box(folder / "swing.gltf")).animations[0],
@@ -181,6 +184,9 @@ def examples(files, tmp_path_factory):
         "study.MinimumSamples": omma.study.minimum_samples(
             scene, pose[None], fraction=0.5, poses=1, method=omma.study.Method(points="random"),
         ),
+        "view.HeadPose": (there := omma.view.HeadPose((0.1, 0.2, 0.3), 4.0, -5.0, 6.0)),
+        "view.Look": (look := omma.view.Look(there, 16, 1.5, 0.25)),
+        "view.Seen": omma.view.Seen(look, 16, True, *np.ones((2, 40, 3)), None, None, 0.1),
         "study.SpeedTest": omma.study.measure_speed(scene, eye, pose, [1], frames=1, warm_up_s=0),
         # Not public themselves, but what public functions return.
         "sphere()": omma.eye.sphere(1e-3),
@@ -204,11 +210,13 @@ UNHASHABLE = {
     "eye.LensConeEye", "eye.Wiring", "light.Bands", "light.Disc", "light.Light",
     "receptors.BandError", "stimuli.Target",
     "motion.DetectorArray", "motion.DetectorState", "rendering.GroundTruth",
+    "rendering.UltravioletDependence",
     "rendering.SamplingReport", "study.MinimumSamples", "study.SpeedTest",
-    "scene.NaturalMaterial", "mesh_surface()", "EyeMeasures.field",
+    "scene.NaturalMaterial", "view.Seen", "mesh_surface()", "EyeMeasures.field",
 }  # fmt: skip
-# Made of another package's simulation (tests/python/test_mujoco_retina.py).
-ELSEWHERE = {"mujoco.FlyRetina"}
+# Made of another package's simulation (tests/python/test_mujoco_retina.py); a server's page
+# (tests/python/test_view.py).
+ELSEWHERE = {"mujoco.FlyRetina", "view.Window"}
 CLASSES = sorted(
     {f"{room}.{name}".strip(".") for room, name, thing in public_things() if inspect.isclass(thing)}
     - ELSEWHERE

@@ -36,7 +36,7 @@ def load_matplotlib() -> type[Figure]:
         from matplotlib.figure import Figure
     except ImportError:
         raise Error(
-            "a plot needs Matplotlib, which is not installed: pip install omma[plots]"
+            "a plot needs Matplotlib, which is not installed: pip install 'omma[plots]'"
         ) from None
     return Figure
 

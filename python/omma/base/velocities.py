@@ -46,21 +46,38 @@ def velocities_from_poses(
     if not np.isfinite(matrices).all():
         raise Error("poses: expected finite numbers")
     linear = np.diff(matrices[:, :3, 3], axis=0) / steps[:, None]
-    angular = _turns(matrices) / steps[:, None]
+    turns = _nearest_turns(matrices)
+    angular = _rotation_vectors(turns[:-1], turns[1:]) / steps[:, None]
     return _at_poses(linear, steps), _at_poses(angular, steps)
 
 
-def _turns(matrices: Matrices) -> NDArray[np.float64]:
-    """Rotation vectors (P - 1, 3), rad, in the world, from each pose to the next."""
-    from scipy.spatial.transform import Rotation
+def velocities_between(
+    before: Matrices, after: Matrices, step_s: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Linear velocities (P, 3), m/s, and angular ones (P, 3), rad/s, in the world, of frames that
+    go straight and turn evenly from ``before`` to ``after``, (P, 4, 4), in ``step_s``.
+    """
+    linear = (after[:, :3, 3] - before[:, :3, 3]) / step_s
+    turns = _rotation_vectors(_nearest_turns(before), _nearest_turns(after))
+    return linear, turns / step_s
 
-    # What scales or mirrors is left out: the nearest turn; a mirrored frame turns all the same.
+
+def _nearest_turns(matrices: Matrices) -> NDArray[np.float64]:
+    """Orthogonal matrices (P, 3, 3): what scales is left out; what mirrors does so still."""
     u, size, v = np.linalg.svd(matrices[:, :3, :3])
     if not (size > 0).all():
         flat = int(np.flatnonzero(~(size > 0).all(axis=1))[0])
         raise Error(f"poses: pose {flat} flattens what it places")
-    orthogonal = u @ v
-    step = orthogonal[1:] @ np.swapaxes(orthogonal[:-1], 1, 2)
+    return np.asarray(u @ v)
+
+
+def _rotation_vectors(
+    before: NDArray[np.float64], after: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Rotation vectors (P, 3), rad, in the world, from one turn to another."""
+    from scipy.spatial.transform import Rotation
+
+    step = after @ np.swapaxes(before, 1, 2)
     if not (np.linalg.det(step) > 0).all():
         raise Error("poses: expected a path along which none or all mirror")
     return np.asarray(Rotation.from_matrix(step).as_rotvec())

@@ -19,6 +19,7 @@ _COMMANDS = {
     "render": ("render", "render_app", "Render what an eye or a camera sees in a scene."),
     "info": ("info", "info_app", "Say what is in a scene, an eye or responses."),
     "eye": ("eye", "eye_app", "Make, change, convert, check and draw eyes."),
+    "view": ("view", "view_app", "Show what an eye sees in a browser, live."),
     "dataset": ("dataset", "dataset_app", "Make data sets of views for models, and read them."),
     "light": ("light", "light_app", "Draw skies: radiance, polarisation, spectrum."),
     "measure": (

@@ -85,6 +85,15 @@ _DEFAULTS = Settings()
 # Nothing else may be said of a render that is made again.
 _WITH_LIKE = ("like", "output", "scene", "eye", "threads")
 
+BackgroundOption = Annotated[
+    str | None,
+    typer.Option(
+        help="Instead of the scene's: linear radiance R,G,B, an equirectangular image file, "
+        + " or ".join(NAMED_BACKGROUNDS)
+        + ".",
+        metavar="R,G,B|FILE|NAME",
+    ),
+]
 UnitOption = Annotated[
     str | None,
     typer.Option(
@@ -150,15 +159,7 @@ def render(
     path: Annotated[
         Path | None, typer.Option(help="CSV file of poses, one a line.", metavar="CSV")
     ] = None,
-    background: Annotated[
-        str | None,
-        typer.Option(
-            help="Instead of the scene's: linear radiance R,G,B, an equirectangular image file, "
-            + " or ".join(NAMED_BACKGROUNDS)
-            + ".",
-            metavar="R,G,B|FILE|NAME",
-        ),
-    ] = None,
+    background: BackgroundOption = None,
     standard_error: Annotated[
         bool,
         typer.Option(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import threading
 from collections.abc import Iterator, Mapping
@@ -35,6 +36,11 @@ def scheduler_of(job: Job, dask: str | None, slurm: int) -> Iterator[Any]:
         omma.Error: a package is missing, or no scheduler answers.
     """
     distributed = _load("distributed")
+    with _told_by_us():
+        yield from _clients(distributed, job, dask, slurm)
+
+
+def _clients(distributed: Any, job: Job, dask: str | None, slurm: int) -> Iterator[Any]:
     if dask is None:
         cluster = slurm_cluster(job)
         with cluster, distributed.Client(cluster) as client:
@@ -49,6 +55,18 @@ def scheduler_of(job: Job, dask: str | None, slurm: int) -> Iterator[Any]:
         yield client
     finally:
         client.close(timeout=2)
+
+
+@contextmanager
+def _told_by_us() -> Iterator[None]:
+    """Dask logs a page where a scheduler goes away, which is one line as an error of ours."""
+    logger = logging.getLogger("distributed.client")
+    level = logger.level
+    logger.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        logger.setLevel(level)
 
 
 def slurm_cluster(job: Job) -> Any:

@@ -38,8 +38,11 @@ from omma.rendering.settings import (
     options_of,
     settings_as_record,
 )
+from omma.scene.baking import Bake
 
-OUTPUTS = ("responses", "errors", "receptors", "truth", "pictures")
+OUTPUTS = ("responses", "errors", "receptors", "truth", "flow", "shares", "pictures")
+# Those that ground truth gives.
+TRUTHS = ("truth", "flow", "shares")
 SKIES = ("clear_sky", "clear_sky_at", "moonlit_sky", "overcast_sky", "uniform_sky")
 
 _MOST_SEED = (1 << 63) - 1
@@ -82,7 +85,7 @@ class Condition:
     background: str  # as `parse_background` takes it; "" for the scene's own
     sky: str  # one of `SKIES`; "" for a world without light
     sky_options: dict[str, Any]
-    world_options: dict[str, Any]  # lighting, depth, ultraviolet, of `omma.World`
+    world_options: dict[str, Any]  # lighting, depth, ultraviolet, sun, bake, of `omma.World`
     objects: tuple[PlacedObject, ...]
 
     @property
@@ -102,6 +105,7 @@ class Job:
     store: str
     seed: int
     outputs: tuple[str, ...]
+    instances: tuple[str, ...]  # names of things whose shares of the field are an output
     scenes: tuple[SceneInput, ...]
     eyes: tuple[EyeInput, ...]
     conditions: tuple[Condition, ...]
@@ -170,6 +174,7 @@ def job_from(values: Mapping[str, Any], file: str, said: str) -> Job:
     outputs = about.take("outputs", texts, ("responses",))
     for one in outputs:
         choices(OUTPUTS)(one, f"{file}, dataset.outputs")
+    instances = about.take("instances", texts, ())
     views_per_chunk = about.take("views_per_chunk", count, 0)
     views_per_shard = about.take("views_per_shard", count, 0)
     about.end()
@@ -195,12 +200,15 @@ def job_from(values: Mapping[str, Any], file: str, said: str) -> Job:
     for kind, inputs in (("scene", scenes), ("eye", eyes), ("condition", conditions)):
         check_unlike([one.name for one in inputs], f"{file}, {kind}")
     check_unlike([one.name for one in poses], f"{file}, poses")
+    check_unlike(instances, f"{file}, dataset.instances")
     _check_together(file, outputs, settings, conditions)
+    _check_truths(file, outputs, instances, poses)
     plain = {key: value for key, value in values.items() if key not in ("slurm",)}
     plain["dataset"] = {k: v for k, v in plain.get("dataset", {}).items() if k != "store"}
     return Job(
-        file, said, _as_json(plain), str(folder / store), seed, outputs, scenes, eyes, conditions,
-        poses, settings, backend, bands, width, projection, views_per_chunk, views_per_shard, slurm,
+        file, said, _as_json(plain), str(folder / store), seed, outputs, instances, scenes, eyes,
+        conditions, poses, settings, backend, bands, width, projection, views_per_chunk,
+        views_per_shard, slurm,
     )  # fmt: skip
 
 
@@ -219,8 +227,9 @@ def _check_together(
 ) -> None:
     if "receptors" in outputs and isinstance(settings.sampling, ToError):
         raise Error(f"{file}, rendering.error: expected samples where receptors are an output")
-    if "truth" in outputs and isinstance(settings.sampling, Shared):
-        raise Error(f"{file}, rendering.shared: expected samples where truth is an output")
+    truths = [one for one in TRUTHS if one in outputs]
+    if truths and isinstance(settings.sampling, Shared):
+        raise Error(f"{file}, rendering.shared: expected samples where {truths[0]} is an output")
     lit = [one.name for one in conditions if one.sky]
     unlit = [one.name for one in conditions if not one.sky]
     if lit and unlit:
@@ -228,6 +237,25 @@ def _check_together(
             f"{file}, condition: expected a light in all or in none, as they share their bands; "
             f"found one in {lit[0]!r}, none in {unlit[0]!r}"
         )
+
+
+def _check_truths(
+    file: str, outputs: tuple[str, ...], instances: tuple[str, ...], poses: tuple[PoseSet, ...]
+) -> None:
+    if ("shares" in outputs) != bool(instances):
+        found = "no instances" if "shares" in outputs else "no output shares"
+        raise Error(
+            f"{file}, dataset: expected instances, names of things, beside the output shares; "
+            f"found {found}"
+        )
+    for one in poses:
+        if "flow" in outputs and not one.is_moving:
+            keys = (
+                "step_s, between two poses" if one.sampler == "path" else "speed_m_s or turn_deg_s"
+            )
+            raise Error(
+                f"{file}, poses {one.name!r}: expected {keys}, as flow is an output, found none"
+            )
 
 
 def _scene(table: Table, folder: Path) -> SceneInput:
@@ -271,14 +299,25 @@ def _condition(table: Table, folder: Path) -> Condition:
         sky = light.take("sky", choices(SKIES))
         sky_options = light.rest()
     world = {
-        key: table.take(key, _same) for key in ("lighting", "depth", "ultraviolet")
+        key: table.take(key, _same) for key in ("lighting", "depth", "ultraviolet", "sun")
         if table.has(key)
     }  # fmt: skip
+    if table.has("bake"):
+        world["bake"] = _bake(Table(table.take("bake", _same), f"{table.place}.bake"))
     if world and not sky:
         raise Error(f"{table.place}.{next(iter(world))}: goes with a light")
     objects = tuple(_object(one, folder) for one in table.take("object", tables, []))
     table.end()
     return Condition(called, background, sky, sky_options, world, objects)
+
+
+def _bake(table: Table) -> Bake:
+    given = {key: table.take(key, _same, None) for key in ("cell_m", "paths", "most_bytes")}
+    table.end()
+    try:
+        return Bake(**{key: value for key, value in given.items() if value is not None})
+    except (Error, TypeError) as error:
+        raise Error(f"{table.place}: {error}") from None
 
 
 def _object(table: Table, folder: Path) -> PlacedObject:

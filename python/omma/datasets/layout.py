@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from omma._core import Eye
 from omma.datasets.job_file import Job
 from omma.datasets.plan import Plan
+from omma.datasets.shard_bytes import COMPRESSION, chunk_bytes, shard_bytes
 from omma.datasets.worlds import make_light
 from omma.picture.projections import projection_ids
 from omma.rendering.labelled_files import load_package, write_coordinate
@@ -28,6 +29,12 @@ from omma.rendering.settings import ToError
 from omma.rendering.truth import GroundTruth, truth_variables
 
 VIEW = "view"
+
+# How heads move, where flow is an output.
+HEAD_MOTION = {
+    "head_velocity": "linear velocity of the head",
+    "head_turn": "angular velocity of the head, right-handed",
+}
 
 # Attributes of labels that the manifest says better.
 _NOT_OF_EYES = ("created", "omma_version", "backend", "scene", "light", "scene_warnings")
@@ -62,15 +69,12 @@ class Layout:
 
     def encoded(self, variable: str, values: NDArray[Any]) -> bytes:
         """Values of a shard's views as the bytes of its file."""
-        zarr = load_package("zarr", "datasets")
-        kept: dict[str, Any] = {}
-        with zarr.config.set({"array.write_empty_chunks": True}):
-            array = zarr.create_array(
-                zarr.storage.MemoryStore(kept), **self._array(variable, len(values))
-            )
-            array[...] = values
-        (data,) = (value for key, value in kept.items() if not key.endswith("zarr.json"))
-        return bytes(data.to_bytes())
+        one = self.variables[variable]
+        values = np.asarray(values, one.dtype)
+        fill = _fill_value(one.dtype)
+        if one.is_sharded:
+            return shard_bytes(values, self.views_per_chunk, self.views_per_shard, fill)
+        return chunk_bytes(values, self.views_per_shard, fill)
 
     def create(self, root: Any, coordinates: Mapping[str, Any]) -> None:
         """Make the group in an open one; ``coordinates`` are those of views that are known."""
@@ -103,20 +107,21 @@ class Layout:
         one = self.variables[variable]
         codecs = load_package("zarr", "datasets").codecs
         inner = self.views_per_chunk if one.is_sharded else self.views_per_shard
-        numbers = np.dtype(one.dtype)
         return {
             "shape": (views, *one.shape),
             "dtype": one.dtype,
             "chunks": (inner, *one.shape),
             "shards": (self.views_per_shard, *one.shape) if one.is_sharded else None,
             "dimension_names": (VIEW, *one.dimensions),
-            "compressors": codecs.BloscCodec(
-                cname="lz4", clevel=5, shuffle="shuffle", typesize=numbers.itemsize
-            ),
-            # What is not made yet.
-            "fill_value": np.nan if numbers.kind == "f" else 0,
+            "compressors": codecs.BloscCodec(**COMPRESSION, typesize=np.dtype(one.dtype).itemsize),
+            "fill_value": _fill_value(one.dtype),
             "chunk_key_encoding": {"name": "default", "separator": "."},
         }
+
+
+def _fill_value(dtype: str) -> float:
+    """What is not made yet."""
+    return np.nan if np.dtype(dtype).kind == "f" else 0
 
 
 def make_layouts(job: Job, eyes: Mapping[str, Eye], plan: Plan | None = None) -> dict[str, Layout]:
@@ -124,9 +129,11 @@ def make_layouts(job: Job, eyes: Mapping[str, Eye], plan: Plan | None = None) ->
     found = {}
     for eye_name, eye in eyes.items():
         labels = _labels(job, eye)
+        variables, coordinates = _variables(job, eye, labels)
+        labels = replace(labels, coordinates=labels.coordinates | coordinates)
         group = "" if len(eyes) == 1 else eye_name
         sizes = (plan.views, plan.views_per_chunk, plan.views_per_shard) if plan else (1, 1, 1)
-        found[eye_name] = Layout(group, _variables(job, eye, labels), labels, *sizes)
+        found[eye_name] = Layout(group, variables, labels, *sizes)
     return found
 
 
@@ -194,9 +201,10 @@ def _labels(job: Job, eye: Eye) -> Labels:
     return labels_of(renderer, np.eye(4)[None], standard_error="errors" in job.outputs)
 
 
-def _variables(job: Job, eye: Eye, labels: Labels) -> dict[str, Variable]:
-    """What is kept of each view of an eye."""
+def _variables(job: Job, eye: Eye, labels: Labels) -> tuple[dict[str, Variable], dict[str, Any]]:
+    """What is kept of each view of an eye, and coordinates that this has besides."""
     found: dict[str, Variable] = {}
+    coordinates: dict[str, Any] = {}
     for name, (dimensions, values, about) in place_variables(np.eye(4)[None], "pose").items():
         if dimensions[0] == "pose":
             shape = values.shape[1:]
@@ -211,24 +219,39 @@ def _variables(job: Job, eye: Eye, labels: Labels) -> dict[str, Variable]:
         found["receptor_response"] = Variable(
             ("receptor",), (len(eye.receptor_type),), "float32", about
         )
-    if "truth" in job.outputs:
-        for name, (dimensions, values, about) in truth_variables(
-            _no_truth(len(eye)), ("pose", "ommatidium")
-        ).items():
+    for name, (dimensions, values, about) in truth_variables(
+        _no_truth(job, len(eye)), ("pose", "ommatidium")
+    ).items():
+        kind = "shares" if name == "share" else "flow" if name.startswith("flow") else "truth"
+        if dimensions[0] != "pose":
+            coordinates[name] = (dimensions, values, about)
+        elif kind in job.outputs:
             found[name] = Variable(dimensions[1:], values.shape[1:], values.dtype.name, about)
+    if "flow" in job.outputs:
+        for name, unit in (("head_velocity", "m s-1"), ("head_turn", "rad s-1")):
+            about = {"units": unit, "long_name": f"{HEAD_MOTION[name]}, in the world's frame"}
+            found[name] = Variable(("axis",), (3,), "float64", about, False)
     if "pictures" in job.outputs:
         shape = (*projection_ids(eye, job.picture_projection, job.picture_width).shape, 3)
         about = {"long_name": "picture of the response, as a screen shows it"}
         found["picture"] = Variable(("row_of_picture", "column_of_picture", "colour"), shape,
                                     "uint8", about)  # fmt: skip
-    return found
+    return found, coordinates
 
 
-def _no_truth(ommatidia: int) -> GroundTruth:
+def _no_truth(job: Job, ommatidia: int) -> GroundTruth:
     """Of one view, of the shapes and types that it has."""
     one = np.zeros((1, ommatidia), np.float32)
     three = np.zeros((1, ommatidia, 3), np.float32)
-    return GroundTruth(three, one, one, one, one, three.astype(np.float64), three)
+    more: dict[str, Any] = {}
+    if "shares" in job.outputs:
+        names = job.instances
+        more = {"names": names, "shares": np.zeros((1, ommatidia, len(names)), np.float32)}
+    if "flow" in job.outputs:
+        more |= dict.fromkeys(
+            ("flow_rotation_rad_s", "flow_translation_rad_s", "flow_objects_rad_s"), three[..., :2]
+        )
+    return GroundTruth(three, one, one, one, one, three.astype(np.float64), three, **more)
 
 
 def is_to_error(job: Job) -> bool:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Eye
+from omma.datasets.far_map import FarMap, triangles_of
 from omma.rendering.renderer import Renderer
 from omma.rendering.settings import Fixed
 from omma.scene.world import World
@@ -23,6 +24,9 @@ _DIRECTIONS = 128
 # Surfaces above one another that a vertical line is followed through.
 _LAYERS = 256
 _PIECE = 4096  # places in one render
+# Triangles that a map of the open is made of, and how many places of 256 rays cost as much as that.
+_MOST_MAPPED = 1 << 22
+_PLACES_PER_TRIANGLE = 0.02
 
 
 class Probe:
@@ -39,11 +43,18 @@ class Probe:
         self._up = self._bundle([[0, 1, 0]])
         self._ahead = self._bundle([[0, 0, -1]])
         self._balls: dict[float, Renderer] = {}
+        self._maps: dict[float, FarMap] = {}
+        # Where bones bend meshes their triangles are not where the file has them.
+        triangles = triangles_of(world.scene) if world.scene.rig is None else _MOST_MAPPED + 1
+        self._mapped_after = triangles * _PLACES_PER_TRIANGLE
+        self._is_mapped = triangles <= _MOST_MAPPED
+        self._asked = 0
 
     def is_free(self, places: Floats, clearance_m: float) -> NDArray[np.bool_]:
         """(P,), whether nothing is nearer than ``clearance_m`` to a place (P, 3), and the place is
         not inside of something."""
-        free = np.array(self._near(places, clearance_m) >= clearance_m)
+        free = self._is_far(places, clearance_m)
+        free[~free] = self._near(places[~free], clearance_m) >= clearance_m
         free[free] = self._depth_inside(places[free]) <= 0
         return free
 
@@ -69,6 +80,15 @@ class Probe:
         """(P,), whether heads at poses (P, 4, 4) meet nothing within a distance straight ahead."""
         return np.asarray(self._ahead.ground_truth(poses).nearest_m[:, 0] >= distance_m)
 
+    def _is_far(self, places: Floats, clearance_m: float) -> NDArray[np.bool_]:
+        """(P,), whether no surface is nearer for sure, as far as a map of the open says."""
+        self._asked += len(places)
+        found = self._maps.get(clearance_m)
+        if found is None and self._is_mapped and self._asked > self._mapped_after and len(places):
+            found = FarMap(self._world.scene, places.min(axis=0), places.max(axis=0), clearance_m)
+            self._maps[clearance_m] = found
+        return np.zeros(len(places), np.bool_) if found is None else found.is_far(places)
+
     def _near(self, places: Floats, radius_m: float) -> Floats:
         """(P,), m: distance of the nearest surface about a place, as far as ``radius_m``."""
         if radius_m not in self._balls:
@@ -89,13 +109,15 @@ class Probe:
 
     def _depth_inside(self, places: Floats) -> NDArray[np.int64]:
         """(P,), in how many closed surfaces places (P, 3) are: of the line upwards from each, how
-        many surfaces look up, less those that look down. Two-sided ones count as both, so as
-        none."""
+        many surfaces look up, less those that look down where there are any of the former.
+        Two-sided ones count as both, so as none."""
         top = places.copy()
         top[:, 1] = np.maximum(self._top, places[:, 1] + 1)
-        return self._crossed(self._down, top, -1, top[:, 1] - places[:, 1]) - self._crossed(
-            self._up, places, 1, top[:, 1] - places[:, 1]
-        )
+        depth = self._crossed(self._down, top, -1, top[:, 1] - places[:, 1])
+        # Where nothing above looks up, what looks down makes no difference.
+        below = np.flatnonzero(depth > 0)
+        depth[below] -= self._crossed(self._up, places[below], 1, (top - places)[below, 1])
+        return depth
 
     def _crossed(
         self, rays: Renderer, start: Floats, sign: int, length: Floats

@@ -22,6 +22,7 @@ from omma import _core
 from omma._core import Error
 from omma.datasets.job_file import Job
 from omma.datasets.plan import Plan
+from omma.datasets.shard_bytes import COMPRESSION
 from omma.rendering.labelled_files import ZARR_MARKER, load_package
 
 FORMAT = "omma dataset 1"
@@ -69,9 +70,6 @@ def make_manifest(
     job: Job, plan: Plan, digests: Mapping[str, str], backend: str, groups: Mapping[str, str]
 ) -> dict[str, Any]:
     """Attributes of a store: what it was made of, and by what."""
-    import numpy
-    import zarr
-
     return {
         "format": FORMAT,
         "job": job.text,
@@ -79,7 +77,11 @@ def make_manifest(
         "inputs_sha256": dict(digests),
         "omma_version": _core.__version__,
         "backend": backend,
-        "versions": {"numpy": numpy.__version__, "zarr": zarr.__version__},
+        "compression": dict(COMPRESSION),
+        "versions": {
+            name: load_package(name, "datasets").__version__
+            for name in ("numpy", "zarr", "numcodecs")
+        },
         "python": platform.python_version(),
         "machine": f"{platform.node()}, {platform.machine()}, {_processor()}",
         "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
@@ -113,7 +115,7 @@ def read_manifest(store: str) -> dict[str, Any]:
     if found != FORMAT:
         raise Error(
             f"{store}: expected {FORMAT!r}, found {found!r:.60}: it is of another version of Omma. "
-            "What is in it is kept"
+            "What is in it is kept; go on with that version, or make a new store"
         )
     return dict(attributes)
 
@@ -136,6 +138,8 @@ def _differences(then: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[st
     for file in [*after, *(file for file in before if file not in after)]:
         if before.get(file) != after.get(file):
             yield f"{file} has changed"
+    for name in ("compression", "versions"):
+        yield from _unlike(then.get(name, {}), now[name], name)
     yield from _unlike(then.get("job_plain"), now["job_plain"], "job")
 
 

@@ -6,6 +6,7 @@ import os
 import re
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -37,8 +38,8 @@ from omma.datasets.records import (
     whole_shards,
     writing,
 )
-from omma.datasets.shards import make_shard
-from omma.datasets.worlds import Workshop, load_eyes
+from omma.datasets.shards import render_shard, write_shard
+from omma.datasets.worlds import Workshop, check_instances, load_eyes
 from omma.rendering.labelled_files import ZARR_MARKER
 from omma.scene.world import World
 
@@ -132,6 +133,7 @@ def run(
         if missing and (dask is not None or slurm):
             with scheduler_of(job, dask, slurm) as client:
                 make_on_cluster(client, path, job, digests, plan, layouts, missing, tell)
+            _remove_left(path, plan, layouts, missing)  # of workers that were killed
         elif missing:
             _make_here(path, job, digests, plan, layouts, missing, threads, tell)
     made = sum(len(plan.views_of(shard)) for shard in missing)
@@ -183,6 +185,7 @@ def _begin(
     if os.path.lexists(path):
         check_same(path, read_manifest(path), manifest)
         return
+    check_instances(job)
     make_directory(Path(path).parent)
     with WholeFiles() as files:
         folder = files.open_directory(path, ZARR_MARKER)
@@ -201,15 +204,24 @@ def _make_here(
     threads: int,
     tell: Stage,
 ) -> None:
+    """Render shards one after the other; each is written while the next is rendered."""
     tell("Building worlds", None)
     workshop = Workshop(job, digests, threads)
-    for k, shard in enumerate(missing):
+    with ThreadPoolExecutor(1) as writer:
+        written: Future[None] | None = None
+        for k, shard in enumerate(missing):
 
-        def part(share: float, k: int = k) -> None:
-            tell("Rendering", (k + share) / len(missing))
+            def part(share: float, k: int = k) -> None:
+                tell("Rendering", (k + share) / len(missing))
 
-        make_shard(path, workshop, plan, layouts, shard, part)
-        part(1.0)
+            rendered = render_shard(workshop, plan, layouts, shard, part)
+            if written is not None:
+                written.result()
+            written = writer.submit(write_shard, path, layouts, rendered)
+            del rendered  # the writer gives its arrays up as it writes them
+            part(1.0)
+        if written is not None:
+            written.result()
 
 
 def _remove_left(path: str, plan: Plan, layouts: dict[str, Layout], missing: list[int]) -> None:

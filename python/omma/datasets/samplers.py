@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from omma._core import Error
 from omma.base.poses import Matrices, load_poses, poses_from_angles
+from omma.base.velocities import velocities_from_poses
 from omma.datasets.probing import Probe
 from omma.datasets.tables import Table, choices, count, name, number_above_0, numbers, span, texts
 from omma.datasets.tables import text as a_text
@@ -47,9 +48,13 @@ class PoseSet:
     height_m: tuple[float, float] = (0.0, 0.0)  # surface
     on: tuple[str, ...] = ()  # surface: names of instances; none: what is met first from above
     clearance_m: float = 0.0  # from everything; 0: not asked for
+    speed_m_s: tuple[float, float] = (0.0, 0.0)  # straight ahead; not path
+    turn_deg_s: tuple[float, float] = (
+        0.0,
+        0.0,
+    )  # uniform, surface: about the head's up, to the right
     steps: int = 0  # walk: poses of one walk
-    step_s: float = 0.0
-    speed_m_s: float = 0.0
+    step_s: float = 0.0  # walk, path: between two poses; 0: not told
     saccades_per_s: float = 0.0
     saccade_deg: tuple[float, float] = (0.0, 0.0)
     saccade_s: float = 0.0
@@ -59,6 +64,11 @@ class PoseSet:
     def files(self) -> tuple[str, ...]:
         """What it is read from."""
         return (self.file,) if self.file else ()
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether it is known how heads move at its poses."""
+        return self.step_s > 0 or self.speed_m_s != (0, 0) or self.turn_deg_s != (0, 0)
 
 
 def read_pose_set(table: Table, folder: Path, scenes: list[str]) -> PoseSet:
@@ -74,6 +84,9 @@ def read_pose_set(table: Table, folder: Path, scenes: list[str]) -> PoseSet:
     if kind == "path":
         file = str(folder / table.take("file", a_text))
         found |= {"file": file, "count": len(load_poses(file))}
+        found["step_s"] = table.take("step_s", number_above_0, 0.0)
+        if found["step_s"] and found["count"] < 2:
+            raise Error(f"{table.place}.step_s: expected two poses or more in {file}, found one")
         table.end()
         return PoseSet(**found)
     corner = numbers(2 if kind == "surface" else 3)
@@ -88,7 +101,7 @@ def read_pose_set(table: Table, folder: Path, scenes: list[str]) -> PoseSet:
         found["steps"] = table.take("steps", count)
         found["count"] = walks * found["steps"]
         found["step_s"] = table.take("step_s", number_above_0, 0.01)
-        found["speed_m_s"] = table.take("speed_m_s", number_above_0)
+        found["speed_m_s"] = (table.take("speed_m_s", number_above_0),) * 2
         found["saccades_per_s"] = table.take("saccades_per_s", number_above_0, 1.0)
         found["saccade_deg"] = table.take("saccade_deg", span, (30.0, 120.0))
         found["saccade_s"] = table.take("saccade_s", number_above_0, 0.05)
@@ -97,6 +110,8 @@ def read_pose_set(table: Table, folder: Path, scenes: list[str]) -> PoseSet:
         found["count"] = table.take("count", count)
         for angle in ("yaw_deg", "pitch_deg", "roll_deg"):
             found[angle] = table.take(angle, span, getattr(PoseSet, angle))
+        for rate in ("speed_m_s", "turn_deg_s"):
+            found[rate] = table.take(rate, span, getattr(PoseSet, rate))
     if kind == "surface":
         found["height_m"] = table.take("height_m", span)
         found["on"] = table.take("on", texts, ())
@@ -139,13 +154,33 @@ def sample_poses(poses: PoseSet, seed: int, scene: str, numbers: range, probe: P
     raise no_place(poses, scene, f"pose {numbers[left[0]]}", f"{_TRIES} places tried")
 
 
+def sample_velocities(
+    poses: PoseSet, seed: int, scene: str, numbers: range, made: Matrices
+) -> tuple[Floats, Floats]:
+    """How heads move at poses (P, 4, 4) with these numbers, of a set whose sampler is no walk:
+    linear (P, 3), m/s, and angular velocity (P, 3), rad/s, in the world's frame."""
+    if poses.sampler == "path":
+        whole = load_poses(poses.file)
+        linear, angular = velocities_from_poses(whole, np.arange(len(whole)) * poses.step_s)
+        return linear[numbers.start : numbers.stop], angular[numbers.start : numbers.stop]
+    stream = np.random.Philox(key=key_of(seed, scene, poses.name, "velocity"))
+    stream.advance(numbers.start)  # four numbers for each pose
+    drawn = np.random.Generator(stream).random((len(numbers), 4))
+    (slow, fast), (left, right) = poses.speed_m_s, poses.turn_deg_s
+    speed = slow + (fast - slow) * drawn[:, :1]
+    turn = np.radians(left + (right - left) * drawn[:, 1:2])
+    # Ahead is -Z of the head; to the right is left-handed about its +Y.
+    return -speed * made[:, :3, 2], -turn * made[:, :3, 1]
+
+
 def no_place(poses: PoseSet, scene: str, which: str, tried: str) -> Error:
     """What to say where there is no room."""
     clear = f" with clearance_m {poses.clearance_m:g}" if poses.clearance_m > 0 else ""
     where = f" on {', '.join(poses.on)}" if poses.on else ""
     return Error(
         f"poses {poses.name!r}: found no free place in scene {scene!r} for {which}{where} from "
-        f"low_m {list(poses.low_m)} to high_m {list(poses.high_m)}{clear}: {tried}"
+        f"low_m {list(poses.low_m)} to high_m {list(poses.high_m)}{clear}: {tried}. Give it "
+        "more room, or less clearance_m"
     )
 
 

@@ -11,16 +11,18 @@ import json
 import os
 import platform
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from omma import _core
+from omma._core import Error
 from omma.base.files import WholeFiles
-from omma.datasets.job_file import Job
-from omma.datasets.layout import Layout, is_to_error
+from omma.datasets.job_file import TRUTHS, Job
+from omma.datasets.layout import HEAD_MOTION, Layout, is_to_error
 from omma.datasets.plan import Plan
 from omma.datasets.records import record_file
 from omma.datasets.worlds import Workshop
@@ -28,20 +30,37 @@ from omma.picture.band_colours import bands_to_rgb
 from omma.picture.projections import projection_ids
 from omma.rendering.labels import place_variables
 from omma.rendering.renderer import Renderer
-from omma.rendering.truth import truth_variables
+from omma.rendering.truth import GroundTruth, truth_variables
 
 Arrays = dict[str, NDArray[Any]]
+Motion = tuple[NDArray[np.float64], NDArray[np.float64]]  # linear, angular velocities
+
+
+@dataclass(frozen=True)
+class RenderedShard:
+    """A shard's views, not yet written."""
+
+    number: int
+    views: range
+    arrays: dict[str, Arrays]  # by eye
+    seconds: float
 
 
 def make_shard(
-    store: str,
+    store: str, workshop: Workshop, plan: Plan, layouts: Mapping[str, Layout], shard: int
+) -> None:
+    """Render a shard's views for all eyes into a store."""
+    write_shard(store, layouts, render_shard(workshop, plan, layouts, shard))
+
+
+def render_shard(
     workshop: Workshop,
     plan: Plan,
     layouts: Mapping[str, Layout],
     shard: int,
     progress: Callable[[float], object] | None = None,
-) -> dict[str, Any]:
-    """Render a shard's views for all eyes into a store; what its record says.
+) -> RenderedShard:
+    """A shard's views for all eyes.
 
     Args:
         progress: called with the finished share, 0 to 1.
@@ -59,45 +78,78 @@ def make_shard(
         for name, (dimensions, values, _) in place_variables(every, "pose").items()
         if dimensions[0] == "pose"
     }
-    said: dict[str, Any] = {}
+    motions: list[Motion | None] = [None] * len(parts)
+    if "flow" in workshop.job.outputs:
+        motions = [
+            workshop.velocities(
+                block, range(numbers.start - block.first, numbers.stop - block.first), some
+            )
+            for (block, numbers), some in zip(parts, poses)
+        ]
+        for name, each in zip(HEAD_MOTION, zip(*motions)):
+            places[name] = np.concatenate(each)
+    found: dict[str, Arrays] = {}
     done = 0
+    for eye in layouts:
+        rendered = []
+        for (block, numbers), some, motion in zip(parts, poses, motions):
+
+            def tell(share: float, done: int = done, count: int = len(some)) -> None:
+                if progress is not None:
+                    progress((done + share * count) / (len(views) * len(layouts)))
+
+            renderer = workshop.renderer(block, eye)
+            rendered.append(_render(workshop.job, renderer, some, motion, numbers.start, tell))
+            done += len(some)
+        found[eye] = {**places, **_joined(rendered)}
+    return RenderedShard(shard, views, found, time.perf_counter() - start)
+
+
+def write_shard(store: str, layouts: Mapping[str, Layout], rendered: RenderedShard) -> None:
+    """Write a shard into a store, and its record when its files are there.
+
+    Arrays are given up as they are written.
+    """
+    start = time.perf_counter()
+    try:
+        said = _write_files(store, layouts, rendered)
+        record = {
+            "shard": rendered.number,
+            "views": [rendered.views.start, rendered.views.stop],
+            "seconds": round(rendered.seconds + time.perf_counter() - start, 3),
+            "machine": platform.node(),
+            "files": said,
+        }
+        with WholeFiles() as files:
+            name = record_file(store, rendered.number)
+            files.open(name).write(json.dumps(record, indent=1).encode())
+    except Error as error:
+        raise Error(f"{error}. What is done is kept; mend that and run the job again") from None
+
+
+def _write_files(
+    store: str, layouts: Mapping[str, Layout], rendered: RenderedShard
+) -> dict[str, Any]:
+    """Write a shard's files; the size and the hash of each."""
+    said: dict[str, Any] = {}
     with WholeFiles() as files:
         for eye, layout in layouts.items():
-            rendered = []
-            for (block, numbers), some in zip(parts, poses):
-
-                def tell(share: float, done: int = done, count: int = len(some)) -> None:
-                    if progress is not None:
-                        progress((done + share * count) / (len(views) * len(layouts)))
-
-                renderer = workshop.renderer(block, eye)
-                rendered.append(_render(workshop.job, renderer, some, numbers.start, tell))
-                done += len(some)
-            arrays = {**places, **_joined(rendered)}
-            rendered.clear()
+            arrays = rendered.arrays.pop(eye)
             for name in layout.variables:
-                relative = layout.file(name, shard)
+                relative = layout.file(name, rendered.number)
                 data = layout.encoded(name, arrays.pop(name))
                 file = files.open(os.path.join(store, relative))
                 file.write(data)
                 file.close()
                 said[relative] = {"bytes": len(data), "sha256": hashlib.sha256(data).hexdigest()}
-    record = {
-        "shard": shard,
-        "views": [views.start, views.stop],
-        "seconds": round(time.perf_counter() - start, 3),
-        "machine": platform.node(),
-        "files": said,
-    }
-    with WholeFiles() as files:
-        files.open(record_file(store, shard)).write(json.dumps(record, indent=1).encode())
-    return record
+    return said
 
 
 def _render(
     job: Job,
     renderer: Renderer,
     poses: NDArray[np.float64],
+    motion: Motion | None,
     first: int,
     progress: Callable[[float], object],
 ) -> Arrays:
@@ -105,8 +157,12 @@ def _render(
     found: Arrays = {}
     asked: dict[str, Any] = {"first_pose": first, "progress": progress}
     errors = "errors" in job.outputs or is_to_error(job)
-    if "truth" in job.outputs:
-        truth = renderer.ground_truth(poses, standard_error=errors, **asked)
+    if set(TRUTHS).intersection(job.outputs):
+        things = {one.name for one in renderer.world.instances}
+        there = [name for name in job.instances if name in things]
+        truth = renderer.ground_truth(
+            poses, shares=there, head_velocity=motion, standard_error=errors, **asked
+        )
         found["response"] = truth.responses
         if truth.standard_error is not None:
             found["standard_error"] = truth.standard_error
@@ -114,6 +170,8 @@ def _render(
             found["rays"] = truth.rays
         variables = truth_variables(truth, ("pose", "ommatidium"))
         found |= {name: values for name, (_, values, _) in variables.items()}
+        if job.instances:
+            found["share"] = _shares(job.instances, there, truth)
     elif is_to_error(job):
         found["response"], report = renderer.render(poses, report=True, **asked)
         found["standard_error"], found["rays"] = report.standard_error, report.rays
@@ -127,6 +185,14 @@ def _render(
         found["receptor_response"] = np.asarray(renderer.render_receptors(poses, **asked))
     if "pictures" in job.outputs:
         found["picture"] = _pictures(job, renderer, found["response"])
+    return found
+
+
+def _shares(names: Sequence[str], there: list[str], truth: GroundTruth) -> NDArray[np.float32]:
+    """Shares (P, N, K) of all names: what is not in this world fills nothing."""
+    found = np.zeros((*truth.met.shape, len(names)), np.float32)
+    if truth.shares is not None:
+        found[..., [names.index(name) for name in there]] = truth.shares
     return found
 
 

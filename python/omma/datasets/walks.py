@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma.base.poses import Matrices, poses_from_angles
+from omma.base.velocities import velocities_from_poses
 from omma.datasets.probing import Probe
 from omma.datasets.samplers import PoseSet, key_of, no_place, sample_poses
 
@@ -67,13 +68,20 @@ def walk_poses(poses: PoseSet, seed: int, scene: str, walks: range, probe: Probe
     return found.reshape(-1, 4, 4)
 
 
+def walk_velocities(poses: PoseSet, made: Matrices) -> tuple[Floats, Floats]:
+    """Linear (P, 3), m/s, and angular velocities (P, 3), rad/s, of heads on whole walks."""
+    times_s = np.arange(poses.steps) * poses.step_s
+    each = [velocities_from_poses(one, times_s) for one in made.reshape(-1, poses.steps, 4, 4)]
+    return np.concatenate([one for one, _ in each]), np.concatenate([one for _, one in each])
+
+
 def _gone(poses: PoseSet, place: Floats, yaw_deg: Floats, climb_deg: Floats) -> Floats:
     """Where a step leads."""
     yaw, climb = np.radians(yaw_deg), np.radians(climb_deg)
     ahead = np.column_stack(
         [np.sin(yaw) * np.cos(climb), np.sin(climb), -np.cos(yaw) * np.cos(climb)]
     )
-    return np.asarray(place + poses.speed_m_s * poses.step_s * ahead)
+    return np.asarray(place + poses.speed_m_s[0] * poses.step_s * ahead)
 
 
 def _can_go(
@@ -84,7 +92,7 @@ def _can_go(
     good: NDArray[np.bool_] = np.all((after >= poses.low_m) & (after <= poses.high_m), axis=1)
     if poses.clearance_m > 0 and good.any():
         angles = np.column_stack([yaw_deg, climb_deg, np.zeros_like(yaw_deg)])[good]
-        length = poses.speed_m_s * poses.step_s + poses.clearance_m
+        length = poses.speed_m_s[0] * poses.step_s + poses.clearance_m
         ahead = probe.is_clear_ahead(poses_from_angles(place[good], angles), length)
         good[good] = ahead & probe.is_free(after[good], poses.clearance_m)
     return good

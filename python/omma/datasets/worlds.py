@@ -14,12 +14,13 @@ import numpy as np
 
 from omma import light, species
 from omma._core import Error, Eye, Scene, merge_eyes
+from omma.base.arguments import one_of
 from omma.base.poses import Matrices, poses_from_angles
 from omma.datasets.job_file import Condition, EyeInput, Job, PlacedObject, SceneInput
 from omma.datasets.plan import Block
 from omma.datasets.probing import Probe
-from omma.datasets.samplers import sample_poses
-from omma.datasets.walks import walk_poses
+from omma.datasets.samplers import Floats, sample_poses, sample_velocities
+from omma.datasets.walks import walk_poses, walk_velocities
 from omma.eye.files import load_eye
 from omma.light import Bands, Light
 from omma.rendering.renderer import Renderer
@@ -74,7 +75,7 @@ class Workshop:
             key = (block.scene, block.condition, eye)
             if key not in self._renderers:
                 self._renderers[key] = Renderer(
-                    self._in_condition(world, condition),
+                    self._lit(block, world, condition),
                     self.eyes[eye],
                     self.job.settings.sampling,
                     threads=self._threads,
@@ -90,6 +91,26 @@ class Workshop:
             _, probe = self._world(scene, condition)
         if poses.sampler != "walk":
             return sample_poses(poses, self.job.seed, scene.name, numbers, probe)
+        found, first = self._walked(block, numbers)
+        return found[numbers.start - first : numbers.stop - first]
+
+    def velocities(self, block: Block, numbers: range, made: Matrices) -> tuple[Floats, Floats]:
+        """How heads move at the poses of a block with these numbers, ``made`` (P, 4, 4): linear
+        (P, 3), m/s, and angular velocity (P, 3), rad/s, in the world's frame."""
+        scene, poses = self.job.scenes[block.scene], self.job.poses[block.poses]
+        if poses.sampler != "walk":
+            return sample_velocities(poses, self.job.seed, scene.name, numbers, made)
+        found, first = self._walked(block, numbers)
+        linear, angular = walk_velocities(poses, found)
+        some = slice(numbers.start - first, numbers.stop - first)
+        return linear[some], angular[some]
+
+    def _walked(self, block: Block, numbers: range) -> tuple[Matrices, int]:
+        """Whole walks that have the poses with these numbers, and the number of their first."""
+        scene, condition = self.job.scenes[block.scene], self.job.conditions[block.condition]
+        poses = self.job.poses[block.poses]
+        with self._lock:
+            _, probe = self._world(scene, condition)
         walks = range(numbers.start // poses.steps, -(-numbers.stop // poses.steps))
         key = (block.scene, condition.objects, block.poses, walks)
         found = self._walks.get(key)
@@ -98,8 +119,7 @@ class Workshop:
             self._walks[key] = found
             while len(self._walks) > _WALKS:
                 self._walks.popitem(last=False)
-        first = walks.start * poses.steps
-        return found[numbers.start - first : numbers.stop - first]
+        return found, walks.start * poses.steps
 
     def _world(self, scene: SceneInput, condition: Condition) -> tuple[World, Probe]:
         """A scene and what a condition puts into it, without light, and what asks it for room."""
@@ -115,6 +135,13 @@ class Workshop:
             self._worlds[key] = (world, Probe(world, self._threads))
         self._worlds.move_to_end(key)
         return self._worlds[key]
+
+    def _lit(self, block: Block, world: World, condition: Condition) -> World:
+        """The world that all eyes see: light is baked once for them."""
+        for (scene, of_condition, _), renderer in self._renderers.items():
+            if (scene, of_condition) == (block.scene, block.condition):
+                return renderer.world
+        return self._in_condition(world, condition)
 
     def _in_condition(self, world: World, condition: Condition) -> World:
         if condition.background:
@@ -136,6 +163,20 @@ class Workshop:
             scene = read_scene(file, **options)
         self._check(file)
         return scene
+
+
+def check_instances(job: Job) -> None:
+    """omma.Error where none of a job's scenes has a thing whose share of the field it asks for."""
+    files = {one.file: one.options for one in job.scenes}
+    for condition in job.conditions:
+        files |= {one.file: {} for one in condition.objects if one.file not in files}
+    known: dict[str, None] = {}
+    for file, options in files.items() if job.instances else ():
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            known |= dict.fromkeys(one.name for one in read_scene(file, **options).instances)
+    for name in job.instances:
+        one_of(name, sorted(known), f"{job.path}, dataset.instances")
 
 
 def _eye(one: EyeInput) -> Eye:

@@ -70,7 +70,7 @@ class Loop:
         frames: None: observations are (N, B), the frame that is seen now; else (N, B, frames), the
             newest last. Before the first frame the world is taken to have stood still.
         distances: moments have distances, by the rays that the responses are made of; for
-            renderers with `Fixed` or `ToError`, and where ``things`` is empty.
+            renderers with `Fixed` or `ToError`.
         things: names or indices of K things that move besides the head; start and motion then
             return (state, pose, places), places ``world_from_node`` (K, 4, 4), m.
         bounds: least and largest response, for the bounds of observations; a response beyond them
@@ -108,8 +108,6 @@ class Loop:
             whole(self.most_steps, "most_steps", 1, 2**62)
         if self.frames is not None:
             whole(self.frames, "frames", 1, _MOST_FRAMES)
-        if self.distances and len(self.things) > 0:
-            raise Error("distances: expected False where things move, found True")
         if self.bounds is not None:
             least, largest = array_of(self.bounds, "bounds", (2,))
             if not least < largest:
@@ -205,14 +203,14 @@ def render_poses(
 ) -> list[dict[str, Any]]:
     """What is seen at each pose, rendered in one call: `Episode.see` takes them."""
     matrices = np.stack(poses)
+    moves: Any = {}
+    if loop.things:
+        moves = {"instances": list(loop.things), "transforms": np.stack(places)}  # type: ignore[arg-type]
     if loop.distances:
-        truth = loop.renderer.ground_truth(matrices)
+        truth = loop.renderer.ground_truth(matrices, **moves)
         responses = truth.responses
         found = {"nearest_m": truth.nearest_m, "distance_m": truth.distance_m}
     else:
-        moves: Any = {}
-        if loop.things:
-            moves = {"instances": list(loop.things), "transforms": np.stack(places)}  # type: ignore[arg-type]
         responses = loop.renderer.render(matrices, **moves)
         found = {}
     least, largest = float(responses.min(initial=np.inf)), float(responses.max(initial=-np.inf))

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, one_of
+from omma.base.one_thread import product
 from omma.light.units import PHOTONS_PER_JOULE_NM
 
 Floats = NDArray[np.float64]
@@ -101,16 +102,15 @@ def clear_sky_map(
     radiance = np.exp(log_i) * spectrum.astype(np.float32)
     direct = spectrum * sky.transmission(nm)
     solid_angle = _solid_angles(elevation, np.bincount(column))
-    lit = solid_angle.ravel() @ radiance.reshape(-1, len(nm)) + direct * max(
-        0.0, np.sin(np.radians(sun_elevation_deg))
-    )
+    of_sky = np.einsum("d,dk->k", solid_angle.ravel(), radiance.reshape(-1, len(nm)))
+    lit = of_sky + direct * max(0.0, np.sin(np.radians(sun_elevation_deg)))
     ground, back, back_q = sky.ground(elevation, nm, albedo)
     shine = lit * ground  # the ground's radiance
     bands = weights.T.astype(np.float32)
     above = np.empty((ROWS, len(azimuth), 3, len(weights)), np.float32)
-    above[:, :, 0] = radiance @ bands + ((back * shine) @ weights.T)[:, None]
-    above[:, :, 1] = (radiance * q) @ bands + ((back_q * shine) @ weights.T)[:, None]
-    above[:, :, 2] = (radiance * u) @ bands
+    above[:, :, 0] = product(radiance, bands) + product(back * shine, weights.T)[:, None]
+    above[:, :, 1] = product(radiance * q, bands) + product(back_q * shine, weights.T)[:, None]
+    above[:, :, 2] = product(radiance * u, bands)
     result = np.zeros((2, ROWS, COLUMNS, 3, len(weights)), np.float32)
     result[0] = above[:, column]
     result[0, :, :, 2] *= np.where(relative < 0, -1, 1)[:, None]
@@ -209,7 +209,8 @@ class TableSky:
         log_i = log_i + np.log(guess)
         along = _spline_matrix(tuple(table["wavelength_nm"]), tuple(nm)).astype(np.float32)
         return tuple(
-            np.moveaxis(one, 0, -1).astype(np.float32, order="C") @ along.T for one in (log_i, q, u)
+            product(np.moveaxis(one, 0, -1).astype(np.float32, order="C"), along.T)
+            for one in (log_i, q, u)
         )
 
     def transmission(self, nm: Floats) -> Floats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -84,7 +85,9 @@ def plot_responses(
         channels: one to three bands by number, or receptors by name, in the order red, green, blue
             (yellow, blue). Default: red, green and blue of RGB.
         projection: as in `projection_ids`, without ``_ids`` and not ``raw_ommatidial_samples``.
-        full_scale: the response at the end of the scale. Default: 1 for RGB, else the largest.
+        full_scale: the response at the end of the scale. Default: 1 for RGB, else the largest; but
+            where that is more than ten times what 99 of 100 have, as where the sun is seen, what
+            these have.
         titles: of the pictures, in order: all poses of the first eye, then those of the next.
         title: above all of them.
 
@@ -113,8 +116,9 @@ def plot_responses(
                 raise Error("errors: expected the shape of responses")
     if full_scale is None:
         rgb = not receptors and channels is None and len(shown[0].names) == 3
-        full_scale = 1.0 if rgb else _largest(shown)
+        full_scale = 1.0 if rgb else _end_of_scale(shown)
     positive(full_scale, "full_scale")
+    what = "response" if 1.001 * full_scale >= _largest(shown) else "response, brighter cut off"
     count = sum(len(each.values) for each in shown)
     if count > _MOST_PICTURES:
         raise Error(f"responses: expected at most {_MOST_PICTURES} pictures, found {count}")
@@ -122,7 +126,7 @@ def plot_responses(
         raise Error(f"titles: expected {count}, one for each picture, found {len(titles)}")
     rows = _rows(_entries(eyes, shown, beside, projection, titles))
     with figure_style():
-        figure = _figure(rows, projection, eyes, shown[0].names, full_scale, gamma, beside)
+        figure = _figure(rows, projection, eyes, shown[0].names, full_scale, gamma, beside, what)
         if title is not None:
             figure.suptitle(title, fontsize="large", weight="bold")
         save_figure(figure, names, dpi=200)
@@ -151,6 +155,14 @@ def _all_shown(
 def _largest(shown: Sequence[Shown]) -> float:
     most = max(float(np.nanmax(each.values, initial=0.0)) for each in shown)
     return most if most > 0 else 1.0
+
+
+def _end_of_scale(shown: Sequence[Shown]) -> float:
+    """The largest; where a few outshine all others, what all but a hundredth have."""
+    most = _largest(shown)
+    known = np.concatenate([each.values[np.isfinite(each.values)].ravel() for each in shown])
+    often = float(np.quantile(known, 0.99)) if known.size else 0.0
+    return often if 0 < 10 * often < most else most
 
 
 def _entries(
@@ -227,6 +239,7 @@ def _figure(
     full_scale: float,
     gamma: float,
     beside: Sequence[Shown] | None,
+    what: str,
 ) -> Figure:
     aspect = {"lambert": 1.0, "spherical_split_orientationwise": 4.0}.get(projection or "", 2.0)
     columns = max(len(row) for row in rows)
@@ -254,14 +267,14 @@ def _figure(
     legend = figure.add_subplot(grid[-1, 3:6] if errors is not None else grid[-1, 4:8])
     if len(names) == 1:
         bar = figure.colorbar(values, cax=legend, orientation="horizontal")
-        bar.set_label(f"response: {names[0]}")
+        _name_scale(legend, f"{what}: {names[0]}", full_scale)
         bar.outline.set_visible(False)
     else:
-        _strips(legend, names, full_scale, gamma)
+        _strips(legend, names, full_scale, gamma, what)
     if errors is not None:
         panel = figure.add_subplot(grid[-1, 8:11])
         bar = figure.colorbar(errors, cax=panel, orientation="horizontal")
-        bar.set_label("standard error")
+        _name_scale(panel, "standard error", largest_error)
         bar.outline.set_visible(False)
     return figure  # type: ignore[no-any-return]
 
@@ -303,7 +316,7 @@ def _draw(
     return marks
 
 
-def _strips(panel: Axes, names: Sequence[str], full_scale: float, gamma: float) -> None:
+def _strips(panel: Axes, names: Sequence[str], full_scale: float, gamma: float, what: str) -> None:
     """The scale of each channel as a strip of what it is shown as, its name beside it."""
     steps = np.linspace(0, full_scale, 256)
     count = len(names)
@@ -320,6 +333,17 @@ def _strips(panel: Axes, names: Sequence[str], full_scale: float, gamma: float) 
     for label in panel.get_yticklabels():
         label.set_in_layout(False)  # there is room beside it, which no other picture should give
     panel.tick_params(axis="y", length=0)
-    panel.set_xlabel(f"response (display gamma {gamma:g})")
+    _name_scale(panel, f"{what} (display gamma {gamma:g})", full_scale)
     for side in ("left", "bottom"):
         panel.spines[side].set_visible(False)
+
+
+def _name_scale(panel: Axes, label: str, largest: float) -> None:
+    """The label of a scale, with the power of ten of very large and very small numbers in it, as
+    of photons, where Matplotlib would write it across the label."""
+    if 1e-3 <= largest < 1e4:
+        panel.set_xlabel(label)
+        return
+    power = math.floor(math.log10(largest))
+    panel.xaxis.set_major_formatter(lambda value, _: f"{value / 10.0**power:g}")
+    panel.set_xlabel(f"{label}, $10^{{{power}}}$")

@@ -25,12 +25,13 @@ def render_agents(
     *,
     bodies: Sequence[Mapping[str | int, ArrayLike]] | None = None,
     times_s: ArrayLike | None = None,
+    unseen_by_light: bool = False,
     progress: Progress | None = None,
 ) -> list[Responses]:
     """What each of several animals sees while all of them move, bodies and all.
 
     An animal's own eye does not see its body. The others do, and light does: its shadow and its
-    mirror image are seen by all.
+    mirror image are seen by all, but for itself where that is asked for.
 
     Args:
         renderers: the eye of each of A animals, in one world; several may have the same renderer.
@@ -39,6 +40,8 @@ def render_agents(
             held, ``head_from_node`` (4, 4), m: it goes where the head goes. None: nobody has one.
         times_s: (T,), s: when each frame is, for the animations of the scene and for renderers with
             an impulse response, as of `Renderer.render`.
+        unseen_by_light: nobody sees the shadow or mirror image of its own body either, as of
+            `Renderer.render`.
         progress: called with the finished share (0 to 1) a few times a second; what it raises ends
             the work and is raised here.
 
@@ -77,7 +80,10 @@ def render_agents(
             part = slice(first, min(first + at_once, frames))
             count = part.stop - part.start
             share = count * size / (frames * animals)
-            options: dict[str, Any] = {"unseen": [held[a][0] for a in group] * count}
+            options: dict[str, Any] = {
+                "unseen": [held[a][0] for a in group] * count,
+                "unseen_by_light": unseen_by_light,
+            }
             if things:
                 options["instances"] = things
                 options["transforms"] = np.repeat(placed[part], size, axis=0)

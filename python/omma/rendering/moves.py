@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from typing import TYPE_CHECKING, Any, TypedDict, TypeVar
 
 import numpy as np
@@ -12,11 +12,16 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error
 from omma.base.arguments import array_of
 from omma.base.poses import Matrices, as_poses
+from omma.base.velocities import velocities_between, velocities_from_poses
 from omma.photoreceptors import ImpulseResponse
 from omma.scene.world import Animations, Instances, World
 
 if TYPE_CHECKING:
     from typing_extensions import Self
+
+# Before and after a moment: how fast animations move then. Long beside the rounding of key times,
+# float32, and short beside any key.
+_MOMENT_S = 1e-4
 
 # Groups of things that one call can keep from being seen: bits of a ray's mask.
 MOST_UNSEEN = 31
@@ -32,6 +37,7 @@ EngineMoves = tuple[
     NDArray[np.float64],
     list[list[int]],
     NDArray[np.int32],
+    bool,
 ]
 
 
@@ -48,6 +54,7 @@ class MovesOptions(TypedDict, total=False):
         | None
     )
     unseen: Sequence[Instances | None] | None
+    unseen_by_light: bool | None
 
 
 def takes_moves(function: F) -> F:
@@ -125,6 +132,12 @@ class Moves:
                 shape = (len(self._past[1]), len(self._instances), 4, 4)
                 self._past_transforms = array_of(past[2], "past", shape)
         self._groups, self._group_of_pose = _groups_of(world, options.get("unseen"), poses)
+        by_light = options.get("unseen_by_light")
+        if not isinstance(by_light, (bool, np.bool_, type(None))):
+            raise TypeError(f"unseen_by_light: expected True or False, found {by_light!r:.40}")
+        if by_light and options.get("unseen") is None:
+            raise Error("unseen_by_light: goes with unseen, found None of that")
+        self._by_light = bool(by_light)
 
     def part(self, first: int, count: int) -> Self:
         """The same of some of the poses."""
@@ -163,13 +176,20 @@ class Moves:
             options["unseen"] = [
                 self._groups[group] if group >= 0 else None for group in self._group_of_pose
             ]
+            options["unseen_by_light"] = self._by_light
         return options
 
     def for_engine(self) -> EngineMoves | None:
         """As the engine takes them; None where nothing moves."""
         if len(self._instances) == 0 and self._times is None and not self._groups:
             return None
-        times = np.empty(0) if self._times is None else self._times
+        # Of a scene without animations, times say when transforms are (`velocities`) and no more.
+        moves_alone = (
+            len(self._instances) > 0
+            and self._longest_s is None
+            and len(self._world.scene.animations) == 0
+        )
+        times = np.empty(0) if self._times is None or moves_alone else self._times
         transforms = np.ascontiguousarray(self._transforms.reshape(-1, 4, 4))
         times = np.ascontiguousarray(times)
         return (
@@ -181,7 +201,44 @@ class Moves:
             np.ascontiguousarray(self._past_transforms.reshape(-1, 4, 4)),
             self._groups,
             self._group_of_pose,
+            self._by_light,
         )
+
+    def velocities(self, told: Collection[int]) -> dict[int, tuple[Any, Any]]:
+        """{thing: (linear, angular)}, each (P, 3), of what moves as time goes by.
+
+        Those of ``transforms`` along their path, those of animations about each moment; none where
+        the caller has told them, or there are no times.
+        """
+        found: dict[int, tuple[Any, Any]] = {}
+        if self._times is None:
+            return found
+        for k, thing in enumerate(self._instances.tolist()):
+            if thing in told:
+                continue
+            try:
+                found[thing] = velocities_from_poses(self._transforms[:, k], self._times)
+            except Error as problem:
+                raise Error(
+                    f"velocities: expected that of instance {thing}, as the path of its transforms "
+                    f"does not tell it ({problem})"
+                ) from problem
+        animated = [
+            (k, thing)
+            for k, thing in enumerate(self._world._engine.animated)
+            if thing not in found and thing not in told
+        ]
+        if animated:
+            before, after = (
+                np.stack([self._animated_at(time + side) for time in self._times])
+                for side in (-_MOMENT_S, _MOMENT_S)
+            )
+            for k, thing in animated:
+                found[thing] = velocities_between(before[:, k], after[:, k], 2 * _MOMENT_S)
+        return found
+
+    def _animated_at(self, time_s: float) -> NDArray[np.float64]:
+        return self._world._engine.animated_at(float(time_s), self._animations)
 
     def note(self) -> None:
         """Have the world know what has moved, which is back where it was."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal, overload
@@ -13,11 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 from omma import _core
 from omma._core import Background, Error, Eye, Scene
 from omma.base.arguments import checked, expect, output_array, whole
-from omma.base.dlpack import as_numpy
 from omma.base.notebook import html_table
-from omma.base.poses import Matrices, as_poses, is_position_pair
+from omma.base.poses import Matrices, as_poses
 from omma.base.warn import warn_caller
 from omma.rendering.dataset import make_dataset
+from omma.rendering.iterate import render_pieces
 from omma.rendering.moves import Moves, MovesOptions, takes_moves
 from omma.rendering.pickling import parts_of
 from omma.rendering.receptor_views import ReceptorViews, render_receptors
@@ -278,6 +277,8 @@ class Renderer:
             unseen: for each pose None, or the things (a name, an index or several) that its eye
                 does not see, as the animal's own body; at most 31 different groups in one call.
                 Light meets them all the same: their shadows and mirror images are seen.
+            unseen_by_light: True: light does not meet them either, as if they were not there; but
+                what was baked, and a shadow map of the sun, have them as they were then.
 
         Raises:
             omma.Error: a wrong shape, a pose that is not finite or not invertible or at which rays
@@ -529,6 +530,7 @@ class Renderer:
         standard_error: Literal[False] = False,
         chunk: int | None = None,
         first_pose: int | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> Iterator[Responses]: ...
 
     @overload
@@ -539,9 +541,11 @@ class Renderer:
         standard_error: Literal[True],
         chunk: int | None = None,
         first_pose: int | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> Iterator[tuple[Responses, Responses]]: ...
 
     @checked
+    @takes_moves
     def render_iter(
         self,
         poses: Poses | Iterable[ArrayLike],
@@ -549,6 +553,7 @@ class Renderer:
         standard_error: bool = False,
         chunk: int | None = None,
         first_pose: int | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> Iterator[Responses] | Iterator[tuple[Responses, Responses]]:
         """Responses (N, C) of one pose after the other, for more poses than memory holds.
 
@@ -561,43 +566,18 @@ class Renderer:
             chunk: poses rendered at once; None takes as many as fit into 32 MB. What was yielded
                 stays valid, and keeps the memory of its chunk alive.
             first_pose: as in `render`.
+            instances, transforms, times_s, animation, past, unseen, unseen_by_light: as in
+                `render`, for all poses, which are then an array.
 
         Raises:
             omma.Error: as `render`, when the pose is reached.
         """
         count = self._chunk() if chunk is None else whole(chunk, "chunk", 1, 1 << 31)
         first = frame_number(first_pose)
-        return self._iterate(self._pieces(poses, count), standard_error, first)
-
-    def _iterate(
-        self, pieces: Iterable[Any], standard_error: bool, first: int | None
-    ) -> Iterator[Any]:
-        done = 0 if first is None else first
-        for piece in pieces:
-            matrices = as_poses(piece, done)
-            if standard_error:
-                yield from zip(
-                    *self.render(matrices, standard_error=True, first_pose=first), strict=True
-                )
-            else:
-                yield from self.render(matrices, first_pose=first)
-            done += len(matrices)
-            first = None if first is None else first + len(matrices)
-
-    def _pieces(self, poses: Poses | Iterable[ArrayLike], count: int) -> Iterator[Any]:
-        poses = as_numpy(poses, "poses")
-        if isinstance(poses, (str, np.ndarray)) or is_position_pair(poses):
-            matrices = self._matrices(poses)  # type: ignore[arg-type]
-            yield from (matrices[i : i + count] for i in range(0, len(matrices), count))
-        elif isinstance(poses, Iterable):
-            source = iter(poses)
-            while piece := list(itertools.islice(source, count)):
-                yield piece
-        else:
-            found = type(poses).__name__
-            raise TypeError(f"poses: expected an array or an iterable, found {found}")
+        return render_pieces(self, poses, moves, count, standard_error, first)
 
     @checked
+    @takes_moves
     def ground_truth(
         self,
         poses: Poses,
@@ -608,6 +588,7 @@ class Renderer:
         standard_error: bool = False,
         first_pose: int | None = None,
         progress: Progress | None = None,
+        **moves: Unpack[MovesOptions],
     ) -> GroundTruth:
         """Responses, and beside them how far, where and what each ommatidium sees.
 
@@ -626,10 +607,14 @@ class Renderer:
                 is optic flow.
             velocities: of what moves by itself, {name or index in `World.instances`: (linear,
                 angular)}: of the origin of the node's frame where it is now, as ``head_velocity``.
+                With ``times_s``, what ``instances`` and animations move has the velocity at which
+                it does so, unless it is told here.
+            instances, transforms, times_s, animation, unseen, unseen_by_light: as of `render`.
 
         Raises:
             omma.Error: what `render` raises, no such instance or one twice, a velocity of another
-                shape or above 1e9, rays that are shared.
+                shape or above 1e9, rays that are shared; things moved by a single transform, or one
+                whose times do not grow, of which no velocity is told.
         """
         return render_truth(
             self,
@@ -640,6 +625,7 @@ class Renderer:
             standard_error=standard_error,
             first_pose=first_pose,
             progress=progress,
+            moves=moves,
         )
 
     @checked

@@ -18,6 +18,7 @@ from omma.rendering.labels import Variables
 from omma.rendering.settings import Shared, ToError, frame_number
 
 if TYPE_CHECKING:
+    from omma.rendering.moves import Moves, MovesOptions
     from omma.rendering.renderer import Poses, Progress, Renderer
     from omma.scene.world import World
 
@@ -87,6 +88,7 @@ def render_truth(
     standard_error: bool,
     first_pose: int | None,
     progress: Progress | None,
+    moves: MovesOptions,
 ) -> GroundTruth:
     """What `Renderer.ground_truth` does, whose arguments these are."""
     sampling = renderer.settings.sampling
@@ -98,6 +100,7 @@ def render_truth(
     if renderer.settings.impulse_response is not None:
         raise Error("ground_truth: expected a renderer without an impulse response, found one with")
     matrices = renderer._matrices(poses)
+    moving = renderer._moves(matrices, moves)
     size = (len(matrices), len(renderer.eye))
     found: dict[str, Any] = {"responses": np.empty((*size, renderer.bands), np.float32)}
     for name in ("met", "distance_m", "nearest_m", "inverse_distance_per_m"):
@@ -120,10 +123,12 @@ def render_truth(
             found[f"flow_{part}_rad_s"] = np.empty((*size, 2), np.float32)
         if head_velocity is not None:
             asked["head"] = _velocity(head_velocity, "head_velocity", len(matrices))
-        if velocities:
-            asked |= _objects(renderer.world, velocities, len(matrices))
+        asked |= _objects(renderer.world, velocities or {}, moving, len(matrices))
     first = frame_number(first_pose)
-    _core.render_truth(renderer._engine, matrices, found | asked, first, progress)
+    _core.render_truth(
+        renderer._engine, matrices, found | asked, first, moving.for_engine(), progress
+    )
+    moving.note()
     sentence = renderer._engine.precision_warning(matrices)
     if sentence:
         warn_caller(sentence, RuntimeWarning)
@@ -222,19 +227,28 @@ def _velocity(given: tuple[ArrayLike, ArrayLike], name: str, poses: int) -> NDAr
 
 
 def _objects(
-    world: World, velocities: Mapping[str | int, tuple[ArrayLike, ArrayLike]], poses: int
+    world: World,
+    velocities: Mapping[str | int, tuple[ArrayLike, ArrayLike]],
+    moving: Moves,
+    poses: int,
 ) -> dict[str, Any]:
+    """What moves by itself and how: as the caller says, and else as it moves in this call."""
     if not isinstance(velocities, Mapping):
         raise TypeError(
             "velocities: expected a mapping {instance: (linear_m_s, angular_rad_s)}, found "
             f"{velocities!r:.40}"
         )
     count = len(world.instances)
-    moving = [
+    things = [
         world.index(one) if isinstance(one, str) else whole(one, "velocities", 0, count - 1)
         for one in velocities
     ]
-    if len(set(moving)) < len(moving):
+    if len(set(things)) < len(things):
         raise Error("velocities: an instance is there twice, by its name and by its index")
     rows = [_velocity(given, f"velocities[{one!r}]", poses) for one, given in velocities.items()]
-    return {"moving": np.array(moving, np.int32), "objects": np.stack(rows, axis=1)}
+    for thing, velocity in moving.velocities(things).items():
+        things.append(thing)
+        rows.append(_velocity(velocity, f"velocity of instance {thing}", poses))
+    if not things:
+        return {}
+    return {"moving": np.array(things, np.int32), "objects": np.stack(rows, axis=1)}

@@ -60,12 +60,10 @@ class Lighting:
     def _weights(self, scene: Scene) -> NDArray[np.float64] | None:
         """Reflectance below 400 nm as weights of red, green, blue and of 1: (M + 1, 4); the last is
         for surfaces without a material."""
-        bands = self.light.bands
-        unknown = _core.materials_without_ultraviolet(scene, bands.wavelength_nm, bands.weight)
-        names = [one.name for one in scene.materials] + [""]
+        names = _names_of_materials(scene)
         weights = np.zeros((len(names), 4))
         left = []
-        for material in unknown:
+        for material in self._unknown(scene):
             rule = self._rule(names[material])
             if rule is None:
                 left.append(names[material])
@@ -74,6 +72,15 @@ class Lighting:
         if left:
             raise Error(_asking(left, self.light))
         return weights
+
+    def names_without_ultraviolet(self, scene: Scene) -> tuple[str, ...]:
+        """Of materials of which only RGB is known, where the light reaches below 400 nm."""
+        names = _names_of_materials(scene)
+        return tuple(names[material] for material in self._unknown(scene))
+
+    def _unknown(self, scene: Scene) -> list[int]:
+        bands = self.light.bands
+        return _core.materials_without_ultraviolet(scene, bands.wavelength_nm, bands.weight)
 
     def _rule(self, name: str) -> Rule | None:
         if isinstance(self.ultraviolet, Mapping):
@@ -146,6 +153,11 @@ def _checked_rule(rule: Any) -> Rule:
     raise Error(
         f'ultraviolet: expected "dark", "as_blue" or a reflectance from 0 to 1, found {rule!r:.40}'
     )
+
+
+def _names_of_materials(scene: Scene) -> list[str]:
+    """The last, "", is of surfaces without a material."""
+    return [one.name for one in scene.materials] + [""]
 
 
 def _weights_of(rule: Rule) -> tuple[float, float, float, float]:

@@ -481,6 +481,15 @@ class World:
         return None if self._lighting is None else self._lighting.light
 
     @property
+    def materials_without_ultraviolet(self) -> tuple[str, ...]:
+        """Names of materials of which only RGB is known where this world's light reaches below
+        400 nm, so that ``ultraviolet`` says what they reflect there; "" stands for surfaces without
+        a material. `omma.rendering.ultraviolet_dependence` tells by how much that matters."""
+        if self._lighting is None:
+            return ()
+        return self._lighting.names_without_ultraviolet(self._scene)
+
+    @property
     def lighting(self) -> LightingName:
         """How it is lit: "baked", "path" or "unlit"."""
         return "unlit" if self._lighting is None else self._lighting.lighting

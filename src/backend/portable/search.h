@@ -32,8 +32,7 @@ struct PortableSearch {
 
   // A bit for each valid ray that meets an accepted surface between its t_near and t_far; one that
   // lets light through in part counts as any other.
-  OMMA_HD unsigned occluded(const std::int32_t* valid, const RayPacket<L::count>& rays,
-                            Spread = Spread::together) const {
+  OMMA_HD unsigned occluded(const std::int32_t* valid, const RayPacket<L::count>& rays) const {
     return omma::occluded<L>(tracer->view, valid, rays,
                              [&](int, float, float u, float v, std::uint32_t triangle,
                                  std::uint32_t placed, bool from_behind) {

@@ -1,0 +1,171 @@
+"""``omma view``: a page in the browser that shows what an animal sees, live."""
+
+from __future__ import annotations
+
+import threading
+import time
+import webbrowser
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+from numpy.typing import NDArray
+
+from omma._core import Error, merge_eyes
+from omma.base.files import metres_per_unit
+from omma.base.poses import look_at, poses_from_angles
+from omma.cli.render import BackgroundOption, UnitOption
+from omma.cli.working import Terminated, warn, working
+from omma.eye.files import load_eye
+from omma.rendering.renderer import BUILDING, READING
+from omma.scene.backgrounds import parse_background
+from omma.scene.files import read_scene
+from omma.scene.world import World
+from omma.view.command import Sources, absolute
+from omma.view.window import load_viser, open_window
+
+VIEW_HELP = """
+Show what an eye sees in a scene on a page in the browser, live, until Ctrl-C.
+
+The head can be dragged, turned and flown through the scene; its ommatidia picked; a path played and
+recorded as a video. The page says the command that renders what it shows. docs/view.md says what
+everything on it does. Needs viser: pip install 'omma[view]'.
+
+**Examples**
+
+`omma view meadow.glb --eye left.eye --eye right.eye`
+
+From a camera of the scene, with a path to play, without opening a browser here:
+
+`omma view meadow.glb --eye honeybee.eye --camera bee --path flight.csv --no-browser`
+
+For others on the network, who need the address with its token, which is printed:
+
+`omma view meadow.glb --eye honeybee.eye --host 0.0.0.0 --port 8100`
+"""
+
+view_app = typer.Typer(add_completion=False, rich_markup_mode="markdown")
+
+
+@view_app.command(help=VIEW_HELP)
+def view(
+    scene: Annotated[
+        Path, typer.Argument(help="Scene: a glTF 2.0 file, .gltf or .glb.", metavar="SCENE")
+    ],
+    eye: Annotated[
+        list[Path], typer.Option(help="Eye file; several make one head.", metavar="EYE")
+    ],
+    unit: UnitOption = None,
+    camera: Annotated[
+        str | None,
+        typer.Option(
+            help="Camera of the scene where the head is at first. Default: the first.",
+            metavar="NAME|INDEX",
+        ),
+    ] = None,
+    position: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option(help="Where the head is at first, in metres.", metavar="X Y Z"),
+    ] = None,
+    look_at_point: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option(
+            "--look-at",
+            help="Point that the head looks at. Default: along -Z.",
+            metavar="X Y Z",
+        ),
+    ] = None,
+    path: Annotated[
+        Path | None, typer.Option(help="CSV file of poses, to be played.", metavar="CSV")
+    ] = None,
+    background: BackgroundOption = None,
+    ultraviolet: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option(
+            help="Of receptors: light below 400 nm as a mix of red, green and blue.",
+            metavar="R G B",
+        ),
+    ] = None,
+    samples: Annotated[
+        int, typer.Option(help="Rays per ommatidium while things move.", metavar="N")
+    ] = 4,
+    threads: Annotated[int, typer.Option(help="Threads; 0: all.", metavar="N")] = 0,
+    host: Annotated[
+        str,
+        typer.Option(
+            help="Address to listen at; 0.0.0.0 for all. Other than this machine's own, the page "
+            "has a token in its address.",
+            metavar="ADDRESS",
+        ),
+    ] = "127.0.0.1",
+    port: Annotated[
+        int | None,
+        typer.Option(
+            help="Port to listen at; 0: any that is free. Default: the first free one from 8090 "
+            "on.",
+            metavar="N",
+        ),
+    ] = None,
+    browser: Annotated[bool, typer.Option(help="Open the page in a browser here.")] = True,
+) -> None:
+    """Show what an eye sees in a scene on a page in the browser, live."""
+    load_viser()
+    if look_at_point is not None and position is None:
+        raise Error("look_at: needs a position to look from")
+    if camera is not None and position is not None:
+        raise Error("camera and position: only one of them can say where the head is")
+    with working() as bar:
+        bar.show(READING, None)
+        read = read_scene(scene, None, progress=bar.fraction_of(READING))
+        metres = metres_per_unit("mm" if unit is None else unit)
+        eyes = [load_eye(name, metres) for name in eye]
+        head = eyes[0] if len(eyes) == 1 else merge_eyes(eyes)
+        world = World(
+            read,
+            threads=threads,
+            background=None if background is None else parse_background(background),
+            progress=bar.fraction_of(BUILDING),
+        )
+        pose: NDArray[np.float64] | None = None
+        if position is not None and look_at_point is not None:
+            pose = look_at(position, look_at_point)
+        elif position is not None:
+            pose = poses_from_angles(position, (0, 0, 0))[0]
+        elif camera is not None:
+            pose = read.camera(camera).world_from_camera
+        bar.show("Preparing the page", None)
+        file = (
+            background
+            if background is None or not Path(background).exists()
+            else (absolute(background))
+        )
+        window = open_window(
+            world,
+            head,
+            Sources(absolute(scene), tuple(map(absolute, eye)), unit or "mm", file),
+            pose=pose,
+            samples=samples,
+            path=None if path is None else str(path),
+            ultraviolet=ultraviolet,
+            animation=None,
+            threads=threads,
+            host=host,
+            port=port,
+        )
+    for warning in read.warnings:
+        warn(warning)
+    print(window.url, flush=True)
+    print("Ctrl-C ends it.", flush=True)
+    if browser:
+        # Some browsers keep whoever starts them waiting.
+        threading.Thread(target=webbrowser.open, args=(window.url,), daemon=True).start()
+    try:
+        while True:
+            time.sleep(3600)
+    except Terminated:
+        raise
+    except KeyboardInterrupt:
+        pass  # how it is meant to end
+    finally:
+        window.close()

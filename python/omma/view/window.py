@@ -1,0 +1,295 @@
+"""`show`: the server of a page, from its start to its end."""
+
+from __future__ import annotations
+
+import atexit
+import html
+import secrets
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from omma._core import Error, Eye, Scene, merge_eyes
+from omma.base.arguments import checked, expect, whole
+from omma.base.poses import as_poses, load_poses
+from omma.eye.files import load_eye
+from omma.scene.files import read_scene
+from omma.scene.world import World
+from omma.view.command import Sources, absolute
+from omma.view.door import SECRET_HEADER, Door, is_loopback, listening_socket
+from omma.view.poses import HeadPose, pose_from_matrix
+from omma.view.state import Look, Looker, Seen
+
+_HEIGHT = 760  # of the frame in a notebook, pixels
+
+
+class Window:
+    """A page that is being shown; `show` makes it.
+
+    ``url`` is where a browser finds it. In a notebook it shows itself. `close` ends it; so does the
+    end of the ``with`` block whose value it is, and the end of the program.
+    """
+
+    def __init__(self, server: Any, page: Any, door: Door, url: str) -> None:
+        self._server, self._page, self._door = server, page, door
+        self._url = url
+        self._open = True
+        atexit.register(self.close)
+
+    @property
+    def url(self) -> str:
+        """The address of the page, with its token where there is one."""
+        return self._url
+
+    @property
+    def look(self) -> Look:
+        """The settings that the page is at."""
+        look: Look = self._page.live.look
+        return look
+
+    @property
+    def seen(self) -> Seen | None:
+        """The last frame that the page shows, with its numbers; None before the first."""
+        seen: Seen | None = self._page.seen
+        return seen
+
+    def go_to(self, pose: HeadPose | ArrayLike) -> None:
+        """Put the head at a pose: a `HeadPose`, or ``world_from_head`` (4, 4), m.
+
+        Raises:
+            omma.Error: it is no pose.
+        """
+        there = pose if isinstance(pose, HeadPose) else pose_from_matrix(as_poses(pose)[0])
+        self._page.go_to(there)
+
+    def close(self) -> None:
+        """End the page, and its threads; a second time does nothing."""
+        if not self._open:
+            return
+        self._open = False
+        atexit.unregister(self.close)
+        self._page.close()
+        with _quiet_viser():
+            self._server.stop()
+        self._door.close()
+
+    def __enter__(self) -> Window:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<omma.view.Window {self._url}{'' if self._open else ', closed'}>"
+
+    def _repr_html_(self) -> str:
+        address = html.escape(self._url, quote=True)
+        return (
+            f'<iframe src="{address}" width="100%" height="{_HEIGHT}" style="border:0"></iframe>'
+            f'<div><a href="{address}" target="_blank">{address}</a></div>'
+        )
+
+
+@checked
+def show(
+    world: World | Scene,
+    eye: Eye | Sequence[Eye],
+    *,
+    pose: ArrayLike | None = None,
+    samples: int = 4,
+    path: ArrayLike | str | None = None,
+    ultraviolet: ArrayLike | None = None,
+    animation: str | int | None = None,
+    threads: int = 0,
+    host: str = "127.0.0.1",
+    port: int | None = None,
+) -> Window:
+    """Show what an eye sees in a world on a page for browsers, live; returns at once.
+
+    The page shows the scene in 3D with the head in it, which can be dragged, turned and flown, and
+    beside it what the animal sees (docs/view.md). All engine work is done in a thread of its own;
+    while the page is open the world is its alone: it moves things to the time that is set there.
+
+    Args:
+        world: what there is to see: a `World`, as it is lit, or a scene, of which one is made.
+        eye: who sees it; a list of eyes is merged as `omma.eye.merge_eyes` does.
+        pose: where the head is at first, ``world_from_head`` (4, 4), m; None: at the scene's first
+            camera, else at the origin. Its scale is left out.
+        samples: rays of each ommatidium while things move, 1 to 256.
+        path: poses that can be played, (P, 4, 4), or a file that `omma.load_poses` reads.
+        ultraviolet: of receptors, as `Renderer.render_receptors` takes it.
+        animation: which of the scene's animations the time is of; None: all.
+        threads: that render; 0 takes one per hardware thread.
+        host: address to listen at. Other than 127.0.0.1 others can reach it, and the address of
+            the page then holds a random token without which nothing is answered. What goes over
+            the network is not encrypted.
+        port: None takes the first free one from 8090 on, 0 any that is free.
+
+    Example:
+        >>> world = omma.World(omma.load_scene(omma.examples.meadow()))
+        >>> window = omma.view.show(world, omma.species.drosophila().eye, port=0)
+        >>> window.url.startswith("http://127.0.0.1:")
+        True
+        >>> window.close()
+
+    Raises:
+        omma.Error: viser is missing (``omma[view]``), the port is in use, a pose or a path that is
+            none.
+    """
+    if isinstance(world, Scene):
+        world = World(world, threads=threads)
+    expect(world, World, "world", "omma.World(omma.load_scene(...)) makes one")
+    eyes = [eye] if isinstance(eye, Eye) else list(eye)
+    head = eye if isinstance(eye, Eye) else merge_eyes(eyes)
+    files = _files_of(world, eyes)
+    return open_window(
+        world,
+        head,
+        files,
+        pose=pose,
+        samples=samples,
+        path=path,
+        ultraviolet=ultraviolet,
+        animation=animation,
+        threads=threads,
+        host=host,
+        port=port,
+    )
+
+
+def open_window(
+    world: World,
+    eye: Eye,
+    sources: Sources,
+    *,
+    pose: ArrayLike | None,
+    samples: int,
+    path: ArrayLike | str | None,
+    ultraviolet: ArrayLike | None,
+    animation: str | int | None,
+    threads: int,
+    host: str,
+    port: int | None,
+) -> Window:
+    """What `show` does, with the files that world and eye came from."""
+    viser = load_viser()
+    from omma.view.page import Page
+
+    if port is not None:
+        whole(port, "port", 0, 65535)
+    given = None if ultraviolet is None else np.asarray(ultraviolet, np.float64)
+    looker = Looker(world, eye, ultraviolet=given, animation=animation, threads=threads)
+    cameras = world.scene.cameras
+    if pose is not None:
+        first = as_poses(pose)[0]
+    else:
+        first = cameras[0].world_from_camera if cameras else np.eye(4)
+    poses = load_poses(path) if isinstance(path, str) else path
+    if poses is not None:
+        poses = as_poses(poses)
+    look = Look(pose_from_matrix(first), samples)
+    sources = Sources(
+        sources.scene,
+        sources.eyes,
+        sources.unit,
+        sources.background,
+        lit=world.light is not None,
+        ultraviolet=None if given is None else tuple(given.tolist()),
+    )
+    local = is_loopback(host)
+    token = "" if local else secrets.token_urlsafe(24)
+    secret = secrets.token_urlsafe(24)
+    listener = listening_socket(host, port)
+    server = None
+    try:
+        with _quiet_viser():
+            server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+        _lock(server, secret)
+        page = Page(server, looker, look, sources, poses)
+    except BaseException:
+        listener.close()
+        if server is not None:
+            with _quiet_viser():
+                server.stop()
+        raise
+    door = Door(
+        listener,
+        server.get_port(),
+        secret=secret,
+        token=token,
+        check_host=local,
+        on_click=page.click,
+    )
+    page.start(door)
+    shown = f"[{host}]" if ":" in host else host
+    url = f"http://{shown}:{door.port}/{token}{'/' if token else ''}"
+    return Window(server, page, door, url)
+
+
+def _files_of(world: World, eyes: Sequence[Eye]) -> Sources:
+    """The files that give this world and these eyes, where there are such; a command then renders
+    the same. What has been changed since it was read is in no file."""
+    scene = world.scene
+    as_read = (
+        scene.path
+        and not world._moved
+        and world.background == scene.background
+        and world.band_from_rgb is None
+        and all(one.path for one in eyes)
+    )
+    try:
+        if not as_read or any(load_eye(one.path) != one for one in eyes):
+            return Sources()
+        if read_scene(scene.path, None) != scene:
+            return Sources()
+    except Error:  # a file that is gone
+        return Sources()
+    return Sources(absolute(scene.path), tuple(absolute(one.path) for one in eyes))
+
+
+def load_viser() -> Any:
+    """The package that makes the page.
+
+    Raises:
+        omma.Error: it is not installed.
+    """
+    try:
+        import viser
+        from PIL import Image  # noqa: F401
+    except ImportError as error:
+        raise Error(
+            f"the page needs viser, which is not installed ({error}): pip install 'omma[view]'"
+        ) from None
+    return viser
+
+
+def _lock(server: Any, secret: str) -> None:
+    """viser's own port answers to the door alone: whoever comes without its secret is cut off
+    before anything is sent; and nobody can have viser share the page over the internet."""
+    inner = server._websock_server
+
+    async def check(connection: Any) -> None:
+        request = inner._live_connections[connection.client_id].request
+        found = request.headers.get(SECRET_HEADER, "")
+        if not secrets.compare_digest(found.encode(), secret.encode()):
+            await inner._live_connections[connection.client_id].close(1008, "not by this door")
+            raise ConnectionAbortedError("a connection that did not come by the door")
+
+    inner._client_connect_cb.insert(0, check)
+    server.request_share_url = lambda *_, **__: None
+
+
+@contextmanager
+def _quiet_viser() -> Iterator[None]:
+    """viser says where it listens and that it stops; where that is is nobody's business."""
+    import rich
+
+    console = rich.get_console()
+    before, console.quiet = console.quiet, True
+    try:
+        yield
+    finally:
+        console.quiet = before

@@ -1,0 +1,168 @@
+"""Ground truth where things move from pose to pose, and renders one pose after the other: beside
+worlds that are moved by hand, and optic flow beside differences of places."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from animated_scenes import Builder, cube
+from numpy.testing import assert_allclose
+from scipy.spatial.transform import Rotation
+
+import omma
+from omma import scene as solids
+from omma.photoreceptors import ImpulseResponse
+from omma.rendering import GroundTruth
+
+POSES = omma.poses_from_angles(
+    [(0.1 * k, 1, 0.05 * k) for k in range(6)], [(20 * k, -5, 3 * k) for k in range(6)]
+)
+TIMES = np.array([0, 0.01, 0.02, 0.04, 0.05, 0.07])
+VELOCITY = (np.array([0.5, 0.0, -0.2]), np.array([0.0, 0.4, 0.1]))
+ARRAYS = [one.name for one in dataclasses.fields(GroundTruth) if one.name not in ("names", "rays")]
+
+
+@pytest.fixture(scope="module", params=["embree", "portable"])
+def world(request):
+    things = [
+        solids.plane((60, 60), (0.4, 0.3, 0.1)),
+        solids.sphere(0.9, (1, 0, 0), center_m=(0.5, 1, -2), name="ball"),
+        solids.box((0.3, 4, 0.3), (0, 1, 0), center_m=(-1, 2, -3), name="post"),
+    ]
+    try:
+        return omma.World(solids.merge_scenes(things), backend=request.param)
+    except omma.Error as error:
+        pytest.skip(str(error))
+
+
+@pytest.fixture(scope="module")
+def path(world):
+    """The ball goes round, the post turns and comes nearer: (6, 2, 4, 4)."""
+    places = np.stack(
+        [world.instances[world.index(name)].world_from_node for name in ("ball", "post")]
+    )
+    moves = omma.poses_from_angles(
+        [(0.05 * k, 0.02 * k, 0.1 * k) for k in range(6)], [(10 * k, 0, 4 * k) for k in range(6)]
+    )
+    return moves[:, None] @ places
+
+
+def test_it_is_that_of_a_world_moved_so(world, path):
+    eye = omma.eye.generate_eye(80)
+    renderer = omma.Renderer(world, eye, omma.Fixed(8))
+    asked = {"shares": ["ball", "post"], "head_velocity": VELOCITY, "standard_error": True}
+    told = {
+        name: omma.velocities_from_poses(path[:, k], TIMES)
+        for k, name in enumerate(("ball", "post"))
+    }
+    unseen = [None, ["post"], None, ["ball"], None, None]
+    found = renderer.ground_truth(
+        POSES,
+        instances=["ball", "post"],
+        transforms=path,
+        times_s=TIMES,
+        unseen=unseen,
+        first_pose=3,
+        **asked,
+    )
+    alone = omma.World(world.scene, backend=world.backend.split()[0])
+    by_hand = omma.Renderer(alone, eye, omma.Fixed(8))
+    for p in range(6):
+        alone.set_transforms(["ball", "post"], path[p])
+        one = by_hand.ground_truth(
+            POSES[p],
+            velocities={name: (linear[p], angular[p]) for name, (linear, angular) in told.items()},
+            first_pose=3 + p,
+            unseen=[unseen[p]],
+            **asked,
+        )
+        for name in ARRAYS:
+            first, second = getattr(found, name)[p], getattr(one, name)[0]
+            assert np.array_equal(first, second, equal_nan=True), (p, name)
+    assert (found.shares[1, :, 1] == 0).all(), "who does not see it has no share of it"
+    assert found.shares[0, :, 1].max() > 0.1
+    assert np.abs(found.flow_objects_rad_s).max() > 0.5
+
+
+def test_velocities_that_are_told_stand(world, path):
+    renderer = omma.Renderer(world, omma.eye.generate_eye(40), omma.Fixed(4))
+    moves = {"instances": ["ball", "post"], "transforms": path}
+    still = {name: ((0, 0, 0), (0, 0, 0)) for name in ("ball", "post")}
+    truth = renderer.ground_truth(POSES, velocities=still, times_s=TIMES, **moves)
+    assert not truth.flow_objects_rad_s.any()
+    untimed = renderer.ground_truth(POSES, head_velocity=VELOCITY, **moves)
+    assert not untimed.flow_objects_rad_s.any(), "without times nothing has a velocity"
+    with pytest.raises(omma.Error, match="velocities: expected that of instance 1, as the path"):
+        renderer.ground_truth(POSES, head_velocity=VELOCITY, times_s=TIMES[::-1], **moves)
+
+
+def test_flow_of_what_an_animation_moves(tmp_path):
+    """A box that slides and turns: the flow is how the point that is met goes on."""
+    made = Builder()
+    mesh = made.mesh(*cube(1.0)[::2])
+    node = made.node(mesh=mesh, name="box")
+    keys = np.linspace(0, 1, 11)
+    turns = Rotation.from_rotvec(np.outer(0.8 * keys, (0, 1, 0))).as_quat()
+    slides = np.stack([0.5 * keys, 0 * keys, -4 - keys], 1)
+    made.animation(
+        [(node, "rotation", keys, turns, "LINEAR"), (node, "translation", keys, slides, "LINEAR")],
+        "go",
+    )
+    world = omma.World(omma.load_scene(made.write(tmp_path / "box.gltf")), backend="portable")
+    eye = omma.eye.generate_eye(2).replace(
+        axis=np.float32([[0, 0, -1]] * 2),
+        up=np.float32([[0, 1, 0]] * 2),
+        position_m=np.zeros((2, 3)),
+        acceptance_angle_rad=np.zeros(2, np.float32),
+    )
+    renderer = omma.Renderer(world, eye, omma.Fixed(1))
+    times = [0.31, 0.77]
+    pose = np.stack([np.eye(4)] * 2)
+    truth = renderer.ground_truth(pose, head_velocity=((0, 0, 0), (0, 0, 0)), times_s=times)
+    for p, time in enumerate(times):
+        r = truth.distance_m[p, 0]
+        point = np.array([0, 0, -r])
+        center = np.array([0.5 * time, 0, -4 - time])
+        v = np.array([0.5, 0, -1]) + np.cross((0, 0.8, 0), point - center)
+        # Keys are float32, and a moment is 1e-4 s: velocities to some 1e-3.
+        assert_allclose(truth.flow_objects_rad_s[p, 0], v[:2] / r, atol=2e-3)
+    assert_allclose(world.instances[0].world_from_node, np.eye(4), atol=0, err_msg="nothing moved")
+
+
+@pytest.mark.parametrize("standard_error", [False, True])
+def test_one_pose_after_the_other(world, path, standard_error):
+    eye = omma.eye.generate_eye(60)
+    moves = {
+        "instances": ["ball", "post"],
+        "transforms": path,
+        "unseen": [None, ["post"], None, None, ["ball"], None],
+    }
+    renderer = omma.Renderer(world, eye, omma.Fixed(8))
+    at_once = renderer.render(POSES, standard_error=standard_error, **moves)
+    for chunk in (1, 4, None):
+        single = renderer.render_iter(POSES, standard_error=standard_error, chunk=chunk, **moves)
+        if standard_error:
+            for part, found in zip(zip(*single), at_once):
+                assert np.array_equal(np.stack(part), found)
+        else:
+            assert np.array_equal(np.stack(list(single)), at_once)
+
+
+def test_one_lasting_frame_after_the_other(world, path):
+    response = ImpulseResponse.exponential(0.02)
+    renderer = omma.Renderer(
+        world, omma.eye.generate_eye(60), omma.Fixed(16), impulse_response=response
+    )
+    moves = {"instances": ["ball", "post"], "transforms": path, "times_s": TIMES}
+    at_once = renderer.render(POSES, **moves)
+    single = renderer.render_iter(POSES, chunk=2, **moves)
+    assert np.array_equal(np.stack(list(single)), at_once)
+
+
+def test_moves_need_poses_that_are_known(world, path):
+    renderer = omma.Renderer(world, omma.eye.generate_eye(20), omma.Fixed(4))
+    moves = {"instances": ["ball", "post"], "transforms": path}
+    with pytest.raises(TypeError, match="poses: expected an array, as things move"):
+        list(renderer.render_iter((pose for pose in POSES), **moves))
+    with pytest.raises(omma.Error, match=r"transforms: expected shape \(5, 2, 4, 4\)"):
+        list(renderer.render_iter(POSES[:5], **moves))
