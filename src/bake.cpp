@@ -57,7 +57,7 @@ struct Gathering {
   void operator()(const GatherPlace& place, std::uint16_t* values) const {
     double mean[most_bands];
     built.functions.gather(frame, place, built.acceleration.tracer.get(),
-                           thread_memory(block_memory_bytes(frame)), mean);
+                           thread_memory(ThreadRoom::block, block_memory_bytes(frame)), mean);
     for (std::size_t b = 0; b < bands; ++b) {
       const float value = static_cast<float>(mean[b]) * per_unit;
       if (value > largest_baked) is_too_bright = true;

@@ -240,7 +240,7 @@ void render_still(const Renderer::State& s, std::span<const Mat4> world_from_hea
   const HeadPath path = head_path(
       s.settings, call,
       traced_poses(call.past_world_from_head, s.eye_arrays, s.built().placement.origin_m), traced);
-  oneapi::tbb::enumerable_thread_specific<FrameMotion> motions;
+  std::vector<FrameMotion> motions(static_cast<std::size_t>(s.threads.threads));
 
   // One block of ommatidia at one pose is a task: some 512 rays, but no more than fit its sums.
   Blocks blocks{{s.view(), &s.eye_view, s.direction_views.data()},
@@ -280,7 +280,7 @@ void render_still(const Renderer::State& s, std::span<const Mat4> world_from_hea
     BlockTask task =
         make_task(blocks, index % blocks_per_pose, traced[p], s.frame_of(p, first_frame));
     task.sees = seen_at(call, p);
-    task.motion = motion_of(path, p, part, motions.local());
+    task.motion = motion_of(path, p, part, motions[thread_in_arena()]);
     task.responses = responses.data() + p * pose_size;
     if (!call.standard_error.empty())
       task.standard_error = call.standard_error.data() + p * pose_size;
@@ -310,7 +310,7 @@ BlockTask make_task(const Blocks& blocks, std::size_t block, const Mat4& world_f
 
 void trace_task(const Blocks& blocks, const BlockTask& task) {
   blocks.built->functions.render(blocks.frame, task, blocks.built->acceleration.tracer.get(),
-                                 thread_memory(block_memory_bytes(blocks.frame)));
+                                 thread_memory(ThreadRoom::block, block_memory_bytes(blocks.frame)));
 }
 
 void run_in_stretches(std::size_t tasks, double rays_per_task, int threads,

@@ -5,6 +5,7 @@
 
 #include "render_state.h"
 #include "threads/parallel.h"
+#include "threads/thread_memory.h"
 
 namespace omma {
 namespace {
@@ -21,9 +22,10 @@ void render_frame(const Renderer::State& s, const SharedSet& set, const Mat4& wo
   blocks.frame.outputs = outputs.count;
   blocks.frame.radiance_unit = s.world.state().radiance_unit;
   if (!outputs.from_band.empty()) blocks.frame.output_from_band = outputs.from_band.data();
-  std::vector<float>& radiance = s.radiance.local();  // the same room for all frames
-  radiance.resize(set.rays.rays.size() * static_cast<std::size_t>(outputs.count));
-  float* const traced = radiance.data();
+  // [ray][output]
+  const std::size_t values = set.rays.rays.size() * static_cast<std::size_t>(outputs.count);
+  auto* const traced =
+      reinterpret_cast<float*>(thread_memory(ThreadRoom::shared_rays, values * sizeof(float)));
   const auto trace = [&](std::size_t block) {
     BlockTask task = make_task(blocks, block, world_from_head, 0);  // rays are fixed to the head
     task.sees = sees;

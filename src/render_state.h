@@ -2,8 +2,6 @@
 // render.cpp (each ommatidium its own rays) and render_shared.cpp (rays shared by neighbours).
 #pragma once
 
-#include <oneapi/tbb/enumerable_thread_specific.h>
-
 #include <array>
 #include <atomic>
 #include <functional>
@@ -47,8 +45,6 @@ struct Renderer::State {
 
   // Rays shared by neighbours: the first set is used at all poses, the others for standard errors.
   mutable std::array<MadeOnce<SharedSet>, error_scrambles> shared;
-  // Of each thread, what such rays bring in a frame.
-  mutable oneapi::tbb::enumerable_thread_specific<std::vector<float>> radiance;  // [ray][output]
 
   mutable std::atomic<std::uint64_t> frames = 0;  // rendered so far, with Noise::new_every_frame
 

@@ -10,13 +10,17 @@
 #include "omma/error.h"
 
 namespace omma {
+namespace {
+
+const std::array all{
+#if defined(OMMA_HAS_EMBREE)
+    embree_backend(),
+#endif
+    portable_backend()};
+
+}  // namespace
 
 std::span<const Backend> backends() {
-  static const std::array all{
-#if defined(OMMA_HAS_EMBREE)
-      embree_backend(),
-#endif
-      portable_backend()};
   return all;
 }
 

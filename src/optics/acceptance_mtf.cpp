@@ -10,6 +10,7 @@
 #include "optics/acceptance_warp.h"
 #include "optics/gauss_legendre.h"
 #include "optics/lens_rhabdom.h"
+#include "threads/made_once.h"
 #include "threads/parallel.h"
 
 namespace omma {
@@ -28,9 +29,10 @@ double compoundray_transfer(double cycles) {
   return std::exp(-y) * std::cyl_bessel_i(0.0, y);
 }
 
+MadeOnce<Quadrature> made_nodes;
+
 const Quadrature& nodes() {
-  static const Quadrature made = gauss_legendre(10);
-  return made;
+  return made_nodes.get([] { return gauss_legendre(10); });
 }
 
 // Up to so many turns of k in an interval are summed; beyond, closed forms are as exact, and cost

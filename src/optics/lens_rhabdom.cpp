@@ -288,11 +288,13 @@ class PupilSpectrum {
   std::vector<double> table_;
 };
 
+MadeOnce<Quadrature> made_nodes;
+
 // The transform of |amplitude|^2 is the autocorrelation of what fills the pupil: an integral over
 // the overlap of two pupils whose centres are `frequency` apart. Of a mode with cosine and sine of
 // the azimuth the turn from one to the other is left.
 double autocorrelation(const PupilSpectrum& spectrum, int l, double frequency) {
-  static const Quadrature nodes = gauss_legendre(96);
+  const Quadrature& nodes = made_nodes.get([] { return gauss_legendre(96); });
   const double shift = 0.5 * frequency, most_y = std::sqrt(1 - shift * shift);
   double sum = 0;  // over a quarter of the overlap
   for (std::size_t i = 0; i < nodes.node.size(); ++i) {

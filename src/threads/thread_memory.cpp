@@ -1,6 +1,7 @@
 // A thread's memory.
 #include "threads/thread_memory.h"
 
+#include <array>
 #include <memory>
 #include <new>
 
@@ -15,11 +16,16 @@ struct Free {
   }
 };
 
+struct Kept {
+  std::unique_ptr<std::byte, Free> memory;
+  std::size_t size = 0;
+};
+
 }  // namespace
 
-std::byte* thread_memory(std::size_t bytes) {
-  thread_local std::unique_ptr<std::byte, Free> memory;
-  thread_local std::size_t size = 0;
+std::byte* thread_memory(ThreadRoom room, std::size_t bytes) {
+  thread_local std::array<Kept, static_cast<std::size_t>(ThreadRoom::count)> rooms;
+  auto& [memory, size] = rooms[static_cast<std::size_t>(room)];
   if (size < bytes || size / 4 > bytes) {
     memory.reset();
     size = 0;

@@ -5,8 +5,12 @@
 
 namespace omma {
 
+// What is held in a thread's memory: each has a room of its own, as they are needed together.
+enum class ThreadRoom { block, shared_rays, count };
+
 // So many bytes of this thread, aligned to 64; what is in them is not kept from call to call. What
-// much larger work has left is given back.
-std::byte* thread_memory(std::size_t bytes);
+// much larger work has left is given back. Not from oneTBB's allocator, whose locks a forked process
+// may find held by threads that it lacks.
+std::byte* thread_memory(ThreadRoom room, std::size_t bytes);
 
 }  // namespace omma

@@ -63,7 +63,7 @@ TEST(InstructionSets, GiveTheSameBits) {
       task.count = static_cast<int>(eye.size());
       task.responses = responses.back().data();
       build.block.render(frame, task, acceleration.tracer.get(),
-                         thread_memory(block_memory_bytes(frame)));
+                         thread_memory(ThreadRoom::block, block_memory_bytes(frame)));
       EXPECT_EQ(responses.back(), responses.front()) << build.name << ", scene " << seed;
     }
   }

@@ -175,7 +175,7 @@ def test_what_is_wrong_is_said(swarm, path):
         renderer.render(path[:1, 0], unseen=["wasp"])
     with pytest.raises(omma.Error, match="unseen_by_light: goes with unseen"):
         renderer.render(path[:1, 0], unseen_by_light=True)
-    with pytest.raises(TypeError, match="unseen_by_light: expected True or False, found 'no'"):
+    with pytest.raises(TypeError, match="unseen_by_light: expected True or False, found str 'no'"):
         renderer.render(path[:1, 0], unseen=["bee 0"], unseen_by_light="no")
     with pytest.raises(omma.Error, match="unseen: expected indices of the world's 4 things"):
         renderer.render(path[:1, 0], unseen=[4])

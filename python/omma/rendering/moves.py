@@ -133,8 +133,6 @@ class Moves:
                 self._past_transforms = array_of(past[2], "past", shape)
         self._groups, self._group_of_pose = _groups_of(world, options.get("unseen"), poses)
         by_light = options.get("unseen_by_light")
-        if not isinstance(by_light, (bool, np.bool_, type(None))):
-            raise TypeError(f"unseen_by_light: expected True or False, found {by_light!r:.40}")
         if by_light and options.get("unseen") is None:
             raise Error("unseen_by_light: goes with unseen, found None of that")
         self._by_light = bool(by_light)
