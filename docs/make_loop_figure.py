@@ -41,7 +41,9 @@ def make(results: Path, out: Path) -> None:
                 ha="right" if is_half else "left", fontsize=9, textcoords="offset points",
                 xycoords=("data", "axes fraction"), color="#D55E00",
             )  # fmt: skip
-    axes.set_xlim(0.5 * low[next(k for k, count in enumerate(counts) if count)], low[-1])
+    filled = [k for k, count in enumerate(counts) if count]
+    axes.set_xlim(0.5 * low[filled[0]], min(low[-1], 4 * low[filled[-1]]))
+    axes.set_ylim(top=1.2 * max(counts))  # room for what the lines are
     axes.set_xlabel("time of one turn: move 10 things, render 1,000 ommatidia, read, ms")
     axes.set_ylabel(f"turns of {sum(counts):,}")
     tidy(axes)

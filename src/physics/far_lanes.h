@@ -11,18 +11,6 @@ OMMA_HD Vec3 vec_at(const float (&values)[3][n], int l) {
   return {values[0][l], values[1][l], values[2][l]};
 }
 
-template <typename F, int n>
-OMMA_HD void load_3(const float (&values)[3][n], int l, F (&out)[3]) {
-  for (int r = 0; r < 3; ++r) out[r] = load<F>(values[r] + l);
-}
-
-// A comparison's result that holds for the lanes from l on whose bit is set.
-template <typename L>
-OMMA_HD auto lanes_on(unsigned bits, int l) {
-  const auto word = lane_numbers<L>() * 0 + static_cast<std::int32_t>(bits >> l);
-  return (word >> lane_numbers<L>() & 1) != 0;
-}
-
 template <typename F>
 OMMA_HD F chord_2_lanes(const F (&d)[3], Vec3 centre) {
   const F x = d[0] - centre.x, y = d[1] - centre.y, z = d[2] - centre.z;

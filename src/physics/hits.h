@@ -52,6 +52,24 @@ OMMA_HD void for_each_mesh(const Hits<L>& hits, const Eval& eval) {
   }
 }
 
+// The transforms of meshes' frames, [row][column], of the instances that some lanes from l on met;
+// mostly all met the same. The other lanes get any.
+template <typename L, typename Members, typename F>
+OMMA_HD void load_frames(const SceneView& scene, const Hits<L>& hits, int l,
+                         const Members& is_member, F (&m)[3][4]) {
+  using I = typename L::I;
+  const float* const frames = scene.frame_from_mesh;
+  const std::int32_t one = hits.instance[l + lowest_bit(lane_bits(is_member))];
+  const I met = load<I>(hits.instance + l), instance = is_member ? met : met * 0 + one;
+  const bool is_one = !any_lane(instance != one);
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 4; ++c) {
+      const int at = 4 * r + c;
+      m[r][c] = is_one ? broadcast<F>(frames[std::ptrdiff_t{12} * one + at])
+                       : gather(frames + at, instance * 12);
+    }
+}
+
 // Where surfaces were met, in the traced frame, [lane]; zeros where nothing was.
 template <typename L>
 struct HitGeometry {
@@ -73,12 +91,10 @@ OMMA_HD void eval_geometry(const SceneView& scene, const RayPacket<L::count>& ra
   for_each_mesh(hits, [&](std::int32_t mesh, int l, const auto& is_member) {
     const MeshView& view = scene.meshes[mesh];
     const I triangle = keep(is_member, load<I>(rays.triangle + l));
-    const I frame = keep(is_member, load<I>(hits.instance + l)) * 12;
     const F weight_1 = load<F>(rays.u + l), weight_2 = load<F>(rays.v + l);
     const F weight[3] = {1.0f - weight_1 - weight_2, weight_1, weight_2};
     F m[3][4], corner[3][3], position[3] = {}, reach = {};
-    for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 4; ++c) m[r][c] = gather(scene.frame_from_mesh + 4 * r + c, frame);
+    load_frames(scene, hits, l, is_member, m);
     for (int k = 0; k < 3; ++k) {
       const I vertex = gather(view.triangles + k, triangle * 3) * 3;
       F own[3];
@@ -137,7 +153,7 @@ OMMA_HD void leave_surface(const F (&position)[3], const F (&normal)[3], F reach
                            const F (&towards)[3], F (&origin)[3]) {
   const F along = normal[0] * towards[0] + normal[1] * towards[1] + normal[2] * towards[2];
   const F distance = reach_m * leave_resolutions;
-  const F step = along < 0.0f ? -distance : distance;
+  const F step = along < 0.0f ? 0.0f - distance : distance;
   for (int r = 0; r < 3; ++r) origin[r] = position[r] + normal[r] * step;
 }
 
@@ -154,6 +170,30 @@ OMMA_HD void leave_surface(const HitGeometry<L>& geometry, int l, const float (&
     rays.direction[r][l] = without_noise(towards[r]);
   }
   rays.t_near_m[l] = 0;
+}
+
+// The same of some lanes at once; the others' rays are left. `towards` [lane].
+template <typename L>
+OMMA_HD void leave_surfaces(const HitGeometry<L>& geometry, const float (&towards)[3][L::count],
+                            unsigned lanes, RayPacket<L::count>& rays) {
+  using F = typename L::F;
+  for (int l = 0; l < L::count; l += L::width) {
+    const auto leaves = lanes_on<L>(lanes, l);
+    if (!any_lane(leaves)) continue;
+    F position[3], normal[3], direction[3], from[3];
+    load_3(geometry.position, l, position);
+    load_3(geometry.normal, l, normal);
+    load_3(towards, l, direction);
+    leave_surface(position, normal, load<F>(geometry.reach_m + l), direction, from);
+    const auto set = [&](float* values, F value) {
+      store(values + l, leaves ? value : load<F>(values + l));
+    };
+    for (int r = 0; r < 3; ++r) {
+      set(rays.origin[r], from[r]);
+      set(rays.direction[r], without_noise(direction[r]));
+    }
+    set(rays.t_near_m, F{});
+  }
 }
 
 }  // namespace omma

@@ -344,6 +344,18 @@ OMMA_HD int lowest_bit(unsigned bits) {
 #endif
 }
 
+template <typename F, int n>
+OMMA_HD void load_3(const float (&values)[3][n], int l, F (&out)[3]) {
+  for (int r = 0; r < 3; ++r) out[r] = load<F>(values[r] + l);
+}
+
+// A comparison's result that holds for the lanes from l on whose bit is set.
+template <typename L>
+OMMA_HD auto lanes_on(unsigned bits, int l) {
+  const auto word = lane_numbers<L>() * 0 + static_cast<std::int32_t>(bits >> l);
+  return (word >> lane_numbers<L>() & 1) != 0;
+}
+
 // The sum of a packet's lanes, always in the same order: of sixteen, lanes 4 apart first.
 template <typename L>
 OMMA_HD float sum_lanes(const float* x) {

@@ -143,6 +143,7 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
     Packet<L> shadow;
     clear<L>(shadow.rays);
     for (int l = 0; l < n; ++l) shadow.rays.mask[l] = packet.light_sees;
+    leave_surfaces<L>(geometry, to_light, ~0u, shadow.rays);
     alignas(n * 4) std::int32_t asked[n];
     alignas(n * 4) float weight[n] = {};
     unsigned open = 0, mapped = 0;
@@ -159,8 +160,6 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
         weight[l] = 1;
       }
       if (asked[l] != 0) open |= 1u << l;
-      const float towards[3] = {to_light[0][l], to_light[1][l], to_light[2][l]};
-      leave_surface<L>(geometry, l, towards, shadow.rays);
       shadow.rays.t_far_m[l] = lights[l].distance_m * up_to_light;
       shadow.footprint_rad[l] = 0;
     }
@@ -201,6 +200,7 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
     lengthen<L>(scene, packet, onward, state, memory, most);
     if (scene.baked != nullptr)
       follow_some<L>(scene, packet, state, on, onward, most, memory, radiance);
+    unsigned scattered = 0;
     for (int l = 0; l < n; ++l) {
       const unsigned bit = 1u << l;
       if ((on & bit) == 0) continue;
@@ -227,13 +227,12 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, const std::in
         for (int b = 0; b < scene.bands; ++b) memory.throughput[b * n + l] *= scale;
       }
       state.density[l] = onward.density[l];
-      const float towards[3] = {onward.direction[0][l], onward.direction[1][l],
-                                onward.direction[2][l]};
-      leave_surface<L>(geometry, l, towards, packet.rays);
+      scattered |= bit;
       packet.rays.mask[l] = packet.light_sees;
       packet.footprint_rad[l] = 0;
       passed.count[l] = 0;
     }
+    leave_surfaces<L>(geometry, onward.direction, scattered, packet.rays);
     for (int l = 0; l < n; ++l) state.active[l] = (on >> l & 1u) != 0 ? -1 : 0;
   }
 }

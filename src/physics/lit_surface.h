@@ -38,13 +38,6 @@ OMMA_HD void normalize3(F (&a)[3]) {
   for (F& x : a) x *= scale;
 }
 
-// The transform of a mesh's frame, [row][column], of some lanes.
-template <typename F, typename I>
-OMMA_HD void load_frame(const SceneView& scene, I instance, F (&m)[3][4]) {
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 4; ++c) m[r][c] = gather(scene.frame_from_mesh + 4 * r + c, instance * 12);
-}
-
 // Normals go with the cofactors of a transform: across all that lies across them.
 template <typename F>
 OMMA_HD void transform_normal(const F (&m)[3][4], const F (&own)[3], F (&n)[3]) {
@@ -102,17 +95,13 @@ OMMA_HD void map_normal(const SceneView& scene, const MeshView& mesh, const Scat
   for (int r = 0; r < 3; ++r) n[r] = is_usable ? turned[r] : n[r];
 }
 
-// The normal that shades some lanes of one mesh, on the side of the triangle to which `geometric`
-// looks.
+// The normal that shades some lanes of one mesh with normals or a map of them, whose frame is `m`, on
+// the side of the triangle to which `geometric` looks.
 template <typename F, typename I>
 OMMA_HD void eval_shading_normal(const SceneView& scene, const MeshView& mesh,
-                                 const ScatterView& scatter, I instance,
+                                 const ScatterView& scatter, const F (&m)[3][4],
                                  const SurfacePoint<F, I>& p, const F (&geometric)[3],
                                  F (&normal)[3]) {
-  for (int r = 0; r < 3; ++r) normal[r] = geometric[r];
-  if (mesh.normals == nullptr && mesh.normal_uv == nullptr) return;
-  F m[3][4];
-  load_frame(scene, instance, m);
   if (mesh.normals != nullptr) {
     const F weight[3] = {1.0f - p.u - p.v, p.u, p.v};
     F own[3] = {};
@@ -212,15 +201,19 @@ OMMA_HD void eval_lit_surfaces(const SceneView& scene, const Packet<L>& packet,
       eval_emitted(scene, mesh, scatter, p,
                    [&](int b, F light) { set_band(memory.emission, b, light); });
 
-    F geometric[3], direction[3], normal[3];
+    F geometric[3], direction[3];
     for (int r = 0; r < 3; ++r) {
       geometric[r] = load<F>(geometry.normal[r] + l);
       direction[r] = load<F>(packet.rays.direction[r] + l);
     }
     const F facing = dot_lanes(geometric, direction);
     for (F& x : geometric) x = facing > 0.0f ? 0.0f - x : x;
-    eval_shading_normal(scene, mesh, scatter, keep(is_member, load<I>(hits.instance + l)), p,
-                        geometric, normal);
+    F normal[3] = {geometric[0], geometric[1], geometric[2]};
+    if (mesh.normals != nullptr || mesh.normal_uv != nullptr) {
+      F m[3][4];
+      load_frames(scene, hits, l, is_member, m);
+      eval_shading_normal(scene, mesh, scatter, m, p, geometric, normal);
+    }
     for (int r = 0; r < 3; ++r) {
       set(surface.normal[r], normal[r]);
       set(surface.geometric[r], geometric[r]);

@@ -74,6 +74,27 @@ def test_dask_workers_make_the_same_store(job, whole, tmp_path, workers):
     assert bytes_of(store) == whole
 
 
+def test_dask_workers_make_flow_and_shares(tmp_path):
+    distributed = pytest.importorskip("distributed")
+    job = write_job(
+        tmp_path,
+        dataset='outputs = ["responses", "flow", "shares"]\ninstances = ["crate"]',
+        more='[[condition]]\nname = "crate"\n'
+        'object = [{file = "crate.glb", position_m = [0, 5, 0]}]',
+    )
+    job.write_text(job.read_text() + "speed_m_s = [0.5, 1]\nturn_deg_s = [-100, -50]\n")
+    omma.scene.save_scene(tmp_path / "crate.glb", omma.scene.box((8, 1, 8), name="crate"))
+    datasets.run(job)
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address=None
+    ) as cluster:
+        datasets.run(job, tmp_path / "dask.zarr", dask=cluster.scheduler_address)
+    made = bytes_of(tmp_path / "dask.zarr")
+    assert any(name.startswith("flow/c.") for name in made)
+    assert any(name.startswith("share/c.") for name in made)
+    assert made == bytes_of(tmp_path / "job.zarr")
+
+
 def test_a_worker_that_is_killed(job, whole, tmp_path):
     """Its shards are made by another."""
     distributed = pytest.importorskip("distributed")
