@@ -1,6 +1,7 @@
 """The examples in the help of each command, run as they stand, on small files of those names."""
 
 import re
+import shlex
 import shutil
 from pathlib import Path
 
@@ -76,6 +77,9 @@ def named_files(tmp_path_factory):
         ],
     )
     shutil.copy(EXAMPLES_FOLDER / "meadow.glb", folder)
+    sward = omma.scene.plane((40, 40)).meshes[0].replace(material=0)
+    of_sward = [omma.scene.natural_material("green sward")]
+    omma.scene.save_scene(folder / "meadow_lit.glb", omma.Scene(meshes=[sward], materials=of_sward))
     few = (EXAMPLES_FOLDER / "flight.csv").read_text().splitlines()[:4]
     (folder / "flight.csv").write_text("\n".join(few) + "\n")
     sphere(folder / "eye.stl")
@@ -126,7 +130,7 @@ def test_example_runs(example, named_files, run_omma, monkeypatch):
         pytest.importorskip("zarr")
     if "eye plot" in example or "eye info" in example:
         pytest.importorskip("matplotlib")
-    code, _, err = run_omma(*example.split()[1:])
+    code, _, err = run_omma(*shlex.split(example)[1:])
     assert code == 0, err
 
 

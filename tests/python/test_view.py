@@ -11,6 +11,7 @@ import threading
 import time
 import urllib.error
 import urllib.request
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from animated_scenes import swinging_box
 from conftest import make_eye, write_gltf
 
 import omma
+from omma.scene.light_words import parse_light
 from omma.view.command import Sources, path_text, render_command, render_python
 from omma.view.door import Door, listening_socket
 from omma.view.live import Live
@@ -146,10 +148,26 @@ def test_the_lines_of_python_give_the_same_numbers(ground, pose, receptors):
             assert np.array_equal(names["errors"][0], errors)
 
 
+def test_the_command_and_the_lines_of_python_light_the_world(ground, run_omma, monkeypatch):
+    words = "overcast_sky sun_elevation_deg=40 bands=3 ultraviolet=dark lighting=path"
+    monkeypatch.chdir(ground)
+    omma.save_eye("plain.csv", make_eye(30))
+    world = omma.World(omma.load_scene("ground.gltf"), **parse_light(words))
+    seen = Looker(world, omma.load_eye("plain.csv")).see(Look(LEVEL, samples=4))
+    lit = replace(sources(ground), light=words, lit=True)
+    names = {}
+    exec(render_python(lit, seen), names)
+    assert np.array_equal(names["responses"][0], seen.responses)
+    command, why = render_command(lit, seen)
+    assert why is None
+    assert run_omma(*shlex.split(command.splitlines()[-1])[1:])[0] == 0
+    assert np.array_equal(np.load("view.npy")[0], seen.responses)
+
+
 def test_there_is_no_command_where_none_renders_it(looker, ground):
     seen = looker.see(Look(LEVEL, samples=1))
     assert "made in Python" in render_command(Sources(), seen)[1]
-    assert "lights nothing" in render_command(Sources("a", ("b",), lit=True), seen)[1]
+    assert "made in Python" in render_command(Sources("a", ("b",), lit=True), seen)[1]
     moving = omma.view.Seen(Look(LEVEL, time_s=0.5), 1, False, None, None, None, None, 0.0)
     assert "no time" in render_command(sources(ground), moving)[1]
 
@@ -271,7 +289,7 @@ def test_worlds_that_are_lit_are_shown_by_band_and_in_colours(ground):
     assert 0.9 < np.mean(band[:, 0] <= white) < 1
     assert white > 1e10
     command, why = render_command(Sources("a", ("b",), lit=True), seen)
-    assert (command, "lights nothing" in why) == ("", True)
+    assert (command, "made in Python" in why) == ("", True)
 
 
 def test_receptors_are_shown_by_kind(ground):

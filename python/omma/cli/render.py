@@ -71,6 +71,12 @@ What an earlier render wrote, rendered again to the same bits:
 
 `omma render --like flight.npy -o again.zarr`
 
+In the light of a clear morning, in 16 bands of wavelengths, as photons; the picture in colours as
+people see them:
+
+`omma render meadow_lit.glb --eye bee.csv --light 'clear_sky sun_elevation_deg=30'
+-o view.npy -o view.png`
+
 What the receptors of an eye answer, with blue standing for ultraviolet, too:
 
 `omma render meadow.glb --eye bee.csv --receptors --ultraviolet 0 0 1 -o receptors.csv`
@@ -92,6 +98,15 @@ BackgroundOption = Annotated[
         + " or ".join(NAMED_BACKGROUNDS)
         + ".",
         metavar="R,G,B|FILE|NAME",
+    ),
+]
+LightOption = Annotated[
+    str | None,
+    typer.Option(
+        help="What lights the scene: a sky and its arguments, such as 'clear_sky "
+        "sun_elevation_deg=30 sun_azimuth_deg=135 ultraviolet=dark' (docs/light.md). Default: no "
+        "light, surfaces show the colours of the file.",
+        metavar="WORDS",
     ),
 ]
 UnitOption = Annotated[
@@ -160,6 +175,7 @@ def render(
         Path | None, typer.Option(help="CSV file of poses, one a line.", metavar="CSV")
     ] = None,
     background: BackgroundOption = None,
+    light: LightOption = None,
     standard_error: Annotated[
         bool,
         typer.Option(
@@ -274,6 +290,7 @@ def render(
                 threads=threads,
                 backend=backend,
                 background=background,
+                light=light,
                 projection=projection,
                 width=width,
                 height=height,
@@ -298,6 +315,7 @@ def render(
             threads=threads,
             backend=backend,
             background=background,
+            light=light,
             standard_error=standard_error,
             receptors=receptors,
             ultraviolet=ultraviolet,

@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 from omma._core import Error, merge_eyes
 from omma.base.files import metres_per_unit
 from omma.base.poses import look_at, poses_from_angles
-from omma.cli.render import BackgroundOption, UnitOption
+from omma.cli.render import BackgroundOption, LightOption, UnitOption
 from omma.cli.working import Terminated, warn, working
 from omma.eye.files import load_eye
 from omma.rendering.renderer import BUILDING, READING
 from omma.scene.backgrounds import parse_background
 from omma.scene.files import read_scene
+from omma.scene.light_words import parse_light
 from omma.scene.world import World
 from omma.view.command import Sources, absolute
 from omma.view.window import load_viser, open_window
@@ -39,6 +40,10 @@ everything on it does. Needs viser: pip install 'omma[view]'.
 From a camera of the scene, with a path to play, without opening a browser here:
 
 `omma view meadow.glb --eye honeybee.eye --camera bee --path flight.csv --no-browser`
+
+In the light of the afternoon:
+
+`omma view meadow_lit.glb --eye honeybee.eye --light 'clear_sky sun_elevation_deg=30'`
 
 For others on the network, who need the address with its token, which is printed:
 
@@ -80,6 +85,7 @@ def view(
         Path | None, typer.Option(help="CSV file of poses, to be played.", metavar="CSV")
     ] = None,
     background: BackgroundOption = None,
+    light: LightOption = None,
     ultraviolet: Annotated[
         tuple[float, float, float] | None,
         typer.Option(
@@ -126,6 +132,7 @@ def view(
             threads=threads,
             background=None if background is None else parse_background(background),
             progress=bar.fraction_of(BUILDING),
+            **({} if light is None else parse_light(light)),
         )
         pose: NDArray[np.float64] | None = None
         if position is not None and look_at_point is not None:
@@ -143,7 +150,7 @@ def view(
         window = open_window(
             world,
             head,
-            Sources(absolute(scene), tuple(map(absolute, eye)), unit or "mm", file),
+            Sources(absolute(scene), tuple(map(absolute, eye)), unit or "mm", file, light),
             pose=pose,
             samples=samples,
             path=None if path is None else str(path),

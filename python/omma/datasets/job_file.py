@@ -39,11 +39,11 @@ from omma.rendering.settings import (
     settings_as_record,
 )
 from omma.scene.baking import Bake
+from omma.scene.light_words import SKIES
 
 OUTPUTS = ("responses", "errors", "receptors", "truth", "flow", "shares", "pictures")
 # Those that ground truth gives.
 TRUTHS = ("truth", "flow", "shares")
-SKIES = ("clear_sky", "clear_sky_at", "moonlit_sky", "overcast_sky", "uniform_sky")
 
 _MOST_SEED = (1 << 63) - 1
 

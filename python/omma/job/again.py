@@ -76,6 +76,7 @@ def render_like(
         threads=threads,
         backend=backend_word(said["backend"]),
         background=said.get("background"),
+        light=said.get("light_words"),
         standard_error="standard_error" in data,
         receptors="receptor" in data.response.dims,
         ultraviolet=json.loads(said["ultraviolet"]) if "ultraviolet" in said else None,

@@ -16,6 +16,7 @@ from omma.base.arguments import checked
 from omma.base.files import PathLike, WholeFiles, check_target, left_behind, make_directory
 from omma.base.values import value_class
 from omma.job.rendering import Stage
+from omma.picture.band_colours import colours_of
 from omma.picture.cameras import camera_eye, camera_projection, display, picture_size, render_camera
 from omma.picture.files import paint_of_projection, write_png
 from omma.picture.projections import LISTS, Picture, projection_size
@@ -23,6 +24,7 @@ from omma.rendering.renderer import BUILDING, READING, Progress, Renderer
 from omma.rendering.settings import Options, Sampling, Settings, fixed_samples, takes_options
 from omma.scene.backgrounds import parse_background
 from omma.scene.files import read_scene
+from omma.scene.light_words import parse_light
 from omma.scene.world import World
 
 if TYPE_CHECKING:
@@ -71,6 +73,7 @@ def render_all_cameras(
     threads: int = 0,
     backend: str = "",
     background: Background | str | None = None,
+    light: str | None = None,
     projection: str | None = None,
     width: int | None = None,
     height: int | None = None,
@@ -89,7 +92,8 @@ def render_all_cameras(
             projections with a pixel for each ommatidium keep their own size.
         projection: of all eyes, instead of the one that their camera names.
         sampling: `Fixed`.
-        scene_index, threads, backend, background, gamma, progress, options: as in `render_file`.
+        scene_index, threads, backend, background, light, gamma, progress, options: as in
+            `render_file`.
 
     Raises:
         omma.Error: anything wrong with an input, an eye that a camera names and that is not to be
@@ -125,6 +129,7 @@ def render_all_cameras(
         backend=backend,
         threads=threads,
         progress=partial(tell, BUILDING),
+        **({} if light is None else parse_light(light)),
     )
 
     def renderer_of(eye: Eye) -> Renderer:
@@ -194,7 +199,7 @@ def _picture(
         seed=seed,
         progress=progress,
     )
-    return display(linear, gamma)
+    return display(colours_of(world, linear), gamma)
 
 
 def _eye_picture(

@@ -32,6 +32,7 @@ from omma.job.outputs import output_names, writers_of
 from omma.job.pieces import render_of_ommatidia, render_of_receptors, render_pieces
 from omma.job.resuming import KeptRender, inputs_of
 from omma.job.story import call_text, story_of
+from omma.picture.band_colours import colours_of
 from omma.picture.cameras import (
     camera_eye,
     camera_projection,
@@ -55,6 +56,7 @@ from omma.rendering.settings import (
 )
 from omma.scene.backgrounds import parse_background
 from omma.scene.files import read_scene
+from omma.scene.light_words import parse_light
 from omma.scene.world import World
 
 if TYPE_CHECKING:
@@ -110,6 +112,7 @@ def render_file(
     threads: int = 0,
     backend: str = "",
     background: Background | str | None = None,
+    light: str | None = None,
     standard_error: bool = False,
     receptors: bool = False,
     ultraviolet: ArrayLike | None = None,
@@ -152,6 +155,9 @@ def render_file(
             A camera's picture takes `Fixed` and a seed, as `render_camera` does.
         threads, backend: as in `Renderer`.
         background: a `Background`, or text as `parse_background` takes it.
+        light: what lights the scene, as text that `omma.scene.light_words.parse_light` takes;
+            numbers are then spectral radiance in bands, and pictures have the colours that people
+            see.
         standard_error: also write standard errors of an eye's responses: beside OUT.npy an
             OUT.error.npy, in a `.csv` three more columns, else a variable or columns of their own.
         receptors: write responses of the eye's receptors: `.npy`, float32 (P, R), and `.csv`, a
@@ -201,6 +207,18 @@ def render_file(
     world = read_scene(scene, scene_index, progress=partial(tell, READING))
     node = _camera(world, camera, chosen, bool(eye_paths))
     backdrop = parse_background(background) if isinstance(background, str) else background
+    lit = {} if light is None else parse_light(light)
+
+    def build() -> World:
+        return World(
+            world,
+            threads=threads,
+            background=backdrop,
+            backend=backend,
+            progress=partial(tell, BUILDING),
+            **lit,
+        )
+
     if node is not None and not eye_paths and node.type != "compound":
         of_eyes = {
             "standard_error": standard_error,
@@ -219,14 +237,7 @@ def render_file(
         )
         size = picture_size(node, width, height)
         rays = fixed_samples(sampling, "a picture")
-        seen = World(
-            world,
-            threads=threads,
-            background=backdrop,
-            backend=backend,
-            progress=partial(tell, BUILDING),
-        )
-        return _render_picture(seen, node, names, size, rays, settings.seed, gamma, start, tell)
+        return _render_picture(build(), node, names, size, rays, settings.seed, gamma, start, tell)
     if ultraviolet is not None and not receptors:
         raise Error("ultraviolet: is for receptors=True")
     if receptors:
@@ -250,14 +261,7 @@ def render_file(
     elif side_by_side:
         raise Error("projection: side_by_side has its own")
     renderer = Renderer(
-        world,
-        head,
-        sampling,
-        threads=threads,
-        background=backdrop,
-        backend=backend,
-        progress=partial(tell, BUILDING),
-        **options,
+        build(), head, sampling, threads=threads, progress=partial(tell, BUILDING), **options
     )
     if isinstance(sampling, Shared) and not receptors:
         shared = np.count_nonzero(renderer.shared_ommatidia)
@@ -387,7 +391,7 @@ def _render_picture(
             if Path(name).suffix.lower() == ".npy":
                 np.lib.format.write_array(files.open(name), picture)
             else:
-                write_png(files, name, display(picture, gamma))
+                write_png(files, name, display(colours_of(world, picture), gamma))
     return RenderReport(
         ommatidia=0,
         poses=1,

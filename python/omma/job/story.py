@@ -36,6 +36,8 @@ def story_of(
         story["scene_index"] = int(given["scene_index"])
     if given["ultraviolet"] is not None:
         story["ultraviolet"] = json.dumps(np.asarray(given["ultraviolet"], np.float64).tolist())
+    if given["light"] is not None:
+        story["light_words"] = given["light"]
     if background is not None:
         story["background"] = _background_text(given["background"], background)
         if os.path.isfile(story["background"]):

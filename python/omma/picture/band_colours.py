@@ -9,6 +9,7 @@ from omma._core import Error
 from omma.base.arguments import array_of, checked, expect
 from omma.light import Light, watts_from_photons
 from omma.scene.spectrum_colours import colour_matching
+from omma.scene.world import World
 
 # Linear sRGB of CIE 1931 XYZ (IEC 61966-2-1).
 _RGB_FROM_XYZ = np.array(
@@ -53,3 +54,9 @@ def bands_to_rgb(radiance: ArrayLike, light: Light) -> NDArray[np.float32]:
     if not white > 0:
         raise Error("light: expected one that lights the ground from 400 to 700 nm, found none")
     return np.asarray(seen @ (_RGB_FROM_XYZ @ xyz_from_band).T / white, np.float32)
+
+
+def colours_of(world: World, responses: NDArray[np.float32]) -> NDArray[np.float32]:
+    """What was seen in a world, (..., band), in colours for a picture: as they are, or where the
+    world is lit as people see them."""
+    return responses if world.light is None else bands_to_rgb(responses, world.light)

@@ -13,6 +13,7 @@ from omma import _core
 from omma.base.arguments import checked
 from omma.base.files import PathLike, WholeFiles, check_ending, check_target
 from omma.base.poses import Matrices
+from omma.picture.band_colours import colours_of
 from omma.picture.fields import side_by_side_ids
 from omma.picture.projections import project, projection_ids
 from omma.rendering.renderer import Renderer
@@ -93,14 +94,16 @@ def paint_of_projection(
 
         def paint_rays(pose: int, responses: NDArray[np.float32]) -> NDArray[Any]:
             rays = renderer.render_rays(poses[pose], first_pose=pose)
-            return project(eye, rays, projection, width, rows, gamma=gamma)
+            colours = colours_of(renderer.world, rays)
+            return project(eye, colours, projection, width, rows, gamma=gamma)
 
         return paint_rays
     ids = projection_ids(eye, projection, width, height)
     if projection is not None and projection.endswith("_ids"):
         encoded = _core.encode_ids(ids)
         return lambda pose, responses: encoded
-    return lambda pose, responses: _core.paint(ids, responses, gamma)
+    world = renderer.world
+    return lambda pose, responses: _core.paint(ids, colours_of(world, responses), gamma)
 
 
 def paint_side_by_side(
@@ -110,4 +113,5 @@ def paint_side_by_side(
     across = _DEFAULT_WIDTH if width is None else width
     down = max(1, across // 2) if height is None else height
     ids = side_by_side_ids(renderer.eye, across, down)
-    return lambda pose, responses: _core.paint(ids, responses, gamma)
+    world = renderer.world
+    return lambda pose, responses: _core.paint(ids, colours_of(world, responses), gamma)

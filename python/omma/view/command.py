@@ -21,6 +21,7 @@ class Sources:
     eyes: tuple[str, ...] = ()
     unit: str = "mm"
     background: str | None = None
+    light: str | None = None  # as `omma.scene.light_words.parse_light` takes it
     lit: bool = False
     ultraviolet: tuple[float, ...] | None = None
 
@@ -31,8 +32,8 @@ def render_command(sources: Sources, seen: Seen) -> tuple[str, str | None]:
     look = seen.look
     if not sources.scene or not sources.eyes:
         return "", "the scene or the eye was made in Python, not read from a file"
-    if sources.lit:
-        return "", "'omma render' lights nothing: its scenes are as their files say"
+    if sources.lit and sources.light is None:
+        return "", "the light was made in Python, not said to 'omma view'"
     if look.time_s is not None:
         return "", "'omma render' knows no time of animations"
     lines = []
@@ -60,6 +61,8 @@ def render_command(sources: Sources, seen: Seen) -> tuple[str, str | None]:
     words += unit
     if sources.background is not None:
         words += ["--background", sources.background]
+    if sources.light is not None:
+        words += ["--light", sources.light]
     words += ["--samples", str(seen.samples)]
     words += ["--standard-error"] if seen.standard_error else []
     if look.receptors:
@@ -77,15 +80,16 @@ def render_python(sources: Sources, seen: Seen) -> str:
     is taken to be called ``world`` and ``eye``."""
     look, pose = seen.look, seen.look.pose
     lines = ["import omma", ""]
-    if sources.scene and not sources.lit:
+    if sources.scene and (sources.light is not None or not sources.lit):
         lines.append(f"scene = omma.load_scene({sources.scene!r})")
-        if sources.background is None:
-            lines.append("world = omma.World(scene)")
-        else:
-            lines.append(
-                "from omma.scene.backgrounds import parse_background\n"
-                f"world = omma.World(scene, background=parse_background({sources.background!r}))"
-            )
+        arguments = ["scene"]
+        if sources.background is not None:
+            lines.append("from omma.scene.backgrounds import parse_background")
+            arguments.append(f"background=parse_background({sources.background!r})")
+        if sources.light is not None:
+            lines.append("from omma.scene.light_words import parse_light")
+            arguments.append(f"**parse_light({sources.light!r})")
+        lines.append(f"world = omma.World({', '.join(arguments)})")
     if sources.eyes:
         unit = "" if sources.unit == "mm" else f", {sources.unit!r}"
         read = [f"omma.load_eye({name!r}{unit})" for name in sources.eyes]

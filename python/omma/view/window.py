@@ -7,6 +7,7 @@ import html
 import secrets
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -191,11 +192,8 @@ def open_window(
     if poses is not None:
         poses = as_poses(poses)
     look = Look(pose_from_matrix(first), samples)
-    sources = Sources(
-        sources.scene,
-        sources.eyes,
-        sources.unit,
-        sources.background,
+    sources = replace(
+        sources,
         lit=world.light is not None,
         ultraviolet=None if given is None else tuple(given.tolist()),
     )

@@ -1,0 +1,74 @@
+"""Light from text, as the command line takes it."""
+
+from __future__ import annotations
+
+import inspect
+from datetime import datetime
+from typing import Any
+
+from omma import light as skies
+from omma._core import Error
+from omma.light import Bands, Light
+
+# Functions of `omma.light`.
+SKIES = ("clear_sky", "clear_sky_at", "moonlit_sky", "overcast_sky", "uniform_sky")
+# What else a world is told of its light.
+_OF_WORLD = ("lighting", "depth", "ultraviolet", "sun")
+_BANDS = "bands"
+
+
+def parse_light(text: str) -> dict[str, Any]:
+    """The arguments of `omma.World` that light it, from words such as "clear_sky
+    sun_elevation_deg=30 ultraviolet=dark".
+
+    The first word is a function of `omma.light`: `SKIES`. The others are its arguments by name
+    (numbers, and times such as date_time=2026-06-21T12:00:00+02:00), how many ``bands`` of the same
+    width there are, and ``lighting``, ``depth``, ``ultraviolet`` and ``sun`` of `omma.World`.
+
+    Raises:
+        omma.Error: it is no such text, or an argument is out of its range.
+    """
+    words = text.split()
+    if not words or words[0] not in SKIES:
+        raise Error(
+            f"light: expected one of {', '.join(SKIES)} and its arguments, such as 'clear_sky "
+            f"sun_elevation_deg=30', found {text!r:.80}"
+        )
+    make = getattr(skies, words[0])
+    known = [name for name in inspect.signature(make).parameters if name != _BANDS]
+    given: dict[str, Any] = {}
+    for word in words[1:]:
+        name, is_said, value = word.partition("=")
+        if not is_said or name not in (*known, _BANDS, *_OF_WORLD):
+            raise Error(
+                f"light: expected name=value, with a name of {', '.join(known)}, {_BANDS}, "
+                f"{', '.join(_OF_WORLD)}, found {word!r:.60}"
+            )
+        if name in given:
+            raise Error(f"light: {name}: is said twice")
+        given[name] = _value(name, value)
+    of_world = {name: given.pop(name) for name in _OF_WORLD if name in given}
+    try:
+        if _BANDS in given:
+            given[_BANDS] = Bands.equal(given[_BANDS])
+        light: Light = make(**given)
+    except (Error, TypeError) as error:
+        raise Error(f"light: {error}") from None
+    return {"light": light, **of_world}
+
+
+def _value(name: str, text: str) -> Any:
+    if name == "date_time":
+        try:
+            return datetime.fromisoformat(text.replace("Z", "+00:00"))
+        except ValueError:
+            raise Error(
+                "light: date_time: expected one such as 2026-06-21T12:00:00+02:00, found "
+                f"{text!r:.60}"
+            ) from None
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text

@@ -1,0 +1,117 @@
+"""Light that is said in words: `omma render --light`, `render_file(light=...)`, and again from the
+files that they wrote."""
+
+from datetime import datetime, timezone
+
+import numpy as np
+import pytest
+from conftest import make_eye, write_gltf
+from PIL import Image
+
+import omma
+from omma import render_file
+from omma.job import render_like
+from omma.scene.light_words import parse_light
+
+WORDS = "clear_sky sun_elevation_deg=30 sun_azimuth_deg=135 bands=4 ultraviolet=dark lighting=path"
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """scene.gltf with a ground and a camera, and bug.csv with 40 ommatidia."""
+    folder = tmp_path_factory.mktemp("words")
+    write_gltf(folder / "scene.gltf", cameras=[("plain", {}, {"translation": [0, 1, 0]})])
+    omma.save_eye(folder / "bug.csv", make_eye(40))
+    return folder
+
+
+def test_they_are_the_arguments_of_a_world():
+    given = parse_light(WORDS)
+    assert given.pop("light") == omma.light.clear_sky(30, 135, bands=omma.light.Bands.equal(4))
+    assert given == {"ultraviolet": "dark", "lighting": "path"}
+    assert parse_light("overcast_sky sun_elevation_deg=-2.5 ultraviolet=0.02 depth=3") == {
+        "light": omma.light.overcast_sky(-2.5),
+        "ultraviolet": 0.02,
+        "depth": 3,
+    }
+    at = parse_light(
+        "clear_sky_at date_time=2026-06-21T12:00:00Z latitude_deg=52.5 longitude_deg=13.4"
+    )["light"]
+    noon = datetime(2026, 6, 21, 12, tzinfo=timezone.utc)
+    assert at == omma.light.clear_sky_at(noon, 52.5, 13.4)
+    assert parse_light("uniform_sky radiance=2 unit=watts")["light"].unit == "watts"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "expected one of clear_sky, .*found ''"),
+        ("sun", "expected one of clear_sky, .*found 'sun'"),
+        ("clear_sky 30", "expected name=value, .*sun_elevation_deg.*found '30'"),
+        ("clear_sky sun=30 up=1", "expected name=value, .*found 'up=1'"),
+        ("clear_sky sun_elevation_deg=1 sun_elevation_deg=2", "sun_elevation_deg: is said twice"),
+        ("clear_sky", "light: .*sun_elevation_deg"),
+        ("clear_sky sun_elevation_deg=high", "light: sun_elevation_deg"),
+        ("clear_sky sun_elevation_deg=300", "light: sun_elevation_deg"),
+        ("clear_sky sun_elevation_deg=30 bands=0", "light: .*expected"),
+        ("clear_sky_at date_time=noon latitude_deg=0 longitude_deg=0", "date_time: expected one"),
+    ],
+)
+def test_what_is_none_is_refused(text, message):
+    with pytest.raises(omma.Error, match=message):
+        parse_light(text)
+
+
+def test_a_file_is_what_the_world_gives(files, tmp_path):
+    pytest.importorskip("xarray")
+    report = render_file(
+        files / "scene.gltf",
+        [tmp_path / "view.npy", tmp_path / "view.png"],
+        eyes=files / "bug.csv",
+        light=WORDS,
+        position=(0, 1, 0),
+    )
+    assert report.ommatidia == 40
+    world = omma.World(omma.load_scene(files / "scene.gltf"), **parse_light(WORDS))
+    renderer = omma.Renderer(world, omma.load_eye(files / "bug.csv"))
+    pose = omma.poses_from_angles((0, 1, 0), (0, 0, 0))
+    expected = renderer.render(pose)
+    found = np.load(tmp_path / "view.npy")
+    assert found.shape == (1, 40, 4)
+    assert np.array_equal(found, expected)
+    # The picture has the colours that people see, a white sheet on level ground as white.
+    shown = omma.picture.bands_to_rgb(expected[0], world.light)
+    picture = np.asarray(Image.open(tmp_path / "view.png"))
+    assert np.array_equal(picture[..., :3], omma.picture.project(renderer.eye, shown)[..., :3])
+
+    data = omma.rendering.load_responses(tmp_path / "view.npy")
+    assert data.attrs["light_words"] == WORDS
+    assert data.response.attrs["units"] == "photons m-2 s-1 sr-1 nm-1"
+    render_like(tmp_path / "view.npy", tmp_path / "again.npy")
+    assert np.array_equal(np.load(tmp_path / "again.npy"), found)
+
+
+def test_a_camera_has_colours(files, tmp_path):
+    outputs = [tmp_path / "camera.npy", tmp_path / "camera.png"]
+    render_file(files / "scene.gltf", outputs, camera="plain", light=WORDS, width=40, height=30)
+    bands = np.load(outputs[0])
+    assert bands.shape == (30, 40, 4)
+    rgb = omma.picture.bands_to_rgb(bands, parse_light(WORDS)["light"])
+    assert np.array_equal(np.asarray(Image.open(outputs[1])), omma.picture.display(rgb))
+    omma.job.render_all_cameras(
+        files / "scene.gltf", tmp_path / "all", light=WORDS, width=40, height=30
+    )
+    every = np.asarray(Image.open(tmp_path / "all" / "plain.png"))
+    assert every.shape == (30, 40, 3)
+    assert (every[0, :, 2] > every[0, :, 0]).all()  # the sky is blue
+
+
+def test_the_command(files, tmp_path, run_omma):
+    output = tmp_path / "view.npy"
+    command = ["render", files / "scene.gltf", "--eye", files / "bug.csv", "-o", output]
+    code, _, err = run_omma(*command, "--light", WORDS)
+    assert code == 0, err
+    assert np.load(output).shape == (1, 40, 4)
+    code, _, err = run_omma(*command, "--light", "sunny")
+    assert code != 0
+    assert "light: expected one of clear_sky" in err
