@@ -91,6 +91,14 @@ def test_a_file_is_what_the_world_gives(files, tmp_path):
     assert np.array_equal(np.load(tmp_path / "again.npy"), found)
 
 
+def test_the_loader_says_what_light_would_show_where_there_is_none(tmp_path, files):
+    omma.scene.save_scene(tmp_path / "plane.glb", omma.scene.plane((4, 4)))
+    common = (tmp_path / "plane.glb", tmp_path / "x.npy", omma.Fixed(1))
+    dark = render_file(*common, eyes=files / "bug.csv")
+    assert ["unless the world is given light" in one for one in dark.warnings] == [True]
+    assert render_file(*common, eyes=files / "bug.csv", light=WORDS).warnings == ()
+
+
 def test_a_camera_has_colours(files, tmp_path):
     outputs = [tmp_path / "camera.npy", tmp_path / "camera.png"]
     render_file(files / "scene.gltf", outputs, camera="plain", light=WORDS, width=40, height=30)

@@ -21,7 +21,7 @@ from omma.eye.files import load_eye
 from omma.rendering.renderer import BUILDING, READING
 from omma.scene.backgrounds import parse_background
 from omma.scene.files import read_scene
-from omma.scene.light_words import parse_light
+from omma.scene.light_words import parse_light, warnings_of
 from omma.scene.world import World
 from omma.view.command import Sources, absolute
 from omma.view.window import load_viser, open_window
@@ -160,7 +160,7 @@ def view(
             host=host,
             port=port,
         )
-    for warning in read.warnings:
+    for warning in warnings_of(read, light is not None):
         warn(warning)
     print(window.url, flush=True)
     print("Ctrl-C ends it.", flush=True)

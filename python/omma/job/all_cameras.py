@@ -24,7 +24,7 @@ from omma.rendering.renderer import BUILDING, READING, Progress, Renderer
 from omma.rendering.settings import Options, Sampling, Settings, fixed_samples, takes_options
 from omma.scene.backgrounds import parse_background
 from omma.scene.files import read_scene
-from omma.scene.light_words import parse_light
+from omma.scene.light_words import parse_light, warnings_of
 from omma.scene.world import World
 
 if TYPE_CHECKING:
@@ -107,7 +107,7 @@ def render_all_cameras(
     cameras = world.cameras
     if not cameras:
         raise Error(f"{world.path}: has no camera")
-    warnings = list(world.warnings)
+    warnings = warnings_of(world, light is not None)
     eyes: list[Eye | None] = []
     shown: list[str] = []
     for camera in cameras:

@@ -56,7 +56,7 @@ from omma.rendering.settings import (
 )
 from omma.scene.backgrounds import parse_background
 from omma.scene.files import read_scene
-from omma.scene.light_words import parse_light
+from omma.scene.light_words import parse_light, warnings_of
 from omma.scene.world import World
 
 if TYPE_CHECKING:
@@ -253,7 +253,7 @@ def render_file(
             "omma.receptors.assign_receptors makes them)"
         )
     matrices, view = _poses(node, position, look_at, path, poses)
-    warnings = list(world.warnings)
+    warnings = warnings_of(world, bool(lit))
     if projection is None:
         if node is not None and not eye_paths:
             projection, warning = camera_projection(node)
@@ -404,7 +404,7 @@ def _render_picture(
         view=f"camera {node.name}, {node.type}",
         eyes=(),
         outputs=tuple(names),
-        warnings=(*world.scene.warnings, *left_behind(names)),
+        warnings=(*warnings_of(world.scene, world.light is not None), *left_behind(names)),
         picture=size,
     )
 

@@ -7,7 +7,7 @@ from datetime import datetime
 from typing import Any
 
 from omma import light as skies
-from omma._core import Error
+from omma._core import Error, Scene
 from omma.light import Bands, Light
 
 # Functions of `omma.light`.
@@ -15,6 +15,8 @@ SKIES = ("clear_sky", "clear_sky_at", "moonlit_sky", "overcast_sky", "uniform_sk
 # What else a world is told of its light.
 _OF_WORLD = ("lighting", "depth", "ultraviolet", "sun")
 _BANDS = "bands"
+# How the loader's warning of what a light would show begins.
+_UNLIT = "unless the world is given light"
 
 
 def parse_light(text: str) -> dict[str, Any]:
@@ -55,6 +57,11 @@ def parse_light(text: str) -> dict[str, Any]:
     except (Error, TypeError) as error:
         raise Error(f"light: {error}") from None
     return {"light": light, **of_world}
+
+
+def warnings_of(scene: Scene, is_lit: bool) -> list[str]:
+    """What the loader of a scene passed over; in a world with light nothing of that."""
+    return [one for one in scene.warnings if not (is_lit and one.startswith(_UNLIT))]
 
 
 def _value(name: str, text: str) -> Any:
