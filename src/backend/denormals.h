@@ -5,6 +5,8 @@
 #include <xmmintrin.h>
 #endif
 
+#include <cstdint>
+
 #include "omma/vec.h"
 
 namespace omma {
@@ -20,8 +22,21 @@ struct DenormalsAreZero {
   OMMA_HD ~DenormalsAreZero() {
     _mm_setcsr(before);
   }
+#elif defined(__aarch64__)
+  std::uint64_t before = 0;
+  DenormalsAreZero() {
+    asm volatile("mrs %0, fpcr" : "=r"(before));
+    set(before | std::uint64_t{1} << 24);  // FZ: of arguments and results
+  }
+  ~DenormalsAreZero() {
+    set(before);
+  }
+  static void set(std::uint64_t control) {
+    asm volatile("msr fpcr, %0" : : "r"(control));
+  }
 #else
-  DenormalsAreZero() = default;
+  DenormalsAreZero() {}
+  ~DenormalsAreZero() {}  // so that one that lives is no unused variable
 #endif
   DenormalsAreZero(const DenormalsAreZero&) = delete;
   DenormalsAreZero& operator=(const DenormalsAreZero&) = delete;

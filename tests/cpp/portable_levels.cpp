@@ -135,7 +135,7 @@ TEST(PortableLevels, LargeScenesShareTheirMeshes) {
   const TracedScene traced(std::move(scene));
   EXPECT_EQ(traced.tracer->trees.size(), 40u);
   EXPECT_LT(traced.tracer->blocks.size(), 32400u);
-  const std::vector<TestRay> rays = rays_from_all_round(random, 2, 6);
+  const std::vector<TestRay> rays = rays_from_all_round(random, 4, 6);
   EXPECT_GT(expect_as_brute_force(*traced.tracer, rays, 8e-6), 5u);
 }
 
