@@ -1,22 +1,31 @@
 """What motion and time cost: a still world beside one in which 100 things move, frames that last,
-and ground truth, one beside the other; how long one turn of a closed loop takes.
+and ground truth, one beside the other; how long one turn of a closed loop takes, and a frame of a
+skin that bends.
 
     python bench/motion.py [--quick]
 
 Prints CSV. Frames take turns on one thread, in processor time, so that other work on the machine
 disturbs all alike: each number is a median over the turns, each ratio the median of those within a
-turn. The loop is measured in wall time, as a user waits for it, so keep the machine idle.
+turn. The loop and the skin are measured in wall time, as a user waits for them, so keep the machine
+idle.
 """
 
 from __future__ import annotations
 
 import argparse
+import sys
+import tempfile
 import time
 import warnings
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "python"))
+
+from animated_scenes import Builder, tube
 
 import omma
 from omma.scene import Instance, Material
@@ -26,6 +35,7 @@ OMMATIDIA, RAYS, THINGS = 1000, 16, 100
 POSES, QUICK_POSES = 60, 10
 TURNS, QUICK_TURNS = 9, 3
 LOOPS, QUICK_LOOPS = 5000, 200
+SKIN_RINGS, SKIN_SIDES, BONES = 250, 200, 20
 # Of the histogram, µs.
 EDGES = np.geomspace(100, 20_000, 61)
 
@@ -137,6 +147,57 @@ def print_loop(quick: bool) -> None:
         print(f"plain,loop histogram µs,{edge:.1f},{number}")
 
 
+def skinned_tube(folder: str) -> omma.Scene:
+    """A tube of 50,000 vertices on a chain of bones, each of which swings."""
+    length = 2.0
+    positions, normals, triangles = tube(SKIN_RINGS, SKIN_SIDES, length)
+    made = Builder()
+    # Each vertex between two bones.
+    place = positions[:, 1] / length * (BONES - 1)
+    below = np.minimum(place.astype(int), BONES - 2)
+    joints, weights = np.zeros((len(positions), 4)), np.zeros((len(positions), 4))
+    joints[:, 0], joints[:, 1] = below, below + 1
+    weights[:, 1] = place - below
+    weights[:, 0] = 1 - weights[:, 1]
+    mesh = made.mesh(
+        positions, triangles, normals=normals,
+        JOINTS_0=made.accessor(joints, "u2"), WEIGHTS_0=made.accessor(weights),
+    )  # fmt: skip
+    step = length / (BONES - 1)
+    bones, parent = [], None
+    for k in range(BONES):
+        parent = made.node(parent, name=f"bone {k}", translation=[0, step if k else 0, 0])
+        bones.append(parent)
+    inverse_bind = np.tile(np.eye(4), (BONES, 1, 1))
+    inverse_bind[:, 1, 3] = -step * np.arange(BONES)
+    made.node(name="tube", mesh=mesh, skin=made.skin(bones, inverse_bind))
+    angle = 0.05
+    keys = [[0, 0, s * np.sin(angle), np.cos(angle)] for s in (-1, 1, -1)]
+    made.animation([(bone, "rotation", [0, 0.5, 1], keys, "LINEAR") for bone in bones])
+    return omma.load_scene(made.write(Path(folder, "tube.gltf")))
+
+
+def print_skin(quick: bool) -> None:
+    """Wall time of bending the skin to a time and of rendering a frame of it, ms."""
+    with tempfile.TemporaryDirectory() as folder:
+        world = omma.World(skinned_tube(folder))
+    renderer = omma.Renderer(world, omma.eye.generate_eye(OMMATIDIA), omma.Fixed(RAYS))
+    pose = omma.look_at((0, 1, 3), (0, 1, 0))
+    bending, rendering = [], []
+    for k in range((QUICK_LOOPS if quick else LOOPS) // 10 + 20):
+        start = time.perf_counter()
+        world.at(k % 97 / 97)
+        middle = time.perf_counter()
+        renderer.render(pose)
+        bending.append(1e3 * (middle - start))
+        rendering.append(1e3 * (time.perf_counter() - middle))
+    what = f"skin of {SKIN_RINGS * SKIN_SIDES} vertices ms"
+    both = np.add(bending, rendering)[20:]
+    for name, taken in (("bending", bending[20:]), ("rendering", rendering[20:]), ("both", both)):
+        print(f"tube,{what},{name},{np.median(taken):.2f}")
+    print(f"tube,{what},both 99 %,{np.percentile(both, 99):.2f}", flush=True)
+
+
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
@@ -147,6 +208,7 @@ def main() -> None:
     for of in ("plain", "meadow"):
         print_rates(of, given.quick)
     print_loop(given.quick)
+    print_skin(given.quick)
 
 
 if __name__ == "__main__":
