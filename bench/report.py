@@ -493,6 +493,11 @@ def motion(rows: list[Row]) -> list[str]:
             "share of the turns | at most",
             [[row["setting"], row["value"]] for row in pick(rows, what="loop µs")],
         ),
+        *text("A frame of a skin on 20 bones, on all threads, wall time, ms:"),
+        *table(
+            "what | median, or as said",
+            [[row["setting"], row["value"]] for row in pick(rows, scene="tube")],
+        ),
     ]
 
 

@@ -144,6 +144,8 @@ def test_the_section_of_motion():
             ("loop histogram µs", "100.0", "3"),
         )
     ]
+    rows.append({"scene": "tube", "what": "skin ms", "setting": "both", "value": "7.5"})
     section = motion(rows)
+    assert "| both | 7.5 |" in section
     assert "| plain | still | 800 | 1.000 |" in section
     assert "| 50 % | 700 |" in section
