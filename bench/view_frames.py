@@ -1,10 +1,11 @@
 """How fast the window into the eye is: frames/s of its page, beside those of the renderer alone.
 
-    python bench/view_frames.py [SAMPLES ...]
+    python bench/view_frames.py [--lit] [SAMPLES ...]
 
 A honeybee's two eyes go along the bundled flight over the bundled meadow. For each number of rays,
 in turns: the renderer alone; and all that the page does for a frame that moves, which is rendering,
-painting the picture (800 x 400, facets) and encoding it as JPEG. With each frame's wall time goes
+painting the picture (800 x 400, facets) and encoding it as JPEG. With --lit it is the lit meadow in
+the light of a clear morning, baked (minutes, the first time). With each frame's wall time goes
 the processor time of all threads: on a machine with other work that is what can be compared. Prints
 CSV.
 """
@@ -37,8 +38,14 @@ def frame_times(frame: Callable[[Look], object], looks: list[Look]) -> tuple[flo
     return statistics.median(walls), 1e3 * (time.process_time() - before) / len(looks)
 
 
-def main(samples: list[int]) -> None:
-    world = omma.World(omma.load_scene(omma.examples.meadow()))
+def lit_meadow() -> omma.World:
+    """The bundled meadow with spectra; how well its light is baked makes no difference here."""
+    scene = omma.load_scene(omma.examples.lit_meadow())
+    return omma.World(scene, light=omma.light.clear_sky(30, 135), bake=omma.scene.Bake(paths=16))
+
+
+def main(samples: list[int], is_lit: bool) -> None:
+    world = lit_meadow() if is_lit else omma.World(omma.load_scene(omma.examples.meadow()))
     eye = omma.species.honeybee_worker().eye
     looker = Looker(world, eye)
     channel = channels_of(world, eye)[0]
@@ -70,4 +77,5 @@ def main(samples: list[int]) -> None:
 
 
 if __name__ == "__main__":
-    main([int(word) for word in sys.argv[1:]] or [1, 2, 4, 8, 16])
+    words = sys.argv[1:]
+    main([int(word) for word in words if word != "--lit"] or [1, 2, 4, 8, 16], "--lit" in words)

@@ -128,7 +128,8 @@ Renderer::State::State(World seen, Eye its_eye, RenderSettings its_settings,
     : world(std::move(seen)),
       eye(std::move(its_eye)),
       settings(std::move(its_settings)),
-      threads(settings.threads) {
+      threads(settings.threads),
+      radiance(static_cast<std::size_t>(threads.threads)) {
   check_sharing(eye, settings);
   if (shares_rays(settings.sampling) && world.state().view.polarized)
     throw Error(

@@ -12,6 +12,17 @@ namespace {
 
 constexpr std::size_t rows_per_task = 256;
 
+// Room of this thread for so many numbers, the same for all frames. In a forked process the
+// renderer's own may be as another thread was about to change it.
+float* room_for_rays(const Renderer::State& s, std::size_t values) {
+  if (threads_are_gone())
+    return reinterpret_cast<float*>(
+        thread_memory(ThreadRoom::shared_rays, values * sizeof(float)));
+  std::vector<float>& own = s.radiance[thread_in_arena()];
+  own.resize(values);
+  return own.data();
+}
+
 // A frame with one set of rays; `parallel` where the threads are not busy with other poses.
 void render_frame(const Renderer::State& s, const SharedSet& set, const Mat4& world_from_head,
                   const SeenMasks& sees, const Outputs& outputs, bool parallel, float* responses) {
@@ -23,9 +34,8 @@ void render_frame(const Renderer::State& s, const SharedSet& set, const Mat4& wo
   blocks.frame.radiance_unit = s.world.state().radiance_unit;
   if (!outputs.from_band.empty()) blocks.frame.output_from_band = outputs.from_band.data();
   // [ray][output]
-  const std::size_t values = set.rays.rays.size() * static_cast<std::size_t>(outputs.count);
-  auto* const traced =
-      reinterpret_cast<float*>(thread_memory(ThreadRoom::shared_rays, values * sizeof(float)));
+  float* const traced =
+      room_for_rays(s, set.rays.rays.size() * static_cast<std::size_t>(outputs.count));
   const auto trace = [&](std::size_t block) {
     BlockTask task = make_task(blocks, block, world_from_head, 0);  // rays are fixed to the head
     task.sees = sees;

@@ -45,6 +45,8 @@ struct Renderer::State {
 
   // Rays shared by neighbours: the first set is used at all poses, the others for standard errors.
   mutable std::array<MadeOnce<SharedSet>, error_scrambles> shared;
+  // What such rays bring in a frame, of each of the arena's threads.
+  mutable std::vector<std::vector<float>> radiance;  // [thread][ray * output]
 
   mutable std::atomic<std::uint64_t> frames = 0;  // rendered so far, with Noise::new_every_frame
 
