@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import weakref
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -10,6 +12,8 @@ from omma.base.arguments import array_of, checked, expect
 from omma.light import Light, watts_from_photons
 from omma.scene.spectrum_colours import colour_matching
 from omma.scene.world import World
+
+Floats = NDArray[np.float64]
 
 # Linear sRGB of CIE 1931 XYZ (IEC 61966-2-1).
 _RGB_FROM_XYZ = np.array(
@@ -39,10 +43,28 @@ def bands_to_rgb(radiance: ArrayLike, light: Light) -> NDArray[np.float32]:
         omma.Error: another number of bands, or a light that gives the ground nothing to see by.
     """
     expect(light, Light, "light", "omma.light.clear_sky makes one")
-    bands = light.bands
     seen = array_of(radiance, "radiance")
-    if seen.shape[-1:] != (len(bands),):
-        raise Error(f"radiance: expected shape (..., {len(bands)}), found {seen.shape}")
+    if seen.shape[-1:] != (len(light.bands),):
+        raise Error(f"radiance: expected shape (..., {len(light.bands)}), found {seen.shape}")
+    return np.asarray(seen @ _rgb_from_bands(light).T, np.float32)
+
+
+# Of the light that was asked for last: its flux on the ground takes longer than a frame.
+_last: tuple[weakref.ref[Light], Floats] | None = None
+
+
+def _rgb_from_bands(light: Light) -> Floats:
+    """What makes linear sRGB of radiance in a light's bands, (3, B)."""
+    global _last
+    kept = _last
+    if kept is None or kept[0]() is not light:
+        kept = (weakref.ref(light), _make_rgb_from_bands(light))
+        _last = kept
+    return kept[1]
+
+
+def _make_rgb_from_bands(light: Light) -> Floats:
+    bands = light.bands
 
     def seen_of_one(nm: NDArray[np.float64]) -> NDArray[np.float64]:
         # What the observer sees, (K, 3), of one photon or watt of each wavelength.
@@ -53,7 +75,7 @@ def bands_to_rgb(radiance: ArrayLike, light: Light) -> NDArray[np.float32]:
     white = float(xyz_from_band[1] @ sum(light.irradiance())) / np.pi
     if not white > 0:
         raise Error("light: expected one that lights the ground from 400 to 700 nm, found none")
-    return np.asarray(seen @ (_RGB_FROM_XYZ @ xyz_from_band).T / white, np.float32)
+    return np.asarray(_RGB_FROM_XYZ @ xyz_from_band / white)
 
 
 def colours_of(world: World, responses: NDArray[np.float32]) -> NDArray[np.float32]:
