@@ -418,7 +418,8 @@ def test_what_goes_wrong_is_said_and_work_goes_on(blender):
 def test_a_render_that_is_stopped_leaves_no_numbers(blender):
     _, said = blender("stops", eye=str(EYE))
     assert said["ended"] != 0
-    assert "Reading the scene" in said["stages"]
+    # Some of them are over before anybody looks.
+    assert {"Reading the scene", "Building the acceleration structure"} & set(said["stages"])
     assert said["files"] == ["Scene-bee_eye-bee_eye.eye", "Scene-bee_eye.glb"]
 
 
