@@ -54,6 +54,9 @@ def test_they_are_the_arguments_of_a_world():
         ("clear_sky sun_elevation_deg=high", "light: sun_elevation_deg"),
         ("clear_sky sun_elevation_deg=300", "light: sun_elevation_deg"),
         ("clear_sky sun_elevation_deg=30 bands=0", "light: .*expected"),
+        ("clear_sky sun_elevation_deg=30 depth=1e30", "light: depth: expected a whole number"),
+        ("clear_sky sun_elevation_deg=30 ultraviolet=inf", "light: ultraviolet: expected"),
+        ("clear_sky sun_elevation_deg=30 sun=high", "light: sun: expected"),
         ("clear_sky_at date_time=noon latitude_deg=0 longitude_deg=0", "date_time: expected one"),
     ],
 )

@@ -9,6 +9,7 @@ from typing import Any
 from omma import light as skies
 from omma._core import Error, Scene
 from omma.light import Bands, Light
+from omma.scene.lighting import checked_lighting
 
 # Functions of `omma.light`.
 SKIES = ("clear_sky", "clear_sky_at", "moonlit_sky", "overcast_sky", "uniform_sky")
@@ -54,6 +55,10 @@ def parse_light(text: str) -> dict[str, Any]:
         if _BANDS in given:
             given[_BANDS] = Bands.equal(given[_BANDS])
         light: Light = make(**given)
+        checked_lighting(
+            light, of_world.get("lighting"), of_world.get("depth"), False,
+            of_world.get("ultraviolet"), of_world.get("sun", "exact"), None,
+        )  # fmt: skip
     except (Error, TypeError) as error:
         raise Error(f"light: {error}") from None
     return {"light": light, **of_world}
