@@ -50,8 +50,9 @@ struct Built {
   }
 };
 
-constexpr std::int32_t all_lanes[16] = {-1, -1, -1, -1, -1, -1, -1, -1,
-                                        -1, -1, -1, -1, -1, -1, -1, -1};
+// Embree loads all sixteen at once, and ends the process where they do not lie on 64 bytes.
+alignas(64) constexpr std::int32_t all_lanes[16] = {-1, -1, -1, -1, -1, -1, -1, -1,
+                                                    -1, -1, -1, -1, -1, -1, -1, -1};
 
 void set_ray(RayPacket<16>& rays, int lane, Vec3d origin, Vec3d direction) {
   const double o[3] = {origin.x, origin.y, origin.z};
