@@ -15,10 +15,11 @@ import pytest
 import omma
 from omma.cli.main import main
 
-# Where a shell started the tests in the background Ctrl-C is ignored, by them and by the programs
-# that they start and interrupt; a handler ends that.
+# Where a shell started the tests in the background Ctrl-C is ignored, under nohup the end of the
+# terminal, by them and by the programs that they start and signal; that ends here.
 if threading.current_thread() is threading.main_thread():
     signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 # What tests bake is kept for them alone, also by the programs that they start.
 _cache = tempfile.TemporaryDirectory(prefix="omma-cache-")
