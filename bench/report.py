@@ -542,7 +542,9 @@ def report(results: Path, quick: bool = False) -> list[str]:
         "# How fast",
         "",
         *text(
-            f"Made by `scripts/bench` on {facts.pop('date')}. The numbers are in",
+            f"Made by `scripts/bench`, as a whole on {facts.pop('date')} on this machine;",
+            "light, cameras, motion, data sets and baking may have been run alone since, also",
+            "elsewhere. The numbers are in",
             "[results](results), what they mean in [docs/performance.md](../docs/performance.md).",
         ),
         *(f"- {key}: {value}" for key, value in facts.items()),
