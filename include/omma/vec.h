@@ -7,10 +7,13 @@
 
 #if defined(__CUDACC__)
 #define OMMA_HD __host__ __device__ inline
+#define OMMA_HD_CALLED __host__ __device__ inline
 #else
 // Always inlined, so that a file compiled for a newer instruction set never leaves an out-of-line
 // copy behind that the linker could hand to older machines.
 #define OMMA_HD __attribute__((always_inline)) inline
+// For large templates of Lanes, which instruction sets do not share: called, not copied.
+#define OMMA_HD_CALLED __attribute__((noinline))
 #endif
 
 namespace omma {

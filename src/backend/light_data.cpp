@@ -200,17 +200,8 @@ std::unique_ptr<LightData> make_light_data(const Light& light, const Scene& scen
 }
 
 void keep_intensity_alone(LightData& data) {
-  SkyView& sky = data.view.sky;
-  if (data.sky == nullptr || sky.components == 1) return;
-  const auto channels = static_cast<std::size_t>(sky.channels);
-  const std::size_t node = channels * static_cast<std::size_t>(sky.components);
-  const std::vector<float>& all = data.sky->radiance;
-  data.sky_intensity.reserve(all.size() / static_cast<std::size_t>(sky.components));
-  for (auto at = all.begin(); at != all.end(); at += static_cast<std::ptrdiff_t>(node))
-    data.sky_intensity.insert(data.sky_intensity.end(), at,
-                              at + static_cast<std::ptrdiff_t>(channels));
-  sky.components = 1;
-  sky.radiance = data.sky_intensity.data();
+  data.view.sky.polarisation = nullptr;
+  data.sky_polarisation = {};
 }
 
 void scale_to_radiance_unit(LightData& data) {

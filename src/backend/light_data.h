@@ -21,8 +21,8 @@ struct LightData {
   LightData(const LightData&) = delete;
   LightData& operator=(const LightData&) = delete;
 
-  std::shared_ptr<const SkyMap> sky;  // its radiance is read where it is, but for
-  std::vector<float> sky_intensity;   // I alone of a polarised one, where no more is asked for
+  std::shared_ptr<const SkyMap> sky;  // its radiance is read where it is, but for a polarised one's:
+  std::vector<float> sky_intensity, sky_polarisation;  // I, and Q with U, as SkyView has them
   std::vector<float> band_from_channel, one_minus_sine, row_sum, column_sum, cell_density;
   std::vector<std::uint16_t> row_guide, column_guide;
   std::vector<DiscView> discs;
@@ -47,7 +47,7 @@ struct LightData {
 std::unique_ptr<LightData> make_light_data(const Light& light, const Scene& scene,
                                            const Placement& placement, const SceneView& view);
 
-// Has the sky's polarisation no more, whose map is then a third as large to read from.
+// Has the sky's polarisation no more.
 void keep_intensity_alone(LightData& data);
 
 // All radiance in `radiance_unit`, but for that of surfaces, which is the caller's. Once.

@@ -25,6 +25,7 @@ struct LitData {
   std::vector<DiscView> discs_alone;
   std::shared_ptr<const BakedLight> baked_light;
   std::vector<const std::int32_t*> cell_of_triangle;  // [mesh]
+  std::vector<float> coarse_sky, per_open_sky;        // see BakedView
   BakedView baked;
   SunMapData sun_map;
   SceneView view;                               // without a background

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "physics/sky.h"
 #include "threads/parallel.h"
 
 namespace omma {
@@ -32,6 +33,19 @@ double cell_sr(const LightData& data, std::size_t row, std::size_t columns) {
   const double between = static_cast<double>(data.one_minus_sine[row]) -
                          static_cast<double>(data.one_minus_sine[row + 1]);
   return 2 * pi / static_cast<double>(columns) * between;
+}
+
+// I apart from Q and U, which few ask for: maps are larger than caches.
+void split_stokes(LightData& data, const SkyMap& map) {
+  const auto channels = static_cast<std::ptrdiff_t>(map.channels);
+  data.sky_intensity.reserve(map.radiance.size() / 3);
+  data.sky_polarisation.reserve(map.radiance.size() / 3 * 2);
+  for (auto at = map.radiance.begin(); at != map.radiance.end(); at += 3 * channels) {
+    data.sky_intensity.insert(data.sky_intensity.end(), at, at + channels);
+    data.sky_polarisation.insert(data.sky_polarisation.end(), at + channels, at + 3 * channels);
+  }
+  data.view.sky.radiance = data.sky_intensity.data();
+  data.view.sky.polarisation = data.sky_polarisation.data();
 }
 
 // The flux of each channel, integrated as cells have it: their solid angle times the mean of their
@@ -236,9 +250,10 @@ std::vector<double> make_far(LightData& data, const Light& light) {
 
     sky.columns = map.columns;
     sky.rows = map.rows;
-    sky.components = map.components;
     sky.channels = map.channels;
+    sky.turns_axes = map.columns < even_columns;
     sky.radiance = map.radiance.data();
+    if (map.components == 3) split_stokes(data, map);
     if (!data.band_from_channel.empty()) sky.band_from_channel = data.band_from_channel.data();
     sky.columns_per_rad = static_cast<float>(map.columns / (2 * pi));
     sky.rows_per_rad = static_cast<float>((map.rows - 1) / (pi / 2));

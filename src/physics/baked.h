@@ -2,9 +2,8 @@
 // diffuse surface would send back of it, on the viewer's side and on the other.
 #pragma once
 
-#include "physics/block_memory.h"
-#include "physics/hits.h"
-#include "physics/lit_surface.h"
+#include "physics/far_lanes.h"
+#include "physics/path_light.h"
 
 namespace omma {
 
@@ -29,13 +28,15 @@ OMMA_HD float decode_baked(std::uint16_t value) {
 
 // Cells of a triangle that is divided into k by k: strips along its first edge, in each cells that
 // stand and cells that hang in turns. `u`, `v`: weights of the second and third corner.
-OMMA_HD std::int32_t cell_at(std::int32_t k, float u, float v) {
-  const float size = to_float(k);
-  std::int32_t i = to_int(u * size), j = to_int(v * size);
+template <typename F, typename I>
+OMMA_HD I cell_at(I k, F u, F v) {
+  const F size = to_float(k);
+  I i = to_int(u * size), j = to_int(v * size);
   i = i > k - 1 ? k - 1 : i;
   j = j > k - 1 - i ? k - 1 - i : j;
-  const bool hangs = (u * size - to_float(i)) + (v * size - to_float(j)) > 1.0f && i + j < k - 1;
-  return i * (2 * k - i) + 2 * j + (hangs ? 1 : 0);
+  const auto hangs =
+      (u * size - to_float(i)) + (v * size - to_float(j)) > 1.0f && i + j < k - 1;
+  return i * (2 * k - i) + 2 * j + keep(hangs, i * 0 + 1);
 }
 
 // Corners [corner][u, v] of such a cell.
@@ -51,8 +52,9 @@ OMMA_HD void corners_of_cell(std::int32_t k, std::int32_t cell, float (&uv)[3][2
 }
 
 // Into how many parts each edge of a triangle with so many cells is divided.
-OMMA_HD std::int32_t divisions_of(std::int32_t cells) {
-  return to_int(sqrtf(to_float(cells)) + 0.5f);
+template <typename I>
+OMMA_HD I divisions_of(I cells) {
+  return to_int(sqrt_lanes(to_float(cells)) + 0.5f);
 }
 
 // The cell that lanes' rays met, asked for from memory; null where probes light them.
@@ -64,21 +66,28 @@ struct BakedPlaces {
 template <typename L>
 OMMA_HD void find_baked(const SceneView& scene, const Packet<L>& packet, const Hits<L>& hits,
                         BakedPlaces<L::count>& places) {
+  using F = typename L::F;
+  using I = typename L::I;
+  constexpr int n = L::count;
   const BakedView& baked = *scene.baked;
   const auto stride = static_cast<std::ptrdiff_t>(2 * scene.bands);
-  for (int l = 0; l < L::count; ++l) {
+  alignas(n * 4) std::int32_t cells[n];  // in their instance
+  for_each_mesh(hits, [&](std::int32_t mesh, int l, const auto& is_member) {
+    I cell = keep(is_member, load<I>(packet.rays.triangle + l));
+    const std::int32_t* of_triangle = baked.cell_of_triangle[mesh];
+    if (of_triangle != nullptr) {
+      const I own = gather(of_triangle, cell), count = gather(of_triangle + 1, cell) - own;
+      const F u = load<F>(packet.rays.u + l), v = load<F>(packet.rays.v + l);
+      cell = own + keep(is_member && count > 1, cell_at(divisions_of(count), u, v));
+    }
+    store(cells + l, is_member ? cell : load<I>(cells + l));
+  });
+  for (int l = 0; l < n; ++l) {
     places.cell[l] = nullptr;
     if (hits.mesh[l] < 0) continue;
     const std::int32_t first = baked.first_cell[hits.instance[l]];
     if (first < 0 || baked.moves[hits.instance[l]] != 0) continue;
-    std::int32_t cell = int_of(packet.rays.triangle[l]);
-    const std::int32_t* of_triangle = baked.cell_of_triangle[hits.mesh[l]];
-    if (of_triangle != nullptr) {
-      const std::int32_t own = of_triangle[cell], count = of_triangle[cell + 1] - own;
-      cell = own;
-      if (count > 1) cell += cell_at(divisions_of(count), packet.rays.u[l], packet.rays.v[l]);
-    }
-    places.cell[l] = baked.values + stride * (first + static_cast<std::ptrdiff_t>(cell));
+    places.cell[l] = baked.values + stride * (first + static_cast<std::ptrdiff_t>(cells[l]));
 #if !defined(__CUDACC__)
     __builtin_prefetch(places.cell[l]);
 #endif
@@ -124,40 +133,53 @@ OMMA_HD void eval_probes(const BakedView& baked, int bands, Vec3 position, Vec3 
   }
 }
 
+template <typename I>
+OMMA_HD auto decode_baked(I values) {
+  const I bits = (values + static_cast<std::int32_t>(baked_exponent << 11)) * (1 << 12);
+  return keep(values != 0, float_of(bits));
+}
+
 // Of the lanes in `lanes`, into memory.front and memory.back [band][lane]. Of surfaces that transmit
 // nothing what is behind them is not read: it is left as zeros.
 template <typename L>
 OMMA_HD void eval_baked(const SceneView& scene, const Packet<L>& packet,
                         const BakedPlaces<L::count>& places, const HitGeometry<L>& geometry,
                         const LitSurface<L>& surface, unsigned lanes, const PathMemory& memory) {
-  constexpr int n = L::count;
+  using F = typename L::F;
+  constexpr int n = L::count, width = L::width;
   const BakedView& baked = *scene.baked;
-  for (int l = 0; l < n; ++l) {
-    float* const front = memory.front + l;
-    float* const back = memory.back + l;
-    const bool is_lit = (lanes >> l & 1u) != 0;
-    const bool is_sheet = is_lit && scene.scatter[surface.material[l]].transmittance != nullptr;
-    const std::uint16_t* cell = places.cell[l];
-    float near[most_bands], far[most_bands];
-    if (!is_lit) {
-      for (int b = 0; b < scene.bands; ++b) near[b] = 0;
-    } else if (cell != nullptr) {
-      float facing = 0;
-      for (int r = 0; r < 3; ++r) facing += geometry.normal[r][l] * packet.rays.direction[r][l];
-      const int side = facing > 0.0f ? scene.bands : 0;
-      for (int b = 0; b < scene.bands; ++b) near[b] = decode_baked(cell[side + b]) * baked.unit;
-      if (is_sheet)
-        for (int b = 0; b < scene.bands; ++b)
-          far[b] = decode_baked(cell[scene.bands - side + b]) * baked.unit;
-    } else {
-      const Vec3 position = {geometry.position[0][l], geometry.position[1][l],
-                             geometry.position[2][l]};
-      const Vec3 normal = {surface.normal[0][l], surface.normal[1][l], surface.normal[2][l]};
-      eval_probes(baked, scene.bands, position, normal, near, 1);
-      if (is_sheet) eval_probes(baked, scene.bands, position, normal * -1.0f, far, 1);
-    }
-    for (int b = 0; b < scene.bands; ++b) front[b * n] = near[b];
-    for (int b = 0; b < scene.bands; ++b) back[b * n] = is_sheet ? far[b] : 0.0f;
+  const unsigned from_behind = bits_where<L>([&](int l) {
+    F normal[3], direction[3];
+    load_3(geometry.normal, l, normal);
+    load_3(packet.rays.direction, l, direction);
+    return dot_lanes(normal, direction) > 0.0f;
+  });
+  unsigned in_cells = 0, sheets = 0;
+  for (unsigned bits = lanes; bits != 0; bits &= bits - 1) {
+    const int l = lowest_bit(bits);
+    if (places.cell[l] != nullptr) in_cells |= 1u << l;
+    if (scene.scatter[surface.material[l]].transmittance != nullptr) sheets |= 1u << l;
+  }
+  const auto read_cells = [&](unsigned wanted, bool is_far, float* out) {
+    for (int l = 0; l < n; l += width)
+      store_rows<L>(scene.bands, wanted >> l, [&](int k, const auto& read) {
+        const bool is_back = (from_behind >> (l + k) & 1u) != 0;
+        const std::uint16_t* side = places.cell[l + k] + (is_back != is_far ? scene.bands : 0);
+        return decode_baked(read(side)) * baked.unit;
+      }, out + l);
+  };
+  read_cells(in_cells, false, memory.front);
+  if (sheets != 0) {
+    read_cells(in_cells & sheets, true, memory.back);
+  } else {
+    for (int i = 0; i < scene.bands * n; ++i) memory.back[i] = 0;
+  }
+  for (unsigned bits = lanes & ~in_cells; bits != 0; bits &= bits - 1) {
+    const int l = lowest_bit(bits);
+    const Vec3 position = vec_at(geometry.position, l), normal = vec_at(surface.normal, l);
+    eval_probes(baked, scene.bands, position, normal, memory.front + l, n);
+    if ((sheets >> l & 1u) != 0)
+      eval_probes(baked, scene.bands, position, normal * -1.0f, memory.back + l, n);
   }
 }
 

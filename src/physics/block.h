@@ -76,7 +76,7 @@ OMMA_HD void prepare_block(const FrameView& frame, const BlockTask& task,
                            RayPacket<L::count>* packets) {
   const UnitList all{nullptr, 0, frame.scrambles, task.count * frame.scrambles};
   Units units;
-  make_units<L>(*frame.eye, task, *frame.directions, all, false, units);
+  make_units<L>(*frame.eye, task, *frame.directions, all, false, false, units);
   Packet<L> packet;
   clear<L>(packet.rays);
   for_each_packet<L>(*frame.directions, units, all.count, packet, [&](const PacketPlace&) {

@@ -36,7 +36,10 @@ struct PathMemory : SpectraMemory {
   // [band][lane], what white surfaces would send back of baked light, before and behind the one that
   // was met.
   float *front = nullptr, *back = nullptr;
-  SpectraMemory shadow;    // of rays to lights
+  SpectraMemory shadow;  // of rays to lights
+  // [band][place], of paths that wait to go on, and of those that wait for their last flight.
+  float *waiting = nullptr, *waiting_for_last = nullptr;
+  float* found = nullptr;  // [component][band][lane], by paths that have waited
 };
 
 // Of the ground truth (truth.h), over the rays of each unit.
@@ -59,8 +62,8 @@ OMMA_HD TruthRows rows_of(const TruthView& truth) {
 
 // What has a number for each output of each unit is [output][unit_room].
 struct BlockMemory {
-  // [component][band][lane] of one packet. Component 0 is the radiance; in a polarised world Q and
-  // U stand behind it.
+  // [component][band][lane] of one packet, where worlds are lit of block_rays of them one behind the
+  // other. Component 0 is the radiance; in a polarised world Q and U stand behind it.
   float* radiance = nullptr;
   PathMemory paths;
   float* output = nullptr;      // [output][lane] of one packet; the radiance itself without a matrix
@@ -88,14 +91,19 @@ OMMA_HD BlockMemory lay_out(Room& room, const FrameView& frame, int lanes) {
   const SceneView& scene = *frame.scene;
   const std::size_t one = static_cast<std::size_t>(scene.bands) * packet;
   const std::size_t components = scene.polarized ? 3 : 1;
-  memory.radiance = room.take<float>(components * one);
+  const std::size_t packets = scene.light == nullptr ? 1 : block_rays / packet;
+  memory.radiance = room.take<float>(components * one * packets);
   if (scene.light != nullptr) {
     PathMemory& paths = memory.paths;
+    // As WaitingPaths has room.
+    paths.waiting = room.take<float>(3 * one);
+    paths.waiting_for_last = room.take<float>(3 * one);
     for (SpectraMemory* spectra : {static_cast<SpectraMemory*>(&paths), &paths.shadow})
       for (float** values : {&spectra->throughput, &spectra->reflectance, &spectra->transmittance,
                              &spectra->emission, &spectra->tint})
         *values = room.take<float>(one);
     paths.light = room.take<float>(components * one);
+    paths.found = room.take<float>(components * one);
     paths.front = room.take<float>(one);
     paths.back = room.take<float>(one);
   }

@@ -17,33 +17,157 @@ OMMA_HD F chord_2_lanes(const F (&d)[3], Vec3 centre) {
   return x * x + y * y + z * z;
 }
 
-// Where light from afar of some lanes' directions is to be looked up, and asked for; all before the
-// first is read.
+// Where light from afar of a packet's directions is to be looked up.
 template <typename L>
 OMMA_HD void find_far_lanes(const LightView& light, const float (&direction)[3][L::count],
-                            unsigned lanes, int components, SkyPlace (&places)[L::count]) {
+                            unsigned lanes,
+                            SkyPlaces<typename L::F, typename L::I> (&places)[L::count / L::width]) {
   using F = typename L::F;
-  constexpr int n = L::count;
-  if (light.sky.rows == 0) return;
-  for (int l = 0; l < n; l += L::width) {
-    if ((lanes >> l & ((1u << L::width) - 1u)) == 0) continue;
+  for (int l = 0; l < L::count; l += L::width) {
+    if (light.sky.rows == 0 || !any_lane(lanes_on<L>(lanes, l))) {
+      places[l / L::width] = {};
+      continue;
+    }
     F d[3];
     load_3(direction, l, d);
-    const auto found = find_on_sky(light.sky, d[0], d[1], d[2]);
-    alignas(L::width * 4) std::int32_t half[L::width], row[L::width], column[L::width],
-        next[L::width];
-    alignas(L::width * 4) float along_row[L::width], along_column[L::width];
-    store(half, found.half);
-    store(row, found.row);
-    store(column, found.column);
-    store(next, found.next);
-    store(along_row, found.along_row);
-    store(along_column, found.along_column);
-    for (int k = 0; k < L::width; ++k) {
-      if ((lanes >> (l + k) & 1u) == 0) continue;
-      places[l + k] = {half[k], row[k], column[k], next[k], along_row[k], along_column[k]};
-      fetch_sky(light.sky, places[l + k], components);
+    for (F& x : d) x = keep(lanes_on<L>(lanes, l), x);
+    places[l / L::width] = find_on_sky(light.sky, d[0], d[1], d[2]);
+  }
+}
+
+// Of the nodes about the places of lanes that go at once: the lower two, in the order of
+// SkyView::radiance, and how much all four count, [lane].
+template <typename L>
+struct SkyCorners {
+  static constexpr int n = L::width;
+  alignas(n * 4) std::int32_t left[n], right[n];
+  alignas(n * 4) float low_left[n], low_right[n], high_left[n], high_right[n];
+};
+
+template <typename L>
+OMMA_HD void find_corners(const SkyView& sky,
+                          const SkyPlaces<typename L::F, typename L::I>& place,
+                          SkyCorners<L>& corners) {
+  using F = typename L::F;
+  const auto first = (place.half * sky.rows + place.row) * sky.columns;
+  const F right = place.along_column, up = place.along_row;
+  const F high = up * sky.per_unit, low = (1.0f - up) * sky.per_unit;
+  store(corners.left, first + place.column);
+  store(corners.right, first + place.next);
+  store(corners.low_left, (1.0f - right) * low);
+  store(corners.low_right, right * low);
+  store(corners.high_left, (1.0f - right) * high);
+  store(corners.high_right, right * high);
+}
+
+// One of the four nodes about each place, as near to it as by chance: on average that is what lies
+// between them, and rays that were scattered go to many places, whose nodes are far apart in memory.
+// `bits`: random.
+template <typename F, typename I, typename U>
+OMMA_HD void choose_node(SkyPlaces<F, I>& place, U bits) {
+  const F one = broadcast<F>(1.0f);
+  const F u = (to_float(int_of(bits & 0xffffu)) + 0.5f) * 0x1p-16f;
+  const F v = (to_float(int_of(bits >> 16)) + 0.5f) * 0x1p-16f;
+  place.along_column = keep(u < place.along_column, one);
+  place.along_row = keep(v < place.along_row, one);
+}
+
+// Calls `eval(k, node)` for those of some lanes that go at once, with the node that was chosen.
+template <typename L, typename Eval>
+OMMA_HD void for_each_node(const SkyView& sky, const SkyPlaces<typename L::F, typename L::I>& place,
+                           unsigned lanes, const Eval& eval) {
+  const auto column = place.along_column > 0.0f ? place.next : place.column;
+  const auto row = place.half * sky.rows + place.row + to_int(place.along_row);
+  alignas(L::width * 4) std::int32_t node[L::width];
+  store(node, row * sky.columns + column);
+  for (; lanes != 0; lanes &= lanes - 1) eval(lowest_bit(lanes), node[lowest_bit(lanes)]);
+}
+
+// Asks for what eval_sky_nodes will read, of I alone or also of Q and U: maps are larger than what a
+// processor holds near it.
+template <typename L>
+OMMA_HD void fetch_sky_nodes(const SkyView& sky, unsigned lanes, bool is_polarized,
+                             const SkyPlaces<typename L::F, typename L::I> (
+                                 &places)[L::count / L::width]) {
+#if !defined(__CUDACC__)
+  const auto fetch = [](const float* row, int size) {
+    for (int i = 0; i < size; i += 16) __builtin_prefetch(row + i);
+  };
+  for (int l = 0; l < L::count; l += L::width)
+    for_each_node<L>(sky, places[l / L::width], lanes >> l & ((1u << L::width) - 1u),
+                     [&](int, std::ptrdiff_t node) {
+                       fetch(sky.radiance + node * sky.channels, sky.channels);
+                       if (is_polarized && sky.polarisation != nullptr)
+                         fetch(sky.polarisation + node * 2 * sky.channels, 2 * sky.channels);
+                     });
+#endif
+}
+
+// eval_sky_lanes at the nodes that were chosen, of lanes that go at once. The axes of a node are taken
+// for the direction's, which on average are half a column away to either side.
+template <typename L>
+OMMA_HD void eval_nodes(const SkyView& sky, const SkyPlaces<typename L::F, typename L::I>& place,
+                        unsigned lanes, unsigned keeps, bool is_polarized, float* out, int stride) {
+  alignas(L::width * 4) std::ptrdiff_t node_of[L::width];
+  for_each_node<L>(sky, place, lanes, [&](int k, std::ptrdiff_t node) { node_of[k] = node; });
+  const auto read_nodes = [&](const float* table, int size, unsigned wanted, float* to) {
+    store_rows<L>(sky.channels, wanted, [&](int k, const auto& read) {
+      return sky.per_unit * read(table + node_of[k] * size);
+    }, to);
+  };
+  read_nodes(sky.radiance, sky.channels, lanes, out);
+  for (int p = 0; is_polarized && p < 2; ++p)
+    read_nodes(sky.polarisation + p * sky.channels, 2 * sky.channels, keeps,
+               out + (1 + p) * stride);
+}
+
+// Radiance of the sky [component][band][lane] at the places of some lanes' directions, zeros in the
+// others: I, and where `components` is 3 Q and U, which are zeros where a lane's bit in `keeps` is
+// not set. `at_nodes`: of the nodes that were chosen, else between nodes.
+template <typename L>
+OMMA_HD void eval_sky_lanes(const LightView& light, const float (&direction)[3][L::count],
+                            const SkyPlaces<typename L::F, typename L::I> (
+                                &places)[L::count / L::width],
+                            unsigned lanes, int components, unsigned keeps, bool at_nodes,
+                            float* out) {
+  constexpr int n = L::count, width = L::width;
+  const SkyView& sky = light.sky;
+  const int stride = light.bands * n;
+  if (sky.rows == 0) lanes = 0;
+  if (sky.polarisation == nullptr) keeps = 0;
+  const bool by_one = sky.band_from_channel != nullptr || (keeps != 0 && sky.turns_axes);
+  const int left_dark = lanes == 0 || by_one ? 0 : (keeps == 0 ? 1 : 3);
+  for (int i = left_dark * stride; i < components * stride; ++i) out[i] = 0;
+  for (int l = 0; lanes != 0 && l < n; l += width) {
+    const auto& place = places[l / width];
+    const unsigned here = lanes >> l & ((1u << width) - 1u), kept = here & keeps >> l;
+    if (at_nodes && !by_one) {
+      eval_nodes<L>(sky, place, here, kept, keeps != 0, out + l, stride);
+      continue;
     }
+    SkyCorners<L> at;
+    find_corners<L>(sky, place, at);
+    if (by_one) {
+      for (unsigned bits = here; bits != 0; bits &= bits - 1) {
+        const int k = lowest_bit(bits);
+        const Vec3 d = vec_at(direction, l + k);
+        eval_sky(light, d, find_on_sky(sky, d.x, d.y, d.z), (kept >> k & 1u) != 0 ? 3 : 1,
+                 out + l + k, n, stride);
+      }
+      continue;
+    }
+    const auto mix = [&](const float* table, std::ptrdiff_t node, unsigned wanted, float* to) {
+      const std::ptrdiff_t up = node * sky.columns;
+      store_rows<L>(sky.channels, wanted, [&](int k, const auto& read) {
+        const float* left = table + node * at.left[k];
+        const float* right = table + node * at.right[k];
+        return at.low_left[k] * read(left) + at.low_right[k] * read(right) +
+               at.high_left[k] * read(left + up) + at.high_right[k] * read(right + up);
+      }, to + l);
+    };
+    mix(sky.radiance, sky.channels, here, out);
+    for (int p = 0; keeps != 0 && p < 2; ++p)
+      mix(sky.polarisation + p * sky.channels, 2 * sky.channels, kept, out + (1 + p) * stride);
   }
 }
 
@@ -113,27 +237,27 @@ OMMA_HD void sample_far_lanes(const LightView& light, const float* u0, const flo
 // given; as escaped_light_pdf. The other lanes' are left.
 template <typename L>
 OMMA_HD void find_far_pdf(const LightView& light, const float (&direction)[3][L::count],
-                          const SkyPlace (&places)[L::count], unsigned lanes, float* pdf) {
+                          const SkyPlaces<typename L::F, typename L::I> (
+                              &places)[L::count / L::width],
+                          unsigned lanes, float* pdf) {
   using F = typename L::F;
+  const SkyView& sky = light.sky;
   for (int l = 0; l < L::count; l += L::width) {
     const auto wanted = lanes_on<L>(lanes, l);
     if (!any_lane(wanted)) continue;
-    F d[3], of_discs{};
+    F d[3], density{};
     load_3(direction, l, d);
     for (int i = 0; i < light.disc_count; ++i) {
       const DiscView& disc = light.discs[i];
-      of_discs += keep(chord_2_lanes(d, disc.direction) <= disc.chord_2,
-                       broadcast<F>(disc.probability * disc.density));
+      density += keep(chord_2_lanes(d, disc.direction) <= disc.chord_2,
+                      broadcast<F>(disc.probability * disc.density));
     }
-    alignas(64) float of_sky[L::width] = {};
-    if (light.sky.probability > 0.0f)
-      for (unsigned bits = lanes >> l & ((1u << L::width) - 1u); bits != 0; bits &= bits - 1) {
-        const int k = lowest_bit(bits);
-        of_sky[k] = light.sky.cell_density[cell_of(light.sky, places[l + k])];
-      }
-    const F found =
-        light.far_probability * (light.sky.probability * load<F>(of_sky) + of_discs);
-    store(pdf + l, wanted ? found : load<F>(pdf + l));
+    if (sky.probability > 0.0f) {
+      const auto& place = places[l / L::width];
+      const auto row = place.half * (sky.rows - 1) + place.row;
+      density = sky.probability * gather(sky.cell_density, row * sky.columns + place.column) + density;
+    }
+    store(pdf + l, wanted ? light.far_probability * density : load<F>(pdf + l));
   }
 }
 

@@ -95,10 +95,11 @@ OMMA_HD void eval_geometry(const SceneView& scene, const RayPacket<L::count>& ra
     const F weight[3] = {1.0f - weight_1 - weight_2, weight_1, weight_2};
     F m[3][4], corner[3][3], position[3] = {}, reach = {};
     load_frames(scene, hits, l, is_member, m);
+    I vertex[3];
+    gather_3(view.triangles, triangle, vertex);
     for (int k = 0; k < 3; ++k) {
-      const I vertex = gather(view.triangles + k, triangle * 3) * 3;
       F own[3];
-      for (int a = 0; a < 3; ++a) own[a] = gather(view.positions + a, vertex);
+      gather_3(view.positions, vertex[k], own);
       for (int r = 0; r < 3; ++r) {
         F& x = corner[k][r];
         x = m[r][0] * own[0] + m[r][1] * own[1] + m[r][2] * own[2] + m[r][3];

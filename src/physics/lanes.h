@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <type_traits>
 #include <utility>
 
 #include "omma/vec.h"
@@ -281,6 +282,74 @@ OMMA_HD Pair<Floats> gather_pair(const float* base, Ints i) {
 }
 #endif
 
+// base[3 * index] and the two behind it, for each lane.
+template <typename T>
+OMMA_HD void gather_3(const T* base, std::int32_t index, T (&out)[3]) {
+  for (int k = 0; k < 3; ++k) out[k] = base[3 * static_cast<std::ptrdiff_t>(index) + k];
+}
+#if !defined(__CUDACC__)
+#if defined(__AVX2__)
+// A quarter of each quad (k) of two vectors in turns, the second one's behind; the lower half of
+// quads, or the upper one.
+template <int... k>
+OMMA_HD Floats mix_quads(Floats a, Floats b, bool upper, std::integer_sequence<int, k...>) {
+#if defined(__clang__) || __GNUC__ >= 12
+  const Floats low =
+      __builtin_shufflevector(a, b, (k / 4 * 4 + k % 4 / 2 + k % 2 * lane_width)...);
+  const Floats high =
+      __builtin_shufflevector(a, b, (k / 4 * 4 + 2 + k % 4 / 2 + k % 2 * lane_width)...);
+#else  // GCC 11 knows the same under another name
+  const Floats low =
+      __builtin_shuffle(a, b, Ints{(k / 4 * 4 + k % 4 / 2 + k % 2 * lane_width)...});
+  const Floats high =
+      __builtin_shuffle(a, b, Ints{(k / 4 * 4 + 2 + k % 4 / 2 + k % 2 * lane_width)...});
+#endif
+  return upper ? high : low;
+}
+#endif
+// A gather costs by the element; three neighbours lie in one load.
+OMMA_HD void gather_3(const float* base, Ints index, Floats (&out)[3]) {
+#if defined(__AVX2__)
+  const auto sequence = std::make_integer_sequence<int, lane_width>{};
+  // [k], of lanes k, 4 + k and so on a quad each.
+  Floats quads[4];
+  for (int k = 0; k < 4; ++k) {
+    const auto load_lane = [&](int lane) {
+      const float* at = base + 3 * static_cast<std::ptrdiff_t>(index[lane]);
+#if defined(__AVX512F__)
+      return _mm_maskz_loadu_ps(7, at);
+#else
+      return _mm_maskload_ps(at, _mm_setr_epi32(-1, -1, -1, 0));
+#endif
+    };
+#if defined(__AVX512F__)
+    const __m256 low = _mm256_insertf128_ps(_mm256_castps128_ps256(load_lane(k)), load_lane(k + 4), 1);
+    const __m256 high =
+        _mm256_insertf128_ps(_mm256_castps128_ps256(load_lane(k + 8)), load_lane(k + 12), 1);
+    quads[k] = (Floats)_mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
+#else
+    quads[k] = (Floats)_mm256_insertf128_ps(_mm256_castps128_ps256(load_lane(k)), load_lane(k + 4), 1);
+#endif
+  }
+  // x0 x2 y0 y2 and x1 x3 y1 y3 of each quad's lanes, then x0 x1 x2 x3.
+  const Floats xy_even = mix_quads(quads[0], quads[2], false, sequence);
+  const Floats xy_odd = mix_quads(quads[1], quads[3], false, sequence);
+  const Floats z_even = mix_quads(quads[0], quads[2], true, sequence);
+  const Floats z_odd = mix_quads(quads[1], quads[3], true, sequence);
+  out[0] = mix_quads(xy_even, xy_odd, false, sequence);
+  out[1] = mix_quads(xy_even, xy_odd, true, sequence);
+  out[2] = mix_quads(z_even, z_odd, false, sequence);
+#else
+  for (int k = 0; k < 3; ++k) out[k] = gather(base + k, index * 3);
+#endif
+}
+OMMA_HD void gather_3(const std::int32_t* base, Ints index, Ints (&out)[3]) {
+  Floats bits[3];
+  gather_3(reinterpret_cast<const float*>(base), index, bits);
+  for (int k = 0; k < 3; ++k) out[k] = bits_of(bits[k]);
+}
+#endif
+
 #if !defined(__CUDACC__)
 OMMA_HD Floats pick(const float* p, Ints index) {
 #if defined(__AVX512F__)
@@ -292,6 +361,56 @@ OMMA_HD Floats pick(const float* p, Ints index) {
 #endif
 }
 #endif
+
+// The lanes whose bit is set, one behind the other from `to` on; what lies behind them there, up to
+// a vector's width in all, is overwritten with anything.
+#if !defined(__CUDACC__)
+template <typename T>
+OMMA_HD void store_some(T* to, Floats x, unsigned bits) {
+#if defined(__AVX512F__)
+  store(to, (Floats)_mm512_maskz_compress_ps(static_cast<__mmask16>(bits), (__m512)x));
+#else
+  for (; bits != 0; bits &= bits - 1) store(to++, x[__builtin_ctz(bits)]);
+#endif
+}
+#endif
+template <typename T>
+OMMA_HD void store_some(T* to, float x, unsigned bits) {
+  if (bits != 0) store(to, x);
+}
+
+// Rows become columns: element [i][k] goes to [k][i].
+#if !defined(__CUDACC__)
+template <int step, int... k>
+OMMA_HD void swap_halves(Floats& a, Floats& b, std::integer_sequence<int, k...>) {
+#if defined(__clang__) || __GNUC__ >= 12
+  const Floats first =
+      __builtin_shufflevector(a, b, ((k & step) == 0 ? k : lane_width + k - step)...);
+  const Floats second =
+      __builtin_shufflevector(a, b, ((k & step) == 0 ? k + step : lane_width + k)...);
+#else  // GCC 11 knows the same under another name
+  const Floats first =
+      __builtin_shuffle(a, b, Ints{((k & step) == 0 ? k : lane_width + k - step)...});
+  const Floats second =
+      __builtin_shuffle(a, b, Ints{((k & step) == 0 ? k + step : lane_width + k)...});
+#endif
+  a = first;
+  b = second;
+}
+template <int step>
+OMMA_HD void swap_halves(Floats (&rows)[lane_width]) {
+  for (int i = 0; i < lane_width; ++i)
+    if ((i & step) == 0)
+      swap_halves<step>(rows[i], rows[i + step], std::make_integer_sequence<int, lane_width>{});
+}
+OMMA_HD void transpose(Floats (&rows)[lane_width]) {
+  swap_halves<1>(rows);
+  swap_halves<2>(rows);
+  if constexpr (lane_width > 4) swap_halves<4>(rows);
+  if constexpr (lane_width > 8) swap_halves<8>(rows);
+}
+#endif
+OMMA_HD void transpose(float (&)[1]) {}
 
 // Packets of `count` rays, of which `width` go through the arithmetic at once.
 template <int count_, int width_>
@@ -344,6 +463,14 @@ OMMA_HD int lowest_bit(unsigned bits) {
 #endif
 }
 
+OMMA_HD int bits_in(unsigned bits) {
+#if defined(__CUDA_ARCH__)
+  return __popc(bits);
+#else
+  return __builtin_popcount(bits);
+#endif
+}
+
 template <typename F, int n>
 OMMA_HD void load_3(const float (&values)[3][n], int l, F (&out)[3]) {
   for (int r = 0; r < 3; ++r) out[r] = load<F>(values[r] + l);
@@ -354,6 +481,56 @@ template <typename L>
 OMMA_HD auto lanes_on(unsigned bits, int l) {
   const auto word = lane_numbers<L>() * 0 + static_cast<std::int32_t>(bits >> l);
   return (word >> lane_numbers<L>() & 1) != 0;
+}
+
+// Numbers of 16 bits that are neighbours in memory; the second argument says how many.
+OMMA_HD std::int32_t widen(const std::uint16_t* p, std::int32_t) {
+  return *p;
+}
+#if !defined(__CUDACC__)
+OMMA_HD Ints widen(const std::uint16_t* p, Ints) {
+  using Shorts = std::uint16_t __attribute__((vector_size(2 * lane_width)));
+  return __builtin_convertvector(load<Shorts>(p), Ints);
+}
+#endif
+
+// As many neighbours in memory as lanes go at once, or `count` of them and zeros: floats, or numbers
+// of 16 bits.
+template <typename L, typename T>
+OMMA_HD auto load_row(const T* p, int count) {
+  using F = typename L::F;
+  using I = typename L::I;
+  constexpr bool is_float = std::is_same_v<T, float>;
+  alignas(L::width * 4) T some[L::width] = {};
+  if (count < L::width) {
+    for (int i = 0; i < count; ++i) some[i] = p[i];
+    p = some;
+  }
+  if constexpr (is_float)
+    return load<F>(p);
+  else
+    return widen(p, I{});
+}
+
+// Tables with a row for each lane, [row][column], as [column][lane] from `out` on: of lanes that go at
+// once those in `lanes`, zeros in the others. `row(k, read)` gives what lane k has, in which `read(p)`
+// stands for what p points to, the first of a row's numbers in a table.
+template <typename L, typename Row>
+OMMA_HD void store_rows(int columns, unsigned lanes, const Row& row, float* out) {
+  using F = typename L::F;
+  constexpr int width = L::width;
+  for (int first = 0; first < columns; first += width) {
+    const int left = columns - first;
+    F rows[width];
+    for (int k = 0; k < width; ++k) {
+      if ((lanes >> k & 1u) == 0)
+        rows[k] = F{};
+      else
+        rows[k] = row(k, [&](const auto* p) { return load_row<L>(p + first, left); });
+    }
+    transpose(rows);
+    for (int k = 0; k < width && k < left; ++k) store(out + (first + k) * L::count, rows[k]);
+  }
 }
 
 // The sum of a packet's lanes, always in the same order: of sixteen, lanes 4 apart first.

@@ -14,9 +14,13 @@ namespace omma {
 // those above the horizon from the horizon up, then those below it from the horizon down.
 struct SkyView {
   std::int32_t columns = 0, rows = 0;  // of nodes, rows of each half; 0 where the sky is dark
-  std::int32_t components = 1, channels = 0;
-  const float* radiance = nullptr;           // [above, below][row][column][component][channel]
-  float per_unit = 1;                        // of `radiance`, in the unit of all else
+  std::int32_t channels = 0;
+  const float* radiance = nullptr;      // I: [above, below][row][column][channel]
+  const float* polarisation = nullptr;  // Q, U: [above, below][row][column][2][channel], or null
+  // Whether the axes of neighbouring columns differ by so much that what lies between them is to be
+  // turned first (eval_sky).
+  bool turns_axes = false;
+  float per_unit = 1;  // of both, in the unit of all else
   const float* band_from_channel = nullptr;  // [band][channel], or null: channels are the bands
   float columns_per_rad = 0, rows_per_rad = 0;
   const float* one_minus_sine = nullptr;  // [row], of the elevation of nodes

@@ -105,9 +105,12 @@ OMMA_HD void eval_shading_normal(const SceneView& scene, const MeshView& mesh,
   if (mesh.normals != nullptr) {
     const F weight[3] = {1.0f - p.u - p.v, p.u, p.v};
     F own[3] = {};
+    I vertex[3];
+    gather_3(mesh.triangles, p.triangle, vertex);
     for (int k = 0; k < 3; ++k) {
-      const I vertex = gather(mesh.triangles, p.triangle * 3 + k) * 3;
-      for (int a = 0; a < 3; ++a) own[a] = own[a] + weight[k] * gather(mesh.normals + a, vertex);
+      F of_vertex[3];
+      gather_3(mesh.normals, vertex[k], of_vertex);
+      for (int a = 0; a < 3; ++a) own[a] = own[a] + weight[k] * of_vertex[a];
     }
     F turned[3];
     transform_normal(m, own, turned);

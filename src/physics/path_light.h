@@ -29,31 +29,78 @@ struct PathState {
   // included; infinite for rays from the eye.
   alignas(n * 4) float density[n];
   alignas(n * 4) float mueller[9][n];  // row by row, where light is polarised
-  alignas(n * 4) std::int32_t active[n];
-  std::int32_t scatterings[n];
+  alignas(n * 4) std::int32_t scatterings[n];
+  alignas(n * 4) std::int32_t flight[n];  // how many flights lie behind
   // Whether rays begin at a surface and gather what scattered light comes there: they see neither
   // discs nor what shines until they have met another surface.
   bool gathers = false;
-  int flight = 0;
 };
+
+// Paths that have not left yet; what is by band is in PathMemory.
+template <typename L>
+OMMA_HD void begin_paths(const SceneView& scene, PathState<L>& state, const PathMemory& memory) {
+  constexpr int n = L::count;
+  for (int i = 0; i < scene.bands * n; ++i) memory.throughput[i] = 1;
+  for (int l = 0; l < n; ++l) {
+    state.density[l] = INFINITY;
+    state.scatterings[l] = state.flight[l] = 0;
+  }
+  if (!scene.polarized) return;
+  for (int k = 0; k < 9; ++k)
+    for (int l = 0; l < n; ++l) state.mueller[k][l] = k % 4 == 0 ? 1.0f : 0.0f;
+}
+
+// A bit for each lane of a packet for which `holds(l)`, of lanes from l on, is so.
+template <typename L, typename Holds>
+OMMA_HD unsigned bits_where(const Holds& holds) {
+  unsigned bits = 0;
+  for (int l = 0; l < L::count; l += L::width) bits |= lane_bits(holds(l)) << l;
+  return bits;
+}
 
 // The pair of numbers for a choice on the present flight, of lanes from l on.
 template <typename L>
 OMMA_HD UnitPair<typename L::F> choose(const Packet<L>& packet, const PathState<L>& state, int l,
                                        Choice choice) {
   using U = typename L::U;
-  const auto first =
-      static_cast<std::uint32_t>(state.flight) * static_cast<std::uint32_t>(Choice::count);
+  const U first = load<U>(state.flight + l) * static_cast<std::uint32_t>(Choice::count);
   return path_pair(load<U>(packet.hash + l), load<U>(packet.sample + l),
                    first + static_cast<std::uint32_t>(choice));
 }
 
+// One node for each of a packet's places on the sky; `choice` is what asks for it.
+template <typename L>
+OMMA_HD void choose_nodes(const Packet<L>& packet, const PathState<L>& state, Choice choice,
+                          SkyPlaces<typename L::F, typename L::I> (&places)[L::count / L::width]) {
+  using U = typename L::U;
+  for (int l = 0; l < L::count; l += L::width)
+    choose_node(places[l / L::width],
+                mix_bits_32(load<U>(packet.hash + l) + load<U>(packet.sample + l) * 0x9e3779b9u +
+                            load<U>(state.flight + l) * 0x85ebca6bu +
+                            (static_cast<std::uint32_t>(choice) + 1u) * 0x68bc21ebu));
+}
+
 // The reference axis of light from afar in a direction (omma/light.h).
-OMMA_HD Vec3 vertical_axis(Vec3 d) {
-  const float level = d.x * d.x + d.z * d.z;
-  if (level < 1e-14f) return {0, 0, d.y > 0 ? 1.0f : -1.0f};  // of azimuth 0
-  const float scale = 1.0f / sqrtf(level);
-  return {-d.y * d.x * scale, level * scale, -d.y * d.z * scale};
+template <typename F>
+OMMA_HD void vertical_axis(const F (&d)[3], F (&axis)[3]) {
+  const F level = d[0] * d[0] + d[2] * d[2], one = broadcast<F>(1.0f);
+  const auto is_zenith = level < 1e-14f;  // or nadir: of azimuth 0
+  const F scale = 1.0f / sqrt_lanes(is_zenith ? one : level);
+  axis[0] = is_zenith ? F{} : (0.0f - d[1] * d[0]) * scale;
+  axis[1] = is_zenith ? F{} : level * scale;
+  axis[2] = is_zenith ? (d[1] > 0.0f ? one : 0.0f - one) : (0.0f - d[1] * d[2]) * scale;
+}
+
+// The same of a packet's directions, [lane].
+template <typename L>
+OMMA_HD void vertical_axes(const float (&direction)[3][L::count], float (&axis)[3][L::count]) {
+  using F = typename L::F;
+  for (int l = 0; l < L::count; l += L::width) {
+    F d[3], up[3];
+    load_3(direction, l, d);
+    vertical_axis(d, up);
+    for (int r = 0; r < 3; ++r) store(axis[r] + l, up[r]);
+  }
 }
 
 template <typename L>
@@ -138,33 +185,52 @@ OMMA_HD void add_light(const SceneView& scene, const Packet<L>& packet, const Pa
   }
 }
 
+// Lanes of whose path's light more than I counts: those without a diffuse surface on it.
+template <typename L>
+OMMA_HD unsigned keeping_polarisation(const PathState<L>& state) {
+  return bits_where<L>([&](int l) {
+    using F = typename L::F;
+    F most{};
+    for (int k = 0; k < 9; ++k) {
+      if (k % 3 == 0) continue;
+      const F x = load<F>(state.mueller[k] + l);
+      most = most + x * x;
+    }
+    return most > 0.0f;
+  });
+}
+
 // Light from afar along the rays of some lanes, which met nothing.
 template <typename L>
 OMMA_HD void add_far(const SceneView& scene, const Packet<L>& packet, const PathState<L>& state,
                      unsigned lanes, const PathMemory& memory, float* radiance) {
+  using F = typename L::F;
+  using I = typename L::I;
   constexpr int n = L::count;
-  const int stride = scene.bands * n;
   const LightView& light = *scene.light;
-  alignas(n * 4) float weight[n] = {}, axis[3][n] = {};
-  SkyPlace places[n] = {};
-  find_far_lanes<L>(light, packet.rays.direction, lanes, scene.polarized ? 3 : 1, places);
-  unsigned with_discs = 0;
-  for (int l = 0; l < n; ++l) {
-    if ((lanes >> l & 1u) == 0) continue;
-    const Vec3 d = vec_at(packet.rays.direction, l);
-    const bool keeps = scene.polarized && keeps_polarisation<L>(state, l);
-    if (!state.gathers || state.scatterings[l] > 0) with_discs |= 1u << l;
-    eval_sky_or_dark(light, d, places[l], keeps ? 3 : 1, memory.light + l, n, stride);
-    for (int i = l; scene.polarized && !keeps && i < stride; i += n)
-      memory.light[stride + i] = memory.light[2 * stride + i] = 0;
-    const float density = state.density[l];
-    weight[l] =
-        is_from_eye(density) ? 1.0f : balance(density, escaped_light_pdf(scene, d, places[l]));
-    if (!scene.polarized) continue;
-    const Vec3 up = vertical_axis(d);
-    axis[0][l] = up.x, axis[1][l] = up.y, axis[2][l] = up.z;
+  const float(&direction)[3][n] = packet.rays.direction;
+  alignas(n * 4) float weight[n], pdf[n] = {}, axis[3][n] = {};
+  SkyPlaces<F, I> places[n / L::width];
+  const unsigned keeps = scene.polarized ? keeping_polarisation<L>(state) & lanes : 0;
+  const unsigned with_discs =
+      state.gathers
+          ? lanes & bits_where<L>([&](int l) { return load<I>(state.scatterings + l) > 0; })
+          : lanes;
+  const unsigned by_chance =
+      lanes & bits_where<L>([&](int l) { return load<F>(state.density + l) < INFINITY; });
+  find_far_lanes<L>(light, direction, lanes, places);
+  if (by_chance != 0) find_far_pdf<L>(light, direction, places, by_chance, pdf);
+  const bool at_nodes = by_chance == lanes;
+  if (at_nodes) choose_nodes<L>(packet, state, Choice::light, places);
+  eval_sky_lanes<L>(light, direction, places, lanes, scene.polarized ? 3 : 1, keeps, at_nodes,
+                    memory.light);
+  add_disc_light<L>(light, direction, with_discs, memory.light);
+  for (int l = 0; l < n; l += L::width) {
+    const F one = broadcast<F>(1.0f), density = load<F>(state.density + l);
+    const F weighed = balance(density, load<F>(pdf + l));
+    store(weight + l, keep(lanes_on<L>(lanes, l), lanes_on<L>(by_chance, l) ? weighed : one));
   }
-  add_disc_light<L>(light, packet.rays.direction, with_discs, memory.light);
+  if (keeps != 0) vertical_axes<L>(direction, axis);
   add_light<L>(scene, packet, state, weight, axis, memory, memory.light, radiance);
 }
 

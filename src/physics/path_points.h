@@ -55,8 +55,8 @@ OMMA_HD auto open_unit(U bits) {
 }
 
 // The pair of choice number `choice` for sample `sample` of the unit with this hash.
-template <typename U>
-OMMA_HD auto path_pair(U hash, U sample, std::uint32_t choice) {
+template <typename U, typename Number>
+OMMA_HD auto path_pair(U hash, U sample, Number choice) {
   const U seed = mix_bits_32(hash + choice * 0x9e3779b9u);
   // The order: samples shuffled by a scrambling of their numbers.
   const U index = reverse_bits(scramble_reversed(reverse_bits(sample), seed));

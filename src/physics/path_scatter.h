@@ -3,14 +3,9 @@
 // two are weighed against each other, each lobe by itself.
 #pragma once
 
-#include "physics/baked.h"
 #include "physics/path_light.h"
 
 namespace omma {
-
-// Where light was baked, a ray that gloss sends on is followed with this probability over what it
-// counts for, at most 1.
-inline constexpr float gloss_rays = 1.0f;
 
 // How light of a direction is scattered towards the eye by what was met, [lane]: scatter.h's values,
 // over the density with which the direction was chosen, and weighed.
@@ -95,49 +90,25 @@ struct Onward {
   Scattered<L> by;  // of the lobe that was chosen alone, over the density
 };
 
-// What diffuse surfaces send to the eye of the baked light about them, of lanes from l on.
-template <typename L, typename F>
-OMMA_HD void add_baked(const SceneView& scene, const PathState<L>& state,
-                       const ScatterPoint<F>& point, unsigned scattering, int l,
-                       const PathMemory& memory, float* radiance) {
-  constexpr int n = L::count;
-  alignas(L::width * 4) float is_on[L::width];
-  for (int k = 0; k < L::width; ++k) is_on[k] = (scattering >> (l + k) & 1u) != 0 ? 1.0f : 0.0f;
-  const auto scatters = load<F>(is_on) > 0.0f;
-  const int stride = scene.bands * n;
-  for (int b = 0; b < scene.bands; ++b) {
-    const int at = b * n + l;
-    // Lanes that met nothing have anything for spectra, also what is not a number.
-    const F sent =
-        keep(scatters, point.diffuse * load<F>(memory.throughput + at) *
-                           (load<F>(memory.reflectance + at) * load<F>(memory.front + at) +
-                            load<F>(memory.transmittance + at) * load<F>(memory.back + at)));
-    if (!scene.polarized) {
-      store(radiance + at, load<F>(radiance + at) + sent);
-      continue;
-    }
-    for (int p = 0; p < 3; ++p) {
-      float* const to = radiance + p * stride + at;
-      store(to, load<F>(to) + keep(scatters, load<F>(state.mueller[3 * p] + l) * sent));
-    }
-  }
-}
-
-// What the surfaces that were met make of one light sample and where their paths go on; where light
-// was baked, what they send of it to the eye is added to `radiance`, of the lanes in `scattering`.
+// The surfaces that a packet met, as they scatter light.
 template <typename L>
-OMMA_HD void scatter_packet(const SceneView& scene, const Packet<L>& packet,
-                            const LitSurface<L>& surface, const PathState<L>& state,
-                            const PathMemory& memory, unsigned scattering, float* radiance,
-                            const float (&to_light)[3][L::count],
-                            const float* light_density, const float* is_delta,
-                            Scattered<L>& direct, Onward<L>& onward) {
+struct ScatteringPacket {
   using F = typename L::F;
-  using I = typename L::I;
-  for (int l = 0; l < L::count; l += L::width) {
-    const auto point = make_scatter_point(scatter_surface<L>(scene, packet.rays, surface, l));
+  static constexpr int vectors = L::count / L::width;
+  ScatterPoint<F> point[vectors];
+  F weight[vectors][lobe_count];  // probability of each lobe for the way on
+};
 
-    // Which lobe, by what all bands get of it.
+template <typename L>
+OMMA_HD void make_scattering(const SceneView& scene, const Packet<L>& packet,
+                             const LitSurface<L>& surface, const SpectraMemory& memory,
+                             ScatteringPacket<L>& scattering) {
+  using F = typename L::F;
+  for (int l = 0; l < L::count; l += L::width) {
+    const int v = l / L::width;
+    ScatterPoint<F>& point = scattering.point[v];
+    point = make_scatter_point(scatter_surface<L>(scene, packet.rays, surface, l));
+    // By what all bands get of each lobe.
     LobeColors<F> colors{};
     for (int b = 0; b < scene.bands; ++b) {
       const int at = b * L::count + l;
@@ -148,43 +119,64 @@ OMMA_HD void scatter_packet(const SceneView& scene, const Packet<L>& packet,
     colors.reflectance = colors.reflectance * each;
     colors.transmittance = colors.transmittance * each;
     colors.metal = colors.straight = colors.reflectance;
-    F weight[lobe_count];
-    lobe_weights(point, colors, weight);
-    if (scene.baked != nullptr) {
-      add_baked<L>(scene, state, point, scattering, l, memory, radiance);
-      leave_out_diffuse_lobes(weight);
-    }
-    const auto pair = choose<L>(packet, state, l, Choice::lobe_and_roulette);
-    store(onward.roulette + l, pair.y);
-    const LobeChoice<F> chosen = choose_lobe(weight, pair.x);
+    if (scene.baked == nullptr)
+      lobe_weights(point, colors, scattering.weight[v]);
+    else
+      glossy_lobe_weights(point, colors, scattering.weight[v]);
+  }
+}
 
-    // The light sample: each lobe by itself, as the path may find the same light by that lobe.
+// How the surfaces scatter a sample of light for each lane.
+template <typename L>
+OMMA_HD void scatter_sample(const ScatteringPacket<L>& scattering,
+                            const float (&to_light)[3][L::count], const float* light_density,
+                            const float* is_delta, Scattered<L>& direct) {
+  using F = typename L::F;
+  for (int l = 0; l < L::count; l += L::width) {
+    const int v = l / L::width;
+    const F(&weight)[lobe_count] = scattering.weight[v];
     F w[3];
     load_3(to_light, l, w);
-    const ScatterValue<F> seen = eval_scatter(point, w);
+    const ScatterValue<F> seen = eval_scatter(scattering.point[v], w);
     const F density = load<F>(light_density + l);
     const F over = 1.0f / (density > 0.0f ? density : broadcast<F>(1.0f));
     const auto delta = load<F>(is_delta + l) > 0.0f;
-    const auto weighed = [&](int lobe, F pdf) {
-      const F found = weight[lobe] * pdf;
+    // Each lobe by itself, as the path may find the same light by that lobe.
+    const auto weighed = [&](Lobe lobe, F pdf) {
+      const F found = weight[static_cast<int>(lobe)] * pdf;
       return over * (delta ? broadcast<F>(1.0f) : balance(density, found));
     };
-    const F by_dielectric = weighed(2, seen.boundary_pdf), by_coat = weighed(5, seen.coat_pdf);
-    store(direct.reflected + l,
-          seen.diffuse_reflection * weighed(0, cosine_pdf(seen.cosine)));
+    const F by_dielectric = weighed(Lobe::dielectric, seen.boundary_pdf);
+    const F by_metal = weighed(Lobe::metal, seen.boundary_pdf);
+    const F by_coat = weighed(Lobe::coat, seen.coat_pdf);
+    store(direct.reflected + l, seen.diffuse_reflection * weighed(Lobe::diffuse_reflection,
+                                                                  cosine_pdf(seen.cosine)));
     store(direct.transmitted + l,
-          seen.diffuse_transmission * weighed(1, cosine_pdf(0.0f - seen.cosine)));
+          seen.diffuse_transmission *
+              weighed(Lobe::diffuse_transmission, cosine_pdf(0.0f - seen.cosine)));
     store(direct.dielectric[0] + l, seen.dielectric.a * by_dielectric);
     store(direct.dielectric[1] + l, seen.dielectric.b * by_dielectric);
     store(direct.dielectric[2] + l, seen.dielectric.c * by_dielectric);
-    store(direct.metal + l, seen.metal * weighed(3, seen.boundary_pdf));
+    store(direct.metal + l, seen.metal * by_metal);
     store(direct.schlick + l, seen.schlick);
     store(direct.coat[0] + l, seen.coat.a * by_coat);
     store(direct.coat[1] + l, seen.coat.b * by_coat);
     store(direct.coat[2] + l, seen.coat.c * by_coat);
+  }
+}
 
-    // The way on.
+// Where the paths of some lanes go on, and what is left of light from there.
+template <typename L>
+OMMA_HD void send_on(const Packet<L>& packet, const PathState<L>& state,
+                     const ScatteringPacket<L>& scattering, unsigned lanes, Onward<L>& onward) {
+  using F = typename L::F;
+  for (int l = 0; l < L::count; l += L::width) {
+    const int v = l / L::width;
+    const ScatterPoint<F>& point = scattering.point[v];
+    const auto pair = choose<L>(packet, state, l, Choice::lobe_and_roulette);
     const auto place = choose<L>(packet, state, l, Choice::direction);
+    const LobeChoice<F> chosen = choose_lobe(scattering.weight[v], pair.x);
+    F w[3];
     sample_scatter(chosen.lobe, point, place.x, place.y, w);
     const ScatterValue<F> found = eval_scatter(point, w);
     const F own = chosen.probability * pdf_scatter(chosen.lobe, found);
@@ -192,7 +184,11 @@ OMMA_HD void scatter_packet(const SceneView& scene, const Packet<L>& packet,
     const auto is_straight = is(Lobe::straight);
     const F inverse = keep(own > 0.0f, 1.0f / (own > 0.0f ? own : broadcast<F>(1.0f)));
     const auto of_lobe = [&](Lobe one, F x) { return keep(is(one), x * inverse); };
-    store(onward.by.reflected + l, of_lobe(Lobe::diffuse_reflection, found.diffuse_reflection));
+    // Light that goes straight on was chosen as before: what reflects it is by `reflected`.
+    const F straight = point.straight / (chosen.probability > 0.0f ? chosen.probability
+                                                                   : broadcast<F>(1.0f));
+    store(onward.by.reflected + l,
+          is_straight ? straight : of_lobe(Lobe::diffuse_reflection, found.diffuse_reflection));
     store(onward.by.transmitted + l,
           of_lobe(Lobe::diffuse_transmission, found.diffuse_transmission));
     store(onward.by.dielectric[0] + l, of_lobe(Lobe::dielectric, found.dielectric.a));
@@ -204,14 +200,10 @@ OMMA_HD void scatter_packet(const SceneView& scene, const Packet<L>& packet,
     store(onward.by.coat[1] + l, of_lobe(Lobe::coat, found.coat.b));
     store(onward.by.coat[2] + l, of_lobe(Lobe::coat, found.coat.c));
     for (int r = 0; r < 3; ++r) store(onward.direction[r] + l, without_noise(w[r]));
-    // Light that goes straight on was chosen as before: what reflects it is by `reflected`.
-    const F straight = point.straight / (chosen.probability > 0.0f ? chosen.probability
-                                                                   : broadcast<F>(1.0f));
-    const F reflected = load<F>(onward.by.reflected + l);
-    store(onward.by.reflected + l, is_straight ? straight : reflected);
+    store(onward.roulette + l, pair.y);
     store(onward.density + l, is_straight ? load<F>(state.density + l) : own);
-    const I lobe = chosen.lobe;
-    store(onward.lobe + l, chosen.probability > 0.0f ? lobe : lobe * 0 + no_lobe);
+    const auto goes_on = lanes_on<L>(lanes, l) && chosen.probability > 0.0f;
+    store(onward.lobe + l, goes_on ? chosen.lobe : chosen.lobe * 0 + no_lobe);
   }
 }
 
@@ -277,37 +269,6 @@ OMMA_HD void lengthen(const SceneView& scene, Packet<L>& packet, const Onward<L>
       store(packet.reference[r] + l, is_straight ? own[r] : next);
     }
   }
-}
-
-// Of paths that gloss sends on in baked light only some are followed, by chance; what surfaces get of
-// the light before them on average stands for the others, and its mean is made up for by those that
-// are, so that nothing is lost.
-template <typename L>
-OMMA_HD void follow_some(const SceneView& scene, const Packet<L>& packet,
-                         const PathState<L>& state, unsigned on, Onward<L>& onward,
-                         const float* most, const PathMemory& memory, float* radiance) {
-  constexpr int n = L::count;
-  alignas(n * 4) float part[n] = {}, scale[n];
-  bool any = false;
-  for (int l = 0; l < n; ++l) {
-    scale[l] = 1;
-    const std::int32_t lobe = onward.lobe[l];
-    if ((on >> l & 1u) == 0 || lobe < 0 || lobe == static_cast<std::int32_t>(Lobe::straight) ||
-        !(most[l] > 0.0f) || !(onward.density[l] > 0.0f))
-      continue;
-    const float followed = fminf(gloss_rays * most[l], 1.0f);
-    part[l] = 1;
-    if (onward.roulette[l] < followed) {
-      scale[l] = 1.0f / followed;
-      part[l] = 1.0f - scale[l];
-    } else {
-      onward.lobe[l] = no_lobe;
-    }
-    any = any || part[l] != 0.0f;
-  }
-  if (any) add_light<L>(scene, packet, state, part, nullptr, memory, memory.front, radiance);
-  for (int b = 0; b < scene.bands; ++b)
-    for (int l = 0; l < n; ++l) memory.throughput[b * n + l] *= scale[l];
 }
 
 }  // namespace omma

@@ -124,9 +124,11 @@ OMMA_HD void write_rays(const DirectionsView& directions, const Units& units, in
     }
     store(rays.t_near_m + l, of_unit(units.t_near_m));
     store(packet.footprint_rad + l, of_unit(units.footprint_rad));
-    if (!units.has_choices) return;
-    store(packet.hash + l, hash());
-    store(packet.sample + l, sample_of_unit);
+    if (units.has_choices) {
+      store(packet.hash + l, hash());
+      store(packet.sample + l, sample_of_unit);
+    }
+    if (!units.has_axes) return;
     F axis[3], ray[3], up[3], turned[3];
     for (int r = 0; r < 3; ++r) {
       axis[r] = of_unit(units.axis[r]);

@@ -273,33 +273,43 @@ struct LobeColors {
   F straight;
 };
 
-// Probabilities of the lobes, about as much as each gives back of uniform light; they add up to 1,
-// or to 0 where nothing comes back.
+// Made to add up to 1, or to 0 where nothing has a weight.
 template <typename F>
-OMMA_HD void lobe_weights(const ScatterPoint<F>& p, const LobeColors<F>& colors,
-                          F (&weight)[lobe_count]) {
-  const F base = p.base * 3.14159265f;
-  weight[0] = base * colors.reflectance;
-  weight[1] = base * colors.transmittance;
-  weight[2] = p.dielectric_albedo;
-  weight[3] = p.metal * (colors.metal + (1.0f - colors.metal) * schlick_weight(p.o.z));
-  weight[4] = p.straight * colors.straight;
-  weight[5] = p.coat_albedo;
+OMMA_HD void scale_to_one(F (&weight)[lobe_count]) {
   F sum = weight[0];
   for (int k = 1; k < lobe_count; ++k) sum = sum + weight[k];
   const F scale = keep(sum > 0.0f, 1.0f / (sum > 0.0f ? sum : broadcast<F>(1.0f)));
   for (F& x : weight) x = x * scale;
 }
 
-// The lobes of baked light, which has the diffuse ones already, are all others.
 template <typename F>
-OMMA_HD void leave_out_diffuse_lobes(F (&weight)[lobe_count]) {
-  weight[static_cast<int>(Lobe::diffuse_reflection)] = broadcast<F>(0.0f);
-  weight[static_cast<int>(Lobe::diffuse_transmission)] = broadcast<F>(0.0f);
-  F sum = weight[2];
-  for (int k = 3; k < lobe_count; ++k) sum = sum + weight[k];
-  const F scale = keep(sum > 0.0f, 1.0f / (sum > 0.0f ? sum : broadcast<F>(1.0f)));
-  for (F& x : weight) x = x * scale;
+OMMA_HD void weigh_gloss(const ScatterPoint<F>& p, const LobeColors<F>& colors,
+                         F (&weight)[lobe_count]) {
+  weight[2] = p.dielectric_albedo;
+  weight[3] = p.metal * (colors.metal + (1.0f - colors.metal) * schlick_weight(p.o.z));
+  weight[4] = p.straight * colors.straight;
+  weight[5] = p.coat_albedo;
+}
+
+// Probabilities of the lobes, about as much as each gives back of uniform light; they add up to 1,
+// or to 0 where nothing comes back.
+template <typename F>
+OMMA_HD void lobe_weights(const ScatterPoint<F>& p, const LobeColors<F>& colors,
+                          F (&weight)[lobe_count]) {
+  const F base = p.base * 3.14159265f;
+  weigh_gloss(p, colors, weight);
+  weight[0] = base * colors.reflectance;
+  weight[1] = base * colors.transmittance;
+  scale_to_one(weight);
+}
+
+// The same in baked light, which has what the diffuse lobes send.
+template <typename F>
+OMMA_HD void glossy_lobe_weights(const ScatterPoint<F>& p, const LobeColors<F>& colors,
+                                 F (&weight)[lobe_count]) {
+  weigh_gloss(p, colors, weight);
+  weight[0] = weight[1] = F{};
+  scale_to_one(weight);
 }
 
 template <typename F>

@@ -94,6 +94,10 @@ struct BakedView {
   std::int32_t probes[3] = {2, 2, 2};
   const float* first_origin_m = nullptr;  // [3], of the frame of probes in the traced one
   float unit = 1;  // radiance of a value of 1
+  // The sky as a guess knows it (baked_scatter.h), [cell][band], and by band 1 over what a white,
+  // level surface in the open sends back of it; 0 where that is dark.
+  const float* coarse_sky = nullptr;
+  const float* per_open_sky = nullptr;
 };
 
 struct BackgroundView {
@@ -124,6 +128,7 @@ struct SceneView {
   const float* specular_albedo = nullptr;  // tables of specular_albedo.h, one for each ior
   const float* coat_albedo = nullptr;      // that of clear coats, or null where there are none
   bool has_glass = false;  // whether light goes straight through any material
+  bool shines = false;     // whether any material does by itself
   int depth = 0;           // most scatterings on a path; 0: as many as it takes
   bool polarized = false;  // whether light is a Stokes vector on its way
   // Light that was found before; null: all light is followed along paths. Where it is set, `light`

@@ -68,39 +68,21 @@ OMMA_HD std::ptrdiff_t cell_of(const SkyView& sky, const SkyPlace& place) {
   return static_cast<std::ptrdiff_t>(row) * sky.columns + place.column;
 }
 
-// Asks for what will be read of a place, `components` of I, Q, U: maps are larger than what a
-// processor holds near it.
-OMMA_HD void fetch_sky(const SkyView& sky, const SkyPlace& place, int components) {
-#if !defined(__CUDACC__)
-  const std::ptrdiff_t node = static_cast<std::ptrdiff_t>(sky.components) * sky.channels;
-  const std::ptrdiff_t row = (static_cast<std::ptrdiff_t>(place.half) * sky.rows + place.row);
-  const float* left = sky.radiance + (row * sky.columns + place.column) * node;
-  const int wanted = components < sky.components ? components : sky.components;
-  // Columns that follow each other lie beside each other, but for the last and the first.
-  for (int k = 0; k < wanted * sky.channels; k += 16)
-    for (int corner = 0; corner < 4; ++corner)
-      __builtin_prefetch(left + ((corner & 1) + (corner >> 1) * sky.columns) * node + k);
-  __builtin_prefetch(sky.cell_density + cell_of(sky, place));
-#endif
-}
+// Between columns as far apart as 360 of them are, or less, axes are not turned: of a polarisation that
+// is one all about the zenith 2 pi^2 / columns^2 is lost at most, 1.5e-4.
+inline constexpr int even_columns = 360;
 
 // Radiance of the sky at the place of a direction, all bands, `components` of I, Q, U.
 OMMA_HD void eval_sky(const LightView& light, Vec3 d, const SkyPlace& place, int components,
                       float* stokes, int band_stride, int component_stride) {
   const SkyView& sky = light.sky;
-  const std::ptrdiff_t node = static_cast<std::ptrdiff_t>(sky.components) * sky.channels;
+  const int channels = sky.channels;
   const std::ptrdiff_t row = (static_cast<std::ptrdiff_t>(place.half) * sky.rows + place.row);
-  const float* lower = sky.radiance + row * sky.columns * node;
-  const float* upper = lower + sky.columns * node;
-  const float* a = lower + place.column * node;
-  const float* b = lower + place.next * node;
-  const float* c = upper + place.column * node;
-  const float* e = upper + place.next * node;
+  const std::ptrdiff_t first = row * sky.columns;
   const float right = place.along_column, up = place.along_row;
   const float high = up * sky.per_unit, low = (1.0f - up) * sky.per_unit;
   const float wa = (1.0f - right) * low, wb = right * low, wc = (1.0f - right) * high,
               we = right * high;
-  const int channels = sky.channels;
   alignas(64) float mixed[most_bands];
   const auto put = [&](int component) {
     float* out = stokes + component * component_stride;
@@ -115,12 +97,31 @@ OMMA_HD void eval_sky(const LightView& light, Vec3 d, const SkyPlace& place, int
       out[k * band_stride] = sum;
     }
   };
-  for (int k = 0; k < channels; ++k) mixed[k] = wa * a[k] + wb * b[k] + wc * c[k] + we * e[k];
-  put(0);
+  {
+    const float* a = sky.radiance + (first + place.column) * channels;
+    const float* b = sky.radiance + (first + place.next) * channels;
+    const std::ptrdiff_t next = static_cast<std::ptrdiff_t>(sky.columns) * channels;
+    const float *c = a + next, *e = b + next;
+    for (int k = 0; k < channels; ++k) mixed[k] = wa * a[k] + wb * b[k] + wc * c[k] + we * e[k];
+    put(0);
+  }
   if (components == 1) return;
-  if (sky.components == 1) {
+  if (sky.polarisation == nullptr) {
     for (int p = 1; p < 3; ++p)
       for (int k = 0; k < light.bands; ++k) stokes[p * component_stride + k * band_stride] = 0;
+    return;
+  }
+  const float* a = sky.polarisation + (first + place.column) * 2 * channels;
+  const float* b = sky.polarisation + (first + place.next) * 2 * channels;
+  const std::ptrdiff_t next = static_cast<std::ptrdiff_t>(sky.columns) * 2 * channels;
+  const float *c = a + next, *e = b + next;
+  if (!sky.turns_axes) {
+    for (int p = 0; p < 2; ++p) {
+      const int of = p * channels;
+      for (int k = 0; k < channels; ++k)
+        mixed[k] = wa * a[of + k] + wb * b[of + k] + wc * c[of + k] + we * e[of + k];
+      put(1 + p);
+    }
     return;
   }
   // Each node has a reference axis of its own. Carried to the direction without being turned, along
@@ -134,14 +135,14 @@ OMMA_HD void eval_sky(const LightView& light, Vec3 d, const SkyPlace& place, int
   const float cc = wc * from_left.cosine, sc = wc * from_left.sine;
   const float cb = wb * from_right.cosine, sb = wb * from_right.sine;
   const float ce = we * from_right.cosine, se = we * from_right.sine;
-  const int q = channels, u = 2 * channels;
+  const int u = channels;
   for (int k = 0; k < channels; ++k)
-    mixed[k] = (ca * a[q + k] - sa * a[u + k]) + (cb * b[q + k] - sb * b[u + k]) +
-               (cc * c[q + k] - sc * c[u + k]) + (ce * e[q + k] - se * e[u + k]);
+    mixed[k] = (ca * a[k] - sa * a[u + k]) + (cb * b[k] - sb * b[u + k]) +
+               (cc * c[k] - sc * c[u + k]) + (ce * e[k] - se * e[u + k]);
   put(1);
   for (int k = 0; k < channels; ++k)
-    mixed[k] = (sa * a[q + k] + ca * a[u + k]) + (sb * b[q + k] + cb * b[u + k]) +
-               (sc * c[q + k] + cc * c[u + k]) + (se * e[q + k] + ce * e[u + k]);
+    mixed[k] = (sa * a[k] + ca * a[u + k]) + (sb * b[k] + cb * b[u + k]) +
+               (sc * c[k] + cc * c[u + k]) + (se * e[k] + ce * e[u + k]);
   put(2);
 }
 
@@ -150,12 +151,10 @@ OMMA_HD float chord_2(Vec3 a, Vec3 b) {
   return dot(between, between);
 }
 
-// Where light from afar in a unit direction is to be looked up, and asked for.
-OMMA_HD SkyPlace find_far(const LightView& light, Vec3 d, int components = 1) {
+// Where light from afar in a unit direction is to be looked up.
+OMMA_HD SkyPlace find_far(const LightView& light, Vec3 d) {
   if (light.sky.rows == 0) return {};
-  const SkyPlace place = find_on_sky(light.sky, d.x, d.y, d.z);
-  fetch_sky(light.sky, place, components);
-  return place;
+  return find_on_sky(light.sky, d.x, d.y, d.z);
 }
 
 // Adds the radiance of discs in a unit direction, all bands.
@@ -213,7 +212,7 @@ OMMA_HD float far_pdf(const LightView& light, Vec3 d) {
 }
 OMMA_HD void eval_far(const LightView& light, Vec3 d, int components, float* stokes,
                       int band_stride, int component_stride) {
-  eval_far(light, d, find_far(light, d, components), components, stokes, band_stride, component_stride);
+  eval_far(light, d, find_far(light, d), components, stokes, band_stride, component_stride);
 }
 
 struct DirectionSample {

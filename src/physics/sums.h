@@ -5,6 +5,7 @@
 #include "physics/head_motion.h"
 #include "physics/lit_path.h"
 #include "physics/path.h"
+#include "physics/waiting_paths.h"
 
 namespace omma {
 
@@ -110,6 +111,93 @@ OMMA_HD void make_outputs(const FrameView& frame, const float* radiance, float* 
     }
 }
 
+// Where paths of a block are put together; `radiance` [packet][component][band][lane] is of the
+// rays from the eye.
+template <typename L, typename Search>
+struct PathBlock {
+  const SceneView& scene;
+  Search& search;
+  const PathMemory& memory;
+  float* radiance;
+  WaitingPaths<L> waiting, waiting_for_last;
+  Packet<L> onward;  // of paths that have waited
+};
+
+template <typename L>
+OMMA_HD int packet_floats(const SceneView& scene) {
+  return (scene.polarized ? 3 : 1) * scene.bands * L::count;
+}
+
+template <typename L, typename Search>
+OMMA_HD void put(PathBlock<L, Search>& block, unsigned lanes, Packet<L>& packet,
+                 PathState<L>& state, const std::int32_t (&ray)[L::count]) {
+  using I = typename L::I;
+  unsigned last = 0;
+  if (ends_in_the_dark(block.scene))
+    last = lanes & bits_where<L>([&](int l) {
+      return load<I>(state.scatterings + l) >= block.scene.depth;
+    });
+  if (last != 0)
+    put<L>(block.scene, last, packet, state, ray, block.memory, block.waiting_for_last);
+  if (last != lanes)
+    put<L>(block.scene, lanes & ~last, packet, state, ray, block.memory, block.waiting);
+}
+
+// One more flight of paths that wait.
+template <typename L, typename Search>
+OMMA_HD void fly_waiting(PathBlock<L, Search>& block, WaitingPaths<L>& waiting) {
+  constexpr int n = L::count;
+  const SceneView& scene = block.scene;
+  const int floats = packet_floats<L>(scene);
+  PathState<L> state;
+  alignas(n * 4) std::int32_t ray[n];
+  const unsigned lanes = take<L>(scene, waiting, block.onward, state, ray, block.memory);
+  float* const found = block.memory.found;
+  for (int i = 0; i < floats; ++i) found[i] = 0;
+  const unsigned on = fly<L>(scene, block.search, Spread::scattered, lanes, block.onward, state,
+                             nullptr, block.memory, found);
+  for (unsigned bits = lanes; bits != 0; bits &= bits - 1) {
+    const int l = lowest_bit(bits);
+    float* const to = block.radiance + ray[l] / n * floats + ray[l] % n;
+    for (int i = 0; i < floats; i += n) to[i] += found[i + l];
+  }
+  if (on != 0) put<L>(block, on, block.onward, state, ray);
+}
+
+// Follows paths that wait, until fewer than `least` do.
+template <typename L, typename Search>
+OMMA_HD void follow(PathBlock<L, Search>& block, int least) {
+  for (;;) {
+    while (block.waiting_for_last.count >= L::count) fly_waiting<L>(block, block.waiting_for_last);
+    if (block.waiting.count < least) break;
+    fly_waiting<L>(block, block.waiting);
+  }
+  while (block.waiting_for_last.count >= least) fly_waiting<L>(block, block.waiting_for_last);
+}
+
+// Begins the paths of a packet, whose radiance goes to place number `packet_index`; others are
+// followed as soon as there are as many as a packet holds.
+template <typename L, typename Search>
+OMMA_HD void begin_paths(PathBlock<L, Search>& block, int packet_index, const std::int32_t* valid,
+                         Packet<L>& packet, FirstHits<L>* first) {
+  constexpr int n = L::count;
+  const SceneView& scene = block.scene;
+  const int floats = packet_floats<L>(scene);
+  float* const radiance = block.radiance + packet_index * floats;
+  if (lets_through(scene))
+    return eval_lit_path<L>(scene, block.search, valid, packet, block.memory, radiance, false, first);
+  for (int i = 0; i < floats; ++i) radiance[i] = 0;
+  PathState<L> state;
+  begin_paths<L>(scene, state, block.memory);
+  const unsigned on = fly<L>(scene, block.search, Spread::together, packet_bits<L>(valid), packet,
+                             state, nullptr, block.memory, radiance, first);
+  if (on == 0) return;
+  alignas(n * 4) std::int32_t ray[n];
+  for (int l = 0; l < n; ++l) ray[l] = packet_index * n + l;
+  put<L>(block, on, packet, state, ray);
+  follow<L>(block, n);
+}
+
 // Traces and shades units, into `sums`; `squares`, where not null, takes those of the differences
 // between pairs of samples; `truth` what is met, where the frame asks for it. All begin as zeros.
 template <typename L, typename Search>
@@ -119,62 +207,102 @@ OMMA_HD void trace_units(const FrameView& frame, const BlockTask& task,
                          const TruthSums& truth) {
   Units units;
   const bool has_flow = frame.truth != nullptr && frame.truth->flow;
-  const bool has_choices = frame.scene->light != nullptr || task.motion != nullptr || has_flow;
-  make_units<L>(*frame.eye, task, directions, list, has_choices, units);
+  const bool has_choices = frame.scene->light != nullptr || task.motion != nullptr;
+  make_units<L>(*frame.eye, task, directions, list, has_choices,
+                frame.scene->polarized || has_flow || task.motion != nullptr, units);
   FirstHits<L> met;
   FirstHits<L>* const first = frame.truth != nullptr ? &met : nullptr;
   const int truth_rows = frame.truth != nullptr ? rows_of(*frame.truth).count : 0;
   const bool is_short = directions.samples < L::count;
   const int outputs = frame.outputs;
-  int traced = 0;
   Packet<L> packet;
   clear<L>(packet.rays);
   packet.light_sees = task.sees.by_light;
-  for_each_packet<L>(directions, units, list.count, packet, [&](const PacketPlace& place) {
-    alignas(L::count * 4) std::int32_t valid[L::count];
-    for (int l = 0; l < L::count; ++l) valid[l] = l < place.filled ? -1 : 0;
-    for (int l = 0; l < L::count; ++l) packet.rays.mask[l] = task.sees.from_eye;
-    if (task.motion != nullptr) move_with_head<L>(*task.motion, packet);
-    if (frame.scene->light != nullptr)
-      eval_lit_path<L>(*frame.scene, search, valid, packet, memory.paths, memory.radiance, false,
-                       first);
-    else
-      eval_path<L>(*frame.scene, search, valid, packet, memory.radiance, first);
-    if (frame.output_from_band != nullptr)
-      make_outputs<L>(frame, memory.radiance, memory.output);
-    if (first != nullptr) {
-      eval_truth<L>(frame, task, met, memory.truth);
-      add_met<L>(*frame.truth, met, directions.samples, place.unit, place.sample, place.filled,
-                 truth);
+
+  // Adds the numbers of a packet's rays, [row][lane], to their units.
+  const auto add = [&](const PacketPlace& place, const float* rays, int count, double* to) {
+    const int left = directions.samples - place.sample, in_first = left < L::count ? left : L::count;
+    const int end = in_first < place.filled ? in_first : place.filled;
+    add_lanes<L>(rays, 0, end, count, to, place.unit);
+    if (end < place.filled) add_lanes<L>(rays, end, place.filled, count, to, place.unit + 1);
+  };
+  const auto keep_short = [](const float* rays, int count, int traced, float* to) {
+    for (int o = 0; o < count; ++o)
+      memcpy(to + o * short_room + traced, rays + o * L::count, L::count * sizeof(float));
+  };
+  int of_light = 0, of_truth = 0;  // rays so far, where units are short
+  const auto add_light_of = [&](const PacketPlace& place, const float* radiance) {
+    const float* output = radiance;
+    if (frame.output_from_band != nullptr) {
+      make_outputs<L>(frame, radiance, memory.output);
+      output = memory.output;
     }
+    if (task.ray_radiance != nullptr) keep_rays<L>(frame, task, place, output);
     if (is_short) {
-      const auto keep_short = [&](const float* light, int count, float* to) {
-        for (int o = 0; o < count; ++o)
-          memcpy(to + o * short_room + traced, light + o * L::count, L::count * sizeof(float));
-      };
-      keep_short(memory.output, outputs, memory.short_rays);
-      keep_short(memory.truth, truth_rows, memory.short_truth);
-      traced += L::count;
-    } else {
-      const int left = directions.samples - place.sample, in_first = left < L::count ? left : L::count;
-      const int end = in_first < place.filled ? in_first : place.filled;
-      const auto add = [&](const float* light, int count, double* to) {
-        add_lanes<L>(light, 0, end, count, to, place.unit);
-        if (end < place.filled) add_lanes<L>(light, end, place.filled, count, to, place.unit + 1);
-      };
-      add(memory.output, outputs, sums);
-      add(memory.truth, truth_rows, truth.rows);
-      if (squares != nullptr) {
-        if constexpr (L::count == 1) {
-          add_pair(memory.output, place.sample, outputs, memory.squares, squares, place.unit);
-        } else {
-          pair_squares<L>(memory.output, outputs, memory.squares);
-          add(memory.squares, outputs, squares);
-        }
-      }
+      keep_short(output, outputs, of_light, memory.short_rays);
+      of_light += L::count;
+      return;
     }
-    if (task.ray_radiance != nullptr) keep_rays<L>(frame, task, place, memory.output);
-  });
+    add(place, output, outputs, sums);
+    if (squares == nullptr) return;
+    if constexpr (L::count == 1) {
+      add_pair(output, place.sample, outputs, memory.squares, squares, place.unit);
+    } else {
+      pair_squares<L>(output, outputs, memory.squares);
+      add(place, memory.squares, outputs, squares);
+    }
+  };
+  const auto add_what_was_met = [&](const PacketPlace& place) {
+    if (first == nullptr) return;
+    eval_truth<L>(frame, task, met, memory.truth);
+    add_met<L>(*frame.truth, met, directions.samples, place.unit, place.sample, place.filled,
+               truth);
+    if (is_short) {
+      keep_short(memory.truth, truth_rows, of_truth, memory.short_truth);
+      of_truth += L::count;
+    } else {
+      add(place, memory.truth, truth_rows, truth.rows);
+    }
+  };
+  const auto for_each = [&](const auto& eval) {
+    for_each_packet<L>(directions, units, list.count, packet, [&](const PacketPlace& place) {
+      alignas(L::count * 4) std::int32_t valid[L::count];
+      for (int l = 0; l < L::count; ++l) valid[l] = l < place.filled ? -1 : 0;
+      for (int l = 0; l < L::count; ++l) packet.rays.mask[l] = task.sees.from_eye;
+      if (task.motion != nullptr) move_with_head<L>(*task.motion, packet);
+      eval(place, valid);
+      add_what_was_met(place);
+    });
+  };
+
+  if (frame.scene->light == nullptr) {
+    for_each([&](const PacketPlace& place, const std::int32_t* valid) {
+      eval_path<L>(*frame.scene, search, valid, packet, memory.radiance, first);
+      add_light_of(place, memory.radiance);
+    });
+  } else {
+    // Paths of many packets at once, whose radiance is known when all have ended.
+    constexpr int most_packets = block_rays / L::count;
+    PacketPlace places[most_packets];
+    int packets = 0;
+    PathBlock<L, Search> block{*frame.scene, search, memory.paths, memory.radiance, {}, {}, {}};
+    block.waiting.throughput = memory.paths.waiting;
+    block.waiting_for_last.throughput = memory.paths.waiting_for_last;
+    clear<L>(block.onward.rays);
+    block.onward.light_sees = packet.light_sees;
+    const auto end = [&] {
+      follow<L>(block, 1);
+      for (int k = 0; k < packets; ++k)
+        add_light_of(places[k], memory.radiance + k * packet_floats<L>(*frame.scene));
+      packets = 0;
+    };
+    for_each([&](const PacketPlace& place, const std::int32_t* valid) {
+      begin_paths<L>(block, packets, valid, packet, first);
+      places[packets++] = place;
+      if (packets == most_packets) end();
+    });
+    end();
+  }
   if (!is_short) return;
   add_short_units<L>(directions.samples, list.count, outputs, memory.short_rays, sums, squares);
   add_short_units<L>(directions.samples, list.count, truth_rows, memory.short_truth, truth.rows,

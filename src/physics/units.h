@@ -40,16 +40,15 @@ struct Units {
   alignas(64) std::int32_t hash[unit_room];        // of its scramble
   alignas(64) float up[3][unit_room];              // across the axis, before any turn
   bool has_apertures, has_scales;
-  // Whether rays carry hashes and up vectors: those that choose ways of paths or times, and those of
-  // optic flow.
-  bool has_choices;
+  bool has_choices;  // whether rays carry hashes: those that choose ways of paths or times
+  bool has_axes;     // whether they carry up vectors: those of light that is polarised, and of optic flow
 };
 
 // The eye's arrays are padded, so that the last lanes read something; lanes behind the last unit
 // repeat it.
 template <typename L>
 OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const DirectionsView& directions,
-                        const UnitList& list, bool has_choices, Units& units) {
+                        const UnitList& list, bool has_choices, bool has_axes, Units& units) {
   using F = typename L::F;
   using I = typename L::I;
   using U = typename L::U;
@@ -59,6 +58,7 @@ OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const Directi
   units.has_apertures = eye.has_apertures;
   units.has_scales = eye.has_scales;
   units.has_choices = has_choices;
+  units.has_axes = has_axes;
   const float per_scramble = 1.0f / static_cast<float>(list.scrambles);
   for (int u = 0; u < list.count; u += L::width) {
     I unit = lane_numbers<L>() + u;
@@ -107,7 +107,7 @@ OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const Directi
       store(units.axis[r] + u, a[r]);
       store(units.s[r] + u, s[r] * cosine + t[r] * sine);
       store(units.t[r] + u, t[r] * cosine - s[r] * sine);
-      if (has_choices) store(units.up[r] + u, s[r]);
+      if (has_axes) store(units.up[r] + u, s[r]);
     }
     store(units.footprint_rad + u, gather(directions.footprint_rad, warp));
     if (directions.patterns > 0) {
