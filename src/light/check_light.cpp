@@ -35,8 +35,8 @@ void check_bands(const Bands& bands) {
   if (samples == 0) refuse("bands.wavelength_nm", "at least one wavelength", "none");
   double before = 0;
   for (const double nm : bands.wavelength_nm) {
-    if (!(nm > before) || !std::isfinite(nm))
-      refuse("bands.wavelength_nm", "wavelengths above 0 that ascend",
+    if (!(nm > before) || !(nm >= 100 && nm <= 5000))
+      refuse("bands.wavelength_nm", "wavelengths of 100 to 5000 nm that ascend",
              number_text(nm) + " after " + number_text(before));
     before = nm;
   }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, TypeVar, cast
 
@@ -26,6 +26,8 @@ F = TypeVar("F", bound=Callable[..., Any])
 Recipe = tuple[str, dict[str, Any]]
 
 _LARGEST_DISC_RAD = 0.1
+# Of the brightest of a light: what is much weaker is 0 in single precision.
+LEAST_RADIANCE = 1e-30
 # Letters of a repr for how a light was made.
 _LONGEST = 120
 
@@ -114,7 +116,8 @@ class Light:
         numbers, which a pickle then holds.
 
     Raises:
-        omma.Error: shapes that do not go together, numbers that are negative or not finite.
+        omma.Error: shapes that do not go together, numbers that are negative or not finite, light
+            that is below 1e-30 everywhere and not 0.
     """
 
     bands: Bands
@@ -142,6 +145,9 @@ class Light:
                     f"discs[{k}]: expected radiance in {len(self.bands)} bands, found "
                     f"{len(disc.radiance)}"
                 )
+        check_not_lost(
+            [*(one.radiance for one in discs), *([] if self.sky is None else [self.sky])], "light"
+        )
         object.__setattr__(self, "band_from_channel", matrix)
         object.__setattr__(self, "discs", discs)
 
@@ -219,9 +225,9 @@ class Light:
 
     @checked
     def scaled(self, factor: float) -> Light:
-        """The same light ``factor`` times as strong, factor at least 0."""
-        if not (np.isfinite(factor) and factor >= 0):
-            raise Error(f"factor: expected a number of at least 0, found {factor}")
+        """The same light ``factor`` times as strong, 0 or 1e-30 to 1e30."""
+        if factor != 0 and not LEAST_RADIANCE <= factor <= 1 / LEAST_RADIANCE:
+            raise Error(f"factor: expected 0, or 1e-30 to 1e30, found {factor}")
         sky = None if self.sky is None else np.float32(factor) * self.sky
         discs = tuple(replace(one, radiance=factor * one.radiance) for one in self.discs)
         recipe = self._changed("scaled", factor=factor)
@@ -313,6 +319,13 @@ def _strengths(value: Any, name: str, shape: tuple[int | None, ...]) -> Floats:
         raise Error(f"{name}: expected finite numbers of at least 0")
     numbers.flags.writeable = False
     return np.asarray(numbers)
+
+
+def check_not_lost(radiances: Sequence[NDArray[Any]], name: str) -> None:
+    """Refuses light that is there and would be darkness in single precision."""
+    brightest = max((float(one.max(initial=0)) for one in radiances), default=0.0)
+    if 0 < brightest < LEAST_RADIANCE:
+        raise Error(f"{name}: expected radiance of at least 1e-30 somewhere, found {brightest:g}")
 
 
 def _checked_sky(sky: Any, bands: int, matrix: Floats | None) -> NDArray[np.float32]:

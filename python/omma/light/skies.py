@@ -11,7 +11,7 @@ from omma._core import Error
 from omma.base.arguments import array_of, checked, positive, within
 from omma.base.directions import direction
 from omma.light.bands import Bands
-from omma.light.lights import Disc, Light, makes_light
+from omma.light.lights import Disc, Light, check_not_lost, makes_light
 from omma.light.sky_map import sky_nodes
 from omma.light.sky_tables import (
     LOWEST_SUN_DEG,
@@ -63,6 +63,7 @@ def uniform_sky(
         raise Error(f"radiance: expected one number or {len(bands)}, found shape {each.shape}")
     if not np.all(np.isfinite(each)) or np.any(each < 0):
         raise Error("radiance: expected finite numbers of at least 0")
+    check_not_lost([each], "radiance")
     if not (np.isfinite(below) and below >= 0):
         raise Error(f"below: expected a number of at least 0, found {below}")
     sky = np.empty((2, 2, 4, 1, len(bands)), np.float32)
