@@ -37,8 +37,8 @@ std::vector<double> lamp_strength(const Light& light, const PunctualLight& lamp)
 // Nothing shines brighter than light from afar may, or sums would leave single precision.
 void check_most(double most, const Scene& scene, const std::string& what, const std::string& name) {
   if (most <= most_radiance) return;
-  char found[32];
-  std::snprintf(found, sizeof found, "%.3g", most);
+  char found[32] = "infinity";
+  if (std::isfinite(most)) std::snprintf(found, sizeof found, "%.3g", most);
   throw Error((scene.path.empty() ? "scene" : scene.path) + ": " + what +
               (name.empty() ? "" : " \"" + name + "\"") +
               ": expected light of at most 1e30 per nm in the world's unit, found " + found);

@@ -8,7 +8,7 @@ import pytest
 from lit_checks import BAND, matter, square
 
 import omma
-from omma.light import Bands, Spectrum, clear_sky, clear_sky_at, uniform_sky
+from omma.light import Bands, Disc, Spectrum, clear_sky, clear_sky_at, uniform_sky
 from omma.scene import ExtraReflectance, Material, Mesh, PunctualLight
 
 LIGHT = uniform_sky(1.0, bands=BAND)
@@ -86,6 +86,8 @@ def turned(normal):
         (lambda: uniform_sky(1e-20).scaled(1e-20), "light: expected .*1e-30 somewhere"),
         (lambda: LIGHT.scaled(1e-300), "factor: expected 0, or 1e-30 to 1e30"),
         (lambda: LIGHT.scaled(1e300), "factor: expected 0, or 1e-30 to 1e30"),
+        (lambda: LIGHT.turned(1e300), "azimuth_deg: expected -1e6 to 1e6"),
+        (lambda: Disc((0, 1, 0), 1e-8, [1.0]), "angular_radius_rad: expected 1e-06 or more"),
         (lambda: Bands.from_edges([300, 1e9]), "edges_nm: expected 100 to 5000 nm"),
         (lambda: Bands.equal(4, 0.1, 700), "edges_nm: expected 100 to 5000 nm"),
         (lambda: Bands.from_sensitivities([300, 1e12], [[0, 1]]), "wavelength_nm: expected 100 to"),
@@ -118,7 +120,7 @@ def test_what_shines_too_brightly(parts, message):
 
 
 def test_bright_emission_is_finite():
-    """Half of the limit in photons, small in a large scene, so that squares are far from the mean."""
+    """Half of the limit, small in a large scene, so that squares are far from the mean."""
     lamp = matter(emissive=(1, 1, 1), emission=rising(2e11, 2e11))
     scene = omma.Scene(
         meshes=[square(2, (0, 0, 0), (0, 1, 0)), square(1e-3, (0.5, 1, 0), (0, -1, 0), 1)],

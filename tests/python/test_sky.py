@@ -258,7 +258,7 @@ def test_tables_between_nodes_against_sasktran2(monkeypatch, sun, haze, ozone):
     elevation, azimuth = np.array([4.0, 22.0, 65.0]), np.array([40.0, 131.0])
     direct = sky_stokes(clear_atmosphere(nm, ozone, haze), sun, elevation, azimuth)
     log_i, q, u = TableSky(sun, haze, ozone).stokes(elevation, azimuth, nm)
-    # 570 nm lies between nodes in ozone's visible bands, where a spline alone misses 1.3 % at 18.5°.
+    # 570 nm lies between nodes in ozone's visible bands, where a spline misses 1.3 % at 18.5°.
     # Haze is a parabola through three depths, 0.05 in the middle of the first two.
     np.testing.assert_allclose(np.exp(log_i), direct[:, :, 0], rtol=0.02 if haze else 0.005)
     np.testing.assert_allclose(q, direct[:, :, 1] / direct[:, :, 0], atol=0.005)

@@ -25,9 +25,12 @@ F = TypeVar("F", bound=Callable[..., Any])
 # A maker's name and its arguments.
 Recipe = tuple[str, dict[str, Any]]
 
-_LARGEST_DISC_RAD = 0.1
+# In single precision directions within a smaller disc are not told from those beside it.
+_SMALLEST_DISC_RAD, _LARGEST_DISC_RAD = 1e-6, 0.1
 # Of the brightest of a light: what is much weaker is 0 in single precision.
 LEAST_RADIANCE = 1e-30
+# So that rounding stays far below what is looked at.
+MOST_AZIMUTH_DEG = 1e6
 # Letters of a repr for how a light was made.
 _LONGEST = 120
 
@@ -38,7 +41,7 @@ class Disc:
     """A disc far away, unpolarised, such as the sun or the moon.
 
     direction: (3,), towards its centre.
-    angular_radius_rad: above 0, less than a tenth.
+    angular_radius_rad: 1e-6 or more, less than a tenth.
     radiance: (B,), the mean over the disc by band.
     limb_darkening: (B,), u in L(mu) = L(1) (1 - u (1 - mu)), 0 to 1, mu the cosine at the disc's
         own surface. None: it is even.
@@ -58,10 +61,10 @@ class Disc:
         if not np.all(np.isfinite(direction)) or not direction.any():
             raise Error(f"direction: expected three numbers, not all 0, found {direction.tolist()}")
         radius = array_of(self.angular_radius_rad, "angular_radius_rad", ())
-        if not 0 < radius < _LARGEST_DISC_RAD:
+        if not _SMALLEST_DISC_RAD <= radius < _LARGEST_DISC_RAD:
             raise Error(
-                f"angular_radius_rad: expected more than 0, less than {_LARGEST_DISC_RAD}, found "
-                f"{radius:g}"
+                f"angular_radius_rad: expected {_SMALLEST_DISC_RAD:g} or more, less than "
+                f"{_LARGEST_DISC_RAD}, found {radius:g}"
             )
         radiance = _strengths(self.radiance, "radiance", (None,))
         limb = None
@@ -214,8 +217,8 @@ class Light:
     def turned(self, azimuth_deg: float) -> Light:
         """The same light turned to the right, seen from above: a sun in the north goes east."""
         turn = float(np.radians(azimuth_deg))
-        if not np.isfinite(turn):
-            raise Error(f"azimuth_deg: expected a finite angle, found {azimuth_deg}")
+        if not abs(azimuth_deg) <= MOST_AZIMUTH_DEG:
+            raise Error(f"azimuth_deg: expected -1e6 to 1e6, found {azimuth_deg}")
         c, s = np.cos(turn), np.sin(turn)
         to_the_right = np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])
         discs = tuple(replace(one, direction=to_the_right @ one.direction) for one in self.discs)

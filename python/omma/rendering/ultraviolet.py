@@ -96,4 +96,5 @@ def ultraviolet_dependence(
         responses, error = render(poses, standard_error=True, first_pose=0, progress=told)
         found.append(responses)
         errors.append(error)
-    return UltravioletDependence(names, *found, np.hypot(*errors))
+    dark, as_blue = found
+    return UltravioletDependence(names, dark, as_blue, np.hypot(*errors))
