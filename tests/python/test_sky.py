@@ -154,6 +154,21 @@ def test_units_and_bands():
     np.testing.assert_allclose(bands, means, rtol=1e-4, atol=1e-5 * bands.max())
 
 
+def test_limb_darkening_is_that_of_allen():
+    """Beside the polynomials in Å by which SolarSoft's limb_dark.pro fits the same table of
+    Allen's Astrophysical Quantities from 400 nm on."""
+    nm = np.arange(400.0, 701.0, 25)
+    u = np.polynomial.Polynomial(
+        [-8.9829751, 0.0069093916, -1.8144591e-6, 2.2540875e-10, -1.3389747e-14, 3.0453572e-19]
+    )
+    v = np.polynomial.Polynomial(
+        [9.2891180, -0.0062212632, 1.5788029e-6, -1.9359644e-10, 1.1444469e-14, -2.599494e-19]
+    )
+    np.testing.assert_allclose(
+        sun_limb_darkening(nm), u(10 * nm) + 1.5 * v(10 * nm), rtol=0, atol=0.02
+    )
+
+
 def test_limb_darkening():
     u = sun_limb_darkening(np.array([300.0, 350.0, 550.0, 700.0]))
     assert np.all(np.diff(u) < 0)
