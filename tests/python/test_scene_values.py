@@ -73,6 +73,7 @@ def everything():
             Material("paper", unlit=True, alpha_mode="blend"),
             Material(
                 "petal",
+                emissive=(0.5, 0.25, 0.125),
                 metallic=0.1,
                 roughness=0.3,
                 metallic_roughness_texture=TextureUse(2, 1, scale=(3, 3)),
