@@ -2,7 +2,7 @@
 
     .venv/bin/python scripts/make_sky_tables.py compute FOLDER [all, ozone, 0, 0.1 or 0.3]
     .venv/bin/python scripts/make_sky_tables.py store FOLDER
-    .venv/bin/python scripts/make_sky_tables.py check
+    .venv/bin/python scripts/make_sky_tables.py check [SUN_DEG ...]
 
 The first needs g++ and the packages sasktran2 and musica, and two hours of a processor; what it
 has done lies in FOLDER, so that it can be stopped and goes on. `store` puts the table together.
@@ -37,8 +37,8 @@ def main() -> None:
             TABLE.parent.mkdir(exist_ok=True)
             np.savez_compressed(TABLE, **tables.assemble(Path(folder)))
             print(f"{TABLE.name}: {TABLE.stat().st_size / 1e6:.2f} MB")
-        case ["check"]:
-            check.check_tables()
+        case ["check", *suns]:
+            check.check_tables([float(sun) for sun in suns])
         case _:
             sys.exit(__doc__)
 

@@ -41,7 +41,7 @@ struct SkyMap {
 // A disc far away, unpolarised: the sun, the moon.
 struct Disc {
   Vec3 direction{0, 1, 0};       // towards its centre, unit
-  double angular_radius_rad = 0; // above 0, below a tenth
+  double angular_radius_rad = 0; // 1e-6 or more, below a tenth
   std::vector<double> radiance;  // [band], mean over the disc
   // [band], u in L(mu) = L(1) (1 - u (1 - mu)), mu the cosine at the disc's own surface; empty: 0.
   std::vector<double> limb_darkening;

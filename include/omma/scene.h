@@ -77,12 +77,17 @@ struct Material {
   float normal_scale = 1;
   float ior = 1.5f;                // KHR_materials_ior, 1 or more
   float specular = 1;              // KHR_materials_specular, 0 to 1
-  Vec3 specular_color{1, 1, 1};    // the same, 0 to 1
+  TextureUse specular_texture;     // a factor of it, alpha
+  Vec3 specular_color{1, 1, 1};    // KHR_materials_specular, 0 to 1
+  TextureUse specular_color_texture;  // sRGB
   float transmission = 0;          // KHR_materials_transmission: straight through, thin
+  TextureUse transmission_texture;  // a factor of it, red; linear
   float diffuse_transmission = 0;  // KHR_materials_diffuse_transmission
   Vec3 diffuse_transmission_color{1, 1, 1};
   TextureUse diffuse_transmission_texture;  // of the colour, sRGB
   float clearcoat = 0, clearcoat_roughness = 0;  // KHR_materials_clearcoat
+  TextureUse clearcoat_texture;                  // a factor of clearcoat, red; linear
+  TextureUse clearcoat_roughness_texture;        // a factor of that, green; linear
 
   // Spectra of the diffuse part, where known, at a base colour (factor x texture x vertex colour)
   // of this luminance (relative, of linear sRGB); proportional to it at others. Else RGB stands for

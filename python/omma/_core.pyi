@@ -462,7 +462,7 @@ class Material:
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self, name: str = '', *, base_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0, 1.0), base_color_texture: int | TextureUse | None = None, emissive: numpy.typing.ArrayLike = (0.0, 0.0, 0.0), emissive_texture: int | TextureUse | None = None, alpha_mode: str = 'opaque', alpha_cutoff: float = 0.5, double_sided: bool = False, unlit: bool = False, metallic: float = 0.0, roughness: float = 1.0, metallic_roughness_texture: int | TextureUse | None = None, normal_texture: int | TextureUse | None = None, normal_scale: float = 1.0, ior: float = 1.5, specular: float = 1.0, specular_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), transmission: float = 0.0, diffuse_transmission: float = 0.0, diffuse_transmission_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), diffuse_transmission_texture: int | TextureUse | None = None, clearcoat: float = 0.0, clearcoat_roughness: float = 0.0, reflectance: Spectrum | None = None, transmittance: Spectrum | None = None, spectral_luminance: float = 1.0, extra_reflectance: ExtraReflectance | None = None, emission: Spectrum | None = None) -> None: ...
+    def __init__(self, name: str = '', *, base_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0, 1.0), base_color_texture: int | TextureUse | None = None, emissive: numpy.typing.ArrayLike = (0.0, 0.0, 0.0), emissive_texture: int | TextureUse | None = None, alpha_mode: str = 'opaque', alpha_cutoff: float = 0.5, double_sided: bool = False, unlit: bool = False, metallic: float = 0.0, roughness: float = 1.0, metallic_roughness_texture: int | TextureUse | None = None, normal_texture: int | TextureUse | None = None, normal_scale: float = 1.0, ior: float = 1.5, specular: float = 1.0, specular_texture: int | TextureUse | None = None, specular_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), specular_color_texture: int | TextureUse | None = None, transmission: float = 0.0, transmission_texture: int | TextureUse | None = None, diffuse_transmission: float = 0.0, diffuse_transmission_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), diffuse_transmission_texture: int | TextureUse | None = None, clearcoat: float = 0.0, clearcoat_texture: int | TextureUse | None = None, clearcoat_roughness: float = 0.0, clearcoat_roughness_texture: int | TextureUse | None = None, reflectance: Spectrum | None = None, transmittance: Spectrum | None = None, spectral_luminance: float = 1.0, extra_reflectance: ExtraReflectance | None = None, emission: Spectrum | None = None) -> None: ...
 
     @property
     def name(self) -> str: ...
@@ -517,10 +517,22 @@ class Material:
     def specular(self) -> float: ...
 
     @property
+    def specular_texture(self, /) -> TextureUse | None:
+        """A factor of ``specular``: its alpha."""
+
+    @property
     def specular_color(self, /) -> tuple[float, float, float]: ...
 
     @property
+    def specular_color_texture(self, /) -> TextureUse | None:
+        """sRGB."""
+
+    @property
     def transmission(self) -> float: ...
+
+    @property
+    def transmission_texture(self, /) -> TextureUse | None:
+        """A factor of ``transmission``: its red; linear."""
 
     @property
     def diffuse_transmission(self) -> float: ...
@@ -536,7 +548,15 @@ class Material:
     def clearcoat(self) -> float: ...
 
     @property
+    def clearcoat_texture(self, /) -> TextureUse | None:
+        """A factor of ``clearcoat``: its red; linear."""
+
+    @property
     def clearcoat_roughness(self) -> float: ...
+
+    @property
+    def clearcoat_roughness_texture(self, /) -> TextureUse | None:
+        """A factor of ``clearcoat_roughness``: its green; linear."""
 
     @property
     def reflectance(self, /) -> Spectrum | None: ...

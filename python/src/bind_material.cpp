@@ -127,11 +127,14 @@ void bind_material(nb::module_& m) {
              nb::handle alpha_cutoff, nb::handle double_sided, nb::handle unlit,
              nb::handle metallic, nb::handle roughness, nb::handle metallic_roughness_texture,
              nb::handle normal_texture, nb::handle normal_scale, nb::handle ior,
-             nb::handle specular, nb::handle specular_color, nb::handle transmission,
-             nb::handle diffuse_transmission, nb::handle diffuse_transmission_color,
-             nb::handle diffuse_transmission_texture, nb::handle clearcoat,
-             nb::handle clearcoat_roughness, nb::handle reflectance, nb::handle transmittance,
-             nb::handle spectral_luminance, nb::handle extra_reflectance, nb::handle emission) {
+             nb::handle specular, nb::handle specular_texture, nb::handle specular_color,
+             nb::handle specular_color_texture, nb::handle transmission,
+             nb::handle transmission_texture, nb::handle diffuse_transmission,
+             nb::handle diffuse_transmission_color, nb::handle diffuse_transmission_texture,
+             nb::handle clearcoat, nb::handle clearcoat_texture, nb::handle clearcoat_roughness,
+             nb::handle clearcoat_roughness_texture, nb::handle reflectance,
+             nb::handle transmittance, nb::handle spectral_luminance, nb::handle extra_reflectance,
+             nb::handle emission) {
             Material made;
             made.name = text_argument(name, "name");
             made.base_color = rgba_argument(base_color, "base_color");
@@ -154,15 +157,23 @@ void bind_material(nb::module_& m) {
             made.normal_scale = single(normal_scale, "normal_scale");
             made.ior = single(ior, "ior");
             made.specular = single(specular, "specular");
+            made.specular_texture = texture_use_argument(specular_texture, "specular_texture");
             made.specular_color = to_float(vec3d(specular_color, "specular_color"));
+            made.specular_color_texture =
+                texture_use_argument(specular_color_texture, "specular_color_texture");
             made.transmission = single(transmission, "transmission");
+            made.transmission_texture =
+                texture_use_argument(transmission_texture, "transmission_texture");
             made.diffuse_transmission = single(diffuse_transmission, "diffuse_transmission");
             made.diffuse_transmission_color =
                 to_float(vec3d(diffuse_transmission_color, "diffuse_transmission_color"));
             made.diffuse_transmission_texture =
                 texture_use_argument(diffuse_transmission_texture, "diffuse_transmission_texture");
             made.clearcoat = single(clearcoat, "clearcoat");
+            made.clearcoat_texture = texture_use_argument(clearcoat_texture, "clearcoat_texture");
             made.clearcoat_roughness = single(clearcoat_roughness, "clearcoat_roughness");
+            made.clearcoat_roughness_texture =
+                texture_use_argument(clearcoat_roughness_texture, "clearcoat_roughness_texture");
             made.reflectance = spectrum_argument(reflectance, "reflectance");
             made.transmittance = spectrum_argument(transmittance, "transmittance");
             made.spectral_luminance = single(spectral_luminance, "spectral_luminance");
@@ -180,12 +191,14 @@ void bind_material(nb::module_& m) {
           nb::arg("metallic") = 0.0, nb::arg("roughness") = 1.0,
           nb::arg("metallic_roughness_texture") = nb::none(),
           nb::arg("normal_texture") = nb::none(), nb::arg("normal_scale") = 1.0,
-          nb::arg("ior") = 1.5, nb::arg("specular") = 1.0,
-          nb::arg("specular_color") = nb::make_tuple(1.0, 1.0, 1.0), nb::arg("transmission") = 0.0,
-          nb::arg("diffuse_transmission") = 0.0,
+          nb::arg("ior") = 1.5, nb::arg("specular") = 1.0, nb::arg("specular_texture") = nb::none(),
+          nb::arg("specular_color") = nb::make_tuple(1.0, 1.0, 1.0),
+          nb::arg("specular_color_texture") = nb::none(), nb::arg("transmission") = 0.0,
+          nb::arg("transmission_texture") = nb::none(), nb::arg("diffuse_transmission") = 0.0,
           nb::arg("diffuse_transmission_color") = nb::make_tuple(1.0, 1.0, 1.0),
           nb::arg("diffuse_transmission_texture") = nb::none(), nb::arg("clearcoat") = 0.0,
-          nb::arg("clearcoat_roughness") = 0.0, nb::arg("reflectance") = nb::none(),
+          nb::arg("clearcoat_texture") = nb::none(), nb::arg("clearcoat_roughness") = 0.0,
+          nb::arg("clearcoat_roughness_texture") = nb::none(), nb::arg("reflectance") = nb::none(),
           nb::arg("transmittance") = nb::none(), nb::arg("spectral_luminance") = 1.0,
           nb::arg("extra_reflectance") = nb::none(), nb::arg("emission") = nb::none(),
           nb::sig(
@@ -196,11 +209,16 @@ void bind_material(nb::module_& m) {
               "double_sided: bool = False, unlit: bool = False, metallic: float = 0.0, roughness: "
               "float = 1.0, metallic_roughness_texture: int | TextureUse | None = None, "
               "normal_texture: int | TextureUse | None = None, normal_scale: float = 1.0, ior: "
-              "float = 1.5, specular: float = 1.0, specular_color: numpy.typing.ArrayLike = (1.0, "
-              "1.0, 1.0), transmission: float = 0.0, diffuse_transmission: float = 0.0, "
+              "float = 1.5, specular: float = 1.0, specular_texture: int | TextureUse | None = "
+              "None, specular_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), "
+              "specular_color_texture: int | TextureUse | None = None, transmission: float = 0.0, "
+              "transmission_texture: int | TextureUse | None = None, diffuse_transmission: float "
+              "= 0.0, "
               "diffuse_transmission_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), "
               "diffuse_transmission_texture: int | TextureUse | None = None, clearcoat: float = "
-              "0.0, clearcoat_roughness: float = 0.0, reflectance: Spectrum | None = None, "
+              "0.0, clearcoat_texture: int | TextureUse | None = None, clearcoat_roughness: float "
+              "= 0.0, clearcoat_roughness_texture: int | TextureUse | None = None, reflectance: "
+              "Spectrum | None = None, "
               "transmittance: Spectrum | None = None, spectral_luminance: float = 1.0, "
               "extra_reflectance: ExtraReflectance | None = None, emission: Spectrum | None = "
               "None) -> None"))
@@ -241,9 +259,24 @@ void bind_material(nb::module_& m) {
       .def_ro("ior", &Material::ior)
       .def_ro("specular", &Material::specular)
       .def_prop_ro(
+          "specular_texture",
+          [](const Material& one) { return texture_use_or_none(one.specular_texture); },
+          nb::for_getter(nb::sig("def specular_texture(self, /) -> TextureUse | None")),
+          "A factor of ``specular``: its alpha.")
+      .def_prop_ro(
           "specular_color", [](const Material& one) { return numbers(one.specular_color); },
           nb::for_getter(nb::sig("def specular_color(self, /) -> tuple[float, float, float]")))
+      .def_prop_ro(
+          "specular_color_texture",
+          [](const Material& one) { return texture_use_or_none(one.specular_color_texture); },
+          nb::for_getter(nb::sig("def specular_color_texture(self, /) -> TextureUse | None")),
+          "sRGB.")
       .def_ro("transmission", &Material::transmission)
+      .def_prop_ro(
+          "transmission_texture",
+          [](const Material& one) { return texture_use_or_none(one.transmission_texture); },
+          nb::for_getter(nb::sig("def transmission_texture(self, /) -> TextureUse | None")),
+          "A factor of ``transmission``: its red; linear.")
       .def_ro("diffuse_transmission", &Material::diffuse_transmission)
       .def_prop_ro(
           "diffuse_transmission_color",
@@ -256,7 +289,17 @@ void bind_material(nb::module_& m) {
           nb::for_getter(nb::sig("def diffuse_transmission_texture(self, /) -> TextureUse | None")),
           "Of the colour, sRGB.")
       .def_ro("clearcoat", &Material::clearcoat)
+      .def_prop_ro(
+          "clearcoat_texture",
+          [](const Material& one) { return texture_use_or_none(one.clearcoat_texture); },
+          nb::for_getter(nb::sig("def clearcoat_texture(self, /) -> TextureUse | None")),
+          "A factor of ``clearcoat``: its red; linear.")
       .def_ro("clearcoat_roughness", &Material::clearcoat_roughness)
+      .def_prop_ro(
+          "clearcoat_roughness_texture",
+          [](const Material& one) { return texture_use_or_none(one.clearcoat_roughness_texture); },
+          nb::for_getter(nb::sig("def clearcoat_roughness_texture(self, /) -> TextureUse | None")),
+          "A factor of ``clearcoat_roughness``: its green; linear.")
       .def_prop_ro(
           "reflectance", [](const Material& one) { return spectrum_or_none(one.reflectance); },
           nb::for_getter(nb::sig("def reflectance(self, /) -> Spectrum | None")))
@@ -302,13 +345,18 @@ void bind_material(nb::module_& m) {
                        "normal_scale",
                        "ior",
                        "specular",
+                       "specular_texture",
                        "specular_color",
+                       "specular_color_texture",
                        "transmission",
+                       "transmission_texture",
                        "diffuse_transmission",
                        "diffuse_transmission_color",
                        "diffuse_transmission_texture",
                        "clearcoat",
+                       "clearcoat_texture",
                        "clearcoat_roughness",
+                       "clearcoat_roughness_texture",
                        "reflectance",
                        "transmittance",
                        "spectral_luminance",

@@ -12,19 +12,22 @@ BY_ORDINATES = (85.0, 65.0, 45.0, 32.0, 22.0, 15.5)
 BY_MONTE_CARLO = (12.5, 6.0, 3.5, -2.5, -4.5)
 PATHS, BATCHES = 2_000, 8  # more in twilight
 OTHERS = ((0.05, 300.0), (0.2, 300.0), (0.0, 250.0), (0.0, 400.0))  # haze, ozone
+AIRS = (  # sun, haze, ozone
+    *((sun, 0.0, 300.0) for sun in BY_ORDINATES),
+    *((45.0, *air) for air in OTHERS),
+    *((sun, 0.0, 300.0) for sun in BY_MONTE_CARLO),
+    *((6.0, *air) for air in OTHERS),
+)
 
 
-def check_tables() -> None:
-    """Prints, for each sun and for other air, how far the tables are from direct computation."""
+def check_tables(suns: list[float]) -> None:
+    """Prints, for each sun and for other air, how far the tables are from direct computation: of
+    all suns, or of those given.
+    """
     print("sun, haze, ozone: radiance rms % (worst), polarisation rms (worst)", flush=True)
-    for sun in BY_ORDINATES:
-        _compare(sun, 0.0, 300.0)
-    for haze, ozone in OTHERS:
-        _compare(45.0, haze, ozone)
-    for sun in BY_MONTE_CARLO:
-        _compare(sun, 0.0, 300.0)
-    for haze, ozone in OTHERS:
-        _compare(6.0, haze, ozone)
+    for sun, *air in AIRS:
+        if not suns or sun in suns:
+            _compare(sun, *air)
 
 
 def _compare(sun: float, haze: float, ozone: float) -> None:
@@ -43,9 +46,11 @@ def _compare(sun: float, haze: float, ozone: float) -> None:
             stored[:, :, 1:] / stored[:, :, :1] - direct[:, :, 1:] / direct[:, :, :1], 2, 0
         )
     )
+    up, round_, k = np.unravel_index(np.abs(off).argmax(), off.shape)
+    worst = f"{ELEVATION_DEG[up]:g}° up, {AZIMUTH_DEG[round_]:g}° round, {NM[k]:g} nm"
     print(
         f"{sun:5.1f} {haze:4.2f} {ozone:4.0f}: {_rms(off):5.2f} ({np.abs(off).max():5.2f})  "
-        f"{_rms(polarised):.4f} ({polarised.max():.4f})" + own,
+        f"{_rms(polarised):.4f} ({polarised.max():.4f})" + own + f"; worst {worst}",
         flush=True,
     )
 

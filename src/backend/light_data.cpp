@@ -4,10 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numeric>
+#include <string>
 
 #include "backend/sky_data.h"
 #include "light/bands.h"
+#include "light/check_light.h"
+#include "model/scene_light.h"
+#include "omma/error.h"
 #include "physics/surface.h"
 #include "threads/parallel.h"
 
@@ -27,6 +32,31 @@ std::vector<double> lamp_strength(const Light& light, const PunctualLight& lamp)
                                          rgb[1] * static_cast<double>(lamp.color.y) +
                                          rgb[2] * static_cast<double>(lamp.color.z)));
   return strength;
+}
+
+// Nothing shines brighter than light from afar may, or sums would leave single precision.
+void check_most(double most, const Scene& scene, const std::string& what, const std::string& name) {
+  if (most <= most_radiance) return;
+  char found[32] = "infinity";
+  if (std::isfinite(most)) std::snprintf(found, sizeof found, "%.3g", most);
+  throw Error((scene.path.empty() ? "scene" : scene.path) + ": " + what +
+              (name.empty() ? "" : " \"" + name + "\"") +
+              ": expected light of at most 1e30 per nm in the world's unit, found " + found);
+}
+
+// [band][3].
+std::vector<double> emission_matrix(const Light& light, const Material& material) {
+  const Vec3 factor = material.emissive;
+  if (material.unlit || !(factor.x > 0 || factor.y > 0 || factor.z > 0)) return {};
+  std::vector<double> matrix;
+  if (material.emission.empty()) {
+    for (const auto& rgb : primaries_per_lumen(light.bands, light.unit))
+      matrix.insert(matrix.end(), rgb.begin(), rgb.end());
+  } else {
+    for (const double x : band_mean_of_watts(light.bands, light.unit, material.emission))
+      for (const double y : luminance) matrix.push_back(x * y);
+  }
+  return matrix;
 }
 
 double sum_of(const std::vector<double>& values) {
@@ -55,6 +85,9 @@ std::vector<double> make_lamps(LightData& data, const Light& light, const Scene&
     data.lamps.push_back(view);
     data.lamp_of_scene.push_back(i);
     const bool is_far = lamp.type == PunctualLightType::directional;
+    const double most = *std::max_element(strength.begin(), strength.end());
+    check_most(is_far ? most : most * std::max(1.0, 1 / (distance_m * distance_m)), scene,
+               "light " + std::to_string(i), lamp.name);
     for (std::size_t b = 0; b < sent.size(); ++b) {
       data.lamp_strength.push_back(static_cast<float>(strength[b]));
       if (!is_far) strength[b] /= distance_m * distance_m;
@@ -220,17 +253,21 @@ void place_lamps(LightData& data, const Scene& scene, Vec3d origin_m) {
 }
 
 std::vector<float> make_emission_matrix(const Light& light, const Material& material) {
-  const Vec3 factor = material.emissive;
-  if (material.unlit || !(factor.x > 0 || factor.y > 0 || factor.z > 0)) return {};
-  std::vector<float> matrix;
-  if (material.emission.empty()) {
-    for (const auto& rgb : primaries_per_lumen(light.bands, light.unit))
-      for (const double x : rgb) matrix.push_back(static_cast<float>(x));
-  } else {
-    for (const double x : band_mean_of_watts(light.bands, light.unit, material.emission))
-      for (const double y : luminance) matrix.push_back(static_cast<float>(x * y));
+  const std::vector<double> matrix = emission_matrix(light, material);
+  return {matrix.begin(), matrix.end()};
+}
+
+void check_emission(const Light& light, const Scene& scene) {
+  for (std::size_t m = 0; m < scene.materials.size(); ++m) {
+    const Material& material = scene.materials[m];
+    const std::vector<double> matrix = emission_matrix(light, material);
+    const Vec3 rgb = brightest_emission(scene, material);
+    for (std::size_t k = 0; k < matrix.size(); k += 3)
+      check_most(matrix[k] * static_cast<double>(rgb.x) +
+                     matrix[k + 1] * static_cast<double>(rgb.y) +
+                     matrix[k + 2] * static_cast<double>(rgb.z),
+                 scene, "material " + std::to_string(m), material.name);
   }
-  return matrix;
 }
 
 }  // namespace omma

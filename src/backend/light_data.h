@@ -60,4 +60,7 @@ void place_lamps(LightData& data, const Scene& scene, Vec3d origin_m);
 // light's unit (ScatterView::emission); empty where it does not shine.
 std::vector<float> make_emission_matrix(const Light& light, const Material& material);
 
+// Throws omma::Error where a material shines more brightly than anything may.
+void check_emission(const Light& light, const Scene& scene);
+
 }  // namespace omma

@@ -110,6 +110,7 @@ std::unique_ptr<LitData> make_lit_data(const Lighting& lighting, const Scene& sc
   lit->scatter = make_scatter_data(scene, light, *lit->shading);
   std::vector<ScatterView>& materials = lit->scatter->materials;
   make_albedos(*lit);
+  check_emission(light, scene);
   for (std::size_t m = 0; m < scene.materials.size(); ++m) {
     lit->emission.push_back(make_emission_matrix(light, scene.materials[m]));
     if (!lit->emission.back().empty()) materials[m].emission = lit->emission.back().data();

@@ -122,13 +122,19 @@ void add_surface(const Maker& make, const Material& m, ScatterView& view) {
   view.clearcoat = m.clearcoat;
   view.clearcoat_roughness = m.clearcoat_roughness;
   const Vec3 tint = m.specular_color;
-  if (tint == Vec3{1, 1, 1}) return;
   // Below the visible as at its end: RGB says nothing of it, and reflections without a colour, of
   // nearly all surfaces, have none there either.
-  view.specular_tint = make.keep(band_matrix<1>(make.bands, [&](double wavelength_nm) {
+  const auto tint_weights = [&](double wavelength_nm) {
     const Weights w = rgb_weights(std::max(wavelength_nm, visible_from_nm), {});
-    return std::array<double, 1>{w[0] * tint.x + w[1] * tint.y + w[2] * tint.z};
-  }));
+    return std::array<double, 3>{w[0] * tint.x, w[1] * tint.y, w[2] * tint.z};
+  };
+  if (m.specular_color_texture.texture >= 0)
+    view.tint_from_rgb = make.keep(band_matrix<3>(make.bands, tint_weights));
+  else if (tint != Vec3{1, 1, 1})
+    view.specular_tint = make.keep(band_matrix<1>(make.bands, [&](double wavelength_nm) {
+      const auto [red, green, blue] = tint_weights(wavelength_nm);
+      return std::array<double, 1>{red + green + blue};
+    }));
 }
 
 ScatterView scatter_view(const Maker& make, const Material& material, const Weights& ultraviolet) {
@@ -139,8 +145,9 @@ ScatterView scatter_view(const Maker& make, const Material& material, const Weig
   return view;
 }
 
-void lay_out(const Mesh& mesh, const Material& m, const ScatterView& scatter, bool large,
-             ShadingData& shading, MeshView& view) {
+void lay_out(const Maker& make, const Mesh& mesh, const Material& m, const ScatterView& scatter,
+             bool large, MeshView& view) {
+  ShadingData& shading = make.shading;
   // Textures are mostly read with the same coordinates, which are then made once.
   std::vector<std::pair<const TextureUse*, const Vec2*>> made;
   if (view.base_uv != nullptr)
@@ -165,6 +172,25 @@ void lay_out(const Mesh& mesh, const Material& m, const ScatterView& scatter, bo
   add(m.diffuse_transmission_texture, scatter.transmission_texture, view.transmission_uv,
       view.transmission_density);
   add(m.extra.texture, scatter.extra_texture, view.extra_uv, view.extra_density);
+
+  if (m.unlit) return;
+  FactorTextures factors;
+  bool any = false;
+  const auto add_factor = [&](const TextureUse& use, TextureRead& read, ImageCodes codes,
+                              AlphaUse alpha = {}) {
+    read.texture = find_texture(make.scene, shading, use.texture, alpha, codes);
+    add(use, read.texture, read.uv, read.density);
+    any |= read.texture >= 0;
+  };
+  // Where alpha is blended, coarser levels hold its mean.
+  add_factor(m.specular_texture, factors.specular, ImageCodes::linear, {AlphaMode::blend, 0});
+  add_factor(m.transmission_texture, factors.transmission, ImageCodes::linear);
+  add_factor(m.clearcoat_texture, factors.coat, ImageCodes::linear);
+  add_factor(m.clearcoat_roughness_texture, factors.coat_roughness, ImageCodes::linear);
+  add_factor(m.specular_color_texture, factors.specular_color, ImageCodes::srgb);
+  if (!any) return;
+  make.data.factors.push_back(factors);
+  view.factors = &make.data.factors.back();
 }
 
 // Whether a table says all between two wavelengths.
@@ -195,7 +221,7 @@ std::unique_ptr<ScatterData> make_scatter_data(const Scene& scene, const Light& 
     if (!mesh.normals.empty()) view.normals = &mesh.normals.data()->x;
     if (mesh.material < 0) continue;
     const auto material = static_cast<std::size_t>(mesh.material);
-    lay_out(mesh, scene.materials[material], data->materials[material], large, shading, view);
+    lay_out(make, mesh, scene.materials[material], data->materials[material], large, view);
   }
   shading.view.textures = shading.textures.data();
   return data;

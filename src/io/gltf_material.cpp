@@ -47,6 +47,10 @@ Material read_material(GltfTextureReader& reader, const json& material, const st
         gltf_extension(material, "KHR_materials_emissive_strength").value("emissiveStrength", 1.0f);
     result.emissive = gltf_vec3(factor) * strength;
   }
+  if (!result.emission.empty() && result.emissive == Vec3{0, 0, 0})
+    // Without the path: all warnings are of one file.
+    reader.warnings.add("a spectrum of emission is not seen where the emissive factor is 0",
+                        place.substr(reader.gltf.path.size() + 2));
   result.emissive_texture = read_texture_use(reader, material, "emissiveTexture", place);
   return result;
 }

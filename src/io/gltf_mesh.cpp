@@ -148,9 +148,12 @@ void check_colors(const GltfAccessor* colors, const std::string& place) {
 void warn_of_missing_texcoords(GltfMeshReader& reader, const std::string& place, const Mesh& mesh) {
   if (mesh.material < 0) return;
   const Material& material = reader.materials[static_cast<std::size_t>(mesh.material)];
-  for (const TextureUse* use : {&material.base_color_texture, &material.emissive_texture,
-                                &material.metallic_roughness_texture, &material.normal_texture,
-                                &material.diffuse_transmission_texture, &material.extra.texture})
+  for (const TextureUse* use :
+       {&material.base_color_texture, &material.emissive_texture,
+        &material.metallic_roughness_texture, &material.normal_texture, &material.specular_texture,
+        &material.specular_color_texture, &material.transmission_texture,
+        &material.diffuse_transmission_texture, &material.clearcoat_texture,
+        &material.clearcoat_roughness_texture, &material.extra.texture})
     if (use->texture >= 0 && mesh.texcoords[static_cast<std::size_t>(use->texcoord_set)].empty())
       reader.warnings.add(
           "a mesh has no texture coordinates for its material's texture; (0, 0) is "

@@ -25,12 +25,6 @@ struct ScatteringReader {
     // Without the path: all warnings are of one file.
     textures.warnings.add(sentence, place.substr(textures.gltf.path.size() + 2));
   }
-
-  void warn_of_textures(const json& extension, std::initializer_list<const char*> names) const {
-    for (const char* name : names)
-      if (extension.contains(name))
-        warn(std::string("the texture ") + name + " is not supported; its factor alone counts");
-  }
 };
 
 void read_surface(const ScatteringReader& reader) {
@@ -66,11 +60,17 @@ void read_specular(const ScatteringReader& reader) {
     m.specular_color = {std::min(color.x, 1.0f), std::min(color.y, 1.0f), std::min(color.z, 1.0f)};
     if (m.specular_color != color) reader.warn("a specular colour above 1 counts as 1");
   }
-  reader.warn_of_textures(specular, {"specularTexture", "specularColorTexture"});
+  m.specular_texture = read_texture_use(reader.textures, specular, "specularTexture", reader.place,
+                                        TextureMeaning::alpha);
+  m.specular_color_texture =
+      read_texture_use(reader.textures, specular, "specularColorTexture", reader.place);
   const json& coat = reader.extension("KHR_materials_clearcoat");
   m.clearcoat = coat.value("clearcoatFactor", 0.0f);
   m.clearcoat_roughness = coat.value("clearcoatRoughnessFactor", 0.0f);
-  reader.warn_of_textures(coat, {"clearcoatTexture", "clearcoatRoughnessTexture"});
+  m.clearcoat_texture = read_texture_use(reader.textures, coat, "clearcoatTexture", reader.place,
+                                         TextureMeaning::data);
+  m.clearcoat_roughness_texture = read_texture_use(
+      reader.textures, coat, "clearcoatRoughnessTexture", reader.place, TextureMeaning::data);
   if (coat.contains("clearcoatNormalTexture"))
     reader.warn("normals of a clearcoat are not supported; those of the surface are taken");
 }
@@ -79,14 +79,16 @@ void read_transmission(const ScatteringReader& reader) {
   Material& m = reader.result;
   const json& straight = reader.extension("KHR_materials_transmission");
   m.transmission = straight.value("transmissionFactor", 0.0f);
-  reader.warn_of_textures(straight, {"transmissionTexture"});
+  m.transmission_texture = read_texture_use(reader.textures, straight, "transmissionTexture",
+                                            reader.place, TextureMeaning::data);
   const json& diffuse = reader.extension("KHR_materials_diffuse_transmission");
   m.diffuse_transmission = diffuse.value("diffuseTransmissionFactor", 0.0f);
   if (diffuse.contains("diffuseTransmissionColorFactor"))
     m.diffuse_transmission_color = gltf_vec3(diffuse["diffuseTransmissionColorFactor"]);
   m.diffuse_transmission_texture =
       read_texture_use(reader.textures, diffuse, "diffuseTransmissionColorTexture", reader.place);
-  reader.warn_of_textures(diffuse, {"diffuseTransmissionTexture"});
+  if (diffuse.contains("diffuseTransmissionTexture"))
+    reader.warn("the texture diffuseTransmissionTexture is not supported; its factor alone counts");
   if (!reader.extension("KHR_materials_volume").empty())
     reader.warn("KHR_materials_volume is not supported: surfaces are thin");
 }

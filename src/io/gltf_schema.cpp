@@ -113,14 +113,21 @@ void add_scattering(std::vector<Object>& all) {
   const std::string extensions = "materials[].extensions.", omma = "materials[].extras.omma";
   all.push_back({extensions + "KHR_materials_ior", {{"ior", number}}});
   all.push_back({extensions + "KHR_materials_specular",
-                 {{"specularFactor", number}, {"specularColorFactor", three_numbers}}});
-  all.push_back({extensions + "KHR_materials_transmission", {{"transmissionFactor", number}}});
+                 {{"specularFactor", number},
+                  {"specularTexture", object},
+                  {"specularColorFactor", three_numbers},
+                  {"specularColorTexture", object}}});
+  all.push_back({extensions + "KHR_materials_transmission",
+                 {{"transmissionFactor", number}, {"transmissionTexture", object}}});
   all.push_back({extensions + "KHR_materials_diffuse_transmission",
                  {{"diffuseTransmissionFactor", number},
                   {"diffuseTransmissionColorFactor", three_numbers},
                   {"diffuseTransmissionColorTexture", object}}});
   all.push_back({extensions + "KHR_materials_clearcoat",
-                 {{"clearcoatFactor", number}, {"clearcoatRoughnessFactor", number}}});
+                 {{"clearcoatFactor", number},
+                  {"clearcoatTexture", object},
+                  {"clearcoatRoughnessFactor", number},
+                  {"clearcoatRoughnessTexture", object}}});
   all.push_back({"materials[].extras", {{"omma", object}}});
   all.push_back({omma,
                  {{"reflectance", object},

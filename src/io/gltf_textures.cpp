@@ -185,7 +185,8 @@ TextureUse read_texture_use(GltfTextureReader& reader, const json& parent, const
   use.texture = read_texture(reader, (*info)["index"].get<int>(), place + ": " + name);
   if (use.texture < 0) return use;
   const int image = reader.scene.textures[static_cast<std::size_t>(use.texture)].image;
-  (meaning == TextureMeaning::data ? reader.data_images : reader.color_images).insert(image);
+  if (meaning == TextureMeaning::color) reader.color_images.insert(image);
+  if (meaning == TextureMeaning::data) reader.data_images.insert(image);
   use.texcoord_set = transform.value("texCoord", info->value("texCoord", 0));
   if (use.texcoord_set > 1)
     throw Error(place + ": " + name + ": uses texture coordinate set " +

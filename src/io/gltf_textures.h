@@ -24,8 +24,9 @@ struct GltfTextureReader {
   std::set<int> color_images = {}, data_images = {};  // scene images by what they are used as
 };
 
-// Codes of colours are sRGB; those of data, such as normals, are the values themselves.
-enum class TextureMeaning : std::uint8_t { color, data };
+// Codes of colours are sRGB; those of data, such as normals, and of alpha are the values
+// themselves.
+enum class TextureMeaning : std::uint8_t { color, data, alpha };
 
 // The texture info `name` of an object; none where it is not there or has no image Omma can read.
 // Adds the texture to the scene.

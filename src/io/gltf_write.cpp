@@ -223,11 +223,12 @@ std::set<int> data_images(const Scene& scene) {
     if (use.texture >= 0) to.insert(scene.textures[static_cast<std::size_t>(use.texture)].image);
   };
   for (const Material& m : scene.materials) {
-    for (const TextureUse* use :
-         {&m.base_color_texture, &m.emissive_texture, &m.diffuse_transmission_texture})
+    for (const TextureUse* use : {&m.base_color_texture, &m.emissive_texture,
+                                  &m.specular_color_texture, &m.diffuse_transmission_texture})
       add(colors, *use);
     for (const TextureUse* use :
-         {&m.metallic_roughness_texture, &m.normal_texture, &m.extra.texture})
+         {&m.metallic_roughness_texture, &m.normal_texture, &m.transmission_texture,
+          &m.clearcoat_texture, &m.clearcoat_roughness_texture, &m.extra.texture})
       add(data, *use);
   }
   for (const int image : colors) data.erase(image);

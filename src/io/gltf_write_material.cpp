@@ -39,25 +39,36 @@ void write_scattering(GltfWriter& writer, const Material& m, json& made) {
     if (m.normal_scale != usual.normal_scale) made["normalTexture"]["scale"] = m.normal_scale;
   }
   if (m.ior != usual.ior) extension(writer, made, "KHR_materials_ior") = {{"ior", m.ior}};
-  if (m.specular != usual.specular || m.specular_color != usual.specular_color)
-    extension(writer, made, "KHR_materials_specular") = {
+  const auto is_there = [](const TextureUse& use) { return use.texture >= 0; };
+  const auto add_texture = [&](json& extension, const char* name, const TextureUse& use) {
+    if (is_there(use)) extension[name] = texture_use(writer, use);
+  };
+  if (m.specular != usual.specular || m.specular_color != usual.specular_color ||
+      is_there(m.specular_texture) || is_there(m.specular_color_texture)) {
+    json& specular = extension(writer, made, "KHR_materials_specular") = {
         {"specularFactor", m.specular}, {"specularColorFactor", numbers(m.specular_color)}};
-  if (m.transmission != 0)
-    extension(writer, made,
-              "KHR_materials_transmission") = {{"transmissionFactor", m.transmission}};
-  const bool colored = m.diffuse_transmission_texture.texture >= 0;
-  if (m.diffuse_transmission != 0 || colored ||
+    add_texture(specular, "specularTexture", m.specular_texture);
+    add_texture(specular, "specularColorTexture", m.specular_color_texture);
+  }
+  if (m.transmission != 0 || is_there(m.transmission_texture)) {
+    json& straight = extension(
+        writer, made, "KHR_materials_transmission") = {{"transmissionFactor", m.transmission}};
+    add_texture(straight, "transmissionTexture", m.transmission_texture);
+  }
+  if (m.diffuse_transmission != 0 || is_there(m.diffuse_transmission_texture) ||
       m.diffuse_transmission_color != usual.diffuse_transmission_color) {
     json& diffuse = extension(writer, made, "KHR_materials_diffuse_transmission") = {
         {"diffuseTransmissionFactor", m.diffuse_transmission},
         {"diffuseTransmissionColorFactor", numbers(m.diffuse_transmission_color)}};
-    if (colored)
-      diffuse["diffuseTransmissionColorTexture"] =
-          texture_use(writer, m.diffuse_transmission_texture);
+    add_texture(diffuse, "diffuseTransmissionColorTexture", m.diffuse_transmission_texture);
   }
-  if (m.clearcoat != 0 || m.clearcoat_roughness != 0)
-    extension(writer, made, "KHR_materials_clearcoat") = {
+  if (m.clearcoat != 0 || m.clearcoat_roughness != 0 || is_there(m.clearcoat_texture) ||
+      is_there(m.clearcoat_roughness_texture)) {
+    json& coat = extension(writer, made, "KHR_materials_clearcoat") = {
         {"clearcoatFactor", m.clearcoat}, {"clearcoatRoughnessFactor", m.clearcoat_roughness}};
+    add_texture(coat, "clearcoatTexture", m.clearcoat_texture);
+    add_texture(coat, "clearcoatRoughnessTexture", m.clearcoat_roughness_texture);
+  }
 }
 
 json written_spectra(GltfWriter& writer, const Material& m) {

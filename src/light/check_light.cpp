@@ -35,8 +35,8 @@ void check_bands(const Bands& bands) {
   if (samples == 0) refuse("bands.wavelength_nm", "at least one wavelength", "none");
   double before = 0;
   for (const double nm : bands.wavelength_nm) {
-    if (!(nm > before) || !std::isfinite(nm))
-      refuse("bands.wavelength_nm", "wavelengths above 0 that ascend",
+    if (!(nm > before) || !(nm >= 100 && nm <= 5000))
+      refuse("bands.wavelength_nm", "wavelengths of 100 to 5000 nm that ascend",
              number_text(nm) + " after " + number_text(before));
     before = nm;
   }
@@ -129,8 +129,9 @@ void check_disc(const Disc& disc, std::size_t bands, const std::string& name) {
   if (!(std::fabs(length(to_double(disc.direction)) - 1) <= 1e-4))
     refuse(name + ".direction", "a unit vector",
            "one of length " + number_text(length(to_double(disc.direction))));
-  if (!(disc.angular_radius_rad > 0 && disc.angular_radius_rad < 0.1))
-    refuse(name + ".angular_radius_rad", "above 0 and below 0.1",
+  // In single precision directions within a smaller one are not told from those beside it.
+  if (!(disc.angular_radius_rad >= 1e-6 && disc.angular_radius_rad < 0.1))
+    refuse(name + ".angular_radius_rad", "1e-6 or more and below 0.1",
            number_text(disc.angular_radius_rad));
   if (disc.radiance.size() != bands)
     refuse(name + ".radiance", "one for each of " + std::to_string(bands) + " bands",

@@ -126,6 +126,12 @@ void check_scattering(const Material& m, const std::string& place) {
                 (any ? "spectra" : "a texture"));
 }
 
+Vec3 brightest_emission(const Scene& scene, const Material& material) {
+  const Vec3 texel = brightest_texel(scene, material.emissive_texture);
+  const Vec3 factor = material.emissive;
+  return {factor.x * texel.x, factor.y * texel.y, factor.z * texel.z};
+}
+
 void check_punctual_light(const PunctualLight& light, const std::string& place) {
   for (const float value : {light.color.x, light.color.y, light.color.z})
     if (!(value >= 0) || !std::isfinite(value))

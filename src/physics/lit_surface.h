@@ -177,6 +177,36 @@ OMMA_HD void eval_emitted(const SceneView& scene, const MeshView& mesh, const Sc
   }
 }
 
+// Tint by band, of the lanes of one mesh whose specular colour is a texture.
+template <typename F, typename I, typename Store>
+OMMA_HD void eval_tint(const SceneView& scene, const MeshView& mesh, const ScatterView& scatter,
+                       const SurfacePoint<F, I>& p, const Store& keep_band) {
+  const TextureRead& read = mesh.factors->specular_color;
+  const Color<F> rgb = eval_texture_at(scene, mesh, read.texture, read.uv, read.density, p);
+  for (int b = 0; b < scene.bands; ++b) {
+    const float* row = scatter.tint_from_rgb + 3 * b;
+    keep_band(b, clamp_unit_lanes(rgb.r * row[0] + rgb.g * row[1] + rgb.b * row[2]));
+  }
+}
+
+// Factors of one mesh times their textures.
+template <typename F, typename I>
+OMMA_HD void multiply_factors(const SceneView& scene, const MeshView& mesh,
+                              const SurfacePoint<F, I>& p, F& specular, F& transmission, F& coat,
+                              F& coat_roughness) {
+  const FactorTextures& textures = *mesh.factors;
+  const TextureRead* const reads[] = {&textures.specular, &textures.transmission, &textures.coat,
+                                      &textures.coat_roughness};
+  F* const factors[] = {&specular, &transmission, &coat, &coat_roughness};
+  // A loop, so that the code that reads a texture is there once.
+  for (int k = 0; k < 4; ++k) {
+    if (reads[k]->texture < 0) continue;
+    const Color<F> c =
+        eval_texture_at(scene, mesh, reads[k]->texture, reads[k]->uv, reads[k]->density, p);
+    *factors[k] = *factors[k] * clamp_unit_lanes(k == 0 ? c.a : k == 3 ? c.g : c.r);
+  }
+}
+
 template <typename L>
 OMMA_HD void eval_lit_surfaces(const SceneView& scene, const Packet<L>& packet,
                                const Hits<L>& hits, const HitGeometry<L>& geometry,
@@ -229,14 +259,22 @@ OMMA_HD void eval_lit_surfaces(const SceneView& scene, const Packet<L>& packet,
       roughness = roughness * clamp_unit_lanes(c.g);
       metallic = metallic * clamp_unit_lanes(c.b);
     }
+    F specular = broadcast<F>(scatter.specular), transmission = broadcast<F>(scatter.transmission);
+    F coat = broadcast<F>(scatter.clearcoat);
+    F coat_roughness = broadcast<F>(scatter.clearcoat_roughness);
+    if (mesh.factors != nullptr) {
+      multiply_factors(scene, mesh, p, specular, transmission, coat, coat_roughness);
+      if (scatter.tint_from_rgb != nullptr)
+        eval_tint(scene, mesh, scatter, p, [&](int b, F tint) { set_band(memory.tint, b, tint); });
+    }
     set(surface.roughness, roughness);
     set(surface.metallic, metallic);
     set(surface.ior, broadcast<F>(scatter.ior));
-    set(surface.specular, broadcast<F>(scatter.specular));
-    set(surface.transmission, broadcast<F>(scatter.transmission));
+    set(surface.specular, specular);
+    set(surface.transmission, transmission);
     set(surface.alpha, opacity_of(material, base));
-    set(surface.coat, broadcast<F>(scatter.clearcoat));
-    set(surface.coat_roughness, broadcast<F>(scatter.clearcoat_roughness));
+    set(surface.coat, coat);
+    set(surface.coat_roughness, coat_roughness);
     set(surface.table, load<I>(hits.mesh + l) * 0 + scatter.albedo_table);
     set(surface.material, keep(is_member, load<I>(hits.mesh + l) * 0 + mesh.material));
   });

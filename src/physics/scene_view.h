@@ -51,7 +51,24 @@ struct ScatterView {
   const float* extra = nullptr;            // of the extra texture's R, G, B: [band][3]
   const float* emission = nullptr;         // of linear RGB: [band][3]
   const float* specular_tint = nullptr;    // [band], at normal incidence; null: 1
+  const float* tint_from_rgb = nullptr;    // in its place, of a texture's R, G, B: [band][3]
   std::int32_t albedo_table = 0;  // of its ior, among SceneView::specular_albedo
+};
+
+// A texture as one mesh reads it.
+struct TextureRead {
+  std::int32_t texture = -1;       // index into SceneView::textures, -1 for none
+  const float* uv = nullptr;       // as MeshView::base_uv
+  const float* density = nullptr;  // as MeshView::base_density
+};
+
+// Textures that few materials have, and the channel that is a factor.
+struct FactorTextures {
+  TextureRead specular;        // alpha
+  TextureRead transmission;    // straight through; red
+  TextureRead coat;            // red
+  TextureRead coat_roughness;  // green
+  TextureRead specular_color;  // all, through ScatterView::tint_from_rgb
 };
 
 struct MeshView {
@@ -77,6 +94,7 @@ struct MeshView {
   const float* normal_density = nullptr;
   const float* transmission_density = nullptr;
   const float* extra_density = nullptr;
+  const FactorTextures* factors = nullptr;  // null: none
   const float* normals = nullptr;  // [vertex][3], in the mesh's frame; null: those of triangles
 };
 

@@ -84,6 +84,54 @@ TEST(GltfScattering, Extensions) {
   EXPECT_EQ(coated.clearcoat_roughness, 0.25f);
 }
 
+TEST(GltfScattering, TexturesOfFactors) {
+  const json one = {{"index", 1}}, other = {{"index", 0}, {"texCoord", 1}};
+  const auto loaded = [](const char* name, json values) {
+    const Scene scene = load(with_material(extension(name, std::move(values))));
+    EXPECT_FALSE(has_warning(scene, "not supported")) << name;
+    return scene.materials.at(0);
+  };
+  const Material shiny =
+      loaded("KHR_materials_specular", {{"specularTexture", one}, {"specularColorTexture", other}});
+  EXPECT_EQ(shiny.specular_texture.texture, 0);  // in the order of their first use
+  EXPECT_EQ(shiny.specular_color_texture.texture, 1);
+  EXPECT_EQ(shiny.specular_color_texture.texcoord_set, 1);
+  const Material pane = loaded("KHR_materials_transmission",
+                               {{"transmissionFactor", 1}, {"transmissionTexture", other}});
+  EXPECT_EQ(pane.transmission_texture.texture, 0);
+  EXPECT_EQ(pane.transmission_texture.texcoord_set, 1);
+  const Material coated = loaded(
+      "KHR_materials_clearcoat",
+      {{"clearcoatFactor", 1}, {"clearcoatTexture", one}, {"clearcoatRoughnessTexture", other}});
+  EXPECT_EQ(coated.clearcoat_texture.texture, 0);
+  EXPECT_EQ(coated.clearcoat_roughness_texture.texture, 1);
+  expect_load_error(
+      with_material(extension("KHR_materials_specular", {{"specularTexture", {{"index", 7}}}})),
+      {"specularTexture", "texture 7", "there are 2"});
+  expect_load_error(with_material(extension("KHR_materials_clearcoat", {{"clearcoatTexture", 0}})),
+                    {"KHR_materials_clearcoat.clearcoatTexture"});
+}
+
+// Alpha is the same in sRGB and as data, so that it may be either's.
+TEST(GltfScattering, AlphaOfSixteenBitsIsNeitherColorNorData) {
+  const std::string bytes = png<std::uint16_t>(1, 1, 4, {32768, 32768, 32768, 32768});
+  const auto image = [&](const json& material) {
+    GltfBuilder b = textured_triangle({{"uri", data_uri(bytes)}});
+    b.document["materials"][0] = material;
+    const Scene scene = load(b);
+    EXPECT_FALSE(has_warning(scene, "used as colours and as data"));
+    EXPECT_NEAR(scene.images.at(0).rgba_linear.at(3), 32768 / 65535.0, 1e-6);
+    return scene.images.at(0);
+  };
+  const json use = {{"index", 0}};
+  json both = extension("KHR_materials_specular", {{"specularTexture", use}});
+  both["normalTexture"] = use;
+  EXPECT_NEAR(image(both).rgba_linear.at(0), 32768 / 65535.0, 1e-6);
+  both = extension("KHR_materials_specular",
+                   {{"specularTexture", use}, {"specularColorTexture", use}});
+  EXPECT_NEAR(image(both).rgba_linear.at(0), 0.2140483, 1e-6);
+}
+
 TEST(GltfScattering, WhatIsReadIsNotWarnedOf) {
   GltfBuilder b = one_triangle();
   b.document["extensionsUsed"] = b.document["extensionsRequired"] = {
@@ -96,17 +144,10 @@ TEST(GltfScattering, WhatIsPassedOverIsWarnedOf) {
   const auto said = [](const json& description) {
     return warnings(load(with_material(description)));
   };
-  const std::pair<const char*, json> textures[] = {
-      {"KHR_materials_specular", {{"specularTexture", {{"index", 0}}}}},
-      {"KHR_materials_specular", {{"specularColorTexture", {{"index", 0}}}}},
-      {"KHR_materials_transmission", {{"transmissionTexture", {{"index", 0}}}}},
-      {"KHR_materials_diffuse_transmission", {{"diffuseTransmissionTexture", {{"index", 0}}}}},
-      {"KHR_materials_clearcoat", {{"clearcoatTexture", {{"index", 0}}}}},
-      {"KHR_materials_clearcoat", {{"clearcoatRoughnessTexture", {{"index", 0}}}}}};
-  for (const auto& [name, values] : textures)
-    EXPECT_EQ(said(extension(name, values)),
-              std::vector<std::string>{"the texture " + values.begin().key() +
-                                       " is not supported; its factor alone counts (material 0)"});
+  EXPECT_EQ(said(extension("KHR_materials_diffuse_transmission",
+                           {{"diffuseTransmissionTexture", {{"index", 0}}}})),
+            std::vector<std::string>{"the texture diffuseTransmissionTexture is not supported; its "
+                                     "factor alone counts (material 0)"});
   // 10 is what a sample of the format's authors has.
   EXPECT_EQ(said(extension("KHR_materials_specular", {{"specularColorFactor", {10, 10, 10}}})),
             std::vector<std::string>{"a specular colour above 1 counts as 1 (material 0)"});
@@ -114,6 +155,9 @@ TEST(GltfScattering, WhatIsPassedOverIsWarnedOf) {
   EXPECT_EQ(said(extension("KHR_materials_volume", {{"thicknessFactor", 1}})),
             std::vector<std::string>{
                 "KHR_materials_volume is not supported: surfaces are thin (material 0)"});
+  EXPECT_EQ(said(extras({{"emission", spectrum({400, 500}, {1, 1})}})),
+            std::vector<std::string>{"a spectrum of emission is not seen where the emissive "
+                                     "factor is 0 (material 0)"});
   EXPECT_EQ(said(extension("KHR_materials_clearcoat", {{"clearcoatNormalTexture", {{"index", 0}}}}))
                 .size(),
             1u);

@@ -108,7 +108,7 @@ TEST(LightCheck, Discs) {
   EXPECT_TRUE(begins(said([](Disc& d) { d.direction.x = 0.61f; }), "discs[0].direction"));
   EXPECT_TRUE(
       begins(said([](Disc& d) { d.direction.x = static_cast<float>(nan); }), "discs[0].direction"));
-  for (const double bad : {0.0, -0.1, 0.1, nan})
+  for (const double bad : {0.0, -0.1, 9e-7, 0.1, nan})
     EXPECT_TRUE(
         begins(said([&](Disc& d) { d.angular_radius_rad = bad; }), "discs[0].angular_radius_rad"));
   EXPECT_TRUE(begins(said([](Disc& d) { d.radiance.pop_back(); }), "discs[0].radiance"));

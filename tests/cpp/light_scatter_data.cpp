@@ -221,6 +221,61 @@ TEST(ScatterData, SpecularColor) {
   EXPECT_NEAR(made.view().specular_tint[0], primary_spectra(400)[0], rounding);
 }
 
+TEST(ScatterData, TexturesOfFactors) {
+  EXPECT_EQ(Made{Material{}}.mesh().factors, nullptr);
+  Material material;
+  material.specular_texture.texture = 0;
+  material.clearcoat_roughness_texture.texture = 1;
+  material.clearcoat_roughness_texture.scale = {2, 2};
+  const Made made{material};
+  ASSERT_NE(made.mesh().factors, nullptr);
+  const FactorTextures& factors = *made.mesh().factors;
+  EXPECT_EQ(factors.transmission.texture, -1);
+  EXPECT_EQ(factors.coat.texture, -1);
+  EXPECT_EQ(factors.specular_color.texture, -1);
+  EXPECT_EQ(factors.specular.uv[2], 1);
+  EXPECT_NEAR(factors.specular.density[0], 2, 1e-5);
+  EXPECT_EQ(factors.coat_roughness.uv[2], 2);
+  const auto texel = [&](const TextureRead& read, float width) {
+    return eval_texture<float>(made.shading->view.textures[read.texture], 0.3f, 0.3f, width);
+  };
+  EXPECT_NEAR(texel(factors.coat_roughness, 0).g, 0.5, 1e-6);
+  EXPECT_EQ(texel(factors.specular, 0).a, 1);
+  material.unlit = true;
+  EXPECT_EQ(Made{material}.mesh().factors, nullptr);
+}
+
+// Of a factor in alpha coarser levels are the mean, where they would be 1 of an opaque colour.
+TEST(ScatterData, CoarseAlphaIsTheMean) {
+  Material material;
+  material.base_color_texture.texture = material.specular_texture.texture = 0;
+  Made made{material};
+  std::vector<std::uint8_t>& pixels = made.scene.images[0].rgba_srgb8;
+  pixels[3] = pixels[7] = pixels[11] = 0;
+  made.shading = make_shading_data(made.scene);
+  made.scatter = make_scatter_data(made.scene, made.light, *made.shading);
+  const TextureView& view = made.shading->view.textures[made.mesh().factors->specular.texture];
+  EXPECT_NEAR(eval_texture<float>(view, 0.3f, 0.3f, 2.0f).a, 0.25, 1e-5);
+}
+
+TEST(ScatterData, SpecularColorOfATexture) {
+  Material material;
+  material.specular_color = {1, 0.5f, 0};
+  const Made plain{material};
+  material.specular_color_texture.texture = 0;
+  const Made made{material};
+  EXPECT_EQ(made.view().specular_tint, nullptr);
+  ASSERT_NE(made.view().tint_from_rgb, nullptr);
+  // Where the texture is white its colour is the factor's.
+  for (std::size_t b = 0; b < 16; ++b) {
+    const float* row = made.view().tint_from_rgb + 3 * b;
+    EXPECT_NEAR(row[0] + row[1] + row[2], plain.view().specular_tint[b], rounding);
+  }
+  const TextureRead& read = made.mesh().factors->specular_color;
+  EXPECT_NEAR(eval_texture<float>(made.shading->view.textures[read.texture], 0.3f, 0.3f, 0.0f).g,
+              0.2158605, 1e-5);  // sRGB
+}
+
 TEST(ScatterData, UnlitIsMatterOfItsColor) {
   Material material;
   material.metallic = material.transmission = material.clearcoat = 1;

@@ -45,10 +45,10 @@ def test_bands_of_sensitivities_weigh_as_these_do():
         (lambda: Bands.from_sensitivities([300, 400], [[0, 0]]), "sensitivity: expected some abo"),
         (lambda: Bands.from_sensitivities([300, 400], [[-1, 1]]), "sensitivity: expected numbers"),
         (lambda: Bands.from_sensitivities([400, 300], [[1, 1]]), "wavelength_nm"),
-        (lambda: Bands([300, 300], [[1, 1]]), "wavelength_nm: expected wavelengths above 0"),
+        (lambda: Bands([300, 300], [[1, 1]]), "wavelength_nm: expected wavelengths that asc"),
         (lambda: Bands([300, 400], [[0, 0]]), "weight"),
         (lambda: Bands([300, 400], [[1, np.inf]]), "weight"),
-        (lambda: Bands([300, 400], [[1, 1]], [1, 2, 3]), "edges_nm: expected 2, found 3"),
+        (lambda: Bands([300, 400], [[1, 1]], [300, 350, 400]), "edges_nm: expected 2, found 3"),
         (
             lambda: Bands.equal().mean([1.0, 2.0], [350, 700]),
             "spectrum: expected values from 300.5",
@@ -84,3 +84,42 @@ def test_sixteen_bands_are_enough_for_a_bee_under_a_clear_sky():
     bee = omma.receptors.honeybee_ommatidia()[0].receptors
     found = [omma.receptors.band_error(light, bee, omma.light.Bands.equal(n)).rms for n in (8, 16)]
     assert found == pytest.approx([0.094, 0.026], rel=0.1)
+
+
+@pytest.mark.parametrize("source", ["sky", "sun"])
+def test_the_reported_error_holds_against_eighty_bands(source):
+    """Receptors over ground of each reflectance, rendered in a few bands and in 80: they differ by
+    what `band_error` reports. The ground is matt and open, so that nothing in a frame is random."""
+    nm, reflectances = omma.receptors.natural_reflectances()
+    types = omma.receptors.honeybee_ommatidia()[0].receptors
+    eye = omma.Eye([[0, 1, 0]] * len(types), [[0, -1, 0]] * len(types), 0.0)
+    eye = eye.replace(receptor_types=types, receptors=[[k] for k in range(len(types))])
+    day = omma.light.clear_sky(30.0)
+
+    def light(count):
+        """That of a day's sky from everywhere above, or of its sun, in so many bands."""
+        whole = day.in_bands(omma.light.Bands.equal(count))
+        if source == "sun":
+            return omma.light.Light(whole.bands, discs=whole.discs)
+        return omma.light.uniform_sky(whole.irradiance()[0] / np.pi, below=0, bands=whole.bands)
+
+    def responses(count):
+        """(reflectances, receptors)."""
+        found = []
+        for row in reflectances:
+            ground = omma.scene.Material(reflectance=omma.light.Spectrum(nm, row), specular=0)
+            plane = omma.scene.plane((40, 40)).replace(materials=[ground])
+            world = omma.World(plane, light=light(count), lighting="path", depth=1)
+            renderer = omma.Renderer(world, eye, omma.Fixed(32))
+            found.append(renderer.render_receptors(np.eye(4))[0])
+        return np.array(found)
+
+    fine = responses(80)
+    which = 0 if source == "sky" else -1
+    for count in (4, 8, 16):
+        bands = omma.light.Bands.equal(count)
+        reported = omma.receptors.band_error(day, types, bands).relative_error[which]
+        rendered = responses(count) / fine - 1
+        told = np.isfinite(reported)
+        assert told.mean() > 0.9
+        np.testing.assert_allclose(rendered[told], reported[told], atol=2e-4)

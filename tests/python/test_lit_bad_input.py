@@ -8,7 +8,7 @@ import pytest
 from lit_checks import BAND, matter, square
 
 import omma
-from omma.light import Spectrum, clear_sky, clear_sky_at, uniform_sky
+from omma.light import Bands, Disc, Spectrum, clear_sky, clear_sky_at, uniform_sky
 from omma.scene import ExtraReflectance, Material, Mesh, PunctualLight
 
 LIGHT = uniform_sky(1.0, bands=BAND)
@@ -80,11 +80,57 @@ def turned(normal):
         (lambda: uniform_sky(INFINITE), "radiance"),
         (lambda: LIGHT.scaled(INFINITE), "factor"),
         (lambda: LIGHT.scaled(-1.0), "factor"),
+        # Finite numbers of which single precision makes darkness or infinity, or bands that would
+        # take all memory.
+        (lambda: uniform_sky(1e-300), "radiance: expected .*1e-30 somewhere, found 1e-300"),
+        (lambda: uniform_sky(1e-20).scaled(1e-20), "light: expected .*1e-30 somewhere"),
+        (lambda: LIGHT.scaled(1e-300), "factor: expected 0, or 1e-30 to 1e30"),
+        (lambda: LIGHT.scaled(1e300), "factor: expected 0, or 1e-30 to 1e30"),
+        (lambda: LIGHT.turned(1e300), "azimuth_deg: expected -1e6 to 1e6"),
+        (lambda: Disc((0, 1, 0), 1e-8, [1.0]), "angular_radius_rad: expected 1e-06 or more"),
+        (lambda: Bands.from_edges([300, 1e9]), "edges_nm: expected 100 to 5000 nm"),
+        (lambda: Bands.equal(4, 0.1, 700), "edges_nm: expected 100 to 5000 nm"),
+        (lambda: Bands.from_sensitivities([300, 1e12], [[0, 1]]), "wavelength_nm: expected 100 to"),
+        (lambda: Bands([1.0, 400.0], [[1, 1]]), "wavelength_nm: expected 100 to 5000 nm"),
     ],
 )
 def test_bad_parts(make, message):
     with pytest.raises(omma.Error, match=message):
         make()
+
+
+@pytest.mark.parametrize(
+    ("parts", "message"),
+    [
+        ({"materials": [matter(emissive=(1, 1, 1), emission=rising(1e300, 1e300))]}, "material 0"),
+        ({"materials": [matter(emissive=(1e15,) * 3, emission=rising(1e16, 1e16))]}, "material 0"),
+        ({"lights": [PunctualLight("sun", intensity=1e300)]}, 'light 0 "sun"'),
+        ({"lights": [PunctualLight(type="directional", intensity=1e35)]}, "light 0"),
+        ({"lights": [PunctualLight(color=(1e38, 0, 0))]}, "light 0"),
+        ({"lights": [PunctualLight(spectrum=rising(1e300, 1e300))]}, "light 0"),
+    ],
+)
+def test_what_shines_too_brightly(parts, message):
+    """Brighter than light from afar may be: sums would leave single precision."""
+    scene = scene_of(matter(0.5)).replace(**parts)
+    with pytest.raises(
+        omma.Error, match=rf"scene: {message}.*: expected light of at most 1e30 per"
+    ):
+        omma.World(scene, light=LIGHT, lighting="path")
+
+
+def test_bright_emission_is_finite():
+    """Half of the limit, small in a large scene, so that squares are far from the mean."""
+    lamp = matter(emissive=(1, 1, 1), emission=rising(2e11, 2e11))
+    scene = omma.Scene(
+        meshes=[square(2, (0, 0, 0), (0, 1, 0)), square(1e-3, (0.5, 1, 0), (0, -1, 0), 1)],
+        materials=[matter(0.5), lamp],
+    )
+    world = omma.World(scene, light=LIGHT, lighting="path")
+    eye = omma.Eye([[0, 1, 0]], [[0, -1, 0]], 0.0)
+    seen, error = omma.Renderer(world, eye, omma.Fixed(64)).render(np.eye(4), standard_error=True)
+    assert np.isfinite(seen).all()
+    assert np.isfinite(error).all()
 
 
 def test_dates_beyond_the_ephemeris():

@@ -508,7 +508,7 @@ def public_calls(folder):
         "Wiring": (omma.eye.Wiring([0, 1], [0], [1.0]), {}),
         "GroundTruth": (renderer.ground_truth(pose), {}),
         "UltravioletDependence": (
-            omma.rendering.UltravioletDependence((), np.ones((1, 1)), np.ones((1, 1))), {},
+            omma.rendering.UltravioletDependence((), *[np.ones((1, 1))] * 3), {},
         ),
         "SamplingReport": (
             omma.rendering.SamplingReport(np.ones((1, 1)), np.ones((1, 1, 3)), 0.1), {},

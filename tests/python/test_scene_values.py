@@ -73,6 +73,7 @@ def everything():
             Material("paper", unlit=True, alpha_mode="blend"),
             Material(
                 "petal",
+                emissive=(0.5, 0.25, 0.125),
                 metallic=0.1,
                 roughness=0.3,
                 metallic_roughness_texture=TextureUse(2, 1, scale=(3, 3)),
@@ -80,13 +81,18 @@ def everything():
                 normal_scale=0.7,
                 ior=1.4,
                 specular=0.9,
+                specular_texture=2,
                 specular_color=(1, 0.9, 0.8),
+                specular_color_texture=TextureUse(0, 1),
                 transmission=0.05,
+                transmission_texture=TextureUse(2, 0, (0.5, 0.25)),
                 diffuse_transmission=0.3,
                 diffuse_transmission_color=(0.2, 0.9, 0.1),
                 diffuse_transmission_texture=4,
                 clearcoat=0.2,
+                clearcoat_texture=3,
                 clearcoat_roughness=0.6,
+                clearcoat_roughness_texture=TextureUse(2, rotation_rad=0.5),
                 reflectance=Spectrum([300, 401.5, 700], [0.05, 0.1, 1 / 3]),
                 transmittance=Spectrum([300, 700], [0.001, 0.2]),
                 spectral_luminance=0.3,
@@ -319,6 +325,11 @@ def test_merged_scenes_are_those_scenes(eye):
     assert petal.normal_texture.texture == 3 + len(box.textures)
     assert petal.metallic_roughness_texture.texture == 2 + len(box.textures)
     assert petal.diffuse_transmission_texture.texture == 4 + len(box.textures)
+    assert petal.specular_texture.texture == 2 + len(box.textures)
+    assert petal.specular_color_texture.texture == len(box.textures)
+    assert petal.transmission_texture.texture == 2 + len(box.textures)
+    assert petal.clearcoat_texture.texture == 3 + len(box.textures)
+    assert petal.clearcoat_roughness_texture.texture == 2 + len(box.textures)
     assert petal.extra_reflectance.texture.texture == 3 + len(box.textures)
     assert petal.extra_reflectance.spectra == scene.materials[2].extra_reflectance.spectra
     other = omma.Background.constant((1, 0, 0))

@@ -154,6 +154,21 @@ def test_units_and_bands():
     np.testing.assert_allclose(bands, means, rtol=1e-4, atol=1e-5 * bands.max())
 
 
+def test_limb_darkening_is_that_of_allen():
+    """Beside the polynomials in Å by which SolarSoft's limb_dark.pro fits the same table of
+    Allen's Astrophysical Quantities from 400 nm on."""
+    nm = np.arange(400.0, 701.0, 25)
+    u = np.polynomial.Polynomial(
+        [-8.9829751, 0.0069093916, -1.8144591e-6, 2.2540875e-10, -1.3389747e-14, 3.0453572e-19]
+    )
+    v = np.polynomial.Polynomial(
+        [9.2891180, -0.0062212632, 1.5788029e-6, -1.9359644e-10, 1.1444469e-14, -2.599494e-19]
+    )
+    np.testing.assert_allclose(
+        sun_limb_darkening(nm), u(10 * nm) + 1.5 * v(10 * nm), rtol=0, atol=0.02
+    )
+
+
 def test_limb_darkening():
     u = sun_limb_darkening(np.array([300.0, 350.0, 550.0, 700.0]))
     assert np.all(np.diff(u) < 0)
@@ -189,7 +204,14 @@ def test_nonsense_is_refused(change, message):
 
 @pytest.mark.parametrize(
     ("sun", "elevation", "azimuth", "nm"),
-    [(30, 45, 90, 440), (45, 20, 130, 380), (3, 10, 0, 440), (-4, 30, 0, 440)],
+    [
+        (30, 45, 90, 440),
+        (45, 20, 130, 380),
+        (6, 22, 94, 570),
+        (3, 10, 0, 440),
+        (-2.5, 22, 94, 570),
+        (-4, 30, 0, 440),
+    ],
 )
 def test_tables_against_an_independent_monte_carlo(sun, elevation, azimuth, nm):
     table = np.load(
@@ -237,7 +259,8 @@ def test_generator_gives_the_numbers_of_natraj(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("sun", "haze", "ozone"), [(33, 0.0, 300), (45, 0.05, 300), (60, 0.0, 350)]
+    ("sun", "haze", "ozone"),
+    [(18.5, 0.0, 350), (33, 0.0, 300), (45, 0.05, 300), (60, 0.0, 350)],
 )
 def test_tables_between_nodes_against_sasktran2(monkeypatch, sun, haze, ozone):
     pytest.importorskip("sasktran2")
@@ -250,7 +273,8 @@ def test_tables_between_nodes_against_sasktran2(monkeypatch, sun, haze, ozone):
     elevation, azimuth = np.array([4.0, 22.0, 65.0]), np.array([40.0, 131.0])
     direct = sky_stokes(clear_atmosphere(nm, ozone, haze), sun, elevation, azimuth)
     log_i, q, u = TableSky(sun, haze, ozone).stokes(elevation, azimuth, nm)
+    # 570 nm lies between nodes in ozone's visible bands, where a spline misses 1.3 % at 18.5°.
     # Haze is a parabola through three depths, 0.05 in the middle of the first two.
-    np.testing.assert_allclose(np.exp(log_i), direct[:, :, 0], rtol=0.02 if haze else 0.01)
+    np.testing.assert_allclose(np.exp(log_i), direct[:, :, 0], rtol=0.02 if haze else 0.005)
     np.testing.assert_allclose(q, direct[:, :, 1] / direct[:, :, 0], atol=0.005)
     np.testing.assert_allclose(u, direct[:, :, 2] / direct[:, :, 0], atol=0.005)

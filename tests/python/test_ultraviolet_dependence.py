@@ -64,6 +64,8 @@ def test_open_ground(scene, eye, lighting):
     assert found.share[0, 0, 0] == 1
     assert (found.share[0, 1:] == 0).all()
     assert found.share[0, 0, 2:].max() < 1e-6, "light above 500 nm does not depend on it"
+    assert found.share_error.shape == found.share.shape
+    assert found.share_error[0, 0, 0] < 1e-3
 
 
 def test_of_receptors(scene, eye):
@@ -83,7 +85,23 @@ def test_of_receptors(scene, eye):
     assert found.share[0, 1] < 0.1
     assert told == sorted(told)
     assert told[-1] == 1
-    assert "1 materials" in repr(found)
+    assert "1 materials: up to" in repr(found)
+
+
+def test_chance_is_told_from_dependence(eye):
+    """Gloss is sampled by all bands: what is above 400 nm differs, by no more than chance."""
+    glossy = omma.scene.plane((4, 4), (0.1, 0.1, 0.1), name="glossy")
+    world = omma.World(
+        glossy.replace(materials=[glossy.materials[0].replace(roughness=0.6, specular=1.0)]),
+        light=omma.light.clear_sky(40),
+        ultraviolet="dark",
+        lighting="path",
+    )
+    found = ultraviolet_dependence(omma.Renderer(world, eye, omma.Fixed(64)), np.eye(4))
+    visible, below = found.share[0, :2, 4:], found.share[0, :2, :4]
+    assert visible.max() > 0
+    assert (visible < 5 * found.share_error[0, :2, 4:]).all()
+    assert (below > 5 * found.share_error[0, :2, :4]).all()
 
 
 def test_worlds_of_which_it_cannot_be_told(scene, eye):

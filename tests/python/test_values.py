@@ -142,7 +142,10 @@ def examples(files, tmp_path_factory):
         "receptors.ReceptorType": all_round_eye().receptor_types[0],
         "rendering.GroundTruth": renderer.ground_truth(pose, shares=[0]),
         "rendering.UltravioletDependence": omma.rendering.UltravioletDependence(
-            ("grass",), np.zeros((1, 2, 3), np.float32), np.ones((1, 2, 3), np.float32)
+            ("grass",),
+            np.zeros((1, 2, 3), np.float32),
+            np.ones((1, 2, 3), np.float32),
+            np.zeros((1, 2, 3), np.float32),
         ),
         "rendering.Settings": omma.rendering.Settings(omma.Shared(4), seed=7),
         "rendering.SamplingReport": renderer.render(pose, report=True)[1],

@@ -21,6 +21,8 @@ Floats = NDArray[np.float64]
 
 # Between samples inside of a band: spectra of pigments, leaves and skies change little over it.
 _STEP_NM = 1.0
+# As of `Spectrum`; beyond it nothing here knows light, and bands would take memory without end.
+_SHORTEST_NM, _LONGEST_NM = 100.0, 5000.0
 
 
 @checked
@@ -43,7 +45,16 @@ def band_edges(edges_nm: ArrayLike) -> Floats:
             f"edges_nm: expected 2 to {_core.most_bands + 1} wavelengths that ascend, found "
             f"{edges.tolist()!s:.80}"
         )
+    _check_range(edges, "edges_nm")
     return edges
+
+
+def _check_range(ascending_nm: Floats, name: str) -> None:
+    if not (ascending_nm[0] >= _SHORTEST_NM and ascending_nm[-1] <= _LONGEST_NM):
+        raise Error(
+            f"{name}: expected {_SHORTEST_NM:g} to {_LONGEST_NM:g} nm, found "
+            f"{ascending_nm[0]:g} to {ascending_nm[-1]:g}"
+        )
 
 
 def band_means(edges: Floats, spectra: Callable[[Floats], Floats]) -> Floats:
@@ -89,8 +100,8 @@ class Bands:
     edges_nm: (B + 1,) where the bands lie side by side; else None.
 
     Raises:
-        omma.Error: wavelengths that do not ascend or are not above 0, weights that are negative,
-            not finite or all 0, more than 128 bands.
+        omma.Error: wavelengths that do not ascend or are not within 100 to 5000 nm, weights that
+            are negative, not finite or all 0, more than 128 bands.
     """
 
     wavelength_nm: Floats
@@ -99,8 +110,9 @@ class Bands:
 
     def __post_init__(self) -> None:
         nm = array_of(self.wavelength_nm, "wavelength_nm", (None,))
-        if not (len(nm) and np.all(np.isfinite(nm)) and nm[0] > 0 and np.all(np.diff(nm) > 0)):
-            raise Error("wavelength_nm: expected wavelengths above 0 that ascend")
+        if not (len(nm) and np.all(np.isfinite(nm)) and np.all(np.diff(nm) > 0)):
+            raise Error("wavelength_nm: expected wavelengths that ascend")
+        _check_range(nm, "wavelength_nm")
         weight = array_of(self.weight, "weight", (None, len(nm)))
         if not 1 <= len(weight) <= _core.most_bands:
             raise Error(f"weight: expected 1 to {_core.most_bands} bands, found {len(weight)}")
@@ -153,8 +165,8 @@ class Bands:
             omma.Error: less than 1 or more than 128 bands, wavelengths that do not ascend.
         """
         count = whole(count, "count", 1, _core.most_bands)
-        if not 0 < low_nm < high_nm < float("inf"):
-            raise Error(f"low_nm, high_nm: expected 0 < low < high, found {low_nm}, {high_nm}")
+        if not low_nm < high_nm:
+            raise Error(f"low_nm, high_nm: expected low < high, found {low_nm}, {high_nm}")
         return Bands.from_edges(np.linspace(low_nm, high_nm, count + 1))
 
     @staticmethod
@@ -177,6 +189,7 @@ class Bands:
         rows = array_of(sensitivity, "sensitivity", (None, len(knots)))
         if len(knots) < 2 or not np.all(np.isfinite(knots)) or not np.all(np.diff(knots) > 0):
             raise Error("wavelength_nm: expected two or more wavelengths that ascend")
+        _check_range(knots, "wavelength_nm")
         if not np.all(np.isfinite(rows)) or np.any(rows < 0):
             raise Error("sensitivity: expected numbers of at least 0")
         steps = int(np.ceil((knots[-1] - knots[0]) / _STEP_NM))

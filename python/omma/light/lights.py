@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, TypeVar, cast
 
@@ -25,7 +25,12 @@ F = TypeVar("F", bound=Callable[..., Any])
 # A maker's name and its arguments.
 Recipe = tuple[str, dict[str, Any]]
 
-_LARGEST_DISC_RAD = 0.1
+# In single precision directions within a smaller disc are not told from those beside it.
+_SMALLEST_DISC_RAD, _LARGEST_DISC_RAD = 1e-6, 0.1
+# Of the brightest of a light: what is much weaker is 0 in single precision.
+LEAST_RADIANCE = 1e-30
+# So that rounding stays far below what is looked at.
+MOST_AZIMUTH_DEG = 1e6
 # Letters of a repr for how a light was made.
 _LONGEST = 120
 
@@ -36,7 +41,7 @@ class Disc:
     """A disc far away, unpolarised, such as the sun or the moon.
 
     direction: (3,), towards its centre.
-    angular_radius_rad: above 0, less than a tenth.
+    angular_radius_rad: 1e-6 or more, less than a tenth.
     radiance: (B,), the mean over the disc by band.
     limb_darkening: (B,), u in L(mu) = L(1) (1 - u (1 - mu)), 0 to 1, mu the cosine at the disc's
         own surface. None: it is even.
@@ -56,10 +61,10 @@ class Disc:
         if not np.all(np.isfinite(direction)) or not direction.any():
             raise Error(f"direction: expected three numbers, not all 0, found {direction.tolist()}")
         radius = array_of(self.angular_radius_rad, "angular_radius_rad", ())
-        if not 0 < radius < _LARGEST_DISC_RAD:
+        if not _SMALLEST_DISC_RAD <= radius < _LARGEST_DISC_RAD:
             raise Error(
-                f"angular_radius_rad: expected more than 0, less than {_LARGEST_DISC_RAD}, found "
-                f"{radius:g}"
+                f"angular_radius_rad: expected {_SMALLEST_DISC_RAD:g} or more, less than "
+                f"{_LARGEST_DISC_RAD}, found {radius:g}"
             )
         radiance = _strengths(self.radiance, "radiance", (None,))
         limb = None
@@ -114,7 +119,8 @@ class Light:
         numbers, which a pickle then holds.
 
     Raises:
-        omma.Error: shapes that do not go together, numbers that are negative or not finite.
+        omma.Error: shapes that do not go together, numbers that are negative or not finite, light
+            that is below 1e-30 everywhere and not 0.
     """
 
     bands: Bands
@@ -142,6 +148,9 @@ class Light:
                     f"discs[{k}]: expected radiance in {len(self.bands)} bands, found "
                     f"{len(disc.radiance)}"
                 )
+        check_not_lost(
+            [*(one.radiance for one in discs), *([] if self.sky is None else [self.sky])], "light"
+        )
         object.__setattr__(self, "band_from_channel", matrix)
         object.__setattr__(self, "discs", discs)
 
@@ -208,8 +217,8 @@ class Light:
     def turned(self, azimuth_deg: float) -> Light:
         """The same light turned to the right, seen from above: a sun in the north goes east."""
         turn = float(np.radians(azimuth_deg))
-        if not np.isfinite(turn):
-            raise Error(f"azimuth_deg: expected a finite angle, found {azimuth_deg}")
+        if not abs(azimuth_deg) <= MOST_AZIMUTH_DEG:
+            raise Error(f"azimuth_deg: expected -1e6 to 1e6, found {azimuth_deg}")
         c, s = np.cos(turn), np.sin(turn)
         to_the_right = np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])
         discs = tuple(replace(one, direction=to_the_right @ one.direction) for one in self.discs)
@@ -219,9 +228,9 @@ class Light:
 
     @checked
     def scaled(self, factor: float) -> Light:
-        """The same light ``factor`` times as strong, factor at least 0."""
-        if not (np.isfinite(factor) and factor >= 0):
-            raise Error(f"factor: expected a number of at least 0, found {factor}")
+        """The same light ``factor`` times as strong, 0 or 1e-30 to 1e30."""
+        if factor != 0 and not LEAST_RADIANCE <= factor <= 1 / LEAST_RADIANCE:
+            raise Error(f"factor: expected 0, or 1e-30 to 1e30, found {factor}")
         sky = None if self.sky is None else np.float32(factor) * self.sky
         discs = tuple(replace(one, radiance=factor * one.radiance) for one in self.discs)
         recipe = self._changed("scaled", factor=factor)
@@ -313,6 +322,13 @@ def _strengths(value: Any, name: str, shape: tuple[int | None, ...]) -> Floats:
         raise Error(f"{name}: expected finite numbers of at least 0")
     numbers.flags.writeable = False
     return np.asarray(numbers)
+
+
+def check_not_lost(radiances: Sequence[NDArray[Any]], name: str) -> None:
+    """Refuses light that is there and would be darkness in single precision."""
+    brightest = max((float(one.max(initial=0)) for one in radiances), default=0.0)
+    if 0 < brightest < LEAST_RADIANCE:
+        raise Error(f"{name}: expected radiance of at least 1e-30 somewhere, found {brightest:g}")
 
 
 def _checked_sky(sky: Any, bands: int, matrix: Floats | None) -> NDArray[np.float32]:

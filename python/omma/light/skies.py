@@ -11,7 +11,7 @@ from omma._core import Error
 from omma.base.arguments import array_of, checked, positive, within
 from omma.base.directions import direction
 from omma.light.bands import Bands
-from omma.light.lights import Disc, Light, makes_light
+from omma.light.lights import MOST_AZIMUTH_DEG, Disc, Light, check_not_lost, makes_light
 from omma.light.sky_map import sky_nodes
 from omma.light.sky_tables import (
     LOWEST_SUN_DEG,
@@ -31,9 +31,6 @@ _MOON_RADIUS_RAD = float(np.radians(0.518 / 2))  # at its mean distance
 # (Allen, Astrophysical Quantities, 3rd edition, 1973), good to 150 degrees of phase angle.
 _SUN_MAGNITUDE, _FULL_MOON_MAGNITUDE = -26.74, -12.73
 _MOST_PHASE_DEG = 150.0
-
-# So that rounding stays far below what is looked at.
-_MOST_AZIMUTH_DEG = 1e6
 
 
 @checked
@@ -63,6 +60,7 @@ def uniform_sky(
         raise Error(f"radiance: expected one number or {len(bands)}, found shape {each.shape}")
     if not np.all(np.isfinite(each)) or np.any(each < 0):
         raise Error("radiance: expected finite numbers of at least 0")
+    check_not_lost([each], "radiance")
     if not (np.isfinite(below) and below >= 0):
         raise Error(f"below: expected a number of at least 0, found {below}")
     sky = np.empty((2, 2, 4, 1, len(bands)), np.float32)
@@ -186,7 +184,7 @@ def moonlit_sky(
         omma.Error: a number out of range.
     """
     within(moon_elevation_deg, "moon_elevation_deg", LOWEST_SUN_DEG, 90)
-    within(moon_azimuth_deg, "moon_azimuth_deg", -_MOST_AZIMUTH_DEG, _MOST_AZIMUTH_DEG)
+    within(moon_azimuth_deg, "moon_azimuth_deg", -MOST_AZIMUTH_DEG, MOST_AZIMUTH_DEG)
     within(phase_angle_deg, "phase_angle_deg", -_MOST_PHASE_DEG, _MOST_PHASE_DEG)
     sunlit = clear_sky(
         moon_elevation_deg, moon_azimuth_deg, aerosol=aerosol, ozone_du=ozone_du, albedo=albedo,

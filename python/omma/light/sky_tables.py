@@ -9,6 +9,7 @@ same for every sun: its radiance times what one unit of it gives.
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 from importlib import resources
 from typing import Any
 
@@ -31,6 +32,9 @@ ROWS, COLUMNS = 91, 360  # of the maps that are made: one degree
 
 # Optical depth that is added to that of all, so that log I is nearly a parabola over haze's part.
 _PART_BEND = 0.2
+
+# Ozone's bands in the visible: where they begin, at a node of the tables, and are deepest.
+_VISIBLE_OZONE_NM, _MOST_OZONE_NM = 450.0, 600.0
 
 # Allen's Astrophysical Quantities (4th ed., 2000, section 14.7): wavelength, nm, and the two
 # numbers u2, v2 of 1 - u2 - v2 + u2 mu + v2 mu^2.
@@ -177,15 +181,15 @@ class TableSky:
         self.sun_deg, self.haze, self.ozone_du = sun_deg, haze, ozone_du
         suns = _neighbours(table["sun_deg"], sun_deg)
         self.hazes = _haze_shares(table, haze)
+        of_polarised = _polarised_shares(table, haze, sun_deg)
         log_i: Any = 0.0
         stokes: Any = 0.0
         for h, of_haze in self.hazes:
+            share = np.stack(np.broadcast_arrays(of_haze[:, None, None], *[of_polarised[h]] * 2))
             for s, of_sun in suns:
                 steps = np.cumsum(table["steps"][h, s], axis=-1, dtype=np.int32)
-                share = of_haze * of_sun  # [log I or Q/I and U/I, wavelength]
-                parts = steps * table["step"][:, None, None, None]
-                stokes = stokes + share[[0, 1, 1], :, None, None] * parts
-                log_i = log_i + share[0] * table["log_mean"][h, s]
+                stokes = stokes + of_sun * share * (steps * table["step"][:, None, None, None])
+                log_i = log_i + of_sun * of_haze * table["log_mean"][h, s]
         ozone: Any = 0.0
         for s, of_sun in suns:
             ozone = ozone + of_sun * table["ozone"][:, s]
@@ -195,6 +199,12 @@ class TableSky:
         # [3, wavelength, elevation, azimuth]
         self.fields = stokes
         self.fields[0] += log_i[:, None, None] + change
+        # How much ozone light has passed, over the column upwards, [elevation, azimuth]: by what
+        # more of it takes away where it absorbs most in the visible, which is little.
+        k = int(np.argmin(np.abs(table["wavelength_nm"] - _MOST_OZONE_NM)))
+        taken = table["ozone_elevation"] @ (ozone[0, k] + 2 * x * ozone[1, k])
+        per_du = np.interp(_MOST_OZONE_NM, table["fine_nm"], table["ozone_depth_per_du"])
+        self.ozone_mass = -(taken @ table["ozone_azimuth"].T) / (300 * per_du)
 
     def stokes(self, elevation_deg: Floats, azimuth_deg: Floats, nm: Floats) -> Any:
         """log(I / irradiance), Q/I, U/I, float32: (elevation, azimuth, K) each."""
@@ -206,11 +216,14 @@ class TableSky:
         fields = up @ np.concatenate([self.fields, beyond], axis=2)
         log_i, q, u = fields[0] @ even.T, fields[1] @ even.T, fields[2] @ odd.T
         guess = first_guess(table, self.haze, self.sun_deg, elevation_deg, azimuth_deg)
-        log_i = log_i + np.log(guess)
-        along = _spline_matrix(tuple(table["wavelength_nm"]), tuple(nm)).astype(np.float32)
+        mass = np.concatenate([self.ozone_mass, self.ozone_mass[-1:-5:-1, ::-1]])
+        passed = (up @ mass @ even.T) * self.ozone_du
+        log_i = np.concatenate([log_i + np.log(guess), passed[None]])
+        along = _spline_matrix(tuple(table["wavelength_nm"]), tuple(nm))
+        with_ozone = np.column_stack([along, -_ozone_between(table, nm)])
         return tuple(
-            product(np.moveaxis(one, 0, -1).astype(np.float32, order="C"), along.T)
-            for one in (log_i, q, u)
+            product(np.moveaxis(one, 0, -1).astype(np.float32, order="C"), by.T.astype(np.float32))
+            for one, by in ((log_i, with_ozone), (q, along), (u, along))
         )
 
     def transmission(self, nm: Floats) -> Floats:
@@ -235,10 +248,23 @@ class TableSky:
         table = self.table
         along = _spline_matrix(tuple(table["wavelength_nm"]), tuple(nm))
         up = _spline_matrix(tuple(table["elevation_deg"]), tuple(elevation_deg))
-        back: Any = sum(share[0][:, None] * table["ground"][h] for h, share in self.hazes)
-        returned: Any = sum(share[0] * table["returned"][h] for h, share in self.hazes)
+        back: Any = sum(share[:, None] * table["ground"][h] for h, share in self.hazes)
+        returned: Any = sum(share * table["returned"][h] for h, share in self.hazes)
         shine = albedo / (np.pi * (1 - albedo * (along @ returned)))
         return shine, up @ (along @ back[0]).T, up @ (along @ back[1]).T
+
+
+def _ozone_between(table: dict[str, Any], nm: Floats) -> Floats:
+    """What a spline through the tables' wavelengths misses of ozone's depth, per DU, (K,).
+
+    Of its bands in the visible, from a node on; below, light scattered above ozone counts for more
+    than what ozone lets pass. Means over 5 nm, as in the tables.
+    """
+    padded = np.pad(table["ozone_depth_per_du"], 2, "edge")
+    depth = np.convolve(padded, np.full(5, 0.2), "valid")
+    nodes, fine = table["wavelength_nm"], table["fine_nm"]
+    of_spline = _spline_matrix(tuple(nodes), tuple(nm)) @ np.interp(nodes, fine, depth)
+    return np.where(nm < _VISIBLE_OZONE_NM, 0.0, np.interp(nm, fine, depth) - of_spline)
 
 
 def first_guess(
@@ -253,46 +279,67 @@ def first_guess(
     The phase function of air with its haze, times the share of light that is scattered on a way
     through all of it: so that what is stored changes little with haze and around the sun.
     """
+    air, of_haze = _scattered_once(table, sun_deg, elevation_deg, azimuth_deg)
+    depth = _at_nodes(table, "rayleigh_depth")[:, None, None]
+    if haze > 0:
+        more = haze * (_at_nodes(table, "haze_depth") * table["haze_scattered"])[:, None, None]
+        depth, air = depth + more, (air + haze * of_haze) / (depth + more)
+    else:
+        air = air / depth
+    sine = np.sin(np.radians(elevation_deg))[:, None]
+    return air * -np.expm1(-depth / (sine + 0.025))
+
+
+def _scattered_once(
+    table: dict[str, Any], sun_deg: float, elevation_deg: Floats, azimuth_deg: Floats
+) -> tuple[Floats, Floats]:
+    """Depth of scattering times phase function of air and of a haze of depth 1 at 550 nm:
+    (wavelength, elevation, azimuth) each.
+    """
     e, a = np.radians(elevation_deg)[:, None], np.radians(azimuth_deg)
     sun = np.radians(sun_deg)
     cosine = np.sin(e) * np.sin(sun) + np.cos(e) * np.cos(sun) * np.cos(a)
-    nm, fine = table["wavelength_nm"], table["fine_nm"]
     delta = table["anisotropy"][:, None, None]
-    phase = 0.75 * delta * (1 + cosine**2) + 1 - delta
-    depth = np.interp(nm, fine, table["rayleigh_depth"])[:, None, None]
-    if haze > 0:
-        half = np.sqrt(np.clip(0.5 - 0.5 * cosine, 0, 1))
-        at = np.linspace(0, 1, table["haze_phase"].shape[1])
-        hazy = np.array([np.interp(half, at, one) for one in table["haze_phase"]])
-        of_haze = np.interp(nm, fine, table["haze_depth"]) * table["haze_scattered"]
-        more = haze * of_haze[:, None, None]
-        phase = (depth * phase + more * hazy) / (depth + more)
-        depth = depth + more
-    return phase * -np.expm1(-depth / (np.sin(e) + 0.025))
+    air = 0.75 * delta * (1 + cosine**2) + 1 - delta
+    half = np.sqrt(np.clip(0.5 - 0.5 * cosine, 0, 1))
+    at = np.linspace(0, 1, table["haze_phase"].shape[1])
+    haze = np.array([np.interp(half, at, one) for one in table["haze_phase"]])
+    of_haze = _at_nodes(table, "haze_depth") * table["haze_scattered"]
+    return _at_nodes(table, "rayleigh_depth")[:, None, None] * air, of_haze[:, None, None] * haze
+
+
+def _at_nodes(table: dict[str, Any], depth: str) -> Floats:
+    return np.asarray(np.interp(table["wavelength_nm"], table["fine_nm"], table[depth]))
 
 
 def _haze_shares(table: dict[str, Any], haze: float) -> list[tuple[int, Floats]]:
-    """Shares of the tables' hazes: (index, (for log I or for polarisation, wavelength)).
+    """Shares of the tables' hazes in log I: (index, (wavelength,)); those that are not 0.
 
-    By the parabola through all three over haze's part in scattering, by wavelength; for log I
-    over a part that bends less.
+    By the parabola through all three over haze's part in scattering, by wavelength, which is bent
+    less than it is.
     """
-    nm, fine = table["wavelength_nm"], table["fine_nm"]
-    air = np.interp(nm, fine, table["rayleigh_depth"])
-    each = np.interp(nm, fine, table["haze_depth"])
+    air, each = _at_nodes(table, "rayleigh_depth"), _at_nodes(table, "haze_depth")
+    shares = _parabola(table, haze, lambda depth: depth * each / (air + _PART_BEND + depth * each))
+    return [(k, share) for k, share in enumerate(shares) if np.any(share != 0)]
 
-    def place(depth: float) -> Floats:
-        return np.array(
-            [depth * each / (air + _PART_BEND + depth * each), depth * each / (air + depth * each)]
-        )
 
-    nodes = [place(one) for one in table["haze"]]
-    at = place(haze)
-    shares = []
-    for k, node in enumerate(nodes):
-        others = [one for one in nodes if one is not node]
-        shares.append((k, np.prod([(at - one) / (node - one) for one in others], axis=0)))
-    return [(k, share) for k, share in shares if np.any(share != 0)]
+def _polarised_shares(table: dict[str, Any], haze: float, sun_deg: float) -> list[Floats]:
+    """Shares of the tables' hazes in Q/I and U/I: (wavelength, elevation, azimuth) each.
+
+    By the parabola over the part of light scattered once that haze sends into a direction: of that
+    light Q/I and U/I are linear in it.
+    """
+    air, each = _scattered_once(table, sun_deg, table["elevation_deg"], table["azimuth_deg"])
+    return _parabola(table, haze, lambda depth: depth * each / (air + depth * each))
+
+
+def _parabola(table: dict[str, Any], haze: float, place: Callable[[float], Floats]) -> list[Floats]:
+    """Shares of the tables' hazes in the parabola through them, where each is at its place."""
+    nodes, at = [place(one) for one in table["haze"]], place(haze)
+    return [
+        np.prod([(at - one) / (node - one) for one in nodes if one is not node], axis=0)
+        for node in nodes
+    ]
 
 
 def _neighbours(nodes: Floats, at: float) -> list[tuple[int, float]]:

@@ -151,7 +151,12 @@ def _material(material: Material, textures: int) -> Material:
         emissive_texture=_use(material.emissive_texture, textures),
         metallic_roughness_texture=_use(material.metallic_roughness_texture, textures),
         normal_texture=_use(material.normal_texture, textures),
+        specular_texture=_use(material.specular_texture, textures),
+        specular_color_texture=_use(material.specular_color_texture, textures),
+        transmission_texture=_use(material.transmission_texture, textures),
         diffuse_transmission_texture=_use(material.diffuse_transmission_texture, textures),
+        clearcoat_texture=_use(material.clearcoat_texture, textures),
+        clearcoat_roughness_texture=_use(material.clearcoat_roughness_texture, textures),
         extra_reflectance=extra and extra.replace(texture=_use(extra.texture, textures)),
     )
 

@@ -180,5 +180,6 @@ def _asking(names: list[str], light: Light) -> str:
         f"ultraviolet: of {len(names)} materials only RGB is known, which says nothing below 400 "
         f"nm, where {part:.1%} of this light is, and receptors for ultraviolet see little else: "
         f'{told}{more}. Say what they reflect there: ultraviolet="dark", "as_blue", a reflectance '
-        "such as 0.02, or a mapping by name; or give materials spectra (docs/materials.md)"
+        "such as 0.02, or a mapping by name; or give materials spectra (docs/materials.md). "
+        "omma.rendering.ultraviolet_dependence tells by how much responses depend on it"
     )
