@@ -1,5 +1,5 @@
 // Light from afar for the lanes of a packet: discs such as the sun, and directions in them, all lanes
-// at once; the sky, whose maps are read lane by lane.
+// at once; the sky, whose maps are read by rows.
 #pragma once
 
 #include "physics/light_sample.h"
