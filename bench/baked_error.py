@@ -22,11 +22,11 @@ import warnings
 from dataclasses import dataclass
 
 import numpy as np
-from light import clear_light
 from light_scenes import Setup, lit_meadow
 from numpy.typing import NDArray
 
 import omma
+from light import clear_light
 from omma.scene import Bake
 
 COLUMNS = (
