@@ -11,7 +11,13 @@ from pathlib import Path
 
 from curves import Reached, Row, crossing, least, pick, random_error, read
 from report_cameras import AT_PERCENT, all_table, times_table
-from report_light import aims_of_light, parts_table, peer_table, ways_table
+from report_light import (
+    aims_of_light,
+    baked_error_table,
+    parts_table,
+    peer_table,
+    ways_table,
+)
 
 from omma.study.speed_test import PUBLISHED_FRAMES_PER_S, PUBLISHED_RAYS
 
@@ -535,6 +541,26 @@ def baked(rows: list[Row]) -> list[str]:
     ]
 
 
+def baked_error(rows: list[Row]) -> list[str]:
+    """The section of RESULTS.md about what baked light is off by."""
+    first = rows[0]
+    return [
+        "## 15. Baked light beside paths",
+        "",
+        *text(
+            f"`bench/baked_error.py`: {first['ommatidia']} ommatidia of a honeybee in the lit",
+            f"meadow, {first['rays']} rays each. {int(first['cells']):,} cells of {first['paths']}",
+            f"paths a side took {first['bake_cpu_s']} core-seconds and {first['baked_mb']} MB.",
+            "Baked minus paths, % of the mean response, without the noise of rays; ± are standard",
+            "errors of that noise.",
+        ),
+        *table(
+            "band, nm | bias, sun exact | rms, sun exact | bias, sun by map | rms, sun by map",
+            baked_error_table(rows),
+        ),
+    ]
+
+
 def report(results: Path, quick: bool = False) -> list[str]:
     """The lines of RESULTS.md."""
     facts = {row["what"]: row["found"] for row in read(results, "machine")}
@@ -569,6 +595,7 @@ def report(results: Path, quick: bool = False) -> list[str]:
         "motion": motion,
         "datasets": datasets,
         "baked": baked,
+        "baked_error": baked_error,
     }
     missing = []
     for name, part in parts.items():

@@ -1,4 +1,5 @@
-"""The section of RESULTS.md about light, of light.csv as light.py prints it."""
+"""The sections of RESULTS.md about light, of light.csv and baked_error.csv as light.py and
+baked_error.py print them."""
 
 from __future__ import annotations
 
@@ -120,4 +121,19 @@ def peer_table(rows: list[Row]) -> list[list[object]]:
         [scene, what, f"{1e3 / own:.2f}", f"{1e3 / peer:.2f}", variant, f"{ratio:.2f}"]
         for scene in scenes_of(rows)
         for what, own, variant, peer, ratio in beside_peer(pick(rows, scene=scene))
+    ]
+
+
+def baked_error_table(rows: list[Row]) -> list[list[object]]:
+    """Bias and rms with their standard errors, %, a line for each band, by the ways of the sun."""
+    return [
+        [
+            exact["band_nm"],
+            *(
+                f"{float(row[what + '_percent']):.2f} ± {float(row[what + '_error']):.2f}"
+                for row in (exact, by_map)
+                for what in ("bias", "rms")
+            ),
+        ]
+        for exact, by_map in zip(pick(rows, sun="exact"), pick(rows, sun="map"))
     ]

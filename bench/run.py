@@ -34,7 +34,7 @@ from make_large_scene import write_scene  # noqa: E402
 
 PARTS = ("ceiling", "error", "frames", "latency", "threads", "kernels", "build", "moving",
          "search", "worlds", "instructions", "light", "cameras",
-         "motion", "datasets", "baked")  # fmt: skip
+         "motion", "datasets", "baked", "baked_error")  # fmt: skip
 COUNTED = ("1", "16", "16-plain", "16-random", "16-shared", "target")
 
 
@@ -185,6 +185,8 @@ def main() -> None:
             lines = printed_table([sys.executable, BENCH / "motion.py", *quick])
         elif part == "baked":
             lines = printed_table([sys.executable, BENCH / "baked.py", *quick])
+        elif part == "baked_error":
+            lines = printed_table([sys.executable, BENCH / "baked_error.py", *quick])
         elif part == "datasets":
             lines = printed_table([sys.executable, BENCH / "datasets.py", *quick])
         elif part == "instructions":

@@ -119,7 +119,12 @@ void gather_cell(const Gathering& gather, const CellOwners& owners, std::int32_t
   place.mesh = owners.scene.instances[owner.instance].mesh;
   place.triangle = owner.triangle;
   place.paths = owners.baked.paths;
-  corners_of_cell(divisions_of(owner.count), owner.within, place.uv);
+  const std::int32_t k = divisions_of(owner.count);
+  corners_of_cell(k, owner.within, place.uv);
+  // So far, as what is farther hides all points of a cell about alike.
+  place.reach_m = static_cast<float>(
+      longest_edge_m(owners.scene, gather.built.placement, owner.instance,
+                     static_cast<std::size_t>(owner.triangle)) / k);
   const Sides sides = sides_of(gather.view, place.mesh);
   for (int side = 0; side < 2; ++side) {
     if (side == 0 ? !sides.front : !sides.back) continue;

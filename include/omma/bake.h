@@ -16,7 +16,7 @@ class World;
 
 struct BakeSettings {
   double cell_m = 0;  // longest edge of cells on large triangles; 0: chosen by the scene
-  int paths = 32;     // of light for each side of a cell, a multiple of 16 up to 65536
+  int paths = 16;     // of light for each side of a cell, a multiple of 16 up to 65536
   std::size_t most_bytes = std::size_t{1} << 30;  // what has no room is lit by probes
 };
 

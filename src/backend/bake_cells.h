@@ -24,8 +24,12 @@ inline std::size_t bytes_of_cell(std::size_t bands) {
   return 4 * bands;
 }
 
+// Of a triangle as it is placed; 0 where all its corners are in one place.
+double longest_edge_m(const Scene& scene, const Placement& placement, std::size_t instance,
+                      std::size_t triangle);
+
 // Throws omma::Error where cells were asked for that have no room. Where a size was not asked for,
-// there are some three times as many cells as triangles, the smaller the nearer other surfaces are
+// there are some five times as many cells as triangles, the smaller the nearer other surfaces are
 // (clearances_m); where even a cell for each triangle has no room, instances of the smallest
 // triangles get none.
 BakeCells divide_into_cells(const Tracing& tracing, const Scene& scene, const Placement& placement,

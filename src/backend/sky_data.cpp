@@ -91,9 +91,9 @@ void make_cells(LightData& data, const SkyNodes& nodes, const std::vector<double
   });
   std::vector<double> row_weight(2 * half);
   data.column_sum.resize(2 * half * (columns + 1));
-  data.column_guide.resize(2 * half * columns);
+  data.column_guide.resize(2 * half * columns + 1);
   data.cell_density.resize(2 * half * columns);
-  data.row_guide.resize(2 * half);
+  data.row_guide.resize(2 * half + 1);
   parallel_for(std::size_t{0}, 2 * half, [&](std::size_t row) {
     // A cell's weight is the mean of its corners: what is seen anywhere in it is at most four times
     // that.

@@ -221,15 +221,15 @@ OMMA_HD void sample_far_lanes(const LightView& light, const float* u0, const flo
       open = here ? open * 0 : open;
       left -= disc.probability;
     }
-    for (int r = 0; r < 3; ++r) store(direction[r] + l, d[r]);
-    if (!(light.sky.probability > 0.0f) || !any_lane(open != 0)) continue;
-    alignas(64) float of_sky[L::width];
-    store(of_sky, left / light.sky.probability);
-    for (unsigned bits = lane_bits(open != 0); bits != 0; bits &= bits - 1) {
-      const int k = lowest_bit(bits);
-      const Vec3 there = sample_sky(light.sky, fminf(of_sky[k], 0x1.fffffep-1f), u1[l + k]);
-      direction[0][l + k] = there.x, direction[1][l + k] = there.y, direction[2][l + k] = there.z;
+    const auto from_sky = open != 0;
+    if (light.sky.probability > 0.0f && any_lane(from_sky)) {
+      const F most = broadcast<F>(0x1.fffffep-1f), u = left / light.sky.probability;
+      F in_sky[3];
+      sample_sky(light.sky, keep(from_sky, u < most ? u : most),
+                 keep(from_sky, load<F>(u1 + l)), in_sky);
+      for (int r = 0; r < 3; ++r) d[r] = from_sky ? in_sky[r] : d[r];
     }
+    for (int r = 0; r < 3; ++r) store(direction[r] + l, d[r]);
   }
 }
 

@@ -12,6 +12,7 @@ struct GatherPlace {
   std::int32_t instance = -1, mesh = -1, triangle = 0;
   bool is_back = false;
   float uv[3][2] = {};
+  float reach_m = 0;  // of a patch: what is nearer hides points from eyes
   Vec3 position, normal;  // of a place in the air, traced frame
   std::uint32_t hash = 0;
   int paths = 0;  // a multiple of the packet
@@ -19,24 +20,84 @@ struct GatherPlace {
 
 // Choices at the beginning of paths; those on the way count up from 0 (Choice).
 inline constexpr std::uint32_t choice_of_point = 0xfffffff0u, choice_of_way = 0xfffffff1u,
-                               choice_of_shining = 0xfffffff2u, choice_on_shining = 0xfffffff3u;
+                               choice_of_shining = 0xfffffff2u, choice_on_shining = 0xfffffff3u,
+                               choice_of_look = 0xfffffff4u;
 
-// Points that are cut out of a patch are chosen anew, so often at most.
+// Points that are cut out of a patch, or hidden, are chosen anew, so often at most.
 inline constexpr std::uint32_t most_attempts = 8;
 
-// The packet's points on the patch, as rays would have met them; false where none is on the surface.
-template <typename L>
-OMMA_HD bool choose_points(const SceneView& scene, const GatherPlace& place, int first,
-                           Packet<L>& packet, Hits<L>& hits) {
+OMMA_HD std::uint32_t hash_of_attempt(const GatherPlace& place, std::uint32_t attempt) {
+  return place.hash + attempt * 0x9e3779b9u;
+}
+
+// Of the lanes in `lanes` those whose points are hidden: a ray from there, in a direction by the
+// cosine, meets something within the place's reach. By reciprocity points that are kept are as
+// frequent as eyes all around see them. What falls on one side of a sheet is seen from both.
+template <typename L, typename Search>
+OMMA_HD unsigned find_hidden(const SceneView& scene, Search& search, const GatherPlace& place,
+                             int first, std::uint32_t attempt, unsigned lanes,
+                             const HitGeometry<L>& geometry, const PathMemory& memory) {
+  constexpr int n = L::count;
+  const bool is_sheet = scene.scatter[scene.meshes[place.mesh].material].transmittance != nullptr;
+  Packet<L> look;
+  clear<L>(look.rays);
+  alignas(n * 4) std::int32_t asked[n];
+  for (int l = 0; l < n; ++l) {
+    asked[l] = (lanes >> l & 1u) != 0 ? -1 : 0;
+    look.footprint_rad[l] = 0;
+    float towards[3] = {0, 1, 0};
+    if (asked[l] != 0) {
+      auto pair = path_pair(hash_of_attempt(place, attempt), static_cast<std::uint32_t>(first + l),
+                            choice_of_look);
+      bool from_back = place.is_back;
+      if (is_sheet) {
+        from_back = pair.y < 0.5f;
+        pair.y = 2.0f * pair.y - (from_back ? 0.0f : 1.0f);
+      }
+      float up[3], tangent[3], bitangent[3];
+      for (int r = 0; r < 3; ++r)
+        up[r] = from_back ? -geometry.normal[r][l] : geometry.normal[r][l];
+      make_axes(up, tangent, bitangent);
+      const LocalDirection<float> local = sample_cosine(pair.x, pair.y);
+      for (int r = 0; r < 3; ++r)
+        towards[r] = tangent[r] * local.x + bitangent[r] * local.y + up[r] * local.z;
+    }
+    leave_surface<L>(geometry, l, towards, look.rays);
+    look.rays.t_far_m[l] = place.reach_m;
+  }
+  return scene.has_blend || scene.has_glass
+             ? lanes & ~dim_by_passing<L>(scene, search, lanes, look, memory.shadow)
+             : search.occluded(asked, look.rays);
+}
+
+// The packet's points on the patch, as rays would have met them, and their geometry; false where none
+// is on the surface. Lanes whose points are all hidden or cut out begin where others do; where all
+// are hidden the last ones are taken.
+template <typename L, typename Search>
+OMMA_HD bool choose_points(const SceneView& scene, Search& search, const GatherPlace& place,
+                           int first, const PathMemory& memory, Packet<L>& packet, Hits<L>& hits,
+                           HitGeometry<L>& geometry) {
+  constexpr int n = L::count;
+  constexpr unsigned all = (1u << n) - 1u;
   const bool has_holes =
       scene.materials[scene.meshes[place.mesh].material].alpha_mode == AlphaMode::mask;
-  bool any = false;
-  for (int l = 0; l < L::count; ++l) {
+  for (int l = 0; l < n; ++l) {
     hits.mesh[l] = -1;
     hits.instance[l] = place.instance;
     hits.footprint_m[l] = 0;
-    for (std::uint32_t attempt = 0; attempt < most_attempts && hits.mesh[l] < 0; ++attempt) {
-      const auto pair = path_pair(place.hash + attempt * 0x9e3779b9u,
+  }
+  const auto put = [&](int l, float u, float v) {
+    hits.mesh[l] = place.mesh;
+    packet.rays.triangle[l] = static_cast<unsigned>(place.triangle);
+    packet.rays.u[l] = u;
+    packet.rays.v[l] = v;
+  };
+  unsigned seen = 0, any = 0;
+  for (std::uint32_t attempt = 0; attempt < most_attempts && seen != all; ++attempt) {
+    unsigned tried = 0;
+    for (int l = 0; l < n; ++l) {
+      if ((seen >> l & 1u) != 0) continue;
+      const auto pair = path_pair(hash_of_attempt(place, attempt),
                                   static_cast<std::uint32_t>(first + l), choice_of_point);
       const float root = sqrtf(pair.x), b = root * pair.y, a = root - b;
       const float u = place.uv[0][0] + a * (place.uv[1][0] - place.uv[0][0]) +
@@ -45,14 +106,24 @@ OMMA_HD bool choose_points(const SceneView& scene, const GatherPlace& place, int
                       b * (place.uv[2][1] - place.uv[0][1]);
       const SurfaceHit hit{place.mesh, static_cast<std::uint32_t>(place.triangle), u, v, 0.0f};
       if (has_holes && !accept_hit(scene, hit, false)) continue;
-      hits.mesh[l] = place.mesh;
-      packet.rays.triangle[l] = static_cast<unsigned>(place.triangle);
-      packet.rays.u[l] = u;
-      packet.rays.v[l] = v;
-      any = true;
+      put(l, u, v);
+      tried |= 1u << l;
     }
+    if (tried == 0) continue;
+    any |= tried;
+    eval_geometry<L>(scene, packet.rays, hits, geometry);
+    seen |= tried & ~find_hidden<L>(scene, search, place, first, attempt, tried, geometry, memory);
   }
-  return any;
+  if (seen == 0 || seen == all) return any != 0;
+  int other = 0;
+  for (int l = 0; l < n; ++l) {
+    if ((seen >> l & 1u) != 0) continue;
+    do other = (other + 1) % n;
+    while ((seen >> other & 1u) == 0);
+    put(l, packet.rays.u[other], packet.rays.v[other]);
+  }
+  eval_geometry<L>(scene, packet.rays, hits, geometry);
+  return true;
 }
 
 // Light that surfaces which shine send straight to the beginnings of paths, [band][lane] added to
@@ -143,8 +214,7 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherPl
       packet.sample[l] = first + l;
     }
     if (is_on_surface) {
-      if (!choose_points<L>(scene, place, first, packet, hits)) continue;
-      eval_geometry<L>(scene, packet.rays, hits, geometry);
+      if (!choose_points<L>(scene, search, place, first, memory, packet, hits, geometry)) continue;
       // Seen by one who looks straight down on it.
       for (int l = 0; l < n; ++l)
         for (int r = 0; r < 3; ++r)

@@ -7,6 +7,7 @@
 
 #include "omma/scene.h"
 #include "omma/vec.h"
+#include "physics/lanes.h"
 
 namespace omma {
 
@@ -28,6 +29,7 @@ struct SkyView {
   const float* row_sum = nullptr;     // [row of cells + 1]
   const float* column_sum = nullptr;  // [row of cells][columns + 1]
   // The interval of j / count, for each of `count` intervals: where to begin to look for others.
+  // One more lies behind each table.
   const std::uint16_t* row_guide = nullptr;     // [row of cells]
   const std::uint16_t* column_guide = nullptr;  // [row of cells][columns]
   const float* cell_density = nullptr;  // [row of cells][column], per solid angle
@@ -97,19 +99,33 @@ OMMA_HD std::int32_t find_in_sum(const float* sum, std::int32_t count, float u) 
 }
 
 // The same from what is known of j / count, j the whole part of u count: a step or two on average
-// however many intervals there are (the method of cutpoints, Chen and Asau 1974).
-OMMA_HD std::int32_t find_in_sum(const float* sum, const std::uint16_t* guide, std::int32_t count,
-                                 float u) {
-  const auto j = static_cast<std::int32_t>(u * static_cast<float>(count));
-  std::int32_t i = guide[j < count ? j : count - 1];
-  while (sum[i + 1] <= u) ++i;
-  return i;
+// however many intervals there are (the method of cutpoints, Chen and Asau 1974). Tables of lanes
+// begin at `first` and `first_guide`.
+template <typename F, typename I>
+OMMA_HD I find_in_sum(const float* sum, I first, const std::uint16_t* guide, I first_guide,
+                      std::int32_t count, F u) {
+  I j = to_int(u * to_float(count));
+  j = j < count ? j : j * 0 + (count - 1);
+  const I at = first_guide + j;
+  // Two of 16 bits are read at once.
+  const I pair = gather_bytes(reinterpret_cast<const std::uint8_t*>(guide), at >> 1);
+  I i = (pair >> ((at & 1) * 16)) & 0xffff;
+  for (;;) {
+    const auto is_before = gather(sum, first + i + 1) <= u;
+    if (!any_lane(is_before)) return i;
+    i = i + keep(is_before, i * 0 + 1);
+  }
 }
 
-// u within the interval that it lies in, in [0, 1).
+// u within the interval of numbers a to b that it lies in, in [0, 1).
+template <typename F>
+OMMA_HD F within_part(F a, F b, F u) {
+  const F inside = (u - a) / (b - a), most = broadcast<F>(0x1.fffffep-1f);
+  const F at_least = inside > 0.0f ? inside : broadcast<F>(0.0f);
+  return at_least < most ? at_least : most;
+}
 OMMA_HD float within_part(const float* sum, std::int32_t interval, float u) {
-  const float inside = (u - sum[interval]) / (sum[interval + 1] - sum[interval]);
-  return fminf(fmaxf(inside, 0.0f), 0x1.fffffep-1f);
+  return within_part(sum[interval], sum[interval + 1], u);
 }
 
 }  // namespace omma

@@ -220,25 +220,34 @@ struct DirectionSample {
   float pdf;       // per solid angle
 };
 
-// A direction in a cell of the sky, evenly by solid angle.
-OMMA_HD Vec3 sample_sky(const SkyView& sky, float u0, float u1) {
+// A direction in a cell of the sky, evenly by solid angle, of u0 and u1 in [0, 1).
+template <typename F>
+OMMA_HD void sample_sky(const SkyView& sky, F u0, F u1, F (&direction)[3]) {
+  using I = decltype(to_int(u0));
   const std::int32_t cell_rows = sky.rows - 1;
-  const std::int32_t row = find_in_sum(sky.row_sum, sky.row_guide, 2 * cell_rows, u0);
-  const float* sum = sky.column_sum + static_cast<std::ptrdiff_t>(row) * (sky.columns + 1);
-  const std::int32_t column = find_in_sum(
-      sum, sky.column_guide + static_cast<std::ptrdiff_t>(row) * sky.columns, sky.columns, u1);
-  const float along_row = within_part(sky.row_sum, row, u0);
-  const float along_column = within_part(sum, column, u1);
-  const bool below = row >= cell_rows;
-  const float* level = sky.one_minus_sine + (below ? row - cell_rows : row);
+  const I zero = to_int(F{});
+  const I row = find_in_sum(sky.row_sum, zero, sky.row_guide, zero, 2 * cell_rows, u0);
+  const I first = row * (sky.columns + 1);
+  const I column =
+      find_in_sum(sky.column_sum, first, sky.column_guide, row * sky.columns, sky.columns, u1);
+  const F along_row = within_part(gather(sky.row_sum, row), gather(sky.row_sum, row + 1), u0);
+  const I at = first + column;
+  const F along_column =
+      within_part(gather(sky.column_sum, at), gather(sky.column_sum, at + 1), u1);
+  const auto below = row >= cell_rows;
+  const I level = row - keep(below, zero + cell_rows);
   // One minus the sine of elevation keeps its digits at the zenith.
-  const float k = level[0] + along_row * (level[1] - level[0]);
-  const float sine = fmaxf(1.0f - k, 0x1p-25f);  // not 0, so that below stays below
-  const float cosine = sqrtf(k * (2.0f - k));
-  float azimuth = (to_float(column) + along_column) / sky.columns_per_rad;
+  const F here = gather(sky.one_minus_sine, level), next = gather(sky.one_minus_sine, level + 1);
+  const F k = here + along_row * (next - here), least = broadcast<F>(0x1p-25f);
+  F sine = 1.0f - k;
+  sine = sine > least ? sine : least;  // not 0, so that below stays below
+  const F cosine = sqrt_lanes(k * (2.0f - k));
+  F azimuth = (to_float(column) + along_column) / sky.columns_per_rad;
   azimuth = azimuth > 3.14159265f ? azimuth - 6.28318531f : azimuth;
-  const SineCosine<float> turn = sine_cosine(azimuth);
-  return {turn.sine * cosine, below ? -sine : sine, -turn.cosine * cosine};
+  const SineCosine<F> turn = sine_cosine(azimuth);
+  direction[0] = turn.sine * cosine;
+  direction[1] = below ? 0.0f - sine : sine;
+  direction[2] = (0.0f - turn.cosine) * cosine;
 }
 
 // A direction in a disc, evenly by solid angle. The frame about its centre: Duff et al. 2017,
@@ -271,7 +280,9 @@ OMMA_HD Vec3 sample_far_direction(const LightView& light, float u0, float u1) {
     u0 -= p;
   }
   if (!(light.sky.probability > 0.0f)) return {0, 1, 0};
-  return sample_sky(light.sky, fminf(u0 / light.sky.probability, 0x1.fffffep-1f), u1);
+  float direction[3];
+  sample_sky(light.sky, fminf(u0 / light.sky.probability, 0x1.fffffep-1f), u1, direction);
+  return {direction[0], direction[1], direction[2]};
 }
 
 OMMA_HD DirectionSample sample_far(const LightView& light, float u0, float u1) {

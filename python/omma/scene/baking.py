@@ -36,8 +36,8 @@ class Bake:
 
     Args:
         cell_m: longest edge of the cells into which large triangles are divided, m; each edge into
-            1,024 parts at most. None: chosen by the scene, for at most some 16,000 cells more than
-            three times its triangles, and the larger the larger their triangles are.
+            1,024 parts at most. None: chosen by the scene, for at most some 32,000 cells more than
+            five times its triangles, and the larger the larger their triangles are.
         paths: of light for each side of a cell: a multiple of 16 up to 65,536. Noise of what is
             baked halves with four times as many, which take four times as long.
         most_bytes: that cells take, 4 for each band of a cell. Triangles without room are lit by a
@@ -51,7 +51,7 @@ class Bake:
     """
 
     cell_m: float | None = None
-    paths: int = 32
+    paths: int = 16
     most_bytes: int = 1 << 30
     cache: bool | str | os.PathLike[str] = True
 
