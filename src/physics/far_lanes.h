@@ -108,7 +108,7 @@ OMMA_HD void fetch_sky_nodes(const SkyView& sky, unsigned lanes, bool is_polariz
 template <typename L>
 OMMA_HD void eval_nodes(const SkyView& sky, const SkyPlaces<typename L::F, typename L::I>& place,
                         unsigned lanes, unsigned keeps, bool is_polarized, float* out, int stride) {
-  alignas(L::width * 4) std::ptrdiff_t node_of[L::width];
+  std::ptrdiff_t node_of[L::width] = {};
   for_each_node<L>(sky, place, lanes, [&](int k, std::ptrdiff_t node) { node_of[k] = node; });
   const auto read_nodes = [&](const float* table, int size, unsigned wanted, float* to) {
     store_rows<L>(sky.channels, wanted, [&](int k, const auto& read) {
