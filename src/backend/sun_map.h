@@ -23,7 +23,7 @@ struct SunMapSettings {
   // Size of the finest texels across the light, m; 0: 5 mm, or a 2000th of a scene below 10 m. All
   // are as fine where that fits into `most_bytes`; else those are that have the most triangles.
   double texel_m = 0;
-  std::size_t most_bytes = std::size_t{64} << 20;
+  std::size_t most_bytes = std::size_t{128} << 20;
 };
 
 struct alignas(64) SunTile {
