@@ -2,6 +2,7 @@
 // same to the last bit: no contraction to fused multiply-add, the same steps for any lane width.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -10,9 +11,13 @@
 #include "backend/eye_arrays.h"
 #include "backend/processor.h"
 #include "backend/shading_data.h"
+#include "lit_squares.h"
+#include "omma/bake.h"
 #include "sampling/shared_rays.h"
 #include "test_scenes.h"
 #include "threads/thread_memory.h"
+#include "world_state.h"
+#include "world_tests.h"
 
 namespace omma::test {
 namespace {
@@ -67,6 +72,51 @@ TEST(InstructionSets, GiveTheSameBits) {
       EXPECT_EQ(responses.back(), responses.front()) << build.name << ", scene " << seed;
     }
   }
+}
+
+// One frame of a lit world, by every build.
+void expect_the_same_bits(const World& world, const std::string& what) {
+  const Eye eye = make_eye(sphere_directions(300), 20 * degree);
+  const DirectionTables directions = make_direction_tables(eye, {}, 21);
+  const EyeArrays arrays = make_eye_arrays(eye, directions);
+  const DirectionsView directions_view = omma::view(directions);
+  const EyeView eye_view = omma::view(arrays);
+  FrameView frame{&world.state().view, &eye_view, &directions_view};
+  const bool is_polarized = world.state().view.polarized;
+  frame.outputs = world.bands() * (is_polarized ? 3 : 1);
+  const auto outputs = static_cast<std::size_t>(frame.outputs);
+  std::vector<std::vector<float>> responses;
+  for (const NamedBuild& build : runnable_builds()) {
+    responses.emplace_back(eye.size() * outputs, -1.0f);
+    for (int first = 0; first < static_cast<int>(eye.size()); first += 25) {
+      BlockTask task;
+      for (int i = 0; i < 3; ++i) task.world_from_head[i][i] = 1;
+      task.first = first;
+      task.count = 25;  // of 21 rays each: more than wait for each other
+      task.responses = responses.back().data();
+      build.block.render(frame, task, world.state().built->acceleration.tracer.get(),
+                         thread_memory(ThreadRoom::block, block_memory_bytes(frame)));
+    }
+    for (const float x : responses.back()) ASSERT_TRUE(std::isfinite(x));
+    EXPECT_EQ(responses.back(), responses.front()) << build.name << ", " << what;
+  }
+}
+
+TEST(InstructionSets, GiveTheSameBitsInLitWorlds) {
+  for (const int components : {1, 3})
+    for (const int depth : {0, 1, 2}) {
+      WorldSettings settings;
+      settings.backend = "embree";
+      Lighting lighting = lighting_of(components);
+      lighting.depth = depth;
+      settings.lighting = lighting;
+      const World by_paths = make_world(squares(), settings);
+      const std::string what = std::to_string(components) + " components, ";
+      expect_the_same_bits(by_paths, what + "depth " + std::to_string(depth));
+      if (depth != 0) continue;
+      lighting.baked = std::make_shared<const BakedLight>(bake_light(by_paths));
+      expect_the_same_bits(by_paths.with_lighting(lighting), what + "baked");
+    }
 }
 
 TEST(InstructionSets, WeighSharedRaysAlike) {
