@@ -107,7 +107,7 @@ def main() -> None:
     truth = seen_by(paths, setup, seeds, rays)
     print(COLUMNS, flush=True)
     with tempfile.TemporaryDirectory() as cache:
-        bake = Bake(paths=16, cell_m=1.0, cache=cache) if given.quick else Bake(cache=cache)
+        bake = Bake(most_bytes=1 << 20, cache=cache) if given.quick else Bake(cache=cache)
         start = time.process_time()
         baked = paths.with_light(light, lighting="baked", bake=bake)
         bake_s = time.process_time() - start

@@ -185,7 +185,11 @@ BakeCells divide_into_cells(const Tracing& tracing, const Scene& scene, const Pl
 
   plan.cell_of_triangle.resize(edges.size());
   std::vector<std::int64_t> of_mesh(edges.size(), 0);
+  std::vector<bool> is_divided(edges.size(), false);
+  for (std::size_t i = 0; i < scene.instances.size(); ++i)
+    if (counted.has_cells[i]) is_divided[static_cast<std::size_t>(scene.instances[i].mesh)] = true;
   for (std::size_t m = 0; m < edges.size(); ++m) {
+    if (!is_divided[m]) continue;
     std::vector<std::int32_t> first{0};
     for (std::size_t t = 0; t < edges[m].size(); ++t) {
       const std::int64_t k = divisions(sizes, m, t, cell_m);

@@ -369,6 +369,13 @@ def test_memory(small):
     assert world_of(small, LIGHT, paths=16, most_bytes=96).baked.triangles_by_probes == 0
 
 
+def test_a_large_mesh_without_room():
+    scene = omma.Scene(meshes=[disc_mesh(1.0, 0.0, 40000)], materials=[matter(0.0), matter(0.5)])
+    with pytest.warns(UserWarning, match="40,000 of 40,000 triangles have no room"):
+        world = world_of(scene, UPPER, paths=16, most_bytes=0)
+    assert (world.baked.cells, world.baked.triangles_by_probes) == (0, 40000)
+
+
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
