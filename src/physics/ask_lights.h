@@ -40,7 +40,7 @@ OMMA_HD void sample_lights(const SceneView& scene, const Packet<L>& packet,
   const bool has_near = light.lamp_probability > 0.0f || light.emissive_probability > 0.0f;
   if (!has_near && !(light.far_probability > 0.0f)) return;
 
-  alignas(n * 4) float which[n], place_x[n], place_y[n];
+  alignas(n * 4) float which[n] = {}, place_x[n], place_y[n];
   for (int l = 0; l < n; l += L::width) {
     if (has_near) store(which + l, choose<L>(packet, state, l, Choice::light).x);
     const auto place = choose<L>(packet, state, l, Choice::place_on_light);

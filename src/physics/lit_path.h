@@ -121,7 +121,7 @@ OMMA_HD_CALLED unsigned fly(const SceneView& scene, Search& search, Spread sprea
     store(hits.mesh + l, lanes_on<L>(met, l) ? mesh : mesh * 0 - 1);
   }
 
-  BakedPlaces<n> baked;
+  BakedPlaces<n> baked = {};
   if (scene.baked != nullptr) find_baked<L>(scene, packet, hits, baked);
   HitGeometry<L> geometry;
   LitSurface<L> surface;

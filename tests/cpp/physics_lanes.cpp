@@ -20,9 +20,10 @@ TEST(Lanes, StoreSomePutsThemOneBehindTheOther) {
     out.fill(-1);
     store_some(out.data(), load<Floats>(values.data()), bits);
     int count = 0;
-    for (int l = 0; l < lane_width; ++l)
-      if ((bits >> l & 1u) != 0)
-        EXPECT_EQ(out[static_cast<std::size_t>(count++)], static_cast<float>(l + 1)) << bits;
+    for (int l = 0; l < lane_width; ++l) {
+      if ((bits >> l & 1u) == 0) continue;
+      EXPECT_EQ(out[static_cast<std::size_t>(count++)], static_cast<float>(l + 1)) << bits;
+    }
     EXPECT_EQ(bits_in(bits), count);
     EXPECT_EQ(out[lane_width], -1) << "wrote further than a vector";
   }
