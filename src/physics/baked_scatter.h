@@ -7,9 +7,9 @@
 
 namespace omma {
 
-// A path that gloss sends on is followed with a probability over what it counts for that is this where
-// that is little, and 1 where it is all, as in mirrors and metals.
-inline constexpr float gloss_rays = 0.25f;
+// A path that gloss sends on is followed with a probability over what it counts for that is the first
+// of these where that is little, and grows with it by the second to 1, as in mirrors and metals.
+inline constexpr float gloss_rays = 0.25f, more_gloss_rays = 3.0f;
 
 // Adds what the diffuse lobes of some lanes' surfaces send to the eye.
 template <typename L>
@@ -119,8 +119,8 @@ OMMA_HD void follow_some(const SceneView& scene, const Packet<L>& packet,
     const auto asked = lanes_on<L>(scattering, l) && lobe >= 0 &&
                        lobe != static_cast<std::int32_t>(Lobe::straight) && largest > 0.0f &&
                        load<F>(onward.density + l) > 0.0f;
-    const F wanted = largest * (gloss_rays + (1.0f - gloss_rays) * largest);
-    const F chance = wanted < 1.0f ? wanted : one;
+    const F over = gloss_rays + more_gloss_rays * largest;
+    const F wanted = largest * (over < 1.0f ? over : one), chance = wanted < 1.0f ? wanted : one;
     const auto goes_on = load<F>(onward.roulette + l) < chance;
     const F more = asked && goes_on ? one / chance : one;
     by_gloss |= lane_bits(asked) << l;
