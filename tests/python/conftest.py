@@ -15,8 +15,9 @@ import pytest
 import omma
 from omma.cli.main import main
 
-# Programs inherit which signals are ignored: Ctrl-C where a shell started the tests in the background,
-# SIGHUP under nohup. Tests send both to programs that they start, so neither is ignored here.
+# Programs inherit which signals are ignored: Ctrl-C where a shell started the tests in the
+# background, SIGHUP under nohup. Tests send both to programs that they start, so neither is ignored
+# here.
 if threading.current_thread() is threading.main_thread():
     signal.signal(signal.SIGINT, signal.default_int_handler)
     signal.signal(signal.SIGHUP, signal.SIG_DFL)
