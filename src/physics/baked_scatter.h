@@ -120,7 +120,11 @@ OMMA_HD void follow_some(const SceneView& scene, const Packet<L>& packet,
                        lobe != static_cast<std::int32_t>(Lobe::straight) && largest > 0.0f &&
                        load<F>(onward.density + l) > 0.0f;
     const F over = gloss_rays + more_gloss_rays * largest;
-    const F wanted = largest * (over < 1.0f ? over : one), chance = wanted < 1.0f ? wanted : one;
+    const F wanted = largest * (over < 1.0f ? over : one);
+    // Paths between mirrors end too.
+    const F bound =
+        load<I>(state.scatterings + l) >= roulette_after ? broadcast<F>(most_survival) : one;
+    const F chance = wanted < bound ? wanted : bound;
     const auto goes_on = load<F>(onward.roulette + l) < chance;
     const F more = asked && goes_on ? one / chance : one;
     by_gloss |= lane_bits(asked) << l;

@@ -9,11 +9,6 @@
 
 namespace omma {
 
-// From so many scatterings on a path may end before it leaves the scene, and it goes on with at
-// most this probability.
-inline constexpr int roulette_after = 3;
-inline constexpr float most_survival = 0.95f;
-
 // Whether surfaces let light straight through: then rays remember which they have passed.
 OMMA_HD bool lets_through(const SceneView& scene) {
   return scene.has_blend || scene.has_glass;

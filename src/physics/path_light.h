@@ -15,6 +15,11 @@ namespace omma {
 // more sheets than that.
 inline constexpr int most_flights = 4096;
 
+// From so many scatterings on a path may end before it leaves the scene, and it goes on with at
+// most this probability.
+inline constexpr int roulette_after = 3;
+inline constexpr float most_survival = 0.95f;
+
 // Below this fraction what lies behind a surface that lets light by counts for nothing.
 inline constexpr float least_passing = 1e-7f;
 

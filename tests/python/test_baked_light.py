@@ -235,6 +235,21 @@ def test_gloss_has_no_bias(small):
     assert np.all(np.abs(difference) < 3 * scatter), (difference, scatter)
 
 
+def test_paths_between_mirrors_end():
+    # Nothing is lost on the way in a closed box of perfect mirrors, and nothing gets in.
+    mirror = omma.scene.Material(
+        metallic=1.0, base_color=(1, 1, 1, 1), roughness=0.0, double_sided=True
+    )
+    box = omma.scene.box((1, 1, 1))
+    world = world_of(
+        box.replace(materials=[mirror], meshes=[one.replace(material=0) for one in box.meshes]),
+        LIGHT,
+    )
+    eye = eyes_at(np.zeros((500, 3)), (0.3, 0.2, -1))
+    seen = omma.Renderer(world, eye, omma.Fixed(16)).render(np.eye(4))
+    assert np.all(seen == 0)
+
+
 def test_the_same_bits_for_any_number_of_threads(small):
     seen = []
     for threads in (1, 2, 3):
