@@ -7,6 +7,8 @@
 #include <memory>
 #include <vector>
 
+#include <oneapi/tbb/cache_aligned_allocator.h>
+
 #include "model/scene_place.h"
 #include "omma/light.h"
 #include "omma/scene.h"
@@ -15,6 +17,9 @@
 
 namespace omma {
 
+// A table that is read by rows of 64 bytes, which begin where lines of a processor's cache do.
+using RowTable = std::vector<float, tbb::cache_aligned_allocator<float>>;
+
 // Owns what its `view` points to. Not to be copied: the views are addresses.
 struct LightData {
   LightData() = default;
@@ -22,7 +27,7 @@ struct LightData {
   LightData& operator=(const LightData&) = delete;
 
   std::shared_ptr<const SkyMap> sky;  // its radiance is read where it is, but for a polarised one's:
-  std::vector<float> sky_intensity, sky_polarisation;  // I, and Q with U, as SkyView has them
+  RowTable sky_intensity, sky_polarisation;  // I, and Q with U, as SkyView has them
   std::vector<float> band_from_channel, one_minus_sine, row_sum, column_sum, cell_density;
   std::vector<std::uint16_t> row_guide, column_guide;
   std::vector<DiscView> discs;

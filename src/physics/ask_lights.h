@@ -122,7 +122,8 @@ OMMA_HD void ask_lights(const SceneView& scene, Search& search, const Packet<L>&
   if (asked == 0) return;
   const bool has_sky = light.sky.probability > 0.0f;
   const unsigned from_sky = has_sky ? asked & lights.from_afar : 0;
-  if (from_sky != 0) fetch_sky_nodes<L>(light.sky, from_sky, scene.polarized, lights.places);
+  if (from_sky != 0)
+    fetch_sky_nodes<L>(light.sky, from_sky, scene.polarized ? from_sky : 0, lights.places);
 
   // How much of it is seen.
   alignas(n * 4) float weight[n];

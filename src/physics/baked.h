@@ -88,9 +88,7 @@ OMMA_HD void find_baked(const SceneView& scene, const Packet<L>& packet, const H
     const std::int32_t first = baked.first_cell[hits.instance[l]];
     if (first < 0 || baked.moves[hits.instance[l]] != 0) continue;
     places.cell[l] = baked.values + stride * (first + static_cast<std::ptrdiff_t>(cells[l]));
-#if !defined(__CUDACC__)
-    __builtin_prefetch(places.cell[l]);
-#endif
+    fetch_line(places.cell[l]);
   }
 }
 

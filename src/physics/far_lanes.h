@@ -83,24 +83,23 @@ OMMA_HD void for_each_node(const SkyView& sky, const SkyPlaces<typename L::F, ty
   for (; lanes != 0; lanes &= lanes - 1) eval(lowest_bit(lanes), node[lowest_bit(lanes)]);
 }
 
-// Asks for what eval_sky_nodes will read, of I alone or also of Q and U: maps are larger than what a
+// Asks for what eval_nodes will read, of lanes in `keeps` also Q and U: maps are larger than what a
 // processor holds near it.
 template <typename L>
-OMMA_HD void fetch_sky_nodes(const SkyView& sky, unsigned lanes, bool is_polarized,
+OMMA_HD void fetch_sky_nodes(const SkyView& sky, unsigned lanes, unsigned keeps,
                              const SkyPlaces<typename L::F, typename L::I> (
                                  &places)[L::count / L::width]) {
-#if !defined(__CUDACC__)
+  if (sky.rows == 0) return;
   const auto fetch = [](const float* row, int size) {
-    for (int i = 0; i < size; i += 16) __builtin_prefetch(row + i);
+    for (int i = 0; i < size; i += 16) fetch_line(row + i);
   };
   for (int l = 0; l < L::count; l += L::width)
     for_each_node<L>(sky, places[l / L::width], lanes >> l & ((1u << L::width) - 1u),
-                     [&](int, std::ptrdiff_t node) {
+                     [&](int k, std::ptrdiff_t node) {
                        fetch(sky.radiance + node * sky.channels, sky.channels);
-                       if (is_polarized && sky.polarisation != nullptr)
+                       if ((keeps >> (l + k) & 1u) != 0 && sky.polarisation != nullptr)
                          fetch(sky.polarisation + node * 2 * sky.channels, 2 * sky.channels);
                      });
-#endif
 }
 
 // eval_sky_lanes at the nodes that were chosen, of lanes that go at once. The axes of a node are taken

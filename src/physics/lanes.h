@@ -471,6 +471,17 @@ OMMA_HD int bits_in(unsigned bits) {
 #endif
 }
 
+// Asks for a line of memory that will be read. Compilers drop a function that has nothing but
+// prefetches, as if it did nothing: the statement beside it says that it does.
+OMMA_HD void fetch_line(const void* line) {
+#if !defined(__CUDACC__)
+  __builtin_prefetch(line);
+  asm volatile("" : : "r"(line));
+#else
+  (void)line;
+#endif
+}
+
 template <typename F, int n>
 OMMA_HD void load_3(const float (&values)[3][n], int l, F (&out)[3]) {
   for (int r = 0; r < 3; ++r) out[r] = load<F>(values[r] + l);
@@ -513,20 +524,19 @@ OMMA_HD auto load_row(const T* p, int count) {
 }
 
 // Tables with a row for each lane, [row][column], as [column][lane] from `out` on: of lanes that go at
-// once those in `lanes`, zeros in the others. `row(k, read)` gives what lane k has, in which `read(p)`
-// stands for what p points to, the first of a row's numbers in a table.
+// once those in `lanes`, whose other bits do not count, and zeros in the others. `row(k, read)` gives
+// what lane k has, in which `read(p)` stands for what p points to, the first of a row's numbers in a
+// table.
 template <typename L, typename Row>
 OMMA_HD void store_rows(int columns, unsigned lanes, const Row& row, float* out) {
   using F = typename L::F;
   constexpr int width = L::width;
   for (int first = 0; first < columns; first += width) {
     const int left = columns - first;
-    F rows[width];
-    for (int k = 0; k < width; ++k) {
-      if ((lanes >> k & 1u) == 0)
-        rows[k] = F{};
-      else
-        rows[k] = row(k, [&](const auto* p) { return load_row<L>(p + first, left); });
+    F rows[width] = {};
+    for (unsigned bits = lanes & ((1u << width) - 1u); bits != 0; bits &= bits - 1) {
+      const int k = lowest_bit(bits);
+      rows[k] = row(k, [&](const auto* p) { return load_row<L>(p + first, left); });
     }
     transpose(rows);
     for (int k = 0; k < width && k < left; ++k) store(out + (first + k) * L::count, rows[k]);

@@ -98,8 +98,11 @@ OMMA_HD_CALLED unsigned fly(const SceneView& scene, Search& search, Spread sprea
   lane_is_on(on);
   const auto scattered_most = [&](int l) { return load<I>(state.scatterings + l) >= scene.depth; };
   clear_hits<L>(packet.rays);
+  FarPlaces<L> far;
   if (ends_in_the_dark(scene) && (on & ~bits_where<L>(scattered_most)) == 0) {
-    add_far<L>(scene, packet, state, on & ~search.occluded(active, packet.rays), memory, radiance);
+    find_far_places<L>(scene, packet, state, on, far);
+    const unsigned seen = on & ~search.occluded(active, packet.rays);
+    if (seen != 0) add_far<L>(scene, packet, state, seen, far, memory, radiance);
     return 0;
   }
 
@@ -109,19 +112,23 @@ OMMA_HD_CALLED unsigned fly(const SceneView& scene, Search& search, Spread sprea
   find_hits<L>(search.placed(), packet, hits);
   if (first != nullptr) *first = {packet, hits};
   const unsigned met = on & bits_where<L>([&](int l) { return load<I>(hits.mesh + l) >= 0; });
-  if ((on & ~met) != 0) add_far<L>(scene, packet, state, on & ~met, memory, radiance);
-  if (met == 0) return 0;
+  const unsigned missed = on & ~met;
+  if (missed != 0) find_far_places<L>(scene, packet, state, missed, far);
   for (int l = 0; l < n; l += L::width) {
     const I mesh = load<I>(hits.mesh + l);
     store(hits.mesh + l, lanes_on<L>(met, l) ? mesh : mesh * 0 - 1);
   }
 
   BakedPlaces<n> baked = {};
-  if (scene.baked != nullptr) find_baked<L>(scene, packet, hits, baked);
   HitGeometry<L> geometry;
   LitSurface<L> surface;
-  eval_geometry<L>(scene, packet.rays, hits, geometry);
-  eval_lit_surfaces<L>(scene, packet, hits, geometry, memory, surface);
+  if (met != 0) {
+    if (scene.baked != nullptr) find_baked<L>(scene, packet, hits, baked);
+    eval_geometry<L>(scene, packet.rays, hits, geometry);
+    eval_lit_surfaces<L>(scene, packet, hits, geometry, memory, surface);
+  }
+  if (missed != 0) add_far<L>(scene, packet, state, missed, far, memory, radiance);
+  if (met == 0) return 0;
   if (scene.shines)
     add_emission<L>(scene, packet, hits, surface, state, met, memory, radiance);
 

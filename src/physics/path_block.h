@@ -48,6 +48,7 @@ OMMA_HD void fly_waiting(PathBlock<L, Search>& block, WaitingPaths<L>& waiting) 
   PathState<L> state;
   alignas(n * 4) std::int32_t ray[n];
   const unsigned lanes = take<L>(scene, waiting, block.onward, state, ray, block.memory);
+  const unsigned polarised = scene.polarized ? bringing_polarisation<L>(state) : 0;
   float* const found = block.memory.found;
   for (int i = 0; i < floats; ++i) found[i] = 0;
   const unsigned on = fly<L>(scene, block.search, Spread::scattered, lanes, block.onward, state,
@@ -55,7 +56,8 @@ OMMA_HD void fly_waiting(PathBlock<L, Search>& block, WaitingPaths<L>& waiting) 
   for (unsigned bits = lanes; bits != 0; bits &= bits - 1) {
     const int l = lowest_bit(bits);
     float* const to = block.radiance + ray[l] / n * floats + ray[l] % n;
-    for (int i = 0; i < floats; i += n) to[i] += found[i + l];
+    const int end = (polarised >> l & 1u) != 0 ? floats : scene.bands * n;
+    for (int i = 0; i < end; i += n) to[i] += found[i + l];
   }
   if (on != 0) put<L>(block, on, block.onward, state, ray);
 }

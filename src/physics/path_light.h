@@ -150,7 +150,6 @@ OMMA_HD void add_light(const SceneView& scene, const Packet<L>& packet, const Pa
     const auto is_on = w != 0.0f;
     if (!any_lane(is_on)) continue;
     Mueller3<F> path{};
-    FrameTurn<F> turn{};
     bool keeps = false;
     if (scene.polarized) {
       path = load_mueller(state, l);
@@ -161,7 +160,7 @@ OMMA_HD void add_light(const SceneView& scene, const Packet<L>& packet, const Pa
         load_3(packet.reference, l, own);
         for (int r = 0; r < 3; ++r) theirs[r] = load<F>(axis[r] + l);
         cross_lanes(d, own, across);
-        turn = frame_turn(own, across, theirs);
+        path = path * frame_turn(own, across, theirs);
       }
     }
     for (int b = 0; b < scene.bands; ++b) {
@@ -181,7 +180,7 @@ OMMA_HD void add_light(const SceneView& scene, const Packet<L>& packet, const Pa
         continue;
       }
       if (axis != nullptr)
-        s = turn * Stokes<F>{s.i, load<F>(light + stride + at), load<F>(light + 2 * stride + at)};
+        s.q = load<F>(light + stride + at), s.u = load<F>(light + 2 * stride + at);
       s = path * s;
       add(0, s.i);
       add(1, s.q);
@@ -190,14 +189,14 @@ OMMA_HD void add_light(const SceneView& scene, const Packet<L>& packet, const Pa
   }
 }
 
-// Lanes of whose path's light more than I counts: those without a diffuse surface on it.
-template <typename L>
-OMMA_HD unsigned keeping_polarisation(const PathState<L>& state) {
+// Lanes whose path's Mueller matrix has something in one of the places for which `counts(k)` is so.
+template <typename L, typename Counts>
+OMMA_HD unsigned where_mueller(const PathState<L>& state, const Counts& counts) {
   return bits_where<L>([&](int l) {
     using F = typename L::F;
     F most{};
     for (int k = 0; k < 9; ++k) {
-      if (k % 3 == 0) continue;
+      if (!counts(k)) continue;
       const F x = load<F>(state.mueller[k] + l);
       most = most + x * x;
     }
@@ -205,30 +204,60 @@ OMMA_HD unsigned keeping_polarisation(const PathState<L>& state) {
   });
 }
 
-// Light from afar along the rays of some lanes, which met nothing.
+// Lanes of whose path's light more than I counts: those without a diffuse surface on it.
+template <typename L>
+OMMA_HD unsigned keeping_polarisation(const PathState<L>& state) {
+  return where_mueller<L>(state, [](int k) { return k % 3 != 0; });
+}
+
+// Lanes whose path brings more than I to the eye: not where the surface nearest to it is diffuse.
+template <typename L>
+OMMA_HD unsigned bringing_polarisation(const PathState<L>& state) {
+  return where_mueller<L>(state, [](int k) { return k / 3 != 0; });
+}
+
+// Where the light from afar along the rays of some lanes is to be looked up. What lies at nodes is
+// asked for from memory.
+template <typename L>
+struct FarPlaces {
+  SkyPlaces<typename L::F, typename L::I> on_sky[L::count / L::width];
+  unsigned by_chance, keeps;  // lanes whose direction was chosen; of whose light more than I counts
+  bool at_nodes;              // of the sky, else between them
+};
+
+template <typename L>
+OMMA_HD void find_far_places(const SceneView& scene, const Packet<L>& packet,
+                             const PathState<L>& state, unsigned lanes, FarPlaces<L>& places) {
+  using F = typename L::F;
+  places.keeps = scene.polarized ? keeping_polarisation<L>(state) & lanes : 0;
+  places.by_chance =
+      lanes & bits_where<L>([&](int l) { return load<F>(state.density + l) < INFINITY; });
+  places.at_nodes = places.by_chance == lanes;
+  find_far_lanes<L>(*scene.light, packet.rays.direction, lanes, places.on_sky);
+  if (!places.at_nodes) return;
+  choose_nodes<L>(packet, state, Choice::light, places.on_sky);
+  fetch_sky_nodes<L>(scene.light->sky, lanes, places.keeps, places.on_sky);
+}
+
+// Light from afar along the rays of some lanes, which met nothing, of those whose places were found.
 template <typename L>
 OMMA_HD void add_far(const SceneView& scene, const Packet<L>& packet, const PathState<L>& state,
-                     unsigned lanes, const PathMemory& memory, float* radiance) {
+                     unsigned lanes, const FarPlaces<L>& places, const PathMemory& memory,
+                     float* radiance) {
   using F = typename L::F;
   using I = typename L::I;
   constexpr int n = L::count;
   const LightView& light = *scene.light;
   const float(&direction)[3][n] = packet.rays.direction;
   alignas(n * 4) float weight[n], pdf[n] = {}, axis[3][n] = {};
-  SkyPlaces<F, I> places[n / L::width];
-  const unsigned keeps = scene.polarized ? keeping_polarisation<L>(state) & lanes : 0;
+  const unsigned keeps = places.keeps & lanes, by_chance = places.by_chance & lanes;
   const unsigned with_discs =
       state.gathers
           ? lanes & bits_where<L>([&](int l) { return load<I>(state.scatterings + l) > 0; })
           : lanes;
-  const unsigned by_chance =
-      lanes & bits_where<L>([&](int l) { return load<F>(state.density + l) < INFINITY; });
-  find_far_lanes<L>(light, direction, lanes, places);
-  if (by_chance != 0) find_far_pdf<L>(light, direction, places, by_chance, pdf);
-  const bool at_nodes = by_chance == lanes;
-  if (at_nodes) choose_nodes<L>(packet, state, Choice::light, places);
-  eval_sky_lanes<L>(light, direction, places, lanes, scene.polarized ? 3 : 1, keeps, at_nodes,
-                    memory.light);
+  if (by_chance != 0) find_far_pdf<L>(light, direction, places.on_sky, by_chance, pdf);
+  eval_sky_lanes<L>(light, direction, places.on_sky, lanes, scene.polarized ? 3 : 1, keeps,
+                    places.at_nodes, memory.light);
   add_disc_light<L>(light, direction, with_discs, memory.light);
   for (int l = 0; l < n; l += L::width) {
     const F one = broadcast<F>(1.0f), density = load<F>(state.density + l);

@@ -101,9 +101,7 @@ OMMA_HD SunMapPlace<F> find_on_sun_map(const SunMapView& map, const F (&position
 
 // Asks for what eval_sun_map will read.
 OMMA_HD void fetch_sun_map(const SunMapView& map, std::int32_t word) {
-#if !defined(__CUDACC__)
-  __builtin_prefetch(map.words + word);
-#endif
+  fetch_line(map.words + word);
 }
 
 // The part of the sun that is seen, 0 to 1, from places on triangles with this unit normal; which
