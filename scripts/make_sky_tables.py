@@ -1,6 +1,6 @@
 """Computes the tables of the clear sky and stores them: python/omma/light/data/clear_sky.npz.
 
-    .venv/bin/python scripts/make_sky_tables.py compute FOLDER [all, ozone, 0, 0.1 or 0.3]
+    .venv/bin/python scripts/make_sky_tables.py compute FOLDER [all, ozone, or a haze]
     .venv/bin/python scripts/make_sky_tables.py store FOLDER
     .venv/bin/python scripts/make_sky_tables.py check [SUN_DEG ...]
 

@@ -11,7 +11,10 @@ ELEVATION_DEG = np.array([1.3, 4.0, 9.0, 22.0, 45.0, 65.0, 87.0])
 BY_ORDINATES = (85.0, 65.0, 45.0, 32.0, 22.0, 15.5)
 BY_MONTE_CARLO = (12.5, 6.0, 3.5, -2.5, -4.5)
 PATHS, BATCHES = 2_000, 8  # more in twilight
-OTHERS = ((0.05, 300.0), (0.2, 300.0), (0.0, 250.0), (0.0, 400.0))  # haze, ozone
+OTHERS = (  # haze, ozone
+    *((haze, 300.0) for haze in (0.025, 0.075, 0.15, 0.25)),
+    *((0.0, ozone) for ozone in (250.0, 400.0)),
+)
 AIRS = (  # sun, haze, ozone
     *((sun, 0.0, 300.0) for sun in BY_ORDINATES),
     *((45.0, *air) for air in OTHERS),
@@ -49,7 +52,7 @@ def _compare(sun: float, haze: float, ozone: float) -> None:
     up, round_, k = np.unravel_index(np.abs(off).argmax(), off.shape)
     worst = f"{ELEVATION_DEG[up]:g}° up, {AZIMUTH_DEG[round_]:g}° round, {NM[k]:g} nm"
     print(
-        f"{sun:5.1f} {haze:4.2f} {ozone:4.0f}: {_rms(off):5.2f} ({np.abs(off).max():5.2f})  "
+        f"{sun:5.1f} {haze:5.3f} {ozone:4.0f}: {_rms(off):5.2f} ({np.abs(off).max():5.2f})  "
         f"{_rms(polarised):.4f} ({polarised.max():.4f})" + own + f"; worst {worst}",
         flush=True,
     )

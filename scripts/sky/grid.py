@@ -20,8 +20,9 @@ TWILIGHT_SUN_DEG = np.array([-3, -4, -5, -6, -7, -8], float)
 SUN_DEG = np.concatenate([ORDINATES_SUN_DEG, LOW_SUN_DEG, TWILIGHT_SUN_DEG])
 MONTE_CARLO_AZIMUTH_DEG = AZIMUTH_DEG[::2]
 
-HAZE = np.array([0.0, 0.1, 0.3])  # optical depth at 550 nm
-PATHS = {0.0: (8_000, 16_000), 0.1: (3_000, 5_000), 0.3: (3_000, 5_000)}  # a batch: low, twilight
+HAZE = np.array([0.0, 0.05, 0.1, 0.2, 0.3])  # optical depth at 550 nm
+# Of Monte Carlo a batch: low suns, twilight.
+PATHS = {haze: (8_000, 16_000) if haze == 0 else (3_000, 5_000) for haze in HAZE}
 
 OZONE_DU = np.array([200.0, 300.0, 450.0])
 OZONE_ELEVATION_DEG = np.array([1.8, 10.5, 32.5, 89.5])

@@ -260,7 +260,7 @@ def test_generator_gives_the_numbers_of_natraj(monkeypatch):
 
 @pytest.mark.parametrize(
     ("sun", "haze", "ozone"),
-    [(18.5, 0.0, 350), (33, 0.0, 300), (45, 0.05, 300), (60, 0.0, 350)],
+    [(18.5, 0.0, 350), (33, 0.0, 300), (45, 0.025, 300), (45, 0.15, 300), (60, 0.0, 350)],
 )
 def test_tables_between_nodes_against_sasktran2(monkeypatch, sun, haze, ozone):
     pytest.importorskip("sasktran2")
@@ -274,7 +274,7 @@ def test_tables_between_nodes_against_sasktran2(monkeypatch, sun, haze, ozone):
     direct = sky_stokes(clear_atmosphere(nm, ozone, haze), sun, elevation, azimuth)
     log_i, q, u = TableSky(sun, haze, ozone).stokes(elevation, azimuth, nm)
     # 570 nm lies between nodes in ozone's visible bands, where a spline misses 1.3 % at 18.5°.
-    # Haze is a parabola through three depths, 0.05 in the middle of the first two.
-    np.testing.assert_allclose(np.exp(log_i), direct[:, :, 0], rtol=0.02 if haze else 0.005)
+    # The two hazes lie in the middle between nodes, and are held to what is asked of the tables.
+    np.testing.assert_allclose(np.exp(log_i), direct[:, :, 0], rtol=0.01 if haze else 0.005)
     np.testing.assert_allclose(q, direct[:, :, 1] / direct[:, :, 0], atol=0.005)
     np.testing.assert_allclose(u, direct[:, :, 2] / direct[:, :, 0], atol=0.005)

@@ -180,7 +180,8 @@ class TableSky:
         table = self.table = _tables()
         self.sun_deg, self.haze, self.ozone_du = sun_deg, haze, ozone_du
         suns = _neighbours(table["sun_deg"], sun_deg)
-        self.hazes = _haze_shares(table, haze)
+        shares = _haze_shares(table, haze)
+        self.hazes = [(h, share) for h, share in shares.items() if np.any(share != 0)]
         of_polarised = _polarised_shares(table, haze, sun_deg)
         log_i: Any = 0.0
         stokes: Any = 0.0
@@ -312,34 +313,52 @@ def _at_nodes(table: dict[str, Any], depth: str) -> Floats:
     return np.asarray(np.interp(table["wavelength_nm"], table["fine_nm"], table[depth]))
 
 
-def _haze_shares(table: dict[str, Any], haze: float) -> list[tuple[int, Floats]]:
-    """Shares of the tables' hazes in log I: (index, (wavelength,)); those that are not 0.
+def _haze_shares(table: dict[str, Any], haze: float) -> dict[int, Floats]:
+    """Shares of the tables' hazes in log I, by index: (wavelength,).
 
-    By the parabola through all three over haze's part in scattering, by wavelength, which is bent
-    less than it is.
+    Over haze's part in scattering, by wavelength, in which log I is bent less than in its depth.
     """
     air, each = _at_nodes(table, "rayleigh_depth"), _at_nodes(table, "haze_depth")
-    shares = _parabola(table, haze, lambda depth: depth * each / (air + _PART_BEND + depth * each))
-    return [(k, share) for k, share in enumerate(shares) if np.any(share != 0)]
+    return _between_hazes(
+        table, haze, lambda depth: depth * each / (air + _PART_BEND + depth * each)
+    )
 
 
-def _polarised_shares(table: dict[str, Any], haze: float, sun_deg: float) -> list[Floats]:
-    """Shares of the tables' hazes in Q/I and U/I: (wavelength, elevation, azimuth) each.
+def _polarised_shares(table: dict[str, Any], haze: float, sun_deg: float) -> dict[int, Floats]:
+    """Shares of the tables' hazes in Q/I and U/I, by index: (wavelength, elevation, azimuth).
 
-    By the parabola over the part of light scattered once that haze sends into a direction: of that
-    light Q/I and U/I are linear in it.
+    Over the part of light scattered once that haze sends into a direction: of that light Q/I and
+    U/I are linear in it.
     """
     air, each = _scattered_once(table, sun_deg, table["elevation_deg"], table["azimuth_deg"])
-    return _parabola(table, haze, lambda depth: depth * each / (air + depth * each))
+    return _between_hazes(table, haze, lambda depth: depth * each / (air + depth * each))
 
 
-def _parabola(table: dict[str, Any], haze: float, place: Callable[[float], Floats]) -> list[Floats]:
-    """Shares of the tables' hazes in the parabola through them, where each is at its place."""
-    nodes, at = [place(one) for one in table["haze"]], place(haze)
-    return [
-        np.prod([(at - one) / (node - one) for one in nodes if one is not node], axis=0)
-        for node in nodes
-    ]
+def _between_hazes(
+    table: dict[str, Any], haze: float, place: Callable[[float], Floats]
+) -> dict[int, Floats]:
+    """Shares of the tables' hazes, where each is at its place, by index.
+
+    By the two parabolas through three neighbours that have the haze between them, the nearer of
+    which counts for more (Overhauser 1968); by one at either end.
+    """
+    nodes, last = table["haze"], len(table["haze"]) - 1
+    k = int(np.clip(np.searchsorted(nodes, haze, side="right") - 1, 0, last - 1))
+    along = (haze - nodes[k]) / (nodes[k + 1] - nodes[k])
+    parts = {k - 1: 1 - along, k: along}  # of the parabola that begins at each
+    if k == 0:
+        parts = {0: 1.0}
+    elif k == last - 1:
+        parts = {k - 1: 1.0}
+    shares: dict[int, Any] = {}
+    for first, part in parts.items():
+        near = range(first, first + 3)
+        places, at = {i: place(nodes[i]) for i in near}, place(haze)
+        for i in near:
+            others = [places[j] for j in near if j != i]
+            share = np.prod([(at - one) / (places[i] - one) for one in others], axis=0)
+            shares[i] = shares.get(i, 0.0) + part * share
+    return shares
 
 
 def _neighbours(nodes: Floats, at: float) -> list[tuple[int, float]]:
