@@ -196,16 +196,16 @@ class TableSky:
             ozone = ozone + of_sun * table["ozone"][:, s]
         x = (ozone_du - 300) / 300
         few = x * ozone[0] + x**2 * ozone[1]
-        change = table["ozone_elevation"] @ few @ table["ozone_azimuth"].T
+        round_ = table["ozone_azimuth"].transpose(0, 2, 1)
         # [3, wavelength, elevation, azimuth]
-        self.fields = stokes
-        self.fields[0] += log_i[:, None, None] + change
+        self.fields = stokes + table["ozone_elevation"] @ few @ round_[:, None]
+        self.fields[0] += log_i[:, None, None]
         # How much ozone light has passed, over the column upwards, [elevation, azimuth]: by what
         # more of it takes away where it absorbs most in the visible, which is little.
         k = int(np.argmin(np.abs(table["wavelength_nm"] - _MOST_OZONE_NM)))
-        taken = table["ozone_elevation"] @ (ozone[0, k] + 2 * x * ozone[1, k])
+        taken = table["ozone_elevation"] @ (ozone[0, 0, k] + 2 * x * ozone[1, 0, k])
         per_du = np.interp(_MOST_OZONE_NM, table["fine_nm"], table["ozone_depth_per_du"])
-        self.ozone_mass = -(taken @ table["ozone_azimuth"].T) / (300 * per_du)
+        self.ozone_mass = -(taken @ round_[0]) / (300 * per_du)
 
     def stokes(self, elevation_deg: Floats, azimuth_deg: Floats, nm: Floats) -> Any:
         """log(I / irradiance), Q/I, U/I, float32: (elevation, azimuth, K) each."""
