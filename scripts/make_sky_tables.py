@@ -4,8 +4,9 @@
     .venv/bin/python scripts/make_sky_tables.py store FOLDER
     .venv/bin/python scripts/make_sky_tables.py check [SUN_DEG ...]
 
-The first needs g++ and the packages sasktran2 and musica, and two hours of a processor; what it
-has done lies in FOLDER, so that it can be stopped and goes on. `store` puts the table together.
+The first needs g++ and the packages sasktran2 and musica, and two to three hours of a processor;
+what it has done lies in FOLDER, so that it can be stopped and goes on. `store` puts the table
+together.
 `check` compares what is stored with direct computations between its nodes, and prints for
 docs/sky.md how far they are apart. The parts are in scripts/sky/.
 """

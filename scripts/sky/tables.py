@@ -224,6 +224,8 @@ def _ozone(folder: Path) -> dict[str, np.ndarray]:
     mu = np.sin(np.radians(grid.OZONE_ELEVATION_DEG))
     twice = np.einsum("z,ksezn->ksen", np.linalg.inv(few)[2], solved[:, :, 1])
     solved[:, :, 2, :, 0] = (2 * mu / (1 + mu**2))[:, None] * twice
+    # In twilight what Monte Carlo tells of it is noise.
+    solved[:, np.isin(grid.SUN_DEG, grid.TWILIGHT_SUN_DEG), 1:] = 0
     round_ = np.radians(grid.AZIMUTH_DEG)
     odd = np.stack([np.sin(2 * round_), np.sin(round_), 0 * round_], axis=1)
     return {

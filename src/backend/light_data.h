@@ -17,7 +17,8 @@
 
 namespace omma {
 
-// A table that is read by rows of 64 bytes, which begin where lines of a processor's cache do.
+// A table whose rows, where they are of 16 floats, are lines of a processor's cache: they are fetched
+// as such (fetch_sky_nodes).
 using RowTable = std::vector<float, tbb::cache_aligned_allocator<float>>;
 
 // Owns what its `view` points to. Not to be copied: the views are addresses.

@@ -106,7 +106,8 @@ OMMA_HD_CALLED unsigned fly(const SceneView& scene, Search& search, Spread sprea
     return 0;
   }
 
-  // What the rays meet, and where they meet nothing the sky.
+  // What the rays meet, and where they meet nothing the sky; that is read after the surfaces, when
+  // what was asked for of it has come.
   Hits<L> hits;
   search.closest(active, packet.rays, passed, spread);
   find_hits<L>(search.placed(), packet, hits);

@@ -196,19 +196,22 @@ class TableSky:
             ozone = ozone + of_sun * table["ozone"][:, s]
         x = (ozone_du - 300) / 300
         few = x * ozone[0] + x**2 * ozone[1]
-        round_ = table["ozone_azimuth"].transpose(0, 2, 1)
+        to_azimuths = table["ozone_azimuth"].transpose(0, 2, 1)
         # [3, wavelength, elevation, azimuth]
-        self.fields = stokes + table["ozone_elevation"] @ few @ round_[:, None]
+        self.fields = stokes + table["ozone_elevation"] @ few @ to_azimuths[:, None]
         self.fields[0] += log_i[:, None, None]
         # How much ozone light has passed, over the column upwards, [elevation, azimuth]: by what
         # more of it takes away where it absorbs most in the visible, which is little.
         k = int(np.argmin(np.abs(table["wavelength_nm"] - _MOST_OZONE_NM)))
         taken = table["ozone_elevation"] @ (ozone[0, 0, k] + 2 * x * ozone[1, 0, k])
         per_du = np.interp(_MOST_OZONE_NM, table["fine_nm"], table["ozone_depth_per_du"])
-        self.ozone_mass = -(taken @ round_[0]) / (300 * per_du)
+        self.ozone_mass = -(taken @ to_azimuths[0]) / (300 * per_du)
 
     def stokes(self, elevation_deg: Floats, azimuth_deg: Floats, nm: Floats) -> Any:
-        """log(I / irradiance), Q/I, U/I, float32: (elevation, azimuth, K) each."""
+        """log(I / irradiance), Q/I, U/I, float32: (elevation, azimuth, K) each.
+
+        Where noise of the tables makes a degree of polarisation of more than 1, it is 1.
+        """
         table = self.table
         up = _elevation_matrix(tuple(elevation_deg))
         even, odd = _azimuth_matrices(tuple(azimuth_deg))
@@ -222,10 +225,12 @@ class TableSky:
         log_i = np.concatenate([log_i + np.log(guess), passed[None]])
         along = _spline_matrix(tuple(table["wavelength_nm"]), tuple(nm))
         with_ozone = np.column_stack([along, -_ozone_between(table, nm)])
-        return tuple(
+        log_i, q, u = (
             product(np.moveaxis(one, 0, -1).astype(np.float32, order="C"), by.T.astype(np.float32))
             for one, by in ((log_i, with_ozone), (q, along), (u, along))
         )
+        over = np.maximum(np.hypot(q, u), 1)
+        return log_i, q / over, u / over
 
     def transmission(self, nm: Floats) -> Floats:
         """Share of the sun's rays that reach the ground, (K,); 0 for a sun below the horizon."""
@@ -339,21 +344,16 @@ def _between_hazes(
 ) -> dict[int, Floats]:
     """Shares of the tables' hazes, where each is at its place, by index.
 
-    By the two parabolas through three neighbours that have the haze between them, the nearer of
-    which counts for more (Overhauser 1968); by one at either end.
+    By the two parabolas through three neighbours that reach over the haze, of which the one with
+    its middle nearer counts for more; they are the same at either end.
     """
-    nodes, last = table["haze"], len(table["haze"]) - 1
-    k = int(np.clip(np.searchsorted(nodes, haze, side="right") - 1, 0, last - 1))
+    nodes, last = table["haze"], len(table["haze"]) - 3
+    places, at = [place(one) for one in nodes], place(haze)
+    k = int(np.clip(np.searchsorted(nodes, haze, side="right") - 1, 0, last + 1))
     along = (haze - nodes[k]) / (nodes[k + 1] - nodes[k])
-    parts = {k - 1: 1 - along, k: along}  # of the parabola that begins at each
-    if k == 0:
-        parts = {0: 1.0}
-    elif k == last - 1:
-        parts = {k - 1: 1.0}
     shares: dict[int, Any] = {}
-    for first, part in parts.items():
+    for first, part in ((max(k - 1, 0), 1 - along), (min(k, last), along)):
         near = range(first, first + 3)
-        places, at = {i: place(nodes[i]) for i in near}, place(haze)
         for i in near:
             others = [places[j] for j in near if j != i]
             share = np.prod([(at - one) / (places[i] - one) for one in others], axis=0)
