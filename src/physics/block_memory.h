@@ -5,6 +5,7 @@
 
 #include <cstddef>
 
+#include "physics/light_view.h"
 #include "physics/units.h"
 
 namespace omma {
@@ -60,6 +61,10 @@ OMMA_HD TruthRows rows_of(const TruthView& truth) {
   return {3, flow, truth.flow ? flow + 6 : flow};
 }
 
+// Parts of the points on a disc, each all over it: the spread of how much of it they find open is the
+// error (eye_discs.h). Together they are more even than apart, so that it is rather too large.
+inline constexpr int disc_replicates = 8;
+
 // What has a number for each output of each unit is [output][unit_room].
 struct BlockMemory {
   // [component][band][lane] of one packet, where worlds are lit of block_rays of them one behind the
@@ -77,6 +82,10 @@ struct BlockMemory {
   // and over those of a round.
   float *truth = nullptr, *short_truth = nullptr;
   TruthSums truth_sums, truth_round_sums;
+  // Discs of the sky (eye_discs.h), where there are some: what units see of them, and the square of its
+  // error; sums of one unit, [disc_replicates][band]; its light and error, [2][band].
+  double *discs = nullptr, *discs_variance = nullptr;
+  double *disc_all = nullptr, *disc_seen = nullptr, *disc_light = nullptr;
 };
 
 // Rays of units that are shorter than a packet, and what vector loops read behind them: up to a
@@ -118,6 +127,14 @@ OMMA_HD BlockMemory lay_out(Room& room, const FrameView& frame, int lanes) {
     memory.all_squares = room.take<double>(units);
     memory.roughness = room.take<float>(units);
     memory.unseen = room.take<float>(units);
+  }
+  if (scene.light != nullptr && scene.light->disc_count > 0) {
+    const auto bands = static_cast<std::size_t>(scene.bands);
+    memory.discs = room.take<double>(units);
+    memory.discs_variance = room.take<double>(units);
+    memory.disc_all = room.take<double>(disc_replicates * bands);
+    memory.disc_seen = room.take<double>(disc_replicates * bands);
+    memory.disc_light = room.take<double>(2 * bands);
   }
   if (frame.truth != nullptr) {
     const auto rows = static_cast<std::size_t>(rows_of(*frame.truth).count);

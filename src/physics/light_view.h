@@ -48,6 +48,16 @@ struct DiscView {
   const float* limb = nullptr;      // [band], u of omma::Disc; or null
 };
 
+// Discs larger than so many times an ommatidium's acceptance are found by its rays; smaller ones are
+// asked for (eye_discs.h).
+inline constexpr float most_over_acceptance = 16;
+
+// Whether rays from the eye count the light of a disc. `acceptance_sr`: of their ommatidium, the
+// integral of S; 0: they count all discs.
+OMMA_HD bool counts_by_rays(const DiscView& disc, float acceptance_sr) {
+  return !(most_over_acceptance * acceptance_sr * disc.density >= 1.0f);
+}
+
 struct LampView {
   PunctualLightType type = PunctualLightType::point;
   Vec3 position;                          // m

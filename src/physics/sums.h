@@ -2,6 +2,7 @@
 #pragma once
 
 #include "physics/block_memory.h"
+#include "physics/eye_discs.h"
 #include "physics/head_motion.h"
 #include "physics/path.h"
 #include "physics/path_block.h"
@@ -122,6 +123,7 @@ OMMA_HD void trace_units(const FrameView& frame, const BlockTask& task,
   const bool has_choices = frame.scene->light != nullptr || task.motion != nullptr;
   make_units<L>(*frame.eye, task, directions, list, has_choices,
                 frame.scene->polarized || has_flow || task.motion != nullptr, units);
+  if (has_choices) find_acceptances(frame, units, list.count);
   FirstHits<L> met;
   FirstHits<L>* const first = frame.truth != nullptr ? &met : nullptr;
   const int truth_rows = frame.truth != nullptr ? rows_of(*frame.truth).count : 0;
