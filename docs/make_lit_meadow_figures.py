@@ -135,9 +135,7 @@ def through_the_bee(name: str) -> None:
     top = power * min(step for step in (0.2, 0.5, 1.0) if power * step >= high)
     for k, kind in enumerate(reversed(kinds)):
         panel = figure.add_subplot(grid[1, 2 * k : 2 * k + 2])
-        # Noise of gloss can be larger than what is darkest, and is then below the scale.
-        seen = np.maximum(values[:, kinds.index(kind)], top / 10**DECADES)
-        shown = np.where(ids < 0, np.nan, seen[ids])
+        shown = np.where(ids < 0, np.nan, values[:, kinds.index(kind)][ids])
         panel.set_facecolor(str(OUTSIDE))
         marks = panel.imshow(
             shown, extent=EXTENT, interpolation="nearest", cmap="magma",
