@@ -64,6 +64,24 @@ def parse_light(text: str) -> dict[str, Any]:
     return {"light": light, **of_world}
 
 
+def full_words(text: str) -> str:
+    """The same words with how the world is lit said in any case, for files that tell them."""
+    return text if _says_lighting(text) else f"{text} lighting=path"
+
+
+def words_of_before(text: str | None) -> str | None:
+    """Words that a file tells. Files of before Omma said how worlds are lit were baked, unless a
+    depth was given."""
+    if text is None or _says_lighting(text):
+        return text
+    has_depth = any(word.startswith("depth=") for word in text.split())
+    return f"{text} lighting={'path' if has_depth else 'baked'}"
+
+
+def _says_lighting(text: str) -> bool:
+    return any(word.startswith("lighting=") for word in text.split())
+
+
 def warnings_of(scene: Scene, is_lit: bool) -> list[str]:
     """What the loader of a scene passed over; in a world with light nothing of that."""
     return [one for one in scene.warnings if not (is_lit and one.startswith(_UNLIT))]

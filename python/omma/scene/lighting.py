@@ -25,6 +25,7 @@ Ultraviolet = Rule | Mapping[str, Rule] | None
 
 _MOST_DEPTH = 1000
 _NAMES_TOLD = 8
+_BAKED_ONLY = 'goes with lighting="baked"'
 
 
 @value_class
@@ -122,17 +123,16 @@ def checked_lighting(
         return None
     expect(light, Light, "light", "omma.light.clear_sky makes one")
     number = None if depth is None else whole(depth, "depth", 1, _MOST_DEPTH)
-    is_baked = lighting == "baked" or (lighting is None and depth is None)
-    how: LightingName = "baked" if is_baked else "path"
+    how: LightingName = "baked" if lighting == "baked" else "path"
     if how == "baked" and depth is not None:
         raise Error(
             f"depth: expected None, as baked light is that of all scatterings, found {depth}; "
             'lighting="path" follows light so far'
         )
     if how == "path" and bake is not None:
-        raise Error('bake: is for baked light, found lighting="path"')
+        raise Error(f"bake: {_BAKED_ONLY}, found lighting={lighting!r}")
     if how == "path" and sun != "exact":
-        raise Error('sun: "map" is for baked light, found lighting="path"')
+        raise Error(f'sun: "map" {_BAKED_ONLY}, found lighting={lighting!r}')
     if how == "baked" and bake is None:
         bake = Bake()
     kind: Sun = "map" if sun == "map" else "exact"
