@@ -192,8 +192,14 @@ def test_what_needs_a_light(settings):
 def test_ultraviolet_that_nobody_has_given():
     green = Material("meadow", base_color=(0.1, 0.4, 0.1, 1))
     day = uniform_sky(1.0)
-    with pytest.raises(omma.Error, match=r'ultraviolet: .*"meadow".*docs/materials\.md'):
+    # The shortest way out comes first.
+    with pytest.raises(
+        omma.Error,
+        match=r'ultraviolet: .*"dark".*visible.*25\.0%.*"meadow".*docs/materials\.md',
+    ):
         omma.World(scene_of(green), light=day)
+    # Of visible light alone nothing has to be said.
+    omma.World(scene_of(green), light=uniform_sky(1.0, bands=Bands.equal(4, 400, 700)))
     with pytest.raises(omma.Error, match=r"ultraviolet: .*without a material"):
         omma.World(omma.Scene(meshes=[Mesh(np.eye(3), [[0, 1, 2]])]), light=day)
     # What is said counts below 400 nm, and only there.

@@ -177,9 +177,11 @@ def _asking(names: list[str], light: Light) -> str:
     )
     more = f" and {len(names) - _NAMES_TOLD} more" if len(names) > _NAMES_TOLD else ""
     return (
-        f"ultraviolet: of {len(names)} materials only RGB is known, which says nothing below 400 "
-        f"nm, where {part:.1%} of this light is, and receptors for ultraviolet see little else: "
-        f'{told}{more}. Say what they reflect there: ultraviolet="dark", "as_blue", a reflectance '
-        "such as 0.02, or a mapping by name; or give materials spectra (docs/materials.md). "
-        "omma.rendering.ultraviolet_dependence tells by how much responses depend on it"
+        'ultraviolet: expected what surfaces reflect below 400 nm, such as ultraviolet="dark" '
+        "(nothing), or a light of visible bands, bands=omma.light.Bands.equal(12, 400, 700); in "
+        f"words of --light ultraviolet=dark or bands=visible. {part:.1%} of this light is below "
+        f"400 nm, of which RGB says nothing, and of {len(names)} materials only that is known: "
+        f'{told}{more}. Or "as_blue", a reflectance such as 0.02 (leaves), a mapping by name, or '
+        "spectra for materials (docs/materials.md). omma.rendering.ultraviolet_dependence tells by "
+        "how much responses depend on it"
     )
