@@ -41,7 +41,7 @@ def frame_times(frame: Callable[[Look], object], looks: list[Look]) -> tuple[flo
 def lit_meadow() -> omma.World:
     """The bundled meadow with spectra; how well its light is baked makes no difference here."""
     scene = omma.load_scene(omma.examples.lit_meadow())
-    return omma.World(scene, light=omma.light.clear_sky(30, 135), bake=omma.scene.Bake(paths=16))
+    return omma.World(scene, light=omma.light.clear_sky(30, 135), lighting="baked")
 
 
 def main(samples: list[int], is_lit: bool) -> None:

@@ -54,6 +54,7 @@ def lit(name: str) -> omma.World:
     return omma.World(
         omma.load_scene(omma.examples.lit_meadow()),
         light=light,
+        lighting="baked",
         polarized=True,
         bake=omma.scene.Bake(paths=16),
     )

@@ -321,6 +321,8 @@ def test_wrong_jobs(tmp_path, old, new, words):
         ("", "[[condition]]\nname = 'a'\nlight = {sky = 'uniform_sky'}\nbake = {paths = 17}",
          "", r"condition\[0\].bake: paths: expected a multiple of 16"),
         ("", "[[condition]]\nname = 'a'\nbake = {paths = 16}", "", "bake: goes with a light"),
+        ("", "[[condition]]\nname = 'a'\nlight = {sky = 'uniform_sky'}\nbake = {paths = 16}",
+         "", r'condition\[0\].bake: goes with lighting = "baked"'),
     ],
 )  # fmt: skip
 def test_outputs_and_light_that_cannot_be(tmp_path, dataset, more, poses, words):
@@ -404,13 +406,13 @@ def test_baked_light_as_the_job_says(tmp_path, monkeypatch):
         count=1,
         rendering="bands = 4",
         more="[[condition]]\nname = 'day'\nlight = {sky = 'uniform_sky'}\nultraviolet = 'dark'\n"
-        "bake = {paths = 16, cell_m = 2.0}\n",
+        "lighting = 'baked'\nbake = {paths = 16, cell_m = 2.0}\n",
     )
     datasets.run(job)
     bake = omma.scene.Bake(paths=16, cell_m=2.0)
     light = omma.light.uniform_sky(bands=omma.light.Bands.equal(4))
     scene = omma.load_scene(tmp_path / "scene.gltf")
-    world = omma.World(scene, light=light, ultraviolet="dark", bake=bake)
+    world = omma.World(scene, light=light, lighting="baked", ultraviolet="dark", bake=bake)
     assert (world.baked.paths, world.baked.from_cache) == (16, True)  # the job's own
     eye = omma.load_eye(tmp_path / "bug.csv")
     data = xarray.open_zarr(tmp_path / "job.zarr")

@@ -114,7 +114,7 @@ NOT_RUN = {
     "pip install": "installs; it is what scripts/setup does",
     "omma dataset run job.toml --": "needs a cluster; test_datasets_cluster.py has a small one",
     "omma render examples/meadow.glb --all-cameras": "half a minute; test_cameras.py has smaller",
-    "omma render examples/meadow_lit.glb": "bakes for minutes; test_light_words.py has it small",
+    "omma render examples/meadow_lit.glb .*lighting=baked": "minutes; test_first_light.py: small",
     "omma measure min-samples examples/meadow.glb": "two minutes; see the next",
     "omma measure min-samples arena.gltf": "minutes; test_sampling_tools.py has smaller ones",
     "omma measure variance-map meadow.glb": "minutes; test_sampling_tools.py has smaller ones",

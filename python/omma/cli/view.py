@@ -18,11 +18,10 @@ from omma.base.poses import look_at, poses_from_angles
 from omma.cli.render import BackgroundOption, LightOption, UnitOption
 from omma.cli.working import Terminated, warn, working
 from omma.eye.files import load_eye
-from omma.rendering.renderer import BUILDING, READING
 from omma.scene.backgrounds import parse_background
+from omma.scene.building import READING, build_world
 from omma.scene.files import read_scene
 from omma.scene.light_words import parse_light, warnings_of
-from omma.scene.world import World
 from omma.view.command import Sources, absolute
 from omma.view.window import load_viser, open_window
 
@@ -127,11 +126,11 @@ def view(
         metres = metres_per_unit("mm" if unit is None else unit)
         eyes = [load_eye(name, metres) for name in eye]
         head = eyes[0] if len(eyes) == 1 else merge_eyes(eyes)
-        world = World(
+        world = build_world(
             read,
+            bar.show,
             threads=threads,
             background=None if background is None else parse_background(background),
-            progress=bar.fraction_of(BUILDING),
             **({} if light is None else parse_light(light)),
         )
         pose: NDArray[np.float64] | None = None

@@ -13,10 +13,12 @@ from omma._core import Error, Eye
 from omma.base.arguments import checked
 from omma.base.files import PathLike, digests_of
 from omma.eye.files import load_eye
-from omma.job.rendering import RenderReport, Stage, render_file
+from omma.job.rendering import RenderReport, render_file
 from omma.rendering.labels import eye_digest
 from omma.rendering.read_back import load_responses
 from omma.rendering.settings import settings_from_record
+from omma.scene.building import Stage
+from omma.scene.light_words import words_of_before
 
 
 @checked
@@ -76,7 +78,7 @@ def render_like(
         threads=threads,
         backend=backend_word(said["backend"]),
         background=said.get("background"),
-        light=said.get("light_words"),
+        light=words_of_before(said.get("light_words")),
         standard_error="standard_error" in data,
         receptors="receptor" in data.response.dims,
         ultraviolet=json.loads(said["ultraviolet"]) if "ultraviolet" in said else None,

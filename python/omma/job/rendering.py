@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
@@ -42,7 +42,7 @@ from omma.picture.cameras import (
 )
 from omma.picture.files import Paint, paint_of_projection, paint_side_by_side, write_png
 from omma.rendering.labels import labels_of
-from omma.rendering.renderer import BUILDING, READING, Renderer
+from omma.rendering.renderer import Renderer
 from omma.rendering.report import SpentRays
 from omma.rendering.settings import (
     Options,
@@ -55,15 +55,13 @@ from omma.rendering.settings import (
     takes_options,
 )
 from omma.scene.backgrounds import parse_background
+from omma.scene.building import BUILDING, READING, Stage, build_world
 from omma.scene.files import read_scene
 from omma.scene.light_words import parse_light, warnings_of
 from omma.scene.world import World
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
-
-# Called with what is being done and its finished share (0 to 1), None where that is not known.
-Stage = Callable[[str, float | None], object]
 
 # What makes no difference to responses, or is told by what is in the files.
 _NO_RECORD = (
@@ -210,13 +208,8 @@ def render_file(
     lit = {} if light is None else parse_light(light)
 
     def build() -> World:
-        return World(
-            world,
-            threads=threads,
-            background=backdrop,
-            backend=backend,
-            progress=partial(tell, BUILDING),
-            **lit,
+        return build_world(
+            world, tell, threads=threads, background=backdrop, backend=backend, **lit
         )
 
     if node is not None and not eye_paths and node.type != "compound":
