@@ -37,7 +37,7 @@ class _Maker:
     def __init__(self, loop: Loop) -> None:
         self.loop = loop
 
-    def __call__(self) -> EyeEnv:
+    def __call__(self, **_: Any) -> EyeEnv:
         return EyeEnv(self.loop)
 
     def __deepcopy__(self, _: dict[int, Any]) -> _Maker:
