@@ -340,6 +340,7 @@ def public_calls(folder):
         "photons_from_watts": (1.0, 500.0),
         "plot_sky": {"paths": png, "light": light, "wavelengths_nm": [500.0], "size_mm": 40.0},
         "polarisation_weights": (bee,),
+        "SunPosition": (135.0, 30.0),
         "sun_position": (datetime(2026, 6, 21, 12, tzinfo=timezone.utc), 50.0, 10.0),
         "uniform_sky": {"radiance": 1.0, "bands": few},
         "watts_from_photons": (1.0, 500.0),
