@@ -65,8 +65,7 @@ def light_of(world: omma.World) -> Light:
     return world.light
 
 
-def sun_of(name: str) -> tuple[float, float]:
-    """Elevation and azimuth of the sun, degrees."""
+def sun_of(name: str) -> omma.light.SunPosition:
     return omma.light.sun_position(moment(name), LATITUDE_DEG, LONGITUDE_DEG)
 
 
@@ -76,7 +75,7 @@ def moment(name: str) -> datetime:
 
 def title(name: str) -> str:
     hour, minute = TIMES[name]
-    elevation, _ = sun_of(name)
+    elevation = sun_of(name).elevation_deg
     height = f"{abs(elevation):.0f}° {'above' if elevation > 0 else 'below'} the horizon"
     return f"{name.capitalize()}, {hour}:{minute:02}: the sun is {height}"
 
@@ -273,12 +272,12 @@ def through_the_rim() -> None:
                 HEADINGS_DEG, signal[:, mine].mean(axis=1), color=colour,
                 label=f"{60 * k}° to {60 * k + 60}°",
             )  # fmt: skip
-        _, azimuth = sun_of(name)
+        azimuth = sun_of(name).azimuth_deg
         curves.axvline(azimuth, color=GREY, lw=0.8, ls=":")
         curves.annotate("sun", (azimuth, 0.97), (2, 0), xycoords=("data", "axes fraction"),
                         textcoords="offset points", color=GREY, va="top")  # fmt: skip
         sky.set_title(title(name).replace(": the sun is ", "\nsun "), pad=2)
-        frame(sky, azimuth, max(sun_of(name)[0], 0.0))
+        frame(sky, azimuth, max(sun_of(name).elevation_deg, 0.0))
         rims.set(xlim=(-0.6, 0.6), ylim=(0.02, 0.62), aspect="equal", xticks=[], yticks=[])
         rims.spines[:].set_visible(False)
         curves.set(

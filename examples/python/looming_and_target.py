@@ -87,23 +87,6 @@ def in_space(eye, vectors):
     return vectors[..., :1] * eye.right.astype(float) + vectors[..., 1:] * eye.up.astype(float)
 
 
-def away_from(eye, direction):
-    """How far each ommatidium looks from a direction (N,), degrees, and which way leads from it at
-    the ommatidium, unit vectors (N, 3)."""
-    axis = eye.axis.astype(float)
-    level = axis @ direction
-    away = axis * level[:, None] - direction
-    away /= np.maximum(np.linalg.norm(away, axis=1, keepdims=True), 1e-9)
-    return np.degrees(np.arccos(np.clip(level, -1, 1))), away
-
-
-def expansion(eye, vectors):
-    """The mean motion (T,) away from the disc's middle, of ommatidia within 30° of it."""
-    off_deg, away = away_from(eye, DISC_AT)
-    near = (off_deg < 30) & np.isfinite(vectors[0, :, 0])
-    return np.einsum("tnk,nk->tn", in_space(eye, vectors), away)[:, near].mean(axis=1)
-
-
 def rightward(eye, vectors):
     """The mean motion (T,) to the right, of ommatidia within 3° of the target's elevation on the
     right."""
@@ -206,7 +189,8 @@ def draw(path, eye, times_s, light, vectors):
             panel.set_title(title, fontsize=10)
     left, right = below.subplots(1, 2)
     draw_course(
-        left, times_s, expansion(eye, vectors), "#0072b2", "mean motion away from its middle",
+        left, times_s, omma.motion.expansion(eye, vectors, DISC_AT), "#0072b2",
+        "mean motion away from its middle",
         2 * disc_radius_deg(times_s), "angle across, °", "The disc: ommatidia within 30° of it",
     )  # fmt: skip
     draw_course(
@@ -228,12 +212,21 @@ def main():
     asked = parser.parse_args()
     eye = omma.species.calliphora().eye
     times_s, light, vectors = watch(eye, asked.rays)
-    looming, passing = expansion(eye, vectors), rightward(eye, vectors)
+    looming = omma.motion.expansion(eye, vectors, DISC_AT)
+    passing = rightward(eye, vectors)
     print(f"{len(eye):,} ommatidia, {len(times_s)} frames at {RATE_HZ:.0f} Hz")
     print("time, s   away from the disc's middle   right along the target's way")
     for moment in (0.1, 0.3, 0.5, 0.7, 0.8):
         t = round(moment * RATE_HZ)
         print(f"{times_s[t]:7.2f}   {looming[t]:27.2e}   {passing[t]:28.2e}")
+    cells = omma.motion.looming_cells(eye)
+    t = round(0.7 * RATE_HZ)
+    strongest = cells.center[np.nanargmax(cells.responses(vectors[t]))]
+    off_deg = np.degrees(np.arccos(strongest @ DISC_AT))
+    print(
+        f"of {len(cells)} cells like LPLC2 the strongest at {times_s[t]:.2f} s looks "
+        f"{off_deg:.0f}° beside the disc's middle"
+    )
     draw(asked.output, eye, times_s, light, vectors)
     print(f"wrote {asked.output}")
 

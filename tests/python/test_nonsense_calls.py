@@ -340,6 +340,7 @@ def public_calls(folder):
         "photons_from_watts": (1.0, 500.0),
         "plot_sky": {"paths": png, "light": light, "wavelengths_nm": [500.0], "size_mm": 40.0},
         "polarisation_weights": (bee,),
+        "SunPosition": (135.0, 30.0),
         "sun_position": (datetime(2026, 6, 21, 12, tzinfo=timezone.utc), 50.0, 10.0),
         "uniform_sky": {"radiance": 1.0, "bands": few},
         "watts_from_photons": (1.0, 500.0),
@@ -414,11 +415,17 @@ def public_calls(folder):
             "count": 24, "pairs": [[0, 1]], "displacement_rad": np.ones((1, 2, 2)), "tau_s": 0.035,
             "frame_rate_hz": 500.0, "high_pass_tau_s": 0.2,
         },
+        "LoomingCells": {
+            "count": 24, "center": [[0, 0, -1]], "cell": [0], "arm": [1], "ommatidium": [2],
+            "along": [[0.0, 1.0]],
+        },
         "best_frequency_hz": (0.035, 0.2),
         "detector_array": {
             "eye": eye, "tau_s": 0.035, "frame_rate_hz": 500.0, "pairs": [[0, 1]],
             "high_pass_tau_s": 0.2,
         },
+        "expansion": (eye, np.zeros((len(eye), 2)), (0, 0, -1)),
+        "looming_cells": (eye, [[0, 0, -1]]),
         "grating_response": {
             "contrast": 1.0, "wavelength_rad": 0.5, "frequency_hz": 5.0, "separation_rad": 0.1,
             "tau_s": 0.035, "high_pass_tau_s": 0.2, "acceptance_angle_rad": 0.1,
@@ -504,6 +511,9 @@ def public_calls(folder):
         "Box": (omma.study.Box((0, 0, 0), (1, 1, 1)), {}),
         "DetectorArray": (omma.motion.detector_array(eye, 0.035, 500.0, pairs=[[0, 1]]), {
             "step": (None, np.ones(24)), "run": (np.ones((3, 24)),), "vectors": (np.ones((3, 1)),),
+        }),
+        "LoomingCells": (omma.motion.looming_cells(eye, [[0, 0, -1]]), {
+            "arms": (np.zeros((len(eye), 2)),), "responses": (np.zeros((len(eye), 2)),),
         }),
         "Wiring": (omma.eye.Wiring([0, 1], [0], [1.0]), {}),
         "GroundTruth": (renderer.ground_truth(pose), {}),

@@ -134,10 +134,12 @@ def examples(files, tmp_path_factory):
         "photoreceptors.ImpulseResponse": omma.photoreceptors.ImpulseResponse.table(
             [0, 0.01, 0.02, 0.03], [0, 2, -0.5, 0]
         ),
+        "light.SunPosition": omma.light.SunPosition(135.0, 30.0),
         "motion.DetectorArray": omma.motion.detector_array(angles, 0.035, 500),
         "motion.DetectorState": omma.motion.detector_array(angles, 0.035, 500).step(
             None, np.ones(200)
         )[0],
+        "motion.LoomingCells": omma.motion.looming_cells(angles, [[0, 0, -1]]),
         "receptors.OmmatidiumType": kind,
         "receptors.ReceptorType": all_round_eye().receptor_types[0],
         "rendering.GroundTruth": renderer.ground_truth(pose, shares=[0]),
@@ -212,7 +214,8 @@ UNHASHABLE = {
     "eye.EyeMeasures", "eye.HexagonalCoordinates", "eye.Lattice", "eye.LatticeCheck",
     "eye.LensConeEye", "eye.Wiring", "light.Bands", "light.Disc", "light.Light",
     "receptors.BandError", "stimuli.Target",
-    "motion.DetectorArray", "motion.DetectorState", "rendering.GroundTruth",
+    "motion.DetectorArray", "motion.DetectorState", "motion.LoomingCells",
+    "rendering.GroundTruth",
     "rendering.UltravioletDependence",
     "rendering.SamplingReport", "study.MinimumSamples", "study.SpeedTest",
     "scene.NaturalMaterial", "view.Seen", "mesh_surface()", "EyeMeasures.field",
