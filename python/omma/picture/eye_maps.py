@@ -408,5 +408,9 @@ def _mollweide_angle(elevation: Floats) -> Floats:
 
 def eye_title(eye: Eye) -> str:
     """The file's name where it is one, and how many ommatidia there are."""
-    name = f"{Path(eye.path).name}: " if eye.path and " + " not in eye.path else ""
-    return f"{name}{len(eye):,} ommatidia"
+    return f"{file_title(eye)}{len(eye):,} ommatidia"
+
+
+def file_title(eye: Eye) -> str:
+    """The file's name and a colon, where it is one."""
+    return f"{Path(eye.path).name}: " if eye.path and " + " not in eye.path else ""

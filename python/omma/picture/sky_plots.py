@@ -23,10 +23,9 @@ Floats = NDArray[np.float64]
 _PIXELS = 301  # across a sky
 _LEAST_POLARISED = 0.01  # below it there is no angle to draw
 _MOST_WAVELENGTHS = 6
-_UNITS = {
-    "photons": ("photons m⁻² s⁻¹ sr⁻¹ nm⁻¹", "photons m⁻² s⁻¹ nm⁻¹"),
-    "watts": ("W m⁻² sr⁻¹ nm⁻¹", "W m⁻² nm⁻¹"),
-}
+#: Of spectral radiance and irradiance.
+RADIANCE_UNITS = {"photons": "photons m⁻² s⁻¹ sr⁻¹ nm⁻¹", "watts": "W m⁻² sr⁻¹ nm⁻¹"}
+_IRRADIANCE_UNITS = {"photons": "photons m⁻² s⁻¹ nm⁻¹", "watts": "W m⁻² nm⁻¹"}
 
 
 @checked
@@ -136,7 +135,7 @@ def _radiance(figure: Any, panel: Any, light: Light, values: Floats, label: str)
         values, origin="lower", extent=(-1, 1, -1, 1), norm=LogNorm(low / 1.05, high * 1.05),
         cmap="viridis",
     )  # fmt: skip
-    _bar(figure, image, panel, _UNITS[light.unit][0])
+    _bar(figure, image, panel, RADIANCE_UNITS[light.unit])
 
 
 def _degree(figure: Any, panel: Any, degree: Floats) -> None:
@@ -229,7 +228,7 @@ def _spectra(panel: Any, light: Light) -> None:
             panel.plot(light.bands.centers_nm, values, "o-", color=colour, label=name, markersize=2)
     panel.set(
         xlabel="wavelength (nm)",
-        ylabel=f"on level ground\n({_UNITS[light.unit][1]})",
+        ylabel=f"on level ground\n({_IRRADIANCE_UNITS[light.unit]})",
         ylim=(0, None),
     )
     if panel.lines:
