@@ -300,3 +300,23 @@ def test_directions_that_nobody_sees_are_hatched_in_figures(drawn):
     assert len(levels) == 2
     assert 0.1 < (ground[..., 0][hidden] == levels[0]).mean() < 0.4
     assert (ground[..., 3] == unseen.inside_outline("mollweide", *image.shape[:2])).all()
+
+
+@pytest.mark.parametrize("errors", [False, True])
+def test_long_names_of_receptors_stay_in_the_figure(drawn, errors):
+    types = [
+        omma.receptors.ReceptorType(
+            f"{name} of the ventral two thirds of the eye", peak_wavelength_nm=nm
+        )
+        for name, nm in (("ultraviolet", 350), ("blue", 440), ("green", 530))
+    ]
+    eye = make_eye(20)
+    eye = eye.replace(receptor_types=types, receptors=[[0, 1, 2]] * 20)
+    values = np.ones(60)
+    figure = drawn(eye, values, receptors=True, errors=values if errors else None)
+    labels = figure.axes[-2 if errors else -1].get_yticklabels()
+    boxes = [label.get_window_extent() for label in labels]
+    assert len(boxes) == 3
+    assert all(box.x0 >= 0 for box in boxes)
+    for above, below in zip(boxes[:-1], boxes[1:], strict=True):
+        assert above.y0 >= below.y1 - 1  # pixels: they do not touch

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -16,6 +17,8 @@ from omma.picture.sky_plots import RADIANCE_UNITS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+_LETTERS = 34  # as many as fit beside the strips
 
 
 @dataclass(frozen=True)
@@ -53,6 +56,20 @@ def _raised(power: re.Match[str]) -> str:
     return "⁻" + "⁰¹²³⁴⁵⁶⁷⁸⁹"[int(power[1])]
 
 
+def legend_mm(scale: Scale) -> float:
+    """How high the legend is."""
+    lines = max(name.count("\n") + 1 for name in _row_names(scale.names)) if scale.coloured else 1
+    return 10 + len(scale.names) * max(3.5, 2.8 * lines)
+
+
+def _row_names(names: Sequence[str]) -> list[str]:
+    called = [
+        name if name == colour or len(names) == 1 else f"{name}, shown {colour}"
+        for name, colour in zip(names, SHOWN_AS[len(names)], strict=True)
+    ]
+    return [textwrap.fill(each, _LETTERS) for each in called]
+
+
 def draw_strips(panel: Axes, scale: Scale) -> None:
     """The scale of each channel as a strip of what it is shown as, its name beside it."""
     steps = np.linspace(0, scale.full_scale, 256)
@@ -62,10 +79,7 @@ def draw_strips(panel: Axes, scale: Scale) -> None:
         as_colours(each, scale.full_scale, scale.gamma),
         extent=(0, scale.full_scale, count, 0), aspect="auto", interpolation="nearest",
     )  # fmt: skip
-    labels = [
-        name if name == colour or count == 1 else f"{name}, shown {colour}"
-        for name, colour in zip(scale.names, SHOWN_AS[count], strict=True)
-    ]
+    labels = _row_names(scale.names)
     panel.set_yticks(np.arange(count) + 0.5, labels, fontsize="small")
     for label in panel.get_yticklabels():
         label.set_in_layout(False)  # there is room beside it, which no other picture should give

@@ -29,7 +29,14 @@ from omma.picture.response_colours import (
     is_grey,
     receptors_shown,
 )
-from omma.picture.response_legend import Scale, centers_nm, draw_strips, name_scale, unit_of
+from omma.picture.response_legend import (
+    Scale,
+    centers_nm,
+    draw_strips,
+    legend_mm,
+    name_scale,
+    unit_of,
+)
 from omma.picture.unseen import hatched_ground, inside_outline, unseen
 
 if TYPE_CHECKING:
@@ -268,7 +275,7 @@ def _figure(
     aspect = {"lambert": 1.0, "spherical_split_orientationwise": 4.0}.get(projection or "", 2.0)
     columns = max(len(row) for row in rows)
     heights = [_WIDTH_MM / (columns if len(row) > 1 else 1) / aspect + 14 for row in rows]
-    heights.append(3.5 * len(scale.names) + 10)
+    heights.append(legend_mm(scale))
     figure: Any = load_matplotlib()(
         figsize=(_WIDTH_MM * MM, (sum(heights) + 6) * MM), layout="constrained"
     )
