@@ -22,6 +22,9 @@ Floats = NDArray[np.float64]
 
 _PIXELS = 301  # across a sky
 _LEAST_POLARISED = 0.01  # below it there is no angle to draw
+# So much is polarised so far from a neutral point of a clear sky in ultraviolet and blue; less of
+# hazy ones at long wavelengths, and in clouds.
+_AROUND_DEG, _LEAST_AROUND = 6.0, 0.02
 _MOST_WAVELENGTHS = 6
 #: Of spectral radiance and irradiance.
 RADIANCE_UNITS = {"photons": "photons m⁻² s⁻¹ sr⁻¹ nm⁻¹", "watts": "W m⁻² sr⁻¹ nm⁻¹"}
@@ -42,7 +45,8 @@ def plot_sky(
 
     The sky as a map, seen from above: -Z (north) at the top, +X (east) at the right, the zenith in
     the middle, equal angles equally far. Crosses are neutral points on the sun's meridian, where
-    nothing is polarised; a yellow dot is the sun or the moon.
+    nothing is polarised; in a sky that was changed or put together, by clouds say, only those with
+    polarised light around them. A yellow dot is the sun or the moon, where it shines.
 
     Args:
         paths: .pdf, .svg or .png, one or several.
@@ -66,7 +70,11 @@ def plot_sky(
 
 def neutral_points(light: Light, band: int) -> list[tuple[str, Floats]]:
     """Neutral points on the meridian of the first disc, above the horizon: names and directions
-    (3,). Above the sun Babinet's, below it Brewster's, over the zenith Arago's."""
+    (3,). Above the sun Babinet's, below it Brewster's, over the zenith Arago's.
+
+    A sky that is no longer as it was made may have clouds, in which polarisation is too weak to
+    have a neutral point that anyone could see, though it still changes its sign there.
+    """
     if light.sky is None or light.sky.shape[3] == 1 or not light.discs:
         return []
     (azimuth,), (sun,) = (
@@ -77,9 +85,16 @@ def neutral_points(light: Light, band: int) -> list[tuple[str, Floats]]:
     along = np.where(
         (arc <= 90)[:, None], direction(azimuth, arc), direction(azimuth + 180, 180 - arc)
     )
-    q = light.radiance(along)[:, 1, band]
+    stokes = light.radiance(along)[:, :, band]
+    q = stokes[:, 1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        degree = np.hypot(q, stokes[:, 2]) / stokes[:, 0]
+    reach = round(_AROUND_DEG / (arc[1] - arc[0]))
     found = []
     for k in np.flatnonzero(q[:-1] * q[1:] < 0):
+        beside = degree[max(k - reach, 0) : k + 1].max(), degree[k + 1 : k + reach + 2].max()
+        if light.recipe is None and not min(beside) >= _LEAST_AROUND:
+            continue
         at = arc[k] + (arc[k + 1] - arc[k]) * q[k] / (q[k] - q[k + 1])
         name = "Arago" if at > 90 else "Babinet" if at > sun else "Brewster"
         towards = direction(azimuth, at) if at <= 90 else direction(azimuth + 180, 180 - at)
@@ -202,7 +217,7 @@ def _sky_frame(panel: Any, light: Light) -> None:
     for name, x, y in (("N", 0, 1.09), ("E", 1.09, 0), ("S", 0, -1.09), ("W", -1.09, 0)):
         panel.text(x, y, name, ha="center", va="center", fontsize="x-small", color=GREY)
     for disc in light.discs:
-        if disc.direction[1] > 0:
+        if disc.direction[1] > 0 and np.any(disc.radiance > 0):
             panel.plot(
                 *_on_map(disc.direction), "o", color="#ffd23f", markersize=4, markeredgecolor=INK,
                 markeredgewidth=0.5,
