@@ -204,8 +204,8 @@ def test_footprints_can_be_left_out(omma_command, scene, eye, tmp_path):
         renderer = omma.Renderer(scene, eye, background=background, footprints=footprints)
         assert (np.load(out) == renderer.render(pose)).all()
         spread[footprints] = np.load(out).std()
-    # A footprint of 0.126 of 5° is 1.8 pixels wide, so that a ray is the mean of some three. Spreads
-    # of 60 are known to 9 %, their ratio, 0.58, to 13 %.
+    # A footprint of 0.126 of 5° is 1.8 pixels wide, so that a ray is the mean of some three.
+    # Spreads of 60 are known to 9 %, their ratio, 0.58, to 13 %.
     assert spread[True] < 0.8 * spread[False]
 
 

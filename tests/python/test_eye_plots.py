@@ -145,7 +145,7 @@ def test_poster_says_what_it_shows(tmp_path, head):
         sources=["[somebody 1999] A paper"],
     )
     said = texts(tmp_path / "a.svg")
-    for words in ("A fly", "from ahead", "right eye, from its right",
+    for words in ("A fly", "from ahead; colours as in the first map", "right eye, from its right",
                   "right eye, from ahead, right and above", "facets", "−20 µm",
                   "measured, somebody 1999", "smaller Δφ of the ellipse (°)",
                   "larger Δφ of the ellipse (°)", "wavelength (nm)",

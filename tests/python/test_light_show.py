@@ -130,3 +130,18 @@ def test_a_sun_behind_clouds_has_no_dot(tmp_path, monkeypatch):
         omma.picture.plot_sky(tmp_path / "a.png", each, [440])
     dots = [sum(line.get_marker() == "o" for line in f.axes[0].lines) for f in figures]
     assert dots == [1, 0]
+
+
+def test_the_spectrums_axis_has_its_power_of_ten_beside_the_unit(tmp_path, monkeypatch):
+    from omma.picture import sky_plots
+
+    figures = []
+    monkeypatch.setattr(sky_plots, "save", lambda one, *_: figures.append(one))
+    light = omma.light.clear_sky(30)
+    omma.picture.plot_sky(tmp_path / "a.png", light, [440])
+    figures[0].canvas.draw()
+    panel = next(a for a in figures[0].axes if a.get_xlabel() == "wavelength (nm)")
+    assert panel.get_ylabel() == "on level ground\n($10^{18}$ photons m⁻² s⁻¹ nm⁻¹)"
+    assert panel.yaxis.get_offset_text().get_text() == ""
+    shown = [float(label.get_text()) for label in panel.get_yticklabels()]
+    assert shown == pytest.approx(panel.get_yticks() / 1e18)

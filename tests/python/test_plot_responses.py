@@ -39,12 +39,13 @@ def test_two_channels_are_yellow_and_blue():
     assert colours.tolist() == [[1, 1, 0], [0, 0, 0.5], [1, 1, 1]]
 
 
+@pytest.mark.parametrize("size", [(200, None), (200, 200), (130, 40), (61, 127)])
 @pytest.mark.parametrize("projection", ["mollweide", "lambert", "hemisphere"])
-def test_what_lies_outside_a_map_is_what_shows_no_ommatidium(projection):
+def test_what_lies_outside_a_map_is_what_shows_no_ommatidium(projection, size):
     # An eye that sees everything: all that is empty is outside the map.
     eye = make_eye(400)
     eye = eye.replace(acceptance_angle_rad=np.full(400, 3.1))
-    ids = omma.picture.projection_ids(eye, projection, 200)
+    ids = omma.picture.projection_ids(eye, projection, *size)
     inside = unseen.inside_outline(projection, *ids.shape)
     # A pixel in the very rim may fall either way by rounding.
     assert (inside == (ids >= 0)).mean() > 0.999
@@ -320,3 +321,12 @@ def test_long_names_of_receptors_stay_in_the_figure(drawn, errors):
     assert all(box.x0 >= 0 for box in boxes)
     for above, below in zip(boxes[:-1], boxes[1:], strict=True):
         assert above.y0 >= below.y1 - 1  # pixels: they do not touch
+
+
+def test_other_numbers_than_responses_are_called_what_they_are(drawn):
+    values = np.linspace(0, 3, 150).reshape(50, 3)
+    eye = make_eye(50)
+    scale = drawn(eye, values, channels=[0], quantity="mean of 1/distance (1/m)").axes[-1]
+    assert scale.get_xlabel() == "mean of 1/distance (1/m)"
+    scale = drawn(eye, values, quantity="flow (°/s)", full_scale=2).axes[-1]
+    assert scale.get_xlabel() == "flow (°/s), more cut off (display gamma 2.2)"

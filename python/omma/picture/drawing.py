@@ -86,9 +86,12 @@ def draw_eye(
         save_figure(_figure(drawing, prop, size_mm, title), names)
 
 
-def draw_view(panel: Any, eye: Eye, view: Floats, prop: EyeProperty, *, shape: float) -> None:
+def draw_view(
+    panel: Any, eye: Eye, view: Floats, prop: EyeProperty, *, shape: float, scale: EyeProperty
+) -> None:
     """An eye's facets in a panel that is ``shape`` times as wide as high, filled as far as they
-    go. With a scale bar of its own, and shaded where they turn away from the viewer."""
+    go. With a scale bar of its own, and shaded where they turn away from the viewer. Colours mean
+    what they mean in a map of ``scale``."""
     drawing = _Drawing(eye, view, "facets", False, None)
     low, high = _frame(drawing)
     middle, size = (low + high) / 2, high - low
@@ -101,7 +104,7 @@ def draw_view(panel: Any, eye: Eye, view: Floats, prop: EyeProperty, *, shape: f
     panel.add_collection(marks)
     values = np.ma.masked_invalid(prop.values[drawing.shown])
     marks.set_array(values)
-    colour_scale(None, panel, marks, prop, None)
+    colour_scale(None, panel, marks, scale, None)
     _unknown_grey(marks)
     colours = marks.to_rgba(values)
     facing = (drawing.normal @ view[2])[drawing.shown]

@@ -103,10 +103,11 @@ def plot_poster(
         for k, (name, yaw, pitch, whole) in enumerate(_VIEWS):
             panel = views.add_subplot(3, 1, k + 1)
             alone = len(right) == len(eye)
-            panel.set_title(name.removeprefix("right eye, ") if alone else name, loc="left")
+            name = name.removeprefix("right eye, ") if alone else name
+            panel.set_title(f"{name}; colours as in the first map" if k == 0 else name, loc="left")
             view = view_from(math.radians(yaw), math.radians(pitch))
             seen = (eye, smaller) if whole else (right, of_right)
-            draw_view(panel, seen[0], view, seen[1], shape=_SHAPE)
+            draw_view(panel, seen[0], view, seen[1], shape=_SHAPE, scale=smaller)
         for k, prop in enumerate((smaller, larger, third)):
             draw_map(maps, maps.add_subplot(3, 1, k + 1), the_map, prop)
         maps.supxlabel(MAP_NOTE, fontsize="x-small")

@@ -73,6 +73,7 @@ def plot_responses(
     projection: str | None = None,
     full_scale: float | None = None,
     gamma: float = 2.2,
+    quantity: str | None = None,
     titles: Sequence[str] | None = None,
     title: str | None = None,
 ) -> None:
@@ -103,6 +104,8 @@ def plot_responses(
         full_scale: the response at the end of the scale. Default: 1 for RGB, else the largest; but
             where that is more than ten times what 99 of 100 have, as where the sun is seen, what
             these have.
+        quantity: what the numbers are, with its unit, where they are not responses: instead of what
+            the legend would say of them.
         titles: of the pictures, in order: all poses of the first eye, then those of the next.
         title: above all of them.
 
@@ -138,11 +141,15 @@ def plot_responses(
     if full_scale is None:
         full_scale = 1.0 if rgb else _end_of_scale(shown)
     positive(full_scale, "full_scale")
-    what = "response" if 1.001 * full_scale >= _largest(shown) else "response, brighter cut off"
+    what = quantity or "response"
+    if 1.001 * full_scale < _largest(shown):
+        what += ", brighter cut off" if quantity is None else ", more cut off"
     coloured = len(shown[0].names) > 1
     if is_grey(shown):
         shown = [Shown(each.values[..., :1], ("red = green = blue",)) for each in shown]
-    unit = unit_of(light, arrays)
+    unit = unit_of(light, arrays) if quantity is None else ""
+    if not coloured and quantity is None:
+        what += f": {shown[0].names[0]}"
     scale = Scale(shown[0].names, coloured, full_scale, gamma, what, unit)
     count = sum(len(each.values) for each in shown)
     if count > _MOST_PICTURES:
@@ -298,7 +305,7 @@ def _figure(
     legend = figure.add_subplot(grid[-1, 3:6] if errors is not None else grid[-1, 4:8])
     if not scale.coloured:
         bar = figure.colorbar(values, cax=legend, orientation="horizontal")
-        name_scale(legend, f"{scale.what}: {scale.names[0]}", scale.full_scale, scale.unit)
+        name_scale(legend, scale.what, scale.full_scale, scale.unit)
         bar.outline.set_visible(False)
     else:
         draw_strips(legend, scale)

@@ -4,6 +4,7 @@ what sky and sun give to level ground.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -197,9 +198,11 @@ def _mark_neutral(panel: Any, points: list[tuple[str, Floats]]) -> None:
         x, y = _on_map(towards)
         panel.plot(x, y, "+", color="w", markersize=6, markeredgewidth=1.6)
         panel.plot(x, y, "+", color=COLOURS[1], markersize=5, markeredgewidth=0.9)
+        # Towards the middle of the map, where no bar of colours is.
+        side = -1 if x > 0.3 else 1
         panel.annotate(
-            name, (x, y), xytext=(4, 0), textcoords="offset points", fontsize="x-small",
-            va="center", color="w", path_effects=_outline(),
+            name, (x, y), xytext=(4 * side, 0), textcoords="offset points", fontsize="x-small",
+            va="center", ha="left" if side > 0 else "right", color="w", path_effects=_outline(),
         )  # fmt: skip
 
 
@@ -241,11 +244,14 @@ def _spectra(panel: Any, light: Light) -> None:
     for name, values, colour in curves:
         if np.any(values > 0):
             panel.plot(light.bands.centers_nm, values, "o-", color=colour, label=name, markersize=2)
-    panel.set(
-        xlabel="wavelength (nm)",
-        ylabel=f"on level ground\n({_IRRADIANCE_UNITS[light.unit]})",
-        ylim=(0, None),
-    )
+    # The power of ten beside the unit, not alone above the axis.
+    unit = _IRRADIANCE_UNITS[light.unit]
+    most = max((float(np.max(values)) for _, values, _ in curves), default=0.0)
+    if most > 0 and not 1e-2 <= most < 1e4:
+        power = math.floor(math.log10(most))
+        panel.yaxis.set_major_formatter(lambda value, _: f"{value / 10.0**power:g}")
+        unit = f"$10^{{{power}}}$ {unit}"
+    panel.set(xlabel="wavelength (nm)", ylabel=f"on level ground\n({unit})", ylim=(0, None))
     if panel.lines:
         panel.legend(frameon=False, loc="upper left")
 

@@ -29,12 +29,23 @@ _LEAST_PERIOD = 6  # pixels
 
 def inside_outline(projection: str | None, height: int, width: int) -> Flags:
     """Which pixels lie inside a projection's own outline: (H, W)."""
-    y, x = np.ogrid[1 - 1 / height : -1 : -2 / height, -1 + 1 / width : 1 : 2 / width]
-    if projection in ("mollweide", "lambert"):
-        return np.asarray(x**2 + y**2 < 1)
+    if projection == "mollweide":
+        return _ellipse(height, width, 0, width, 2)
+    if projection == "lambert":
+        return _ellipse(height, width, 0, width, 1)
     if projection == "hemisphere":
-        return np.asarray((2 * np.abs(x) - 1) ** 2 + y**2 < 1)
+        left = _ellipse(height, width, 0, width / 2, 1)
+        return np.asarray(left | _ellipse(height, width, width / 2, width, 1))
     return np.broadcast_to(np.asarray(projection != "facets"), (height, width))
+
+
+def _ellipse(height: int, width: int, left: float, right: float, aspect: float) -> Flags:
+    """The largest ellipse so many times as wide as high between two columns of a picture."""
+    half = min((right - left) / 2, aspect * height / 2)
+    row, column = np.ogrid[:height, :width]
+    x = (column + 0.5 - (left + right) / 2) / half
+    y = (row + 0.5 - height / 2) / (half / aspect)
+    return np.asarray(x**2 + y**2 < 1)
 
 
 def unseen(ids: Ids, projection: str | None) -> Flags:
