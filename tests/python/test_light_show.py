@@ -145,3 +145,20 @@ def test_the_spectrums_axis_has_its_power_of_ten_beside_the_unit(tmp_path, monke
     assert panel.yaxis.get_offset_text().get_text() == ""
     shown = [float(label.get_text()) for label in panel.get_yticklabels()]
     assert shown == pytest.approx(panel.get_yticks() / 1e18)
+
+
+def test_what_has_no_angle_is_said(tmp_path, monkeypatch):
+    from omma.picture import sky_plots
+
+    figures = []
+    monkeypatch.setattr(sky_plots, "save", lambda one, *_: figures.append(one))
+    sky = np.zeros((2, 91, 8, 3, 1))
+    sky[:, :, :, 0], sky[:, :, :, 1] = 1, 0.5
+    half = sky.copy()
+    half[:, :, :4, 1] = 0.005
+    for each in (sky, half):
+        light = omma.light.Light(omma.light.Bands.equal(1), sky=each)
+        omma.picture.plot_sky(tmp_path / "a.png", light, [500])
+    said = [[text.get_text() for text in figure.axes[2].texts] for figure in figures]
+    assert "white: less than 1% polarised" not in said[0]
+    assert "white: less than 1% polarised" in said[1]

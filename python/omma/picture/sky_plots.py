@@ -171,6 +171,9 @@ def _angle(figure: Any, panel: Any, angle_deg: Floats, degree: Floats) -> None:
     if not np.any(np.isfinite(shown)):
         panel.text(0, 0, "unpolarised", ha="center", va="center", color=GREY)
         return
+    if np.any(np.isnan(shown) & np.isfinite(angle_deg)):
+        note = f"white: less than {_LEAST_POLARISED:.0%} polarised"
+        panel.text(0, -1.24, note, ha="center", va="top", fontsize="x-small", color=GREY)
     # The electric vector, as it lies in the map: up points to the middle.
     rings = [(r, k / n * 2 * np.pi) for r, n in ((0.2, 6), (0.45, 14), (0.7, 22), (0.93, 30))
              for k in range(n)]  # fmt: skip
