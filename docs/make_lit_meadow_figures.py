@@ -30,6 +30,7 @@ from omma.base.directions import azimuth_elevation_deg_of, direction
 from omma.base.figures import COLOURS, GREY, INK, figure_style, save_figure
 from omma.light import Light
 from omma.picture.response_colours import receptors_shown
+from omma.picture.unseen import hatch
 
 DOCS = Path(__file__).resolve().parent
 SUMMER_TIME = timezone(timedelta(hours=2))
@@ -44,7 +45,7 @@ EXTENT = (-180.0, 180.0, float(LOWEST_DEG), 90.0)
 RAYS, BEE_RAYS = 16, 96
 DECADES = 4  # of the scales of receptors
 DPI = 102
-OUTSIDE = 0.88  # grey, where no ommatidium looks
+OUTSIDE = 0.88  # grey, hatched, where no ommatidium looks
 
 
 @cache
@@ -118,7 +119,7 @@ def through_the_bee(name: str) -> None:
     white = dict(zip([each.name for each in eye.receptor_types], white_ground(light, eye)))
     adapted = values / [white[kind] for kind in kinds]
     bee = exposed(adapted[ids].astype(np.float32))
-    bee[ids < 0] = round(255 * OUTSIDE)
+    hatch(bee, ids < 0)
 
     figure = Figure(figsize=(9.2, 4.75), layout="constrained")
     figure.suptitle(f"{title(name)} ({PLACE})", fontsize="large", weight="bold")
@@ -137,6 +138,7 @@ def through_the_bee(name: str) -> None:
         panel = figure.add_subplot(grid[1, 2 * k : 2 * k + 2])
         shown = np.where(ids < 0, np.nan, values[:, kinds.index(kind)][ids])
         panel.set_facecolor(str(OUTSIDE))
+        panel.patch.set(hatch="//////", edgecolor="0.65", linewidth=0)
         marks = panel.imshow(
             shown, extent=EXTENT, interpolation="nearest", cmap="magma",
             norm=LogNorm(top / 10**DECADES, top),

@@ -20,6 +20,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import hsv_to_rgb
 from matplotlib.patches import Ellipse
+from matplotlib.patheffects import withStroke
 from matplotlib.projections.geo import MollweideAxes
 
 import omma
@@ -127,6 +128,14 @@ def draw_map(panel, eye, light, vectors, largest, time_s, *, longest, dot):
     for azimuth in range(-120, 121, 60):
         panel.plot(*flat(azimuth, np.arange(-90, 91, 3)).T, color="0.85", lw=0.5)
     panel.add_patch(Ellipse((0, 0), 4 * 2**0.5, 2 * 2**0.5, fill=False, ec="0.6", lw=0.8))
+    degrees = {"fontsize": 7, "color": "0.1", "clip_on": True, "zorder": 5,
+               "path_effects": [withStroke(linewidth=2, foreground="w")]}  # fmt: skip
+    for azimuth in (-120, -60, 0, 60, 120):
+        at = flat(np.array([azimuth]), -2.0)[0]
+        panel.text(*at, f"{azimuth}°" if azimuth else "ahead 0°", ha="center", va="top", **degrees)
+    for elevation in (-60, -30, 30, 60):
+        at = flat(np.array([-180]), elevation)[0]
+        panel.text(*at, f"{elevation}°  ", ha="right", va="center", **degrees)
     shade = np.clip(light / 2, 0, 1) ** (1 / 2.2)
     panel.scatter(*on_map(eye.axis).T, c=shade, s=dot, lw=0, cmap="gray", vmin=-0.2, vmax=1.15)
     size = np.hypot(*vectors.T)

@@ -88,7 +88,7 @@ def test_a_file_is_what_the_world_gives(files, tmp_path):
     # The picture has the colours that people see, a white sheet on level ground as white.
     shown = omma.picture.bands_to_rgb(expected[0], world.light)
     picture = np.asarray(Image.open(tmp_path / "view.png"))
-    assert np.array_equal(picture[..., :3], omma.picture.project(renderer.eye, shown)[..., :3])
+    assert np.array_equal(picture[..., :3], omma.picture.framed(renderer.eye, shown))
 
     data = omma.rendering.load_responses(tmp_path / "view.npy")
     assert data.attrs["light_words"] == WORDS

@@ -234,6 +234,7 @@ def public_calls(folder):
         "facet_diameters_m": (eye,),
         "field_ids": (eye, 16, 8),
         "fly_receptors": (large,),
+        "framed": (eye, rgb, 16, 8),
         "generate_eye": (20,),
         "govardovskii": (540.0, [500.0]),
         "ImpulseResponse": ("howard", 0.01, 0.3),

@@ -23,7 +23,14 @@ from omma.scene.light_words import parse_light
 from omma.view.command import Sources, path_text, render_command, render_python
 from omma.view.door import Door, listening_socket
 from omma.view.live import Live
-from omma.view.painting import channels_of, eye_ids, paint_eye, shown_values, white_of
+from omma.view.painting import (
+    channels_of,
+    eye_ids,
+    paint_eye,
+    shown_values,
+    unseen_in,
+    white_of,
+)
 from omma.view.path_files import poses_of_csv
 from omma.view.picked import cone_of, ommatidium_looking_at, ommatidium_towards, rays_of
 from omma.view.poses import HeadPose, pose_from_matrix
@@ -251,19 +258,21 @@ def test_pictures_show_what_was_rendered(looker):
     assert list(channels) == ["colours", "red", "green", "blue"]
     ids = eye_ids(looker.eye, "Mollweide", 400)
     colours = shown_values(looker.world, looker.eye, seen, channels["colours"])
-    pixels = paint_eye(ids, colours, 1.0, 0.0)
+    hidden = unseen_in(ids, "Mollweide")
+    pixels = paint_eye(ids, colours, 1.0, 0.0, hidden=hidden)
     assert np.array_equal(
         pixels, omma.picture.project(looker.eye, seen.responses, "mollweide", 400)
     )
-    green = paint_eye(ids, shown_values(looker.world, looker.eye, seen, channels["green"]), 1, 0)
+    in_green = shown_values(looker.world, looker.eye, seen, channels["green"])
+    green = paint_eye(ids, in_green, 1, 0, hidden=hidden)
     assert np.array_equal(green[..., 0], pixels[..., 1])
     assert np.array_equal(green[..., 0], green[..., 2])
-    brighter = paint_eye(ids, colours, 1.0, 1.0)
+    brighter = paint_eye(ids, colours, 1.0, 1.0, hidden=hidden)
     assert np.array_equal(
         brighter, omma.picture.project(looker.eye, 2 * seen.responses, "mollweide", 400)
     )
     chosen = int(ids[100, 200])
-    marked = (paint_eye(ids, colours, 1.0, 0.0, chosen) != pixels).any(axis=2)
+    marked = (paint_eye(ids, colours, 1.0, 0.0, chosen, hidden) != pixels).any(axis=2)
     assert marked.any()
     assert not marked[ids == chosen].any()
     with pytest.raises(omma.Error, match="projection: expected one of"):

@@ -222,16 +222,18 @@ def render(
         str | None,
         typer.Option(
             help="How an eye is shown in a .png: " + ", ".join(PROJECTIONS) + "; with _ids added, "
-            "numbers of ommatidia. Default: azimuth and elevation, empty where no ommatidium "
-            "looks, with eyes whose fields overlap apart; for a camera's own eye what the camera "
-            "says.",
+            "numbers of ommatidia. Default: azimuth and elevation in a frame with degrees, hatched "
+            "where no ommatidium looks, with eyes whose fields overlap apart; for a camera's own "
+            "eye what the camera says.",
             metavar="NAME",
         ),
     ] = None,
     width: Annotated[
         int | None,
         typer.Option(
-            help="Width of a picture, in pixels. Default: from its height, or 1024.", metavar="N"
+            help="Width of a picture, in pixels; of a panel without its frame. Default: from its "
+            "height, or 1024.",
+            metavar="N",
         ),
     ] = None,
     height: Annotated[

@@ -162,11 +162,11 @@ def render_file(
             line for each pose and receptor. Not with `ToError`.
         ultraviolet: light below 400 nm for receptors, see `Renderer.render_receptors`.
         projection: of an eye in a picture, see `omma.picture.project`. None: for a camera's own eye
-            the camera's ``compound-projection``, else the default of `projection_ids`: empty where
-            no ommatidium looks, eyes whose fields overlap apart.
+            the camera's ``compound-projection``, else as `omma.picture.framed`: in a frame with
+            degrees, hatched where no ommatidium looks, eyes whose fields overlap apart.
         width, height: pixels of a picture, see `render_camera` and `projection_ids`. Of one panel
-            where eyes are apart, which ``side_by_side`` makes them always, see
-            `omma.picture.side_by_side`.
+            without its frame where no projection is named; ``side_by_side`` gives each eye one,
+            always.
         gamma: of pictures.
         resume: of a path, into `.npy`, `.csv` and `.png`. What is rendered so far is kept where
             the work is cut off, by Ctrl-C, a kill or a loss of power, and the same call goes on

@@ -27,6 +27,7 @@ from omma.view.painting import (
     paint_camera,
     paint_eye,
     shown_values,
+    unseen_in,
     white_of,
 )
 from omma.view.picked import ommatidium_looking_at
@@ -207,7 +208,10 @@ class Page:
             self._white_of = channel
             self.white = white_of(self.looker.world, channel, values)
         if self._door is not None:
-            pixels = paint_eye(self._ids(), values, self.white, self.stops, self.chosen)
+            projection = self.projection
+            ids = eye_ids(self.looker.eye, projection, _EYE_WIDTH)
+            hidden = unseen_in(ids, projection)
+            pixels = paint_eye(ids, values, self.white, self.stops, self.chosen, hidden)
             self._door.show("eye", jpeg(pixels))
         if self._is_due("facets", _FACETS_S, still):
             each = np.arange(len(values), dtype=np.int32)[None]
