@@ -9,7 +9,8 @@ import io
 import json
 import os
 import shlex
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
@@ -61,6 +62,18 @@ def open_text(path: PathLike) -> io.TextIOWrapper:
         ) from None
     # Decoded again line by line: a million poses are then not in memory as text.
     return io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig", newline="")
+
+
+@contextmanager
+def reading(path: PathLike, what: str) -> Iterator[None]:
+    """Whatever the library for files of that kind raises, as omma.Error that names the file."""
+    try:
+        yield
+    except Error:
+        raise
+    except Exception as error:  # each library has its own, and more than it says
+        why = " ".join(str(error).split()) or type(error).__name__
+        raise Error(f"{os.fsdecode(path)}: cannot be read as {what}: {why:.300}") from None
 
 
 class WholeFiles:
@@ -207,7 +220,11 @@ def digests_of(path: PathLike) -> dict[str, str]:
         binary = data[:4] == b"glTF"
         text = data[20 : 20 + int.from_bytes(data[12:16], "little")] if binary else data
         # Whatever it is that a text names: buffers, images, eyes, things of extensions.
-        for other in sorted(set(_texts(json.loads(text)))):
+        try:
+            document = json.loads(text)
+        except (ValueError, RecursionError):
+            raise Error(f"{name}: is not a glTF file: its JSON is malformed") from None
+        for other in sorted(set(_texts(document))):
             for beside in {other, unquote(other)}:
                 file = os.path.join(os.path.dirname(name), beside)
                 if 0 < len(beside) < _LONGEST_NAME and "\0" not in beside and os.path.isfile(file):

@@ -11,15 +11,14 @@ from omma._core import Error, Eye
 from omma.base.arguments import checked, whole
 from omma.base.directions import direction
 from omma.base.figures import INK, MM, figure_names, figure_style, load_matplotlib, save_figure
-from omma.base.files import PathLike
+from omma.base.files import PathLike, reading
 from omma.datasets.job_file import lights_from
 from omma.datasets.reading import Views, open_views
-from omma.datasets.records import read_manifest
+from omma.datasets.records import open_store, read_manifest
 from omma.datasets.worlds import make_light
 from omma.light import Light
 from omma.picture.band_colours import bands_to_rgb
 from omma.picture.projections import project
-from omma.rendering.labelled_files import load_package
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -95,11 +94,14 @@ def contact_sheet(
             one.axis("off")
             one.set_anchor("N")  # below its own title, not above the next
         for k, picture in enumerate(pictures):
-            scene, condition, pose_set = (known[name][int(found[name][k])] for name in _NAMED[:3])
+            with reading(views.store, "a data set"):
+                numbers = [int(found[name][k]) for name in _NAMED]
+                scene, condition, pose_set = (
+                    known[name][number] for name, number in zip(_NAMED[:3], numbers)
+                )
             _show(axes[k], picture)
             axes[k].set_title(
-                f"view {views.numbers[chosen[k]]}: {scene}, {condition}\n"
-                f"{pose_set} {int(found['pose'][k])}",
+                f"view {views.numbers[chosen[k]]}: {scene}, {condition}\n{pose_set} {numbers[3]}",
                 loc="left",
             )
         save_figure(figure, names)
@@ -137,21 +139,23 @@ def _picture(eye: Eye, response: NDArray[np.float32], light: Light | None) -> ND
 def _eye(views: Views) -> Eye:
     """The eye as the store has it: where ommatidia look, how wide, in which eye."""
     inside = read_manifest(views.store)["groups"][views.eye]
-    root = load_package("zarr", views.store).open_group(views.store, mode="r")
-    group = root[inside] if inside else root
-    axis = direction(group["azimuth"][...], group["elevation"][...])
-    return Eye(
-        np.zeros_like(axis), axis, np.radians(group["acceptance_angle"][...]),
-        eye_id=np.asarray(group["eye"][...]),
-    )  # fmt: skip
+    root = open_store(views.store)
+    with reading(views.store, "a Zarr store"):
+        group = root[inside] if inside else root
+        axis = direction(group["azimuth"][...], group["elevation"][...])
+        return Eye(
+            np.zeros_like(axis), axis, np.radians(group["acceptance_angle"][...]),
+            eye_id=np.asarray(group["eye"][...]),
+        )  # fmt: skip
 
 
 def _lights(views: Views) -> list[Light]:
     """The light of each condition; none where worlds have none."""
     manifest = read_manifest(views.store)
     bands = manifest["job_plain"].get("rendering", {}).get("bands", 0)
-    found = (make_light(*one, bands) for one in lights_from(manifest["job"]))
-    return [light for light in found if light is not None]
+    with reading(views.store, "the lights of a data set"):
+        found = [make_light(*one, bands) for one in lights_from(manifest["job"])]
+        return [light for light in found if light is not None]
 
 
 def _short(store: str) -> str:

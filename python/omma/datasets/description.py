@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
 from omma.base.arguments import checked
-from omma.base.files import PathLike
+from omma.base.files import PathLike, reading
 from omma.datasets.layout import VIEW
-from omma.datasets.records import read_manifest, read_record, shards_done
-from omma.rendering.labelled_files import load_package
+from omma.datasets.records import open_store, read_manifest, read_record, shards_done
 
 
 @checked
@@ -40,16 +40,17 @@ def describe(store: PathLike) -> list[str]:
         f"{manifest['created']}"
         + (f", {seconds:,.0f} s of work on {', '.join(machines)}" if records else ""),
     ]
-    root = load_package("zarr", path).open_group(path, mode="r")
+    root = open_store(path)
     for eye, inside in manifest["groups"].items():
         lines.append(f"eye {eye}:")
-        arrays = sorted((root[inside] if inside else root).arrays())
-        lines += [f"  {name} {_about(array)}" for name, array in arrays if _of_views(array)]
+        with reading(path, "a Zarr store"):
+            arrays = sorted((root[inside] if inside else root).arrays(), key=itemgetter(0))
+            lines += [f"  {name} {_about(array)}" for name, array in arrays if _of_views(array)]
     return lines
 
 
 def _of_views(array: Any) -> bool:
-    return bool(array.metadata.dimension_names[:1] == (VIEW,))
+    return bool((array.metadata.dimension_names or ())[:1] == (VIEW,))
 
 
 def _about(array: Any) -> str:

@@ -15,7 +15,7 @@ from omma.datasets.job_file import Job
 _SHARD_BYTES = 32 << 20
 _CHUNK_BYTES = 1 << 18
 # Their coordinates, some hundred bytes each, are in memory while a store is begun.
-_MOST_VIEWS = 50_000_000
+MOST_VIEWS = 50_000_000
 # A kill loses at most a shard; slow renders have small ones.
 _MOST_VIEWS_PER_SHARD = 1024
 
@@ -75,9 +75,9 @@ def make_plan(job: Job, view_bytes: tuple[int, int]) -> Plan:
                     first += poses.count
     if not blocks:
         raise Error("poses: expected some in at least one of the scenes, found none")
-    if first > _MOST_VIEWS:
+    if first > MOST_VIEWS:
         raise Error(
-            f"poses: expected at most {_MOST_VIEWS:,} views in one data set, whose coordinates fit "
+            f"poses: expected at most {MOST_VIEWS:,} views in one data set, whose coordinates fit "
             f"in memory, found {first:,}; make several"
         )
     chunk = job.views_per_chunk or _power_of_two(_CHUNK_BYTES // in_chunk, 256)

@@ -15,11 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import checked, one_of, whole
-from omma.base.files import PathLike
+from omma.base.files import PathLike, reading
 from omma.base.values import value_class
 from omma.datasets.layout import VIEW
-from omma.datasets.records import read_manifest, read_record, shards_done
-from omma.rendering.labelled_files import load_package
+from omma.datasets.records import open_store, read_manifest, read_record, shards_done
 
 Batch = dict[str, NDArray[Any]]
 
@@ -57,6 +56,10 @@ class Views:
             found = self.numbers[index]
         else:
             found = self.numbers[np.asarray(index, dtype=np.int64)]
+        with reading(self.store, "a Zarr store"):
+            return self._read(found)
+
+    def _read(self, found: NDArray[np.int64]) -> Batch:
         if np.ndim(found) == 0:
             return {name: np.asarray(array[int(found)]) for name, array in self._arrays.items()}
         wanted = np.asarray(found)
@@ -75,8 +78,7 @@ class Views:
 
     @cached_property
     def _arrays(self) -> dict[str, Any]:
-        zarr = load_package("zarr", self.store)
-        group = zarr.open_group(self.store, mode="r")
+        group = open_store(self.store)
         inside = read_manifest(self.store)["groups"][self.eye]
         return {
             name: group[os.path.join(inside, name) if inside else name] for name in self.variables
@@ -108,13 +110,24 @@ def open_views(
     if isinstance(variables, str) or not all(isinstance(one, str) for one in variables):
         raise TypeError(f"variables: expected a list of names, found {variables!r:.60}")
     inside = manifest["groups"][eye]
-    group = load_package("zarr", path).open_group(path, mode="r")
-    arrays = (group[inside] if inside else group).arrays()
-    known = [name for name, array in arrays if array.metadata.dimension_names[:1] == (VIEW,)]
+    group = open_store(path)
+    with reading(path, "a Zarr store"):
+        arrays = list((group[inside] if inside else group).arrays())
+    known = [
+        name for name, array in arrays if (array.metadata.dimension_names or ())[:1] == (VIEW,)
+    ]
     for one in variables:
         one_of(one, sorted(known), "variables")
-    spans = [range(*read_record(path, shard)["views"]) for shard in shards_done(path)]
-    numbers = np.concatenate([np.arange(one.start, one.stop) for one in spans] or [np.arange(0)])
+    parts = [np.arange(0)]
+    for shard in shards_done(path):
+        first, stop = read_record(path, shard)["views"]
+        if stop > manifest["views"]:
+            raise Error(
+                f"{path}: expected views up to {manifest['views']}, found {stop} in the record of "
+                f"shard {shard}"
+            )
+        parts.append(np.arange(first, stop))
+    numbers = np.concatenate(parts)
     return Views(os.path.abspath(path), eye, tuple(variables), numbers)
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import fcntl
 import hashlib
-import json
 import os
 import platform
 import re
@@ -20,8 +19,20 @@ from typing import Any
 
 from omma import _core
 from omma._core import Error
+from omma.base.files import reading
+from omma.base.said import (
+    Said,
+    is_count,
+    is_number,
+    is_object,
+    is_object_of_texts,
+    is_span,
+    is_text,
+    is_texts,
+    object_in,
+)
 from omma.datasets.job_file import Job
-from omma.datasets.plan import Plan
+from omma.datasets.plan import MOST_VIEWS, Plan
 from omma.datasets.shard_bytes import COMPRESSION
 from omma.rendering.labelled_files import ZARR_MARKER, load_package
 
@@ -53,11 +64,20 @@ def shards_done(store: str) -> list[int]:
 def read_record(store: str, shard: int) -> dict[str, Any]:
     """What the record of a shard says; omma.Error where it is none."""
     path = record_file(store, shard)
-    try:
-        found = json.loads(_core.read_file(path))
-        return {**found, "files": dict(found["files"]), "shard": int(found["shard"])}
-    except (ValueError, TypeError, KeyError):
-        raise Error(f"{path}: expected the record of a shard, found something else") from None
+    said = object_in(_core.read_file(path), path, "the record of a shard")
+    views = said.take("views", is_span)
+    files = said.take("files", is_object)
+    for name, one in files.items():
+        about = Said(one, f"{path}: files.{name}")
+        about.take("bytes", is_count)
+        about.take("sha256", is_text)
+    return {
+        "shard": said.take("shard", is_count),
+        "views": views,
+        "files": files,
+        "seconds": said.take("seconds", is_number),
+        "machine": said.take("machine", is_text),
+    }
 
 
 def digests_of_inputs(job: Job) -> dict[str, str]:
@@ -107,17 +127,45 @@ def read_manifest(store: str) -> dict[str, Any]:
     if not marker.is_file():
         raise Error(f"{store}: expected a data set, a Zarr 3 store; there is no {marker}")
     load_package("zarr", store)
-    try:
-        attributes = json.loads(marker.read_bytes())["attributes"]
-        found = attributes["format"]
-    except (ValueError, TypeError, KeyError):
-        raise Error(f"{store}: expected a data set of Omma, found another Zarr store") from None
+    a_set = "a data set of Omma"
+    said = object_in(_core.read_file(marker), f"{store}, {ZARR_MARKER}", a_set)
+    attributes = said.take("attributes", is_object, {})
+    if "format" not in attributes:
+        raise Error(f"{store}: expected {a_set}, found another Zarr store")
+    found = attributes["format"]
     if found != FORMAT:
         raise Error(
             f"{store}: expected {FORMAT!r}, found {found!r:.60}: it is of another version of Omma. "
             "What is in it is kept; go on with that version, or make a new store"
         )
+    _check_manifest(Said(attributes, f"{store}, {ZARR_MARKER}: attributes"))
     return dict(attributes)
+
+
+def _check_manifest(said: Said) -> None:
+    """What the members are that readers take."""
+    for name in ("views", "views_per_chunk", "views_per_shard"):
+        said.take(name, is_count)
+    if said.take("views", is_count) > MOST_VIEWS:
+        said.refuse("views", f"at most {MOST_VIEWS:,}")
+    if said.take("views_per_shard", is_count) == 0:
+        said.refuse("views_per_shard", "1 or more")
+    for name in ("omma_version", "backend", "created", "job"):
+        said.take(name, is_text)
+    for name in ("job_plain", "inputs_sha256", "versions", "compression"):
+        said.take(name, is_object)
+    if not said.take("groups", is_object_of_texts):
+        said.refuse("groups", "at least one eye")
+    names = Said(said.take("names", is_object), f"{said.place}.names")
+    for name in ("scene", "condition", "pose_set"):
+        names.take(name, is_texts)
+
+
+def open_store(store: str) -> Any:
+    """The Zarr group of a store, to be read."""
+    zarr = load_package("zarr", store)
+    with reading(store, "a Zarr store"):
+        return zarr.open_group(store, mode="r")
 
 
 def check_same(store: str, then: Mapping[str, Any], now: Mapping[str, Any]) -> None:

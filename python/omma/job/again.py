@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 from omma import _core
 from omma._core import Error, Eye
 from omma.base.arguments import checked
-from omma.base.files import PathLike, digests_of
+from omma.base.files import PathLike, digests_of, reading
+from omma.base.said import (
+    Said,
+    is_count,
+    is_list,
+    is_number,
+    is_object_of_texts,
+    is_text,
+    is_texts,
+)
 from omma.eye.files import load_eye
 from omma.job.rendering import RenderReport, render_file
 from omma.rendering.labels import eye_digest
@@ -50,38 +57,47 @@ def render_like(
     """
     name = os.fsdecode(like)
     data = load_responses(like)
-    said = dict(data.attrs)
-    if "eye_files" not in said or "world_from_head" not in data.coords:
+    record = dict(data.attrs)
+    said = Said(record, name)
+    if "eye_files" not in record or "world_from_head" not in data.coords:
         raise Error(
             f"{name}: does not say how it was made; what omma render writes as .zarr, .nc, "
             ".parquet or .npy does"
         )
-    if not said["scene"]:
+    if not said.take("scene", is_text):
         raise Error(f"{name}: was rendered of a scene that was in memory, not in a file")
-    if said.get("background") == "":
+    background = said.take("background", is_text, None)
+    if background == "":
         raise Error(f"{name}: was rendered before a background that was in memory, not in a file")
-    scene_file = said["scene"] if scene is None else scene
-    check_scene(name, said, scene_file)
+    scene_file = said.take("scene", is_text) if scene is None else scene
+    check_scene(said, scene_file)
     given = [eyes] if isinstance(eyes, (str, os.PathLike)) else list(eyes)
-    eye_files = given or json.loads(said["eye_files"])
-    check_eyes(name, said, eye_files)
-    check_background(name, said)
-    settings = settings_from_record(said)
+    eye_files = given or said.take_json("eye_files", is_texts)
+    check_eyes(said, eye_files)
+    check_background(said)
+    with reading(name, "responses"):
+        poses = data.world_from_head.values
+    version = said.take("omma_version", is_text)
+    backend = said.take("backend", is_text)
+    try:
+        settings = settings_from_record(record)
+    except (Error, TypeError) as error:  # of values that no setting has
+        raise Error(f"{name}: {error}") from None
     report = render_file(
         scene_file,
         outputs,
         settings.sampling,
         eyes=eye_files,
-        unit=said["eye_unit_m"],
-        poses=data.world_from_head.values,
-        scene_index=said.get("scene_index"),
+        unit=said.take("eye_unit_m", is_number),
+        poses=poses,
+        scene_index=said.take("scene_index", is_count, None),
         threads=threads,
-        backend=backend_word(said["backend"]),
-        background=said.get("background"),
-        light=words_of_before(said.get("light_words")),
+        backend=backend_word(backend),
+        background=background,
+        light=words_of_before(said.take("light_words", is_text, None)),
         standard_error="standard_error" in data,
         receptors="receptor" in data.response.dims,
-        ultraviolet=json.loads(said["ultraviolet"]) if "ultraviolet" in said else None,
+        ultraviolet=said.take_json("ultraviolet", is_list, None),
         command=command or f"omma.job.render_like({name!r}, ...)",
         progress=progress,
         **settings.options(),
@@ -89,45 +105,50 @@ def render_like(
     differs = [
         f"{name} was rendered with {was}, this is {now}: the last bits may differ"
         for was, now in (
-            (f"Omma {said['omma_version']}", f"Omma {_core.__version__}"),
-            (said["backend"], report.backend),
+            (f"Omma {version}", f"Omma {_core.__version__}"),
+            (backend, report.backend),
         )
         if was != now
     ]
     return replace(report, warnings=(*report.warnings, *differs))
 
 
-def check_scene(name: str, said: Mapping[str, Any], scene: PathLike) -> None:
+def check_scene(said: Said, scene: PathLike) -> None:
     """omma.Error where the scene's files are not what they were."""
-    was = _beside_each_other(json.loads(said["scene_sha256"]), said["scene"])
+    digests = said.take_json("scene_sha256", is_object_of_texts)
+    was = _beside_each_other(digests, said.take("scene", is_text))
     now = _beside_each_other(digests_of(scene), os.fsdecode(scene))
     for file in [*now, *(file for file in was if file not in now)]:
         if was.get(file) != now.get(file):
             raise Error(
-                f"{os.path.join(os.path.dirname(os.fsdecode(scene)), file)}: is not what {name} "
-                f"was rendered of: SHA-256 was {was.get(file)}, is {now.get(file)}"
+                f"{os.path.join(os.path.dirname(os.fsdecode(scene)), file)}: is not what "
+                f"{said.place} was rendered of: SHA-256 was {was.get(file)}, is {now.get(file)}"
             )
 
 
-def check_eyes(name: str, said: Mapping[str, Any], eyes: Sequence[PathLike]) -> None:
+def check_eyes(said: Said, eyes: Sequence[PathLike]) -> None:
     """omma.Error where eye files do not give the eye that it was."""
-    digest = eye_digest(head_of(eyes, said["eye_unit_m"]))
-    if digest != said["eye_sha256"]:
+    was = said.take("eye_sha256", is_text)
+    digest = eye_digest(head_of(eyes, said.take("eye_unit_m", is_number)))
+    if digest != was:
         raise Error(
-            f"{', '.join(os.fsdecode(eye) for eye in eyes)}: is not the eye that {name} was "
-            f"rendered through: SHA-256 was {said['eye_sha256']}, is {digest}"
+            f"{', '.join(os.fsdecode(eye) for eye in eyes)}: is not the eye that {said.place} was "
+            f"rendered through: SHA-256 was {was}, is {digest}"
         )
 
 
-def check_background(name: str, said: Mapping[str, Any]) -> None:
+def check_background(said: Said) -> None:
     """omma.Error where a background's picture is not what it was."""
-    if "background_sha256" in said:
-        was, now = json.loads(said["background_sha256"]), digests_of(said["background"])
-        if was != now:
-            raise Error(
-                f"{said['background']}: is not the background of {name}: SHA-256 was "
-                f"{', '.join(was.values())}, is {', '.join(now.values())}"
-            )
+    was = said.take_json("background_sha256", is_object_of_texts, None)
+    if was is None:
+        return
+    background = said.take("background", is_text)
+    now = digests_of(background)
+    if was != now:
+        raise Error(
+            f"{background}: is not the background of {said.place}: SHA-256 was "
+            f"{', '.join(was.values())}, is {', '.join(now.values())}"
+        )
 
 
 def head_of(eyes: Sequence[PathLike], unit: str | float) -> Eye:
@@ -138,10 +159,10 @@ def head_of(eyes: Sequence[PathLike], unit: str | float) -> Eye:
 
 def backend_word(backend: str) -> str:
     """What chooses a backend, from what it calls itself, such as "embree 3.13.5"."""
-    return backend.replace(",", " ").split()[0]
+    return (backend.replace(",", " ").split() or [""])[0]
 
 
 def _beside_each_other(digests: Mapping[str, str], scene: str) -> dict[str, str]:
     """Digests by where files are as seen from the scene's folder."""
     folder = os.path.dirname(scene) or "."
-    return {os.path.relpath(file, folder): digest for file, digest in digests.items()}
+    return {os.path.relpath(file or ".", folder): one for file, one in digests.items()}

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import json
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from omma._core import Error
-from omma.base.files import PathLike
+from omma.base.files import PathLike, reading
+from omma.base.said import Said, is_text, is_texts
 from omma.job.again import check_background, check_eyes, check_scene
 from omma.rendering.label_texts import beside
-from omma.rendering.read_back import is_response_csv, load_responses
+from omma.rendering.read_back import is_response_csv, load_responses, read_npy
 
 if TYPE_CHECKING:
     import xarray
@@ -47,11 +47,15 @@ def describe_responses(path: PathLike) -> Lines:
     if alone and os.path.isfile(name):
         return _describe_array(name)
     data = load_responses(path)
-    said = data.attrs
+    with reading(path, "responses"):
+        return _describe(name, data)
+
+
+def _describe(name: str, data: xarray.Dataset) -> Lines:
     sizes = [f"{data.sizes[one]:,} {_plural(one, data.sizes[one])}" for one in data.response.dims]
     lines = [("responses", name), ("shape", " x ".join(map(str, sizes)))]
     if "band" in data.coords:
-        lines.append(("bands", ", ".join(data.band.values.tolist())))
+        lines.append(("bands", ", ".join(map(str, data.band.values.tolist()))))
     if "type" in data.coords:
         types, counts = np.unique(data.type.values, return_counts=True)
         lines.append(("types", ", ".join(f"{c:,} {t}" for t, c in zip(types, counts))))
@@ -63,33 +67,32 @@ def describe_responses(path: PathLike) -> Lines:
     if "position" in data.coords and data.position.size:
         low, high = data.position.values.min(axis=0), data.position.values.max(axis=0)
         lines.append(("positions", f"{_point(low)} to {_point(high)} m"))
-    if not said:
+    if not data.attrs:
         return [*lines, ("story", "none: the file does not say how it was made")]
-    if "omma_version" in said:
-        made = f"{said.get('created', '')} by Omma {said['omma_version']}, {said.get('backend')}"
-        lines.append(("rendered", made.strip()))
-    if "command" in said:
-        lines.append(("command", said["command"]))
-    if said.get("scene"):
-        lines.append(("scene", said["scene"] + _state(check_scene, name, said, said["scene"])))
-    if "eye_files" in said:
-        files = json.loads(said["eye_files"])
-        lines.append(("eye", ", ".join(files) + _state(check_eyes, name, said, files)))
-    elif "eye" in said:
-        lines.append(("eye", said["eye"] or "in memory"))
-    settings = [f"{one} {said[one]}" for one in _SETTINGS if one in said]
+    said = Said(data.attrs, name)
+    if version := said.take("omma_version", is_text, ""):
+        made = f"{said.take('created', is_text, '')} by Omma {version}, "
+        lines.append(("rendered", (made + said.take("backend", is_text, "")).strip()))
+    if command := said.take("command", is_text, ""):
+        lines.append(("command", command))
+    if scene := said.take("scene", is_text, ""):
+        lines.append(("scene", scene + _state(check_scene, said, scene)))
+    if files := said.take_json("eye_files", is_texts, None):
+        lines.append(("eye", ", ".join(files) + _state(check_eyes, said, files)))
+    elif "eye" in data.attrs:
+        lines.append(("eye", said.take("eye", is_text) or "in memory"))
+    settings = [f"{one} {data.attrs[one]}" for one in _SETTINGS if one in data.attrs]
     lines.append(("settings", ", ".join(settings)))
-    if "background_sha256" in said:
-        lines.append(("background", said["background"] + _state(check_background, name, said)))
-    lines += [("warning", text) for text in said.get("scene_warnings", "").splitlines()]
+    if "background_sha256" in data.attrs:
+        background = said.take("background", is_text)
+        lines.append(("background", background + _state(check_background, said)))
+    warnings = said.take("scene_warnings", is_text, "")
+    lines += [("warning", text) for text in warnings.splitlines()]
     return lines
 
 
 def _describe_array(name: str) -> Lines:
-    try:
-        array = np.load(name, mmap_mode="r")
-    except (OSError, ValueError) as error:
-        raise Error(f"{name}: cannot be read as .npy: {error}") from None
+    array = read_npy(name)
     shape = " x ".join(f"{size:,}" for size in array.shape)
     lines = [("array", name), ("shape", f"{shape}, {array.dtype}")]
     if array.dtype.kind in "biuf" and array.size:
@@ -97,10 +100,10 @@ def _describe_array(name: str) -> Lines:
     return [*lines, ("story", f"none: there is no {beside(name)}")]
 
 
-def _state(check: Callable[..., None], name: str, said: Mapping[str, Any], *files: Any) -> str:
+def _state(check: Callable[..., None], said: Said, *files: Any) -> str:
     """Whether files are what they were, in words."""
     try:
-        check(name, said, *files)
+        check(said, *files)
     except Error as error:
         gone = [one for one in np.ravel(files) if not os.path.exists(one)]
         return " (is not there)" if gone else f" (has changed: {error})"

@@ -7,6 +7,7 @@ one NAME.resume, which says how far that is and what it was made from.
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
@@ -18,6 +19,7 @@ import numpy as np
 from omma import _core
 from omma._core import Error
 from omma.base.files import PathLike, WholeFiles, digests_of
+from omma.base.said import is_number
 from omma.rendering.report import SpentRays
 from omma.rendering.settings import Settings, settings_as_record
 
@@ -60,10 +62,18 @@ class KeptRender:
     def _read(self) -> None:
         try:
             said = json.loads(_core.read_file(self.record))
-            made_from, done, kept = said["made_from"], int(said["done"]), dict(said["bytes"])
+            made_from, done = said["made_from"], int(said["done"])
+            kept = {name: int(size) for name, size in dict(said["bytes"]).items()}
             seconds = float(said["seconds"])
             spent = None if said["spent"] is None else SpentRays(**said["spent"])
-        except (ValueError, TypeError, KeyError):
+            if done < 0 or min(kept.values(), default=0) < 0 or not math.isfinite(seconds):
+                raise ValueError
+            if spent is not None:
+                numbers = asdict(spent)
+                missed = [one for pair in numbers.pop("first_missed") for one in (*pair, len(pair))]
+                if not all(map(is_number, [*numbers.values(), *missed])):
+                    raise ValueError
+        except (ValueError, TypeError, KeyError, OverflowError, RecursionError):
             raise Error(
                 f"{self.record}: is no record of a render that was cut off; remove it to begin anew"
             ) from None
@@ -107,6 +117,7 @@ def _differences(then: Any, now: Mapping[str, Any]) -> Iterable[str]:
     for name in [*now, *(name for name in then if name not in now)]:
         if name == "files":
             before, after = then.get(name, {}), now[name]
+            before = before if isinstance(before, dict) else {}
             for file in [*after, *(file for file in before if file not in after)]:
                 if before.get(file) != after.get(file):
                     yield f"{file} has changed"

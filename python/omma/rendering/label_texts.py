@@ -78,7 +78,11 @@ def labels_from_text(text: str | bytes, place: str) -> tuple[Labels, dict[str, s
             name: str(one["file"]) for name, one in found["variables"].items() if "file" in one
         }
         labels = Labels(coordinates, dict(found["attributes"]), variables, dict(found["sizes"]))
-    except (ValueError, TypeError, KeyError, AttributeError, IndexError):
+        shapes = [labels.shape(name) for name in variables]
+        if not shapes or not all(isinstance(size, int) for shape in shapes for size in shape):
+            raise ValueError
+    except (ValueError, TypeError, KeyError, AttributeError, IndexError, OverflowError,
+            RecursionError, np.linalg.LinAlgError):  # fmt: skip
         raise Error(f"{place}: expected the JSON that omma writes of responses") from None
     return labels, files
 
@@ -99,4 +103,6 @@ def _plain(values: np.ndarray[Any, Any]) -> list[Any]:
 def _array(one: Any) -> np.ndarray[Any, Any]:
     if one["type"] == "text":
         return np.array(one["values"], dtype=np.str_)
+    if np.dtype(one["type"]).kind not in "biuf":
+        raise ValueError
     return np.array(one["values"], dtype=one["type"])

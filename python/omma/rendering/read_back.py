@@ -12,7 +12,7 @@ import numpy as np
 from omma import _core
 from omma._core import Error
 from omma.base.arguments import checked
-from omma.base.files import PathLike, check_ending, open_text
+from omma.base.files import PathLike, check_ending, open_text, reading
 from omma.rendering.dataset import dataset_of, load_xarray
 from omma.rendering.label_texts import beside, labels_from_text
 from omma.rendering.labelled_files import load_package
@@ -67,22 +67,27 @@ def _opened(name: str, suffix: str) -> xarray.Dataset:
     how: dict[str, Any] = {"engine": "h5netcdf"}
     if suffix == ".zarr":
         how = {"engine": "zarr", "consolidated": None, "chunks": None}
-    try:
+    with reading(name, suffix):
+        if suffix == ".nc":
+            # What is no HDF5 file ends here: h5netcdf leaves half a file behind, which complains on
+            # stderr where it is forgotten. It first looks for this attribute.
+            with load_package("h5py", name).File(name, "r") as file:
+                file.attrs.get("_nc3_strict")
         data = made.open_dataset(name, **how)
-    except Exception as error:  # each library has its own
-        raise Error(f"{name}: cannot be read as {suffix}: {error}") from None
-    if "response" not in data:
-        raise Error(f"{name}: expected a variable 'response', found none")
-    # Texts and numbers of one kind, whatever the library makes of them.
-    for one, values in data.coords.items():
-        if values.dtype.kind in "OTS":
-            data = data.assign_coords(
-                {one: (values.dims, np.array(values.values.tolist(), np.str_))}
-            )
-    data.attrs = {
-        key: value.item() if isinstance(value, np.generic) else value
-        for key, value in data.attrs.items()
-    }
+        if "response" not in data:
+            raise Error(f"{name}: expected a variable 'response', found none")
+        if data.response.ndim == 0:
+            raise Error(f"{name}: response: expected dimensions, found none")
+        # Texts and numbers of one kind, whatever the library makes of them.
+        for one, values in data.coords.items():
+            if values.dtype.kind in "OTS":
+                data = data.assign_coords(
+                    {one: (values.dims, np.array(values.values.tolist(), np.str_))}
+                )
+        data.attrs = {
+            key: value.item() if isinstance(value, np.generic) else value
+            for key, value in data.attrs.items()
+        }
     opened: xarray.Dataset = data
     return opened
 
@@ -94,23 +99,31 @@ def _of_npy(name: str) -> xarray.Dataset:
     labels, files = labels_from_text(_core.read_file(about), about)
     values = {}
     for variable in labels.variables:
-        file = str(Path(about).with_name(files.get(variable, "")))
-        try:
-            values[variable] = np.load(file, mmap_mode="r")
-        except (OSError, ValueError) as error:
-            raise Error(f"{file}: cannot be read as .npy: {error}") from None
+        if variable not in files:
+            raise Error(f"{about}: variables.{variable}: expected a file, found none")
+        file = os.path.join(os.path.dirname(about), os.path.basename(files[variable]))
+        values[variable] = read_npy(file)
         if values[variable].shape != labels.shape(variable):
             raise Error(
                 f"{file}: expected shape {labels.shape(variable)}, as {about} says, found "
                 f"{values[variable].shape}"
             )
-    return dataset_of(labels, values)
+    with reading(about, "the labels of responses"):
+        return dataset_of(labels, values)
+
+
+def read_npy(name: str) -> np.ndarray[Any, Any]:
+    """An array, read when its numbers are asked for; never one of objects, which are pickles."""
+    with reading(name, ".npy"):
+        array: np.ndarray[Any, Any] = np.load(name, mmap_mode="r", allow_pickle=False)
+        if not isinstance(array, np.ndarray):
+            raise ValueError("it holds several arrays")
+        return array
 
 
 def _of_parquet(name: str) -> xarray.Dataset:
-    arrow = load_package("pyarrow", name)
     parquet = load_package("pyarrow.parquet", name)
-    try:
+    with reading(name, ".parquet"):
         file = parquet.ParquetFile(name, thrift_string_size_limit=(1 << 31) - 1)
         text = (file.schema_arrow.metadata or {}).get(METADATA, b"")
         labels, _ = labels_from_text(text, name)
@@ -118,18 +131,28 @@ def _of_parquet(name: str) -> xarray.Dataset:
         for variable, columns in columns_of(labels).items():
             table = np.stack([column.to_numpy() for column in file.read(columns).columns], axis=-1)
             values[variable] = table.reshape(labels.shape(variable))
-    except (OSError, ValueError, arrow.ArrowException) as error:
-        raise Error(f"{name}: cannot be read as .parquet: {error}") from None
-    return dataset_of(labels, values)
+            if values[variable].dtype.kind not in "biuf":
+                raise Error(f"{name}: {variable}: expected numbers, found {table.dtype}")
+        return dataset_of(labels, values)
 
 
 def _of_csv(name: str) -> xarray.Dataset:
     if not is_response_csv(name):
         raise Error(f"{name}: expected responses: a first line that begins with pose,ommatidium")
+    with reading(name, "responses in .csv"):
+        return _of_table(name)
+
+
+def _of_table(name: str) -> xarray.Dataset:
     rows = csv.reader(open_text(name))
     header = next(rows)
     sites = [column for column in _CSV_SITES if column in header]
+    for column in ("eye_id", "azimuth_deg", "elevation_deg"):
+        if column not in sites:
+            raise Error(f"{name}: expected a column {column}, found {', '.join(header)[:120]}")
     bands = [column for column in header[1 + len(sites) :] if not column.endswith("_error")]
+    if not bands:
+        raise Error(f"{name}: expected columns of responses, found none")
     try:
         texts = np.array(list(rows), dtype=np.str_)
         pose = texts[:, 0].astype(np.int64)
@@ -139,7 +162,7 @@ def _of_csv(name: str) -> xarray.Dataset:
             raise ValueError
         site = {one: texts[:each, header.index(one)] for one in sites}
         numbers = texts[:, 1 + len(sites) :].astype(np.float32).reshape(poses, each, -1)
-    except (ValueError, IndexError):
+    except (ValueError, IndexError, OverflowError, ZeroDivisionError, csv.Error, MemoryError):
         raise Error(f"{name}: expected as many whole lines for each pose, in their order") from None
     along = "receptor" if "receptor" in site else "ommatidium"
     coordinates: dict[str, Any] = {

@@ -1,0 +1,114 @@
+"""Whatever is wrong with a file that omma reads, it is omma.Error that says so; nothing in a file
+is run as code."""
+
+import json
+import os
+import pickle
+import sys
+import warnings
+from importlib.metadata import version
+from pathlib import Path
+
+import changed_files
+import numpy as np
+import pytest
+
+import omma
+from omma.job.results_info import describe_responses
+from omma.rendering.read_back import load_responses
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+ROOT = Path(__file__).parents[2]
+CHANGES = 40
+
+
+@pytest.mark.parametrize("name", changed_files.ALL)
+def test_a_changed_file_is_read_or_refused(name, tmp_path):
+    kind = changed_files.ALL[name]
+    for package in kind.needs:
+        pytest.importorskip(package)
+    made = kind.make(tmp_path)
+    data = (made.parent / kind.changed if kind.changed else made).read_bytes()
+    kind.read(made)
+    changed = [*changed_files.changes(data, 1, CHANGES)]
+    if data.startswith((b"{", b"[")):
+        changed += changed_files.changed_values(data.decode(), 2, CHANGES)
+    found = [(one, changed_files.foreign(kind, made, one)) for one in [b"", *changed]]
+    assert [(repr(error), one[:2000]) for one, error in found if error is not None] == []
+
+
+def test_errors_name_file_and_place(files, tmp_path):
+    pytest.importorskip("xarray")
+    made = changed_files.ALL["npy"].make(tmp_path)
+    made.with_suffix(".json").write_text("{")
+    with pytest.raises(omma.Error, match=r"seen\.json: expected the JSON that omma writes"):
+        load_responses(made)
+    made.write_bytes(made.read_bytes()[:40])
+    with pytest.raises(omma.Error, match=r"alone\.npy: cannot be read as \.npy: "):
+        describe_responses(made.rename(tmp_path / "alone.npy"))
+
+
+class Code:
+    """Makes a file where it is unpickled."""
+
+    def __init__(self, path):
+        self.path = path
+
+    def __reduce__(self):
+        return os.mkdir, (str(self.path),)
+
+
+def test_an_array_of_objects_is_refused(tmp_path):
+    ran = tmp_path / "ran"
+    np.save(tmp_path / "objects.npy", np.array([Code(ran)], object), allow_pickle=True)
+    with pytest.raises(omma.Error, match=r"objects\.npy: cannot be read as \.npy: "):
+        describe_responses(tmp_path / "objects.npy")
+    (tmp_path / "pickle.npy").write_bytes(pickle.dumps(Code(ran)))
+    with pytest.raises(omma.Error, match=r"pickle\.npy: cannot be read as \.npy: "):
+        describe_responses(tmp_path / "pickle.npy")
+    assert not ran.exists()
+
+
+@pytest.mark.parametrize("first", [[], [{"id": "vlen-utf8"}]])
+def test_a_store_of_pickles_is_refused(first, tmp_path):
+    zarr = pytest.importorskip("zarr")
+    pytest.importorskip("xarray")
+    ran = tmp_path / "ran"
+    store = tmp_path / "objects.zarr"
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        group = zarr.open_group(store, mode="w", zarr_format=2)
+        group.create_array("response", shape=(1,), chunks=(1,), dtype="i1").attrs[
+            "_ARRAY_DIMENSIONS"
+        ] = ["pose"]
+    about = store / "response" / ".zarray"
+    said = json.loads(about.read_text())
+    said |= {
+        "dtype": "|O",
+        "filters": [*first, {"id": "pickle"}],
+        "compressor": None,
+        "fill_value": None,
+    }
+    about.write_text(json.dumps(said))
+    (store / "response" / "0").write_bytes(pickle.dumps(Code(ran)))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        with pytest.raises(omma.Error, match=r"objects\.zarr: cannot be read as "):
+            describe_responses(store)
+    assert not ran.exists()
+
+
+def test_versions_that_refuse_pickles_are_asked_for():
+    """numcodecs 0.16.6 refuses to decode pickles (GHSA-jqc8-qjfv-5m6r), as 0.15.2 and 0.17.1 do."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    extras = project["optional-dependencies"]
+    for extra in ("data", "datasets", "dev"):
+        asked = [one for one in extras[extra] if one.startswith("numcodecs")]
+        assert asked == ["numcodecs>=0.16.6,!=0.17.0"], extra
+    numbers = tuple(map(int, version("numcodecs").split(".")[:3]))
+    assert numbers >= (0, 16, 6)
+    assert numbers != (0, 17, 0)
