@@ -109,7 +109,7 @@ NOT_RUN = {
     "scripts/test": "it is what runs this",
     "scripts/blender_addon": "fetches Blender; test_blender_addon.py runs it without",
     "scripts/wheel": "builds the engine; test_wheel.py looks at what came out",
-    "omma view": "goes on until Ctrl-C; test_view.py",
+    "omma view": "goes on until Ctrl-C; test_view_command.py",
     "scripts/bench": "ten minutes, and says nothing on a machine with other work",
     "pip install": "installs; it is what scripts/setup does",
     "omma dataset run job.toml --": "needs a cluster; test_datasets_cluster.py has a small one",

@@ -221,7 +221,7 @@ UNHASHABLE = {
     "scene.NaturalMaterial", "view.Seen", "mesh_surface()", "EyeMeasures.field",
 }  # fmt: skip
 # Made of another package's simulation (tests/python/test_mujoco_retina.py); a server's page
-# (tests/python/test_view.py).
+# (tests/python/test_view_window.py).
 ELSEWHERE = {"mujoco.FlyRetina", "view.Window"}
 CLASSES = sorted(
     {f"{room}.{name}".strip(".") for room, name, thing in public_things() if inspect.isclass(thing)}
