@@ -20,7 +20,8 @@ AHEAD = np.array([0.0, 0.0, -1.0])
 
 
 def sun(**parts: object) -> Light:
-    return Light(BAND, "watts", discs=[Disc(AHEAD, RADIUS_RAD, [RADIANCE], **parts)])  # type: ignore[arg-type]
+    disc = Disc(AHEAD, RADIUS_RAD, [RADIANCE], **parts)  # type: ignore[arg-type]
+    return Light(BAND, "watts", discs=[disc])
 
 
 def empty() -> omma.Scene:
@@ -91,7 +92,7 @@ def expected(
 ) -> float:
     """The response to the sun, `seen` [point] where not all of it is."""
     n = 1000
-    direction, out = points_on_sun(n)
+    direction, _ = points_on_sun(n)
     sine_2 = np.linalg.norm(direction[..., :2], axis=-1) ** 2 / np.sin(RADIUS_RAD) ** 2
     light = (1 - limb * (1 - np.sqrt(np.maximum(1 - sine_2, 0)))) / (1 - limb / 3)
     values = sensitivity(direction, axis, width_deg) * light
@@ -183,7 +184,7 @@ def test_standard_errors_are_honest() -> None:
 
 
 def test_to_an_error() -> None:
-    """What is claimed holds; it may be too large, as parts of even points are less even than all."""
+    """What is claimed holds; it may be too large, as parts of even points are less even."""
     turn = 0.7
     world = omma.World(screen(0.3, turn), light=sun(), lighting="path")
     axis = off_axis(0.5)

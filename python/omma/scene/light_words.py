@@ -29,7 +29,8 @@ def parse_light(text: str) -> dict[str, Any]:
 
     The first word is a function of `omma.light`: `SKIES`. The others are its arguments by name
     (numbers, and times such as date_time=2026-06-21T12:00:00+02:00), how many ``bands`` of the same
-    width there are from 300 to 700 nm, or bands=visible, 12 from 400 nm on, and ``lighting``, ``depth``, ``ultraviolet`` and ``sun`` of `omma.World`.
+    width there are from 300 to 700 nm, or bands=visible, 12 from 400 nm on, and ``lighting``,
+    ``depth``, ``ultraviolet`` and ``sun`` of `omma.World`.
 
     Raises:
         omma.Error: it is no such text, or an argument is out of its range.

@@ -24,6 +24,7 @@ from omma.view.page_texts import CLIENT
 from omma.view.painting import (
     PROJECTIONS,
     Channel,
+    Pixels,
     channels_of,
     paint_camera,
     paint_eye,
