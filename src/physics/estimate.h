@@ -158,9 +158,9 @@ OMMA_HD void render_to_error(const FrameView& frame, const BlockTask& task, Sear
       if (way.next[i] >= rounds) rounds = way.next[i] + 1;
     }
   }
-  const bool with_discs = has_discs(frame);
-  if (with_discs)
-    eval_eye_discs<L>(frame, task, {nullptr, 0, 1, task.count}, search, memory);
+  const bool sees_more = sees_beside_rays(frame);
+  if (sees_more)
+    eval_beside_rays<L>(frame, task, {nullptr, 0, 1, task.count}, search, memory);
   for (int i = 0; i < task.count; ++i) {
     const auto ommatidium = static_cast<std::int64_t>(frame.eye->ommatidium[task.first + i]);
     if (task.rays != nullptr) task.rays[ommatidium] = way.rays[i];
@@ -170,9 +170,9 @@ OMMA_HD void render_to_error(const FrameView& frame, const BlockTask& task, Sear
       const double rays = way.rays[i];
       double response = memory.sums[o * unit_room + i] / rays;
       double variance = scaled_variance(memory, i, o, way.roots[i]) / (rays * rays);
-      if (with_discs) {
-        response += memory.discs[o * unit_room + i];
-        variance += memory.discs_variance[o * unit_room + i];
+      if (sees_more) {
+        response += memory.beside[o * unit_room + i];
+        variance += memory.beside_variance[o * unit_room + i];
       }
       task.responses[out] = static_cast<float>(response * frame.radiance_unit);
       if (task.standard_error != nullptr)

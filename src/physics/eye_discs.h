@@ -22,6 +22,8 @@ namespace omma {
 // Below this part of what a surface gets, as radiance, a disc adds nothing: dim responses are some
 // thousandths of that.
 inline constexpr double least_disc_light = 1e-7;
+// The same of what ommatidia aim at, of which rays find what is less.
+inline constexpr double least_aimed_light = 1e-6;
 
 // Points on a disc, for each replicate: where all of the pilot's see the disc, or none, and else.
 struct DiscEffort {
@@ -333,17 +335,14 @@ OMMA_HD bool has_discs(const FrameView& frame) {
          frame.directions->warps != nullptr;
 }
 
-// What units see of discs that their rays leave out, and the square of its error: memory.discs,
-// memory.discs_variance.
+// Adds what units see of discs that their rays leave out to memory.beside, and the square of its error
+// to memory.beside_variance.
 template <typename L, typename Search>
-OMMA_HD void eval_eye_discs(const FrameView& frame, const BlockTask& task, const UnitList& list,
+OMMA_HD void add_eye_discs(const FrameView& frame, const BlockTask& task, const UnitList& list,
                             Search& search, const BlockMemory& memory) {
-  double *const seen = memory.discs, *const variance = memory.discs_variance;
   const LightView& light = *frame.scene->light;
   const DirectionsView& directions = *frame.directions;
   const int bands = frame.scene->bands;
-  for (int o = 0; o < frame.outputs; ++o)
-    for (int u = 0; u < list.count; ++u) seen[o * unit_room + u] = variance[o * unit_room + u] = 0;
   Units units;
   make_units<L>(*frame.eye, task, directions, list, true, false, units);
   find_acceptances(frame, units, list.count);
@@ -385,8 +384,8 @@ OMMA_HD void eval_eye_discs(const FrameView& frame, const BlockTask& task, const
         }
         squares = error * error;
       }
-      seen[o * unit_room + u] = sum;
-      variance[o * unit_room + u] = squares;
+      memory.beside[o * unit_room + u] += sum;
+      memory.beside_variance[o * unit_room + u] += squares;
     }
   }
 }

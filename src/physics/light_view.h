@@ -75,6 +75,14 @@ struct EmissiveView {
   const float* triangle_sum = nullptr;  // [triangle + 1], cumulative probabilities
 };
 
+// Something small and bright besides discs: the mirror image of one, or a surface that shines.
+struct AimView {
+  Vec3 centre;                // a unit direction, or a place, m
+  float radius = 0;           // about it, rad or m
+  bool is_direction = false;
+  float brightest = 0;        // bound on its mean radiance, of the brightest band
+};
+
 struct LightView {
   std::int32_t bands = 0;
   SkyView sky;
@@ -91,6 +99,9 @@ struct LightView {
   const float* emissive_sum = nullptr;                 // [emissive + 1]
   const std::int32_t* emissive_of_instance = nullptr;  // [instance of the scene], -1: none
   std::int32_t emissive_count = 0;
+
+  const AimView* aims = nullptr;  // aimed_rays.h
+  std::int32_t aim_count = 0;
 
   // That a light sample is from afar, of a lamp, on a surface; they add up to 1, or are all 0.
   float far_probability = 0, lamp_probability = 0, emissive_probability = 0;
