@@ -353,6 +353,8 @@ def public_calls(folder):
         "receptor_axis": (bee,),
         "receptor_matrix": (bee,),
         "receptor_optical_sensitivity": (bee,),
+        "receptor_solid_angle_sr": (bee,),
+        "solid_angle_sr": (0.05,),
         "render_all_cameras": {
             "scene": scene_file, "folder": folder / "all", "width": 8, "height": 4,
             "sampling": omma.Fixed(1),
