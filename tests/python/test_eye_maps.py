@@ -339,3 +339,14 @@ def test_angles_are_between_neighbours_on_the_surface():
     flat = omma.Eye(np.zeros((len(eye), 3)), eye.axis, 0.01)
     at_a_point = omma.eye.measure_eye(flat)
     assert (at_a_point.surface_angle_rad == at_a_point.interommatidial_rad).all()
+
+
+@pytest.mark.parametrize("axis", [[[0, 0, -1]], [[0, 0, -1]] * 3, [[0, 0, -1], [1, 0, 0]]])
+def test_eyes_whose_angles_cannot_be_measured_are_drawn(tmp_path, axis):
+    eye = omma.Eye(np.zeros((len(axis), 3)), axis, 0.1)
+    plot_eye_maps(tmp_path / "a.svg", eye)
+    said = texts(tmp_path / "a.svg")
+    assert "smaller Δφ of the ellipse (°): not known" in said
+    assert "acceptance angle Δρ (°): 5.73 throughout" in said
+    omma.picture.plot_poster(tmp_path / "p.svg", eye)
+    assert "larger Δφ of the ellipse (°): not known" in texts(tmp_path / "p.svg")

@@ -308,3 +308,14 @@ def test_labels_never_touch(monkeypatch, width):
     for row in rows if width >= 60 else []:
         for (x, half), (after, other) in zip(row[:-1], row[1:], strict=True):
             assert x + half < after - other
+
+
+def test_an_ommatidium_that_no_pixel_shows_is_a_dot_with_its_number(monkeypatch):
+    said = letters(monkeypatch)
+    eye = omma.Eye(np.zeros((1, 3)), [[0, 0, -1]], 0.0)
+    assert (omma.picture.projection_ids(eye, width=200) < 0).all()
+    picture = omma.picture.framed(eye, [[1, 0, 0]], 200)
+    assert "0" in [text for *_, text in said]
+    _row, column = (each.mean() for each in np.nonzero((picture == (255, 0, 0)).all(axis=2)))
+    ahead = [x for x, _, text in said if text == "ahead 0°"]
+    assert column == pytest.approx(ahead[0], abs=1.5)

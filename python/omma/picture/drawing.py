@@ -92,6 +92,8 @@ def draw_view(
     """An eye's facets in a panel that is ``shape`` times as wide as high, filled as far as they
     go. With a scale bar of its own, and shaded where they turn away from the viewer. Colours mean
     what they mean in a map of ``scale``."""
+    from matplotlib.colors import to_rgba
+
     drawing = _Drawing(eye, view, "facets", False, None)
     low, high = _frame(drawing)
     middle, size = (low + high) / 2, high - low
@@ -103,10 +105,13 @@ def draw_view(
     marks.set(linewidth=0, rasterized=True)
     panel.add_collection(marks)
     values = np.ma.masked_invalid(prop.values[drawing.shown])
-    marks.set_array(values)
-    colour_scale(None, panel, marks, scale, None)
-    _unknown_grey(marks)
-    colours = marks.to_rgba(values)
+    if is_known(scale):
+        marks.set_array(values)
+        colour_scale(None, panel, marks, scale, None)
+        _unknown_grey(marks)
+        colours = marks.to_rgba(values)
+    else:
+        colours = np.full((len(values), 4), to_rgba(_UNKNOWN))
     facing = (drawing.normal @ view[2])[drawing.shown]
     colours[:, :3] *= (1 - _SHADE * (1 - np.clip(facing, 0, 1)))[:, None]
     marks.set_array(None)

@@ -195,7 +195,8 @@ def draw_map(
     *,
     labels: bool = True,
 ) -> None:
-    """One map in a panel, with its graticule, the outline of each eye's field, a colour bar."""
+    """One map in a panel, with its graticule, the outline of each eye's field, a colour bar; grey
+    throughout where no ommatidium has a value."""
     left, right, bottom, top = the_map.extent
     panel.set_axis_off()
     panel.set_aspect("equal")
@@ -211,6 +212,10 @@ def draw_map(
     )
     draw_graticule(panel, the_map.projection, labels)
     _outlines(panel, the_map)
+    if not is_known(prop):
+        text = f"{prop.label}: not known"
+        panel.text(0.5, -0.06, text, transform=panel.transAxes, ha="center", va="top")
+        return
     colour_scale(figure, panel, image, prop, location="bottom")
 
 

@@ -14,7 +14,7 @@ from omma.base.arguments import checked
 from omma.base.files import PathLike, WholeFiles, check_ending, check_target
 from omma.base.poses import Matrices
 from omma.picture.band_colours import colours_of
-from omma.picture.frame import Frame, framed_ids
+from omma.picture.frame import Frame
 from omma.picture.projections import project, projection_ids
 from omma.picture.unseen import hatch, unseen
 from omma.rendering.renderer import Renderer
@@ -120,8 +120,5 @@ def paint_side_by_side(
 def _paint_framed(
     renderer: Renderer, width: int | None, height: int | None, gamma: float, apart: bool
 ) -> Paint:
-    ids, across = framed_ids(renderer.eye, width, height, apart)
-    frame, world = Frame(ids, across), renderer.world
-    return lambda pose, responses: frame.around(
-        _core.paint(ids, colours_of(world, responses), gamma)
-    )
+    frame, world = Frame(renderer.eye, width, height, apart), renderer.world
+    return lambda pose, responses: frame.paint(colours_of(world, responses), gamma)

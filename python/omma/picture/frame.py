@@ -15,8 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 from omma import _core
 from omma._core import Eye
 from omma.base.arguments import checked
+from omma.base.directions import azimuth_elevation_deg_of
+from omma.eye.neighbours import sides
 from omma.picture.fields import default_ids, side_by_side_ids
-from omma.picture.kept_ids import Ids
 from omma.picture.projections import Picture, one_pose, projection_size
 from omma.picture.unseen import hatch
 
@@ -28,6 +29,7 @@ _PAPER, _INK = (255, 255, 255), (34, 34, 34)
 _LEAST_LETTERS, _MOST_LETTERS = 9, 48  # pixels high
 _LINES = 20  # of letters in the height of a panel
 _STEPS = (30, 45, 90, 180)  # between labels, degrees
+_MOST_DOTS = 32
 
 
 @checked
@@ -57,27 +59,25 @@ def framed(
     Raises:
         omma.Error: responses of another eye, or arguments that make no sense.
     """
-    one = one_pose(eye, responses)
-    ids, across = framed_ids(eye, width, height, apart)
-    return Frame(ids, across).around(_core.paint(ids, one, gamma))
-
-
-def framed_ids(
-    eye: Eye, width: int | None, height: int | None, apart: bool = False
-) -> tuple[Ids, int]:
-    """The id map of the panels beside one another, and the width of one of them."""
-    across, down = projection_size(eye, None, width, height)
-    ids = side_by_side_ids(eye, across, down) if apart else default_ids(eye, across, down)
-    return ids, across
+    return Frame(eye, width, height, apart).paint(one_pose(eye, responses), gamma)
 
 
 class Frame:
-    """What is drawn around the panels of an id map, made once for all pictures of it."""
+    """The id map of an eye's default picture and what is drawn around it, for any number of them.
 
-    def __init__(self, ids: Ids, width: int) -> None:
+    What no pixel shows, an ommatidium without an acceptance angle or neighbours say, is a dot with
+    its number, where these are few.
+    """
+
+    def __init__(
+        self, eye: Eye, width: int | None, height: int | None, apart: bool = False
+    ) -> None:
         from PIL import Image, ImageDraw
 
-        height, count = len(ids), ids.shape[1] // width
+        width, height = projection_size(eye, None, width, height)
+        ids = side_by_side_ids(eye, width, height) if apart else default_ids(eye, width, height)
+        self._ids = ids
+        count = ids.shape[1] // width
         self._hidden = ids < 0
         letters = min(max(height // _LINES, _LEAST_LETTERS), _MOST_LETTERS)
         font = _font(letters)
@@ -104,14 +104,48 @@ class Frame:
         _sideways(paper, "elevation", font, top + height // 2)
         self._paper = np.asarray(paper)
 
-    def around(self, pixels: NDArray[np.uint8]) -> Picture:
-        """The picture (height, panels * width, 3) of the map, hatched and framed."""
-        pixels = hatch(pixels, self._hidden)
+        self._font, self._dots = font, []
+        missing = np.setdiff1d(np.arange(len(eye)), ids)
+        for which in missing if len(missing) <= _MOST_DOTS else ():
+            y, x = self._corners[_panel_of(eye, int(which), count)]
+            azimuth, elevation = (float(a) for a in azimuth_elevation_deg_of(eye.axis[which]))
+            at = (x + (azimuth + 180) / 360 * width, y + (90 - elevation) / 180 * height)
+            self._dots.append((int(which), at))
+
+    def paint(self, responses: NDArray[np.float32], gamma: float) -> Picture:
+        """One pose's responses (N, 3) as a picture, hatched and framed."""
+        pixels = hatch(_core.paint(self._ids, responses, gamma), self._hidden)
         whole: Picture = self._paper.copy()
         for k, (y, x) in enumerate(self._corners):
             panel = pixels[:, k * self._width : (k + 1) * self._width]
             whole[y : y + len(panel), x : x + self._width] = panel
-        return whole
+        return self._with_dots(whole, responses, gamma) if self._dots else whole
+
+    def _with_dots(self, whole: Picture, responses: NDArray[np.float32], gamma: float) -> Picture:
+        from PIL import Image, ImageDraw
+
+        shown = np.array([[which for which, _ in self._dots]], np.int32)
+        colours = _core.paint(shown, responses, gamma)[0]
+        picture = Image.fromarray(whole)
+        draw = ImageDraw.Draw(picture)
+        radius = max(3, self._font.size // 3)
+        for (which, (x, y)), colour in zip(self._dots, colours.tolist(), strict=True):
+            box = (x - radius, y - radius, x + radius, y + radius)
+            draw.ellipse(box, fill=tuple(colour), outline=_INK)
+            draw.text(
+                (x + 1.5 * radius, y), str(which), _INK, self._font, anchor="lm",
+                stroke_width=2, stroke_fill=_PAPER,
+            )  # fmt: skip
+        return np.array(picture)
+
+
+def _panel_of(eye: Eye, which: int, count: int) -> int:
+    """The panel of an ommatidium: of eyes that are apart, from left to right as they look."""
+    if count == 1:
+        return 0
+    side = sides(eye.position_m.astype(np.float64), eye.eye_id)
+    eyes = sorted(np.unique(side).tolist(), key=lambda one: eye.axis[side == one, 0].mean())
+    return eyes.index(int(side[which]))
 
 
 def _panel_name(k: int, count: int) -> str:

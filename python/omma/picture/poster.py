@@ -175,6 +175,7 @@ def _lower(figure: Any, eye: Eye, measures: EyeMeasures) -> None:
 
 def _histograms(panel: Axes, eye: Eye, measures: EyeMeasures) -> None:
     shown = [eye_property(eye, measures, name) for name in ("smaller", "larger", "acceptance")]
+    shown = [prop for prop in shown if is_known(prop)]
     known = [prop.values[np.isfinite(prop.values)] for prop in shown]
     everything = np.concatenate(known)
     most = float(np.percentile(everything, 99.5)) * 1.15 or 1.0
