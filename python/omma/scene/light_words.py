@@ -9,6 +9,7 @@ from typing import Any
 from omma import light as skies
 from omma._core import Error, Scene
 from omma.light import Bands, Light
+from omma.scene.files import WITHOUT_LIGHT
 from omma.scene.lighting import checked_lighting
 
 # Functions of `omma.light`.
@@ -16,8 +17,6 @@ SKIES = ("clear_sky", "clear_sky_at", "moonlit_sky", "overcast_sky", "uniform_sk
 # What else a world is told of its light.
 _OF_WORLD = ("lighting", "depth", "ultraviolet", "sun")
 _BANDS = "bands"
-# How the loader's warning of what a light would show begins.
-_UNLIT = "unless the world is given light"
 
 
 def parse_light(text: str) -> dict[str, Any]:
@@ -66,7 +65,7 @@ def parse_light(text: str) -> dict[str, Any]:
 
 def warnings_of(scene: Scene, is_lit: bool) -> list[str]:
     """What the loader of a scene passed over; in a world with light nothing of that."""
-    return [one for one in scene.warnings if not (is_lit and one.startswith(_UNLIT))]
+    return [one for one in scene.warnings if not (is_lit and one.startswith(WITHOUT_LIGHT))]
 
 
 def _value(name: str, text: str) -> Any:
