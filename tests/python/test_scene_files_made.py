@@ -242,8 +242,8 @@ def test_what_is_not_seen_is_not_saved(tmp_path):
     ("change", "message"),
     [
         ({"background-color": [1, 2]}, "background-color: expected an array of 3 numbers"),
-        ({"background-image": 7}, "background-image: expected the index of an image"),
-        ({"background-image": "sky"}, "background-image: expected the index of an image"),
+        ({"background-image": 7}, "background-image: refers to image 7, there are 0"),
+        ({"background-image": "sky"}, "background-image: expected an integer from 0"),
     ],
 )
 def test_broken_extras_are_named(tmp_path, change, message):
