@@ -8,6 +8,10 @@ if(embree_FOUND)
   string(REGEX MATCH "^[0-9]+" embree_major "${embree_VERSION}")
   set(omma_find_embree "find_dependency(embree ${embree_major} CONFIG)")
 endif()
+set(omma_find_meshoptimizer "")
+if(meshoptimizer_FOUND)
+  set(omma_find_meshoptimizer "find_dependency(meshoptimizer CONFIG)")
+endif()
 
 install(TARGETS omma EXPORT ommaTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
         COMPONENT development)

@@ -12,8 +12,9 @@ fail() {
 
 # What every build needs.
 # shellcheck disable=SC2034
-build_packages=(g++ cmake ninja-build libembree-dev libtbb-dev libpng-dev libjpeg-dev
-                libopenexr-dev nlohmann-json3-dev libnanoflann-dev python3-dev python3-venv)
+build_packages=(g++ cmake ninja-build libembree-dev libtbb-dev libpng-dev libjpeg-dev libwebp-dev
+                libopenexr-dev libmeshoptimizer-dev libdraco-dev nlohmann-json3-dev
+                libnanoflann-dev python3-dev python3-venv)
 
 # The second build of the same source is quick where there is a compiler cache.
 if command -v ccache > /dev/null; then

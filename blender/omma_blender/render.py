@@ -122,7 +122,7 @@ class Render:
 
 
 def _in_blenders_words(warning: str) -> str:
-    if "unless the world is given light, nothing is lit" in warning:
+    if "without a light surfaces show their own colours" in warning:
         return (
             "Nothing is lit: surfaces show their base colour and what they emit. To light them "
             "choose Properties > Output > Omma > Light"

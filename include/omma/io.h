@@ -54,7 +54,7 @@ void save_eye(const std::string& path, const Eye& eye, double metres_per_unit = 
               bool lossy = false);
 std::vector<std::string> eye_file_losses(const std::string& path, const Eye& eye);
 
-// PNG, JPEG, Radiance HDR or OpenEXR, for backgrounds. 8-bit data stay sRGB encoded, the rest
+// PNG, JPEG, WebP, Radiance HDR or OpenEXR, for backgrounds. 8-bit data stay sRGB encoded, the rest
 // becomes linear float. `progress` as that of load_scene.
 Image load_image(const std::string& path, const std::function<bool(double)>& progress = nullptr);
 

@@ -101,7 +101,7 @@ class Background:
         An equirectangular image: forward (-Z) in the middle, +X to the right of it, +Y
         at the top.
 
-        A path to a PNG or JPEG (8 and 16 bit: sRGB), Radiance HDR or OpenEXR file (float:
+        A path to a PNG, JPEG or WebP (8 and 16 bit: sRGB), Radiance HDR or OpenEXR file (float:
         linear radiance), or an array of shape (height, width, 3 or 4): uint8 is sRGB, float is
         linear radiance. OpenEXR has channels R, G and B, or Y alone.
 
@@ -275,7 +275,7 @@ class Image:
     A picture in memory, row 0 at the top.
 
     Made from an array of shape (height, width, 3 or 4), where uint8 is sRGB and float linear,
-    or from the path of a PNG, JPEG, Radiance HDR or OpenEXR file. Alpha is linear always.
+    or from the path of a PNG, JPEG, WebP, Radiance HDR or OpenEXR file. Alpha is linear always.
 
     Raises `omma.Error` where the array or the file is not such an image.
     """

@@ -88,7 +88,7 @@ void bind_background(nb::module_& m) {
                   "Background"),
           "An equirectangular image: forward (-Z) in the middle, +X to the right of it, +Y\n"
           "at the top.\n\n"
-          "A path to a PNG or JPEG (8 and 16 bit: sRGB), Radiance HDR or OpenEXR file (float:\n"
+          "A path to a PNG, JPEG or WebP (8 and 16 bit: sRGB), Radiance HDR or OpenEXR file (float:\n"
           "linear radiance), or an array of shape (height, width, 3 or 4): uint8 is sRGB, float "
           "is\n"
           "linear radiance. OpenEXR has channels R, G and B, or Y alone.\n\n"

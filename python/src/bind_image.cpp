@@ -11,7 +11,7 @@ void bind_image(nb::module_& m) {
       m, "Image",
       "A picture in memory, row 0 at the top.\n\n"
       "Made from an array of shape (height, width, 3 or 4), where uint8 is sRGB and float linear,\n"
-      "or from the path of a PNG, JPEG, Radiance HDR or OpenEXR file. Alpha is linear always.\n\n"
+      "or from the path of a PNG, JPEG, WebP, Radiance HDR or OpenEXR file. Alpha is linear always.\n\n"
       "Raises `omma.Error` where the array or the file is not such an image.");
   image
       .def(

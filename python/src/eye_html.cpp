@@ -142,7 +142,7 @@ std::string dots(const Eye& eye, const Range& range, std::size_t eyes) {
 
 std::string caption(const Eye& eye, const std::map<std::int32_t, std::size_t>& count_of) {
   std::string text = "<b>omma.Eye</b> ";
-  if (!eye.path.empty()) text += escaped(readable_text(eye.path)) + ": ";
+  if (!eye.path.empty()) text += escaped(readable_text(without_folder(eye.path, eye.path))) + ": ";
   text += grouped(eye.size()) + (eye.size() == 1 ? " ommatidium" : " ommatidia");
   if (count_of.size() > 4) {
     text += " of " + std::to_string(count_of.size()) + " eyes";

@@ -84,7 +84,9 @@ std::string scene_repr(const Scene& scene) {
 
 std::string scene_html(const Scene& scene) {
   std::string html = "<table><caption>omma.Scene " +
-                     (scene.path.empty() ? "in memory" : escaped(scene.path)) + "</caption>";
+                     (scene.path.empty() ? "in memory"
+                                         : escaped(without_folder(scene.path, scene.path))) +
+                     "</caption>";
   html +=
       row("triangles", grouped(triangle_count(scene)) + " in " + grouped(scene.instances.size()) +
                            " instances of " + grouped(scene.meshes.size()) + " meshes");
@@ -106,7 +108,8 @@ std::string scene_html(const Scene& scene) {
   }
   if (scene.cameras.size() > most_rows)
     html += row("cameras", std::to_string(scene.cameras.size() - most_rows) + " more");
-  for (const std::string& warning : scene.warnings) html += row("warning", escaped(warning));
+  for (const std::string& warning : scene.warnings) 
+    html += row("warning", escaped(without_folder(warning, scene.path)));
   return html + "</table>";
 }
 

@@ -4,21 +4,20 @@
 #include "io/gltf.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 #include <set>
-#include <string_view>
 
 #include "io/atomic_file.h"
 #include "io/csv_text.h"
 #include "io/gltf_container.h"
+#include "io/gltf_extensions.h"
+#include "io/gltf_instances.h"
 #include "io/gltf_lights.h"
 #include "io/gltf_material.h"
 #include "io/gltf_mesh.h"
 #include "io/gltf_nodes.h"
 #include "io/gltf_rig.h"
-#include "io/gltf_schema.h"
 #include "io/gltf_textures.h"
 #include "io/gltf_warnings.h"
 #include "model/scene_place.h"
@@ -39,37 +38,6 @@ struct Loader {
   ColorRule color_rule = ColorRule::gltf;
 };
 
-constexpr std::array<std::string_view, 11> supported_extensions = {
-    lights_extension,
-    "KHR_materials_clearcoat",
-    "KHR_materials_diffuse_transmission",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_specular",
-    "KHR_materials_transmission",
-    "KHR_materials_unlit",
-    "KHR_mesh_quantization",
-    "KHR_texture_transform",
-    "OCES_eyes"};  // eyes are nothing to see; load_eye reads them
-
-bool is_supported(const std::string& extension) {
-  for (const std::string_view supported : supported_extensions)
-    if (extension == supported) return true;
-  return false;
-}
-
-void check_extensions(Loader& loader) {
-  const json& document = loader.gltf.document;
-  for (const std::string& extension :
-       document.value("extensionsRequired", std::vector<std::string>()))
-    if (!is_supported(extension))
-      throw Error(loader.gltf.path + ": requires the glTF extension " + extension +
-                  ", which is not supported");
-  for (const std::string& extension : document.value("extensionsUsed", std::set<std::string>()))
-    if (!is_supported(extension) && extension != "KHR_materials_volume")  // see read_scattering
-      loader.warnings.add("the glTF extension " + extension + " is not supported; it is ignored");
-}
-
 // What the scene's extras say: CompoundRay's "background-shader", or what save_scene writes.
 Background read_background(Loader& loader, const json& scene, const std::string& place) {
   Background background;
@@ -85,17 +53,12 @@ Background read_background(Loader& loader, const json& scene, const std::string&
       loader.warnings.add("the background shader " + shader.dump() +
                           " is not known; the background is black");
   } else if (extras->contains("background-color")) {
-    const json& color = (*extras)["background-color"];
-    if (!color.is_array() || color.size() != 3 ||
-        !std::all_of(color.begin(), color.end(), [](const json& v) { return v.is_number(); }))
-      throw Error(place + ": background-color: expected an array of 3 numbers");
-    background.color = {color[0].get<float>(), color[1].get<float>(), color[2].get<float>()};
+    background.color = gltf_vec3((*extras)["background-color"]);
   } else if (extras->contains("background-image")) {
-    const auto index = gltf_whole_number((*extras)["background-image"]);
-    if (!index || *index >= gltf_list(loader.gltf.document, "images").size())
-      throw Error(place + ": background-image: expected the index of an image");
+    const int index = (*extras)["background-image"].get<int>();
+    gltf_element(loader.gltf, "images", "image", index, place + ": background-image");
     background.type = BackgroundType::image;
-    background.image = read_gltf_image(loader.gltf, static_cast<int>(*index));
+    background.image = read_gltf_image(loader.gltf, index);
   }
   return background;
 }
@@ -268,26 +231,28 @@ void add_nodes(Loader& loader, const std::vector<int>& roots, const WorkPart& wo
 
   struct Visit {
     int node;
+    bool is_seen;
     Mat4 world_from_parent;
   };
   std::vector<Visit> open;
-  for (auto root = roots.rbegin(); root != roots.rend(); ++root) open.push_back({*root, {}});
+  for (auto root = roots.rbegin(); root != roots.rend(); ++root) open.push_back({*root, true, {}});
+  const auto in_file = static_cast<int>(gltf_list(loader.gltf.document, "nodes").size());
   while (!open.empty()) {
     const Visit visit = open.back();
     open.pop_back();
-    ++loader.scene.node_count;
+    if (visit.node < in_file) ++loader.scene.node_count;
     const GltfNode& node = loader.nodes[static_cast<std::size_t>(visit.node)];
+    const bool is_seen = visit.is_seen && node.is_visible;
     const Mat4 world_from_node = visit.world_from_parent * gltf_node_transform(node);
     if (node.camera >= 0) {
       loader.rig.camera_of_node[visit.node] = static_cast<int>(loader.scene.cameras.size());
       add_camera(loader, node, world_from_node);
     }
-    const std::size_t lamps = loader.scene.lights.size();
-    if (loader.color_rule == ColorRule::gltf)
-      read_light(loader.gltf, loader.gltf.document["nodes"][static_cast<std::size_t>(visit.node)],
-                 node, world_from_node, loader.scene);
-    if (loader.scene.lights.size() > lamps) loader.rig.lamp_nodes.push_back(visit.node);
-    if (node.mesh >= 0) {
+    if (node.light >= 0 && is_seen && loader.color_rule == ColorRule::gltf) {
+      read_light(loader.gltf, node, world_from_node, loader.scene);
+      loader.rig.lamp_nodes.push_back(visit.node);
+    }
+    if (node.mesh >= 0 && is_seen) {
       const json& mesh = gltf_element(loader.gltf, "meshes", "mesh", node.mesh, node.place);
       const std::string place =
           loader.gltf.path + ": mesh " + std::to_string(node.mesh) + gltf_name(mesh);
@@ -308,13 +273,16 @@ void add_nodes(Loader& loader, const std::vector<int>& roots, const WorkPart& wo
       }
     }
     for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
-      open.push_back({*child, world_from_node});
+      open.push_back({*child, is_seen, world_from_node});
   }
 }
 
 // What only a world with a light shows: one sentence counts it. Nothing says so of a primitive
-// without a material, and where CompoundRay's colours are asked for it is what was asked for.
+// without a material, and where CompoundRay's colours are asked for it is what was asked for. Who
+// saved a scene with Omma knows.
 void warn_of_light(Loader& loader) {
+  const json& asset = loader.gltf.document["asset"];
+  if (asset.contains("generator") && asset["generator"] == omma_generator) return;
   std::set<int> shown, lit;
   for (const Mesh& mesh : loader.scene.meshes) {
     if (mesh.material < 0) continue;
@@ -322,16 +290,15 @@ void warn_of_light(Loader& loader) {
     if (!loader.scene.materials[static_cast<std::size_t>(mesh.material)].unlit)
       lit.insert(mesh.material);
   }
-  std::string ignored;
-  const std::size_t lights = loader.scene.lights.size();
-  if (lights > 0) ignored = "lights that are ignored: " + std::to_string(lights);
+  std::string made_for_light;
+  const std::size_t lamps = loader.scene.lights.size();
   if (!lit.empty())
-    ignored += std::string(ignored.empty() ? "" : "; ") +
-               "materials that are meant to be lit (without KHR_materials_unlit) and show base "
-               "colour and emission alone: " +
-               std::to_string(lit.size()) + " of " + std::to_string(shown.size());
-  if (!ignored.empty())
-    loader.warnings.add("unless the world is given light, nothing is lit; " + ignored);
+    made_for_light = std::to_string(lit.size()) + " of " + std::to_string(shown.size()) +
+                     " materials" + (lamps > 0 ? ", " : "");
+  if (lamps > 0) made_for_light += std::to_string(lamps) + (lamps == 1 ? " lamp" : " lamps");
+  if (!made_for_light.empty())
+    loader.warnings.add("without a light surfaces show their own colours, unshaded; made for light: " +
+                        made_for_light);
 }
 
 // What CompoundRay makes of materials (BrainsOnBoard/compound-ray, libEyeRenderer3/shaders.cu and
@@ -365,14 +332,15 @@ Scene parse_scene(std::string file, const std::string& path, const SceneOptions&
   loader.gltf = open_gltf(std::move(file), path, work.part(0, 0.4));
   loader.gltf.reading = work.part(0.4, 0.7);
   loader.scene.path = path;
-  check_extensions(loader);
+  check_gltf_extensions(loader.gltf, loader.warnings);
   loader.nodes = read_gltf_nodes(loader.gltf.document, path);
-  const std::vector<int> parent = gltf_node_parents(loader.nodes);
+  std::vector<int> parent = gltf_node_parents(loader.nodes);
   const std::vector<int> roots = scene_roots(loader, parent, options.scene_index);
   loader.color_rule = options.color_rule;
   read_materials(loader.gltf, loader.scene, loader.warnings, options.color_rule == ColorRule::gltf,
                  work.part(0.4, 0.6));
   if (options.color_rule == ColorRule::compoundray) use_compoundray_colors(loader.scene);
+  place_gltf_instances(loader.gltf, loader.nodes, parent, loader.warnings);
   add_nodes(loader, roots, work.part(0.7, 1));
   if (options.color_rule == ColorRule::gltf) warn_of_light(loader);
   read_rig(loader.gltf, loader.nodes, parent, std::move(loader.rig), loader.warnings, loader.scene);

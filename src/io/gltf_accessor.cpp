@@ -153,9 +153,9 @@ void check_finite(const GltfAccessor& accessor) {
               std::to_string(values[bad_component(bad)]) + ")");
 }
 
-}  // namespace
-
-GltfAccessor read_accessor(GltfContainer& gltf, int index, const std::string& user) {
+// All but where the elements are; `size` is that of one.
+GltfAccessor describe_accessor(const GltfContainer& gltf, int index, const std::string& user,
+                               std::size_t& size) {
   const json& source = gltf_element(gltf, "accessors", "accessor", index, user);
   GltfAccessor accessor;
   accessor.place = gltf.path + ": accessor " + std::to_string(index) + gltf_name(source);
@@ -170,7 +170,7 @@ GltfAccessor read_accessor(GltfContainer& gltf, int index, const std::string& us
     throw Error(accessor.place + ": type: expected one of glTF 2.0, found " + shown_text(type));
   accessor.components = known->second;
   accessor.matrix = type.starts_with("MAT");
-  std::size_t size = 0;
+  size = 0;
   if (!with_component_type(accessor.component_type, [&](auto zero) { size = sizeof(zero); }))
     throw Error(accessor.place +
                 ": componentType: expected one of glTF 2.0, found component type " +
@@ -179,6 +179,32 @@ GltfAccessor read_accessor(GltfContainer& gltf, int index, const std::string& us
     throw Error(accessor.place + ": expected matrices of floats, found component type " +
                 std::to_string(accessor.component_type));
   size *= accessor.components;
+  return accessor;
+}
+
+}  // namespace
+
+GltfAccessor read_packed_accessor(
+    GltfContainer& gltf, int index, const std::string& user,
+    const std::function<std::vector<std::uint8_t>(const GltfAccessor&)>& unpack) {
+  std::size_t size = 0;
+  GltfAccessor accessor = describe_accessor(gltf, index, user, size);
+  gltf.budget.spend(accessor.count, size);
+  accessor.own = unpack(accessor);
+  if (accessor.own.size() != accessor.count * size)
+    throw Error(accessor.place + ": has " + std::to_string(accessor.count) + " elements of " +
+                std::to_string(size) + " bytes, " + std::to_string(accessor.own.size()) +
+                " bytes are packed");
+  accessor.first = accessor.own.data();
+  accessor.stride = size;
+  if (accessor.component_type == 5126) check_finite(accessor);
+  return accessor;
+}
+
+GltfAccessor read_accessor(GltfContainer& gltf, int index, const std::string& user) {
+  std::size_t size = 0;
+  GltfAccessor accessor = describe_accessor(gltf, index, user, size);
+  const json& source = gltf_element(gltf, "accessors", "accessor", index, user);
   if (source.contains("bufferView")) {
     const int view = source["bufferView"].get<int>();
     accessor.stride = gltf_element(gltf, "bufferViews", "buffer view", view, accessor.place)

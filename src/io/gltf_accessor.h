@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,6 +29,12 @@ struct GltfAccessor {
 // Accessor `index` of the file; throws omma::Error where there is none (starting with `user`), it
 // does not fit its bytes, is of no known type or has a float that is not finite.
 GltfAccessor read_accessor(GltfContainer& gltf, int index, const std::string& user);
+
+// The same whose elements are not in the file as the accessor says, but were packed otherwise: asks
+// `unpack` for their bytes, in one piece, given an accessor with all but these.
+GltfAccessor read_packed_accessor(
+    GltfContainer& gltf, int index, const std::string& user,
+    const std::function<std::vector<std::uint8_t>(const GltfAccessor&)>& unpack);
 
 // The elements listed in `which`, ascending (empty: all), straight from the file's bytes into
 // `out`, `out_components` numbers each; those past the accessor's own stay as they are. Integers

@@ -11,7 +11,7 @@
 #include <system_error>
 
 #include "io/atomic_file.h"
-#include "io/gltf_schema.h"
+#include "io/meshopt.h"
 #include "model/text.h"
 #include "omma/error.h"
 
@@ -274,6 +274,21 @@ std::span<const std::uint8_t> buffer_bytes(GltfContainer& gltf, std::size_t inde
   return {reinterpret_cast<const std::uint8_t*>(bytes.data()), length};
 }
 
+// The bytes that an object with buffer, byteOffset and byteLength means.
+std::span<const std::uint8_t> part_of_buffer(GltfContainer& gltf, const json& description,
+                                             const std::string& inside) {
+  const int buffer = description["buffer"].get<int>();
+  gltf_element(gltf, "buffers", "buffer", buffer, inside);
+  const std::span<const std::uint8_t> bytes = buffer_bytes(gltf, static_cast<std::size_t>(buffer));
+  const std::uint64_t offset = description.value("byteOffset", std::uint64_t{0});
+  const auto length = description["byteLength"].get<std::uint64_t>();
+  if (offset > bytes.size() || length > bytes.size() - offset)
+    throw Error(inside + ": its " + std::to_string(length) + " bytes from byte " +
+                std::to_string(offset) + " on reach past the end of buffer " +
+                std::to_string(buffer) + ", which has " + std::to_string(bytes.size()));
+  return bytes.subspan(offset, length);
+}
+
 void check_version(const GltfContainer& gltf) {
   const json& asset = gltf.document.at("asset");
   const std::string version = asset.at("version").get<std::string>();
@@ -346,16 +361,19 @@ std::span<const std::uint8_t> buffer_view_bytes(GltfContainer& gltf, int view,
                                                 const std::string& place) {
   const json& description = gltf_element(gltf, "bufferViews", "buffer view", view, place);
   const std::string inside = place + ": buffer view " + std::to_string(view);
-  const int buffer = description["buffer"].get<int>();
-  gltf_element(gltf, "buffers", "buffer", buffer, inside);
-  const std::span<const std::uint8_t> bytes = buffer_bytes(gltf, static_cast<std::size_t>(buffer));
-  const std::uint64_t offset = description.value("byteOffset", std::uint64_t{0});
+  const json& packing = gltf_extension(description, meshopt_extension);
+  if (packing.empty() || !has_meshopt()) return part_of_buffer(gltf, description, inside);
+  const auto [bytes, is_new] = gltf.unpacked.try_emplace(view);
+  if (!is_new) return bytes->second;
+  const std::uint64_t size = meshopt_size(packing, inside);
   const auto length = description["byteLength"].get<std::uint64_t>();
-  if (offset > bytes.size() || length > bytes.size() - offset)
-    throw Error(inside + ": its " + std::to_string(length) + " bytes from byte " +
-                std::to_string(offset) + " on reach past the end of buffer " +
-                std::to_string(buffer) + ", which has " + std::to_string(bytes.size()));
-  return bytes.subspan(offset, length);
+  if (size != length)
+    throw Error(inside + ": claims " + std::to_string(length) + " bytes, " + meshopt_extension +
+                " " + std::to_string(size));
+  const std::span<const std::uint8_t> packed = part_of_buffer(gltf, packing, inside);
+  gltf.budget.spend(size, 1);
+  bytes->second = meshopt_unpacked(packing, packed, inside);
+  return bytes->second;
 }
 
 GltfContainer open_gltf(std::string file, const std::string& path, const WorkPart& work) {
@@ -368,7 +386,7 @@ GltfContainer open_gltf(std::string file, const std::string& path, const WorkPar
   const bool binary = gltf.file.starts_with("glTF");
   gltf.document = parse_json(binary ? open_glb(gltf) : std::string_view(gltf.file), path, work);
   if (!binary) gltf.file = std::string();
-  check_gltf_schema(gltf.document, path);
+  gltf.unknown_extensions = check_gltf_schema(gltf.document, path);
   check_version(gltf);
   gltf.buffers.resize(gltf_list(gltf.document, "buffers").size());
   return gltf;

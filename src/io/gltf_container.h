@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "io/gltf_schema.h"
 #include "model/long_work.h"
 #include "omma/vec.h"
 
@@ -28,12 +29,14 @@ struct GltfBudget {
 struct GltfContainer {
   std::string path;
   nlohmann::json document;                  // the JSON, checked by check_gltf_schema
+  std::map<std::string, GltfUnknownExtension> unknown_extensions;  // which that has taken out
   GltfBudget budget;                        // grows with every byte that is read
   std::string file;                         // the whole file where it is a GLB, for its chunk
   std::size_t binary_begin = 0;             // of the GLB's binary chunk in `file`
   std::size_t binary_size = 0;              // bytes; 0 where there is none
   std::map<std::string, std::string> read;  // bytes by the file they came from; each once
   std::vector<std::string_view> buffers;    // [buffer], null until it is first asked for
+  std::map<int, std::vector<std::uint8_t>> unpacked;  // by buffer view, of those that are packed
   WorkPart reading;                         // of the buffers
 };
 
@@ -48,6 +51,9 @@ const nlohmann::json& gltf_list(const nlohmann::json& document, const char* arra
 // that says that `place` refers to, say, "buffer view" 7.
 const nlohmann::json& gltf_element(const GltfContainer& gltf, const char* array, const char* what,
                                    int index, const std::string& place);
+
+// What Omma calls itself in the files that it writes.
+inline constexpr const char* omma_generator = "Omma";
 
 // An extension of an object; an empty object where it is not there.
 const nlohmann::json& gltf_extension(const nlohmann::json& object, const char* name);

@@ -37,18 +37,15 @@ void read_cones(const json& light, PunctualLight& made) {
 
 }  // namespace
 
-void read_light(GltfContainer& gltf, const json& description, const GltfNode& node,
-                const Mat4& world_from_node, Scene& scene) {
-  const json& use = gltf_extension(description, lights_extension);
-  if (use.empty()) return;
+void read_light(GltfContainer& gltf, const GltfNode& node, const Mat4& world_from_node,
+                Scene& scene) {
   const json& extension = gltf_extension(gltf.document, lights_extension);
   const std::size_t count = extension.empty() ? 0 : extension["lights"].size();
-  const int index = use["light"].get<int>();
-  if (static_cast<std::size_t>(index) >= count)
-    throw Error(node.place + ": refers to light " + std::to_string(index) + ", there are " +
+  if (static_cast<std::size_t>(node.light) >= count)
+    throw Error(node.place + ": refers to light " + std::to_string(node.light) + ", there are " +
                 std::to_string(count));
-  const json& light = extension["lights"][static_cast<std::size_t>(index)];
-  const std::string inside = gltf.path + ": light " + std::to_string(index) + gltf_name(light);
+  const json& light = extension["lights"][static_cast<std::size_t>(node.light)];
+  const std::string inside = gltf.path + ": light " + std::to_string(node.light) + gltf_name(light);
   PunctualLight made;
   made.name = node.name.empty() ? light.value("name", "") : node.name;
   made.type = read_type(light["type"].get<std::string>(), inside);
@@ -57,7 +54,7 @@ void read_light(GltfContainer& gltf, const json& description, const GltfNode& no
   made.range_m = light.value("range", 0.0);
   if (made.type == PunctualLightType::spot) read_cones(light, made);
   made.world_from_light = world_from_node;
-  made.spectrum = read_spectrum(omma_extras(light, inside, {"spectrum"}), "spectrum");
+  made.spectrum = read_spectrum(omma_extras(light), "spectrum");
   gltf.budget.spend(1, sizeof(PunctualLight) + made.name.size() +
                            2 * sizeof(double) * made.spectrum.wavelength_nm.size());
   scene.lights.push_back(std::move(made));

@@ -9,9 +9,9 @@ namespace omma {
 
 inline constexpr const char* lights_extension = "KHR_lights_punctual";
 
-// Adds the lamp that a node has, if it has one. Throws omma::Error that names node or light.
-void read_light(GltfContainer& gltf, const nlohmann::json& description, const GltfNode& node,
-                const Mat4& world_from_node, Scene& scene);
+// Adds the lamp that a node has. Throws omma::Error that names node or light.
+void read_light(GltfContainer& gltf, const GltfNode& node, const Mat4& world_from_node,
+                Scene& scene);
 
 // The extension's member "lights[]" for a lamp; its node has the name and the transform.
 nlohmann::json written_light(const PunctualLight& light);

@@ -6,6 +6,8 @@
 #include <limits>
 #include <numeric>
 
+#include "io/csv_text.h"
+#include "io/draco_mesh.h"
 #include "omma/error.h"
 
 namespace omma {
@@ -14,6 +16,8 @@ namespace {
 using nlohmann::json;
 
 const GltfAccessor& accessor_at(GltfMeshReader& reader, int index, const std::string& place) {
+  const auto packed = reader.packed.find(index);
+  if (packed != reader.packed.end()) return packed->second;
   const auto known = reader.accessors.find(index);
   if (known != reader.accessors.end()) return known->second;
   const json& source = gltf_element(reader.gltf, "accessors", "accessor", index, place);
@@ -21,6 +25,50 @@ const GltfAccessor& accessor_at(GltfMeshReader& reader, int index, const std::st
     throw Error(place + ": accessor " + std::to_string(index) + gltf_name(source) +
                 " holds matrices, expected scalars or vectors");
   return reader.accessors.emplace(index, read_accessor(reader.gltf, index, place)).first->second;
+}
+
+// Where a primitive is packed by Draco, the accessors that it says are unpacked.
+void unpack_primitive(GltfMeshReader& reader, const json& primitive, const std::string& place) {
+  reader.packed.clear();
+  const json& packing = gltf_extension(primitive, draco_extension);
+  if (packing.empty() || !has_draco()) return;
+  const int mode = primitive.value("mode", 4);
+  if (mode != 4)
+    throw Error(place + ": mode: expected 4 with " + draco_extension + ", found " +
+                std::to_string(mode));
+  const std::span<const std::uint8_t> bytes =
+      buffer_view_bytes(reader.gltf, packing["bufferView"].get<int>(), place);
+  const auto mesh = unpack_draco(bytes, place);
+  const json& attributes = primitive["attributes"];
+  for (const auto& [semantic, number] : packing["attributes"].items()) {
+    const auto found = attributes.find(semantic);
+    if (found == attributes.end())
+      throw Error(place + ": attributes: has no " + shown_text(semantic) + ", which " +
+                  draco_extension + " has");
+    const std::string inside = place + ", " + semantic;
+    const auto unpack = [&, id = number.get<int>()](const GltfAccessor& accessor) {
+      if (accessor.count != draco_vertices(*mesh))
+        throw Error(inside + ": " + accessor.place + " has " + std::to_string(accessor.count) +
+                    " elements, " + draco_extension + " " + std::to_string(draco_vertices(*mesh)));
+      return draco_attribute(*mesh, id, accessor.component_type, accessor.components, inside);
+    };
+    const int index = found->get<int>();
+    reader.packed.emplace(index, read_packed_accessor(reader.gltf, index, inside, unpack));
+  }
+  if (!primitive.contains("indices"))
+    throw Error(place + ": indices: expected an accessor with " + draco_extension);
+  const int index = primitive["indices"].get<int>();
+  const std::vector<std::uint32_t> corners = draco_corners(*mesh);
+  reader.gltf.budget.spend(corners.size(), sizeof(std::uint32_t));
+  GltfAccessor indices;
+  indices.place = place + ", indices";
+  indices.component_type = 5125;
+  indices.count = corners.size();
+  indices.stride = sizeof(std::uint32_t);
+  const auto* first = reinterpret_cast<const std::uint8_t*>(corners.data());
+  indices.own.assign(first, first + corners.size() * sizeof(std::uint32_t));
+  indices.first = indices.own.data();
+  reader.packed[index] = std::move(indices);
 }
 
 void note_progress(GltfMeshReader& reader, std::uint64_t elements) {
@@ -267,6 +315,7 @@ bool read_primitive(GltfMeshReader& reader, const json& primitive, const std::st
     reader.warnings.add("points and lines are not shown", place);
     return false;
   }
+  unpack_primitive(reader, primitive, place);
   mesh.material = primitive.value("material", -1);
   if (mesh.material >= 0) gltf_element(reader.gltf, "materials", "material", mesh.material, place);
   const GltfAccessor* positions = attribute(reader, attributes, place, "POSITION", 3, 3);

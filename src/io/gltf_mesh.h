@@ -22,6 +22,7 @@ struct GltfMeshReader {
   WorkPart work;
   double finished = 0, all = 1;                // elements read, and of all accessors
   std::map<int, GltfAccessor> accessors = {};  // those that are used
+  std::map<int, GltfAccessor> packed = {};     // of this primitive, those that it has packed
 };
 
 // Adds the primitive's triangles; false where it has none (points, lines, no positions). `place`

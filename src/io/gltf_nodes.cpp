@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "io/gltf_container.h"
+#include "io/gltf_lights.h"
 #include "model/transform.h"
 #include "omma/error.h"
 
@@ -23,6 +24,8 @@ std::vector<GltfNode> read_gltf_nodes(const json& document, const std::string& p
     node.mesh = description.value("mesh", -1);
     node.camera = description.value("camera", -1);
     node.skin = description.value("skin", -1);
+    node.light = gltf_extension(description, lights_extension).value("light", -1);
+    node.is_visible = gltf_extension(description, "KHR_node_visibility").value("visible", true);
     node.matrix = description.value("matrix", std::vector<double>());
     node.translation = description.value("translation", std::vector<double>());
     node.rotation = description.value("rotation", std::vector<double>());

@@ -14,7 +14,8 @@ struct GltfNode {
   std::string place;  // for errors, such as "scene.gltf: node 3 \"head\""
   std::string name;
   std::vector<int> children;
-  int mesh = -1, camera = -1, skin = -1;                     // -1 for none
+  int mesh = -1, camera = -1, skin = -1, light = -1;         // -1 for none
+  bool is_visible = true;                                    // with all below it
   std::vector<double> matrix, translation, rotation, scale;  // as in the file, or empty
   std::vector<double> weights;                               // of morph targets, or empty
 };

@@ -94,9 +94,7 @@ void read_transmission(const ScatteringReader& reader) {
 }
 
 void read_spectra(const ScatteringReader& reader) {
-  const json& said = omma_extras(
-      reader.material, reader.place,
-      {"reflectance", "transmittance", "spectral_luminance", "emission", "extra_reflectance"});
+  const json& said = omma_extras(reader.material);
   Material& m = reader.result;
   m.reflectance = read_spectrum(said, "reflectance");
   m.transmittance = read_spectrum(said, "transmittance");

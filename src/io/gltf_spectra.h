@@ -2,19 +2,15 @@
 // docs/spectra-in-files.md.
 #pragma once
 
-#include <initializer_list>
 #include <nlohmann/json.hpp>
-#include <string>
 #include <string_view>
 
 #include "omma/spectrum.h"
 
 namespace omma {
 
-// What the extras of an object say to Omma; an empty object where that is nothing. Throws
-// omma::Error that starts with `place` and names a member that is not `known`.
-const nlohmann::json& omma_extras(const nlohmann::json& object, const std::string& place,
-                                  std::initializer_list<std::string_view> known);
+// What the extras of an object say to Omma; an empty object where that is nothing.
+const nlohmann::json& omma_extras(const nlohmann::json& object);
 
 // The member of that name, which check_gltf_schema has passed; empty where it is not there or null.
 Spectrum read_spectrum(const nlohmann::json& parent, std::string_view name);

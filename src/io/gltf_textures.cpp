@@ -60,6 +60,12 @@ Texture read_sampling(const GltfContainer& gltf, const json& texture, const std:
   return made;
 }
 
+// Which image a texture shows, -1 for none that Omma can read. A WebP takes the place of one that is
+// there for others (EXT_texture_webp).
+int source_of(const json& texture) {
+  return gltf_extension(texture, "EXT_texture_webp").value("source", texture.value("source", -1));
+}
+
 // Index of the scene's texture for a glTF texture, -1 where that has no image Omma can read.
 int read_texture(GltfTextureReader& reader, int index, const std::string& user) {
   const auto known = reader.texture_of.find(index);
@@ -67,8 +73,8 @@ int read_texture(GltfTextureReader& reader, int index, const std::string& user) 
   const json& texture = gltf_element(reader.gltf, "textures", "texture", index, user);
   const std::string place = reader.gltf.path + ": texture " + std::to_string(index);
   int result = -1;
-  if (texture.contains("source")) {
-    const int source = texture["source"].get<int>();
+  const int source = source_of(texture);
+  if (source >= 0) {
     const json& image_source = gltf_element(reader.gltf, "images", "image", source, place);
     const int first = reader.source_of.try_emplace(image_bytes(image_source), source).first->second;
     const auto [image, is_new] =
@@ -78,8 +84,12 @@ int read_texture(GltfTextureReader& reader, int index, const std::string& user) 
     result = static_cast<int>(reader.scene.textures.size());
     reader.scene.textures.push_back(made);
   } else {
-    reader.warnings.add("a texture has no PNG or JPEG image and counts as white",
-                        "texture " + std::to_string(index));
+    reader.warnings.add(
+        gltf_extension(texture, "KHR_texture_basisu").empty()
+            ? "a texture has no PNG, JPEG or WebP image and counts as white"
+            : "a texture has an image in KTX2 alone (KHR_texture_basisu), which is not read, and "
+              "counts as white; to convert it: gltf-transform ktxdecompress in.glb out.glb",
+        "texture " + std::to_string(index));
   }
   reader.texture_of[index] = result;
   return result;
@@ -250,8 +260,8 @@ Image read_gltf_texture(GltfContainer& gltf, int index, const std::string& place
   const json& texture = gltf_element(gltf, "textures", "texture", index, place);
   const std::string inside = gltf.path + ": texture " + std::to_string(index);
   sampling = read_sampling(gltf, texture, inside);
-  if (!texture.contains("source")) throw Error(inside + ": has no image, used by " + place);
-  const int source = texture["source"].get<int>();
+  const int source = source_of(texture);
+  if (source < 0) throw Error(inside + ": has no image, used by " + place);
   gltf_element(gltf, "images", "image", source, inside);
   return read_gltf_image(gltf, source);
 }

@@ -15,11 +15,11 @@ struct GltfWarnings {
   std::vector<Entry> entries;
   std::unordered_map<std::string, std::size_t> entry_of;  // by sentence
 
-  // `place` is where the sentence holds, "" for the whole file.
-  void add(const std::string& sentence, const std::string& place = "") {
+  // `place` is where the sentence holds, "" for the whole file; the first of `count`.
+  void add(const std::string& sentence, const std::string& place = "", int count = 1) {
     const auto [found, is_new] = entry_of.try_emplace(sentence, entries.size());
     if (is_new) entries.push_back({sentence, place, 0});
-    ++entries[found->second].count;
+    entries[found->second].count += count;
   }
 
   std::vector<std::string> sentences() const {

@@ -9,13 +9,14 @@
 #include <utility>
 #include <vector>
 
+#include "io/gltf_container.h"
 #include "omma/scene.h"
 
 namespace omma {
 
 struct GltfWriter {
   const Scene& scene;
-  nlohmann::json document = {{"asset", {{"version", "2.0"}, {"generator", "Omma"}}}};
+  nlohmann::json document = {{"asset", {{"version", "2.0"}, {"generator", omma_generator}}}};
   std::string binary = {};
   std::map<std::size_t, nlohmann::json> primitives = {};  // by mesh of the scene
   std::map<std::vector<std::size_t>, int> meshes = {};    // by the meshes of a node

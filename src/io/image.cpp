@@ -1,4 +1,4 @@
-// Images in and out: PNG, JPEG, Radiance HDR and OpenEXR are read, PNG is written. Here is what all
+// Images in and out: PNG, JPEG, WebP, Radiance HDR and OpenEXR are read, PNG is written. Here is what all
 // formats have in common; each has a file of its own, the only one to include its library.
 #include "io/image.h"
 
@@ -22,13 +22,14 @@ struct Format {
 
 constexpr Format formats[] = {{is_png, png_claim, decode_png},
                               {is_jpeg, jpeg_claim, decode_jpeg},
+                              {is_webp, webp_claim, decode_webp},
                               {is_radiance_hdr, radiance_hdr_claim, decode_radiance_hdr},
                               {is_openexr, openexr_claim, decode_openexr}};
 
 const Format& format_of(EncodedImage bytes, const std::string& place) {
   for (const Format& format : formats)
     if (format.matches(bytes)) return format;
-  throw Error(place + ": is not an image: expected PNG, JPEG, Radiance HDR or OpenEXR");
+  throw Error(place + ": is not an image: expected PNG, JPEG, WebP, Radiance HDR or OpenEXR");
 }
 
 // An image that is charged to no other budget than its own.

@@ -23,18 +23,21 @@ struct ImageClaim {
 
 bool is_png(EncodedImage bytes);
 bool is_jpeg(EncodedImage bytes);
+bool is_webp(EncodedImage bytes);
 bool is_radiance_hdr(EncodedImage bytes);
 bool is_openexr(EncodedImage bytes);
 
 // `place` names the bytes in errors.
 ImageClaim png_claim(EncodedImage bytes, const std::string& place);
 ImageClaim jpeg_claim(EncodedImage bytes, const std::string& place);
+ImageClaim webp_claim(EncodedImage bytes, const std::string& place);
 ImageClaim radiance_hdr_claim(EncodedImage bytes, const std::string& place);
 ImageClaim openexr_claim(EncodedImage bytes, const std::string& place);
 
 // Without a name. Throw omma::Error, or omma::Cancelled where `work` is to end.
 Image decode_png(EncodedImage bytes, const std::string& place, const WorkPart& work);
 Image decode_jpeg(EncodedImage bytes, const std::string& place, const WorkPart& work);
+Image decode_webp(EncodedImage bytes, const std::string& place, const WorkPart& work);
 Image decode_radiance_hdr(EncodedImage bytes, const std::string& place, const WorkPart& work);
 Image decode_openexr(EncodedImage bytes, const std::string& place, const WorkPart& work);
 

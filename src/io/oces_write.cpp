@@ -255,7 +255,7 @@ std::string json_text(const json& document) {
 std::string oces_bytes(const Eye& given, bool binary) {
   Eye eye = given;
   validate_eye(eye);
-  Writer writer{eye, {{"asset", {{"version", "2.0"}, {"generator", "Omma"}}}}, json::array(), {}};
+  Writer writer{eye, {{"asset", {{"version", "2.0"}, {"generator", omma_generator}}}}, json::array(), {}};
   std::map<std::int32_t, Members> eyes;
   std::vector<Facet> facets;
   bool in_order = true;  // eyes one after the other, by number

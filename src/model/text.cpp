@@ -50,4 +50,13 @@ std::string readable_text(std::string_view text) {
   return readable;
 }
 
+std::string without_folder(std::string text, const std::string& path) {
+  const std::size_t folder = path.rfind('/') + 1;
+  if (folder == 0) return text;
+  const std::string name = path.substr(folder);
+  for (std::size_t at = text.find(path); at != std::string::npos; at = text.find(path, at))
+    text.replace(at, path.size(), name);
+  return text;
+}
+
 }  // namespace omma

@@ -15,4 +15,8 @@ std::size_t utf8_length(std::string_view text);
 // name that a file gives itself can say anything, to a terminal too.
 std::string readable_text(std::string_view text);
 
+// The same text with a file shown by its name alone: what is shown on pages is seen on other
+// machines than the one with the file's folder.
+std::string without_folder(std::string text, const std::string& path);
+
 }  // namespace omma

@@ -82,7 +82,7 @@ TEST(GltfLights, BadOnesAreNamed) {
          {"light 0: cones: expected 0 <= inner < outer <= pi / 2 rad, found 0.5 and 0.25"});
   expect({{"type", "spot"}, {"spot", {{"outerConeAngle", 2}}}}, {"light 0: cones: expected"});
   expect({{"type", "point"}, {"extras", {{"omma", {{"colour", 1}}}}}},
-         {"light 0: extras: omma: expected spectrum, found", "colour"});
+         {"lights[0].extras.omma: expected spectrum, found", "colour"});
   expect({{"type", "point"},
           {"extras", {{"omma", {{"spectrum", {{"wavelength_nm", {1, 2}}, {"value", {1, 1}}}}}}}}},
          {"light 0: spectrum: wavelength_nm: expected 100 to 5000"});

@@ -33,7 +33,7 @@ json extras(json values) {
 std::vector<std::string> warnings(const Scene& scene) {
   std::vector<std::string> found;
   for (const std::string& warning : scene.warnings)
-    if (warning.find("nothing is lit") == std::string::npos) found.push_back(warning);
+    if (warning.find("without a light") == std::string::npos) found.push_back(warning);
   return found;
 }
 
@@ -218,7 +218,7 @@ TEST(GltfScattering, BadSpectraAreNamed) {
     expect_load_error(with_material(extras(said)), std::move(parts));
   };
   expect({{"reflectence", 1}},
-         {"material 0: extras: omma: expected reflectance, transmittance", "reflectence"});
+         {"materials[0].extras.omma: expected emission, extra_reflectance", "reflectence"});
   expect({{"reflectance", {{"wavelength_nm", {300, 400}}}}}, {"reflectance.value: is missing"});
   expect({{"reflectance", spectrum({300, 400}, {0.5})}},
          {"reflectance: value: expected one for each of 2 wavelengths, found 1"});

@@ -30,7 +30,7 @@ TEST_P(RealScenes, Load) {
   EXPECT_EQ(scene.background.type, expected.background);
   // CompoundRay lights nothing, and its scenes do not say that they are unlit.
   ASSERT_EQ(scene.warnings.size(), 1u);
-  EXPECT_TRUE(has_warning(scene, "nothing is lit; materials that are meant to be lit"));
+  EXPECT_TRUE(has_warning(scene, "without a light surfaces show"));
   EXPECT_FALSE(scene_bounds(scene).empty);
 }
 

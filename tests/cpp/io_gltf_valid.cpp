@@ -162,7 +162,7 @@ TEST(GltfValid, TextureWithoutAnImageMayUseAnyCoordinates) {
   b.document["meshes"][0]["primitives"][0]["material"] = 0;
   const Scene scene = load(b);
   EXPECT_EQ(scene.materials.at(0).emissive_texture.texture, -1);
-  EXPECT_TRUE(has_warning(scene, "a texture has no PNG or JPEG image"));
+  EXPECT_TRUE(has_warning(scene, "a texture has no PNG, JPEG or WebP image"));
 }
 
 long peak_memory_kb() {

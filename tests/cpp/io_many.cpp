@@ -13,9 +13,13 @@ namespace {
 TEST(ManyInGltf, ExtensionsUsed) {
   constexpr int count = 1200000;
   GltfBuilder b = one_triangle();
-  json names = json::array();
-  for (int i = 0; i < count; ++i) names.push_back("E_" + std::to_string(i));
+  json names = json::array(), had = json::object();
+  for (int i = 0; i < count; ++i) {
+    names.push_back("E_" + std::to_string(i));
+    had[names.back()] = json::object();
+  }
   b.document["extensionsUsed"] = std::move(names);
+  b.document["nodes"][0]["extensions"] = std::move(had);
   EXPECT_EQ(load(b).warnings.size(), static_cast<std::size_t>(count));
 }
 

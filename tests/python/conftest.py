@@ -98,6 +98,14 @@ def make_eye(count=60, seed=1, acceptance_deg=5.0, eye_id=0):
     return omma.Eye(1e-3 * axis, axis, np.radians(acceptance_deg), 0.0, eye_id)
 
 
+@pytest.fixture(autouse=True)
+def new_session():
+    """What is told once a session is told again in each test."""
+    from omma.scene.files import _told
+
+    _told.clear()
+
+
 @pytest.fixture(scope="session")
 def files(tmp_path_factory):
     """A directory with scene.gltf (ground, sky, two cameras), bug.eye (60) and left/right.eye;

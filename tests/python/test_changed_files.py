@@ -1,6 +1,7 @@
 """Whatever is wrong with a file that omma reads, it is omma.Error that says so; nothing in a file
 is run as code."""
 
+import ast
 import json
 import os
 import pickle
@@ -12,6 +13,7 @@ from pathlib import Path
 import changed_files
 import numpy as np
 import pytest
+from conftest import make_eye, write_gltf
 
 import omma
 from omma.job.results_info import describe_responses
@@ -112,3 +114,44 @@ def test_versions_that_refuse_pickles_are_asked_for():
     numbers = tuple(map(int, version("numcodecs").split(".")[:3]))
     assert numbers >= (0, 16, 6)
     assert numbers != (0, 17, 0)
+
+
+def test_tables_of_commands_escape_what_files_say(tmp_path, run_omma):
+    name = "\x1b[31mred\x07\u202e"
+    scene = write_gltf(tmp_path / "scene.gltf", cameras=[(name, None, {})])
+    code, out, err = run_omma("info", scene)
+    assert (code, err) == (0, "")
+    assert "\\x1b[31mred\\x07" in out
+    eye = make_eye(8).replace(columns={"\x1b[31m": np.arange(8.0)})
+    omma.save_eye(tmp_path / "bug.csv", eye)
+    outputs = [
+        run_omma("info", tmp_path / "bug.csv"),
+        run_omma("eye", "info", tmp_path / "bug.csv"),
+    ]
+    picture = ("-o", tmp_path / "seen.png", "--width", "8", "--height", "8")
+    outputs.append(run_omma("render", scene, "--camera", "0", *picture))
+    outputs.append(run_omma("render", scene, "--all-cameras", tmp_path / "all"))
+    for _, out, err in outputs:
+        assert not any(ord(one) < 32 for one in (out + err).replace("\n", "")), out
+
+
+def test_commands_print_by_what_escapes():
+    """`say` and `readable` of cli/working.py: no command prints a line by itself."""
+    for path in sorted((ROOT / "python" / "omma" / "cli").glob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if not isinstance(node, ast.Call) or path.name == "working.py":
+                continue
+            if isinstance(node.func, ast.Name) and node.func.id == "print":
+                to_stderr = any(one.arg == "file" for one in node.keywords)
+                plain = all(isinstance(one, ast.Constant) for one in node.args)
+                constant = path.name in ("main.py", "view.py")
+                assert to_stderr or plain or constant, f"{path.name}, line {node.lineno}"
+
+
+def test_notebooks_show_files_without_their_folders(files, scene, eye):
+    world = omma.World(scene)
+    shown = [scene, eye, world, omma.Renderer(world, eye, omma.Fixed(2))]
+    for one in shown:
+        assert str(files) not in one._repr_html_()
+    assert "scene.gltf" in scene._repr_html_()
+    assert "scene.gltf" in world._repr_html_()

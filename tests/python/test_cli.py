@@ -223,7 +223,8 @@ def test_azimuths_are_told_from_180_to_180(azimuth, says):
 
 
 def test_warnings_go_to_stderr(omma_command, tmp_path):
-    write_gltf(tmp_path / "odd.gltf", extensionsUsed=["EXT_something_odd"])
+    odd = {"name": "ground", "mesh": 0, "extensions": {"EXT_something_odd": {}}}
+    write_gltf(tmp_path / "odd.gltf", extensionsUsed=["EXT_something_odd"], nodes=[odd])
     code, out, err = omma_command("info", tmp_path / "odd.gltf")
     assert code == 0
     assert "EXT_something_odd" in out

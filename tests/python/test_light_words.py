@@ -1,6 +1,7 @@
 """Light that is said in words: `omma render --light`, `render_file(light=...)`, and again from the
 files that they wrote."""
 
+import json
 from datetime import datetime, timezone
 
 import numpy as np
@@ -98,10 +99,13 @@ def test_a_file_is_what_the_world_gives(files, tmp_path):
 
 
 def test_the_loader_says_what_light_would_show_where_there_is_none(tmp_path, files):
-    omma.scene.save_scene(tmp_path / "plane.glb", omma.scene.plane((4, 4)))
-    common = (tmp_path / "plane.glb", tmp_path / "x.npy", omma.Fixed(1))
+    plane = write_gltf(tmp_path / "plane.gltf", materials=[{"name": "lit"}])
+    document = json.loads(plane.read_text())
+    document["meshes"][0]["primitives"][0]["material"] = 0
+    plane.write_text(json.dumps(document))
+    common = (plane, tmp_path / "x.npy", omma.Fixed(1))
     dark = render_file(*common, eyes=files / "bug.csv")
-    assert ["unless the world is given light" in one for one in dark.warnings] == [True]
+    assert [one.startswith("without a light") for one in dark.warnings] == [True]
     assert render_file(*common, eyes=files / "bug.csv", light=WORDS).warnings == ()
 
 

@@ -245,7 +245,7 @@ def test_the_pond_lies_in_a_hollow(lit):
 
 def test_it_loads_with_its_cameras():
     scene = omma.load_scene(LIT)
-    assert [w for w in scene.warnings if "unless the world is given light" not in w] == []
+    assert [w for w in scene.warnings if not w.startswith("without a light")] == []
     assert [c.name for c in scene.cameras] == ["bee", "bee-low", "overview", "pond"]
     assert scene.triangle_count == omma.load_scene(UNLIT).triangle_count + 40
     pond = scene.camera("pond").world_from_camera[:3, 3]

@@ -90,7 +90,8 @@ def test_the_conda_recipe_asks_for_what_the_package_needs():
     # Debian's packages of libraries are each one of conda-forge's.
     conda_of = {
         "embree": "embree", "tbb": "tbb_devel", "png": "libpng", "jpeg": "libjpeg_turbo",
-        "openexr": "openexr", "nlohmann-json3": "nlohmann_json", "nanoflann": "nanoflann",
+        "openexr": "openexr", "webp": "libwebp_base", "meshoptimizer": "meshoptimizer",
+        "draco": "draco",        "nlohmann-json3": "nlohmann_json", "nanoflann": "nanoflann",
     }  # fmt: skip
     libraries = {
         name.removeprefix("lib").removesuffix("-dev")

@@ -132,14 +132,16 @@ def test_a_scene_that_is_not_lit_says_so_once(tmp_path, run_omma):
     document["nodes"][0]["extensions"] = {"KHR_lights_punctual": {"light": 0}}
     lit.write_text(json.dumps(document))
     says = (
-        "unless the world is given light, nothing is lit; lights that are ignored: 1; materials "
-        "that are meant to be lit (without KHR_materials_unlit) and show base colour and "
-        "emission alone: 1 of 1"
+        "without a light surfaces show their own colours, unshaded; made for light: 1 of 1 "
+        "materials, 1 lamp"
     )
     with pytest.warns(UserWarning, match=re.escape(f"{lit}: {says}")) as heard:
         scene = omma.load_scene(lit)
     assert scene.warnings == [says]
     assert [one.filename for one in heard] == [__file__]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert omma.load_scene(lit).warnings == [says]  # told once a session
     omma.save_eye(tmp_path / "bug.eye", make_eye())
     given = ("--eye", tmp_path / "bug.eye", "-o", tmp_path / "a.npy")
     code, _, err = run_omma("render", lit, *given)

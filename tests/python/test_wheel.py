@@ -64,7 +64,9 @@ def test_every_library_in_a_wheel_has_its_licence(wheel):
     known = {
         "libembree3": "embree-LICENSE.txt", "libtbb": "libtbb12.txt", "libpng16": "libpng16-16.txt",
         "libjpeg": "libjpeg62-turbo.txt", "libz": "zlib1g.txt", "libOpenEXR": "libopenexr",
-        "libIlmThread": "libopenexr", "libIex": "libopenexr", "libImath": "libimath",
+        "libwebp": "libwebp7.txt", "libmeshoptimizer": "libmeshoptimizer2d.txt",
+        "libdraco": "libdraco7.txt", "libIlmThread": "libopenexr", "libIex": "libopenexr",
+        "libImath": "libimath",
     }  # fmt: skip
     assert len(libraries) >= 6
     for library in libraries:
@@ -78,6 +80,8 @@ def test_every_library_in_a_wheel_has_its_licence(wheel):
         "Marius Muja",  # nanoflann
         "TERMS AND CONDITIONS FOR USE, REPRODUCTION, AND DISTRIBUTION",  # Apache 2.0, in full
         "Independent JPEG Group",
+        "Arseny Kapoulkine",  # meshoptimizer
+        "Google Inc",  # libwebp
         "Industrial Light",  # OpenEXR
     ):
         assert words in everything, words

@@ -3,7 +3,13 @@
 from __future__ import annotations
 
 import html
+import os
 from collections.abc import Mapping
+
+
+def without_folder(text: str, path: str) -> str:
+    """Text with a file shown by its name alone: what notebooks show is seen on other machines."""
+    return text.replace(path, os.path.basename(path)) if path else text
 
 
 def html_table(title: str, rows: Mapping[str, str]) -> str:

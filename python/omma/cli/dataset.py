@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from omma.cli.working import check_outputs, working
+from omma.cli.working import check_outputs, say, working
 from omma.datasets.contact_sheet import contact_sheet
 from omma.datasets.description import describe
 from omma.datasets.job_file import load_job
@@ -132,10 +132,10 @@ def run(
                 )
             raise
     if report.made == 0:
-        print(f"{report.store}: all {report.views:,} views were there")
+        say(f"{report.store}: all {report.views:,} views were there")
         return
     rate = report.views_made / report.seconds
-    print(
+    say(
         f"{report.store}: made {report.views_made:,} of {report.views:,} views in "
         f"{report.seconds:,.1f} s, {rate:,.0f} a second"
     )
@@ -154,15 +154,15 @@ def verify(
     with working() as bar:
         report = verify_store(store, forget=forget, progress=bar.fraction_of("Verifying"))
     for sentence in report.damaged:
-        print(sentence)
+        say(sentence)
     if report.left:
-        print(f"{len(report.left)} files that killed runs left; the next run removes them")
+        say(f"{len(report.left)} files that killed runs left; the next run removes them")
     if report.missing:
-        print(f"{len(report.missing)} of {report.shards} shards are not made yet")
+        say(f"{len(report.missing)} of {report.shards} shards are not made yet")
     if report.damaged and forget:
-        print("what is damaged is forgotten: the next run makes it anew")
+        say("what is damaged is forgotten: the next run makes it anew")
     if report.is_whole:
-        print(f"{store}: all {report.shards} shards are as they were written")
+        say(f"{store}: all {report.shards} shards are as they were written")
     else:
         raise typer.Exit(1)
 
@@ -171,7 +171,7 @@ def verify(
 def info(store: StoreArgument) -> None:
     """Describe a data set."""
     for line in describe(store):
-        print(line)
+        say(line)
 
 
 @dataset_app.command(help=SAMPLE_HELP, short_help="Draw some views on one sheet.")
@@ -189,7 +189,7 @@ def sample(
     check_outputs(output)
     with working():
         contact_sheet(output, store, count, eye=eye, seed=seed)
-    print(f"wrote {output}")
+    say(f"wrote {output}")
 
 
 @dataset_app.command("to-webdataset", help=TARS_HELP, short_help="Write views as tar files.")
@@ -215,4 +215,4 @@ def to_webdataset(
             views_per_file=views_per_file,
             progress=bar.fraction_of("Writing"),
         )
-    print(f"wrote {len(written)} files into {output}")
+    say(f"wrote {len(written)} files into {output}")

@@ -15,7 +15,7 @@ from omma.cli.eye_files import EyeArgument, OutOption, UnitOption, eye_target, s
 from omma.cli.eye_look import add_look_commands
 from omma.cli.eye_make import add_make_commands
 from omma.cli.eye_species import add_species_command
-from omma.cli.working import check_outputs, working
+from omma.cli.working import check_outputs, say, working
 from omma.eye.change import set_acceptance, split_eye
 from omma.eye.files import load_eye
 from omma.picture.drawing import draw_eye
@@ -217,4 +217,4 @@ def draw(
             size_mm=size_mm,
         )
     for name in names:
-        print(f"wrote {name}")
+        say(f"wrote {name}")

@@ -10,7 +10,7 @@ import typer
 
 from omma._core import Eye
 from omma.base.files import check_ending
-from omma.cli.working import check_outputs, warn
+from omma.cli.working import check_outputs, say, warn
 from omma.eye.change import pair_of_eyes, place_on_head
 from omma.eye.files import EYE_SUFFIXES, eye_file_losses, save_eye
 
@@ -51,7 +51,7 @@ def save(path: Path, eye: Eye, unit: str) -> None:
     radius_mm = 1e3 * float(np.linalg.norm(eye.position_m.astype(np.float64), axis=1).mean())
     degrees = np.degrees(eye.acceptance_angle_rad.astype(np.float64))
     low, high = f"{degrees.min():.4g}", f"{degrees.max():.4g}"
-    print(
+    say(
         f"wrote {path}: {len(eye):,} ommatidia, mean radius {radius_mm:.4g} mm, acceptance "
         + (f"{low}°" if low == high else f"{low} to {high}°")
     )

@@ -13,7 +13,7 @@ from rich.table import Table
 from omma._core import Error, Eye, merge_eyes
 from omma.base.figures import figure_names
 from omma.base.files import WholeFiles, check_ending
-from omma.cli.working import check_outputs, working
+from omma.cli.working import check_outputs, readable, say, working
 from omma.eye.files import load_eye
 from omma.eye.measures import DIFFRACTION_LIMIT, diffraction_limit_m_rad, measure_eye
 from omma.eye.report import SPREADS, eye_summary, save_eye_table
@@ -120,7 +120,7 @@ def info(
     _print_summary(", ".join(str(path) for path in eye), summary)
     for target in (output, json_file, map_file):
         if target is not None:
-            print(f"wrote {target}")
+            say(f"wrote {target}")
 
 
 def plot(
@@ -203,7 +203,7 @@ def plot(
         else:
             plot_poster(names, head, title=title, progress=bar.show)
     for name in names:
-        print(f"wrote {name}")
+        say(f"wrote {name}")
 
 
 def _chosen(text: str) -> Chosen:
@@ -242,7 +242,7 @@ def _print_summary(name: str, summary: dict[str, Any]) -> None:
 
 def _print_lines(console: Console, lines: list[tuple[str, str]]) -> None:
     for what, value in lines:
-        console.print(f"{what:<12} {value}", markup=False)
+        console.print(readable(f"{what:<12} {value}"), markup=False)
 
 
 def _ommatidia(summary: dict[str, Any]) -> str:

@@ -12,7 +12,7 @@ from rich.table import Table
 from omma import species
 from omma._core import Error
 from omma.base.files import WholeFiles, check_ending
-from omma.cli.working import check_outputs, working
+from omma.cli.working import check_outputs, say, working
 from omma.eye.files import EYE_SUFFIXES, save_eye
 from omma.species.facts import printed
 
@@ -78,7 +78,7 @@ def species_command(
         with working():
             animal = species.make(name)
             save_eye(output, animal.eye, lossy=lossy)
-        print(f"wrote {output}: {animal.latin}, {len(animal.eye):,} ommatidia of two eyes")
+        say(f"wrote {output}: {animal.latin}, {len(animal.eye):,} ommatidia of two eyes")
     if facts is None and output is None:
         _show(name)
 
@@ -86,18 +86,18 @@ def species_command(
 def _write_facts(path: Path, name: str | None) -> None:
     with WholeFiles() as files:
         files.open(str(path)).write(species.facts_text(name, _FORMS[path.suffix.lower()]).encode())
-    print(f"wrote {path}")
+    say(f"wrote {path}")
 
 
 def _show(name: str | None) -> None:
     console = Console()
     if name is None:
         for animal in species.names():
-            print(animal)
+            say(animal)
         others = dict.fromkeys(fact.animal for fact in species.facts())
         for animal in others:
             if animal not in species.names():
-                print(f"{animal} (numbers only: too few are known for its eyes)")
+                say(f"{animal} (numbers only: too few are known for its eyes)")
         return
     table = Table(title=name.replace("_", " "), title_justify="left")
     for heading in ("quantity", "value", "standing", "source", "note"):
@@ -108,4 +108,4 @@ def _show(name: str | None) -> None:
     console.print(table)
     for source in dict.fromkeys(fact.source for fact in species.facts(name)):
         read = f" (read: {source.read})" if source.read else ""
-        print(f"{source.key}: {source.citation}{read}")
+        say(f"{source.key}: {source.citation}{read}")

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from omma.cli.working import working
+from omma.cli.working import say, working
 from omma.job.info import describe_file
 from omma.scene.building import READING
 
@@ -51,4 +51,4 @@ def info(
     with working() as bar:
         lines = describe_file(file, unit, bar.fraction_of(READING))
     for what, value in lines:
-        print(f"{what:<16} {value}")
+        say(f"{what:<16} {value}")

@@ -10,7 +10,7 @@ import typer
 
 from omma._core import Error
 from omma.base.figures import figure_names
-from omma.cli.working import check_outputs, working
+from omma.cli.working import check_outputs, say, working
 from omma.light.bands import Bands
 from omma.light.lights import Light
 from omma.light.skies import clear_sky, clear_sky_at, moonlit_sky, overcast_sky
@@ -90,7 +90,7 @@ def show(
         light = _sky(sun, azimuth, time, place, kind, aerosol, ozone, albedo, unit)
         plot_sky(names, light, wavelength or (350.0, 440.0, 550.0))
     for name in names:
-        print(f"wrote {name}")
+        say(f"wrote {name}")
 
 
 def _sky(

@@ -16,7 +16,7 @@ from omma.base.figures import load_matplotlib
 from omma.base.files import check_ending
 from omma.base.poses import Matrices, load_poses, poses_from_angles
 from omma.cli.options import help_of
-from omma.cli.working import DelayedBar, check_outputs, working
+from omma.cli.working import DelayedBar, check_outputs, say, working
 from omma.eye.files import load_eye
 from omma.rendering.renderer import Renderer
 from omma.rendering.settings import PointsName
@@ -195,7 +195,7 @@ def min_samples_command(
         for name in write:
             save_minimum_samples(name, found)
     for one in found:
-        print("\n".join(_search_lines(one, eyes)) + "\n")
+        say(*_search_lines(one, eyes), "")
     _say_written(write)
 
 
@@ -252,8 +252,8 @@ def variance_map_command(
                 as_variance=variance,
             )
     deviations = np.sqrt(found)
-    print(f"cells      {steps} x {steps}, {size / steps:.4g} m wide, at y = {centre[1]:g} m")
-    print(f"deviation  {deviations.min():.4g} to {deviations.max():.4g}, {measure}")
+    say(f"cells      {steps} x {steps}, {size / steps:.4g} m wide, at y = {centre[1]:g} m")
+    say(f"deviation  {deviations.min():.4g} to {deviations.max():.4g}, {measure}")
     _say_written(write)
 
 
@@ -294,10 +294,10 @@ def aliasing_command(
         }
         for name in write:
             save_alias_curves(name, rays, curves, measure=measure)
-    print("root mean square of the standard deviation of responses")
-    print(f"{'rays':>6}  {'CompoundRay':>12}  {'Omma':>12}")
+    say("root mean square of the standard deviation of responses")
+    say(f"{'rays':>6}  {'CompoundRay':>12}  {'Omma':>12}")
     for n, theirs, ours in zip(rays, curves[COMPOUNDRAY][1], curves[OURS][1], strict=True):
-        print(f"{n:>6}  {theirs:12.5g}  {ours:12.5g}")
+        say(f"{n:>6}  {theirs:12.5g}  {ours:12.5g}")
     _say_written(write)
 
 
@@ -340,11 +340,11 @@ def speed_command(
         )
         for name in write:
             save_speed_test(name, found)
-    print(f"machine    {found.machine}, {found.threads} threads, {found.backend}")
-    print(f"eye        {found.ommatidia:,} ommatidia; mean of {frames} frames")
-    print(f"{'rays':>6}  {'frames/s':>10}  {'in one call':>11}")
+    say(f"machine    {found.machine}, {found.threads} threads, {found.backend}")
+    say(f"eye        {found.ommatidia:,} ommatidia; mean of {frames} frames")
+    say(f"{'rays':>6}  {'frames/s':>10}  {'in one call':>11}")
     for n, alone, batch in zip(counts, found.frames_per_s, found.batch_frames_per_s, strict=True):
-        print(f"{n:>6}  {alone:>10,.1f}  {batch:>11,.1f}")
+        say(f"{n:>6}  {alone:>10,.1f}  {batch:>11,.1f}")
     _say_written(write)
 
 
@@ -408,4 +408,4 @@ def _search_lines(found: MinimumSamples, eyes: Sequence[tuple[Path, Eye]]) -> li
 
 def _say_written(names: Sequence[Path]) -> None:
     for name in names:
-        print(f"wrote      {name}")
+        say(f"wrote      {name}")

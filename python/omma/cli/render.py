@@ -13,7 +13,7 @@ import typer
 from omma._core import Error
 from omma.cli.options import takes_settings
 from omma.cli.report import camera_lines, report_lines
-from omma.cli.working import warn, working
+from omma.cli.working import say, warn, working
 from omma.job.again import render_like
 from omma.job.all_cameras import render_all_cameras
 from omma.job.outputs import SUFFIXES
@@ -268,7 +268,7 @@ def render(
                 progress=bar.show,
             )
         _print_warnings(report.warnings)
-        print("\n".join(report_lines(report)))
+        say(*report_lines(report))
         return
     if scene is None:
         raise typer.BadParameter("expected a scene to render, found none", param_hint="SCENE")
@@ -309,7 +309,7 @@ def render(
                 progress=bar.show,
             )
         _print_warnings(everything.warnings)
-        print("\n".join(camera_lines(everything)))
+        say(*camera_lines(everything))
         return
     with working() as bar:
         report = render_file(
@@ -340,7 +340,7 @@ def render(
             progress=bar.show,
         )
     _print_warnings(report.warnings)
-    print("\n".join(report_lines(report)))
+    say(*report_lines(report))
 
 
 def _print_warnings(warnings: Sequence[str]) -> None:

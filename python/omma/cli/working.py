@@ -108,6 +108,18 @@ def check_outputs(*paths: Path | None) -> None:
         warn(warning)
 
 
+def readable(text: str) -> str:
+    """The text with control characters escaped: names in files may say anything, to a terminal
+    too."""
+    return str(Error(text))
+
+
+def say(*lines: str) -> None:
+    """Lines on stdout, readable."""
+    for line in lines:
+        print(readable(line))
+
+
 def warn(message: str) -> None:
     """Say something on stderr that is no reason to stop."""
     print(f"omma: warning: {Error(message)}", file=sys.stderr)

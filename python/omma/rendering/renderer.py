@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma import _core
 from omma._core import Background, Error, Eye, Scene
 from omma.base.arguments import checked, expect, output_array, whole
-from omma.base.notebook import html_table
+from omma.base.notebook import html_table, without_folder
 from omma.base.poses import Matrices, as_poses
 from omma.base.warn import warn_caller
 from omma.rendering.dataset import make_dataset
@@ -757,7 +757,10 @@ class Renderer:
         )
 
     def _repr_html_(self) -> str:
-        rows = {"world": repr(self.world), "eye": repr(self.eye)}
+        rows = {
+            "world": without_folder(repr(self.world), self.world.scene.path),
+            "eye": without_folder(repr(self.eye), self.eye.path),
+        }
         options = {name: str(value) for name, value in settings_as_record(self.settings).items()}
         return html_table("omma.Renderer", rows | options | {"threads": str(self.threads)})
 

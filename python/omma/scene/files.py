@@ -14,6 +14,10 @@ from omma.base.files import PathLike
 from omma.base.warn import warn_caller
 from omma.scene.mesh_files import MESH_FILES, load_mesh_file
 
+# How the loader's sentence about what only a light shows begins. It is told once a session.
+WITHOUT_LIGHT = "without a light "
+_told: list[str] = []
+
 
 @checked
 def load_scene(
@@ -57,12 +61,17 @@ def load_scene(
         KeyboardInterrupt: Ctrl-C.
 
     Warns:
-        UserWarning: what was passed over, such as lights: each of ``Scene.warnings``.
+        UserWarning: what was passed over, such as lights: each of ``Scene.warnings``. That surfaces
+            are not shaded without a light is told once a session.
     """
     scene = read_scene(
         path, scene_index, color_rule=color_rule, unit=unit, up=up, progress=progress
     )
     for sentence in scene.warnings:
+        if sentence.startswith(WITHOUT_LIGHT):
+            if _told:
+                continue
+            _told.append(sentence)
         warn_caller(f"{scene.path}: {sentence}", UserWarning)
     return scene
 

@@ -9,6 +9,7 @@ from typing import Any
 from omma import light as skies
 from omma._core import Error, Scene
 from omma.light import Bands, Light
+from omma.scene.files import WITHOUT_LIGHT
 from omma.scene.lighting import checked_lighting
 
 # Functions of `omma.light`.
@@ -19,8 +20,6 @@ _BANDS = "bands"
 # Bands that have names: how many, from which wavelength to which, nm. Of visible light alone no
 # material needs to say what it reflects in the ultraviolet.
 _NAMED_BANDS = {"visible": (12, 400.0, 700.0)}
-# How the loader's warning of what a light would show begins.
-_UNLIT = "unless the world is given light"
 
 
 def parse_light(text: str) -> dict[str, Any]:
@@ -88,7 +87,7 @@ def _says_lighting(text: str) -> bool:
 
 def warnings_of(scene: Scene, is_lit: bool) -> list[str]:
     """What the loader of a scene passed over; in a world with light nothing of that."""
-    return [one for one in scene.warnings if not (is_lit and one.startswith(_UNLIT))]
+    return [one for one in scene.warnings if not (is_lit and one.startswith(WITHOUT_LIGHT))]
 
 
 def _value(name: str, text: str) -> Any:

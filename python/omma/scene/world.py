@@ -12,7 +12,7 @@ from omma import _core
 from omma._core import Background, Error, Image, Scene
 from omma._core import WorldInstance as WorldInstance
 from omma.base.arguments import array_of, checked, expect, whole
-from omma.base.notebook import html_table
+from omma.base.notebook import html_table, without_folder
 from omma.base.values import check_format
 from omma.light import Light
 from omma.scene.baking import Bake, BakedInfo, find_baked_light, share_of
@@ -533,7 +533,7 @@ class World:
     def _repr_html_(self) -> str:
         scene = self._scene
         rows = {
-            "scene": scene.path or "in memory",
+            "scene": without_folder(scene.path, scene.path) or "in memory",
             "triangles": f"{scene.triangle_count:,}",
             "things": f"{len(self.instances):,}, {len(self._moved):,} of them moved",
             "cameras": ", ".join(camera.name for camera in scene.cameras),
