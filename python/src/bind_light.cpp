@@ -153,9 +153,9 @@ void bind_light(nb::module_& m) {
             run_long_work([&] { validate_light(made, made.ultraviolet.size()); });
             new (self) Light(std::move(made));
           },
-          nb::arg("wavelength_nm"), nb::arg("weight"), nb::arg("cell_nm").none(),
-          nb::arg("unit"), nb::arg("sky").none(), nb::arg("band_from_channel").none(),
-          nb::arg("discs"), nb::arg("ultraviolet").none(), nb::arg("emission_cd_m2") = 1.0,
+          nb::arg("wavelength_nm"), nb::arg("weight"), nb::arg("cell_nm").none(), nb::arg("unit"),
+          nb::arg("sky").none(), nb::arg("band_from_channel").none(), nb::arg("discs"),
+          nb::arg("ultraviolet").none(), nb::arg("emission_cd_m2") = 1.0,
           nb::sig("def __init__(self, wavelength_nm: numpy.typing.ArrayLike, weight: "
                   "numpy.typing.ArrayLike, cell_nm: numpy.typing.ArrayLike | None, unit: str, "
                   "sky: numpy.typing.ArrayLike | None, "

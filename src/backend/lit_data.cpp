@@ -50,7 +50,8 @@ void leave_out_baked(LitData& lit) {
   light.lamp_probability = sum > 0 ? 1.0f - light.far_probability : 0.0f;
 }
 
-// BakedView::coarse_sky, and per_open_sky: the mean over directions about the vertical, by the cosine.
+// BakedView::coarse_sky, and per_open_sky: the mean over directions about the vertical, by the
+// cosine.
 void make_coarse_sky(const LightView& light, LitData& lit) {
   constexpr int parts = 4;  // of a cell, each way
   const auto bands = static_cast<std::size_t>(light.bands);
@@ -65,8 +66,8 @@ void make_coarse_sky(const LightView& light, LitData& lit) {
     const Vec3 d = coarse_sky_direction(cell, (static_cast<float>(part % parts) + 0.5f) / parts,
                                         (static_cast<float>(part / parts) + 0.5f) / parts);
     eval_sky(light, d, find_far(light, d), 1, radiance.data(), 1, light.bands);
-    // Even steps on an octahedron's face, |x| + y + |z| = 1, take solid angles by the inverse cube of
-    // its points' distance from the middle.
+    // Even steps on an octahedron's face, |x| + y + |z| = 1, take solid angles by the inverse cube
+    // of its points' distance from the middle.
     const auto size = static_cast<double>(std::fabs(d.x) + d.y + std::fabs(d.z));
     const double weight = size * size * size * static_cast<double>(d.y);
     weights += weight;

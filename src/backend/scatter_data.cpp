@@ -77,9 +77,9 @@ struct Maker {
 void add_diffuse(const Maker& make, const Material& m, const Weights& ultraviolet,
                  ScatterView& view) {
   const auto weights = [&](const Spectrum& table, double wavelength_nm, double width_nm) {
-    return table.empty() ? rgb_weights(wavelength_nm, ultraviolet)
-                         : table_weights(table, m.spectral_luminance, wavelength_nm, width_nm,
-                                         ultraviolet);
+    return table.empty()
+               ? rgb_weights(wavelength_nm, ultraviolet)
+               : table_weights(table, m.spectral_luminance, wavelength_nm, width_nm, ultraviolet);
   };
   // As glTF has it, what is transmitted is taken from what is reflected; spectra stand for
   // themselves.

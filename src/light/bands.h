@@ -25,8 +25,8 @@ inline double cell_width_nm(const Bands& bands, std::size_t sample) {
 // What a quantity in watts is in `unit` at a wavelength, as a factor.
 double unit_per_watt(LightUnit unit, double wavelength_nm);
 
-// The weighted mean over each band, [band], of value(wavelength_nm, width_nm), which may change much
-// within a sample's width.
+// The weighted mean over each band, [band], of value(wavelength_nm, width_nm), which may change
+// much within a sample's width.
 template <typename Value>
 std::vector<double> band_mean_of_cells(const Bands& bands, const Value& value) {
   const std::size_t samples = bands.wavelength_nm.size();

@@ -81,8 +81,8 @@ struct ScatterPoint {
   // E of the light's direction; of what goes straight, the whole.
   F base, dielectric, metal, straight;
   F metal_gain;  // (1 - E) / E of a white metal, see metal_color
-  F diffuse;   // what the base gives back of uniform light, where rho is 1
-  F coupling;  // of the boundary, the 1 / (1 - mean E) that is in `base`
+  F diffuse;     // what the base gives back of uniform light, where rho is 1
+  F coupling;    // of the boundary, the 1 / (1 - mean E) that is in `base`
 };
 
 // What falls on the surface from direction w and goes to the viewer, over what falls on a surface
@@ -184,8 +184,8 @@ OMMA_HD ScatterPoint<F> make_scatter_point(const ScatterSurface<F>& s) {
   return p;
 }
 
-// What the boundary and the coat let in to the base of light from a direction, over what they let in
-// of uniform light.
+// What the boundary and the coat let in to the base of light from a direction, over what they let
+// in of uniform light.
 template <typename F>
 OMMA_HD F eval_entering(const ScatterPoint<F>& p, F cos_w) {
   F entering =

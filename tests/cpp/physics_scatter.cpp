@@ -8,6 +8,9 @@ namespace {
 
 // The table's thousandth, 2e-4 of its mean, and 5e-4 of sums over 4096 directions.
 constexpr double energy_error = 1.7e-3;
+// Of metals: their own table's error (physics_specular_albedo.cpp), which is largest where E is
+// near 1, so that it is about the same share of what is looked up.
+constexpr double metal_error = 4e-3;
 
 double white_albedo(const ScatterPoint<float>& p, double rho) {
   return rho * lobe_albedo(p, Lobe::diffuse_reflection) +
@@ -23,8 +26,9 @@ TEST(PhysicsScatter, NothingGivesBackMoreThanItGets) {
     const ScatterSurface<float> s = random_surface(random);
     const ScatterPoint<float> p = make_scatter_point(s);
     const double albedo = white_albedo(p, any(random));
-    EXPECT_LE(albedo, 1 + energy_error) << trial << " roughness " << s.roughness << " cosine "
-                                        << p.o.z << " ior " << s.ior << " metal " << s.metallic;
+    EXPECT_LE(albedo, 1 + energy_error + s.metallic * metal_error)
+        << trial << " roughness " << s.roughness << " cosine " << p.o.z << " ior " << s.ior
+        << " metal " << s.metallic;
     EXPECT_GE(albedo, 0);
     most = std::max(most, albedo);
   }
@@ -53,10 +57,10 @@ TEST(PhysicsScatter, WhiteMetalsGiveBackAll) {
       s.roughness = 0.1f * static_cast<float>(r);
       s.metallic = 1;
       const ScatterPoint<float> p = make_scatter_point(s);
-      // The table's error over the least albedo that it has, a third, beside that of sums.
-      EXPECT_NEAR(lobe_albedo(p, Lobe::metal, 1, 16384), 1, 4e-3)
+      EXPECT_NEAR(lobe_albedo(p, Lobe::metal, 1, 16384), 1, metal_error)
           << "roughness " << s.roughness << " cosine " << cosine;
-      const double lost = lobe_albedo(p, Lobe::metal, 1, 4096) / (1 + static_cast<double>(p.metal_gain));
+      const double lost =
+          lobe_albedo(p, Lobe::metal, 1, 4096) / (1 + static_cast<double>(p.metal_gain));
       least = std::min(least, lost);
       // What is not white loses each time that its facets are met: gold's red more than its blue.
       EXPECT_LT(lobe_albedo(p, Lobe::metal, 0.5f), 0.5 + 0.5 * std::pow(1 - cosine, 5) + 0.2);
@@ -222,9 +226,12 @@ TEST(PhysicsScatter, WrongSidesAreDark) {
     const auto lobe = static_cast<Lobe>(k);
     const bool reflects = lobe != Lobe::diffuse_transmission && lobe != Lobe::straight;
     EXPECT_EQ(eval_lobe(lobe, eval({0.3, 1, 0}), 0.5f, p.metal_gain) > 0, reflects) << k;
-    EXPECT_EQ(eval_lobe(lobe, eval({-0.3, -1, 0}), 0.5f, p.metal_gain) > 0, lobe == Lobe::diffuse_transmission);
-    EXPECT_EQ(eval_lobe(lobe, eval({-1, 0.2, 0}), 0.5f, p.metal_gain), 0) << k;  // above the triangle alone
-    EXPECT_EQ(eval_lobe(lobe, eval({1, -0.2, 0}), 0.5f, p.metal_gain), 0) << k;  // above the normal alone
+    EXPECT_EQ(eval_lobe(lobe, eval({-0.3, -1, 0}), 0.5f, p.metal_gain) > 0,
+              lobe == Lobe::diffuse_transmission);
+    EXPECT_EQ(eval_lobe(lobe, eval({-1, 0.2, 0}), 0.5f, p.metal_gain), 0)
+        << k;  // above the triangle alone
+    EXPECT_EQ(eval_lobe(lobe, eval({1, -0.2, 0}), 0.5f, p.metal_gain), 0)
+        << k;  // above the normal alone
   }
 }
 
