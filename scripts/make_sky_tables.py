@@ -2,11 +2,12 @@
 
     .venv/bin/python scripts/make_sky_tables.py compute FOLDER [all, ozone, or a haze]
     .venv/bin/python scripts/make_sky_tables.py store FOLDER
+    .venv/bin/python scripts/make_sky_tables.py sun
     .venv/bin/python scripts/make_sky_tables.py check [SUN_DEG ...]
 
 The first needs g++ and the packages sasktran2 and musica, and two to three hours of a processor;
 what it has done lies in FOLDER, so that it can be stopped and goes on. `store` puts the table
-together.
+together, `sun` the sun's spectrum (sun.npz), which takes a second.
 `check` compares what is stored with direct computations between its nodes, and prints for
 docs/sky.md how far they are apart. The parts are in scripts/sky/.
 """
@@ -38,6 +39,8 @@ def main() -> None:
             TABLE.parent.mkdir(exist_ok=True)
             np.savez_compressed(TABLE, **tables.assemble(Path(folder)))
             print(f"{TABLE.name}: {TABLE.stat().st_size / 1e6:.2f} MB")
+        case ["sun"]:
+            np.savez_compressed(TABLE.with_name("sun.npz"), **tables.sun_parts())
         case ["check", *suns]:
             check.check_tables([float(sun) for sun in suns])
         case _:

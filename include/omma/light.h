@@ -57,6 +57,9 @@ struct Light {
   // [material of the scene, and at the end of meshes without one], reflectance below 400 nm of what
   // is known in RGB only, as weights of linear red, green, blue and of 1; empty: none reflects any.
   std::vector<std::array<double, 4>> ultraviolet;
+  // What white emission of 1 is, cd m^-2, of materials without a spectrum of what they emit. Files
+  // mean 1 (glTF, KHR_materials_emissive_strength).
+  double emission_cd_m2 = 1;
 };
 
 }  // namespace omma

@@ -19,6 +19,9 @@ struct Spectrum {
 struct Bands {
   std::vector<double> wavelength_nm;  // [sample], ascending
   std::vector<double> weight;         // [band][sample], at least 0, adding up to 1 in each band
+  // [sample], how much there is about each wavelength that its weight stands for: spectra count by
+  // their means over it. Empty: the wavelengths alone.
+  std::vector<double> cell_nm = {};
 
   std::size_t count() const {
     return wavelength_nm.empty() ? 0 : weight.size() / wavelength_nm.size();

@@ -1282,6 +1282,8 @@ class Light:
     Args:
         wavelength_nm: (K,), ascending.
         weight: (B, K), of the wavelengths in each band, adding up to 1.
+        cell_nm: (K,), how much there is about each wavelength that its weight stands for; None:
+            the wavelengths alone.
         unit: 'photons' (m^-2 s^-1 sr^-1 nm^-1) or 'watts' (m^-2 sr^-1 nm^-1).
         sky: radiance by direction, (2, rows, columns, components, channels): above and below
             the horizon, from it to the zenith and the nadir, to the right from -Z; 1 component
@@ -1291,6 +1293,7 @@ class Light:
             or None).
         ultraviolet: (M, 4), of each material of the scene that will be lit: reflectance below
             400 nm of what is known in RGB only, as weights of red, green, blue and 1.
+        emission_cd_m2: what white emission of 1 is, cd m^-2.
 
     Raises `omma.Error` that names the argument.
     """
@@ -1298,7 +1301,7 @@ class Light:
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self, wavelength_nm: numpy.typing.ArrayLike, weight: numpy.typing.ArrayLike, unit: str, sky: numpy.typing.ArrayLike | None, band_from_channel: numpy.typing.ArrayLike | None, discs: Iterable[tuple[numpy.typing.ArrayLike, float, numpy.typing.ArrayLike, numpy.typing.ArrayLike | None]], ultraviolet: numpy.typing.ArrayLike | None) -> None: ...
+    def __init__(self, wavelength_nm: numpy.typing.ArrayLike, weight: numpy.typing.ArrayLike, cell_nm: numpy.typing.ArrayLike | None, unit: str, sky: numpy.typing.ArrayLike | None, band_from_channel: numpy.typing.ArrayLike | None, discs: Iterable[tuple[numpy.typing.ArrayLike, float, numpy.typing.ArrayLike, numpy.typing.ArrayLike | None]], ultraviolet: numpy.typing.ArrayLike | None, emission_cd_m2: float = 1.0) -> None: ...
 
     @property
     def wavelength_nm(self, /) -> numpy.typing.NDArray[numpy.float64]:

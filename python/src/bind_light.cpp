@@ -72,12 +72,14 @@ std::vector<Disc> discs_argument(nb::handle discs) {
   return made;
 }
 
-Light light_of(nb::handle wavelength_nm, nb::handle weight, nb::handle unit, nb::handle sky,
-               nb::handle band_from_channel, nb::handle discs, nb::handle ultraviolet) {
+Light light_of(nb::handle wavelength_nm, nb::handle weight, nb::handle cell_nm, nb::handle unit,
+               nb::handle sky, nb::handle band_from_channel, nb::handle discs,
+               nb::handle ultraviolet, nb::handle emission_cd_m2) {
   Light light;
   light.bands.wavelength_nm = vector_of(double_array(wavelength_nm, "wavelength_nm", {-1}));
   light.bands.weight = vector_of(double_array(
       weight, "weight", {-1, static_cast<std::int64_t>(light.bands.wavelength_nm.size())}));
+  if (!cell_nm.is_none()) light.bands.cell_nm = vector_of(double_array(cell_nm, "cell_nm", {-1}));
   light.unit = word_argument(units, unit, "unit");
   light.sky = sky_argument(sky, band_from_channel);
   light.discs = discs_argument(discs);
@@ -87,6 +89,7 @@ Light light_of(nb::handle wavelength_nm, nb::handle weight, nb::handle unit, nb:
     for (std::size_t i = 0; i < light.ultraviolet.size(); ++i)
       std::copy_n(weights.data() + 4 * i, 4, light.ultraviolet[i].begin());
   }
+  light.emission_cd_m2 = number_argument(emission_cd_m2, "emission_cd_m2");
   return light;
 }
 
@@ -125,6 +128,9 @@ void bind_light(nb::module_& m) {
       "Args:\n"
       "    wavelength_nm: (K,), ascending.\n"
       "    weight: (B, K), of the wavelengths in each band, adding up to 1.\n"
+      "    cell_nm: (K,), how much there is about each wavelength that its weight stands for; "
+      "None:\n"
+      "        the wavelengths alone.\n"
       "    unit: 'photons' (m^-2 s^-1 sr^-1 nm^-1) or 'watts' (m^-2 sr^-1 nm^-1).\n"
       "    sky: radiance by direction, (2, rows, columns, components, channels): above and below\n"
       "        the horizon, from it to the zenith and the nadir, to the right from -Z; 1 "
@@ -134,26 +140,29 @@ void bind_light(nb::module_& m) {
       "    discs: tuples (direction (3,), angular_radius_rad, radiance (B,), limb_darkening (B,)\n"
       "        or None).\n"
       "    ultraviolet: (M, 4), of each material of the scene that will be lit: reflectance below\n"
-      "        400 nm of what is known in RGB only, as weights of red, green, blue and 1.\n\n"
+      "        400 nm of what is known in RGB only, as weights of red, green, blue and 1.\n"
+      "    emission_cd_m2: what white emission of 1 is, cd m^-2.\n\n"
       "Raises `omma.Error` that names the argument.")
       .def(
           "__init__",
-          [](Light* self, nb::handle wavelength_nm, nb::handle weight, nb::handle unit,
-             nb::handle sky, nb::handle band_from_channel, nb::handle discs,
-             nb::handle ultraviolet) {
-            Light made =
-                light_of(wavelength_nm, weight, unit, sky, band_from_channel, discs, ultraviolet);
+          [](Light* self, nb::handle wavelength_nm, nb::handle weight, nb::handle cell_nm,
+             nb::handle unit, nb::handle sky, nb::handle band_from_channel, nb::handle discs,
+             nb::handle ultraviolet, nb::handle emission_cd_m2) {
+            Light made = light_of(wavelength_nm, weight, cell_nm, unit, sky, band_from_channel,
+                                  discs, ultraviolet, emission_cd_m2);
             run_long_work([&] { validate_light(made, made.ultraviolet.size()); });
             new (self) Light(std::move(made));
           },
-          nb::arg("wavelength_nm"), nb::arg("weight"), nb::arg("unit"), nb::arg("sky").none(),
-          nb::arg("band_from_channel").none(), nb::arg("discs"), nb::arg("ultraviolet").none(),
+          nb::arg("wavelength_nm"), nb::arg("weight"), nb::arg("cell_nm").none(), nb::arg("unit"),
+          nb::arg("sky").none(), nb::arg("band_from_channel").none(), nb::arg("discs"),
+          nb::arg("ultraviolet").none(), nb::arg("emission_cd_m2") = 1.0,
           nb::sig("def __init__(self, wavelength_nm: numpy.typing.ArrayLike, weight: "
-                  "numpy.typing.ArrayLike, unit: str, sky: numpy.typing.ArrayLike | None, "
+                  "numpy.typing.ArrayLike, cell_nm: numpy.typing.ArrayLike | None, unit: str, "
+                  "sky: numpy.typing.ArrayLike | None, "
                   "band_from_channel: numpy.typing.ArrayLike | None, discs: "
                   "collections.abc.Iterable[tuple[numpy.typing.ArrayLike, float, "
                   "numpy.typing.ArrayLike, numpy.typing.ArrayLike | None]], ultraviolet: "
-                  "numpy.typing.ArrayLike | None) -> None"))
+                  "numpy.typing.ArrayLike | None, emission_cd_m2: float = 1.0) -> None"))
       .def_prop_ro(
           "wavelength_nm",
           [](Self self) {

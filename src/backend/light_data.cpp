@@ -52,7 +52,7 @@ std::vector<double> emission_matrix(const Light& light, const Material& material
   std::vector<double> matrix;
   if (material.emission.empty()) {
     for (const auto& rgb : primaries_per_lumen(light.bands, light.unit))
-      matrix.insert(matrix.end(), rgb.begin(), rgb.end());
+      for (const double x : rgb) matrix.push_back(light.emission_cd_m2 * x);
   } else {
     for (const double x : band_mean_of_watts(light.bands, light.unit, material.emission))
       for (const double y : luminance) matrix.push_back(x * y);

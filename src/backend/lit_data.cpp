@@ -2,6 +2,8 @@
 #include "backend/lit_data.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 
 #include "backend/specular_albedo.h"
@@ -24,6 +26,10 @@ void make_albedos(LitData& lit) {
       std::any_of(lit.scatter->materials.begin(), lit.scatter->materials.end(),
                   [](const ScatterView& material) { return material.clearcoat > 0; });
   if (has_coat) lit.coat_albedo = make_specular_albedo(static_cast<double>(coat_ior));
+  const bool has_metal =
+      std::any_of(lit.scatter->materials.begin(), lit.scatter->materials.end(),
+                  [](const ScatterView& material) { return material.metallic > 0; });
+  if (has_metal) lit.metal_albedo = make_specular_albedo(std::numeric_limits<double>::infinity());
 }
 
 // Of the light, what is asked for at run time where the rest was baked: discs and lamps.
@@ -90,6 +96,7 @@ std::unique_ptr<LitData> make_lit_data(const Lighting& lighting, const Scene& sc
   view.scatter = materials.data();
   view.specular_albedo = lit->albedos.data();
   view.coat_albedo = lit->coat_albedo.empty() ? nullptr : lit->coat_albedo.data();
+  view.metal_albedo = lit->metal_albedo.empty() ? nullptr : lit->metal_albedo.data();
   view.has_glass = std::any_of(materials.begin(), materials.end(),
                                [](const ScatterView& m) { return m.transmission > 0; });
   view.depth = lighting.depth;

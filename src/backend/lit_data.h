@@ -18,7 +18,7 @@ struct LitData {
   std::shared_ptr<ShadingData> shading;  // with what light reads of meshes
   std::unique_ptr<ScatterData> scatter;
   std::unique_ptr<LightData> light;
-  std::vector<float> albedos, coat_albedo;      // see SceneView
+  std::vector<float> albedos, coat_albedo, metal_albedo;  // see SceneView
   std::vector<std::vector<float>> emission;     // [material that shines][band][3]
   // Where light was baked: what of `light` it leaves out, and where it is read.
   LightView left_out;

@@ -30,22 +30,24 @@ Weights rgb_weights(double wavelength_nm, const Weights& ultraviolet) {
 // The same of a material whose spectrum is known at a colour of some luminance. Beyond a table its
 // last value is held where light is visible to us, and above.
 Weights table_weights(const Spectrum& table, double luminance, double wavelength_nm,
-                      const Weights& ultraviolet) {
+                      double width_nm, const Weights& ultraviolet) {
   const bool known =
       wavelength_nm >= table.wavelength_nm.front() && wavelength_nm <= table.wavelength_nm.back();
   if (!known && wavelength_nm < visible_from_nm) return ultraviolet;
-  const double value = held_spectrum(table, wavelength_nm) / luminance;
+  const double value =
+      mean_spectrum(table, wavelength_nm, width_nm, Beyond::nearest_knot) / luminance;
   return {luminance_weights[0] * value, luminance_weights[1] * value, luminance_weights[2] * value,
           0};
 }
 
-// Means over the bands of a function that gives `columns` numbers for a wavelength: [band][column].
+// Means over the bands of a function that gives `columns` numbers for a wavelength and the width
+// about it: [band][column].
 template <std::size_t columns, typename At>
 std::vector<float> band_matrix(const Bands& bands, const At& at) {
   std::vector<float> matrix(bands.count() * columns);
   for (std::size_t c = 0; c < columns; ++c) {
     const std::vector<double> means =
-        band_mean(bands, [&](double wavelength_nm) { return at(wavelength_nm)[c]; });
+        band_mean_of_cells(bands, [&](double nm, double width_nm) { return at(nm, width_nm)[c]; });
     for (std::size_t b = 0; b < means.size(); ++b)
       matrix[columns * b + c] = static_cast<float>(means[b]);
   }
@@ -74,21 +76,22 @@ struct Maker {
 
 void add_diffuse(const Maker& make, const Material& m, const Weights& ultraviolet,
                  ScatterView& view) {
-  const auto weights = [&](const Spectrum& table, double wavelength_nm) {
-    return table.empty() ? rgb_weights(wavelength_nm, ultraviolet)
-                         : table_weights(table, m.spectral_luminance, wavelength_nm, ultraviolet);
+  const auto weights = [&](const Spectrum& table, double wavelength_nm, double width_nm) {
+    return table.empty()
+               ? rgb_weights(wavelength_nm, ultraviolet)
+               : table_weights(table, m.spectral_luminance, wavelength_nm, width_nm, ultraviolet);
   };
   // As glTF has it, what is transmitted is taken from what is reflected; spectra stand for
   // themselves.
   const bool shared = m.reflectance.empty() && m.transmittance.empty();
   const double reflected = shared ? 1 - static_cast<double>(m.diffuse_transmission) : 1;
-  view.reflectance = make.keep(band_matrix<4>(make.bands, [&](double wavelength_nm) {
-    return scaled(weights(m.reflectance, wavelength_nm), reflected);
+  view.reflectance = make.keep(band_matrix<4>(make.bands, [&](double nm, double width_nm) {
+    return scaled(weights(m.reflectance, nm, width_nm), reflected);
   }));
   if (m.transmittance.empty() && m.diffuse_transmission == 0) return;
   const double transmitted = m.transmittance.empty() ? m.diffuse_transmission : 1;
-  view.transmittance = make.keep(band_matrix<4>(make.bands, [&](double wavelength_nm) {
-    return scaled(weights(m.transmittance, wavelength_nm), transmitted);
+  view.transmittance = make.keep(band_matrix<4>(make.bands, [&](double nm, double width_nm) {
+    return scaled(weights(m.transmittance, nm, width_nm), transmitted);
   }));
   view.transmits_base_color = !m.transmittance.empty();
   if (view.transmits_base_color) return;
@@ -124,15 +127,15 @@ void add_surface(const Maker& make, const Material& m, ScatterView& view) {
   const Vec3 tint = m.specular_color;
   // Below the visible as at its end: RGB says nothing of it, and reflections without a colour, of
   // nearly all surfaces, have none there either.
-  const auto tint_weights = [&](double wavelength_nm) {
+  const auto tint_weights = [&](double wavelength_nm, double) {
     const Weights w = rgb_weights(std::max(wavelength_nm, visible_from_nm), {});
     return std::array<double, 3>{w[0] * tint.x, w[1] * tint.y, w[2] * tint.z};
   };
   if (m.specular_color_texture.texture >= 0)
     view.tint_from_rgb = make.keep(band_matrix<3>(make.bands, tint_weights));
   else if (tint != Vec3{1, 1, 1})
-    view.specular_tint = make.keep(band_matrix<1>(make.bands, [&](double wavelength_nm) {
-      const auto [red, green, blue] = tint_weights(wavelength_nm);
+    view.specular_tint = make.keep(band_matrix<1>(make.bands, [&](double nm, double width_nm) {
+      const auto [red, green, blue] = tint_weights(nm, width_nm);
       return std::array<double, 1>{red + green + blue};
     }));
 }

@@ -10,6 +10,7 @@ namespace omma {
 namespace {
 
 double reflectance(double cos_i, double ior) {
+  if (std::isinf(ior)) return 1;
   const double g = std::sqrt(ior * ior - 1 + cos_i * cos_i);
   if (g == 0) return 0;
   const double s = (cos_i - g) / (cos_i + g);

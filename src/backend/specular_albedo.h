@@ -9,7 +9,8 @@ namespace omma {
 // 2e-4. `roughness` as glTF has it, `cosine` of the direction to the normal, in (0, 1].
 double specular_albedo(double ior, double roughness, double cosine);
 
-// [albedo_floats] for a dielectric of this refractive index, 1 or more.
+// [albedo_floats] for a dielectric of this refractive index, 1 or more; infinity: for facets that
+// reflect all, as those of a white metal.
 std::vector<float> make_specular_albedo(double ior);
 
 }  // namespace omma

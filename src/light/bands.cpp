@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "model/spectrum.h"
 #include "omma/receptor.h"
 
 namespace omma {
@@ -34,13 +35,7 @@ double photons_per_lumen_nm() {
 }  // namespace
 
 double eval_spectrum(const Spectrum& spectrum, double wavelength_nm) {
-  const std::vector<double>& knots = spectrum.wavelength_nm;
-  if (knots.empty() || !(wavelength_nm >= knots.front() && wavelength_nm <= knots.back())) return 0;
-  const auto above = std::upper_bound(knots.begin(), knots.end(), wavelength_nm);
-  if (above == knots.end()) return spectrum.value.back();
-  const auto k = static_cast<std::size_t>(above - knots.begin());
-  const double t = (wavelength_nm - knots[k - 1]) / (knots[k] - knots[k - 1]);
-  return spectrum.value[k - 1] * (1 - t) + spectrum.value[k] * t;
+  return mean_spectrum(spectrum, wavelength_nm, 0, Beyond::nothing);
 }
 
 double unit_per_watt(LightUnit unit, double wavelength_nm) {
@@ -48,13 +43,16 @@ double unit_per_watt(LightUnit unit, double wavelength_nm) {
 }
 
 std::vector<double> band_mean(const Bands& bands, const Spectrum& spectrum) {
-  return band_mean(bands, [&](double nm) { return eval_spectrum(spectrum, nm); });
+  return band_mean_of_cells(bands, [&](double nm, double width_nm) {
+    return mean_spectrum(spectrum, nm, width_nm, Beyond::nothing);
+  });
 }
 
 std::vector<double> band_mean_of_watts(const Bands& bands, LightUnit unit,
                                        const Spectrum& watts_per_nm) {
-  return band_mean(
-      bands, [&](double nm) { return unit_per_watt(unit, nm) * eval_spectrum(watts_per_nm, nm); });
+  return band_mean_of_cells(bands, [&](double nm, double width_nm) {
+    return unit_per_watt(unit, nm) * mean_spectrum(watts_per_nm, nm, width_nm, Beyond::nothing);
+  });
 }
 
 double luminous_efficiency(double wavelength_nm) {

@@ -17,18 +17,31 @@ inline constexpr double photons_per_joule_nm = 5.034116567542709e15;
 // Linear between knots, 0 outside.
 double eval_spectrum(const Spectrum& spectrum, double wavelength_nm);
 
+// How much there is about a sample of bands, nm.
+inline double cell_width_nm(const Bands& bands, std::size_t sample) {
+  return bands.cell_nm.empty() ? 0 : bands.cell_nm[sample];
+}
+
 // What a quantity in watts is in `unit` at a wavelength, as a factor.
 double unit_per_watt(LightUnit unit, double wavelength_nm);
 
-// The weighted mean over each band, [band], of value(wavelength_nm).
+// The weighted mean over each band, [band], of value(wavelength_nm, width_nm), which may change
+// much within a sample's width.
 template <typename Value>
-std::vector<double> band_mean(const Bands& bands, const Value& value) {
+std::vector<double> band_mean_of_cells(const Bands& bands, const Value& value) {
   const std::size_t samples = bands.wavelength_nm.size();
   std::vector<double> at(samples), means(bands.count(), 0.0);
-  for (std::size_t i = 0; i < samples; ++i) at[i] = value(bands.wavelength_nm[i]);
+  for (std::size_t i = 0; i < samples; ++i)
+    at[i] = value(bands.wavelength_nm[i], cell_width_nm(bands, i));
   for (std::size_t b = 0; b < means.size(); ++b)
     for (std::size_t i = 0; i < samples; ++i) means[b] += bands.weight[b * samples + i] * at[i];
   return means;
+}
+
+// Of value(wavelength_nm), which changes little within a sample's width.
+template <typename Value>
+std::vector<double> band_mean(const Bands& bands, const Value& value) {
+  return band_mean_of_cells(bands, [&](double nm, double) { return value(nm); });
 }
 
 // Of a spectrum as it is, such as a reflectance; and of one in watts, in `unit`.

@@ -40,6 +40,12 @@ void check_bands(const Bands& bands) {
              number_text(nm) + " after " + number_text(before));
     before = nm;
   }
+  if (!bands.cell_nm.empty() && bands.cell_nm.size() != samples)
+    refuse("bands.cell_nm", "none or " + std::to_string(samples) + " widths",
+           std::to_string(bands.cell_nm.size()));
+  for (const double width_nm : bands.cell_nm)
+    if (!(width_nm >= 0 && width_nm <= 5000))
+      refuse("bands.cell_nm", "widths of 0 to 5000 nm", number_text(width_nm));
   const std::size_t count = bands.weight.size() / samples;
   if (count * samples != bands.weight.size() || count == 0 || count > std::size_t{most_bands})
     refuse(
@@ -153,6 +159,8 @@ void validate_light(const Light& light, std::size_t materials) {
   if (light.sky != nullptr) check_sky(*light.sky, bands);
   for (std::size_t i = 0; i < light.discs.size(); ++i)
     check_disc(light.discs[i], bands, "discs[" + std::to_string(i) + "]");
+  if (!(light.emission_cd_m2 >= 0 && light.emission_cd_m2 <= 1e15))
+    refuse("emission_cd_m2", "a number of 0 to 1e15", number_text(light.emission_cd_m2));
   if (!light.ultraviolet.empty() && light.ultraviolet.size() != materials)
     refuse("ultraviolet",
            "none, or " + std::to_string(materials) +

@@ -54,4 +54,32 @@ double held_spectrum(const Spectrum& spectrum, double wavelength_nm) {
   return spectrum.value[k - 1] * (1 - t) + spectrum.value[k] * t;
 }
 
+double mean_spectrum(const Spectrum& spectrum, double wavelength_nm, double width_nm,
+                     Beyond beyond) {
+  const std::vector<double>& knots = spectrum.wavelength_nm;
+  if (knots.empty()) return 0;
+  const bool is_held = beyond == Beyond::nearest_knot;
+  const double front = knots.front(), back = knots.back();
+  if (!(width_nm > 0))
+    return is_held || (wavelength_nm >= front && wavelength_nm <= back)
+               ? held_spectrum(spectrum, wavelength_nm)
+               : 0;
+  const double low = wavelength_nm - width_nm / 2, high = wavelength_nm + width_nm / 2;
+  const double first = std::clamp(low, front, back), last = std::clamp(high, front, back);
+  double from = first, value = held_spectrum(spectrum, first), sum = 0;
+  const auto add = [&](double to, double next) {
+    sum += 0.5 * (value + next) * (to - from);
+    from = to;
+    value = next;
+  };
+  for (auto knot = std::upper_bound(knots.begin(), knots.end(), first);
+       knot != knots.end() && *knot < last; ++knot)
+    add(*knot, spectrum.value[static_cast<std::size_t>(knot - knots.begin())]);
+  add(last, held_spectrum(spectrum, last));
+  if (is_held)
+    sum += spectrum.value.front() * (std::min(high, front) - std::min(low, front)) +
+           spectrum.value.back() * (std::max(high, back) - std::max(low, back));
+  return sum / width_nm;
+}
+
 }  // namespace omma

@@ -18,4 +18,11 @@ void check_spectrum(const Spectrum& spectrum, const std::string& place,
 // at least one.
 double held_spectrum(const Spectrum& spectrum, double wavelength_nm);
 
+// What there is beyond the first and the last knot.
+enum class Beyond { nothing, nearest_knot };
+
+// The mean over a width about a wavelength, exact; of no width, the value there.
+double mean_spectrum(const Spectrum& spectrum, double wavelength_nm, double width_nm,
+                     Beyond beyond);
+
 }  // namespace omma

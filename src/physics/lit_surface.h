@@ -305,6 +305,7 @@ OMMA_HD ScatterSurface<typename L::F> scatter_surface(const SceneView& scene,
   s.table = keep(is_met, load<I>(surface.table + l));
   s.albedo_tables = scene.specular_albedo;
   s.coat_table = scene.coat_albedo;
+  s.metal_table = scene.metal_albedo;
   return s;
 }
 

@@ -14,7 +14,7 @@ struct Scattered {
   static constexpr int n = L::count;
   alignas(n * 4) float reflected[n], transmitted[n];  // of reflectance and transmittance
   alignas(n * 4) float dielectric[3][n];              // a, b, c of its Mueller matrix, of the tint
-  alignas(n * 4) float metal[n];
+  alignas(n * 4) float metal[n], metal_gain[n];
   alignas(n * 4) float schlick[n];
   alignas(n * 4) float coat[3][n];
 };
@@ -31,6 +31,7 @@ OMMA_HD void scatter_light(const SceneView& scene, const Packet<L>& packet,
   for (int l = 0; l < L::count; l += L::width) {
     const F reflected = load<F>(by.reflected + l), transmitted = load<F>(by.transmitted + l);
     const F metal = load<F>(by.metal + l), schlick = load<F>(by.schlick + l);
+    const F gain = load<F>(by.metal_gain + l);
     Mueller<F> dielectric{load<F>(by.dielectric[0] + l), F{}, F{}};
     Mueller<F> coat{load<F>(by.coat[0] + l), F{}, F{}};
     FrameTurn<F> before{}, after{};
@@ -55,7 +56,7 @@ OMMA_HD void scatter_light(const SceneView& scene, const Packet<L>& packet,
       const int at = b * L::count + l;
       const F reflectance = load<F>(memory.reflectance + at), tint = load<F>(memory.tint + at);
       const F colour = tint + (1.0f - tint) * schlick;
-      const F of_metal = metal * (reflectance + (1.0f - reflectance) * schlick);
+      const F of_metal = metal * metal_color(reflectance, schlick, gain);
       const F diffuse =
           reflected * reflectance + transmitted * load<F>(memory.transmittance + at);
       const F i = load<F>(light + at);
@@ -158,6 +159,7 @@ OMMA_HD void scatter_sample(const ScatteringPacket<L>& scattering,
     store(direct.dielectric[1] + l, seen.dielectric.b * by_dielectric);
     store(direct.dielectric[2] + l, seen.dielectric.c * by_dielectric);
     store(direct.metal + l, seen.metal * by_metal);
+    store(direct.metal_gain + l, scattering.point[v].metal_gain);
     store(direct.schlick + l, seen.schlick);
     store(direct.coat[0] + l, seen.coat.a * by_coat);
     store(direct.coat[1] + l, seen.coat.b * by_coat);
@@ -195,6 +197,7 @@ OMMA_HD void send_on(const Packet<L>& packet, const PathState<L>& state,
     store(onward.by.dielectric[1] + l, of_lobe(Lobe::dielectric, found.dielectric.b));
     store(onward.by.dielectric[2] + l, of_lobe(Lobe::dielectric, found.dielectric.c));
     store(onward.by.metal + l, of_lobe(Lobe::metal, found.metal));
+    store(onward.by.metal_gain + l, point.metal_gain);
     store(onward.by.schlick + l, found.schlick);
     store(onward.by.coat[0] + l, of_lobe(Lobe::coat, found.coat.a));
     store(onward.by.coat[1] + l, of_lobe(Lobe::coat, found.coat.b));
@@ -217,6 +220,7 @@ OMMA_HD void lengthen(const SceneView& scene, Packet<L>& packet, const Onward<L>
     const Scattered<L>& by = onward.by;
     const F reflected = load<F>(by.reflected + l), transmitted = load<F>(by.transmitted + l);
     const F metal = load<F>(by.metal + l), schlick = load<F>(by.schlick + l);
+    const F gain = load<F>(by.metal_gain + l);
     const F dielectric = load<F>(by.dielectric[0] + l), coat = load<F>(by.coat[0] + l);
     const I lobe = load<I>(onward.lobe + l);
     const auto is_by = lobe == let_by;
@@ -226,7 +230,7 @@ OMMA_HD void lengthen(const SceneView& scene, Packet<L>& packet, const Onward<L>
       const F reflectance = load<F>(memory.reflectance + at), tint = load<F>(memory.tint + at);
       const F part = reflected * reflectance + transmitted * load<F>(memory.transmittance + at) +
                      dielectric * (tint + (1.0f - tint) * schlick) + coat +
-                     metal * (reflectance + (1.0f - reflectance) * schlick);
+                     metal * metal_color(reflectance, schlick, gain);
       const F before = load<F>(memory.throughput + at);
       const F after = is_by ? before : before * part;
       store(memory.throughput + at, after);

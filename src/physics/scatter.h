@@ -16,6 +16,12 @@
 // keeps the rest. Light from the base counts as unpolarised, though on its way out through a smooth
 // boundary of ior 1.5 it is polarised by 0.04 at 45 deg.
 //
+// Light that facets pass to each other before it leaves: of a dielectric it counts to the base. A
+// metal's lobe is made larger by what a white one lacks, its albedo being E: by 1 + f0 (1 - E(o)) /
+// E(o) (Turquin 2019, Practical multiple scattering compensation for microfacet models, equations
+// 13 and 16), so that a white one returns all. That takes reciprocity: seen along o and w the two
+// differ by that factor.
+//
 // What differs by band (rho, tau, the colour of a metal) is the caller's; lobes are told without.
 #pragma once
 
@@ -48,6 +54,7 @@ struct ScatterSurface {
   const float* albedo_tables;   // [table][albedo_floats], make_specular_albedo of its ior
   decltype(to_int(F{})) table;  // the lane's
   const float* coat_table;      // [albedo_floats], of coat_ior; null: no lane has a coat
+  const float* metal_table;     // [albedo_floats], of a white metal; null: no lane is metal
 };
 
 // A boundary of small mirrors, as the viewer sees it.
@@ -73,8 +80,9 @@ struct ScatterPoint {
   // Shares of lobes, with all that o does to them. Of the base, per sr and to be multiplied by 1 -
   // E of the light's direction; of what goes straight, the whole.
   F base, dielectric, metal, straight;
-  F diffuse;   // what the base gives back of uniform light, where rho is 1
-  F coupling;  // of the boundary, the 1 / (1 - mean E) that is in `base`
+  F metal_gain;  // (1 - E) / E of a white metal, see metal_color
+  F diffuse;     // what the base gives back of uniform light, where rho is 1
+  F coupling;    // of the boundary, the 1 / (1 - mean E) that is in `base`
 };
 
 // What falls on the surface from direction w and goes to the viewer, over what falls on a surface
@@ -84,7 +92,7 @@ struct ScatterValue {
   F diffuse_reflection;    // where rho is 1
   F diffuse_transmission;  // where tau is 1
   Mueller<F> dielectric;   // in the axes s of reflection_axis
-  F metal;                 // times f0 + (1 - f0) schlick
+  F metal;                 // times metal_color
   F schlick;
   Mueller<F> coat;
   F cosine;  // between w and the base's normal
@@ -159,6 +167,12 @@ OMMA_HD ScatterPoint<F> make_scatter_point(const ScatterSurface<F>& s) {
   }
   const F below_coat = one - p.coat_albedo;
   p.metal = s.metallic * below_coat;
+  p.metal_gain = broadcast<F>(0.0f);
+  if (s.metal_table != nullptr) {
+    AlbedoRow<F> white = p.boundary.row;
+    white.table = s.table * 0;
+    p.metal_gain = 1.0f / eval_albedo(s.metal_table, white, p.o.z) - 1.0f;
+  }
   const F not_metal = (one - s.metallic) * below_coat;
   p.dielectric = not_metal * s.specular;
   p.dielectric_albedo = not_metal * albedo_o;
@@ -170,8 +184,8 @@ OMMA_HD ScatterPoint<F> make_scatter_point(const ScatterSurface<F>& s) {
   return p;
 }
 
-// What the boundary and the coat let in to the base of light from a direction, over what they let in
-// of uniform light.
+// What the boundary and the coat let in to the base of light from a direction, over what they let
+// in of uniform light.
 template <typename F>
 OMMA_HD F eval_entering(const ScatterPoint<F>& p, F cos_w) {
   F entering =
@@ -265,6 +279,13 @@ OMMA_HD void sample_scatter(I lobe, const ScatterPoint<F>& p, F u0, F u1, F (&w)
   }
 }
 
+// What a metal reflects in a band, over what its facets would if they were white and hid each other
+// only: f0 is its colour at normal incidence.
+template <typename F>
+OMMA_HD F metal_color(F f0, F schlick, F gain) {
+  return (f0 + (1.0f - f0) * schlick) * (1.0f + f0 * gain);
+}
+
 // Means over bands of what colours the lobes.
 template <typename F>
 struct LobeColors {
@@ -286,7 +307,7 @@ template <typename F>
 OMMA_HD void weigh_gloss(const ScatterPoint<F>& p, const LobeColors<F>& colors,
                          F (&weight)[lobe_count]) {
   weight[2] = p.dielectric_albedo;
-  weight[3] = p.metal * (colors.metal + (1.0f - colors.metal) * schlick_weight(p.o.z));
+  weight[3] = p.metal * metal_color(colors.metal, schlick_weight(p.o.z), p.metal_gain);
   weight[4] = p.straight * colors.straight;
   weight[5] = p.coat_albedo;
 }

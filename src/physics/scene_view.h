@@ -141,6 +141,7 @@ struct SceneView {
   const ScatterView* scatter = nullptr;  // [material], as `materials`
   const float* specular_albedo = nullptr;  // tables of specular_albedo.h, one for each ior
   const float* coat_albedo = nullptr;      // that of clear coats, or null where there are none
+  const float* metal_albedo = nullptr;     // that of white metals, or null where there are none
   bool has_glass = false;  // whether light goes straight through any material
   bool shines = false;     // whether any material does by itself
   int depth = 0;           // most scatterings on a path; 0: as many as it takes

@@ -5,8 +5,8 @@
 //
 // Near grazing angles E changes where the cosine is about alpha. So a row's nodes are even in
 // log(1 + cosine / alpha), and rows in the fourth root of the roughness, from that of a mirror on:
-// linear between, within 1e-3 for any ior up to 2 and 1.4e-3 up to 3
-// (tests/cpp/physics_specular_albedo.cpp).
+// linear between, within 1e-3 for any ior up to 2, 1.4e-3 up to 3 and
+// 4e-3 of facets that reflect all, a white metal's (tests/cpp/physics_specular_albedo.cpp).
 #pragma once
 
 #include "physics/microfacet.h"

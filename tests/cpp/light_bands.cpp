@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "light/bands.h"
+#include "model/spectrum.h"
 
 namespace omma {
 namespace {
@@ -36,6 +37,27 @@ TEST(Bands, SpectraAreNothingBeyondTheirEnds) {
   EXPECT_EQ(eval_spectrum(table, 500), 3);
   EXPECT_EQ(eval_spectrum(table, 500.1), 0);
   EXPECT_EQ(eval_spectrum({}, 450), 0);
+}
+
+// Each sample stands for what is about it: a step within one, and one within a band, are where they
+// are. By samples alone the first would be off by 2 %.
+TEST(Bands, MeansOfStepsAreExact) {
+  Bands bands = even_bands(16, 25);
+  bands.cell_nm.assign(16 * 25, 1.0);
+  for (const double step_nm : {512.3, 519.95, 525.0}) {
+    const Spectrum step{{300, step_nm, step_nm + 1e-6, 700}, {0, 0, 1, 1}};
+    const std::vector<double> mean = band_mean(bands, step);
+    EXPECT_NEAR(mean[8], (525 - step_nm) / 25, 1e-6) << step_nm;
+    EXPECT_EQ(mean[7], 0);
+    EXPECT_NEAR(mean[9], 1, 1e-7);  // the step at 525 nm has a width
+  }
+  const Spectrum tent{{510.2, 510.4, 510.6}, {0, 1, 0}};  // between two samples
+  EXPECT_NEAR(band_mean(bands, tent)[8], 0.2 / 25, 1e-12);
+  EXPECT_EQ(band_mean(even_bands(16, 20), tent)[8], 0);  // by wavelengths alone, beside it
+  EXPECT_NEAR(mean_spectrum({{400, 500}, {1, 3}}, 400, 20, Beyond::nothing), 0.55, 1e-12);
+  EXPECT_NEAR(mean_spectrum({{400, 500}, {1, 3}}, 400, 20, Beyond::nearest_knot), 1.05, 1e-12);
+  EXPECT_NEAR(mean_spectrum({{400, 500}, {1, 3}}, 300, 20, Beyond::nearest_knot), 1, 1e-12);
+  EXPECT_NEAR(mean_spectrum({{400, 500}, {1, 3}}, 300, 20, Beyond::nothing), 0, 1e-12);
 }
 
 TEST(Bands, AWattIsSoManyPhotons) {

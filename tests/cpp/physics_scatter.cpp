@@ -8,6 +8,9 @@ namespace {
 
 // The table's thousandth, 2e-4 of its mean, and 5e-4 of sums over 4096 directions.
 constexpr double energy_error = 1.7e-3;
+// Of metals: their own table's error (physics_specular_albedo.cpp), which is largest where E is
+// near 1, so that it is about the same share of what is looked up.
+constexpr double metal_error = 4e-3;
 
 double white_albedo(const ScatterPoint<float>& p, double rho) {
   return rho * lobe_albedo(p, Lobe::diffuse_reflection) +
@@ -23,8 +26,9 @@ TEST(PhysicsScatter, NothingGivesBackMoreThanItGets) {
     const ScatterSurface<float> s = random_surface(random);
     const ScatterPoint<float> p = make_scatter_point(s);
     const double albedo = white_albedo(p, any(random));
-    EXPECT_LE(albedo, 1 + energy_error) << trial << " roughness " << s.roughness << " cosine "
-                                        << p.o.z << " ior " << s.ior << " metal " << s.metallic;
+    EXPECT_LE(albedo, 1 + energy_error + s.metallic * metal_error)
+        << trial << " roughness " << s.roughness << " cosine " << p.o.z << " ior " << s.ior
+        << " metal " << s.metallic;
     EXPECT_GE(albedo, 0);
     most = std::max(most, albedo);
   }
@@ -43,7 +47,29 @@ TEST(PhysicsScatter, WhiteSheetsGiveBackAll) {
   }
 }
 
-// Light that goes the other way, from where the viewer was to where the light came from.
+// In a white furnace, at every roughness and from every side: facets that pass light on lose none.
+// What they hide of it without that is 0.43 at a roughness of 0.8 and more than half at 1.
+TEST(PhysicsScatter, WhiteMetalsGiveBackAll) {
+  double least = 1;
+  for (int r = 0; r <= 10; ++r)
+    for (const double cosine : {0.02, 0.1, 0.3, 0.6, 0.9, 1.0}) {
+      ScatterSurface<float> s = surface({std::sqrt(1 - cosine * cosine), -cosine, 0}, {0, 1, 0});
+      s.roughness = 0.1f * static_cast<float>(r);
+      s.metallic = 1;
+      const ScatterPoint<float> p = make_scatter_point(s);
+      EXPECT_NEAR(lobe_albedo(p, Lobe::metal, 1, 16384), 1, metal_error)
+          << "roughness " << s.roughness << " cosine " << cosine;
+      const double lost =
+          lobe_albedo(p, Lobe::metal, 1, 4096) / (1 + static_cast<double>(p.metal_gain));
+      least = std::min(least, lost);
+      // What is not white loses each time that its facets are met: gold's red more than its blue.
+      EXPECT_LT(lobe_albedo(p, Lobe::metal, 0.5f), 0.5 + 0.5 * std::pow(1 - cosine, 5) + 0.2);
+    }
+  EXPECT_LT(least, 0.5);
+}
+
+// Light that goes the other way, from where the viewer was to where the light came from. (What a
+// metal's facets pass on depends on the viewer's side alone.)
 TEST(PhysicsScatter, LobesAreReciprocal) {
   std::mt19937 random(3);
   for (int trial = 0; trial < 500; ++trial) {
@@ -67,8 +93,8 @@ TEST(PhysicsScatter, LobesAreReciprocal) {
                               other = eval_scatter(view(b), to_a);
     for (int k = 0; k < lobe_count; ++k) {
       const auto lobe = static_cast<Lobe>(k);
-      const double x = eval_lobe(lobe, one, 0.5f) / std::abs(one.cosine);
-      const double y = eval_lobe(lobe, other, 0.5f) / std::abs(other.cosine);
+      const double x = eval_lobe(lobe, one, 0.5f, 0) / std::abs(one.cosine);
+      const double y = eval_lobe(lobe, other, 0.5f, 0) / std::abs(other.cosine);
       EXPECT_NEAR(x, y, 1e-4 * x + 1e-9) << trial << ' ' << k;
     }
     EXPECT_NEAR(one.dielectric.c / one.cosine, other.dielectric.c / other.cosine,
@@ -199,10 +225,13 @@ TEST(PhysicsScatter, WrongSidesAreDark) {
   for (int k = 0; k < lobe_count; ++k) {
     const auto lobe = static_cast<Lobe>(k);
     const bool reflects = lobe != Lobe::diffuse_transmission && lobe != Lobe::straight;
-    EXPECT_EQ(eval_lobe(lobe, eval({0.3, 1, 0}), 0.5f) > 0, reflects) << k;
-    EXPECT_EQ(eval_lobe(lobe, eval({-0.3, -1, 0}), 0.5f) > 0, lobe == Lobe::diffuse_transmission);
-    EXPECT_EQ(eval_lobe(lobe, eval({-1, 0.2, 0}), 0.5f), 0) << k;  // above the triangle alone
-    EXPECT_EQ(eval_lobe(lobe, eval({1, -0.2, 0}), 0.5f), 0) << k;  // above the normal alone
+    EXPECT_EQ(eval_lobe(lobe, eval({0.3, 1, 0}), 0.5f, p.metal_gain) > 0, reflects) << k;
+    EXPECT_EQ(eval_lobe(lobe, eval({-0.3, -1, 0}), 0.5f, p.metal_gain) > 0,
+              lobe == Lobe::diffuse_transmission);
+    EXPECT_EQ(eval_lobe(lobe, eval({-1, 0.2, 0}), 0.5f, p.metal_gain), 0)
+        << k;  // above the triangle alone
+    EXPECT_EQ(eval_lobe(lobe, eval({1, -0.2, 0}), 0.5f, p.metal_gain), 0)
+        << k;  // above the normal alone
   }
 }
 

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "backend/specular_albedo.h"
 #include "physics/fresnel.h"
 #include "scatter_checks.h"
@@ -66,6 +68,21 @@ TEST(PhysicsSpecularAlbedo, TableIsWithinAThousandth) {
                   ior <= 2 ? 1e-3 : 1.4e-3)
           << ior << ' ' << roughness << ' ' << cosine;
     }
+  }
+}
+
+// Of a white metal, whose albedo is that of the facets' hiding alone.
+TEST(PhysicsSpecularAlbedo, TableOfWhiteMetal) {
+  const double white = std::numeric_limits<double>::infinity();
+  const std::vector<float> table = make_specular_albedo(white);
+  for (std::uint32_t i = 0; i < 4000; ++i) {
+    const Vec2 u = square_point(i);
+    const float roughness = i % 2 == 0 ? u.x : u.x * u.x * u.x;
+    const float cosine = i % 4 < 2 ? u.y : u.y * u.y * u.y + 1e-5f;
+    EXPECT_NEAR(eval_albedo(table.data(), find_albedo_row(roughness, 0), cosine),
+                specular_albedo(white, static_cast<double>(roughness), static_cast<double>(cosine)),
+                4e-3)
+        << roughness << ' ' << cosine;
   }
 }
 

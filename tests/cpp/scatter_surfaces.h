@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -31,6 +32,12 @@ inline const std::vector<float>& albedo_tables() {
 
 inline const float* coat_table() {
   return albedo_tables().data() + 2 * albedo_floats;
+}
+
+inline const float* metal_table() {
+  static const std::vector<float> table =
+      make_specular_albedo(std::numeric_limits<double>::infinity());
+  return table.data();
 }
 
 inline Direction scaled_sum(const Direction& a, double s, const Direction& b, double t) {
@@ -69,6 +76,7 @@ inline ScatterSurface<float> surface(const Direction& direction, const Direction
   s.ior = 1.5f;
   s.albedo_tables = albedo_tables().data();
   s.table = 2;
+  s.metal_table = metal_table();
   return s;
 }
 
@@ -95,8 +103,8 @@ inline ScatterSurface<float> random_surface(std::mt19937& random) {
 }
 
 // What a lobe sends to the viewer of a direction's light, of one colour: full where the light is in
-// no way absorbed.
-inline float eval_lobe(Lobe lobe, const ScatterValue<float>& v, float f0) {
+// no way absorbed. `gain`: of a metal, of its point; 0 leaves out light that its facets pass on.
+inline float eval_lobe(Lobe lobe, const ScatterValue<float>& v, float f0, float gain) {
   switch (lobe) {
     case Lobe::diffuse_reflection:
       return v.diffuse_reflection;
@@ -105,7 +113,7 @@ inline float eval_lobe(Lobe lobe, const ScatterValue<float>& v, float f0) {
     case Lobe::dielectric:
       return v.dielectric.a;
     case Lobe::metal:
-      return v.metal * (f0 + (1 - f0) * v.schlick);
+      return v.metal * metal_color(f0, v.schlick, gain);
     case Lobe::coat:
       return v.coat.a;
     case Lobe::straight:
@@ -125,7 +133,7 @@ inline double lobe_albedo(const ScatterPoint<float>& p, Lobe lobe, float f0 = 1,
     float w[3];
     sample_scatter(static_cast<std::int32_t>(lobe), p, u.x, u.y, w);
     const ScatterValue<float> v = eval_scatter(p, w);
-    const float value = eval_lobe(lobe, v, f0);
+    const float value = eval_lobe(lobe, v, f0, p.metal_gain);
     if (value > 0)
       sum += static_cast<double>(value / pdf_scatter(static_cast<std::int32_t>(lobe), v));
   }

@@ -17,6 +17,7 @@ def arguments(**changes: Any) -> dict[str, Any]:
     sound = {
         "wavelength_nm": [400, 500, 600],
         "weight": [[0.5, 0.5, 0], [0, 0.5, 0.5]],
+        "cell_nm": [100, 100, 100],
         "unit": "photons",
         "sky": sky,
         "band_from_channel": None,
@@ -53,7 +54,7 @@ def test_what_is_given_comes_back_read_only() -> None:
 
 
 def test_what_is_not_given_is_none() -> None:
-    light = _core.Light(**arguments(sky=None, discs=[], ultraviolet=None))
+    light = _core.Light(**arguments(sky=None, discs=[], ultraviolet=None, cell_nm=None))
     assert light.sky is None
     assert light.band_from_channel is None
     assert light.discs == ()
@@ -73,6 +74,9 @@ def spoilt(change: Callable[[np.ndarray], None]) -> np.ndarray:
         ("bands.wavelength_nm", {"wavelength_nm": [400, 400, 500]}),
         ("weight", {"weight": [0.5, 0.5, 0]}),
         ("bands.weight", {"weight": [[0.5, 0.4, 0], [0, 0.5, 0.5]]}),
+        ("bands.cell_nm", {"cell_nm": [100, 100]}),
+        ("bands.cell_nm", {"cell_nm": [100, 100, -1]}),
+        ("emission_cd_m2", {"emission_cd_m2": -1}),
         ("unit", {"unit": "lumens"}),
         ("sky", {"sky": np.zeros((3, 3, 4, 1, 2))}),
         ("sky.rows", {"sky": np.zeros((2, 1, 4, 1, 2))}),

@@ -16,7 +16,7 @@ from omma.datasets.job_file import lights_from
 from omma.datasets.reading import Views, open_views
 from omma.datasets.records import open_store, read_manifest
 from omma.datasets.worlds import make_light
-from omma.light import Light
+from omma.light import Light, uniform_sky
 from omma.picture.band_colours import bands_to_rgb
 from omma.picture.projections import project
 
@@ -132,7 +132,12 @@ def _bordered(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def _picture(eye: Eye, response: NDArray[np.float32], light: Light | None) -> NDArray[Any]:
-    shown = response if light is None else bands_to_rgb(response, light)
+    if light is None:
+        return project(eye, np.ascontiguousarray(response), width=_PIXELS)
+    if not np.any(sum(light.irradiance())):
+        # By lamps alone: the brightest that is seen is white, but for a few.
+        light = uniform_sky(np.percentile(response, 98), bands=light.bands, unit=light.unit)
+    shown = bands_to_rgb(response, light)
     return project(eye, np.ascontiguousarray(shown), width=_PIXELS)
 
 

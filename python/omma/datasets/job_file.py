@@ -85,7 +85,7 @@ class Condition:
     background: str  # as `parse_background` takes it; "" for the scene's own
     sky: str  # one of `SKIES`; "" for a world without light
     sky_options: dict[str, Any]
-    world_options: dict[str, Any]  # lighting, depth, ultraviolet, sun, bake, of `omma.World`
+    world_options: dict[str, Any]  # lighting, depth and others, of `omma.World`
     objects: tuple[PlacedObject, ...]
 
     @property
@@ -299,9 +299,10 @@ def _condition(table: Table, folder: Path) -> Condition:
         sky = light.take("sky", choices(SKIES))
         sky_options = light.rest()
     world = {
-        key: table.take(key, _same) for key in ("lighting", "depth", "ultraviolet", "sun")
+        key: table.take(key, _same)
+        for key in ("lighting", "depth", "ultraviolet", "sun", "emission_cd_m2")
         if table.has(key)
-    }  # fmt: skip
+    }
     if table.has("bake"):
         world["bake"] = _bake(Table(table.take("bake", _same), f"{table.place}.bake"))
     if world and not sky:

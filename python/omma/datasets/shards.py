@@ -26,7 +26,7 @@ from omma.datasets.layout import HEAD_MOTION, Layout, is_to_error
 from omma.datasets.plan import Plan
 from omma.datasets.records import record_file
 from omma.datasets.worlds import Workshop
-from omma.picture.band_colours import bands_to_rgb
+from omma.picture.band_colours import colours_of
 from omma.picture.projections import projection_ids
 from omma.rendering.labels import place_variables
 from omma.rendering.renderer import Renderer
@@ -197,8 +197,7 @@ def _shares(names: Sequence[str], there: list[str], truth: GroundTruth) -> NDArr
 
 
 def _pictures(job: Job, renderer: Renderer, responses: NDArray[np.float32]) -> NDArray[np.uint8]:
-    light = renderer.world.light
-    shown = responses if light is None else bands_to_rgb(responses, light)
+    shown = colours_of(renderer.world, responses)
     ids = projection_ids(renderer.eye, job.picture_projection, job.picture_width)
     return np.stack([_core.paint(ids, np.ascontiguousarray(one), 2.2) for one in shown])
 

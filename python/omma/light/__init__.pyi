@@ -1,7 +1,7 @@
 from .bands import Bands, band_from_rgb, primary_spectra
 from .lights import Disc, Light
 from .panoramas import panorama, panorama_bands
-from .skies import clear_sky, clear_sky_at, moonlit_sky, overcast_sky, uniform_sky
+from .skies import clear_sky, clear_sky_at, lamps, moonlit_sky, overcast_sky, uniform_sky
 from .spectrum import Spectrum
 from .sun_position import SunPosition, sun_position
 from .units import photons_from_watts, watts_from_photons
@@ -15,6 +15,7 @@ __all__ = [
     "band_from_rgb",
     "clear_sky",
     "clear_sky_at",
+    "lamps",
     "moonlit_sky",
     "overcast_sky",
     "panorama",

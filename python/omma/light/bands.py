@@ -98,6 +98,9 @@ class Bands:
     wavelength_nm: (K,), ascending.
     weight: (B, K), at least 0; what a band's row adds up to is made 1.
     edges_nm: (B + 1,) where the bands lie side by side; else None.
+    cell_nm: (K,), how much there is about each wavelength that its weight stands for: spectra that
+        are straight between their values count by their exact means over it. None: with edges, an
+        equal part of its band; without, the wavelengths alone.
 
     Raises:
         omma.Error: wavelengths that do not ascend or are not within 100 to 5000 nm, weights that
@@ -107,6 +110,7 @@ class Bands:
     wavelength_nm: Floats
     weight: Floats
     edges_nm: Floats | None = None
+    cell_nm: Floats | None = None
 
     def __post_init__(self) -> None:
         nm = array_of(self.wavelength_nm, "wavelength_nm", (None,))
@@ -123,10 +127,20 @@ class Bands:
             edges = band_edges(self.edges_nm).copy()
             if len(edges) != len(weight) + 1:
                 raise Error(f"edges_nm: expected {len(weight) + 1}, found {len(edges)}")
+        cell = None
+        if self.cell_nm is not None:
+            cell = array_of(self.cell_nm, "cell_nm", (len(nm),)).copy()
+            if not (np.all(np.isfinite(cell)) and np.all(cell >= 0)):
+                raise Error("cell_nm: expected widths of at least 0")
+        elif edges is not None:
+            parts = np.count_nonzero(weight, axis=1)
+            if parts.sum() == len(nm):
+                cell = np.repeat(np.diff(edges) / parts, parts)
         fields = {
             "wavelength_nm": nm.copy(),
             "weight": weight / weight.sum(axis=1, keepdims=True),
             "edges_nm": edges,
+            "cell_nm": cell,
         }
         for name, value in fields.items():
             if value is not None:
@@ -193,11 +207,12 @@ class Bands:
         if not np.all(np.isfinite(rows)) or np.any(rows < 0):
             raise Error("sensitivity: expected numbers of at least 0")
         steps = int(np.ceil((knots[-1] - knots[0]) / _STEP_NM))
-        nm = knots[0] + (np.arange(steps) + 0.5) * (knots[-1] - knots[0]) / steps
-        weight = np.array([np.interp(nm, knots, row) for row in rows]).reshape(len(rows), steps)
+        cell = np.full(steps, (knots[-1] - knots[0]) / steps)
+        nm = knots[0] + (np.arange(steps) + 0.5) * cell
+        weight = means_of_pieces(knots, rows.T, nm, cell).T
         if np.any(weight.sum(axis=1) <= 0):
             raise Error("sensitivity: expected some above 0 in each band")
-        return Bands(nm, weight)
+        return Bands(nm, weight, cell_nm=cell)
 
     def __len__(self) -> int:
         return len(self.weight)
@@ -221,9 +236,8 @@ class Bands:
     @property
     def steps_nm(self) -> Floats:
         """The wavelengths that each sample stands for: (K,), nm."""
-        if self.edges_nm is not None:
-            count = np.count_nonzero(self.weight, axis=1)
-            return np.repeat(np.diff(self.edges_nm) / count, count)
+        if self.cell_nm is not None:
+            return self.cell_nm
         if len(self.wavelength_nm) == 1:
             return np.ones(1)
         return np.asarray(np.gradient(self.wavelength_nm))
@@ -271,6 +285,37 @@ class Bands:
                 f"spectrum: expected values from {used[0]:g} to {used[-1]:g} nm, where the bands "
                 f"are, found {knots[0]:g} to {knots[-1]:g} nm"
             )
-        columns = values.reshape(len(knots), -1).T
-        at = np.array([np.interp(self.wavelength_nm, knots, column) for column in columns]).T
-        return np.asarray(at.reshape(len(self.wavelength_nm), *values.shape[1:]))
+        cell = np.zeros(len(self.wavelength_nm)) if self.cell_nm is None else self.cell_nm
+        return means_of_pieces(knots, values, self.wavelength_nm, cell)
+
+
+def means_of_pieces(
+    knots_nm: Floats, values: Floats, wavelength_nm: Floats, width_nm: Floats
+) -> Floats:
+    """Means of what is straight between its values (N, ...) at knots, and beyond them as at the
+    nearest, over widths (K,) about wavelengths: (K, ...). Of no width, the value there."""
+    columns = np.asarray(values, np.float64).reshape(len(knots_nm), -1)
+    # The integral up to each knot, and between two that of the straight line.
+    steps = np.diff(knots_nm)[:, None]
+    up_to = np.concatenate([np.zeros((1, columns.shape[1])), steps * _middles(columns)]).cumsum(0)
+
+    def at(nm: Floats) -> Floats:
+        return np.stack([np.interp(nm, knots_nm, one) for one in columns.T], axis=1)
+
+    def integral(nm: Floats) -> Floats:
+        inside = np.clip(nm, knots_nm[0], knots_nm[-1])
+        k = np.clip(np.searchsorted(knots_nm, inside, side="right") - 1, 0, len(knots_nm) - 1)
+        part = (inside - knots_nm[k])[:, None] * 0.5 * (columns[k] + at(inside))
+        return up_to[k] + part + (nm - inside)[:, None] * at(inside)
+
+    has_width = width_nm > 0
+    wide = np.where(has_width, width_nm, 1.0)
+    means = (integral(wavelength_nm + wide / 2) - integral(wavelength_nm - wide / 2)) / wide[
+        :, None
+    ]
+    found = np.where(has_width[:, None], means, at(wavelength_nm))
+    return np.asarray(found.reshape(len(wavelength_nm), *np.shape(values)[1:]))
+
+
+def _middles(columns: Floats) -> Floats:
+    return np.asarray(0.5 * (columns[1:] + columns[:-1]))

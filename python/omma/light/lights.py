@@ -287,6 +287,7 @@ class Light:
         return {
             "wavelength_nm": self.bands.wavelength_nm,
             "weight": self.bands.weight,
+            "cell_nm": self.bands.cell_nm,
             "unit": self.unit,
             "sky": self.sky,
             "band_from_channel": self.band_from_channel,

@@ -1,4 +1,4 @@
-"""Skies that are computed: uniform, clear by day, in twilight and by moon, and overcast."""
+"""Skies that are computed: uniform, clear by day, in twilight and by moon, overcast; and none."""
 
 from __future__ import annotations
 
@@ -70,6 +70,19 @@ def uniform_sky(
 
 @checked
 @makes_light
+def lamps(*, bands: Bands | None = None, unit: Unit = "photons") -> Light:
+    """No light from afar: a world is lit by the lamps of its scene (KHR_lights_punctual) and by its
+    surfaces that shine, before a black sky.
+
+    Args:
+        bands: by default 12 of 25 nm from 400 to 700 nm, as candelas say nothing of ultraviolet.
+        unit: "photons" m⁻² s⁻¹ sr⁻¹ nm⁻¹ or "watts" m⁻² sr⁻¹ nm⁻¹.
+    """
+    return Light(bands or Bands.equal(12, 400.0, 700.0), unit)
+
+
+@checked
+@makes_light
 def clear_sky(
     sun_elevation_deg: float,
     sun_azimuth_deg: float = 0.0,
@@ -112,6 +125,7 @@ def clear_sky(
         ozone_du=ozone_du,
         albedo=albedo,
         unit=unit,
+        width_nm=1.0 if bands.cell_nm is None else bands.cell_nm,
     )
     limb = bands.mean(sun_limb_darkening)
     radius = float(np.radians(SUN_DIAMETER_DEG / 2))

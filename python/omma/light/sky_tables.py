@@ -1,9 +1,9 @@
 """Clear skies from tables: radiance and polarisation from 300 to 700 nm, and the sun through air.
 
-The tables (data/clear_sky.npz) are made by scripts/make_sky_tables.py; docs/sky.md says what they
-hold. Stored is the logarithm of radiance over the sun's irradiance and over a first guess, so that
-it is smooth even near the sun, and Q/I and U/I; all over a black ground. What a ground adds is the
-same for every sun: its radiance times what one unit of it gives.
+The tables (data/clear_sky.npz, sun.npz) are made by scripts/make_sky_tables.py; docs/sky.md says
+what they hold. Stored is the logarithm of radiance over the sun's irradiance and over a first
+guess, so that it is smooth even near the sun, and Q/I and U/I; all over a black ground. What a
+ground adds is the same for every sun: its radiance times what one unit of it gives.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ MOST_AEROSOL = 0.3
 OZONE_RANGE_DU = (200.0, 450.0)
 WAVELENGTH_RANGE_NM = (300.0, 700.0)
 SUN_DIAMETER_DEG = 0.533
+_LEAST_SUN_NM = 0.1  # between the edges of what is stored of the sun
 ROWS, COLUMNS = 91, 360  # of the maps that are made: one degree
 
 # Optical depth that is added to that of all, so that log I is nearly a parabola over haze's part.
@@ -65,6 +66,7 @@ def clear_sky_map(
     ozone_du: float = 300.0,
     albedo: float = 0.1,
     unit: str = "photons",
+    width_nm: Floats | float = 1.0,
 ) -> tuple[NDArray[np.float32], Floats]:
     """The clear sky over a wide ground, and the sun, in bands.
 
@@ -77,6 +79,7 @@ def clear_sky_map(
         ozone_du: column of ozone, from 200 to 450 Dobson units.
         albedo: of the ground all round, from 0 to 1.
         unit: "photons", m^-2 s^-1 sr^-1 nm^-1, or "watts", W m^-2 sr^-1 nm^-1.
+        width_nm: (K,), about each wavelength, over which the sun's lines are averaged.
 
     Returns:
         The sky, (2, 91, 360, 3, B), float32, as a light's sky map has it: Stokes I, Q, U above and
@@ -102,7 +105,7 @@ def clear_sky_map(
     relative = np.round((turn + 180) % 360 - 180, 9)  # right of the sun
     azimuth, column = np.unique(np.abs(relative), return_inverse=True)
     log_i, q, u = sky.stokes(elevation, azimuth, nm)
-    spectrum = sun_spectrum(nm, unit)
+    spectrum = sun_spectrum(nm, unit, width_nm)
     radiance = np.exp(log_i) * spectrum.astype(np.float32)
     direct = spectrum * sky.transmission(nm)
     solid_angle = _solid_angles(elevation, np.bincount(column))
@@ -131,13 +134,17 @@ def _join_zenith(row: NDArray[np.float32], relative_deg: Floats) -> None:
     row[:, 1], row[:, 2] = along.real, along.imag
 
 
-def sun_spectrum(wavelength_nm: Floats, unit: str) -> Floats:
-    """Irradiance of the sun above the air, (K,), per m2 and nm, at one astronomical unit."""
-    table = _tables()
-    spectrum: Floats = np.interp(wavelength_nm, table["fine_nm"], table["sun_w"])
+def sun_spectrum(wavelength_nm: Floats, unit: str, width_nm: Floats | float = 1.0) -> Floats:
+    """Irradiance of the sun above the air, (K,), per m2 and nm, at one astronomical unit: means
+    over widths about the wavelengths, of which none is below a tenth of a nanometre."""
+    table = _sun()
+    edges, power = table["edges_nm"], table["watts"].astype(np.float64)
     if unit == "photons":
-        spectrum = spectrum * PHOTONS_PER_JOULE_NM * wavelength_nm
-    return spectrum
+        power = power * PHOTONS_PER_JOULE_NM * 0.5 * (edges[1:] + edges[:-1])
+    up_to = np.concatenate([[0], np.cumsum(power * np.diff(edges))])
+    half = np.maximum(width_nm, _LEAST_SUN_NM) / 2
+    low = np.interp(wavelength_nm - half, edges, up_to)
+    return np.asarray((np.interp(wavelength_nm + half, edges, up_to) - low) / (2 * half))
 
 
 def sun_limb_darkening(wavelength_nm: Floats) -> Floats:
@@ -168,7 +175,16 @@ def _within(value: float, name: str, low: float, high: float) -> None:
 @functools.cache
 def _tables() -> dict[str, Any]:
     """The tables as they are stored, read once."""
-    file = resources.files("omma.light") / "data" / "clear_sky.npz"
+    return _stored("clear_sky.npz")
+
+
+@functools.cache
+def _sun() -> dict[str, Any]:
+    return _stored("sun.npz")
+
+
+def _stored(name: str) -> dict[str, Any]:
+    file = resources.files("omma.light") / "data" / name
     with file.open("rb") as stream, np.load(stream) as stored:
         return {name: stored[name] for name in stored.files}
 
@@ -237,7 +253,11 @@ class TableSky:
         if self.sun_deg < 0:
             return np.zeros(len(nm))
         table = self.table
-        mass = [np.interp(self.sun_deg, table["mass_deg"], one) for one in table["mass"]]
+        # Over the sine of the elevation, about which masses go, they change so little that a spline
+        # is right; held up, as a sine of 0 has no inverse.
+        over = [np.hypot(np.sin(np.radians(e)), 0.05) for e in (table["mass_deg"], self.sun_deg)]
+        along = _spline_matrix(tuple(table["mass_deg"]), (self.sun_deg,))[0]
+        mass = (table["mass"] * over[0]) @ along / over[1]
         fine = table["fine_nm"]
         depth = [
             np.interp(nm, fine, table["rayleigh_depth"]),

@@ -7,10 +7,10 @@ import weakref
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from omma._core import Error
+from omma._core import Error, Scene
 from omma.base.arguments import array_of, checked, expect
-from omma.light import Light, watts_from_photons
-from omma.scene.spectrum_colours import colour_matching
+from omma.light import Light
+from omma.scene.white import emitted_luminance, white_luminance, xyz_from_bands
 from omma.scene.world import World
 
 Floats = NDArray[np.float64]
@@ -22,7 +22,9 @@ _RGB_FROM_XYZ = np.array(
 
 
 @checked
-def bands_to_rgb(radiance: ArrayLike, light: Light) -> NDArray[np.float32]:
+def bands_to_rgb(
+    radiance: ArrayLike, light: Light, scene: Scene | None = None
+) -> NDArray[np.float32]:
     """Spectral radiance as linear sRGB, as the CIE's standard observer of 1931 sees it.
 
     A white matt surface on level ground has luminance 1 in that light, and the colour of the light
@@ -32,6 +34,9 @@ def bands_to_rgb(radiance: ArrayLike, light: Light) -> NDArray[np.float32]:
     Args:
         radiance: (..., B), in the light's bands and unit, as a world that is lit by it is seen.
         light: what lights the world.
+        scene: with lamps of its own. Where ``light`` gives the ground nothing, a white sheet that
+            faces each lamp half the scene's size away has luminance 1; without lamps the brightest
+            surface that shines.
 
     Example:
         >>> light = omma.light.overcast_sky(40)
@@ -40,45 +45,47 @@ def bands_to_rgb(radiance: ArrayLike, light: Light) -> NDArray[np.float32]:
         1.0
 
     Raises:
-        omma.Error: another number of bands, or a light that gives the ground nothing to see by.
+        omma.Error: another number of bands, or nothing to see by.
     """
     expect(light, Light, "light", "omma.light.clear_sky makes one")
-    seen = array_of(radiance, "radiance")
-    if seen.shape[-1:] != (len(light.bands),):
-        raise Error(f"radiance: expected shape (..., {len(light.bands)}), found {seen.shape}")
-    return np.asarray(seen @ _rgb_from_bands(light).T, np.float32)
-
-
-# Of the light that was asked for last: its flux on the ground takes longer than a frame.
-_last: tuple[weakref.ref[Light], Floats] | None = None
-
-
-def _rgb_from_bands(light: Light) -> Floats:
-    """What makes linear sRGB of radiance in a light's bands, (3, B)."""
+    if scene is not None:
+        return _product(radiance, light, _make_rgb_from_bands(light, scene, 1.0))
     global _last
     kept = _last
     if kept is None or kept[0]() is not light:
-        kept = (weakref.ref(light), _make_rgb_from_bands(light))
+        kept = (weakref.ref(light), _make_rgb_from_bands(light, None, 1.0))
         _last = kept
-    return kept[1]
+    return _product(radiance, light, kept[1])
 
 
-def _make_rgb_from_bands(light: Light) -> Floats:
-    bands = light.bands
-
-    def seen_of_one(nm: NDArray[np.float64]) -> NDArray[np.float64]:
-        # What the observer sees, (K, 3), of one photon or watt of each wavelength.
-        power = watts_from_photons(1.0, nm) if light.unit == "photons" else np.ones_like(nm)
-        return np.asarray((colour_matching(nm) * power).T)
-
-    xyz_from_band = bands.mean(seen_of_one).T * bands.widths_nm
-    white = float(xyz_from_band[1] @ sum(light.irradiance())) / np.pi
-    if not white > 0:
-        raise Error("light: expected one that lights the ground from 400 to 700 nm, found none")
-    return np.asarray(_RGB_FROM_XYZ @ xyz_from_band / white)
-
-
-def colours_of(world: World, responses: NDArray[np.float32]) -> NDArray[np.float32]:
+def colours_of(world: World, responses: ArrayLike) -> NDArray[np.float32]:
     """What was seen in a world, (..., band), in colours for a picture: as they are, or where the
     world is lit as people see them."""
-    return responses if world.light is None else bands_to_rgb(responses, world.light)
+    light = world.light
+    if light is None:
+        return np.asarray(responses, np.float32)
+    if world not in _of_world:
+        _of_world[world] = _make_rgb_from_bands(light, world.scene, world.emission_cd_m2)
+    return _product(responses, light, _of_world[world])
+
+
+# What makes linear sRGB of radiance in bands, (3, B): light's flux on the ground takes longer than
+# a frame.
+_of_world: weakref.WeakKeyDictionary[World, Floats] = weakref.WeakKeyDictionary()
+_last: tuple[weakref.ref[Light], Floats] | None = None  # of the light that was asked for last
+
+
+def _product(radiance: ArrayLike, light: Light, rgb_from_bands: Floats) -> NDArray[np.float32]:
+    seen = array_of(radiance, "radiance")
+    if seen.shape[-1:] != (len(light.bands),):
+        raise Error(f"radiance: expected shape (..., {len(light.bands)}), found {seen.shape}")
+    return np.asarray(seen @ rgb_from_bands.T, np.float32)
+
+
+def _make_rgb_from_bands(light: Light, scene: Scene | None, emission_cd_m2: float) -> Floats:
+    white = white_luminance(light)
+    if not white > 0 and scene is not None:
+        white = white_luminance(light, scene) or emitted_luminance(scene, emission_cd_m2)[0]
+    if not white > 0:
+        raise Error("light: expected one that lights the ground from 400 to 700 nm, found none")
+    return np.asarray(_RGB_FROM_XYZ @ xyz_from_bands(light) / white)

@@ -13,9 +13,9 @@ from omma.scene.files import WITHOUT_LIGHT
 from omma.scene.lighting import checked_lighting
 
 # Functions of `omma.light`.
-SKIES = ("clear_sky", "clear_sky_at", "moonlit_sky", "overcast_sky", "uniform_sky")
+SKIES = ("clear_sky", "clear_sky_at", "moonlit_sky", "overcast_sky", "uniform_sky", "lamps")
 # What else a world is told of its light.
-_OF_WORLD = ("lighting", "depth", "ultraviolet", "sun")
+_OF_WORLD = ("lighting", "depth", "ultraviolet", "sun", "emission_cd_m2")
 _BANDS = "bands"
 # Bands that have names: how many, from which wavelength to which, nm. Of visible light alone no
 # material needs to say what it reflects in the ultraviolet.
@@ -29,7 +29,7 @@ def parse_light(text: str) -> dict[str, Any]:
     The first word is a function of `omma.light`: `SKIES`. The others are its arguments by name
     (numbers, and times such as date_time=2026-06-21T12:00:00+02:00), how many ``bands`` of the same
     width there are from 300 to 700 nm, or bands=visible, 12 from 400 nm on, and ``lighting``,
-    ``depth``, ``ultraviolet`` and ``sun`` of `omma.World`.
+    ``depth``, ``ultraviolet``, ``sun`` and ``emission_cd_m2`` of `omma.World`.
 
     Raises:
         omma.Error: it is no such text, or an argument is out of its range.
@@ -61,6 +61,7 @@ def parse_light(text: str) -> dict[str, Any]:
         checked_lighting(
             light, of_world.get("lighting"), of_world.get("depth"), False,
             of_world.get("ultraviolet"), of_world.get("sun", "exact"), None,
+            of_world.get("emission_cd_m2", 1.0),
         )  # fmt: skip
     except (Error, TypeError) as error:
         raise Error(f"light: {error}") from None

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from omma import _core
 from omma._core import Error, Scene
-from omma.base.arguments import expect, one_of, whole
+from omma.base.arguments import expect, one_of, whole, within
 from omma.base.values import value_class
 from omma.light import Light
 from omma.scene.baking import Bake
@@ -24,6 +24,7 @@ Rule = Literal["dark", "as_blue"] | float
 Ultraviolet = Rule | Mapping[str, Rule] | None
 
 _MOST_DEPTH = 1000
+_MOST_EMISSION = 1e15  # as of colours
 _NAMES_TOLD = 8
 _BAKED_ONLY = 'goes with lighting="baked"'
 
@@ -40,6 +41,7 @@ class Lighting:
     ultraviolet: Ultraviolet
     sun: Sun
     bake: Bake | None  # where light is baked
+    emission_cd_m2: float
 
     def light_arguments(self, scene: Scene) -> dict[str, Any]:
         """The arguments of the engine's light for a scene.
@@ -49,6 +51,7 @@ class Lighting:
         """
         arguments = self.light._for_engine()
         arguments["ultraviolet"] = self._weights(scene)
+        arguments["emission_cd_m2"] = self.emission_cd_m2
         return arguments
 
     def for_engine(
@@ -97,6 +100,7 @@ def checked_lighting(
     ultraviolet: Ultraviolet,
     sun: str,
     bake: Bake | None,
+    emission_cd_m2: float = 1.0,
 ) -> Lighting | None:
     """The arguments of a world as a value; None where it is not lit.
 
@@ -142,7 +146,8 @@ def checked_lighting(
         ultraviolet = {of: _checked_rule(rule) for of, rule in ultraviolet.items()}
     elif ultraviolet is not None:
         ultraviolet = _checked_rule(ultraviolet)
-    return Lighting(light, how, number, bool(polarized), ultraviolet, kind, bake)
+    emission = within(emission_cd_m2, "emission_cd_m2", 0, _MOST_EMISSION)
+    return Lighting(light, how, number, bool(polarized), ultraviolet, kind, bake, emission)
 
 
 def _checked_rule(rule: Any) -> Rule:

@@ -14,9 +14,11 @@ from omma._core import WorldInstance as WorldInstance
 from omma.base.arguments import array_of, checked, expect, whole
 from omma.base.notebook import html_table, without_folder
 from omma.base.values import check_format
+from omma.base.warn import warn_caller
 from omma.light import Light
 from omma.scene.baking import Bake, BakedInfo, find_baked_light, share_of
 from omma.scene.lighting import Lighting, LightingName, Sun, Ultraviolet, checked_lighting
+from omma.scene.white import vanishing_emission
 from omma.scene.world_colors import Colors
 
 # Of the pickles of worlds; raised where what they hold changes.
@@ -66,6 +68,9 @@ class World:
         sun: how the sun is asked for where light is baked: "exact" past a shadow ray for each ray,
             "map" in a shadow map, which is faster and has no penumbra.
         bake: how light is baked, and where it is kept.
+        emission_cd_m2: what surfaces that emit white (1, 1, 1) give, cd m⁻²; those whose emission
+            has a spectrum say it themselves. Files mean 1 (glTF); some exporters write lamps in
+            candelas and emission in watts, for which 683 is right.
         progress: called with the finished share (0 to 1) of the acceleration structure and of
             baking a few times a second. What it raises ends the work and is raised here; so does
             Ctrl-C.
@@ -78,7 +83,7 @@ class World:
 
     Warns:
         UserWarning: triangles are lit by probes, as cells have no room, or what was baked cannot be
-            kept.
+            kept; or surfaces that emit vanish beside the rest of the light.
     """
 
     @checked
@@ -97,6 +102,7 @@ class World:
         ultraviolet: Ultraviolet = None,
         sun: Sun = "exact",
         bake: Bake | None = None,
+        emission_cd_m2: float = 1.0,
         progress: Progress | None = None,
     ) -> None:
         expect(scene, Scene, "scene", "omma.load_scene gives one")
@@ -117,8 +123,11 @@ class World:
             weights = self._band_from_rgb.ravel().tolist()
             if not weights:
                 raise Error("band_from_rgb: expected at least one band, found none")
-        given = checked_lighting(light, lighting, depth, polarized, ultraviolet, sun, bake)
+        given = checked_lighting(
+            light, lighting, depth, polarized, ultraviolet, sun, bake, emission_cd_m2
+        )
         self._lighting = given
+        _tell_of_emission(scene, given)
         self._baked: BakedInfo | None = None
         self._places_when_baked: dict[int, NDArray[np.float64]] = {}
         arguments = None if given is None else given.light_arguments(scene)
@@ -163,6 +172,7 @@ class World:
         ultraviolet: Ultraviolet = None,
         sun: Sun | None = None,
         bake: Bake | None = None,
+        emission_cd_m2: float | None = None,
         progress: Progress | None = None,
     ) -> World:
         """The same world in another light: what moves in one moves in both.
@@ -185,15 +195,19 @@ class World:
                 sun = before.sun
             polarized = before.polarized if polarized is None else polarized
             ultraviolet = before.ultraviolet if ultraviolet is None else ultraviolet
+            if emission_cd_m2 is None:
+                emission_cd_m2 = before.emission_cd_m2
         other = object.__new__(World)
         vars(other).update(vars(self))
         other._background = other._band_from_rgb = None
         other._base = self
         given = checked_lighting(
-            light, lighting, depth, bool(polarized), ultraviolet, sun or "exact", bake
-        )
+            light, lighting, depth, bool(polarized), ultraviolet, sun or "exact", bake,
+            1.0 if emission_cd_m2 is None else emission_cd_m2,
+        )  # fmt: skip
         assert given is not None
         other._lighting = given
+        _tell_of_emission(self._scene, given)
         arguments = given.light_arguments(self._scene)
         other._engine = self._engine.with_lighting(given.for_engine(arguments))
         other._bake(arguments, progress)
@@ -506,6 +520,11 @@ class World:
         return None if self._lighting is None else self._lighting.depth
 
     @property
+    def emission_cd_m2(self) -> float:
+        """What emission of white (1, 1, 1) is, cd m⁻², where the world is lit."""
+        return 1.0 if self._lighting is None else self._lighting.emission_cd_m2
+
+    @property
     def polarized(self) -> bool:
         """Whether light is followed as Stokes vectors."""
         return self._lighting is not None and self._lighting.polarized
@@ -545,6 +564,15 @@ class World:
             "threads": str(self.threads),
         }
         return html_table("omma.World", rows)
+
+
+def _tell_of_emission(scene: Scene, lighting: Lighting | None) -> None:
+    """A warning where what shines vanishes beside the rest of the light."""
+    if lighting is None:
+        return
+    sentence = vanishing_emission(scene, lighting.light, lighting.emission_cd_m2)
+    if sentence:
+        warn_caller(sentence, UserWarning)
 
 
 def _vectors(values: ArrayLike, name: str) -> NDArray[np.float32]:

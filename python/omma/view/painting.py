@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Error, Eye, rgb_bands
-from omma.picture.band_colours import bands_to_rgb
+from omma.picture.band_colours import colours_of
 from omma.picture.cameras import display
 from omma.picture.id_maps import paint
 from omma.picture.projections import projection_ids
@@ -105,7 +105,7 @@ def _kinds(eye: Eye) -> tuple[str, ...] | None:
 
 def _as_rgb(world: World, values: Floats) -> Floats:
     if world.light is not None:
-        return bands_to_rgb(values, world.light)
+        return np.asarray(colours_of(world, values))
     if values.shape[-1] != rgb_bands:
         raise Error(f"channel: expected one of the {values.shape[-1]} bands, which are no colours")
     return values
