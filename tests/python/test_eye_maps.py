@@ -2,6 +2,7 @@
 
 import re
 import xml.etree.ElementTree as ElementTree
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
@@ -252,3 +253,31 @@ def test_angles_are_between_neighbours_on_the_surface():
     flat = omma.Eye(np.zeros((len(axis), 3)), axis, 0.01)
     at_a_point = omma.eye.measure_eye(flat)
     assert (at_a_point.surface_angle_rad == at_a_point.interommatidial_rad).all()
+
+
+@pytest.mark.parametrize(
+    ("axes", "ids"),
+    [
+        ([[0, 0, -1]], [0]),
+        ([[0, 0, -1]] * 2, [0, 0]),
+        ([[-1, 0, -1], [1, 0, -1]], [0, 1]),
+        ([[-1, 0, -1], [1, 0, -1]], [0, 0]),
+    ],
+)
+@pytest.mark.parametrize("acceptance", [0.0, 0.1])
+def test_eyes_without_neighbours_are_drawn(tmp_path, axes, ids, acceptance):
+    """No angle can be measured: ommatidia are points with their numbers."""
+    eye = omma.Eye([[0, 0, 0]] * len(axes), axes, acceptance, 0.0, ids)
+    for projection in ("mollweide", "mercator", "lambert"):
+        omma.picture.plot_eye_maps(tmp_path / "map.svg", eye, projection=projection)
+    omma.picture.plot_poster(tmp_path / "poster.png", eye)
+    measures = omma.eye.measure_eye(eye)
+    the_map = make_map(measures, "mollweide", 300)
+    apart = len(np.unique(ids)) == len(axes) or axes[0] == axes[-1]
+    assert the_map.lone == (tuple(range(len(axes))) if apart else ())
+    with (
+        pytest.raises(omma.Error, match="is not known of any ommatidium")
+        if apart
+        else nullcontext()
+    ):
+        omma.picture.plot_eye_maps(tmp_path / "map.png", eye, ["interommatidial"])

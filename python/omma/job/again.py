@@ -73,6 +73,8 @@ def render_like(
         unit=said["eye_unit_m"],
         poses=data.world_from_head.values,
         scene_index=said.get("scene_index"),
+        scene_unit=said.get("scene_unit_m"),
+        scene_up=said.get("scene_up"),
         threads=threads,
         backend=backend_word(said["backend"]),
         background=said.get("background"),

@@ -102,6 +102,9 @@ class EyeMap:
     ommatidium: Ints
     seen: Flags
     extent: tuple[float, float, float, float]
+    # Ommatidia without a neighbour, whose angles cannot be measured: which, and (L, 3).
+    lone: tuple[int, ...] = ()
+    lone_axis: Floats | None = None
 
 
 def make_map(
@@ -151,7 +154,15 @@ def make_map(
     any_eye = seen.any(axis=0)
     ommatidium = np.where(inside, np.int64(-1), np.int64(-2))
     ommatidium[any_eye] = cKDTree(measures.axis).query(directions[any_eye])[1]
-    return EyeMap(projection, ommatidium, seen, (-right, right, -top, top))
+    lone = np.flatnonzero(measures.neighbours == 0)
+    return EyeMap(
+        projection,
+        ommatidium,
+        seen,
+        (-right, right, -top, top),
+        tuple(lone.tolist()),
+        measures.axis[lone],
+    )
 
 
 def _solid_angles(projection: Projection, inside: Flags, y: Floats) -> Floats:
@@ -246,6 +257,7 @@ def draw_map(
     )
     draw_graticule(panel, the_map.projection, labels)
     _outlines(panel, the_map)
+    _lone_points(panel, the_map)
     colour_scale(figure, panel, image, prop, location="bottom")
 
 
@@ -267,6 +279,11 @@ def colour_scale(
             panel.legend(
                 handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0), ncol=6, frameon=False
             )
+        return
+    if not is_known(prop):
+        if location is not None:
+            text = f"{prop.label}: not known of any"
+            panel.text(0.5, -0.06, text, transform=panel.transAxes, ha="center", va="top")
         return
     low, high, extend = colour_limits(prop.values)
     constant = high - low <= 1e-4 * max(abs(low), abs(high))
@@ -391,6 +408,28 @@ def _outlines(panel: Axes, the_map: EyeMap) -> None:
             # Masked outside the map, so that its rim is no edge of a field.
             field = np.ma.masked_where(the_map.ommatidium == -2, seen.astype(float))
             panel.contour(x, y, field, [0.5], colors=INK, linewidths=0.8)
+
+
+def _lone_points(panel: Axes, the_map: EyeMap) -> None:
+    """Ommatidia without neighbours as points with their numbers; those that look the same way have
+    one point."""
+    if the_map.lone_axis is None or not the_map.lone:
+        return
+    places = project_directions(the_map.lone_axis.astype(np.float64), the_map.projection)
+    numbers: dict[tuple[float, float], list[str]] = {}
+    for number, place in zip(the_map.lone, np.round(places, 3).tolist()):
+        numbers.setdefault(tuple(place), []).append(str(number))
+    for place, those in numbers.items():
+        panel.plot(*place, marker="o", markersize=3, color=INK, zorder=4)
+        panel.annotate(
+            those[0] if len(those) == 1 else f"{those[0]} and {len(those) - 1} more",
+            place,
+            (3, 3),
+            textcoords="offset points",
+            fontsize="x-small",
+            color=INK,
+            zorder=5,
+        )
 
 
 def _mollweide_angle(elevation: Floats) -> Floats:
