@@ -150,7 +150,9 @@ Renderer::State::State(World seen, Eye its_eye, RenderSettings its_settings,
     const auto start = Clock::now();
     const int first = first_samples(settings.sampling);
     const auto* target = std::get_if<ToError>(&settings.sampling);
-    directions.push_back(make_direction_tables(eye, settings, first, known));
+    const bool of_frame_0 =
+        settings.noise == Noise::frozen && std::holds_alternative<Fixed>(settings.sampling);
+    directions.push_back(make_direction_tables(eye, settings, first, known, of_frame_0));
     for (int samples = 2 * first; target != nullptr && samples <= target->most; samples *= 2)
       directions.push_back(make_direction_tables(eye, settings, samples, &directions.front()));
     eye_arrays = make_eye_arrays(eye, directions.front());

@@ -31,6 +31,11 @@ constexpr double notable_m = 1e-3;
 // fraction of it.
 constexpr double from_outside = 16, notable_fraction = 1e-4;
 
+// Turns that were rounded, or put together of rounded ones, stretch by less.
+constexpr double notable_stretch = 1e-2;
+// From this many half sizes away all of a scene is within 0.4 degrees.
+constexpr double far_outside = 300;
+
 }  // namespace
 
 std::string precision_warning(std::span<const Mat4> world_from_head, Vec3d origin_m,
@@ -56,6 +61,48 @@ std::string precision_warning(std::span<const Mat4> world_from_head, Vec3d origi
                 "precision places rays and surfaces there within %.2g m",
                 worst_pose, worst, off);
   return text;
+}
+
+std::string pose_slip(std::span<const Mat4> world_from_head, Vec3d origin_m, double half_size_m,
+                      const std::vector<Camera>& cameras) {
+  for (std::size_t p = 0; p < world_from_head.size(); ++p) {
+    const auto& m = world_from_head[p].m;
+    const Vec3d right{m[0][0], m[1][0], m[2][0]}, up{m[0][1], m[1][1], m[2][1]},
+        back{m[0][2], m[1][2], m[2][2]};
+    const double squares[3] = {dot(right, right), dot(up, up), dot(back, back)};
+    const auto [least, most] = std::minmax_element(squares, squares + 3);
+    const bool mirrored = dot(cross(right, up), back) < 0;
+    const double skew =
+        std::max({std::fabs(dot(right, up)), std::fabs(dot(up, back)), std::fabs(dot(back, right))});
+    const std::string place = "poses[" + std::to_string(p) + "]";
+    if (mirrored || std::sqrt(*most) > 1 + notable_stretch ||
+        std::sqrt(*least) < 1 - notable_stretch || skew > notable_stretch * *most) {
+      // The whole transform of a camera's node applies to its eye, as scene files say.
+      const bool is_camera = std::any_of(cameras.begin(), cameras.end(), [&](const Camera& camera) {
+        for (int r = 0; r < 3; ++r)
+          if (!std::equal(m[r], m[r] + 3, camera.world_from_camera.m[r])) return false;
+        return true;
+      });
+      if (is_camera) continue;
+      if (mirrored) return place + " mirrors the head: its right is left; expected a turn";
+      char stretches[80];
+      std::snprintf(stretches, sizeof stretches, " by %.3g to %.3g", std::sqrt(*least),
+                    std::sqrt(*most));
+      return place + " stretches the head" + stretches +
+             ", and where its ommatidia are; expected a turn and a place in metres";
+    }
+    const Vec3d there{m[0][3], m[1][3], m[2][3]};
+    const double away = length(there - origin_m);
+    if (half_size_m > 0 && away > far_outside * half_size_m &&
+        length(there * 1e-3 - origin_m) < 2 * half_size_m) {
+      char distances[120];
+      std::snprintf(distances, sizeof distances, " lies %.3g m from a scene of %.3g m", away,
+                    2 * half_size_m);
+      return place + distances +
+             ", where it is a speck; in millimetres it would be inside; expected metres";
+    }
+  }
+  return "";
 }
 
 std::vector<Mat4> traced_poses(std::span<const Mat4> world_from_head, const EyeArrays& eye,

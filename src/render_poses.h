@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "backend/eye_arrays.h"
+#include "omma/scene.h"
 #include "omma/vec.h"
 
 namespace omma {
@@ -22,5 +23,9 @@ std::vector<Mat4> traced_poses(std::span<const Mat4> world_from_head, const EyeA
 // size; "" where it does not matter.
 std::string precision_warning(std::span<const Mat4> world_from_head, Vec3d origin_m,
                               double half_size_m);
+
+// As World::pose_slip, in a scene of that size about that origin.
+std::string pose_slip(std::span<const Mat4> world_from_head, Vec3d origin_m, double half_size_m,
+                      const std::vector<Camera>& cameras);
 
 }  // namespace omma

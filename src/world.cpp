@@ -313,5 +313,11 @@ std::string World::precision_warning(std::span<const Mat4> world_from_head) cons
   const Placement& placement = state_->built->placement;
   return omma::precision_warning(world_from_head, placement.origin_m, placement.half_size_m);
 }
+std::string World::pose_slip(std::span<const Mat4> world_from_head) const {
+  const Rendering unmoved(*this);
+  const Placement& placement = state_->built->placement;
+  return omma::pose_slip(world_from_head, placement.origin_m, placement.half_size_m,
+                         scene().cameras);
+}
 
 }  // namespace omma

@@ -138,6 +138,9 @@ class World {
 
   // As Renderer::precision_warning, of the things where they are now.
   std::string precision_warning(std::span<const Mat4> world_from_head) const;
+  // What of these poses nobody means: one that mirrors or stretches the head and is no camera's, or
+  // one far outside of the scene that would be inside in millimetres. "" where all can be meant.
+  std::string pose_slip(std::span<const Mat4> world_from_head) const;
 
   const WorldSettings& settings() const;
   const WorldBuildTimes& build_times() const;

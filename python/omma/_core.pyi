@@ -1537,6 +1537,9 @@ class Eye:
 
     def __hash__(self) -> int: ...
 
+def unusual_of(eye: Eye) -> list[str]:
+    """What of an eye is in no animal's range, a sentence for each array."""
+
 def merge_eyes(eyes: Iterable[Eye | tuple[Eye, numpy.typing.ArrayLike]]) -> Eye:
     """
     All eyes of a head as one; ``eye_id`` numbers them from 0 in the order given.
@@ -1624,6 +1627,8 @@ class World:
 
     def precision_warning(self, poses: numpy.typing.NDArray[numpy.float64]) -> str: ...
 
+    def pose_slip(self, poses: numpy.typing.NDArray[numpy.float64]) -> str: ...
+
     @property
     def bands(self) -> int: ...
 
@@ -1675,6 +1680,8 @@ class Renderer:
     def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: numpy.typing.NDArray[numpy.float32], standard_error: numpy.typing.NDArray[numpy.float32] | None, rays: numpy.typing.NDArray[numpy.int32] | None, ray_radiance: numpy.typing.NDArray[numpy.float32] | None, first_pose: int | None, output_from_band: numpy.typing.NDArray[numpy.float64] | None, stokes: bool, moves: omma.rendering.moves.EngineMoves | None, progress: Callable[[float], object] | None) -> None: ...
 
     def precision_warning(self, poses: numpy.typing.NDArray[numpy.float64]) -> str: ...
+
+    def pose_slip(self, poses: numpy.typing.NDArray[numpy.float64]) -> str: ...
 
     @property
     def eye(self) -> Eye: ...

@@ -15,6 +15,7 @@
 #include "omma/error.h"
 #include "omma/eye.h"
 #include "physics/hash.h"
+#include "plausible.h"
 #include "progress.h"
 #include "struct_values.h"
 
@@ -127,7 +128,8 @@ void bind_eye(nb::module_& m) {
       "receptors : indices into receptor_types, a list for all ommatidia or a list of N lists.\n"
       "columns : dict from names to (N,) numbers or N texts, kept but not used.\n"
       "path : the file it came from; eyes that differ in nothing else are equal.\n\n"
-      "Raises `omma.Error` on a wrong shape, a zero axis, an acceptance out of range, a NaN.");
+      "Raises `omma.Error` on a wrong shape, a zero axis, an acceptance out of range, a NaN; a\n"
+      "`UserWarning` tells of numbers that no animal has, mostly slips of units.");
   const auto property = [&](const char* name, auto getter, const char* type, const char* doc) {
     const std::string signature = "def " + std::string(name) + "(self, /) -> " + type;
     eye.def_prop_ro(name, getter, nb::for_getter(nb::sig(signature.c_str())), doc);
@@ -150,6 +152,7 @@ void bind_eye(nb::module_& m) {
            others["eye_id"] = eye_id;
            Eye made;
            change_eye(made, others);
+           warn_of_unusual(made);
            new (self) Eye(std::move(made));
          },
          nb::arg("position_m"), nb::arg("axis"), nb::arg("acceptance_angle_rad") = nb::none(),
@@ -169,6 +172,7 @@ void bind_eye(nb::module_& m) {
           [](const Eye& self, const nb::kwargs& changes) {
             Eye changed = self;
             change_eye(changed, changes);
+            if (unusual_of(self).empty()) warn_of_unusual(changed);
             return changed;
           },
           nb::sig("def replace(self, **changes: typing.Any) -> Eye"),
@@ -259,6 +263,8 @@ void bind_eye(nb::module_& m) {
   def_struct_value(
       eye, [](Eye& made) { run_long_work([&] { validate_eye(made); }); }, &hash_of);
 
+  m.def("unusual_of", &unusual_of, nb::arg("eye"),
+        "What of an eye is in no animal's range, a sentence for each array.");
   m.def(
       "merge_eyes", &merge, nb::arg("eyes"),
       nb::sig("def merge_eyes(eyes: collections.abc.Iterable[Eye | tuple[Eye, "

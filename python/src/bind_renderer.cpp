@@ -216,6 +216,13 @@ void bind_renderer(nb::module_& m) {
           },
           nb::arg("poses").noconvert(),
           nb::sig("def precision_warning(self, poses: numpy.typing.NDArray[numpy.float64]) -> str"))
+      .def(
+          "pose_slip",
+          [](const Renderer& renderer, const Poses& poses) {
+            return renderer.world().pose_slip(matrices_of(poses));
+          },
+          nb::arg("poses").noconvert(),
+          nb::sig("def pose_slip(self, poses: numpy.typing.NDArray[numpy.float64]) -> str"))
       .def_prop_ro("eye", &Renderer::eye, nb::rv_policy::reference_internal)
       .def_prop_ro("settings", &Renderer::settings, nb::rv_policy::reference_internal)
       .def_prop_ro("bands", [](const Renderer& r) { return r.world().bands(); })

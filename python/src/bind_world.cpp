@@ -183,6 +183,13 @@ void bind_world(nb::module_& m) {
           },
           nb::arg("poses").noconvert(),
           nb::sig("def precision_warning(self, poses: numpy.typing.NDArray[numpy.float64]) -> str"))
+      .def(
+          "pose_slip",
+          [](const World& world, const Poses& poses) {
+            return world.pose_slip(matrices_of(poses));
+          },
+          nb::arg("poses").noconvert(),
+          nb::sig("def pose_slip(self, poses: numpy.typing.NDArray[numpy.float64]) -> str"))
       .def_prop_ro("bands", &World::bands)
       .def_prop_ro("components", &World::components)
       .def_prop_ro("threads", &World::threads)

@@ -4,10 +4,12 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <iterator>
+#include <map>
 #include <string>
+#include <string_view>
 
 #include "omma/error.h"
 #include "omma/vec.h"
@@ -50,6 +52,8 @@ constexpr Range ranges[] = {
     {"polarisation sensitivity", 1, 100, ""},
     // From 50 um to some millimetres.
     {"eye radius", 1e-6, 0.1, "m"},
+    // Of superposition eyes up to some millimetres.
+    {"aperture diameter", 1e-6, 2e-2, "m"},
 };
 
 // Numbers in another unit, by what they must be multiplied with.
@@ -75,23 +79,96 @@ std::string show(double x) {
   return text;
 }
 
+const Range& range_of(Quantity quantity) {
+  return ranges[static_cast<std::size_t>(quantity)];
+}
+
+// "; 2.6 degrees would be 0.04538 rad", "" where no other unit would do.
+std::string meant_by(const Range& range, double value) {
+  const double size = std::abs(value);
+  for (const Unit& u : units)
+    if (std::string(u.unit) == range.unit && size * u.factor >= range.least &&
+        size * u.factor <= range.most)
+      return "; " + show(value) + " " + u.other + " would be " + show(value * u.factor) + " " +
+             range.unit;
+  return "";
+}
+
+// A sentence on the values that lie outside of the range, the first of which is shown.
+void look_at(Quantity quantity, const std::string& name, const std::vector<float>& values,
+             const char* of_what, std::vector<std::string>& told) {
+  const Range& range = range_of(quantity);
+  std::size_t outside = 0;
+  double first = 0;
+  for (const float value : values) {
+    if (!(value > 0) || (value >= range.least && value <= range.most)) continue;
+    if (outside++ == 0) first = value;
+  }
+  if (outside == 0) return;
+  told.push_back(name + " of " + std::to_string(outside) + " of " + std::to_string(values.size()) +
+                 " " + of_what + ": " + show(first) + " " + range.unit + " is no animal's (" +
+                 range.quantity + ", " + show(range.least) + " to " + show(range.most) + " " +
+                 range.unit + ")" + meant_by(range, first));
+}
+
+// Half the longest side of the box of each eye's positions.
+std::vector<float> radii_of(const Eye& eye) {
+  struct Box {
+    Vec3 low, high;
+  };
+  std::map<std::int32_t, Box> boxes;
+  for (std::size_t i = 0; i < eye.size(); ++i) {
+    const Vec3 p = eye.position_m[i];
+    const auto [found, is_new] = boxes.try_emplace(eye.eye_id[i], Box{p, p});
+    Box& b = found->second;
+    b.low = {std::min(b.low.x, p.x), std::min(b.low.y, p.y), std::min(b.low.z, p.z)};
+    b.high = {std::max(b.high.x, p.x), std::max(b.high.y, p.y), std::max(b.high.z, p.z)};
+  }
+  std::vector<float> radii;
+  for (const auto& [id, b] : boxes)
+    radii.push_back(
+        0.5f * std::max({b.high.x - b.low.x, b.high.y - b.low.y, b.high.z - b.low.z}));
+  return radii;
+}
+
 }  // namespace
 
+std::vector<std::string> unusual_of(const Eye& eye) {
+  std::vector<std::string> told;
+  look_at(Quantity::acceptance_angle, "acceptance_angle_rad", eye.acceptance_angle_rad, "ommatidia",
+          told);
+  look_at(Quantity::facet_diameter, "facet_diameter_m", eye.facet_diameter_m, "ommatidia", told);
+  look_at(Quantity::aperture_diameter, "aperture_diameter_m", eye.aperture_diameter_m, "ommatidia",
+          told);
+  look_at(Quantity::focal_length, "focal_offset_m", eye.focal_offset_m, "ommatidia", told);
+  look_at(Quantity::eye_radius, "position_m", radii_of(eye), "eyes", told);
+  return told;
+}
+
+void warn_of_unusual(const Eye& eye) {
+  PyObject* const globals = PyEval_GetGlobals();  // of the line that calls; borrowed
+  if (globals != nullptr) {
+    PyObject* const name = PyDict_GetItemString(globals, "__name__");
+    const char* const text = name == nullptr ? nullptr : PyUnicode_AsUTF8(name);
+    if (text == nullptr) PyErr_Clear();
+    if (text != nullptr && std::string_view(text).substr(0, 5) == "omma.") return;
+  }
+  for (const std::string& sentence : unusual_of(eye))
+    if (PyErr_WarnEx(PyExc_UserWarning, ("Eye: " + sentence).c_str(), 1) < 0)
+      throw nb::python_error();
+}
+
 void expect_plausible(Quantity quantity, const char* name, double value, bool allow_unusual) {
-  const Range& range = ranges[static_cast<std::size_t>(quantity)];
+  const Range& range = range_of(quantity);
   const double size = std::abs(value);
   const bool angle = range.least == 0;  // either way round
   if (allow_unusual || !std::isfinite(value) || value == 0 || (value < 0 && !angle)) return;
   if (size >= range.least && size <= range.most) return;
   const std::string unit = *range.unit ? " " + std::string(range.unit) : "";
-  std::string meant;
-  for (const Unit& u : units)
-    if (meant.empty() && std::string(u.unit) == range.unit && size * u.factor >= range.least &&
-        size * u.factor <= range.most)
-      meant = "; " + show(value) + " " + u.other + " would be " + show(value * u.factor) + unit;
   throw Error(std::string(name) + ": expected " +
               (angle ? "-" + show(range.most) : show(range.least)) + " to " + show(range.most) +
-              unit + " (" + range.quantity + "), found " + show(value) + meant +
+              unit + " (" + range.quantity + "), found " + show(value) +
+              meant_by(range, value) +
               "; if it is meant, say allow_unusual=True");
 }
 

@@ -187,6 +187,12 @@ Vec3 axis(const Reader& reader, const CsvRecord& record) {
   } else {
     const double azimuth = required<double>(reader, record, "azimuth"),
                  elevation = required<double>(reader, record, "elevation");
+    // What is a little over by rounding of radians is meant.
+    if (std::fabs(elevation) > pi / 2 + 1e-6)
+      fail(reader, record, reader.found.at("elevation").cell,
+           "expected an elevation of -90 to 90 degrees, found " +
+               shown_text(cell_text(reader, record, "elevation")) +
+               " (a colatitude, from the pole down, is 90 degrees less the elevation)");
     unit = unit_axis({std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
                       -std::cos(azimuth) * std::cos(elevation)});
   }

@@ -8,9 +8,11 @@
 #include <functional>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 
 #include "optics/acceptance_hash.h"
 #include "optics/footprint_width.h"
+#include "physics/hash.h"
 #include "physics/low_discrepancy.h"
 #include "sampling/even_points.h"
 #include "sampling/sampling_choice.h"
@@ -106,6 +108,33 @@ std::vector<float> use_width_levels(std::vector<Acceptance>& acceptances) {
   return scale;
 }
 
+// Which patterns of which warps are asked for in frame 0 (units.h): [warp * patterns + pattern].
+std::vector<std::uint8_t> used_patterns(const DirectionTables& tables) {
+  const auto patterns = static_cast<std::size_t>(tables.patterns);
+  std::vector<std::uint8_t> used(tables.warps.size() * patterns, 0);
+  const std::uint64_t pose = pose_hash(tables.seed, 0);
+  for (std::size_t i = 0; i < tables.warp_of.size(); ++i) {
+    const std::uint32_t hash = ommatidium_hash(pose, static_cast<std::uint32_t>(i));
+    for (std::uint32_t scramble = 0; scramble < error_scrambles; ++scramble)
+      used[tables.warp_of[i] * patterns + ((hash + scramble) & (patterns - 1))] = 1;
+  }
+  return used;
+}
+
+// The scrambled points of all patterns.
+std::vector<std::vector<Vec3d>> scrambled_points(std::uint64_t seed, std::size_t patterns,
+                                                 std::size_t n) {
+  std::vector<std::vector<Vec3d>> normals(patterns, std::vector<Vec3d>(n));
+  parallel_for(std::size_t{0}, patterns, [&](std::size_t k) {
+    const std::uint64_t scramble = hash_combine(mix_bits(seed), k);
+    for (std::size_t j = 0; j < n; ++j)
+      normals[k][j] = scrambled_normals(static_cast<std::uint32_t>(j), scramble);
+  });
+  move_apart(normals, seed);
+  parallel_for(std::size_t{0}, patterns, [&](std::size_t k) { sort_into_packets(normals[k]); });
+  return normals;
+}
+
 std::vector<Acceptance> rendered_acceptances(const Eye& eye, const RenderSettings& settings) {
   std::vector<Acceptance> all;
   all.reserve(eye.size());
@@ -124,7 +153,7 @@ Acceptance rendered_acceptance(const Eye& eye, const RenderSettings& settings, s
 }
 
 DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& settings, int samples,
-                                      const DirectionTables* known_tables) {
+                                      const DirectionTables* known_tables, bool of_frame_0) {
   DirectionTables tables;
   tables.samples = samples;
   tables.points = settings.points;
@@ -174,16 +203,19 @@ DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& sett
   // The scrambled points are shared by all warps; the directions are not.
   const std::size_t n = static_cast<std::size_t>(samples);
   const std::size_t patterns = static_cast<std::size_t>(tables.patterns);
-  std::vector<std::vector<Vec3d>> normals(patterns, std::vector<Vec3d>(n));
-  parallel_for(std::size_t{0}, patterns, [&](std::size_t k) {
-    const std::uint64_t scramble = hash_combine(mix_bits(settings.seed), k);
-    for (std::size_t j = 0; j < n; ++j)
-      normals[k][j] = scrambled_normals(static_cast<std::uint32_t>(j), scramble);
-  });
-  move_apart(normals, settings.seed);
-  parallel_for(std::size_t{0}, patterns, [&](std::size_t k) { sort_into_packets(normals[k]); });
+  const bool same_points = known_tables != nullptr && known_tables->normals != nullptr &&
+                           known_tables->seed == settings.seed &&
+                           known_tables->samples == samples &&
+                           known_tables->patterns == tables.patterns;
+  tables.normals = same_points ? known_tables->normals
+                               : std::make_shared<const std::vector<std::vector<Vec3d>>>(
+                                     scrambled_points(settings.seed, patterns, n));
+  const std::vector<std::vector<Vec3d>>& normals = *tables.normals;
+  std::vector<std::uint8_t> used;
+  if (of_frame_0) used = used_patterns(tables);
   tables.local.resize(distinct.size() * patterns * 3 * n);
   parallel_for(std::size_t{0}, distinct.size() * patterns, [&](std::size_t i) {
+    if (!used.empty() && !used[i]) return;
     const AcceptanceWarpView& warp = tables.warp_views[i / patterns];
     float* out = tables.local.data() + i * 3 * n;
     for (std::size_t j = 0; j < n; ++j) {

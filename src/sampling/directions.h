@@ -6,12 +6,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "omma/render.h"
 #include "optics/acceptance_warp.h"
 #include "physics/frame_view.h"
 #include "sampling/polar_tables.h"
+#include "sampling/unset_vector.h"
 
 namespace omma {
 
@@ -35,7 +37,10 @@ struct DirectionTables {
   std::vector<std::int32_t> fixed_turn;
   int patterns = 0;  // per warp; 0: made on the fly
   // [warp][pattern][x, y, z][samples], unit, in a frame with x up, y right and z along the axis.
-  std::vector<float> local;
+  // Where only some are ever asked for, the others are not written.
+  UnsetVector<float> local;
+  // [pattern][sample], the points that they are made of, the same for all acceptances.
+  std::shared_ptr<const std::vector<std::vector<Vec3d>>> normals;
   std::vector<Vec2> turns;  // [turn_count + 1], cosine and sine; the last is no turn
   PolarTables polar;        // with random points
 };
@@ -45,9 +50,12 @@ struct DirectionTables {
 Acceptance rendered_acceptance(const Eye& eye, const RenderSettings& settings, std::size_t i);
 
 // For estimates of `samples` rays, whatever the settings say of their number. Warps for the same
-// acceptance are taken from `known`, where there are some.
+// acceptance are taken from `known`, where there are some, and so are points. With `of_frame_0` only the
+// patterns are made that ommatidia have in frame 0, which with frozen noise and a fixed number of
+// rays is all that are asked for: an eye whose acceptances change is ready in less than its frame.
 DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& settings, int samples,
-                                      const DirectionTables* known = nullptr);
+                                      const DirectionTables* known = nullptr,
+                                      bool of_frame_0 = false);
 
 // Points into the tables.
 DirectionsView view(const DirectionTables& tables);

@@ -1,8 +1,11 @@
 """Numbers of optics that are nearly always slips of units are refused, and said to be."""
 
 import math
+import warnings
 
+import numpy as np
 import pytest
+from conftest import write_gltf
 
 import omma
 from omma import Acceptance
@@ -112,3 +115,174 @@ def test_what_animals_have_is_plausible():
     Acceptance.gaussian(0)  # one ray
     Acceptance.lens_rhabdom(5e-6, 10e-6, 1e-6, 350)  # the smallest flies
     ReceptorType("ultraviolet", peak_wavelength_nm=300, length_m=1.1e-3, absorption_per_m=10e3)
+
+
+def told_of(make):
+    """What a call warns of, and what it gives."""
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        made = make()
+    return [str(one.message) for one in told if one.category is UserWarning], made
+
+
+AHEAD = [[0, 0, -1], [0.1, 0, -1]]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"acceptance_angle_rad": 2.6}, "2.6 rad is no animal's"),
+        ({"acceptance_angle_rad": 5.0}, "5 degrees would be 0.08727 rad"),
+        ({"acceptance_angle_rad": [0.05, 2.6]}, "acceptance_angle_rad of 1 of 2 ommatidia"),
+        ({"facet_diameter_m": 25}, "25 µm would be 2.5e-05 m"),
+        ({"focal_offset_m": 0.5}, "0.5 mm would be 0.0005 m"),
+        ({"aperture_diameter_m": 1}, "1 mm would be 0.001 m"),
+        ({"position_m": [[0, 0, 0], [1.2, 0, 0]]}, "position_m of 1 of 1 eyes: 0.6 m"),
+    ],
+)
+def test_arrays_of_eyes_are_told_of(arguments, words):
+    given = {"position_m": [[0, 0, 0]] * 2, "axis": AHEAD, "acceptance_angle_rad": 0.05}
+    told, eye = told_of(lambda: omma.Eye(**(given | arguments)))
+    assert len(told) == 1
+    assert words in told[0]
+    plain, fine = told_of(lambda: omma.Eye(**given))
+    assert plain == []
+    # A changed copy too, but not once more of what was there before.
+    changed = {k: v for k, v in arguments.items() if k != "axis"}
+    assert words in told_of(lambda: fine.replace(**changed))[0][0]
+    assert told_of(lambda: eye.replace(eye_id=0))[0] == []
+
+
+def test_the_warning_is_of_the_line_that_made_the_eye():
+    with pytest.warns(UserWarning, match="is no animal's") as told:
+        omma.Eye([[0, 0, 0]], [[0, 0, -1]], 2.6)
+    assert told[0].filename == __file__
+
+
+def test_files_of_eyes_are_told_of(tmp_path):
+    (tmp_path / "deg.eye").write_text("0 0 1 0 0 1 2.6 0\n0 0 1 0.1 0 1 2.6 0\n")
+    (tmp_path / "deg.csv").write_text(
+        "azimuth_deg,elevation_deg,acceptance_angle_rad\n0,0,2.6\n5,0,2.6\n"
+    )
+    for name in ("deg.eye", "deg.csv"):
+        told, eye = told_of(lambda name=name: omma.load_eye(tmp_path / name))
+        assert len(told) == 1
+        assert told[0].startswith(str(tmp_path / name))
+        assert "2.6 degrees would be 0.04538 rad" in told[0]
+        assert eye.acceptance_angle_rad == pytest.approx(2.6)
+    # Millimetres read as metres.
+    grown = omma.eye.generate_eye(50, radius_m=1e-3)
+    omma.save_eye(tmp_path / "mm.eye", grown)
+    told, _ = told_of(lambda: omma.load_eye(tmp_path / "mm.eye", unit="m"))
+    assert any("position_m of 1 of 1 eyes: 1 m" in one for one in told)
+    assert told_of(lambda: omma.load_eye(tmp_path / "mm.eye"))[0] == []
+    told, _ = told_of(lambda: omma.columns.eye_of_columns(columns_of(grown), 5.0))
+    assert "5 degrees would be" in told[0]
+
+
+def columns_of(eye):
+    columns, _ = omma.columns.columns_of_eye(eye)
+    return columns
+
+
+def test_the_command_line_tells_too(tmp_path, run_omma):
+    (tmp_path / "deg.eye").write_text("0 0 1 0 0 1 2.6 0\n0 0 1 0.1 0 1 2.6 0\n")
+    code, _, stderr = run_omma("info", tmp_path / "deg.eye")
+    assert code == 0
+    assert "2.6 degrees would be 0.04538 rad" in stderr
+
+
+@pytest.mark.parametrize("elevation", ["135", "-90.1", "170"])
+def test_a_colatitude_is_no_elevation(tmp_path, elevation):
+    text = f"azimuth_deg,elevation_deg,acceptance_angle_deg\n0,0,2\n0,{elevation},2\n"
+    (tmp_path / "eye.csv").write_text(text)
+    with pytest.raises(omma.Error, match=r"line 3, .*elevation of -90 to 90 degrees") as error:
+        omma.load_eye(tmp_path / "eye.csv")
+    assert elevation in str(error.value)
+    for pole in ("90", "-90"):
+        (tmp_path / "eye.csv").write_text(text.replace(elevation, pole))
+        assert len(omma.load_eye(tmp_path / "eye.csv")) == 2
+
+
+def pose_at(position, turn=None):
+    pose = np.eye(4)
+    pose[:3, 3] = position
+    if turn is not None:
+        pose[:3, :3] = turn
+    return pose
+
+
+@pytest.fixture(scope="module")
+def seen():
+    ground = omma.scene.plane((10, 10))
+    return omma.Renderer(ground, omma.Eye([[0, 0, 0]], [[0, 0, -1]], 0.1), omma.Fixed(1))
+
+
+@pytest.mark.parametrize(
+    ("pose", "words"),
+    [
+        (pose_at((0, 1200, -2000)), "in millimetres it would be inside"),
+        (pose_at((0, 1, 0), np.diag([-1, 1, 1])), "poses[1] mirrors the head"),
+        (pose_at((0, 1, 0), 1000 * np.eye(3)), "poses[1] stretches the head by 1e+03"),
+        (pose_at((0, 1, 0), [[1, 0.5, 0], [0, 1, 0], [0, 0, 1]]), "poses[1] stretches the head"),
+    ],
+)
+def test_poses_that_nobody_means_are_told(seen, pose, words):
+    fine = pose_at((0, 1, 0))
+    for call in (seen.render, seen.ground_truth, seen.render_rays):
+        told, _ = told_of(lambda call=call: call(np.stack([fine, pose])))
+        assert len(told) == 1
+        assert words in told[0]
+        assert told_of(lambda call=call: call(np.stack([fine, fine])))[0] == []
+
+
+def test_turns_are_never_told_of(seen):
+    rng = np.random.default_rng(1)
+    quaternions = rng.normal(size=(200, 4))
+    poses = omma.poses_from_quaternions(rng.uniform(-200, 200, (200, 3)), quaternions)
+    # Rounded, as files have them.
+    poses[:, :3, :3] = poses[:, :3, :3].round(3)
+    assert told_of(lambda: seen.render(poses))[0] == []
+
+
+def test_a_cameras_own_scale_is_meant(tmp_path):
+    place = {"translation": [0, 1, 0], "scale": [5, 5, 5]}
+    scene = omma.load_scene(write_gltf(tmp_path / "s.gltf", cameras=[("big", None, place)]))
+    renderer = omma.Renderer(scene, omma.Eye([[0, 0, 0]], [[0, 0, -1]], 0.1), omma.Fixed(1))
+    matrix = scene.camera("big").world_from_camera
+    moved = matrix.copy()
+    moved[:3, 3] += 1
+    for pose in ("big", matrix, moved):
+        assert told_of(lambda pose=pose: renderer.render(pose))[0] == []
+
+
+@pytest.mark.parametrize(
+    ("angles", "seen_deg"),
+    [
+        ([[math.pi / 2, 0, 0]], "90"),
+        ([[0, -math.pi / 4, 0], [3, 0, 0]], "-45"),
+        (np.c_[np.linspace(-3.1, 3.1, 20), np.zeros((20, 2))], "177.6"),
+        (np.c_[np.linspace(0, 6.2, 20), np.zeros((20, 2))], "355.2"),
+    ],
+)
+def test_angles_in_radians_are_told(angles, seen_deg):
+    told, _ = told_of(lambda: omma.poses_from_angles((0, 1, 0), angles))
+    assert len(told) == 1
+    assert "expected degrees" in told[0]
+    assert f"radians would be {seen_deg}" in told[0]
+
+
+@pytest.mark.parametrize(
+    "angles",
+    [
+        [[0, 0, 0]],
+        [[90, 0, 0]],
+        [[1, 2, 3]],
+        [[-5.5, 0, 0.25]],
+        np.c_[np.linspace(-3, 3, 7), np.zeros((7, 2))],  # a few degrees to and fro
+        np.c_[np.linspace(0, 360, 20), np.zeros((20, 2))],
+        np.random.default_rng(2).normal(0, 0.5, (100, 3)),  # a head that trembles
+    ],
+)
+def test_angles_in_degrees_are_not(angles):
+    assert told_of(lambda: omma.poses_from_angles((0, 1, 0), angles))[0] == []

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from omma._core import Error
+from omma.base.addresses import local_path
 from omma.base.files import PathLike, WholeFiles, check_ending, check_target
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ def load_matplotlib() -> type[Figure]:
 def figure_names(paths: PathLike | Sequence[PathLike]) -> list[str]:
     """The names; omma.Error where one ends in none of .pdf, .svg and .png or cannot be written."""
     given = [paths] if isinstance(paths, (str, os.PathLike)) else paths
-    names = [os.fsdecode(path) for path in given]
+    names = [local_path(path) for path in given]
     for name in names:
         check_ending(name, *_ENDINGS)
         check_target(name)

@@ -19,6 +19,7 @@ import numpy as np
 
 from omma import _core
 from omma._core import Error
+from omma.base.addresses import SentFiles, check_address, expect_local, is_address, local_path
 from omma.base.directories import WholeDirectory, abandoned_directories
 
 PathLike = str | os.PathLike[str]
@@ -92,9 +93,11 @@ class WholeFiles:
         self._last: list[Callable[[], object]] = []
         self.kept = kept
         self._numbers: dict[str, int] = {}
+        self._sent: SentFiles | None = None
 
     def open(self, name: str) -> WholeFile:
         """A file to write to that will be called ``name``."""
+        name = self._here(name)
         if self.kept is None:
             return WholeFile(self._files, self._files.open(name))
         begun = self.kept.get(name, 0)
@@ -103,11 +106,13 @@ class WholeFiles:
 
     def path_of(self, name: str) -> str:
         """Where a library that writes to a path itself is to write what will be called ``name``."""
+        name = self._here(name)
         return self._files.temporary(self._files.open(name))
 
     def open_directory(self, name: str, marker: str) -> str:
         """A new directory that will be called ``name``, as it is called meanwhile. One that has
         that name is replaced if the file ``marker`` is in it."""
+        name = self._here(name, marker)
         self._directories.append(WholeDirectory(name, marker))
         return self._directories[-1].temporary
 
@@ -133,10 +138,25 @@ class WholeFiles:
                 self._files.finish()
                 for directory in self._directories:
                     directory.finish()
+                if self._sent is not None:
+                    self._sent.send()
         finally:
             self._files.discard()
             for directory in self._directories:
                 directory.discard()
+            if self._sent is not None and kind is not None:
+                self._sent.discard()
+
+    def _here(self, name: str, marker: str | None = None) -> str:
+        """The path to write to, of what goes to an address one from which it will be sent."""
+        name = local_path(name)
+        if not is_address(name):
+            return name
+        if self._sent is None:
+            self._sent = SentFiles()
+        if marker is not None:
+            return self._sent.directory_of(name, marker)
+        return self._sent.path_of(name)
 
 
 class WholeFile:
@@ -161,7 +181,11 @@ class WholeFile:
 
 def check_target(name: str) -> None:
     """Throws omma.Error where a file of that name cannot be made."""
-    _core.check_target(name)
+    name = local_path(name)
+    if is_address(name):
+        check_address(name)
+    else:
+        _core.check_target(name)
 
 
 def check_ending(path: PathLike, *endings: str) -> None:
@@ -182,9 +206,10 @@ def left_behind(names: Sequence[str], directories: Sequence[str] = ()) -> list[s
     warnings = [
         f"a run that was killed left {path} behind; to remove it: rm -r {shlex.quote(path)}"
         for name in directories
+        if not is_address(name)
         for path in abandoned_directories(name)
     ]
-    found = _core.left_behind(names)
+    found = _core.left_behind([name for name in names if not is_address(name)])
     if not found:
         return warnings
     size = sum(bytes_ for _, bytes_ in found) / 1e6
@@ -202,8 +227,16 @@ def left_behind(names: Sequence[str], directories: Sequence[str] = ()) -> list[s
     ]
 
 
+def make_parent(name: str) -> None:
+    """Makes the directory that a file of that name goes into; at addresses there is none."""
+    name = local_path(name)
+    if not is_address(name):
+        make_directory(Path(name).parent)
+
+
 def make_directory(directory: Path) -> None:
     """Makes a directory and what is above it; omma.Error where that cannot be."""
+    directory = Path(expect_local(directory, "a directory"))
     try:
         directory.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -18,6 +18,7 @@ from omma._core import Error
 from omma.base.arguments import array_of, checked
 from omma.base.dlpack import as_numpy
 from omma.base.files import open_text
+from omma.base.warn import warn_caller
 
 Matrices = NDArray[np.float64]
 
@@ -99,9 +100,14 @@ def poses_from_angles(positions_m: ArrayLike, yaw_pitch_roll_deg: ArrayLike) -> 
 
     Raises:
         omma.Error: a wrong shape or a number that is not finite.
+
+    Warns:
+        UserWarning: the angles look like radians.
     """
     positions = numbers(positions_m, "positions_m", 3)
-    yaw, pitch, roll = np.radians(numbers(yaw_pitch_roll_deg, "yaw_pitch_roll_deg", 3)).T
+    angles_deg = numbers(yaw_pitch_roll_deg, "yaw_pitch_roll_deg", 3)
+    _warn_of_radians(angles_deg)
+    yaw, pitch, roll = np.radians(angles_deg).T
     zero, one = np.zeros_like(yaw), np.ones_like(yaw)
 
     def matrix(*entries: Matrices) -> Matrices:
@@ -112,6 +118,29 @@ def poses_from_angles(positions_m: ArrayLike, yaw_pitch_roll_deg: ArrayLike) -> 
     lift = matrix(one, zero, zero, zero, cp, -sp, zero, sp, cp)
     tilt = matrix(cr, sr, zero, -sr, cr, zero, zero, zero, one)
     return _matrices(positions, turn @ lift @ tilt, "yaw_pitch_roll_deg")
+
+
+def _warn_of_radians(angles_deg: Matrices) -> None:
+    """Angles that are all within a turn in radians and either quarters of it or, where there are
+    many, all around: as degrees they would be odd, and as radians plain."""
+    size = np.abs(angles_deg)
+    if not size.size or size.max() > 2 * np.pi + 1e-6:
+        return
+    quarters = size / (np.pi / 4)
+    is_quarter = (quarters > 0.5) & (np.abs(quarters - np.round(quarters)) < 1e-4)
+    turned = angles_deg[:, 0]
+    all_around = len(turned) >= 8 and np.ptp(turned) > 0.85 * 2 * np.pi
+    if is_quarter.any():
+        seen = float(angles_deg[is_quarter][0])
+    elif all_around:
+        seen = float(turned.max())
+    else:
+        return
+    warn_caller(
+        f"yaw_pitch_roll_deg: expected degrees, found {seen:.5g} and nothing beyond "
+        f"{size.max():.4g}; {seen:.5g} radians would be {np.degrees(seen):.4g}",
+        UserWarning,
+    )
 
 
 @checked

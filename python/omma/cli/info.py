@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from omma.cli.options import SceneUpOption
 from omma.cli.working import say, working
 from omma.job.info import describe_file
 from omma.scene.building import READING
@@ -24,6 +25,8 @@ What an eye is like as an eye is measured by **omma eye info**.
 
 `omma info eye-in-micrometres.eye --unit um`
 
+`omma info scan.stl --unit mm --up z`
+
 `omma info flight.npy`
 """
 
@@ -35,20 +38,23 @@ def info(
     file: Annotated[
         Path,
         typer.Argument(
-            help="A scene (.gltf, .glb), an eye (.eye, .csv), or responses (.zarr, .nc, .parquet, "
-            ".npy, .csv).",
+            help="A scene (.gltf, .glb, .obj, .ply, .stl), an eye (.eye, .csv), or responses "
+            "(.zarr, .nc, .parquet, .npy, .csv).",
             metavar="FILE",
         ),
     ],
     unit: Annotated[
-        str,
+        str | None,
         typer.Option(
-            help="Unit of lengths in an .eye file: mm, um, m or a number of metres.", metavar="UNIT"
+            help="Unit of lengths in an .eye file (default: mm), or in an .obj, .ply or .stl file "
+            "(default: m): mm, um, m or a number of metres.",
+            metavar="UNIT",
         ),
-    ] = "mm",
+    ] = None,
+    up: SceneUpOption = None,
 ) -> None:
     """Say what is in a file."""
     with working() as bar:
-        lines = describe_file(file, unit, bar.fraction_of(READING))
+        lines = describe_file(file, unit, up, bar.fraction_of(READING))
     for what, value in lines:
         say(f"{what:<16} {value}")

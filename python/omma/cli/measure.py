@@ -15,7 +15,7 @@ from omma._core import Error, Eye, Scene
 from omma.base.figures import load_matplotlib
 from omma.base.files import check_ending
 from omma.base.poses import Matrices, load_poses, poses_from_angles
-from omma.cli.options import help_of
+from omma.cli.options import SceneUnitOption, SceneUpOption, help_of
 from omma.cli.working import DelayedBar, check_outputs, say, working
 from omma.eye.files import load_eye
 from omma.rendering.renderer import Renderer
@@ -100,7 +100,7 @@ measure_app = typer.Typer(
 
 Corner = tuple[float, float, float]
 SceneFile = Annotated[
-    Path, typer.Argument(help="Scene: a glTF 2.0 file, .gltf or .glb.", metavar="SCENE")
+    Path, typer.Argument(help="Scene: .gltf or .glb, .obj, .ply or .stl.", metavar="SCENE")
 ]
 EyeFiles = Annotated[
     list[Path], typer.Option("--eye", help="Eye file; several make one head.", metavar="EYE")
@@ -156,6 +156,8 @@ def min_samples_command(
         typer.Option(help="Say the rays per ommatidium for this eye too.", metavar="EYE"),
     ] = None,
     unit: UnitOption = "mm",
+    scene_unit: SceneUnitOption = None,
+    scene_up: SceneUpOption = None,
     fraction: Annotated[float, typer.Option(help="Standard deviation over full scale.")] = 0.01,
     measure: MeasureOption = "linear",
     poses: Annotated[int, typer.Option(help="Poses tried before refining.", metavar="N")] = 4096,
@@ -176,7 +178,7 @@ def min_samples_command(
             where = Cylinder(cylinder[:3], *cylinder[3:])
         else:
             where = load_poses(path)  # type: ignore[arg-type]
-        world = _open(scene, threads, bar)
+        world = _open(scene, scene_unit, scene_up, threads, bar)
         eyes = [(name, load_eye(name, unit)) for name in eye or ()]
         found = [
             minimum_samples(
@@ -209,6 +211,8 @@ def variance_map_command(
     output: Annotated[
         list[Path], typer.Option("-o", "--output", help=".npy, .csv or .png.", metavar="OUT")
     ],
+    scene_unit: SceneUnitOption = None,
+    scene_up: SceneUpOption = None,
     steps: Annotated[int, typer.Option(help="Cells along a side.", metavar="N")] = 21,
     statistic: Annotated[
         Literal["max", "mean"], typer.Option(help="Of the twelve ommatidia.")
@@ -228,7 +232,7 @@ def variance_map_command(
     write = _check_outputs(output, ".npy", ".csv", ".png")
     with working() as bar:
         found = variance_map(
-            _open(scene, threads, bar),
+            _open(scene, scene_unit, scene_up, threads, bar),
             centre,
             size,
             steps=steps,
@@ -262,6 +266,8 @@ def aliasing_command(
     scene: SceneFile,
     eye: EyeFiles,
     unit: UnitOption = "mm",
+    scene_unit: SceneUnitOption = None,
+    scene_up: SceneUpOption = None,
     camera: CameraOption = None,
     position: PositionOption = None,
     most_rays: Annotated[int, typer.Option(help="Largest number of rays.", metavar="N")] = 512,
@@ -275,7 +281,7 @@ def aliasing_command(
     write = _check_outputs(output, ".csv", ".png")
     rays = [2**k for k in range(max(1, most_rays).bit_length())]
     with working() as bar:
-        world, head = _open(scene, threads, bar), _head(eye, unit)
+        world, head = _open(scene, scene_unit, scene_up, threads, bar), _head(eye, unit)
         pose = _pose(world.scene, camera, position)
         curves = {
             method: alias_curve(
@@ -306,6 +312,8 @@ def speed_command(
     scene: SceneFile,
     eye: EyeFiles,
     unit: UnitOption = "mm",
+    scene_unit: SceneUnitOption = None,
+    scene_up: SceneUpOption = None,
     camera: CameraOption = None,
     position: PositionOption = None,
     rays: Annotated[
@@ -325,7 +333,7 @@ def speed_command(
     except ValueError:
         raise Error(f"rays: expected whole numbers separated by commas, found '{rays}'") from None
     with working() as bar:
-        world = load_scene(scene, progress=bar.fraction_of(READING))
+        world = load_scene(scene, unit=scene_unit, up=scene_up, progress=bar.fraction_of(READING))
         head = _head(eye, unit)
         found = measure_speed(
             world,
@@ -348,9 +356,9 @@ def speed_command(
     _say_written(write)
 
 
-def _open(scene: Path, threads: int, bar: DelayedBar) -> Renderer:
+def _open(scene: Path, unit: str | None, up: str | None, threads: int, bar: DelayedBar) -> Renderer:
     """A renderer of the scene, to make others from."""
-    world = load_scene(scene, progress=bar.fraction_of(READING))
+    world = load_scene(scene, unit=unit, up=up, progress=bar.fraction_of(READING))
     return scene_renderer(world, threads, bar.fraction_of(BUILDING))
 
 

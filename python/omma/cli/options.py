@@ -19,6 +19,19 @@ from omma.rendering.settings import (
     options_of,
 )
 
+SceneUnitOption = Annotated[
+    str | None,
+    typer.Option(
+        help="Unit of lengths in an .obj, .ply or .stl scene: mm, um, m (the default) or a number "
+        "of metres.",
+        metavar="UNIT",
+    ),
+]
+SceneUpOption = Annotated[
+    str | None,
+    typer.Option(help="Axis that is up in an .obj, .ply or .stl file: y or z.", metavar="AXIS"),
+]
+
 # Options of the command line by the class they belong to; where their name is not the field's.
 _NAMES = {(Shared, "samples"): "shared"}
 

@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 import typer
 
 from omma._core import Error
-from omma.cli.options import takes_settings
+from omma.cli.options import SceneUnitOption, SceneUpOption, takes_settings
 from omma.cli.report import camera_lines, report_lines
 from omma.cli.working import say, warn, working
 from omma.job.again import render_like
@@ -133,7 +133,7 @@ UnitOption = Annotated[
 def render(
     context: typer.Context,
     output: Annotated[
-        list[Path],
+        list[str],
         typer.Option(
             "-o",
             "--output",
@@ -143,7 +143,8 @@ def render(
         ),
     ],
     scene: Annotated[
-        Path | None, typer.Argument(help="Scene: a glTF 2.0 file, .gltf or .glb.", metavar="SCENE")
+        Path | None,
+        typer.Argument(help="Scene: .gltf or .glb, .obj, .ply or .stl.", metavar="SCENE"),
     ] = None,
     like: Annotated[
         Path | None,
@@ -161,6 +162,8 @@ def render(
         ),
     ] = None,
     unit: UnitOption = None,
+    scene_unit: SceneUnitOption = None,
+    scene_up: SceneUpOption = None,
     camera: Annotated[
         str | None,
         typer.Option(
@@ -280,6 +283,8 @@ def render(
                 "--position": position is not None,
                 "--look-at": look_at is not None,
                 "--path": path is not None,
+                "--scene-unit": scene_unit is not None,
+                "--scene-up": scene_up is not None,
                 "--standard-error": standard_error,
                 "--receptors": receptors,
                 "--ultraviolet": ultraviolet is not None,
@@ -323,6 +328,8 @@ def render(
             position=position,
             look_at=look_at,
             path=path,
+            scene_unit=scene_unit,
+            scene_up=scene_up,
             threads=threads,
             backend=backend,
             background=background,
@@ -356,9 +363,9 @@ def _check_like(context: typer.Context) -> None:
             raise Error(f"{parameter.opts[0]}: not together with --like, which says it")
 
 
-def _check_all_cameras(others: dict[str, bool], output: list[Path]) -> None:
+def _check_all_cameras(others: dict[str, bool], output: list[str]) -> None:
     for name, given in others.items():
         if given:
             raise Error(f"{name}: not together with --all-cameras, which renders each as it is")
-    if len(output) > 1 or output[0].suffix.lower() in SUFFIXES:
+    if len(output) > 1 or Path(output[0]).suffix.lower() in SUFFIXES:
         raise Error(f"{output[-1]}: expected one folder as the output of --all-cameras")

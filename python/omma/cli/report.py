@@ -50,7 +50,11 @@ def report_lines(report: RenderReport) -> list[str]:
     lines = [
         *what,
         ("speed", f"{report.frames_per_s:,.1f} frames/s, {rate:,.1f} million rays/s"),
-        ("time", f"{report.seconds:.3f} s, after {report.build_seconds:.3f} s of preparation"),
+        (
+            "time",
+            f"{report.seconds:.3f} s of rendering, {report.writing_seconds:.3f} s more of writing, "
+            f"after {report.build_seconds:.3f} s of preparation",
+        ),
         ("backend", f"{report.backend}, {report.threads} threads"),
         *(("wrote", name) for name in shown),
     ]

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error, Eye
 from omma.base.arguments import checked, one_of
 from omma.columns.lattice import Columns, expect_columns
+from omma.eye.files import warn_of_unusual
 from omma.eye.hexagonal import hexagonal_coordinates
 
 Ints = NDArray[np.int64]
@@ -63,7 +64,10 @@ def eye_of_columns(columns: Columns, acceptance_angle_rad: ArrayLike) -> Eye:
     """
     expect_columns(columns)
     nowhere = np.zeros((len(columns), 3))
-    return Eye(nowhere, columns.axis, acceptance_angle_rad, eye_id=(columns.side > 0).astype(int))
+    side = (columns.side > 0).astype(int)
+    eye = Eye(nowhere, columns.axis, acceptance_angle_rad, eye_id=side)
+    warn_of_unusual(eye)
+    return eye
 
 
 @checked

@@ -105,6 +105,12 @@ def load_columns(
             numbers[key] if _plain(called[key]).endswith("rad") else np.radians(numbers[key])
             for key in ("azimuth", "elevation")
         )
+        bad = np.flatnonzero(np.abs(elevation) > np.pi / 2 + 1e-6)
+        if len(bad):
+            raise Error(
+                f"{rows[bad[0]][0]}: expected an elevation of -90 to 90 degrees, found "
+                f"{np.degrees(elevation[bad[0]]):.4g} (a colatitude is 90 less that)"
+            )
         level, azimuth = np.cos(elevation), sign * azimuth
         axis = np.stack(
             [level * np.sin(azimuth), np.sin(elevation), -level * np.cos(azimuth)], axis=1

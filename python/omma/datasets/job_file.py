@@ -13,6 +13,7 @@ from typing import Any
 
 from omma import _core
 from omma._core import Error
+from omma.base.addresses import expect_local
 from omma.base.arguments import checked
 from omma.base.files import PathLike, digests_of
 from omma.base.values import value_class
@@ -205,8 +206,9 @@ def job_from(values: Mapping[str, Any], file: str, said: str) -> Job:
     _check_truths(file, outputs, instances, poses)
     plain = {key: value for key, value in values.items() if key not in ("slurm",)}
     plain["dataset"] = {k: v for k, v in plain.get("dataset", {}).items() if k != "store"}
+    store = str(folder / expect_local(store, "a data set"))
     return Job(
-        file, said, _as_json(plain), str(folder / store), seed, outputs, instances, scenes, eyes,
+        file, said, _as_json(plain), store, seed, outputs, instances, scenes, eyes,
         conditions, poses, settings, backend, bands, width, projection, views_per_chunk,
         views_per_shard, slurm,
     )  # fmt: skip

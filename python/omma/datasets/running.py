@@ -13,6 +13,7 @@ from pathlib import Path
 
 from omma import _core
 from omma._core import Error, Scene
+from omma.base.addresses import expect_local
 from omma.base.arguments import checked, whole
 from omma.base.files import PathLike, WholeFiles, make_directory
 from omma.base.values import value_class
@@ -118,7 +119,7 @@ def run(
         raise Error("slurm: only one of dask and slurm can say who works")
     if not isinstance(job, Job):
         job = load_job(job)
-    path = os.path.abspath(job.store if store is None else os.fsdecode(store))
+    path = os.path.abspath(job.store if store is None else expect_local(store, "a data set"))
     tell("Checking inputs", None)
     eyes = load_eyes(job)
     plan = make_plan(job, view_bytes(make_layouts(job, eyes)))
@@ -153,7 +154,7 @@ def verify(
     Raises:
         omma.Error: no data set, or one of another version.
     """
-    path = os.fsdecode(store)
+    path = expect_local(store, "a data set")
     manifest = read_manifest(path)
     shards = -(-manifest["views"] // manifest["views_per_shard"])
     done = shards_done(path)

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import io
 import json
-import os
 import tarfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from omma.base.addresses import expect_local
 from omma.base.arguments import checked, whole
 from omma.base.files import PathLike, WholeFiles, make_directory
 from omma.datasets.reading import Batch, Views, open_views
@@ -53,7 +53,7 @@ def to_webdataset(
     number = whole(views_per_file, "views_per_file", 1, _MOST)
     views = open_views(store, (*dict.fromkeys((*variables, *_ABOUT)),), eye=eye)
     job = read_manifest(views.store)["names"]
-    target = Path(os.fsdecode(folder))
+    target = Path(expect_local(folder, "a folder of shards"))
     make_directory(target)
     written = []
     for first in range(0, len(views), number):

@@ -293,6 +293,7 @@ def convert_eye(path: PathLike, unit: str | float = "mm", *, degrees: bool = Fal
         )
     except Error as error:
         raise Error(f"{name}: {error}") from None
+    notes += [f"{sentence}." for sentence in _core.unusual_of(eye)]
     return ConvertedEye(eye, columns, tuple(notes))
 
 

@@ -7,8 +7,10 @@ from pathlib import Path
 
 from omma import _core
 from omma._core import Error, Eye
+from omma.base.addresses import expect_local
 from omma.base.arguments import checked
 from omma.base.files import PathLike, metres_per_unit
+from omma.base.warn import warn_caller
 
 # Files of the Open Compound Eye Standard.
 OCES_SUFFIXES = (".gltf", ".glb")
@@ -33,11 +35,23 @@ def load_eye(path: PathLike, unit: str | float = "mm", *, head: str | int | None
 
     Raises:
         omma.Error: the file is missing or wrong; it names the file and the place in it.
+
+    Warns:
+        UserWarning: numbers that no animal has, mostly in another unit.
     """
     metres = metres_per_unit(unit)
     if head is not None and Path(os.fsdecode(path)).suffix.lower() not in OCES_SUFFIXES:
         raise Error(f"{os.fsdecode(path)}: only .gltf and .glb files have heads to choose from")
-    return _core.load_eye(path, metres, "" if head is None else str(head))
+    eye = _core.load_eye(path, metres, "" if head is None else str(head))
+    warn_of_unusual(eye)
+    return eye
+
+
+def warn_of_unusual(eye: Eye) -> None:
+    """Tell the caller of the package which numbers of an eye no animal has: slips of units,
+    mostly."""
+    for sentence in _core.unusual_of(eye):
+        warn_caller(f"{eye.path or 'eye'}: {sentence}", UserWarning)
 
 
 @checked
@@ -66,7 +80,7 @@ def save_eye(path: PathLike, eye: Eye, unit: str | float = "mm", *, lossy: bool 
         omma.Error: another ending; the file cannot be written; it cannot hold all of the eye and
             ``lossy`` is not said: the error names what would be lost.
     """
-    _core.save_eye(path, eye, metres_per_unit(unit), lossy)
+    _core.save_eye(expect_local(path, "an eye"), eye, metres_per_unit(unit), lossy)
 
 
 @checked

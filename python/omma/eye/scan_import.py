@@ -14,6 +14,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from omma import _core
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked
 from omma.base.files import PathLike, metres_per_unit
@@ -372,6 +373,7 @@ def _make_eye(
         if unknown.any():
             notes.append(f"Facet diameters of {int(unknown.sum())} ommatidia are from distances.")
     eye = eye.replace(facet_diameter_m=diameter_m)
+    notes += [f"{sentence}." for sentence in _core.unusual_of(eye)]
     if acceptance_angle_rad is not None:
         return eye
     notes.append(

@@ -91,6 +91,8 @@ def render_like(
         unit=said.take("eye_unit_m", is_number),
         poses=poses,
         scene_index=said.take("scene_index", is_count, None),
+        scene_unit=said.take("scene_unit_m", is_number, None),
+        scene_up=said.take("scene_up", is_text, None),
         threads=threads,
         backend=backend_word(backend),
         background=background,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import time
 from collections.abc import Sequence
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from omma._core import Background, Camera, Error, Eye
+from omma.base.addresses import expect_local
 from omma.base.arguments import checked
 from omma.base.files import PathLike, WholeFiles, check_target, left_behind, make_directory
 from omma.base.values import value_class
@@ -135,7 +135,7 @@ def render_all_cameras(
     def renderer_of(eye: Eye) -> Renderer:
         return Renderer(seen, eye, sampling, threads=threads, **options)
 
-    target = Path(os.fsdecode(folder))
+    target = Path(expect_local(folder, "a folder of pictures"))
     make_directory(target)
     files = [target / f"{name}.png" for name in file_names([camera.name for camera in cameras])]
     for file in files:

@@ -9,18 +9,19 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from omma._core import Eye, Scene
+from omma._core import Error, Eye, Scene
 from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.files import PathLike
 from omma.eye.files import eye_file_heads, load_eye
 from omma.job.results_info import Lines, describe_responses, is_response_file
 from omma.scene.files import read_scene
+from omma.scene.mesh_files import MESH_FILES
 
 
 def is_scene_file(path: PathLike) -> bool:
-    """Whether a file is to be read as glTF: by its ending, else by how it begins."""
+    """Whether a file is to be read as a scene: by its ending, else, as glTF, by how it begins."""
     name = Path(os.fsdecode(path))
-    if name.suffix.lower() in (".gltf", ".glb"):
+    if name.suffix.lower() in (".gltf", ".glb", *MESH_FILES):
         return True
     if name.suffix.lower() == ".eye":
         return False
@@ -34,17 +35,25 @@ def is_scene_file(path: PathLike) -> bool:
 
 
 def describe_file(
-    path: PathLike, unit: str | float = "mm", progress: Callable[[float], object] | None = None
+    path: PathLike,
+    unit: str | float | None = None,
+    up: str | None = None,
+    progress: Callable[[float], object] | None = None,
 ) -> Lines:
     """What is in a file of a scene, an eye or responses.
 
-    ``progress`` is told how much of a scene is read.
+    ``unit`` is of lengths in `.eye` files ("mm" where it is None) and in `.obj`, `.ply` and `.stl`
+    files ("m"), ``up`` what is up in these; ``progress`` is told how much of a scene is read.
 
     Raises:
         omma.Error: the file cannot be read.
     """
     if is_response_file(path):
         return describe_responses(path)
+    if Path(os.fsdecode(path)).suffix.lower() in MESH_FILES:
+        return describe_scene(read_scene(path, unit=unit, up=up))
+    if up is not None:
+        raise Error(f"up: expected none, as {os.fsdecode(path)} is no .obj, .ply or .stl file")
     if is_scene_file(path):
         lines = describe_scene(read_scene(path, progress=progress))
         # A glTF file may hold a scene, eyes of the Open Compound Eye Standard, or both.
@@ -54,7 +63,7 @@ def describe_file(
         elif heads:
             lines.append(("heads", ", ".join(head or "(no name)" for head in heads)))
         return lines
-    return describe_eye(load_eye(path, unit))
+    return describe_eye(load_eye(path, "mm" if unit is None else unit))
 
 
 def describe_scene(scene: Scene) -> Lines:

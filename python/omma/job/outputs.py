@@ -8,6 +8,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from omma._core import Error, Eye
+from omma.base.addresses import is_address, local_path
 from omma.base.files import PathLike, WholeFiles, check_ending
 from omma.picture.files import Paint, PngWriter
 from omma.picture.video import VideoWriter
@@ -31,7 +32,7 @@ def output_names(
 ) -> list[str]:
     """The names; omma.Error where one will not do, or is that of an input."""
     several = [outputs] if isinstance(outputs, (str, os.PathLike)) else outputs
-    names = [os.fsdecode(name) for name in several]
+    names = [local_path(name) for name in several]
     if not names:
         raise Error("outputs: expected at least one file to write, found none")
     for name in names:
@@ -39,13 +40,15 @@ def output_names(
         suffix = Path(name).suffix.lower()
         if Path(name).is_dir() and suffix != ".zarr":
             raise Error(f"{name}: cannot be written: it is a directory")
+        if resume and is_address(name):
+            raise Error(f"resume: is for files of this system, found {name}")
         if resume and suffix in WHOLE_SUFFIXES:
             raise Error(
                 f"resume: is for .npy, .csv and .png, found {name}; .npy with the .json beside it "
                 "says as much"
             )
     every = [file for name in names for file in (name, *_beside(name, standard_error))]
-    files = [os.path.abspath(name) for name in every]
+    files = [name if is_address(name) else os.path.abspath(name) for name in every]
     read = [os.path.abspath(os.fsdecode(name)) for name in inputs if name is not None]
     for i, file in enumerate(files):
         if file in files[:i]:
@@ -57,7 +60,7 @@ def output_names(
 
 def error_name(name: str) -> str:
     """Where the standard errors of the responses in an `.npy` file go: beside it."""
-    return str(Path(name).with_suffix(".error.npy"))
+    return f"{os.path.splitext(name)[0]}.error.npy"
 
 
 def writers_of(

@@ -1,9 +1,12 @@
-"""Poses rendered piece by piece into writers, so that any number of them will do."""
+"""Poses rendered piece by piece into writers, so that any number of them will do. A piece is
+written while the next is rendered.
+"""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 
 from numpy.typing import ArrayLike
 
@@ -12,7 +15,10 @@ from omma.rendering.renderer import Renderer
 from omma.rendering.report import SpentRays
 from omma.rendering.response_files import Piece, Writer
 
-_PIECE_BYTES = 64 << 20
+# Two pieces are in memory, one that is rendered and one that is written.
+_PIECE_BYTES = 32 << 20
+# As long as a piece takes, about, so that writing begins soon and Ctrl-C is heard.
+_PIECE_S = 0.5
 # What a render that is cut off may lose of its work.
 _KEPT_PIECE_S = 10.0
 
@@ -78,27 +84,43 @@ def render_pieces(
     """Render the poses from ``first`` on into the writers; seconds spent rendering.
 
     ``save``, where there is one, is told after each piece how many poses are done and the seconds
-    they took; pieces are then as short as what may be lost.
+    they took; pieces are then as short as what may be lost, and written before the next begins.
     """
     most = max(1, _PIECE_BYTES // pose_bytes)
-    count = most if save is None else 1
+    count = 1
     seconds = 0.0
-    while first < len(poses):
-        piece = poses[first : first + count]
+    with ThreadPoolExecutor(1, "omma-writing") as beside:
+        waiting: Future[float] | None = None
+        while first < len(poses):
+            piece = poses[first : first + count]
 
-        def part(done: float, first: int = first, count: int = len(piece)) -> None:
-            tell("Rendering", (first + done * count) / len(poses))
+            def part(done: float, first: int = first, count: int = len(piece)) -> None:
+                tell("Rendering", (first + done * count) / len(poses))
 
-        start = time.perf_counter()
-        rendered = render(piece, first, part)
-        took = time.perf_counter() - start
-        seconds += took
-        tell("Writing", (first + len(piece)) / len(poses))
-        for writer in writers:
-            writer.write(rendered)
-        first += len(piece)
-        if save is not None:
-            save(first, seconds)
-            fitting = int(_KEPT_PIECE_S * len(piece) / max(took, 1e-9))
+            start = time.perf_counter()
+            rendered = render(piece, first, part)
+            took = time.perf_counter() - start
+            seconds += took
+            first += len(piece)
+            wrote = 0.0 if waiting is None else waiting.result()
+            if save is None:
+                waiting = beside.submit(_write, writers, rendered)
+            else:
+                tell("Writing", first / len(poses))
+                _write(writers, rendered)
+                save(first, seconds)
+            span = _PIECE_S if save is None else _KEPT_PIECE_S
+            fitting = int(span * len(piece) / max(took, wrote, 1e-9))
             count = max(1, min(most, 8 * count, fitting))
+        if waiting is not None:
+            tell("Writing", 1.0)
+            waiting.result()
     return seconds
+
+
+def _write(writers: Sequence[Writer], piece: Piece) -> float:
+    """Seconds that it took."""
+    start = time.perf_counter()
+    for writer in writers:
+        writer.write(piece)
+    return time.perf_counter() - start

@@ -22,7 +22,7 @@ from omma.base.files import (
     WholeFiles,
     check_target,
     left_behind,
-    make_directory,
+    make_parent,
     metres_per_unit,
 )
 from omma.base.poses import Matrices, as_poses, load_poses, poses_from_angles
@@ -80,6 +80,7 @@ class RenderReport:
     rays: int
     seconds: float  # rendering alone, without reading, building and writing
     build_seconds: float  # reading the files and building the acceleration structure
+    writing_seconds: float  # writing, as far as it did not happen beside rendering
     frames_per_s: float
     backend: str
     threads: int
@@ -107,6 +108,8 @@ def render_file(
     path: PathLike | None = None,
     poses: ArrayLike | None = None,
     scene_index: int | None = None,
+    scene_unit: str | float | None = None,
+    scene_up: str | None = None,
     threads: int = 0,
     backend: str = "",
     background: Background | str | None = None,
@@ -130,7 +133,7 @@ def render_file(
     that any number of poses will do.
 
     Args:
-        scene: glTF file.
+        scene: a file as `load_scene` reads it.
         outputs: files to write, by their endings. Of an eye: `.zarr`, `.nc`, `.parquet`, and
             `.npy` with a `.json` beside it, which say what the numbers are and are read by
             `omma.rendering.load_responses` (docs/written-files.md); `.csv` as `save_responses`
@@ -143,12 +146,15 @@ def render_file(
         unit: of lengths in the eye files: "mm" (the default), "um", "m" or metres. For a camera's
             own eye the default is the scene's unit, as in CompoundRay.
         camera: name or index of the camera in the scene that is rendered, or with ``eyes`` that the
-            head is at; its whole transform is the pose, its scale too.
+            head is at; its whole transform is the pose, its scale too. With ``position``, ``path``
+            or ``poses`` and no ``eyes`` it is the camera's own eye, in its scale, that is there.
         position, look_at: instead, where the head is and the point it looks at, (3,), m; without
             ``look_at`` it looks along -Z.
         path: instead, a CSV file of poses, see `load_poses`.
         poses: instead, matrices world_from_head (P, 4, 4) or (4, 4), m.
         scene_index: which of the scenes in the file; None takes its default.
+        scene_unit, scene_up: of `.obj`, `.ply` and `.stl` files, ``unit`` and ``up`` of
+            `load_scene`.
         sampling, options: as in `Renderer`; the frame of a path's pose has its number in the path.
             A camera's picture takes `Fixed` and a seed, as `render_camera` does.
         threads, backend: as in `Renderer`.
@@ -190,6 +196,9 @@ def render_file(
     tell: Stage = progress if progress is not None else lambda stage, fraction: None
     names = output_names(outputs, standard_error, resume, [path])
     chosen = [name for name in ("camera", "position", "path", "poses") if given[name] is not None]
+    eye_paths = [eyes] if isinstance(eyes, (str, os.PathLike)) else list(eyes)
+    if len(chosen) == 2 and chosen[0] == "camera" and not eye_paths:
+        chosen = chosen[1:]  # the camera says which eye, not where
     if len(chosen) > 1:
         raise Error(f"{chosen[0]} and {chosen[1]}: only one of them can say where the head is")
     if resume and path is None:
@@ -199,10 +208,11 @@ def render_file(
         raise Error(f"projection: a video shows responses, found {projection!r}")
     if look_at is not None and position is None:
         raise Error("look_at: needs a position to look from")
-    eye_paths = [eyes] if isinstance(eyes, (str, os.PathLike)) else list(eyes)
     start = time.perf_counter()
     tell(READING, None)
-    world = read_scene(scene, scene_index, progress=partial(tell, READING))
+    world = read_scene(
+        scene, scene_index, unit=scene_unit, up=scene_up, progress=partial(tell, READING)
+    )
     node = _camera(world, camera, chosen, bool(eye_paths))
     backdrop = parse_background(background) if isinstance(background, str) else background
     lit = {} if light is None else parse_light(light)
@@ -212,6 +222,9 @@ def render_file(
             world, tell, threads=threads, background=backdrop, backend=backend, **lit
         )
 
+    own_eye_elsewhere = node is not None and not eye_paths and chosen not in ([], ["camera"])
+    if node is not None and own_eye_elsewhere and node.type != "compound":
+        raise Error(f"{chosen[0]}: is for eyes; camera '{node.name}' is {node.type}")
     if node is not None and not eye_paths and node.type != "compound":
         of_eyes = {
             "standard_error": standard_error,
@@ -240,6 +253,8 @@ def render_file(
                 raise Error(f"{name}: expected numbers, not a picture, for responses of receptors")
     tell("Reading the eye", None)
     head, found = _head(world, eye_paths, node, unit)
+    if node is not None and own_eye_elsewhere:
+        head = _as_large(head, node)
     if receptors and len(head.receptor_type) == 0:
         raise Error(
             f"{head.path or 'eye'}: expected receptors, found none (.csv eyes can have them, "
@@ -265,7 +280,7 @@ def render_file(
             )
     built = time.perf_counter()
     for name in names:
-        make_directory(Path(name).parent)
+        make_parent(name)
     kept: KeptRender | None = None
     if resume:
         read = [scene, *found, *([] if path is None else [path])]
@@ -290,6 +305,7 @@ def render_file(
             return paint_side_by_side(renderer, width, height, gamma)
         return paint_of_projection(renderer, matrices, projection, width, height, gamma)
 
+    begun, seconds_before = time.perf_counter(), 0.0 if kept is None else kept.seconds
     with WholeFiles(None if kept is None else kept.bytes) as files, ExitStack() as closed:
         writers, written = writers_of(
             files,
@@ -312,6 +328,7 @@ def render_file(
             save = partial(kept.save, files, spent)
             seconds = kept.seconds
             seconds += render_pieces(render, writers, matrices, pose_bytes, tell, save, kept.done)
+    writing = time.perf_counter() - begun - (seconds - seconds_before)
     if kept is not None:
         kept.remove()
     warnings += left_behind(*_by_kind(written))
@@ -327,6 +344,7 @@ def render_file(
         rays=rays,
         seconds=seconds,
         build_seconds=built - start,
+        writing_seconds=writing,
         frames_per_s=len(matrices) / max(seconds, 1e-9),
         backend=renderer.backend,
         threads=renderer.threads,
@@ -365,7 +383,7 @@ def _render_picture(
 ) -> RenderReport:
     """Render a camera that is no eye into files; ``start`` is when reading began."""
     for name in names:
-        make_directory(Path(name).parent)
+        make_parent(name)
         check_target(name)
     built = time.perf_counter()
     picture = render_camera(
@@ -391,6 +409,7 @@ def _render_picture(
         rays=size[0] * size[1] * samples,
         seconds=seconds,
         build_seconds=built - start,
+        writing_seconds=time.perf_counter() - built - seconds,
         frames_per_s=1 / max(seconds, 1e-9),
         backend=world.backend,
         threads=world.threads,
@@ -438,6 +457,15 @@ def _head(
     assert node is not None
     own = camera_eye(world, node, "m" if unit is None else unit)
     return own, [own.path]
+
+
+def _as_large(eye: Eye, node: Camera) -> Eye:
+    """A camera's own eye as large as its node makes it, for poses that only turn and move."""
+    sizes = np.linalg.norm(node.world_from_camera[:3, :3], axis=0)
+    if np.abs(sizes - 1).max() < 1e-6:
+        return eye
+    large: Eye = _core.merge_eyes([(eye, np.diag([*sizes, 1.0]))])
+    return large
 
 
 def _poses(

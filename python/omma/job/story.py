@@ -35,6 +35,10 @@ def story_of(
     }
     if given["scene_index"] is not None:
         story["scene_index"] = int(given["scene_index"])
+    if given["scene_unit"] is not None:
+        story["scene_unit_m"] = metres_per_unit(given["scene_unit"])
+    if given["scene_up"] is not None:
+        story["scene_up"] = given["scene_up"]
     if given["ultraviolet"] is not None:
         story["ultraviolet"] = json.dumps(np.asarray(given["ultraviolet"], np.float64).tolist())
     if given["light"] is not None:

@@ -12,7 +12,8 @@ from omma._core import Background, Camera, Error, Eye, Scene
 from omma.base.arguments import array_of, checked, whole
 from omma.eye.files import load_eye
 from omma.picture.projections import PROJECTIONS, LinearPicture
-from omma.rendering.renderer import Progress, Renderer, warn_of_precision
+from omma.rendering.pose_warnings import warn_of_poses
+from omma.rendering.renderer import Progress, Renderer
 from omma.scene.world import World
 
 DEFAULT_PROJECTION = "spherical_orientationwise"
@@ -79,7 +80,7 @@ def render_camera(
         whole(seed, "seed", 0, (1 << 64) - 1),
         progress,
     )
-    warn_of_precision(world._engine.precision_warning(which.world_from_camera[None]))
+    warn_of_poses(world._engine, which.world_from_camera[None])
     return picture
 
 

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
+import os
+from collections import deque
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import nullcontext
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from omma import _core
+from omma.base.addresses import expect_local
 from omma.base.arguments import checked
 from omma.base.files import PathLike, WholeFiles, check_ending, check_target
 from omma.base.poses import Matrices
@@ -20,6 +24,8 @@ from omma.picture.unseen import hatch, unseen
 from omma.rendering.renderer import Renderer
 from omma.rendering.response_files import Piece
 from omma.rendering.settings import fixed_samples
+
+Made = TypeVar("Made")
 
 # A picture (height, width, 3 or 4) from the number of a pose and its responses (N, C).
 Paint = Callable[[int, NDArray[np.float32]], NDArray[Any]]
@@ -35,24 +41,28 @@ class PngWriter:
 
     def __init__(self, files: WholeFiles, name: str, pose_count: int, paint: Paint) -> None:
         self._files, self._paint = files, paint
-        self._target, self._numbered = Path(name), pose_count > 1
+        self._stem, self._suffix = os.path.splitext(name)
+        self._numbered = pose_count > 1
         self._digits = max(4, len(str(pose_count - 1)))
         check_target(self.name(0))
 
     def name(self, pose: int) -> str:
         """The file that shows a pose."""
-        if not self._numbered:
-            return str(self._target)
-        stem, suffix = self._target.stem, self._target.suffix
-        return str(self._target.with_name(f"{stem}_{pose:0{self._digits}}{suffix}"))
+        number = f"_{pose:0{self._digits}}" if self._numbered else ""
+        return f"{self._stem}{number}{self._suffix}"
 
     def write(self, piece: Piece) -> None:
-        for number, pose in enumerate(piece.responses, start=piece.first):
-            name, pixels = self.name(number), self._paint(number, pose)
-            if self._files.kept is None:
-                write_png(self._files, name, pixels)
-            else:
-                save_png(name, pixels)
+        names = [self.name(piece.first + i) for i in range(len(piece.responses))]
+
+        def encoded(i: int) -> bytes:
+            pixels = self._paint(piece.first + i, piece.responses[i])
+            return _core.encode_png(names[i], pixels)
+
+        for name, data in zip(names, on_threads(encoded, len(names))):
+            with nullcontext(self._files) if self._files.kept is None else WholeFiles() as files:
+                file = files.open(name)
+                file.write(data)
+                file.close()
 
 
 @checked
@@ -65,7 +75,24 @@ def save_png(path: PathLike, pixels: NDArray[np.uint8]) -> None:
         omma.Error: the pixels or the path do not do.
     """
     check_ending(path, ".png")
-    _core.save_png(path, pixels)
+    _core.save_png(expect_local(path, "a picture by save_png"), pixels)
+
+
+def on_threads(make: Callable[[int], Made], count: int) -> Iterator[Made]:
+    """make(0), make(1), ... in order, some of them at once: painting and packing leave Python."""
+    workers = min(count, os.cpu_count() or 1)
+    if workers < 2:
+        yield from map(make, range(count))
+        return
+    with ThreadPoolExecutor(workers, "omma-pictures") as pool:
+        made: deque[Future[Made]] = deque()
+        for i in range(count):
+            made.append(pool.submit(make, i))
+            # No more of them in memory than it takes to keep all threads busy.
+            if len(made) > 2 * workers:
+                yield made.popleft().result()
+        while made:
+            yield made.popleft().result()
 
 
 def write_png(files: WholeFiles, name: str, pixels: NDArray[Any]) -> None:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from omma._core import Error
 from omma.base.files import WholeFiles, check_target
-from omma.picture.files import Paint
+from omma.picture.files import Paint, on_threads
 from omma.rendering.response_files import Piece
 
 #: Frames a second. A path of poses has no times.
@@ -49,8 +49,11 @@ class VideoWriter:
         self._folder.cleanup()
 
     def write(self, piece: Piece) -> None:
-        for number, pose in enumerate(piece.responses, start=piece.first):
-            self._add(self._paint(number, pose))
+        def painted(i: int) -> NDArray[Any]:
+            return self._paint(piece.first + i, piece.responses[i])
+
+        for pixels in on_threads(painted, len(piece.responses)):
+            self._add(pixels)
         if self._waiting == 0:
             self._end()
             self._copy()

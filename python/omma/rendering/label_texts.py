@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -89,7 +89,7 @@ def labels_from_text(text: str | bytes, place: str) -> tuple[Labels, dict[str, s
 
 def beside(name: str) -> str:
     """Where the labels of an `.npy` file are."""
-    return str(Path(name).with_suffix(".json"))
+    return f"{os.path.splitext(name)[0]}.json"
 
 
 def _plain(values: np.ndarray[Any, Any]) -> list[Any]:

@@ -14,11 +14,11 @@ from omma._core import Background, Error, Eye, Scene
 from omma.base.arguments import checked, expect, output_array, whole
 from omma.base.notebook import html_table, without_folder
 from omma.base.poses import Matrices, as_poses
-from omma.base.warn import warn_caller
 from omma.rendering.dataset import make_dataset
 from omma.rendering.iterate import render_pieces
 from omma.rendering.moves import Moves, MovesOptions, takes_moves
 from omma.rendering.pickling import parts_of
+from omma.rendering.pose_warnings import warn_of_poses
 from omma.rendering.receptor_views import ReceptorViews, render_receptors
 from omma.rendering.report import SamplingReport
 from omma.rendering.settings import (
@@ -45,12 +45,6 @@ Progress = Callable[[float], object]
 
 # render_iter's buffer: big enough to keep all threads busy, small enough to forget about.
 _CHUNK_BYTES = 32 << 20
-
-
-def warn_of_precision(sentence: str) -> None:
-    """Tell the caller of the package what single precision loses, where it does."""
-    if sentence:
-        warn_caller(sentence, RuntimeWarning)
 
 
 class Renderer:
@@ -284,6 +278,8 @@ class Renderer:
             KeyboardInterrupt: Ctrl-C; ``out`` is then incomplete.
 
         Warns:
+            UserWarning: a pose mirrors or stretches the head, or lies where it would if it were in
+                millimetres.
             RuntimeWarning: single precision places rays and surfaces at one of the poses less than
                 a millimetre exactly, as in scenes of tens of kilometres, or by more than 1e-4 of
                 the size of a scene that is far away; it says how exactly. Scenes far from the
@@ -319,7 +315,7 @@ class Renderer:
             progress,
         )
         moving.note()
-        warn_of_precision(self._engine.precision_warning(matrices))
+        warn_of_poses(self._engine, matrices)
         if errors is not None and rays is not None and isinstance(target, ToError):
             return responses, SamplingReport(rays, errors, target.error)
         return responses if errors is None else (responses, errors)
@@ -456,7 +452,7 @@ class Renderer:
             matrices, found, errors, None, None, first, None, True, moving.for_engine(), progress
         )
         moving.note()
-        warn_of_precision(self._engine.precision_warning(matrices))
+        warn_of_poses(self._engine, matrices)
         parts = (*shape[:2], 3, self.bands)
         return (
             found.reshape(parts)
@@ -516,7 +512,7 @@ class Renderer:
             matrices, responses, None, None, rays, first, None, False, moving.for_engine(), progress
         )
         moving.note()
-        warn_of_precision(self._engine.precision_warning(matrices))
+        warn_of_poses(self._engine, matrices)
         return rays
 
     @overload

@@ -13,8 +13,8 @@ from omma import _core
 from omma._core import Error
 from omma.base.arguments import array_of, whole
 from omma.base.values import value_class
-from omma.base.warn import warn_caller
 from omma.rendering.labels import Variables
+from omma.rendering.pose_warnings import warn_of_poses
 from omma.rendering.settings import Shared, ToError, frame_number
 
 if TYPE_CHECKING:
@@ -129,9 +129,7 @@ def render_truth(
         renderer._engine, matrices, found | asked, first, moving.for_engine(), progress
     )
     moving.note()
-    sentence = renderer._engine.precision_warning(matrices)
-    if sentence:
-        warn_caller(sentence, RuntimeWarning)
+    warn_of_poses(renderer._engine, matrices)
     return GroundTruth(**found, names=names)
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from omma import _core
 from omma._core import Camera as Camera
 from omma._core import Error, Scene
+from omma.base.addresses import expect_local
 from omma.base.arguments import checked
 from omma.base.files import PathLike
 from omma.base.warn import warn_caller
@@ -134,7 +135,7 @@ def save_scene(
     Raises:
         omma.Error: another ending, more than 4 GB, or the system refuses.
     """
-    name = os.fsdecode(path)
+    name = expect_local(path, "a scene")
     if Path(name).suffix.lower() != ".glb":
         raise Error(f"{name}: expected a name that ends in .glb")
-    _core.save_scene(path, scene, progress)
+    _core.save_scene(name, scene, progress)
