@@ -52,7 +52,7 @@ def test_the_sun_in_water(backend: str, width_deg: float, off: float) -> None:
     found = renderer.render(np.eye(4)).astype(float).ravel()
     exact = reflectance(SUN_DEG, 1.333) * expected(off_axis(off * width_deg, 0.0), width_deg)
     error = found / exact - 1
-    # Without rays of its own an ommatidium is off by 1.1 to 11 times the response, rms. The image is
+    # Without such rays an ommatidium is off by 1.1 to 11 times the response, rms. The image is
     # spread by the least roughness, 0.06 deg, which the closed form leaves out: some 0.4 %.
     assert np.std(error) < 0.2
     assert abs(error.mean()) < 0.01 + 3 * np.std(error) / np.sqrt(len(error))

@@ -30,7 +30,7 @@ def empty() -> omma.Scene:
 
 
 def screen(edge: float, turn_rad: float) -> omma.Scene:
-    """Hides what lies on one side of a straight edge, so many radii of the sun beside its centre."""
+    """Hides what lies on one side of an edge, so many radii of the sun beside its centre."""
     at = edge * np.tan(RADIUS_RAD)
     c, s = np.cos(turn_rad), np.sin(turn_rad)
     corners = [
@@ -112,7 +112,8 @@ def beside_edge(edge: float, turn_rad: float) -> NDArray[np.bool_]:
 def seen_by(
     scene: omma.Scene, light: Light, eye: omma.Eye, sampling: object = None, **how: object
 ) -> Floats:
-    world = omma.World(scene, light=light, lighting="path", backend=how.pop("backend", ""))  # type: ignore[arg-type]
+    backend = str(how.pop("backend", ""))
+    world = omma.World(scene, light=light, lighting="path", backend=backend)
     renderer = omma.Renderer(world, eye, sampling or omma.Fixed(16), **how)  # type: ignore[arg-type]
     return renderer.render(np.eye(4)).astype(float).ravel()
 
