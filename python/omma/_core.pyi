@@ -1411,7 +1411,8 @@ class Eye:
     columns : dict from names to (N,) numbers or N texts, kept but not used.
     path : the file it came from; eyes that differ in nothing else are equal.
 
-    Raises `omma.Error` on a wrong shape, a zero axis, an acceptance out of range, a NaN.
+    Raises `omma.Error` on a wrong shape, a zero axis, an acceptance out of range, a NaN; a
+    `UserWarning` tells of numbers that no animal has, mostly slips of units.
     """
 
     # Generated, not written; after a change to the bindings:
