@@ -64,8 +64,8 @@ struct Unit {
 };
 constexpr Unit units[] = {
     {"rad", "degrees", pi / 180},
-    {"m", "\u00b5m", 1e-6},
     {"m", "mm", 1e-3},
+    {"m", "\u00b5m", 1e-6},
     {"m", "nm", 1e-9},
     {"nm", "m", 1e9},
     {"nm", "\u00b5m", 1e3},
