@@ -4,10 +4,10 @@
 
 A honeybee's two eyes go along the bundled flight over the bundled meadow. For each number of rays,
 in turns: the renderer alone; and all that the page does for a frame that moves, which is rendering,
-painting the picture (facets, as large as it fills a page of 1280 x 800) and encoding it as JPEG. With --lit it is the lit meadow in
-the light of a clear morning, baked (minutes, the first time). With each frame's wall time goes
-the processor time of all threads: on a machine with other work that is what can be compared. Prints
-CSV.
+painting the picture (facets, as large as the page of 1280 x 800 that it fills) and encoding it as
+JPEG. With --lit it is the lit meadow in the light of a clear morning, baked (minutes, the first
+time). With each frame's wall time goes the processor time of all threads: on a machine with other
+work that is what can be compared. Prints CSV.
 """
 
 from __future__ import annotations
