@@ -12,7 +12,6 @@ import shutil
 import time
 from pathlib import Path
 
-from PIL import Image
 from playwright.sync_api import Browser, Page, sync_playwright
 
 import omma
@@ -39,13 +38,11 @@ def open_page(browser: Browser, url: str, width: int, height: int, phone: bool) 
 
 
 def keep(page: Page, window: omma.view.Window, name: str) -> None:
-    """The page as it looks with its finest picture; few colours make a small file."""
+    """The page as it looks with its finest picture."""
     while window.seen is None or window.seen.samples < 64:
         time.sleep(0.1)
     page.wait_for_timeout(4000)
-    path = _DOCS / f"view-{name}.png"
-    page.screenshot(path=path)
-    Image.open(path).convert("RGB").quantize(255).save(path, optimize=True)
+    page.screenshot(path=_DOCS / f"view-{name}.png")
 
 
 def main() -> None:

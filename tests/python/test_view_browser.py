@@ -225,8 +225,8 @@ def test_what_is_wrong_is_said_on_the_page_and_the_work_goes_on(page, window, tm
     until(lambda: window.seen.look.pose == HeadPose((0.1, 1.0, 3.0)))
 
 
-def test_two_browsers_see_the_same_and_one_may_go(page, open_page, window):
-    first, second = page, open_page(1024, 768)
+def test_two_browsers_see_the_same_and_one_may_go(page, browser, window):
+    first, second = page, browser.open(window.url, 1024, 768)
     tab(second, "Ommatidium")
     set_number(second, "Number", 77)
     tab(first, "Ommatidium")

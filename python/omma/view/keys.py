@@ -26,8 +26,8 @@ KEYS = (
     Key((",",), ",", "slower", "fly slower", True),
     Key(("c",), "C", "next_camera", "to the scene's next camera"),
     Key(("Shift+c",), "Shift C", "previous_camera", "to the one before"),
-    Key(("+", "PageUp"), "+  Page Up", "more_rays", "twice as many rays"),
-    Key(("-", "PageDown"), "−  Page Down", "fewer_rays", "half as many rays"),
+    Key(("+", "PageUp"), "+ or Page Up", "more_rays", "twice as many rays"),
+    Key(("-", "PageDown"), "− or Page Down", "fewer_rays", "half as many rays"),
     Key(("p",), "P", "save", "save the picture (PNG)"),
     Key(("i",), "I", "step_ahead", "a step ahead", True),
     Key(("k",), "K", "step_back", "a step back", True),
@@ -37,7 +37,7 @@ KEYS = (
     Key(("o",), "O", "step_down", "a step down", True),
     Key(("n",), "N", "turn_left", "turn left by 3°", True),
     Key(("m",), "M", "turn_right", "turn right by 3°", True),
-    Key(("h", "?"), "H  ?", "help", "this list"),
+    Key(("h", "?"), "H or ?", "help", "this list"),
     Key(("Escape",), "Esc", "leave", "close this list, stop flying, leave the full page"),
 )  # fmt: skip
 

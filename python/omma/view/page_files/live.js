@@ -34,7 +34,9 @@
     return found;
   };
 
-  const imagesOf = (name) => document.querySelectorAll(`img[data-omma-picture="${name}"]`);
+  // Those that are seen: what is hidden is not to cost anything.
+  const imagesOf = (name) => [...document.querySelectorAll(`img[data-omma-picture="${name}"]`)]
+    .filter((one) => one.offsetParent !== null);
 
   const loaded = (image) => new Promise((resolve) => {
     image.onload = image.onerror = resolve;
@@ -44,7 +46,7 @@
   async function show(name, blob) {
     const before = urls[name];
     urls[name] = URL.createObjectURL(blob);
-    const images = [...imagesOf(name)];
+    const images = imagesOf(name);
     const all = images.map(loaded);
     for (const image of images) image.src = urls[name];
     await Promise.all(all);
@@ -52,11 +54,11 @@
     omma.say({ do: 'took' });
   }
 
-  // viser makes parts of its panel anew: what is new there gets the last picture.
+  // viser makes parts of its panel anew: what is new or seen again gets the last picture.
   setInterval(() => {
     for (const name of streams) {
       for (const image of imagesOf(name)) {
-        if (!image.getAttribute('src') && urls[name]) image.src = urls[name];
+        if (urls[name] && image.src !== urls[name]) image.src = urls[name];
       }
     }
   }, 250);
