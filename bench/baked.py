@@ -56,7 +56,7 @@ def bake(triangles: int, bands: int, cell_m: float | None) -> str:
     light = omma.light.clear_sky(30, 135, bands=omma.light.Bands.equal(bands))
     options = omma.scene.Bake(cell_m=cell_m, paths=PATHS, cache=False, most_bytes=1 << 33)
     cpu, wall = time.process_time(), time.perf_counter()
-    world = omma.World(scene, light=light, ultraviolet=0.02, bake=options)
+    world = omma.World(scene, light=light, lighting="baked", ultraviolet=0.02, bake=options)
     cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
     baked = world.baked
     peak_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e6

@@ -4,8 +4,8 @@
 
 A honeybee's two eyes go along the bundled flight over the bundled meadow. For each number of rays,
 in turns: the renderer alone; and all that the page does for a frame that moves, which is rendering,
-painting the picture (800 x 400, facets) and encoding it as JPEG. With --lit it is the lit meadow in
-the light of a clear morning, baked (minutes, the first time). With each frame's wall time goes
+painting the picture (facets, as large as it fills a page of 1280 x 800) and encoding it as JPEG.
+With --lit it is the lit meadow in the light of a clear morning, baked (minutes, the first time). With each frame's wall time goes
 the processor time of all threads: on a machine with other work that is what can be compared. Prints
 CSV.
 """
@@ -19,8 +19,9 @@ import time
 from collections.abc import Callable
 
 import omma
-from omma.view.page import jpeg
-from omma.view.painting import channels_of, eye_ids, paint_eye, shown_values
+from omma.view.page import encoded
+from omma.view.painting import channels_of, paint_eye, shown_values
+from omma.view.picture_ids import PictureIds
 from omma.view.poses import pose_from_matrix
 from omma.view.state import Look, Looker
 
@@ -41,7 +42,7 @@ def frame_times(frame: Callable[[Look], object], looks: list[Look]) -> tuple[flo
 def lit_meadow() -> omma.World:
     """The bundled meadow with spectra; how well its light is baked makes no difference here."""
     scene = omma.load_scene(omma.examples.lit_meadow())
-    return omma.World(scene, light=omma.light.clear_sky(30, 135), bake=omma.scene.Bake(paths=16))
+    return omma.World(scene, light=omma.light.clear_sky(30, 135), lighting="baked")
 
 
 def main(samples: list[int], is_lit: bool) -> None:
@@ -49,7 +50,7 @@ def main(samples: list[int], is_lit: bool) -> None:
     eye = omma.species.honeybee_worker().eye
     looker = Looker(world, eye)
     channel = channels_of(world, eye)[0]
-    ids = eye_ids(eye, "facets on the eye", 800)
+    ids = PictureIds(eye).fitted("facets on the eye", 1280, 745)
     poses = [pose_from_matrix(one) for one in omma.load_poses(omma.examples.flight())[::3]]
     load = os.getloadavg()[0]
     print(f"# {len(eye)} ommatidia, {os.cpu_count()} threads of hardware, load before: {load:.1f}")
@@ -63,7 +64,7 @@ def main(samples: list[int], is_lit: bool) -> None:
 
         def page(look: Look) -> None:
             seen = looker.see(look)
-            jpeg(paint_eye(ids, shown_values(world, eye, seen, channel), 1.0, 0.0))
+            encoded(paint_eye(ids, shown_values(world, eye, seen, channel), 1.0, 0.0), "JPEG")
 
         render(looks[0])
         found: dict[str, list[tuple[float, float]]] = {"render": [], "page": []}

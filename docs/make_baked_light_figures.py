@@ -152,7 +152,7 @@ def pixels(width: int, height: int, height_deg: float) -> omma.Eye:
 def compare(setup: Setup, width: int, rays: int, paths: int) -> Found:
     """Both ways, each in two halves with random numbers of their own, which tell its noise."""
     bake = omma.scene.Bake(cell_m=setup.cell_m, paths=paths)
-    world = omma.World(setup.scene, light=setup.light, bake=bake)
+    world = omma.World(setup.scene, light=setup.light, lighting="baked", bake=bake)
     by_paths = world.with_light(setup.light, lighting="path")
     eye = pixels(width, round(width * 0.75), setup.height_deg)
     seen = [

@@ -75,19 +75,28 @@ def tubes(bpy):
 def draw(folder: Path) -> None:
     from matplotlib.figure import Figure
 
+    from omma.picture.unseen import hatch
+
     scene, eye = np.load(folder / "scene.npy"), np.load(folder / "eye.npy")
-    figure = Figure(figsize=(9, 6.2), layout="constrained", dpi=110)
-    above, below = figure.subplots(2, 1, height_ratios=[330 / 900, 0.25])
+    figure = Figure(figsize=(9, 6.4), layout="constrained", dpi=110)
+    grid = figure.add_gridspec(2, 2, height_ratios=[330 / 900, 0.25])
+    above = figure.add_subplot(grid[0, :])
     above.imshow(np.clip(scene, 0, 1) ** (1 / 2.2))
-    above.set_title("The scene in Blender (Cycles), with the bee's ommatidia, 100 times larger")
-    nothing = eye[..., 3] == 0
-    shown = np.clip(eye[..., :3], 0, 1) ** (1 / 2.2)
-    shown[nothing] = 0.9
-    below.imshow(shown)
-    below.set_title("What its left and its right eye see (Omma, by a clear sky)")
-    for axes in (above, below):
-        axes.set_axis_off()
-        axes.title.set_fontsize(10)
+    above.set_title(
+        "The scene in Blender (Cycles), with the bee's ommatidia, 100 times larger", fontsize=10
+    )
+    above.set_axis_off()
+    shown = (255 * np.clip(eye[..., :3], 0, 1) ** (1 / 2.2)).astype(np.uint8)
+    hatch(shown, eye[..., 3] == 0)
+    for k, (name, half) in enumerate(zip(("left", "right"), np.split(shown, 2, axis=1))):
+        below = figure.add_subplot(grid[1, k])
+        below.imshow(half, extent=(-180, 180, -90, 90))
+        below.set_title(f"What its {name} eye sees (Omma, by a clear sky)", fontsize=10)
+        below.set(xticks=range(-180, 181, 90), yticks=range(-90, 91, 45))
+        below.set_xlabel("azimuth (°): left – ahead – right", fontsize=8)
+        below.tick_params(labelsize=8)
+        if k == 0:
+            below.set_ylabel("elevation (°)", fontsize=8)
     figure.savefig(ROOT / "docs" / "blender.png")
 
 

@@ -97,7 +97,15 @@ def draw(axes, name, directions, check):
     eye = omma.Eye(directions, directions, 0.0)
     degrees = np.degrees(eye.interommatidial_angle_rad())
     size = 3 if len(directions) > 2500 else 5
-    dots = axes[0].scatter(azimuth, elevation, c=degrees, s=size, cmap="viridis")
+    # At the rim the six nearest are not all around it: farther away than neighbours are.
+    axes[0].scatter(
+        azimuth[~check.inner], elevation[~check.inner], c="#c8c8c8", s=size, label="rim"
+    )
+    inner = check.inner
+    dots = axes[0].scatter(
+        azimuth[inner], elevation[inner], c=degrees[inner], s=size, cmap="viridis"
+    )
+    axes[0].legend(loc="lower right", fontsize=8, framealpha=0.9)
     plt.colorbar(dots, ax=axes[0], label="Δφ to the six nearest (°)", orientation="horizontal")
     axes[0].set_title(f"{name}: {len(directions):,}")
     colours = {5: "#d55e00", 7: "#0072b2"}

@@ -52,7 +52,7 @@ def main() -> None:
         ROOT / "docs" / "meadow.png",
         [dense, bee],
         [sharp, seen],
-        titles=["What is there", f"Honeybee worker, {len(bee):,} ommatidia"],
+        titles=["What is there", f"Honeybee worker, {len(bee) // 2:,} ommatidia"],
     )
 
 

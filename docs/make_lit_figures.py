@@ -84,7 +84,7 @@ def through_the_eye(world: omma.World, eye: omma.Eye) -> None:
         seen,
         receptors=True,
         full_scale=0.4,
-        titles=["What is there", f"Honeybee worker, {len(eye):,} ommatidia"],
+        titles=["What is there", f"Honeybee worker, {len(eye) // 2:,} ommatidia"],
         title=f"The lit meadow at {name}; 1 is white matt ground",
     )
 

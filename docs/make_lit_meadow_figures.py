@@ -30,6 +30,7 @@ from omma.base.directions import azimuth_elevation_deg_of, direction
 from omma.base.figures import COLOURS, GREY, INK, figure_style, save_figure
 from omma.light import Light
 from omma.picture.response_colours import receptors_shown
+from omma.picture.unseen import hatch
 
 DOCS = Path(__file__).resolve().parent
 SUMMER_TIME = timezone(timedelta(hours=2))
@@ -44,7 +45,7 @@ EXTENT = (-180.0, 180.0, float(LOWEST_DEG), 90.0)
 RAYS, BEE_RAYS = 16, 96
 DECADES = 4  # of the scales of receptors
 DPI = 102
-OUTSIDE = 0.88  # grey, where no ommatidium looks
+OUTSIDE = 0.88  # grey, hatched, where no ommatidium looks
 
 
 @cache
@@ -54,6 +55,7 @@ def lit(name: str) -> omma.World:
     return omma.World(
         omma.load_scene(omma.examples.lit_meadow()),
         light=light,
+        lighting="baked",
         polarized=True,
         bake=omma.scene.Bake(paths=16),
     )
@@ -64,8 +66,7 @@ def light_of(world: omma.World) -> Light:
     return world.light
 
 
-def sun_of(name: str) -> tuple[float, float]:
-    """Elevation and azimuth of the sun, degrees."""
+def sun_of(name: str) -> omma.light.SunPosition:
     return omma.light.sun_position(moment(name), LATITUDE_DEG, LONGITUDE_DEG)
 
 
@@ -75,7 +76,7 @@ def moment(name: str) -> datetime:
 
 def title(name: str) -> str:
     hour, minute = TIMES[name]
-    elevation, _ = sun_of(name)
+    elevation = sun_of(name).elevation_deg
     height = f"{abs(elevation):.0f}° {'above' if elevation > 0 else 'below'} the horizon"
     return f"{name.capitalize()}, {hour}:{minute:02}: the sun is {height}"
 
@@ -118,7 +119,7 @@ def through_the_bee(name: str) -> None:
     white = dict(zip([each.name for each in eye.receptor_types], white_ground(light, eye)))
     adapted = values / [white[kind] for kind in kinds]
     bee = exposed(adapted[ids].astype(np.float32))
-    bee[ids < 0] = round(255 * OUTSIDE)
+    hatch(bee, ids < 0)
 
     figure = Figure(figsize=(9.2, 4.75), layout="constrained")
     figure.suptitle(f"{title(name)} ({PLACE})", fontsize="large", weight="bold")
@@ -135,10 +136,9 @@ def through_the_bee(name: str) -> None:
     top = power * min(step for step in (0.2, 0.5, 1.0) if power * step >= high)
     for k, kind in enumerate(reversed(kinds)):
         panel = figure.add_subplot(grid[1, 2 * k : 2 * k + 2])
-        # Noise of gloss can be larger than what is darkest, and is then below the scale.
-        seen = np.maximum(values[:, kinds.index(kind)], top / 10**DECADES)
-        shown = np.where(ids < 0, np.nan, seen[ids])
+        shown = np.where(ids < 0, np.nan, values[:, kinds.index(kind)][ids])
         panel.set_facecolor(str(OUTSIDE))
+        panel.patch.set(hatch="//////", edgecolor="0.65", linewidth=0)
         marks = panel.imshow(
             shown, extent=EXTENT, interpolation="nearest", cmap="magma",
             norm=LogNorm(top / 10**DECADES, top),
@@ -274,12 +274,12 @@ def through_the_rim() -> None:
                 HEADINGS_DEG, signal[:, mine].mean(axis=1), color=colour,
                 label=f"{60 * k}° to {60 * k + 60}°",
             )  # fmt: skip
-        _, azimuth = sun_of(name)
+        azimuth = sun_of(name).azimuth_deg
         curves.axvline(azimuth, color=GREY, lw=0.8, ls=":")
         curves.annotate("sun", (azimuth, 0.97), (2, 0), xycoords=("data", "axes fraction"),
                         textcoords="offset points", color=GREY, va="top")  # fmt: skip
         sky.set_title(title(name).replace(": the sun is ", "\nsun "), pad=2)
-        frame(sky, azimuth, max(sun_of(name)[0], 0.0))
+        frame(sky, azimuth, max(sun_of(name).elevation_deg, 0.0))
         rims.set(xlim=(-0.6, 0.6), ylim=(0.02, 0.62), aspect="equal", xticks=[], yticks=[])
         rims.spines[:].set_visible(False)
         curves.set(

@@ -140,7 +140,8 @@ def frames(rows: list[Row], error_rows: list[Row], path: Path) -> None:
     for axes, eye, table in zip(panels, eyes, by_eye, strict=False):
         own = sorted((int(r["rays"]), float(r["frames_per_s"])) for r in pick(rows, ommatidia=eye))
         reached = [(rays, 1e3 / way.ms) for n, rays, _, _, way in equal if int(n) == eye]
-        axes.plot(*zip(*table.items(), strict=True), color="#000000", marker="o",
+        # A ring, so that it shows around a mark in the same place.
+        axes.plot(*zip(*table.items(), strict=True), color="#000000", marker="o", ms=10, mfc="none",
                   label="CompoundRay on an RTX 2080 Ti, published")  # fmt: skip
         axes.plot(*zip(*own, strict=True), color="#E69F00", marker="s", ls="--",
                   label="Omma, as many rays")  # fmt: skip

@@ -141,12 +141,14 @@ def noise() -> None:
     clean = filter_frames(light, rate_hz, h)
     for panel, photons in zip(panels, (1000.0, 30_000.0, 1_000_000.0)):
         drawn = photon_noise(light, 1, photons_per_s=photons, integration_time_s=1 / rate_hz)
-        panel.plot(time, filter_frames(drawn, rate_hz, h), color=COLOURS[1], lw=1)
-        panel.plot(time, clean, color=INK, lw=1)
+        noisy = filter_frames(drawn, rate_hz, h)
+        panel.plot(time, noisy, color=COLOURS[1], lw=1, label="with photon noise")
+        panel.plot(time, clean, color=INK, lw=1, label="without")
         deviation = np.sqrt(1 / (photons * h.integration_time_s))
         title = f"{photons:,.0f} photons/s: ± {deviation:.2g}"
         style(panel, title, "time (s)", "response" if photons == 1000 else "")
     panels[0].set_ylim(-0.1, 2.7)
+    legend(panels[1], loc="upper right")
     save(figure, "noise")
 
 
@@ -175,8 +177,8 @@ def dynamic() -> None:
         panels[0, 0].plot(time, light, color=color, lw=1.4)
         panels[1, 0].plot(time, answer, color=color, lw=1.4, label=f"contrast {contrast:+g}")
     panels[0, 0].set_yscale("log")
-    style(panels[0, 0], "Steps of light", "", "light")
-    style(panels[1, 0], "The blowfly's potential", "time (s)", "mV")
+    style(panels[0, 0], "Steps of light", "", "light (model's unit)")
+    style(panels[1, 0], "The blowfly's potential", "time (s)", "potential (mV)")
     legend(panels[1, 0], loc="upper right", ncols=2)
     panels[1, 0].set_ylim(0, 62)
     time = np.arange(0, 5, 1 / rate_hz)
@@ -189,8 +191,8 @@ def dynamic() -> None:
     # With the same mean and the same deviation, to be compared by eye.
     shown = (linear - linear.mean()) / linear.std() * answer.std() + answer.mean()
     panels[1, 1].plot(time, shown, color=GREY, lw=0.8, label="linear filter, scaled", zorder=0)
-    style(panels[0, 1], "A naturalistic series, made up (1/f)", "", "light")
-    style(panels[1, 1], "The blowfly's potential", "time (s)", "mV")
+    style(panels[0, 1], "A naturalistic series, made up (1/f)", "", "light (model's unit)")
+    style(panels[1, 1], "The blowfly's potential", "time (s)", "potential (mV)")
     legend(panels[1, 1], loc="upper left")
     save(figure, "adaptation")
 

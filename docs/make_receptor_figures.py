@@ -66,7 +66,7 @@ def receptor_figure() -> None:
         for k, color in enumerate(PRIMARIES.values()):
             value = matrix[row, k]
             panels[2].barh(row, value, left=left, color=color, height=0.6)
-            if value > 0.06:
+            if value > 0.1:
                 at = left + value / 2
                 fraction(panels[2], at, row, value, "w")
             left += value

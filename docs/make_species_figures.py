@@ -39,9 +39,9 @@ are assumed, and written where they are used, in `bees.py`, `flies.py`, `ants.py
 `hunters.py` of `python/omma/species`: outlines of fields of view, and from where to where one angle
 or facet blends into another. This page is made by `docs/make_species_figures.py`.
 
-![Interommatidial angle, robber fly](species-holcocephala.png)
-![Interommatidial angle, honeybee drone](species-honeybee_drone.png)
-![Interommatidial angle, fiddler crab](species-fiddler_crab.png)
+![Interommatidial angles, facets, acceptance angle: robber fly](species-holcocephala.png)
+![The same, honeybee drone](species-honeybee_drone.png)
+![The same, fiddler crab](species-fiddler_crab.png)
 
 ## How they are made
 
@@ -67,8 +67,9 @@ or facet blends into another. This page is made by `docs/make_species_figures.py
   away from the fovea but much less around it. The same holds for the dragonfly's dorsal
   band, where 0.24° is the angle across.
 - In such a stretched lattice the six nearest axes are not the six neighbours on the surface. Maps
-  go by the neighbours on the surface; by the nearest axes the robber fly's would show a star that
-  is not the eye's. By neighbours on the surface, Δφ (as a root mean square) 10 to 45° from the
+  go by the neighbours on the surface, and show the smaller and the larger angle, as the mean would
+  hide what is fine in one direction only; by the nearest axes the robber fly's would show a star
+  that is not the eye's. By neighbours on the surface, Δφ (as a root mean square) 10 to 45° from the
   fovea is even around it to 8 %. There steps away from the fovea are four to six times those around
   it.
 """
@@ -103,7 +104,7 @@ def main():
             plot_eye_maps(
                 DOCS / f"species-{name}.png",
                 animal.eye,
-                ["interommatidial", "facet"],
+                ["smaller", "larger", "facet", "acceptance"],
                 title=animal.latin,
             )
             print(f"wrote species-{name}.png: Δφ {angle.min():.2f} to {angle.max():.2f}°")

@@ -57,7 +57,7 @@ def main() -> None:
         "Mean distance of what is met (white: sky alone)",
         norm=LogNorm(0.3, 300), cmap="viridis_r",
     )  # fmt: skip
-    add_bar(figure, image, distance, [0.3, 1, 3, 10, 30, 100, 300], "m")
+    add_bar(figure, image, distance, [0.3, 1, 3, 10, 30, 100, 300], "distance (m)")
     show(shares, paint(ids, mixed(truth, kind_of)), "What fills the field, by shares")
     colours = [*((name, colour) for name, (_, colour) in KINDS.items()), ("sky", SKY)]
     # The mean of 1/distance is what a translation makes flow of.
@@ -65,7 +65,7 @@ def main() -> None:
         spread, paint(ids, truth.inverse_distance_per_m[0, :, None])[..., 0],
         "Mean inverse distance, 0 where sky is", vmin=0, vmax=2, cmap="viridis",
     )  # fmt: skip
-    add_bar(figure, image, spread, [0, 1, 2], "per metre")
+    add_bar(figure, image, spread, [0, 1, 2], "1/distance (per metre)")
     shares.legend(
         handles=[patches.Patch(color=colour, label=name) for name, colour in colours],
         loc="upper center", bbox_to_anchor=(0.5, 0.02), ncols=5, frameon=False, fontsize=9,
@@ -117,7 +117,7 @@ def show(panel, picture, title, **options):
     oval = patches.Ellipse((0, 0), 4 * np.sqrt(2), 2 * np.sqrt(2), fill=False, color="0.4", lw=0.8)
     panel.add_patch(oval)
     image.set_clip_path(oval)
-    for azimuth, text in ((-90, "left"), (0, "ahead"), (90, "right")):
+    for azimuth, text in ((-90, "left −90°"), (0, "ahead 0°"), (90, "right 90°")):
         x = project_directions(omma.eye.direction(azimuth, 0), "mollweide")[0]
         panel.text(x, 1.46, text, ha="center", va="bottom", fontsize=8, color="0.35")
     panel.set_title(title, pad=16)

@@ -2,7 +2,7 @@
 
     python scripts/view_soak.py [MINUTES]
 
-Needs chromium and playwright, as tests/python/test_view_browser.py. Of the page of a made scene
+Needs chromium and playwright, as tests/python/view_browser.py. Of the page of a made scene
 with two eyes of 2,000 ommatidia each, a second browser beside the first, it prints each minute: the
 memory of this process and of the page's JavaScript, MB; the longest time from what a browser did to
 the frame that shows it, s; and what consoles and the page itself said that is wrong. Exit code 1

@@ -123,6 +123,15 @@ static void check_sharing(const Eye& eye, const RenderSettings& settings) {
         "dark rings go on to the side");
 }
 
+// Of all ommatidia, as find_acceptances has it of some.
+static float least_acceptance(const EyeView& eye, const DirectionsView& directions,
+                              std::size_t ommatidia) {
+  float least = INFINITY;
+  for (std::size_t i = 0; i < ommatidia; ++i)
+    least = std::min(least, acceptance_sr(directions.warps[eye.warp[i]], eye.scale[i]));
+  return least;
+}
+
 Renderer::State::State(World seen, Eye its_eye, RenderSettings its_settings,
                        const DirectionTables* known)
     : world(std::move(seen)),
@@ -147,6 +156,7 @@ Renderer::State::State(World seen, Eye its_eye, RenderSettings its_settings,
     eye_arrays = make_eye_arrays(eye, directions.front());
     eye_view = omma::view(eye_arrays);
     for (const DirectionTables& tables : directions) direction_views.push_back(omma::view(tables));
+    least_acceptance_sr = least_acceptance(eye_view, direction_views.front(), eye.size());
     if (target != nullptr) nearest = nearest_in_blocks(eye_arrays, most_per_block);
     if (shares_rays(settings.sampling)) shared_set(*this, 0);
     times.directions_s = seconds_since(start);

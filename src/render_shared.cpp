@@ -23,16 +23,26 @@ float* room_for_rays(const Renderer::State& s, std::size_t values) {
   return own.data();
 }
 
-// A frame with one set of rays; `parallel` where the threads are not busy with other poses.
-void render_frame(const Renderer::State& s, const SharedSet& set, const Mat4& world_from_head,
-                  const SeenMasks& sees, const Outputs& outputs, bool parallel, float* responses) {
-  Blocks blocks{{s.view(), &set.eye_view, &set.directions_view},
-                &s.built(),
-                static_cast<int>(set.rays.rays.size()),
-                most_per_block};
+// Blocks of some ommatidia: of those that stand for shared rays, or of the eye itself.
+Blocks blocks_of(const Renderer::State& s, const EyeView& eye, const DirectionsView& directions,
+                 std::size_t ommatidia, const Outputs& outputs) {
+  Blocks blocks{{s.view(), &eye, &directions}, &s.built(), static_cast<int>(ommatidia), most_per_block};
   blocks.frame.outputs = outputs.count;
   blocks.frame.radiance_unit = s.world.state().radiance_unit;
   if (!outputs.from_band.empty()) blocks.frame.output_from_band = outputs.from_band.data();
+  // A ray counts for several ommatidia, so that all count the same discs by their rays.
+  blocks.frame.acceptance_sr = s.least_acceptance_sr;
+  return blocks;
+}
+
+// A frame with one set of rays; `parallel` where the threads are not busy with other poses.
+void render_frame(const Renderer::State& s, int pattern, const Mat4& world_from_head,
+                  const SeenMasks& sees, const Outputs& outputs, bool parallel, float* responses) {
+  const SharedSet& set = shared_set(s, pattern);
+  const Blocks blocks =
+      blocks_of(s, set.eye_view, set.directions_view, set.rays.rays.size(), outputs);
+  const Blocks of_eye =
+      blocks_of(s, s.eye_view, s.direction_views.front(), s.eye.size(), outputs);
   // [ray][output]
   float* const traced =
       room_for_rays(s, set.rays.rays.size() * static_cast<std::size_t>(outputs.count));
@@ -47,16 +57,28 @@ void render_frame(const Renderer::State& s, const SharedSet& set, const Mat4& wo
     s.built().functions.weigh(omma::view(set.rays), traced, outputs.count, static_cast<std::int64_t>(i * rows_per_task),
                   static_cast<std::int64_t>(std::min(rows, (i + 1) * rows_per_task)), responses);
   };
+  const std::size_t disc_tasks =
+      s.view()->light != nullptr && s.view()->light->disc_count > 0 ? of_eye.count() : 0;
+  const auto add_discs = [&](std::size_t block) {
+    BlockTask task = make_task(of_eye, block, world_from_head, static_cast<std::uint64_t>(pattern));
+    task.sees = sees;
+    task.responses = responses;
+    s.built().functions.discs(
+        of_eye.frame, task, s.built().acceleration.tracer.get(),
+        thread_memory(ThreadRoom::block, block_memory_bytes(of_eye.frame)));
+  };
   if (parallel) {
     // Isolated: a thread that waits here may not take up a frame of another call, which would use
     // this thread's room.
     run_isolated([&] {
       parallel_for(std::size_t{0}, blocks.count(), trace);
       parallel_for(std::size_t{0}, row_tasks, weigh);
+      parallel_for(std::size_t{0}, disc_tasks, add_discs);
     });
   } else {
     for (std::size_t i = 0; i < blocks.count(); ++i) trace(i);
     for (std::size_t i = 0; i < row_tasks; ++i) weigh(i);
+    for (std::size_t i = 0; i < disc_tasks; ++i) add_discs(i);
   }
 }
 
@@ -66,7 +88,7 @@ void render_with_error(const Renderer::State& s, const Mat4& world_from_head, co
   const std::size_t size = s.eye.size() * static_cast<std::size_t>(outputs.count);
   std::vector<double> sum(size), squares(size);
   for (int pattern = 0; pattern < error_scrambles; ++pattern) {
-    render_frame(s, shared_set(s, pattern), world_from_head, sees, outputs, parallel, responses);
+    render_frame(s, pattern, world_from_head, sees, outputs, parallel, responses);
     for (std::size_t i = 0; i < size; ++i) {
       const double x = static_cast<double>(responses[i]);
       sum[i] += x;
@@ -128,7 +150,7 @@ void render_shared(const Renderer::State& s, std::span<const Mat4> world_from_he
       render_with_error(s, world_from_head[p], sees, outputs, parallel, out,
                         call.standard_error.data() + p * pose_size);
     else
-      render_frame(s, shared_set(s, 0), world_from_head[p], sees, outputs, parallel, out);
+      render_frame(s, 0, world_from_head[p], sees, outputs, parallel, out);
   };
   const double rays = static_cast<double>(shared_set(s, 0).rays.rays.size()) * patterns;
   run_in_stretches(world_from_head.size(), rays, 1, call.progress,

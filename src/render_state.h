@@ -41,6 +41,7 @@ struct Renderer::State {
   EyeArrays eye_arrays;
   std::vector<DirectionsView> direction_views;  // [round]
   EyeView eye_view;
+  float least_acceptance_sr = 0;  // of the eye's; find_acceptances
   std::vector<std::uint8_t> nearest;  // nearest_in_blocks, where there is an error to reach
 
   // Rays shared by neighbours: the first set is used at all poses, the others for standard errors.

@@ -1,8 +1,8 @@
 """A flower's ultraviolet guide: how far a bee can tell it from the petals, and man.
 
 The flower is a buttercup's kind of bull's eye: yellow petals that reflect ultraviolet, and do not
-at their feet (spectra: docs/materials.md; they still differ a little at 400 to 430 nm, which is
-what people see of it here). It stands in daylight over a sward. Contrasts are those
+at their inner ends (spectra: docs/materials.md; they still differ a little at 400 to 430 nm, which
+is what people see of it here). It stands in daylight over a sward. Contrasts are those
 of Vorobyev & Osorio 1998 (Proc R Soc B 265:351), limited by the noise of receptors: 1 is about the
 threshold. Assumed, as recalled from there and from others, not read again:
 

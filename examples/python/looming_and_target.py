@@ -20,6 +20,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import hsv_to_rgb
 from matplotlib.patches import Ellipse
+from matplotlib.patheffects import withStroke
 from matplotlib.projections.geo import MollweideAxes
 
 import omma
@@ -87,23 +88,6 @@ def in_space(eye, vectors):
     return vectors[..., :1] * eye.right.astype(float) + vectors[..., 1:] * eye.up.astype(float)
 
 
-def away_from(eye, direction):
-    """How far each ommatidium looks from a direction (N,), degrees, and which way leads from it at
-    the ommatidium, unit vectors (N, 3)."""
-    axis = eye.axis.astype(float)
-    level = axis @ direction
-    away = axis * level[:, None] - direction
-    away /= np.maximum(np.linalg.norm(away, axis=1, keepdims=True), 1e-9)
-    return np.degrees(np.arccos(np.clip(level, -1, 1))), away
-
-
-def expansion(eye, vectors):
-    """The mean motion (T,) away from the disc's middle, of ommatidia within 30° of it."""
-    off_deg, away = away_from(eye, DISC_AT)
-    near = (off_deg < 30) & np.isfinite(vectors[0, :, 0])
-    return np.einsum("tnk,nk->tn", in_space(eye, vectors), away)[:, near].mean(axis=1)
-
-
 def rightward(eye, vectors):
     """The mean motion (T,) to the right, of ommatidia within 3° of the target's elevation on the
     right."""
@@ -144,6 +128,14 @@ def draw_map(panel, eye, light, vectors, largest, time_s, *, longest, dot):
     for azimuth in range(-120, 121, 60):
         panel.plot(*flat(azimuth, np.arange(-90, 91, 3)).T, color="0.85", lw=0.5)
     panel.add_patch(Ellipse((0, 0), 4 * 2**0.5, 2 * 2**0.5, fill=False, ec="0.6", lw=0.8))
+    degrees = {"fontsize": 7, "color": "0.1", "clip_on": True, "zorder": 5,
+               "path_effects": [withStroke(linewidth=2, foreground="w")]}  # fmt: skip
+    for azimuth in (-120, -60, 0, 60, 120):
+        at = flat(np.array([azimuth]), -2.0)[0]
+        panel.text(*at, f"{azimuth}°" if azimuth else "ahead 0°", ha="center", va="top", **degrees)
+    for elevation in (-60, -30, 30, 60):
+        at = flat(np.array([-180]), elevation)[0]
+        panel.text(*at, f"{elevation}°  ", ha="right", va="center", **degrees)
     shade = np.clip(light / 2, 0, 1) ** (1 / 2.2)
     panel.scatter(*on_map(eye.axis).T, c=shade, s=dot, lw=0, cmap="gray", vmin=-0.2, vmax=1.15)
     size = np.hypot(*vectors.T)
@@ -206,7 +198,8 @@ def draw(path, eye, times_s, light, vectors):
             panel.set_title(title, fontsize=10)
     left, right = below.subplots(1, 2)
     draw_course(
-        left, times_s, expansion(eye, vectors), "#0072b2", "mean motion away from its middle",
+        left, times_s, omma.motion.expansion(eye, vectors, DISC_AT), "#0072b2",
+        "mean motion away from its middle",
         2 * disc_radius_deg(times_s), "angle across, °", "The disc: ommatidia within 30° of it",
     )  # fmt: skip
     draw_course(
@@ -228,12 +221,21 @@ def main():
     asked = parser.parse_args()
     eye = omma.species.calliphora().eye
     times_s, light, vectors = watch(eye, asked.rays)
-    looming, passing = expansion(eye, vectors), rightward(eye, vectors)
+    looming = omma.motion.expansion(eye, vectors, DISC_AT)
+    passing = rightward(eye, vectors)
     print(f"{len(eye):,} ommatidia, {len(times_s)} frames at {RATE_HZ:.0f} Hz")
     print("time, s   away from the disc's middle   right along the target's way")
     for moment in (0.1, 0.3, 0.5, 0.7, 0.8):
         t = round(moment * RATE_HZ)
         print(f"{times_s[t]:7.2f}   {looming[t]:27.2e}   {passing[t]:28.2e}")
+    cells = omma.motion.looming_cells(eye)
+    t = round(0.7 * RATE_HZ)
+    strongest = cells.center[np.nanargmax(cells.responses(vectors[t]))]
+    off_deg = np.degrees(np.arccos(strongest @ DISC_AT))
+    print(
+        f"of {len(cells)} cells like LPLC2 the strongest at {times_s[t]:.2f} s looks "
+        f"{off_deg:.0f}° beside the disc's middle"
+    )
     draw(asked.output, eye, times_s, light, vectors)
     print(f"wrote {asked.output}")
 

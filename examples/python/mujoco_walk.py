@@ -81,7 +81,8 @@ def draw(path, eye, world, way, seen):
     panel.set(aspect="equal", xlabel="x, mm", ylabel="y, mm", xlim=(-3, 28), ylim=(-12, 14))
     panel.grid(color="0.9")
     for panel, moment in zip(right.subplots(3, 1), moments):
-        picture = omma.picture.equirectangular(eye, seen[moment], width=720, height=360)
+        # What is farther than 8° from every axis no ommatidium sees: it is hatched.
+        picture = omma.picture.equirectangular(eye, seen[moment], 720, 360, max_angle_deg=8)
         panel.imshow(picture, extent=(-180, 180, -90, 90))
         panel.set_title(f"What its {len(eye):,} ommatidia see at {(moment + 1) / RATE_HZ:.2f} s",
                         fontsize=10)  # fmt: skip

@@ -18,6 +18,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.colors import LogNorm
 
 import omma
 
@@ -129,10 +130,10 @@ def draw(path, eye, found, water):
     for row, (name, stokes) in enumerate(found.items()):
         degree, off_level = polarisation(stokes)
         panels = [figure.add_subplot(grid[row, k], projection="polar") for k in range(3)]
-        bright = np.log10(stokes[:, 0])
-        low, high = np.quantile(bright, (0.02, 0.98))
-        disc(panels[0], eye, bright, f"{name}: radiance, logarithmic", cmap="gray", vmin=low,
-             vmax=high)  # fmt: skip
+        norm = LogNorm(*np.quantile(stokes[:, 0], (0.02, 0.98)))
+        drawn = disc(panels[0], eye, stokes[:, 0], f"{name}: radiance", cmap="gray", norm=norm)
+        bar = figure.colorbar(drawn, ax=panels[0], shrink=0.7, pad=0.03, extend="both")
+        bar.set_label("photons m⁻² s⁻¹ sr⁻¹ nm⁻¹", fontsize=7.5)
         drawn = disc(panels[1], eye, degree, "degree of polarisation", cmap="magma", vmin=0, vmax=1)
         figure.colorbar(drawn, ax=panels[1], shrink=0.7, pad=0.03)
         shown = np.where(degree > 0.02, off_level, np.nan)

@@ -6,7 +6,7 @@
     eye = omma.species.honeybee_worker().eye
     renderer = omma.Renderer(scene, eye, omma.Fixed(16))
     responses = renderer.render(omma.look_at((0, 1, 0), (0, 1, -5)))  # float32 (1, N, 3), linear
-    omma.save_png("view.png", omma.picture.equirectangular(eye, responses[0]))
+    omma.save_png("view.png", omma.picture.framed(eye, responses[0]))
 
 The response of ommatidium i in band b is the radiance around it, weighted by its angular
 sensitivity: an evenly lit surround of radiance 1 gives exactly 1. Linear, never clipped. Poses are

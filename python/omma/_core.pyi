@@ -1042,8 +1042,10 @@ def find_animation(scene: Scene, name: str) -> int: ...
 
 def camera_at(scene: Scene, camera: int, time_s: float, animations: Sequence[int]) -> numpy.typing.NDArray[numpy.float64]: ...
 
-def with_path(scene: Scene, path: str | os.PathLike[str]) -> Scene:
-    """The same scene, which says that it came from that file."""
+def with_path(scene: Scene, path: str | os.PathLike[str], warnings: list[str]) -> Scene:
+    """
+    The same scene, which says that it came from that file, and what of that was passed over.
+    """
 
 class Acceptance:
     """

@@ -6,6 +6,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <optional>
 #include <vector>
 
@@ -53,6 +54,28 @@ Acceptance table(std::vector<double> right_rad, std::vector<double> up_rad,
   acceptance.kernel = Kernel::table;
   acceptance.table = std::make_shared<const SensitivityTable>(std::move(table));
   return checked(std::move(acceptance));
+}
+
+// What a receptor is, as far as it is known: what is 0 or as usual is left out.
+std::string receptor_repr(const ReceptorType& a) {
+  std::string text = "<omma.receptors.ReceptorType '" + a.name + "'";
+  const auto add = [&](const char* pattern, auto... values) {
+    char part[96];
+    std::snprintf(part, sizeof part, pattern, values...);
+    text += part;
+  };
+  if (a.peak_wavelength_nm > 0) add(", peak %g nm", a.peak_wavelength_nm);
+  if (!a.wavelength_nm.empty())
+    add(", table of %g to %g nm", a.wavelength_nm.front(), a.wavelength_nm.back());
+  if (a.length_m > 0) add(", rhabdom %g um long", 1e6 * a.length_m);
+  if (a.absorption_per_m > 0) add(", absorbing %g per um", 1e-6 * a.absorption_per_m);
+  if (a.polarisation_sensitivity != 1)
+    add(", polarisation sensitivity %g, microvilli at %g deg", a.polarisation_sensitivity,
+        a.microvillus_angle_rad / degree);
+  if (a.right_rad != 0 || a.up_rad != 0)
+    add(", looks %.4g deg right and %.4g deg up", a.right_rad / degree, a.up_rad / degree);
+  if (a.acceptance) text += ", an acceptance of its own";
+  return text + ">";
 }
 
 void expect_width(const char* name, double width_rad, bool allow_unusual) {
@@ -386,8 +409,7 @@ void bind_acceptance(nb::module_& m) {
       .def_ro("right_rad", &ReceptorType::right_rad)
       .def_ro("up_rad", &ReceptorType::up_rad)
       .def_ro("acceptance", &ReceptorType::acceptance)
-      .def("__repr__",
-           [](const ReceptorType& a) { return "<omma.receptors.ReceptorType '" + a.name + "'>"; });
+      .def("__repr__", [](const ReceptorType& a) { return receptor_repr(a); });
   def_struct_value(
       receptor_class,
       [](const ReceptorType& type) { validate_receptor_type(type, "ReceptorType"); },

@@ -387,14 +387,18 @@ void bind_scene(nb::module_& m) {
               "collections.abc.Sequence[int]) -> numpy.typing.NDArray[numpy.float64]"));
   m.def(
       "with_path",
-      [](const Scene& scene, nb::handle path) {
+      [](const Scene& scene, nb::handle path, std::vector<std::string> told) {
         auto made = std::make_shared<Scene>(scene);
         made->path = path_text(path);
+        made->warnings = std::move(told);
+        for (std::string& sentence : place_warnings(*made, "the file has them"))
+          made->warnings.push_back(std::move(sentence));
         return made;
       },
-      nb::arg("scene"), nb::arg("path"),
-      nb::sig("def with_path(scene: Scene, path: str | os.PathLike[str]) -> Scene"),
-      "The same scene, which says that it came from that file.");
+      nb::arg("scene"), nb::arg("path"), nb::arg("warnings"),
+      nb::sig("def with_path(scene: Scene, path: str | os.PathLike[str], warnings: list[str]) -> "
+              "Scene"),
+      "The same scene, which says that it came from that file, and what of that was passed over.");
 }
 
 }  // namespace omma::python

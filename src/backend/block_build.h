@@ -20,6 +20,13 @@ BlockFunctions build_block() {
     render_block<Packets>(frame, task, search,
                           lay_out(room, frame, packet_rays));
   };
+  block.discs = [](const FrameView& frame, const BlockTask& task, const void* tracer,
+                   std::byte* memory) {
+    const DenormalsAreZero denormals_are_zero;
+    Search search{static_cast<const Tracer*>(tracer)};
+    Room room{memory};
+    render_discs<Packets>(frame, task, search, lay_out(room, frame, packet_rays));
+  };
   block.weigh = [](const SharedWeights& shared, const float* radiance, int outputs,
                    std::int64_t first, std::int64_t end, float* responses) {
     const DenormalsAreZero denormals_are_zero;

@@ -19,6 +19,8 @@ struct BlockFunctions {
   // `tracer`: what the backend built; `memory`: block_memory_bytes, aligned to 64 bytes.
   void (*render)(const FrameView&, const BlockTask&, const void* tracer,
                  std::byte* memory) = nullptr;
+  // Adds what the task's ommatidia see of discs of the sky to its responses.
+  void (*discs)(const FrameView&, const BlockTask&, const void* tracer, std::byte* memory) = nullptr;
   void (*weigh)(const SharedWeights&, const float* radiance, int outputs, std::int64_t first,
                 std::int64_t end, float* responses) = nullptr;
   // Mean over the place's paths, [band], in the view's unit; memory as of `render`.

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <string>
 
+#include "backend/light_aims.h"
 #include "backend/sky_data.h"
 #include "light/bands.h"
 #include "light/check_light.h"
@@ -229,6 +230,9 @@ std::unique_ptr<LightData> make_light_data(const Light& light, const Scene& scen
   out.emissive_count = static_cast<std::int32_t>(data->emissive.size());
   choose_probabilities(out, sent);
   data->radiance_unit = choose_radiance_unit(sent);
+  data->aims = make_aims(*data, scene, placement, view);
+  out.aims = data->aims.data();
+  out.aim_count = static_cast<std::int32_t>(data->aims.size());
   return data;
 }
 
@@ -242,6 +246,7 @@ void scale_to_radiance_unit(LightData& data) {
   data.view.sky.per_unit = per_unit;
   for (float& x : data.disc_radiance) x *= per_unit;
   for (float& x : data.lamp_strength) x *= per_unit;
+  for (AimView& aim : data.aims) aim.brightest *= per_unit;
 }
 
 void place_lamps(LightData& data, const Scene& scene, Vec3d origin_m) {

@@ -41,6 +41,7 @@ struct LightData {
   std::map<std::int32_t, std::vector<float>> triangle_sum;  // of meshes that shine
   std::vector<float> emissive_sum;
   std::vector<std::int32_t> emissive_of_instance;
+  std::vector<AimView> aims;
   LightView view;
   // About how bright it is, a power of two: what a radiance of 1 should be on the way of rays, so that
   // squares of absolute radiances, 10^18 and more, stay in single precision.

@@ -2,11 +2,9 @@
 #include "backend/lit_data.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "backend/specular_albedo.h"
-#include "physics/baked_scatter.h"
 
 namespace omma {
 namespace {
@@ -45,35 +43,6 @@ void leave_out_baked(LitData& lit) {
   light.lamp_probability = sum > 0 ? 1.0f - light.far_probability : 0.0f;
 }
 
-// BakedView::coarse_sky, and per_open_sky: the mean over directions about the vertical, by the cosine.
-void make_coarse_sky(const LightView& light, LitData& lit) {
-  constexpr int parts = 4;  // of a cell, each way
-  const auto bands = static_cast<std::size_t>(light.bands);
-  lit.coarse_sky.assign(coarse_sky_cells * bands, 0.0f);
-  lit.per_open_sky.assign(bands, 0.0f);
-  if (light.sky.rows == 0) return;
-  std::vector<double> sums(bands, 0.0);
-  std::vector<float> radiance(bands);
-  double weights = 0;
-  for (int k = 0; k < coarse_sky_cells * parts * parts; ++k) {
-    const int cell = k / (parts * parts), part = k % (parts * parts);
-    const Vec3 d = coarse_sky_direction(cell, (static_cast<float>(part % parts) + 0.5f) / parts,
-                                        (static_cast<float>(part / parts) + 0.5f) / parts);
-    eval_sky(light, d, find_far(light, d), 1, radiance.data(), 1, light.bands);
-    // Even steps on an octahedron's face, |x| + y + |z| = 1, take solid angles by the inverse cube of
-    // its points' distance from the middle.
-    const auto size = static_cast<double>(std::fabs(d.x) + d.y + std::fabs(d.z));
-    const double weight = size * size * size * static_cast<double>(d.y);
-    weights += weight;
-    for (std::size_t b = 0; b < bands; ++b) {
-      lit.coarse_sky[static_cast<std::size_t>(cell) * bands + b] += radiance[b] / (parts * parts);
-      sums[b] += weight * static_cast<double>(radiance[b]);
-    }
-  }
-  for (std::size_t b = 0; b < bands; ++b)
-    if (sums[b] > 0) lit.per_open_sky[b] = static_cast<float>(weights / sums[b]);
-}
-
 void take_baked(LitData& lit, const std::shared_ptr<const BakedLight>& baked,
                 const MovingFrames& frames) {
   lit.baked_light = baked;
@@ -93,9 +62,6 @@ void take_baked(LitData& lit, const std::shared_ptr<const BakedLight>& baked,
   }
   view.first_origin_m = frames.lamp_origin_now_m;
   view.unit = static_cast<float>(baked->unit / lit.light->radiance_unit);
-  make_coarse_sky(lit.light->view, lit);
-  view.coarse_sky = lit.coarse_sky.data();
-  view.per_open_sky = lit.per_open_sky.data();
   lit.view.light = &lit.left_out;
   lit.view.baked = &lit.baked;
 }

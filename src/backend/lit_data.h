@@ -25,8 +25,6 @@ struct LitData {
   std::vector<DiscView> discs_alone;
   std::shared_ptr<const BakedLight> baked_light;
   std::vector<const std::int32_t*> cell_of_triangle;  // [mesh]
-  RowTable coarse_sky;                                // see BakedView
-  std::vector<float> per_open_sky;                    // the same
   BakedView baked;
   SunMapData sun_map;
   SceneView view;                               // without a background

@@ -346,7 +346,7 @@ Scene parse_scene(std::string file, const std::string& path, const SceneOptions&
   read_rig(loader.gltf, loader.nodes, parent, std::move(loader.rig), loader.warnings, loader.scene);
   loader.scene.warnings = loader.warnings.sentences();
   validate_scene(loader.scene);
-  for (std::string& warning : place_warnings(loader.scene))
+  for (std::string& warning : place_warnings(loader.scene, "the file has them"))
     loader.scene.warnings.push_back(std::move(warning));
   return std::move(loader.scene);
 }

@@ -127,7 +127,7 @@ Placement placement_of(const Scene& scene) {
   return placement;
 }
 
-std::vector<std::string> place_warnings(const Scene& scene) {
+std::vector<std::string> place_warnings(const Scene& scene, const std::string& who) {
   const std::vector<Bounds> boxes = boxes_of_used_meshes(scene);
   const Bounds all = rough_scene_bounds(scene);
   const double half = half_size_m(all);
@@ -157,9 +157,10 @@ std::vector<std::string> place_warnings(const Scene& scene) {
   if (rounded > 0)
     warnings.push_back(
         std::to_string(rounded) + " of " + std::to_string(scene.instances.size()) +
-        text(" placed meshes lie so far from the origin of their own coordinates that single "
-             "precision in the file may have moved vertices by up to %.2g m, in a scene of %.3g m; "
-             "coordinates near zero, placed by a node, would not be",
+        " placed meshes lie so far from the origin of their own coordinates that single "
+        "precision, in which " + who +
+        text(", may have moved vertices by up to %.2g m, in a scene of %.3g m; coordinates near "
+             "zero, placed by a node, would not be",
              rounding, 2 * half));
   return warnings;
 }

@@ -75,8 +75,9 @@ inline const std::vector<Vec3>& positions_of(const Scene& scene, const Placement
   return changed.empty() ? scene.meshes[mesh].positions : changed;
 }
 
-// What single precision does to a scene: vertices that it has rounded in the file, instances too
-// far away to be seen. A sentence each.
-std::vector<std::string> place_warnings(const Scene& scene);
+// What single precision does to a scene: vertices that it has rounded, instances too far away to be
+// seen. A sentence each; `who` says what has vertices in single precision.
+std::vector<std::string> place_warnings(const Scene& scene,
+                                        const std::string& who = "meshes are kept");
 
 }  // namespace omma

@@ -150,7 +150,7 @@ OMMA_HD void ask_lights(const SceneView& scene, Search& search, const Packet<L>&
     const int l = lowest_bit(bits);
     eval_light_sample(scene, lights.other[l], components, memory.light + l, n, stride);
   }
-  add_disc_light<L>(light, lights.direction, far_seen, memory.light);
+  add_disc_light<L>(light, lights.direction, far_seen, nullptr, memory.light);
   if (dims)
     for (int c = 0; c < components; ++c)
       for (int i = 0; i < stride; ++i)

@@ -53,6 +53,38 @@ OMMA_HD void reduce_errors(const FrameView& frame, const BlockTask& task, const 
   }
 }
 
+// Adds to the sums over the rays of each unit what it sees of discs of the sky, and where it aims,
+// besides.
+template <typename L, typename Search>
+OMMA_HD void add_beside_rays(const FrameView& frame, const BlockTask& task, const UnitList& units,
+                       Search& search, const BlockMemory& memory) {
+  if (!sees_beside_rays(frame)) return;
+  eval_beside_rays<L>(frame, task, units, search, memory);
+  const int samples = frame.directions->samples;
+  for (int o = 0; o < frame.outputs; ++o)
+    for (int u = 0; u < units.count; ++u) {
+      const double seen = memory.beside[o * unit_room + u];
+      memory.sums[o * unit_room + u] += samples * seen;
+      if (task.ray_radiance == nullptr || seen == 0) continue;
+      const auto ommatidium = static_cast<std::int64_t>(frame.eye->ommatidium[task.first + u]);
+      for (int k = 0; k < samples; ++k)
+        task.ray_radiance[(ommatidium * samples + k) * frame.outputs + o] +=
+            static_cast<float>(seen * frame.radiance_unit);
+    }
+}
+
+// Adds to responses what ommatidia see of discs of the sky; their rays have left it out.
+template <typename L, typename Search>
+OMMA_HD void render_discs(const FrameView& frame, const BlockTask& task, Search& search,
+                          const BlockMemory& memory) {
+  const UnitList all{nullptr, 0, 1, task.count};
+  eval_beside_rays<L>(frame, task, all, search, memory);
+  for (int o = 0; o < frame.outputs; ++o)
+    for (int i = 0; i < task.count; ++i)
+      task.responses[std::int64_t{frame.eye->ommatidium[task.first + i]} * frame.outputs + o] +=
+          static_cast<float>(memory.beside[o * unit_room + i] * frame.radiance_unit);
+}
+
 // `memory`: of this thread, lay_out for this frame.
 template <typename L, typename Search>
 OMMA_HD void render_block(const FrameView& frame, const BlockTask& task, Search& search,
@@ -63,6 +95,7 @@ OMMA_HD void render_block(const FrameView& frame, const BlockTask& task, Search&
   if (frame.truth != nullptr) clear(*frame.truth, memory.truth_sums, all.count);
   trace_units<L>(frame, task, *frame.directions, all, search, memory, memory.sums,
                  static_cast<double*>(nullptr), memory.truth_sums);
+  add_beside_rays<L>(frame, task, all, search, memory);
   reduce(frame, task, memory.sums);
   for (int i = 0; frame.truth != nullptr && i < task.count; ++i)
     reduce_truth(frame, task, memory.truth_sums, i, frame.scrambles,

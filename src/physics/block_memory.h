@@ -5,6 +5,7 @@
 
 #include <cstddef>
 
+#include "physics/light_view.h"
 #include "physics/units.h"
 
 namespace omma {
@@ -60,6 +61,18 @@ OMMA_HD TruthRows rows_of(const TruthView& truth) {
   return {3, flow, truth.flow ? flow + 6 : flow};
 }
 
+// Parts of the points on a disc, each all over it: the spread of how much of it they find open is the
+// error (eye_discs.h). Together they are more even than apart, so that it is rather too large.
+inline constexpr int disc_replicates = 8;
+
+// Directions in which a unit sees something small and bright (aimed_rays.h).
+struct AimCone {
+  Vec3 direction;                    // unit
+  float chord_2 = 0, solid_sr = 0;   // of its rim, as of DiscView; its solid angle
+  float most = 0;                    // bound on what it adds to the response
+};
+inline constexpr int most_cones = 8;
+
 // What has a number for each output of each unit is [output][unit_room].
 struct BlockMemory {
   // [component][band][lane] of one packet, where worlds are lit of block_rays of them one behind the
@@ -77,6 +90,15 @@ struct BlockMemory {
   // and over those of a round.
   float *truth = nullptr, *short_truth = nullptr;
   TruthSums truth_sums, truth_round_sums;
+  // In lit worlds: what units see of discs of the sky and of what they aim at (eye_discs.h,
+  // aimed_rays.h) besides their rays, and the square of its error.
+  double *beside = nullptr, *beside_variance = nullptr;
+  // Of one unit, on a disc: sums [disc_replicates][band]; its light and error, [2][band].
+  double *disc_all = nullptr, *disc_seen = nullptr, *disc_light = nullptr;
+  // Cones that units aim at, [unit][most_cones], how many, [unit]; sums of one, [disc_replicates][output].
+  AimCone* cones = nullptr;
+  std::int32_t* cone_count = nullptr;
+  double* aimed = nullptr;
 };
 
 // Rays of units that are shorter than a packet, and what vector loops read behind them: up to a
@@ -118,6 +140,19 @@ OMMA_HD BlockMemory lay_out(Room& room, const FrameView& frame, int lanes) {
     memory.all_squares = room.take<double>(units);
     memory.roughness = room.take<float>(units);
     memory.unseen = room.take<float>(units);
+  }
+  if (scene.light != nullptr) {
+    const auto bands = static_cast<std::size_t>(scene.bands);
+    memory.beside = room.take<double>(units);
+    memory.beside_variance = room.take<double>(units);
+    if (scene.light->aim_count > 0) {
+      memory.cones = room.take<AimCone>(std::size_t{unit_room} * most_cones);
+      memory.cone_count = room.take<std::int32_t>(unit_room);
+      memory.aimed = room.take<double>(disc_replicates * outputs);
+    }
+    memory.disc_all = room.take<double>(disc_replicates * bands);
+    memory.disc_seen = room.take<double>(disc_replicates * bands);
+    memory.disc_light = room.take<double>(2 * bands);
   }
   if (frame.truth != nullptr) {
     const auto rows = static_cast<std::size_t>(rows_of(*frame.truth).count);

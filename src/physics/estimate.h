@@ -158,18 +158,25 @@ OMMA_HD void render_to_error(const FrameView& frame, const BlockTask& task, Sear
       if (way.next[i] >= rounds) rounds = way.next[i] + 1;
     }
   }
+  const bool sees_more = sees_beside_rays(frame);
+  if (sees_more)
+    eval_beside_rays<L>(frame, task, {nullptr, 0, 1, task.count}, search, memory);
   for (int i = 0; i < task.count; ++i) {
     const auto ommatidium = static_cast<std::int64_t>(frame.eye->ommatidium[task.first + i]);
     if (task.rays != nullptr) task.rays[ommatidium] = way.rays[i];
     if (frame.truth != nullptr) reduce_truth(frame, task, memory.truth_sums, i, 1, way.rays[i]);
     for (int o = 0; o < frame.outputs; ++o) {
       const std::int64_t out = ommatidium * frame.outputs + o;
-      task.responses[out] =
-          static_cast<float>(memory.sums[o * unit_room + i] / way.rays[i] * frame.radiance_unit);
+      const double rays = way.rays[i];
+      double response = memory.sums[o * unit_room + i] / rays;
+      double variance = scaled_variance(memory, i, o, way.roots[i]) / (rays * rays);
+      if (sees_more) {
+        response += memory.beside[o * unit_room + i];
+        variance += memory.beside_variance[o * unit_room + i];
+      }
+      task.responses[out] = static_cast<float>(response * frame.radiance_unit);
       if (task.standard_error != nullptr)
-        task.standard_error[out] = static_cast<float>(
-            sqrt(scaled_variance(memory, i, o, way.roots[i])) / way.rays[i] *
-            frame.radiance_unit);
+        task.standard_error[out] = static_cast<float>(sqrt(variance) * frame.radiance_unit);
     }
   }
 }

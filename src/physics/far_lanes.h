@@ -171,9 +171,11 @@ OMMA_HD void eval_sky_lanes(const LightView& light, const float (&direction)[3][
 }
 
 // Adds the radiance of discs in the directions of some lanes to `out` [band][lane]; as add_discs.
+// `acceptance_sr` [lane], where not null: of rays from the eye, which count some discs only
+// (counts_by_rays); 0 for others.
 template <typename L>
 OMMA_HD void add_disc_light(const LightView& light, const float (&direction)[3][L::count],
-                            unsigned lanes, float* out) {
+                            unsigned lanes, const float* acceptance_sr, float* out) {
   using F = typename L::F;
   for (int i = 0; i < light.disc_count; ++i) {
     const DiscView& disc = light.discs[i];
@@ -181,8 +183,10 @@ OMMA_HD void add_disc_light(const LightView& light, const float (&direction)[3][
       F d[3];
       load_3(direction, l, d);
       const F chord = chord_2_lanes(d, disc.direction);
-      const auto inside = lanes_on<L>(lanes, l) && chord <= disc.chord_2;
+      auto inside = lanes_on<L>(lanes, l) && chord <= disc.chord_2;
       if (!any_lane(inside)) continue;
+      if (acceptance_sr != nullptr)
+        inside = inside && !(load<F>(acceptance_sr + l) * (most_over_acceptance * disc.density) >= 1.0f);
       F darkened{};
       if (disc.limb != nullptr) {
         const F sine_2 = chord * (1.0f - 0.25f * chord);

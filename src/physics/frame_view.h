@@ -93,6 +93,8 @@ struct FrameView {
   int most_samples = 0;
   const std::uint8_t* nearest = nullptr;  // [ommatidium][listened_to], place in its block
   const TruthView* truth = nullptr;       // null: none is asked for
+  // By which rays count discs of the sky (counts_by_rays), the same for all; -1: each ommatidium's own.
+  float acceptance_sr = -1;
 };
 
 struct HeadMotion;  // head_motion.h

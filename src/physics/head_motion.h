@@ -29,6 +29,34 @@ OMMA_HD auto time_fraction(U hash, U sample) {
   return open_unit(mix_bits_32(hash + 0x3c6ef372u) + sample * 2654435769u);
 }
 
+// Where the head is when a sample of a unit looks: what HeadMotion::node says, between two nodes.
+template <typename F, typename I, typename U>
+OMMA_HD void head_turn(const HeadMotion& motion, U hash, U sample, F (&turn)[3][4]) {
+  const F drawn = time_fraction(hash, sample >> motion.shift);
+  const F step = (motion.first + motion.size * drawn) * to_float(motion.delays);
+  I first = to_int(step);
+  first = first > motion.delays - 1 ? first * 0 + (motion.delays - 1) : first;
+  const F early = gather(motion.delay, first), late = gather(motion.delay + 1, first);
+  const F at = early + (late - early) * (step - to_float(first));
+  I before = to_int(at);
+  before = before > motion.nodes - 2 ? before * 0 + (motion.nodes - 2) : before;
+  const F part = at - to_float(before);
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 4; ++c) {
+      const float* node = motion.node + 4 * r + c;
+      const F a = gather(node, before * 12), b = gather(node + 12, before * 12);
+      turn[r][c] = a + (b - a) * part;
+    }
+}
+
+// A point that is as at the frame itself, where it is when the head is turned so.
+OMMA_HD void move_point(const HeadMotion& motion, const float (&turn)[3][4], float (&point)[3]) {
+  float from[3];
+  for (int r = 0; r < 3; ++r) from[r] = point[r] - motion.centre[r];
+  for (int r = 0; r < 3; ++r)
+    point[r] = turn[r][0] * from[0] + turn[r][1] * from[1] + turn[r][2] * from[2] + turn[r][3];
+}
+
 // Moves the rays of a packet, which are as at the frame itself, to where they are when they look.
 template <typename L>
 OMMA_HD void move_with_head(const HeadMotion& motion, Packet<L>& packet) {
@@ -36,23 +64,8 @@ OMMA_HD void move_with_head(const HeadMotion& motion, Packet<L>& packet) {
   using I = typename L::I;
   using U = typename L::U;
   for (int l = 0; l < L::count; l += L::width) {
-    const F drawn =
-        time_fraction(load<U>(packet.hash + l), load<U>(packet.sample + l) >> motion.shift);
-    const F step = (motion.first + motion.size * drawn) * to_float(motion.delays);
-    I first = to_int(step);
-    first = first > motion.delays - 1 ? first * 0 + (motion.delays - 1) : first;
-    const F early = gather(motion.delay, first), late = gather(motion.delay + 1, first);
-    const F at = early + (late - early) * (step - to_float(first));
-    I before = to_int(at);
-    before = before > motion.nodes - 2 ? before * 0 + (motion.nodes - 2) : before;
-    const F part = at - to_float(before);
     F m[3][4], from[3], way[3], axis[3];
-    for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 4; ++c) {
-        const float* node = motion.node + 4 * r + c;
-        const F a = gather(node, before * 12), b = gather(node + 12, before * 12);
-        m[r][c] = a + (b - a) * part;
-      }
+    head_turn<F, I>(motion, load<U>(packet.hash + l), load<U>(packet.sample + l), m);
     for (int r = 0; r < 3; ++r) {
       from[r] = load<F>(packet.rays.origin[r] + l) - motion.centre[r];
       way[r] = load<F>(packet.rays.direction[r] + l);

@@ -48,6 +48,16 @@ struct DiscView {
   const float* limb = nullptr;      // [band], u of omma::Disc; or null
 };
 
+// Discs larger than so many times an ommatidium's acceptance are found by its rays; smaller ones are
+// asked for (eye_discs.h).
+inline constexpr float most_over_acceptance = 16;
+
+// Whether rays from the eye count the light of a disc. `acceptance_sr`: of their ommatidium, the
+// integral of S; 0: they count all discs.
+OMMA_HD bool counts_by_rays(const DiscView& disc, float acceptance_sr) {
+  return !(most_over_acceptance * acceptance_sr * disc.density >= 1.0f);
+}
+
 struct LampView {
   PunctualLightType type = PunctualLightType::point;
   Vec3 position;                          // m
@@ -63,6 +73,14 @@ struct EmissiveView {
   std::int32_t instance = 0;  // of the scene
   std::int32_t mesh = 0, triangles = 0;
   const float* triangle_sum = nullptr;  // [triangle + 1], cumulative probabilities
+};
+
+// Something small and bright besides discs: the mirror image of one, or a surface that shines.
+struct AimView {
+  Vec3 centre;                // a unit direction, or a place, m
+  float radius = 0;           // about it, rad or m
+  bool is_direction = false;
+  float brightest = 0;        // bound on its mean radiance, of the brightest band
 };
 
 struct LightView {
@@ -81,6 +99,9 @@ struct LightView {
   const float* emissive_sum = nullptr;                 // [emissive + 1]
   const std::int32_t* emissive_of_instance = nullptr;  // [instance of the scene], -1: none
   std::int32_t emissive_count = 0;
+
+  const AimView* aims = nullptr;  // aimed_rays.h
+  std::int32_t aim_count = 0;
 
   // That a light sample is from afar, of a lamp, on a surface; they add up to 1, or are all 0.
   float far_probability = 0, lamp_probability = 0, emissive_probability = 0;

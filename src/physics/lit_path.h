@@ -41,23 +41,21 @@ OMMA_HD unsigned go_on(const SceneView& scene, Packet<L>& packet, PathState<L>& 
       return lobe == let_by || lobe == straight;
     });
   unsigned scattered = on & ~by;
-  // Many paths that are baked add up, so they may end early; what gloss sends on in baked light has
-  // been cut already.
-  if (scene.baked == nullptr) {
-    const int roulette_from = state.gathers ? 0 : roulette_after;
-    for (int l = 0; l < n; l += L::width) {
-      const auto asked =
-          load<I>(state.scatterings + l) >= roulette_from && lanes_on<L>(scattered, l);
-      if (!any_lane(asked)) continue;
-      const F largest = load<F>(most + l), bound = broadcast<F>(most_survival);
-      const F survival = largest < bound ? largest : bound;
-      const auto ends = asked && load<F>(onward.roulette + l) >= survival;
-      scattered &= ~(lane_bits(ends) << l);
-      const F one = broadcast<F>(1.0f), scale = asked ? one / survival : one;
-      for (int b = 0; b < scene.bands; ++b) {
-        float* const at = memory.throughput + b * n + l;
-        store(at, load<F>(at) * scale);
-      }
+  // Many paths that are baked add up, so they may end early.
+  const int roulette_from = state.gathers || scene.baked != nullptr ? 0 : roulette_after;
+  for (int l = 0; l < n; l += L::width) {
+    const I scatterings = load<I>(state.scatterings + l);
+    const auto asked = scatterings >= roulette_from && lanes_on<L>(scattered, l);
+    if (!any_lane(asked)) continue;
+    const F largest = load<F>(most + l), bound = broadcast<F>(most_survival);
+    const F survival = scene.baked != nullptr ? gloss_survival(largest, scatterings)
+                                              : (largest < bound ? largest : bound);
+    const auto ends = asked && load<F>(onward.roulette + l) >= survival;
+    scattered &= ~(lane_bits(ends) << l);
+    const F one = broadcast<F>(1.0f), scale = asked ? one / survival : one;
+    for (int b = 0; b < scene.bands; ++b) {
+      float* const at = memory.throughput + b * n + l;
+      store(at, load<F>(at) * scale);
     }
   }
   for (int l = 0; l < n; l += L::width) {
@@ -167,8 +165,6 @@ OMMA_HD_CALLED unsigned fly(const SceneView& scene, Search& search, Spread sprea
   for (unsigned bits = by; bits != 0; bits &= bits - 1) onward.lobe[lowest_bit(bits)] = let_by;
   alignas(n * 4) float most[n];
   lengthen<L>(scene, packet, onward, state, memory, most);
-  if (scene.baked != nullptr)
-    follow_some<L>(scene, packet, state, scattering, onward, most, memory, radiance);
   return go_on<L>(scene, packet, state, on, geometry, onward, most, passed, memory);
 }
 

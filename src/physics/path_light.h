@@ -258,7 +258,10 @@ OMMA_HD void add_far(const SceneView& scene, const Packet<L>& packet, const Path
   if (by_chance != 0) find_far_pdf<L>(light, direction, places.on_sky, by_chance, pdf);
   eval_sky_lanes<L>(light, direction, places.on_sky, lanes, scene.polarized ? 3 : 1, keeps,
                     places.at_nodes, memory.light);
-  add_disc_light<L>(light, direction, with_discs, memory.light);
+  alignas(n * 4) float acceptance_sr[n];
+  for (int l = 0; l < n; l += L::width)
+    store(acceptance_sr + l, lanes_on<L>(by_chance, l) ? F{} : load<F>(packet.acceptance_sr + l));
+  add_disc_light<L>(light, direction, with_discs, acceptance_sr, memory.light);
   for (int l = 0; l < n; l += L::width) {
     const F one = broadcast<F>(1.0f), density = load<F>(state.density + l);
     const F weighed = balance(density, load<F>(pdf + l));

@@ -20,6 +20,7 @@ struct Packet {
   alignas(L::count * 4) std::int32_t hash[L::count];
   alignas(L::count * 4) std::int32_t sample[L::count];
   alignas(L::count * 4) float reference[3][L::count];
+  alignas(L::count * 4) float acceptance_sr[L::count];  // of rays from the eye (counts_by_rays)
   std::uint32_t light_sees = all_seen;  // the mask of rays that go on from surfaces, and to lights
 };
 
@@ -127,6 +128,7 @@ OMMA_HD void write_rays(const DirectionsView& directions, const Units& units, in
     if (units.has_choices) {
       store(packet.hash + l, hash());
       store(packet.sample + l, sample_of_unit);
+      store(packet.acceptance_sr + l, of_unit(units.acceptance_sr));
     }
     if (!units.has_axes) return;
     F axis[3], ray[3], up[3], turned[3];

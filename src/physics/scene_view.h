@@ -112,10 +112,6 @@ struct BakedView {
   std::int32_t probes[3] = {2, 2, 2};
   const float* first_origin_m = nullptr;  // [3], of the frame of probes in the traced one
   float unit = 1;  // radiance of a value of 1
-  // The sky as a guess knows it (baked_scatter.h), [cell][band], and by band 1 over what a white,
-  // level surface in the open sends back of it; 0 where that is dark.
-  const float* coarse_sky = nullptr;
-  const float* per_open_sky = nullptr;
 };
 
 struct BackgroundView {

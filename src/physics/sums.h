@@ -1,6 +1,7 @@
 // What the rays of a block bring, summed up over the samples of each unit.
 #pragma once
 
+#include "physics/aimed_rays.h"
 #include "physics/block_memory.h"
 #include "physics/head_motion.h"
 #include "physics/path.h"
@@ -96,20 +97,6 @@ OMMA_HD void add_pair(const float* light, int sample, int outputs, float* first,
   }
 }
 
-// What outputs the bands of a packet make, where there is a matrix.
-template <typename L>
-OMMA_HD void make_outputs(const FrameView& frame, const float* radiance, float* output) {
-  using F = typename L::F;
-  const int bands = frame.scene->bands * (frame.scene->polarized ? 3 : 1);
-  for (int o = 0; o < frame.outputs; ++o)
-    for (int l = 0; l < L::count; l += L::width) {
-      F sum = broadcast<F>(0.0f);
-      for (int b = 0; b < bands; ++b)
-        sum += load<F>(radiance + b * L::count + l) * frame.output_from_band[o * bands + b];
-      store(output + o * L::count + l, sum);
-    }
-}
-
 // Traces and shades units, into `sums`; `squares`, where not null, takes those of the differences
 // between pairs of samples; `truth` what is met, where the frame asks for it. All begin as zeros.
 template <typename L, typename Search>
@@ -122,6 +109,8 @@ OMMA_HD void trace_units(const FrameView& frame, const BlockTask& task,
   const bool has_choices = frame.scene->light != nullptr || task.motion != nullptr;
   make_units<L>(*frame.eye, task, directions, list, has_choices,
                 frame.scene->polarized || has_flow || task.motion != nullptr, units);
+  if (has_choices) find_acceptances(frame, units, list.count);
+  const bool has_cones = has_aims(frame) && find_cones(frame, task, units, list.count, memory);
   FirstHits<L> met;
   FirstHits<L>* const first = frame.truth != nullptr ? &met : nullptr;
   const int truth_rows = frame.truth != nullptr ? rows_of(*frame.truth).count : 0;
@@ -196,6 +185,7 @@ OMMA_HD void trace_units(const FrameView& frame, const BlockTask& task,
     // Paths of many packets at once, whose radiance is known when all have ended.
     constexpr int most_packets = block_rays / L::count;
     PacketPlace places[most_packets];
+    unsigned in_cones[most_packets];
     int packets = 0;
     PathBlock<L, Search> block{*frame.scene, search, memory.paths, memory.radiance, {}, {}, {}};
     block.waiting.throughput = memory.paths.waiting;
@@ -204,11 +194,17 @@ OMMA_HD void trace_units(const FrameView& frame, const BlockTask& task,
     block.onward.light_sees = packet.light_sees;
     const auto end = [&] {
       follow<L>(block, 1);
-      for (int k = 0; k < packets; ++k)
-        add_light_of(places[k], memory.radiance + k * packet_floats<L>(*frame.scene));
+      const int floats = packet_floats<L>(*frame.scene);
+      for (int k = 0; k < packets; ++k) {
+        float* const radiance = memory.radiance + k * floats;
+        drop_lanes<L>(in_cones[k], floats / L::count, radiance);
+        add_light_of(places[k], radiance);
+      }
       packets = 0;
     };
     for_each([&](const PacketPlace& place, const std::int32_t* valid) {
+      in_cones[packets] =
+          has_cones ? rays_in_cones(packet, place, directions.samples, memory) : 0;
       begin_paths<L>(block, packets, valid, packet, first);
       places[packets++] = place;
       if (packets == most_packets) end();

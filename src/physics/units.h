@@ -38,6 +38,8 @@ struct Units {
   alignas(64) float scale[unit_room];              // of sines of polar angles
   alignas(64) std::int32_t directions[unit_room];  // where its pattern begins, or which warp
   alignas(64) std::int32_t hash[unit_room];        // of its scramble
+  alignas(64) std::int32_t warp[unit_room];
+  alignas(64) float acceptance_sr[unit_room];      // counts_by_rays; find_acceptances
   alignas(64) float up[3][unit_room];              // across the axis, before any turn
   bool has_apertures, has_scales;
   bool has_choices;  // whether rays carry hashes: those that choose ways of paths or times
@@ -109,6 +111,7 @@ OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const Directi
       store(units.t[r] + u, t[r] * cosine - s[r] * sine);
       if (has_axes) store(units.up[r] + u, s[r]);
     }
+    store(units.warp + u, warp);
     store(units.footprint_rad + u, gather(directions.footprint_rad, warp));
     if (directions.patterns > 0) {
       const U pattern = (hash + scramble) & static_cast<std::uint32_t>(directions.patterns - 1);
@@ -121,6 +124,22 @@ OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const Directi
     store(units.aperture_radius_m + u, at(eye.aperture_radius_m) * length_a);
     store(units.scale + u, at(eye.scale));
   }
+}
+
+// By which rays of an ommatidium count discs of the sky (counts_by_rays): the integral of S; 0 of one
+// without an acceptance, and of the kernel compoundray, which is infinite at its axis: their rays count
+// all discs. `scale`: EyeView::scale.
+OMMA_HD float acceptance_sr(const AcceptanceWarpView& warp, float scale) {
+  if (warp.intervals == 0 || warp.sensitivity.kernel == Kernel::compoundray) return 0;
+  return static_cast<float>(warp.integral_sr) * scale * scale;
+}
+
+OMMA_HD void find_acceptances(const FrameView& frame, Units& units, int count) {
+  for (int u = 0; u < count; ++u)
+    units.acceptance_sr[u] =
+        frame.acceptance_sr >= 0
+            ? frame.acceptance_sr
+            : acceptance_sr(frame.directions->warps[units.warp[u]], units.scale[u]);
 }
 
 }  // namespace omma

@@ -186,3 +186,20 @@ def lib(fresh):
 
     load_room(fresh)
     return fresh
+
+
+@pytest.fixture
+def ground(tmp_path):
+    """Of the window's tests: a coloured ground as a file, and an eye as a file beside it."""
+    write_gltf(tmp_path / "ground.gltf", cameras=[("bee", None, {"translation": [0, 1.0, 4]})])
+    omma.save_eye(tmp_path / "plain.csv", make_eye(40))
+    return tmp_path
+
+
+@pytest.fixture
+def looker(ground):
+    """The same, ready to be looked through by the window."""
+    from omma.view.state import Looker
+
+    world = omma.World(omma.load_scene(ground / "ground.gltf"), threads=1)
+    return Looker(world, omma.load_eye(ground / "plain.csv"), threads=1)

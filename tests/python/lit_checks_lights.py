@@ -373,12 +373,12 @@ def catch(backend: str) -> Iterator[Check]:
     # Self-screening is in the sensitivity: 1 − exp(−k A l) over its largest value.
     most = 1 - np.exp(-7000 * 350e-6)
     integral = ((absorbed[1:] + absorbed[:-1]) / 2 * np.diff(nm)).sum()
-    expected = (
-        (np.pi / 4) ** 2 * (25e-6) ** 2 * np.radians(2.5) ** 2 * 0.014 * 1e17 * most * integral
-    )
+    # Of a Gaussian so narrow ∫ S dω is π Δρ²/(4 ln 2), to Δρ²/(16 ln 2), 2e-4.
+    solid_angle = np.pi * np.radians(2.5) ** 2 / (4 * np.log(2))
+    expected = np.pi / 4 * (25e-6) ** 2 * solid_angle * 0.014 * 1e17 * most * integral
     yield Check(
         "photons caught in 14 ms, D 25 µm, Δρ 2.5°",
-        "(π/4)² D² Δρ² t ∫ L (1 − e^(−kAl)) dλ",
+        "(π/4) D² π Δρ²/(4 ln 2) t ∫ L (1 − e^(−kAl)) dλ",
         expected,
         float(found[0, 0]),
         tolerance=1e-3,

@@ -201,6 +201,19 @@ def pictures(model, data, camera, width=320, height=240, segmentation=False):
 _renderers = {}
 
 
+def forget(model):
+    """Let go of the OpenGL of a model's pictures."""
+    for key in [key for key in _renderers if key[0] == id(model)]:
+        _renderers.pop(key)[0].close()
+
+
+def is_even(picture):
+    """Pixels whose eight neighbours have about their colour."""
+    steps = [(y, x) for y in (-1, 0, 1) for x in (-1, 0, 1)]
+    apart = [np.abs(np.roll(picture, step, (0, 1)) - picture).max(-1) for step in steps]
+    return np.max(apart, axis=0) <= 8
+
+
 def pixel_eye(camera, width, height):
     """An ommatidium for every pixel, one ray through its middle, row by row."""
     half = np.tan(camera.yfov_rad / 2)

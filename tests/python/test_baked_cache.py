@@ -38,7 +38,9 @@ def strip(length_m, height_m, material):
 
 def world_of(folder, scene=None, light=SKY, progress=None, **settings):
     bake = Bake(**{"cell_m": 0.5, "paths": 16, "cache": folder, **settings})
-    return omma.World(scene or sheets(), light=light, bake=bake, progress=progress)
+    return omma.World(
+        scene or sheets(), light=light, lighting="baked", bake=bake, progress=progress
+    )
 
 
 def seen_by(world):

@@ -22,7 +22,9 @@ def seen_beside_boards(side):
     boards = [square(0.1, (x + 0.05, side * 1e-4, 0), (0, 1, 0), 1) for x in TILES_X_M]
     scene = omma.Scene(meshes=[*tiles, *boards], materials=[matter(1.0), matter(0.0)])
     sky = uniform_sky(1.0, below=0, bands=BAND, unit="watts")
-    world = omma.World(scene, light=sky, bake=Bake(cell_m=0.2, paths=32, cache=False))
+    world = omma.World(
+        scene, light=sky, lighting="baked", bake=Bake(cell_m=0.2, paths=32, cache=False)
+    )
     assert world.baked.cells == 4 * len(TILES_X_M)
     u, v = np.random.default_rng(6).uniform(0, 1, (2, len(TILES_X_M), 50))
     x, z = TILES_X_M[:, None] - 0.045 + 0.04 * u, 0.09 * v - 0.045

@@ -25,7 +25,9 @@ MOST = 0.005
 
 
 def world_of(scene, light, **settings):
-    return omma.World(scene, light=light, bake=Bake(**{"cache": False, **settings}))
+    return omma.World(
+        scene, light=light, lighting="baked", bake=Bake(**{"cache": False, **settings})
+    )
 
 
 def strip(normal, length_m=2.0, width_m=0.04, material=0, **parts):
@@ -254,7 +256,7 @@ def test_the_same_bits_for_any_number_of_threads(small):
     seen = []
     for threads in (1, 2, 3):
         bake = Bake(cell_m=0.1, paths=16, cache=False)
-        world = omma.World(small, light=LIGHT, threads=threads, bake=bake)
+        world = omma.World(small, light=LIGHT, lighting="baked", threads=threads, bake=bake)
         seen.append(seen_of(world, 8, threads))
     np.testing.assert_array_equal(seen[0], seen[1])
     np.testing.assert_array_equal(seen[0], seen[2])
@@ -313,7 +315,11 @@ def test_leaves_whose_normals_point_up():
     )
     scene = omma.Scene(meshes=[leaves], materials=[leaf], instances=[Instance(0)])
     baked = omma.World(
-        scene, light=WHITE, ultraviolet=0.4, bake=Bake(cell_m=0.1, paths=128, cache=False)
+        scene,
+        light=WHITE,
+        lighting="baked",
+        ultraviolet=0.4,
+        bake=Bake(cell_m=0.1, paths=128, cache=False),
     )
     paths = baked.with_light(WHITE, lighting="path")
     axes = rng.normal(0, 0.15, (300, 3)) + (0, 0, -1)
@@ -345,14 +351,23 @@ def test_where_the_sun_has_no_map(small):
     with pytest.raises(omma.Error, match='sun: "map" is for baked light'):
         omma.World(small, light=LIGHT, lighting="path", sun="map")
     with pytest.raises(omma.Error, match='expected "exact" in a light of 0 discs'):
-        omma.World(small, light=UPPER, sun="map", bake=Bake(paths=16, cache=False))
+        omma.World(
+            small, light=UPPER, lighting="baked", sun="map", bake=Bake(paths=16, cache=False)
+        )
     glass = omma.Scene(
         meshes=[strip((0, 1, 0))],
         materials=[omma.scene.Material("pane", transmission=1.0)],
         instances=[Instance(0)],
     )
     with pytest.raises(omma.Error, match='sun: expected "exact" in a world with surfaces'):
-        omma.World(glass, light=LIGHT, sun="map", ultraviolet=0.5, bake=Bake(paths=16, cache=False))
+        omma.World(
+            glass,
+            light=LIGHT,
+            lighting="baked",
+            sun="map",
+            ultraviolet=0.5,
+            bake=Bake(paths=16, cache=False),
+        )
 
 
 def test_how_it_is_lit(small):
@@ -409,7 +424,7 @@ def test_bad_bakes(settings, message):
 def test_progress_rises_once(small):
     told = []
     bake = Bake(cell_m=0.05, cache=False)
-    omma.World(small, light=LIGHT, bake=bake, progress=told.append)
+    omma.World(small, light=LIGHT, lighting="baked", bake=bake, progress=told.append)
     assert told == sorted(told)
     assert 0 <= told[0]
     assert told[-1] == pytest.approx(1)

@@ -134,7 +134,9 @@ def test_a_map_from_above(world):
     ]:  # fmt: skip
         # Two edges away from the corner's colour by `corner` each, and float rounding.
         assert picture[row, column] == pytest.approx(color, abs=2 * corner + 1e-6)
-    assert picture[20, 20].sum() == pytest.approx(4 / 3, abs=0.6)
+    # On the edge from red to blue, which the two triangles share: no green.
+    along = 0.5 + corner
+    assert picture[20, 20] == pytest.approx((1 - along, 0, along), abs=1e-5)
 
 
 def test_horizon_of_a_perspective_camera(world):

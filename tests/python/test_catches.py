@@ -52,15 +52,22 @@ def test_photons_caught_of_a_flat_spectrum():
     responses = (matrix @ seen)[eye.receptor_type]
     found = omma.receptors.photon_catch(eye, responses[None], light, integration_time_s=0.015)
     assert found.shape == (1, len(eye.receptor_type))
-    # Land's formula, summed in steps of 1 pm: (π/4)² D² Δρ² ∫ L (1 - exp(-k a l)) dλ t.
+    land = omma.receptors.photon_catch(
+        eye, responses, light, integration_time_s=0.015, field="land"
+    )
+    # Summed in steps of 1 pm: (π/4) D² Ω ∫ L (1 - exp(-k a l)) dλ t, of Gaussians so narrow that
+    # Ω = π/(4 ln 2) Δρ² to Δρ²/(16 ln 2), 2e-4; Land's is (π/4) Δρ².
     for receptor, one in enumerate(eye.receptor_types):
         absorbance = omma.receptors.govardovskii(one.peak_wavelength_nm, RANGE_NM)
         absorbed = -np.expm1(-one.absorption_per_m * one.length_m * absorbance)
         integral = np.trapezoid(absorbed, RANGE_NM) * 3e17
         angle = float(np.float32(0.045))  # as the eye holds it
         diameter = float(np.float32(20e-6))
-        expected = (np.pi / 4) ** 2 * diameter**2 * angle**2 * integral * 0.015
-        np.testing.assert_allclose(found[0, eye.receptor_type == receptor], expected, rtol=1e-5)
+        per_sr = np.pi / 4 * diameter**2 * integral * 0.015
+        here = eye.receptor_type == receptor
+        expected = per_sr * np.pi / 4 * angle**2
+        np.testing.assert_allclose(land[here], expected, rtol=1e-5)
+        np.testing.assert_allclose(found[0, here], expected / np.log(2), rtol=3e-4)
 
 
 def test_photons_caught_of_a_table():
@@ -72,7 +79,9 @@ def test_photons_caught_of_a_table():
     light = omma.light.uniform_sky(1e17)
     found = omma.receptors.photon_catch(eye, [1e17, 2e17], light, integration_time_s=1.0)
     # A box of 101 nm that absorbs 1 - e^-1 at its top.
-    S = omma.receptors.receptor_optical_sensitivity(eye, monochromatic=True)  # noqa: N806
+    S = omma.receptors.receptor_optical_sensitivity(  # noqa: N806
+        eye, monochromatic=True, field="acceptance"
+    )
     np.testing.assert_allclose(found, S * 101 * np.array([1e17, 2e17]), rtol=1e-6)
 
 
@@ -90,10 +99,115 @@ def test_catches_need_photons_and_what_an_eye_knows():
         omma.receptors.photon_catch(eye, answers[1:], light, integration_time_s=1)
     with pytest.raises(omma.Error, match="eye: expected one with receptors"):
         omma.receptors.photon_catch(make_eye(3), answers, light, integration_time_s=1)
-    with pytest.raises(omma.Error, match="eye: expected facet_diameter_m"):
+    with pytest.raises(omma.Error, match="for facet_diameter_m of 6 of 6 ommatidia"):
         omma.receptors.photon_catch(
             eye.replace(facet_diameter_m=np.zeros(len(eye))), answers, light, integration_time_s=1
         )
+
+
+# Each kind with ∫ S dω in closed form; of an Airy disc 4 λ²/(π D²) over all that is seen, which
+# its cut at the 64th dark ring and the sphere leave to a percent.
+def gaussian_sr(width):
+    theta = np.linspace(0, min(np.pi, 5 * width), 200_001)
+    return 2 * np.pi * np.trapezoid(np.exp(-4 * np.log(2) * (theta / width) ** 2) * np.sin(theta),
+                                    theta)  # fmt: skip
+
+
+ACCEPTANCES = {
+    "gaussian": (omma.Acceptance.gaussian(0.05), gaussian_sr(0.05), 1e-6),
+    "wide gaussian": (omma.Acceptance.gaussian(1.0), gaussian_sr(1.0), 1e-6),
+    "ellipse": (
+        omma.Acceptance.gaussian(0.05, 0.02), np.pi / (4 * np.log(2)) * 0.05 * 0.02, 1e-3
+    ),
+    "pillbox": (omma.Acceptance.pillbox(0.4), 2 * np.pi * (1 - np.cos(0.2)), 1e-9),
+    "airy": (omma.Acceptance.airy(20e-6, 500), 4 * 500e-9**2 / (np.pi * 20e-6**2), 0.01),
+    "cone": (  # 1 - θ/a
+        omma.Acceptance.table([0, 0.1], [1, 0]), 2 * np.pi * (1 - np.sin(0.1) / 0.1), 1e-4
+    ),
+    "ring": (  # nothing on the axis: sums of straight lines, nearly flat
+        omma.Acceptance.table([0, 0.01, 0.02], [0, 1, 0]), 2 * np.pi * 1e-4, 1e-3
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", ACCEPTANCES)
+def test_the_solid_angle_of_each_kind(kind):
+    acceptance, expected, near = ACCEPTANCES[kind]
+    assert omma.receptors.solid_angle_sr(acceptance) == pytest.approx(expected, rel=near)
+    eye = bee().replace(acceptance=acceptance)
+    found = omma.receptors.receptor_solid_angle_sr(eye)
+    assert found == pytest.approx(np.full(len(eye.receptor_type), expected), rel=near)
+
+
+def test_a_catch_is_the_light_that_enters():
+    """Of a rendered field: a spot of 0.01 sr that fills a wide pillbox's middle, and an even one;
+    photons are radiance times facet, solid angle and time, whatever S is."""
+    eye = bee(4).replace(acceptance=omma.Acceptance.pillbox(0.5))
+    light = omma.light.uniform_sky(1e17)
+    count = len(eye.receptor_type)
+    green = [one.name for one in eye.receptor_types].index("green")
+    here = eye.receptor_type == green
+    share = 0.01 / (2 * np.pi * (1 - np.cos(0.25)))  # of S, so the response to the spot
+    caught = omma.receptors.photon_catch(
+        eye, np.stack([np.full(count, 1e17), np.full(count, share * 1e17)]), light,
+        integration_time_s=1.0,
+    )[:, here]  # fmt: skip
+    one = eye.receptor_types[green]
+    absorbed = -np.expm1(-one.absorption_per_m * one.length_m * omma.receptors.govardovskii(
+        one.peak_wavelength_nm, RANGE_NM))  # fmt: skip
+    of_a_sr = np.pi / 4 * 20e-6**2 * np.trapezoid(absorbed, RANGE_NM) * 1e17
+    assert caught[1] == pytest.approx(0.01 * of_a_sr, rel=1e-5)  # the spot's own solid angle
+    assert caught[0] == pytest.approx(2 * np.pi * (1 - np.cos(0.25)) * of_a_sr, rel=1e-5)
+
+
+def test_solid_angles_of_widths_and_of_receptors_own():
+    widths = np.array([[0.0, 1e-4], [0.05, 2.0]])
+    found = omma.receptors.solid_angle_sr(widths)
+    assert found[0, 0] == 0
+    for width, one in zip(widths.ravel()[1:], found.ravel()[1:]):
+        assert one == pytest.approx(gaussian_sr(width), rel=1e-5)
+    assert found[1, 0] == pytest.approx(
+        float(omma.receptors.solid_angle_sr(omma.Acceptance.gaussian(0.05))), rel=1e-6
+    )
+    own = ReceptorType("own", peak_wavelength_nm=500, acceptance=omma.Acceptance.pillbox(0.4))
+    plain = ReceptorType("plain", peak_wavelength_nm=500)
+    eye = make_eye(2).replace(
+        acceptance_angle_rad=0.05, receptor_types=[own, plain], receptors=[[0, 1], [1]]
+    )
+    assert omma.receptors.receptor_solid_angle_sr(eye) == pytest.approx(
+        [2 * np.pi * (1 - np.cos(0.2)), found[1, 0], found[1, 0]], rel=1e-6
+    )
+    land = omma.receptors.receptor_solid_angle_sr(eye, field="land")
+    assert land == pytest.approx(np.pi / 4 * np.array([0.4, 0.05, 0.05]) ** 2, rel=1e-6)
+    with pytest.raises(omma.Error, match="found a compoundray, which is infinite"):
+        omma.receptors.solid_angle_sr(omma.Acceptance.compoundray(0.05))
+    with pytest.raises(omma.Error, match="expected widths of 0 to 2π"):
+        omma.receptors.solid_angle_sr([-0.1])
+    with pytest.raises(omma.Error, match="field: expected one of acceptance, land"):
+        omma.receptors.receptor_solid_angle_sr(eye, field="warrant")
+
+
+def test_whose_catches_are_not_known_is_told_with_whose_are():
+    drone = omma.species.honeybee_drone().eye
+    with pytest.raises(omma.Error) as error:
+        omma.receptors.photon_catch(
+            drone, np.ones(len(drone.receptor_type)), omma.light.uniform_sky(),
+            integration_time_s=1,
+        )  # fmt: skip
+    said = str(error.value)
+    assert "absorption_per_m of the receptors ultraviolet, blue, green" in said
+    assert "length_m of the receptors ultraviolet, blue, green" in said
+    assert "facet_diameter_m" not in said
+    animals = omma.species.with_catches()
+    assert "honeybee_worker" in animals
+    assert f"these have all of it: {', '.join(animals)}; for another" in said
+    # As computed, so that a number that is added is found.
+    for name in omma.species.names():
+        eye = omma.species.make(name).eye
+        known = bool(eye.receptor_types) and all(
+            one.length_m > 0 and one.absorption_per_m > 0 for one in eye.receptor_types
+        )
+        assert (name in animals) == (known and bool((eye.facet_diameter_m > 0).all()))
 
 
 def test_microvilli():

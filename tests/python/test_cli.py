@@ -152,7 +152,7 @@ def test_two_eyes_side_by_side(omma_command, files, tmp_path):
     assert code == 0
     assert "ommatidia  80" in out
     head = omma.eye.merge_eyes([omma.load_eye(files / f"{s}.eye") for s in ("left", "right")])
-    expected = omma.picture.side_by_side(head, np.load(tmp_path / "a.npy"), 64, 32)
+    expected = omma.picture.framed(head, np.load(tmp_path / "a.npy"), 64, apart=True)
     omma.save_png(tmp_path / "b.png", expected)
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
 

@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 import subprocess
 import sys
 import tarfile
@@ -258,9 +259,9 @@ def test_conditions_and_all_outputs(tmp_path):
     assert (data.met[3:].values.sum() > data.met[:3].values.sum()).all()  # the crate is seen
     assert data.picture.shape[1:] == (8, 16, 3)
     assert data.picture.dtype == np.uint8
-    np.testing.assert_array_equal(
-        data.picture[0], omma.picture.project(eye, truth.responses[0], width=16)
-    )
+    # Pixels for programs: nothing is drawn where no ommatidium looks.
+    ids = omma.picture.projection_ids(eye, width=16)
+    np.testing.assert_array_equal(data.picture[0], omma.picture.paint(ids, truth.responses[0]))
 
 
 def test_a_lit_world_by_the_time_of_day(tmp_path):
@@ -279,8 +280,26 @@ def test_a_lit_world_by_the_time_of_day(tmp_path):
     assert data.wavelength.attrs["units"] == "nm"
     low, noon = (float(some.mean()) for some in (data.response[:2], data.response[2:]))
     assert noon > 2 * low > 0
-    datasets.contact_sheet(tmp_path / "sheet.png", tmp_path / "job.zarr", 3)
-    assert (tmp_path / "sheet.png").stat().st_size > 1000
+    datasets.contact_sheet(tmp_path / "sheet.svg", tmp_path / "job.zarr", 3)
+    said = re.findall(r"<!-- (.*?) -->", (tmp_path / "sheet.svg").read_text())
+    assert any("Hatched: no ommatidium looks there" in words for words in said)
+    assert any(re.fullmatch(r"view \d: ground, noon", words) for words in said), said
+
+
+def test_a_contact_sheet_has_each_eye_in_a_border():
+    import importlib
+
+    contact_sheet = importlib.import_module("omma.datasets.contact_sheet")
+    across = contact_sheet._PIXELS
+    picture = np.arange(2 * across * 3 * 100, dtype=np.uint8).reshape(100, 2 * across, 3)
+    shown = contact_sheet._bordered(picture)
+    assert shown.shape == (100, 2 * across + contact_sheet._GAP, 3)
+    left, gap, right = shown[:, :across], shown[:, across:-across], shown[:, -across:]
+    assert (gap == 255).all()
+    for panel, whole in ((left, picture[:, :across]), (right, picture[:, across:])):
+        assert (panel[2:-2, 2:-2] == whole[2:-2, 2:-2]).all()
+        assert (panel[:2] == 34).all()
+        assert (panel[:, -2:] == 34).all()
 
 
 @pytest.mark.parametrize(
@@ -321,6 +340,8 @@ def test_wrong_jobs(tmp_path, old, new, words):
         ("", "[[condition]]\nname = 'a'\nlight = {sky = 'uniform_sky'}\nbake = {paths = 17}",
          "", r"condition\[0\].bake: paths: expected a multiple of 16"),
         ("", "[[condition]]\nname = 'a'\nbake = {paths = 16}", "", "bake: goes with a light"),
+        ("", "[[condition]]\nname = 'a'\nlight = {sky = 'uniform_sky'}\nbake = {paths = 16}",
+         "", r'condition\[0\].bake: goes with lighting = "baked"'),
     ],
 )  # fmt: skip
 def test_outputs_and_light_that_cannot_be(tmp_path, dataset, more, poses, words):
@@ -404,13 +425,13 @@ def test_baked_light_as_the_job_says(tmp_path, monkeypatch):
         count=1,
         rendering="bands = 4",
         more="[[condition]]\nname = 'day'\nlight = {sky = 'uniform_sky'}\nultraviolet = 'dark'\n"
-        "bake = {paths = 16, cell_m = 2.0}\n",
+        "lighting = 'baked'\nbake = {paths = 16, cell_m = 2.0}\n",
     )
     datasets.run(job)
     bake = omma.scene.Bake(paths=16, cell_m=2.0)
     light = omma.light.uniform_sky(bands=omma.light.Bands.equal(4))
     scene = omma.load_scene(tmp_path / "scene.gltf")
-    world = omma.World(scene, light=light, ultraviolet="dark", bake=bake)
+    world = omma.World(scene, light=light, lighting="baked", ultraviolet="dark", bake=bake)
     assert (world.baked.paths, world.baked.from_cache) == (16, True)  # the job's own
     eye = omma.load_eye(tmp_path / "bug.csv")
     data = xarray.open_zarr(tmp_path / "job.zarr")

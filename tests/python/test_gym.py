@@ -74,9 +74,21 @@ def test_gymnasium_has_nothing_to_say(walker, frames):
             check_env(env)
     finally:
         gymnasium.registry.pop("omma-test-v0")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(omma.gym.eye_env(loop))  # as it is made, not registered
     shape = (40, 3) if frames is None else (40, 3, frames)
     assert env.observation_space.shape == shape
     assert env.observation_space.dtype == np.float32
+
+
+def test_the_spec_makes_another_of_the_same_loop(walker):
+    loop = loop_of(walker)
+    env = omma.gym.eye_env(loop)
+    wrapped = gymnasium.wrappers.TimeLimit(env, 5)  # wrappers copy what the spec holds
+    for made in (env.spec.make(), wrapped.spec.make()):
+        assert made.unwrapped.loop is loop
+        assert (made.reset(seed=2)[0] == env.reset(seed=2)[0]).all()
 
 
 def test_the_observation_is_what_the_eye_sees(walker):

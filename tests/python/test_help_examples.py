@@ -23,7 +23,7 @@ NOT_RUN = {
     "omma render arena.gltf --all-cameras": "ten seconds; test_cameras.py has smaller pictures",
     "omma measure": "minutes each; test_sampling_tools.py and test_speed_test.py have smaller ones",
     "omma dataset": "of a job that is to be made first; test_datasets.py makes and reads one",
-    "omma view": "goes on until Ctrl-C; test_view.py ends it",
+    "omma view": "goes on until Ctrl-C; test_view_command.py ends it",
     "omma eye make 5000": "twelve seconds; test_cli_eye_make.py has fewer ommatidia",
     "omma eye make --dphi 2": "ten seconds; test_cli_eye_make.py has fewer ommatidia",
     "omma eye plot --species": "ten seconds; test_eye_plots.py draws posters",

@@ -306,14 +306,19 @@ class TestSunPosition:
         # Reda and Andreas 2004 (NREL/TP-560-34302), table A5.1: geometric elevation 39.872046°,
         # azimuth 194.34024°, on 17 October 2003, 12:30:30 at UTC-7; theirs is within 0.0003°.
         noon = datetime(2003, 10, 17, 12, 30, 30, tzinfo=timezone(timedelta(hours=-7)))
-        elevation, azimuth = omma.light.sun_position(noon, 39.742476, -105.1786)
-        assert elevation == pytest.approx(39.872046, abs=0.001)
-        assert azimuth == pytest.approx(194.34024, abs=0.001)
+        sun = omma.light.sun_position(noon, 39.742476, -105.1786)
+        assert sun.elevation_deg == pytest.approx(39.872046, abs=0.001)
+        assert sun.azimuth_deg == pytest.approx(194.34024, abs=0.001)
+        with pytest.warns(FutureWarning, match=r"gives \(azimuth, elevation\), which was"):
+            assert tuple(sun) == (sun.azimuth_deg, sun.elevation_deg)
+        with pytest.raises(TypeError):
+            sun[0]
 
     def test_the_sky_there_and_then(self):
         noon = datetime(2026, 6, 21, 12, tzinfo=timezone.utc)
         light = omma.light.clear_sky_at(noon, 52.5, 13.4, bands=FEW)
-        elevation, azimuth = omma.light.sun_position(noon, 52.5, 13.4)
+        sun = omma.light.sun_position(noon, 52.5, 13.4)
+        azimuth, elevation = sun.azimuth_deg, sun.elevation_deg
         np.testing.assert_allclose(light.discs[0].direction, direction(azimuth, elevation))
         # The highest sun of the year in Berlin is 90 - 52.5 + 23.44 degrees, near 11 h UTC.
         assert 50 < elevation < 61

@@ -1,5 +1,7 @@
 """Figures of light, and the command that draws them."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -85,3 +87,78 @@ def test_neutral_points_are_where_polarisation_along_the_meridian_changes_sign()
     # Between rows of 1 degree.
     np.testing.assert_allclose(elevation, [9.5, 49.5, 19.5], atol=0.01)
     assert neutral_points(omma.light.uniform_sky(), 0) == []
+
+
+def clouded(cover_at):
+    """A clear sky with the sun at 10°, and over it a grey, unpolarised cover: cover_at(elevation,
+    azimuth), degrees, is its share."""
+    bands = omma.light.Bands.equal(2, 340, 360)
+    clear = omma.light.clear_sky(10, 0, bands=bands)
+    grey = omma.light.overcast_sky(10, bands=bands).sky
+    rows, columns = clear.sky.shape[1:3]
+    elevation, azimuth = np.linspace(0, 90, rows)[:, None], np.arange(columns) * 360 / columns
+    share = np.broadcast_to(cover_at(elevation, azimuth), (rows, columns))[:, :, None, None]
+    sky = clear.sky.copy()
+    sky[0] = (1 - share) * clear.sky[0]
+    sky[0, :, :, :1] += share * grey[0][:, :1, :1]
+    return clear, dataclasses.replace(clear, sky=sky, recipe=None)
+
+
+def test_neutral_points_are_not_drawn_in_clouds():
+    # Babinet's point is at 37° on the sun's side, Arago's at 21° opposite.
+    ahead = lambda azimuth: (azimuth < 45) | (azimuth > 315)  # noqa: E731
+    clear, over_babinet = clouded(lambda e, a: np.where(ahead(a) & (e > 25) & (e < 50), 0.85, 0.0))
+    names = lambda light: [name for name, _ in neutral_points(light, 0)]  # noqa: E731
+    assert names(clear) == ["Babinet", "Arago"]
+    assert names(over_babinet) == ["Arago"]
+    assert names(clouded(lambda e, a: 0.9)[1]) == []
+    assert names(clouded(lambda e, a: 0.0)[1]) == ["Babinet", "Arago"]
+    # Through a thin veil they are seen, and between clouds.
+    assert names(clouded(lambda e, a: 0.2)[1]) == ["Babinet", "Arago"]
+    gap = clouded(lambda e, a: np.where(np.abs(e - 37) < 8, 0.0, 0.9))[1]
+    assert names(gap) == ["Babinet"]
+
+
+def test_a_sun_behind_clouds_has_no_dot(tmp_path, monkeypatch):
+    from omma.picture import sky_plots
+
+    figures = []
+    monkeypatch.setattr(sky_plots, "save", lambda one, *_: figures.append(one))
+    light = omma.light.clear_sky(30)
+    hidden = tuple(dataclasses.replace(d, radiance=0 * d.radiance) for d in light.discs)
+    for each in (light, dataclasses.replace(light, discs=hidden, recipe=None)):
+        omma.picture.plot_sky(tmp_path / "a.png", each, [440])
+    dots = [sum(line.get_marker() == "o" for line in f.axes[0].lines) for f in figures]
+    assert dots == [1, 0]
+
+
+def test_the_spectrums_axis_has_its_power_of_ten_beside_the_unit(tmp_path, monkeypatch):
+    from omma.picture import sky_plots
+
+    figures = []
+    monkeypatch.setattr(sky_plots, "save", lambda one, *_: figures.append(one))
+    light = omma.light.clear_sky(30)
+    omma.picture.plot_sky(tmp_path / "a.png", light, [440])
+    figures[0].canvas.draw()
+    panel = next(a for a in figures[0].axes if a.get_xlabel() == "wavelength (nm)")
+    assert panel.get_ylabel() == "on level ground\n($10^{18}$ photons m⁻² s⁻¹ nm⁻¹)"
+    assert panel.yaxis.get_offset_text().get_text() == ""
+    shown = [float(label.get_text()) for label in panel.get_yticklabels()]
+    assert shown == pytest.approx(panel.get_yticks() / 1e18)
+
+
+def test_what_has_no_angle_is_said(tmp_path, monkeypatch):
+    from omma.picture import sky_plots
+
+    figures = []
+    monkeypatch.setattr(sky_plots, "save", lambda one, *_: figures.append(one))
+    sky = np.zeros((2, 91, 8, 3, 1))
+    sky[:, :, :, 0], sky[:, :, :, 1] = 1, 0.5
+    half = sky.copy()
+    half[:, :, :4, 1] = 0.005
+    for each in (sky, half):
+        light = omma.light.Light(omma.light.Bands.equal(1), sky=each)
+        omma.picture.plot_sky(tmp_path / "a.png", light, [500])
+    said = [[text.get_text() for text in figure.axes[2].texts] for figure in figures]
+    assert "white: less than 1% polarised" not in said[0]
+    assert "white: less than 1% polarised" in said[1]

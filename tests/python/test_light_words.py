@@ -41,6 +41,8 @@ def test_they_are_the_arguments_of_a_world():
     noon = datetime(2026, 6, 21, 12, tzinfo=timezone.utc)
     assert at == omma.light.clear_sky_at(noon, 52.5, 13.4)
     assert parse_light("uniform_sky radiance=2 unit=watts")["light"].unit == "watts"
+    visible = parse_light("uniform_sky bands=visible")
+    assert visible == {"light": omma.light.uniform_sky(bands=omma.light.Bands.equal(12, 400, 700))}
 
 
 @pytest.mark.parametrize(
@@ -55,6 +57,7 @@ def test_they_are_the_arguments_of_a_world():
         ("clear_sky sun_elevation_deg=high", "light: sun_elevation_deg"),
         ("clear_sky sun_elevation_deg=300", "light: sun_elevation_deg"),
         ("clear_sky sun_elevation_deg=30 bands=0", "light: .*expected"),
+        ("clear_sky sun_elevation_deg=30 bands=all", "light: count: expected a whole number"),
         ("clear_sky sun_elevation_deg=30 depth=1e30", "light: depth: expected a whole number"),
         ("clear_sky sun_elevation_deg=30 ultraviolet=inf", "light: ultraviolet: expected"),
         ("clear_sky sun_elevation_deg=30 sun=high", "light: sun: expected"),
@@ -86,7 +89,7 @@ def test_a_file_is_what_the_world_gives(files, tmp_path):
     # The picture has the colours that people see, a white sheet on level ground as white.
     shown = omma.picture.bands_to_rgb(expected[0], world.light)
     picture = np.asarray(Image.open(tmp_path / "view.png"))
-    assert np.array_equal(picture[..., :3], omma.picture.project(renderer.eye, shown)[..., :3])
+    assert np.array_equal(picture[..., :3], omma.picture.framed(renderer.eye, shown))
 
     data = omma.rendering.load_responses(tmp_path / "view.npy")
     assert data.attrs["light_words"] == WORDS

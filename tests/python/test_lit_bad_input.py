@@ -155,8 +155,8 @@ def test_dates_beyond_the_ephemeris():
         ({"depth": 2000}, "depth"),
         ({"lighting": "bake"}, "lighting: expected one of"),
         ({"lighting": "baked", "depth": 2}, "depth: expected None"),
-        ({"lighting": "path", "bake": omma.scene.Bake()}, "bake: is for baked light"),
-        ({"sun": "map", "lighting": "path"}, 'sun: "map" is for baked light'),
+        ({"bake": omma.scene.Bake()}, 'bake: goes with lighting="baked", found lighting=None'),
+        ({"sun": "map", "lighting": "path"}, 'sun: "map" goes with lighting="baked"'),
         ({"lighting": "unlit"}, "lighting"),
         ({"ultraviolet": "blue"}, "ultraviolet"),
         ({"ultraviolet": 1.5}, "ultraviolet"),
@@ -192,8 +192,14 @@ def test_what_needs_a_light(settings):
 def test_ultraviolet_that_nobody_has_given():
     green = Material("meadow", base_color=(0.1, 0.4, 0.1, 1))
     day = uniform_sky(1.0)
-    with pytest.raises(omma.Error, match=r'ultraviolet: .*"meadow".*docs/materials\.md'):
+    # The shortest way out comes first.
+    with pytest.raises(
+        omma.Error,
+        match=r'ultraviolet: .*"dark".*visible.*25\.0%.*"meadow".*docs/materials\.md',
+    ):
         omma.World(scene_of(green), light=day)
+    # Of visible light alone nothing has to be said.
+    omma.World(scene_of(green), light=uniform_sky(1.0, bands=Bands.equal(4, 400, 700)))
     with pytest.raises(omma.Error, match=r"ultraviolet: .*without a material"):
         omma.World(omma.Scene(meshes=[Mesh(np.eye(3), [[0, 1, 2]])]), light=day)
     # What is said counts below 400 nm, and only there.

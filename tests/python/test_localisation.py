@@ -202,9 +202,7 @@ def test_draws_have_places_of_their_own(tiny):
         command = [*start, *eyes, *scene, *short, *where, *more]
         subprocess.run(command, check=True, capture_output=True)
         with (out.parent / folder / "curves.csv").open() as file:
-            return [
-                (row["eye"], row["draw"], row["validation_l1"]) for row in csv.DictReader(file)
-            ]
+            return [(row["eye"], row["draw"], row["validation_l1"]) for row in csv.DictReader(file)]
 
     both = curves(arguments[2:4], "draws", "--draws", "2")
     assert [row[:2] for row in both[::2]] == [

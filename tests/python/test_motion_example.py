@@ -32,7 +32,8 @@ def test_both_are_seen_to_move_as_they_do(example, tmp_path, monkeypatch):
     assert elsewhere.sum() > 100
     assert not ever[elsewhere].any()
     # The disc spreads, ever faster; the target goes to the right.
-    looming, passing = example.expansion(eye, vectors), example.rightward(eye, vectors)
+    looming = omma.motion.expansion(eye, vectors, example.DISC_AT)
+    passing = example.rightward(eye, vectors)
     third = len(times_s) // 3
     assert looming[2 * third :].mean() > 5 * looming[third : 2 * third].mean() > 0
     assert passing.mean() > 0

@@ -5,7 +5,7 @@ Skipped visibly without mujoco; what needs its pictures also without OpenGL.
 
 import numpy as np
 import pytest
-from mujoco_models import everything, mujoco, pictures, silhouettes
+from mujoco_models import everything, is_even, mujoco, pictures, silhouettes
 
 import omma
 import omma.mujoco
@@ -67,13 +67,6 @@ def test_textures_and_colours_lie_where_mujoco_lays_them(all_kinds, camera):
         mine = (geoms[..., 0] == geom) & (geoms[..., 1] == mujoco.mjtObj.mjOBJ_GEOM)
         check_alike(model.geom(geom).name, theirs, ours, mine)
     check_alike("sky", theirs, ours, geoms[..., 0] < 0)
-
-
-def is_even(picture):
-    """Pixels whose eight neighbours have about their colour."""
-    steps = [(y, x) for y in (-1, 0, 1) for x in (-1, 0, 1)]
-    apart = [np.abs(np.roll(picture, step, (0, 1)) - picture).max(-1) for step in steps]
-    return np.max(apart, axis=0) <= 8
 
 
 def check_alike(name, theirs, ours, mine):
@@ -251,6 +244,12 @@ def test_bad_input_is_named():
         assert said in str(error.value), str(error.value)
     with pytest.raises(TypeError, match=r"world: expected omma\.World"):
         update(model, data)
+
+
+def test_an_older_mujoco_is_named(monkeypatch):
+    monkeypatch.setattr(mujoco, "mj_version", lambda: 330)
+    with pytest.raises(omma.Error, match=r"need mujoco 3\.3\.3 or newer, found"):
+        omma.mujoco.scene_from_model(of(BOX)[0])
 
 
 def test_textures_of_odd_sizes_are_errors(all_kinds):

@@ -135,3 +135,16 @@ def test_beside_flygyms_own(ids):
     for mine, its in zip(ours.max(axis=-1), theirs.max(axis=-1)):
         # MuJoCo shades what it shows.
         assert np.corrcoef(mine, its)[0, 1] > 0.95
+
+
+def test_the_set_up_on_the_page_runs():
+    pytest.importorskip("flygym", reason="needs FlyGym 2, on Python 3.12 or newer")
+    page = (Path(__file__).resolve().parents[2] / "docs" / "mujoco.md").read_text()
+    code = page.partition("A fly that stands, and what it sees:")[2].split("```")[1]
+    there = {}
+    exec(code.removeprefix("text"), there)
+    ours = there["readouts"]
+    theirs = there["simulation"].get_ommatidia_readouts("fly")
+    assert ours.shape == theirs.shape == (2, 721, 2)
+    # MuJoCo's shades are a gain and an offset: found 0.9955.
+    assert np.corrcoef(ours[ours > 0], theirs[ours > 0])[0, 1] > 0.98

@@ -63,10 +63,10 @@ WITHOUT = {
     "scene_from_model": "a model of MuJoCo (test_mujoco)",
     "update": "a model of MuJoCo (test_mujoco)",
     "world_from_model": "a model of MuJoCo (test_mujoco)",
-    "show": "a server with a page (test_view)",
-    "Window": "a server with a page (test_view)",
-    "Window.close": "a server with a page (test_view)",
-    "Window.go_to": "a server with a page (test_view)",
+    "show": "a server with a page (test_view_window)",
+    "Window": "a server with a page (test_view_window)",
+    "Window.close": "a server with a page (test_view_window)",
+    "Window.go_to": "a server with a page (test_view_window)",
     "World.set_color": "a world that was never lit",
     "World.set_image": "a world that was never lit, with an image",
 }
@@ -234,6 +234,7 @@ def public_calls(folder):
         "facet_diameters_m": (eye,),
         "field_ids": (eye, 16, 8),
         "fly_receptors": (large,),
+        "framed": (eye, rgb, 16, 8),
         "generate_eye": (20,),
         "govardovskii": (540.0, [500.0]),
         "ImpulseResponse": ("howard", 0.01, 0.3),
@@ -340,6 +341,7 @@ def public_calls(folder):
         "photons_from_watts": (1.0, 500.0),
         "plot_sky": {"paths": png, "light": light, "wavelengths_nm": [500.0], "size_mm": 40.0},
         "polarisation_weights": (bee,),
+        "SunPosition": (135.0, 30.0),
         "sun_position": (datetime(2026, 6, 21, 12, tzinfo=timezone.utc), 50.0, 10.0),
         "uniform_sky": {"radiance": 1.0, "bands": few},
         "watts_from_photons": (1.0, 500.0),
@@ -351,6 +353,8 @@ def public_calls(folder):
         "receptor_axis": (bee,),
         "receptor_matrix": (bee,),
         "receptor_optical_sensitivity": (bee,),
+        "receptor_solid_angle_sr": (bee,),
+        "solid_angle_sr": (0.05,),
         "render_all_cameras": {
             "scene": scene_file, "folder": folder / "all", "width": 8, "height": 4,
             "sampling": omma.Fixed(1),
@@ -414,11 +418,17 @@ def public_calls(folder):
             "count": 24, "pairs": [[0, 1]], "displacement_rad": np.ones((1, 2, 2)), "tau_s": 0.035,
             "frame_rate_hz": 500.0, "high_pass_tau_s": 0.2,
         },
+        "LoomingCells": {
+            "count": 24, "center": [[0, 0, -1]], "cell": [0], "arm": [1], "ommatidium": [2],
+            "along": [[0.0, 1.0]],
+        },
         "best_frequency_hz": (0.035, 0.2),
         "detector_array": {
             "eye": eye, "tau_s": 0.035, "frame_rate_hz": 500.0, "pairs": [[0, 1]],
             "high_pass_tau_s": 0.2,
         },
+        "expansion": (eye, np.zeros((len(eye), 2)), (0, 0, -1)),
+        "looming_cells": (eye, [[0, 0, -1]]),
         "grating_response": {
             "contrast": 1.0, "wavelength_rad": 0.5, "frequency_hz": 5.0, "separation_rad": 0.1,
             "tau_s": 0.035, "high_pass_tau_s": 0.2, "acceptance_angle_rad": 0.1,
@@ -504,6 +514,9 @@ def public_calls(folder):
         "Box": (omma.study.Box((0, 0, 0), (1, 1, 1)), {}),
         "DetectorArray": (omma.motion.detector_array(eye, 0.035, 500.0, pairs=[[0, 1]]), {
             "step": (None, np.ones(24)), "run": (np.ones((3, 24)),), "vectors": (np.ones((3, 1)),),
+        }),
+        "LoomingCells": (omma.motion.looming_cells(eye, [[0, 0, -1]]), {
+            "arms": (np.zeros((len(eye), 2)),), "responses": (np.zeros((len(eye), 2)),),
         }),
         "Wiring": (omma.eye.Wiring([0, 1], [0], [1.0]), {}),
         "GroundTruth": (renderer.ground_truth(pose), {}),

@@ -66,6 +66,15 @@ def test_gamma_and_clamp():
     ]
 
 
+def is_hatched(picture, where):
+    """Whether these pixels have two greys, neither for long in a row or a column."""
+    levels = picture[where]
+    grey = (levels == levels[:, :1]).all()
+    two = np.unique(levels[:, 0])
+    dark = np.where(where, picture[..., 0] == two[0], False)
+    return grey and len(two) == 2 and 0.1 < dark[where].mean() < 0.4
+
+
 def test_limit_of_angle():
     eye = omma.Eye([[0, 0, 0]], [[0, 0, -1]], 0.1)
     ids = omma.picture.equirectangular_ids(eye, 360, 180, max_angle_deg=30)
@@ -74,9 +83,9 @@ def test_limit_of_angle():
     weight = np.cos(np.radians(89.5 - np.arange(180)))
     fraction = (seen.mean(axis=1) * weight).sum() / weight.sum()
     assert fraction == pytest.approx((1 - np.cos(np.radians(30))) / 2, rel=0.02)
-    grey = omma.picture.equirectangular(eye, [[1, 1, 1]], 360, 180, max_angle_deg=30)[0, 0]
-    assert len(set(grey.tolist())) == 1
-    assert 100 < grey[0] < 200
+    picture = omma.picture.equirectangular(eye, [[1, 1, 1]], 360, 180, max_angle_deg=30)
+    assert (picture[seen] == 255).all()
+    assert is_hatched(picture, ~seen)
 
 
 def test_field_ends_a_facet_beyond_the_last_axis():
@@ -98,8 +107,10 @@ def test_side_by_side_has_the_left_eye_left():
     assert picture.shape == (20, 80, 3)
     assert picture[10, 10].tolist() == [0, 0, 255]  # left panel, looking left
     assert picture[10, 70].tolist() == [255, 0, 0]  # right panel, looking right
-    assert len(set(picture[10, 30].tolist())) == 1  # grey: the left eye does not see the right
-    assert (picture[10, 30] == picture[10, 50]).all()
+    hidden = omma.picture.id_maps.side_by_side_ids(head, 40, 20) < 0
+    assert hidden[10, 30]  # the left eye does not see the right
+    assert hidden[10, 50]
+    assert is_hatched(picture, hidden)
 
 
 def test_responses_of_a_render_can_be_painted(renderer, flight, tmp_path):
@@ -107,6 +118,7 @@ def test_responses_of_a_render_can_be_painted(renderer, flight, tmp_path):
     picture = omma.picture.equirectangular(renderer.eye, responses, 64, 32)
     assert (picture == omma.picture.equirectangular(renderer.eye, responses[0], 64, 32)).all()
     ids = omma.picture.equirectangular_ids(renderer.eye, 64, 32)
+    assert (ids >= 0).all()
     assert (picture == omma.picture.paint(ids, responses[0])).all()
     omma.save_png(tmp_path / "a.png", picture)
     back = omma.Background.image(tmp_path / "a.png")
@@ -169,8 +181,10 @@ def test_default_picture_is_empty_where_nothing_is_seen_and_has_overlapping_eyes
     # 5° a pixel. Straight ahead is 30° from the middle of both; straight behind nothing is.
     for panel in (picture[:, :72], picture[:, 72:]):
         assert (panel[18, 36] == 255).all()
-        assert (panel[18, 0] == 128).all()
-        assert (panel[0] == 128).all()
+    hidden = omma.picture.projection_ids(near, None, 72) < 0
+    assert hidden[18, [0, 72]].all()
+    assert hidden[0].all()
+    assert is_hatched(picture, hidden)
 
 
 def test_gaps_smaller_than_a_cell_are_closed_also_over_the_seam():
@@ -190,3 +204,118 @@ def test_gaps_smaller_than_a_cell_are_closed_also_over_the_seam():
     closed = without_gaps(seen, each, 1.6)
     assert closed[:8].all()
     assert (closed[8] == seen[8]).all()
+
+
+@pytest.mark.parametrize("projection", ["mollweide", "lambert", "hemisphere", "cylindrical"])
+def test_what_nobody_sees_is_hatched_for_people_and_plain_for_programs(projection):
+    from omma.picture.unseen import inside_outline
+
+    upper = make_eye(3000, acceptance_deg=8)
+    upper = upper.take(np.flatnonzero(upper.axis[:, 1] > 0.3).tolist())
+    white = np.ones((len(upper), 3), np.float32)
+    ids = omma.picture.projection_ids(upper, projection, 200)
+    picture = omma.picture.project(upper, white, projection, 200)
+    inside = inside_outline(projection, *ids.shape)
+    if projection != "cylindrical":  # whose picture is as high as the eye
+        assert is_hatched(picture, (ids < 0) & inside)
+    assert (picture[ids >= 0] == 255).all()
+    assert (picture[~inside] == 128).all()  # outside of the map there are no directions
+    linear = omma.picture.project(upper, white, projection, 200, linear=True)
+    assert (np.isnan(linear).all(axis=2) == (ids < 0)).all()
+    assert (omma.picture.paint(ids, white)[ids < 0] == 128).all()
+
+
+def test_facets_have_nothing_to_miss_around_them():
+    eye = omma.eye.generate_eye(100)
+    ids = omma.picture.projection_ids(eye, "facets", 200)
+    picture = omma.picture.project(eye, np.ones((100, 3)), "facets", 200)
+    assert (picture[ids < 0] == 128).all()
+
+
+def letters(monkeypatch):
+    """What is written on pictures from now on, and where: (x, y, text)."""
+    from PIL import ImageDraw
+
+    said = []
+    write = ImageDraw.ImageDraw.text
+
+    def watched(self, xy, text, *arguments, **options):
+        said.append((*xy, text))
+        return write(self, xy, text, *arguments, **options)
+
+    monkeypatch.setattr(ImageDraw.ImageDraw, "text", watched)
+    return said
+
+
+def test_a_picture_for_people_has_borders_names_and_degrees(monkeypatch):
+    said = letters(monkeypatch)
+    near, far = two_fans(30), two_fans(90)
+    responses = np.random.default_rng(1).random((len(near), 3))
+    plain = omma.picture.project(near, responses, None, 400)
+    picture = omma.picture.framed(near, responses, 400)
+    words = [text for *_, text in said]
+    assert words[0] == "L  left eye"
+    assert "R  right eye" in words
+    assert [words.count(each) for each in ("left -90°", "ahead 0°", "right 90°")] == [2, 2, 2]
+    assert {"90°", "60°", "0°", "-90°", "azimuth", "elevation"} <= set(words)
+    # Both panels are in it as they are, apart from each other, in a border.
+    corner = {}
+    for side, panel in (("L", plain[:, :400]), ("R", plain[:, 400:])):
+        y, x = find(picture, panel)
+        corner[side] = x
+        border = picture[y - 1 : y + 201, x - 1 : x + 401].copy()
+        border[1:-1, 1:-1] = 34
+        assert (border == 34).all()
+        # Straight ahead is named in the middle, the right to the right of it.
+        ahead = [at for at, _, text in said if text == "ahead 0°"]
+        assert min(abs(at - (x + 200)) for at in ahead) <= 1
+    assert corner["R"] - corner["L"] > 410
+    assert (picture[y : y + 200, corner["L"] + 405] == 255).all()  # paper
+    # Where no direction is seen by two, one panel has both; or two, where they are asked for.
+    said.clear()
+    one = omma.picture.framed(far, responses, 400)
+    assert not any("eye" in text for *_, text in said)
+    find(one, omma.picture.project(far, responses, None, 400))
+    find(omma.picture.framed(far, responses, 400, apart=True),
+         omma.picture.side_by_side(far, responses, 400, 200)[:, :400])  # fmt: skip
+
+
+def find(picture, panel):
+    """Row and column at which a panel stands in a picture."""
+    height, width = panel.shape[:2]
+    for y in range(picture.shape[0] - height + 1):
+        for x in range(picture.shape[1] - width + 1):
+            if (picture[y : y + height, x] == panel[:, 0]).all() and (
+                picture[y : y + height, x : x + width] == panel
+            ).all():
+                return y, x
+    raise AssertionError("the panel is not in the picture")
+
+
+@pytest.mark.parametrize("width", [1, 12, 60, 200, 1500])
+def test_labels_never_touch(monkeypatch, width):
+    from omma.picture import frame
+
+    said = letters(monkeypatch)
+    omma.picture.framed(two_fans(30), np.ones((242, 3)), width)
+    font = frame._font(max(min(max(width // 2, 1) // 20, 48), 9))
+    below = {}
+    for x, y, text in said:
+        if text.endswith("°"):
+            below.setdefault(y, []).append((x, font.getlength(text) / 2))
+    rows = [sorted(row) for row in below.values() if len(row) > 3]
+    assert rows or width < 12
+    for row in rows if width >= 60 else []:
+        for (x, half), (after, other) in zip(row[:-1], row[1:], strict=True):
+            assert x + half < after - other
+
+
+def test_an_ommatidium_that_no_pixel_shows_is_a_dot_with_its_number(monkeypatch):
+    said = letters(monkeypatch)
+    eye = omma.Eye(np.zeros((1, 3)), [[0, 0, -1]], 0.0)
+    assert (omma.picture.projection_ids(eye, width=200) < 0).all()
+    picture = omma.picture.framed(eye, [[1, 0, 0]], 200)
+    assert "0" in [text for *_, text in said]
+    _row, column = (each.mean() for each in np.nonzero((picture == (255, 0, 0)).all(axis=2)))
+    ahead = [x for x, _, text in said if text == "ahead 0°"]
+    assert column == pytest.approx(ahead[0], abs=1.5)

@@ -5,7 +5,7 @@ import pytest
 from conftest import make_eye
 
 import omma
-from omma.picture import response_axes, response_colours
+from omma.picture import response_axes, response_colours, unseen
 
 pytest.importorskip("matplotlib")
 
@@ -39,13 +39,14 @@ def test_two_channels_are_yellow_and_blue():
     assert colours.tolist() == [[1, 1, 0], [0, 0, 0.5], [1, 1, 1]]
 
 
+@pytest.mark.parametrize("size", [(200, None), (200, 200), (130, 40), (61, 127)])
 @pytest.mark.parametrize("projection", ["mollweide", "lambert", "hemisphere"])
-def test_what_lies_outside_a_map_is_what_shows_no_ommatidium(projection):
+def test_what_lies_outside_a_map_is_what_shows_no_ommatidium(projection, size):
     # An eye that sees everything: all that is empty is outside the map.
     eye = make_eye(400)
     eye = eye.replace(acceptance_angle_rad=np.full(400, 3.1))
-    ids = omma.picture.projection_ids(eye, projection, 200)
-    inside = response_axes.inside_picture(projection, *ids.shape)
+    ids = omma.picture.projection_ids(eye, projection, *size)
+    inside = unseen.inside_outline(projection, *ids.shape)
     # A pixel in the very rim may fall either way by rounding.
     assert (inside == (ids >= 0)).mean() > 0.999
 
@@ -95,19 +96,40 @@ def test_several_eyes_have_one_scale(tmp_path, monkeypatch):
     assert limits == [(0, 4), (0, 4)]
 
 
-@pytest.mark.parametrize("full_scale", [1.0, 3e17, 2e-5])
-def test_scales_of_photons_have_their_power_of_ten_in_the_label(tmp_path, monkeypatch, full_scale):
+@pytest.fixture
+def drawn(tmp_path, monkeypatch):
+    """What `plot_responses` draws, as Matplotlib's figure, drawn but not written."""
     from omma.picture import response_plots
 
     figures = []
     monkeypatch.setattr(response_plots, "save_figure", lambda one, *_, **__: figures.append(one))
+
+    def draw(*arguments, **options):
+        omma.picture.plot_responses(tmp_path / "a.png", *arguments, **options)
+        figures[-1].canvas.draw()
+        return figures[-1]
+
+    return draw
+
+
+def rows_of_legend(figure):
+    return [label.get_text() for label in figure.axes[-1].get_yticklabels()]
+
+
+def rgba(figure, panel):
+    """The colours of a picture in a panel, (H, W, 4), and what lies below it."""
+    ground, image = (each.get_array() for each in figure.axes[panel].images)
+    return np.asarray(image), np.asarray(ground)
+
+
+@pytest.mark.parametrize("full_scale", [1.0, 3e17, 2e-5])
+def test_scales_of_photons_have_their_power_of_ten_in_the_label(drawn, full_scale):
     responses = np.full((50, 3), full_scale)
-    omma.picture.plot_responses(tmp_path / "a.png", make_eye(50), responses, full_scale=full_scale)
-    figures[0].canvas.draw()
-    scale = figures[0].axes[-1]
+    scale = drawn(make_eye(50), responses, full_scale=full_scale).axes[-1]
     shown = [float(label.get_text()) for label in scale.get_xticklabels()]
     power = {1.0: "", 3e17: ", $10^{17}$", 2e-5: ", $10^{-5}$"}[full_scale]
-    assert scale.get_xlabel() == f"response (display gamma 2.2){power}"
+    not_said = " unit not given (light=)" if power else ""
+    assert scale.get_xlabel() == f"response (display gamma 2.2){power}{not_said}"
     unit = {1.0: 1.0, 3e17: 1e17, 2e-5: 1e-5}[full_scale]
     assert shown == pytest.approx(scale.get_xticks() / unit)
     assert scale.xaxis.get_offset_text().get_text() == ""
@@ -157,3 +179,154 @@ def test_what_makes_no_sense_is_refused(tmp_path, arguments, words):
     with pytest.raises(omma.Error, match=words):
         omma.picture.plot_responses(tmp_path / "a.png", bee(), **given)
     assert not list(tmp_path.iterdir())
+
+
+def test_light_names_the_unit_and_the_bands(drawn):
+    bands = omma.light.Bands.equal(4, 300, 700)
+    responses = np.random.default_rng(0).random((50, 4)) * 4e17
+    per = {
+        "photons": "$10^{17}$ photons m⁻² s⁻¹ sr⁻¹ nm⁻¹",
+        "watts": "$10^{17}$ W m⁻² sr⁻¹ nm⁻¹",
+    }
+    for unit, words in per.items():
+        light = omma.light.overcast_sky(40, bands=bands, unit=unit)
+        scale = drawn(make_eye(50), responses, channels=[1], light=light).axes[-1]
+        assert scale.get_xlabel() == f"response: band 1, 450 nm, {words}"
+        figure = drawn(make_eye(50), responses, channels=[3, 0], light=light, errors=responses)
+        assert figure.axes[-1].get_xlabel() == f"standard error, {words}"
+        assert figure.axes[-2].get_xlabel() == f"response (display gamma 2.2), {words}"
+        names = [label.get_text() for label in figure.axes[-2].get_yticklabels()]
+        assert names == ["band 3, 650 nm, shown yellow", "band 0, 350 nm, shown blue"]
+    with pytest.raises(omma.Error, match="light: expected as many bands as responses, 3, found 4"):
+        drawn(make_eye(50), responses[:, :3], channels=[0], light=light)
+
+
+def test_labelled_arrays_know_their_unit(drawn):
+    xarray = pytest.importorskip("xarray")
+    units = {"photons m-2 s-1 sr-1 nm-1": ", photons m⁻² s⁻¹ sr⁻¹ nm⁻¹", "1": ""}
+    for unit, words in units.items():
+        array = xarray.DataArray(np.full((50, 3), 0.5), attrs={"units": unit})
+        label = drawn(make_eye(50), array, channels=[0]).axes[-1].get_xlabel()
+        assert label == "response: band 0" + words
+
+
+def two_eyes(left=90, right=130):
+    """A left eye and a right one, both of which see ahead."""
+    eyes = []
+    for side, count in ((-1, left), (1, right)):
+        axis = make_eye(3000).axis
+        axis = axis[axis[:, 0] * side > -0.3][:count]
+        eyes.append(omma.Eye((axis + [9 * side, 0, 0]) * 1e-3, axis, np.radians(15)))
+    return omma.eye.merge_eyes(eyes)
+
+
+def test_a_title_says_how_many_ommatidia_are_shown(drawn):
+    head = two_eyes()
+    for eye in (head, head.replace(eye_id=np.zeros(len(head), np.int32))):
+        panels = drawn(eye, np.full((len(eye), 3), 0.5)).axes[:2]
+        titles = [panel.get_title(loc="left") for panel in panels]
+        assert titles == ["left eye, 90 of 220 ommatidia", "right eye, 130 of 220 ommatidia"]
+    panels = drawn(head, np.full((2, len(head), 3), 0.5)).axes[:4]
+    assert panels[3].get_title(loc="left") == "right eye, 130 of 220 ommatidia, pose 1"
+    panels = drawn(head, np.full((len(head), 3), 0.5), titles=["mine"]).axes[:2]
+    assert [panel.get_title(loc="left") for panel in panels] == [
+        "mine: left eye",
+        "mine: right eye",
+    ]
+    assert drawn(make_eye(50), np.ones((50, 3))).axes[0].get_title(loc="left") == "50 ommatidia"
+
+
+def test_grey_has_one_row_in_its_legend(drawn):
+    eye = make_eye(50)
+    shade = np.repeat(np.random.default_rng(0).random((50, 1)), 3, axis=1).astype(np.float32)
+    grey = drawn(eye, shade)
+    assert rows_of_legend(grey) == ["red = green = blue"]
+    image, _ = rgba(grey, 0)
+    ids = omma.picture.projection_ids(eye, None, 1080, 540)
+    assert image.shape[:2] == ids.shape
+    expected = (shade ** (1 / 2.2))[ids[ids >= 0]]
+    assert image[..., :3][ids >= 0] == pytest.approx(expected, abs=1e-6)
+    # One facet of another colour, and there are three.
+    shade[7, 2] += 0.01
+    coloured = drawn(eye, shade)
+    assert rows_of_legend(coloured) == ["red", "green", "blue"]
+
+
+def crossed(kinds):
+    """Three ommatidia; the first has crossed ultraviolet receptors, all have what else is named."""
+    types = [
+        omma.receptors.ReceptorType(
+            name, peak_wavelength_nm=nm, polarisation_sensitivity=sensitivity,
+            microvillus_angle_rad=np.radians(angle),
+        )
+        for name, nm, sensitivity, angle in kinds
+    ]  # fmt: skip
+    axis = [[0, 0, -1], [0.1, 0, -0.995], [-1, 0, 0]]
+    others = list(range(3, len(kinds)))
+    return omma.Eye(
+        np.zeros((3, 3)), axis, 0.1, receptor_types=types,
+        receptors=[[0, 1, *others], [2, *others], [2, *others]],
+    )  # fmt: skip
+
+
+RIM = [("along", 350, 6, 0), ("across", 350, 6, -90), ("uv", 350, 1, 0)]
+
+
+def test_crossed_receptors_are_two_channels():
+    eye = crossed([*RIM, ("green", 520, 2, 0)])
+    responses = np.array([3.0, 1, 9, 5, 9, 6, 9])
+    shown = response_colours.receptors_shown(eye, responses, None, "responses")
+    assert shown.names == (
+        "green (520 nm)",
+        "along, uv (350 nm, microvilli 0°)",
+        "across, uv (350 nm, microvilli 90°)",
+    )
+    # What has no crossed ones shows its own ultraviolet in both, not the rim's.
+    assert shown.values.tolist() == [[[9, 3, 1], [9, 5, 5], [9, 6, 6]]]
+    # Where there are no channels left for it, the legend says what is a mean.
+    eye = crossed([*RIM, ("green", 520, 1, 0), ("blue", 440, 1, 0)])
+    shown = response_colours.receptors_shown(eye, np.arange(10.0), None, "responses")
+    assert shown.names[2] == "along to uv (350 nm, mean of microvilli at 0°, 90°)"
+    assert shown.values[0, 0].tolist() == [2, 3, 0.5]
+    by_name = response_colours.receptors_shown(eye, np.arange(10.0), ["across"], "responses")
+    assert by_name.names == ("across (350 nm)",)
+
+
+def test_directions_that_nobody_sees_are_hatched_in_figures(drawn):
+    eye = make_eye(400).take(np.flatnonzero(make_eye(400).axis[:, 1] > 0).tolist())
+    figure = drawn(eye, np.full((len(eye), 3), 0.5), projection="mollweide")
+    image, ground = rgba(figure, 0)
+    hidden = (image[..., 3] == 0) & unseen.inside_outline("mollweide", *image.shape[:2])
+    levels = np.unique(ground[..., 0][hidden])
+    assert len(levels) == 2
+    assert 0.1 < (ground[..., 0][hidden] == levels[0]).mean() < 0.4
+    assert (ground[..., 3] == unseen.inside_outline("mollweide", *image.shape[:2])).all()
+
+
+@pytest.mark.parametrize("errors", [False, True])
+def test_long_names_of_receptors_stay_in_the_figure(drawn, errors):
+    types = [
+        omma.receptors.ReceptorType(
+            f"{name} of the ventral two thirds of the eye", peak_wavelength_nm=nm
+        )
+        for name, nm in (("ultraviolet", 350), ("blue", 440), ("green", 530))
+    ]
+    eye = make_eye(20)
+    eye = eye.replace(receptor_types=types, receptors=[[0, 1, 2]] * 20)
+    values = np.ones(60)
+    figure = drawn(eye, values, receptors=True, errors=values if errors else None)
+    labels = figure.axes[-2 if errors else -1].get_yticklabels()
+    boxes = [label.get_window_extent() for label in labels]
+    assert len(boxes) == 3
+    assert all(box.x0 >= 0 for box in boxes)
+    for above, below in zip(boxes[:-1], boxes[1:], strict=True):
+        assert above.y0 >= below.y1 - 1  # pixels: they do not touch
+
+
+def test_other_numbers_than_responses_are_called_what_they_are(drawn):
+    values = np.linspace(0, 3, 150).reshape(50, 3)
+    eye = make_eye(50)
+    scale = drawn(eye, values, channels=[0], quantity="mean of 1/distance (1/m)").axes[-1]
+    assert scale.get_xlabel() == "mean of 1/distance (1/m)"
+    scale = drawn(eye, values, quantity="flow (°/s)", full_scale=2).axes[-1]
+    assert scale.get_xlabel() == "flow (°/s), more cut off (display gamma 2.2)"

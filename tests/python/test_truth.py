@@ -237,7 +237,9 @@ def test_lit_and_baked_worlds_have_the_same_truth(things):
     sky = omma.light.uniform_sky(1.0, below=0.2, bands=omma.light.Bands.from_edges([400, 500, 600]))
     unlit = omma.World(things)
     lit = unlit.with_light(sky, depth=2)
-    baked = unlit.with_light(sky, bake=solids.Bake(cell_m=2, paths=16, cache=False))
+    baked = unlit.with_light(
+        sky, lighting="baked", bake=solids.Bake(cell_m=2, paths=16, cache=False)
+    )
     kept = None
     for world in (unlit, lit, baked):
         truth = omma.Renderer(world, eye, omma.Fixed(16)).ground_truth(

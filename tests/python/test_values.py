@@ -134,10 +134,12 @@ def examples(files, tmp_path_factory):
         "photoreceptors.ImpulseResponse": omma.photoreceptors.ImpulseResponse.table(
             [0, 0.01, 0.02, 0.03], [0, 2, -0.5, 0]
         ),
+        "light.SunPosition": omma.light.SunPosition(135.0, 30.0),
         "motion.DetectorArray": omma.motion.detector_array(angles, 0.035, 500),
         "motion.DetectorState": omma.motion.detector_array(angles, 0.035, 500).step(
             None, np.ones(200)
         )[0],
+        "motion.LoomingCells": omma.motion.looming_cells(angles, [[0, 0, -1]]),
         "receptors.OmmatidiumType": kind,
         "receptors.ReceptorType": all_round_eye().receptor_types[0],
         "rendering.GroundTruth": renderer.ground_truth(pose, shares=[0]),
@@ -212,13 +214,14 @@ UNHASHABLE = {
     "eye.EyeMeasures", "eye.HexagonalCoordinates", "eye.Lattice", "eye.LatticeCheck",
     "eye.LensConeEye", "eye.Wiring", "light.Bands", "light.Disc", "light.Light",
     "receptors.BandError", "stimuli.Target",
-    "motion.DetectorArray", "motion.DetectorState", "rendering.GroundTruth",
+    "motion.DetectorArray", "motion.DetectorState", "motion.LoomingCells",
+    "rendering.GroundTruth",
     "rendering.UltravioletDependence",
     "rendering.SamplingReport", "study.MinimumSamples", "study.SpeedTest",
     "scene.NaturalMaterial", "view.Seen", "mesh_surface()", "EyeMeasures.field",
 }  # fmt: skip
 # Made of another package's simulation (tests/python/test_mujoco_retina.py); a server's page
-# (tests/python/test_view.py).
+# (tests/python/test_view_window.py).
 ELSEWHERE = {"mujoco.FlyRetina", "view.Window"}
 CLASSES = sorted(
     {f"{room}.{name}".strip(".") for room, name, thing in public_things() if inspect.isclass(thing)}
@@ -412,3 +415,38 @@ def test_worlds_and_renderers_show_a_table(examples):
     text = examples["Renderer"]._repr_html_()
     ElementTree.fromstring(f"<all>{text}</all>")
     assert "40 ommatidia" in text
+
+
+def test_lights_and_animals_show_a_table():
+    few = omma.light.Bands.equal(4)
+    text = omma.light.clear_sky(30, 135, bands=few).turned(10)._repr_html_()
+    ElementTree.fromstring(f"<all>{text}</all>")
+    assert "at azimuth 145°, elevation 30°, 0.533° across" in text
+    assert "directions in each half, polarised" in text
+    text = omma.light.uniform_sky(1e17, bands=few)._repr_html_()
+    # π times the radiance, in bands of 400 nm together; nothing from discs.
+    assert "1.26e+20 photons m⁻² s⁻¹ from the sky, 0 from discs" in text
+    bee = omma.species.honeybee_worker()
+    text = bee._repr_html_()
+    assert "ultraviolet 344 nm, blue 436 nm, green 544 nm" in text
+    assert "10,760" in text
+    assert bee.eye._repr_html_() in text
+    assert "none known" in omma.species.holcocephala()._repr_html_()
+
+
+def test_a_receptor_type_says_what_it_is():
+    kind = omma.receptors.ReceptorType
+    assert repr(kind("green", peak_wavelength_nm=544)) == (
+        "<omma.receptors.ReceptorType 'green', peak 544 nm>"
+    )
+    assert repr(
+        kind(
+            "rim", wavelength_nm=[300, 400], sensitivity=[1, 2], absorption_per_m=6700,
+            length_m=320e-6, polarisation_sensitivity=6.3, microvillus_angle_rad=np.pi / 2,
+            right_rad=np.radians(1.5), acceptance=omma.Acceptance.pillbox(0.05),
+        )
+    ) == (
+        "<omma.receptors.ReceptorType 'rim', table of 300 to 400 nm, rhabdom 320 um long, "
+        "absorbing 0.0067 per um, polarisation sensitivity 6.3, microvilli at 90 deg, looks 1.5 "
+        "deg right and 0 deg up, an acceptance of its own>"
+    )  # fmt: skip

@@ -1,33 +1,19 @@
 """The window into the eye in a browser: dragged, picked, slid, with a second one beside it; what
-the page says is what the renderer gives.
+the page says is what the renderer gives."""
 
-Headless Chromium (Debian's package), driven by Playwright; without either these tests are skipped.
-With OMMA_VIEW_PICTURES=FOLDER what the page looks like is kept there.
-"""
-
-import os
-import re
 import shlex
-import shutil
 import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 from conftest import write_gltf
+from view_browser import Browser, canvas_box, keep, pixel_of, set_choice, set_number, tab, until
 
 import omma
 from omma.view.poses import HeadPose
 
 pytest.importorskip("viser", reason="viser (omma[view]) is not installed")
-playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
-
-# A machine with much else to do draws WebGL without a graphics card slowly.
-SLOW_MS = 120_000
-# What viser and Chromium say of themselves; nothing else may be in the console.
-EXPECTED = ("THREE.Clock", "GPU stall", "GL Driver Message", "Automatic fallback to software WebGL")
 
 
 @pytest.fixture(scope="module")
@@ -42,17 +28,6 @@ def files(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def chromium():
-    with playwright.sync_playwright() as found:
-        browser = found.chromium.launch(
-            executable_path=CHROMIUM,
-            args=["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
-        )
-        yield browser
-        browser.close()
-
-
-@pytest.fixture(scope="module")
 def window(files):
     scene = omma.load_scene(files / "ground.gltf")
     with omma.view.show(scene, omma.load_eye(files / "bee.csv"), port=0) as window:
@@ -60,98 +35,27 @@ def window(files):
 
 
 @pytest.fixture(scope="module")
-def said():
-    """What the consoles of all browsers say that is wrong, as it comes."""
-    return []
+def browser():
+    with Browser() as browser:
+        yield browser
 
 
 @pytest.fixture(scope="module")
-def open_page(chromium, window, said):
-    """Opens the page in a browser of its own."""
-
-    def take(text):
-        if not any(known in text for known in EXPECTED):
-            said.append(text)
-
-    def open_page(width, height):
-        page = chromium.new_page(viewport={"width": width, "height": height})
-        page.set_default_timeout(SLOW_MS)
-        page.on(
-            "console",
-            lambda each: take(each.text) if each.type in ("error", "warning") else None,
-        )
-        page.on("pageerror", lambda error: take(str(error)))
-        page.goto(window.url)
-        page.wait_for_selector("#omma-status")
-        # viser's note about drawing without a graphics card is in the way of the scene.
-        note = page.locator("#webgl-software-rendering button")
-        note.wait_for()
-        note.click()
-        return page
-
-    return open_page
-
-
-@pytest.fixture(scope="module")
-def first_page(open_page):
-    return open_page(1100, 800)
+def first_page(browser, window):
+    return browser.open(window.url, 1100, 800)
 
 
 @pytest.fixture
-def page(first_page, said):
+def page(first_page, browser):
     """The page that all tests go on with; each leaves the console clean."""
     yield first_page
-    assert not said
-
-
-def until(condition, seconds=120.0):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "it never came"
-        time.sleep(0.05)
+    assert not browser.said
 
 
 def settled(window):
     """The finest frame of what is wanted."""
     until(lambda: window.seen.look == window.look and window.seen.samples == 64)
     return window.seen
-
-
-def keep(page, name):
-    if folder := os.environ.get("OMMA_VIEW_PICTURES"):
-        page.screenshot(path=Path(folder) / name)
-
-
-def tab(page, name):
-    page.get_by_role("tab", name=name, exact=True).click()
-
-
-def set_number(page, label, value):
-    """Types into the number beside a slider, or a number's own field."""
-    # viser gives widgets ids of their own and no names: by the label in the same row.
-    row = page.locator("label", has_text=re.compile(f"^{re.escape(label)}$")).first
-    field = row.locator("xpath=ancestor::*[.//input[not(@type='checkbox')]][1]//input").last
-    field.fill(str(value))
-    field.press("Enter")
-
-
-def set_choice(page, label, value):
-    """Chooses from a list."""
-    row = page.locator("label", has_text=re.compile(f"^{re.escape(label)}$")).first
-    row.locator("xpath=ancestor::*[.//input][1]//input").first.click()
-    page.get_by_role("option", name=value, exact=True).click()
-
-
-def canvas_box(page):
-    """Where the scene is in the browser, pixels: the largest canvas."""
-    boxes = [one.bounding_box() for one in page.locator("canvas").all()]
-    return max((one for one in boxes if one), key=lambda one: one["width"] * one["height"])
-
-
-def click_aside(page):
-    """Clicks on the scene where there is nothing, so that keys go there."""
-    box = canvas_box(page)
-    page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.04 * box["height"])
 
 
 def screen(page, window, point):
@@ -239,28 +143,15 @@ def test_the_head_is_dragged(page, window):
 def test_ommatidia_are_picked_by_clicks(page, window):
     window.go_to(HeadPose((0, 1.0, 4.0)))
     settled(window)
-    box = page.locator("#omma-eye").bounding_box()
-    ids = window._page._ids()
-    rows, columns = np.nonzero(ids == 400)
-    height, width = ids.shape
-    page.mouse.click(
-        box["x"] + (np.median(columns) + 0.5) / width * box["width"],
-        box["y"] + (np.median(rows) + 0.5) / height * box["height"],
-    )
+    page.mouse.click(*pixel_of(page, "omma-eye", window._page._ids(), 400))
     until(lambda: window._page.chosen == 400)
     tab(page, "Ommatidium")
     page.wait_for_selector("#omma-chosen[data-number='400']")
     assert "Δρ" in page.inner_text("#omma-chosen")
     # In a picture that is not as wide as its frame.
-    set_choice(page, "Projection", "Lambert")
-    until(lambda: page.evaluate("document.getElementById('omma-eye').naturalWidth") == 400)
-    ids = window._page._ids()
-    rows, columns = np.nonzero(ids == 100)
-    size = box["height"] / 400
-    page.mouse.click(
-        box["x"] + box["width"] / 2 + (np.median(columns) - 200 + 0.5) * size,
-        box["y"] + (np.median(rows) + 0.5) * size,
-    )
+    set_choice(page, "Projection", "Mollweide")
+    until(lambda: page.evaluate("document.getElementById('omma-eye').naturalHeight") < 300)
+    page.mouse.click(*pixel_of(page, "omma-eye", window._page._ids(), 100))
     until(lambda: window._page.chosen == 100)
     set_choice(page, "Projection", "facets on the eye")
     # On the ground: who looks there.
@@ -298,27 +189,6 @@ def test_sliders_change_what_is_rendered(page, window):
     page.get_by_text("Fields of view").locator("xpath=ancestor::*[.//input][1]//input").check()
     until(lambda: window._page.scene.fields[0].visible)
     keep(page, "fields.png")
-
-
-def test_the_head_flies_by_keys(page, window):
-    window.go_to(HeadPose((0, 1.0, 4.0)))
-    click_aside(page)
-    page.keyboard.press("i")
-    until(lambda: window.look.pose.position_m[2] < 4.0)
-    page.keyboard.press("n")
-    until(lambda: window.look.pose.yaw_deg == -3.0)
-    tab(page, "Head")
-    fly = page.get_by_text("Fly: the head goes").locator("xpath=ancestor::*[.//input][1]//input")
-    fly.check()
-    until(lambda: window._page.scene.head.visible is False)
-    time.sleep(1)
-    start = window.look.pose
-    click_aside(page)
-    page.keyboard.down("w")
-    until(lambda: window.look.pose != start)
-    page.keyboard.up("w")
-    fly.uncheck()
-    until(lambda: window._page.scene.head.visible)
 
 
 def test_paths_play_and_are_recorded(page, window, files):

@@ -97,7 +97,7 @@ def test_a_wheel_says_what_it_needs(wheel):
     assert "all" in metadata.get_all("Provides-Extra")
     needed = [line for line in metadata.get_all("Requires-Dist") if "extra ==" not in line]
     names = {re.match(r"[\w-]+", line)[0].replace("-", "_") for line in needed}
-    assert names == {"numpy", "scipy", "typer", "rich", "lazy_loader", "platformdirs"}
+    assert names == {"numpy", "scipy", "typer", "rich", "lazy_loader", "platformdirs", "pillow"}
 
 
 @needs_wheels

@@ -9,7 +9,7 @@ import typer
 
 from omma.cli.working import say, working
 from omma.job.info import describe_file
-from omma.rendering.renderer import READING
+from omma.scene.building import READING
 
 INFO_HELP = """
 Say what is in a file: a scene, an eye, or responses and how they were made.

@@ -18,8 +18,9 @@ from omma.base.poses import Matrices, load_poses, poses_from_angles
 from omma.cli.options import help_of
 from omma.cli.working import DelayedBar, check_outputs, say, working
 from omma.eye.files import load_eye
-from omma.rendering.renderer import BUILDING, READING, Renderer
+from omma.rendering.renderer import Renderer
 from omma.rendering.settings import PointsName
+from omma.scene.building import BUILDING, READING
 from omma.scene.files import load_scene
 from omma.study.plots import (
     save_alias_curves,

@@ -77,6 +77,14 @@ people see them:
 `omma render meadow_lit.glb --eye bee.csv --light 'clear_sky sun_elevation_deg=30'
 -o view.npy -o view.png`
 
+That is lighting=path: light is followed for each ray, and rendering begins at once. For long paths
+through a scene that stands still, lighting=baked finds most of the light once and looks it up. The
+first time that takes minutes in a large scene; what was baked is kept in the user's cache folder
+(~/.cache/omma/baked-light; OMMA_CACHE names another), and found there the next time:
+
+`omma render meadow_lit.glb --eye bee.csv --path flight.csv
+--light 'clear_sky sun_elevation_deg=30 lighting=baked' -o flight.npy`
+
 What the receptors of an eye answer, with blue standing for ultraviolet, too:
 
 `omma render meadow.glb --eye bee.csv --receptors --ultraviolet 0 0 1 -o receptors.csv`
@@ -104,8 +112,9 @@ LightOption = Annotated[
     str | None,
     typer.Option(
         help="What lights the scene: a sky and its arguments, such as 'clear_sky "
-        "sun_elevation_deg=30 sun_azimuth_deg=135 ultraviolet=dark' (docs/light.md). Default: no "
-        "light, surfaces show the colours of the file.",
+        "sun_elevation_deg=30 sun_azimuth_deg=135 ultraviolet=dark' (docs/light.md); "
+        "lighting=baked finds it once and keeps it. Default: no light, surfaces show the colours "
+        "of the file.",
         metavar="WORDS",
     ),
 ]
@@ -213,16 +222,18 @@ def render(
         str | None,
         typer.Option(
             help="How an eye is shown in a .png: " + ", ".join(PROJECTIONS) + "; with _ids added, "
-            "numbers of ommatidia. Default: azimuth and elevation, empty where no ommatidium "
-            "looks, with eyes whose fields overlap apart; for a camera's own eye what the camera "
-            "says.",
+            "numbers of ommatidia. Default: azimuth and elevation in a frame with degrees, hatched "
+            "where no ommatidium looks, with eyes whose fields overlap apart; for a camera's own "
+            "eye what the camera says.",
             metavar="NAME",
         ),
     ] = None,
     width: Annotated[
         int | None,
         typer.Option(
-            help="Width of a picture, in pixels. Default: from its height, or 1024.", metavar="N"
+            help="Width of a picture, in pixels; of a panel without its frame. Default: from its "
+            "height, or 1024.",
+            metavar="N",
         ),
     ] = None,
     height: Annotated[

@@ -18,12 +18,12 @@ from omma.base.poses import look_at, poses_from_angles
 from omma.cli.render import BackgroundOption, LightOption, UnitOption
 from omma.cli.working import Terminated, warn, working
 from omma.eye.files import load_eye
-from omma.rendering.renderer import BUILDING, READING
 from omma.scene.backgrounds import parse_background
+from omma.scene.building import READING, build_world
 from omma.scene.files import read_scene
 from omma.scene.light_words import parse_light, warnings_of
-from omma.scene.world import World
 from omma.view.command import Sources, absolute
+from omma.view.own_eye import own_eye
 from omma.view.window import load_viser, open_window
 
 VIEW_HELP = """
@@ -31,11 +31,15 @@ Show what an eye sees in a scene on a page in the browser, live, until Ctrl-C.
 
 The head can be dragged, turned and flown through the scene; its ommatidia picked; a path played and
 recorded as a video. The page says the command that renders what it shows. docs/view.md says what
-everything on it does. Needs viser: pip install 'omma[view]'.
+everything on it does. Needs viser and aiohttp: pip install 'omma[view]'.
 
 **Examples**
 
 `omma view meadow.glb --eye left.eye --eye right.eye`
+
+With the eye that a camera of the scene names:
+
+`omma view arena.gltf`
 
 From a camera of the scene, with a path to play, without opening a browser here:
 
@@ -48,6 +52,10 @@ In the light of the afternoon:
 For others on the network, who need the address with its token, which is printed:
 
 `omma view meadow.glb --eye honeybee.eye --host 0.0.0.0 --port 8100`
+
+Behind a proxy that shows it at an address of its own:
+
+`omma view meadow.glb --eye honeybee.eye --port 8100 --proxy https://lab.example/bees/`
 """
 
 view_app = typer.Typer(add_completion=False, rich_markup_mode="markdown")
@@ -59,13 +67,19 @@ def view(
         Path, typer.Argument(help="Scene: a glTF 2.0 file, .gltf or .glb.", metavar="SCENE")
     ],
     eye: Annotated[
-        list[Path], typer.Option(help="Eye file; several make one head.", metavar="EYE")
-    ],
+        list[Path] | None,
+        typer.Option(
+            help="Eye file; several make one head. Default: the eye that the camera names, or the "
+            "first camera that names one.",
+            metavar="EYE",
+        ),
+    ] = None,
     unit: UnitOption = None,
     camera: Annotated[
         str | None,
         typer.Option(
-            help="Camera of the scene where the head is at first. Default: the first.",
+            help="Camera of the scene where the head is at first. Default: the first; without an "
+            "eye file the first that names an eye.",
             metavar="NAME|INDEX",
         ),
     ] = None,
@@ -113,6 +127,14 @@ def view(
             metavar="N",
         ),
     ] = None,
+    proxy: Annotated[
+        str | None,
+        typer.Option(
+            help="Address at which browsers find the page, where a proxy stands before it; the "
+            "page then has a token in its address.",
+            metavar="URL",
+        ),
+    ] = None,
     browser: Annotated[bool, typer.Option(help="Open the page in a browser here.")] = True,
 ) -> None:
     """Show what an eye sees in a scene on a page in the browser, live."""
@@ -124,14 +146,20 @@ def view(
     with working() as bar:
         bar.show(READING, None)
         read = read_scene(scene, None, progress=bar.fraction_of(READING))
-        metres = metres_per_unit("mm" if unit is None else unit)
-        eyes = [load_eye(name, metres) for name in eye]
-        head = eyes[0] if len(eyes) == 1 else merge_eyes(eyes)
-        world = World(
+        node = None if camera is None else read.camera(camera)
+        if eye:
+            unit = unit or "mm"
+            eyes = [load_eye(name, metres_per_unit(unit)) for name in eye]
+            head = eyes[0] if len(eyes) == 1 else merge_eyes(eyes)
+            files = tuple(map(absolute, eye))
+        else:
+            head, node, unit = own_eye(read, camera, unit)
+            files = (absolute(head.path),)
+        world = build_world(
             read,
+            bar.show,
             threads=threads,
             background=None if background is None else parse_background(background),
-            progress=bar.fraction_of(BUILDING),
             **({} if light is None else parse_light(light)),
         )
         pose: NDArray[np.float64] | None = None
@@ -139,8 +167,8 @@ def view(
             pose = look_at(position, look_at_point)
         elif position is not None:
             pose = poses_from_angles(position, (0, 0, 0))[0]
-        elif camera is not None:
-            pose = read.camera(camera).world_from_camera
+        elif node is not None:
+            pose = node.world_from_camera
         bar.show("Preparing the page", None)
         file = (
             background
@@ -150,7 +178,7 @@ def view(
         window = open_window(
             world,
             head,
-            Sources(absolute(scene), tuple(map(absolute, eye)), unit or "mm", file, light),
+            Sources(absolute(scene), files, unit, file, light),
             pose=pose,
             samples=samples,
             path=None if path is None else str(path),
@@ -159,6 +187,7 @@ def view(
             threads=threads,
             host=host,
             port=port,
+            proxy=proxy,
         )
     for warning in warnings_of(read, light is not None):
         warn(warning)

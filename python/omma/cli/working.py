@@ -14,9 +14,13 @@ from pathlib import Path
 
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn
+from rich.text import Text
 
 from omma._core import Error
+
+# Where stderr is no terminal: how often it is told how far the work is.
+LINE_EVERY_S = 10.0
 
 
 @contextmanager
@@ -87,7 +91,8 @@ def interrupted(error: KeyboardInterrupt) -> int:
     """Say that a signal ended the command; the exit code is handed back, 128 and the signal."""
     number = error.number if isinstance(error, Terminated) else signal.SIGINT
     name = "" if number == signal.SIGINT else f" by {signal.Signals(number).name}"
-    return fail(f"interrupted{name}", 128 + number)
+    # What was interrupted may say what is kept of its work.
+    return fail(": ".join([f"interrupted{name}", *getattr(error, "__notes__", ())]), 128 + number)
 
 
 def check_outputs(*paths: Path | None) -> None:
@@ -129,22 +134,23 @@ def fail(message: str, code: int) -> int:
 
 
 class DelayedBar:
-    """A progress bar on stderr that appears after a second, and never where that is no terminal."""
+    """How far the work is, on stderr: a progress bar that appears after a second, or where that is
+    no terminal a line now and then."""
 
     def __init__(self) -> None:
         self._bar = Progress(
             TextColumn("{task.description}"),
             BarColumn(),
             TextColumn("{task.percentage:>3.0f} %"),
-            TimeRemainingColumn(),
+            _Times(),
             console=Console(stderr=True),
             transient=True,
         )
         self._task = self._bar.add_task("", total=None)
         self._stage = ""
-        self._timer = threading.Timer(1.0, self._bar.start)
-        self._timer.daemon = True
-        self._wanted = sys.stderr.isatty() and sys.stdout.isatty()
+        self._on_terminal = sys.stderr.isatty() and sys.stdout.isatty()
+        self._ended = threading.Event()
+        self._teller = threading.Thread(target=self._tell, daemon=True)
 
     def show(self, stage: str, fraction: float | None) -> None:
         if stage != self._stage:
@@ -162,13 +168,44 @@ class DelayedBar:
         """Takes how much of that stage is finished."""
         return partial(self.show, stage)
 
+    def _tell(self) -> None:
+        if self._on_terminal:
+            if not self._ended.wait(1.0):
+                self._bar.start()
+            return
+        while not self._ended.wait(LINE_EVERY_S):
+            task = self._bar.tasks[0]
+            share = "" if task.total is None else f" {task.percentage:.0f} %,"
+            with suppress(OSError):  # nobody may read it any more
+                told = f"omma: {self._stage or 'Working'}:{share} {times_of(task)}"
+                print(told, file=sys.stderr, flush=True)
+
     def __enter__(self) -> DelayedBar:
-        if self._wanted:
-            self._timer.start()
+        self._teller.start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._timer.cancel()
-        if self._wanted:
-            self._timer.join()
+        self._ended.set()
+        self._teller.join()
+        if self._on_terminal:
             self._bar.stop()
+
+
+class _Times(ProgressColumn):
+    def render(self, task: Task) -> Text:
+        return Text(times_of(task))
+
+
+def times_of(task: Task) -> str:
+    """How long a stage has taken, and about how long it still takes where that is known."""
+    elapsed = f"{_duration(task.elapsed or 0)} elapsed"
+    left = None if task.total is None else task.time_remaining
+    return elapsed if left is None else f"{elapsed}, {_duration(left)} left"
+
+
+def _duration(seconds: float) -> str:
+    minutes, rest = divmod(int(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    if hours:
+        return f"{hours} h {minutes:02} min"
+    return f"{minutes} min {rest:02} s" if minutes else f"{rest} s"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from omma._core import Error, Eye
 from omma.base.arguments import checked, whole
 from omma.base.directions import direction
-from omma.base.figures import MM, figure_names, figure_style, load_matplotlib, save_figure
+from omma.base.figures import INK, MM, figure_names, figure_style, load_matplotlib, save_figure
 from omma.base.files import PathLike, reading
 from omma.datasets.job_file import lights_from
 from omma.datasets.reading import Views, open_views
@@ -20,10 +20,19 @@ from omma.light import Light
 from omma.picture.band_colours import bands_to_rgb
 from omma.picture.projections import project
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 _MOST = 400
 _ACROSS = 4
 _WIDTH_MM = 240.0
 _PIXELS = 360  # across a picture of one eye
+_GAP = 14  # between those of two eyes
+_BORDER = 34  # grey level, as ink
+_MEANT = (
+    "Azimuth −180° to 180° from left to right, straight ahead in the middle; elevation 90° to −90° "
+    "from the top down. Hatched: no ommatidium looks there."
+)
 _NAMED = ("scene", "condition", "pose_set", "pose")
 
 
@@ -39,8 +48,9 @@ def contact_sheet(
     """Draw some views of a data set on one sheet, chosen at random, each with what it is of; their
     numbers, (count,), ascending.
 
-    The default picture of `omma.picture.project`. Responses in bands of light are shown as people
-    see them, in the light of the view's condition.
+    The default picture of `omma.picture.project`: all directions by azimuth and elevation, hatched
+    where no ommatidium looks; where eyes are apart, L is the left and R the right one. Responses
+    in bands of light are shown as people see them, in the light of the view's condition.
 
     Args:
         paths: figures to write: .png, .svg, .pdf.
@@ -67,17 +77,18 @@ def contact_sheet(
         for response, condition in zip(found["response"], found["condition"])
     ]
     known = read_manifest(views.store)["names"]
-    height, width = pictures[0].shape[:2]
+    height, width = _bordered(pictures[0]).shape[:2]
     down = -(-len(chosen) // _ACROSS)
     across_mm = _WIDTH_MM / _ACROSS
     with figure_style(7.0):
         row_mm = across_mm * height / width + 7
         figure = make_figure(
-            figsize=(_WIDTH_MM * MM, (down * row_mm + 6) * MM), layout="constrained"
+            figsize=(_WIDTH_MM * MM, (down * row_mm + 11) * MM), layout="constrained"
         )
         figure.suptitle(
             f"{len(chosen)} of {len(views):,} views, eye {views.eye}, of {_short(views.store)}"
         )
+        figure.supxlabel(_MEANT)
         axes = figure.subplots(down, _ACROSS, squeeze=False).ravel()
         for one in axes:
             one.axis("off")
@@ -88,13 +99,36 @@ def contact_sheet(
                 scene, condition, pose_set = (
                     known[name][number] for name, number in zip(_NAMED[:3], numbers)
                 )
-            axes[k].imshow(picture, interpolation="nearest")
+            _show(axes[k], picture)
             axes[k].set_title(
                 f"view {views.numbers[chosen[k]]}: {scene}, {condition}\n{pose_set} {numbers[3]}",
                 loc="left",
             )
         save_figure(figure, names)
     return views.numbers[chosen]
+
+
+def _show(panel: Axes, picture: NDArray[np.uint8]) -> None:
+    """A view's picture, each eye's panel in a border, with its letter where there are two."""
+    from matplotlib.patheffects import withStroke
+
+    panel.imshow(_bordered(picture), interpolation="nearest")
+    count = picture.shape[1] // _PIXELS
+    for k, letter in enumerate("LR" if count == 2 else ""):
+        panel.text(
+            k * (_PIXELS + _GAP) + 8, 8, letter, ha="left", va="top", color=INK,
+            path_effects=[withStroke(linewidth=1.6, foreground="white")],
+        )  # fmt: skip
+
+
+def _bordered(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """The panels of a picture, each with a border, on white."""
+    panels = picture.reshape(len(picture), -1, _PIXELS, 3).swapaxes(0, 1).copy()
+    for edge in (np.s_[:, :2], np.s_[:, -2:], np.s_[:, :, :2], np.s_[:, :, -2:]):
+        panels[edge] = _BORDER
+    gap = np.full((len(picture), _GAP, 3), 255, np.uint8)
+    parts = [part for panel in panels for part in (gap, panel)]
+    return np.concatenate(parts[1:], axis=1)
 
 
 def _picture(eye: Eye, response: NDArray[np.float32], light: Light | None) -> NDArray[Any]:

@@ -306,6 +306,10 @@ def _condition(table: Table, folder: Path) -> Condition:
         world["bake"] = _bake(Table(table.take("bake", _same), f"{table.place}.bake"))
     if world and not sky:
         raise Error(f"{table.place}.{next(iter(world))}: goes with a light")
+    if sky:
+        world.setdefault("lighting", "path")
+    if "bake" in world and world["lighting"] != "baked":
+        raise Error(f'{table.place}.bake: goes with lighting = "baked"')
     objects = tuple(_object(one, folder) for one in table.take("object", tables, []))
     table.end()
     return Condition(called, background, sky, sky_options, world, objects)

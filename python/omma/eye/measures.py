@@ -47,9 +47,13 @@ class EyeMeasures:
 
     eye_id: which eye; left 0 and right 1 where one `Eye` is clearly two.
     neighbours, border: how many neighbours in direction, and whether at the border of the field.
+    surface_border: whether at the border of the surface, where the ring of neighbours is open; as
+        ``border`` where the positions form no surface.
     interommatidial_rad: mean angle Δφ to the neighbours.
     surface_angle_rad: the same to the neighbours on the surface, whose facets touch; where the
         positions form none, to those in direction.
+    smaller_rad, larger_rad: the half axes of the ellipse that the neighbours on the surface lie on:
+        a regular hexagonal lattice of 1 rad, stretched by these two, has the same triangles.
     horizontal_rad, vertical_rad: Δφ in the head's horizontal and vertical direction: a regular
         hexagonal lattice of 1 rad, stretched by these two, has the same triangles.
     acceptance_rad, ratio: acceptance angle Δρ, and Δρ/Δφ.
@@ -69,8 +73,11 @@ class EyeMeasures:
     eye_id: NDArray[np.int32]
     neighbours: Ints
     border: Flags
+    surface_border: Flags
     interommatidial_rad: Floats
     surface_angle_rad: Floats
+    smaller_rad: Floats
+    larger_rad: Floats
     horizontal_rad: Floats
     vertical_rad: Floats
     acceptance_rad: Floats
@@ -154,6 +161,11 @@ def measure_eye(eye: Eye) -> EyeMeasures:
     on_surface = surface.mean_over_pairs(_pair_angles(axis, surface.pairs))
     facet_spacing = surface.mean_over_pairs(_pair_lengths(position, surface.pairs))
     across = _local_metric(axis, directions)
+    ellipse = _local_ellipse(axis, surface)
+    flat = np.isnan(ellipse[:, 0])
+    if flat.any():
+        ellipse[flat] = _local_ellipse(axis, directions)[flat]
+    has_surface = np.isfinite(on_surface)
     outward = np.empty_like(position)
     for which in np.unique(eye_id):
         members = eye_id == which
@@ -162,8 +174,11 @@ def measure_eye(eye: Eye) -> EyeMeasures:
         eye_id=eye_id,
         neighbours=directions.count(),
         border=directions.border,
+        surface_border=np.where(has_surface, surface.border, directions.border),
         interommatidial_rad=spacing,
-        surface_angle_rad=np.where(np.isfinite(on_surface), on_surface, spacing),
+        surface_angle_rad=np.where(has_surface, on_surface, spacing),
+        smaller_rad=ellipse[:, 0],
+        larger_rad=ellipse[:, 1],
         horizontal_rad=np.sqrt(across[:, 0]),
         vertical_rad=np.sqrt(across[:, 1]),
         acceptance_rad=eye.acceptance_angle_rad.astype(np.float64),
@@ -223,6 +238,24 @@ def _local_metric(axis: Floats, lattice: Neighbours) -> Floats:
     edges = corners - np.roll(corners, 1, axis=1)
     along = np.stack([np.einsum("tkc,tc->tk", edges, way) for way in (east, north)], axis=1)
     return np.asarray(lattice.mean_over_triangles((along**2).sum(axis=2) * 2 / 3))
+
+
+def _local_ellipse(axis: Floats, lattice: Neighbours) -> Floats:
+    """The smaller and the larger interommatidial angle: (N, 2), rad.
+
+    The tensor of `_local_metric`, in three dimensions: its eigenvalues across the axis are the
+    squares of the half axes of the ellipse, whichever way that lies.
+    """
+    corners = axis[lattice.triangles]
+    edges = corners - np.roll(corners, 1, axis=1)
+    tensor = lattice.mean_over_triangles(np.einsum("tki,tkj->tij", edges, edges) * 2 / 3)
+    known = np.isfinite(tensor[:, 0, 0])
+    across = np.eye(3) - axis[known, :, None] * axis[known, None, :]
+    ellipse = np.full((len(axis), 2), np.nan)
+    # Along the axis there is nothing: the least of the three is zero.
+    squares = np.linalg.eigvalsh(across @ tensor[known] @ across)[:, 1:]
+    ellipse[known] = np.sqrt(np.maximum(squares, 0))
+    return ellipse
 
 
 def _sensitivity(eye: Eye) -> Floats:

@@ -6,11 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from omma._core import Eye
 from omma.base.arguments import one_of
 from omma.eye.measures import EyeMeasures
-from omma.eye.neighbours import Floats
+from omma.eye.neighbours import Flags, Floats
 
 _DEGREE = 180 / np.pi
 
@@ -31,10 +32,12 @@ class EyeProperty:
 # What it is, its unit, and its values in that unit.
 _KNOWN: dict[str, tuple[str, str, Callable[[EyeMeasures], Floats]]] = {
     "interommatidial": (
-        "interommatidial angle Δφ",
+        "interommatidial angle Δφ, mean",
         "°",
         lambda m: m.surface_angle_rad * _DEGREE,
     ),
+    "smaller": ("smaller Δφ of the ellipse", "°", lambda m: m.smaller_rad * _DEGREE),
+    "larger": ("larger Δφ of the ellipse", "°", lambda m: m.larger_rad * _DEGREE),
     "horizontal": ("horizontal Δφ", "°", lambda m: m.horizontal_rad * _DEGREE),
     "vertical": ("vertical Δφ", "°", lambda m: m.vertical_rad * _DEGREE),
     "acceptance": ("acceptance angle Δρ", "°", lambda m: m.acceptance_rad * _DEGREE),
@@ -53,6 +56,18 @@ _KNOWN: dict[str, tuple[str, str, Callable[[EyeMeasures], Floats]]] = {
     "neighbours": ("neighbours", "", lambda m: m.neighbours.astype(np.float64)),
 }
 
+# Of neighbours on the surface, and of those in direction: at the rim, where the ring of neighbours
+# is open, these are numbers about the rest of the ring, not about the eye.
+_OF_NEIGHBOURS: dict[str, Callable[[EyeMeasures], Flags]] = {
+    **dict.fromkeys(
+        ("interommatidial", "smaller", "larger", "spacing"), lambda m: m.surface_border
+    ),
+    **dict.fromkeys(
+        ("horizontal", "vertical", "ratio", "eye-parameter", "sampling"), lambda m: m.border
+    ),
+    "skew-normal": lambda m: m.surface_border,
+}
+
 #: The properties that every eye has; besides, the names of its columns.
 PROPERTIES: tuple[str, ...] = (*_KNOWN, "eye")
 
@@ -61,7 +76,8 @@ def eye_property(
     eye: Eye, measures: EyeMeasures, name: str, argument: str = "property"
 ) -> EyeProperty:
     """A property of an eye: one of `PROPERTIES`, or one of its columns; ``argument`` is what errors
-    call it.
+    call it. At the rim of an eye there are no values of what depends on neighbours, unless nowhere
+    in that eye there would be one.
 
     Raises:
         omma.Error: there is no such property.
@@ -69,7 +85,10 @@ def eye_property(
     one_of(name, [*PROPERTIES, *eye.columns], argument)
     if name in _KNOWN:
         what, unit, values = _KNOWN[name]
-        return EyeProperty(values(measures), f"{what} ({unit})" if unit else what)
+        found = values(measures)
+        if name in _OF_NEIGHBOURS:
+            found = _without_rim(found, measures.eye_id, _OF_NEIGHBOURS[name](measures))
+        return EyeProperty(found, f"{what} ({unit})" if unit else what)
     if name == "eye":
         eyes = np.unique(measures.eye_id)
         return EyeProperty(
@@ -82,6 +101,16 @@ def eye_property(
         return EyeProperty(column.astype(np.float64), name)
     classes, which = np.unique(np.array(column), return_inverse=True)
     return EyeProperty(which.astype(np.float64), name, tuple(classes.tolist()))
+
+
+def _without_rim(values: Floats, eye_id: NDArray[np.int32], rim: Flags) -> Floats:
+    """``values`` with NaN at the rims of eyes that are more than a rim."""
+    inner = np.where(rim, np.nan, values)
+    for which in np.unique(eye_id):
+        members = eye_id == which
+        if not np.isfinite(inner[members]).any():
+            inner[members] = values[members]
+    return inner
 
 
 def is_known(prop: EyeProperty) -> bool:

@@ -21,6 +21,8 @@ _DEGREE = 180 / np.pi
 #: What spreads are told of, in this order: name, what it is, its unit.
 SPREADS: tuple[tuple[str, str, str], ...] = (
     ("interommatidial_deg", "interommatidial Δφ", "°"),
+    ("smaller_deg", "smaller Δφ", "°"),
+    ("larger_deg", "larger Δφ", "°"),
     ("horizontal_deg", "horizontal Δφ", "°"),
     ("vertical_deg", "vertical Δφ", "°"),
     ("acceptance_deg", "acceptance Δρ", "°"),
@@ -47,6 +49,8 @@ def eye_table(eye: Eye, measures: EyeMeasures) -> dict[str, np.ndarray[Any, Any]
         "azimuth_deg": azimuth,
         "elevation_deg": elevation,
         "interommatidial_deg": measures.interommatidial_rad * _DEGREE,
+        "smaller_deg": measures.smaller_rad * _DEGREE,
+        "larger_deg": measures.larger_rad * _DEGREE,
         "horizontal_deg": measures.horizontal_rad * _DEGREE,
         "vertical_deg": measures.vertical_rad * _DEGREE,
         "acceptance_deg": measures.acceptance_rad * _DEGREE,

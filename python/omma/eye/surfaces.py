@@ -20,6 +20,7 @@ from omma._core import Error
 from omma.base.arguments import array_of, checked, positive, whole
 from omma.base.directions import unit
 from omma.base.files import PathLike, metres_per_unit
+from omma.base.mesh_triangles import triangles_of_file
 from omma.base.values import value_class
 
 if TYPE_CHECKING:
@@ -150,28 +151,17 @@ def mesh_surface(vertices_m: ArrayLike, triangles: ArrayLike) -> Mesh:
 
 @checked
 def load_surface(path: PathLike, unit: str | float = "mm") -> Mesh:
-    """A mesh from a file, glTF, OBJ or STL, as a surface; lengths in ``unit``.
+    """A mesh from a file, glTF, OBJ, PLY or STL, as a surface; lengths in ``unit``.
 
-    Coordinates are taken as they are: x right, y up, z backwards. Needs trimesh, an optional extra.
+    Coordinates are taken as they are: x right, y up, z backwards. Needs ``omma[meshes]``, an
+    optional extra.
 
     Raises:
-        omma.Error: the file cannot be read or holds no triangles; trimesh is not installed.
+        omma.Error: the file cannot be read or holds no triangles; the extra is not installed.
     """
     name = os.fsdecode(path)
-    try:
-        import trimesh
-    except ImportError:
-        raise Error(
-            "load_surface: needs trimesh, which is not installed: pip install 'omma[meshes]'"
-        ) from None
     scale = metres_per_unit(unit)
-    try:
-        mesh = trimesh.load_scene(name).to_mesh()
-        vertices, triangles = np.asarray(mesh.vertices), np.asarray(mesh.faces)
-    except OSError as error:
-        raise Error(f"{name}: cannot be read: {error.strerror or error}") from None
-    except Exception as error:  # trimesh raises whatever its parsers meet
-        raise Error(f"{name}: cannot be read as a mesh: {error}") from None
+    vertices, triangles = triangles_of_file(name)
     try:
         return Mesh(vertices * scale, triangles)
     except Error as error:

@@ -6,6 +6,7 @@ from typing import Any
 
 import gymnasium
 import numpy as np
+from gymnasium.envs.registration import EnvSpec
 from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space, iterate
@@ -29,11 +30,26 @@ def _spaces(
     return gymnasium.spaces.Box(*limits, shape, np.float32), loop.action_space
 
 
+class _Maker:
+    """Makes environments of one loop: what their spec calls, so that Gymnasium's own tools can make
+    another. Copies of a spec have the same loop, whose world may be large."""
+
+    def __init__(self, loop: Loop) -> None:
+        self.loop = loop
+
+    def __call__(self, **_: Any) -> EyeEnv:
+        return EyeEnv(self.loop)
+
+    def __deepcopy__(self, _: dict[int, Any]) -> _Maker:
+        return self
+
+
 class EyeEnv(gymnasium.Env[Responses, Any]):
     """A loop as an environment; `eye_env` makes one."""
 
     def __init__(self, loop: Loop) -> None:
         self.loop = loop
+        self.spec = EnvSpec("omma/Eye-v0", entry_point=_Maker(loop))
         self.metadata = {"render_modes": []}
         self._limits = loop.limits()
         self.observation_space, self.action_space = _spaces(loop, self._limits)

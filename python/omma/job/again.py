@@ -20,10 +20,12 @@ from omma.base.said import (
     is_texts,
 )
 from omma.eye.files import load_eye
-from omma.job.rendering import RenderReport, Stage, render_file
+from omma.job.rendering import RenderReport, render_file
 from omma.rendering.labels import eye_digest
 from omma.rendering.read_back import load_responses
 from omma.rendering.settings import settings_from_record
+from omma.scene.building import Stage
+from omma.scene.light_words import words_of_before
 
 
 @checked
@@ -92,7 +94,7 @@ def render_like(
         threads=threads,
         backend=backend_word(backend),
         background=background,
-        light=said.take("light_words", is_text, None),
+        light=words_of_before(said.take("light_words", is_text, None)),
         standard_error="standard_error" in data,
         receptors="receptor" in data.response.dims,
         ultraviolet=said.take_json("ultraviolet", is_list, None),

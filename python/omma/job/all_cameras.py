@@ -15,14 +15,14 @@ from omma._core import Background, Camera, Error, Eye
 from omma.base.arguments import checked
 from omma.base.files import PathLike, WholeFiles, check_target, left_behind, make_directory
 from omma.base.values import value_class
-from omma.job.rendering import Stage
 from omma.picture.band_colours import colours_of
 from omma.picture.cameras import camera_eye, camera_projection, display, picture_size, render_camera
 from omma.picture.files import paint_of_projection, write_png
 from omma.picture.projections import LISTS, Picture, projection_size
-from omma.rendering.renderer import BUILDING, READING, Progress, Renderer
+from omma.rendering.renderer import Progress, Renderer
 from omma.rendering.settings import Options, Sampling, Settings, fixed_samples, takes_options
 from omma.scene.backgrounds import parse_background
+from omma.scene.building import READING, Stage, build_world
 from omma.scene.files import read_scene
 from omma.scene.light_words import parse_light, warnings_of
 from omma.scene.world import World
@@ -123,12 +123,12 @@ def render_all_cameras(
         if warning is not None and projection is None:
             warnings.append(warning)
         projection_size(of_camera, shown[-1], *_size(shown[-1], width, height))
-    seen = World(
+    seen = build_world(
         world,
+        tell,
         background=parse_background(background) if isinstance(background, str) else background,
         backend=backend,
         threads=threads,
-        progress=partial(tell, BUILDING),
         **({} if light is None else parse_light(light)),
     )
 

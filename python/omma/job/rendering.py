@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
@@ -42,7 +42,7 @@ from omma.picture.cameras import (
 )
 from omma.picture.files import Paint, paint_of_projection, paint_side_by_side, write_png
 from omma.rendering.labels import labels_of
-from omma.rendering.renderer import BUILDING, READING, Renderer
+from omma.rendering.renderer import Renderer
 from omma.rendering.report import SpentRays
 from omma.rendering.settings import (
     Options,
@@ -55,15 +55,13 @@ from omma.rendering.settings import (
     takes_options,
 )
 from omma.scene.backgrounds import parse_background
+from omma.scene.building import BUILDING, READING, Stage, build_world
 from omma.scene.files import read_scene
 from omma.scene.light_words import parse_light, warnings_of
 from omma.scene.world import World
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
-
-# Called with what is being done and its finished share (0 to 1), None where that is not known.
-Stage = Callable[[str, float | None], object]
 
 # What makes no difference to responses, or is told by what is in the files.
 _NO_RECORD = (
@@ -164,11 +162,11 @@ def render_file(
             line for each pose and receptor. Not with `ToError`.
         ultraviolet: light below 400 nm for receptors, see `Renderer.render_receptors`.
         projection: of an eye in a picture, see `omma.picture.project`. None: for a camera's own eye
-            the camera's ``compound-projection``, else the default of `projection_ids`: empty where
-            no ommatidium looks, eyes whose fields overlap apart.
+            the camera's ``compound-projection``, else as `omma.picture.framed`: in a frame with
+            degrees, hatched where no ommatidium looks, eyes whose fields overlap apart.
         width, height: pixels of a picture, see `render_camera` and `projection_ids`. Of one panel
-            where eyes are apart, which ``side_by_side`` makes them always, see
-            `omma.picture.side_by_side`.
+            without its frame where no projection is named; ``side_by_side`` gives each eye one,
+            always.
         gamma: of pictures.
         resume: of a path, into `.npy`, `.csv` and `.png`. What is rendered so far is kept where
             the work is cut off, by Ctrl-C, a kill or a loss of power, and the same call goes on
@@ -210,13 +208,8 @@ def render_file(
     lit = {} if light is None else parse_light(light)
 
     def build() -> World:
-        return World(
-            world,
-            threads=threads,
-            background=backdrop,
-            backend=backend,
-            progress=partial(tell, BUILDING),
-            **lit,
+        return build_world(
+            world, tell, threads=threads, background=backdrop, backend=backend, **lit
         )
 
     if node is not None and not eye_paths and node.type != "compound":

@@ -13,6 +13,7 @@ import numpy as np
 from omma._core import Background
 from omma.base.files import digests_of, metres_per_unit
 from omma.scene.backgrounds import NAMED_BACKGROUNDS
+from omma.scene.light_words import full_words
 
 # What makes no difference to responses.
 _SILENT = ("threads", "progress", "resume", "command")
@@ -37,7 +38,7 @@ def story_of(
     if given["ultraviolet"] is not None:
         story["ultraviolet"] = json.dumps(np.asarray(given["ultraviolet"], np.float64).tolist())
     if given["light"] is not None:
-        story["light_words"] = given["light"]
+        story["light_words"] = full_words(given["light"])
     if background is not None:
         story["background"] = _background_text(given["background"], background)
         if os.path.isfile(story["background"]):

@@ -3,7 +3,7 @@ from .lights import Disc, Light
 from .panoramas import panorama, panorama_bands
 from .skies import clear_sky, clear_sky_at, moonlit_sky, overcast_sky, uniform_sky
 from .spectrum import Spectrum
-from .sun_position import sun_position
+from .sun_position import SunPosition, sun_position
 from .units import photons_from_watts, watts_from_photons
 
 __all__ = [
@@ -11,6 +11,7 @@ __all__ = [
     "Disc",
     "Light",
     "Spectrum",
+    "SunPosition",
     "band_from_rgb",
     "clear_sky",
     "clear_sky_at",

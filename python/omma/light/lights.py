@@ -13,7 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, expect
+from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.directions import unit as unit_vectors
+from omma.base.notebook import html_table
 from omma.base.values import value_class
 from omma.light import sky_map
 from omma.light.bands import Bands
@@ -155,15 +157,27 @@ class Light:
         object.__setattr__(self, "discs", discs)
 
     def __repr__(self) -> str:
-        if self.recipe is None:
-            sky = "no sky" if self.sky is None else f"sky {self.sky.shape[1]} x {self.sky.shape[2]}"
-            made = f"{sky}, {len(self.discs)} disc{'s' if len(self.discs) != 1 else ''}"
-        else:
-            name, arguments = self.recipe
-            own = [f"{k}={v!r:.60}" for k, v in arguments.items() if k not in ("bands", "unit")]
-            made = f"{name}({', '.join(own)})"
-            made = made if len(made) <= _LONGEST else made[: _LONGEST - 4] + "...)"
-        return f"Light({made}, {self.bands!r}, {self.unit})"
+        return f"Light({self._made_by()}, {self.bands!r}, {self.unit})"
+
+    def _repr_html_(self) -> str:
+        unit = f"{self.unit} m⁻² s⁻¹" if self.unit == "photons" else "W m⁻²"
+        total = [float(one @ self.bands.widths_nm) for one in self.irradiance()]
+        rows = {
+            "made by": self._made_by(),
+            "bands": repr(self.bands),
+            "unit": f"{self.unit} m⁻² s⁻¹ sr⁻¹ nm⁻¹" if self.unit == "photons" else
+                    "watts m⁻² sr⁻¹ nm⁻¹",
+            "sky": "none" if self.sky is None else f"{self.sky.shape[1]} x {self.sky.shape[2]} "
+                   f"directions in each half{', polarised' if self.sky.shape[3] == 3 else ''}",
+        }  # fmt: skip
+        for k, disc in enumerate(self.discs):
+            azimuth, elevation = azimuth_elevation_deg_of(disc.direction)
+            rows["disc" if k == 0 else f"disc {k + 1}"] = (
+                f"at azimuth {azimuth:.4g}°, elevation {elevation:.4g}°, "
+                f"{2 * np.degrees(disc.angular_radius_rad):.3g}° across"
+            )
+        rows["on level ground"] = f"{total[0]:.3g} {unit} from the sky, {total[1]:.3g} from discs"
+        return html_table("omma.light.Light", rows)
 
     def __reduce__(self) -> tuple[Callable[..., Light], tuple[Any, ...]]:
         if self.recipe is not None:
@@ -251,6 +265,15 @@ class Light:
         if "light" in arguments:
             return _made(name, {**arguments, "light": arguments["light"].in_bands(bands)})
         return _made(name, {**arguments, "bands": bands})
+
+    def _made_by(self) -> str:
+        if self.recipe is None:
+            sky = "no sky" if self.sky is None else f"sky {self.sky.shape[1]} x {self.sky.shape[2]}"
+            return f"{sky}, {len(self.discs)} disc{'s' if len(self.discs) != 1 else ''}"
+        name, arguments = self.recipe
+        own = [f"{k}={v!r:.60}" for k, v in arguments.items() if k not in ("bands", "unit")]
+        made = f"{name}({', '.join(own)})"
+        return made if len(made) <= _LONGEST else made[: _LONGEST - 4] + "...)"
 
     def _in_bands(self, channels: Floats) -> Floats:
         return channels if self.band_from_channel is None else channels @ self.band_from_channel.T

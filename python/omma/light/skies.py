@@ -143,10 +143,10 @@ def clear_sky_at(
         omma.Error: a time without a time zone or out of range, a place out of range, a sun that
             the tables do not have, or PyEphem is not installed.
     """
-    elevation, azimuth = sun_position(date_time, latitude_deg, longitude_deg)
+    sun = sun_position(date_time, latitude_deg, longitude_deg)
     return clear_sky(
-        elevation,
-        azimuth,
+        sun.elevation_deg,
+        sun.azimuth_deg,
         aerosol=aerosol,
         ozone_du=ozone_du,
         albedo=albedo,

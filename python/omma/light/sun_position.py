@@ -3,21 +3,49 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from dataclasses import dataclass
 from datetime import datetime, timezone
 from typing import Any
 
 from omma._core import Error
 from omma.base.arguments import checked, within
+from omma.base.values import value_class
+from omma.base.warn import warn_caller
 
 # The earth's rotation is known or can be foretold to seconds for these, which is 0.01 degrees.
 FIRST_YEAR, LAST_YEAR = 1900, 2100
 
 
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
+class SunPosition:
+    """Where the sun's centre stands.
+
+    Azimuth comes first, as everywhere; before 0.1 `sun_position` gave (elevation, azimuth). So what
+    takes it apart without names is warned, up to 0.2.
+
+    Attributes:
+        azimuth_deg: 0 to 360, from north to the east.
+        elevation_deg: above the horizon.
+    """
+
+    azimuth_deg: float
+    elevation_deg: float
+
+    def __iter__(self) -> Iterator[float]:
+        """Azimuth, then elevation, with a warning."""
+        warn_caller(
+            "sun_position: gives (azimuth, elevation), which was (elevation, azimuth) before; say "
+            ".azimuth_deg and .elevation_deg",
+            FutureWarning,
+        )
+        return iter((self.azimuth_deg, self.elevation_deg))
+
+
 @checked
-def sun_position(
-    date_time: datetime, latitude_deg: float, longitude_deg: float
-) -> tuple[float, float]:
-    """Elevation and azimuth of the sun's centre, degrees; azimuth from north to the east.
+def sun_position(date_time: datetime, latitude_deg: float, longitude_deg: float) -> SunPosition:
+    """Azimuth and elevation of the sun's centre, degrees; azimuth from north to the east.
 
     As it would stand without the air's refraction, which lifts it by 0.5° at the horizon and by
     less than 0.1° above 10°. Within 0.01° from 1900 to 2100.
@@ -26,6 +54,9 @@ def sun_position(
         date_time: with its time zone.
         latitude_deg: -90 to 90, north is positive.
         longitude_deg: -180 to 180, east is positive.
+
+    Returns:
+        ``azimuth_deg`` and ``elevation_deg``.
 
     Raises:
         omma.Error: a time without a time zone or out of range, a place out of range, or PyEphem is
@@ -40,7 +71,7 @@ def sun_position(
     place.pressure = 0  # no refraction
     place.date = moment.replace(tzinfo=None)
     sun = ephem.Sun(place)
-    return math.degrees(sun.alt), math.degrees(sun.az)
+    return SunPosition(math.degrees(sun.az), math.degrees(sun.alt))
 
 
 def _universal(date_time: Any) -> datetime:

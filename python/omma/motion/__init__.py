@@ -1,5 +1,5 @@
-"""Motion from responses: Hassenstein-Reichardt detectors between ommatidia, and what they answer to
-gratings.
+"""Motion from responses: Hassenstein-Reichardt detectors between ommatidia, what they answer to
+gratings, and what looms.
 """
 
 import lazy_loader

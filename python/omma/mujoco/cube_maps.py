@@ -18,7 +18,9 @@ Whole = NDArray[np.int64]
 _MOST_ROWS = 2048
 # Of how far the corners of a triangle are from the cube's middle: beyond, it is divided in four.
 _MOST_UNEVEN = 1.2
-_MOST_DIVISIONS = 4
+# A corner in the middle itself, as of planes, stays uneven: three more triangles each time, until
+# what is left is a millimetre of a hundred metres.
+_MOST_DIVISIONS = 17
 
 
 def face_of(direction: Floats) -> Whole:

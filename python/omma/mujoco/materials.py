@@ -9,16 +9,19 @@ from numpy.typing import NDArray
 
 from omma._core import Error, Image, Material, Mesh, Texture
 from omma.mujoco.cube_maps import cut_by_faces
-from omma.mujoco.models import PLANE, names_of
+from omma.mujoco.models import PLANE, mujoco_module, names_of
 from omma.mujoco.shapes import Shape
 
-# mjtTexture, mjtTextureRole
+# mjtTexture, mjtTextureRole, mjtColorSpace
 PICTURE, CUBE, SKYBOX = 0, 1, 2
 _ROLE_RGB, _ROLE_RGBA = 1, 8
+_SRGB = 2
 # The colour of a geom whose material says what colour it has.
 _NOT_SAID = (0.5, 0.5, 0.5, 1.0)
 # Below, MuJoCo draws what lies behind.
 _OPAQUE = 0.995
+# mj_version() (three digits, later seven) from which pictures go over surfaces.
+_OVER_SURFACES = 3_012_000
 
 
 def linear_of_srgb(value: Any) -> NDArray[np.float64]:
@@ -37,6 +40,7 @@ class Look:
     def __init__(self, model: Any, linear: bool) -> None:
         self._model = model
         self._linear = linear
+        self._goes_over_surfaces = mujoco_module().mj_version() >= _OVER_SURFACES
         self._names = names_of(model, "material", model.nmat)
         self._material_of: dict[tuple[Any, ...], int] = {}
         self._texture_of: dict[tuple[int, int], int] = {}
@@ -65,15 +69,18 @@ class Look:
         rgba = self.rgba(material, own_rgba)
         texture = self._texture_of_material(material) if textured else -1
         both_sides = kind == PLANE
-        if texture < 0:
+        flat = texture >= 0 and int(self._model.tex_type[texture]) == PICTURE
+        # Coordinates of one's own are places on a picture; of a cube MuJoCo shows nothing there.
+        if texture < 0 or (shape.own and not flat):
             which = self._material(material, rgba, None, both_sides)
             return [_mesh(name, shape, None, which)]
-        if int(self._model.tex_type[texture]) == PICTURE or shape.own:
+        if flat:
             coordinates = self._laid_out(shape, material, kind, size)
             image = self._texture(texture, 0)
             which = self._material(material, rgba, image, both_sides)
             return [_mesh(name, shape, coordinates, which)]
-        scale = size if self._model.mat_texuniform[material] else np.ones(3)
+        uniform = bool(self._model.mat_texuniform[material])
+        scale = np.where((size > 0) & uniform, size, 1.0)
         normals = [] if shape.normals is None else [shape.normals]
         found = []
         for face, coordinates, values in cut_by_faces(
@@ -90,19 +97,27 @@ class Look:
         self, shape: Shape, material: int, kind: int, size: NDArray[np.float64]
     ) -> NDArray[np.float64]:
         """Texture coordinates of a picture on something: as often as the material says, on all of
-        it or, where it is uniform, on a length of 1 (2 where it has no end)."""
-        if shape.own and shape.once is not None:
-            return shape.once
+        it or, where it is uniform, on a length of 1 (2 along z).
+
+        MuJoCo before 3.12 lays pictures along z, as if from a projector, on all that has no
+        coordinates of its own, and does not repeat these. From then on they go once over each
+        surface of a solid, and all are repeated; but a plane without an end, and what has no
+        coordinates, has them along z still.
+        """
         repeat = np.asarray(self._model.mat_texrepeat[material], float)
         ends = size[:2] > 0
-        per_size = np.where(ends, size[:2], 1.0)
+        length = np.where(ends, size[:2], 1.0)
         uniform = bool(self._model.mat_texuniform[material])
-        laid = repeat * (1.0 if uniform else 1 / per_size)
-        along_z = 0.5 * laid * (1, -1) * shape.local[:, :2] - 0.5
-        if shape.once is None:
+        times = repeat * (length if uniform else 1.0)
+        if shape.own and shape.once is not None:
+            return shape.once * times if self._goes_over_surfaces else shape.once
+        half = np.ones(2) if shape.once is not None and kind != PLANE else length
+        along_z = 0.5 * times / half * (1, -1) * shape.local[:, :2] - 0.5
+        if shape.once is None or not self._goes_over_surfaces:
             return np.asarray(along_z)
-        once = shape.once * repeat * (per_size if uniform else 1.0)
-        return np.where(ends, once, along_z) if kind == PLANE else np.asarray(once)
+        if ends.all() or kind != PLANE:
+            return shape.once * times
+        return np.where(ends, shape.once * times - 0.5, along_z)
 
     def _texture_of_material(self, material: int) -> int:
         if material < 0:
@@ -170,7 +185,9 @@ def names_of_texture(model: Any, texture: int) -> str:
 
 def texture_pixels(model: Any, texture: int, linear: bool) -> NDArray[Any]:
     """A texture's pictures: (1, H, W, 3 or 4), of a cube (6, N, N, 3 or 4); uint8 sRGB, or float32
-    where its numbers are light.
+    where they are light.
+
+    Flat ones that say they are sRGB MuJoCo decodes before it shows them; its cubes never are.
 
     Raises:
         omma.Error: it is of no kind that is known, or of a size that no cube has.
@@ -194,9 +211,13 @@ def texture_pixels(model: Any, texture: int, linear: bool) -> NDArray[Any]:
         pixels = np.repeat(pixels, 6, axis=0)
     if channels < 3:  # grey, and perhaps alpha
         pixels = np.concatenate([np.repeat(pixels[..., :1], 3, -1), pixels[..., 1:]], -1)
-    if linear:
-        return np.asarray(pixels / np.float32(255), np.float32)
-    return np.ascontiguousarray(pixels)
+    decoded = kind == PICTURE and int(model.tex_colorspace[texture]) == _SRGB
+    if not linear and not decoded:
+        return np.ascontiguousarray(pixels)
+    light = pixels / 255
+    for _ in range(decoded + (not linear)):
+        light[..., :3] = linear_of_srgb(light[..., :3])
+    return np.asarray(light, np.float32)
 
 
 def _mesh(name: str, shape: Shape, coordinates: NDArray[np.float64] | None, material: int) -> Mesh:

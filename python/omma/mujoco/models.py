@@ -12,6 +12,10 @@ from numpy.typing import NDArray
 
 from omma._core import Error
 
+# What mj_version() says of 3.3.3, the first in which lights have types and textures colour spaces;
+# from 3.10 on it is in millions.
+OLDEST = 333
+
 # mjtGeom
 PLANE, HEIGHT_FIELD, SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH, SDF = range(9)
 
@@ -26,13 +30,18 @@ SHAPES_IN_MODEL = {
 
 
 def mujoco_module() -> ModuleType:
-    """MuJoCo's package; omma.Error where it is not installed."""
+    """MuJoCo's package; omma.Error where it is not installed, or older than what is read here."""
     try:
         import mujoco
     except ImportError:
         raise Error(
             "models of MuJoCo need mujoco, which is not installed: pip install 'omma[mujoco]'"
         ) from None
+    if mujoco.mj_version() < OLDEST:
+        raise Error(
+            f"models of MuJoCo need mujoco 3.3.3 or newer, found {mujoco.__version__}: pip install "
+            "--upgrade 'omma[mujoco]'"
+        )
     module: ModuleType = mujoco
     return module
 

@@ -44,7 +44,7 @@ class Shape:
         local: (V, 3), what textures on cubes go by: of solids in half sizes, else the positions.
         once: (V, 2), texture coordinates that show a picture once; NaN along a plane's side that
             has no end. None: pictures are laid along z by `local`.
-        own: whether these are a mesh's own, which no material repeats.
+        own: whether these are a mesh's own.
     """
 
     positions: Floats
@@ -233,12 +233,13 @@ def _dome(lowest_rad: float, highest_rad: float) -> Shape:
 
 
 def _capsule(radius: float, half_length: float) -> Shape:
-    """A tube and two half spheres, each with a picture of its own about its own middle."""
+    """A tube and two half spheres, each with a picture of its own about its own middle. For cubes
+    they stand on the ends of the tube of half size 1, so that they show what is above or below."""
     parts = [_scaled(_tube(), np.array([radius, radius, half_length]))]
     for sign, low, high in ((1, 0.0, np.pi / 2), (-1, -np.pi / 2, 0.0)):
         cap = _dome(low, high)
         places = radius * cap.positions + (0, 0, sign * half_length)
-        parts.append(replace(cap, positions=places))
+        parts.append(replace(cap, positions=places, local=cap.local + (0, 0, sign)))
     return _joined(parts)
 
 

@@ -4,6 +4,7 @@ from .cameras import camera_eye, display
 from .drawing import draw_eye
 from .eye_maps import plot_eye_maps
 from .fields import field_ids
+from .frame import framed
 from .id_maps import (
     encode_ids,
     equirectangular,
@@ -26,6 +27,7 @@ __all__ = [
     "equirectangular",
     "equirectangular_ids",
     "field_ids",
+    "framed",
     "paint",
     "plot_acceptance",
     "plot_eye_maps",

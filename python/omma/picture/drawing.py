@@ -28,6 +28,7 @@ Style = Literal["facets", "axes", "both"]
 
 _MM = 1e3  # drawings are laid out in millimetres
 _PLAIN = "#7a93ac"
+_UNKNOWN = "#9e9e9e"
 _SHADE = 0.55  # of what is seen from its edge: without it what is round looks flat
 _MOST_AXES_OVER_FACETS = 500
 
@@ -85,9 +86,14 @@ def draw_eye(
         save_figure(_figure(drawing, prop, size_mm, title), names)
 
 
-def draw_view(panel: Any, eye: Eye, view: Floats, prop: EyeProperty, *, shape: float) -> None:
+def draw_view(
+    panel: Any, eye: Eye, view: Floats, prop: EyeProperty, *, shape: float, scale: EyeProperty
+) -> None:
     """An eye's facets in a panel that is ``shape`` times as wide as high, filled as far as they
-    go. With a scale bar of its own, and shaded where they turn away from the viewer."""
+    go. With a scale bar of its own, and shaded where they turn away from the viewer. Colours mean
+    what they mean in a map of ``scale``."""
+    from matplotlib.colors import to_rgba
+
     drawing = _Drawing(eye, view, "facets", False, None)
     low, high = _frame(drawing)
     middle, size = (low + high) / 2, high - low
@@ -99,9 +105,13 @@ def draw_view(panel: Any, eye: Eye, view: Floats, prop: EyeProperty, *, shape: f
     marks.set(linewidth=0, rasterized=True)
     panel.add_collection(marks)
     values = np.ma.masked_invalid(prop.values[drawing.shown])
-    marks.set_array(values)
-    colour_scale(None, panel, marks, prop, None)
-    colours = marks.to_rgba(values)
+    if is_known(scale):
+        marks.set_array(values)
+        colour_scale(None, panel, marks, scale, None)
+        _unknown_grey(marks)
+        colours = marks.to_rgba(values)
+    else:
+        colours = np.full((len(values), 4), to_rgba(_UNKNOWN))
     facing = (drawing.normal @ view[2])[drawing.shown]
     colours[:, :3] *= (1 - _SHADE * (1 - np.clip(facing, 0, 1)))[:, None]
     marks.set_array(None)
@@ -244,6 +254,9 @@ def _figure(drawing: _Drawing, prop: EyeProperty | None, size_mm: float, title: 
     else:
         marks.set_array(np.ma.masked_invalid(prop.values[drawing.shown]))
         colour_scale(figure, axes, marks, prop, "right")
+        _unknown_grey(marks)
+        if not np.isfinite(prop.values[drawing.shown]).all():
+            notes.append("grey: not known, at a rim for want of neighbours")
     if drawing.style != "axes":
         marks.set_edgecolor("#ffffff60")
     if drawing.lifted:
@@ -256,6 +269,11 @@ def _figure(drawing: _Drawing, prop: EyeProperty | None, size_mm: float, title: 
     _scale_bar(axes, low, high)
     _compass(drawing, axes, low, high)
     return figure
+
+
+def _unknown_grey(marks: Any) -> None:
+    """What has no value is seen as grey, not as a hole in the eye."""
+    marks.set_cmap(marks.cmap.with_extremes(bad=_UNKNOWN))
 
 
 def _ready(axes: Any, low: Floats, high: Floats) -> None:

@@ -1,7 +1,9 @@
 """Maps of an eye's properties over the directions it sees: Mercator, Mollweide, Lambert.
 
 Each ommatidium is the cell of directions nearest to its axis, as far as the visual field goes (see
-eye_field.py). Ahead is in the middle, right to the right, up at the top, as in all pictures.
+eye/field.py). Where two eyes look, the one is shown whose middle is nearer: their cells between one
+another would be a pattern that neither has. Ahead is in the middle, right to the right, up at the
+top, as in all pictures.
 """
 
 from __future__ import annotations
@@ -10,7 +12,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -32,61 +34,23 @@ from omma.eye.measures import EyeMeasures, measure_eye
 from omma.eye.neighbours import Flags, Floats, Ints
 from omma.eye.properties import EyeProperty, eye_property, is_known
 from omma.picture.fields import largest_cell_sr, without_gaps
+from omma.picture.map_projections import (
+    MERCATOR_EDGE,
+    PROJECTIONS,
+    Projection,
+    map_directions,
+    project_directions,
+)
+from omma.picture.unseen import hatched_ground
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Projection = Literal["mercator", "mollweide", "lambert"]
-PROJECTIONS: tuple[Projection, ...] = ("mercator", "mollweide", "lambert")
-
-_MERCATOR_EDGE = math.radians(80)  # beyond, a degree is stretched more than six times
 _PIXELS = 1100  # across a map
-_OUTSIDE = "#f0f0f0"
-_NOT_KNOWN = "#c8c8c8"
-
-
-def project_directions(directions: Floats, projection: Projection) -> Floats:
-    """Where directions, unit vectors (..., 3) in the head's frame, are on a map: (..., 2).
-
-    Mercator: x is the azimuth, y the isometric latitude; Mollweide: x to 2√2, y to √2; Lambert's
-    azimuthal equal-area map about straight ahead: the rim, at radius 2, is straight behind (all as
-    in J. P. Snyder 1987, USGS Professional Paper 1395).
-    """
-    x, y, z = np.moveaxis(directions, -1, 0)
-    azimuth, elevation = np.arctan2(x, -z), np.arcsin(np.clip(y, -1, 1))
-    if projection == "mercator":
-        return np.stack([azimuth, np.arctanh(np.clip(y, -1 + 1e-12, 1 - 1e-12))], axis=-1)
-    if projection == "mollweide":
-        theta = _mollweide_angle(elevation)
-        across = 2 * math.sqrt(2) / math.pi * azimuth * np.cos(theta)
-        return np.stack([across, math.sqrt(2) * np.sin(theta)], axis=-1)
-    stretch = np.sqrt(2 / np.maximum(1 - z, 1e-12))
-    return np.stack([stretch * x, stretch * y], axis=-1)
-
-
-def map_directions(projection: Projection, x: Floats, y: Floats) -> Floats:
-    """The directions at places on a map, (..., 3); NaN outside the map."""
-    if projection == "mercator":
-        azimuth, elevation = x, np.arctan(np.sinh(y))
-        good = (np.abs(azimuth) <= np.pi) & (np.abs(elevation) <= _MERCATOR_EDGE)
-    elif projection == "mollweide":
-        sine = np.clip(y / math.sqrt(2), -1, 1)
-        theta = np.arcsin(sine)
-        level = np.maximum(np.cos(theta), 1e-12)
-        azimuth = math.pi * x / (2 * math.sqrt(2) * level)
-        elevation = np.arcsin(np.clip((2 * theta + np.sin(2 * theta)) / math.pi, -1, 1))
-        good = (np.abs(azimuth) <= np.pi) & (np.abs(y) <= math.sqrt(2))
-    else:
-        squared = x**2 + y**2
-        stretch = np.sqrt(np.maximum(1 - squared / 4, 0))
-        directions = np.stack([stretch * x, stretch * y, squared / 2 - 1], axis=-1)
-        return np.where((squared <= 4)[..., None], directions, np.nan)
-    level = np.cos(elevation)
-    directions = np.stack(
-        [level * np.sin(azimuth), np.sin(elevation), -level * np.cos(azimuth)], axis=-1
-    )
-    return np.where(good[..., None], directions, np.nan)
+_NOT_KNOWN = 0.62  # grey
+#: What a map of an eye's property does not show in colours.
+MAP_NOTE = "hatched: no ommatidium looks there; grey: not known, at a rim for want of neighbours"
 
 
 @dataclass(frozen=True)
@@ -94,8 +58,9 @@ class EyeMap:
     """Which ommatidium is where on a map.
 
     ommatidium: (H, W), row 0 at the top; -1 where the map shows a direction that no eye sees, -2
-    outside the map. seen: (E, H, W), which of the eyes see each place. extent: left, right, bottom,
-    top, in the map's units.
+        outside the map. Of several eyes that see a place, the one whose mean axis is nearest.
+    seen: (E, H, W), which of the eyes see each place.
+    extent: left, right, bottom, top, in the map's units.
     """
 
     projection: Projection
@@ -120,7 +85,7 @@ def make_map(
     if projection not in PROJECTIONS:
         raise Error(f"projection: expected {', '.join(PROJECTIONS)}, found {projection!r}")
     right, top = {
-        "mercator": (math.pi, math.atanh(math.sin(_MERCATOR_EDGE))),
+        "mercator": (math.pi, math.atanh(math.sin(MERCATOR_EDGE))),
         "mollweide": (2 * math.sqrt(2), math.sqrt(2)),
         "lambert": (2.0, 2.0),
     }[projection]
@@ -148,9 +113,15 @@ def make_map(
     for k, which in enumerate(eyes):
         least = largest_cell_sr(measures.cell_rad[measures.eye_id == which])
         seen[k] = without_gaps(seen[k] | ~inside, each, least) & inside
-    any_eye = seen.any(axis=0)
     ommatidium = np.where(inside, np.int64(-1), np.int64(-2))
-    ommatidium[any_eye] = cKDTree(measures.axis).query(directions[any_eye])[1]
+    nearest = np.full(inside.shape, -np.inf)
+    for k, which in enumerate(eyes):
+        members = np.flatnonzero(measures.eye_id == which)
+        middle = measures.axis[members].mean(axis=0)
+        towards = np.where(seen[k], directions @ (middle / max(np.linalg.norm(middle), 1e-9)), -9)
+        chosen = seen[k] & (towards > nearest)
+        nearest[chosen] = towards[chosen]
+        ommatidium[chosen] = members[cKDTree(measures.axis[members]).query(directions[chosen])[1]]
     return EyeMap(projection, ommatidium, seen, (-right, right, -top, top))
 
 
@@ -176,8 +147,9 @@ def plot_eye_maps(
     """Write maps of an eye's properties to `.pdf`, `.svg` and `.png`: a panel each.
 
     Args:
-        properties: of `omma.eye.PROPERTIES`, or names of the eye's columns. Default: Δφ, Δρ and
-            Δρ/Δφ, and of facet diameter, eye parameter and sensitivity those that are known.
+        properties: of `omma.eye.PROPERTIES`, or names of the eye's columns. Default: the smaller
+            and the larger Δφ, Δρ and Δρ/Δφ, and of facet diameter, eye parameter and sensitivity
+            those that are known.
         projection: "mercator" (to 80° up and down), "mollweide" or "lambert" (both equal-area).
         measures: of `measure_eye`, where they have been taken.
 
@@ -188,7 +160,8 @@ def plot_eye_maps(
     names = figure_names(paths)
     measures = measures or measure_eye(eye)
     if properties is None:
-        shown = [eye_property(eye, measures, name) for name in ("interommatidial", "acceptance")]
+        always = ("smaller", "larger", "acceptance")
+        shown = [eye_property(eye, measures, name) for name in always]
         more = ("ratio", "facet", "eye-parameter", "sensitivity")
         shown += [p for p in (eye_property(eye, measures, name) for name in more) if is_known(p)]
     else:
@@ -204,12 +177,13 @@ def plot_eye_maps(
         each = 130.0 if columns == 1 else 180.0 / columns
         tall = {"mercator": 0.84, "mollweide": 0.58, "lambert": 1.08}[projection]
         figure = load_matplotlib()(
-            figsize=(each * columns * MM, (each * tall * rows + 9) * MM), layout="constrained"
+            figsize=(each * columns * MM, (each * tall * rows + 13) * MM), layout="constrained"
         )
         for k, prop in enumerate(shown):
             panel = figure.add_subplot(rows, columns, k + 1)
             draw_map(figure, panel, the_map, prop, labels=True)
         figure.suptitle(title or eye_title(eye), fontsize="medium", weight="bold")
+        figure.supxlabel(MAP_NOTE, fontsize="x-small")
         save_figure(figure, names, dpi=300)
 
 
@@ -221,23 +195,15 @@ def draw_map(
     *,
     labels: bool = True,
 ) -> None:
-    """One map in a panel, with its graticule, the outline of each eye's field, a colour bar."""
-    from matplotlib.colors import ListedColormap
-
+    """One map in a panel, with its graticule, the outline of each eye's field, a colour bar; grey
+    throughout where no ommatidium has a value."""
     left, right, bottom, top = the_map.extent
     panel.set_axis_off()
     panel.set_aspect("equal")
     panel.set(xlim=(left * 1.02, right * 1.02), ylim=(bottom * 1.02, top * 1.02))
-    ground = np.where(the_map.ommatidium == -2, np.nan, 0.0)
-    unknown = the_map.ommatidium >= 0
-    panel.imshow(
-        np.ma.masked_invalid(np.where(unknown, 1.0, ground)),
-        extent=the_map.extent,
-        cmap=ListedColormap([_OUTSIDE, _NOT_KNOWN]),
-        vmin=0,
-        vmax=1,
-        interpolation="nearest",
-    )
+    ground = hatched_ground(the_map.ommatidium == -1, the_map.ommatidium != -2)
+    ground[the_map.ommatidium >= 0, :3] = _NOT_KNOWN
+    panel.imshow(ground, extent=the_map.extent, interpolation="nearest")
     padded = np.concatenate([prop.values, [np.nan, np.nan]])
     image = panel.imshow(
         np.ma.masked_invalid(padded[the_map.ommatidium]),
@@ -246,6 +212,10 @@ def draw_map(
     )
     draw_graticule(panel, the_map.projection, labels)
     _outlines(panel, the_map)
+    if not is_known(prop):
+        text = f"{prop.label}: not known"
+        panel.text(0.5, -0.06, text, transform=panel.transAxes, ha="center", va="top")
+        return
     colour_scale(figure, panel, image, prop, location="bottom")
 
 
@@ -318,7 +288,7 @@ def is_crowded(values: Floats, low: float, high: float) -> bool:
 
 def draw_graticule(panel: Axes, projection: Projection, labels: bool) -> None:
     """Circles of azimuth and elevation each 30°, with their degrees, and the map's edge."""
-    edge = math.degrees(_MERCATOR_EDGE) if projection == "mercator" else 90.0
+    edge = math.degrees(MERCATOR_EDGE) if projection == "mercator" else 90.0
     fine: dict[str, Any] = {"color": INK, "linewidth": 0.35, "alpha": 0.45}
     upwards = np.linspace(-edge, edge, 181)
     around = np.linspace(-180 + 1e-6, 180 - 1e-6, 361)
@@ -393,20 +363,11 @@ def _outlines(panel: Axes, the_map: EyeMap) -> None:
             panel.contour(x, y, field, [0.5], colors=INK, linewidths=0.8)
 
 
-def _mollweide_angle(elevation: Floats) -> Floats:
-    # Newton's method for 2θ + sin 2θ = π sin(elevation); from θ = elevation it needs few steps but
-    # near the poles, where it halves the error each time.
-    theta = np.array(elevation, dtype=np.float64)
-    wanted = math.pi * np.sin(elevation)
-    for _ in range(40):
-        slope = np.maximum(2 + 2 * np.cos(2 * theta), 1e-9)
-        theta = np.clip(
-            theta - (2 * theta + np.sin(2 * theta) - wanted) / slope, -np.pi / 2, np.pi / 2
-        )
-    return theta
-
-
 def eye_title(eye: Eye) -> str:
     """The file's name where it is one, and how many ommatidia there are."""
-    name = f"{Path(eye.path).name}: " if eye.path and " + " not in eye.path else ""
-    return f"{name}{len(eye):,} ommatidia"
+    return f"{file_title(eye)}{len(eye):,} ommatidia"
+
+
+def file_title(eye: Eye) -> str:
+    """The file's name and a colon, where it is one."""
+    return f"{Path(eye.path).name}: " if eye.path and " + " not in eye.path else ""

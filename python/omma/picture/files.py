@@ -14,13 +14,12 @@ from omma.base.arguments import checked
 from omma.base.files import PathLike, WholeFiles, check_ending, check_target
 from omma.base.poses import Matrices
 from omma.picture.band_colours import colours_of
-from omma.picture.fields import side_by_side_ids
+from omma.picture.frame import Frame
 from omma.picture.projections import project, projection_ids
+from omma.picture.unseen import hatch, unseen
 from omma.rendering.renderer import Renderer
 from omma.rendering.response_files import Piece
 from omma.rendering.settings import fixed_samples
-
-_DEFAULT_WIDTH = 1024
 
 # A picture (height, width, 3 or 4) from the number of a pose and its responses (N, C).
 Paint = Callable[[int, NDArray[np.float32]], NDArray[Any]]
@@ -84,8 +83,8 @@ def paint_of_projection(
     height: int | None,
     gamma: float,
 ) -> Paint:
-    """What paints responses of a renderer's eye at the poses that it renders: in a projection, or
-    as the default picture of `project`."""
+    """What paints responses of a renderer's eye at the poses that it renders: in a projection, of
+    which the pixels are all there is, or without one as `framed` does."""
     eye = renderer.eye
     # What is wrong with a projection or a size shows here, before anything is rendered.
     if projection == "raw_ommatidial_samples":
@@ -98,20 +97,28 @@ def paint_of_projection(
             return project(eye, colours, projection, width, rows, gamma=gamma)
 
         return paint_rays
+    world = renderer.world
+    if projection is None:
+        return _paint_framed(renderer, width, height, gamma, apart=False)
     ids = projection_ids(eye, projection, width, height)
-    if projection is not None and projection.endswith("_ids"):
+    if projection.endswith("_ids"):
         encoded = _core.encode_ids(ids)
         return lambda pose, responses: encoded
-    world = renderer.world
-    return lambda pose, responses: _core.paint(ids, colours_of(world, responses), gamma)
+    hidden = unseen(ids, projection)
+    return lambda pose, responses: hatch(
+        _core.paint(ids, colours_of(world, responses), gamma), hidden
+    )
 
 
 def paint_side_by_side(
     renderer: Renderer, width: int | None, height: int | None, gamma: float
 ) -> Paint:
     """What paints each eye of a renderer's head apart, panels of ``width`` x ``height``."""
-    across = _DEFAULT_WIDTH if width is None else width
-    down = max(1, across // 2) if height is None else height
-    ids = side_by_side_ids(renderer.eye, across, down)
-    world = renderer.world
-    return lambda pose, responses: _core.paint(ids, colours_of(world, responses), gamma)
+    return _paint_framed(renderer, width, height, gamma, apart=True)
+
+
+def _paint_framed(
+    renderer: Renderer, width: int | None, height: int | None, gamma: float, apart: bool
+) -> Paint:
+    frame, world = Frame(renderer.eye, width, height, apart), renderer.world
+    return lambda pose, responses: frame.paint(colours_of(world, responses), gamma)

@@ -17,6 +17,7 @@ from omma.base.arguments import checked, whole
 from omma.picture.fields import field_ids, side_by_side_ids
 from omma.picture.kept_ids import Ids, kept_ids
 from omma.picture.projections import Picture, one_pose, projection_ids
+from omma.picture.unseen import hatch
 
 __all__ = [
     "Ids",
@@ -53,6 +54,8 @@ def encode_ids(ids: ArrayLike) -> NDArray[np.uint8]:
 def paint(ids: ArrayLike, responses: ArrayLike, gamma: float = 2.2) -> NDArray[np.uint8]:
     """One pose's responses (N, 3) through an id map (height, width) as an 8-bit RGB picture
     (height, width, 3). Display value = 255 * clamp(response)^(1/gamma); id -1 is mid grey.
+
+    The look-up and nothing else, for programs; `project` hatches what nobody sees.
 
     Raises:
         omma.Error: a wrong shape, an id over N, a gamma that is not over 0.
@@ -117,7 +120,7 @@ def equirectangular(
     Args:
         eye: the eye that the responses are of.
         responses: (N, 3) or (1, N, 3), linear.
-        width, height, by, max_angle_deg: as in `equirectangular_ids`; -1 is painted mid grey.
+        width, height, by, max_angle_deg: as in `equirectangular_ids`; -1 is hatched.
         gamma: display value = 255 * clamp(response) ** (1 / gamma).
 
     Raises:
@@ -125,7 +128,7 @@ def equirectangular(
     """
     one = one_pose(eye, responses)
     ids = equirectangular_ids(eye, width, height, by=by, max_angle_deg=max_angle_deg)
-    return _core.paint(ids, one, gamma)
+    return hatch(_core.paint(ids, one, gamma), ids < 0)
 
 
 @checked
@@ -141,7 +144,7 @@ def side_by_side(
 
     The eye that looks farther to the left is on the left. Each panel is an equirectangular picture
     of the whole sphere around the head that shows that eye's own ommatidia; what lies outside its
-    visual field (see `field_ids`) is mid grey.
+    visual field (see `field_ids`) is hatched. `framed` gives them borders and degrees.
 
     Args:
         eye: all eyes of the head, see `merge_eyes`.
@@ -153,4 +156,5 @@ def side_by_side(
         omma.Error: responses of another eye, or arguments that make no sense.
     """
     one = one_pose(eye, responses)
-    return _core.paint(side_by_side_ids(eye, width, height), one, gamma)
+    ids = side_by_side_ids(eye, width, height)
+    return hatch(_core.paint(ids, one, gamma), ids < 0)

@@ -15,6 +15,7 @@ from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, one_of, whole
 from omma.picture.fields import default_ids
 from omma.picture.kept_ids import Ids, kept_ids
+from omma.picture.unseen import hatch, unseen
 
 Picture = NDArray[np.uint8]
 LinearPicture = NDArray[np.float32]
@@ -89,10 +90,10 @@ def project(
             has a column for each ommatidium and a row for each sample. Projections that end in
             ``_ids`` take None.
         projection, width, height: as in `projection_ids`.
-        gamma: display value = 255 * clamp(response) ** (1 / gamma); pixels that show no ommatidium
-            are mid grey.
-        linear: the responses themselves, float32 (height, width, 3), not clipped; NaN where there
-            is no ommatidium.
+        gamma: display value = 255 * clamp(response) ** (1 / gamma); directions that no ommatidium
+            sees are hatched, other pixels that show none are mid grey.
+        linear: for programs: the responses themselves, float32 (height, width, 3), not clipped;
+            NaN where there is no ommatidium.
 
     Returns:
         A picture as above, or for projections that end in ``_ids`` the ids as RGBA, see
@@ -118,7 +119,9 @@ def project(
     else:
         shown = one_pose(eye, responses)
         ids = projection_ids(eye, projection, width, height)
-    return paint_linear(ids, shown) if linear else _core.paint(ids, shown, gamma)
+    if linear:
+        return paint_linear(ids, shown)
+    return hatch(_core.paint(ids, shown, gamma), unseen(ids, projection))
 
 
 def paint_linear(ids: Ids, responses: NDArray[np.float32]) -> LinearPicture:

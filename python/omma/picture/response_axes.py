@@ -8,7 +8,7 @@ import numpy as np
 
 from omma.base.directions import direction
 from omma.base.figures import INK
-from omma.eye.neighbours import Flags, Floats
+from omma.eye.neighbours import Floats
 from omma.picture.eye_maps import draw_graticule
 
 if TYPE_CHECKING:
@@ -21,16 +21,6 @@ _MAPS: dict[str, Extent] = {
     "mollweide": (-2 * 2**0.5, 2 * 2**0.5, -(2**0.5), 2**0.5),
     "lambert": (-2.0, 2.0, -2.0, 2.0),
 }
-
-
-def inside_picture(projection: str | None, height: int, width: int) -> Flags:
-    """Which pixels lie inside a projection's own outline: (H, W)."""
-    y, x = np.ogrid[1 - 1 / height : -1 : -2 / height, -1 + 1 / width : 1 : 2 / width]
-    if projection in _MAPS:
-        return np.asarray(x**2 + y**2 < 1)
-    if projection == "hemisphere":
-        return np.asarray((2 * np.abs(x) - 1) ** 2 + y**2 < 1)
-    return np.broadcast_to(np.asarray(projection != "facets"), (height, width))
 
 
 def draw_axes(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -17,10 +18,19 @@ from omma.receptors.sensitivity import ommatidium_of_receptor, spectral_sensitiv
 #: A band by its number or a receptor by its name.
 Channel = int | str
 
+# What a legend calls a kind of receptor, its types, and those that stand in where one is missing.
+_Kind = tuple[str, list[int], list[int]]
+
 # What the channels of a picture in colours are shown as, from the first on.
-SHOWN_AS = {1: ("",), 2: ("yellow", "blue"), 3: ("red", "green", "blue")}
-_COLOURS = {2: ((1, 1, 0), (0, 0, 1)), 3: ((1, 0, 0), (0, 1, 0), (0, 0, 1))}
+SHOWN_AS = {1: ("grey",), 2: ("yellow", "blue"), 3: ("red", "green", "blue")}
+_COLOURS = {
+    1: ((1, 1, 1),),
+    2: ((1, 1, 0), (0, 0, 1)),
+    3: ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
+}
 _WAVELENGTHS_NM = np.arange(300.0, 751.0)
+_GREY = 1e-5  # single precision, and sums of it
+_POLARISED = 1.001  # a polarisation sensitivity above it tells directions apart
 
 
 @dataclass(frozen=True)
@@ -31,8 +41,15 @@ class Shown:
     names: tuple[str, ...]
 
 
-def bands_shown(eye: Eye, responses: Any, channels: Sequence[Channel] | None, name: str) -> Shown:
-    """Of responses (N, C) or (P, N, C) the bands to show; all three of RGB where none is chosen."""
+def bands_shown(
+    eye: Eye,
+    responses: Any,
+    channels: Sequence[Channel] | None,
+    name: str,
+    centers_nm: Sequence[float] | None = None,
+) -> Shown:
+    """Of responses (N, C) or (P, N, C) the bands to show; all three of RGB where none is chosen.
+    ``centers_nm`` name bands of light."""
     array = array_of(responses, name)
     array = array[None] if array.ndim == 2 else array
     if array.ndim != 3 or array.shape[1] != len(eye) or 0 in array.shape:
@@ -51,7 +68,22 @@ def bands_shown(eye: Eye, responses: Any, channels: Sequence[Channel] | None, na
     for each in channels:
         if each not in chosen:
             raise Error(f"channels: expected bands from 0 to {bands - 1}, found {each!r}")
-    return Shown(array[..., chosen], tuple(f"band {each}" for each in chosen))
+    if centers_nm is not None and len(centers_nm) != bands:
+        raise Error(f"light: expected as many bands as {name}, {bands}, found {len(centers_nm)}")
+    called = [
+        f"band {each}" + (f", {centers_nm[each]:.0f} nm" if centers_nm is not None else "")
+        for each in chosen
+    ]
+    return Shown(array[..., chosen], tuple(called))
+
+
+def is_grey(shown: Sequence[Shown]) -> bool:
+    """Whether red, green and blue are the same throughout, as of a stimulus in black and white."""
+    return all(
+        each.names == SHOWN_AS[3]
+        and np.allclose(each.values, each.values[..., :1], rtol=_GREY, atol=0)
+        for each in shown
+    )
 
 
 def receptors_shown(
@@ -59,9 +91,10 @@ def receptors_shown(
 ) -> Shown:
     """Of receptors' responses (R,) or (P, R) one to three kinds, as they are in each ommatidium.
 
-    A kind is a peak wavelength, or one of the names in ``channels``. Several of a kind behind a
-    lens count with their mean; an ommatidium without one shows that of the nearest axis of its eye
-    which has it.
+    A kind is a peak wavelength, or one of the names in ``channels``. Receptors of one peak with
+    microvilli in several directions are a kind for each, unless there are then more than three.
+    Several of a kind behind a lens count with their mean. An ommatidium without one shows its own
+    receptors of that peak, or else that of the nearest axis of its eye which has it.
     """
     array = array_of(responses, name)
     array = array[None] if array.ndim == 1 else array
@@ -73,12 +106,14 @@ def receptors_shown(
             f"{name}: expected shape ({count},) or (poses, {count}), one for each receptor, found "
             f"{np.shape(responses)}"
         )
-    kinds = _kinds(eye) if channels is None else _named(eye, channels)
+    kinds = _named(eye, channels) if channels is not None else _kinds(eye, crossed_apart=True)
+    if channels is None and len(kinds) > 3:
+        kinds = _kinds(eye, crossed_apart=False)
     if len(kinds) > 3:
         found = ", ".join(sorted({each.name for each in eye.receptor_types}))
         raise Error(f"channels: expected one to three of the receptors {found}, found none")
-    values = np.stack([_of_kind(eye, array, types) for _, types in kinds], axis=2)
-    return Shown(values, tuple(label for label, _ in kinds))
+    values = np.stack([_of_kind(eye, array, types, like) for _, types, like in kinds], axis=2)
+    return Shown(values, tuple(label for label, *_ in kinds))
 
 
 def as_colours(values: Floats, full_scale: float, gamma: float) -> Floats:
@@ -87,30 +122,63 @@ def as_colours(values: Floats, full_scale: float, gamma: float) -> Floats:
     return np.asarray(np.clip(mixed, 0, 1) ** (1 / gamma))
 
 
-def _kinds(eye: Eye) -> list[tuple[str, list[int]]]:
-    """Receptor types by peak wavelength, the longest first, with what a legend calls them."""
+def _kinds(eye: Eye, crossed_apart: bool) -> list[_Kind]:
+    """Receptor types by peak wavelength, the longest first, and where crossed ones are to be told
+    apart by the direction of their microvilli."""
     peaks: dict[int, list[int]] = {}
     for which in np.unique(eye.receptor_type).tolist():
         peaks.setdefault(_peak_nm(eye, which), []).append(which)
-    kinds = []
+    kinds: list[_Kind] = []
     for peak in sorted(peaks, reverse=True):
-        names = list(dict.fromkeys(eye.receptor_types[which].name for which in peaks[peak]))
-        text = ", ".join(names) if len(names) <= 2 else f"{names[0]} to {names[-1]}"
-        kinds.append((f"{text} ({peak} nm)", peaks[peak]))
+        types = peaks[peak]
+        directions = _directions_deg(eye, types)
+        groups = [types]
+        if crossed_apart and len(directions) > 1:
+            groups = [[k for k in types if _direction_deg(eye, k) == d] for d in directions]
+            # Those that tell no directions apart are in every group.
+            plain = [k for k in types if _direction_deg(eye, k) is None]
+            groups = [sorted([*each, *plain]) for each in groups]
+        kinds += [(_label(eye, each, peak, len(directions) > 1), each, types) for each in groups]
     return kinds
 
 
-def _named(eye: Eye, channels: Sequence[Channel]) -> list[tuple[str, list[int]]]:
+def _named(eye: Eye, channels: Sequence[Channel]) -> list[_Kind]:
     present = set(np.unique(eye.receptor_type).tolist())
     known = [(k, t.name) for k, t in enumerate(eye.receptor_types) if k in present]
-    kinds = []
+    kinds: list[_Kind] = []
     for each in channels:
         types = [k for k, name in known if name == each]
         if not types:
             names = ", ".join(dict.fromkeys(name for _, name in known))
             raise Error(f"channels: expected receptors of this eye ({names}), found {each!r}")
-        kinds.append((f"{each} ({_peak_nm(eye, types[0])} nm)", types))
+        peak = _peak_nm(eye, types[0])
+        kinds.append((_label(eye, types, peak, len(_directions_deg(eye, types)) > 1), types, types))
     return kinds
+
+
+def _label(eye: Eye, types: Sequence[int], peak: int, crossed: bool) -> str:
+    """What a legend calls receptors: names, peak, and where it matters their microvilli."""
+    names = list(dict.fromkeys(eye.receptor_types[which].name for which in types))
+    text = ", ".join(names) if len(names) <= 2 else f"{names[0]} to {names[-1]}"
+    if not crossed:
+        return f"{text} ({peak} nm)"
+    degrees = [f"{d}°" for d in _directions_deg(eye, types)]
+    many = f"mean of {len(degrees)} directions of microvilli"
+    several = f"mean of microvilli at {', '.join(degrees)}" if len(degrees) <= 3 else many
+    return f"{text} ({peak} nm, {f'microvilli {degrees[0]}' if len(degrees) == 1 else several})"
+
+
+def _direction_deg(eye: Eye, which: int) -> int | None:
+    """Of a type's microvilli, 0 to 179, from up towards right; None where they tell nothing."""
+    receptor = eye.receptor_types[which]
+    if receptor.polarisation_sensitivity <= _POLARISED:
+        return None
+    return round(math.degrees(receptor.microvillus_angle_rad)) % 180
+
+
+def _directions_deg(eye: Eye, types: Sequence[int]) -> list[int]:
+    found = {_direction_deg(eye, which) for which in types}
+    return sorted(each for each in found if each is not None)
 
 
 def _peak_nm(eye: Eye, which: int) -> int:
@@ -121,12 +189,21 @@ def _peak_nm(eye: Eye, which: int) -> int:
     return round(float(_WAVELENGTHS_NM[sensitivity.argmax()]))
 
 
-def _of_kind(eye: Eye, responses: Floats, types: list[int]) -> Floats:
-    """The mean response (P, N) of the receptors of these types in each ommatidium."""
-    chosen = np.isin(eye.receptor_type, types)
-    behind: Ints = np.asarray(ommatidium_of_receptor(eye), dtype=np.int64)[chosen]
-    number = np.bincount(behind, minlength=len(eye))
-    total = np.stack([np.bincount(behind, pose[chosen], len(eye)) for pose in responses])
+def _of_kind(eye: Eye, responses: Floats, types: list[int], like: list[int]) -> Floats:
+    """The mean response (P, N) of the receptors of these types in each ommatidium; where it has
+    none, of those ``like`` them."""
+    owner: Ints = np.asarray(ommatidium_of_receptor(eye), dtype=np.int64)
+
+    def of(some: list[int]) -> tuple[Floats, Ints]:
+        chosen = np.isin(eye.receptor_type, some)
+        behind = owner[chosen]
+        number = np.bincount(behind, minlength=len(eye))
+        return np.stack([np.bincount(behind, p[chosen], len(eye)) for p in responses]), number
+
+    total, number = of(types)
+    if like != types:
+        others, many = of(like)
+        total, number = np.where(number > 0, total, others), np.where(number > 0, number, many)
     source = _nearest_with(eye, number > 0)
     return np.asarray(total[:, source] / number[source])
 

@@ -2,32 +2,42 @@
 
 from __future__ import annotations
 
-import math
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from omma._core import Error, Eye
-from omma.base.arguments import array_of, checked, positive
+from omma.base.arguments import array_of, checked, expect, positive
 from omma.base.figures import MM, figure_names, figure_style, load_matplotlib, save_figure
 from omma.base.files import PathLike
-from omma.eye.neighbours import Floats
-from omma.picture.eye_maps import eye_title
+from omma.eye.neighbours import Floats, sides
+from omma.light import Light
+from omma.picture.eye_maps import eye_title, file_title
 from omma.picture.kept_ids import Ids
 from omma.picture.projections import projection_ids, projection_size
-from omma.picture.response_axes import draw_axes, inside_picture
+from omma.picture.response_axes import draw_axes
 from omma.picture.response_colours import (
-    SHOWN_AS,
     Channel,
     Shown,
     as_colours,
     bands_shown,
+    is_grey,
     receptors_shown,
 )
+from omma.picture.response_legend import (
+    Scale,
+    centers_nm,
+    draw_strips,
+    legend_mm,
+    name_scale,
+    unit_of,
+)
+from omma.picture.unseen import hatched_ground, inside_outline, unseen
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,7 +45,6 @@ if TYPE_CHECKING:
 
 _PIXELS = 1080  # across a picture of the whole sphere
 _MOST_PICTURES = 24
-_EMPTY = (0.9, 0.9, 0.9)  # where no ommatidium looks
 _ERROR_COLOURS = "magma"
 _WIDTH_MM = 180.0
 _LETTERS = 90  # of a title across the figure
@@ -60,9 +69,11 @@ def plot_responses(
     errors: Any = None,
     receptors: bool = False,
     channels: Sequence[Channel] | None = None,
+    light: Light | None = None,
     projection: str | None = None,
     full_scale: float | None = None,
     gamma: float = 2.2,
+    quantity: str | None = None,
     titles: Sequence[str] | None = None,
     title: str | None = None,
 ) -> None:
@@ -70,7 +81,8 @@ def plot_responses(
     eye, all with the same scale of colours.
 
     One channel is shown by a colour bar; two or three as colours, explained in the legend, with
-    display value = (response / full_scale) ** (1 / gamma). What no ommatidium sees is light grey.
+    display value = (response / full_scale) ** (1 / gamma). Red, green and blue that are the same
+    throughout are one channel, grey. Directions that no ommatidium sees are hatched.
 
     Args:
         eye: an eye, or several, of different animals say.
@@ -81,13 +93,19 @@ def plot_responses(
         receptors: ``responses`` are receptors', (R,) or (P, R), as `Renderer.render_receptors`
             gives them. Without ``channels`` the kinds of receptors are shown by peak wavelength,
             the longest as red, the next as green, the shortest as blue; of two the longer as
-            yellow. Where an ommatidium has none of a kind, the nearest that has one is shown.
+            yellow. Receptors of one peak with microvilli in several directions are a kind for each,
+            if there are then no more than three; else the legend says that they are a mean. Where
+            an ommatidium has none of a kind, the nearest that has one is shown.
         channels: one to three bands by number, or receptors by name, in the order red, green, blue
             (yellow, blue). Default: red, green and blue of RGB.
+        light: what lit the world that was seen: names the bands and the unit in the legend. Arrays
+            that `omma.rendering.load_responses` and `Renderer.dataset` give know their unit.
         projection: as in `projection_ids`, without ``_ids`` and not ``raw_ommatidial_samples``.
         full_scale: the response at the end of the scale. Default: 1 for RGB, else the largest; but
             where that is more than ten times what 99 of 100 have, as where the sun is seen, what
             these have.
+        quantity: what the numbers are, with its unit, where they are not responses: instead of what
+            the legend would say of them.
         titles: of the pictures, in order: all poses of the first eye, then those of the next.
         title: above all of them.
 
@@ -107,18 +125,32 @@ def plot_responses(
         raise Error(f"channels: expected one to three, found {len(channels)}")
     positive(gamma, "gamma")
     single = isinstance(eye, Eye)
-    shown = _all_shown(eyes, [responses] if single else responses, receptors, channels, "responses")
+    if light is not None:
+        expect(light, Light, "light", "omma.light.clear_sky makes one")
+    arrays = [responses] if single else responses
+    shown = _all_shown(eyes, arrays, receptors, channels, light, "responses")
     beside = None
     if errors is not None:
-        beside = _all_shown(eyes, [errors] if single else errors, receptors, channels, "errors")
+        beside = _all_shown(
+            eyes, [errors] if single else errors, receptors, channels, light, "errors"
+        )
         for one, other in zip(shown, beside, strict=True):
             if one.values.shape != other.values.shape:
                 raise Error("errors: expected the shape of responses")
+    rgb = not receptors and channels is None and len(shown[0].names) == 3
     if full_scale is None:
-        rgb = not receptors and channels is None and len(shown[0].names) == 3
         full_scale = 1.0 if rgb else _end_of_scale(shown)
     positive(full_scale, "full_scale")
-    what = "response" if 1.001 * full_scale >= _largest(shown) else "response, brighter cut off"
+    what = quantity or "response"
+    if 1.001 * full_scale < _largest(shown):
+        what += ", brighter cut off" if quantity is None else ", more cut off"
+    coloured = len(shown[0].names) > 1
+    if is_grey(shown):
+        shown = [Shown(each.values[..., :1], ("red = green = blue",)) for each in shown]
+    unit = unit_of(light, arrays) if quantity is None else ""
+    if not coloured and quantity is None:
+        what += f": {shown[0].names[0]}"
+    scale = Scale(shown[0].names, coloured, full_scale, gamma, what, unit)
     count = sum(len(each.values) for each in shown)
     if count > _MOST_PICTURES:
         raise Error(f"responses: expected at most {_MOST_PICTURES} pictures, found {count}")
@@ -126,7 +158,7 @@ def plot_responses(
         raise Error(f"titles: expected {count}, one for each picture, found {len(titles)}")
     rows = _rows(_entries(eyes, shown, beside, projection, titles))
     with figure_style():
-        figure = _figure(rows, projection, eyes, shown[0].names, full_scale, gamma, beside, what)
+        figure = _figure(rows, projection, eyes, scale, beside)
         if title is not None:
             figure.suptitle(title, fontsize="large", weight="bold")
         save_figure(figure, names, dpi=200)
@@ -137,6 +169,7 @@ def _all_shown(
     arrays: Sequence[ArrayLike],
     receptors: bool,
     channels: Sequence[Channel] | None,
+    light: Light | None,
     name: str,
 ) -> list[Shown]:
     if len(arrays) != len(eyes):
@@ -144,7 +177,7 @@ def _all_shown(
     for array in arrays:
         if not np.isfinite(array_of(array, name)).all():
             raise Error(f"{name}: expected finite numbers")
-    of = receptors_shown if receptors else bands_shown
+    of = receptors_shown if receptors else partial(bands_shown, centers_nm=centers_nm(light))
     shown = [of(eye, array, channels, name) for eye, array in zip(eyes, arrays, strict=True)]
     kinds = {len(each.names) for each in shown}
     if len(kinds) > 1:
@@ -177,13 +210,21 @@ def _entries(
     entries: list[list[list[_Picture]]] = []
     for k, eye in enumerate(eyes):
         maps = _id_maps(eye, projection)
-        sides = ["left eye", "right eye"] if len(maps) == 2 else [f"eye {e}" for e in range(9)]
+        names = ["left eye", "right eye"] if len(maps) == 2 else [f"eye {e}" for e in range(9)]
         for pose in range(len(shown[k].values)):
-            name = eye_title(eye) if titles is None else titles[len(entries)]
-            if titles is None and len(shown[k].values) > 1:
-                name += f", pose {pose}"
-            if titles is None and len(maps) > 1:
-                name += " in all"
+            moment = f", pose {pose}" if len(shown[k].values) > 1 else ""
+            if titles is not None:
+                called = [titles[len(entries)]]
+                if len(maps) > 1:
+                    called = [f"{called[0]}: {each}" for each in names]
+            elif len(maps) > 1:
+                of_all = f"of {len(eye):,} ommatidia{moment}"
+                called = [
+                    f"{file_title(eye)}{name}, {_members(eye, ids):,} {of_all}"
+                    for name, ids in zip(names, maps, strict=False)
+                ]
+            else:
+                called = [eye_title(eye) + moment]
             entry = []
             for what, is_error in ((shown, False), (beside, True)):
                 if what is None:
@@ -192,19 +233,19 @@ def _entries(
                 entry.append(
                     [
                         _Picture(
-                            _painted(ids, values),
-                            "standard error"
-                            if is_error
-                            else f"{name}: {side}"
-                            if len(maps) > 1
-                            else name,
-                            is_error,
+                            _painted(ids, values), "standard error" if is_error else title, is_error
                         )
-                        for ids, side in zip(maps, sides, strict=False)
+                        for ids, title in zip(maps, called, strict=True)
                     ]
                 )
             entries.append(entry)
     return entries
+
+
+def _members(eye: Eye, ids: Ids) -> int:
+    """How many ommatidia the eye in a panel has, those too that are smaller than a pixel."""
+    side = sides(eye.position_m.astype(np.float64), eye.eye_id)
+    return int((side == np.bincount(side[ids[ids >= 0]]).argmax()).sum())
 
 
 def _id_maps(eye: Eye, projection: str | None) -> list[Ids]:
@@ -235,16 +276,13 @@ def _figure(
     rows: Sequence[Sequence[_Picture]],
     projection: str | None,
     eyes: Sequence[Eye],
-    names: Sequence[str],
-    full_scale: float,
-    gamma: float,
+    scale: Scale,
     beside: Sequence[Shown] | None,
-    what: str,
 ) -> Figure:
     aspect = {"lambert": 1.0, "spherical_split_orientationwise": 4.0}.get(projection or "", 2.0)
     columns = max(len(row) for row in rows)
     heights = [_WIDTH_MM / (columns if len(row) > 1 else 1) / aspect + 14 for row in rows]
-    heights.append(3.5 * len(names) + 10)
+    heights.append(legend_mm(scale))
     figure: Any = load_matplotlib()(
         figsize=(_WIDTH_MM * MM, (sum(heights) + 6) * MM), layout="constrained"
     )
@@ -256,25 +294,25 @@ def _figure(
         for column, picture in enumerate(row):
             panel = figure.add_subplot(grid[k, column * each : (column + 1) * each])
             marks = _draw(
-                panel, picture, projection, eyes[0], full_scale, gamma, largest_error,
+                panel, picture, projection, eyes[0], scale, largest_error,
                 _UNITS // each, k == len(rows) - 1, column == 0,
             )  # fmt: skip
             if picture.is_error:
                 errors = marks
-            elif len(names) == 1:
+            elif not scale.coloured:
                 values = marks
     # The scales side by side below.
     legend = figure.add_subplot(grid[-1, 3:6] if errors is not None else grid[-1, 4:8])
-    if len(names) == 1:
+    if not scale.coloured:
         bar = figure.colorbar(values, cax=legend, orientation="horizontal")
-        _name_scale(legend, f"{what}: {names[0]}", full_scale)
+        name_scale(legend, scale.what, scale.full_scale, scale.unit)
         bar.outline.set_visible(False)
     else:
-        _strips(legend, names, full_scale, gamma, what)
+        draw_strips(legend, scale)
     if errors is not None:
         panel = figure.add_subplot(grid[-1, 8:11])
         bar = figure.colorbar(errors, cax=panel, orientation="horizontal")
-        _name_scale(panel, "standard error", largest_error)
+        name_scale(panel, "standard error", largest_error, scale.unit)
         bar.outline.set_visible(False)
     return figure  # type: ignore[no-any-return]
 
@@ -284,66 +322,31 @@ def _draw(
     picture: _Picture,
     projection: str | None,
     eye: Eye,
-    full_scale: float,
-    gamma: float,
+    scale: Scale,
     largest_error: float,
     columns: int,
     lowest: bool,
     first: bool,
 ) -> Any:
     values = picture.values
-    inside = inside_picture(projection, values.shape[0], values.shape[1])
     known = np.isfinite(values[..., 0])
-    ground = np.ones((*known.shape, 4))
-    ground[..., :3] = _EMPTY
-    ground[..., 3] = inside
+    ground = hatched_ground(
+        unseen(np.where(known, 0, -1), projection), inside_outline(projection, *known.shape)
+    )
     extent = draw_axes(panel, projection, len(eye), lowest, first)
     panel.imshow(ground, extent=extent, interpolation="nearest", zorder=0)
     one = values[..., 0]
-    limits: dict[str, Any] = {"cmap": "viridis", "vmin": 0.0, "vmax": full_scale}
+    limits: dict[str, Any] = {"cmap": "viridis", "vmin": 0.0, "vmax": scale.full_scale}
     if picture.is_error:
         one = np.sqrt((values**2).mean(axis=-1))
         limits = {"cmap": _ERROR_COLOURS, "vmin": 0.0, "vmax": largest_error}
-    elif values.shape[-1] > 1:
+    elif scale.coloured:
         coloured = np.zeros((*known.shape, 4))
-        coloured[..., :3][known] = as_colours(values[known], full_scale, gamma)
+        coloured[..., :3][known] = as_colours(values[known], scale.full_scale, scale.gamma)
         coloured[..., 3] = known
         one, limits = coloured, {}
-    if values.shape[-1] == 1 or picture.is_error:
+    if limits:
         one = np.ma.masked_invalid(one)
     marks = panel.imshow(one, extent=extent, interpolation="nearest", zorder=0.5, **limits)
     panel.set_title(textwrap.fill(picture.title, _LETTERS // columns), loc="left")
     return marks
-
-
-def _strips(panel: Axes, names: Sequence[str], full_scale: float, gamma: float, what: str) -> None:
-    """The scale of each channel as a strip of what it is shown as, its name beside it."""
-    steps = np.linspace(0, full_scale, 256)
-    count = len(names)
-    each = np.eye(count)[:, None] * steps[:, None]
-    panel.imshow(
-        as_colours(each, full_scale, gamma),
-        extent=(0, full_scale, count, 0), aspect="auto", interpolation="nearest",
-    )  # fmt: skip
-    labels = [
-        name if name == colour else f"{name}, shown {colour}"
-        for name, colour in zip(names, SHOWN_AS[count], strict=True)
-    ]
-    panel.set_yticks(np.arange(count) + 0.5, labels, fontsize="small")
-    for label in panel.get_yticklabels():
-        label.set_in_layout(False)  # there is room beside it, which no other picture should give
-    panel.tick_params(axis="y", length=0)
-    _name_scale(panel, f"{what} (display gamma {gamma:g})", full_scale)
-    for side in ("left", "bottom"):
-        panel.spines[side].set_visible(False)
-
-
-def _name_scale(panel: Axes, label: str, largest: float) -> None:
-    """The label of a scale, with the power of ten of very large and very small numbers in it, as
-    of photons, where Matplotlib would write it across the label."""
-    if 1e-3 <= largest < 1e4:
-        panel.set_xlabel(label)
-        return
-    power = math.floor(math.log10(largest))
-    panel.xaxis.set_major_formatter(lambda value, _: f"{value / 10.0**power:g}")
-    panel.set_xlabel(f"{label}, $10^{{{power}}}$")

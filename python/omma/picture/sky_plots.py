@@ -4,6 +4,7 @@ what sky and sun give to level ground.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -22,11 +23,13 @@ Floats = NDArray[np.float64]
 
 _PIXELS = 301  # across a sky
 _LEAST_POLARISED = 0.01  # below it there is no angle to draw
+# So much is polarised so far from a neutral point of a clear sky in ultraviolet and blue; less of
+# hazy ones at long wavelengths, and in clouds.
+_AROUND_DEG, _LEAST_AROUND = 6.0, 0.02
 _MOST_WAVELENGTHS = 6
-_UNITS = {
-    "photons": ("photons m⁻² s⁻¹ sr⁻¹ nm⁻¹", "photons m⁻² s⁻¹ nm⁻¹"),
-    "watts": ("W m⁻² sr⁻¹ nm⁻¹", "W m⁻² nm⁻¹"),
-}
+#: Of spectral radiance and irradiance.
+RADIANCE_UNITS = {"photons": "photons m⁻² s⁻¹ sr⁻¹ nm⁻¹", "watts": "W m⁻² sr⁻¹ nm⁻¹"}
+_IRRADIANCE_UNITS = {"photons": "photons m⁻² s⁻¹ nm⁻¹", "watts": "W m⁻² nm⁻¹"}
 
 
 @checked
@@ -43,7 +46,8 @@ def plot_sky(
 
     The sky as a map, seen from above: -Z (north) at the top, +X (east) at the right, the zenith in
     the middle, equal angles equally far. Crosses are neutral points on the sun's meridian, where
-    nothing is polarised; a yellow dot is the sun or the moon.
+    nothing is polarised; in a sky that was changed or put together, by clouds say, only those with
+    polarised light around them. A yellow dot is the sun or the moon, where it shines.
 
     Args:
         paths: .pdf, .svg or .png, one or several.
@@ -67,7 +71,11 @@ def plot_sky(
 
 def neutral_points(light: Light, band: int) -> list[tuple[str, Floats]]:
     """Neutral points on the meridian of the first disc, above the horizon: names and directions
-    (3,). Above the sun Babinet's, below it Brewster's, over the zenith Arago's."""
+    (3,). Above the sun Babinet's, below it Brewster's, over the zenith Arago's.
+
+    A sky that is no longer as it was made may have clouds, in which polarisation is too weak to
+    have a neutral point that anyone could see, though it still changes its sign there.
+    """
     if light.sky is None or light.sky.shape[3] == 1 or not light.discs:
         return []
     (azimuth,), (sun,) = (
@@ -78,9 +86,16 @@ def neutral_points(light: Light, band: int) -> list[tuple[str, Floats]]:
     along = np.where(
         (arc <= 90)[:, None], direction(azimuth, arc), direction(azimuth + 180, 180 - arc)
     )
-    q = light.radiance(along)[:, 1, band]
+    stokes = light.radiance(along)[:, :, band]
+    q = stokes[:, 1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        degree = np.hypot(q, stokes[:, 2]) / stokes[:, 0]
+    reach = round(_AROUND_DEG / (arc[1] - arc[0]))
     found = []
     for k in np.flatnonzero(q[:-1] * q[1:] < 0):
+        beside = degree[max(k - reach, 0) : k + 1].max(), degree[k + 1 : k + reach + 2].max()
+        if light.recipe is None and not min(beside) >= _LEAST_AROUND:
+            continue
         at = arc[k] + (arc[k + 1] - arc[k]) * q[k] / (q[k] - q[k + 1])
         name = "Arago" if at > 90 else "Babinet" if at > sun else "Brewster"
         towards = direction(azimuth, at) if at <= 90 else direction(azimuth + 180, 180 - at)
@@ -136,7 +151,7 @@ def _radiance(figure: Any, panel: Any, light: Light, values: Floats, label: str)
         values, origin="lower", extent=(-1, 1, -1, 1), norm=LogNorm(low / 1.05, high * 1.05),
         cmap="viridis",
     )  # fmt: skip
-    _bar(figure, image, panel, _UNITS[light.unit][0])
+    _bar(figure, image, panel, RADIANCE_UNITS[light.unit])
 
 
 def _degree(figure: Any, panel: Any, degree: Floats) -> None:
@@ -156,6 +171,9 @@ def _angle(figure: Any, panel: Any, angle_deg: Floats, degree: Floats) -> None:
     if not np.any(np.isfinite(shown)):
         panel.text(0, 0, "unpolarised", ha="center", va="center", color=GREY)
         return
+    if np.any(np.isnan(shown) & np.isfinite(angle_deg)):
+        note = f"white: less than {_LEAST_POLARISED:.0%} polarised"
+        panel.text(0, -1.24, note, ha="center", va="top", fontsize="x-small", color=GREY)
     # The electric vector, as it lies in the map: up points to the middle.
     rings = [(r, k / n * 2 * np.pi) for r, n in ((0.2, 6), (0.45, 14), (0.7, 22), (0.93, 30))
              for k in range(n)]  # fmt: skip
@@ -183,9 +201,11 @@ def _mark_neutral(panel: Any, points: list[tuple[str, Floats]]) -> None:
         x, y = _on_map(towards)
         panel.plot(x, y, "+", color="w", markersize=6, markeredgewidth=1.6)
         panel.plot(x, y, "+", color=COLOURS[1], markersize=5, markeredgewidth=0.9)
+        # Towards the middle of the map, where no bar of colours is.
+        side = -1 if x > 0.3 else 1
         panel.annotate(
-            name, (x, y), xytext=(4, 0), textcoords="offset points", fontsize="x-small",
-            va="center", color="w", path_effects=_outline(),
+            name, (x, y), xytext=(4 * side, 0), textcoords="offset points", fontsize="x-small",
+            va="center", ha="left" if side > 0 else "right", color="w", path_effects=_outline(),
         )  # fmt: skip
 
 
@@ -203,7 +223,7 @@ def _sky_frame(panel: Any, light: Light) -> None:
     for name, x, y in (("N", 0, 1.09), ("E", 1.09, 0), ("S", 0, -1.09), ("W", -1.09, 0)):
         panel.text(x, y, name, ha="center", va="center", fontsize="x-small", color=GREY)
     for disc in light.discs:
-        if disc.direction[1] > 0:
+        if disc.direction[1] > 0 and np.any(disc.radiance > 0):
             panel.plot(
                 *_on_map(disc.direction), "o", color="#ffd23f", markersize=4, markeredgecolor=INK,
                 markeredgewidth=0.5,
@@ -227,11 +247,14 @@ def _spectra(panel: Any, light: Light) -> None:
     for name, values, colour in curves:
         if np.any(values > 0):
             panel.plot(light.bands.centers_nm, values, "o-", color=colour, label=name, markersize=2)
-    panel.set(
-        xlabel="wavelength (nm)",
-        ylabel=f"on level ground\n({_UNITS[light.unit][1]})",
-        ylim=(0, None),
-    )
+    # The power of ten beside the unit, not alone above the axis.
+    unit = _IRRADIANCE_UNITS[light.unit]
+    most = max((float(np.max(values)) for _, values, _ in curves), default=0.0)
+    if most > 0 and not 1e-2 <= most < 1e4:
+        power = math.floor(math.log10(most))
+        panel.yaxis.set_major_formatter(lambda value, _: f"{value / 10.0**power:g}")
+        unit = f"$10^{{{power}}}$ {unit}"
+    panel.set(xlabel="wavelength (nm)", ylabel=f"on level ground\n({unit})", ylim=(0, None))
     if panel.lines:
         panel.legend(frameon=False, loc="upper left")
 

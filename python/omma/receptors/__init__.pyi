@@ -12,6 +12,7 @@ from .sensitivity import (
     receptor_optical_sensitivity,
     spectral_sensitivity,
 )
+from .solid_angles import receptor_solid_angle_sr, solid_angle_sr
 
 __all__ = [
     "BandError",
@@ -30,6 +31,8 @@ __all__ = [
     "receptor_axis",
     "receptor_matrix",
     "receptor_optical_sensitivity",
+    "receptor_solid_angle_sr",
+    "solid_angle_sr",
     "spectral_sensitivity",
     "up_towards",
 ]

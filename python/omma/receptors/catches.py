@@ -10,35 +10,41 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, positive
 from omma.light.lights import Light
-from omma.receptors.sensitivity import (
-    receptor_optical_sensitivity,
-    sensitivity_integral_nm,
-)
+from omma.receptors.sensitivity import receptor_optical_sensitivity, sensitivity_integral_nm
+from omma.receptors.solid_angles import Field
 
 Floats = NDArray[np.float64]
 
 
 @checked
 def photon_catch(
-    eye: Eye, responses: ArrayLike, light: Light, *, integration_time_s: float
+    eye: Eye,
+    responses: ArrayLike,
+    light: Light,
+    *,
+    integration_time_s: float,
+    field: Field = "acceptance",
 ) -> Floats:
     """Photons that each receptor absorbs in a time: (..., R).
 
-    N = (π/4)² D² Δρ² t ∫ L (1 - exp(-k a l)) dλ from 300 to 700 nm (Land 1981; Warrant and Nilsson
-    1998), with the facet's diameter D, the acceptance angle Δρ, the rhabdom's absorption k and
-    length l and the pigment's absorbance a. What the lens and what is before the rhabdom take away
-    is not counted. Of a receptor with a table, its largest sensitivity stands for 1 - exp(-kl).
+    N = (π/4) D² Ω t ∫ L (1 - exp(-k a l)) dλ from 300 to 700 nm (after Land 1981; Warrant and
+    Nilsson 1998), with the facet's diameter D, the solid angle Ω of the acceptance, the rhabdom's
+    absorption k and length l and the pigment's absorbance a. What the lens and what is before the
+    rhabdom take away is not counted. Of a receptor with a table, its largest sensitivity stands for
+    1 - exp(-kl).
 
     Args:
         responses: (..., R), what receptors answer: radiance weighted by their sensitivity, as
             `receptor_matrix` makes of bands.
         light: what the world was lit by; it must be in photons.
         integration_time_s: over which a receptor adds up.
+        field: "acceptance": Ω = ∫ S dω, of the acceptance by which responses are rendered. "land":
+            Ω = (π/4) Δρ², as in published catches, 0.69 of a Gaussian's.
 
     Raises:
         omma.Error: light in watts, responses of another number of receptors, an eye without
             receptors, or one in which the facet of a receptor or its absorption or length is not
-            known.
+            known; another word for ``field``, or a compoundray, which has no solid angle.
     """
     if light.unit != "photons":
         raise Error(f"light: expected one in photons, as catches are, found {light.unit}")
@@ -50,16 +56,33 @@ def photon_catch(
     if answers.shape[-1:] != (count,):
         raise Error(f"responses: expected shape (..., {count}), found {answers.shape}")
     # Land's S for light at the pigment's peak has the factor 1 - exp(-kl).
-    sensitivity = receptor_optical_sensitivity(eye, monochromatic=True)
+    sensitivity = receptor_optical_sensitivity(eye, monochromatic=True, field=field)
     if np.any(np.isnan(sensitivity)):
-        unknown = int(np.count_nonzero(np.isnan(sensitivity)))
-        raise Error(
-            "eye: expected facet_diameter_m, and absorption_per_m and length_m of each receptor, "
-            f"which {unknown} of {count} receptors lack"
-        )
+        raise Error(_what_lacks(eye))
     per_type = np.array([sensitivity_integral_nm(one) for one in eye.receptor_types])
     per_response = sensitivity * per_type[eye.receptor_type] * integration_time_s
     return np.asarray(answers * per_response)
+
+
+def _what_lacks(eye: Eye) -> str:
+    """Which numbers of an eye are not known, and which animals' are."""
+    lacks = []
+    facets = int(np.count_nonzero(eye.facet_diameter_m == 0))
+    if facets:
+        lacks.append(f"facet_diameter_m of {facets} of {len(eye)} ommatidia")
+    for what in ("absorption_per_m", "length_m"):
+        names = list(dict.fromkeys(t.name for t in eye.receptor_types if getattr(t, what) == 0))
+        if names:
+            some = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
+            lacks.append(f"{what} of the receptors {some}")
+    import omma  # species lie above this room: for these words alone
+
+    animals = ", ".join(omma.species.with_catches())
+    return (
+        f"eye: expected what photons are counted by, found 0 (not known) for {'; '.join(lacks)}. "
+        f"Of the animals here these have all of it: {animals}; for another give its receptors "
+        "absorption_per_m and length_m"
+    )
 
 
 @checked

@@ -18,6 +18,7 @@ from omma._core import Error, Eye
 from omma._core import ReceptorType as ReceptorType
 from omma.base.arguments import array_of, arrays_of, checked
 from omma.light.bands import Bands, band_means
+from omma.receptors.solid_angles import Field, receptor_solid_angle_sr
 
 Floats = NDArray[np.float64]
 Responses = NDArray[np.float32]
@@ -161,6 +162,10 @@ def optical_sensitivity(
     white light that the rhabdom absorbs F = kl/(2.3 + kl) (Warrant and Nilsson, Vision Res 38:195,
     1998), or of light at the pigment's peak 1 - exp(-kl). With k = 0.0067 per µm this gives what is
     published for honeybees (J Exp Biol 212:2448, table 1).
+
+    This is the number that is published, with Land's solid angle (π/4) Δρ². What an ommatidium of
+    Gaussian acceptance receives is 1.44 times as much: `solid_angle_sr`, by which `photon_catch`
+    goes.
     """
     diameter, angle, length, absorption = arrays_of(
         facet_diameter_m=facet_diameter_m,
@@ -168,26 +173,43 @@ def optical_sensitivity(
         length_m=length_m,
         absorption_per_m=absorption_per_m,
     )
-    depth = absorption * length
-    absorbed = -np.expm1(-depth) if monochromatic else depth / (2.3 + depth)
-    return (np.pi / 4) ** 2 * diameter**2 * angle**2 * absorbed
+    return (
+        np.pi
+        / 4
+        * diameter**2
+        * np.pi
+        / 4
+        * angle**2
+        * _absorbed(absorption * length, monochromatic)
+    )
+
+
+def _absorbed(depth: Floats, monochromatic: bool) -> Floats:
+    return np.asarray(-np.expm1(-depth) if monochromatic else depth / (2.3 + depth))
 
 
 @checked
-def receptor_optical_sensitivity(eye: Eye, *, monochromatic: bool = False) -> Floats:
+def receptor_optical_sensitivity(
+    eye: Eye, *, monochromatic: bool = False, field: Field = "land"
+) -> Floats:
     """`optical_sensitivity` of each receptor of an eye: (R,), m² sr.
 
     NaN where the facet's diameter or the receptor's absorption or length is not known.
+
+    Args:
+        monochromatic: of light at the pigment's peak, instead of white.
+        field: "land", (π/4) Δρ², as published; "acceptance", ∫ S dω of its own acceptance.
+
+    Raises:
+        omma.Error: what `receptor_solid_angle_sr` raises.
     """
-    types = eye.receptor_types
-    ommatidium = ommatidium_of_receptor(eye)
-    own = np.array([np.nan if t.acceptance is None else t.acceptance.mean_width_rad for t in types])
-    length = np.array([t.length_m for t in types])[eye.receptor_type]
-    absorption = np.array([t.absorption_per_m for t in types])[eye.receptor_type]
-    diameter = eye.facet_diameter_m[ommatidium].astype(np.float64)
-    angle = eye.acceptance_angle_rad[ommatidium].astype(np.float64)
-    angle = np.where(np.isnan(own[eye.receptor_type]), angle, own[eye.receptor_type])
-    found = optical_sensitivity(diameter, angle, length, absorption, monochromatic=monochromatic)
+    types, of = eye.receptor_types, eye.receptor_type
+    diameter = eye.facet_diameter_m[ommatidium_of_receptor(eye)].astype(np.float64)
+    length = np.array([t.length_m for t in types])[of]
+    absorption = np.array([t.absorption_per_m for t in types])[of]
+    area = np.pi / 4 * diameter**2
+    solid_angle = receptor_solid_angle_sr(eye, field=field)
+    found = area * solid_angle * _absorbed(absorption * length, monochromatic)
     return np.where((diameter > 0) & (length > 0) & (absorption > 0), found, np.nan)
 
 

@@ -43,9 +43,6 @@ Responses = NDArray[np.float32]
 Poses = ArrayLike | tuple[ArrayLike, ArrayLike] | str
 Progress = Callable[[float], object]
 
-# What tools that report stages call the first two.
-READING, BUILDING = "Reading the scene", "Building the acceleration structure"
-
 # render_iter's buffer: big enough to keep all threads busy, small enough to forget about.
 _CHUNK_BYTES = 32 << 20
 

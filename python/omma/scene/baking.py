@@ -136,7 +136,14 @@ def find_baked_light(
         baked = read_baked_light(directory, key)
     from_cache = baked is not None
     if baked is None:
-        baked = _core.bake_light(engine, bake.cell_m or 0.0, bake.paths, bake.most_bytes, progress)
+        try:
+            baked = _core.bake_light(
+                engine, bake.cell_m or 0.0, bake.paths, bake.most_bytes, progress
+            )
+        except KeyboardInterrupt as error:
+            # As add_note, which Python has from 3.11 on.
+            error.__notes__ = ["of the light that was being baked nothing is kept"]  # type: ignore[attr-defined]
+            raise
         if directory is not None:
             write_baked_light(directory, key, baked)
     elif progress is not None:

@@ -12,13 +12,11 @@ from omma._core import Error, Scene
 from omma.base.arguments import checked
 from omma.base.files import PathLike
 from omma.base.warn import warn_caller
-from omma.scene.trimesh_scenes import load_mesh_file
+from omma.scene.mesh_files import MESH_FILES, load_mesh_file
 
 # How the loader's sentence about what only a light shows begins. It is told once a session.
 WITHOUT_LIGHT = "without a light "
 _told: list[str] = []
-
-_MESH_FILES = (".obj", ".ply", ".stl")
 
 
 @checked
@@ -96,13 +94,12 @@ def read_scene(
             f"{name}: expected a scene, .gltf or .glb, found a file of Blender; there: File > "
             "Export > glTF 2.0, with the format glTF Binary (.glb)"
         )
-    if Path(name).suffix.lower() in _MESH_FILES:
+    if Path(name).suffix.lower() in MESH_FILES:
         if scene_index is not None:
             raise Error(f"scene_index: expected none, as {name} holds no list of scenes")
         if color_rule != "gltf":
             raise Error(f"color_rule: expected gltf, as {name} is no glTF file")
-        made = load_mesh_file(name, "m" if unit is None else unit, "y" if up is None else up)
-        return _core.with_path(made, path)
+        return load_mesh_file(name, "m" if unit is None else unit, "y" if up is None else up)
     for argument, value in (("unit", unit), ("up", up)):
         if value is not None:
             raise Error(

@@ -17,6 +17,9 @@ SKIES = ("clear_sky", "clear_sky_at", "moonlit_sky", "overcast_sky", "uniform_sk
 # What else a world is told of its light.
 _OF_WORLD = ("lighting", "depth", "ultraviolet", "sun")
 _BANDS = "bands"
+# Bands that have names: how many, from which wavelength to which, nm. Of visible light alone no
+# material needs to say what it reflects in the ultraviolet.
+_NAMED_BANDS = {"visible": (12, 400.0, 700.0)}
 
 
 def parse_light(text: str) -> dict[str, Any]:
@@ -25,7 +28,8 @@ def parse_light(text: str) -> dict[str, Any]:
 
     The first word is a function of `omma.light`: `SKIES`. The others are its arguments by name
     (numbers, and times such as date_time=2026-06-21T12:00:00+02:00), how many ``bands`` of the same
-    width there are, and ``lighting``, ``depth``, ``ultraviolet`` and ``sun`` of `omma.World`.
+    width there are from 300 to 700 nm, or bands=visible, 12 from 400 nm on, and ``lighting``,
+    ``depth``, ``ultraviolet`` and ``sun`` of `omma.World`.
 
     Raises:
         omma.Error: it is no such text, or an argument is out of its range.
@@ -52,7 +56,7 @@ def parse_light(text: str) -> dict[str, Any]:
     of_world = {name: given.pop(name) for name in _OF_WORLD if name in given}
     try:
         if _BANDS in given:
-            given[_BANDS] = Bands.equal(given[_BANDS])
+            given[_BANDS] = Bands.equal(*_NAMED_BANDS.get(given[_BANDS], (given[_BANDS],)))
         light: Light = make(**given)
         checked_lighting(
             light, of_world.get("lighting"), of_world.get("depth"), False,
@@ -61,6 +65,24 @@ def parse_light(text: str) -> dict[str, Any]:
     except (Error, TypeError) as error:
         raise Error(f"light: {error}") from None
     return {"light": light, **of_world}
+
+
+def full_words(text: str) -> str:
+    """The same words with how the world is lit said in any case, for files that tell them."""
+    return text if _says_lighting(text) else f"{text} lighting=path"
+
+
+def words_of_before(text: str | None) -> str | None:
+    """Words that a file tells. Files of before Omma said how worlds are lit were baked, unless a
+    depth was given."""
+    if text is None or _says_lighting(text):
+        return text
+    has_depth = any(word.startswith("depth=") for word in text.split())
+    return f"{text} lighting={'path' if has_depth else 'baked'}"
+
+
+def _says_lighting(text: str) -> bool:
+    return any(word.startswith("lighting=") for word in text.split())
 
 
 def warnings_of(scene: Scene, is_lit: bool) -> list[str]:

@@ -25,6 +25,7 @@ Ultraviolet = Rule | Mapping[str, Rule] | None
 
 _MOST_DEPTH = 1000
 _NAMES_TOLD = 8
+_BAKED_ONLY = 'goes with lighting="baked"'
 
 
 @value_class
@@ -122,17 +123,16 @@ def checked_lighting(
         return None
     expect(light, Light, "light", "omma.light.clear_sky makes one")
     number = None if depth is None else whole(depth, "depth", 1, _MOST_DEPTH)
-    is_baked = lighting == "baked" or (lighting is None and depth is None)
-    how: LightingName = "baked" if is_baked else "path"
+    how: LightingName = "baked" if lighting == "baked" else "path"
     if how == "baked" and depth is not None:
         raise Error(
             f"depth: expected None, as baked light is that of all scatterings, found {depth}; "
             'lighting="path" follows light so far'
         )
     if how == "path" and bake is not None:
-        raise Error('bake: is for baked light, found lighting="path"')
+        raise Error(f"bake: {_BAKED_ONLY}, found lighting={lighting!r}")
     if how == "path" and sun != "exact":
-        raise Error('sun: "map" is for baked light, found lighting="path"')
+        raise Error(f'sun: "map" {_BAKED_ONLY}, found lighting={lighting!r}')
     if how == "baked" and bake is None:
         bake = Bake()
     kind: Sun = "map" if sun == "map" else "exact"
@@ -177,9 +177,11 @@ def _asking(names: list[str], light: Light) -> str:
     )
     more = f" and {len(names) - _NAMES_TOLD} more" if len(names) > _NAMES_TOLD else ""
     return (
-        f"ultraviolet: of {len(names)} materials only RGB is known, which says nothing below 400 "
-        f"nm, where {part:.1%} of this light is, and receptors for ultraviolet see little else: "
-        f'{told}{more}. Say what they reflect there: ultraviolet="dark", "as_blue", a reflectance '
-        "such as 0.02, or a mapping by name; or give materials spectra (docs/materials.md). "
-        "omma.rendering.ultraviolet_dependence tells by how much responses depend on it"
+        'ultraviolet: expected what surfaces reflect below 400 nm, such as ultraviolet="dark" '
+        "(nothing), or a light of visible bands, bands=omma.light.Bands.equal(12, 400, 700); in "
+        f"words of --light ultraviolet=dark or bands=visible. {part:.1%} of this light is below "
+        f"400 nm, of which RGB says nothing, and of {len(names)} materials only that is known: "
+        f'{told}{more}. Or "as_blue", a reflectance such as 0.02 (leaves), a mapping by name, or '
+        "spectra for materials (docs/materials.md). omma.rendering.ultraviolet_dependence tells by "
+        "how much responses depend on it"
     )

@@ -1,8 +1,7 @@
-"""Scenes from trimesh, and with it from OBJ, PLY and STL files."""
+"""Scenes from trimesh, and with it from STL files."""
 
 from __future__ import annotations
 
-import os
 from types import ModuleType
 from typing import Any
 
@@ -10,11 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Error, Image, Instance, Material, Mesh, Scene
-from omma.base.arguments import checked, one_of
-from omma.base.files import metres_per_unit
-
-# What turns +Z up into +Y up.
-_Y_FROM_Z = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
+from omma.base.arguments import checked
+from omma.base.mesh_parts import linear, offset_of, world_from_file
 
 
 @checked
@@ -36,9 +32,7 @@ def from_trimesh(mesh: Any, *, unit: str | float = "m", up: str = "y") -> Scene:
         omma.Error: it is neither, or has numbers that no scene has; trimesh is not installed.
     """
     trimesh = _trimesh()
-    world_from_mesh = np.diag([metres_per_unit(unit)] * 3 + [1.0])
-    if one_of(up, ("y", "z"), "up") == "z":
-        world_from_mesh = _Y_FROM_Z @ world_from_mesh
+    world_from_mesh = world_from_file(unit, up)
     if isinstance(mesh, trimesh.Trimesh):
         mesh = trimesh.Scene(mesh)
     if not isinstance(mesh, trimesh.Scene):
@@ -56,6 +50,7 @@ def from_trimesh(mesh: Any, *, unit: str | float = "m", up: str = "y") -> Scene:
         transform, name = mesh.graph[node]
         if name in index_of:
             placed = world_from_mesh @ np.asarray(transform, float)
+            placed[:3, 3] += placed[:3, :3] @ parts.offsets[index_of[name]]
             placed[3] = 0, 0, 0, 1
             instances.append(Instance(index_of[name], placed, name=str(node)))
     return Scene(
@@ -63,26 +58,13 @@ def from_trimesh(mesh: Any, *, unit: str | float = "m", up: str = "y") -> Scene:
     )
 
 
-def load_mesh_file(path: str, unit: str | float, up: str) -> Scene:
-    """The scene of a file that trimesh reads."""
+def read_stl(path: str) -> Any:
+    """What trimesh has of an STL file."""
     trimesh = _trimesh()
-    if not os.path.isfile(path):
-        raise Error(f"{path}: expected a file, found {_what_else(path)}")
     try:
-        found = trimesh.load(path, force="scene", process=False)
-    except Exception as error:  # each of its readers raises what it likes
+        return trimesh.load(path, file_type="stl", force="scene", process=False)
+    except Exception as error:  # its readers raise what they like
         raise Error(f"{path}: trimesh cannot read it: {error}") from error
-    try:
-        scene = from_trimesh(found, unit=unit, up=up)
-    except Error as error:
-        raise Error(f"{path}: {error}") from None
-    if not scene.meshes:
-        raise Error(f"{path}: expected triangles, found none")
-    return scene
-
-
-def _what_else(path: str) -> str:
-    return "a directory" if os.path.isdir(path) else "none"
 
 
 def _trimesh() -> ModuleType:
@@ -104,26 +86,29 @@ class _Parts:
         self.meshes: list[Mesh] = []
         self.materials: list[Material] = []
         self.images: list[Image] = []
+        self.offsets: list[NDArray[np.float64]] = []  # of each mesh, taken off its coordinates
         self._material_of: dict[int, int] = {}  # by identity of what trimesh has
 
     def add(self, name: str, geometry: Any) -> int:
-        positions, triangles = np.asarray(geometry.vertices), np.asarray(geometry.faces)
+        positions = np.asarray(geometry.vertices, float)
+        triangles = np.asarray(geometry.faces)
         coordinates = colors = None
         visual = geometry.visual
         if visual.kind == "texture":
             if visual.uv is not None and len(visual.uv) == len(positions):
                 coordinates = np.asarray(visual.uv, float) * (1, -1) + (0, 1)
         elif visual.kind == "vertex":
-            colors = _linear(visual.vertex_colors)
+            colors = linear(np.asarray(visual.vertex_colors, float) / 255)
         elif visual.kind == "face":
             # A colour for each face: none of its vertices is another's.
             corners = triangles.ravel()
             positions = positions[corners]
-            colors = np.repeat(_linear(visual.face_colors), 3, axis=0)
+            colors = np.repeat(linear(np.asarray(visual.face_colors, float) / 255), 3, axis=0)
             triangles = np.arange(len(corners)).reshape(-1, 3)
+        self.offsets.append(offset_of([positions]))
         self.meshes.append(
             Mesh(
-                positions,
+                positions - self.offsets[-1],
                 triangles,
                 name=str(name),
                 texture_coordinates=coordinates,
@@ -164,11 +149,3 @@ class _Parts:
         )
         self._material_of[id(material)] = len(self.materials) - 1
         return len(self.materials) - 1
-
-
-def _linear(colors: Any) -> NDArray[np.float64]:
-    """Linear RGBA of 8-bit sRGB."""
-    encoded = np.asarray(colors, float) / 255
-    rgb = encoded[:, :3]
-    low, high = rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4
-    return np.concatenate([np.where(rgb <= 0.04045, low, high), encoded[:, 3:]], axis=1)

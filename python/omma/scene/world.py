@@ -50,10 +50,11 @@ class World:
         light: what the world is lit by (`omma.light.clear_sky` and others); radiance is then in its
             bands and its unit, absolute, and its sky takes the place of a background. None:
             surfaces show their base colour and emission, as they are.
-        lighting: "baked" finds the light of the sky and between surfaces once, on both sides of
-            every triangle, and looks it up where rays meet them (docs/baked-light.md); "path", the
-            reference, follows light over all surfaces for every ray; "unlit" is what it is without
-            ``light``. None: "baked" where there is light, but "path" with a ``depth``.
+        lighting: "path" follows light over all surfaces for every ray, and has nothing to prepare;
+            "baked" first finds the light of the sky and between surfaces, on both sides of every
+            triangle, which takes minutes, and looks it up where rays meet them
+            (docs/baked-light.md); "unlit" is what it is without ``light``. None: "path" where there
+            is light.
         depth: most scatterings on the way of light to the eye: 1 is direct light alone. None: as
             many as it takes, and so always where light is baked.
         polarized: follow light as Stokes vectors, which receptors with microvilli and

@@ -11,6 +11,7 @@ from .animals import (
     make,
     melophorus,
     names,
+    with_catches,
 )
 from .facts import Fact, Source, Species, facts, facts_text, sources
 from .growing import build
@@ -35,4 +36,5 @@ __all__ = [
     "melophorus",
     "names",
     "sources",
+    "with_catches",
 ]

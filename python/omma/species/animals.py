@@ -5,8 +5,13 @@ How an eye is grown from the numbers is in the module of its kind, bees.py, flie
 
 from __future__ import annotations
 
+from functools import cache
+
+import numpy as np
+
 from omma._core import Error
 from omma.base.arguments import checked, one_of
+from omma.receptors.sensitivity import receptor_optical_sensitivity
 from omma.species.facts import LATIN, Species, facts
 from omma.species.stored import stored
 
@@ -24,6 +29,18 @@ def known(name: str) -> str:
             f"expected one of {', '.join(LATIN)}"
         )
     return one_of(name, LATIN, "name")
+
+
+@cache
+def with_catches() -> tuple[str, ...]:
+    """The animals of which `omma.receptors.photon_catch` can count photons: whose facets, rhabdoms
+    and their absorption are all known."""
+    eyes = {name: stored(name).eye for name in LATIN}
+    return tuple(
+        name for name, eye in eyes.items()
+        if eye.receptor_types
+        and np.isfinite(receptor_optical_sensitivity(eye)).all()
+    )  # fmt: skip
 
 
 @checked

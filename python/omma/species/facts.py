@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import csv
 import math
+from collections import Counter
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 
 from omma._core import Error, Eye
 from omma.base.arguments import checked, one_of
+from omma.base.notebook import html_table
 from omma.base.values import value_class
 
 STATUSES = ("measured", "interpolated", "assumed")
@@ -91,6 +93,23 @@ class Species:
     def fact(self, quantity: str) -> Fact:
         """The row of this quantity."""
         return _find(self.name, quantity)
+
+    def _repr_html_(self) -> str:
+        receptors: dict[str, float] = {}
+        for one in self.eye.receptor_types:
+            receptors.setdefault(one.name, one.peak_wavelength_nm)
+        count = Counter(fact.status for fact in self.facts)
+        rows = {
+            "latin": self.latin,
+            "ommatidia": f"{len(self.eye):,}",
+            "receptors": ", ".join(
+                f"{name} {peak:g} nm" if peak else name for name, peak in receptors.items()
+            ) or "none known",
+            "numbers": ", ".join(f"{count[status]} {status}" for status in STATUSES),
+            "sources": f"{len(self.sources)}; facts_text({self.name!r}) has them all",
+        }  # fmt: skip
+        picture = self.eye._repr_html_()  # type: ignore[attr-defined]
+        return html_table(f"omma.species.{self.name}", rows) + str(picture)
 
     def __repr__(self) -> str:
         return f"Species({self.name}, {self.latin}, {len(self.eye)} ommatidia)"

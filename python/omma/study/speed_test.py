@@ -22,8 +22,9 @@ from omma._core import Error, Eye, Scene
 from omma.base.arguments import array_of, checked, whole
 from omma.base.poses import as_poses
 from omma.base.values import value_class
-from omma.rendering.renderer import BUILDING, Renderer
+from omma.rendering.renderer import Renderer
 from omma.rendering.settings import Fixed
+from omma.scene.building import BUILDING
 from omma.study.variance import OURS, Method, Progress
 
 # Frames/s of CompoundRay on an NVIDIA RTX 2080 Ti, by rays per ommatidium: eLife 2022, 73893.

@@ -2,108 +2,49 @@
 
 viser asks nobody who they are, and listens where anyone of this machine may come. So it listens on
 a port of its own of 127.0.0.1, and turns away who does not bring the secret that only this door
-knows. The door looks at every request: at the token in its address, where one is asked for; at the
-``Host``, where none is, so that no page of the web gets in by a name that leads here (DNS
-rebinding); and at the ``Origin`` of web sockets. It also has what the page itself needs: the live
-pictures, as streams of JPEG, and clicks on them.
+knows. The door looks at every request (`rules`), gives the page and its web socket (`passing`), and
+has a web socket of its own for pictures and hands (`watchers`). Every address on the page is said
+beside the page's own, so that a proxy can show it below any path.
 """
 
 from __future__ import annotations
 
 import asyncio
-import hmac
-import http
+import logging
 import socket
 import threading
-from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
-from urllib.parse import parse_qs, urlsplit
 
-from omma._core import Error
+import aiohttp
+from aiohttp import web
 
-SECRET_HEADER = "X-Omma-Door"
-# Where nobody says which, the first of these that is free.
-FIRST_PORT, PORTS_TRIED = 8090, 20
+from omma.view.passing import Viser, page_file
+from omma.view.rules import Rules, path_inside, refusal, refusal_of_origin
+from omma.view.watchers import OnMessage, Watchers
 
-_LONGEST_HEAD = 16 << 10
-_HEAD_S = 10.0  # a browser that says nothing for so long is gone
-_CHUNK = 64 << 10
-_BOUNDARY = b"omma-frame"
-_LOOPBACK = ("127.0.0.1", "localhost", "::1", "[::1]")
-# A browser shows a frame when the next has begun; of what holds still it gets this one again.
-_AGAIN_S = 0.25
-
-Click = Callable[[str, float, float], None]
-
-
-def is_loopback(host: str) -> bool:
-    """Whether only this machine gets to an address."""
-    return host in _LOOPBACK or host.startswith("127.")
-
-
-def listening_socket(host: str, port: int | None) -> socket.socket:
-    """A socket that listens: on that port, or where None is said on the first free one.
-
-    Raises:
-        omma.Error: the port is in use, or the host is none of this machine's.
-    """
-    tried = range(FIRST_PORT, FIRST_PORT + PORTS_TRIED) if port is None else (port,)
-    try:
-        found = socket.getaddrinfo(host, None, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
-        family = found[0][0]
-    except (OSError, UnicodeError) as error:
-        raise Error(f"host: expected an address of this machine, found '{host}': {error}") from None
-    for one in tried:
-        listener = socket.socket(family, socket.SOCK_STREAM)
-        # What has just been closed may be opened again at once; what is in use stays refused.
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            listener.bind((host, one))
-            listener.listen(64)
-            return listener
-        except OSError as error:
-            listener.close()
-            if error.errno not in (98, 48, 10048):  # in use: of Linux, macOS, Windows
-                raise Error(
-                    f"host: cannot listen at {host}, port {one}: {error.strerror}"
-                ) from None
-    if port is None:
-        raise Error(
-            f"port: all from {tried[0]} to {tried[-1]} are in use; say another (--port), or 0 for "
-            "any that is free"
-        )
-    raise Error(
-        f"port: {port} is in use by another program; say another (--port), 0 for any that is free"
-    )
-
-
-@dataclass(frozen=True)
-class _Request:
-    method: str
-    path: str  # behind the token, with what is asked
-    headers: dict[str, str]  # by names in small letters
-    head: bytes  # as it goes on to viser
-
-
-class Frames:
-    """The last picture of a stream, and who waits for the next."""
-
-    def __init__(self) -> None:
-        self.latest: bytes | None = None
-        self.waiting: set[asyncio.Event] = set()
+_CLOSE_S = 2.0
+# Whoever comes without the last slash of a path: only the browser knows what path that was.
+_ON_TO_PAGE = (
+    "<!doctype html><title>Omma</title><script>location.replace("
+    "location.pathname.replace(/\\/*$/,'/')+'{word}/')</script>"
+)
+_NO_SOCKETS = (
+    "Nothing live comes through: web sockets end on their way from here to omma. A proxy in "
+    "between has to pass on the headers Upgrade and Connection; docs/view.md, 'Behind a proxy', "
+    "says how."
+)
 
 
 class Door:
-    """Listens, looks at requests and passes on those that may; a thread of its own.
+    """Listens, looks at requests and answers or passes on those that may; a thread of its own.
 
     Args:
-        listener: of `listening_socket`.
+        listener: of `omma.view.ports.listening_socket`.
         inner_port: viser's, on 127.0.0.1.
         secret: what viser is shown with each request that may pass.
-        token: what addresses begin with; "" for none.
-        check_host: refuse requests by other names than those of this machine itself.
-        on_click: called with the name of a picture and a place in it, 0 to 1 to the right and down.
+        rules: who may come in.
+        settings: JSON for the page's scripts.
+        on_message: as of `Watchers`; called in this thread.
     """
 
     def __init__(
@@ -112,15 +53,13 @@ class Door:
         inner_port: int,
         *,
         secret: str,
-        token: str,
-        check_host: bool,
-        on_click: Click,
+        rules: Rules,
+        settings: str,
+        on_message: OnMessage,
     ) -> None:
         self._listener, self._inner_port = listener, inner_port
-        self._secret, self._token = secret, token
-        self._check_host, self._on_click = check_host, on_click
-        self.frames: dict[str, Frames] = {"eye": Frames(), "camera": Frames()}
-        self._connections: set[asyncio.Task[None]] = set()
+        self._secret, self._rules, self._settings = secret, rules, settings
+        self._watchers = Watchers(on_message)
         self._loop = asyncio.new_event_loop()
         self._ended = asyncio.Event()
         self._thread = threading.Thread(target=self._run, name="omma-view-door", daemon=True)
@@ -131,16 +70,20 @@ class Door:
         """Where it listens."""
         return int(self._listener.getsockname()[1])
 
+    @property
+    def size(self) -> tuple[int, int]:
+        """As of `Watchers`."""
+        return self._watchers.size
+
     def show(self, name: str, jpeg: bytes) -> None:
         """Give all who watch a stream its next picture; from any thread."""
         with suppress(RuntimeError):  # closed meanwhile
-            self._loop.call_soon_threadsafe(self._show, name, jpeg)
+            self._loop.call_soon_threadsafe(self._watchers.show, name, jpeg)
 
-    def _show(self, name: str, jpeg: bytes) -> None:
-        frames = self.frames[name]
-        frames.latest = jpeg
-        for event in frames.waiting:
-            event.set()
+    def note(self, text: str) -> None:
+        """A line for a moment in every browser; from any thread."""
+        with suppress(RuntimeError):
+            self._loop.call_soon_threadsafe(self._watchers.note, text)
 
     def close(self) -> None:
         """End all connections and the thread."""
@@ -156,180 +99,81 @@ class Door:
             self._loop.close()
 
     async def _serve(self) -> None:
-        server = await asyncio.start_server(self._accept, sock=self._listener)
-        await self._ended.wait()
-        server.close()
-        for task in list(self._connections):
-            task.cancel()
-        await asyncio.gather(*self._connections, return_exceptions=True)
-
-    async def _accept(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        task = asyncio.current_task()
-        assert task is not None
-        self._connections.add(task)
+        self._viser = Viser(self._inner_port, self._secret, self._settings)
+        app = web.Application()
+        app.router.add_route("*", "/{path:.*}", self._answer)
+        runner = web.AppRunner(
+            app, access_log=None, logger=_silent(), shutdown_timeout=_CLOSE_S, handle_signals=False
+        )
+        await runner.setup()
         try:
-            await self._answer(reader, writer)
-        except (OSError, asyncio.IncompleteReadError, asyncio.TimeoutError):
-            pass  # the browser went away: there is nobody to tell
-        except asyncio.CancelledError:
-            pass  # closing
+            await web.SockSite(runner, self._listener).start()
+            await self._ended.wait()
         finally:
-            self._connections.discard(task)
-            writer.close()
+            await self._watchers.close()
+            await self._viser.close()
+            await runner.cleanup()
 
-    async def _answer(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+    async def _answer(self, request: web.Request) -> web.StreamResponse:
+        answer = await self._answer_of(request)
+        # A connection for each request: plain proxies look at the first of a connection alone.
+        answer.force_close()
+        return answer
+
+    async def _answer_of(self, request: web.Request) -> web.StreamResponse:
+        word, path = path_inside(self._rules, request.raw_path)
+        refused = refusal(self._rules, word, request.headers)
+        if refused is not None:
+            return _say(403, refused)
+        if request.method != "GET":
+            return _say(405, "Only GET is answered here.")
+        wants_socket = request.headers.get("Upgrade", "").lower() == "websocket"
+        if word != self._rules.word:
+            if word:
+                return _say(404, "There is no such page here.")
+            on = _ON_TO_PAGE.format(word=self._rules.word)
+            return web.Response(text=on, content_type="text/html")
         try:
-            head = await asyncio.wait_for(reader.readuntil(b"\r\n\r\n"), _HEAD_S)
-            request = _parse(head)
-        except (asyncio.LimitOverrunError, ValueError):
-            return await _say(writer, 400, "This is no request of a browser.")
-        refusal = self._refusal(request)
-        if refusal is not None:
-            return await _say(writer, *refusal)
-        path = request.path
-        wants_socket = request.headers.get("upgrade", "").lower() == "websocket"
-        if self._token:
-            path = path[1 + len(self._token) :]
-            if not path.startswith("/") and not wants_socket:
-                # What the page asks for is beside it, in the folder that the token is.
-                return await _say(writer, 301, "", {"Location": f"/{self._token}/{path}"})
-            path = path if path.startswith("/") else f"/{path}"
-        name, _, kind = urlsplit(path).path[1:].partition(".")
-        if kind == "mjpeg" and name in self.frames:
-            await self._stream(writer, self.frames[name])
-        elif kind == "click" and name in self.frames and request.method == "POST":
-            await self._click(writer, name, urlsplit(path).query)
-        elif request.method != "GET":
-            await _say(writer, 405, "Only GET is answered here.")
-        else:
-            await self._pass_on(reader, writer, self._head_for_viser(request, path), wants_socket)
+            if wants_socket:
+                return await self._socket(request, path)
+            if path is None:
+                # What the page asks for is beside it, in the folder that the word is.
+                return web.Response(status=301, headers={"Location": f"{word}/"})
+            return await self._page(request, path)
+        except aiohttp.ClientError:
+            return _say(502, "The page has ended.")
 
-    def _refusal(self, request: _Request) -> tuple[int, str] | None:
-        """Status and words where a request may not pass."""
-        host = request.headers.get("host", "")
-        if self._token:
-            given = request.path.split("?")[0].split("/")[1]
-            if not hmac.compare_digest(given.encode(), self._token.encode()):
-                return 403, (
-                    "This page needs the address with its token, which was printed where "
-                    "'omma view' was started."
-                )
-        elif self._check_host and (urlsplit(f"//{host}").hostname or "") not in _LOOPBACK:
-            return 403, "This page is shown at 127.0.0.1 and localhost only."
-        origin = request.headers.get("origin")
-        if origin is not None and urlsplit(origin).netloc != host:
-            return 403, "Another page may not use this one."
-        return None
+    async def _page(self, request: web.Request, path: str) -> web.StreamResponse:
+        if path == "":
+            return await self._viser.page()
+        if path == "why":
+            return _say(200, self._why_no_socket(request))
+        if path.startswith("omma/"):
+            return page_file(path[len("omma/") :]) or _say(404, "There is no such file here.")
+        return await self._viser.file(path)
 
-    def _head_for_viser(self, request: _Request, path: str) -> bytes:
-        """The request as it goes on: without the token, with the secret."""
-        lines = request.head.split(b"\r\n")
-        kept = [line for line in lines[1:-2] if not line.lower().startswith(b"x-omma-door")]
-        first = f"{request.method} {path} HTTP/1.1".encode("latin-1")
-        return b"\r\n".join([first, *kept, f"{SECRET_HEADER}: {self._secret}".encode(), b"", b""])
+    async def _socket(self, request: web.Request, path: str | None) -> web.StreamResponse:
+        # viser looks for its own at the page's address without the last slash.
+        if not path:
+            return await self._viser.socket(request)
+        if path == "live":
+            return await self._watchers.serve(request)
+        return _say(404, "There is no such web socket here.")
 
-    async def _pass_on(
-        self,
-        reader: asyncio.StreamReader,
-        writer: asyncio.StreamWriter,
-        head: bytes,
-        both_ways: bool,
-    ) -> None:
-        inner_reader, inner_writer = await asyncio.open_connection("127.0.0.1", self._inner_port)
-        try:
-            inner_writer.write(head)
-            # After a page nothing more of the browser's goes on: a second request on the same
-            # connection would not have been looked at.
-            ways = [asyncio.ensure_future(_copy(inner_reader, writer))]
-            if both_ways:
-                ways.append(asyncio.ensure_future(_copy(reader, inner_writer)))
-            try:
-                await asyncio.wait(ways, return_when=asyncio.FIRST_COMPLETED)
-            finally:
-                for way in ways:
-                    way.cancel()
-                await asyncio.gather(*ways, return_exceptions=True)
-        finally:
-            inner_writer.close()
-
-    async def _stream(self, writer: asyncio.StreamWriter, frames: Frames) -> None:
-        """Each picture when the browser has taken the one before; what is late is left out."""
-        kind = b"multipart/x-mixed-replace; boundary=" + _BOUNDARY
-        writer.write(b"HTTP/1.1 200 OK\r\nContent-Type: " + kind)
-        writer.write(b"\r\nCache-Control: no-store\r\nConnection: close\r\n\r\n--" + _BOUNDARY)
-        news = asyncio.Event()
-        frames.waiting.add(news)
-        try:
-            while True:
-                news.clear()
-                await _send_frame(writer, frames.latest)
-                if not await _comes(news, _AGAIN_S):
-                    await _send_frame(writer, frames.latest)
-                    await news.wait()
-        finally:
-            frames.waiting.discard(news)
-
-    async def _click(self, writer: asyncio.StreamWriter, name: str, query: str) -> None:
-        try:
-            place = {key: float(values[0]) for key, values in parse_qs(query).items()}
-            x, y = place["x"], place["y"]
-        except (KeyError, ValueError):
-            return await _say(writer, 400, "Expected x and y, 0 to 1.")
-        if not (0 <= x <= 1 and 0 <= y <= 1):
-            return await _say(writer, 400, "Expected x and y, 0 to 1.")
-        self._on_click(name, x, y)
-        await _say(writer, 204, "")
+    def _why_no_socket(self, request: web.Request) -> str:
+        """For a page that has come, and whose web sockets do not open."""
+        origin, folder = request.query.get("origin"), request.query.get("folder", "/")
+        return refusal_of_origin(self._rules, origin, request.headers, folder) or _NO_SOCKETS
 
 
-def _parse(head: bytes) -> _Request:
-    """The request; ValueError where it is none."""
-    if len(head) > _LONGEST_HEAD:
-        raise ValueError("too long")
-    lines = head.decode("latin-1").split("\r\n")
-    method, path, version = lines[0].split(" ")
-    if not version.startswith("HTTP/1.") or not path.startswith("/"):
-        raise ValueError("not HTTP/1")
-    headers = {}
-    for line in lines[1:-2]:
-        name, colon, value = line.partition(":")
-        if not colon or name != name.strip():
-            raise ValueError("no header")
-        headers[name.lower()] = value.strip()
-    return _Request(method, path, headers, head)
+def _silent() -> logging.Logger:
+    """Where aiohttp says what is wrong with requests: nobody asked."""
+    logger = logging.getLogger("omma.view.door")
+    logger.propagate = False
+    if not logger.handlers:
+        logger.addHandler(logging.NullHandler())
+    return logger
 
 
-async def _send_frame(writer: asyncio.StreamWriter, jpeg: bytes | None) -> None:
-    if jpeg is not None:
-        size = b"\r\nContent-Type: image/jpeg\r\nContent-Length: %d\r\n\r\n" % len(jpeg)
-        writer.write(size + jpeg + b"\r\n--" + _BOUNDARY)
-        await writer.drain()
-
-
-async def _comes(news: asyncio.Event, within_s: float) -> bool:
-    try:
-        await asyncio.wait_for(news.wait(), within_s)
-    except asyncio.TimeoutError:
-        return False
-    return True
-
-
-async def _copy(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-    while piece := await reader.read(_CHUNK):
-        writer.write(piece)
-        await writer.drain()
-
-
-async def _say(
-    writer: asyncio.StreamWriter, status: int, text: str, headers: dict[str, str] | None = None
-) -> None:
-    body = text.encode()
-    lines = {
-        "Content-Type": "text/plain; charset=utf-8",
-        "Content-Length": str(len(body)),
-        "Connection": "close",
-        **(headers or {}),
-    }
-    head = "".join(f"{name}: {value}\r\n" for name, value in lines.items())
-    phrase = http.HTTPStatus(status).phrase
-    writer.write(f"HTTP/1.1 {status} {phrase}\r\n{head}\r\n".encode("latin-1") + body)
-    await writer.drain()
+def _say(status: int, text: str) -> web.Response:
+    return web.Response(status=status, text=text, headers={"X-Content-Type-Options": "nosniff"})

@@ -16,21 +16,24 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error
 from omma.view.command import Sources
 from omma.view.door import Door
+from omma.view.hands import Hands
 from omma.view.live import Live
 from omma.view.page_scene import PageScene
 from omma.view.page_tabs import Tabs
+from omma.view.page_texts import CLIENT
 from omma.view.painting import (
     PROJECTIONS,
     Channel,
+    Pixels,
     channels_of,
-    eye_ids,
     paint_camera,
     paint_eye,
     shown_values,
     white_of,
 )
 from omma.view.picked import ommatidium_looking_at
-from omma.view.poses import HeadPose, matrix_from_wxyz, pose_from_matrix
+from omma.view.picture_ids import PictureIds
+from omma.view.poses import HeadPose, matrix_from_wxyz, pose_from_matrix, quaternion_wxyz
 from omma.view.state import Look, Looker, Seen
 
 if TYPE_CHECKING:
@@ -38,7 +41,6 @@ if TYPE_CHECKING:
 
     import viser
 
-_EYE_WIDTH = 800
 _CAMERA_SIZE = (480, 270)
 _JPEG_QUALITY = 88
 # While things move: seconds between two updates of what costs a browser or two cores much.
@@ -76,6 +78,7 @@ class Page:
         self.seen: Seen | None = None
         self.white = 1.0
         self._door: Door | None = None
+        self._pictures = PictureIds(looker.eye)
         self._white_of: Channel | None = None
         self._last = {"numbers": 0.0, "facets": 0.0, "camera": 0.0, "frame": 0.0}
         self._frame_s = 0.0
@@ -93,6 +96,7 @@ class Page:
         self.scene.head.on_update(self.guarded(self._on_drag))
         server.scene.on_click()(self.guarded(self._on_scene_click))
         self.tabs = Tabs(self, path)
+        self.hands = Hands(self)
         server.on_client_connect(self._on_connect)
         server.on_client_disconnect(self._on_disconnect)
 
@@ -117,7 +121,7 @@ class Page:
         self.want(pose=pose)
         if not dragged:
             self.scene.place_head(pose)
-        self.tabs.show_pose(pose)
+        self.tabs.head.show_pose(pose)
 
     def show_channel(self, name: str) -> None:
         """Show something else of the numbers."""
@@ -160,8 +164,8 @@ class Page:
         receptors the next has."""
         return seen is not None and seen.look.receptors == self.channel.receptors
 
-    def click(self, name: str, x: float, y: float) -> None:
-        """A click on a picture: the ommatidium that is shown there is picked."""
+    def click(self, x: float, y: float) -> None:
+        """A click on the picture: the ommatidium that is shown there is picked."""
 
         def pick() -> bool:
             ids = self._ids()
@@ -171,8 +175,24 @@ class Page:
                 self._take(number)
             return False
 
-        if name == "eye":
-            self.live.do(pick)
+        self.live.do(pick)
+
+    def save(self, take: Callable[[bytes], None]) -> None:
+        """Hand over the picture that is shown, as PNG, without the mark of what is picked."""
+
+        def paint() -> bool:
+            seen, channel = self.seen, self.channel
+            if self._shows(seen):
+                values = shown_values(self.looker.world, self.looker.eye, seen, channel)
+                take(encoded(self._painted(values), "PNG"))
+            return False
+
+        self.live.do(paint)
+
+    def note(self, text: str) -> None:
+        """A line for a moment, in every browser."""
+        if self._door is not None:
+            self._door.note(text)
 
     # What comes back, in the thread that renders.
 
@@ -194,8 +214,15 @@ class Page:
         if self._shows(self.seen):
             self._paint(self.seen, still=True)
 
+    def _size(self) -> tuple[int, int]:
+        return self._door.size if self._door is not None else (0, 0)
+
     def _ids(self) -> NDArray[np.int32]:
-        return eye_ids(self.looker.eye, self.projection, _EYE_WIDTH)
+        return self._pictures.fitted(self.projection, *self._size())
+
+    def _painted(self, values: NDArray[np.float32], chosen: int | None = None) -> Pixels:
+        hidden = self._pictures.unseen(self.projection, *self._size())
+        return paint_eye(self._ids(), values, self.white, self.stops, chosen, hidden)
 
     def _paint(self, seen: Seen, still: bool) -> None:
         channel = self.channel  # which browsers may change meanwhile
@@ -207,8 +234,8 @@ class Page:
             self._white_of = channel
             self.white = white_of(self.looker.world, channel, values)
         if self._door is not None:
-            pixels = paint_eye(self._ids(), values, self.white, self.stops, self.chosen)
-            self._door.show("eye", jpeg(pixels))
+            pixels = self._painted(values, self.chosen)
+            self._door.show("eye", encoded(pixels, "JPEG"))
         if self._is_due("facets", _FACETS_S, still):
             each = np.arange(len(values), dtype=np.int32)[None]
             self.scene.show_facets(paint_eye(each, values, self.white, self.stops)[0])
@@ -225,7 +252,7 @@ class Page:
         width, height = _CAMERA_SIZE if still else (_CAMERA_SIZE[0] // 2, _CAMERA_SIZE[1] // 2)
         picture = self.looker.picture(look, width, height, samples)
         pixels = paint_camera(self.looker.world, picture, self.stops)
-        self._door.show("camera", jpeg(pixels))
+        self._door.show("camera", encoded(pixels, "JPEG"))
         self._camera_look = (look, samples)
 
     def _is_due(self, what: str, every_s: float, still: bool) -> bool:
@@ -255,22 +282,29 @@ class Page:
         self.live.do(pick)
 
     async def _on_connect(self, client: Any) -> None:
-        async def follow(camera: Any) -> None:
-            if self._pilot == client.client_id:
-                matrix = matrix_from_wxyz(camera.wxyz, camera.position) @ _HEAD_FROM_CAMERA
-                self.go_to(pose_from_matrix(matrix))
-
-        client.camera.on_update(self.guarded(follow))
+        client.gui.add_html(CLIENT.format(number=client.client_id))
 
     async def _on_disconnect(self, client: Any) -> None:
         if self._pilot == client.client_id:
             self.fly(None)
 
     def fly(self, client_id: int | None) -> None:
-        """The head goes with the camera of a browser; None: with nobody's."""
+        """The camera of a browser goes with the head, and the head's control is out of the way;
+        None: nobody flies."""
         self._pilot = client_id
         self.scene.head.visible = client_id is None
-        self.tabs.show_flying(client_id is not None)
+        self.camera_to_head(client_id)
+
+    def camera_to_head(self, client_id: object) -> None:
+        """A browser's camera where the head is, looking where it looks."""
+        pilot = self._pilot
+        client = None if pilot is None else self.server.get_clients().get(pilot)
+        if client is None or client_id != pilot:
+            return
+        matrix = self.live.look.pose.world_from_head
+        with client.atomic():
+            client.camera.wxyz = quaternion_wxyz(matrix @ _HEAD_FROM_CAMERA)
+            client.camera.position = matrix[:3, 3]
 
     def guarded(self, function: Callable[[Any], Awaitable[None]]) -> Callable[[Any], Any]:
         """A callback whose errors are told on the page."""
@@ -300,10 +334,11 @@ class Page:
             client.add_notification(title, text, color=colour, auto_close_seconds=12.0)
 
 
-def jpeg(pixels: NDArray[np.uint8]) -> bytes:
-    """A picture as JPEG."""
+def encoded(pixels: NDArray[np.uint8], kind: Literal["JPEG", "PNG"]) -> bytes:
+    """A picture as a file."""
     from PIL import Image
 
     file = io.BytesIO()
-    Image.fromarray(pixels).save(file, "JPEG", quality=_JPEG_QUALITY)
+    options = {"quality": _JPEG_QUALITY} if kind == "JPEG" else {}
+    Image.fromarray(pixels).save(file, kind, **options)
     return file.getvalue()

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from omma.picture.band_colours import bands_to_rgb
 from omma.view.overlay import PICKED, head_shapes
 from omma.view.poses import HeadPose, quaternion_wxyz
 from omma.view.scene_mesh import drawn_scene, sky_dome, without_scale
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     import viser
 
 _SKY_IN_SCENES = 20.0  # radius of the sky, in sizes of the scene
+_GROUND = 0.1  # what light the ground sends up, of what falls on it
 
 
 class PageScene:
@@ -59,17 +61,29 @@ class PageScene:
         camera.near, camera.far = 0.02 * self.head_m, 2.5 * _SKY_IN_SCENES * size_m
 
     def _add_lamps(self) -> None:
-        """Sun and sky as lamps of the page: near to how the world is lit, without its shadows."""
+        """Sun and sky as lamps of the page: what lies in the open has the colours that the camera's
+        picture has, as the world is lit there; without its shadows."""
         light = self.looker.world.light
         assert light is not None
-        self.server.scene.configure_default_lights(False)
-        self.server.scene.add_light_hemisphere("/light/sky", intensity=1.6)
+        scene = self.server.scene
+        scene.configure_default_lights(False)
+        scene.configure_environment_map(None)
+        sky, discs = light.irradiance()
+        sky_colour, sky_level = _lamp(bands_to_rgb(sky / np.pi, light))
+        below = bands_to_rgb(_GROUND * (sky + discs) / np.pi, light)
+        ground_colour, _ = _lamp(below, sky_level)
+        scene.add_light_hemisphere(
+            "/light/sky",
+            sky_color=sky_colour,
+            ground_color=ground_colour,
+            intensity=np.pi * sky_level,
+        )
         for k, disc in enumerate(light.discs):
-            towards = np.asarray(disc.direction, np.float64)
+            colour, level = _lamp(bands_to_rgb(disc.irradiance() / np.pi, light))
             # A lamp of viser's shines from where it is to the origin.
-            x, y, z = (100 * towards).tolist()
-            self.server.scene.add_light_directional(
-                f"/light/{k}", intensity=2.2, position=(x, y, z)
+            x, y, z = (100 * np.asarray(disc.direction, np.float64)).tolist()
+            scene.add_light_directional(
+                f"/light/{k}", color=colour, intensity=np.pi * level, position=(x, y, z)
             )
 
     def _add_head(self, pose: HeadPose) -> None:
@@ -140,3 +154,17 @@ class PageScene:
     def show_facets(self, colours: NDArray[np.uint8]) -> None:
         """The colours (N, 3) of the facets on the head."""
         self._facets.colors = colours
+
+
+def _lamp(
+    rgb: NDArray[np.float32], level: float | None = None
+) -> tuple[tuple[int, int, int], float]:
+    """A colour of 8 bits, sRGB, and a level; together linear red, green and blue (3,)."""
+    linear = np.clip(np.asarray(rgb, np.float64), 0, None)
+    level = float(linear.max()) if level is None else level
+    if not level > 0:
+        return (0, 0, 0), 0.0
+    share = np.clip(linear / level, 0, 1)
+    encoded = np.where(share > 0.0031308, 1.055 * share ** (1 / 2.4) - 0.055, 12.92 * share)
+    red, green, blue = np.round(255 * encoded).astype(int).tolist()
+    return (red, green, blue), level

@@ -4,25 +4,24 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from omma._core import Error
 from omma.base.poses import as_poses
 from omma.picture.video import FRAMES_PER_S
+from omma.view.hands import MOST_RAYS
 from omma.view.motion import Clock
 from omma.view.page_chosen import Chosen
-from omma.view.page_texts import EYE_PICTURE, KEYS, PICTURE, numbers_html, saved_html
+from omma.view.page_head import Head
+from omma.view.page_texts import CAMERA_PICTURE, EYE_PICTURE, LINKS, numbers_html, saved_html
 from omma.view.painting import PROJECTIONS
 from omma.view.path_files import poses_of_csv, record_video, recorded_csv
-from omma.view.poses import HeadPose, moved, pose_from_matrix, quaternion_wxyz
+from omma.view.poses import HeadPose, pose_from_matrix
 from omma.view.state import Seen
 
 if TYPE_CHECKING:
     from omma.view.page import Page
 
-_STEP_DEG = 3.0
-_MOST_RAYS = 64
 _WIDTH = 430.0
 
 
@@ -40,6 +39,7 @@ class Tabs:
         gui.main_panel.dock_right()
         gui.main_panel.set_width(_WIDTH)
         gui.add_html(EYE_PICTURE)
+        gui.add_html(LINKS)
         self._numbers = gui.add_html("")
         self._channel = gui.add_dropdown("Shown", list(page.channels))
         self._projection = gui.add_dropdown("Projection", list(PROJECTIONS))
@@ -49,7 +49,7 @@ class Tabs:
         with tabs.add_tab("Eye"):
             self._add_eye(gui)
         with tabs.add_tab("Head"):
-            self._add_head(gui)
+            self.head = Head(page, gui, self._guarded)
         with tabs.add_tab("Ommatidium"):
             self.chosen = Chosen(page, gui)
         with tabs.add_tab("Play"):
@@ -58,8 +58,8 @@ class Tabs:
             self._add_save(gui)
         beside = gui.add_panel()
         with beside.add_tab("Camera"):
-            gui.add_html(PICTURE.format(name="camera", ratio="16 / 9", more=""))
-        beside.float(x=12, y=-12, width=300)
+            gui.add_html(CAMERA_PICTURE)
+        beside.float(x=-12, y=-12, width=300)
         if path is not None:
             self._take_path([pose_from_matrix(one) for one in as_poses(path)])
 
@@ -80,8 +80,8 @@ class Tabs:
 
     def _add_eye(self, gui: Any) -> None:
         page, look = self.page, self.page.live.look
-        most = max(_MOST_RAYS, look.samples)
-        rays = gui.add_slider(
+        most = max(MOST_RAYS, look.samples)
+        self._rays = rays = gui.add_slider(
             "Rays", 1, most, 1, look.samples,
             hint="Of each ommatidium, while things move",
             marks=tuple((k, str(k)) for k in (1, 16, 32, 48, most)),
@@ -135,65 +135,6 @@ class Tabs:
         if self._time is not None:
             self._time.on_update(self._guarded(on_time))
 
-    def _add_head(self, gui: Any) -> None:
-        page, pose = self.page, self.page.live.look.pose
-        self._position = gui.add_vector3("Position, m", pose.position_m, step=0.01)
-        self._angles = gui.add_vector3(
-            "Turned, °", (pose.yaw_deg, pose.pitch_deg, pose.roll_deg), step=0.5,
-            hint="Yaw to the right, pitch up, roll: right side down",
-        )  # fmt: skip
-        self._flying = gui.add_checkbox(
-            "Fly: the head goes with my camera", False,
-            hint="W A S D ahead, left, back, right; Q E down, up; arrows and the mouse turn",
-        )  # fmt: skip
-        cameras = [camera.name for camera in page.looker.world.scene.cameras]
-        if cameras:
-            go = gui.add_dropdown("Go to camera", ["…", *cameras])
-
-            async def on_go(_: Any) -> None:
-                if go.value in cameras:
-                    which = cameras.index(go.value)
-                    found = page.looker.world.scene.cameras[which].world_from_camera
-                    page.go_to(pose_from_matrix(found))
-                    go.value = "…"
-
-            go.on_update(self._guarded(on_go))
-        behind = gui.add_button("My camera behind the head", icon="camera")
-        self._step = gui.add_slider(
-            "Step, m", 0.01, 2.0, 0.01, round(min(max(0.5 * page.scene.head_m, 0.01), 2.0), 2)
-        )
-        for names in (
-            ("Ahead", "Back", "Left", "Right"),
-            ("Up", "Down", "Turn left", "Turn right"),
-        ):
-            buttons = gui.add_button_group("Head", names)
-            buttons.on_click(self._guarded(self._on_step))
-        gui.add_html(KEYS)
-        for label, key in (
-            ("Ahead", "I"), ("Back", "K"), ("Left", "J"), ("Right", "L"), ("Up", "U"),
-            ("Down", "O"), ("Turn left", "N"), ("Turn right", "M"),
-        ):  # fmt: skip
-            command = gui.add_command(f"Head: {label}", hotkey=key)
-            command.on_trigger(page.guarded(self._step_of(label)))
-
-        async def on_pose(_: Any) -> None:
-            x, y, z = self._position.value
-            yaw, pitch, roll = self._angles.value
-            page.go_to(HeadPose((x, y, z), yaw, pitch, roll))
-
-        async def on_fly(event: Any) -> None:
-            page.fly(event.client_id if self._flying.value else None)
-            if self._flying.value:
-                self._to_head(event.client, behind=False)
-
-        async def on_behind(event: Any) -> None:
-            self._to_head(event.client, behind=True)
-
-        self._position.on_update(self._guarded(on_pose))
-        self._angles.on_update(self._guarded(on_pose))
-        self._flying.on_update(self._guarded(on_fly))
-        behind.on_click(self._guarded(on_behind))
-
     def _add_play(self, gui: Any) -> None:
         self._upload = gui.add_upload_button("Open a path (CSV)", mime_type=".csv,text/csv")
         self._frame = gui.add_slider("Pose", 0, 1, 1, 0, disabled=True)
@@ -222,39 +163,6 @@ class Tabs:
     async def _on_projection(self, _: Any) -> None:
         self.page.projection = str(self._projection.value)
         self.page.repaint()
-
-    def _step_of(self, name: str) -> Any:
-        async def step(_: Any) -> None:
-            pose, step_m = self.page.live.look.pose, float(self._step.value)
-            turn = {"Turn left": -_STEP_DEG, "Turn right": _STEP_DEG}.get(name, 0.0)
-            if turn:
-                turned = HeadPose(
-                    pose.position_m, pose.yaw_deg + turn, pose.pitch_deg, pose.roll_deg
-                )
-            else:
-                ways = {"Ahead": (1, 0, 0), "Back": (-1, 0, 0), "Left": (0, -1, 0),
-                        "Right": (0, 1, 0), "Up": (0, 0, 1), "Down": (0, 0, -1)}  # fmt: skip
-                turned = moved(pose, *(step_m * one for one in ways[name]))
-            self.page.go_to(turned)
-
-        return step
-
-    async def _on_step(self, event: Any) -> None:
-        await self._step_of(str(event.target.value))(event)
-
-    def _to_head(self, client: Any, behind: bool) -> None:
-        """A browser's camera to the head: into it, or behind it."""
-        matrix = self.page.live.look.pose.world_from_head
-        r = self.page.scene.head_m
-        place = matrix @ ([2 * r, 4 * r, 9 * r, 1] if behind else [0, 0, 0, 1])
-        ahead = matrix @ [0, 0, -4 * r, 1]
-        with client.atomic():
-            if behind:
-                client.camera.position = place[:3]
-                client.camera.look_at = ahead[:3]
-            else:
-                client.camera.wxyz = quaternion_wxyz(matrix @ np.diag([1.0, -1, -1, 1]))
-                client.camera.position = place[:3]
 
     async def _on_upload(self, event: Any) -> None:
         file = event.target.value
@@ -316,14 +224,9 @@ class Tabs:
 
     # What comes back.
 
-    def show_pose(self, pose: HeadPose) -> None:
-        """The numbers of where the head is."""
-        self._position.value = pose.position_m
-        self._angles.value = (pose.yaw_deg, pose.pitch_deg, pose.roll_deg)
-
-    def show_flying(self, flying: bool) -> None:
-        """Whether the head goes with a camera."""
-        self._flying.value = flying
+    def show_rays(self, samples: int) -> None:
+        """How many rays each ommatidium has while things move."""
+        self._rays.value = samples
 
     def show_numbers(self, seen: Seen, frame_s: float) -> None:
         """The line below the picture, and how to render the same."""

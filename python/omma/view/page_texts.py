@@ -9,29 +9,30 @@ import numpy as np
 from omma.view.command import Sources, render_command, render_python
 from omma.view.state import Seen
 
-# The address is beside the page's own, below the token where there is one.
+# The scripts of the page put the pictures in.
 PICTURE = (
-    '<div style="padding:6px 12px 0"><img id="omma-{name}" src="{name}.mjpeg" alt="{name}" '
-    'style="width:100%;aspect-ratio:{ratio};display:block;background:#808080;'
-    'object-fit:contain"{more}></div>'
+    '<div style="padding:6px 12px 0"><img id="omma-{name}" data-omma-picture="{name}" '
+    'alt="{says}" title="{title}" draggable="false" style="width:100%;{size}display:block;'
+    'background:#808080;object-fit:contain"></div>'
 )
-# Where a click is in the picture goes to the door. What is not as wide as its frame stands in the
-# middle of it.
-_CLICK = (
-    ' title="Click: pick the ommatidium" onclick="'
-    "const r=this.getBoundingClientRect(),"
-    "s=Math.min(r.width/this.naturalWidth,r.height/this.naturalHeight),"
-    "w=s*this.naturalWidth,h=s*this.naturalHeight,"
-    "x=(event.clientX-r.left-(r.width-w)/2)/w,y=(event.clientY-r.top-(r.height-h)/2)/h;"
-    "if(x>=0&amp;&amp;x<=1&amp;&amp;y>=0&amp;&amp;y<=1)fetch('eye.click?x='+x+'&amp;y='+y,{method:'POST'})\""
+EYE_PICTURE = PICTURE.format(
+    name="eye",
+    says="what the animal sees",
+    title="Click: pick the ommatidium; drag: turn the head",
+    # Lambert's discs would be as high as they are wide.
+    size="min-height:120px;max-height:45vh;",
 )
-EYE_PICTURE = PICTURE.replace("{more}", _CLICK.replace("{", "{{").replace("}", "}}")).format(
-    name="eye", ratio="2 / 1"
+CAMERA_PICTURE = PICTURE.format(
+    name="camera", says="a camera's picture", title="", size="aspect-ratio:16 / 9;"
 )
-KEYS = (
-    '<p style="margin:2px 12px;font-size:12px;opacity:.75">Keys: I K J L ahead, back, left, '
-    "right; U O up, down; N M turn. The camera: W A S D Q E, arrows, mouse.</p>"
+LINKS = (
+    '<div class="omma-links"><button data-omma-do="layout">Larger (V)</button>'
+    '<button data-omma-do="save">Save (P)</button>'
+    '<button data-omma-do="help">Keys (H)</button></div>'
 )
+FLY = '<div class="omma-links"><button data-omma-do="fly">Fly (F)</button></div>'
+# By it the page's scripts know which of viser's clients their browser is.
+CLIENT = '<i data-omma-client="{number}" hidden></i>'
 _PRE = (
     "white-space:pre-wrap;overflow-wrap:anywhere;font-size:11px;background:rgba(127,127,127,.14);"
     "padding:8px;border-radius:4px;margin:4px 12px;user-select:all"

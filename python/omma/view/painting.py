@@ -13,12 +13,14 @@ from omma.picture.cameras import display
 from omma.picture.id_maps import paint
 from omma.picture.projections import projection_ids
 from omma.picture.response_colours import receptors_shown
+from omma.picture.unseen import hatch, unseen
 from omma.scene.world import World
 from omma.view.state import Seen
 
 Floats = NDArray[np.float32]
 Pixels = NDArray[np.uint8]
 Ids = NDArray[np.int32]
+Flags = NDArray[np.bool_]
 
 #: What the page calls projections, and what `omma.picture.project` calls them.
 PROJECTIONS: dict[str, str | None] = {
@@ -127,14 +129,26 @@ def eye_ids(eye: Eye, projection: str, width: int) -> Ids:
     return projection_ids(eye, name, width if name != "lambert" else width // 2)
 
 
+def unseen_in(ids: Ids, projection: str) -> Flags:
+    """Where `eye_ids` of that projection are directions that no ommatidium sees."""
+    return unseen(ids, PROJECTIONS[projection])
+
+
 def paint_eye(
-    ids: Ids, values: Floats, white: float, stops: float, chosen: int | None = None
+    ids: Ids,
+    values: Floats,
+    white: float,
+    stops: float,
+    chosen: int | None = None,
+    hidden: Flags | None = None,
 ) -> Pixels:
     """The picture (height, width, 3) of values (N, 3); ``stops`` of exposure make it twice as
-    bright each, and the chosen ommatidium is framed."""
+    bright each, the chosen ommatidium is framed, what is ``hidden`` is hatched."""
     # The engine paints what is finite.
     scaled = np.nan_to_num(values * np.float32(2.0**stops / white), posinf=1.0, neginf=0.0)
     pixels = paint(ids, scaled, _GAMMA)
+    if hidden is not None:
+        hatch(pixels, hidden)
     if chosen is not None:
         pixels[frame_of(ids == chosen)] = _MARK
     return pixels

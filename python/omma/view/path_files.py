@@ -15,7 +15,7 @@ from omma.base.poses import load_poses
 from omma.picture.video import FRAMES_PER_S, VideoWriter
 from omma.rendering.response_files import Piece
 from omma.view.command import path_text
-from omma.view.painting import eye_ids, paint_eye, shown_values
+from omma.view.painting import eye_ids, paint_eye, shown_values, unseen_in
 from omma.view.state import Look
 
 if TYPE_CHECKING:
@@ -89,10 +89,12 @@ class _Video:
         self._files.__enter__()
         # As it is set now, to the end.
         self._channel, self._white, self._stops = page.channel, page.white, page.stops
-        ids = eye_ids(page.looker.eye, page.projection, _WIDTH)
+        projection = page.projection
+        ids = eye_ids(page.looker.eye, projection, _WIDTH)
+        hidden = unseen_in(ids, projection)
 
         def paint(_: int, values: NDArray[np.float32]) -> NDArray[np.uint8]:
-            return paint_eye(ids, values, self._white, self._stops)
+            return paint_eye(ids, values, self._white, self._stops, hidden=hidden)
 
         self._writer = VideoWriter(self._files, self._name, len(looks), paint)
 

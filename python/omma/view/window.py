@@ -20,8 +20,11 @@ from omma.eye.files import load_eye
 from omma.scene.files import read_scene
 from omma.scene.world import World
 from omma.view.command import Sources, absolute
-from omma.view.door import SECRET_HEADER, Door, is_loopback, listening_socket
+from omma.view.keys import page_settings
+from omma.view.own_eye import own_eye
+from omma.view.ports import is_loopback, listening_socket
 from omma.view.poses import HeadPose, pose_from_matrix
+from omma.view.rules import Rules, proxy_address
 from omma.view.state import Look, Looker, Seen
 
 _HEIGHT = 760  # of the frame in a notebook, pixels
@@ -34,7 +37,7 @@ class Window:
     end of the ``with`` block whose value it is, and the end of the program.
     """
 
-    def __init__(self, server: Any, page: Any, door: Door, url: str) -> None:
+    def __init__(self, server: Any, page: Any, door: Any, url: str) -> None:
         self._server, self._page, self._door = server, page, door
         self._url = url
         self._open = True
@@ -97,7 +100,7 @@ class Window:
 @checked
 def show(
     world: World | Scene,
-    eye: Eye | Sequence[Eye],
+    eye: Eye | Sequence[Eye] | None = None,
     *,
     pose: ArrayLike | None = None,
     samples: int = 4,
@@ -107,6 +110,7 @@ def show(
     threads: int = 0,
     host: str = "127.0.0.1",
     port: int | None = None,
+    proxy: str | None = None,
 ) -> Window:
     """Show what an eye sees in a world on a page for browsers, live; returns at once.
 
@@ -116,7 +120,8 @@ def show(
 
     Args:
         world: what there is to see: a `World`, as it is lit, or a scene, of which one is made.
-        eye: who sees it; a list of eyes is merged as `omma.eye.merge_eyes` does.
+        eye: who sees it; a list of eyes is merged as `omma.eye.merge_eyes` does. None: the eye that
+            the scene's first compound camera names, which is then where the head is.
         pose: where the head is at first, ``world_from_head`` (4, 4), m; None: at the scene's first
             camera, else at the origin. Its scale is left out.
         samples: rays of each ommatidium while things move, 1 to 256.
@@ -128,6 +133,8 @@ def show(
             the page then holds a random token without which nothing is answered. What goes over
             the network is not encrypted.
         port: None takes the first free one from 8090 on, 0 any that is free.
+        proxy: the address at which browsers find the page where a proxy stands before it, as
+            ``https://lab.example/bees/``; it then has a token too.
 
     Example:
         >>> world = omma.World(omma.load_scene(omma.examples.meadow()))
@@ -143,9 +150,13 @@ def show(
     if isinstance(world, Scene):
         world = World(world, threads=threads)
     expect(world, World, "world", "omma.World(omma.load_scene(...)) makes one")
+    unit = "mm"
+    if eye is None:
+        eye, node, unit = own_eye(world.scene)
+        pose = node.world_from_camera if pose is None else pose
     eyes = [eye] if isinstance(eye, Eye) else list(eye)
     head = eye if isinstance(eye, Eye) else merge_eyes(eyes)
-    files = _files_of(world, eyes)
+    files = _files_of(world, eyes, unit)
     return open_window(
         world,
         head,
@@ -158,6 +169,7 @@ def show(
         threads=threads,
         host=host,
         port=port,
+        proxy=proxy,
     )
 
 
@@ -174,9 +186,11 @@ def open_window(
     threads: int,
     host: str,
     port: int | None,
+    proxy: str | None,
 ) -> Window:
     """What `show` does, with the files that world and eye came from."""
     viser = load_viser()
+    from omma.view.door import Door
     from omma.view.page import Page
 
     if port is not None:
@@ -197,8 +211,10 @@ def open_window(
         lit=world.light is not None,
         ultraviolet=None if given is None else tuple(given.tolist()),
     )
-    local = is_loopback(host)
-    token = "" if local else secrets.token_urlsafe(24)
+    shown_at = None if proxy is None else proxy_address(proxy)
+    # Whom a proxy lets come to here nobody knows here.
+    open_to_others = shown_at is not None or not is_loopback(host)
+    rules = Rules(secrets.token_urlsafe(24), shown_at) if open_to_others else Rules()
     secret = secrets.token_urlsafe(24)
     listener = listening_socket(host, port)
     server = None
@@ -217,17 +233,18 @@ def open_window(
         listener,
         server.get_port(),
         secret=secret,
-        token=token,
-        check_host=local,
-        on_click=page.click,
+        rules=rules,
+        settings=page_settings(),
+        on_message=page.hands.take,
     )
     page.start(door)
     shown = f"[{host}]" if ":" in host else host
-    url = f"http://{shown}:{door.port}/{token}{'/' if token else ''}"
+    before = f"http://{shown}:{door.port}/" if shown_at is None else shown_at.geturl()
+    url = f"{before}{rules.word}/"
     return Window(server, page, door, url)
 
 
-def _files_of(world: World, eyes: Sequence[Eye]) -> Sources:
+def _files_of(world: World, eyes: Sequence[Eye], unit: str = "mm") -> Sources:
     """The files that give this world and these eyes, where there are such; a command then renders
     the same. What has been changed since it was read is in no file."""
     scene = world.scene
@@ -239,13 +256,13 @@ def _files_of(world: World, eyes: Sequence[Eye]) -> Sources:
         and all(one.path for one in eyes)
     )
     try:
-        if not as_read or any(load_eye(one.path) != one for one in eyes):
+        if not as_read or any(load_eye(one.path, unit) != one for one in eyes):
             return Sources()
         if read_scene(scene.path, None) != scene:
             return Sources()
     except Error:  # a file that is gone
         return Sources()
-    return Sources(absolute(scene.path), tuple(absolute(one.path) for one in eyes))
+    return Sources(absolute(scene.path), tuple(absolute(one.path) for one in eyes), unit)
 
 
 def load_viser() -> Any:
@@ -255,11 +272,13 @@ def load_viser() -> Any:
         omma.Error: it is not installed.
     """
     try:
+        import aiohttp  # noqa: F401
         import viser
         from PIL import Image  # noqa: F401
     except ImportError as error:
         raise Error(
-            f"the page needs viser, which is not installed ({error}): pip install 'omma[view]'"
+            f"the page needs viser and aiohttp, of which one is not installed ({error}): "
+            "pip install 'omma[view]'"
         ) from None
     return viser
 
@@ -267,6 +286,8 @@ def load_viser() -> Any:
 def _lock(server: Any, secret: str) -> None:
     """viser's own port answers to the door alone: whoever comes without its secret is cut off
     before anything is sent; and nobody can have viser share the page over the internet."""
+    from omma.view.passing import SECRET_HEADER
+
     inner = server._websock_server
 
     async def check(connection: Any) -> None:

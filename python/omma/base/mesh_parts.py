@@ -1,0 +1,103 @@
+"""What readers of mesh files hand on, and the scene that is made of it: materials and pictures, and
+meshes of double precision, placed so that none of it is lost.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omma._core import Image, Instance, Material, Mesh, Scene, Texture
+from omma.base.arguments import one_of
+from omma.base.files import metres_per_unit
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+# What turns +Z up into +Y up.
+_Y_FROM_Z = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
+
+# As far as this, in half sizes of the scene, coordinates are as good as about zero; the engine's
+# own origin is chosen by the same (model/scene_place.h).
+_NEAR = 4
+
+
+@dataclass
+class Piece:
+    """A mesh as a file has it."""
+
+    name: str
+    positions: Floats  # (V, 3), in the file's unit
+    triangles: Ints  # (T, 3)
+    texture_coordinates: Floats | None = None  # (V, 2), of glTF: v grows downwards
+    colors: Floats | None = None  # (V, 4), linear
+    material: int = -1
+
+
+@dataclass
+class MeshParts:
+    """All of a file; ``warnings`` say what of it was passed over."""
+
+    pieces: list[Piece] = field(default_factory=list)
+    materials: list[Material] = field(default_factory=list)
+    images: list[Image] = field(default_factory=list)
+    textures: list[Texture] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+
+def world_from_file(unit: str | float, up: str) -> Floats:
+    """(4, 4), from a file's unit and its axis that points up to metres with +Y up."""
+    scaled = np.diag([metres_per_unit(unit)] * 3 + [1.0])
+    return _Y_FROM_Z @ scaled if one_of(up, ("y", "z"), "up") == "z" else scaled
+
+
+def make_scene(parts: MeshParts, world_from_file: Floats) -> Scene:
+    """The scene of these parts, each piece placed once."""
+    offset = offset_of([one.positions for one in parts.pieces])
+    placed = world_from_file.copy()
+    placed[:3, 3] += placed[:3, :3] @ offset
+    return Scene(
+        meshes=[
+            Mesh(
+                one.positions - offset,
+                one.triangles,
+                name=one.name,
+                texture_coordinates=one.texture_coordinates,
+                colors=one.colors,
+                material=one.material,
+            )
+            for one in parts.pieces
+        ],
+        instances=[Instance(i, placed, name=one.name) for i, one in enumerate(parts.pieces)],
+        materials=parts.materials,
+        images=parts.images,
+        textures=parts.textures,
+    )
+
+
+def offset_of(positions: list[Floats]) -> Floats:
+    """What is best subtracted from coordinates that single precision would round: (3,), 0 where
+    they lie about zero, or have been rounded already.
+
+    A survey in UTM is millions of metres from its origin, where single precision has steps of half
+    a metre. The difference goes into the instances' matrices, which are of double precision.
+    """
+    all_of = [one for one in positions if len(one)]
+    if not all_of:
+        return np.zeros(3)
+    low = np.min([one.min(axis=0) for one in all_of], axis=0)
+    high = np.max([one.max(axis=0) for one in all_of], axis=0)
+    with np.errstate(over="ignore", invalid="ignore"):
+        half, middle = (high - low) / 2, low / 2 + high / 2
+        is_far = np.abs(middle).max() > _NEAR * half.max() and np.isfinite(middle).all()
+        is_exact = all((one.astype(np.float32) == one).all() for one in all_of)
+    return middle if is_far and not is_exact else np.zeros(3)
+
+
+def linear(encoded: Floats) -> Floats:
+    """Linear RGBA of sRGB in 0 to 1, whose alpha is linear already."""
+    rgb = encoded[:, :3]
+    low, high = rgb / 12.92, ((np.maximum(rgb, 0) + 0.055) / 1.055) ** 2.4
+    return np.concatenate([np.where(rgb <= 0.04045, low, high), encoded[:, 3:]], axis=1)

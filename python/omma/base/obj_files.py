@@ -1,0 +1,144 @@
+"""OBJ files: tinyobjloader reads them, in double precision. It cuts names at their first space,
+knows no lines that go on after a backslash and stops at no index too large, so the lines that name
+materials are numbered before it sees them, and what it gives is checked. Of what its Python package
+has, the lists are right; its arrays (numpy_indices and their kin) are not in all versions.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omma import _core
+from omma._core import Error
+from omma.base.mesh_parts import MeshParts, Piece, linear
+from omma.base.mtl_files import Materials
+from omma.base.polygons import triangulate
+
+Ints = NDArray[np.int64]
+
+_USE = re.compile(rb"^[ \t]*usemtl\b[ \t]*([^\r\n]*)", re.MULTILINE)
+_LIBRARY = re.compile(rb"^[ \t]*mtllib\b[ \t]*([^\r\n]*)\r?$", re.MULTILINE)
+_CURVED = re.compile(rb"^[ \t]*(?:curv2?|surf)[ \t]", re.MULTILINE)
+
+
+def read_obj(path: str) -> MeshParts:
+    """The parts of an OBJ file, one piece for each material."""
+    data = re.sub(rb"\\[ \t]*\r?\n", b" ", _core.read_file(path))
+    libraries = [_text(one).strip() for one in _LIBRARY.findall(data)]
+    names: dict[bytes, int] = {}
+
+    def numbered(found: re.Match[bytes]) -> bytes:
+        return b"usemtl %d" % names.setdefault(found[1].strip(), len(names))
+
+    data = _LIBRARY.sub(b"", _USE.sub(numbered, data))
+    reader = _parsed(path, b"mtllib m\n" + data, len(names))
+    used = [_text(one) for one in names]
+    materials = Materials(path, libraries, used)
+    parts = materials.parts
+    _add_pieces(path, reader, parts, used)
+    if _CURVED.search(data):
+        parts.warnings.append("curves and curved surfaces are not shown")
+    return parts
+
+
+def _text(name: bytes) -> str:
+    """As most programs write names; in the encoding of old ones where it is not that."""
+    try:
+        return name.decode()
+    except UnicodeDecodeError:
+        return name.decode("latin-1")
+
+
+def _parsed(path: str, data: bytes, material_count: int) -> Any:
+    loader = _tinyobjloader()
+    reader, settings = loader.ObjReader(), loader.ObjReaderConfig()
+    settings.triangulate = False
+    known = "".join(f"newmtl {i}\n" for i in range(material_count))
+    if not reader.ParseFromString(data.decode("latin-1"), known, settings):
+        # Its line numbers are one too large, by the line that names the materials.
+        said = re.sub(r"[Ll]ine (\d+)", lambda at: f"line {int(at[1]) - 1}", reader.Error())
+        raise Error(f"{path}: not readable as OBJ: {' '.join(said.split()) or 'no reason given'}")
+    return reader
+
+
+def _add_pieces(path: str, reader: Any, parts: MeshParts, used: list[str]) -> None:
+    attributes = reader.GetAttrib()
+    positions = _rows(attributes.vertices, 3)
+    coordinates = _rows(attributes.texcoords, 2)
+    colors = _rows(attributes.colors, 3)
+    shapes = reader.GetShapes()
+    if any(len(one.lines.indices) or len(one.points.indices) for one in shapes):
+        parts.warnings.append("points and lines are not shown")
+    faces = [one.mesh for one in shapes if len(one.mesh.material_ids)]
+    if not faces:
+        return
+    counts = _joined([one.num_face_vertices for one in faces])
+    material = _joined([one.material_ids for one in faces])
+    vertex = _joined([one.vertex_indices() for one in faces])
+    coordinate = _joined([one.texcoord_indices() for one in faces])  # -1 where it has none
+    for name, index, size, least in (
+        ("vertex", vertex, len(positions), 0),
+        ("texture coordinate", coordinate, len(coordinates), -1),
+    ):
+        bad = np.flatnonzero((index < least) | (index >= size))
+        if len(bad):
+            raise Error(
+                f"{path}: expected faces of {size} {name}s, found one of {name} {index[bad[0]] + 1}"
+            )
+    cut = triangulate(positions, vertex, counts)
+    if cut.crossed:
+        parts.warnings.append(
+            f"{cut.crossed} of {len(counts)} faces cross themselves; they are filled in one way "
+            "of several"
+        )
+    stem = os.path.splitext(os.path.basename(path))[0]
+    shown = colors if len(colors) == len(positions) and (colors != 1).any() else None
+    if shown is not None and (shown.max() > 1 or shown.min() < 0):
+        shown = np.clip(shown / (255 if shown.max() > 1 else 1), 0, 1)
+    of_triangle = material[cut.face]
+    for number in np.unique(of_triangle).tolist():
+        at = cut.corners[of_triangle == number]
+        # Vertices with their texture coordinates, each pair once.
+        pair = vertex[at].ravel() * (len(coordinates) + 1) + coordinate[at].ravel() + 1
+        pairs, triangles = np.unique(pair, return_inverse=True)
+        of, texel = pairs // (len(coordinates) + 1), pairs % (len(coordinates) + 1) - 1
+        # Corners without one beside others that have one read the picture's first pixel.
+        laid = np.where(texel[:, None] >= 0, coordinates[texel], 0) if (texel >= 0).any() else None
+        parts.pieces.append(
+            Piece(
+                used[number] if number >= 0 and used[number] else stem,
+                positions[of],
+                triangles.reshape(-1, 3),
+                None if laid is None else laid * (1, -1) + (0, 1),
+                None if shown is None else linear(np.insert(shown[of], 3, 1.0, axis=1)),
+                number if number >= 0 else len(used),
+            )
+        )
+    if not (of_triangle < 0).any():
+        parts.materials.pop()  # of faces that name none
+
+
+def _rows(flat: Any, columns: int) -> NDArray[np.float64]:
+    values = np.array(flat, np.float64).reshape(-1)
+    return values[: len(values) // columns * columns].reshape(-1, columns)
+
+
+def _joined(lists: list[list[int]]) -> Ints:
+    return np.concatenate([np.array(one, np.int64) for one in lists])
+
+
+def _tinyobjloader() -> ModuleType:
+    try:
+        import tinyobjloader
+    except ImportError:
+        raise Error(
+            "OBJ files need tinyobjloader, which is not installed: pip install 'omma[meshes]'"
+        ) from None
+    module: ModuleType = tinyobjloader
+    return module

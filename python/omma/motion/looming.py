@@ -1,0 +1,277 @@
+"""What comes nearer: motion away from a place in the field of view, and cells that pool it as LPLC2
+of flies do.
+
+An LPLC2 neuron has four dendrites, a cross, each in the layer of the lobula plate that holds motion
+in the direction in which that dendrite leads away from the middle: it is excited by motion outwards
+along each arm, and inhibited by motion inwards there (Klapoetke et al. 2017, Nature 551:237). What
+moves across all of the field in one direction is outward in one arm and inward in the opposite.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import csr_array
+
+from omma._core import Error, Eye
+from omma.base.arguments import array_of, checked, one_of, whole, within
+from omma.base.directions import unit
+from omma.base.values import value_class
+from omma.eye.field import sphere_directions
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+# Arms of a cell, in this order.
+ARMS = ("right", "up", "left", "down")
+# Where all four lie in the field of view each arm has at least so many ommatidia.
+_LEAST_OF_AN_ARM = 3
+# Nearer to the middle no direction leads away from it.
+_LEAST_AWAY = 1e-6
+
+
+@checked
+def expansion(
+    eye: Eye, vectors: ArrayLike, center: ArrayLike, *, radius_deg: float = 30.0
+) -> Floats:
+    """The mean motion away from a direction, of the ommatidia around it.
+
+    Of a flat thing that comes straight on, l/v being half its size over its speed and t the time to
+    collision, optic flow is sin θ cos θ / t away from its middle where it is seen, θ away from it,
+    which is up to atan(l/v / t): the mean over the ommatidia on it times t depends on their places
+    alone. Motion vectors of detectors have no such meaning; they are above 0 all the same.
+
+    Args:
+        eye: whose.
+        vectors: (..., N, 2), right and up: motion vectors of `DetectorArray.vectors`, or optic flow
+            of ground truth. Ommatidia whose vector is NaN do not count.
+        center: the direction (3,) in the head's frame.
+        radius_deg: of the ommatidia that count, from that direction.
+
+    Returns:
+        (...,), in the unit of the vectors; above 0 where things move away from the direction. NaN
+        where no ommatidium counts.
+
+    Example:
+        >>> eye = omma.eye.generate_eye(500)
+        >>> still = omma.motion.expansion(eye, np.zeros((3, 500, 2)), (0, 0, -1))
+        >>> still.shape, bool(still.any())
+        ((3,), False)
+
+    Raises:
+        omma.Error: a wrong shape, a direction of no length, or a radius out of its range.
+    """
+    moved = _vectors_of(vectors, len(eye))
+    middle = _centers_of(np.atleast_2d(array_of(center, "center", (3,))), "center")[0]
+    theta, outward, _ = _around(eye, middle)
+    near = (theta > _LEAST_AWAY) & (theta < math.radians(within(radius_deg, "radius_deg", 0, 180)))
+    motion = np.einsum("...nk,nk->...n", moved[..., near, :], _in_frames(eye, near, outward[near]))
+    counts = np.isfinite(motion)
+    total = np.where(counts, motion, 0).sum(axis=-1)
+    number = counts.sum(axis=-1)
+    return np.asarray(np.where(number > 0, total / np.maximum(number, 1), np.nan))
+
+
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
+class LoomingCells:
+    """C cells over N ommatidia, each a cross of four arms; `looming_cells` makes them.
+
+    Attributes:
+        count: N.
+        center: (C, 3), unit vectors in the head's frame, the middles of their fields.
+        cell, arm, ommatidium: (M,), which ommatidium is in which arm (of `omma.motion.ARMS`) of
+            which cell.
+        along: (M, 2), the direction of the arm at that ommatidium: right and up.
+    """
+
+    count: int
+    center: Floats
+    cell: Ints
+    arm: Ints
+    ommatidium: Ints
+    along: Floats
+
+    def __post_init__(self) -> None:
+        whole(self.count, "count", 1, 2**31 - 1)
+        center = array_of(self.center, "center", (None, 3))
+        along = array_of(self.along, "along", (None, 2))
+        limits = {"cell": len(center), "arm": len(ARMS), "ommatidium": self.count}
+        for name, limit in limits.items():
+            index = array_of(getattr(self, name), name, (len(along),), np.int64)
+            if len(index) and (index.min() < 0 or index.max() >= limit):
+                raise Error(f"{name}: expected numbers from 0 to {limit - 1}")
+            object.__setattr__(self, name, index)
+        if not (np.isfinite(center).all() and np.isfinite(along).all()):
+            raise Error("center, along: expected finite numbers")
+        object.__setattr__(self, "center", center)
+        object.__setattr__(self, "along", along)
+
+    def __len__(self) -> int:
+        """How many cells there are."""
+        return len(self.center)
+
+    @checked
+    def arms(self, vectors: ArrayLike) -> Floats:
+        """The mean motion outwards along each arm, what goes inwards subtracted.
+
+        Args:
+            vectors: (..., N, 2), right and up, as `expansion` takes them.
+
+        Returns:
+            (..., C, 4), in the unit of the vectors, in the order of `omma.motion.ARMS`; NaN where
+            no ommatidium of an arm counts.
+
+        Raises:
+            omma.Error: a wrong shape.
+        """
+        moved = _vectors_of(vectors, self.count)
+        flat = moved.reshape(-1, self.count, 2)
+        counts = np.asarray(np.isfinite(flat).all(axis=-1))
+        seen = np.where(counts[..., None], flat, 0).reshape(len(flat), -1)
+        total, number = (self._sums @ seen.T).T, (self._members @ counts.T.astype(float)).T
+        mean = np.where(number > 0, total / np.maximum(number, 1), np.nan)
+        return np.asarray(mean.reshape(*moved.shape[:-2], len(self), len(ARMS)))
+
+    @checked
+    def responses(self, vectors: ArrayLike, *, join: Literal["sum", "product"] = "sum") -> Floats:
+        """What the cells answer: 0 or more.
+
+        Args:
+            vectors: (..., N, 2), right and up, as `expansion` takes them.
+            join: "sum", the mean of the four arms, 0 where it is below 0: Zhou et al. 2022, eLife
+                11:e72067, whose cells are such sums. "product": the fourth root of the arms'
+                product, 0 where one is not above 0, so that all must move outwards, as others
+                multiply (Zhao et al. 2023, iScience).
+
+        Returns:
+            (..., C), in the unit of the vectors; NaN where an arm is.
+
+        Raises:
+            omma.Error: a wrong shape, or another word for ``join``.
+        """
+        arms = self.arms(vectors)
+        if one_of(join, ("sum", "product"), "join") == "sum":
+            return np.asarray(np.maximum(arms.mean(axis=-1), 0))
+        return np.asarray(np.prod(np.maximum(arms, 0) ** 0.25, axis=-1))
+
+    @cached_property
+    def _sums(self) -> csr_array:
+        # (4 C, 2 N): what each arm adds up.
+        columns = (2 * self.ommatidium[:, None] + (0, 1)).ravel()
+        return self._matrix(self.along.ravel(), np.repeat(self._rows, 2), columns, 2 * self.count)
+
+    @cached_property
+    def _members(self) -> csr_array:
+        # (4 C, N): 1 for each ommatidium of an arm.
+        return self._matrix(np.ones(len(self.cell)), self._rows, self.ommatidium, self.count)
+
+    @property
+    def _rows(self) -> Ints:
+        return len(ARMS) * self.cell + self.arm
+
+    def _matrix(self, values: Floats, rows: Ints, columns: Ints, width: int) -> csr_array:
+        return csr_array((values, (rows, columns)), (len(ARMS) * len(self), width))
+
+
+@checked
+def looming_cells(
+    eye: Eye,
+    centers: ArrayLike | None = None,
+    *,
+    radius_deg: float = 30.0,
+    spacing_deg: float = 17.0,
+) -> LoomingCells:
+    """Cells that pool local motion as LPLC2 do: outwards along the four arms of a cross.
+
+    An arm is the quarter of the field around its direction, right, up, left or down as seen at the
+    cell's middle; at an ommatidium it points the same way, carried there along the great circle.
+
+    Args:
+        eye: whose motion vectors are pooled.
+        centers: directions (C, 3) in the head's frame. None: spread evenly, ``spacing_deg`` apart,
+            wherever all four arms lie in the field of view.
+        radius_deg: of the fields: LPLC2's are some 60° across (Klapoetke et al. 2017).
+        spacing_deg: between neighbouring cells, where no centers are given. *Drosophila* has some
+            80 on each side, and so has this.
+
+    Example:
+        >>> cells = omma.motion.looming_cells(omma.species.drosophila().eye)
+        >>> bool(cells.responses(np.zeros((len(omma.species.drosophila().eye), 2))).any())
+        False
+
+    Raises:
+        omma.Error: directions of no length, an angle out of its range, or no place with four arms.
+    """
+    radius = math.radians(within(radius_deg, "radius_deg", 1e-3, 180))
+    spread = centers is None
+    if centers is None:
+        spacing = math.radians(within(spacing_deg, "spacing_deg", 0.1, 180))
+        # As many as there are hexagons of that spacing.
+        middles = sphere_directions(max(round(8 * math.pi / (math.sqrt(3) * spacing**2)), 1))
+    else:
+        middles = _centers_of(array_of(centers, "centers", (None, 3)), "centers")
+    kept: list[Floats] = []
+    cell, arm, ommatidium, along = [], [], [], []
+    for middle in middles:
+        theta, outward, turned = _around(eye, middle)
+        near = np.flatnonzero((theta > _LEAST_AWAY) & (theta < radius))
+        which = np.rint(turned[near] / (math.pi / 2)).astype(np.int64) % len(ARMS)
+        if spread and np.bincount(which, minlength=len(ARMS)).min() < _LEAST_OF_AN_ARM:
+            continue
+        # The arm's direction, in the great circle's frame at the ommatidium: outwards and across.
+        off = (math.pi / 2) * which - turned[near]
+        across = np.cross(outward[near], unit(np.asarray(eye.axis, np.float64))[near])
+        way = np.cos(off)[:, None] * outward[near] + np.sin(off)[:, None] * across
+        cell.append(np.full(len(near), len(kept)))
+        arm.append(which)
+        ommatidium.append(near)
+        along.append(_in_frames(eye, near, way))
+        kept.append(middle)
+    if not kept:
+        raise Error(
+            f"eye: expected somewhere at least {_LEAST_OF_AN_ARM} ommatidia in each of the four "
+            f"arms of a cell, within {math.degrees(radius):g}°; found nowhere"
+        )
+    return LoomingCells(
+        len(eye), np.array(kept), *map(np.concatenate, (cell, arm, ommatidium, along))
+    )
+
+
+def _around(eye: Eye, middle: Floats) -> tuple[Floats, Floats, Floats]:
+    """Of each ommatidium how far it looks from a direction (N,), which way leads on from there,
+    unit vectors (N, 3), and the way to it from the middle (N,), from right towards up; rad."""
+    axis = unit(np.asarray(eye.axis, np.float64))
+    level = axis @ middle
+    away = axis * level[:, None] - middle
+    length = np.linalg.norm(away, axis=1)
+    right = np.cross(middle, (0.0, 1, 0) if abs(middle[1]) < 1 - 1e-9 else (0.0, 0, 1))
+    right /= np.linalg.norm(right)
+    up = np.cross(right, middle)
+    outward = away / np.where(length > 0, length, 1)[:, None]
+    return np.arctan2(length, level), outward, np.arctan2(axis @ up, axis @ right)
+
+
+def _in_frames(eye: Eye, which: NDArray[np.generic], ways: Floats) -> Floats:
+    """Directions (K, 3) as right and up (K, 2) of these ommatidia."""
+    right, up = (unit(np.asarray(each, np.float64)[which]) for each in (eye.right, eye.up))
+    return np.stack([np.sum(ways * right, axis=1), np.sum(ways * up, axis=1)], axis=1)
+
+
+def _vectors_of(vectors: ArrayLike, count: int) -> Floats:
+    moved = array_of(vectors, "vectors")
+    if moved.shape[-2:] != (count, 2):
+        raise Error(f"vectors: expected shape (..., {count}, 2), found {moved.shape}")
+    return moved
+
+
+def _centers_of(directions: Floats, name: str) -> Floats:
+    length = np.linalg.norm(directions, axis=1)
+    if not (np.isfinite(length).all() and (length > 0).all()):
+        raise Error(f"{name}: expected directions of a length above 0")
+    return np.asarray(directions / length[:, None])

@@ -1,0 +1,79 @@
+"""Where in a picture a direction is shown that no ommatidium sees, and how people are told.
+
+In pictures for people it is hatched: a plain grey could be a colour of the scene. What programs
+read is never hatched: ids (-1), linear pictures (NaN), and `omma.picture.paint` (mid grey).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Ids = NDArray[np.int32]
+Flags = NDArray[np.bool_]
+
+# Pixels of these that show no ommatidium are no directions: there is nothing to see or to miss.
+_WITHOUT_DIRECTIONS = (
+    "facets",
+    "single_dimension",
+    "single_dimension_fast",
+    "raw_ommatidial_samples",
+)
+_GROUND, _LINE = 128, 84  # grey levels; what is painted plainly is the ground alone
+_PAPER_GROUND, _PAPER_LINE = 0.93, 0.72  # the same on the white paper of figures
+_LINES = 36  # over the height of a picture, so that hatching looks alike at any size
+_LEAST_PERIOD = 6  # pixels
+
+
+def inside_outline(projection: str | None, height: int, width: int) -> Flags:
+    """Which pixels lie inside a projection's own outline: (H, W)."""
+    if projection == "mollweide":
+        return _ellipse(height, width, 0, width, 2)
+    if projection == "lambert":
+        return _ellipse(height, width, 0, width, 1)
+    if projection == "hemisphere":
+        left = _ellipse(height, width, 0, width / 2, 1)
+        return np.asarray(left | _ellipse(height, width, width / 2, width, 1))
+    return np.broadcast_to(np.asarray(projection != "facets"), (height, width))
+
+
+def _ellipse(height: int, width: int, left: float, right: float, aspect: float) -> Flags:
+    """The largest ellipse so many times as wide as high between two columns of a picture."""
+    half = min((right - left) / 2, aspect * height / 2)
+    row, column = np.ogrid[:height, :width]
+    x = (column + 0.5 - (left + right) / 2) / half
+    y = (row + 0.5 - height / 2) / (half / aspect)
+    return np.asarray(x**2 + y**2 < 1)
+
+
+def unseen(ids: Ids, projection: str | None) -> Flags:
+    """Which pixels of an id map (H, W) are directions that no ommatidium sees."""
+    if projection in _WITHOUT_DIRECTIONS:
+        return np.zeros(ids.shape, bool)
+    return np.asarray((ids < 0) & inside_outline(projection, *ids.shape))
+
+
+def hatch(pixels: NDArray[np.uint8], where: Flags) -> NDArray[np.uint8]:
+    """Diagonal lines on grey in the pixels (H, W, 3) that ``where`` says, in place."""
+    row, column = np.nonzero(where)
+    levels = np.where(_on_line(row, column, len(pixels)), _LINE, _GROUND)
+    pixels[row, column] = levels.astype(np.uint8)[:, None]
+    return pixels
+
+
+def hatched_ground(hidden: Flags, inside: Flags) -> NDArray[np.float64]:
+    """What lies below a picture in a figure, RGBA (H, W, 4): hatched where it is ``hidden``, light
+    grey ``inside`` of its outline, else nothing."""
+    row, column = np.indices(hidden.shape)
+    lines = hidden & _on_line(row, column, len(hidden))
+    ground = np.empty((*hidden.shape, 4))
+    ground[..., :3] = np.where(lines, _PAPER_LINE, _PAPER_GROUND)[..., None]
+    ground[..., 3] = inside
+    return ground
+
+
+def _on_line(row: Any, column: Any, height: int) -> Flags:
+    period = max(_LEAST_PERIOD, height // _LINES)
+    return np.asarray((row + column) % period < max(1, period // 4))

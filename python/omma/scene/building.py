@@ -1,0 +1,29 @@
+"""Worlds that are made while somebody watches: each stage of the work by its name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from omma._core import Scene
+from omma.scene.world import World
+
+# What tools that report stages call those before rendering.
+READING, BUILDING = "Reading the scene", "Building the acceleration structure"
+BAKING = "Baking light"
+
+# Called with what is being done and its finished share (0 to 1), None where that is not known.
+Stage = Callable[[str, float | None], object]
+
+
+def build_world(scene: Scene, tell: Stage, **arguments: Any) -> World:
+    """A world of the arguments of `World`; building and baking are told of as stages of their own."""
+    if arguments.get("lighting") != "baked":
+        return World(scene, progress=partial(tell, BUILDING), **arguments)
+    of_light = ("light", "depth", "polarized", "ultraviolet")
+    lit = {name: arguments[name] for name in of_light if name in arguments}
+    baked = {name: arguments.pop(name) for name in ("lighting", "sun", "bake") if name in arguments}
+    world = World(scene, progress=partial(tell, BUILDING), **arguments)
+    tell(BAKING, None)
+    return world.with_light(**lit, **baked, progress=partial(tell, BAKING))
