@@ -14,6 +14,9 @@ namespace {
 // Each is asked about for each ommatidium of each frame.
 constexpr std::size_t most_aims = 16;
 
+// Of scenes full of small mirrors the first so many directions count; others are found by rays.
+constexpr std::size_t most_mirrors = 64;
+
 // As rough as this a surface spreads the sun over degrees, which rays find.
 constexpr float most_mirror_roughness = 0.1f;
 // Surfaces whose normals differ by more, rad, show the sun in more than one direction.
@@ -35,16 +38,22 @@ double spread_rad(const Material& material) {
   return 2 * flat_rad + 4 * alpha;
 }
 
+// A vertex of an instance, in the world.
+Vec3d place_of(const MeshView& mesh, const Mat4& world_from_mesh, std::uint32_t vertex) {
+  const float* p = mesh.positions + 3 * static_cast<std::size_t>(vertex);
+  return transform_point(world_from_mesh, Vec3d{p[0], p[1], p[2]});
+}
+
 // The direction that all triangles of an instance face, unit, or none.
-std::optional<Vec3d> facing(const Scene& scene, const Placement& placement, std::size_t instance) {
+std::optional<Vec3d> facing(const Scene& scene, const Placement& placement, const SceneView& view,
+                            std::size_t instance) {
   const auto mesh = static_cast<std::size_t>(scene.instances[instance].mesh);
-  const std::vector<Vec3>& positions = positions_of(scene, placement, mesh);
   const Mat4& world_from_mesh = placement.world_from_mesh[instance];
   std::optional<Vec3d> found;
   for (const auto& triangle : scene.meshes[mesh].triangles) {
     Vec3d corner[3];
     for (std::size_t k = 0; k < 3; ++k)
-      corner[k] = transform_point(world_from_mesh, to_double(positions[triangle[k]]));
+      corner[k] = place_of(view.meshes[mesh], world_from_mesh, triangle[k]);
     const Vec3d normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
     const double size = length(normal);
     if (!(size > 0)) continue;
@@ -61,7 +70,7 @@ double solid_of(double radius_rad) {
 }
 
 void add_mirror_images(const LightData& data, const Scene& scene, const Placement& placement,
-                       std::vector<AimView>& aims) {
+                       const SceneView& view, std::vector<AimView>& aims) {
   if (data.discs.empty()) return;
   const auto bands = static_cast<std::size_t>(data.view.bands);
   struct Mirror {
@@ -73,16 +82,16 @@ void add_mirror_images(const LightData& data, const Scene& scene, const Placemen
     const auto mesh = static_cast<std::size_t>(scene.instances[i].mesh);
     const std::int32_t material = scene.meshes[mesh].material;
     if (material < 0 || !is_mirror(scene.materials[static_cast<std::size_t>(material)])) continue;
-    const std::optional<Vec3d> normal = facing(scene, placement, i);
+    const std::optional<Vec3d> normal = facing(scene, placement, view, i);
     if (!normal) continue;
     const double spread = spread_rad(scene.materials[static_cast<std::size_t>(material)]);
     const auto same = std::find_if(mirrors.begin(), mirrors.end(), [&](const Mirror& known) {
       return length(cross(known.facing, *normal)) < flat_rad;
     });
-    if (same == mirrors.end())
-      mirrors.push_back({*normal, spread});
-    else
+    if (same != mirrors.end())
       same->spread_rad = std::max(same->spread_rad, spread);
+    else if (mirrors.size() < most_mirrors)
+      mirrors.push_back({*normal, spread});
   }
   for (std::size_t d = 0; d < data.discs.size(); ++d) {
     const DiscView& disc = data.discs[d];
@@ -106,17 +115,18 @@ void add_mirror_images(const LightData& data, const Scene& scene, const Placemen
 void add_shining(const LightData& data, const Scene& scene, const Placement& placement,
                  const SceneView& view, std::vector<AimView>& aims) {
   for (const EmissiveView& emissive : data.emissive) {
-    const auto instance = static_cast<std::size_t>(emissive.instance);
-    const std::vector<Vec3>& positions =
-        positions_of(scene, placement, static_cast<std::size_t>(emissive.mesh));
-    const Mat4& world_from_mesh = placement.world_from_mesh[instance];
+    const Mesh& mesh = scene.meshes[static_cast<std::size_t>(emissive.mesh)];
+    const Mat4& world_from_mesh =
+        placement.world_from_mesh[static_cast<std::size_t>(emissive.instance)];
+    const auto vertices = static_cast<std::uint32_t>(mesh.positions.size());
+    const auto place = [&](std::uint32_t vertex) {
+      return place_of(view.meshes[emissive.mesh], world_from_mesh, vertex);
+    };
     Vec3d middle{};
-    for (const Vec3& p : positions)
-      middle = middle + transform_point(world_from_mesh, to_double(p)) *
-                            (1 / static_cast<double>(positions.size()));
+    for (std::uint32_t v = 0; v < vertices; ++v) middle = middle + place(v) * (1.0 / vertices);
     double radius_m = 0;
-    for (const Vec3& p : positions)
-      radius_m = std::max(radius_m, length(transform_point(world_from_mesh, to_double(p)) - middle));
+    for (std::uint32_t v = 0; v < vertices; ++v)
+      radius_m = std::max(radius_m, length(place(v) - middle));
     const std::int32_t material = view.meshes[emissive.mesh].material;
     const Vec3 factor = view.materials[material].emissive;
     const float* matrix = view.scatter[material].emission;
@@ -140,7 +150,7 @@ float weight_of(const AimView& aim) {
 std::vector<AimView> make_aims(const LightData& data, const Scene& scene, const Placement& placement,
                                const SceneView& view) {
   std::vector<AimView> aims;
-  add_mirror_images(data, scene, placement, aims);
+  add_mirror_images(data, scene, placement, view, aims);
   const auto first_shining = static_cast<std::ptrdiff_t>(std::min(aims.size(), most_aims / 2));
   const auto brighter = [](const AimView& a, const AimView& b) { return weight_of(a) > weight_of(b); };
   std::stable_sort(aims.begin(), aims.end(), brighter);

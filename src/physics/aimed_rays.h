@@ -58,7 +58,8 @@ OMMA_HD DiscView disc_of(const AimCone& cone) {
   return disc;
 }
 
-// The cones that units aim at, into `memory`; false where none does.
+// The cones that units aim at, into `memory`; false where none does. They are the same for all scrambles
+// of an ommatidium: what its rays leave out is what it aims at.
 OMMA_HD bool find_cones(const FrameView& frame, const BlockTask& task, const Units& units, int count,
                         const BlockMemory& memory) {
   const LightView& light = *frame.scene->light;
@@ -73,7 +74,7 @@ OMMA_HD bool find_cones(const FrameView& frame, const BlockTask& task, const Uni
       if (!(cone.solid_sr > 0) || cone.solid_sr > 0.5f * units.acceptance_sr[u]) continue;
       const DiscView disc = disc_of(cone);
       const DiscTask of{&frame, &task, &units, frame.directions->warps + units.warp[u], &disc, u,
-                        mix_bits_32(uint_of(units.hash[u]) + 0x51ed270bu)};
+                        0x51ed270bu};
       cone.most = static_cast<float>(static_cast<double>(light.aims[i].brightest * cone.solid_sr) *
                                      most_unit_pdf(of));
       if (!(cone.most >= static_cast<float>(least_aimed_light))) continue;

@@ -118,6 +118,7 @@ TEST(PhysicsScatter, LanesAgree) {
     }
     all.albedo_tables = albedo_tables().data();
     all.coat_table = coat_table();
+    all.metal_table = metal_table();
     const ScatterPoint<Floats> point = make_scatter_point(all);
     Floats w[3], weight[lobe_count];
     sample_scatter(lobe, point, u0, u1, w);

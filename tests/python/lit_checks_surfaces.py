@@ -259,7 +259,8 @@ def products(backend: str) -> Iterator[Check]:
     bands = Bands.equal(4, 400, 700)
     nm = bands.centers_nm
     one, other = np.array([0.1, 0.3, 0.8, 0.5]), np.array([0.9, 0.2, 0.4, 0.6])
-    steps = np.column_stack([nm - 37.4, nm + 37.4]).ravel()
+    # Even within bands, which end 37.5 nm from their middle: the steps between are 0.0002 nm wide.
+    steps = np.column_stack([nm - 37.4999, nm + 37.4999]).ravel()
     walls = [
         Material(specular=0.0, double_sided=True, reflectance=Spectrum(steps, np.repeat(values, 2)))
         for values in (one, other)

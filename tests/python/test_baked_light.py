@@ -348,7 +348,7 @@ def test_a_map_of_the_sun(small):
 
 
 def test_where_the_sun_has_no_map(small):
-    with pytest.raises(omma.Error, match='sun: "map" is for baked light'):
+    with pytest.raises(omma.Error, match='sun: "map" goes with lighting="baked"'):
         omma.World(small, light=LIGHT, lighting="path", sun="map")
     with pytest.raises(omma.Error, match='expected "exact" in a light of 0 discs'):
         omma.World(

@@ -83,6 +83,7 @@ def named_files(tmp_path_factory):
     few = (EXAMPLES_FOLDER / "flight.csv").read_text().splitlines()[:4]
     (folder / "flight.csv").write_text("\n".join(few) + "\n")
     sphere(folder / "eye.stl")
+    sphere(folder / "scan.stl")
     omma.render_file(
         folder / "arena.gltf",
         folder / "flight.npy",

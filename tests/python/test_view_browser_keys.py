@@ -106,7 +106,7 @@ def test_keys_for_cameras_and_rays(page, window):
     until(lambda: window.look.samples == 8)
     page.keyboard.press("PageDown")
     until(lambda: window.look.samples == 4)
-    assert "rays" in page.inner_text("#omma-note")
+    until(lambda: "rays" in page.inner_text("#omma-note"))  # by web socket, a moment later
     # Not while somebody types.
     page.get_by_role("textbox").first.focus()
     page.keyboard.press("+")
