@@ -31,13 +31,14 @@ struct DiscEffort {
 };
 
 // `most`: a bound on what the disc adds, in units of what a surface gets; `over`: how many times the
-// acceptance's solid angle the disc is, as only that part of its points counts. A half hidden disc is
-// then off by some 0.4 %, dimmer ones by as much of the response.
+// acceptance's solid angle the disc is, as only that part of its points counts. A half hidden disc that
+// outshines all else is then off by some 0.4 %, others by less than what rays of the rest are.
 OMMA_HD DiscEffort choose_disc_effort(double most, double over) {
   if (!(most >= least_disc_light)) return {};
   DiscEffort effort{64, 8, 512};
-  if (most < 0.3) effort = {32, 4, 64};
-  if (most < 0.03) effort = {16, 2, 8};
+  if (most < 50) effort = {32, 4, 128};
+  if (most < 5) effort = {16, 2, 32};
+  if (most < 0.5) effort = {16, 2, 8};
   if (most < 0.003) effort = {0, 2, 2};
   for (double least = 1; least < over; least *= 2) {
     effort.pilot *= 2;
