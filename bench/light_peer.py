@@ -16,6 +16,7 @@ from omma.light import Light
 VARIANTS = ("llvm_ad_rgb", "llvm_ad_spectral")
 # From the fourth scattering on paths may end, as ours do; its depths count one more.
 ROULETTE_FROM = 4
+WHOLE = 64  # scatterings of a path without a limit
 SKY_ROWS, SKY_COLUMNS = 181, 360
 
 
@@ -44,6 +45,17 @@ class Peer:
 
     def render(self, depth: int) -> int:
         """Follows all rays once; how many they were."""
+        self._sample(depth)
+        return self._origin.shape[1]
+
+    def responses(self, ommatidia: int, turn: int) -> NDArray[np.float64]:
+        """Of whole paths, (N, 1): means over the rays and colours of each ommatidium, which are
+        grey; each turn has random numbers of its own."""
+        self._turn = turn
+        radiance = np.asarray(self._sample(WHOLE))
+        return radiance.mean(axis=0).reshape(ommatidia, -1).mean(axis=1)[:, None].astype(float)
+
+    def _sample(self, depth: int) -> Any:
         import drjit
         import mitsuba
 
@@ -64,7 +76,7 @@ class Peer:
         radiance, _, _ = self._integrators[depth].sample(self._scene, self._sampler, rays)
         drjit.eval(radiance)
         drjit.sync_thread()
-        return count
+        return radiance
 
 
 def peer_scene(scene: omma.Scene, light: Light) -> Any:

@@ -1,181 +1,45 @@
-// Baking: the cells of a scene, both sides of each, and probes in the air about them, on all threads.
+// Baking, in passes and each in two halves, which have random numbers of their own: what they differ by
+// is noise (backend/bake_groups.h). A first pass tells how much of it there is. Where light comes in by
+// few ways, as into rooms, the next passes end their paths on the light of the one before (final
+// gathering); elsewhere a second pass has more paths, where noise is, and both are put together.
 #include "omma/bake.h"
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "backend/bake_cells.h"
+#include "backend/bake_groups.h"
+#include "bake_gather.h"
 #include "model/text.h"
-#include "omma/world.h"
+#include "omma/error.h"
 #include "physics/baked.h"
 #include "physics/hash.h"
 #include "threads/parallel.h"
-#include "threads/thread_memory.h"
-#include "world_state.h"
 
 namespace omma {
 namespace {
 
 constexpr int most_paths = 65536;
-// Probes along the longest side of the scene, and those of all sides together: few where there are
-// few cells, so that they never take most of the time.
-constexpr int probes_along = 48;
-constexpr std::int64_t least_probes = 512, most_probes = 16384, cells_of_probe = 8;
-constexpr int paths_of_probe = 64;
+// Paths of both halves for a side of a cell, in the mean, where none are asked for; small scenes have
+// so many for all sides together.
+constexpr double paths_of_side = 16, paths_of_small_scenes = 1 << 26;
+// One of so many paths goes to the first pass.
+constexpr double paths_of_first = 6;
+constexpr int most_first = 64;
+// Light comes in by few ways, as into rooms, where paths differ by so much: the variance of one, over
+// the square of the light, at the cells of which a tenth has more.
+constexpr double variance_in_rooms = 16;
+// Variance of a path that ends on what is baked over that of one that goes all the way, about.
+constexpr double variance_of_second = 0.5;
+constexpr std::int32_t cells_of_chunk = 256;
 constexpr std::uint32_t hash_of_cells = 0x63656c6cu, hash_of_probes = 0x70726f62u;
 
 // A value of 1 of what is kept, over the light's usual brightness; where a scene turns out to be
 // brighter, so much more is tried.
 constexpr double first_unit = 0x1p12, more_unit = 0x1p9;
-
-struct Gathering {
-  const BuiltScene& built;
-  SceneView view;
-  EyeView eye = {};
-  DirectionsView directions = {};
-  FrameView frame = {};
-  std::size_t bands;
-  float per_unit;  // of what is kept
-  std::atomic<bool>& is_too_bright;
-
-  Gathering(const World& world, float kept_per_unit, std::atomic<bool>& too_bright)
-      : built(*world.state().built),
-        view(world.state().view),
-        bands(static_cast<std::size_t>(view.bands)),
-        per_unit(kept_per_unit),
-        is_too_bright(too_bright) {
-    view.polarized = false;
-    frame.scene = &view;
-    frame.eye = &eye;
-    frame.directions = &directions;
-    frame.outputs = view.bands;
-  }
-  Gathering(const Gathering&) = delete;
-
-  // Into `values` [band].
-  void operator()(const GatherPlace& place, std::uint16_t* values) const {
-    double mean[most_bands];
-    built.functions.gather(frame, place, built.acceleration.tracer.get(),
-                           thread_memory(ThreadRoom::block, block_memory_bytes(frame)), mean);
-    for (std::size_t b = 0; b < bands; ++b) {
-      const float value = static_cast<float>(mean[b]) * per_unit;
-      if (value > largest_baked) is_too_bright = true;
-      values[b] = encode_baked(value);
-    }
-  }
-};
-
-// What of a material's sides is ever looked up.
-struct Sides {
-  bool front = true, back = true;
-};
-
-Sides sides_of(const SceneView& view, std::int32_t mesh) {
-  const std::int32_t material = view.meshes[mesh].material;
-  const bool through = view.scatter[material].transmittance != nullptr;
-  return {true, view.materials[material].double_sided || through};
-}
-
-// Which triangle of which instance a cell belongs to.
-struct CellOwner {
-  std::size_t instance = 0;
-  std::int32_t triangle = 0, within = 0, count = 1;  // its number within the triangle, and of how many
-};
-
-struct CellOwners {
-  const BakedLight& baked;
-  const Scene& scene;
-  std::vector<std::pair<std::int32_t, std::size_t>> first;  // cell, instance; where cells begin
-
-  CellOwners(const BakedLight& light, const Scene& of) : baked(light), scene(of) {
-    for (std::size_t i = 0; i < baked.first_cell.size(); ++i)
-      if (baked.first_cell[i] >= 0) first.emplace_back(baked.first_cell[i], i);
-  }
-  CellOwner operator()(std::int32_t cell) const {
-    const auto after = std::upper_bound(
-        first.begin(), first.end(), cell,
-        [](std::int32_t value, const auto& entry) { return value < entry.first; });
-    CellOwner owner;
-    owner.instance = std::prev(after)->second;
-    const std::int32_t left = cell - std::prev(after)->first;
-    const auto mesh = static_cast<std::size_t>(scene.instances[owner.instance].mesh);
-    const std::vector<std::int32_t>& cells = baked.cell_of_triangle[mesh];
-    owner.triangle = left;
-    if (cells.empty()) return owner;
-    const auto next = std::upper_bound(cells.begin(), cells.end(), left);
-    owner.triangle = static_cast<std::int32_t>(next - cells.begin()) - 1;
-    owner.within = left - *std::prev(next);
-    owner.count = *next - *std::prev(next);
-    return owner;
-  }
-};
-
-void gather_cell(const Gathering& gather, const CellOwners& owners, std::int32_t cell,
-                 std::uint16_t* values) {
-  const CellOwner owner = owners(cell);
-  GatherPlace place;
-  place.instance = static_cast<std::int32_t>(owner.instance);
-  place.mesh = owners.scene.instances[owner.instance].mesh;
-  place.triangle = owner.triangle;
-  place.paths = owners.baked.paths;
-  const std::int32_t k = divisions_of(owner.count);
-  corners_of_cell(k, owner.within, place.uv);
-  // So far, as what is farther hides all points of a cell about alike.
-  place.reach_m = static_cast<float>(
-      longest_edge_m(owners.scene, gather.built.placement, owner.instance,
-                     static_cast<std::size_t>(owner.triangle)) / k);
-  const Sides sides = sides_of(gather.view, place.mesh);
-  for (int side = 0; side < 2; ++side) {
-    if (side == 0 ? !sides.front : !sides.back) continue;
-    place.is_back = side == 1;
-    place.hash = mix_bits_32(mix_bits_32(static_cast<std::uint32_t>(cell) + hash_of_cells) +
-                             static_cast<std::uint32_t>(side));
-    gather(place, values + static_cast<std::size_t>(side) * gather.bands);
-  }
-}
-
-void lay_out_probes(BakedLight& baked, const Bounds& box) {
-  const double low[3] = {box.lower.x, box.lower.y, box.lower.z};
-  const double high[3] = {box.upper.x, box.upper.y, box.upper.z};
-  double longest = 0;
-  for (int a = 0; a < 3; ++a)
-    longest = std::max(longest, high[a] - low[a]);
-  if (!(longest > 0)) longest = 1;
-  double spacing = longest / (probes_along - 1);
-  const std::int64_t most =
-      std::clamp<std::int64_t>(baked.cells / cells_of_probe, least_probes, most_probes);
-  std::int64_t all;
-  do {
-    all = 1;
-    for (int a = 0; a < 3; ++a) {
-      const double extent = std::max(0.0, high[a] - low[a]);
-      baked.probes[a] = 2 + static_cast<std::int32_t>(extent / spacing);
-      all *= baked.probes[a];
-    }
-    spacing *= 1.1;
-  } while (all > most);
-  for (int a = 0; a < 3; ++a) {
-    const double extent = std::max(0.0, high[a] - low[a]);
-    const double step = extent > 0 ? extent / (baked.probes[a] - 1) : longest / (probes_along - 1);
-    baked.probe_spacing_m[a] = static_cast<float>(step);
-    baked.probe_origin_m[a] = static_cast<float>(low[a]);
-  }
-}
-
-// In the traced frame, where the frame that it was traced in first has its origin at `first_origin`.
-Vec3 probe_position(const BakedLight& baked, std::int32_t x, std::int32_t y, std::int32_t z,
-                    const float* first_origin) {
-  const std::int32_t node[3] = {x, y, z};
-  float at[3];
-  for (int a = 0; a < 3; ++a)
-    at[a] = baked.probe_origin_m[a] + static_cast<float>(node[a]) * baked.probe_spacing_m[a] +
-            first_origin[a];
-  return {at[0], at[1], at[2]};
-}
-
-constexpr Vec3 probe_directions[6] = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
-                                      {0, -1, 0}, {0, 0, 1},  {0, 0, -1}};
 
 void check(const World& world, const BakeSettings& settings) {
   if (!world.settings().lighting)
@@ -188,15 +52,20 @@ void check(const World& world, const BakeSettings& settings) {
   if (!(settings.cell_m >= 0) || !std::isfinite(settings.cell_m))
     throw Error("cell_m: expected a size in m, or 0 for one that is chosen, found " +
                 std::to_string(settings.cell_m));
-  if (settings.paths < packet_rays || settings.paths > most_paths || settings.paths % packet_rays != 0)
-    throw Error("paths: expected a multiple of " + std::to_string(packet_rays) + " up to " +
-                std::to_string(most_paths) + ", found " + std::to_string(settings.paths));
+  const bool is_known = settings.paths == 0 || settings.paths == packet_rays ||
+                        settings.paths % (2 * packet_rays) == 0;
+  if (settings.paths < 0 || settings.paths > most_paths || !is_known)
+    throw Error("paths: expected " + std::to_string(packet_rays) + " or a multiple of " +
+                std::to_string(2 * packet_rays) + " up to " + std::to_string(most_paths) +
+                ", or 0 for as many as noise asks for; found " + std::to_string(settings.paths));
 }
 
 // The box of the scene as it lies in the traced frame.
 Bounds traced_box(const BuiltScene& built) {
   Bounds box;
+  const std::vector<bool> is_in_reach = instances_in_reach(*built.scene, built.placement);
   for (std::size_t i = 0; i < built.scene->instances.size(); ++i) {
+    if (!is_in_reach[i]) continue;
     const Bounds& own = built.box_of_mesh[static_cast<std::size_t>(built.scene->instances[i].mesh)];
     if (own.empty) continue;
     Mat4 placed = built.placement.world_from_mesh[i];
@@ -208,137 +77,296 @@ Bounds traced_box(const BuiltScene& built) {
   return box;
 }
 
-// All cells and probes of `baked`, which says how many; false where something was too bright for its
-// unit.
-bool gather_all(const World& world, BakedLight& baked, WorkState& work) {
-  const double radiance_unit = world.state().radiance_unit;
-  std::atomic<bool> too_bright{false};
-  const Gathering gather(world, static_cast<float>(radiance_unit / baked.unit), too_bright);
-  const CellOwners owners(baked, *gather.built.scene);
-  const std::size_t per_cell = 2 * gather.bands;
-  const std::int32_t probes = baked.probes[0] * baked.probes[1] * baked.probes[2];
-  // In paths, as far as is known beforehand.
-  const double all = 2.0 * baked.cells * baked.paths + 6.0 * probes * paths_of_probe;
-  std::atomic<std::int64_t> done{0};
-  const auto finish = [&](std::int64_t paths) {
-    work.reach(static_cast<double>(done += paths) / all);
-  };
-  std::fill(baked.lines.begin(), baked.lines.end(), BakedLine{});
-  auto* const values = baked.lines.empty() ? nullptr : baked.lines.front().values;
-  parallel_ranges<std::int32_t>(0, baked.cells, 16, [&](std::int32_t first, std::int32_t last) {
-    for (std::int32_t cell = first; cell < last; ++cell) {
-      check_cancelled();
-      gather_cell(gather, owners, cell, values + per_cell * static_cast<std::size_t>(cell));
-      finish(2 * baked.paths);
+// The cells of a world, without light.
+BakedLight lay_out(const World& world, const BakeSettings& settings) {
+  const BuiltScene& built = *world.state().built;
+  const Tracing tracing{built.functions.closest, built.acceleration.tracer.get()};
+  BakeCells cells = divide_into_cells(tracing, *built.scene, built.placement,
+                                      static_cast<std::size_t>(world.bands()), settings);
+  BakedLight plan;
+  plan.bands = world.bands();
+  plan.cell_m = cells.cell_m;
+  plan.by_probes = cells.by_probes;
+  plan.cells = static_cast<std::int32_t>(cells.cells);
+  plan.first_cell = std::move(cells.first_cell);
+  plan.cell_of_triangle = std::move(cells.cell_of_triangle);
+  lay_out_probes(plan, traced_box(built));
+  for (int a = 0; a < 3; ++a) plan.probe_origin_m[a] -= built.first_origin_now_m[a];
+  return plan;
+}
+
+std::size_t lines_of(const BakedLight& plan) {
+  const std::size_t per_line = sizeof(BakedLine) / sizeof(std::uint16_t);
+  return (2 * static_cast<std::size_t>(plan.bands) * static_cast<std::size_t>(plan.cells) + per_line - 1) /
+         per_line;
+}
+
+std::int32_t chunks_of(const BakedLight& plan) {
+  return (plan.cells + cells_of_chunk - 1) / cells_of_chunk;
+}
+
+// How many paths all halves and sides have together, and each side of a half in the first pass.
+struct PathPlan {
+  double all = 0;
+  int first = 1;
+};
+
+PathPlan plan_paths(const BakeSettings& settings, std::size_t sides) {
+  const auto many = static_cast<double>(std::max<std::size_t>(sides, 1));
+  if (settings.paths > 0) return {settings.paths * many, settings.paths / 4};
+  PathPlan plan{std::max(paths_of_side * many, paths_of_small_scenes), 1};
+  while (plan.first < most_first && 4.0 * plan.first * paths_of_first * many <= plan.all) plan.first *= 2;
+  return plan;
+}
+
+// The last pass, and the share of the work that lies before each and behind the last.
+std::vector<double> work_of_passes(const PathPlan& plan, double sides, bool gathers) {
+  const double first = std::min(0.9, 2.0 * plan.first * sides / std::max(plan.all, 1.0));
+  if (!gathers) return {0, first, 1};
+  return {0, first, first + (1 - first) / 4, 1};
+}
+
+// Both halves of one pass, of chunks that are not finished; false where something was too bright.
+bool run_pass(const World& world, const BakedLight& plan, const CellPaths& paths,
+              UnfinishedBake& state, const WorkPart& work) {
+  const std::int32_t chunks = chunks_of(plan);
+  const std::size_t to = state.pass % 2 == 1 ? 0 : 2;  // pairs of halves take turns
+  std::atomic<bool> has_room{true};
+  std::atomic<std::int32_t> finished{0};
+  for (std::int32_t h = 0; h < 2; ++h) {
+    const auto half = static_cast<std::size_t>(h);
+    auto& lines = state.lines[to + half];
+    if (lines.empty()) continue;
+    const bool is_gathered = state.gathers && state.pass > 1;
+    const GatherWorld gathered(world, plan, is_gathered ? state.lines[2 - to + half].data() : nullptr);
+    CellPaths own = paths;
+    own.hash = mix_bits_32(paths.hash + static_cast<std::uint32_t>(2 * state.pass + h));
+    parallel_for<std::int32_t>(0, chunks, [&](std::int32_t chunk) {
+      std::uint8_t& done = state.done[static_cast<std::size_t>(h * chunks + chunk)];
+      if (done == 0) {
+        const std::int32_t first = chunk * cells_of_chunk;
+        if (!gather_cells(gathered, own, first, std::min(plan.cells, first + cells_of_chunk),
+                          lines.front().values + 2 * static_cast<std::ptrdiff_t>(first) * plan.bands))
+          has_room = false;
+        done = 1;
+      }
+      work.reach(static_cast<double>(++finished) / (2.0 * chunks));
+    });
+  }
+  return has_room;
+}
+
+void begin_pass(UnfinishedBake& state, const BakedLight& plan) {
+  ++state.pass;
+  state.done.assign(2 * static_cast<std::size_t>(chunks_of(plan)), 0);
+  const std::size_t to = state.pass % 2 == 1 ? 0 : 2;
+  for (std::size_t half = 0; half < 2; ++half) state.lines[to + half].assign(lines_of(plan), {});
+}
+
+// Whether what is finished is of such cells.
+bool is_of(const UnfinishedBake& state, const BakedLight& plan, const BakeGroups& groups) {
+  bool is = state.done.size() == 2 * static_cast<std::size_t>(chunks_of(plan));
+  for (std::size_t k = 0; k < (state.pass > 1 ? 4u : 2u); ++k)
+    is = is && state.lines[k].size() == lines_of(plan);
+  return is && (state.pass < 2 || state.paths_of_group.size() == groups.count());
+}
+
+// [cell][side], of what is chosen by group.
+std::vector<std::uint16_t> by_side(const BakeGroups& groups, const std::vector<std::uint16_t>& of_group,
+                                   std::int32_t cells) {
+  std::vector<std::uint16_t> of_side(2 * static_cast<std::size_t>(cells), 0);
+  for (std::size_t g = 0; g < groups.count(); ++g)
+    for (std::int64_t m = groups.first[g]; m < groups.first[g + 1]; ++m)
+      of_side[static_cast<std::size_t>(groups.side[static_cast<std::size_t>(m)])] = of_group[g];
+  return of_side;
+}
+
+// The variance of a path, over the square of the light, that a tenth of lit cells exceed.
+double variance_of_path(const BakeGroups& groups, const std::vector<GroupNoise>& noise, int paths) {
+  std::vector<std::pair<double, std::int64_t>> own;  // of lit groups, cells
+  std::int64_t all = 0;
+  for (std::size_t g = 0; g < groups.count(); ++g)
+    if (noise[g].is_lit) {
+      own.emplace_back(2 * paths * noise[g].own, groups.members(g));
+      all += groups.members(g);
+    }
+  std::sort(own.begin(), own.end());
+  std::int64_t below = 0;
+  for (const auto& [variance, members] : own)
+    if ((below += members) * 10 >= 9 * all) return variance;
+  return 0;
+}
+
+// Paths for each side of a half in the pass that comes after the state's.
+std::vector<std::uint16_t> paths_of_next(const BakeSettings& settings, const BakeGroups& groups,
+                                         const std::vector<GroupNoise>& noise, const PathPlan& plan,
+                                         const UnfinishedBake& state) {
+  const auto sides = static_cast<double>(groups.side.size());
+  if (settings.paths > 0) {
+    const int own = state.gathers ? settings.paths / 2 : settings.paths / 2 - plan.first;
+    return std::vector<std::uint16_t>(groups.count(), static_cast<std::uint16_t>(own));
+  }
+  std::vector<double> of_path;
+  for (std::size_t g = 0; g < groups.count(); ++g) {
+    const double before = state.pass > 1 ? state.paths_of_group[g]
+                                         : plan.first * (state.gathers ? variance_of_second : 1.0);
+    of_path.push_back(2 * noise[g].own * before);
+  }
+  const double rest = plan.all - 2.0 * plan.first * sides;
+  return share_paths(groups, of_path,
+                     state.gathers ? plan.all * (state.pass == 1 ? 0.25 : 0.75) : rest);
+}
+
+// Both passes of cells whose paths went all the way, into the second's halves.
+void put_together(const std::vector<std::uint16_t>& later, int first_paths, int bands,
+                  UnfinishedBake& state) {
+  parallel_ranges<std::size_t>(0, later.size(), 4096, [&](std::size_t from, std::size_t to) {
+    for (std::size_t side = from; side < to; ++side) {
+      const float first = static_cast<float>(first_paths),
+                  all = first + static_cast<float>(later[side]);
+      for (std::size_t half = 0; half < 2; ++half) {
+        const std::uint16_t* const before = state.lines[half].front().values;
+        std::uint16_t* const both = state.lines[2 + half].front().values;
+        for (int b = 0; b < bands; ++b) {
+          const std::size_t at = side * static_cast<std::size_t>(bands) + static_cast<std::size_t>(b);
+          const float share = first / all;
+          both[at] = encode_baked(share * decode_baked(before[at]) +
+                                  (1 - share) * decode_baked(both[at]));
+        }
+      }
     }
   });
-  parallel_for<std::int32_t>(0, probes, [&](std::int32_t probe) {
-    const std::int32_t x = probe % baked.probes[0], y = probe / baked.probes[0] % baked.probes[1],
-                       z = probe / baked.probes[0] / baked.probes[1];
-    for (std::size_t d = 0; d < 6; ++d) {
-      GatherPlace place;
-      place.position = probe_position(baked, x, y, z, gather.built.first_origin_now_m);
-      place.normal = probe_directions[d];
-      place.hash = mix_bits_32(mix_bits_32(static_cast<std::uint32_t>(probe) + hash_of_probes) +
-                               static_cast<std::uint32_t>(d));
-      place.paths = paths_of_probe;
-      gather(place, baked.probe_values.data() + (6 * static_cast<std::size_t>(probe) + d) * gather.bands);
+}
+
+// All cells and probes of `baked`, which has no light yet; false where something was too bright for
+// its unit.
+bool bake_all(const World& world, const BakeSettings& settings, BakedLight& baked,
+              UnfinishedBake& state, WorkState& work) {
+  const BuiltScene& built = *world.state().built;
+  const SceneView& view = world.state().view;
+  const CellOwners owners(baked, *built.scene);
+  const std::uint32_t seed = mix_bits_32(settings.seed);
+  const GatherWorld by_paths(world, baked, nullptr);
+  if (!gather_probes(by_paths, baked, hash_of_probes + seed)) return false;
+  baked.lines.resize(lines_of(baked));
+  if (baked.cells == 0) return true;
+  const BakeGroups groups = group_cells(baked, owners, view, *built.scene, built.placement);
+  const auto sides = static_cast<double>(groups.side.size());
+  const PathPlan plan = plan_paths(settings, groups.side.size());
+  CellPaths of{owners, *built.scene, built.placement, view, hash_of_cells + seed, plan.first, nullptr};
+  if (!is_of(state, baked, groups)) state.pass = 0;
+  if (state.pass == 0) begin_pass(state, baked);
+  for (;;) {
+    std::vector<std::uint16_t> of_side;
+    if (state.pass > 1) {
+      of_side = by_side(groups, state.paths_of_group, baked.cells);
+      of.paths_of_side = of_side.data();
     }
-    finish(6 * paths_of_probe);
-  });
-  return !too_bright;
+    const std::vector<double> shares = work_of_passes(plan, sides, state.gathers);
+    const auto pass = static_cast<std::size_t>(state.pass);
+    if (!run_pass(world, baked, of, state, WorkPart{&work, shares[pass - 1], shares[pass]}))
+      return false;
+    const std::size_t to = state.pass % 2 == 1 ? 0 : 2;
+    const int last = settings.paths > 0 || !state.gathers ? 2 : 3;
+    const bool is_last = state.pass == last;
+    if (is_last) state.pass = 0;  // what is left takes a moment, and changes what is kept
+    if (is_last && !state.gathers) put_together(of_side, plan.first, baked.bands, state);
+    const BakedLine* const halves[2] = {state.lines[to].data(), state.lines[to + 1].data()};
+    const std::vector<GroupNoise> noise = find_noise(groups, baked.bands, halves);
+    if (is_last) {
+      share_mean(groups, noise, halves, baked);
+      double all = 0;
+      for (const std::uint16_t one : of_side)
+        all += one > 0 ? 2.0 * (one + (state.gathers ? 0 : plan.first)) : 0.0;
+      baked.paths = all / sides;
+      return true;
+    }
+    if (state.pass == 1)
+      state.gathers = variance_of_path(groups, noise, plan.first) > variance_in_rooms;
+    state.paths_of_group = paths_of_next(settings, groups, noise, plan, state);
+    begin_pass(state, baked);
+  }
 }
 
 }  // namespace
 
 std::size_t BakedLight::bytes() const {
-  std::size_t sum = lines.size() * sizeof(BakedLine) + probe_values.size() * 2 + first_cell.size() * 4;
+  std::size_t sum = lines.size() * sizeof(BakedLine) + errors.size() * sizeof(CellError) +
+                    probe_values.size() * 2 + first_cell.size() * 4;
   for (const std::vector<std::int32_t>& first : cell_of_triangle) sum += first.size() * 4;
   return sum;
 }
 
+double UnfinishedBake::share() const {
+  if (pass == 0 || done.empty()) return 0;
+  const auto finished = static_cast<double>(std::count(done.begin(), done.end(), 1));
+  constexpr double first = 0.2;
+  const double of_pass = finished / static_cast<double>(done.size());
+  return pass == 1 ? first * of_pass : first + (1 - first) * of_pass;
+}
+
 BakedLight bake_light(const World& world, const BakeSettings& settings,
-                      const std::function<bool(double)>& progress) {
+                      const std::function<bool(double)>& progress, UnfinishedBake* unfinished) {
   check(world, settings);
   const Rendering unmoved(world);
   const BuiltScene& built = *world.state().built;
   const auto start = Clock::now();
-  const auto bands = static_cast<std::size_t>(world.bands());
+  UnfinishedBake own;
+  UnfinishedBake& state = unfinished != nullptr ? *unfinished : own;
+  const double seconds_before = state.seconds;
   BakedLight baked;
   const auto bake = [&](WorkState& work) {
-    const Tracing tracing{built.functions.closest, built.acceleration.tracer.get()};
-    BakeCells plan =
-        divide_into_cells(tracing, *built.scene, built.placement, bands, settings);
-    baked.bands = world.bands();
-    baked.cell_m = plan.cell_m;
-    baked.paths = settings.paths;
-    baked.by_probes = plan.by_probes;
-    baked.cells = static_cast<std::int32_t>(plan.cells);
-    baked.first_cell = std::move(plan.first_cell);
-    baked.cell_of_triangle = std::move(plan.cell_of_triangle);
-    const std::size_t per_line = sizeof(BakedLine) / 2;
-    const std::size_t numbers = 2 * bands * static_cast<std::size_t>(baked.cells);
-    baked.lines.resize((numbers + per_line - 1) / per_line);
-    lay_out_probes(baked, traced_box(built));
-    for (int a = 0; a < 3; ++a) baked.probe_origin_m[a] -= built.first_origin_now_m[a];
-    baked.probe_values.resize(6 * bands * static_cast<std::size_t>(baked.probes[0]) *
-                              static_cast<std::size_t>(baked.probes[1]) *
-                              static_cast<std::size_t>(baked.probes[2]));
-    baked.unit = world.state().radiance_unit * first_unit;
-    while (!gather_all(world, baked, work)) baked.unit *= more_unit;
+    baked = lay_out(world, settings);
+    baked.unit = state.unit > 0 ? state.unit : world.state().radiance_unit * first_unit;
+    for (;;) {
+      state.unit = baked.unit;
+      if (bake_all(world, settings, baked, state, work)) return;
+      state = {};
+      baked.unit *= more_unit;
+    }
   };
-  run_watched(progress,
-              [&](WorkState& work) { run_in_arena(*built.threads.arena, [&] { bake(work); }); });
-  baked.seconds = seconds_since(start);
+  try {
+    run_watched(progress,
+                [&](WorkState& work) { run_in_arena(*built.threads.arena, [&] { bake(work); }); });
+  } catch (...) {
+    state.seconds = seconds_before + seconds_since(start);
+    throw;
+  }
+  baked.seconds = seconds_before + seconds_since(start);
   return baked;
 }
 
-void check_baked_light(const BakedLight& baked, const Scene& scene, int expected_bands) {
-  const auto fail = [](const std::string& what) { throw Error("baked light: expected " + what); };
-  const auto bands = static_cast<std::size_t>(baked.bands);
-  if (baked.bands != expected_bands)
-    fail(std::to_string(expected_bands) + " bands, as the world has, found " +
-         std::to_string(baked.bands));
-  if (!(baked.unit > 0) || !std::isfinite(baked.unit)) fail("a unit above 0");
-  if (baked.first_cell.size() != scene.instances.size() ||
-      baked.cell_of_triangle.size() != scene.meshes.size())
-    fail(std::to_string(scene.instances.size()) + " instances of " +
-         std::to_string(scene.meshes.size()) + " meshes, as the scene has, found " +
-         std::to_string(baked.first_cell.size()) + " of " +
-         std::to_string(baked.cell_of_triangle.size()));
-  if (baked.cells < 0 ||
-      baked.lines.size() * (sizeof(BakedLine) / 2) < 2 * bands * static_cast<std::size_t>(baked.cells))
-    fail("values of all its " + std::to_string(baked.cells) + " cells");
-  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
-    const std::vector<std::int32_t>& first = baked.cell_of_triangle[m];
-    if (first.empty()) continue;
-    if (first.size() != scene.meshes[m].triangles.size() + 1 || first.front() != 0)
-      fail("the cells of each triangle of meshes[" + std::to_string(m) + "]");
-    for (std::size_t t = 0; t + 1 < first.size(); ++t) {
-      const std::int64_t count = std::int64_t{first[t + 1]} - first[t];
-      if (count < 1 || count != std::int64_t{divisions_of(first[t + 1] - first[t])} *
-                                    divisions_of(first[t + 1] - first[t]))
-        fail("a square number of cells of each triangle of meshes[" + std::to_string(m) + "]");
-    }
-  }
-  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
-    if (baked.first_cell[i] < 0) continue;
-    const auto m = static_cast<std::size_t>(scene.instances[i].mesh);
-    const std::vector<std::int32_t>& first = baked.cell_of_triangle[m];
-    const std::int64_t count = first.empty()
-                                   ? static_cast<std::int64_t>(scene.meshes[m].triangles.size())
-                                   : first.back();
-    if (baked.first_cell[i] + count > baked.cells)
-      fail("cells of instances[" + std::to_string(i) + "] among its " + std::to_string(baked.cells));
-  }
-  std::size_t probes = 1;
-  for (int a = 0; a < 3; ++a) {
-    if (baked.probes[a] < 2 || baked.probes[a] > 65536 || !(baked.probe_spacing_m[a] > 0) ||
-        !std::isfinite(baked.probe_spacing_m[a]) || !std::isfinite(baked.probe_origin_m[a]))
-      fail("two probes or more along each side");
-    probes *= static_cast<std::size_t>(baked.probes[a]);
-  }
-  if (baked.probe_values.size() != 6 * bands * probes) fail("values of all its probes");
+BakeCost bake_cost(const World& world, const BakeSettings& settings) {
+  check(world, settings);
+  const Rendering unmoved(world);
+  const BuiltScene& built = *world.state().built;
+  BakeCost cost;
+  run_in_arena(*built.threads.arena, [&] {
+    BakedLight plan = lay_out(world, settings);
+    plan.unit = world.state().radiance_unit * first_unit;
+    cost.cells = plan.cells;
+    cost.by_probes = plan.by_probes;
+    cost.bytes = lines_of(plan) * sizeof(BakedLine) +
+                 2 * static_cast<std::size_t>(plan.cells) * sizeof(CellError);
+    if (plan.cells == 0) return;
+    const CellOwners owners(plan, *built.scene);
+    const GatherWorld by_paths(world, plan, nullptr);
+    const CellPaths of{owners, *built.scene, built.placement, world.state().view, hash_of_cells,
+                       packet_rays, nullptr};
+    // Cells all over the scene.
+    constexpr std::int32_t tried = 4096;
+    const std::int32_t step = std::max(1, plan.cells / tried);
+    const auto start = Clock::now();
+    const std::int32_t count = (plan.cells + step - 1) / step;
+    parallel_for<std::int32_t>(0, count, [&](std::int32_t k) {
+      std::uint16_t values[2 * most_bands];
+      gather_cells(by_paths, of, k * step, k * step + 1, values);
+    });
+    const double path_s = seconds_since(start) / (2.0 * packet_rays * count);
+    const auto sides = 2.0 * static_cast<double>(plan.cells);
+    cost.seconds = path_s * plan_paths(settings, static_cast<std::size_t>(sides)).all;
+  });
+  return cost;
 }
 
 }  // namespace omma

@@ -22,7 +22,9 @@ constexpr std::int64_t cells_of_triangle = 5, cells_of_small_scenes = std::int64
 // Longest edge of each triangle of each mesh, where it is placed largest: [mesh][triangle], m.
 std::vector<std::vector<float>> longest_edges(const Scene& scene, const Placement& placement) {
   std::vector<std::vector<float>> edges(scene.meshes.size());
+  const std::vector<bool> is_in_reach = instances_in_reach(scene, placement);
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    if (!is_in_reach[i]) continue;
     const auto m = static_cast<std::size_t>(scene.instances[i].mesh);
     const Mesh& mesh = scene.meshes[m];
     edges[m].resize(mesh.triangles.size(), 0.0f);
@@ -37,10 +39,24 @@ std::vector<std::vector<float>> longest_edges(const Scene& scene, const Placemen
 // room there is about them, [mesh][triangle], m.
 struct Sizes {
   std::vector<std::vector<float>> edges, clearances;
+  double under_clutter = 0;  // the longest edge of a cell there, over the clearance; 0: any
 };
 
 // Clearances that count, over the edge: nearer or farther says nothing of the whole triangle.
 constexpr double nearest = 1.0 / 64, farthest = 64;
+
+// Light on a large triangle under clutter, as on ground under grass, changes within a part of the
+// clearance, whatever the size of the triangle: cells are no longer than that, at the finest so much of
+// it, and coarser where scenes would have more cells than these for it.
+constexpr double finest_under_clutter = 0.125;
+constexpr std::int64_t most_under_clutter = std::int64_t{1} << 17;
+
+double edge_under_clutter_m(const Sizes& sizes, std::size_t mesh, std::size_t triangle) {
+  const auto edge_m = static_cast<double>(sizes.edges[mesh][triangle]);
+  return std::max(sizes.under_clutter *
+                      std::max<double>(sizes.clearances[mesh][triangle], nearest * edge_m),
+                  edge_m / most_divisions);
+}
 
 // Parts of a triangle's edge: no longer than a cell, where its size was asked for. Chosen, cells are
 // the finer the closer surfaces stand, but they grow with the triangle, as distant ground is no
@@ -54,6 +70,8 @@ std::int64_t divisions(const Sizes& sizes, std::size_t mesh, std::size_t triangl
     const double clearance_m =
         std::clamp<double>(sizes.clearances[mesh][triangle], nearest * edge_m, farthest * edge_m);
     own_m = std::sqrt(edge_m * std::sqrt(cell_m * clearance_m));
+    if (sizes.under_clutter > 0)
+      own_m = std::min(own_m, edge_under_clutter_m(sizes, mesh, triangle));
   }
   return static_cast<std::int64_t>(std::clamp(std::ceil(edge_m / own_m), 1.0, most_divisions));
 }
@@ -84,6 +102,22 @@ struct Counted {
     return all;
   }
 };
+
+// Cells that triangles would have for their clearances alone, but for those that need no division.
+std::int64_t cells_under_clutter(const Counted& counted) {
+  const Sizes& sizes = counted.sizes;
+  std::int64_t all = 0;
+  for (std::size_t i = 0; i < counted.scene.instances.size(); ++i) {
+    if (!counted.has_cells[i]) continue;
+    const auto m = static_cast<std::size_t>(counted.scene.instances[i].mesh);
+    for (std::size_t t = 0; t < sizes.edges[m].size(); ++t) {
+      const auto k = static_cast<std::int64_t>(std::ceil(
+          static_cast<double>(sizes.edges[m][t]) / edge_under_clutter_m(sizes, m, t)));
+      if (k > 1) all += k * k;
+    }
+  }
+  return all;
+}
 
 // The smallest cells, within a hundredth, of which there are at most so many.
 double smallest_cell_m(const Counted& counted, std::int64_t most) {
@@ -122,6 +156,7 @@ void leave_out_smallest(Counted& counted, std::int64_t room) {
   std::vector<std::pair<double, std::size_t>> order;
   std::int64_t all = 0;
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    if (!counted.has_cells[i]) continue;
     order.emplace_back(mean_edge(i), i);
     all += triangles(i);
   }
@@ -154,14 +189,15 @@ BakeCells divide_into_cells(const Tracing& tracing, const Scene& scene, const Pl
   Sizes sizes{longest_edges(scene, placement), {}};
   if (!(settings.cell_m > 0)) sizes.clearances = clearances_m(tracing, scene, placement);
   const std::vector<std::vector<float>>& edges = sizes.edges;
-  Counted counted{scene, sizes, std::vector<bool>(scene.instances.size(), true)};
+  Counted counted{scene, sizes, instances_in_reach(scene, placement)};
   const auto room = static_cast<std::int64_t>(std::min<std::size_t>(
       settings.most_bytes / bytes_of_cell(bands), static_cast<std::size_t>(most_cells)));
   BakeCells plan;
   double cell_m = 0;
   std::int64_t triangles = 0;
-  for (const Instance& instance : scene.instances)
-    triangles += static_cast<std::int64_t>(edges[static_cast<std::size_t>(instance.mesh)].size());
+  for (std::size_t i = 0; i < scene.instances.size(); ++i)
+    if (counted.has_cells[i])
+      triangles += static_cast<std::int64_t>(edges[static_cast<std::size_t>(scene.instances[i].mesh)].size());
   if (settings.cell_m > 0) {
     cell_m = settings.cell_m;
     const std::int64_t needed = counted.cells(settings.cell_m);
@@ -180,9 +216,15 @@ BakeCells divide_into_cells(const Tracing& tracing, const Scene& scene, const Pl
     }
   } else {
     if (triangles > room) leave_out_smallest(counted, room);
-    cell_m = smallest_cell_m(counted, std::min(room, cells_of_triangle * triangles + cells_of_small_scenes));
+    const std::int64_t most = std::min(most_under_clutter, (room - triangles) / 2);
+    sizes.under_clutter = finest_under_clutter;
+    while (cells_under_clutter(counted) > std::max<std::int64_t>(most, 0)) sizes.under_clutter *= 1.1;
+    cell_m = smallest_cell_m(counted,
+                             std::min(room, cells_of_triangle * triangles + cells_of_small_scenes +
+                                                cells_under_clutter(counted)));
   }
 
+  const std::vector<bool> is_in_reach = instances_in_reach(scene, placement);
   plan.cell_of_triangle.resize(edges.size());
   std::vector<std::int64_t> of_mesh(edges.size(), 0);
   std::vector<bool> is_divided(edges.size(), false);
@@ -208,7 +250,7 @@ BakeCells divide_into_cells(const Tracing& tracing, const Scene& scene, const Pl
     plan.first_cell.push_back(has_cells ? static_cast<std::int32_t>(plan.cells) : -1);
     if (has_cells)
       plan.cells += of_mesh[m];
-    else
+    else if (is_in_reach[i])
       plan.by_probes += own;
   }
   return plan;

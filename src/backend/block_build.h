@@ -32,13 +32,13 @@ BlockFunctions build_block() {
     const DenormalsAreZero denormals_are_zero;
     weigh_rays<Packets>(shared, radiance, outputs, first, end, responses);
   };
-  block.gather = [](const FrameView& frame, const GatherPlace& place, const void* tracer,
+  block.gather = [](const FrameView& frame, const GatherTask& task, const void* tracer,
                     std::byte* memory, double* mean) {
     const DenormalsAreZero denormals_are_zero;
     Search search{static_cast<const Tracer*>(tracer)};
     Room room{memory};
     const BlockMemory laid_out = lay_out(room, frame, packet_rays);
-    gather_light<Packets>(*frame.scene, search, place, laid_out.paths, laid_out.radiance, mean);
+    gather_light<Packets>(*frame.scene, search, task, laid_out.paths, laid_out.radiance, mean);
   };
   block.prepare = [](const FrameView& frame, const BlockTask& task,
                      RayPacket<packet_rays>* packets) {

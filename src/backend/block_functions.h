@@ -23,8 +23,8 @@ struct BlockFunctions {
   void (*discs)(const FrameView&, const BlockTask&, const void* tracer, std::byte* memory) = nullptr;
   void (*weigh)(const SharedWeights&, const float* radiance, int outputs, std::int64_t first,
                 std::int64_t end, float* responses) = nullptr;
-  // Mean over the place's paths, [band], in the view's unit; memory as of `render`.
-  void (*gather)(const FrameView&, const GatherPlace&, const void* tracer, std::byte* memory,
+  // Means over the paths of each place, [place][band], in the view's unit; memory as of `render`.
+  void (*gather)(const FrameView&, const GatherTask&, const void* tracer, std::byte* memory,
                  double* mean) = nullptr;
   void (*prepare)(const FrameView&, const BlockTask&, RayPacket<packet_rays>* packets) = nullptr;
   // Closest accepted hits, between t_near_m and t_far_m, of rays whose `valid` is not 0.

@@ -66,8 +66,9 @@ double inverse_distances(const Tracing& tracing, const Vec3 (&corner)[3], std::u
 std::vector<std::vector<float>> clearances_m(const Tracing& tracing, const Scene& scene,
                                              const Placement& placement) {
   std::vector<std::vector<std::size_t>> instances(scene.meshes.size());
+  const std::vector<bool> is_in_reach = instances_in_reach(scene, placement);
   for (std::size_t i = 0; i < scene.instances.size(); ++i)
-    instances[static_cast<std::size_t>(scene.instances[i].mesh)].push_back(i);
+    if (is_in_reach[i]) instances[static_cast<std::size_t>(scene.instances[i].mesh)].push_back(i);
   std::vector<std::vector<float>> clearance(scene.meshes.size());
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     const Mesh& mesh = scene.meshes[m];

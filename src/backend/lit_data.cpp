@@ -33,14 +33,14 @@ void make_albedos(LitData& lit) {
 }
 
 // Of the light, what is asked for at run time where the rest was baked: discs and lamps.
-void leave_out_baked(LitData& lit) {
-  LightView& light = lit.left_out;
-  light = lit.light->view;
-  lit.discs_alone = lit.light->discs;
-  light.discs = lit.discs_alone.data();
+void leave_out_baked(const LightData& data, BakedReading& reading) {
+  LightView& light = reading.left_out;
+  light = data.view;
+  reading.discs_alone = data.discs;
+  light.discs = reading.discs_alone.data();
   float discs = 0;
-  for (const DiscView& disc : lit.discs_alone) discs += disc.probability;
-  for (DiscView& disc : lit.discs_alone) disc.probability /= discs > 0 ? discs : 1.0f;
+  for (const DiscView& disc : reading.discs_alone) discs += disc.probability;
+  for (DiscView& disc : reading.discs_alone) disc.probability /= discs > 0 ? discs : 1.0f;
   light.sky.probability = 0;
   light.emissive_probability = 0;
   const float far = discs > 0 ? light.far_probability : 0.0f;
@@ -49,30 +49,29 @@ void leave_out_baked(LitData& lit) {
   light.lamp_probability = sum > 0 ? 1.0f - light.far_probability : 0.0f;
 }
 
-void take_baked(LitData& lit, const std::shared_ptr<const BakedLight>& baked,
-                const MovingFrames& frames) {
-  lit.baked_light = baked;
-  leave_out_baked(lit);
-  for (const std::vector<std::int32_t>& first : baked->cell_of_triangle)
-    lit.cell_of_triangle.push_back(first.empty() ? nullptr : first.data());
-  BakedView& view = lit.baked;
-  view.values = baked->lines.empty() ? nullptr : baked->lines.front().values;
-  view.first_cell = baked->first_cell.data();
-  view.cell_of_triangle = lit.cell_of_triangle.data();
+}  // namespace
+
+void read_baked(const BakedLight& baked, const LightData& light, const MovingFrames& frames,
+                BakedReading& reading) {
+  leave_out_baked(light, reading);
+  reading.cell_of_triangle.clear();
+  for (const std::vector<std::int32_t>& first : baked.cell_of_triangle)
+    reading.cell_of_triangle.push_back(first.empty() ? nullptr : first.data());
+  BakedView& view = reading.view;
+  view.values = baked.lines.empty() ? nullptr : baked.lines.front().values;
+  view.errors = baked.errors.empty() ? nullptr : baked.errors.data();
+  view.first_cell = baked.first_cell.data();
+  view.cell_of_triangle = reading.cell_of_triangle.data();
   view.moves = frames.moves;
-  view.probe_values = baked->probe_values.data();
+  view.probe_values = baked.probe_values.data();
   for (int a = 0; a < 3; ++a) {
-    view.probe_origin_m[a] = baked->probe_origin_m[a];
-    view.probe_spacing_m[a] = baked->probe_spacing_m[a];
-    view.probes[a] = baked->probes[a];
+    view.probe_origin_m[a] = baked.probe_origin_m[a];
+    view.probe_spacing_m[a] = baked.probe_spacing_m[a];
+    view.probes[a] = baked.probes[a];
   }
   view.first_origin_m = frames.lamp_origin_now_m;
-  view.unit = static_cast<float>(baked->unit / lit.light->radiance_unit);
-  lit.view.light = &lit.left_out;
-  lit.view.baked = &lit.baked;
+  view.unit = static_cast<float>(baked.unit / light.radiance_unit);
 }
-
-}  // namespace
 
 std::unique_ptr<LitData> make_lit_data(const Lighting& lighting, const Scene& scene,
                                        const Placement& placement, const MovingFrames& frames) {
@@ -110,7 +109,12 @@ std::unique_ptr<LitData> make_lit_data(const Lighting& lighting, const Scene& sc
   const auto per_unit = static_cast<float>(1 / lit->light->radiance_unit);
   for (std::vector<float>& matrix : lit->emission)
     for (float& x : matrix) x *= per_unit;
-  if (lighting.baked != nullptr) take_baked(*lit, lighting.baked, frames);
+  if (lighting.baked != nullptr) {
+    lit->baked_light = lighting.baked;
+    read_baked(*lighting.baked, *lit->light, frames, lit->baked);
+    view.light = &lit->baked.left_out;
+    view.baked = &lit->baked.view;
+  }
   return lit;
 }
 

@@ -13,6 +13,14 @@
 
 namespace omma {
 
+// Baked light as the physics reads it, and what of the light it leaves out.
+struct BakedReading {
+  LightView left_out;
+  std::vector<DiscView> discs_alone;
+  std::vector<const std::int32_t*> cell_of_triangle;  // [mesh]
+  BakedView view;
+};
+
 // Owns what its `view` points to, but for the scene's own arrays and the frames of its instances.
 struct LitData {
   std::shared_ptr<ShadingData> shading;  // with what light reads of meshes
@@ -20,12 +28,8 @@ struct LitData {
   std::unique_ptr<LightData> light;
   std::vector<float> albedos, coat_albedo, metal_albedo;  // see SceneView
   std::vector<std::vector<float>> emission;     // [material that shines][band][3]
-  // Where light was baked: what of `light` it leaves out, and where it is read.
-  LightView left_out;
-  std::vector<DiscView> discs_alone;
   std::shared_ptr<const BakedLight> baked_light;
-  std::vector<const std::int32_t*> cell_of_triangle;  // [mesh]
-  BakedView baked;
+  BakedReading baked;
   SunMapData sun_map;
   SceneView view;                               // without a background
 };
@@ -37,6 +41,10 @@ struct MovingFrames {
   const float* lamp_origin_now_m;  // [3], the same in the traced frame
   const char* moves;               // [instance], as in BakedView
 };
+
+// How baked light is read with the light that it was baked of; both stay where they are.
+void read_baked(const BakedLight& baked, const LightData& light, const MovingFrames& frames,
+                BakedReading& reading);
 
 // Of a checked lighting and scene.
 std::unique_ptr<LitData> make_lit_data(const Lighting& lighting, const Scene& scene,

@@ -115,6 +115,20 @@ Vec3d origin_near(const Bounds& box) {
   return {rounded(middle.x), rounded(middle.y), rounded(middle.z)};
 }
 
+std::vector<bool> instances_in_reach(const Scene& scene, const Placement& placement) {
+  std::vector<Bounds> boxes;  // [mesh]
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m)
+    boxes.push_back(scene.meshes[m].triangles.empty() ? nothing
+                                                      : vertex_bounds(positions_of(scene, placement, m)));
+  std::vector<bool> is_in_reach;
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const Bounds& box = boxes[static_cast<std::size_t>(scene.instances[i].mesh)];
+    is_in_reach.push_back(
+        !box.empty && !is_too_far(placed_box(box, placement.world_from_mesh[i]), placement.origin_m));
+  }
+  return is_in_reach;
+}
+
 Placement placement_of(const Scene& scene) {
   Placement placement;
   for (const Instance& instance : scene.instances)

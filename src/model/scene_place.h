@@ -68,6 +68,9 @@ struct Placement {
 // Nothing has been moved.
 Placement placement_of(const Scene& scene);
 
+// [instance], whether rays may meet it: not one that is too far from what all are traced from.
+std::vector<bool> instances_in_reach(const Scene& scene, const Placement& placement);
+
 // The vertices of a mesh as it is now, m.
 inline const std::vector<Vec3>& positions_of(const Scene& scene, const Placement& placement,
                                              std::size_t mesh) {

@@ -161,7 +161,9 @@ OMMA_HD void trace_cone(const DiscTask& of, int k, int each, Search& search,
       packet.sample[l] = ray;
       packet.acceptance_sr[l] = units.acceptance_sr[u];
     }
-    eval_lit_path<L>(*frame.scene, search, valid, packet, memory.paths, memory.radiance);
+    PathMemory paths = memory.paths;
+    paths.cell_errors = nullptr;  // rays that count for little
+    eval_lit_path<L>(*frame.scene, search, valid, packet, paths, memory.radiance);
     const float* brought = memory.radiance;
     if (frame.output_from_band != nullptr) {
       make_outputs<L>(frame, memory.radiance, memory.output);

@@ -2,6 +2,7 @@
 // diffuse surface would send back of it, on the viewer's side and on the other.
 #pragma once
 
+#include "omma/bake.h"
 #include "physics/far_lanes.h"
 #include "physics/path_light.h"
 
@@ -24,6 +25,11 @@ OMMA_HD std::uint16_t encode_baked(float x) {
 OMMA_HD float decode_baked(std::uint16_t value) {
   const std::uint32_t bits = (value + (baked_exponent << 11)) << 12;
   return float_of(static_cast<std::int32_t>(value == 0 ? 0u : bits));
+}
+
+// CellError's numbers.
+OMMA_HD float decode_error(std::uint8_t code) {
+  return static_cast<float>(code) * static_cast<float>(code) * 0x1p-14f;
 }
 
 // Cells of a triangle that is divided into k by k: strips along its first edge, in each cells that
@@ -61,6 +67,7 @@ OMMA_HD I divisions_of(I cells) {
 template <int n>
 struct BakedPlaces {
   const std::uint16_t* cell[n];
+  unsigned from_behind;  // lanes whose rays come from behind, once light is read
 };
 
 template <typename L>
@@ -141,12 +148,12 @@ OMMA_HD auto decode_baked(I values) {
 // nothing what is behind them is not read: it is left as zeros.
 template <typename L>
 OMMA_HD void eval_baked(const SceneView& scene, const Packet<L>& packet,
-                        const BakedPlaces<L::count>& places, const HitGeometry<L>& geometry,
+                        BakedPlaces<L::count>& places, const HitGeometry<L>& geometry,
                         const LitSurface<L>& surface, unsigned lanes, const PathMemory& memory) {
   using F = typename L::F;
   constexpr int n = L::count, width = L::width;
   const BakedView& baked = *scene.baked;
-  const unsigned from_behind = bits_where<L>([&](int l) {
+  const unsigned from_behind = places.from_behind = bits_where<L>([&](int l) {
     F normal[3], direction[3];
     load_3(geometry.normal, l, normal);
     load_3(packet.rays.direction, l, direction);

@@ -51,4 +51,44 @@ OMMA_HD void add_baked(const SceneView& scene, const PathState<L>& state,
   }
 }
 
+// What a side of a cell may be off by under each sign, as a fraction of its light.
+OMMA_HD void signed_errors(const BakedView& baked, std::ptrdiff_t side, float (&error)[error_signs]) {
+  const CellError& of = baked.errors[side];
+  const float own = decode_error(of.own), shared = decode_error(of.shared);
+  const std::uint32_t signs = mix_bits_32(static_cast<std::uint32_t>(side));
+  for (int k = 0; k < error_signs; ++k)
+    error[k] = ((signs >> k & 1u) != 0 ? own : -own) + ((of.signs >> k & 1u) != 0 ? shared : -shared);
+}
+
+// Adds to the sums of ommatidia what add_baked may be off by: cells err each by itself, but an
+// ommatidium by the same for all rays that meet one cell. Bands err together.
+template <typename L>
+OMMA_HD void add_cell_errors(const SceneView& scene, const Packet<L>& packet,
+                             const PathState<L>& state, const ScatteringPacket<L>& scattering,
+                             const BakedPlaces<L::count>& places, unsigned lanes,
+                             const PathMemory& memory) {
+  constexpr int n = L::count;
+  const BakedView& baked = *scene.baked;
+  alignas(n * 4) float diffuse[n];
+  for (int l = 0; l < n; l += L::width) store(diffuse + l, scattering.point[l / L::width].diffuse);
+  for (unsigned bits = lanes; bits != 0; bits &= bits - 1) {
+    const int l = lowest_bit(bits);
+    if (places.cell[l] == nullptr) continue;
+    const std::ptrdiff_t cell = (places.cell[l] - baked.values) / (2 * scene.bands);
+    const std::ptrdiff_t near = 2 * cell + (places.from_behind >> l & 1u);
+    float front[error_signs], back[error_signs];
+    signed_errors(baked, near, front);
+    signed_errors(baked, near ^ 1, back);
+    const float weight = diffuse[l] * (scene.polarized ? state.mueller[0][l] : 1.0f);
+    float* sums = memory.cell_errors + std::ptrdiff_t{packet.ommatidium[l]} * scene.bands * error_signs;
+    for (int b = 0; b < scene.bands; ++b, sums += error_signs) {
+      const int at = b * n + l;
+      const float scale = weight * memory.throughput[at];
+      const float in_front = scale * memory.reflectance[at] * memory.front[at],
+                  behind = scale * memory.transmittance[at] * memory.back[at];
+      for (int k = 0; k < error_signs; ++k) sums[k] += in_front * front[k] + behind * back[k];
+    }
+  }
+}
+
 }  // namespace omma

@@ -31,8 +31,10 @@ OMMA_HD void reduce(const FrameView& frame, const BlockTask& task, const double*
   }
 }
 
-// Standard errors of the responses, from the spread of the scrambles.
-OMMA_HD void reduce_errors(const FrameView& frame, const BlockTask& task, const double* sums) {
+// Standard errors of the responses, from the spread of the scrambles and from what cells of baked
+// light err by, which all scrambles see alike.
+OMMA_HD void reduce_errors(const FrameView& frame, const BlockTask& task, const BlockMemory& memory) {
+  const double* const sums = memory.sums;
   const double samples = frame.directions->samples;
   const int scrambles = frame.scrambles;
   for (int i = 0; i < task.count; ++i) {
@@ -46,9 +48,9 @@ OMMA_HD void reduce_errors(const FrameView& frame, const BlockTask& task, const 
         const double d = estimates[r] / samples - mean;
         squares += d * d;
       }
-      task.standard_error[ommatidium * frame.outputs + o] =
-          static_cast<float>(sqrt(squares / (scrambles * (scrambles - 1.0))) *
-                             frame.radiance_unit);
+      const double of_cells = cell_variance(frame, memory, i, o, samples * scrambles);
+      task.standard_error[ommatidium * frame.outputs + o] = static_cast<float>(
+          sqrt(squares / (scrambles * (scrambles - 1.0)) + of_cells) * frame.radiance_unit);
     }
   }
 }
@@ -92,6 +94,7 @@ OMMA_HD void render_block(const FrameView& frame, const BlockTask& task, Search&
   if (frame.error > 0) return render_to_error<L>(frame, task, search, memory);
   const UnitList all{nullptr, 0, frame.scrambles, task.count * frame.scrambles};
   clear(memory.sums, frame.outputs, all.count);
+  clear_cell_errors(frame, task, memory);
   if (frame.truth != nullptr) clear(*frame.truth, memory.truth_sums, all.count);
   trace_units<L>(frame, task, *frame.directions, all, search, memory, memory.sums,
                  static_cast<double*>(nullptr), memory.truth_sums);
@@ -100,7 +103,7 @@ OMMA_HD void render_block(const FrameView& frame, const BlockTask& task, Search&
   for (int i = 0; frame.truth != nullptr && i < task.count; ++i)
     reduce_truth(frame, task, memory.truth_sums, i, frame.scrambles,
                  frame.directions->samples * frame.scrambles);
-  if (task.standard_error != nullptr) reduce_errors(frame, task, memory.sums);
+  if (task.standard_error != nullptr) reduce_errors(frame, task, memory);
 }
 
 // Only writes the packets that a block traces, for measuring what tracing alone takes.

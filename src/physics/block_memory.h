@@ -31,6 +31,10 @@ struct SpectraMemory {
   float *reflectance = nullptr, *transmittance = nullptr, *emission = nullptr, *tint = nullptr;
 };
 
+// Random signs under which errors of cells of baked light are summed up: the mean square of so many
+// such sums is the variance of a response, within a third of it.
+inline constexpr int error_signs = 16;
+
 // Of a packet's paths; null where worlds are not lit.
 struct PathMemory : SpectraMemory {
   float* light = nullptr;  // [component][band][lane], arriving
@@ -41,6 +45,8 @@ struct PathMemory : SpectraMemory {
   // [band][place], of paths that wait to go on, and of those that wait for their last flight.
   float *waiting = nullptr, *waiting_for_last = nullptr;
   float* found = nullptr;  // [component][band][lane], by paths that have waited
+  // [ommatidium of the block][band][error_signs], sums over all rays; null where none are asked for.
+  float* cell_errors = nullptr;
 };
 
 // Of the ground truth (truth.h), over the rays of each unit.
@@ -105,6 +111,12 @@ struct BlockMemory {
 // packet's width of units, each up to 15 rays long.
 inline constexpr int short_room = block_rays + 16 + 16 * 16;
 
+// Whether standard errors have a part that is baked light's.
+OMMA_HD bool has_cell_errors(const FrameView& frame) {
+  const BakedView* baked = frame.scene->baked;
+  return baked != nullptr && baked->errors != nullptr && (frame.error > 0 || frame.scrambles > 1);
+}
+
 OMMA_HD BlockMemory lay_out(Room& room, const FrameView& frame, int lanes) {
   const auto outputs = static_cast<std::size_t>(frame.outputs);
   const auto packet = static_cast<std::size_t>(lanes);
@@ -154,6 +166,9 @@ OMMA_HD BlockMemory lay_out(Room& room, const FrameView& frame, int lanes) {
     memory.disc_seen = room.take<double>(disc_replicates * bands);
     memory.disc_light = room.take<double>(2 * bands);
   }
+  if (has_cell_errors(frame))
+    memory.paths.cell_errors = room.take<float>(static_cast<std::size_t>(most_per_block) *
+                                                static_cast<std::size_t>(scene.bands) * error_signs);
   if (frame.truth != nullptr) {
     const auto rows = static_cast<std::size_t>(rows_of(*frame.truth).count);
     memory.truth = room.take<float>(rows * packet);

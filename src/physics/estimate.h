@@ -6,6 +6,37 @@
 
 namespace omma {
 
+// The variance of output o of an ommatidium's response, in radiance units, that comes of the cells of
+// baked light which its `rays` met; 0 in other worlds.
+OMMA_HD double cell_variance(const FrameView& frame, const BlockMemory& memory, int ommatidium, int o,
+                             double rays) {
+  if (memory.paths.cell_errors == nullptr) return 0;
+  const int bands = frame.scene->bands, components = frame.scene->polarized ? 3 : 1;
+  const float* sums =
+      memory.paths.cell_errors + std::ptrdiff_t{ommatidium} * bands * error_signs;
+  // What is baked is unpolarised: it is in I alone.
+  if (frame.output_from_band == nullptr && o >= bands) return 0;
+  double squares = 0;
+  for (int k = 0; k < error_signs; ++k) {
+    double sum = 0;
+    if (frame.output_from_band == nullptr) {
+      sum = static_cast<double>(sums[o * error_signs + k]);
+    } else {
+      const float* row = frame.output_from_band + std::ptrdiff_t{o} * components * bands;
+      for (int b = 0; b < bands; ++b) sum += static_cast<double>(row[b] * sums[b * error_signs + k]);
+    }
+    squares += sum * sum;
+  }
+  return squares / (error_signs * rays * rays);
+}
+
+OMMA_HD void clear_cell_errors(const FrameView& frame, const BlockTask& task,
+                               const BlockMemory& memory) {
+  if (memory.paths.cell_errors == nullptr) return;
+  const std::ptrdiff_t all = std::ptrdiff_t{task.count} * frame.scene->bands * error_signs;
+  for (std::ptrdiff_t i = 0; i < all; ++i) memory.paths.cell_errors[i] = 0;
+}
+
 // Where the ommatidia of a block stand on the way to an error; the rest is in BlockMemory: sums over
 // all rays so far, all_squares, roughness and unseen.
 struct WayToError {
@@ -69,13 +100,18 @@ OMMA_HD double scaled_variance(const BlockMemory& memory, int i, int o, double r
   return memory.roughness[o * unit_room + i] * roots + unseen * unseen;
 }
 
-// Whether the standard errors are small enough; all in radiance units.
-OMMA_HD bool reaches_error(const FrameView& frame, const BlockMemory& memory, int i, double rays,
-                           double roots) {
+// Whether the standard errors would be small enough with so many rays; all in radiance units. More
+// rays do not change what cells of baked light err by: rays make up for at least half of the variance
+// that is asked for, and where cells err by more than the other half, the error stays above.
+OMMA_HD bool reaches_error(const FrameView& frame, const WayToError& way, const BlockMemory& memory,
+                           int i, double rays, double roots) {
   const double error = frame.error / frame.radiance_unit;
-  for (int o = 0; o < frame.outputs; ++o)
-    if (scaled_variance(memory, i, o, roots) > error * error * rays * rays)
-      return false;
+  for (int o = 0; o < frame.outputs; ++o) {
+    const double of_cells = cell_variance(frame, memory, i, o, way.rays[i]);
+    const double all = error * error, left = all - of_cells;
+    const double for_rays = left > 0.5 * all ? left : 0.5 * all;
+    if (scaled_variance(memory, i, o, roots) > for_rays * rays * rays) return false;
+  }
   return true;
 }
 
@@ -84,13 +120,13 @@ OMMA_HD bool reaches_error(const FrameView& frame, const BlockMemory& memory, in
 OMMA_HD int choose_round(const FrameView& frame, const WayToError& way,
                          const BlockMemory& memory, int i) {
   const double rays = way.rays[i];
-  if (reaches_error(frame, memory, i, rays, way.roots[i])) return -1;
+  if (reaches_error(frame, way, memory, i, rays, way.roots[i])) return -1;
   int round = -1;
   for (int k = 0; k < frame.rounds; ++k) {
     const double more = frame.directions[k].samples;
     if (rays + more > frame.most_samples) break;
     round = k;
-    if (reaches_error(frame, memory, i, rays + more, way.roots[i] + sqrt(more))) break;
+    if (reaches_error(frame, way, memory, i, rays + more, way.roots[i] + sqrt(more))) break;
   }
   return round;
 }
@@ -145,6 +181,7 @@ OMMA_HD void render_to_error(const FrameView& frame, const BlockTask& task, Sear
   WayToError way;
   clear(memory.sums, frame.outputs, task.count);
   clear(memory.all_squares, frame.outputs, task.count);
+  clear_cell_errors(frame, task, memory);
   if (frame.truth != nullptr) clear(*frame.truth, memory.truth_sums, task.count);
   for (int i = 0; i < task.count; ++i) way.roots[i] = way.rays[i] = way.next[i] = 0;
   int rounds = 1;  // of these some are to come
@@ -169,7 +206,8 @@ OMMA_HD void render_to_error(const FrameView& frame, const BlockTask& task, Sear
       const std::int64_t out = ommatidium * frame.outputs + o;
       const double rays = way.rays[i];
       double response = memory.sums[o * unit_room + i] / rays;
-      double variance = scaled_variance(memory, i, o, way.roots[i]) / (rays * rays);
+      double variance = scaled_variance(memory, i, o, way.roots[i]) / (rays * rays) +
+                        cell_variance(frame, memory, i, o, rays);
       if (sees_more) {
         response += memory.beside[o * unit_room + i];
         variance += memory.beside_variance[o * unit_room + i];

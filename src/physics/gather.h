@@ -1,6 +1,8 @@
 // Light that arrives at places from all around, as it is baked: paths begin at points of a patch of
 // a surface, or at a place in the air, in directions by the cosine, and are followed like those of an
-// eye. What comes straight from discs and lamps is left out.
+// eye; in a scene with baked light, to the first diffuse surface, as in the final gathering of a
+// radiosity (Ward, Rubinstein and Clear 1988). What comes straight from discs and lamps is left out.
+// A packet holds the paths of one place, or of several that have few each.
 #pragma once
 
 #include "physics/lit_path.h"
@@ -15,8 +17,34 @@ struct GatherPlace {
   float reach_m = 0;  // of a patch: what is nearer hides points from eyes
   Vec3 position, normal;  // of a place in the air, traced frame
   std::uint32_t hash = 0;
-  int paths = 0;  // a multiple of the packet
 };
+
+struct GatherTask {
+  const GatherPlace* places = nullptr;
+  int count = 0;  // of places; more than one only where a packet holds all their paths
+  int paths = 0;  // of each
+  // Whose light surfaces that shine are sampled from: of a scene without baked light, which leaves
+  // them out.
+  const SceneView* shining = nullptr;
+};
+
+// Whose path a lane is: the place, null for none, and its number among those of the place.
+template <int n>
+struct GatherLanes {
+  const GatherPlace* place[n];
+  std::uint32_t sample[n];
+};
+
+// `first`: the number of the first path in the packet.
+template <int n>
+OMMA_HD void assign_lanes(const GatherTask& task, int first, GatherLanes<n>& lanes) {
+  const int each = task.paths < n ? task.paths : n;
+  for (int l = 0; l < n; ++l) {
+    const int k = l / each, sample = first + l % each;
+    lanes.place[l] = k < task.count && sample < task.paths ? task.places + k : nullptr;
+    lanes.sample[l] = static_cast<std::uint32_t>(sample);
+  }
+}
 
 // Choices at the beginning of paths; those on the way count up from 0 (Choice).
 inline constexpr std::uint32_t choice_of_point = 0xfffffff0u, choice_of_way = 0xfffffff1u,
@@ -34,11 +62,10 @@ OMMA_HD std::uint32_t hash_of_attempt(const GatherPlace& place, std::uint32_t at
 // cosine, meets something within the place's reach. By reciprocity points that are kept are as
 // frequent as eyes all around see them. What falls on one side of a sheet is seen from both.
 template <typename L, typename Search>
-OMMA_HD unsigned find_hidden(const SceneView& scene, Search& search, const GatherPlace& place,
-                             int first, std::uint32_t attempt, unsigned lanes,
+OMMA_HD unsigned find_hidden(const SceneView& scene, Search& search,
+                             const GatherLanes<L::count>& of, std::uint32_t attempt, unsigned lanes,
                              const HitGeometry<L>& geometry, const PathMemory& memory) {
   constexpr int n = L::count;
-  const bool is_sheet = scene.scatter[scene.meshes[place.mesh].material].transmittance != nullptr;
   Packet<L> look;
   clear<L>(look.rays);
   alignas(n * 4) std::int32_t asked[n];
@@ -46,11 +73,12 @@ OMMA_HD unsigned find_hidden(const SceneView& scene, Search& search, const Gathe
     asked[l] = (lanes >> l & 1u) != 0 ? -1 : 0;
     look.footprint_rad[l] = 0;
     float towards[3] = {0, 1, 0};
+    look.rays.t_far_m[l] = 0;
     if (asked[l] != 0) {
-      auto pair = path_pair(hash_of_attempt(place, attempt), static_cast<std::uint32_t>(first + l),
-                            choice_of_look);
+      const GatherPlace& place = *of.place[l];
+      auto pair = path_pair(hash_of_attempt(place, attempt), of.sample[l], choice_of_look);
       bool from_back = place.is_back;
-      if (is_sheet) {
+      if (scene.scatter[scene.meshes[place.mesh].material].transmittance != nullptr) {
         from_back = pair.y < 0.5f;
         pair.y = 2.0f * pair.y - (from_back ? 0.0f : 1.0f);
       }
@@ -63,48 +91,49 @@ OMMA_HD unsigned find_hidden(const SceneView& scene, Search& search, const Gathe
         towards[r] = tangent[r] * local.x + bitangent[r] * local.y + up[r] * local.z;
     }
     leave_surface<L>(geometry, l, towards, look.rays);
-    look.rays.t_far_m[l] = place.reach_m;
+    if (asked[l] != 0) look.rays.t_far_m[l] = of.place[l]->reach_m;
   }
   return scene.has_blend || scene.has_glass
              ? lanes & ~dim_by_passing<L>(scene, search, lanes, look, memory.shadow)
              : search.occluded(asked, look.rays);
 }
 
-// The packet's points on the patch, as rays would have met them, and their geometry; false where none
-// is on the surface. Lanes whose points are all hidden or cut out begin where others do; where all
-// are hidden the last ones are taken.
+// The packet's points on their patches, as rays would have met them, and their geometry; false where
+// none is on a surface. Lanes whose points are all hidden or cut out begin where others of their
+// place do; where all of a place are hidden the last ones are taken.
 template <typename L, typename Search>
-OMMA_HD bool choose_points(const SceneView& scene, Search& search, const GatherPlace& place,
-                           int first, const PathMemory& memory, Packet<L>& packet, Hits<L>& hits,
-                           HitGeometry<L>& geometry) {
+OMMA_HD bool choose_points(const SceneView& scene, Search& search,
+                           const GatherLanes<L::count>& of, const PathMemory& memory,
+                           Packet<L>& packet, Hits<L>& hits, HitGeometry<L>& geometry) {
   constexpr int n = L::count;
-  constexpr unsigned all = (1u << n) - 1u;
-  const bool has_holes =
-      scene.materials[scene.meshes[place.mesh].material].alpha_mode == AlphaMode::mask;
+  unsigned all = 0;
   for (int l = 0; l < n; ++l) {
     hits.mesh[l] = -1;
-    hits.instance[l] = place.instance;
+    hits.instance[l] = of.place[l] != nullptr ? of.place[l]->instance : 0;
     hits.footprint_m[l] = 0;
+    if (of.place[l] != nullptr) all |= 1u << l;
   }
   const auto put = [&](int l, float u, float v) {
-    hits.mesh[l] = place.mesh;
-    packet.rays.triangle[l] = static_cast<unsigned>(place.triangle);
+    hits.mesh[l] = of.place[l]->mesh;
+    packet.rays.triangle[l] = static_cast<unsigned>(of.place[l]->triangle);
     packet.rays.u[l] = u;
     packet.rays.v[l] = v;
   };
   unsigned seen = 0, any = 0;
   for (std::uint32_t attempt = 0; attempt < most_attempts && seen != all; ++attempt) {
     unsigned tried = 0;
-    for (int l = 0; l < n; ++l) {
-      if ((seen >> l & 1u) != 0) continue;
-      const auto pair = path_pair(hash_of_attempt(place, attempt),
-                                  static_cast<std::uint32_t>(first + l), choice_of_point);
+    for (unsigned left = all & ~seen; left != 0; left &= left - 1) {
+      const int l = lowest_bit(left);
+      const GatherPlace& place = *of.place[l];
+      const auto pair = path_pair(hash_of_attempt(place, attempt), of.sample[l], choice_of_point);
       const float root = sqrtf(pair.x), b = root * pair.y, a = root - b;
       const float u = place.uv[0][0] + a * (place.uv[1][0] - place.uv[0][0]) +
                       b * (place.uv[2][0] - place.uv[0][0]);
       const float v = place.uv[0][1] + a * (place.uv[1][1] - place.uv[0][1]) +
                       b * (place.uv[2][1] - place.uv[0][1]);
       const SurfaceHit hit{place.mesh, static_cast<std::uint32_t>(place.triangle), u, v, 0.0f};
+      const bool has_holes =
+          scene.materials[scene.meshes[place.mesh].material].alpha_mode == AlphaMode::mask;
       if (has_holes && !accept_hit(scene, hit, false)) continue;
       put(l, u, v);
       tried |= 1u << l;
@@ -112,15 +141,19 @@ OMMA_HD bool choose_points(const SceneView& scene, Search& search, const GatherP
     if (tried == 0) continue;
     any |= tried;
     eval_geometry<L>(scene, packet.rays, hits, geometry);
-    seen |= tried & ~find_hidden<L>(scene, search, place, first, attempt, tried, geometry, memory);
+    seen |= tried & ~find_hidden<L>(scene, search, of, attempt, tried, geometry, memory);
   }
   if (seen == 0 || seen == all) return any != 0;
   int other = 0;
-  for (int l = 0; l < n; ++l) {
-    if ((seen >> l & 1u) != 0) continue;
-    do other = (other + 1) % n;
-    while ((seen >> other & 1u) == 0);
-    put(l, packet.rays.u[other], packet.rays.v[other]);
+  for (unsigned left = all & ~seen; left != 0; left &= left - 1) {
+    const int l = lowest_bit(left);
+    const auto serves = [&](int k) { return (seen >> k & 1u) != 0 && of.place[k] == of.place[l]; };
+    for (int tries = 0; tries < n; ++tries) {
+      other = (other + 1) % n;
+      if (!serves(other)) continue;
+      put(l, packet.rays.u[other], packet.rays.v[other]);
+      break;
+    }
   }
   eval_geometry<L>(scene, packet.rays, hits, geometry);
   return true;
@@ -129,8 +162,8 @@ OMMA_HD bool choose_points(const SceneView& scene, Search& search, const GatherP
 // Light that surfaces which shine send straight to the beginnings of paths, [band][lane] added to
 // `radiance`, as radiance that a white surface sends back.
 template <typename L, typename Search>
-OMMA_HD void add_shining(const SceneView& scene, Search& search, const GatherPlace& place,
-                         int first, const HitGeometry<L>& geometry,
+OMMA_HD void add_shining(const SceneView& scene, Search& search, const GatherLanes<L::count>& of,
+                         const HitGeometry<L>& geometry,
                          const float (&normal)[3][L::count],
                          const ScatterPoint<typename L::F>* points, const std::int32_t* valid,
                          const PathMemory& memory, float* radiance) {
@@ -149,9 +182,9 @@ OMMA_HD void add_shining(const SceneView& scene, Search& search, const GatherPla
     for (int r = 0; r < 3; ++r) shadow.rays.origin[r][l] = shadow.rays.direction[r][l] = 0;
     shadow.rays.t_near_m[l] = shadow.rays.t_far_m[l] = shadow.footprint_rad[l] = 0;
     if (valid[l] == 0) continue;
-    const auto sample = static_cast<std::uint32_t>(first + l);
-    const auto which = path_pair(place.hash, sample, choice_of_shining);
-    const auto on = path_pair(place.hash, sample, choice_on_shining);
+    const GatherPlace& place = *of.place[l];
+    const auto which = path_pair(place.hash, of.sample[l], choice_of_shining);
+    const auto on = path_pair(place.hash, of.sample[l], choice_on_shining);
     lights[l] = sample_surfaces(scene, vec_at(geometry.position, l), which.x, on.x, on.y);
     const Vec3 d = lights[l].direction;
     const float towards[3] = {d.x, d.y, d.z};
@@ -190,15 +223,18 @@ OMMA_HD void add_shining(const SceneView& scene, Search& search, const GatherPla
   }
 }
 
-// Mean of what white surfaces there would send back, [band].
+// Mean of what white surfaces there would send back, [place][band].
 template <typename L, typename Search>
-OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherPlace& place,
+OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTask& task,
                           const PathMemory& memory, float* radiance, double* mean) {
   using F = typename L::F;
   constexpr int n = L::count;
-  int points_found = 0;
-  for (int b = 0; b < scene.bands; ++b) mean[b] = 0;
-  for (int first = 0; first < place.paths; first += n) {
+  int points_found[n] = {};
+  for (int i = 0; i < task.count * scene.bands; ++i) mean[i] = 0;
+  const bool is_on_surface = task.places->mesh >= 0;
+  GatherLanes<n> of;
+  for (int first = 0; first < task.paths; first += n) {
+    assign_lanes(task, first, of);
     Packet<L> packet;
     clear<L>(packet.rays);
     Hits<L> hits;
@@ -206,25 +242,28 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherPl
     LitSurface<L> surface;
     ScatterPoint<F> points[n / L::width];
     alignas(n * 4) float normal[3][n], way[3][n], entering[n];
-    const bool is_on_surface = place.mesh >= 0;
     for (int l = 0; l < n; ++l) {
       packet.rays.t_far_m[l] = INFINITY;
       packet.footprint_rad[l] = 0;
-      packet.hash[l] = static_cast<std::int32_t>(place.hash);
-      packet.sample[l] = first + l;
+      packet.hash[l] = of.place[l] != nullptr ? static_cast<std::int32_t>(of.place[l]->hash) : 0;
+      packet.sample[l] = static_cast<std::int32_t>(of.sample[l]);
     }
     if (is_on_surface) {
-      if (!choose_points<L>(scene, search, place, first, memory, packet, hits, geometry)) continue;
+      geometry = {};
+      if (!choose_points<L>(scene, search, of, memory, packet, hits, geometry)) continue;
       // Seen by one who looks straight down on it.
-      for (int l = 0; l < n; ++l)
+      for (int l = 0; l < n; ++l) {
+        const bool is_back = of.place[l] != nullptr && of.place[l]->is_back;
         for (int r = 0; r < 3; ++r)
-          packet.rays.direction[r][l] =
-              place.is_back ? geometry.normal[r][l] : -geometry.normal[r][l];
+          packet.rays.direction[r][l] = is_back ? geometry.normal[r][l] : -geometry.normal[r][l];
+      }
       eval_lit_surfaces<L>(scene, packet, hits, geometry, memory, surface);
     } else {
       geometry = {};
       for (int l = 0; l < n; ++l) {
-        hits.mesh[l] = 0;
+        hits.mesh[l] = of.place[l] != nullptr ? 0 : -1;
+        if (of.place[l] == nullptr) continue;
+        const GatherPlace& place = *of.place[l];
         const float at[3] = {place.position.x, place.position.y, place.position.z};
         const float up[3] = {place.normal.x, place.normal.y, place.normal.z};
         for (int r = 0; r < 3; ++r) {
@@ -274,21 +313,27 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherPl
     }
     // What shines is sampled first: the paths move on from where they begin.
     for (int i = 0; i < scene.bands * n; ++i) memory.front[i] = 0;
-    if (scene.light->emissive_probability > 0.0f)
-      add_shining<L>(scene, search, place, first, geometry, normal,
+    if (task.shining->light->emissive_probability > 0.0f)
+      add_shining<L>(*task.shining, search, of, geometry, normal,
                      is_on_surface ? points : nullptr, on, memory, memory.front);
-    eval_lit_path<L>(scene, search, valid, packet, memory, radiance, true);
+    // What shines has been put aside: paths that read baked light need the memory.
+    const auto add = [&](int l, const float* light, float weight) {
+      const std::ptrdiff_t k = of.place[l] - task.places;
+      for (int b = 0; b < scene.bands; ++b)
+        mean[k * scene.bands + b] += static_cast<double>(light[b * n + l] * weight);
+    };
     for (int l = 0; l < n; ++l) {
       if (on[l] == 0) continue;
-      ++points_found;
-      for (int b = 0; b < scene.bands; ++b) {
-        const float found = valid[l] != 0 ? radiance[b * n + l] * entering[l] : 0.0f;
-        mean[b] += static_cast<double>(memory.front[b * n + l] + found);
-      }
+      ++points_found[of.place[l] - task.places];
+      add(l, memory.front, 1.0f);
     }
+    eval_lit_path<L>(scene, search, valid, packet, memory, radiance, true);
+    for (int l = 0; l < n; ++l)
+      if (valid[l] != 0) add(l, radiance, entering[l]);
   }
-  const double each = points_found > 0 ? 1.0 / points_found : 0.0;
-  for (int b = 0; b < scene.bands; ++b) mean[b] *= each;
+  for (int k = 0; k < task.count; ++k)
+    for (int b = 0; b < scene.bands; ++b)
+      mean[k * scene.bands + b] *= points_found[k] > 0 ? 1.0 / points_found[k] : 0.0;
 }
 
 }  // namespace omma

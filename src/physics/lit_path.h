@@ -158,6 +158,8 @@ OMMA_HD_CALLED unsigned fly(const SceneView& scene, Search& search, Spread sprea
 
   if (scene.baked != nullptr)
     add_baked<L>(scene, state, points, scattering, memory, radiance);
+  if (memory.cell_errors != nullptr)
+    add_cell_errors<L>(scene, packet, state, points, baked, scattering, memory);
 
   // On: past what was let by, or as scattered.
   Onward<L> onward;

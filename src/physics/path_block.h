@@ -17,6 +17,7 @@ struct PathBlock {
   float* radiance;
   WaitingPaths<L> waiting, waiting_for_last;
   Packet<L> onward;  // of paths that have waited
+  std::int32_t ommatidium[block_rays];  // [ray], as Packet has it
 };
 
 template <typename L>
@@ -48,6 +49,10 @@ OMMA_HD void fly_waiting(PathBlock<L, Search>& block, WaitingPaths<L>& waiting) 
   PathState<L> state;
   alignas(n * 4) std::int32_t ray[n];
   const unsigned lanes = take<L>(scene, waiting, block.onward, state, ray, block.memory);
+  for (unsigned bits = lanes; bits != 0; bits &= bits - 1) {
+    const int l = lowest_bit(bits);
+    block.onward.ommatidium[l] = block.ommatidium[ray[l]];
+  }
   const unsigned polarised = scene.polarized ? bringing_polarisation<L>(state) : 0;
   float* const found = block.memory.found;
   for (int i = 0; i < floats; ++i) found[i] = 0;
@@ -91,7 +96,10 @@ OMMA_HD void begin_paths(PathBlock<L, Search>& block, int packet_index, const st
                              state, nullptr, block.memory, radiance, first);
   if (on == 0) return;
   alignas(n * 4) std::int32_t ray[n];
-  for (int l = 0; l < n; ++l) ray[l] = packet_index * n + l;
+  for (int l = 0; l < n; ++l) {
+    ray[l] = packet_index * n + l;
+    block.ommatidium[ray[l]] = packet.ommatidium[l];
+  }
   put<L>(block, on, packet, state, ray);
   follow<L>(block, n);
 }

@@ -21,6 +21,7 @@ struct Packet {
   alignas(L::count * 4) std::int32_t sample[L::count];
   alignas(L::count * 4) float reference[3][L::count];
   alignas(L::count * 4) float acceptance_sr[L::count];  // of rays from the eye (counts_by_rays)
+  std::int32_t ommatidium[L::count];  // in its block, where errors of cells are summed up
   std::uint32_t light_sees = all_seen;  // the mask of rays that go on from surfaces, and to lights
 };
 

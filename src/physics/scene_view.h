@@ -9,6 +9,8 @@
 
 namespace omma {
 
+struct CellError;  // omma/bake.h
+
 struct TextureView {
   // Levels follow one another, each half as wide and high as the one before, rounded up. Floats,
   // or 16 bits: components 65535 for 1, two to a word, the even ones low; where `codes` is set these
@@ -104,6 +106,7 @@ struct SunMapView;  // sun_map.h
 // omma::BakedLight.
 struct BakedView {
   const std::uint16_t* values = nullptr;                   // [cell][front, back][band]
+  const CellError* errors = nullptr;                       // [cell][front, back], or null
   const std::int32_t* first_cell = nullptr;                // [instance of the scene], or -1
   const std::int32_t* const* cell_of_triangle = nullptr;   // [mesh][triangle + 1], or null
   const char* moves = nullptr;  // [instance of the scene], not 0 where it has moved since

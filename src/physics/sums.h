@@ -97,6 +97,20 @@ OMMA_HD void add_pair(const float* light, int sample, int outputs, float* first,
   }
 }
 
+// Whose rays those of a packet are, as Packet has it.
+template <typename L>
+OMMA_HD void name_ommatidia(const BlockTask& task, const UnitList& list, const PacketPlace& place,
+                            int samples, Packet<L>& packet) {
+  int unit = place.unit, sample = place.sample;
+  for (int l = 0; l < L::count; ++l) {
+    const int listed = (unit < list.count ? unit : list.count - 1) / list.scrambles;
+    packet.ommatidium[l] = list.ordinal == nullptr ? listed : list.ordinal[listed] - task.first;
+    if (++sample < samples) continue;
+    sample = 0;
+    ++unit;
+  }
+}
+
 // Traces and shades units, into `sums`; `squares`, where not null, takes those of the differences
 // between pairs of samples; `truth` what is met, where the frame asks for it. All begin as zeros.
 template <typename L, typename Search>
@@ -171,6 +185,8 @@ OMMA_HD void trace_units(const FrameView& frame, const BlockTask& task,
       for (int l = 0; l < L::count; ++l) valid[l] = l < place.filled ? -1 : 0;
       for (int l = 0; l < L::count; ++l) packet.rays.mask[l] = task.sees.from_eye;
       if (task.motion != nullptr) move_with_head<L>(*task.motion, packet);
+      if (memory.paths.cell_errors != nullptr)
+        name_ommatidia<L>(task, list, place, directions.samples, packet);
       eval(place, valid);
       add_what_was_met(place);
     });
@@ -187,7 +203,7 @@ OMMA_HD void trace_units(const FrameView& frame, const BlockTask& task,
     PacketPlace places[most_packets];
     unsigned in_cones[most_packets];
     int packets = 0;
-    PathBlock<L, Search> block{*frame.scene, search, memory.paths, memory.radiance, {}, {}, {}};
+    PathBlock<L, Search> block{*frame.scene, search, memory.paths, memory.radiance, {}, {}, {}, {}};
     block.waiting.throughput = memory.paths.waiting;
     block.waiting_for_last.throughput = memory.paths.waiting_for_last;
     clear<L>(block.onward.rays);

@@ -171,15 +171,53 @@ def test_without_a_cache(tmp_path, monkeypatch):
     assert len(list((tmp_path / "baked-light").iterdir())) == 1
 
 
-@pytest.mark.parametrize("kind", [KeyboardInterrupt, ZeroDivisionError])
-def test_what_progress_raises_leaves_nothing(tmp_path, kind):
-    def stop(done):
-        if done > 0.15:
-            raise kind
+class Stop:
+    """Progress that is ended at a share of the work."""
 
-    with pytest.raises(kind):
-        world_of(tmp_path, progress=stop, paths=4096)
-    assert not list(tmp_path.iterdir())
+    def __init__(self, at, kind=KeyboardInterrupt):
+        self.at, self.kind = at, kind
+
+    def __call__(self, done):
+        if done > self.at:
+            raise self.kind
+
+
+@pytest.mark.parametrize("kind", [KeyboardInterrupt, ZeroDivisionError])
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.9])
+def test_a_bake_that_was_stopped_goes_on(tmp_path, kind, share):
+    many = {"paths": 1024, "cell_m": 0.02}
+    with pytest.raises(kind) as stopped:
+        world_of(tmp_path, progress=Stop(share, kind), **many)
+    (kept,) = tmp_path.iterdir()
+    assert kept.suffix == ".unfinished"
+    (note,) = stopped.value.__notes__
+    assert f"% of the light that was being baked are kept in {tmp_path}" in note
+    told = []
+    world = world_of(tmp_path, progress=told.append, **many)
+    assert not world.baked.from_cache
+    assert told[0] < told[-1] == 1
+    (finished,) = tmp_path.iterdir()
+    assert finished.suffix == ".baked"
+    # To the bits of one that was not stopped.
+    np.testing.assert_array_equal(seen_by(world), seen_by(world_of(False, **many)))
+
+
+def test_what_is_kept_of_a_bake_may_be_damaged(tmp_path):
+    many = {"paths": 1024, "cell_m": 0.02}
+    with pytest.raises(KeyboardInterrupt):
+        world_of(tmp_path, progress=Stop(0.5), **many)
+    (kept,) = tmp_path.iterdir()
+    kept.write_bytes(kept.read_bytes()[:-100])
+    np.testing.assert_array_equal(
+        seen_by(world_of(tmp_path, **many)), seen_by(world_of(False, **many))
+    )
+
+
+def test_without_a_cache_nothing_is_kept():
+    with pytest.raises(KeyboardInterrupt) as stopped:
+        world_of(False, progress=Stop(0.5), paths=1024, cell_m=0.02)
+    (note,) = stopped.value.__notes__
+    assert note == "of the light that was being baked nothing is kept, as there is no cache"
 
 
 def test_two_processes_at_once(tmp_path):

@@ -153,8 +153,8 @@ def test_a_leaf_that_absorbs_nothing_is_not_seen(angle_deg):
     back = np.array([np.sin(angle), np.cos(angle), 0])
     at = along_strip((0, 0, 0), 200) * 0.8 + 0.1 * back
     _, _, seen = mean_seen(world, at, -back)
-    # All paths find the same; light is kept in numbers of 12 bits.
-    np.testing.assert_allclose(seen, 1, rtol=2**-11)
+    # All paths find the same; light is kept in numbers of 12 bits, of each pass.
+    np.testing.assert_allclose(seen, 1, rtol=2**-10)
 
 
 def shaded():
@@ -412,7 +412,8 @@ def test_a_large_mesh_without_room():
         ({"cell_m": 0}, "cell_m: expected a number above 0"),
         ({"cell_m": float("nan")}, "cell_m"),
         ({"paths": 0}, "paths: expected 16 to 65536, found 0"),
-        ({"paths": 40}, "paths: expected a multiple of 16, found 40"),
+        ({"paths": 48}, "paths: expected 16 or a multiple of 32, found 48"),
+        ({"seed": -1}, "seed: expected 0 to"),
         ({"most_bytes": -1}, "most_bytes"),
     ],
 )

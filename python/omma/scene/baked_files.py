@@ -1,4 +1,5 @@
-"""The cache of baked light: files that are named by all that their light depends on."""
+"""The cache of baked light: files that are named by all that their light depends on, of bakes that
+are finished, and of those that were stopped."""
 
 from __future__ import annotations
 
@@ -20,18 +21,17 @@ from omma.base.files import WholeFiles, make_directory
 from omma.base.warn import warn_caller
 
 # Of keys and files; raised where either changes.
-_FORMAT = 3
+_FORMAT = 4
 _MAGIC = b"omma baked light\n"
 _NUMBER = 8  # bytes of each of the two numbers behind that: check sum, length of the header
-_ENDING = ".baked"
+_ENDING, _UNFINISHED = ".baked", ".unfinished"
 
 _MOST_BYTES = 2 << 30
 _DAY_S = 86400.0
 
 # Of a scene what light depends on; names play no part.
 _PARTS = ("meshes", "instances", "materials", "textures", "images", "lights", "color_rule")
-_ARRAYS = ("values", "first_cell", "probe_values")
-_NUMBERS = ("unit", "cell_m", "paths", "by_probes", "seconds")
+_ARRAYS = ("values", "errors", "first_cell", "probe_values")
 _PLACES = ("probe_origin_m", "probe_spacing_m")
 
 
@@ -103,19 +103,78 @@ def _add(digest: Any, value: Any) -> None:
 def read_baked_light(directory: Path, key: str) -> _core.BakedLight | None:
     """What is kept under that name; None where nothing is, or what is there is not whole."""
     path = directory / (key + _ENDING)
-    if not path.exists():
-        return None
     try:
-        baked = _baked_light_of(_core.read_file(path), key)
-    except (Error, OSError, ValueError, KeyError, TypeError):
+        header, arrays = _read(path, key)
+        cells = arrays.pop("cell_of_triangle")
+        ends = np.cumsum(header["triangles"])[:-1]
+        baked = _core.BakedLight(
+            cell_of_triangle=np.split(cells, ends) if header["triangles"] else [],
+            **arrays,
+            **{name: header[name] for name in ("unit", "numbers", *_PLACES)},
+        )
+    except _NOT_WHOLE:
         return None  # baked and written anew
     with contextlib.suppress(OSError):  # of a folder that can only be read
         os.utime(path)  # used last
     return baked
 
 
-def _baked_light_of(data: bytes, key: str) -> _core.BakedLight:
-    """The baked light in the bytes of a file; ValueError and others where they are not whole."""
+def write_baked_light(directory: Path, key: str, baked: _core.BakedLight) -> None:
+    """Keeps it under that name; a UserWarning where that cannot be."""
+    cells = baked.cell_of_triangle
+    arrays = {name: getattr(baked, name) for name in _ARRAYS}
+    arrays["cell_of_triangle"] = np.concatenate([np.empty(0, np.int32), *cells])
+    header = {
+        "unit": baked.unit,
+        "numbers": baked.numbers,
+        **{name: getattr(baked, name).tolist() for name in _PLACES},
+        "triangles": [len(first) for first in cells],
+    }
+    problem = _write(directory / (key + _ENDING), key, header, arrays)
+    if problem is None:
+        with contextlib.suppress(OSError):
+            os.remove(directory / (key + _UNFINISHED))
+        _remove_oldest(directory, key + _ENDING)
+        return
+    warn_caller(
+        f"cache of baked light: {directory}: {problem}; the light is baked again next time "
+        "(OMMA_CACHE or omma.scene.Bake(cache=...) names another folder)",
+        UserWarning,
+    )
+
+
+def read_unfinished(directory: Path, key: str) -> _core.UnfinishedBake:
+    """What is kept of a bake that was stopped; nothing where it was not."""
+    try:
+        header, arrays = _read(directory / (key + _UNFINISHED), key)
+        lines = [arrays[f"lines{k}"] for k in range(4)]
+        return _core.UnfinishedBake(
+            header["numbers"], arrays["done"], lines, arrays["paths_of_group"]
+        )
+    except _NOT_WHOLE:
+        return _core.UnfinishedBake()
+
+
+def keep_unfinished(directory: Path, key: str, bake: _core.UnfinishedBake) -> bool:
+    """Keeps what is finished of a bake; whether that could be."""
+    arrays = {f"lines{k}": lines for k, lines in enumerate(bake.lines)}
+    arrays |= {"done": bake.done, "paths_of_group": bake.paths_of_group}
+    name = key + _UNFINISHED
+    if _write(directory / name, key, {"numbers": bake.numbers}, arrays) is not None:
+        return False
+    _remove_oldest(directory, name)
+    return True
+
+
+# What reading a file ends in that is not there, was cut short or changed.
+_NOT_WHOLE = (Error, OSError, ValueError, KeyError, TypeError)
+
+
+def _read(path: Path, key: str) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Header and arrays of a file; one of `_NOT_WHOLE` where it is not there or not whole."""
+    if not path.exists():
+        raise FileNotFoundError(path)
+    data = _core.read_file(path)
     start = len(_MAGIC) + 2 * _NUMBER
     checksum, length = np.frombuffer(data, "<u8", 2, len(_MAGIC)).tolist()
     body = memoryview(data)[start - _NUMBER :]
@@ -131,26 +190,17 @@ def _baked_light_of(data: bytes, key: str) -> _core.BakedLight:
         array = np.frombuffer(data, dtype, count, offset).reshape(shape)
         arrays[name] = array
         offset += array.nbytes
-    cells = arrays.pop("cell_of_triangle")
-    ends = np.cumsum(header["triangles"])[:-1]
-    return _core.BakedLight(
-        cell_of_triangle=np.split(cells, ends) if header["triangles"] else [],
-        **arrays,
-        **{name: header[name] for name in (*_NUMBERS, *_PLACES)},
-    )
+    return header, arrays
 
 
-def write_baked_light(directory: Path, key: str, baked: _core.BakedLight) -> None:
-    """Keeps it under that name; a UserWarning where that cannot be."""
-    cells = baked.cell_of_triangle
-    arrays = {name: getattr(baked, name) for name in _ARRAYS}
-    arrays["cell_of_triangle"] = np.concatenate([np.empty(0, np.int32), *cells])
+def _write(
+    path: Path, key: str, header: dict[str, Any], arrays: dict[str, Any]
+) -> Exception | None:
+    """Writes a file as a whole; what hindered it, if anything did."""
     header = {
         "format": _FORMAT,
         "key": key,
-        **{name: getattr(baked, name) for name in _NUMBERS},
-        **{name: getattr(baked, name).tolist() for name in _PLACES},
-        "triangles": [len(first) for first in cells],
+        **header,
         "arrays": [[name, array.dtype.str, array.shape] for name, array in arrays.items()],
     }
     text = json.dumps(header).encode()
@@ -160,20 +210,15 @@ def write_baked_light(directory: Path, key: str, baked: _core.BakedLight) -> Non
     for part in parts:
         checksum = zlib.crc32(part, checksum)
     try:
-        make_directory(directory)
+        make_directory(path.parent)
         with WholeFiles() as files:
-            file = files.open(str(directory / (key + _ENDING)))
+            file = files.open(str(path))
             file.write(_MAGIC + np.array(checksum, "<u8").tobytes())
             for part in parts:
                 file.write(part)
     except (Error, OSError) as error:
-        warn_caller(
-            f"cache of baked light: {directory}: {error}; the light is baked again next time "
-            "(OMMA_CACHE or omma.scene.Bake(cache=...) names another folder)",
-            UserWarning,
-        )
-        return
-    _remove_oldest(directory, key + _ENDING)
+        return error
+    return None
 
 
 def _remove_oldest(directory: Path, kept: str) -> None:
@@ -184,7 +229,7 @@ def _remove_oldest(directory: Path, kept: str) -> None:
         for entry in os.scandir(directory):
             with contextlib.suppress(OSError):  # another process has removed it
                 about = entry.stat()
-                if entry.name.endswith(_ENDING) and entry.name != kept:
+                if entry.name.endswith((_ENDING, _UNFINISHED)) and entry.name != kept:
                     found.append((about.st_mtime, about.st_size, entry.path))
                 elif entry.name.endswith(".partial") and about.st_mtime < time.time() - _DAY_S:
                     os.remove(entry.path)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,9 @@ from omma.base.values import value_class
 from omma.base.warn import warn_caller
 from omma.scene.baked_files import (
     cache_directory,
+    keep_unfinished,
     read_baked_light,
+    read_unfinished,
     scene_digest,
     world_key,
     write_baked_light,
@@ -24,7 +27,7 @@ from omma.scene.baked_files import (
 
 Progress = Callable[[float], object]
 
-_PATHS_AT_ONCE, _MOST_PATHS = 16, 65536
+_LEAST_PATHS, _PATHS_AT_ONCE, _MOST_PATHS = 16, 32, 65536
 # Both sides of a cell, 16 bits a band.
 _BYTES_OF_BAND = 4
 
@@ -38,10 +41,12 @@ class Bake:
         cell_m: longest edge of the cells into which large triangles are divided, m; each edge into
             1,024 parts at most. None: chosen by the scene, for at most some 32,000 cells more than
             five times its triangles, and the larger the larger their triangles are.
-        paths: of light for each side of a cell: a multiple of 16 up to 65,536. Noise of what is
-            baked halves with four times as many, which take four times as long.
+        paths: of light for each side of a cell: 16, or a multiple of 32 up to 65,536. Noise of what
+            is baked halves with four times as many, which take four times as long. None: more
+            where there is more noise, some 24 in the mean of large scenes.
         most_bytes: that cells take, 4 for each band of a cell. Triangles without room are lit by a
             coarse grid of probes.
+        seed: of its random numbers, 0 to 2^32 - 1.
         cache: keep what is baked in the user's cache folder, and look for it there; a folder to
             use that one; False to do neither.
 
@@ -51,17 +56,23 @@ class Bake:
     """
 
     cell_m: float | None = None
-    paths: int = 16
+    paths: int | None = None
     most_bytes: int = 1 << 30
+    seed: int = 0
     cache: bool | str | os.PathLike[str] = True
 
     def __post_init__(self) -> None:
         if self.cell_m is not None:
             object.__setattr__(self, "cell_m", positive(self.cell_m, "cell_m"))
-        paths = whole(self.paths, "paths", _PATHS_AT_ONCE, _MOST_PATHS)
-        if paths % _PATHS_AT_ONCE != 0:
-            raise Error(f"paths: expected a multiple of {_PATHS_AT_ONCE}, found {paths}")
-        object.__setattr__(self, "paths", paths)
+        if self.paths is not None:
+            paths = whole(self.paths, "paths", _LEAST_PATHS, _MOST_PATHS)
+            if paths != _LEAST_PATHS and paths % _PATHS_AT_ONCE != 0:
+                raise Error(
+                    f"paths: expected {_LEAST_PATHS} or a multiple of {_PATHS_AT_ONCE}, "
+                    f"found {paths}"
+                )
+            object.__setattr__(self, "paths", paths)
+        object.__setattr__(self, "seed", whole(self.seed, "seed", 0, (1 << 32) - 1))
         object.__setattr__(self, "most_bytes", whole(self.most_bytes, "most_bytes", 0, 1 << 50))
         if not isinstance(self.cache, (bool, str, os.PathLike)):
             raise TypeError(
@@ -76,7 +87,9 @@ class BakedInfo:
 
     cells: that light is kept for, both sides of each.
     cell_m: the longest edge of a cell, m.
-    paths: of light for each side of a cell.
+    paths: of light for each side of a cell, in the mean.
+    error_median, error_95: standard errors of the light on sides of cells, as fractions of it: half
+        of them have less, and 95 in 100. Noise alone; that cells are even is not in them.
     bytes: of memory.
     triangles_by_probes: that have no room for cells; things that have moved are not counted.
     seconds: that the bake took, also where it was read from the cache.
@@ -85,7 +98,9 @@ class BakedInfo:
 
     cells: int
     cell_m: float
-    paths: int
+    paths: float
+    error_median: float
+    error_95: float
     bytes: int
     triangles_by_probes: int
     seconds: float
@@ -99,8 +114,33 @@ class BakedInfo:
             else ""
         )
         return (
-            f"{self.cells:,} cells of at most {self.cell_m:.3g} m, {self.paths} paths a side, "
-            f"{self.bytes / 1e6:,.1f} MB, {source} in {self.seconds:.1f} s{probes}"
+            f"{self.cells:,} cells of at most {self.cell_m:.3g} m, {self.paths:.3g} paths a side, "
+            f"errors of cells {100 * self.error_median:.2g} % (95 % below "
+            f"{100 * self.error_95:.2g} %), {self.bytes / 1e6:,.1f} MB, "
+            f"{source} in {self.seconds:.1f} s{probes}"
+        )
+
+
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
+class BakeCost:
+    """What a bake takes, about (`omma.World.bake_cost`).
+
+    cells: that light would be kept for, both sides of each.
+    bytes: of memory; four times as much while it is baked.
+    seconds: on this world's threads.
+    triangles_by_probes: that would have no room for cells.
+    """
+
+    cells: int
+    bytes: int
+    seconds: float
+    triangles_by_probes: int
+
+    def __str__(self) -> str:
+        return (
+            f"{self.cells:,} cells, {self.bytes / 1e6:,.0f} MB (four times as much on the way), "
+            f"about {self.seconds:,.0f} s"
         )
 
 
@@ -131,18 +171,25 @@ def find_baked_light(
     directory = cache_directory(bake.cache)
     key, baked = "", None
     if directory is not None:
-        settings = (bake.cell_m, bake.paths, bake.most_bytes)
+        settings = (bake.cell_m, bake.paths, bake.most_bytes, bake.seed)
         key = world_key(engine, scene_digest(scene), light, settings)
         baked = read_baked_light(directory, key)
     from_cache = baked is not None
     if baked is None:
+        unfinished = None if directory is None else read_unfinished(directory, key)
         try:
             baked = _core.bake_light(
-                engine, bake.cell_m or 0.0, bake.paths, bake.most_bytes, progress
+                engine,
+                bake.cell_m or 0.0,
+                bake.paths or 0,
+                bake.most_bytes,
+                bake.seed,
+                progress,
+                unfinished,
             )
-        except KeyboardInterrupt as error:
+        except BaseException as error:
             # As add_note, which Python has from 3.11 on.
-            error.__notes__ = ["of the light that was being baked nothing is kept"]  # type: ignore[attr-defined]
+            error.__notes__ = [_what_is_kept(directory, key, unfinished)]  # type: ignore[attr-defined]
             raise
         if directory is not None:
             write_baked_light(directory, key, baked)
@@ -154,10 +201,34 @@ def find_baked_light(
         baked.cells,
         baked.cell_m,
         baked.paths,
+        baked.error_median,
+        baked.error_95,
         baked.bytes,
         baked.by_probes,
         baked.seconds,
         from_cache,
+    )
+
+
+def bake_cost(engine: _core.World, bake: Bake) -> BakeCost:
+    """What baking a world that is lit by paths would take; `omma.World.bake_cost`."""
+    cells, by_probes, size, seconds = _core.bake_cost(
+        engine, bake.cell_m or 0.0, bake.paths or 0, bake.most_bytes
+    )
+    return BakeCost(cells, size, seconds, by_probes)
+
+
+def _what_is_kept(
+    directory: Path | None, key: str, unfinished: _core.UnfinishedBake | None
+) -> str:
+    if directory is None or unfinished is None:
+        return "of the light that was being baked nothing is kept, as there is no cache"
+    share = unfinished.share
+    if not share > 0 or not keep_unfinished(directory, key, unfinished):
+        return "of the light that was being baked nothing is kept"
+    return (
+        f"some {100 * share:.0f} % of the light that was being baked are kept in {directory}, and "
+        "baking the same goes on from there"
     )
 
 

@@ -16,7 +16,8 @@ from omma.base.notebook import html_table, without_folder
 from omma.base.values import check_format
 from omma.base.warn import warn_caller
 from omma.light import Light
-from omma.scene.baking import Bake, BakedInfo, find_baked_light, share_of
+from omma.scene import baking
+from omma.scene.baking import Bake, BakeCost, BakedInfo, find_baked_light, share_of
 from omma.scene.lighting import Lighting, LightingName, Sun, Ultraviolet, checked_lighting
 from omma.scene.white import vanishing_emission
 from omma.scene.world_colors import Colors
@@ -513,6 +514,18 @@ class World:
     def baked(self) -> BakedInfo | None:
         """What was baked, how long that took and how much memory it has; None: nothing was."""
         return self._baked
+
+    def bake_cost(self, bake: Bake | None = None) -> BakeCost:
+        """What baking this world would take, found by baking a few of its cells in some seconds.
+
+        Args:
+            bake: how light would be baked.
+
+        Raises:
+            omma.Error: the world has no light, or baked light already; or an argument is out of
+                its range.
+        """
+        return baking.bake_cost(self._engine, bake or Bake())
 
     @property
     def depth(self) -> int | None:

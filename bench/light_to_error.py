@@ -1,0 +1,185 @@
+"""What a frame in light takes to an error relative to each response: by paths, baked, and by Mitsuba's
+path integrator, where it is installed.
+
+    python bench/light_to_error.py [DATA] [--quick]
+
+Prints CSV. DATA is the folder with CompoundRay's scenes and eyes; without it the light meadow is
+left out. Mitsuba is `pip install mitsuba`, and DRJIT_LIBLLVM_PATH names a libLLVM.
+
+The error is the root mean square over ommatidia of (response - truth) / truth, in the mean over
+bands. Each way renders several frames with random numbers of their own: their spread is the noise,
+which falls with the root of the rays, and what their mean is off by beyond it stays (what is baked
+errs alike in all frames). The truth is by paths, with so many rays that its own noise hardly counts;
+it is taken off. So a frame to an error e takes t * noise^2 / (e^2 - fixed^2), where t is what the
+measured frame took. All takes turns on one thread; times are the processor's, medians. Ommatidia
+within 10 degrees of the sun are left out, as Mitsuba's rays have no disc to meet.
+"""
+
+from __future__ import annotations
+
+import argparse
+import functools
+import tempfile
+import time
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from light import clear_light
+from light_peer import Peer, peer_variants
+from light_scenes import Setup, diffuse_setup, grey_light, light_meadow, lit_meadow
+from numpy.typing import NDArray
+
+import omma
+from omma.light import Bands
+from omma.scene import Bake
+
+COLUMNS = (
+    "scene,way,ommatidia,rays,ms_a_frame,bake_cpu_s,noise_percent,fixed_percent,"
+    "median_percent,percentile_95_percent,ms_to_5_percent"
+)
+AIM = 0.05
+FROM_SUN_DEG = 10.0
+OMMATIDIA, QUICK_OMMATIDIA = 1345, 200
+RAYS = 64
+FRAMES, QUICK_FRAMES = 12, 4
+TRUTH_RAYS, QUICK_TRUTH_RAYS = 1024, 128
+TRUTH_FRAMES = 8
+
+Frame = NDArray[np.float64]  # [ommatidium][band]
+
+
+@dataclass(frozen=True)
+class Way:
+    """One way to render a frame, by the number of its random numbers.
+
+    bake_s: core-seconds that were spent before the first one.
+    """
+
+    name: str
+    render: Callable[[int], Frame]
+    bake_s: float = 0.0
+
+
+def fewer(setup: Setup, ommatidia: int) -> Setup:
+    """Every so manieth ommatidium of those that do not look at the sun."""
+    eye = setup.eye
+    axes = eye.axis @ setup.pose[:3, :3].T
+    towards = np.asarray(clear_light(3).discs[0].direction)
+    away = np.flatnonzero(axes @ towards < np.cos(np.radians(FROM_SUN_DEG)))
+    chosen = away[np.linspace(0, len(away) - 1, min(ommatidia, len(away))).astype(int)]
+    return replace(setup, eye=eye.take(chosen))
+
+
+def by_omma(world: omma.World, setup: Setup, rays: int) -> Callable[[int], Frame]:
+    """Frames of one thread."""
+    renderer = omma.Renderer(
+        world, setup.eye, omma.Fixed(rays), noise="new_every_frame", threads=1
+    )
+
+    def render(number: int) -> Frame:
+        return renderer.render(setup.pose, first_pose=number)[0].astype(float)
+
+    return render
+
+
+def measure(way: Way, frames: int) -> tuple[NDArray[np.float64], float]:
+    """Frames [frame][ommatidium][band] and the median of their processor times, s."""
+    found, taken = [], []
+    way.render(0)
+    for number in range(1, frames + 1):
+        start = time.process_time()
+        found.append(way.render(number))
+        taken.append(time.process_time() - start)
+    return np.array(found), float(np.median(taken))
+
+
+def errors(found: NDArray[np.float64], truth: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+    """Of frames beside those of the truth: variance of a frame and the square of what stays, both
+    relative to each response, [ommatidium], means over bands; and how far a frame is off."""
+    mean = truth.mean(axis=0)
+    lit = np.where(mean > 0, mean, np.inf)
+    noise = (found.var(axis=0, ddof=1) / lit**2).mean(axis=1)
+    of_truth = (truth.var(axis=0, ddof=1) / lit**2).mean(axis=1) / len(truth)
+    off = (((found.mean(axis=0) - mean) / lit) ** 2).mean(axis=1)
+    single = np.sqrt((((found[0] - mean) / lit) ** 2).mean(axis=1))
+    return noise, off - noise / len(found) - of_truth, single
+
+
+def print_rows(name: str, rays: int, ways: list[Way], truth: Way, frames: int) -> None:
+    """A row for each way."""
+    exact = np.array([truth.render(1000 + k) for k in range(TRUTH_FRAMES)])
+    for way in ways:
+        found, seconds = measure(way, frames)
+        # Mitsuba's colours are alike: all bands are grey.
+        bands = min(found.shape[2], exact.shape[2])
+        noise, fixed, single = errors(found[..., :bands], exact[..., :bands])
+        noise_2, fixed_2 = float(noise.mean()), max(0.0, float(fixed.mean()))
+        reached = ""
+        if fixed_2 < AIM**2:
+            reached = f"{1e3 * seconds * noise_2 / (AIM**2 - fixed_2):.1f}"
+        cells = (
+            name, way.name, found.shape[1], rays, f"{1e3 * seconds:.2f}", f"{way.bake_s:.0f}",
+            f"{100 * np.sqrt(noise_2):.2f}", f"{100 * np.sqrt(fixed_2):.2f}",
+            f"{100 * np.median(single):.2f}", f"{100 * np.quantile(single, 0.95):.2f}", reached,
+        )  # fmt: skip
+        print(",".join(f'"{one}"' if isinstance(one, str) and "," in one else str(one) for one in cells),
+              flush=True)  # fmt: skip
+
+
+def omma_ways(world: omma.World, setup: Setup, cache: str) -> list[Way]:
+    """By paths and baked."""
+    start = time.process_time()
+    light = world.light
+    assert light is not None
+    baked = world.with_light(light, lighting="baked", bake=Bake(cache=cache))
+    bake_s = time.process_time() - start
+    return [
+        Way("Omma, paths", by_omma(world, setup, RAYS)),
+        Way("Omma, baked", by_omma(baked, setup, RAYS), bake_s),
+    ]
+
+
+def peer_ways(setup: Setup, light: omma.light.Light) -> list[Way]:
+    """Mitsuba's, of as many rays."""
+    ways = []
+    for variant in peer_variants():
+        peer = Peer(variant, setup, light, RAYS * len(setup.eye))
+        ways.append(Way(variant, functools.partial(peer.responses, len(setup.eye))))
+    return ways
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("data", type=Path, nargs="?")
+    parser.add_argument("--quick", action="store_true")
+    given = parser.parse_args()
+    # The scenes' files say of themselves that without a light they are not lit, which is meant.
+    warnings.simplefilter("ignore", UserWarning)
+    quick = given.quick
+    frames, truth_rays = (QUICK_FRAMES, QUICK_TRUTH_RAYS) if quick else (FRAMES, TRUTH_RAYS)
+    ommatidia = QUICK_OMMATIDIA if quick else OMMATIDIA
+    setups = [lit_meadow()]
+    if given.data is not None:
+        setups.append(light_meadow(given.data))
+    print(COLUMNS, flush=True)
+    with tempfile.TemporaryDirectory() as cache:
+        for whole in setups:
+            setup = fewer(whole, ommatidia)
+            world = omma.World(setup.scene, light=clear_light(16), ultraviolet=0.02)
+            truth = Way("truth", by_omma(world, setup, truth_rays))
+            if not quick:
+                print_rows(setup.name, RAYS, omma_ways(world, setup, cache), truth, frames)
+            light = grey_light(clear_light(16), Bands.equal(16, 400.0, 700.0))
+            plain = diffuse_setup(setup)
+            world = omma.World(plain.scene, light=light)
+            truth = Way("truth", by_omma(world, plain, truth_rays))
+            ways = [Way("Omma, paths", by_omma(world, plain, RAYS)), *peer_ways(plain, light)]
+            print_rows(f"{setup.name}, diffuse", RAYS, ways, truth, frames)
+
+
+if __name__ == "__main__":
+    main()

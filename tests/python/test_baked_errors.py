@@ -1,0 +1,197 @@
+"""How far baked light says that it is off, and how far it is: many bakes of small scenes, each with
+random numbers of its own, whose spread is what standard errors claim.
+"""
+
+import numpy as np
+import pytest
+from lit_checks import BAND, matter
+
+import omma
+from omma.light import uniform_sky
+from omma.scene import Bake, Instance, Mesh
+
+SKY = uniform_sky(1.0, below=0.2, bands=BAND)
+BAKES = 10
+
+
+def grass(blades=150, half_m=0.5):
+    """Upright triangles at random on a square of ground."""
+    rng = np.random.default_rng(3)
+    at = rng.uniform(-half_m, half_m, (blades, 2))
+    angle, height = rng.uniform(0, np.pi, blades), rng.uniform(0.05, 0.15, blades)
+    across = 0.01 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    corners = np.zeros((blades, 3, 3))
+    corners[:, 0, ::2], corners[:, 1, ::2], corners[:, 2, ::2] = at - across, at + across, at
+    corners[:, 2, 1] = height
+    h = half_m
+    ground = Mesh(
+        [[-h, 0, h], [h, 0, h], [h, 0, -h], [-h, 0, -h]], [[0, 1, 2], [0, 2, 3]], material=0
+    )
+    leaves = Mesh(corners.reshape(-1, 3), np.arange(3 * blades).reshape(-1, 3), material=1)
+    return omma.Scene(
+        meshes=[ground, leaves],
+        materials=[matter(0.3), matter(0.3)],
+        instances=[Instance(0, name="ground"), Instance(1, name="grass")],
+    )
+
+
+def closed_room():
+    """A box of 4 x 4 x 2 m with a hole in its lid, which is all that light comes through."""
+    walls = []
+    for corner, along, up in (
+        ((-2, 0, 2), (4, 0, 0), (0, 0, -4)),
+        ((-2, 0, -2), (4, 0, 0), (0, 2, 0)),
+        ((2, 0, 2), (-4, 0, 0), (0, 2, 0)),
+        ((-2, 0, 2), (0, 0, -4), (0, 2, 0)),
+        ((2, 0, -2), (0, 0, 4), (0, 2, 0)),
+        ((-2, 2, -2), (4, 0, 0), (0, 0, 1.5)),
+        ((-2, 2, 0.5), (4, 0, 0), (0, 0, 1.5)),
+        ((-2, 2, -0.5), (1.5, 0, 0), (0, 0, 1)),
+        ((0.5, 2, -0.5), (1.5, 0, 0), (0, 0, 1)),
+    ):
+        one, first, second = (np.array(each, float) for each in (corner, along, up))
+        quad = [one, one + first, one + first + second, one + second]
+        walls.append(Mesh(quad, [[0, 1, 2], [0, 2, 3]], material=0))
+    return omma.Scene(
+        meshes=walls,
+        materials=[matter(0.6)],
+        instances=[Instance(k, name=f"wall {k}") for k in range(len(walls))],
+    )
+
+
+def looking_down(count, height_m, half_m):
+    """An eye over the middle, whose ommatidia look at the ground."""
+    rng = np.random.default_rng(5)
+    at = np.column_stack(
+        [rng.uniform(-half_m, half_m, count), np.full(count, -height_m),
+         rng.uniform(-half_m, half_m, count)]
+    )  # fmt: skip
+    axis = at / np.linalg.norm(at, axis=1, keepdims=True)
+    position = np.tile([0, height_m, 0], (count, 1))
+    return omma.Eye(position, axis, acceptance_angle_rad=np.full(count, 0.04))
+
+
+def around(count):
+    """An eye in the middle of the room that looks everywhere but up."""
+    axis = np.random.default_rng(6).normal(size=(count, 3))
+    axis[:, 1] = -np.abs(axis[:, 1])
+    axis /= np.linalg.norm(axis, axis=1, keepdims=True)
+    return omma.Eye(np.tile([0, 1.0, 0], (count, 1)), axis, acceptance_angle_rad=np.full(count, 0.04))
+
+
+CASES = {
+    "grass": (grass, lambda: looking_down(150, 0.6, 0.4), {"paths": 32}),
+    "room": (closed_room, lambda: around(150), {"cell_m": 0.3, "paths": 64}),
+}
+
+
+@pytest.fixture(scope="module", params=CASES)
+def bakes(request):
+    """Responses (bake, ommatidium) and their standard errors, and those by paths."""
+    scene, eye, settings = CASES[request.param]
+    paths = omma.World(scene(), light=SKY)
+    found = []
+    for seed in range(BAKES):
+        bake = Bake(cache=False, seed=seed, **settings)
+        world = paths.with_light(SKY, lighting="baked", bake=bake)
+        renderer = omma.Renderer(world, eye(), omma.Fixed(32), seed=seed)
+        found.append(renderer.render(np.eye(4), standard_error=True))
+    truth = omma.Renderer(paths, eye(), omma.Fixed(1024)).render(np.eye(4), standard_error=True)
+    pair = tuple(np.array([one[k][0, :, 0] for one in found], float) for k in range(2))
+    return pair, tuple(one[0, :, 0].astype(float) for one in truth), world
+
+
+def test_what_bakes_differ_by_is_claimed(bakes):
+    (seen, errors), _, _ = bakes
+    spread = np.sqrt(seen.var(axis=0, ddof=1).mean())
+    claimed = np.sqrt((errors**2).mean())
+    # Of 10 bakes; cells err together more widely than their groups by some of it.
+    assert 0.8 < spread / claimed < 1.25
+
+
+def test_claims_hold_against_paths(bakes):
+    (seen, errors), (truth, truth_error), _ = bakes
+    z = (seen - truth) / np.sqrt(errors**2 + truth_error**2)
+    # Cells are even, which no error bar has: a little more than 1, and never hidden.
+    assert np.sqrt((z**2).mean()) < 1.4
+    assert np.mean(np.abs(z) < 2) > 0.88
+    assert seen.mean() == pytest.approx(truth.mean(), rel=0.01)
+
+
+def test_what_a_bake_says_of_its_cells(bakes):
+    world = bakes[2]
+    info = world.baked
+    assert 0 < info.error_median < info.error_95 < 1
+    assert f"errors of cells {100 * info.error_median:.2g} %" in str(info)
+
+
+def test_more_paths_err_less():
+    paths = omma.World(grass(), light=SKY)
+    median = []
+    for count in (64, 1024):
+        bake = Bake(cell_m=0.1, paths=count, cache=False)
+        median.append(paths.with_light(SKY, lighting="baked", bake=bake).baked.error_median)
+    # A quarter, or less where more of what varies is told from noise.
+    assert 2.5 < median[0] / median[1] < 6
+
+
+def test_rendering_to_an_error_counts_the_bake():
+    paths = omma.World(grass(), light=SKY)
+    bake = Bake(cell_m=0.05, paths=16, cache=False)
+    world = paths.with_light(SKY, lighting="baked", bake=bake)
+    eye = looking_down(100, 0.6, 0.4)
+    mean = omma.Renderer(world, eye, omma.Fixed(64)).render(np.eye(4)).mean()
+    # Of cells alone an error of some percent is left, whatever rays there are.
+    renderer = omma.Renderer(world, eye, omma.ToError(float(2e-3 * mean), most_samples=4096))
+    _, errors = renderer.render(np.eye(4), standard_error=True)
+    assert np.median(errors) > 4e-3 * mean
+    _, report = renderer.render(np.eye(4), report=True)
+    # Rays go on until they are no longer what the error is made of, and no further.
+    assert np.median(report.rays) < 4096
+    by_paths = omma.Renderer(paths, eye, omma.ToError(float(0.02 * mean), most_samples=4096))
+    _, errors = by_paths.render(np.eye(4), standard_error=True)
+    assert np.median(errors) < 0.02 * mean
+
+
+def test_ground_under_clutter_has_its_cells():
+    world = omma.World(
+        grass(600, 3.0), light=SKY, lighting="baked", bake=Bake(paths=32, cache=False)
+    )
+    eye = looking_down(600, 1.5, 2.0)
+    paths = world.with_light(SKY, lighting="path")
+    found, truth = (
+        omma.Renderer(one, eye, omma.Fixed(256)).render(np.eye(4))[0, :, 0].astype(float)
+        for one in (world, paths)
+    )
+    assert found.mean() == pytest.approx(truth.mean(), rel=0.005)
+    assert np.sqrt(np.mean((found / truth - 1) ** 2)) < 0.03
+
+
+def test_what_it_would_cost():
+    world = omma.World(grass(), light=SKY)
+    bake = Bake(cell_m=0.02, cache=False)
+    cost = world.bake_cost(bake)
+    info = world.with_light(SKY, lighting="baked", bake=bake).baked
+    assert cost.cells == info.cells
+    assert cost.triangles_by_probes == 0
+    assert cost.bytes == pytest.approx(info.bytes, rel=0.1)
+    assert cost.seconds > 0
+    assert f"{cost.cells:,} cells" in str(cost)
+    with pytest.raises(omma.Error, match="expected a world with a light"):
+        omma.World(grass()).bake_cost()
+
+
+def test_a_triangle_out_of_reach_is_left_out():
+    far = Mesh(np.float32([[0, 0, 0], [1, 0, 0], [0, 1e19, 0]]), [[0, 1, 2]], material=0)
+    scene = grass()
+    scene = scene.replace(
+        meshes=[*scene.meshes, far], instances=[*scene.instances, Instance(2, name="far")]
+    )
+    with pytest.warns(UserWarning):
+        world = omma.World(
+            scene, light=SKY, lighting="baked", bake=Bake(cell_m=0.1, paths=16, cache=False)
+        )
+    without = omma.World(
+        grass(), light=SKY, lighting="baked", bake=Bake(cell_m=0.1, paths=16, cache=False)
+    )
+    assert world.baked.cells == without.baked.cells
