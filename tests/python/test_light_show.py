@@ -14,7 +14,7 @@ pytest.importorskip("matplotlib")
 def test_a_figure_of_each_kind(tmp_path):
     few = omma.light.Bands.equal(4)
     lights = [
-        omma.light.clear_sky(30, 135, bands=few),
+        omma.light.clear_sky(30, sun_azimuth_deg=135, bands=few),
         omma.light.overcast_sky(30, bands=few, unit="watts"),
         omma.light.uniform_sky(0, bands=few),
         omma.light.panorama_bands(np.ones((4, 8, 4)), bands=few).scaled(2),
@@ -93,7 +93,7 @@ def clouded(cover_at):
     """A clear sky with the sun at 10°, and over it a grey, unpolarised cover: cover_at(elevation,
     azimuth), degrees, is its share."""
     bands = omma.light.Bands.equal(2, 340, 360)
-    clear = omma.light.clear_sky(10, 0, bands=bands)
+    clear = omma.light.clear_sky(10, sun_azimuth_deg=0, bands=bands)
     grey = omma.light.overcast_sky(10, bands=bands).sky
     rows, columns = clear.sky.shape[1:3]
     elevation, azimuth = np.linspace(0, 90, rows)[:, None], np.arange(columns) * 360 / columns
