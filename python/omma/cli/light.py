@@ -111,10 +111,15 @@ def _sky(
         return overcast_sky(
             sun, aerosol=aerosol, ozone_du=ozone, albedo=albedo, bands=bands, unit=unit
         )
-    make = clear_sky if kind == "clear" else moonlit_sky
-    return make(
-        sun, azimuth, aerosol=aerosol, ozone_du=ozone, albedo=albedo, bands=bands, unit=unit
-    )
+    if kind == "moonlit":
+        return moonlit_sky(
+            sun, moon_azimuth_deg=azimuth, aerosol=aerosol, ozone_du=ozone, albedo=albedo,
+            bands=bands, unit=unit,
+        )  # fmt: skip
+    return clear_sky(
+        sun, sun_azimuth_deg=azimuth, aerosol=aerosol, ozone_du=ozone, albedo=albedo,
+        bands=bands, unit=unit,
+    )  # fmt: skip
 
 
 def _moment(text: str) -> datetime:
