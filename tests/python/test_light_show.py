@@ -36,11 +36,11 @@ def test_what_cannot_be_drawn(tmp_path):
         omma.picture.plot_sky(tmp_path / "a.png", 3)
 
 
-def test_the_command(tmp_path, run_omma):
+@pytest.mark.parametrize("kind", ["clear", "moonlit"])
+def test_the_command(tmp_path, run_omma, kind):
     name = str(tmp_path / "sky.png")
-    code, out, err = run_omma(
-        "light", "show", "--sun", "20", "--azimuth", "90", "--wavelength", "440", "-o", name
-    )
+    given = ("--sun", "20", "--azimuth", "90", "--wavelength", "440", "--kind", kind)
+    code, out, err = run_omma("light", "show", *given, "-o", name)
     assert (code, err) == (0, "")
     assert out == f"wrote {name}\n"
 
