@@ -60,7 +60,9 @@ def _write_parameters(parameters: Any, ctx: Any, formatter: Any) -> None:
         for one in parameters:
             told = one.get_help_record(ctx) if one.param_type_name == kind else None
             if told is not None:
-                rows.append((one.metavar, told[1]) if kind == "argument" else told)
+                # Some versions of typer escape brackets, for rich.
+                name = one.metavar if kind == "argument" else told[0]
+                rows.append((name, told[1].replace("\\[", "[")))
         if rows:
             _write_rows(title, rows, formatter)
 
