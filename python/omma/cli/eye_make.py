@@ -12,6 +12,7 @@ import typer
 from numpy.typing import NDArray
 
 from omma._core import Error
+from omma.base.arguments import as_named
 from omma.base.files import check_target
 from omma.cli.eye_files import EyeArgument, OutOption, UnitOption, clear_of_midline, head_of, save
 from omma.cli.numbers import above_zero, angle, finite
@@ -267,7 +268,7 @@ def make(
     zones = [_zone("--acute-zone", text, 4) for text in acute_zone or ()]
     zones += [_zone("--acute-band", text, 3) for text in acute_band or ()]
     seen = None if fov is None else _window(fov)
-    with working() as bar:
+    with working() as bar, as_named(count="N", median_rad="skew"):
         surface = _surface(radius_mm, semi_axes_mm, centre_mm, mesh, unit)
         ratio = 1.0 if acceptance_ratio is None else acceptance_ratio
         if by_facets:
