@@ -59,7 +59,7 @@ def test_a_time_and_place(tmp_path, run_omma):
         ((), "show: expected either --sun or --time and --place"),
         (("--sun", "3", "--time", "2026-06-21"), "show: expected either"),
         (("--time", "noon", "--place", "1,2"), "--time: expected one such as 2026-06-21T12:00"),
-        (("--time", "2026-06-21T12:00", "--place", "1,2"), "expected a time with its time zone"),
+        (("--time", "2026-06-21T12:00", "--place", "1,2"), "found '2026-06-21T12:00'"),
         (("--time", "2026-06-21T12:00Z", "--place", "1"), "--place: expected latitude,longitude"),
         (
             ("--time", "2026-06-21T12:00Z", "--place", "1,2", "--kind", "overcast"),
