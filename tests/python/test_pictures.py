@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 import omma
-from omma.picture.files import png_of_patches
+from omma import _core
 from omma.picture.unseen import hatch, hatching
 
 
@@ -331,7 +331,7 @@ def test_pngs_of_patches_hold_the_pixels(tmp_path, channels):
     pixels[20:, 9:] = 250
     pixels[36, 52] = 7
     path = tmp_path / "patches.png"
-    path.write_bytes(png_of_patches(pixels))
+    path.write_bytes(_core.encode_png(path, pixels, quick=True))
     assert np.array_equal(np.asarray(Image.open(path)), pixels)
 
 

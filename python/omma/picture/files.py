@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import struct
-import zlib
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -28,9 +26,6 @@ from omma.rendering.response_files import Piece
 from omma.rendering.settings import fixed_samples
 
 Made = TypeVar("Made")
-
-# zlib's level: half the time of its default.
-_PACKING = 3
 
 # A picture (height, width, 3 or 4) from the number of a pose and its responses (N, C).
 Paint = Callable[[int, NDArray[np.float32]], NDArray[Any]]
@@ -61,7 +56,8 @@ class PngWriter:
 
         def encoded(i: int) -> bytes:
             pixels = self._paint(piece.first + i, piece.responses[i])
-            return png_of_patches(pixels)
+            # Patches of one colour each, which filters do not make smaller.
+            return _core.encode_png(names[i], pixels, quick=True)
 
         for name, data in zip(names, on_threads(encoded, len(names))):
             with nullcontext(self._files) if self._files.kept is None else WholeFiles() as files:
@@ -98,28 +94,6 @@ def on_threads(make: Callable[[int], Made], count: int) -> Iterator[Made]:
                 yield made.popleft().result()
         while made:
             yield made.popleft().result()
-
-
-def png_of_patches(pixels: NDArray[np.uint8]) -> bytes:
-    """The PNG file of a picture (height, width, 3 or 4) that is made of patches of one colour each.
-
-    Rows are packed as they are: filters, which make photographs smaller, do not make these so, and
-    take most of the time of a series of pictures.
-    """
-    height, width, channels = pixels.shape
-    rows = np.zeros((height, 1 + width * channels), np.uint8)  # first in a row: no filter
-    rows[:, 1:] = pixels.reshape(height, -1)
-    colour_type = {3: 2, 4: 6}[channels]
-    header = struct.pack(">IIBBBBB", width, height, 8, colour_type, 0, 0, 0)
-    parts = [b"\x89PNG\r\n\x1a\n"]
-    for kind, data in (
-        (b"IHDR", header),
-        (b"IDAT", zlib.compress(rows.data, _PACKING)),
-        (b"IEND", b""),
-    ):
-        checksum = zlib.crc32(kind + data)
-        parts += [struct.pack(">I", len(data)), kind, data, struct.pack(">I", checksum)]
-    return b"".join(parts)
 
 
 def write_png(files: WholeFiles, name: str, pixels: NDArray[Any]) -> None:
