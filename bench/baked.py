@@ -53,7 +53,7 @@ def scene_of(triangles: int) -> omma.Scene:
 def bake(triangles: int, bands: int, cell_m: float | None) -> str:
     """One row."""
     scene = scene_of(triangles)
-    light = omma.light.clear_sky(30, 135, bands=omma.light.Bands.equal(bands))
+    light = omma.light.clear_sky(30, sun_azimuth_deg=135, bands=omma.light.Bands.equal(bands))
     options = omma.scene.Bake(cell_m=cell_m, paths=PATHS, cache=False, most_bytes=1 << 33)
     cpu, wall = time.process_time(), time.perf_counter()
     world = omma.World(scene, light=light, lighting="baked", ultraviolet=0.02, bake=options)

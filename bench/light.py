@@ -62,7 +62,9 @@ class Way:
 @functools.cache
 def clear_light(bands: int) -> Light:
     """A clear sky and its sun."""
-    return omma.light.clear_sky(SUN_ELEVATION_DEG, SUN_AZIMUTH_DEG, bands=Bands.equal(bands))
+    return omma.light.clear_sky(
+        SUN_ELEVATION_DEG, sun_azimuth_deg=SUN_AZIMUTH_DEG, bands=Bands.equal(bands)
+    )
 
 
 def sun_below(light: Light) -> Light:

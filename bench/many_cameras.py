@@ -294,7 +294,7 @@ def main() -> None:
     warnings.simplefilter("ignore", UserWarning)
     amounts = QUICK if given.quick else Amounts()
     meadow = grey_setup(diffuse_setup(lit_meadow()))
-    clear = omma.light.clear_sky(SUN_ELEVATION_DEG, SUN_AZIMUTH_DEG)
+    clear = omma.light.clear_sky(SUN_ELEVATION_DEG, sun_azimuth_deg=SUN_AZIMUTH_DEG)
     light = grey_light(clear, Bands.equal(3, 400.0, 700.0))
     nothing = omma.Background.constant((0, 0, 0))
     worlds = {

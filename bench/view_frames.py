@@ -42,7 +42,10 @@ def lit_meadow() -> omma.World:
     """The bundled meadow with spectra; how well its light is baked makes no difference here."""
     scene = omma.load_scene(omma.examples.lit_meadow())
     return omma.World(
-        scene, light=omma.light.clear_sky(30, 135), lighting="baked", bake=omma.scene.Bake(paths=16)
+        scene,
+        light=omma.light.clear_sky(30, sun_azimuth_deg=135),
+        lighting="baked",
+        bake=omma.scene.Bake(paths=16),
     )
 
 

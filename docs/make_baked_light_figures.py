@@ -71,7 +71,7 @@ def room() -> Setup:
         omma.scene.box((0.9, 0.06, 0.6), wood, center_m=(-1.3, 0.7, -1.5)),
     ]
     at = omma.look_at((0.2, 1.5, 2.4), (0.0, 1.1, -2.5))
-    light = omma.light.clear_sky(35, 75, bands=BANDS)
+    light = omma.light.clear_sky(35, sun_azimuth_deg=75, bands=BANDS)
     return Setup("a room with one window", omma.scene.merge_scenes(parts), light, at, 69, 0.25)
 
 
@@ -111,7 +111,7 @@ def leaves() -> Setup:
         omma.scene.plane((3, 3), ground),
     ]
     at = omma.look_at((0.4, 1.3, 1.75), (0, 0.42, 0))
-    light = omma.light.clear_sky(50, 200, bands=BANDS)
+    light = omma.light.clear_sky(50, sun_azimuth_deg=200, bands=BANDS)
     return Setup("a box of leaves", omma.scene.merge_scenes(parts), light, at, 43, 0.1)
 
 
@@ -125,7 +125,7 @@ def corridor() -> Setup:
     )  # fmt: skip
     box = omma.scene.box((0.25, 0.25, 0.25), (0.6, 0.25, 0.1), center_m=(-0.2, 0.225, -2.2))
     at = omma.look_at((0, 0.5, -0.5), (0, 0.45, -6))
-    light = omma.light.clear_sky(25, 20, bands=BANDS)
+    light = omma.light.clear_sky(25, sun_azimuth_deg=20, bands=BANDS)
     return Setup("a corridor", omma.scene.merge_scenes([walls, box]), light, at, 63, 0.25)
 
 

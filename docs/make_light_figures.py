@@ -19,7 +19,7 @@ BLUE, RED, GREEN = COLOURS[0], COLOURS[1], COLOURS[2]
 def main():
     with figure_style(8.0):
         save_figure(frames_figure(), [str(DOCS / "light-frames.svg")])
-    light = omma.light.clear_sky(30, 135, bands=omma.light.Bands.equal(40))
+    light = omma.light.clear_sky(30, sun_azimuth_deg=135, bands=omma.light.Bands.equal(40))
     omma.picture.plot_sky(DOCS / "light-sky.png", light)
 
 

@@ -20,8 +20,8 @@ RAYS = 24  # a pixel
 BEE_RAYS = 48  # an ommatidium
 # The camera looks north; the sun is behind it, on the right, then on the left between two trees.
 LIGHTS = {
-    "noon: clear, sun at 60°": omma.light.clear_sky(60, 150),
-    "evening: clear, sun at 10°": omma.light.clear_sky(10, 225),
+    "noon: clear, sun at 60°": omma.light.clear_sky(60, sun_azimuth_deg=150),
+    "evening: clear, sun at 10°": omma.light.clear_sky(10, sun_azimuth_deg=225),
     "overcast": omma.light.overcast_sky(60),
 }
 

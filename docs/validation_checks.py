@@ -302,7 +302,7 @@ def stimuli() -> list[Line]:
 def sky() -> list[Line]:
     """The clear sky beside a separate computation of radiative transfer, given to two digits."""
     bands = omma.light.Bands.from_edges([348, 352, 438, 442, 538, 542])
-    light = omma.light.clear_sky(30, 0, aerosol=0.0, bands=bands)
+    light = omma.light.clear_sky(30, sun_azimuth_deg=0, aerosol=0.0, bands=bands)
     diffuse, sun = light.irradiance()
     share = (diffuse / (diffuse + sun))[[0, 2, 4]]
     lines = [
@@ -317,7 +317,9 @@ def sky() -> list[Line]:
         for at, must, found in zip((350, 440, 540), (0.55, 0.25, 0.11), share, strict=True)
     ]
     visible = omma.light.Bands.equal(12, 400, 700)
-    diffuse, sun = omma.light.clear_sky(30, 0, aerosol=0.0, bands=visible).irradiance()
+    diffuse, sun = omma.light.clear_sky(
+        30, sun_azimuth_deg=0, aerosol=0.0, bands=visible
+    ).irradiance()
     total = float(25 * (diffuse + sun).sum() / 1e20)
     lines.append(
         Line(

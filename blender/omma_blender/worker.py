@@ -253,7 +253,9 @@ def light_of(scene: Any, light: dict[str, Any]) -> tuple[Any, Any]:
     import omma
 
     if light["kind"] == "sky":
-        sky = omma.light.clear_sky(light["sun_elevation_deg"], light["sun_azimuth_deg"])
+        sky = omma.light.clear_sky(
+            light["sun_elevation_deg"], sun_azimuth_deg=light["sun_azimuth_deg"]
+        )
         return sky, lambda radiance: omma.picture.bands_to_rgb(radiance, sky)
     backdrop = scene.background
     if backdrop.type not in ("constant", "image"):

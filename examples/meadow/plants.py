@@ -103,7 +103,7 @@ def petal_ring(count, length, width, lift, droop, base, tip, shape=(0.35, 1.0, 0
 
 
 def with_foot(petals, count, foot):
-    """A ring of so many petals with another part at their feet: the first strip of each."""
+    """A ring of so many petals with another part around the middle: the first strip of each."""
     part = petals.part.astype(object).reshape(count, -1)
     part[:, :2] = foot
     return replace(petals, part=part.reshape(-1).astype(str))

@@ -204,7 +204,7 @@ def main():
     parser.add_argument("--rays", type=int, default=4096, help="for a contrast (default: 4096)")
     parser.add_argument("--samples", type=int, default=32, help="for a pixel (default: 32)")
     asked = parser.parse_args()
-    world = omma.World(flower(), light=omma.light.clear_sky(50, 60), depth=4)
+    world = omma.World(flower(), light=omma.light.clear_sky(50, sun_azimuth_deg=60), depth=4)
     found = contrasts(world, rays=asked.rays)
     print("contrast in just noticeable differences: of guide and petals, of petals and sward")
     print("distance            bee             man")

@@ -69,7 +69,7 @@ def decode(eye, responses, sun_elevation_deg):
 
 def light_of(sun_elevation_deg, bands):
     """A clear sky, and one that is overcast, with the sun at an elevation."""
-    clear = omma.light.clear_sky(sun_elevation_deg, SUN_AZIMUTH_DEG, bands=bands)
+    clear = omma.light.clear_sky(sun_elevation_deg, sun_azimuth_deg=SUN_AZIMUTH_DEG, bands=bands)
     return clear, omma.light.overcast_sky(sun_elevation_deg, bands=bands)
 
 

@@ -91,7 +91,9 @@ def look(eye, rays=128):
     pose[:3, 3] = place(scene)
     bands = omma.light.Bands.from_edges([340, 380])
     lights = {
-        "clear": omma.light.clear_sky(SUN_ELEVATION_DEG, SUN_AZIMUTH_DEG, bands=bands),
+        "clear": omma.light.clear_sky(
+            SUN_ELEVATION_DEG, sun_azimuth_deg=SUN_AZIMUTH_DEG, bands=bands
+        ),
         "overcast": omma.light.overcast_sky(SUN_ELEVATION_DEG, bands=bands),
     }
     # By paths: for one pose that is sooner done than baking.

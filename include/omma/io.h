@@ -61,11 +61,15 @@ Image load_image(const std::string& path, const std::function<bool(double)>& pro
 // From encoded bytes; `place` names them in errors.
 Image decode_image(std::span<const std::uint8_t> bytes, const std::string& place);
 
+// How PNG files are packed: small, or quick, of pictures of patches of one colour each, without the
+// filters that make photographs smaller.
+enum class PngPacking { small, quick };
+
 // 8-bit RGB or RGBA, row 0 at the top, into a file; and its bytes alone, where `path` only names it
 // in errors. `progress` as that of load_scene; where it ends the writing nothing is left of the
 // file.
 std::string png_bytes(const std::string& path, std::span<const std::uint8_t> pixels, int width,
-                      int height, int components,
+                      int height, int components, PngPacking packing,
                       const std::function<bool(double)>& progress = nullptr);
 void save_png(const std::string& path, std::span<const std::uint8_t> pixels, int width, int height,
               int components, const std::function<bool(double)>& progress = nullptr);

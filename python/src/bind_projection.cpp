@@ -83,13 +83,14 @@ void save_png_array(nb::handle path, nb::handle pixels) {
   });
 }
 
-nb::bytes encode_png_array(nb::handle path, nb::handle pixels) {
+nb::bytes encode_png_array(nb::handle path, nb::handle pixels, bool quick) {
   const Pixels array = to_pixels(pixels);
   const std::string name = path_text(path);
   std::string bytes;
   run_with_progress(nb::none(), [&](const std::function<bool(double)>& report) {
     bytes = png_bytes(name, {array.data(), array.size()}, static_cast<int>(array.shape(1)),
-                      static_cast<int>(array.shape(0)), static_cast<int>(array.shape(2)), report);
+                      static_cast<int>(array.shape(0)), static_cast<int>(array.shape(2)),
+                      quick ? PngPacking::quick : PngPacking::small, report);
   });
   return nb::bytes(bytes.data(), bytes.size());
 }
@@ -135,8 +136,9 @@ void bind_projection(nb::module_& m) {
         "It is written under another name and renamed, so that no half of a file is left.\n"
         "Raises `omma.Error` where the pixels or the path do not do.");
   m.def("encode_png", &encode_png_array, nb::arg("path"), nb::arg("pixels"),
+        nb::arg("quick") = false,
         nb::sig("def encode_png(path: str | os.PathLike[str], pixels: "
-                "numpy.typing.NDArray[numpy.uint8]) -> bytes"));
+                "numpy.typing.NDArray[numpy.uint8], quick: bool = False) -> bytes"));
 }
 
 }  // namespace omma::python

@@ -36,15 +36,19 @@ def compute(folder: Path, haze: float) -> None:
                 )
             },
         )
+    low, twilight = grid.PATHS[haze]
+    kinds = [
+        ("low", grid.LOW_SUN_DEG, grid.MONTE_CARLO_AZIMUTH_DEG, low),
+        ("twilight", grid.TWILIGHT_SUN_DEG, grid.MONTE_CARLO_AZIMUTH_DEG, twilight),
+    ]
+    if haze == 0:
+        kinds.append(("high", grid.ORDINATES_SUN_DEG, grid.HIGH_AZIMUTH_DEG, grid.HIGH_PATHS))
     for elevation in grid.ELEVATION_DEG:
-        for name, suns, paths in (
-            ("low", grid.LOW_SUN_DEG, grid.PATHS[haze][0]),
-            ("twilight", grid.TWILIGHT_SUN_DEG, grid.PATHS[haze][1]),
-        ):
+        for name, suns, azimuths, paths in kinds:
             _piece(
                 folder / f"{name}_{haze:g}_{elevation:g}.npz",
-                lambda suns=suns, paths=paths, elevation=elevation: _means_and_errors(
-                    atmosphere, suns, elevation, grid.MONTE_CARLO_AZIMUTH_DEG, paths
+                lambda suns=suns, azimuths=azimuths, paths=paths, elevation=elevation: (
+                    _means_and_errors(atmosphere, suns, elevation, azimuths, paths)
                 ),
             )
 

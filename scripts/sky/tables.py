@@ -1,5 +1,6 @@
 """Puts the pieces together: the tables as python/omma/light/sky_tables.py reads them."""
 
+import functools
 from pathlib import Path
 
 import grid
@@ -20,8 +21,9 @@ from atmosphere import (
 STEP = np.array([5e-4, 1e-4, 1e-4])  # of log I, Q/I, U/I as whole numbers
 FINE_NM = np.arange(300.0, 701.0)
 MASS_DEG = np.concatenate([np.arange(0, 10, 0.25), np.arange(10, 30, 1.0), np.arange(30, 91, 5.0)])
-# Degrees of polynomials and harmonics that Monte Carlo is smoothed to, of low suns and twilight.
-SMOOTH_DEGREE = {"low": (10, 9), "twilight": (6, 7)}
+# Degrees of polynomials and harmonics that Monte Carlo is smoothed to: of what discrete ordinates
+# are off by for high suns, of low suns and of twilight.
+SMOOTH_DEGREE = {"high": (10, 5), "low": (10, 9), "twilight": (6, 7)}
 
 
 def assemble(folder: Path) -> dict[str, np.ndarray]:
@@ -98,18 +100,55 @@ def _air_masses() -> np.ndarray:
 def _fields(folder: Path, parts: dict[str, np.ndarray], haze: float) -> np.ndarray:
     """[sun, (log I over its first guess, Q/I, U/I), wavelength, elevation, azimuth]."""
     fields = []
-    for sun in grid.ORDINATES_SUN_DEG:
-        stokes = np.load(folder / f"ordinates_{haze:g}_{sun:g}.npz")["stokes"]
-        fields.append(_relative(stokes, parts, haze, sun, grid.AZIMUTH_DEG))
+    for sun, missed in zip(grid.ORDINATES_SUN_DEG, _missed(folder)):
+        flat = _ordinates(folder, haze, sun)
+        whole = flat + missed * _level(flat)
+        fields.append(_relative(whole, parts, haze, sun, grid.AZIMUTH_DEG))
+    azimuths = grid.MONTE_CARLO_AZIMUTH_DEG
     for name, suns in (("low", grid.LOW_SUN_DEG), ("twilight", grid.TWILIGHT_SUN_DEG)):
-        pieces = [np.load(folder / f"{name}_{haze:g}_{e:g}.npz") for e in grid.ELEVATION_DEG]
-        stokes = np.stack([one["stokes"] for one in pieces])  # [elevation, sun, azimuth, 3, nm]
-        error = np.stack([one["error"] for one in pieces])
+        stokes, error = _monte_carlo(folder, name, haze)
         for i, sun in enumerate(suns):
-            rough = _relative(stokes[:, i], parts, haze, sun, grid.MONTE_CARLO_AZIMUTH_DEG)
+            rough = _relative(stokes[:, i], parts, haze, sun, azimuths)
             noise = error[:, i, :, 0] / np.maximum(stokes[:, i, :, 0], 1e-300)
-            fields.append(_smooth(rough, np.moveaxis(noise, -1, 0), *SMOOTH_DEGREE[name]))
+            noise = np.moveaxis(noise, -1, 0)
+            fields.append(_smooth(rough, noise, azimuths, *SMOOTH_DEGREE[name]))
     return np.array(fields)
+
+
+def _monte_carlo(folder: Path, name: str, haze: float) -> tuple[np.ndarray, np.ndarray]:
+    """Stokes and standard errors, [elevation, sun, azimuth, 3, wavelength]."""
+    pieces = [np.load(folder / f"{name}_{haze:g}_{e:g}.npz") for e in grid.ELEVATION_DEG]
+    return np.stack([one["stokes"] for one in pieces]), np.stack([one["error"] for one in pieces])
+
+
+def _ordinates(folder: Path, haze: float, sun_deg: float) -> np.ndarray:
+    """Stokes [elevation, azimuth, 3, wavelength]."""
+    return np.load(folder / f"ordinates_{haze:g}_{sun_deg:g}.npz")["stokes"]
+
+
+def _level(stokes: np.ndarray) -> np.ndarray:
+    """One radiance for each elevation, [elevation, 1, 1, wavelength]."""
+    return np.median(stokes[:, :, 0], axis=1)[:, None, None]
+
+
+@functools.lru_cache(maxsize=1)
+def _missed(folder: Path) -> np.ndarray:
+    """What discrete ordinates miss, [sun, elevation, azimuth, 3, wavelength]: in round air less
+    light is scattered often than in their flat air. Monte Carlo less them, smoothed.
+
+    Relative to one radiance for each elevation, as light scattered often is even where light
+    scattered once is not. It is that of air alone, and taken for hazy air as well.
+    """
+    every = []
+    stokes, error = _monte_carlo(folder, "high", 0.0)
+    some = np.isin(grid.AZIMUTH_DEG, grid.HIGH_AZIMUTH_DEG)
+    for i, sun in enumerate(grid.ORDINATES_SUN_DEG):
+        flat = _ordinates(folder, 0.0, sun)
+        rough = np.moveaxis((stokes[:, i] - flat[:, some]) / _level(flat), (2, 3), (0, 1))
+        noise = np.moveaxis(error[:, i, :, 0] / _level(flat)[:, :, 0], -1, 0)
+        smooth = _smooth(rough, noise, grid.HIGH_AZIMUTH_DEG, *SMOOTH_DEGREE["high"])
+        every.append(np.moveaxis(smooth, (0, 1), (2, 3)))
+    return np.array(every)
 
 
 def _relative(
@@ -127,7 +166,9 @@ def _relative(
     return np.array([np.log(i / guess), q / i, u / i])
 
 
-def _smooth(rough: np.ndarray, noise: np.ndarray, degree: int, harmonics: int) -> np.ndarray:
+def _smooth(
+    rough: np.ndarray, noise: np.ndarray, azimuth_deg: np.ndarray, degree: int, harmonics: int
+) -> np.ndarray:
     """The fields on all azimuths: polynomials of elevation times harmonics of azimuth, fitted.
 
     Of what the fit leaves, the share that is more than noise is kept, by wavelength: low in the red
@@ -138,7 +179,7 @@ def _smooth(rough: np.ndarray, noise: np.ndarray, degree: int, harmonics: int) -
     result = []
     for k, field in enumerate(rough):
         some, every = (
-            _harmonics(a, k == 2) for a in (grid.MONTE_CARLO_AZIMUTH_DEG, grid.AZIMUTH_DEG)
+            _harmonics(a, k == 2, len(azimuth_deg)) for a in (azimuth_deg, grid.AZIMUTH_DEG)
         )
         turned = field @ np.linalg.pinv(some).T  # [wavelength, elevation, harmonic]
         smooth = np.zeros_like(turned)
@@ -154,9 +195,8 @@ def _smooth(rough: np.ndarray, noise: np.ndarray, degree: int, harmonics: int) -
     return np.array(result)
 
 
-def _harmonics(azimuth_deg: np.ndarray, odd: bool) -> np.ndarray:
-    """Cosines of azimuth, or sines for what changes sign: as many as nodes tell apart."""
-    count = len(grid.MONTE_CARLO_AZIMUTH_DEG)
+def _harmonics(azimuth_deg: np.ndarray, odd: bool, count: int) -> np.ndarray:
+    """Cosines of azimuth, or sines for what changes sign: as many as so many nodes tell apart."""
     angle = np.radians(azimuth_deg)[:, None]
     return np.sin(angle * np.arange(1, count - 1)) if odd else np.cos(angle * np.arange(count))
 

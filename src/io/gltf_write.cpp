@@ -64,7 +64,8 @@ int write_image(GltfWriter& writer, const Image& image, const std::string& place
     pixels.resize(pixels.size() / 4 * 3);
   }
   const std::string png =
-      encode_png(pixels, image.width, image.height, opaque ? 3 : 4, place, work);
+      encode_png(pixels, image.width, image.height, opaque ? 3 : 4, PngPacking::small, place,
+                 work);
   json made = {{"mimeType", "image/png"}, {"bufferView", writer.view(png.data(), png.size())}};
   set_name(made, image.name);
   if (!image.rgba_linear.empty())

@@ -93,7 +93,8 @@ Image load_image(const std::string& path, const std::function<bool(double)>& pro
 }
 
 std::string png_bytes(const std::string& path, std::span<const std::uint8_t> pixels, int width,
-                      int height, int components, const std::function<bool(double)>& progress) {
+                      int height, int components, PngPacking packing,
+                      const std::function<bool(double)>& progress) {
   if (components != 3 && components != 4)
     throw Error(path + ": a PNG of " + std::to_string(components) +
                 " components, expected 3 (RGB) or 4 (RGBA)");
@@ -109,14 +110,15 @@ std::string png_bytes(const std::string& path, std::span<const std::uint8_t> pix
                 std::to_string(pixels.size()));
   std::string png;
   run_watched(progress, [&](WorkState& state) {
-    png = encode_png(pixels, width, height, components, path, {&state});
+    png = encode_png(pixels, width, height, components, packing, path, {&state});
   });
   return png;
 }
 
 void save_png(const std::string& path, std::span<const std::uint8_t> pixels, int width, int height,
               int components, const std::function<bool(double)>& progress) {
-  write_file_atomically(path, png_bytes(path, pixels, width, height, components, progress));
+  write_file_atomically(path, png_bytes(path, pixels, width, height, components, PngPacking::small,
+                                        progress));
 }
 
 }  // namespace omma

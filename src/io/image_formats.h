@@ -8,6 +8,7 @@
 #include <string>
 
 #include "model/long_work.h"
+#include "omma/io.h"
 #include "omma/scene.h"
 
 namespace omma {
@@ -43,6 +44,6 @@ Image decode_openexr(EncodedImage bytes, const std::string& place, const WorkPar
 
 // 8-bit RGB or RGBA (components 3 or 4), of a size that PNG can have, as a PNG file.
 std::string encode_png(std::span<const std::uint8_t> pixels, int width, int height, int components,
-                       const std::string& place, const WorkPart& work);
+                       PngPacking packing, const std::string& place, const WorkPart& work);
 
 }  // namespace omma

@@ -294,7 +294,7 @@ TEST(Image, PngsThatAreNotWanted) {
   // Before the first rows are coded and decoded it is looked at.
   WorkState ended;
   ended.cancelled = true;
-  expect_cancelled([&] { encode_png(pixels, 64, 64, 3, path, {&ended}); });
+  expect_cancelled([&] { encode_png(pixels, 64, 64, 3, PngPacking::small, path, {&ended}); });
   for (const EncodedKind& kind : images_of_every_kind()) {
     SCOPED_TRACE(kind.name);
     expect_cancelled([&] { decode_claimed_image(bytes_in(kind.bytes), "place", {&ended}); });

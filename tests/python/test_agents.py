@@ -134,7 +134,7 @@ def test_frames_that_last_see_past_their_own_body(swarm, path, backend):
 
 def test_what_is_not_seen_has_a_shadow(swarm):
     """A bee above the ground sees its shadow straight below, and not what throws it."""
-    light = omma.light.clear_sky(60, 0)
+    light = omma.light.clear_sky(60, sun_azimuth_deg=0)
     world = omma.World(swarm, light=light, lighting="path", ultraviolet="dark")
     eye = omma.Eye([(0, 0, 0)], [(0, -1, 0)], np.radians(1))
     renderer = omma.Renderer(world, eye, omma.Fixed(256))

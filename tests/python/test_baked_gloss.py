@@ -12,7 +12,7 @@ import omma
 from omma.light import Bands
 from omma.scene import Bake
 
-SUN_DEG = 60, 135
+SUN_ELEVATION_DEG, SUN_AZIMUTH_DEG = 60, 135
 POND_M = np.array([35.2, -0.2, -16.0])
 SEEDS, RAYS = 12, 16
 
@@ -20,7 +20,9 @@ SEEDS, RAYS = 12, 16
 @pytest.fixture(scope="module")
 def worlds():
     """By paths, and baked."""
-    light = omma.light.clear_sky(*SUN_DEG, bands=Bands.equal(8))
+    light = omma.light.clear_sky(
+        SUN_ELEVATION_DEG, sun_azimuth_deg=SUN_AZIMUTH_DEG, bands=Bands.equal(8)
+    )
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)
         scene = omma.load_scene(omma.examples.lit_meadow())

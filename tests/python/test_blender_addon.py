@@ -432,7 +432,7 @@ def test_what_the_page_says_to_run_in_blender_runs(blender):
     assert 0.05 < said["shown"] < 2
     # What anybody gets of the file that was kept.
     scene = omma.load_scene(Path(said["numbers"]).with_suffix(".glb"))
-    light = omma.light.clear_sky(40, 200)
+    light = omma.light.clear_sky(40, sun_azimuth_deg=200)
     world = omma.World(scene, light=light, lighting="path", ultraviolet="dark")
     eye = omma.picture.camera_eye(scene, "bee")
     wanted = omma.Renderer(world, eye, omma.Fixed(1)).render("bee")

@@ -218,7 +218,7 @@ def test_footprints_can_be_left_out(omma_command, scene, eye, tmp_path):
         (("--shared", "4", "--samples", "8"), 1, "--samples and --shared: only one of them"),
         (("--error", "0"), 1, "error: expected a number above 0"),
         (("--samples", "0"), 1, "samples: expected 1 to 1048576, found 0"),
-        (("--camera", "plain", "--error", "1"), 1, "expected omma.Fixed for a picture"),
+        (("--camera", "plain", "--error", "1"), 1, "--error: not for a picture"),
         (("--all-cameras", "--error", "0.1"), 1, "--error"),
     ],
 )

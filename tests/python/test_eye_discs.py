@@ -1,5 +1,5 @@
 """The sun and other discs of the sky, as ommatidia see them: by closed forms, behind things, with
-errors, in every way of sampling."""
+errors, in every way of sampling, by paths and baked, beside ground truth."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 import omma
 from omma.light import Disc, Light
 from omma.photoreceptors import ImpulseResponse
-from omma.scene import Mesh
+from omma.scene import Bake, Mesh
 
 RADIUS_RAD = float(np.radians(0.533 / 2))
 RADIANCE = 1e6
@@ -269,3 +269,94 @@ def test_polarised_worlds_see_the_same() -> None:
         world = omma.World(screen(0.1, 0.2), light=light, lighting="path", polarized=polarized)
         found.append(omma.Renderer(world, eye, omma.Fixed(16)).render(np.eye(4)).ravel()[0])
     assert found[0] == pytest.approx(found[1], rel=1e-4)
+
+
+def sun_in_sky() -> Light:
+    """The sun before an even sky."""
+    return Light(BAND, "watts", np.full((2, 2, 4, 1, 1), 100.0), discs=sun().discs)
+
+
+def baked(scene: omma.Scene, light: Light, backend: str, sun_by: str = "exact") -> omma.World:
+    """Of large cells and few paths, as nothing in these scenes gives light back."""
+    bake = Bake(cell_m=1.0, paths=16, cache=False)
+    how = {"sun": sun_by, "bake": bake, "backend": backend}
+    return omma.World(scene, light=light, lighting="baked", **how)  # type: ignore[arg-type]
+
+
+def rendered(world: omma.World, eye: omma.Eye) -> Floats:
+    renderer = omma.Renderer(world, eye, omma.Fixed(16))
+    return renderer.render(np.eye(4)).astype(float).ravel()
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("sun_by", ["exact", "map"])
+@pytest.mark.parametrize("width_deg", [1.0, 5.0])
+def test_baked_worlds_see_the_open_sun(backend: str, sun_by: str, width_deg: float) -> None:
+    """As by paths, and as the closed form has it; also before a sky, which rays find."""
+    world = baked(empty(), sun(), backend, sun_by)
+    under_sky = baked(empty(), sun_in_sky(), backend, sun_by)
+    by_paths = under_sky.with_light(sun_in_sky(), lighting="path")
+    for off in (0.0, 0.5, 1.0):
+        axis = off_axis(off * width_deg)
+        eye = eye_of(axis, width_deg)
+        exact = expected(axis, width_deg)
+        assert rendered(world, eye)[0] == pytest.approx(exact, rel=2e-5)
+        # All rays meet the sky, so that its mean has no noise.
+        found = rendered(under_sky, eye)[0]
+        assert found == pytest.approx(100 + exact, rel=2e-5)
+        assert found == pytest.approx(rendered(by_paths, eye)[0], rel=1e-6)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("sun_by", ["exact", "map"])
+@pytest.mark.parametrize("width_deg", [1.0, 5.0])
+@pytest.mark.parametrize("edge", [0.0, -0.6])
+def test_baked_worlds_see_the_sun_beside_an_edge(
+    backend: str, sun_by: str, width_deg: float, edge: float
+) -> None:
+    """Within the bounds of the same sun by paths; the map of the sun is for surfaces alone."""
+    axis, turn = off_axis(0.5 * width_deg), 0.4 + edge
+    world = baked(screen(edge, turn), sun(), backend, sun_by)
+    found = rendered(world, eye_of(axis, width_deg, 32))
+    error = found / expected(axis, width_deg, seen=beside_edge(edge, turn)) - 1
+    assert np.abs(error).max() < 0.01
+    assert np.sqrt(np.mean(error**2)) < 0.005
+    assert abs(error.mean()) < 0.002
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("lighting", ["path", "baked"])
+@pytest.mark.parametrize("width_deg", [1.0, 5.0])
+def test_truth_is_that_of_things_before_the_sun(
+    backend: str, lighting: str, width_deg: float
+) -> None:
+    """What rays meet is the same bits with a sun behind the edge and without, and the sun counts as
+    sky; the responses beside it are those of a render."""
+    scene, dark = screen(0.2, 0.4), Light(BAND, "watts")
+    eye = eye_of(off_axis(0.3 * width_deg), width_deg, 8)
+    velocity = (np.array([0.3, 0.1, -1.0]), np.array([0.2, -0.5, 0.1]))
+    world = baked(scene, sun(), backend)
+    if lighting == "path":
+        world = world.with_light(sun(), lighting="path")
+    truths = [
+        omma.Renderer(one, eye, omma.Fixed(64)).ground_truth(
+            np.eye(4), shares=[0], head_velocity=velocity
+        )
+        for one in (world, world.with_light(dark, lighting=lighting))
+    ]
+    with_sun, without = truths
+    assert np.all((0.1 < with_sun.met) & (with_sun.met < 0.9))
+    np.testing.assert_array_equal(with_sun.shares[..., 0], with_sun.met)
+    for name in (
+        "met", "distance_m", "nearest_m", "inverse_distance_per_m", "position_m", "normal",
+        "shares", "flow_rotation_rad_s", "flow_translation_rad_s", "flow_rad_s",
+    ):  # fmt: skip
+        np.testing.assert_array_equal(getattr(with_sun, name), getattr(without, name), name)
+    render = omma.Renderer(world, eye, omma.Fixed(64)).render(np.eye(4))
+    np.testing.assert_array_equal(with_sun.responses, render)
+    assert np.all(with_sun.responses > 0)
+    assert np.all(without.responses == 0)
+    # The screen is a metre ahead, so that a ray's way to it is 1 / cos of its angle; where that is
+    # twice the width S is 2⁻¹⁶.
+    assert np.all(with_sun.nearest_m >= 1)
+    assert np.all(with_sun.distance_m < 1 / np.cos(np.radians(2 * width_deg)))

@@ -65,7 +65,7 @@ def test_a_disc_gives_what_it_is_said_to():
 
 
 def test_a_clear_sky_and_its_sun():
-    light = omma.light.clear_sky(30, 135)
+    light = omma.light.clear_sky(30, sun_azimuth_deg=135)
     (sun,) = light.discs
     np.testing.assert_allclose(sun.direction, direction(135, 30))
     assert np.degrees(sun.angular_radius_rad) * 2 == pytest.approx(0.533)
@@ -91,18 +91,25 @@ def test_photons_and_watts_of_one_sky():
 
 
 def test_moonlight_is_weak_sunlight():
-    sun = omma.light.clear_sky(40, 10, bands=FEW)
-    moon = omma.light.moonlit_sky(40, 10, bands=FEW)
+    sun = omma.light.clear_sky(40, sun_azimuth_deg=10, bands=FEW)
+    moon = omma.light.moonlit_sky(40, moon_azimuth_deg=10, bands=FEW)
     np.testing.assert_allclose(
         moon.discs[0].irradiance(), 2.49e-6 * sun.discs[0].irradiance(), rtol=2e-3
     )
     np.testing.assert_allclose(moon.sky, 2.49e-6 * sun.sky, rtol=2e-3, atol=1e-30)
-    half = omma.light.moonlit_sky(40, 10, phase_angle_deg=90, bands=FEW)
+    half = omma.light.moonlit_sky(40, moon_azimuth_deg=10, phase_angle_deg=90, bands=FEW)
     # Allen: 2.60 magnitudes less at the half moon.
     for part, full in zip(half.irradiance(), moon.irradiance(), strict=True):
         np.testing.assert_allclose(part, 10 ** (-0.4 * 2.6024) * full, rtol=1e-3)
     with pytest.raises(omma.Error, match="phase_angle_deg: expected -150 to 150, found 170"):
         omma.light.moonlit_sky(40, phase_angle_deg=170)
+
+
+@pytest.mark.parametrize("sky", [omma.light.clear_sky, omma.light.moonlit_sky])
+def test_azimuths_of_suns_are_named(sky):
+    """Elevation comes first here and azimuth everywhere else, so (135, 30) must not pass for it."""
+    with pytest.raises(TypeError, match=f"{sky.__name__}: too many positional arguments"):
+        sky(30, 60)
 
 
 def test_turning_goes_to_the_right():
@@ -129,8 +136,8 @@ def test_one_polarisation_about_the_zenith_is_as_strong_between_columns():
 
 
 def test_a_turned_sky_is_that_of_a_sun_elsewhere():
-    turned = omma.light.clear_sky(30, 0, bands=FEW).turned(90)
-    made = omma.light.clear_sky(30, 90, bands=FEW)
+    turned = omma.light.clear_sky(30, sun_azimuth_deg=0, bands=FEW).turned(90)
+    made = omma.light.clear_sky(30, sun_azimuth_deg=90, bands=FEW)
     np.testing.assert_allclose(turned.discs[0].direction, direction(90, 30), atol=1e-12)
     at = direction(np.arange(0, 360, 30), 45)
     # Within what interpolation between columns makes of it.
@@ -150,21 +157,21 @@ def test_scaling():
 
 
 def test_pickles_hold_how_it_was_made():
-    light = omma.light.clear_sky(30, 135, bands=FEW).turned(10).scaled(0.5)
+    light = omma.light.clear_sky(30, sun_azimuth_deg=135, bands=FEW).turned(10).scaled(0.5)
     text = pickle.dumps(light)
     assert len(text) < 20_000
     assert pickle.loads(text) == light
     assert copy.deepcopy(light) == light
-    assert light != omma.light.clear_sky(30, 135, bands=FEW)
+    assert light != omma.light.clear_sky(30, sun_azimuth_deg=135, bands=FEW)
     of_numbers = omma.light.panorama_bands(np.ones((4, 8, 4)), bands=FEW)
     assert pickle.loads(pickle.dumps(of_numbers)) == of_numbers
 
 
 def test_other_bands():
-    light = omma.light.clear_sky(30, 135).turned(10)
+    light = omma.light.clear_sky(30, sun_azimuth_deg=135).turned(10)
     other = light.in_bands(FEW)
     assert other.bands == FEW
-    assert other == omma.light.clear_sky(30, 135, bands=FEW).turned(10)
+    assert other == omma.light.clear_sky(30, sun_azimuth_deg=135, bands=FEW).turned(10)
     with pytest.raises(omma.Error, match="light: expected one with a recipe"):
         omma.light.panorama_bands(np.ones((4, 8, 4)), bands=FEW).in_bands(Bands.equal())
 
@@ -253,7 +260,7 @@ def test_polarised_bands_of_a_panorama():
         (lambda: omma.light.uniform_sky(1, unit="lux"), "unit: expected one of photons, watts"),
         (lambda: omma.light.uniform_sky(1, below=-1), "below"),
         (lambda: omma.light.overcast_sky(30, cloud_transmittance=2), "cloud_transmittance"),
-        (lambda: omma.light.clear_sky(30, np.nan), "sun_azimuth_deg"),
+        (lambda: omma.light.clear_sky(30, sun_azimuth_deg=np.nan), "sun_azimuth_deg"),
         (lambda: omma.light.clear_sky(-9), "sun_elevation_deg: expected -8 to 90, found -9"),
         (lambda: omma.light.clear_sky(30, aerosol=2), "aerosol: expected 0 to 0.3"),
         (lambda: omma.light.clear_sky(30, ozone_du=50), "ozone_du: expected 200 to 450"),
@@ -285,7 +292,7 @@ def test_nonsense_is_named(call, message):
 
 
 def test_what_the_engine_is_given():
-    light = omma.light.clear_sky(30, 135, bands=FEW)
+    light = omma.light.clear_sky(30, sun_azimuth_deg=135, bands=FEW)
     given = light._for_engine()
     assert given["unit"] == "photons"
     assert given["sky"].dtype == np.float32

@@ -28,7 +28,9 @@ def files(tmp_path_factory):
 
 def test_they_are_the_arguments_of_a_world():
     given = parse_light(WORDS)
-    assert given.pop("light") == omma.light.clear_sky(30, 135, bands=omma.light.Bands.equal(4))
+    assert given.pop("light") == omma.light.clear_sky(
+        30, sun_azimuth_deg=135, bands=omma.light.Bands.equal(4)
+    )
     assert given == {"ultraviolet": "dark", "lighting": "path"}
     assert parse_light("overcast_sky sun_elevation_deg=-2.5 ultraviolet=0.02 depth=3") == {
         "light": omma.light.overcast_sky(-2.5),

@@ -141,7 +141,7 @@ def test_camera_pixels_count_by_the_sensitivity():
 
 
 def test_who_looks_at_the_sun_is_left_out(eye):
-    light = omma.light.clear_sky(30, 135)
+    light = omma.light.clear_sky(30, sun_azimuth_deg=135)
     blind = blind_to_sun(eye, POSE, light)
     axis = blind.axis @ POSE[:3, :3].T
     apart = np.degrees(np.arccos(axis @ light.discs[0].direction))

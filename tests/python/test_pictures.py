@@ -5,8 +5,11 @@ import pytest
 from conftest import make_eye
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from PIL import Image
 
 import omma
+from omma import _core
+from omma.picture.unseen import hatch, hatching
 
 
 def pixel_directions(width, height):
@@ -319,3 +322,23 @@ def test_an_ommatidium_that_no_pixel_shows_is_a_dot_with_its_number(monkeypatch)
     _row, column = (each.mean() for each in np.nonzero((picture == (255, 0, 0)).all(axis=2)))
     ahead = [x for x, _, text in said if text == "ahead 0°"]
     assert column == pytest.approx(ahead[0], abs=1.5)
+
+
+@pytest.mark.parametrize("channels", [3, 4])
+def test_pngs_of_patches_hold_the_pixels(tmp_path, channels):
+    pixels = np.zeros((37, 53, channels), np.uint8)
+    pixels[:20, :31] = np.arange(1, 1 + channels)
+    pixels[20:, 9:] = 250
+    pixels[36, 52] = 7
+    path = tmp_path / "patches.png"
+    path.write_bytes(_core.encode_png(path, pixels, quick=True))
+    assert np.array_equal(np.asarray(Image.open(path)), pixels)
+
+
+def test_hatching_of_many_is_that_of_one():
+    where = np.random.default_rng(1).random((30, 50)) < 0.4
+    hatched = hatching(where)
+    for seed in (2, 3):
+        pixels = np.random.default_rng(seed).integers(0, 255, (30, 50, 3), np.uint8)
+        expected = hatch(pixels.copy(), where)
+        assert np.array_equal(hatched(pixels), expected)

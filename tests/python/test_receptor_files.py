@@ -30,7 +30,7 @@ def fly(tmp_path, eye, files, monkeypatch):
 def test_receptors_are_written_as_they_are_rendered(run_omma, fly, files):
     arguments = ["render", files / "scene.gltf", "--eye", "fly.csv", "--path", "path.csv"]
     code, out, err = run_omma(
-        *arguments, "--receptors", "--ultraviolet", 0, 0.5, 1, "-o", "r.npy", "-o", "r.csv"
+        *arguments, "--receptors", "--ultraviolet", "0,0.5,1", "-o", "r.npy", "-o", "r.csv"
     )
     assert (code, err) == (0, "")
     assert "receptors  90" in out
@@ -108,12 +108,12 @@ def test_standard_errors_are_written_beside(run_omma, fly, files):
     [
         (["--eye", "fly.csv", "--receptors", "-o", "r.png"], "r.png: expected numbers"),
         (["--eye", "bug.eye", "--receptors", "-o", "r.npy"], "expected receptors, found none"),
-        (["--eye", "fly.csv", "--ultraviolet", 0, 0, 1, "-o", "r.npy"], "ultraviolet: is for"),
+        (["--eye", "fly.csv", "--ultraviolet", "dark", "-o", "r.npy"], "--ultraviolet: goes with"),
         (["--camera", "plain", "--receptors", "-o", "r.npy"], "receptors: is for eyes"),
         (["--all-cameras", "--receptors", "-o", "r"], "--receptors: not together with"),
         (
             ["--eye", "fly.csv", "--receptors", "--error", 0.1, "-o", "r.npy"],
-            "sampling: expected omma.Fixed for receptors",
+            "--error: not for receptors",
         ),
     ],
 )
@@ -123,6 +123,21 @@ def test_what_cannot_be_is_said(run_omma, fly, files, tmp_path, eye, arguments, 
     assert code == 1
     assert message in err
     assert not list(tmp_path.glob("r.*"))
+
+
+@pytest.mark.parametrize(("word", "mix"), [("dark", (0, 0, 0)), ("as_blue", (0, 0, 1))])
+def test_ultraviolet_is_said_by_word(run_omma, fly, files, word, mix):
+    renderer = omma.Renderer(omma.load_scene(files / "scene.gltf"), fly)
+    poses = omma.load_poses("path.csv")
+    expected = renderer.render_receptors(poses, ultraviolet=mix)
+    assert np.array_equal(renderer.render_receptors(poses, ultraviolet=word), expected)
+    arguments = ["render", files / "scene.gltf", "--eye", "fly.csv", "--path", "path.csv"]
+    code, _, err = run_omma(*arguments, "--receptors", "--ultraviolet", word, "-o", "r.npy")
+    assert (code, err) == (0, "")
+    assert np.array_equal(np.load("r.npy"), expected)
+    code, _, err = run_omma("render", "--like", "r.npy", "-o", "again.npy")
+    assert (code, err) == (0, "")
+    assert np.array_equal(np.load("again.npy"), expected)
 
 
 def test_texts_are_quoted_where_they_must_be():

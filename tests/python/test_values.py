@@ -419,7 +419,7 @@ def test_worlds_and_renderers_show_a_table(examples):
 
 def test_lights_and_animals_show_a_table():
     few = omma.light.Bands.equal(4)
-    text = omma.light.clear_sky(30, 135, bands=few).turned(10)._repr_html_()
+    text = omma.light.clear_sky(30, sun_azimuth_deg=135, bands=few).turned(10)._repr_html_()
     ElementTree.fromstring(f"<all>{text}</all>")
     assert "at azimuth 145°, elevation 30°, 0.533° across" in text
     assert "directions in each half, polarised" in text

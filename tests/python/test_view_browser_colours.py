@@ -82,7 +82,7 @@ def test_unlit_scenes_have_the_picture_s_colours(browser):
 def test_lit_scenes_have_them_in_the_open(browser):
     eye = omma.eye.generate_eye(50)
     pose = HeadPose((0, -50.0, 0)).world_from_head
-    light = omma.light.clear_sky(40, 135)
+    light = omma.light.clear_sky(40, sun_azimuth_deg=135)
     scene = stripes()
     world = omma.World(scene, light=light, lighting="path", ultraviolet="dark")
     with omma.view.show(world, eye, pose=pose, port=0) as window:

@@ -1,10 +1,18 @@
 """`omma view`: where it says the page is, how it ends, and what it says of bad input."""
 
+import shlex
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 from view_checks import ask
+
+import omma
+from omma.cli import view as view_command
+from omma.view.command import render_command, render_python
+from omma.view.poses import HeadPose
+from omma.view.state import Look, Looker
 
 
 def test_the_command_says_where_and_ends_with_ctrl_c(ground):
@@ -49,3 +57,32 @@ def test_the_command_says_what_is_wrong(ground, run_omma, monkeypatch, words, sa
     assert code != 0
     assert err.count("\n") == 1
     assert said in err
+
+
+def test_unit_and_up_of_a_mesh_are_those_of_render(ground, run_omma, monkeypatch):
+    pytest.importorskip("viser", reason="viser (omma[view]) is not installed")
+    monkeypatch.chdir(ground)
+    # A wall of 2 m in millimetres, upright where z is up.
+    corners = "v -1000 0 0\nv 1000 0 0\nv 1000 0 2000\nv -1000 0 2000\n"
+    (ground / "wall.obj").write_text(f"{corners}f 1 2 3 4\nf 4 3 2 1\n")
+    opened = []
+
+    def open_window(world, eye, sources, **_):
+        opened.append((world, eye, sources))
+        raise omma.Error("seen enough")
+
+    monkeypatch.setattr(view_command, "open_window", open_window)
+    words = ["--scene-unit", "mm", "--scene-up", "z", "--eye", "plain.csv", "--no-browser"]
+    assert run_omma("view", "wall.obj", *words)[0] == 1
+    world, eye, sources = opened[0]
+    assert world.scene == omma.load_scene("wall.obj", unit="mm", up="z")
+    pose = HeadPose((0.0, 1.0, 3.0), 0.0, 0.0, 0.0)
+    seen = Looker(world, eye).see(Look(pose, samples=4))
+    assert len(np.unique(seen.responses, axis=0)) > 1  # the wall and what is beside it
+    command, why = render_command(sources, seen)
+    assert why is None
+    assert run_omma(*shlex.split(command.splitlines()[-1])[1:])[0] == 0
+    assert np.array_equal(np.load("view.npy")[0], seen.responses)
+    names = {}
+    exec(render_python(sources, seen), names)
+    assert np.array_equal(names["responses"][0], seen.responses)

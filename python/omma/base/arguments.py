@@ -8,7 +8,8 @@ import inspect
 import operator
 import os
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any, TypeVar, cast
 
 import numpy as np
@@ -18,6 +19,18 @@ from omma._core import Error
 from omma.base.dlpack import as_numpy
 
 F = TypeVar("F", bound=Callable[..., Any])
+
+
+@contextmanager
+def as_named(**names: str) -> Iterator[None]:
+    """Errors inside are about an argument by the name that the caller's own function has for it."""
+    try:
+        yield
+    except Error as error:
+        message = str(error)
+        for inside, here in names.items():
+            message = re.sub(rf"(^|: ){inside}: ", rf"\1{here}: ", message, count=1)
+        raise Error(message) from None
 
 
 def whole(value: Any, name: str, low: int, high: int) -> int:

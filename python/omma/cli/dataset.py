@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from omma.cli.help import App
 from omma.cli.working import check_outputs, say, working
 from omma.datasets.contact_sheet import contact_sheet
 from omma.datasets.description import describe
@@ -18,7 +19,17 @@ from omma.datasets.running import run as run_job
 from omma.datasets.running import verify as verify_store
 from omma.datasets.webdataset import to_webdataset as write_tars
 
-DATASET_HELP = "Make data sets of views for models, and read them (docs/datasets.md)."
+DATASET_HELP = """
+Make data sets of views for models, and read them (docs/datasets.md).
+
+**Examples**
+
+`omma dataset run job.toml -o views.zarr`
+
+`omma dataset info views.zarr`
+
+`omma dataset sample views.zarr -o sheet.png`
+"""
 
 RUN_HELP = """
 Make a data set: the views that a job file asks for, in one Zarr store.
@@ -27,6 +38,10 @@ Run again, it makes what is missing and nothing else: after Ctrl-C, a kill, a fu
 power. The bits do not depend on the number of threads and workers, nor on interruptions. All cores
 of this machine work, or the workers of a Dask cluster, which must see the job's files and the store
 under the same names.
+
+A condition of the job that has a light says how it is followed: lighting = "path", the default, for
+each ray; or lighting = "baked", which finds most of it once for all views, before the first, and
+keeps it below ~/.cache/omma, or below the folder that the environment variable OMMA_CACHE names.
 
 **Examples**
 
@@ -79,9 +94,7 @@ Write a data set as tar files for WebDataset: NUMBER.response.npy and NUMBER.jso
 `omma dataset to-webdataset views.zarr -o tars --views-per-file 100 --variable response`
 """
 
-dataset_app = typer.Typer(
-    help=DATASET_HELP, no_args_is_help=True, add_completion=False, rich_markup_mode="markdown"
-)
+dataset_app = App(help=DATASET_HELP, no_args_is_help=True)
 
 StoreArgument = Annotated[Path, typer.Argument(help="The data set.", metavar="STORE")]
 EyeOption = Annotated[
@@ -102,7 +115,7 @@ def run(
         typer.Option("-o", "--output", help="Store to write; default: as the job says.",
                      metavar="STORE"),
     ] = None,
-    threads: Annotated[int, typer.Option(help="On this machine; 0: all cores.")] = 0,
+    threads: Annotated[int, typer.Option(help="On this machine; 0: all cores.", metavar="N")] = 0,
     dask: Annotated[
         str | None,
         typer.Option(help="Have the workers of this Dask scheduler do it.", metavar="ADDRESS"),
@@ -110,7 +123,7 @@ def run(
     slurm: Annotated[
         int,
         typer.Option(help="Make so many jobs in SLURM, as the table [slurm] of the job says, whose "
-                     "workers do it."),
+                     "workers do it.", metavar="N"),
     ] = 0,
 ) -> None:  # fmt: skip
     """Make a data set."""
@@ -181,9 +194,11 @@ def sample(
         Path, typer.Option("-o", "--output", help="Figure to write: .png, .svg, .pdf.",
                            metavar="OUT")
     ],
-    count: Annotated[int, typer.Option("-n", "--count", help="How many views.")] = 24,
+    count: Annotated[int, typer.Option("-n", "--count", help="How many views.", metavar="N")] = 24,
     eye: EyeOption = None,
-    seed: Annotated[int, typer.Option(help="Of the choice of views.")] = 0,
+    seed: Annotated[
+        int, typer.Option(help="Of the choice of views.", metavar="N")
+    ] = 0,
 ) -> None:  # fmt: skip
     """Draw a contact sheet."""
     check_outputs(output)
@@ -203,7 +218,7 @@ def to_webdataset(
         typer.Option(help="Array to write; may be repeated. Default: response.", metavar="NAME"),
     ] = None,
     eye: EyeOption = None,
-    views_per_file: Annotated[int, typer.Option(help="Views in a file.")] = 1000,
+    views_per_file: Annotated[int, typer.Option(help="Views in a file.", metavar="N")] = 1000,
 ) -> None:
     """Write tar files."""
     with working() as bar:

@@ -15,10 +15,26 @@ from omma.cli.eye_files import EyeArgument, OutOption, UnitOption, eye_target, s
 from omma.cli.eye_look import add_look_commands
 from omma.cli.eye_make import add_make_commands
 from omma.cli.eye_species import add_species_command
+from omma.cli.help import App
+from omma.cli.numbers import acceptance_angle, finite, not_below_zero
 from omma.cli.working import check_outputs, say, working
 from omma.eye.change import set_acceptance, split_eye
 from omma.eye.files import load_eye
 from omma.picture.drawing import draw_eye
+
+EYE_HELP = """
+Make, change, convert, check and draw eyes.
+
+**Examples**
+
+`omma eye species holcocephala -o robber_fly.csv`
+
+`omma eye make 1000 -o even.csv`
+
+`omma eye info honeybee.eye`
+
+`omma eye convert honeybee.eye -o honeybee.csv`
+"""
 
 SPLIT_HELP = """
 Split an eye in two by the side on which its ommatidia sit, left where x is below 0.
@@ -63,13 +79,7 @@ left), 90 0 from its right, 0 90 from above. What faces away is left out unless 
 `omma eye draw 1000.eye --style axes --colour none --back -o axes.svg`
 """
 
-eye_app = typer.Typer(
-    name="eye",
-    help="Make, change, convert, check and draw eyes.",
-    no_args_is_help=True,
-    add_completion=False,
-    rich_markup_mode="markdown",
-)
+eye_app = App(name="eye", help=EYE_HELP, no_args_is_help=True)
 add_make_commands(eye_app)
 add_look_commands(eye_app)
 add_species_command(eye_app)
@@ -98,11 +108,18 @@ def split(
         typer.Option(help="File for the right eye.", metavar="OUT", callback=eye_target),
     ] = None,
     shift_mm: Annotated[
-        float, typer.Option(help="How far each is moved to its side, in mm.", metavar="MM")
+        float,
+        typer.Option(
+            help="How far each is moved to its side, in mm.", metavar="MM", callback=finite
+        ),
     ] = 0.0,
     overlap_mm: Annotated[
         float,
-        typer.Option(help="What is this near the middle goes to both, in mm.", metavar="MM"),
+        typer.Option(
+            help="What is this near the middle goes to both, in mm.",
+            metavar="MM",
+            callback=not_below_zero,
+        ),
     ] = 0.0,
     unit: UnitOption = "mm",
 ) -> None:
@@ -122,7 +139,10 @@ def acceptance(
     eye: EyeArgument,
     output: OutOption,
     degrees: Annotated[
-        float | None, typer.Option(help="One angle for all, in degrees.", metavar="DEG")
+        float | None,
+        typer.Option(
+            help="One angle for all, in degrees.", metavar="DEG", callback=acceptance_angle
+        ),
     ] = None,
     factor: Annotated[
         float | None, typer.Option(help="Times the present angles.", metavar="FACTOR")
@@ -161,7 +181,7 @@ def acceptance(
 def draw(
     eye: Annotated[
         list[Path],
-        typer.Argument(help="Eye file; several make one head.", metavar="EYE..."),
+        typer.Argument(help="Eye file; several make one head.", metavar="EYE"),
     ],
     output: Annotated[
         list[Path],
@@ -173,10 +193,12 @@ def draw(
         ),
     ],
     yaw: Annotated[
-        float, typer.Option(help="Azimuth to look from, in degrees.", metavar="DEG")
+        float,
+        typer.Option(help="Azimuth to look from, in degrees.", metavar="DEG", callback=finite),
     ] = 0.0,
     pitch: Annotated[
-        float, typer.Option(help="Elevation to look from, in degrees.", metavar="DEG")
+        float,
+        typer.Option(help="Elevation to look from, in degrees.", metavar="DEG", callback=finite),
     ] = 0.0,
     style: Annotated[
         Literal["facets", "axes", "both"],

@@ -10,6 +10,7 @@ import typer
 
 from omma._core import Error, Eye
 from omma.cli.eye_files import EyeArgument, OutOption, UnitOption, save
+from omma.cli.numbers import above_zero, acceptance_angle
 from omma.cli.working import warn, working
 from omma.eye.change import convert_eye
 from omma.eye.files import OCES_SUFFIXES, eye_file_losses, load_eye
@@ -83,12 +84,18 @@ def convert(
     acceptance_ratio: Annotated[
         float | None,
         typer.Option(
-            help="With --from: acceptance over interommatidial angle. Default: 1.", metavar="RATIO"
+            help="With --from: acceptance over interommatidial angle. Default: 1.",
+            metavar="RATIO",
+            callback=above_zero,
         ),
     ] = None,
     acceptance_deg: Annotated[
         float | None,
-        typer.Option(help="With --from: one acceptance angle for all.", metavar="DEG"),
+        typer.Option(
+            help="With --from: one acceptance angle for all.",
+            metavar="DEG",
+            callback=acceptance_angle,
+        ),
     ] = None,
     allow_unmatched: Annotated[
         bool,

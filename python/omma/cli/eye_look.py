@@ -11,8 +11,10 @@ from rich.console import Console
 from rich.table import Table
 
 from omma._core import Error, Eye, merge_eyes
+from omma.base.arguments import as_named
 from omma.base.figures import figure_names
 from omma.base.files import WholeFiles, check_ending
+from omma.cli.numbers import finite
 from omma.cli.working import check_outputs, readable, say, working
 from omma.eye.files import load_eye
 from omma.eye.measures import DIFFRACTION_LIMIT, diffraction_limit_m_rad, measure_eye
@@ -64,7 +66,7 @@ own columns.
 """
 
 EyesArgument = Annotated[
-    list[Path], typer.Argument(help="Eye file; several make one head.", metavar="EYE...")
+    list[Path], typer.Argument(help="Eye file; several make one head.", metavar="EYE")
 ]
 UnitOption = Annotated[
     str,
@@ -133,7 +135,7 @@ def plot(
     ],
     eye: Annotated[
         list[Path] | None,
-        typer.Argument(help="Eye file; several make one head.", metavar="EYE..."),
+        typer.Argument(help="Eye file; several make one head.", metavar="EYE"),
     ] = None,
     species: Annotated[
         str | None, typer.Option(help="An animal of omma.species instead.", metavar="NAME")
@@ -158,8 +160,12 @@ def plot(
             "repeated. Default: those of least, median and large Δφ.", metavar="INDEX|AZ,EL",
         ),
     ] = None,
-    yaw: Annotated[float, typer.Option(help="Azimuth to look from, degrees.")] = 0.0,
-    pitch: Annotated[float, typer.Option(help="Elevation to look from, degrees.")] = 0.0,
+    yaw: Annotated[
+        float, typer.Option(help="Azimuth to look from, degrees.", metavar="DEG", callback=finite)
+    ] = 0.0,
+    pitch: Annotated[
+        float, typer.Option(help="Elevation to look from, degrees.", metavar="DEG", callback=finite)
+    ] = 0.0,
     style: Annotated[
         Literal["facets", "axes", "both"],
         typer.Option(help="3d: facets, lines along the axes, or both."),
@@ -183,21 +189,21 @@ def plot(
             # Only now: other commands start faster without it.
             from omma.species import make
 
-            animal = make(species)
+            with as_named(name="species"):
+                animal = make(species)
         head = animal.eye if animal is not None else load_head(eye or [], unit)
         if what == "3d":
-            try:
+            with as_named(colour="property"):
                 draw_eye(
                     names, head, yaw_deg=yaw, pitch_deg=pitch, style=style, back=back, title=title,
                     colour=prop[0] if prop else "interommatidial",
                 )  # fmt: skip
-            except Error as error:  # the option has another name than the argument
-                raise Error(str(error).replace("colour: ", "property: ", 1)) from None
         elif what == "map":
             plot_eye_maps(names, head, prop, projection=projection, title=title, progress=bar.show)
         elif what == "acceptance":
             chosen = None if ommatidium is None else [_chosen(text) for text in ommatidium]
-            plot_acceptance(names, head, chosen, title=title)
+            with as_named(ommatidia="ommatidium"):
+                plot_acceptance(names, head, chosen, title=title)
         elif animal is not None:
             plot_species(names, animal, progress=bar.show)
         else:

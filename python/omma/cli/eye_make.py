@@ -12,8 +12,10 @@ import typer
 from numpy.typing import NDArray
 
 from omma._core import Error
+from omma.base.arguments import as_named
 from omma.base.files import check_target
 from omma.cli.eye_files import EyeArgument, OutOption, UnitOption, clear_of_midline, head_of, save
+from omma.cli.numbers import above_zero, angle, finite
 from omma.cli.working import working
 from omma.eye.angles import acute_angle, load_angle_table, window
 from omma.eye.change import join_eyes, mirror_eye, place_on_head, rescale_eye
@@ -114,11 +116,14 @@ def make(
         int | None, typer.Argument(help="Number of ommatidia.", metavar="N", show_default=False)
     ] = None,
     dphi: Annotated[
-        float | None, typer.Option(help="Angle between neighbours, in degrees.", metavar="DEG")
+        float | None,
+        typer.Option(help="Angle between neighbours, in degrees.", metavar="DEG", callback=angle),
     ] = None,
     dphi_vertical: Annotated[
         float | None,
-        typer.Option(help="The same between those above each other.", metavar="DEG"),
+        typer.Option(
+            help="The same between those above each other.", metavar="DEG", callback=angle
+        ),
     ] = None,
     field: Annotated[
         Path | None, typer.Option(help="CSV table of these angles.", metavar="FILE")
@@ -153,18 +158,24 @@ def make(
         ),
     ] = None,
     radius_mm: Annotated[
-        float | None, typer.Option(help="Radius of a sphere, in mm. Default: 1.", metavar="MM")
+        float | None,
+        typer.Option(
+            help="Radius of a sphere, in mm. Default: 1.", metavar="MM", callback=above_zero
+        ),
     ] = None,
     semi_axes_mm: Annotated[
         tuple[float, float, float] | None,
         typer.Option(
             help="Of an ellipsoid: half its width (right), height and length, in mm.",
             metavar="X Y Z",
+            callback=above_zero,
         ),
     ] = None,
     centre_mm: Annotated[
         tuple[float, float, float] | None,
-        typer.Option(help="Where its centre is (right, up, back), in mm.", metavar="X Y Z"),
+        typer.Option(
+            help="Where its centre is (right, up, back), in mm.", metavar="X Y Z", callback=finite
+        ),
     ] = None,
     mesh: Annotated[
         Path | None,
@@ -172,7 +183,9 @@ def make(
     ] = None,
     facet_um: Annotated[
         float | None,
-        typer.Option(help="Lay facets this wide over the surface, in µm.", metavar="UM"),
+        typer.Option(
+            help="Lay facets this wide over the surface, in µm.", metavar="UM", callback=above_zero
+        ),
     ] = None,
     even_facets: Annotated[
         bool, typer.Option("--even-facets", help="Lay N facets of one size over the surface.")
@@ -183,6 +196,7 @@ def make(
             help="Median angle between axis and surface normal, in degrees: the surface spans "
             "less than the eye sees, around its middle direction.",
             metavar="DEG",
+            callback=above_zero,
         ),
     ] = None,
     pair: Annotated[
@@ -196,7 +210,9 @@ def make(
     acceptance_ratio: Annotated[
         float | None,
         typer.Option(
-            help="Acceptance angle over angle between neighbours. Default: 1.", metavar="RATIO"
+            help="Acceptance angle over angle between neighbours. Default: 1.",
+            metavar="RATIO",
+            callback=above_zero,
         ),
     ] = None,
     airy: Annotated[
@@ -204,14 +220,23 @@ def make(
     ] = False,
     rhabdom_um: Annotated[
         float | None,
-        typer.Option(help="Acceptance by lens and rhabdom: its diameter, in µm.", metavar="UM"),
+        typer.Option(
+            help="Acceptance by lens and rhabdom: its diameter, in µm.",
+            metavar="UM",
+            callback=above_zero,
+        ),
     ] = None,
     f_number: Annotated[
         float | None,
-        typer.Option(help="Of the lenses: focal length over diameter.", metavar="F"),
+        typer.Option(
+            help="Of the lenses: focal length over diameter.", metavar="F", callback=above_zero
+        ),
     ] = None,
     wavelength_nm: Annotated[
-        float, typer.Option(help="Wavelength for --airy and --rhabdom-um.", metavar="NM")
+        float,
+        typer.Option(
+            help="Wavelength for --airy and --rhabdom-um.", metavar="NM", callback=above_zero
+        ),
     ] = 500.0,
     seed: Annotated[int, typer.Option(help="Seed of the arrangement.", metavar="N")] = 0,
     unit: UnitOption = "mm",
@@ -243,7 +268,7 @@ def make(
     zones = [_zone("--acute-zone", text, 4) for text in acute_zone or ()]
     zones += [_zone("--acute-band", text, 3) for text in acute_band or ()]
     seen = None if fov is None else _window(fov)
-    with working() as bar:
+    with working() as bar, as_named(count="N", median_rad="skew"):
         surface = _surface(radius_mm, semi_axes_mm, centre_mm, mesh, unit)
         ratio = 1.0 if acceptance_ratio is None else acceptance_ratio
         if by_facets:
@@ -304,11 +329,19 @@ def place(
     output: OutOption,
     position_mm: Annotated[
         tuple[float, float, float],
-        typer.Option(help="Where its origin goes (right, up, back), in mm.", metavar="X Y Z"),
+        typer.Option(
+            help="Where its origin goes (right, up, back), in mm.", metavar="X Y Z", callback=finite
+        ),
     ] = (0.0, 0.0, 0.0),
-    yaw: Annotated[float, typer.Option(help="To the right, in degrees.", metavar="DEG")] = 0.0,
-    pitch: Annotated[float, typer.Option(help="Upwards, in degrees.", metavar="DEG")] = 0.0,
-    roll: Annotated[float, typer.Option(help="Right side down, in degrees.", metavar="DEG")] = 0.0,
+    yaw: Annotated[
+        float, typer.Option(help="To the right, in degrees.", metavar="DEG", callback=finite)
+    ] = 0.0,
+    pitch: Annotated[
+        float, typer.Option(help="Upwards, in degrees.", metavar="DEG", callback=finite)
+    ] = 0.0,
+    roll: Annotated[
+        float, typer.Option(help="Right side down, in degrees.", metavar="DEG", callback=finite)
+    ] = 0.0,
     unit: UnitOption = "mm",
 ) -> None:
     """Put an eye on a head."""
@@ -323,10 +356,16 @@ def place(
 def scale(
     eye: EyeArgument,
     output: OutOption,
-    factor: Annotated[float | None, typer.Option(help="Times as large.", metavar="FACTOR")] = None,
+    factor: Annotated[
+        float | None, typer.Option(help="Times as large.", metavar="FACTOR", callback=above_zero)
+    ] = None,
     mean_radius_mm: Annotated[
         float | None,
-        typer.Option(help="Mean distance from the origin to come to, in mm.", metavar="MM"),
+        typer.Option(
+            help="Mean distance from the origin to come to, in mm.",
+            metavar="MM",
+            callback=above_zero,
+        ),
     ] = None,
     unit: UnitOption = "mm",
 ) -> None:
@@ -339,7 +378,7 @@ def scale(
 
 
 def join(
-    eyes: Annotated[list[Path], typer.Argument(help="Eye files.", metavar="EYE...")],
+    eyes: Annotated[list[Path], typer.Argument(help="Eye files.", metavar="EYE")],
     output: OutOption,
     unit: UnitOption = "mm",
 ) -> None:

@@ -11,6 +11,7 @@ from rich.table import Table
 
 from omma import species
 from omma._core import Error
+from omma.base.arguments import as_named
 from omma.base.files import WholeFiles, check_ending
 from omma.cli.working import check_outputs, say, working
 from omma.eye.files import EYE_SUFFIXES, save_eye
@@ -49,7 +50,7 @@ def add_species_command(app: typer.Typer) -> None:
 
 
 def species_command(
-    name: Annotated[str | None, typer.Argument(help="The animal.", metavar="[NAME]")] = None,
+    name: Annotated[str | None, typer.Argument(help="The animal.", metavar="NAME")] = None,
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", help="Eye file to write: .csv, .glb, .eye.", metavar="OUT"),
@@ -69,7 +70,8 @@ def species_command(
         check_ending(facts, *_FORMS)
     check_outputs(output, facts)
     if name is not None:
-        species.facts(name)  # an unknown animal is said before anything is written
+        with as_named(animal="NAME"):
+            species.facts(name)  # an unknown animal is said before anything is written
     if facts is not None:
         _write_facts(facts, name)
     if output is not None:

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from omma.cli.help import App
 from omma.cli.options import SceneUpOption
 from omma.cli.working import say, working
 from omma.job.info import describe_file
@@ -30,7 +31,7 @@ What an eye is like as an eye is measured by **omma eye info**.
 `omma info flight.npy`
 """
 
-info_app = typer.Typer(add_completion=False, rich_markup_mode="markdown")
+info_app = App()
 
 
 @info_app.command(help=INFO_HELP)

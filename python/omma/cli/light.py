@@ -9,14 +9,22 @@ from typing import Annotated, Literal
 import typer
 
 from omma._core import Error
+from omma.base.arguments import as_named
 from omma.base.figures import figure_names
+from omma.cli.help import App
 from omma.cli.working import check_outputs, say, working
 from omma.light.bands import Bands
 from omma.light.lights import Light
 from omma.light.skies import clear_sky, clear_sky_at, moonlit_sky, overcast_sky
 from omma.picture.sky_plots import plot_sky
 
-LIGHT_HELP = "Draw skies: their radiance, polarisation and spectrum."
+LIGHT_HELP = """
+Draw skies: their radiance, polarisation and spectrum.
+
+**Examples**
+
+`omma light show --sun 30 --azimuth 135 -o sky.png`
+"""
 
 SHOW_HELP = """
 Draw a sky: its radiance, degree and angle of polarisation at some wavelengths, and the spectra of
@@ -38,9 +46,7 @@ skies are.
 # Of figures: finer than eyes need.
 _BANDS = 40
 
-light_app = typer.Typer(
-    help=LIGHT_HELP, no_args_is_help=True, add_completion=False, rich_markup_mode="markdown"
-)
+light_app = App(help=LIGHT_HELP, no_args_is_help=True)
 
 
 @light_app.callback()
@@ -58,10 +64,10 @@ def show(
         ),
     ],
     sun: Annotated[
-        float | None, typer.Option(help="Elevation of the sun or the moon, degrees.")
+        float | None, typer.Option(help="Elevation of the sun or the moon, degrees.", metavar="DEG")
     ] = None,
     azimuth: Annotated[
-        float, typer.Option(help="Its azimuth from north to the east, degrees.")
+        float, typer.Option(help="Its azimuth from north to the east, degrees.", metavar="DEG")
     ] = 0.0,
     time: Annotated[
         str | None,
@@ -74,9 +80,13 @@ def show(
     kind: Annotated[
         Literal["clear", "moonlit", "overcast"], typer.Option(help="Which sky.")
     ] = "clear",
-    aerosol: Annotated[float, typer.Option(help="Optical depth of haze at 550 nm.")] = 0.1,
-    ozone: Annotated[float, typer.Option(help="Ozone, Dobson units.")] = 300.0,
-    albedo: Annotated[float, typer.Option(help="What land gives back, 0 to 1.")] = 0.1,
+    aerosol: Annotated[
+        float, typer.Option(help="Optical depth of haze at 550 nm.", metavar="DEPTH")
+    ] = 0.1,
+    ozone: Annotated[float, typer.Option(help="Ozone, Dobson units.", metavar="DU")] = 300.0,
+    albedo: Annotated[
+        float, typer.Option(help="What land gives back, 0 to 1.", metavar="ALBEDO")
+    ] = 0.1,
     wavelength: Annotated[
         list[float] | None,
         typer.Option(help="To draw, nm; may be repeated. Default: 350, 440, 550.", metavar="NM"),
@@ -87,7 +97,14 @@ def show(
     names = figure_names(output)
     check_outputs(*output)
     with working():
-        light = _sky(sun, azimuth, time, place, kind, aerosol, ozone, albedo, unit)
+        with as_named(
+            sun_elevation_deg="sun",
+            sun_azimuth_deg="azimuth",
+            ozone_du="ozone",
+            latitude_deg="place",
+            longitude_deg="place",
+        ):
+            light = _sky(sun, azimuth, time, place, kind, aerosol, ozone, albedo, unit)
         plot_sky(names, light, wavelength or (350.0, 440.0, 550.0))
     for name in names:
         say(f"wrote {name}")
@@ -111,19 +128,25 @@ def _sky(
         return overcast_sky(
             sun, aerosol=aerosol, ozone_du=ozone, albedo=albedo, bands=bands, unit=unit
         )
-    make = clear_sky if kind == "clear" else moonlit_sky
-    return make(
-        sun, azimuth, aerosol=aerosol, ozone_du=ozone, albedo=albedo, bands=bands, unit=unit
-    )
+    if kind == "moonlit":
+        return moonlit_sky(
+            sun, moon_azimuth_deg=azimuth, aerosol=aerosol, ozone_du=ozone, albedo=albedo,
+            bands=bands, unit=unit,
+        )  # fmt: skip
+    return clear_sky(
+        sun, sun_azimuth_deg=azimuth, aerosol=aerosol, ozone_du=ozone, albedo=albedo,
+        bands=bands, unit=unit,
+    )  # fmt: skip
 
 
 def _moment(text: str) -> datetime:
     try:
-        return datetime.fromisoformat(text.replace("Z", "+00:00"))
+        moment = datetime.fromisoformat(text.replace("Z", "+00:00"))
     except ValueError:
-        raise Error(
-            f"time: expected one such as 2026-06-21T12:00:00+02:00, found {text!r:.60}"
-        ) from None
+        moment = None
+    if moment is None or moment.tzinfo is None:
+        raise Error(f"time: expected one such as 2026-06-21T12:00:00+02:00, found {text!r:.60}")
+    return moment
 
 
 def _place(text: str) -> tuple[float, float]:

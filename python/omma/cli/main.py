@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import re
 import sys
 import warnings
 from collections.abc import Callable, Sequence
@@ -12,7 +13,21 @@ import typer
 import typer.core
 
 from omma._core import Error, __version__
+from omma.cli.help import App, Group
+from omma.cli.typed import as_typed
 from omma.cli.working import fail, interrupted, open_missing_streams, unwinding_on_signals
+
+OMMA_HELP = """
+What an animal with compound eyes sees: from a scene and an eye to responses.
+
+**Examples**
+
+`omma info meadow.glb`
+
+`omma render meadow.glb --eye honeybee.eye -o view.png`
+
+Each command says more with --help, such as `omma render --help`.
+"""
 
 # The module of each command, its app there, and what the list of commands says of it.
 _COMMANDS = {
@@ -34,7 +49,7 @@ class Later(typer.core.TyperCommand):
     """A command whose module is imported when it is used, so that ``omma --help`` is quick."""
 
     def __init__(self, name: str, module: str, app_name: str, text: str) -> None:
-        super().__init__(name, help=text, rich_markup_mode="markdown")
+        super().__init__(name, help=text)
         self._module, self._app_name = module, app_name
 
     def load(self) -> Any:
@@ -49,7 +64,7 @@ class Later(typer.core.TyperCommand):
         return self.load().make_context(*arguments, **named)
 
 
-class _Commands(typer.core.TyperGroup):
+class _Commands(Group):
     """All commands of ``omma``."""
 
     def __init__(self, **attributes: Any) -> None:
@@ -58,15 +73,12 @@ class _Commands(typer.core.TyperGroup):
             self.add_command(Later(name, *where))
 
 
-app = typer.Typer(
+app = App(
     name="omma",
     cls=_Commands,
-    help="What an animal with compound eyes sees: from a scene and an eye to responses.",
-    epilog="`omma render --help` and `omma info --help` show examples.",
+    help=OMMA_HELP,
     no_args_is_help=True,
-    add_completion=False,
-    rich_markup_mode="markdown",
-    context_settings={"help_option_names": ["-h", "--help"]},
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
 )
 
 
@@ -105,7 +117,7 @@ def run(command: Callable[..., object]) -> int:
         sys.stdout.flush()
         return code if isinstance(code, int) else 0
     except Error as error:
-        return fail(_with_option(str(error), sys.argv[1:]), 1)
+        return fail(as_typed(str(error), _options_of(sys.argv[1:])), 1)
     except KeyboardInterrupt as error:
         return interrupted(error)
     except MemoryError:
@@ -120,6 +132,9 @@ def run(command: Callable[..., object]) -> int:
         # What typer says about wrong usage; its class has moved between typer's versions.
         message = getattr(error, "format_message", None)
         code = getattr(error, "exit_code", None)
+        if type(error).__name__ == "NoArgsIsHelpError" and message is not None:
+            print(message(), file=sys.stderr)
+            return 2
         if message is not None and isinstance(code, int):
             return fail(_usage(error, message()), code) if message() else code
         if type(error).__name__ == "Abort":
@@ -127,21 +142,26 @@ def run(command: Callable[..., object]) -> int:
         raise
 
 
-def _with_option(message: str, arguments: Sequence[str]) -> str:
-    """The message, which begins with an argument of a function, as of the option that gave it."""
-    name, colon, rest = message.partition(": ")
-    option = "--" + name.replace("_", "-")
+# What somebody may type behind a switch.
+_SWITCHED = re.compile(
+    r"unexpected extra argument.*\((true|false|yes|no|on|off|1|0)\b", re.IGNORECASE
+)
+
+
+def _options_of(arguments: Sequence[str]) -> set[str]:
+    """The options of the command that was typed."""
     command: Any = typer.main.get_command(app)
     for word in arguments:
         command = getattr(command, "commands", {}).get(word, command)
         command = command.load() if isinstance(command, Later) else command
-    known = {text for parameter in command.params for text in parameter.opts}
-    return f"{option}{colon}{rest}" if option in known else message
+    return {text for parameter in command.params for text in parameter.opts}
 
 
 def _usage(error: Exception, message: str) -> str:
     """What typer says, in words where several numbers are expected: it names a parser's trouble."""
     parameter: Any = getattr(error, "param", None)
+    if _SWITCHED.search(message):
+        return f"{message}; switches take no word behind them, as --standard-error and --no-browser"
     if parameter is None or parameter.nargs < 2 or "number" not in message:
         return message
     metavar = parameter.metavar or "numbers"

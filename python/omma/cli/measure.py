@@ -12,14 +12,17 @@ from numpy.typing import ArrayLike
 
 from omma import _core
 from omma._core import Error, Eye, Scene
+from omma.base.arguments import as_named, whole
 from omma.base.figures import load_matplotlib
 from omma.base.files import check_ending
 from omma.base.poses import Matrices, load_poses, poses_from_angles
+from omma.cli.help import App
+from omma.cli.numbers import above_zero, not_below_zero
 from omma.cli.options import SceneUnitOption, SceneUpOption, help_of
 from omma.cli.working import DelayedBar, check_outputs, say, working
 from omma.eye.files import load_eye
 from omma.rendering.renderer import Renderer
-from omma.rendering.settings import PointsName
+from omma.rendering.settings import MAX_SAMPLES, PointsName
 from omma.scene.building import BUILDING, READING
 from omma.scene.files import load_scene
 from omma.study.plots import (
@@ -40,6 +43,16 @@ from omma.study.variance import (
     solid_angles_sr,
     variance_map,
 )
+
+MEASURE_HELP = """
+Measure scatter and speed: rays needed, variance maps, aliasing, frames/s.
+
+**Examples**
+
+`omma measure min-samples arena.gltf --cylinder 0 0 0 9 9 --eye honeybee.eye`
+
+`omma measure speed meadow.glb --eye honeybee.eye --rays 1,16,256 --frames 20`
+"""
 
 MIN_SAMPLES_HELP = """
 Find the rays per steradian at which responses scatter by no more than a share of full scale.
@@ -90,13 +103,7 @@ The published test has an eye of 1,000 ommatidia of 2.6°. Leave the machine alo
 `omma measure speed meadow.glb --eye honeybee.eye --rays 1,16,256 --frames 20 -o speed.csv`
 """
 
-measure_app = typer.Typer(
-    help="Measure scatter and speed: rays needed, variance maps, aliasing, frames/s.",
-    epilog="`omma measure min-samples --help` and so on show examples.",
-    no_args_is_help=True,
-    add_completion=False,
-    rich_markup_mode="markdown",
-)
+measure_app = App(help=MEASURE_HELP, no_args_is_help=True)
 
 Corner = tuple[float, float, float]
 SceneFile = Annotated[
@@ -110,7 +117,10 @@ Outputs = Annotated[
     typer.Option("-o", "--output", help="File to write; may be given again.", metavar="OUT"),
 ]
 UnitOption = Annotated[
-    str, typer.Option(help="Unit of lengths in eye files: mm, um, m or a number of metres.")
+    str,
+    typer.Option(
+        help="Unit of lengths in eye files: mm, um, m or a number of metres.", metavar="UNIT"
+    ),
 ]
 CameraOption = Annotated[
     str | None, typer.Option(help="Camera of the scene to look from.", metavar="NAME")
@@ -158,7 +168,9 @@ def min_samples_command(
     unit: UnitOption = "mm",
     scene_unit: SceneUnitOption = None,
     scene_up: SceneUpOption = None,
-    fraction: Annotated[float, typer.Option(help="Standard deviation over full scale.")] = 0.01,
+    fraction: Annotated[
+        float, typer.Option(help="Standard deviation over full scale.", metavar="SHARE")
+    ] = 0.01,
     measure: MeasureOption = "linear",
     poses: Annotated[int, typer.Option(help="Poses tried before refining.", metavar="N")] = 4096,
     seed: SeedOption = 0,
@@ -207,7 +219,9 @@ def variance_map_command(
     centre: Annotated[
         tuple[float, float, float], typer.Option(help="Middle of the square, m.", metavar="X Y Z")
     ],
-    size: Annotated[float, typer.Option(help="Side of the square, m.")],
+    size: Annotated[
+        float, typer.Option(help="Side of the square, m.", metavar="M", callback=above_zero)
+    ],
     output: Annotated[
         list[Path], typer.Option("-o", "--output", help=".npy, .csv or .png.", metavar="OUT")
     ],
@@ -223,7 +237,7 @@ def variance_map_command(
     measure: MeasureOption = "linear",
     kernel: KernelOption = "compoundray",
     points: PointsOption = "random",
-    rays: Annotated[int, typer.Option(help="Rays per estimate.", metavar="N")] = 1,
+    rays: Annotated[int, typer.Option(help="Rays per estimate.", metavar="N", min=1)] = 1,
     repeats: Annotated[int, typer.Option(help="Estimates per ommatidium.", metavar="N")] = 1024,
     seed: SeedOption = 0,
     threads: ThreadsOption = 0,
@@ -320,7 +334,9 @@ def speed_command(
         str, typer.Option(help="Rays per ommatidium, separated by commas.", metavar="N,N,...")
     ] = "1,3,10,30,100,300,1000,3200",
     frames: Annotated[int, typer.Option(help="Frames timed for each.", metavar="N")] = 100,
-    warm_up: Annotated[float, typer.Option(help="Seconds to warm up.", metavar="S")] = 10.0,
+    warm_up: Annotated[
+        float, typer.Option(help="Seconds to warm up.", metavar="S", callback=not_below_zero)
+    ] = 10.0,
     kernel: KernelOption = "gaussian",
     points: PointsOption = "low_discrepancy",
     threads: ThreadsOption = 0,
@@ -329,11 +345,11 @@ def speed_command(
     """Time frames against rays per ommatidium."""
     write = _check_outputs(output, ".csv", ".png")
     try:
-        counts = [int(part) for part in rays.split(",")]
+        counts = [whole(int(part), "rays", 1, MAX_SAMPLES) for part in rays.split(",")]
     except ValueError:
         raise Error(f"rays: expected whole numbers separated by commas, found '{rays}'") from None
     with working() as bar:
-        world = load_scene(scene, unit=scene_unit, up=scene_up, progress=bar.fraction_of(READING))
+        world = _read(scene, scene_unit, scene_up, bar)
         head = _head(eye, unit)
         found = measure_speed(
             world,
@@ -356,9 +372,14 @@ def speed_command(
     _say_written(write)
 
 
+def _read(scene: Path, unit: str | None, up: str | None, bar: DelayedBar) -> Scene:
+    with as_named(unit="scene_unit", up="scene_up"):
+        return load_scene(scene, unit=unit, up=up, progress=bar.fraction_of(READING))
+
+
 def _open(scene: Path, unit: str | None, up: str | None, threads: int, bar: DelayedBar) -> Renderer:
     """A renderer of the scene, to make others from."""
-    world = load_scene(scene, unit=unit, up=up, progress=bar.fraction_of(READING))
+    world = _read(scene, unit, up, bar)
     return scene_renderer(world, threads, bar.fraction_of(BUILDING))
 
 

@@ -18,6 +18,7 @@ from omma.rendering.settings import (
     option_types,
     options_of,
 )
+from omma.scene.lighting import checked_rule
 
 SceneUnitOption = Annotated[
     str | None,
@@ -32,8 +33,40 @@ SceneUpOption = Annotated[
     typer.Option(help="Axis that is up in an .obj, .ply or .stl file: y or z.", metavar="AXIS"),
 ]
 
+UltravioletOption = Annotated[
+    str | None,
+    typer.Option(
+        help="What there is below 400 nm, where RGB says nothing: dark, nothing; as_blue, as much "
+        "as blue; with --light, what surfaces reflect there, from 0 to 1; without it, for "
+        "receptors, a mix R,G,B. Default: dark for receptors; with --light it must be said where "
+        "it matters.",
+        metavar="dark|as_blue|NUMBER|R,G,B",
+    ),
+]
+
 # Options of the command line by the class they belong to; where their name is not the field's.
 _NAMES = {(Shared, "samples"): "shared"}
+
+
+def light_and_mix(
+    light: str | None, ultraviolet: str | None
+) -> tuple[str | None, str | list[float] | None]:
+    """What --light and --ultraviolet say, as `render_file` takes it: the words of the light, with
+    what surfaces reflect below 400 nm, and what receptors without a light get there."""
+    if ultraviolet is None:
+        return light, None
+    if light is None:
+        try:
+            return None, [float(number) for number in ultraviolet.split(",")]
+        except ValueError:
+            return None, ultraviolet
+    if "ultraviolet=" in light:
+        raise Error("ultraviolet: not together with the word ultraviolet= of --light")
+    try:
+        checked_rule(float(ultraviolet))
+    except ValueError:
+        checked_rule(ultraviolet)
+    return f"{light} ultraviolet={ultraviolet}", None
 
 
 def help_of(name: str) -> str:

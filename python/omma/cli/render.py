@@ -11,7 +11,14 @@ from typing import Annotated, Literal
 import typer
 
 from omma._core import Error
-from omma.cli.options import SceneUnitOption, SceneUpOption, takes_settings
+from omma.cli.help import App
+from omma.cli.options import (
+    SceneUnitOption,
+    SceneUpOption,
+    UltravioletOption,
+    light_and_mix,
+    takes_settings,
+)
 from omma.cli.report import camera_lines, report_lines
 from omma.cli.working import say, warn, working
 from omma.job.again import render_like
@@ -79,20 +86,20 @@ people see them:
 
 That is lighting=path: light is followed for each ray, and rendering begins at once. For long paths
 through a scene that stands still, lighting=baked finds most of the light once and looks it up. The
-first time that takes minutes in a large scene; what was baked is kept in the user's cache folder
-(~/.cache/omma/baked-light; OMMA_CACHE names another), and found there the next time:
+first time that takes minutes in a large scene; what was baked is kept below ~/.cache/omma, or below
+the folder that the environment variable OMMA_CACHE names, and found there the next time:
 
 `omma render meadow_lit.glb --eye bee.csv --path flight.csv
 --light 'clear_sky sun_elevation_deg=30 lighting=baked' -o flight.npy`
 
-What the receptors of an eye answer, with blue standing for ultraviolet, too:
+What the receptors of an eye answer, with as much ultraviolet as there is blue:
 
-`omma render meadow.glb --eye bee.csv --receptors --ultraviolet 0 0 1 -o receptors.csv`
+`omma render meadow.glb --eye bee.csv --receptors --ultraviolet as_blue -o receptors.csv`
 
 The path is a CSV file with a header, x,y,z,qx,qy,qz,qw or x,y,z,yaw_deg,pitch_deg,roll_deg.
 """
 
-render_app = typer.Typer(add_completion=False, rich_markup_mode="markdown")
+render_app = App()
 
 _DEFAULTS = Settings()
 
@@ -113,8 +120,8 @@ LightOption = Annotated[
     typer.Option(
         help="What lights the scene: a sky and its arguments, such as 'clear_sky "
         "sun_elevation_deg=30 sun_azimuth_deg=135 ultraviolet=dark' (docs/light.md); "
-        "lighting=baked finds it once and keeps it. Default: no light, surfaces show the colours "
-        "of the file.",
+        "lighting=path (the default) follows it for each ray, lighting=baked finds most of it once "
+        "and keeps it. Default: no light, surfaces show the colours of the file.",
         metavar="WORDS",
     ),
 ]
@@ -203,14 +210,7 @@ def render(
             "line for each pose and receptor.",
         ),
     ] = False,
-    ultraviolet: Annotated[
-        tuple[float, float, float] | None,
-        typer.Option(
-            help="With --receptors: light below 400 nm as a mix of red, green and blue. Default: "
-            "none, as RGB says nothing of it.",
-            metavar="R G B",
-        ),
-    ] = None,
+    ultraviolet: UltravioletOption = None,
     settings: Settings = _DEFAULTS,
     threads: Annotated[int, typer.Option(help="Threads; 0: all.", metavar="N")] = 0,
     backend: Annotated[
@@ -218,6 +218,7 @@ def render(
         typer.Option(
             help="What traces the rays: embree, or portable, which is Omma's own. Default: the "
             "fastest there is.",
+            metavar="embree|portable",
             show_default=False,
         ),
     ] = "",
@@ -243,7 +244,7 @@ def render(
         int | None,
         typer.Option(help="Height of a picture. Default: from its width.", metavar="N"),
     ] = None,
-    gamma: Annotated[float, typer.Option(help="Display gamma of a .png.")] = 2.2,
+    gamma: Annotated[float, typer.Option(help="Display gamma of a .png.", metavar="GAMMA")] = 2.2,
     side_by_side: Annotated[
         bool, typer.Option("--side-by-side", help="Paint each eye apart in a .png, always.")
     ] = False,
@@ -273,6 +274,9 @@ def render(
         _print_warnings(report.warnings)
         say(*report_lines(report))
         return
+    lit_by, mix = light_and_mix(light, ultraviolet)
+    if mix is not None and not receptors:
+        raise Error("ultraviolet: goes with --light or --receptors, found neither")
     if scene is None:
         raise typer.BadParameter("expected a scene to render, found none", param_hint="SCENE")
     if all_cameras:
@@ -287,7 +291,7 @@ def render(
                 "--scene-up": scene_up is not None,
                 "--standard-error": standard_error,
                 "--receptors": receptors,
-                "--ultraviolet": ultraviolet is not None,
+                "--ultraviolet": mix is not None,
                 "--error": isinstance(settings.sampling, ToError),
                 "--shared": isinstance(settings.sampling, Shared),
                 "--noise": settings.noise != "frozen",
@@ -306,7 +310,7 @@ def render(
                 threads=threads,
                 backend=backend,
                 background=background,
-                light=light,
+                light=lit_by,
                 projection=projection,
                 width=width,
                 height=height,
@@ -333,10 +337,10 @@ def render(
             threads=threads,
             backend=backend,
             background=background,
-            light=light,
+            light=lit_by,
             standard_error=standard_error,
             receptors=receptors,
-            ultraviolet=ultraviolet,
+            ultraviolet=mix,
             projection=projection,
             width=width,
             height=height,

@@ -13,8 +13,16 @@ import typer
 from numpy.typing import NDArray
 
 from omma._core import Error, merge_eyes
+from omma.base.arguments import as_named
 from omma.base.files import metres_per_unit
 from omma.base.poses import look_at, poses_from_angles
+from omma.cli.help import App
+from omma.cli.options import (
+    SceneUnitOption,
+    SceneUpOption,
+    UltravioletOption,
+    light_and_mix,
+)
 from omma.cli.render import BackgroundOption, LightOption, UnitOption
 from omma.cli.working import Terminated, warn, working
 from omma.eye.files import load_eye
@@ -49,6 +57,18 @@ In the light of the afternoon:
 
 `omma view meadow_lit.glb --eye honeybee.eye --light 'clear_sky sun_elevation_deg=30'`
 
+That is lighting=path: light is followed for each ray, and the page opens at once. With
+lighting=baked most of it is found first, which takes minutes in a large scene, and frames are then
+faster and less noisy. It is kept below ~/.cache/omma, or below the folder that the environment
+variable OMMA_CACHE names, and found there the next time:
+
+`omma view meadow_lit.glb --eye honeybee.eye
+--light 'clear_sky sun_elevation_deg=30 lighting=baked'`
+
+A scan in millimetres, whose z axis points up:
+
+`omma view scan.stl --scene-unit mm --scene-up z --eye honeybee.eye --position 0 1 0`
+
 For others on the network, who need the address with its token, which is printed:
 
 `omma view meadow.glb --eye honeybee.eye --host 0.0.0.0 --port 8100`
@@ -58,13 +78,13 @@ Behind a proxy that shows it at an address of its own:
 `omma view meadow.glb --eye honeybee.eye --port 8100 --proxy https://lab.example/bees/`
 """
 
-view_app = typer.Typer(add_completion=False, rich_markup_mode="markdown")
+view_app = App()
 
 
 @view_app.command(help=VIEW_HELP)
 def view(
     scene: Annotated[
-        Path, typer.Argument(help="Scene: a glTF 2.0 file, .gltf or .glb.", metavar="SCENE")
+        Path, typer.Argument(help="Scene: .gltf or .glb, .obj, .ply or .stl.", metavar="SCENE")
     ],
     eye: Annotated[
         list[Path] | None,
@@ -75,6 +95,8 @@ def view(
         ),
     ] = None,
     unit: UnitOption = None,
+    scene_unit: SceneUnitOption = None,
+    scene_up: SceneUpOption = None,
     camera: Annotated[
         str | None,
         typer.Option(
@@ -100,13 +122,7 @@ def view(
     ] = None,
     background: BackgroundOption = None,
     light: LightOption = None,
-    ultraviolet: Annotated[
-        tuple[float, float, float] | None,
-        typer.Option(
-            help="Of receptors: light below 400 nm as a mix of red, green and blue.",
-            metavar="R G B",
-        ),
-    ] = None,
+    ultraviolet: UltravioletOption = None,
     samples: Annotated[
         int, typer.Option(help="Rays per ommatidium while things move.", metavar="N")
     ] = 4,
@@ -143,9 +159,13 @@ def view(
         raise Error("look_at: needs a position to look from")
     if camera is not None and position is not None:
         raise Error("camera and position: only one of them can say where the head is")
+    lit_by, mix = light_and_mix(light, ultraviolet)
     with working() as bar:
         bar.show(READING, None)
-        read = read_scene(scene, None, progress=bar.fraction_of(READING))
+        with as_named(unit="scene_unit", up="scene_up"):
+            read = read_scene(
+                scene, None, unit=scene_unit, up=scene_up, progress=bar.fraction_of(READING)
+            )
         node = None if camera is None else read.camera(camera)
         if eye:
             unit = unit or "mm"
@@ -160,7 +180,7 @@ def view(
             bar.show,
             threads=threads,
             background=None if background is None else parse_background(background),
-            **({} if light is None else parse_light(light)),
+            **({} if lit_by is None else parse_light(lit_by)),
         )
         pose: NDArray[np.float64] | None = None
         if position is not None and look_at_point is not None:
@@ -178,18 +198,26 @@ def view(
         window = open_window(
             world,
             head,
-            Sources(absolute(scene), files, unit, file, light),
+            Sources(
+                absolute(scene),
+                files,
+                unit,
+                file,
+                lit_by,
+                scene_unit=scene_unit,
+                scene_up=scene_up,
+            ),
             pose=pose,
             samples=samples,
             path=None if path is None else str(path),
-            ultraviolet=ultraviolet,
+            ultraviolet=mix,
             animation=None,
             threads=threads,
             host=host,
             port=port,
             proxy=proxy,
         )
-    for warning in warnings_of(read, light is not None):
+    for warning in warnings_of(read, lit_by is not None):
         warn(warning)
     print(window.url, flush=True)
     print("Ctrl-C ends it.", flush=True)

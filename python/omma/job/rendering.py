@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from omma import _core
 from omma._core import Background, Camera, Error, Eye, Scene
-from omma.base.arguments import checked
+from omma.base.arguments import as_named, checked
 from omma.base.files import (
     PathLike,
     WholeFiles,
@@ -210,9 +210,10 @@ def render_file(
         raise Error("look_at: needs a position to look from")
     start = time.perf_counter()
     tell(READING, None)
-    world = read_scene(
-        scene, scene_index, unit=scene_unit, up=scene_up, progress=partial(tell, READING)
-    )
+    with as_named(unit="scene_unit", up="scene_up"):
+        world = read_scene(
+            scene, scene_index, unit=scene_unit, up=scene_up, progress=partial(tell, READING)
+        )
     node = _camera(world, camera, chosen, bool(eye_paths))
     backdrop = parse_background(background) if isinstance(background, str) else background
     lit = {} if light is None else parse_light(light)

@@ -12,6 +12,7 @@ import numpy as np
 
 from omma._core import Background
 from omma.base.files import digests_of, metres_per_unit
+from omma.receptors.sensitivity import ultraviolet_mix
 from omma.scene.backgrounds import NAMED_BACKGROUNDS
 from omma.scene.light_words import full_words
 
@@ -40,7 +41,7 @@ def story_of(
     if given["scene_up"] is not None:
         story["scene_up"] = given["scene_up"]
     if given["ultraviolet"] is not None:
-        story["ultraviolet"] = json.dumps(np.asarray(given["ultraviolet"], np.float64).tolist())
+        story["ultraviolet"] = json.dumps(ultraviolet_mix(given["ultraviolet"]).tolist())
     if given["light"] is not None:
         story["light_words"] = full_words(given["light"])
     if background is not None:

@@ -85,8 +85,8 @@ def lamps(*, bands: Bands | None = None, unit: Unit = "photons") -> Light:
 @makes_light
 def clear_sky(
     sun_elevation_deg: float,
-    sun_azimuth_deg: float = 0.0,
     *,
+    sun_azimuth_deg: float = 0.0,
     aerosol: float = 0.1,
     ozone_du: float = 300.0,
     albedo: float = 0.1,
@@ -160,7 +160,7 @@ def clear_sky_at(
     sun = sun_position(date_time, latitude_deg, longitude_deg)
     return clear_sky(
         sun.elevation_deg,
-        sun.azimuth_deg,
+        sun_azimuth_deg=sun.azimuth_deg,
         aerosol=aerosol,
         ozone_du=ozone_du,
         albedo=albedo,
@@ -173,8 +173,8 @@ def clear_sky_at(
 @makes_light
 def moonlit_sky(
     moon_elevation_deg: float,
-    moon_azimuth_deg: float = 0.0,
     *,
+    moon_azimuth_deg: float = 0.0,
     phase_angle_deg: float = 0.0,
     aerosol: float = 0.1,
     ozone_du: float = 300.0,
@@ -201,9 +201,14 @@ def moonlit_sky(
     within(moon_azimuth_deg, "moon_azimuth_deg", -MOST_AZIMUTH_DEG, MOST_AZIMUTH_DEG)
     within(phase_angle_deg, "phase_angle_deg", -_MOST_PHASE_DEG, _MOST_PHASE_DEG)
     sunlit = clear_sky(
-        moon_elevation_deg, moon_azimuth_deg, aerosol=aerosol, ozone_du=ozone_du, albedo=albedo,
-        bands=bands, unit=unit,
-    )  # fmt: skip
+        moon_elevation_deg,
+        sun_azimuth_deg=moon_azimuth_deg,
+        aerosol=aerosol,
+        ozone_du=ozone_du,
+        albedo=albedo,
+        bands=bands,
+        unit=unit,
+    )
     phase = abs(phase_angle_deg)
     loss = _FULL_MOON_MAGNITUDE - _SUN_MAGNITUDE + 0.026 * phase + 4e-9 * phase**4
     moonlit = sunlit.scaled(10 ** (-0.4 * loss))

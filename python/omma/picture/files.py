@@ -20,7 +20,7 @@ from omma.base.poses import Matrices
 from omma.picture.band_colours import colours_of
 from omma.picture.frame import Frame
 from omma.picture.projections import project, projection_ids
-from omma.picture.unseen import hatch, unseen
+from omma.picture.unseen import hatching, unseen
 from omma.rendering.renderer import Renderer
 from omma.rendering.response_files import Piece
 from omma.rendering.settings import fixed_samples
@@ -56,7 +56,8 @@ class PngWriter:
 
         def encoded(i: int) -> bytes:
             pixels = self._paint(piece.first + i, piece.responses[i])
-            return _core.encode_png(names[i], pixels)
+            # Patches of one colour each, which filters do not make smaller.
+            return _core.encode_png(names[i], pixels, quick=True)
 
         for name, data in zip(names, on_threads(encoded, len(names))):
             with nullcontext(self._files) if self._files.kept is None else WholeFiles() as files:
@@ -131,10 +132,8 @@ def paint_of_projection(
     if projection.endswith("_ids"):
         encoded = _core.encode_ids(ids)
         return lambda pose, responses: encoded
-    hidden = unseen(ids, projection)
-    return lambda pose, responses: hatch(
-        _core.paint(ids, colours_of(world, responses), gamma), hidden
-    )
+    hatched = hatching(unseen(ids, projection))
+    return lambda pose, responses: hatched(_core.paint(ids, colours_of(world, responses), gamma))
 
 
 def paint_side_by_side(

@@ -19,7 +19,7 @@ from omma.base.directions import azimuth_elevation_deg_of
 from omma.eye.neighbours import sides
 from omma.picture.fields import default_ids, side_by_side_ids
 from omma.picture.projections import Picture, one_pose, projection_size
-from omma.picture.unseen import hatch
+from omma.picture.unseen import hatching
 
 if TYPE_CHECKING:
     from PIL.Image import Image as PaperImage
@@ -78,7 +78,7 @@ class Frame:
         ids = side_by_side_ids(eye, width, height) if apart else default_ids(eye, width, height)
         self._ids = ids
         count = ids.shape[1] // width
-        self._hidden = ids < 0
+        self._hatched = hatching(ids < 0)
         letters = min(max(height // _LINES, _LEAST_LETTERS), _MOST_LETTERS)
         font = _font(letters)
         line = max(1, height // 256)
@@ -114,7 +114,7 @@ class Frame:
 
     def paint(self, responses: NDArray[np.float32], gamma: float) -> Picture:
         """One pose's responses (N, 3) as a picture, hatched and framed."""
-        pixels = hatch(_core.paint(self._ids, responses, gamma), self._hidden)
+        pixels = self._hatched(_core.paint(self._ids, responses, gamma))
         whole: Picture = self._paper.copy()
         for k, (y, x) in enumerate(self._corners):
             panel = pixels[:, k * self._width : (k + 1) * self._width]

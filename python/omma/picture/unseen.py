@@ -6,6 +6,7 @@ read is never hatched: ids (-1), linear pictures (NaN), and `omma.picture.paint`
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -61,6 +62,18 @@ def hatch(pixels: NDArray[np.uint8], where: Flags) -> NDArray[np.uint8]:
     levels = np.where(_on_line(row, column, len(pixels)), _LINE, _GROUND)
     pixels[row, column] = levels.astype(np.uint8)[:, None]
     return pixels
+
+
+def hatching(where: Flags) -> Callable[[NDArray[np.uint8]], NDArray[np.uint8]]:
+    """`hatch` of any number of pictures, where the pixels (H, W) are the same ones."""
+    of_bytes = np.repeat(where[..., None], 3, axis=2)
+    lines = hatch(np.zeros(of_bytes.shape, np.uint8), where)
+
+    def hatched(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        np.copyto(pixels, lines, where=of_bytes)
+        return pixels
+
+    return hatched
 
 
 def hatched_ground(hidden: Flags, inside: Flags) -> NDArray[np.float64]:

@@ -25,6 +25,8 @@ Responses = NDArray[np.float32]
 
 # Light that receptors are asked about.
 _RECEPTOR_RANGE_NM = (300.0, 700.0)
+# Mixes of red, green and blue by the words that a world with a light takes, too.
+_MIXES = {"dark": (0.0, 0.0, 0.0), "as_blue": (0.0, 0.0, 1.0)}
 
 
 @checked
@@ -87,8 +89,9 @@ def receptor_matrix(
 
     Args:
         types: receptor types, or an eye, for those it has.
-        ultraviolet: (3,) what there is from 300 to 400 nm, as a mix of the channels: (0, 0, 1) says
-            as much as blue, (0, 0, 0.1) a tenth of it; for each type the same. None: nothing.
+        ultraviolet: what there is from 300 to 400 nm: "dark", nothing, as None; "as_blue", as much
+            as blue; or (3,), a mix of the channels: (0, 0, 0.1) says a tenth of blue. For each type
+            the same.
         edges_nm: (B + 1,), ascending, nm, of the bands of a world (`band_from_rgb`); the light in a
             band counts as the same at all its wavelengths. Not together with ``ultraviolet``.
         bands: those of a world with light, instead of edges. Of bands that are no intervals, each
@@ -120,13 +123,30 @@ def receptor_matrix(
         assert bands is not None
         shares = [_band_weights(one, bands) / sensitivity_integral_nm(one) for one in types]
         return np.array(shares, np.float64).reshape(len(shares), len(bands))
-    mix = np.zeros(3) if ultraviolet is None else array_of(ultraviolet, "ultraviolet")
+    mix = ultraviolet_mix("dark" if ultraviolet is None else ultraviolet)
+    rows = [_core.receptor_weights(one, mix.tolist()) for one in types]
+    return np.array(rows, np.float64).reshape(len(rows), 3)
+
+
+def ultraviolet_mix(ultraviolet: ArrayLike) -> Floats:
+    """(3,), red, green and blue of which light below 400 nm is made: of a word or of numbers.
+
+    Raises:
+        omma.Error: another word or shape, negative or not finite.
+    """
+    if isinstance(ultraviolet, str):
+        if ultraviolet not in _MIXES:
+            raise Error(
+                f'ultraviolet: expected "dark", "as_blue" or weights of red, green, blue, found '
+                f"{ultraviolet!r:.40}"
+            )
+        return np.array(_MIXES[ultraviolet])
+    mix = array_of(ultraviolet, "ultraviolet")
     if mix.shape != (3,) or not np.all(np.isfinite(mix)) or np.any(mix < 0):
         raise Error(
             f"ultraviolet: expected weights of red, green, blue, at least 0, found {mix.tolist()}"
         )
-    rows = [_core.receptor_weights(one, mix.tolist()) for one in types]
-    return np.array(rows, np.float64).reshape(len(rows), 3)
+    return mix
 
 
 def sensitivity_integral_nm(receptor: ReceptorType) -> float:

@@ -373,7 +373,8 @@ class Renderer:
         Args:
             matrix: (T, C), weights of the bands, which are red, green and blue unless the world has
                 others, for each of ``eye.receptor_types``; None takes `receptor_matrix`.
-            ultraviolet: (3,), light below 400 nm as a mix of the channels, see `receptor_matrix`.
+            ultraviolet: light below 400 nm: "dark", "as_blue" or a mix of the channels (3,), see
+                `receptor_matrix`.
             standard_error: return (responses, errors): those of each receptor's own estimates, as
                 in `render`.
             poses, out, first_pose, progress: as in `render`.

@@ -143,14 +143,15 @@ def checked_lighting(
     if not isinstance(polarized, (bool, np.bool_)):
         raise TypeError(f"polarized: expected True or False, found {polarized!r:.40}")
     if isinstance(ultraviolet, Mapping):
-        ultraviolet = {of: _checked_rule(rule) for of, rule in ultraviolet.items()}
+        ultraviolet = {of: checked_rule(rule) for of, rule in ultraviolet.items()}
     elif ultraviolet is not None:
-        ultraviolet = _checked_rule(ultraviolet)
+        ultraviolet = checked_rule(ultraviolet)
     emission = within(emission_cd_m2, "emission_cd_m2", 0, _MOST_EMISSION)
     return Lighting(light, how, number, bool(polarized), ultraviolet, kind, bake, emission)
 
 
-def _checked_rule(rule: Any) -> Rule:
+def checked_rule(rule: Any) -> Rule:
+    """What a material reflects in the ultraviolet, checked."""
     if isinstance(rule, str) and rule in ("dark", "as_blue"):
         return rule  # type: ignore[return-value]
     if isinstance(rule, (int, float, np.number)) and not isinstance(rule, bool) and 0 <= rule <= 1:
@@ -182,11 +183,13 @@ def _asking(names: list[str], light: Light) -> str:
     )
     more = f" and {len(names) - _NAMES_TOLD} more" if len(names) > _NAMES_TOLD else ""
     return (
-        'ultraviolet: expected what surfaces reflect below 400 nm, such as ultraviolet="dark" '
-        "(nothing), or a light of visible bands, bands=omma.light.Bands.equal(12, 400, 700); in "
-        f"words of --light ultraviolet=dark or bands=visible. {part:.1%} of this light is below "
-        f"400 nm, of which RGB says nothing, and of {len(names)} materials only that is known: "
-        f'{told}{more}. Or "as_blue", a reflectance such as 0.02 (leaves), a mapping by name, or '
-        "spectra for materials (docs/materials.md). omma.rendering.ultraviolet_dependence tells by "
-        "how much responses depend on it"
+        "ultraviolet: expected what surfaces reflect below 400 nm, as "
+        f"{part:.1%} of this light is there, of which RGB says nothing, and of {len(names)} "
+        f"materials only RGB is known: {told}{more}. Say "
+        'ultraviolet="dark" (nothing), ultraviolet="as_blue", a reflectance such as '
+        "ultraviolet=0.02 (leaves) or, in Python, a mapping by name; or take a light of visible "
+        "bands alone "
+        "(bands=omma.light.Bands.equal(12, 400, 700), among the words of a light bands=visible); "
+        "or give materials spectra (docs/materials.md). omma.rendering.ultraviolet_dependence "
+        "tells by how much responses depend on it"
     )

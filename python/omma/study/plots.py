@@ -189,7 +189,7 @@ def _map_figure(
     quantity: str,
     statistic: str,
 ) -> Figure:
-    figure, axes = _figure("x (m)", "z (m); ahead, -z, is up", size=(6.4, 5.2))
+    figure, axes = _figure("x (m)", "z (m); ahead, which is -z, is at the top", size=(6.4, 5.2))
     low, high = np.percentile(values, (1, 99))
     image = axes.imshow(
         values,
@@ -244,6 +244,7 @@ def _save_csv(path: PathLike, header: Sequence[str], rows: Sequence[Sequence[Any
 
 def _save_png(path: PathLike, figure: Figure) -> None:
     buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=130)
+    # Tight, as the layout alone cuts labels beside pictures that keep their aspect.
+    figure.savefig(buffer, format="png", dpi=130, bbox_inches="tight")
     with WholeFiles() as files:
         files.open(os.fsdecode(path)).write(buffer.getvalue())

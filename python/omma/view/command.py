@@ -24,6 +24,8 @@ class Sources:
     light: str | None = None  # as `omma.scene.light_words.parse_light` takes it
     lit: bool = False
     ultraviolet: tuple[float, ...] | None = None
+    scene_unit: str | None = None
+    scene_up: str | None = None
 
 
 def render_command(sources: Sources, seen: Seen) -> tuple[str, str | None]:
@@ -59,6 +61,10 @@ def render_command(sources: Sources, seen: Seen) -> tuple[str, str | None]:
         before = f"printf '{_HEADER}\\n{row}\\n' > {_POSE_FILE}\n"
         words += ["--path", _POSE_FILE]
     words += unit
+    if sources.scene_unit is not None:
+        words += ["--scene-unit", sources.scene_unit]
+    if sources.scene_up is not None:
+        words += ["--scene-up", sources.scene_up]
     if sources.background is not None:
         words += ["--background", sources.background]
     if sources.light is not None:
@@ -68,7 +74,7 @@ def render_command(sources: Sources, seen: Seen) -> tuple[str, str | None]:
     if look.receptors:
         words.append("--receptors")
         if sources.ultraviolet is not None:
-            words += ["--ultraviolet", *_numbers(sources.ultraviolet)]
+            words += ["--ultraviolet", ",".join(_numbers(sources.ultraviolet))]
         words += ["-o", "view.npy"]
     else:
         words += ["-o", "view.npy", "-o", "view.png"]
@@ -81,7 +87,12 @@ def render_python(sources: Sources, seen: Seen) -> str:
     look, pose = seen.look, seen.look.pose
     lines = ["import omma", ""]
     if sources.scene and (sources.light is not None or not sources.lit):
-        lines.append(f"scene = omma.load_scene({sources.scene!r})")
+        of_file = [repr(sources.scene)]
+        if sources.scene_unit is not None:
+            of_file.append(f"unit={sources.scene_unit!r}")
+        if sources.scene_up is not None:
+            of_file.append(f"up={sources.scene_up!r}")
+        lines.append(f"scene = omma.load_scene({', '.join(of_file)})")
         arguments = ["scene"]
         if sources.background is not None:
             lines.append("from omma.scene.backgrounds import parse_background")

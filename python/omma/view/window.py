@@ -17,6 +17,7 @@ from omma._core import Error, Eye, Scene, merge_eyes
 from omma.base.arguments import checked, expect, whole
 from omma.base.poses import as_poses, load_poses
 from omma.eye.files import load_eye
+from omma.receptors.sensitivity import ultraviolet_mix
 from omma.scene.files import read_scene
 from omma.scene.world import World
 from omma.view.command import Sources, absolute
@@ -195,7 +196,7 @@ def open_window(
 
     if port is not None:
         whole(port, "port", 0, 65535)
-    given = None if ultraviolet is None else np.asarray(ultraviolet, np.float64)
+    given = None if ultraviolet is None else ultraviolet_mix(ultraviolet)
     looker = Looker(world, eye, ultraviolet=given, animation=animation, threads=threads)
     cameras = world.scene.cameras
     if pose is not None:

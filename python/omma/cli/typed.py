@@ -1,0 +1,41 @@
+"""Messages that name arguments of functions, with the options that give these when typed."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection
+
+# Of commands that take rays in other ways, too.
+_SAMPLING = re.compile(r"sampling: expected omma\.Fixed for (.+), found (ToError|Shared)\(.*")
+# What a message is about, at its beginning or behind the name of a file: one argument, or several.
+_SUBJECT = re.compile(r"(?:^|(?<=: ))\w+(?:(?:, | and )\w+)*(?=: )")
+# An argument with what it is said to be.
+_SAID = re.compile(r"\b([a-z_]+)=(?:\"([^\"]*)\"|'([^']*)'|([\d.]*\d)|(True))")
+# Arguments in the midst of a message: those of two words, which are no words of a sentence.
+_OF_TWO_WORDS = re.compile(r"(?<![\w./=-])[a-z]+(?:_[a-z]+)+(?![\w./=-])")
+
+
+def as_typed(message: str, options: Collection[str]) -> str:
+    """The message with options of a command, of which these are all, in place of arguments."""
+
+    def option_of(name: str) -> str:
+        option = "--" + name.replace("_", "-")
+        return option if option in options else name
+
+    def options_of(found: re.Match[str]) -> str:
+        return re.sub(r"(?!and\b)\b\w+", lambda name: option_of(name[0]), found[0])
+
+    def option_said(found: re.Match[str]) -> str:
+        name, *values, is_true = found.groups()
+        option = option_of(name)
+        if option == name:
+            return found[0]
+        return option if is_true else f"{option} {next(filter(None, values))}"
+
+    def sampling_said(found: re.Match[str]) -> str:
+        option = "--error" if found[2] == "ToError" else "--shared"
+        return f"{option}: not for {found[1]}, where --samples says how many rays there are"
+
+    message = _SAMPLING.sub(sampling_said, message)
+    message = _SAID.sub(option_said, _SUBJECT.sub(options_of, message, count=1))
+    return _OF_TWO_WORDS.sub(lambda name: option_of(name[0]), message)
