@@ -1,15 +1,15 @@
-"""What baked light is off by, relative to each response: the ground of the lit meadow at dusk and at
-noon, as a honeybee in its grass sees it.
+"""What baked light is off by, relative to each response: the ground of the lit meadow at dusk and
+at noon, as a honeybee in its grass sees it.
 
     python bench/baked_error.py [--quick]
 
-Prints CSV, a row for each time of day and band: the bias (of the sum over ommatidia), the root mean
-square, the median and the 95th percentile of |response - truth| / truth, and the root mean square of
-the third of ommatidia that are darkest; in per cent. All are of the bake alone: the truth is by paths
-and both are rendered with seeds of their own, whose spread tells the noise of rays, which is taken
-off the squares; the median and the percentile have what is left of it. `rms_z` is that of
-(baked - truth) / error, with the standard errors of frames of the baked world that count the bake's.
-Seconds are the processor's, of all cores.
+Prints CSV, a row for each time of day and band: the bias (of the sum over ommatidia), the root
+mean square, the median and the 95th percentile of |response - truth| / truth, and the root mean
+square of the third of ommatidia that are darkest; in per cent. All are of the bake alone: the truth
+is by paths, both are rendered with seeds of their own, and their spread tells the noise of rays,
+which is taken off the squares; the median and the percentile have what is left of it. `rms_z` is
+that of (baked - truth) / error, with the standard errors of frames of the baked world, which have
+that of the bake in them. Seconds are the processor's, of all cores.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""What a frame in light takes to an error relative to each response: by paths, baked, and by Mitsuba's
-path integrator, where it is installed.
+"""What a frame in light takes to an error relative to each response: by paths, baked, and by
+Mitsuba's path integrator, where it is installed.
 
     python bench/light_to_error.py [DATA] [--quick]
 
@@ -9,9 +9,9 @@ left out. Mitsuba is `pip install mitsuba`, and DRJIT_LIBLLVM_PATH names a libLL
 The error is the root mean square over ommatidia of (response - truth) / truth, in the mean over
 bands. Each way renders several frames with random numbers of their own: their spread is the noise,
 which falls with the root of the rays, and what their mean is off by beyond it stays (what is baked
-errs alike in all frames). The truth is by paths, with so many rays that its own noise hardly counts;
-it is taken off. So a frame to an error e takes t * noise^2 / (e^2 - fixed^2), where t is what the
-measured frame took. All takes turns on one thread; times are the processor's, medians. Ommatidia
+errs alike in all frames). The truth is by paths, with so many rays that its own noise hardly
+counts; it is taken off. So a frame to an error e takes t * noise^2 / (e^2 - fixed^2), where t is
+what the measured frame took. All is on one thread; times are the processor's, medians. Ommatidia
 within 10 degrees of the sun are left out, as Mitsuba's rays have no disc to meet.
 """
 
@@ -27,12 +27,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from light import clear_light
 from light_peer import Peer, peer_variants
 from light_scenes import Setup, diffuse_setup, grey_light, light_meadow, lit_meadow
 from numpy.typing import NDArray
 
 import omma
+from light import clear_light
 from omma.light import Bands
 from omma.scene import Bake
 
@@ -75,9 +75,7 @@ def fewer(setup: Setup, ommatidia: int) -> Setup:
 
 def by_omma(world: omma.World, setup: Setup, rays: int) -> Callable[[int], Frame]:
     """Frames of one thread."""
-    renderer = omma.Renderer(
-        world, setup.eye, omma.Fixed(rays), noise="new_every_frame", threads=1
-    )
+    renderer = omma.Renderer(world, setup.eye, omma.Fixed(rays), noise="new_every_frame", threads=1)
 
     def render(number: int) -> Frame:
         return renderer.render(setup.pose, first_pose=number)[0].astype(float)
@@ -96,7 +94,9 @@ def measure(way: Way, frames: int) -> tuple[NDArray[np.float64], float]:
     return np.array(found), float(np.median(taken))
 
 
-def errors(found: NDArray[np.float64], truth: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+def errors(
+    found: NDArray[np.float64], truth: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], ...]:
     """Of frames beside those of the truth: variance of a frame and the square of what stays, both
     relative to each response, [ommatidium], means over bands; and how far a frame is off."""
     mean = truth.mean(axis=0)
@@ -121,12 +121,11 @@ def print_rows(name: str, rays: int, ways: list[Way], truth: Way, frames: int) -
         if fixed_2 < AIM**2:
             reached = f"{1e3 * seconds * noise_2 / (AIM**2 - fixed_2):.1f}"
         cells = (
-            name, way.name, found.shape[1], rays, f"{1e3 * seconds:.2f}", f"{way.bake_s:.0f}",
-            f"{100 * np.sqrt(noise_2):.2f}", f"{100 * np.sqrt(fixed_2):.2f}",
+            f'"{name}"', f'"{way.name}"', found.shape[1], rays, f"{1e3 * seconds:.2f}",
+            f"{way.bake_s:.0f}", f"{100 * np.sqrt(noise_2):.2f}", f"{100 * np.sqrt(fixed_2):.2f}",
             f"{100 * np.median(single):.2f}", f"{100 * np.quantile(single, 0.95):.2f}", reached,
         )  # fmt: skip
-        print(",".join(f'"{one}"' if isinstance(one, str) and "," in one else str(one) for one in cells),
-              flush=True)  # fmt: skip
+        print(",".join(str(one) for one in cells), flush=True)
 
 
 def omma_ways(world: omma.World, setup: Setup, cache: str) -> list[Way]:

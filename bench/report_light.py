@@ -1,5 +1,5 @@
-"""The sections of RESULTS.md about light, of light.csv and baked_error.csv as light.py and
-baked_error.py print them."""
+"""The sections of RESULTS.md about light, of light.csv, baked_error.csv and light_to_error.csv as
+light.py, baked_error.py and light_to_error.py print them."""
 
 from __future__ import annotations
 
@@ -71,24 +71,16 @@ def aims_of_light(rows: list[Row]) -> list[list[object]]:
 
     bands = [1 / times(own, "unlit in bands") for own in scenes]
     direct = [1 / times(own, "direct light") for own in scenes]
-    exact = [1 / times(own, "baked, sun exact") for own in scenes]
-    by_map = [1 / times(own, "baked, sun map") for own in scenes]
     polarised = [
         100 * (times(own, way) - 1)
         for own in scenes
         for way in ("direct light, polarised", "paths, polarised")
     ]
-    cells: list[list[object]] = [
+    return [
         ["unlit, frames/s with 16 bands over 3", "0.85", span(bands)],
         ["frames/s in direct light over unlit, same rays", "0.2", span(direct)],
-        ["frames/s baked, sun by shadow ray, over unlit", "0.35 to 0.5", span(exact)],
-        ["frames/s baked, sun by map, over unlit", "0.75 to 0.9", span(by_map)],
         ["more time for Stokes vectors", "at most 10 %", span(polarised, unit=" %")],
     ]
-    ratios = [found[-1] for own in scenes for found in beside_peer(own)]
-    if ratios:
-        cells.append(["paths/s over Mitsuba's (LLVM)", "2", span(ratios)])
-    return cells
 
 
 def ways_table(rows: list[Row]) -> list[list[object]]:
@@ -125,15 +117,52 @@ def peer_table(rows: list[Row]) -> list[list[object]]:
 
 
 def baked_error_table(rows: list[Row]) -> list[list[object]]:
-    """Bias and rms with their standard errors, %, a line for each band, by the ways of the sun."""
+    """What the bake is off by, %, a line for each time of day and band."""
+    names = ("bias", "rms", "median", "percentile_95", "darkest_third_rms")
     return [
-        [
-            exact["band_nm"],
-            *(
-                f"{float(row[what + '_percent']):.2f} ± {float(row[what + '_error']):.2f}"
-                for row in (exact, by_map)
-                for what in ("bias", "rms")
-            ),
-        ]
-        for exact, by_map in zip(pick(rows, sun="exact"), pick(rows, sun="map"))
+        [row["time"], row["band_nm"], *(row[f"{name}_percent"] for name in names), row["rms_z"]]
+        for row in rows
     ]
+
+
+# Over how many frames a bake is spread.
+FRAMES = (1, 100, 10_000)
+
+
+def to_error_table(rows: list[Row]) -> list[list[object]]:
+    """Milliseconds of the processor to an error, a line for each scene and way."""
+    lines: list[list[object]] = []
+    for row in rows:
+        reached = row["ms_to_5_percent"]
+        of_frames = ["not reached"] * len(FRAMES)
+        if reached:
+            bake_ms = 1e3 * float(row["bake_cpu_s"])
+            of_frames = [f"{float(reached) + bake_ms / frames:,.1f}" for frames in FRAMES]
+        lines.append(
+            [row["scene"], row["way"], row["ms_a_frame"], row["noise_percent"],
+             row["fixed_percent"], row["percentile_95_percent"], *of_frames]
+        )  # fmt: skip
+    return lines
+
+
+def beside_paths(rows: list[Row]) -> list[tuple[str, str, float]]:
+    """Scene, way of Mitsuba, and how many times as long as Omma's paths it takes to the error."""
+    found = []
+    for row in rows:
+        if row["way"].startswith("Omma") or not row["ms_to_5_percent"]:
+            continue
+        own = pick(rows, scene=row["scene"], way="Omma, paths")[0]["ms_to_5_percent"]
+        found.append((row["scene"], row["way"], float(row["ms_to_5_percent"]) / float(own)))
+    return found
+
+
+def frames_that_pay(rows: list[Row]) -> list[tuple[str, float | None]]:
+    """Scene, and from how many frames on a bake is quicker than paths; None: never."""
+    found: list[tuple[str, float | None]] = []
+    for row in pick(rows, way="Omma, baked"):
+        paths = float(pick(rows, scene=row["scene"], way="Omma, paths")[0]["ms_to_5_percent"])
+        reached = row["ms_to_5_percent"]
+        saved = paths - float(reached) if reached else -1.0
+        bake_ms = 1e3 * float(row["bake_cpu_s"])
+        found.append((row["scene"], bake_ms / saved if saved > 0 else None))
+    return found

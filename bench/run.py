@@ -34,7 +34,7 @@ from make_large_scene import write_scene  # noqa: E402
 
 PARTS = ("ceiling", "error", "frames", "latency", "threads", "kernels", "build", "moving",
          "search", "worlds", "instructions", "light", "cameras",
-         "motion", "datasets", "baked", "baked_error")  # fmt: skip
+         "motion", "datasets", "baked", "baked_error", "light_to_error")  # fmt: skip
 COUNTED = ("1", "16", "16-plain", "16-random", "16-shared", "target")
 
 
@@ -187,6 +187,9 @@ def main() -> None:
             lines = printed_table([sys.executable, BENCH / "baked.py", *quick])
         elif part == "baked_error":
             lines = printed_table([sys.executable, BENCH / "baked_error.py", *quick])
+        elif part == "light_to_error":
+            data = [DATA] if DATA.exists() else []
+            lines = printed_table([sys.executable, BENCH / "light_to_error.py", *data, *quick])
         elif part == "datasets":
             lines = printed_table([sys.executable, BENCH / "datasets.py", *quick])
         elif part == "instructions":

@@ -28,10 +28,11 @@ constexpr int most_paths = 65536;
 constexpr double paths_of_side = 16, paths_of_small_scenes = 1 << 26;
 // One of so many paths goes to the first pass.
 constexpr double paths_of_first = 6;
-constexpr int most_first = 64;
+constexpr int most_first = 32;
 // Light comes in by few ways, as into rooms, where paths differ by so much: the variance of one, over
-// the square of the light, at the cells of which a tenth has more.
-constexpr double variance_in_rooms = 16;
+// the square of the light, at the cells of which a tenth has more. From few paths of a side that is not
+// known, and what is read would be noise.
+constexpr double variance_in_rooms = 16, least_to_gather = 96;
 // Variance of a path that ends on what is baked over that of one that goes all the way, about.
 constexpr double variance_of_second = 0.5;
 constexpr std::int32_t cells_of_chunk = 256;
@@ -282,7 +283,8 @@ bool bake_all(const World& world, const BakeSettings& settings, BakedLight& bake
       return true;
     }
     if (state.pass == 1)
-      state.gathers = variance_of_path(groups, noise, plan.first) > variance_in_rooms;
+      state.gathers = plan.all >= least_to_gather * sides &&
+                      variance_of_path(groups, noise, plan.first) > variance_in_rooms;
     state.paths_of_group = paths_of_next(settings, groups, noise, plan, state);
     begin_pass(state, baked);
   }

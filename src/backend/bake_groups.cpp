@@ -27,6 +27,8 @@ constexpr double weight_of_light = 16;
 // Variances of few cells are as that of all groups' median for so many cells more.
 constexpr double cells_of_median = 4;
 
+// Cells that are better than this, as a fraction of their light, get no more paths.
+constexpr double fine_error = 0.02;
 constexpr int least_paths = 8, most_paths = 4096;  // of a half, after the first pass
 
 struct Key {
@@ -347,7 +349,8 @@ std::vector<std::uint16_t> share_paths(const BakeGroups& groups,
   const auto choose = [&](double scale) {
     double all = 0;
     for (std::size_t g = 0; g < groups.count(); ++g) {
-      const double wanted = scale * std::sqrt(variance_of_path[g]);
+      const double wanted = std::min(scale * std::sqrt(variance_of_path[g]),
+                                     variance_of_path[g] / (2 * fine_error * fine_error));
       const int chosen = static_cast<int>(std::clamp<double>(wanted, least_paths, most_paths));
       // Packets are full.
       of_group[g] = static_cast<std::uint16_t>(chosen < 16 ? chosen : chosen / 16 * 16);

@@ -114,7 +114,7 @@ TEST(InstructionSets, GiveTheSameBitsInLitWorlds) {
       const std::string what = std::to_string(components) + " components, ";
       expect_the_same_bits(by_paths, what + "depth " + std::to_string(depth));
       if (depth != 0) continue;
-      lighting.baked = std::make_shared<const BakedLight>(bake_light(by_paths));
+      lighting.baked = std::make_shared<const BakedLight>(bake_light(by_paths, {.paths = 16}));
       expect_the_same_bits(by_paths.with_lighting(lighting), what + "baked");
     }
 }

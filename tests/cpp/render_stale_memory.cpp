@@ -61,7 +61,7 @@ TEST(StaleMemory, IsNotSeenByPathsOrInBakedLight) {
     settings.lighting = lighting;
     const World by_paths = make_world(squares(), settings);
     expect_the_same(by_paths);
-    lighting.baked = std::make_shared<const BakedLight>(bake_light(by_paths));
+    lighting.baked = std::make_shared<const BakedLight>(bake_light(by_paths, {.paths = 16}));
     World baked = by_paths.with_lighting(lighting);
     expect_the_same(baked);
     const int moved[] = {2};

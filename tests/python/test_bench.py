@@ -8,9 +8,17 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "bench"))
 
 from curves import crossing, least, pick, random_error
-from report import cameras, light, motion, report, serial_fraction
+from report import cameras, light, light_to_error, motion, report, serial_fraction
 from report_cameras import front, ms_to, times_table
-from report_light import PARTS, aims_of_light, beside_peer, part_costs
+from report_light import (
+    PARTS,
+    aims_of_light,
+    beside_paths,
+    beside_peer,
+    frames_that_pay,
+    part_costs,
+    to_error_table,
+)
 from run import write_lines
 
 
@@ -99,10 +107,35 @@ def test_light_is_compared_with_the_quicker_peer_and_the_aims():
     rows = light_rows()
     assert beside_peer(rows) == [("up to 4", 100.0, "llvm_ad_rgb", 250.0, 2.5)]
     reached = [cells[-1] for cells in aims_of_light(rows)]
-    assert reached == ["0.80", "0.25", "0.40", "0.62", "5.00 to 8.00 %", "2.50"]
-    alone = [row for row in rows if not row["way"].startswith(("Omma", "llvm"))]
-    assert len(aims_of_light(alone)) == 5  # without a peer, nothing of it
+    assert reached == ["0.80", "0.25", "5.00 to 8.00 %"]
     assert "| a | up to 4 | 10.00 | 4.00 | llvm_ad_rgb | 2.50 |" in light(rows)
+
+
+def rows_to_error(scene, **ms):
+    """Rows of light_to_error.py, by the milliseconds of each way; None where not reached."""
+    return [
+        {
+            "scene": scene, "way": way, "ommatidia": "7", "rays": "64", "ms_a_frame": "1",
+            "bake_cpu_s": "10" if way == "Omma, baked" else "0", "noise_percent": "5",
+            "fixed_percent": "1", "median_percent": "1", "percentile_95_percent": "9",
+            "ms_to_5_percent": "" if of_way is None else str(of_way),
+        }
+        for way, of_way in ms.items()
+    ]  # fmt: skip
+
+
+def test_a_bake_is_spread_over_frames():
+    ways = {"Omma, paths": 50.0, "Omma, baked": 10.0, "llvm_ad_rgb": 150.0}
+    rows = rows_to_error("a", **ways)
+    rows += rows_to_error("b", **{"Omma, paths": 50.0, "Omma, baked": None})
+    rows += rows_to_error("c", **{"Omma, paths": 50.0, "Omma, baked": 60.0})
+    assert frames_that_pay(rows) == [("a", 250.0), ("b", None), ("c", None)]
+    assert beside_paths(rows) == [("a", "llvm_ad_rgb", 3.0)]
+    baked = to_error_table(rows)[1]
+    assert baked[-3:] == ["10,010.0", "110.0", "11.0"]
+    text = "\n".join(light_to_error(rows))
+    assert "on baking pays: a: 250; b: never; c: never." in text
+    assert "to the same error: a, llvm_ad_rgb: 3.0." in text
 
 
 def camera_rows(way, points):

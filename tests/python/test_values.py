@@ -154,7 +154,7 @@ def examples(files, tmp_path_factory):
         "scene.Animation": (swinging := swinging_box(folder / "swing.gltf")).animations[0],
         "scene.Rig": swinging.rig,
         "scene.Bake": omma.scene.Bake(cell_m=0.5, paths=64, cache=False),
-        "scene.BakedInfo": omma.scene.BakedInfo(9, 0.5, 32, 1152, 3, 0.25, True),
+        "scene.BakedInfo": omma.scene.BakedInfo(9, 0.5, 32, 0.1, 0.3, 1152, 3, 0.25, True),
         "scene.Camera": scene.cameras[1],
         "scene.ExtraReflectance": omma.scene.ExtraReflectance(
             0, [omma.light.Spectrum([300, 400], [0.1, 0.2])]

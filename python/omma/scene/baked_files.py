@@ -157,7 +157,7 @@ def read_unfinished(directory: Path, key: str) -> _core.UnfinishedBake:
 
 def keep_unfinished(directory: Path, key: str, bake: _core.UnfinishedBake) -> bool:
     """Keeps what is finished of a bake; whether that could be."""
-    arrays = {f"lines{k}": lines for k, lines in enumerate(bake.lines)}
+    arrays: dict[str, Any] = {f"lines{k}": lines for k, lines in enumerate(bake.lines)}
     arrays |= {"done": bake.done, "paths_of_group": bake.paths_of_group}
     name = key + _UNFINISHED
     if _write(directory / name, key, {"numbers": bake.numbers}, arrays) is not None:

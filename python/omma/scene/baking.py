@@ -163,7 +163,8 @@ def find_baked_light(
 
     Args:
         light: the arguments of the engine's light.
-        progress: called with the finished share (0 to 1).
+        progress: called with the finished share (0 to 1); where it has a method ``begins``, that is
+            called with the cost before anything is baked.
 
     Warns:
         UserWarning: triangles had no room, or the cache cannot be written to.
@@ -177,6 +178,9 @@ def find_baked_light(
     from_cache = baked is not None
     if baked is None:
         unfinished = None if directory is None else read_unfinished(directory, key)
+        begins = getattr(progress, "begins", None)
+        if begins is not None:
+            begins(bake_cost(engine, bake))
         try:
             baked = _core.bake_light(
                 engine,

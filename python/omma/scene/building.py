@@ -7,11 +7,15 @@ from functools import partial
 from typing import Any
 
 from omma._core import Scene
+from omma.scene.baking import BakeCost
 from omma.scene.world import World
 
 # What tools that report stages call those before rendering.
 READING, BUILDING = "Reading the scene", "Building the acceleration structure"
 BAKING = "Baking light"
+
+# Bakes that take longer say beforehand how long.
+_LONG_S = 10.0
 
 # Called with what is being done and its finished share (0 to 1), None where that is not known.
 Stage = Callable[[str, float | None], object]
@@ -26,4 +30,21 @@ def build_world(scene: Scene, tell: Stage, **arguments: Any) -> World:
     baked = {name: arguments.pop(name) for name in ("lighting", "sun", "bake") if name in arguments}
     world = World(scene, progress=partial(tell, BUILDING), **arguments)
     tell(BAKING, None)
-    return world.with_light(**lit, **baked, progress=partial(tell, BAKING))
+    return world.with_light(**lit, **baked, progress=_Baking(tell))
+
+
+class _Baking:
+    """Tells of baking, with what it costs where the cache does not have it."""
+
+    def __init__(self, tell: Stage) -> None:
+        self._tell, self._stage = tell, BAKING
+
+    def begins(self, cost: BakeCost) -> None:
+        """Called before it is baked."""
+        self._stage = f"{BAKING} ({cost.cells:,} cells, {cost.bytes / 1e6:,.0f} MB)"
+        if cost.seconds > _LONG_S:
+            self._stage = f"{BAKING} ({cost})"
+        self._tell(self._stage, None)
+
+    def __call__(self, done: float) -> None:
+        self._tell(self._stage, done)
