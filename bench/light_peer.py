@@ -38,7 +38,10 @@ class Peer:
         self.variant = variant
         self.bands = 3 if variant.endswith("rgb") else 4
         self._scene = peer_scene(setup.scene, light)
+        self._setup, self._rays = setup, rays
         self._origin, self._direction = gaussian_rays(setup.eye, setup.pose, rays)
+        # Other rays for turns that were prepared.
+        self._prepared: dict[int, tuple[NDArray[np.float32], NDArray[np.float32]]] = {}
         self._sampler = mitsuba.load_dict({"type": "independent"})
         self._integrators: dict[int, Any] = {}
         self._turn = 0
@@ -48,10 +51,16 @@ class Peer:
         self._sample(depth)
         return self._origin.shape[1]
 
+    def prepare(self, turn: int) -> None:
+        """Rays of that turn's own."""
+        eye, pose = self._setup.eye, self._setup.pose
+        self._prepared[turn] = gaussian_rays(eye, pose, self._rays, seed=turn + 1)
+
     def responses(self, ommatidia: int, turn: int) -> NDArray[np.float64]:
         """Of whole paths, (N, 1): means over the rays and colours of each ommatidium, which are
-        grey; each turn has random numbers of its own."""
+        grey; each turn that was prepared has random numbers of its own."""
         self._turn = turn
+        self._origin, self._direction = self._prepared[turn]
         radiance = np.asarray(self._sample(WHOLE))
         return radiance.mean(axis=0).reshape(ommatidia, -1).mean(axis=1)[:, None].astype(float)
 

@@ -1,11 +1,10 @@
 """Makes docs/lit-morning.png, lit-noon.png and lit-dusk.png: the lit meadow through a honeybee's
-eyes; and docs/lit-rim.png: through the dorsal rims of a desert ant. Light is baked.
+eyes; and docs/lit-rim.png: through the dorsal rims of a desert ant. Light is followed by paths.
 
     .venv/bin/python docs/make_lit_meadow_figures.py              all four
     .venv/bin/python docs/make_lit_meadow_figures.py noon rim     these
 
-Some 5 minutes on two cores for each of the three lights, the first time; then seconds, as the cache
-has what was baked.
+Some minutes on two cores for each of the three lights.
 """
 
 from __future__ import annotations
@@ -42,7 +41,7 @@ PLACE = "21 June, 48° N 15° E"
 LOWEST_DEG, PER_DEG = -60, 2
 WIDTH, HEIGHT = 360 * PER_DEG, (90 - LOWEST_DEG) * PER_DEG
 EXTENT = (-180.0, 180.0, float(LOWEST_DEG), 90.0)
-RAYS, BEE_RAYS = 16, 96
+RAYS, BEE_RAYS = 32, 256
 DECADES = 4  # of the scales of receptors
 DPI = 102
 OUTSIDE = 0.88  # grey, hatched, where no ommatidium looks
@@ -55,9 +54,7 @@ def lit(name: str) -> omma.World:
     return omma.World(
         omma.load_scene(omma.examples.lit_meadow()),
         light=light,
-        lighting="baked",
         polarized=True,
-        bake=omma.scene.Bake(paths=16),
     )
 
 
