@@ -1,7 +1,8 @@
 // Baking, in passes and each in two halves, which have random numbers of their own: what they differ by
 // is noise (backend/bake_groups.h). A first pass tells how much of it there is. Where light comes in by
 // few ways, as into rooms, the next passes end their paths on the light of the one before (final
-// gathering); elsewhere a second pass has more paths, where noise is, and both are put together.
+// gathering); elsewhere a second pass has more paths, where noise is. It alone counts then: a mean with
+// paths that decided how many others there are would be too low.
 #include "omma/bake.h"
 
 #include <algorithm>
@@ -202,7 +203,6 @@ double variance_of_path(const BakeGroups& groups, const std::vector<GroupNoise>&
 std::vector<std::uint16_t> paths_of_next(const BakeSettings& settings, const BakeGroups& groups,
                                          const std::vector<GroupNoise>& noise, const PathPlan& plan,
                                          const UnfinishedBake& state) {
-  const auto sides = static_cast<double>(groups.side.size());
   if (settings.paths > 0) {
     const int own = state.gathers ? settings.paths / 2 : settings.paths / 2 - plan.first;
     return std::vector<std::uint16_t>(groups.count(), static_cast<std::uint16_t>(own));
@@ -213,12 +213,11 @@ std::vector<std::uint16_t> paths_of_next(const BakeSettings& settings, const Bak
                                          : plan.first * (state.gathers ? variance_of_second : 1.0);
     of_path.push_back(2 * noise[g].own * before);
   }
-  const double rest = plan.all - 2.0 * plan.first * sides;
-  return share_paths(groups, of_path,
-                     state.gathers ? plan.all * (state.pass == 1 ? 0.25 : 0.75) : rest);
+  const double share = !state.gathers ? 1.0 : state.pass == 1 ? 0.25 : 0.75;
+  return share_paths(groups, of_path, share * plan.all);
 }
 
-// Both passes of cells whose paths went all the way, into the second's halves.
+// Both passes of cells that have as many paths as were asked for, into the second's halves.
 void put_together(const std::vector<std::uint16_t>& later, int first_paths, int bands,
                   UnfinishedBake& state) {
   parallel_ranges<std::size_t>(0, later.size(), 4096, [&](std::size_t from, std::size_t to) {
@@ -271,14 +270,15 @@ bool bake_all(const World& world, const BakeSettings& settings, BakedLight& bake
     const int last = settings.paths > 0 || !state.gathers ? 2 : 3;
     const bool is_last = state.pass == last;
     if (is_last) state.pass = 0;  // what is left takes a moment, and changes what is kept
-    if (is_last && !state.gathers) put_together(of_side, plan.first, baked.bands, state);
+    const bool adds_up = settings.paths > 0 && !state.gathers;
+    if (is_last && adds_up) put_together(of_side, plan.first, baked.bands, state);
     const BakedLine* const halves[2] = {state.lines[to].data(), state.lines[to + 1].data()};
     const std::vector<GroupNoise> noise = find_noise(groups, baked.bands, halves);
     if (is_last) {
       share_mean(groups, noise, halves, baked);
       double all = 0;
       for (const std::uint16_t one : of_side)
-        all += one > 0 ? 2.0 * (one + (state.gathers ? 0 : plan.first)) : 0.0;
+        all += one > 0 ? 2.0 * (one + (adds_up ? plan.first : 0)) : 0.0;
       baked.paths = all / sides;
       return true;
     }
