@@ -552,7 +552,7 @@ def baked_error(rows: list[Row]) -> list[str]:
         "",
         *text(
             f"`bench/baked_error.py`: {first['ommatidia']} ommatidia of a honeybee that",
-            "look at the ground of the lit meadow, at dusk and at noon, the bake alone: %,",
+            "look at the ground of the lit meadow, the bake alone: %,",
             "relative to each response, without the noise of rays. z: baked minus paths over the",
             "standard error of",
             "a frame.",

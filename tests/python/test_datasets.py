@@ -425,10 +425,10 @@ def test_baked_light_as_the_job_says(tmp_path, monkeypatch):
         count=1,
         rendering="bands = 4",
         more="[[condition]]\nname = 'day'\nlight = {sky = 'uniform_sky'}\nultraviolet = 'dark'\n"
-        "lighting = 'baked'\nbake = {paths = 16, cell_m = 2.0}\n",
+        "lighting = 'baked'\nbake = {paths = 16, cell_m = 2.0, seed = 3}\n",
     )
     datasets.run(job)
-    bake = omma.scene.Bake(paths=16, cell_m=2.0)
+    bake = omma.scene.Bake(paths=16, cell_m=2.0, seed=3)
     light = omma.light.uniform_sky(bands=omma.light.Bands.equal(4))
     scene = omma.load_scene(tmp_path / "scene.gltf")
     world = omma.World(scene, light=light, lighting="baked", ultraviolet="dark", bake=bake)

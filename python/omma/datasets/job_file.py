@@ -319,7 +319,7 @@ def _condition(table: Table, folder: Path) -> Condition:
 
 
 def _bake(table: Table) -> Bake:
-    given = {key: table.take(key, _same, None) for key in ("cell_m", "paths", "most_bytes")}
+    given = {key: table.take(key, _same, None) for key in ("cell_m", "paths", "most_bytes", "seed")}
     table.end()
     try:
         return Bake(**{key: value for key, value in given.items() if value is not None})
