@@ -23,8 +23,8 @@ def folder(tmp_path_factory):
     ("words", "said"),
     [
         (["render", "grey.glb", "--light", SKY], "--ultraviolet: expected what surfaces reflect"),
-        (["render", "grey.glb", "--light", SKY], "--ultraviolet dark (nothing), --ultraviolet as_"),
-        (["view", "grey.glb", "--light", SKY], "--ultraviolet dark (nothing), --ultraviolet as_"),
+        (["render", "grey.glb", "--light", SKY], "such as --ultraviolet dark (nothing), or"),
+        (["view", "grey.glb", "--light", SKY], "such as --ultraviolet dark (nothing), or"),
         (
             ["render", "grey.glb", "--light", SKY, "--ultraviolet", "0,0,1"],
             '--ultraviolet: expected "dark", "as_blue" or a reflectance from 0 to 1, found',

@@ -158,6 +158,7 @@ def public_calls(folder):
     omma.datasets.run(job)
     views = omma.datasets.open_views(folder / "job" / "job.zarr")
     good = {
+        "World.bake_cost": (),  # of a lit world, below
         "HeadPose": ((0, 0, 0),),
         "Look": (omma.view.HeadPose(),),
         "AcuteZone": (0.0, 0.0, 0.5, 2.0),
@@ -550,6 +551,8 @@ def public_calls(folder):
             method = None if name.startswith("_") else getattr(owner, name)
             if callable(method) and f"{kind}.{name}" not in good:
                 yield f"{kind}.{name}", method, known.get(name, ())
+    lit = omma.World(scene, light=omma.light.uniform_sky(1.0), ultraviolet="dark")
+    yield "World.bake_cost", lit.bake_cost, ()
 
 
 @pytest.fixture(scope="module")

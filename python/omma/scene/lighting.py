@@ -183,13 +183,12 @@ def _asking(names: list[str], light: Light) -> str:
     )
     more = f" and {len(names) - _NAMES_TOLD} more" if len(names) > _NAMES_TOLD else ""
     return (
-        "ultraviolet: expected what surfaces reflect below 400 nm, as "
-        f"{part:.1%} of this light is there, of which RGB says nothing, and of {len(names)} "
-        f"materials only RGB is known: {told}{more}. Say "
-        'ultraviolet="dark" (nothing), ultraviolet="as_blue", a reflectance such as '
-        "ultraviolet=0.02 (leaves) or, in Python, a mapping by name; or take a light of visible "
-        "bands alone "
-        "(bands=omma.light.Bands.equal(12, 400, 700), among the words of a light bands=visible); "
-        "or give materials spectra (docs/materials.md). omma.rendering.ultraviolet_dependence "
-        "tells by how much responses depend on it"
+        "ultraviolet: expected what surfaces reflect below 400 nm, such as "
+        'ultraviolet="dark" (nothing), or a light of visible bands alone '
+        "(bands=omma.light.Bands.equal(12, 400, 700), among the words of a light bands=visible). "
+        f"{part:.1%} of this light is below 400 nm, of which RGB says nothing, and of "
+        f"{len(names)} materials only RGB is known: {told}{more}. Or say "
+        'ultraviolet="as_blue", a reflectance such as ultraviolet=0.02 (leaves) or, in Python, a '
+        "mapping by name; or give materials spectra (docs/materials.md). "
+        "omma.rendering.ultraviolet_dependence tells by how much responses depend on it"
     )

@@ -522,9 +522,11 @@ class World:
             bake: how light would be baked.
 
         Raises:
-            omma.Error: the world has no light, or baked light already; or an argument is out of
-                its range.
+            omma.Error: the world has no light, or baked light already.
+            TypeError: ``bake`` is of another type.
         """
+        if bake is not None:
+            expect(bake, Bake, "bake", "omma.scene.Bake makes one")
         return baking.bake_cost(self._engine, bake or Bake())
 
     @property
