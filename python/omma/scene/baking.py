@@ -128,7 +128,7 @@ class BakeCost:
 
     cells: that light would be kept for, both sides of each.
     bytes: of memory; four times as much while it is baked.
-    seconds: on this world's threads.
+    seconds: on this world's threads, at most: where light has little noise it ends sooner.
     triangles_by_probes: that would have no room for cells.
     """
 
@@ -140,7 +140,7 @@ class BakeCost:
     def __str__(self) -> str:
         return (
             f"{self.cells:,} cells, {self.bytes / 1e6:,.0f} MB (four times as much on the way), "
-            f"about {self.seconds:,.0f} s"
+            f"up to {self.seconds:,.0f} s"
         )
 
 
