@@ -14,17 +14,14 @@ processor's, medians over the turns, and a ratio is the median of the ratios wit
 
 from __future__ import annotations
 
-import argparse
 import functools
 import time
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 from light_peer import Peer, peer_variants
-from light_scenes import Setup, diffuse_setup, grey_light, light_meadow, lit_meadow
+from light_scenes import Setup, diffuse_setup, given_setups, grey_light
 from numpy.typing import NDArray
 
 import omma
@@ -195,18 +192,10 @@ def print_rows(setup: Setup, rays: int, ways: list[Way], turns: int) -> None:
 
 def main() -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
-    parser.add_argument("data", type=Path, nargs="?")
-    parser.add_argument("--quick", action="store_true")
-    given = parser.parse_args()
-    # The scenes' files say of themselves that without a light they are not lit, which is meant.
-    warnings.simplefilter("ignore", UserWarning)
+    setups, quick = given_setups(__doc__)
     rays, peer_rays, turns = RAYS, PEER_RAYS, TURNS
-    if given.quick:
+    if quick:
         rays, peer_rays, turns = QUICK_RAYS, QUICK_PEER_RAYS, QUICK_TURNS
-    setups = [lit_meadow()]
-    if given.data is not None:
-        setups.insert(0, light_meadow(given.data))
     print(COLUMNS)
     for setup in setups:
         print_rows(setup, rays, lit_ways(setup, rays), turns)

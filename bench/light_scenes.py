@@ -4,6 +4,8 @@ diffuse surfaces and a grey light, which all renderers agree about.
 
 from __future__ import annotations
 
+import argparse
+import warnings
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -43,6 +45,17 @@ def lit_meadow() -> Setup:
     scene = omma.load_scene(LIT_MEADOW)
     eye = omma.species.honeybee_worker().eye
     return Setup("lit meadow", scene, eye, scene.camera("bee").world_from_camera)
+
+
+def given_setups(description: str | None) -> tuple[list[Setup], bool]:
+    """The meadows that a command line of DATA and --quick asks for, and whether it is quick."""
+    parser = argparse.ArgumentParser(description=(description or "").split("\n\n")[0])
+    parser.add_argument("data", type=Path, nargs="?")
+    parser.add_argument("--quick", action="store_true")
+    given = parser.parse_args()
+    # The scenes' files say of themselves that without a light they are not lit, which is meant.
+    warnings.simplefilter("ignore", UserWarning)
+    return ([light_meadow(given.data)] if given.data else []) + [lit_meadow()], given.quick
 
 
 def diffuse_setup(setup: Setup) -> Setup:

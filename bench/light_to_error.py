@@ -18,24 +18,20 @@ medians. Ommatidia within 10 degrees of the sun are left out, as a sun without a
 
 from __future__ import annotations
 
-import argparse
 import functools
 import tempfile
 import time
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 from light_peer import Peer, peer_variants
 from light_scenes import (
     Setup,
     diffuse_setup,
+    given_setups,
     grey_light,
     grey_setup,
-    light_meadow,
-    lit_meadow,
 )
 from numpy.typing import NDArray
 
@@ -165,18 +161,9 @@ def peer_ways(setup: Setup, light: omma.light.Light, frames: int) -> list[Way]:
 
 def main() -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
-    parser.add_argument("data", type=Path, nargs="?")
-    parser.add_argument("--quick", action="store_true")
-    given = parser.parse_args()
-    # The scenes' files say of themselves that without a light they are not lit, which is meant.
-    warnings.simplefilter("ignore", UserWarning)
-    quick = given.quick
+    setups, quick = given_setups(__doc__)
     frames, truth_rays = (QUICK_FRAMES, QUICK_TRUTH_RAYS) if quick else (FRAMES, TRUTH_RAYS)
     ommatidia = QUICK_OMMATIDIA if quick else OMMATIDIA
-    setups = [lit_meadow()]
-    if given.data is not None:
-        setups.append(light_meadow(given.data))
     print(COLUMNS, flush=True)
     with tempfile.TemporaryDirectory() as cache:
         for whole in setups:

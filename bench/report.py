@@ -6,21 +6,12 @@ python bench/report.py RESULTS_FOLDER > RESULTS.md
 from __future__ import annotations
 
 import sys
-import textwrap
 from pathlib import Path
 
 from curves import Reached, Row, crossing, least, pick, random_error, read
 from report_cameras import AT_PERCENT, all_table, times_table
-from report_light import (
-    aims_of_light,
-    baked_error_table,
-    beside_paths,
-    frames_that_pay,
-    parts_table,
-    peer_table,
-    to_error_table,
-    ways_table,
-)
+from report_light import baked, baked_error, light, light_to_error
+from report_text import table, text
 
 from omma.study.speed_test import PUBLISHED_FRAMES_PER_S, PUBLISHED_RAYS
 
@@ -30,18 +21,6 @@ BEE_RAYS, BEE_FRAMES_PER_S = 50, 3000
 FOUR_SCENES = ("meadow", "arena", "checkerboard", "grass")
 AT_16 = ("no footprints", "footprints", "shared rays")  # whose bias is shown
 OURS = ("footprints", "shared", "target")  # how the names of our methods begin
-
-
-def table(head: str, rows: list[list[object]]) -> list[str]:
-    """Markdown; columns of the head are separated by |."""
-    names = [name.strip() for name in head.split("|")]
-    lines = [f"| {' | '.join(names)} |", "|" + " --- |" * len(names)]
-    return [*lines, *(f"| {' | '.join(str(cell) for cell in row)} |" for row in rows), ""]
-
-
-def text(*sentences: str) -> list[str]:
-    """A paragraph."""
-    return [*textwrap.wrap(" ".join(sentences), 98, break_on_hyphens=False), ""]
 
 
 def number(value: float) -> str:
@@ -423,35 +402,6 @@ def aims(results: Path) -> list[str]:
     return ["## Aims and what is reached", "", *table("what | aim | reached", cells)]
 
 
-def light(rows: list[Row]) -> list[str]:
-    """The section of RESULTS.md about light."""
-    head, parts = parts_table(rows)
-    lines = [
-        "## 10. Light",
-        "",
-        *text(
-            "`bench/light.py`: one thread, all ways in turns, medians of the processor's time for",
-            "each ray from the eye; ratios are medians of those within each turn. A clear sky, the",
-            "sun 30° high, 16 bands if not said otherwise. Scattered up to so many times; `paths`:",
-            "without a limit.",
-        ),
-        *table("what | asked | reached", aims_of_light(rows)),
-        *table("scene | way | bands | ns a ray | million rays/s | compared", ways_table(rows)),
-        *text(
-            "What each part costs, as differences between two of these, for each ray from the eye:"
-        ),
-        *table(head, parts),
-    ]
-    if peers := peer_table(rows):
-        lines += text(
-            "Beside Mitsuba 3's path integrator, the quicker of its variants `llvm_ad_rgb` and",
-            "`llvm_ad_spectral`; Omma with 16 bands. The same triangles (flattened, diffuse,",
-            "opaque), sky, sun and number of rays, million paths/s of one core:",
-        )
-        lines += table("scene | scattered | Omma | Mitsuba | its variant | ratio", peers)
-    return lines
-
-
 def cameras(rows: list[Row]) -> list[str]:
     """The section of RESULTS.md about many cameras."""
     errors = " | ".join(f"ms to {error:.0f} %" for error in AT_PERCENT)
@@ -520,86 +470,6 @@ def datasets(rows: list[Row]) -> list[str]:
             "of 16 rays; shards beside `render` alone are in processor time, in turns.",
         ),
         *table("what | of | value", [[row["what"], row["setting"], row["value"]] for row in rows]),
-    ]
-
-
-def baked(rows: list[Row]) -> list[str]:
-    """The section of RESULTS.md about what baking takes."""
-    head = "triangles | bands | cells | cell, m | baked, MB | core-s | s | peak, MB"
-    columns = ("cells", "cell_m", "baked_mb", "cpu_s", "wall_s", "peak_mb")
-    return [
-        "## 14. Baking light",
-        "",
-        *text(
-            "`bench/baked.py`: hills in the light of a clear sky, 16 paths a side of a cell.",
-            "Core-seconds are of all cores together; the peak is the whole process's.",
-        ),
-        *table(
-            head,
-            [
-                [f"{int(row['triangles']):,}", row["bands"], *(row[name] for name in columns)]
-                for row in rows
-            ],
-        ),
-    ]
-
-
-def baked_error(rows: list[Row]) -> list[str]:
-    """The section of RESULTS.md about what baked light is off by."""
-    first = rows[0]
-    return [
-        "## 15. Baked light beside paths",
-        "",
-        *text(
-            f"`bench/baked_error.py`: {first['ommatidia']} ommatidia of a honeybee that",
-            "look at the ground of the lit meadow, the bake alone: %,",
-            "relative to each response, without the noise of rays. z: baked minus paths over the",
-            "standard error of",
-            "a frame.",
-        ),
-        *text(
-            *(
-                f"At {row['time']} {int(row['cells']):,} cells of {row['paths']} paths a side "
-                f"took {row['bake_cpu_s']} core-seconds and {row['baked_mb']} MB."
-                for row in rows
-                if row["band_nm"] == first["band_nm"]
-            )
-        ),
-        *table(
-            "time | band, nm | bias | rms | median | 95 % below | darkest third, rms | z, rms",
-            baked_error_table(rows),
-        ),
-    ]
-
-
-def light_to_error(rows: list[Row]) -> list[str]:
-    """The section of RESULTS.md about time to an error of lit frames."""
-    pays = [
-        f"{scene}: " + ("never" if frames is None else f"{frames:,.0f}")
-        for scene, frames in frames_that_pay(rows)
-    ]
-    beside = [f"{scene}, {way}: {ratio:.1f}" for scene, way, ratio in beside_paths(rows)]
-    return [
-        "## 16. Time to an error in light",
-        "",
-        *text(
-            f"`bench/light_to_error.py`: {rows[0]['ommatidia']} ommatidia, one thread,",
-            "milliseconds of the processor for a frame whose error, relative to each response, is",
-            "5 % (rms over ommatidia), with the bake spread over so many frames. Noise and what",
-            "stays whatever",
-            f"rays there are, %, are of {rows[0]['rays']} rays.",
-        ),
-        *table(
-            "scene | way | ms a frame | noise | fixed | 95 % below | to 5 %, 1 frame | 100 frames "
-            "| 10,000 frames",
-            to_error_table(rows),
-        ),
-        *text("Frames from which on baking pays: " + "; ".join(pays) + "."),
-        *(
-            text("Times as long as Omma's paths to the same error: " + "; ".join(beside) + ".")
-            if beside
-            else []
-        ),
     ]
 
 

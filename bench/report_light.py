@@ -4,6 +4,7 @@ light.py, baked_error.py and light_to_error.py print them."""
 from __future__ import annotations
 
 from curves import Row, pick
+from report_text import table, text
 
 PEERS = ("llvm_ad_rgb", "llvm_ad_spectral")
 # What a part costs: what one way takes more than another.
@@ -117,10 +118,10 @@ def peer_table(rows: list[Row]) -> list[list[object]]:
 
 
 def baked_error_table(rows: list[Row]) -> list[list[object]]:
-    """What the bake is off by, %, a line for each time of day and band."""
+    """What the bake is off by, %, a line for each scene and band."""
     names = ("bias", "rms", "median", "percentile_95", "darkest_third_rms")
     return [
-        [row["time"], row["band_nm"], *(row[f"{name}_percent"] for name in names), row["rms_z"]]
+        [row["scene"], row["band_nm"], *(row[f"{name}_percent"] for name in names), row["rms_z"]]
         for row in rows
     ]
 
@@ -166,3 +167,110 @@ def frames_that_pay(rows: list[Row]) -> list[tuple[str, float | None]]:
         bake_ms = 1e3 * float(row["bake_cpu_s"])
         found.append((row["scene"], bake_ms / saved if saved > 0 else None))
     return found
+
+
+def light(rows: list[Row]) -> list[str]:
+    """The section of RESULTS.md about light."""
+    head, parts = parts_table(rows)
+    lines = [
+        "## 10. Light",
+        "",
+        *text(
+            "`bench/light.py`: one thread, all ways in turns, medians of the processor's time for",
+            "each ray from the eye; ratios are medians of those within each turn. A clear sky, the",
+            "sun 30° high, 16 bands if not said otherwise. Scattered up to so many times; `paths`:",
+            "without a limit.",
+        ),
+        *table("what | asked | reached", aims_of_light(rows)),
+        *table("scene | way | bands | ns a ray | million rays/s | compared", ways_table(rows)),
+        *text(
+            "What each part costs, as differences between two of these, for each ray from the eye:"
+        ),
+        *table(head, parts),
+    ]
+    if peers := peer_table(rows):
+        lines += text(
+            "Beside Mitsuba 3's path integrator, the quicker of its variants `llvm_ad_rgb` and",
+            "`llvm_ad_spectral`; Omma with 16 bands. The same triangles (flattened, diffuse,",
+            "opaque), sky, sun and number of rays, million paths/s of one core:",
+        )
+        lines += table("scene | scattered | Omma | Mitsuba | its variant | ratio", peers)
+    return lines
+
+
+def baked(rows: list[Row]) -> list[str]:
+    """The section of RESULTS.md about what baking takes."""
+    head = "triangles | bands | cells | cell, m | baked, MB | core-s | s | peak, MB"
+    columns = ("cells", "cell_m", "baked_mb", "cpu_s", "wall_s", "peak_mb")
+    return [
+        "## 14. Baking light",
+        "",
+        *text(
+            "`bench/baked.py`: hills in the light of a clear sky, 16 paths a side of a cell.",
+            "Core-seconds are of all cores together; the peak is the whole process's.",
+        ),
+        *table(
+            head,
+            [
+                [f"{int(row['triangles']):,}", row["bands"], *(row[name] for name in columns)]
+                for row in rows
+            ],
+        ),
+    ]
+
+
+def baked_error(rows: list[Row]) -> list[str]:
+    """The section of RESULTS.md about what baked light is off by."""
+    first_of_scene = [pick(rows, scene=scene)[0] for scene in scenes_of(rows)]
+    return [
+        "## 15. Baked light beside paths",
+        "",
+        *text(
+            "`bench/baked_error.py`: a honeybee's ommatidia that look at the ground of the lit",
+            "meadow at dusk and at noon, and what is seen of a room and a corridor; the bake",
+            "alone: %, relative to each response, without the noise of rays. z: baked minus paths",
+            "over the standard error of a frame.",
+        ),
+        *text(
+            *(
+                f"{row['scene'].capitalize()}: {int(row['cells']):,} cells of {row['paths']} paths "
+                f"a side took {row['bake_cpu_s']} core-seconds and {row['baked_mb']} MB."
+                for row in first_of_scene
+            )
+        ),
+        *table(
+            "scene | band, nm | bias | rms | median | 95 % below | darkest third, rms | z, rms",
+            baked_error_table(rows),
+        ),
+    ]
+
+
+def light_to_error(rows: list[Row]) -> list[str]:
+    """The section of RESULTS.md about time to an error of lit frames."""
+    pays = [
+        f"{scene}: " + ("never" if frames is None else f"{frames:,.0f}")
+        for scene, frames in frames_that_pay(rows)
+    ]
+    beside = [f"{scene}, {way}: {ratio:.1f}" for scene, way, ratio in beside_paths(rows)]
+    return [
+        "## 16. Time to an error in light",
+        "",
+        *text(
+            f"`bench/light_to_error.py`: {rows[0]['ommatidia']} ommatidia, one thread,",
+            "milliseconds of the processor for a frame whose error, relative to each response, is",
+            "5 % (rms over ommatidia), with the bake spread over so many frames. Noise and what",
+            "stays whatever",
+            f"rays there are, %, are of {rows[0]['rays']} rays.",
+        ),
+        *table(
+            "scene | way | ms a frame | noise | fixed | 95 % below | to 5 %, 1 frame | 100 frames "
+            "| 10,000 frames",
+            to_error_table(rows),
+        ),
+        *text("Frames from which on baking pays: " + "; ".join(pays) + "."),
+        *(
+            text("Times as long as Omma's paths to the same error: " + "; ".join(beside) + ".")
+            if beside
+            else []
+        ),
+    ]

@@ -8,7 +8,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "bench"))
 
 from curves import crossing, least, pick, random_error
-from report import cameras, light, light_to_error, motion, report, serial_fraction
+from report import cameras, motion, report, serial_fraction
 from report_cameras import front, ms_to, times_table
 from report_light import (
     PARTS,
@@ -16,6 +16,8 @@ from report_light import (
     beside_paths,
     beside_peer,
     frames_that_pay,
+    light,
+    light_to_error,
     part_costs,
     to_error_table,
 )

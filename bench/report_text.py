@@ -1,0 +1,17 @@
+"""Markdown of RESULTS.md: tables and paragraphs."""
+
+from __future__ import annotations
+
+import textwrap
+
+
+def table(head: str, rows: list[list[object]]) -> list[str]:
+    """Markdown; columns of the head are separated by |."""
+    names = [name.strip() for name in head.split("|")]
+    lines = [f"| {' | '.join(names)} |", "|" + " --- |" * len(names)]
+    return [*lines, *(f"| {' | '.join(str(cell) for cell in row)} |" for row in rows), ""]
+
+
+def text(*sentences: str) -> list[str]:
+    """A paragraph."""
+    return [*textwrap.wrap(" ".join(sentences), 98, break_on_hyphens=False), ""]
