@@ -54,12 +54,10 @@ void check(const World& world, const BakeSettings& settings) {
   if (!(settings.cell_m >= 0) || !std::isfinite(settings.cell_m))
     throw Error("cell_m: expected a size in m, or 0 for one that is chosen, found " +
                 std::to_string(settings.cell_m));
-  const bool is_known = settings.paths == 0 || settings.paths == packet_rays ||
-                        settings.paths % (2 * packet_rays) == 0;
-  if (settings.paths < 0 || settings.paths > most_paths || !is_known)
-    throw Error("paths: expected " + std::to_string(packet_rays) + " or a multiple of " +
-                std::to_string(2 * packet_rays) + " up to " + std::to_string(most_paths) +
-                ", or 0 for as many as noise asks for; found " + std::to_string(settings.paths));
+  if (settings.paths < 0 || settings.paths > most_paths || settings.paths % packet_rays != 0)
+    throw Error("paths: expected a multiple of " + std::to_string(packet_rays) + " up to " +
+                std::to_string(most_paths) + ", or 0 for as many as noise asks for; found " +
+                std::to_string(settings.paths));
 }
 
 // The box of the scene as it lies in the traced frame.
@@ -299,14 +297,6 @@ std::size_t BakedLight::bytes() const {
   return sum;
 }
 
-double UnfinishedBake::share() const {
-  if (pass == 0 || done.empty()) return 0;
-  const auto finished = static_cast<double>(std::count(done.begin(), done.end(), 1));
-  constexpr double first = 0.2;
-  const double of_pass = finished / static_cast<double>(done.size());
-  return pass == 1 ? first * of_pass : first + (1 - first) * of_pass;
-}
-
 BakedLight bake_light(const World& world, const BakeSettings& settings,
                       const std::function<bool(double)>& progress, UnfinishedBake* unfinished) {
   check(world, settings);
@@ -327,13 +317,15 @@ BakedLight bake_light(const World& world, const BakeSettings& settings,
       baked.unit *= more_unit;
     }
   };
-  try {
-    run_watched(progress,
-                [&](WorkState& work) { run_in_arena(*built.threads.arena, [&] { bake(work); }); });
-  } catch (...) {
-    state.seconds = seconds_before + seconds_since(start);
-    throw;
-  }
+  run_watched(progress, [&](WorkState& work) {
+    try {
+      run_in_arena(*built.threads.arena, [&] { bake(work); });
+    } catch (...) {
+      state.share = state.pass > 0 ? work.fraction.load() : 0;
+      state.seconds = seconds_before + seconds_since(start);
+      throw;
+    }
+  });
   baked.seconds = seconds_before + seconds_since(start);
   return baked;
 }

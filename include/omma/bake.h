@@ -16,8 +16,8 @@ class World;
 
 struct BakeSettings {
   double cell_m = 0;  // longest edge of cells on large triangles; 0: chosen by the scene
-  // Of light for each side of a cell: 16, or a multiple of 32 up to 65536. 0: more where there is
-  // more noise, 16 in the mean of a large scene.
+  // Of light for each side of a cell: a multiple of 16 up to 65536. 0: more where there is more
+  // noise, 16 in the mean of a large scene.
   int paths = 0;
   std::size_t most_bytes = std::size_t{1} << 30;  // what has no room is lit by probes
   std::uint32_t seed = 0;                         // of its random numbers
@@ -73,11 +73,10 @@ struct UnfinishedBake {
   int pass = 0;                     // 0: it has not begun
   bool gathers = false;             // whether paths end on what the pass before has baked
   double unit = 0, seconds = 0;     // as in BakedLight, so far
+  double share = 0;                 // of the work
   std::vector<std::uint8_t> done;   // [half][chunk of cells] of the pass, whether it is finished
   std::vector<BakedLine> lines[4];  // [odd, even passes][half], as BakedLight::lines
   std::vector<std::uint16_t> paths_of_group;  // of a half in this pass, but the first
-
-  double share() const;  // of its cells, about
 };
 
 // Of a world that is lit by paths, as its things lie now. Throws omma::Error where settings are out of
@@ -91,11 +90,11 @@ BakedLight bake_light(const World& world, const BakeSettings& settings = {},
 
 struct BakeCost {
   std::int64_t cells = 0, by_probes = 0;
-  std::size_t bytes = 0;  // of memory, when it is finished; four times as much on the way
-  double seconds = 0;     // that it takes, about, on the world's threads
+  std::size_t bytes = 0;  // of memory, when it is finished; five times as much on the way
+  double seconds = 0;     // that it takes on the world's threads, at most, about
 };
 
-// What `bake_light` would take, from a few of its cells.
+// What `bake_light` would take, from a few of its cells. Throws omma::Error and omma::Cancelled as that.
 BakeCost bake_cost(const World& world, const BakeSettings& settings = {});
 
 // Throws omma::Error where it is not whole, or of other bands or another scene.

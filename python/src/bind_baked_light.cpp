@@ -204,7 +204,7 @@ void bind_baked_light(nb::module_& m) {
                    "numpy.typing.NDArray[numpy.uint8], lines: "
                    "collections.abc.Sequence[numpy.typing.NDArray[numpy.uint16]], paths_of_group: "
                    "numpy.typing.NDArray[numpy.uint16]) -> None"))
-      .def_prop_ro("share", &UnfinishedBake::share)
+      .def_ro("share", &UnfinishedBake::share)
       .def_prop_ro("numbers",
                    [](const UnfinishedBake& bake) {
                      return std::vector<double>{static_cast<double>(bake.pass),
@@ -247,10 +247,8 @@ void bind_baked_light(nb::module_& m) {
   m.def(
       "bake_cost",
       [](const World& world, double cell_m, int paths, std::size_t most_bytes) {
-        const BakeCost cost = [&] {
-          const nb::gil_scoped_release others_may_run;
-          return bake_cost(world, {cell_m, paths, most_bytes, 0});
-        }();
+        const BakeCost cost =
+            run_long([&] { return bake_cost(world, {cell_m, paths, most_bytes, 0}); });
         return nb::make_tuple(cost.cells, cost.by_probes, cost.bytes, cost.seconds);
       },
       nb::arg("world"), nb::arg("cell_m"), nb::arg("paths"), nb::arg("most_bytes"),

@@ -119,6 +119,19 @@ std::int64_t cells_under_clutter(const Counted& counted) {
   return all;
 }
 
+// The finest division by clearances, within a twentieth, of at most so many cells. `counted` refers to
+// `sizes`.
+void choose_under_clutter(const Counted& counted, Sizes& sizes, std::int64_t most) {
+  double fine = finest_under_clutter, coarse = 1 / nearest;  // which divides nothing
+  sizes.under_clutter = fine;
+  if (cells_under_clutter(counted) <= most) return;
+  while (coarse > 1.05 * fine) {
+    sizes.under_clutter = std::sqrt(fine * coarse);
+    (cells_under_clutter(counted) <= most ? coarse : fine) = sizes.under_clutter;
+  }
+  sizes.under_clutter = coarse;
+}
+
 // The smallest cells, within a hundredth, of which there are at most so many.
 double smallest_cell_m(const Counted& counted, std::int64_t most) {
   double large = 0;
@@ -217,8 +230,7 @@ BakeCells divide_into_cells(const Tracing& tracing, const Scene& scene, const Pl
   } else {
     if (triangles > room) leave_out_smallest(counted, room);
     const std::int64_t most = std::min(most_under_clutter, (room - triangles) / 2);
-    sizes.under_clutter = finest_under_clutter;
-    while (cells_under_clutter(counted) > std::max<std::int64_t>(most, 0)) sizes.under_clutter *= 1.1;
+    choose_under_clutter(counted, sizes, std::max<std::int64_t>(most, 0));
     cell_m = smallest_cell_m(counted,
                              std::min(room, cells_of_triangle * triangles + cells_of_small_scenes +
                                                 cells_under_clutter(counted)));

@@ -182,13 +182,11 @@ double share_of(double varies, double noise) {
   return varies + noise > 0 ? varies / (varies + noise) : 1.0;
 }
 
-}  // namespace
-
+// The share that a cell keeps of what it has beside the plane (as in empirical Bayes estimation: C.
+// Morris, Parametric empirical Bayes inference, JASA 78, 1983).
 double kept_share(const GroupNoise& noise, std::int64_t members) {
   return members < least_members ? 1.0 : share_of(weight_of_light * noise.varies, noise.own);
 }
-
-namespace {
 
 // Of the noise of a cell what is left once it has shared, by itself and with its group.
 struct LeftNoise {
@@ -212,8 +210,8 @@ double median_own(const std::vector<GroupNoise>& noise) {
   return *middle;
 }
 
-// Of the variance of the means of groups in each region, what independent noise of cells is not: that
-// of light which many cells have from the same.
+// [region], the variance that the cells of a group have in common: of the means of groups less what
+// independent noise of their cells makes. Cells whose paths end on the same bright cell err together.
 std::vector<double> find_common(const BakeGroups& groups, const std::vector<GroupNoise>& noise) {
   struct Sum {
     double apart = 0, own = 0;

@@ -39,10 +39,6 @@ struct GroupNoise {
 std::vector<GroupNoise> find_noise(const BakeGroups& groups, int bands,
                                    const BakedLine* const (&half)[2]);
 
-// The share that a cell keeps of what it has beside the plane (as in empirical Bayes estimation: C.
-// Morris, Parametric empirical Bayes inference, JASA 78, 1983).
-double kept_share(const GroupNoise& noise, std::int64_t members);
-
 // The mean of both halves, shared, and how far it may be off.
 void share_mean(const BakeGroups& groups, const std::vector<GroupNoise>& noise,
                 const BakedLine* const (&half)[2], BakedLight& baked);

@@ -92,6 +92,7 @@ struct BlockMemory {
   // Rendering to an error: sums of a round, squares of a round and of all; see estimate.
   double *round_sums = nullptr, *round_squares = nullptr, *all_squares = nullptr;
   float *roughness = nullptr, *unseen = nullptr;
+  double* of_cells = nullptr;  // variance that comes of cells of baked light
   // Where ground truth is asked for: [row][lane] of a packet, [row][short_room], sums over all rays
   // and over those of a round.
   float *truth = nullptr, *short_truth = nullptr;
@@ -152,6 +153,7 @@ OMMA_HD BlockMemory lay_out(Room& room, const FrameView& frame, int lanes) {
     memory.all_squares = room.take<double>(units);
     memory.roughness = room.take<float>(units);
     memory.unseen = room.take<float>(units);
+    memory.of_cells = room.take<double>(units);
   }
   if (scene.light != nullptr) {
     const auto bands = static_cast<std::size_t>(scene.bands);

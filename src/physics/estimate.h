@@ -89,6 +89,7 @@ OMMA_HD void estimate(const FrameView& frame, const BlockTask& task, const WayTo
       const float mean = sum / static_cast<float>(listened_to + 1);
       memory.roughness[row + i] = own[i] > mean ? own[i] : mean;
       memory.unseen[row + i] = overlooked * (most - least);
+      memory.of_cells[row + i] = cell_variance(frame, memory, i, o, way.rays[i]);
     }
   }
 }
@@ -103,12 +104,11 @@ OMMA_HD double scaled_variance(const BlockMemory& memory, int i, int o, double r
 // Whether the standard errors would be small enough with so many rays; all in radiance units. More
 // rays do not change what cells of baked light err by: rays make up for at least half of the variance
 // that is asked for, and where cells err by more than the other half, the error stays above.
-OMMA_HD bool reaches_error(const FrameView& frame, const WayToError& way, const BlockMemory& memory,
-                           int i, double rays, double roots) {
+OMMA_HD bool reaches_error(const FrameView& frame, const BlockMemory& memory, int i, double rays,
+                           double roots) {
   const double error = frame.error / frame.radiance_unit;
   for (int o = 0; o < frame.outputs; ++o) {
-    const double of_cells = cell_variance(frame, memory, i, o, way.rays[i]);
-    const double all = error * error, left = all - of_cells;
+    const double all = error * error, left = all - memory.of_cells[o * unit_room + i];
     const double for_rays = left > 0.5 * all ? left : 0.5 * all;
     if (scaled_variance(memory, i, o, roots) > for_rays * rays * rays) return false;
   }
@@ -120,13 +120,13 @@ OMMA_HD bool reaches_error(const FrameView& frame, const WayToError& way, const 
 OMMA_HD int choose_round(const FrameView& frame, const WayToError& way,
                          const BlockMemory& memory, int i) {
   const double rays = way.rays[i];
-  if (reaches_error(frame, way, memory, i, rays, way.roots[i])) return -1;
+  if (reaches_error(frame, memory, i, rays, way.roots[i])) return -1;
   int round = -1;
   for (int k = 0; k < frame.rounds; ++k) {
     const double more = frame.directions[k].samples;
     if (rays + more > frame.most_samples) break;
     round = k;
-    if (reaches_error(frame, way, memory, i, rays + more, way.roots[i] + sqrt(more))) break;
+    if (reaches_error(frame, memory, i, rays + more, way.roots[i] + sqrt(more))) break;
   }
   return round;
 }
@@ -207,7 +207,7 @@ OMMA_HD void render_to_error(const FrameView& frame, const BlockTask& task, Sear
       const double rays = way.rays[i];
       double response = memory.sums[o * unit_room + i] / rays;
       double variance = scaled_variance(memory, i, o, way.roots[i]) / (rays * rays) +
-                        cell_variance(frame, memory, i, o, rays);
+                        memory.of_cells[o * unit_room + i];
       if (sees_more) {
         response += memory.beside[o * unit_room + i];
         variance += memory.beside_variance[o * unit_room + i];

@@ -156,7 +156,7 @@ def test_rendering_to_an_error_counts_the_bake():
 
 def test_ground_under_clutter_has_its_cells():
     world = omma.World(
-        grass(600, 3.0), light=SKY, lighting="baked", bake=Bake(paths=32, cache=False)
+        grass(1500, 3.0), light=SKY, lighting="baked", bake=Bake(paths=32, cache=False)
     )
     eye = looking_down(600, 1.5, 2.0)
     paths = world.with_light(SKY, lighting="path")

@@ -338,7 +338,7 @@ def test_wrong_jobs(tmp_path, old, new, words):
         ("", "[[condition]]\nname = 'a'\nlight = {sky = 'uniform_sky'}\nbake = {path = 16}",
          "", r"condition\[0\].bake: expected one of .* did you mean 'paths'"),
         ("", "[[condition]]\nname = 'a'\nlight = {sky = 'uniform_sky'}\nbake = {paths = 17}",
-         "", r"condition\[0\].bake: paths: expected 16 or a multiple of 32"),
+         "", r"condition\[0\].bake: paths: expected a multiple of 16"),
         ("", "[[condition]]\nname = 'a'\nbake = {paths = 16}", "", "bake: goes with a light"),
         ("", "[[condition]]\nname = 'a'\nlight = {sky = 'uniform_sky'}\nbake = {paths = 16}",
          "", r'condition\[0\].bake: goes with lighting = "baked"'),

@@ -27,7 +27,7 @@ from omma.scene.baked_files import (
 
 Progress = Callable[[float], object]
 
-_LEAST_PATHS, _PATHS_AT_ONCE, _MOST_PATHS = 16, 32, 65536
+_PATHS_AT_ONCE, _MOST_PATHS = 16, 65536
 # Both sides of a cell, 16 bits a band.
 _BYTES_OF_BAND = 4
 
@@ -41,9 +41,9 @@ class Bake:
         cell_m: longest edge of the cells into which large triangles are divided, m; each edge into
             1,024 parts at most. None: chosen by the scene, for at most some 32,000 cells more than
             five times its triangles, and the larger the larger their triangles are.
-        paths: of light for each side of a cell: 16, or a multiple of 32 up to 65,536. Noise of what
-            is baked halves with four times as many, which take four times as long. None: more
-            where there is more noise, some 24 in the mean of large scenes.
+        paths: of light for each side of a cell: a multiple of 16 up to 65,536. Noise of what is
+            baked halves with four times as many, which take four times as long. None: more where
+            there is more noise, 16 in the mean of large scenes.
         most_bytes: that cells take, 4 for each band of a cell. Triangles without room are lit by a
             coarse grid of probes.
         seed: of its random numbers, 0 to 2^32 - 1.
@@ -65,12 +65,9 @@ class Bake:
         if self.cell_m is not None:
             object.__setattr__(self, "cell_m", positive(self.cell_m, "cell_m"))
         if self.paths is not None:
-            paths = whole(self.paths, "paths", _LEAST_PATHS, _MOST_PATHS)
-            if paths != _LEAST_PATHS and paths % _PATHS_AT_ONCE != 0:
-                raise Error(
-                    f"paths: expected {_LEAST_PATHS} or a multiple of {_PATHS_AT_ONCE}, "
-                    f"found {paths}"
-                )
+            paths = whole(self.paths, "paths", _PATHS_AT_ONCE, _MOST_PATHS)
+            if paths % _PATHS_AT_ONCE != 0:
+                raise Error(f"paths: expected a multiple of {_PATHS_AT_ONCE}, found {paths}")
             object.__setattr__(self, "paths", paths)
         object.__setattr__(self, "seed", whole(self.seed, "seed", 0, (1 << 32) - 1))
         object.__setattr__(self, "most_bytes", whole(self.most_bytes, "most_bytes", 0, 1 << 50))
@@ -127,7 +124,7 @@ class BakeCost:
     """What a bake takes, about (`omma.World.bake_cost`).
 
     cells: that light would be kept for, both sides of each.
-    bytes: of memory; four times as much while it is baked.
+    bytes: of memory; five times as much while it is baked.
     seconds: on this world's threads, at most: where light has little noise it ends sooner.
     triangles_by_probes: that would have no room for cells.
     """
@@ -139,7 +136,7 @@ class BakeCost:
 
     def __str__(self) -> str:
         return (
-            f"{self.cells:,} cells, {self.bytes / 1e6:,.0f} MB (four times as much on the way), "
+            f"{self.cells:,} cells, {self.bytes / 1e6:,.0f} MB (five times as much on the way), "
             f"up to {self.seconds:,.0f} s"
         )
 
@@ -191,6 +188,8 @@ def find_baked_light(
                 progress,
                 unfinished,
             )
+        except Error:
+            raise
         except BaseException as error:
             # As add_note, which Python has from 3.11 on.
             error.__notes__ = [_what_is_kept(directory, key, unfinished)]  # type: ignore[attr-defined]
