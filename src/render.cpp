@@ -30,9 +30,10 @@ void check_samples(const std::string& sampling, int samples, int most) {
 }
 
 void check_to_error(const ToError& s) {
-  if (!std::isfinite(s.error) || s.error <= 0)
-    throw Error("sampling: ToError expects an error above 0, a radiance, found " +
-                std::to_string(s.error));
+  for (const double error : {s.error, s.relative_error})
+    if (!std::isfinite(error) || error < 0 || s.error + s.relative_error == 0)
+      throw Error("sampling: ToError expects an error above 0, a radiance, or a relative one, found " +
+                  std::to_string(s.error) + " and " + std::to_string(s.relative_error));
   if (s.least < 4 || s.least > max_samples || (s.least & (s.least - 1)) != 0)
     throw Error("sampling: ToError expects a power of two from 4 to " +
                 std::to_string(max_samples) + " as the least rays, found " +
@@ -274,6 +275,7 @@ void render_still(const Renderer::State& s, std::span<const Mat4> world_from_hea
   if (to_error != nullptr) {
     frame.rounds = static_cast<int>(s.directions.size());
     frame.error = to_error->error;
+    frame.relative_error = to_error->relative_error;
     frame.most_samples = to_error->most;
     frame.nearest = s.nearest.data();
   } else if (!call.standard_error.empty()) {

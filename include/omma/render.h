@@ -35,11 +35,14 @@ struct Fixed {
 };
 
 // Rays go on in rounds, to the ommatidia that need them, until the estimated standard error of each
-// response is at most `error` or an ommatidium has had `most` rays.
+// response is at most `error`, or at most `relative_error` times the response, whichever is larger,
+// or an ommatidium has had `most` rays. At least one of both is above 0. Q and U of polarised light
+// are measured by I.
 struct ToError {
-  double error = 0;  // radiance, above 0; 1 is full scale
+  double error = 0;  // radiance; 1 is full scale
   int least = 8;     // rays of the first round, a power of two from 4 on
   int most = 4096;   // least to max_samples
+  double relative_error = 0;
 
   bool operator==(const ToError&) const = default;
 };

@@ -1692,9 +1692,9 @@ class RenderSettings:
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self, *, sampling: tuple[str, int] | tuple[str, float, int, int], **options: object) -> None:
+    def __init__(self, *, sampling: tuple[str, int] | tuple[str, float, int, int, float], **options: object) -> None:
         """
-        ``sampling`` is ('fixed', samples), ('to_error', error, least, most) or
+        ``sampling`` is ('fixed', samples), ('to_error', error, least, most, relative_error) or
         ('shared', samples); the options are those of RenderSettings in omma/render.h.
         """
 

@@ -98,11 +98,12 @@ Sampling sampling_of(const nb::tuple& given) {
   ToError to_error;
   Shared shared;
   if (holds("fixed", fixed.samples)) return fixed;
-  if (holds("to_error", to_error.error, to_error.least, to_error.most)) return to_error;
+  ToError& e = to_error;
+  if (holds("to_error", e.error, e.least, e.most, e.relative_error)) return e;
   if (holds("shared", shared.samples)) return shared;
   throw Error(
-      "sampling: expected ('fixed', samples), ('to_error', error, least, most) or "
-      "('shared', samples), found " +
+      "sampling: expected ('fixed', samples), ('to_error', error, least, most, relative_error) "
+      "or ('shared', samples), found " +
       repr_of(given));
 }
 
@@ -110,7 +111,7 @@ nb::tuple sampling_tuple(const Fixed& s) {
   return nb::make_tuple("fixed", s.samples);
 }
 nb::tuple sampling_tuple(const ToError& s) {
-  return nb::make_tuple("to_error", s.error, s.least, s.most);
+  return nb::make_tuple("to_error", s.error, s.least, s.most, s.relative_error);
 }
 nb::tuple sampling_tuple(const Shared& s) {
   return nb::make_tuple("shared", s.samples);
@@ -162,9 +163,10 @@ void bind_renderer(nb::module_& m) {
             new (self) RenderSettings(settings_of(sampling, options));
           },
           nb::kw_only(), nb::arg("sampling"), nb::arg("options"),
-          nb::sig("def __init__(self, *, sampling: tuple[str, int] | tuple[str, float, int, int], "
+          nb::sig("def __init__(self, *, "
+                  "sampling: tuple[str, int] | tuple[str, float, int, int, float], "
                   "**options: object) -> None"),
-          "``sampling`` is ('fixed', samples), ('to_error', error, least, most) or\n"
+          "``sampling`` is ('fixed', samples), ('to_error', error, least, most, relative_error) or\n"
           "('shared', samples); the options are those of RenderSettings in omma/render.h.")
       .def_prop_ro(
           "sampling",

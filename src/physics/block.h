@@ -91,7 +91,7 @@ OMMA_HD void render_discs(const FrameView& frame, const BlockTask& task, Search&
 template <typename L, typename Search>
 OMMA_HD void render_block(const FrameView& frame, const BlockTask& task, Search& search,
                           const BlockMemory& memory) {
-  if (frame.error > 0) return render_to_error<L>(frame, task, search, memory);
+  if (frame.most_samples > 0) return render_to_error<L>(frame, task, search, memory);
   const UnitList all{nullptr, 0, frame.scrambles, task.count * frame.scrambles};
   clear(memory.sums, frame.outputs, all.count);
   clear_cell_errors(frame, task, memory);

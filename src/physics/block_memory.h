@@ -93,6 +93,7 @@ struct BlockMemory {
   double *round_sums = nullptr, *round_squares = nullptr, *all_squares = nullptr;
   float *roughness = nullptr, *unseen = nullptr;
   double* of_cells = nullptr;  // variance that comes of cells of baked light
+  double* wanted = nullptr;    // variance that is asked for
   // Where ground truth is asked for: [row][lane] of a packet, [row][short_room], sums over all rays
   // and over those of a round.
   float *truth = nullptr, *short_truth = nullptr;
@@ -115,7 +116,7 @@ inline constexpr int short_room = block_rays + 16 + 16 * 16;
 // Whether standard errors have a part that is baked light's.
 OMMA_HD bool has_cell_errors(const FrameView& frame) {
   const BakedView* baked = frame.scene->baked;
-  return baked != nullptr && baked->errors != nullptr && (frame.error > 0 || frame.scrambles > 1);
+  return baked != nullptr && baked->errors != nullptr && (frame.most_samples > 0 || frame.scrambles > 1);
 }
 
 OMMA_HD BlockMemory lay_out(Room& room, const FrameView& frame, int lanes) {
@@ -146,7 +147,7 @@ OMMA_HD BlockMemory lay_out(Room& room, const FrameView& frame, int lanes) {
                                                     : room.take<float>(outputs * packet);
   memory.short_rays = room.take<float>(outputs * short_room);
   memory.sums = room.take<double>(units);
-  if (frame.error > 0) {
+  if (frame.most_samples > 0) {
     memory.squares = room.take<float>(outputs * packet);
     memory.round_sums = room.take<double>(units);
     memory.round_squares = room.take<double>(units);
@@ -154,6 +155,7 @@ OMMA_HD BlockMemory lay_out(Room& room, const FrameView& frame, int lanes) {
     memory.roughness = room.take<float>(units);
     memory.unseen = room.take<float>(units);
     memory.of_cells = room.take<double>(units);
+    memory.wanted = room.take<double>(units);
   }
   if (scene.light != nullptr) {
     const auto bands = static_cast<std::size_t>(scene.bands);
@@ -180,7 +182,7 @@ OMMA_HD BlockMemory lay_out(Room& room, const FrameView& frame, int lanes) {
       sums->nearest_m = room.take<float>(unit_room);
       sums->shares =
           room.take<std::int32_t>(static_cast<std::size_t>(frame.truth->shares) * unit_room);
-      if (!(frame.error > 0)) break;
+      if (frame.most_samples == 0) break;
     }
   }
   return memory;

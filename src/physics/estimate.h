@@ -71,25 +71,35 @@ inline constexpr float overlooked = 0.6f;
 OMMA_HD void estimate(const FrameView& frame, const BlockTask& task, const WayToError& way,
                       const BlockMemory& memory) {
   const std::uint8_t* nearest = frame.nearest + std::int64_t{task.first} * listened_to;
+  const double error = frame.error / frame.radiance_unit;
   for (int o = 0; o < frame.outputs; ++o) {
     const int row = o * unit_room;
-    float own[block_capacity], response[block_capacity];
+    float own[block_capacity], response[block_capacity], size[block_capacity];
     for (int i = 0; i < task.count; ++i) {
       own[i] = static_cast<float>(memory.all_squares[row + i] / way.roots[i]);
       response[i] = static_cast<float>(memory.sums[row + i] / way.rays[i]);
+      // An error relative to the response is that of a neighbour's roughness relative to its own.
+      const float square = response[i] * response[i];
+      size[i] = frame.relative_error > 0 && square > 0 ? square : 1.0f;
     }
     for (int i = 0; i < task.count; ++i) {
-      float sum = own[i], least = response[i], most = response[i];
+      float sum = own[i] / size[i], least = response[i], most = response[i];
       for (int k = 0; k < listened_to; ++k) {
         const int other = nearest[i * listened_to + k];
-        sum += own[other];
+        sum += own[other] / size[other];
         least = response[other] < least ? response[other] : least;
         most = response[other] > most ? response[other] : most;
       }
-      const float mean = sum / static_cast<float>(listened_to + 1);
+      const float mean = size[i] * sum / static_cast<float>(listened_to + 1);
       memory.roughness[row + i] = own[i] > mean ? own[i] : mean;
       memory.unseen[row + i] = overlooked * (most - least);
       memory.of_cells[row + i] = cell_variance(frame, memory, i, o, way.rays[i]);
+      // Q and U may be 0 where I is not.
+      const int of_light = frame.output_from_band == nullptr ? o % frame.scene->bands : o;
+      const double relative =
+          frame.relative_error * fabs(memory.sums[of_light * unit_room + i]) / way.rays[i];
+      const double wanted = relative > error ? relative : error;
+      memory.wanted[row + i] = wanted * wanted;
     }
   }
 }
@@ -106,9 +116,9 @@ OMMA_HD double scaled_variance(const BlockMemory& memory, int i, int o, double r
 // that is asked for, and where cells err by more than the other half, the error stays above.
 OMMA_HD bool reaches_error(const FrameView& frame, const BlockMemory& memory, int i, double rays,
                            double roots) {
-  const double error = frame.error / frame.radiance_unit;
   for (int o = 0; o < frame.outputs; ++o) {
-    const double all = error * error, left = all - memory.of_cells[o * unit_room + i];
+    const double all = memory.wanted[o * unit_room + i];
+    const double left = all - memory.of_cells[o * unit_room + i];
     const double for_rays = left > 0.5 * all ? left : 0.5 * all;
     if (scaled_variance(memory, i, o, roots) > for_rays * rays * rays) return false;
   }

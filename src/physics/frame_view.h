@@ -86,11 +86,11 @@ struct FrameView {
   // What a radiance of 1 is on the way, so that squares stay in single precision; a power of two.
   double radiance_unit = 1;
   // Rendering to an error: a round of directions[k].samples rays, twice as many for each k, goes to
-  // the ommatidia that need it until their standard error is `error` or their rays are
-  // most_samples.
+  // the ommatidia that need it until their standard error is the larger of `error` and
+  // `relative_error` times the response, or their rays are most_samples.
   int rounds = 1;
-  double error = 0;
-  int most_samples = 0;
+  double error = 0, relative_error = 0;
+  int most_samples = 0;  // 0: not rendered to an error
   const std::uint8_t* nearest = nullptr;  // [ommatidium][listened_to], place in its block
   const TruthView* truth = nullptr;       // null: none is asked for
   // By which rays count discs of the sky (counts_by_rays), the same for all; -1: each ommatidium's own.

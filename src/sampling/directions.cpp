@@ -108,17 +108,21 @@ std::vector<float> use_width_levels(std::vector<Acceptance>& acceptances) {
   return scale;
 }
 
-// Which patterns of which warps are asked for in frame 0 (units.h): [warp * patterns + pattern].
-std::vector<std::uint8_t> used_patterns(const DirectionTables& tables) {
+// Which patterns of which warps are to be made, [warp * patterns + pattern]: all, or those that are
+// asked for in frame 0 (units.h).
+std::vector<std::size_t> patterns_to_make(const DirectionTables& tables, bool of_frame_0) {
   const auto patterns = static_cast<std::size_t>(tables.patterns);
-  std::vector<std::uint8_t> used(tables.warps.size() * patterns, 0);
+  std::vector<std::uint8_t> used(tables.warps.size() * patterns, of_frame_0 ? 0 : 1);
   const std::uint64_t pose = pose_hash(tables.seed, 0);
   for (std::size_t i = 0; i < tables.warp_of.size(); ++i) {
     const std::uint32_t hash = ommatidium_hash(pose, static_cast<std::uint32_t>(i));
     for (std::uint32_t scramble = 0; scramble < error_scrambles; ++scramble)
       used[tables.warp_of[i] * patterns + ((hash + scramble) & (patterns - 1))] = 1;
   }
-  return used;
+  std::vector<std::size_t> made;
+  for (std::size_t i = 0; i < used.size(); ++i)
+    if (used[i] != 0) made.push_back(i);
+  return made;
 }
 
 // The scrambled points of all patterns.
@@ -174,9 +178,11 @@ DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& sett
   std::unordered_map<Acceptance, const AcceptanceWarp*, AcceptanceHash> made;
   if (known_tables != nullptr)
     for (const AcceptanceWarp& warp : known_tables->warps) made[warp.acceptance] = &warp;
+  tables.warp_cache =
+      known_tables != nullptr ? known_tables->warp_cache : std::make_shared<WarpCache>();
   parallel_for(std::size_t{0}, distinct.size(), [&](std::size_t i) {
     const auto found = made.find(distinct[i]);
-    tables.warps[i] = found != made.end() ? *found->second : make_acceptance_warp(distinct[i]);
+    tables.warps[i] = found != made.end() ? *found->second : tables.warp_cache->get(distinct[i]);
   });
 
   for (const AcceptanceWarp& warp : tables.warps) {
@@ -211,11 +217,10 @@ DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& sett
                                : std::make_shared<const std::vector<std::vector<Vec3d>>>(
                                      scrambled_points(settings.seed, patterns, n));
   const std::vector<std::vector<Vec3d>>& normals = *tables.normals;
-  std::vector<std::uint8_t> used;
-  if (of_frame_0) used = used_patterns(tables);
+  const std::vector<std::size_t> to_make = patterns_to_make(tables, of_frame_0);
   tables.local.resize(distinct.size() * patterns * 3 * n);
-  parallel_for(std::size_t{0}, distinct.size() * patterns, [&](std::size_t i) {
-    if (!used.empty() && !used[i]) return;
+  parallel_for(std::size_t{0}, to_make.size(), [&](std::size_t k) {
+    const std::size_t i = to_make[k];
     const AcceptanceWarpView& warp = tables.warp_views[i / patterns];
     float* out = tables.local.data() + i * 3 * n;
     for (std::size_t j = 0; j < n; ++j) {

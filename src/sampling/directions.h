@@ -14,6 +14,7 @@
 #include "physics/frame_view.h"
 #include "sampling/polar_tables.h"
 #include "sampling/unset_vector.h"
+#include "sampling/warp_cache.h"
 
 namespace omma {
 
@@ -27,6 +28,7 @@ struct DirectionTables {
   Points points = Points::low_discrepancy;
   std::uint64_t seed = 0;
   std::vector<AcceptanceWarp> warps;   // [distinct acceptance]
+  std::shared_ptr<WarpCache> warp_cache;  // shared by all tables that `known` led to
   std::vector<AcceptanceWarpView> warp_views;  // of them
   std::vector<std::uint32_t> warp_of;  // [ommatidium], index into warps
   // [ommatidium], times as wide as its warp: sines of the polar angles are multiplied by it. Empty:
@@ -50,7 +52,7 @@ struct DirectionTables {
 Acceptance rendered_acceptance(const Eye& eye, const RenderSettings& settings, std::size_t i);
 
 // For estimates of `samples` rays, whatever the settings say of their number. Warps for the same
-// acceptance are taken from `known`, where there are some, and so are points. With `of_frame_0` only the
+// acceptance are taken from `known` or its cache, where there are some, and so are points. With `of_frame_0` only the
 // patterns are made that ommatidia have in frame 0, which with frozen noise and a fixed number of
 // rays is all that are asked for: an eye whose acceptances change is ready in less than its frame.
 DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& settings, int samples,

@@ -119,7 +119,7 @@ Output run_block(const BlockSetup& setup, const Run& run) {
   for (int i = 0; i < 3; ++i) task.world_from_head[i][i] = 1;
   task.count = static_cast<int>(setup.eye.size());
   task.responses = out.responses.data();
-  if (setup.frame.error > 0) {
+  if (setup.frame.most_samples > 0) {
     task.standard_error = out.errors.data();
     task.rays = out.rays.data();
   } else {

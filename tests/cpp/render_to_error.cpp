@@ -363,7 +363,7 @@ TEST(RenderToError, WrongArguments) {
     EXPECT_EQ(message.rfind("sampling: ToError expects " + expected, 0), 0u) << message;
   };
   for (const double error : {0.0, -0.01, -infinite, infinite, infinite * 0})
-    expect_refused(to_error(error), "an error above 0");
+    expect_refused(to_error(error), "an error above 0, a radiance, or a relative one");
   for (const int least : {0, 1, 2, 3, 12, 100, 2 * max_samples})
     expect_refused(to_error(target, least), "a power of two from 4 to 1048576");
   for (const int most : {7, 0, -1, max_samples + 1})

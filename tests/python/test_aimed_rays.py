@@ -97,9 +97,7 @@ def test_polarised_light_of_the_image() -> None:
 def test_a_small_surface_that_shines(backend: str, off_deg: float) -> None:
     """A square of 1 cm, 1 m away: the integral of the sensitivity over it."""
     side, n = 0.01, 101
-    scene = omma.Scene(
-        meshes=[square(side, (0, 0, -1), (0, 0, 1))], materials=[shining(RADIANCE)]
-    )
+    scene = omma.Scene(meshes=[square(side, (0, 0, -1), (0, 0, 1))], materials=[shining(RADIANCE)])
     world = omma.World(scene, light=DARK, lighting="path", backend=backend)
     axis = off_axis(off_deg)
     found = omma.Renderer(world, eye_of(axis, 3.0, 48), omma.Fixed(16)).render(np.eye(4))
@@ -120,9 +118,7 @@ def test_a_small_surface_that_shines(backend: str, off_deg: float) -> None:
 
 def test_what_moves_away_is_still_seen_right() -> None:
     """Cones stay where things were; what is in them and what is not are both followed."""
-    scene = omma.Scene(
-        meshes=[square(0.02, (0, 0, -1), (0, 0, 1))], materials=[shining(RADIANCE)]
-    )
+    scene = omma.Scene(meshes=[square(0.02, (0, 0, -1), (0, 0, 1))], materials=[shining(RADIANCE)])
     moved = omma.World(scene, light=DARK, lighting="path")
     there = np.eye(4)
     there[0, 3] = 0.06

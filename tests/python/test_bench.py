@@ -121,23 +121,31 @@ def rows_to_error(scene, **ms):
             "bake_cpu_s": "10" if way == "Omma, baked" else "0", "noise_percent": "5",
             "fixed_percent": "1", "median_percent": "1", "percentile_95_percent": "9",
             "ms_to_5_percent": "" if of_way is None else str(of_way),
+            "ms_to_5_percent_each": "" if way == "Omma, baked" else str(4 * (of_way or 0)),
         }
         for way, of_way in ms.items()
     ]  # fmt: skip
 
 
 def test_a_bake_is_spread_over_frames():
-    ways = {"Omma, paths": 50.0, "Omma, baked": 10.0, "llvm_ad_rgb": 150.0}
+    ways = {
+        "Omma, paths": 50.0,
+        "Omma, baked": 10.0,
+        "Omma, paths to an error": 20.0,
+        "llvm_ad_rgb": 150.0,
+    }
     rows = rows_to_error("a", **ways)
     rows += rows_to_error("b", **{"Omma, paths": 50.0, "Omma, baked": None})
     rows += rows_to_error("c", **{"Omma, paths": 50.0, "Omma, baked": 60.0})
     assert frames_that_pay(rows) == [("a", 250.0), ("b", None), ("c", None)]
-    assert beside_paths(rows) == [("a", "llvm_ad_rgb", 3.0)]
+    assert beside_paths(rows, "ms_to_5_percent") == [("a", "llvm_ad_rgb", 3.0)]
+    assert beside_paths(rows, "ms_to_5_percent_each") == [("a", "llvm_ad_rgb", 7.5)]
     baked = to_error_table(rows)[1]
-    assert baked[-3:] == ["10,010.0", "110.0", "11.0"]
+    assert baked[-4:] == ["10,010.0", "110.0", "11.0", ""]
     text = "\n".join(light_to_error(rows))
     assert "on baking pays: a: 250; b: never; c: never." in text
     assert "to the same error: a, llvm_ad_rgb: 3.0." in text
+    assert "beside paths to an error: a, llvm_ad_rgb: 7.5." in text.replace("\n", " ")
 
 
 def camera_rows(way, points):

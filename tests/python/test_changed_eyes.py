@@ -48,6 +48,9 @@ def test_a_changed_eye_is_as_a_new_one(world, eyes):
         new = omma.Renderer(world, second, sampling)
         changed = omma.Renderer(world, first, sampling).with_eye(second)
         assert changed.render(POSE).tobytes() == new.render(POSE).tobytes()
+        # Made before, and kept by the renderers that came of one.
+        again = changed.with_eye(first).with_eye(second)
+        assert again.render(POSE).tobytes() == new.render(POSE).tobytes()
         back = changed.with_eye(first)
         expected = omma.Renderer(world, first, sampling).render(POSE)
         assert back.render(POSE).tobytes() == expected.tobytes()

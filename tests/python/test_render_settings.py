@@ -13,7 +13,7 @@ FIXED = ("fixed", 16)
 
 
 @pytest.mark.parametrize(
-    "sampling", [("fixed", 7), ("to_error", 0.02, 4, 64), ("shared", 3)], ids=lambda s: s[0]
+    "sampling", [("fixed", 7), ("to_error", 0.02, 4, 64, 0.05), ("shared", 3)], ids=lambda s: s[0]
 )
 def test_sampling_round_trip(sampling: Any) -> None:
     assert _core.RenderSettings(sampling=sampling).sampling == sampling

@@ -125,12 +125,17 @@ def _settings(values: dict[str, Any]) -> Settings:
         ways["--samples"] = Fixed(values["samples"])
     if values["shared"] is not None:
         ways["--shared"] = Shared(values["shared"])
-    if values["error"] is not None:
-        ways["--error"] = ToError(values["error"], values["least"], values["most"])
+    errors = [name for name in ("error", "relative_error") if values[name] is not None]
+    if errors:
+        ways[f"--{errors[0].replace('_', '-')}"] = ToError(
+            **{one.name: values[one.name] for one in options_of(ToError)}
+        )
     else:
         for name in ("least", "most"):
             if values[name] is not None:
-                raise Error(f"{name}: goes with --error, found --{name} {values[name]}")
+                raise Error(
+                    f"{name}: goes with --error or --relative-error, found --{name} {values[name]}"
+                )
     if len(ways) > 1:
         raise Error(f"{' and '.join(ways)}: only one of them can say how many rays there are")
     return Settings(

@@ -346,9 +346,9 @@ def _settings(table: Table) -> Settings:
             ways["samples"] = Fixed(table.take("samples", _same))
         if table.has("shared"):
             ways["shared"] = Shared(table.take("shared", _same))
-        if table.has("error"):
-            limits = {key: table.take(key, _same, None) for key in ("least", "most")}
-            ways["error"] = ToError(table.take("error", _same), **limits)
+        if table.has("error") or table.has("relative_error"):
+            of_error = [one.name for one in options_of(ToError)]
+            ways["error"] = ToError(**{key: table.take(key, _same, None) for key in of_error})
         if len(ways) > 1:
             raise Error(f"{' and '.join(ways)}: only one of them can say how many rays there are")
         options = {
@@ -359,7 +359,11 @@ def _settings(table: Table) -> Settings:
         settings = Settings(next(iter(ways.values()), Settings.sampling), **options)
     except (Error, TypeError) as error:
         raise Error(f"{table.place}: {error}") from None
-    for one in (*settings_as_record(settings), "error", "least", "most", "shared"):
+    for one in (
+        *settings_as_record(settings),
+        *(one.name for one in options_of(ToError)),
+        "shared",
+    ):
         table.take(one, _same, None)
     table.end()
     return settings

@@ -291,7 +291,7 @@ def render_file(
         view += f", resumed at pose {kept.done:,}" if kept.done else ""
     spent = kept.spent if kept is not None else None
     if spent is None and isinstance(sampling, ToError):
-        spent = SpentRays(sampling.error)
+        spent = SpentRays(sampling.error or 0.0, sampling.relative_error or 0.0)
     labels = labels_of(
         renderer,
         matrices,

@@ -20,7 +20,7 @@ from omma.rendering.moves import Moves, MovesOptions, takes_moves
 from omma.rendering.pickling import parts_of
 from omma.rendering.pose_warnings import warn_of_poses
 from omma.rendering.receptor_views import ReceptorViews, render_receptors
-from omma.rendering.report import SamplingReport
+from omma.rendering.report import SamplingReport, report_of
 from omma.rendering.settings import (
     Options,
     Sampling,
@@ -85,7 +85,7 @@ class Renderer:
         >>> renderer.render(np.eye(4)).shape
         (1, 50, 3)
         >>> renderer.with_eye(eye, omma.ToError(0.01)).settings.sampling
-        ToError(error=0.01, least=None, most=None)
+        ToError(error=0.01, least=None, most=None, relative_error=None)
 
     Raises:
         omma.Error: an argument is out of its range.
@@ -317,7 +317,7 @@ class Renderer:
         moving.note()
         warn_of_poses(self._engine, matrices)
         if errors is not None and rays is not None and isinstance(target, ToError):
-            return responses, SamplingReport(rays, errors, target.error)
+            return responses, report_of(target, responses, errors, rays)
         return responses if errors is None else (responses, errors)
 
     @overload

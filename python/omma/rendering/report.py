@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma.base.values import value_class
+from omma.rendering.settings import ToError
 
 # Ommatidia that are named where many missed the error.
 _NAMED = 8
@@ -28,7 +29,11 @@ class SamplingReport:
     standard_error: NDArray[np.float32]
     """Estimated standard error of each response, (P, N, C), radiance."""
     error: float
-    """Standard error that was to be reached."""
+    """Standard error that was to be reached, radiance; 0: a relative one alone."""
+    relative_error: float = 0.0
+    """The same as a fraction of each response; the larger of both counts."""
+    wanted: NDArray[np.float32] | None = None
+    """Where there is a relative error: the standard error each response was to reach, (P, N, C)."""
 
     @property
     def total_rays(self) -> int:
@@ -43,12 +48,27 @@ class SamplingReport:
     @property
     def missed(self) -> NDArray[np.int64]:
         """Who had all rays and still a larger estimate: (M, 2), pose and ommatidium."""
-        return np.argwhere((self.standard_error > np.float32(self.error)).any(axis=-1))
+        wanted = np.float32(self.error) if self.wanted is None else self.wanted
+        return np.argwhere((self.standard_error > wanted).any(axis=-1))
 
     def __str__(self) -> str:
-        spent = SpentRays(self.error)
+        spent = SpentRays(self.error, self.relative_error)
         spent.add(self, 0)
         return f"{spent.rays_text()}; {spent.missed_text()}"
+
+
+def report_of(
+    target: ToError,
+    responses: NDArray[np.float32],
+    standard_error: NDArray[np.float32],
+    rays: NDArray[np.int32],
+) -> SamplingReport:
+    """What a render to an error came to."""
+    error, relative = target.error or 0.0, target.relative_error or 0.0
+    wanted = None
+    if relative > 0:
+        wanted = np.maximum(np.float32(error), np.float32(relative) * np.abs(responses))
+    return SamplingReport(rays, standard_error, error, relative, wanted)
 
 
 @dataclass
@@ -56,6 +76,7 @@ class SpentRays:
     """What reports of the pieces of one render come to."""
 
     error: float
+    relative_error: float = 0.0
     poses: int = 0
     responses: int = 0
     """Ommatidia times poses."""
@@ -86,10 +107,18 @@ class SpentRays:
         mean = self.total / max(1, self.responses)
         return f"{self.total:,} rays, {mean:,.1f} an ommatidium ({self.least:,} to {self.most:,})"
 
+    def target_text(self) -> str:
+        """The error that was to be reached, in words."""
+        targets = [f"{self.error:g}"] if self.error > 0 else []
+        if self.relative_error > 0:
+            targets.append(f"{100 * self.relative_error:g} % of the response")
+        return " or ".join(targets)
+
     def missed_text(self) -> str:
         """Who did not reach the error, in words."""
+        target = self.target_text()
         if self.missed == 0:
-            return f"all {self.responses:,} responses reached {self.error:g} (estimated)"
+            return f"all {self.responses:,} responses reached {target} (estimated)"
         named = ", ".join(
             f"{ommatidium} (pose {pose})" if self.poses > 1 else str(ommatidium)
             for pose, ommatidium in self.first_missed
@@ -97,6 +126,6 @@ class SpentRays:
         more = ", ..." if self.missed > len(self.first_missed) else ""
         which = "ommatidium" if self.missed == 1 else "ommatidia"
         return (
-            f"{self.missed:,} of {self.responses:,} responses did not reach {self.error:g} "
+            f"{self.missed:,} of {self.responses:,} responses did not reach {target} "
             f"(estimated): {which} {named}{more}"
         )

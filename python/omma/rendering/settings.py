@@ -23,6 +23,8 @@ from omma.photoreceptors import ImpulseResponse
 
 MAX_SAMPLES = 1 << 20
 _MOST_UNASKED = 4096  # of ToError
+# Of ToError with a relative error alone: in the dark what is bright may be met by few rays.
+_LEAST_RELATIVE = 32
 _DELAYS = 4097  # quantiles of an impulse response that the engine is given
 
 KernelName = Literal["own", "gaussian", "pillbox", "compoundray"]
@@ -62,7 +64,7 @@ def _check(part: Any) -> None:
                 found = f"{type(value).__name__} {value!r:.40}"
                 raise TypeError(f"{one.name}: expected True or False, found {found}")
             value = bool(value)
-        elif kind is float:
+        elif kind is float or float in choices:
             value = positive(value, one.name)
         elif kind is int or int in choices:
             value = whole(value, one.name, *one.metadata["range"])
@@ -83,15 +85,18 @@ class Fixed:
 
 @dataclass(frozen=True)
 class ToError:
-    """As many rays as each ommatidium needs for its standard error, as estimated, to be small.
+    """As many rays as each ommatidium needs for its standard error, as estimated, to be small: a
+    radiance, or a fraction of the response itself. With both, the larger of the two.
 
     Example:
         >>> omma.ToError(0.003).limits()  # rays of an ommatidium, at least and at most
         (32, 4096)
+        >>> omma.ToError(relative_error=0.05)  # 5 % of each response, in every band
+        ToError(error=None, least=None, most=None, relative_error=0.05)
     """
 
-    error: float = _option(
-        dataclasses.MISSING,
+    error: float | None = _option(
+        None,
         "As many rays as each ommatidium needs for its estimated standard error to be this; "
         "a radiance of 1 is full scale.",
         "E",
@@ -99,15 +104,23 @@ class ToError:
     least: int | None = _option(
         None,
         "With an error: least rays of an ommatidium, a power of two. Default: 8, and 16 from an "
-        "error of 0.006 down, 32 from 0.003, 64 from 0.0015.",
+        "error of 0.006 down, 32 from 0.003, 64 from 0.0015; 32 with a relative error alone.",
         low=4,
     )
     most: int | None = _option(
         None, "With an error: most rays of an ommatidium. Default: 4,096.", low=4
     )
+    relative_error: float | None = _option(
+        None,
+        "An error as a fraction of each response: 0.05 is 5 % of what an ommatidium sees, in the "
+        "dark as in the light. With both, the larger counts.",
+        "E",
+    )
 
     def __post_init__(self) -> None:
         _check(self)
+        if self.error is None and self.relative_error is None:
+            raise Error("ToError: expected an error, or a relative_error, found neither")
         least, most = self.limits()
         if least & (least - 1):
             raise Error(f"least: expected a power of two, found {least}")
@@ -115,7 +128,12 @@ class ToError:
 
     def limits(self) -> tuple[int, int]:
         """Rays that an ommatidium gets at least and at most, where not said those that suit."""
-        least = self.least or _least_samples(self.error, self.most or _MOST_UNASKED)
+        most = self.most or _MOST_UNASKED
+        least = self.least
+        if least is None and self.error is not None:
+            least = _least_samples(self.error, most)
+        elif least is None:
+            least = min(_LEAST_RELATIVE, 1 << (most.bit_length() - 1))
         return least, self.most or max(_MOST_UNASKED, least)
 
 
@@ -242,9 +260,10 @@ class Settings:
     def engine_settings(self, threads: int) -> RenderSettings:
         """As the engine takes them."""
         sampling = self.sampling
-        chosen: tuple[str, int] | tuple[str, float, int, int]
+        chosen: tuple[str, int] | tuple[str, float, int, int, float]
         if isinstance(sampling, ToError):
-            chosen = ("to_error", sampling.error, *sampling.limits())
+            errors = sampling.error or 0.0, sampling.relative_error or 0.0
+            chosen = ("to_error", errors[0], *sampling.limits(), errors[1])
         else:
             chosen = ("shared" if isinstance(sampling, Shared) else "fixed", sampling.samples)
         threads = whole(threads, "threads", 0, 1 << 16)

@@ -221,9 +221,7 @@ def bake_cost(engine: _core.World, bake: Bake) -> BakeCost:
     return BakeCost(cells, size, seconds, by_probes)
 
 
-def _what_is_kept(
-    directory: Path | None, key: str, unfinished: _core.UnfinishedBake | None
-) -> str:
+def _what_is_kept(directory: Path | None, key: str, unfinished: _core.UnfinishedBake | None) -> str:
     if directory is None or unfinished is None:
         return "of the light that was being baked nothing is kept, as there is no cache"
     share = unfinished.share
