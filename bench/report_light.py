@@ -148,17 +148,16 @@ def to_error_table(rows: list[Row]) -> list[list[object]]:
     return lines
 
 
-# Times of a row, and the way of Omma whose time they stand beside.
-AIMS = {"ms_to_5_percent": "Omma, paths", "ms_to_5_percent_each": "Omma, paths to an error"}
+RMS, EACH = "ms_to_5_percent", "ms_to_5_percent_each"
 
 
-def beside_paths(rows: list[Row], aim: str) -> list[tuple[str, str, float]]:
-    """Scene, way of Mitsuba, and how many times as long as Omma's paths it takes to an aim."""
+def beside_paths(rows: list[Row], aim: str, way: str) -> list[tuple[str, str, float]]:
+    """Scene, way of Mitsuba, and how many times as long as a way of Omma it takes to an aim."""
     found = []
     for row in rows:
         if row["way"].startswith("Omma") or not row[aim]:
             continue
-        own = pick(rows, scene=row["scene"], way=AIMS[aim])[0][aim]
+        own = pick(rows, scene=row["scene"], way=way)[0][aim]
         found.append((row["scene"], row["way"], float(row[aim]) / float(own)))
     return found
 
@@ -257,10 +256,11 @@ def light_to_error(rows: list[Row]) -> list[str]:
         f"{scene}: " + ("never" if frames is None else f"{frames:,.0f}")
         for scene, frames in frames_that_pay(rows)
     ]
-    beside = {
-        aim: "; ".join(f"{scene}, {way}: {x:.1f}" for scene, way, x in beside_paths(rows, aim))
-        for aim in AIMS
-    }
+    equal, to_error = "Omma, paths", "Omma, paths to an error"
+    beside = [
+        "; ".join(f"{scene}, {of}: {x:.1f}" for scene, of, x in beside_paths(rows, aim, way))
+        for aim, way in ((RMS, equal), (RMS, to_error), (EACH, to_error))
+    ]
     return [
         "## 16. Time to an error in light",
         "",
@@ -279,11 +279,10 @@ def light_to_error(rows: list[Row]) -> list[str]:
         *text("Frames from which on baking pays: " + "; ".join(pays) + "."),
         *(
             text(
-                f"Times as long as Omma's paths to the same error: {beside['ms_to_5_percent']}.",
-                "To that of each, beside paths to an error:",
-                f"{beside['ms_to_5_percent_each']}.",
+                f"Times as long as Omma's paths of as many rays, to the same rms: {beside[0]};",
+                f"as those to an error: {beside[1]}; the same, to the error of each: {beside[2]}.",
             )
-            if beside["ms_to_5_percent"]
+            if beside[0]
             else []
         ),
     ]

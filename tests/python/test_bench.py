@@ -138,14 +138,16 @@ def test_a_bake_is_spread_over_frames():
     rows += rows_to_error("b", **{"Omma, paths": 50.0, "Omma, baked": None})
     rows += rows_to_error("c", **{"Omma, paths": 50.0, "Omma, baked": 60.0})
     assert frames_that_pay(rows) == [("a", 250.0), ("b", None), ("c", None)]
-    assert beside_paths(rows, "ms_to_5_percent") == [("a", "llvm_ad_rgb", 3.0)]
-    assert beside_paths(rows, "ms_to_5_percent_each") == [("a", "llvm_ad_rgb", 7.5)]
+    assert beside_paths(rows, "ms_to_5_percent", "Omma, paths") == [("a", "llvm_ad_rgb", 3.0)]
+    each = beside_paths(rows, "ms_to_5_percent_each", "Omma, paths to an error")
+    assert each == [("a", "llvm_ad_rgb", 7.5)]
     baked = to_error_table(rows)[1]
     assert baked[-4:] == ["10,010.0", "110.0", "11.0", ""]
     text = "\n".join(light_to_error(rows))
     assert "on baking pays: a: 250; b: never; c: never." in text
-    assert "to the same error: a, llvm_ad_rgb: 3.0." in text
-    assert "beside paths to an error: a, llvm_ad_rgb: 7.5." in text.replace("\n", " ")
+    text = text.replace("\n", " ")
+    assert "to the same rms: a, llvm_ad_rgb: 3.0;" in text
+    assert "as those to an error: a, llvm_ad_rgb: 7.5; the same, to the error of each" in text
 
 
 def camera_rows(way, points):
