@@ -351,11 +351,8 @@ def _settings(table: Table) -> Settings:
             ways["error"] = ToError(table.take("error", _same), **limits)
         if len(ways) > 1:
             raise Error(f"{' and '.join(ways)}: only one of them can say how many rays there are")
-        options = {
-            one.name: table.take(one.name, _same)
-            for one in options_of(Settings)
-            if table.has(one.name)
-        }
+        names = [*(one.name for one in options_of(Settings)), "kernel"]  # the old name too
+        options = {name: table.take(name, _same) for name in names if table.has(name)}
         settings = Settings(next(iter(ways.values()), Settings.sampling), **options)
     except (Error, TypeError) as error:
         raise Error(f"{table.place}: {error}") from None

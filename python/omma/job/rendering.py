@@ -26,6 +26,7 @@ from omma.base.files import (
     metres_per_unit,
 )
 from omma.base.poses import Matrices, as_poses, load_poses, poses_from_angles
+from omma.base.renamed import renamed_arguments
 from omma.base.values import value_class
 from omma.eye.files import load_eye
 from omma.job.outputs import output_names, writers_of
@@ -93,6 +94,7 @@ class RenderReport:
     receptors: int = 0  # where their responses were asked for
 
 
+@renamed_arguments(kernel="angular_sensitivity")
 @checked
 @takes_options
 def render_file(

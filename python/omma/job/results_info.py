@@ -23,8 +23,8 @@ Lines = list[tuple[str, str]]
 
 _READ_BYTES = 64 << 20
 _SETTINGS = (
-    *("sampling", "samples", "error", "least", "most", "seed", "kernel", "points", "footprints"),
-    *("noise", "background", "band_from_rgb", "ultraviolet"),
+    *("sampling", "samples", "error", "least", "most", "seed", "points", "footprints"),
+    *("angular_sensitivity", "kernel", "noise", "background", "band_from_rgb", "ultraviolet"),
 )
 
 

@@ -14,6 +14,7 @@ from omma._core import Background, Error, Eye, Scene
 from omma.base.arguments import checked, expect, output_array, whole
 from omma.base.notebook import html_table, without_folder
 from omma.base.poses import Matrices, as_poses
+from omma.base.renamed import renamed_arguments
 from omma.rendering.dataset import make_dataset
 from omma.rendering.iterate import render_pieces
 from omma.rendering.moves import Moves, MovesOptions, takes_moves
@@ -60,7 +61,7 @@ class Renderer:
         eye: who sees it; a list of eyes is merged as `merge_eyes` does.
         sampling: `omma.Fixed`, as many rays for every ommatidium; `omma.ToError`, as many as each
             needs for an error; or `omma.Shared`, rays that neighbours share.
-        options: seed, kernel, points, footprints, noise and impulse_response, as
+        options: seed, angular_sensitivity, points, footprints, noise and impulse_response, as
             `omma.rendering.Settings` has them: that says what each does.
         threads: 0 takes one per hardware thread.
         background: instead of the scene's or the world's own.
@@ -92,6 +93,7 @@ class Renderer:
         TypeError: an argument is of another type.
     """
 
+    @renamed_arguments(kernel="angular_sensitivity")
     @checked
     @takes_options
     def __init__(
@@ -128,6 +130,7 @@ class Renderer:
         self._asked_threads = threads
         self._receptors: ReceptorViews | None = None
 
+    @renamed_arguments(kernel="angular_sensitivity")
     @checked
     def with_eye(
         self,
@@ -749,8 +752,8 @@ class Renderer:
         if isinstance(self.settings.sampling, Shared):
             rays += f" by {np.count_nonzero(self.shared_ommatidia)}"
         return (
-            f"<omma.Renderer {len(self.eye)} ommatidia, {rays}, {self.settings.kernel}, "
-            f"{self.backend}, {self.threads} threads>"
+            f"<omma.Renderer {len(self.eye)} ommatidia, {rays}, "
+            f"{self.settings.angular_sensitivity}, {self.backend}, {self.threads} threads>"
         )
 
     def _repr_html_(self) -> str:

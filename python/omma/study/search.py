@@ -120,7 +120,7 @@ def minimum_samples(
         scene: what there is to see, or a renderer of it.
         where: positions to search, or poses (P, 4, 4) of a path, whose positions are taken.
         fraction: of full scale, over 0.
-        method: kernel and points.
+        method: angular sensitivity and points.
         measure: as in `response_variances`.
         poses: of the first stage.
         seed: of the samples and of the search.

@@ -17,9 +17,10 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error, Eye, Scene
 from omma.base.arguments import checked, positive, whole
 from omma.base.poses import as_poses, numbers
+from omma.base.renamed import renamed_fields
 from omma.base.values import value_class
 from omma.rendering.renderer import Renderer
-from omma.rendering.settings import Fixed, KernelName, PointsName
+from omma.rendering.settings import AngularSensitivityName, Fixed, PointsName
 
 Array = NDArray[np.float64]
 Measure = Literal["linear", "compoundray"]
@@ -35,18 +36,19 @@ FULL_SCALE: dict[str, float] = {"linear": 1.0, "compoundray": 255 * 3**0.5}
 _CHUNK_BYTES = 64 << 20
 
 
+@renamed_fields(kernel="angular_sensitivity")
 @value_class
 @dataclass(frozen=True, eq=False, repr=False)
 class Method:
-    """How directions are drawn: names of a `Renderer`'s kernel and points."""
+    """How directions are drawn: names of a `Renderer`'s angular sensitivity and points."""
 
-    kernel: KernelName = "gaussian"
+    angular_sensitivity: AngularSensitivityName = "gaussian"
     points: PointsName = "low_discrepancy"
 
     @property
     def name(self) -> str:
         """In words."""
-        return f"{self.kernel} kernel, {self.points.replace('_', ' ')} points"
+        return f"{self.angular_sensitivity} sensitivity, {self.points.replace('_', ' ')} points"
 
 
 OURS = Method()
@@ -108,7 +110,7 @@ def response_variances(
         rays: rays per estimate.
         repeats: estimates; their variance has a relative standard error of about
             sqrt(2 / (repeats - 1)).
-        method: kernel and points.
+        method: angular sensitivity and points.
         measure: "linear": variance of the linear response, of the channel with the largest; full
             scale is radiance 1. "compoundray": clamped, raised to 1/2.2, truncated to 8 bits; the
             mean squared distance in RGB from the mean colour.
@@ -138,7 +140,7 @@ def response_variances(
             eye if single else crowd,
             Fixed(copies if single else rays),
             seed=further_seed(seed, k),
-            kernel=method.kernel,
+            angular_sensitivity=method.angular_sensitivity,
             points=method.points,
             noise="new_every_frame",
         )
@@ -217,7 +219,7 @@ def variance_map(
         statistic: of the twelve ommatidia: "max" or "mean".
         rays: rays per estimate; 1 with random points gives the variance of the light itself.
         repeats: estimates per ommatidium.
-        method: kernel and points.
+        method: angular sensitivity and points.
         measure: as in `response_variances`.
         seed: of the samples.
         threads: 0 takes all.
@@ -279,7 +281,7 @@ def alias_curve(
         pose: (4, 4) ``world_from_head``, m.
         rays: numbers of rays, (K,).
         repeats: estimates of each response.
-        method: kernel and points.
+        method: angular sensitivity and points.
         measure: as in `response_variances`.
         seed: of the samples.
         threads: 0 takes all.
