@@ -186,7 +186,7 @@ def test_info_of_a_scene(omma_command):
     for what, words in [
         ("nodes", "3"),
         ("triangles", "2"),
-        ("meshes", "1 in 1 places"),
+        ("meshes", "1 in 1 instances"),
         ("textures", "0"),
         ("bounds", "(-10, 0, -10) to (10, 0, 10) m"),
         ("background", "simple sky"),

@@ -94,7 +94,9 @@ def test_no_free_place(tmp_path):
         poses='[[poses]]\nname = "low"\nsampler = "uniform"\nlow_m = [-1, 0, -1]\n'
         "high_m = [1, 0.1, 1]\nclearance_m = 0.5\ncount = 3\n",
     )
-    with pytest.raises(omma.Error, match=r"poses 'low': found no free place in scene 'ground' for"):
+    with pytest.raises(
+        omma.Error, match=r"poses 'low': found no free position in scene 'ground' for"
+    ):
         omma.datasets.run(job)
     walk = PoseSet(
         "w", "walk", 10, (), low_m=(0, 1, 0), high_m=(0.01, 1, 0.01), steps=10, step_s=1.0,

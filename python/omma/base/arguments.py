@@ -111,8 +111,8 @@ def expect(value: object, kind: type, name: str, hint: str) -> None:
     """TypeError where ``value`` is no ``kind``; ``hint`` says where to get one."""
     if not isinstance(value, kind):
         found = type(value).__name__
-        place = _OWN.get(kind.__name__, f"omma.{kind.__name__}")
-        raise TypeError(f"{name}: expected {place}, found {found} ({hint})")
+        full_name = _OWN.get(kind.__name__, f"omma.{kind.__name__}")
+        raise TypeError(f"{name}: expected {full_name}, found {found} ({hint})")
 
 
 def output_array(out: Any, shape: tuple[int, ...], name: str) -> NDArray[np.float32]:

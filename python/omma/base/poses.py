@@ -231,7 +231,7 @@ def is_position_pair(poses: Any) -> bool:
         return False
 
 
-def _row(cells: list[str], columns: tuple[str, ...], place: str) -> list[float]:
+def _row(cells: list[str], columns: tuple[str, ...], where: str) -> list[float]:
     row = []
     for cell, column in zip(cells, columns, strict=True):
         try:
@@ -239,10 +239,10 @@ def _row(cells: list[str], columns: tuple[str, ...], place: str) -> list[float]:
         except ValueError:
             value = float("nan")
         if not np.isfinite(value):
-            raise Error(f"{place}, column {column}: expected a finite number, found '{cell[:40]}'")
+            raise Error(f"{where}, column {column}: expected a finite number, found '{cell[:40]}'")
         row.append(value)
     if columns == QUATERNION_COLUMNS and not any(row[3:]):
-        raise Error(f"{place}: the quaternion has length 0")
+        raise Error(f"{where}: the quaternion has length 0")
     return row
 
 

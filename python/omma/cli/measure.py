@@ -63,7 +63,7 @@ Measure scatter and speed: rays needed, variance maps, aliasing, frames/s.
 MIN_SAMPLES_HELP = """
 Find the rays per steradian at which responses scatter by no more than a share of full scale.
 
-The worst place within a box, a cylinder or along a path is searched for with twelve ommatidia of
+The worst position within a box, a cylinder or along a path is searched for with twelve ommatidia of
 1 sr, for CompoundRay's sampling and for Omma's. Keep the box clear of the inside of objects and of
 the ground: nothing else does.
 

@@ -16,7 +16,7 @@ _OF_TWO_WORDS = re.compile(r"(?<![\w./=-])[a-z]+(?:_[a-z]+)+(?![\w./=-])")
 
 
 def as_typed(message: str, options: Collection[str]) -> str:
-    """The message with options of a command, of which these are all, in place of arguments."""
+    """The message with options of a command, of which these are all, instead of arguments."""
 
     def option_of(name: str) -> str:
         option = "--" + name.replace("_", "-")

@@ -106,7 +106,7 @@ def run(
 
     Raises:
         omma.Error: something in the job or its files; a store of another job, of inputs that
-            changed or of another version; a full disk; a scheduler that went away; no free place
+            changed or of another version; a full disk; a scheduler that went away; no free position
             for a pose. What is done is kept.
         KeyboardInterrupt: Ctrl-C. What is done is kept.
     """

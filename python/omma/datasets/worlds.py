@@ -122,7 +122,8 @@ class Workshop:
         return found, walks.start * poses.steps
 
     def _world(self, scene: SceneInput, condition: Condition) -> tuple[World, Probe]:
-        """A scene and what a condition puts into it, without light, and what asks it for room."""
+        """A scene and what a condition puts into it, without light, and the `Probe` that asks it
+        for free space."""
         key = (scene.name, condition.objects)
         if key not in self._worlds:
             while len(self._worlds) >= _WORLDS:

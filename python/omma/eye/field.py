@@ -161,8 +161,8 @@ def _zones(directions: Floats, blind: Flags, each: float, least_sr: float) -> tu
         if many * each < least_sr:
             continue
         inside = directions[label == zone]
-        place, radius = _widest_cone(inside, rim, step)
-        azimuth, elevation = azimuth_elevation_deg_of(place)
+        direction, radius = _widest_cone(inside, rim, step)
+        azimuth, elevation = azimuth_elevation_deg_of(direction)
         zones.append(
             BlindZone(many * each, float(azimuth), float(elevation), float(np.degrees(radius)))
         )

@@ -32,7 +32,7 @@ from omma.receptors.sensitivity import ommatidium_of_receptor, receptor_optical_
 # An ommatidium differs from its neighbours where it is this many robust standard deviations above
 # the median of its kind. Of a normal distribution one in 10^15 would be.
 _OUTLIER_SD = 8.0
-_SAME = 1e-6  # of the eye's extent, and radians: what counts as the same place and direction
+_SAME = 1e-6  # of the eye's extent, and radians: what counts as the same position and direction
 _WAVELENGTH_NM = 500.0  # of the diffraction limit, where no other is asked for
 
 #: Snyder (1977, J Comp Physiol 116:161): D·Δφ of a diffraction-limited hexagonal eye, times λ.

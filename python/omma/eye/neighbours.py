@@ -25,7 +25,7 @@ Flags = NDArray[np.bool_]
 
 # The circle around a triangle of a lattice has 0.5 to 0.71 times the radius of the distance to the
 # third nearest point. What is far over that spans a hole; a steep acute zone has up to about 2. Up
-# to seven missing ommatidia in one place (1.73) are bridged.
+# to seven missing ommatidia side by side (1.73) are bridged.
 _LARGEST_CIRCLE = 2.0
 # A right angle is the most a lattice has; the rest is disorder. Triangles flatter than the first
 # are taken from the border again and again, those flatter than the second once, so that a

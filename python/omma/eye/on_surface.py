@@ -1,8 +1,8 @@
-"""Ommatidia on surfaces: directions given and places found, or places laid and axes found.
+"""Ommatidia on surfaces: directions given and positions found, or positions given and axes found.
 
 Real eyes are skewed: their ommatidia do not look along the normal of the surface they sit on, so
 an eye sees more, or less, than its curvature spans. Here that is a function of its own: from the
-direction to the normal of the place, or from the place to the axis.
+direction to the normal at a position, or from a position to the axis.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 NormalOf = Callable[[Floats], Floats]
 AxisAt = Callable[[Floats, Floats], ArrayLike]
 
-_PART = 4096  # directions whose places are looked for at once
+_PART = 4096  # directions whose positions are looked for at once
 
 
 @checked
@@ -49,19 +49,19 @@ def eye_on_surface(
         progress: called as progress(stage, finished fraction or None) now and then.
 
     Raises:
-        omma.Error: directions, normals or a ratio that are none; several lenses in one place, as
+        omma.Error: directions, normals or a ratio that are none; several lenses at one position, as
             on a mesh without curvature.
     """
     axes = _vectors(directions, "directions")
     normals = axes if normal is None else _vectors(normal(axes), "normal", len(axes))
     tell = progress or (lambda stage, fraction: None)
-    places = []
+    positions = []
     # In parts, so that progress is told and Ctrl-C heard.
     for start in range(0, len(axes), _PART):
         tell("placing ommatidia", start / len(axes))
-        places.append(surface.point_of_normal(normals[start : start + _PART]))
+        positions.append(surface.point_of_normal(normals[start : start + _PART]))
     tell("measuring neighbours", None)
-    return _finished(Eye(np.concatenate(places), axes, 0.0, 0.0, eye_id), acceptance_ratio)
+    return _finished(Eye(np.concatenate(positions), axes, 0.0, 0.0, eye_id), acceptance_ratio)
 
 
 @checked
@@ -107,10 +107,12 @@ def squeeze_for_skew(
 
     def median(factor: float) -> float:
         normals = squeezed(towards, factor)(axes)
-        places = normals
+        positions = normals
         if centre_m is not None:
-            places = unit(surface.point_of_normal(normals) - array_of(centre_m, "centre_m", (3,)))
-        return float(np.median(angle_between(axes, places)))
+            positions = unit(
+                surface.point_of_normal(normals) - array_of(centre_m, "centre_m", (3,))
+            )
+        return float(np.median(angle_between(axes, positions)))
 
     factors = np.linspace(1.0, 0.02, 50)
     medians = np.array([median(factor) for factor in factors])

@@ -63,7 +63,7 @@ class Domain:
 
 
 def _filled(domain: Domain, points: Floats, count: int) -> Floats:
-    # With the middles of the longest edges, not two in one place.
+    # With the middles of the longest edges, not two at one position.
     net = cells(points, domain.metric(points))
     length = np.where(net.is_neighbour, net.distance, 0)
     free = np.ones(len(points), bool)
@@ -203,7 +203,7 @@ def _refined(domain: Domain, points: Floats, scale: float) -> Floats:
 
 
 def _thinned(domain: Domain, points: Floats, count: int) -> Floats:
-    # Without those that are closest to their neighbours, not two from one place.
+    # Without those that are closest to their neighbours, not two from one position.
     net = cells(points, domain.metric(points))
     crowded = np.argsort(np.where(net.is_neighbour, net.distance, 0).sum(axis=1) / net.degree)
     keep = np.ones(len(points), bool)

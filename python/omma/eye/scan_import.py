@@ -230,7 +230,9 @@ def import_lens_cone(
     distance = np.linalg.norm(direction, axis=1)
     if (distance == 0).any():
         at = which_lens[np.argmin(distance)]
-        raise Error(f"lens {at}: expected a cone's tip apart from it, found one at the same place")
+        raise Error(
+            f"lens {at}: expected a cone's tip apart from it, found one at the same position"
+        )
     notes = [
         f"Matched {len(distance):,} lenses and cones, {_spread(distance)} apart; tips are "
         f"{_spread(misfit)} from where their neighbours' say they should be."

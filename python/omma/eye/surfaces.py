@@ -139,9 +139,9 @@ def ellipsoid(
 def mesh_surface(vertices_m: ArrayLike, triangles: ArrayLike) -> Mesh:
     """A triangle mesh as a surface: vertices (V, 3) and indices of them (T, 3).
 
-    Vertices in one place are one. Normals are smooth, interpolated between those of the vertices.
-    The outside is where most of it faces away from its middle, whichever way triangles are turned
-    as long as they are all turned alike.
+    Vertices at one position are one. Normals are smooth, interpolated between those of the
+    vertices. The outside is where most of it faces away from its middle, whichever way triangles
+    are turned as long as they are all turned alike.
 
     Raises:
         omma.Error: no triangles, shapes or indices that are wrong, no area.

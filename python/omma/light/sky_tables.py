@@ -360,23 +360,23 @@ def _polarised_shares(table: dict[str, Any], haze: float, sun_deg: float) -> dic
 
 
 def _between_hazes(
-    table: dict[str, Any], haze: float, place: Callable[[float], Floats]
+    table: dict[str, Any], haze: float, coordinate: Callable[[float], Floats]
 ) -> dict[int, Floats]:
-    """Shares of the tables' hazes, where each is at its place, by index.
+    """Shares of the tables' hazes, where each is at its coordinate, by index.
 
     By the two parabolas through three neighbours that reach over the haze, of which the one with
     its middle nearer counts for more; they are the same at either end.
     """
     nodes, last = table["haze"], len(table["haze"]) - 3
-    places, at = [place(one) for one in nodes], place(haze)
+    coordinates, at = [coordinate(one) for one in nodes], coordinate(haze)
     k = int(np.clip(np.searchsorted(nodes, haze, side="right") - 1, 0, last + 1))
     along = (haze - nodes[k]) / (nodes[k + 1] - nodes[k])
     shares: dict[int, Any] = {}
     for first, part in ((max(k - 1, 0), 1 - along), (min(k, last), along)):
         near = range(first, first + 3)
         for i in near:
-            others = [places[j] for j in near if j != i]
-            share = np.prod([(at - one) / (places[i] - one) for one in others], axis=0)
+            others = [coordinates[j] for j in near if j != i]
+            share = np.prod([(at - one) / (coordinates[i] - one) for one in others], axis=0)
             shares[i] = shares.get(i, 0.0) + part * share
     return shares
 
@@ -385,8 +385,8 @@ def _neighbours(nodes: Floats, at: float) -> list[tuple[int, float]]:
     """Up to four nodes and their shares in the cubic through them; (index, share)."""
     count = min(4, len(nodes))
     order = np.argsort(nodes)
-    place = int(np.searchsorted(nodes[order], at))
-    first = int(np.clip(place - 2, 0, len(nodes) - count))
+    index = int(np.searchsorted(nodes[order], at))
+    first = int(np.clip(index - 2, 0, len(nodes) - count))
     near = order[first : first + count]
     shares = []
     for one in near:

@@ -1,5 +1,5 @@
-"""What comes nearer: motion away from a place in the field of view, and cells that pool it as LPLC2
-of flies do.
+"""What comes nearer: motion away from a direction in the field of view, and cells that pool it as
+LPLC2 of flies do.
 
 An LPLC2 neuron has four dendrites, a cross, each in the layer of the lobula plate that holds motion
 in the direction in which that dendrite leads away from the middle: it is excited by motion outwards
@@ -43,7 +43,7 @@ def expansion(
 
     Of a flat thing that comes straight on, l/v being half its size over its speed and t the time to
     collision, optic flow is sin θ cos θ / t away from its middle where it is seen, θ away from it,
-    which is up to atan(l/v / t): the mean over the ommatidia on it times t depends on their places
+    which is up to atan(l/v / t): the mean over the ommatidia on it times t depends on their axes
     alone. Motion vectors of detectors have no such meaning; they are above 0 all the same.
 
     Args:
@@ -206,7 +206,8 @@ def looming_cells(
         False
 
     Raises:
-        omma.Error: directions of no length, an angle out of its range, or no place with four arms.
+        omma.Error: directions of no length, an angle out of its range, or no direction with four
+        arms.
     """
     radius = math.radians(within(radius_deg, "radius_deg", 1e-3, 180))
     spread = centers is None

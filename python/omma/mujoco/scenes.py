@@ -76,7 +76,7 @@ def scene_from_model(
     look = Look(model, linear)
     meshes: list[Mesh] = []
     instances: list[Instance] = []
-    places = transforms(data.geom_xpos, data.geom_xmat)
+    world_from_geom = transforms(data.geom_xpos, data.geom_xmat)
     parts_of: dict[tuple[Any, ...], range] = {}  # geoms that look the same share their meshes
     names, shapes = names_of(model, "geom", model.ngeom), shape_names(model)
     for geom in _seen_geoms(model, look, names, groups, hidden):
@@ -94,7 +94,8 @@ def scene_from_model(
             parts_of[key] = range(len(meshes), len(meshes) + len(parts))
             meshes += parts
         instances += [
-            Instance(mesh, places[geom], name=names[geom], node=geom) for mesh in parts_of[key]
+            Instance(mesh, world_from_geom[geom], name=names[geom], node=geom)
+            for mesh in parts_of[key]
         ]
     for skin, name in enumerate(skin_names(model)):
         if int(model.skin_group[skin]) in groups and model.skin_rgba[skin][3] > 0:

@@ -1,7 +1,7 @@
 """The shapes of geoms as triangles, in the frame of the geom.
 
-Beside places and normals a shape has coordinates by which MuJoCo lays textures on geoms: those of
-the solid of half size 1 for cubes, and once over each surface for pictures.
+Beside positions and normals a shape has coordinates by which MuJoCo lays textures on geoms: those
+of the solid of half size 1 for cubes, and once over each surface for pictures.
 """
 
 from __future__ import annotations
@@ -133,8 +133,8 @@ def _height_field(model: Any, field: int) -> Shape:
     positions.append(floor - (0, 0, base))
     triangles.append(np.array([[0, 1, 2], [0, 2, 3]]) + count)
     normals.append(np.tile((0.0, 0, -1), (4, 1)))
-    places = np.concatenate(positions)
-    return Shape(places, np.concatenate(triangles), np.concatenate(normals), places)
+    vertices = np.concatenate(positions)
+    return Shape(vertices, np.concatenate(triangles), np.concatenate(normals), vertices)
 
 
 def _field_normals(top: Floats) -> Floats:
@@ -146,7 +146,8 @@ def _field_normals(top: Floats) -> Floats:
 
 
 def _mesh(model: Any, mesh: int) -> Shape:
-    """A vertex for each of a mesh's (place, normal, texture coordinate) that are used together."""
+    """A vertex for each of a mesh's (position, normal, texture coordinate) that are used
+    together."""
     faces = slice(int(model.mesh_faceadr[mesh]), None)
     faces = slice(faces.start, faces.start + int(model.mesh_facenum[mesh]))
     corners = [np.asarray(model.mesh_face[faces], np.int64).ravel()]
@@ -155,14 +156,14 @@ def _mesh(model: Any, mesh: int) -> Shape:
     if first_coordinate >= 0:
         corners.append(np.asarray(model.mesh_facetexcoord[faces], np.int64).ravel())
     used, triangles = np.unique(np.stack(corners, 1), axis=0, return_inverse=True)
-    places = np.asarray(model.mesh_vert[int(model.mesh_vertadr[mesh]) + used[:, 0]], float)
+    vertices = np.asarray(model.mesh_vert[int(model.mesh_vertadr[mesh]) + used[:, 0]], float)
     normals = np.asarray(model.mesh_normal[int(model.mesh_normaladr[mesh]) + used[:, 1]], float)
     normals[~np.abs(normals).max(axis=1).astype(bool)] = 0, 0, 1
     coordinates = None
     if first_coordinate >= 0:
         coordinates = np.asarray(model.mesh_texcoord[first_coordinate + used[:, 2]], float)
     own = coordinates is not None
-    return Shape(places, triangles.reshape(-1, 3), normals, places, coordinates, own)
+    return Shape(vertices, triangles.reshape(-1, 3), normals, vertices, coordinates, own)
 
 
 def _scaled(unit: Shape, half: Floats) -> Shape:
@@ -188,8 +189,8 @@ def _unit_box() -> Shape:
             once.append(0.5 + 0.5 * corners[:, [across, upwards]] * (1, -1))
     first = 4 * np.arange(6)[:, None, None]
     triangles = (first + np.array([[0, 1, 2], [0, 2, 3]])).reshape(-1, 3)
-    places = np.concatenate(positions)
-    return Shape(places, triangles, np.concatenate(normals), places, np.concatenate(once))
+    vertices = np.concatenate(positions)
+    return Shape(vertices, triangles, np.concatenate(normals), vertices, np.concatenate(once))
 
 
 def _unit_cylinder() -> Shape:
@@ -198,10 +199,10 @@ def _unit_cylinder() -> Shape:
     here = 1 + np.arange(_SLICES)
     fan = np.stack([np.zeros(_SLICES, int), here, here + 1], -1)
     for sign in (1.0, -1.0):
-        places = np.concatenate([np.zeros((1, 3)), ring]) + (0, 0, sign)
+        vertices = np.concatenate([np.zeros((1, 3)), ring]) + (0, 0, sign)
         normals = np.tile((0.0, 0, sign), (_SLICES + 2, 1))
         triangles = fan if sign > 0 else fan[:, ::-1]
-        parts.append(Shape(places, triangles, normals, places, 0.5 + 0.5 * places[:, :2]))
+        parts.append(Shape(vertices, triangles, normals, vertices, 0.5 + 0.5 * vertices[:, :2]))
     return _joined(parts)
 
 
@@ -238,8 +239,8 @@ def _capsule(radius: float, half_length: float) -> Shape:
     parts = [_scaled(_tube(), np.array([radius, radius, half_length]))]
     for sign, low, high in ((1, 0.0, np.pi / 2), (-1, -np.pi / 2, 0.0)):
         cap = _dome(low, high)
-        places = radius * cap.positions + (0, 0, sign * half_length)
-        parts.append(replace(cap, positions=places, local=cap.local + (0, 0, sign)))
+        vertices = radius * cap.positions + (0, 0, sign * half_length)
+        parts.append(replace(cap, positions=vertices, local=cap.local + (0, 0, sign)))
     return _joined(parts)
 
 

@@ -298,7 +298,7 @@ def _facets(drawing: _Drawing) -> Any:
 
 
 def _frame(drawing: _Drawing) -> tuple[Floats, Floats]:
-    # Lower left and upper right corner: what is drawn, with room below for scale and compass.
+    # Lower left and upper right corner: what is drawn, with space below for scale and compass.
     shown = drawing.shown if len(drawing.shown) else np.arange(len(drawing.start))
     reach = drawing.start[shown]
     if drawing.style != "facets":

@@ -35,7 +35,7 @@ def project_directions(directions: Floats, projection: Projection) -> Floats:
 
 
 def map_directions(projection: Projection, x: Floats, y: Floats) -> Floats:
-    """The directions at places on a map, (..., 3); NaN outside the map."""
+    """The directions at points of a map, (..., 3); NaN outside the map."""
     if projection == "mercator":
         azimuth, elevation = x, np.arctan(np.sinh(y))
         good = (np.abs(azimuth) <= np.pi) & (np.abs(elevation) <= MERCATOR_EDGE)

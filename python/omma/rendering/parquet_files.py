@@ -20,7 +20,7 @@ METADATA = b"omma"
 
 # Rows that are in memory as a table at once, and that a reader takes at once.
 _GROUP_ROWS = 1 << 18
-# Their places are in the schema, which readers have in memory as a whole, and at most 100 MB of.
+# Their positions are in the schema, which readers have in memory as a whole, and at most 100 MB of.
 _MOST_POSES = 200_000
 
 

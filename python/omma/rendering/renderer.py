@@ -283,7 +283,7 @@ class Renderer:
         Warns:
             UserWarning: a pose mirrors or stretches the head, or lies where it would if it were in
                 millimetres.
-            RuntimeWarning: single precision places rays and surfaces at one of the poses less than
+            RuntimeWarning: single precision holds rays and surfaces at one of the poses less than
                 a millimetre exactly, as in scenes of tens of kilometres, or by more than 1e-4 of
                 the size of a scene that is far away; it says how exactly. Scenes far from the
                 world's origin are traced from an origin of their own and lose nothing.
@@ -589,7 +589,7 @@ class Renderer:
     ) -> GroundTruth:
         """Responses, and beside them how far, where and what each ommatidium sees.
 
-        Means over the very rays of `render`, whose bits the responses have: distances, places,
+        Means over the very rays of `render`, whose bits the responses have: distances, positions,
         normals, shares of instances and optic flow; `GroundTruth` says what each is
         (docs/ground-truth.md). Not with `Shared`.
 
@@ -653,7 +653,7 @@ class Renderer:
         Args:
             poses, standard_error, first_pose, progress: as of `render`. With `ToError` there
                 are always standard errors.
-            receptors: what receptors answer, as `render_receptors` says, in place of bands.
+            receptors: what receptors answer, as `render_receptors` says, instead of bands.
             ultraviolet: as of `render_receptors`.
             time_s: (P,), when each pose is, s: the first dimension is then ``time``. None:
                 ``times_s``, where these are given.

@@ -150,7 +150,7 @@ def truth_variables(truth: GroundTruth, dimensions: tuple[str, str]) -> Variable
         "seen_position": (
             axis,
             truth.position_m,
-            {"units": "m", "long_name": "mean place of what is seen, in the world"},
+            {"units": "m", "long_name": "mean position of what is seen, in the world"},
         ),
         "seen_normal": (
             axis,

@@ -76,7 +76,7 @@ def ultraviolet_dependence(
     Args:
         renderer: of a lit world.
         poses, progress: as of `Renderer.render`.
-        receptors: tell of receptors, in place of bands.
+        receptors: tell of receptors, instead of bands.
 
     Raises:
         omma.Error: the world has no light; what `Renderer.render` raises.

@@ -213,7 +213,7 @@ def upright(facing: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[n
 def tube(radius_m: float, height_m: float, segments: int, *, inward: bool) -> Surface:
     """An open upright tube around the origin, seen from outside or from within.
 
-    Texture coordinates go once around; the first and the last vertex of a ring are in one place.
+    Texture coordinates go once around; the first and the last vertex of a ring are at one position.
     The middle of the picture is towards +Z as seen from outside, towards -Z as seen from within,
     and from there it is not mirrored.
     """

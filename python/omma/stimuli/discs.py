@@ -174,7 +174,7 @@ class Target(Stimulus):
         a, b = points[before], points[before + 1]
         part = (times - self.path_s[before]) / (self.path_s[before + 1] - self.path_s[before])
         angle = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.sum(a * b, axis=1))
-        # sinc so that points in one place divide nothing by 0.
+        # sinc so that points at one position divide nothing by 0.
         whole = np.sinc(angle / np.pi)
         of_a = (1 - part) * np.sinc((1 - part) * angle / np.pi) / whole
         of_b = part * np.sinc(part * angle / np.pi) / whole

@@ -40,7 +40,7 @@ class RandomDots(Stimulus):
         diameter_deg: of each.
         speed_deg_s: of their drift about the poles across its direction.
         direction_deg: where they drift as seen ahead: 0 is to the right, 90 upwards.
-        seed: of their places.
+        seed: of their positions.
         dot: their radiance.
         background: radiance between them.
         name: of the thing that turns.
@@ -114,8 +114,8 @@ class RandomDots(Stimulus):
     def _parts(self) -> Scene:
         radius = SPHERE_RADIUS_M * np.tan(np.radians(self.diameter_deg) / 2)
         flat, triangles = polygon(polygon_radius_m(float(radius), _CORNERS), _CORNERS)
-        places = facing_origin(self._centres, np.full(self.count, SPHERE_RADIUS_M))
-        positions = flat @ np.swapaxes(places[:, :3, :3], 1, 2) + places[:, None, :3, 3]
+        transforms = facing_origin(self._centres, np.full(self.count, SPHERE_RADIUS_M))
+        positions = flat @ np.swapaxes(transforms[:, :3, :3], 1, 2) + transforms[:, None, :3, 3]
         first = len(flat) * np.arange(self.count)
         surface = (
             positions.reshape(-1, 3),
@@ -137,7 +137,7 @@ class Starfield(Stimulus):
         velocity_m_s: (3,), of the stars in the world; (0, 0, 1) is what one sees who flies ahead at
             1 m/s.
         cube_m: length of the cube's edges; its middle is the origin.
-        seed: of their places.
+        seed: of their positions.
         star: their radiance.
         background: radiance between them.
         name: of the stars: they are called "star 0", "star 1" and so on, each a thing that moves.

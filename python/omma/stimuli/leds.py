@@ -146,9 +146,9 @@ class LedArena(Stimulus):
         # Out of sight is tiny and far below.
         away = np.diag([1e-6, 1e-6, 1e-6, 1.0])
         away[1, 3] = -10.0
-        places = np.broadcast_to(away, (len(times), len(frames), 4, 4)).copy()
-        places[np.arange(len(times)), of_frame[self._frame(times)]] = np.eye(4)
-        return np.asarray(places)
+        transforms = np.broadcast_to(away, (len(times), len(frames), 4, 4)).copy()
+        transforms[np.arange(len(times)), of_frame[self._frame(times)]] = np.eye(4)
+        return np.asarray(transforms)
 
     def _radiance(self, directions: Floats, time_s: float) -> Floats:
         x, y, z = np.moveaxis(directions, -1, 0)

@@ -84,9 +84,9 @@ class Stimulus:
     def scene(self) -> Scene:
         """Its things, as they are at time 0, before its background."""
         made = self._parts()
-        places = dict(zip(self.names, self._transforms(np.zeros(1))[0], strict=True))
+        transforms = dict(zip(self.names, self._transforms(np.zeros(1))[0], strict=True))
         return made.replace(
-            instances=[one.replace(world_from_mesh=places[one.name]) for one in made.instances],
+            instances=[one.replace(world_from_mesh=transforms[one.name]) for one in made.instances],
             background=Background.constant([self.background] * 3),
         )
 
@@ -111,8 +111,8 @@ class Stimulus:
             omma.Error: the world lacks them, or is being rendered.
         """
         expect(world, World, "world", "Stimulus.world gives one")
-        places = self._transforms(np.array([_one_time(time_s)]))[0]
-        world.set_transforms(self._indices(world), places)
+        transforms = self._transforms(np.array([_one_time(time_s)]))[0]
+        world.set_transforms(self._indices(world), transforms)
 
     def _indices(self, world: World) -> list[int]:
         """Which of a world's things are its own."""

@@ -63,7 +63,7 @@ def save_minimum_samples(path: PathLike, found: Sequence[MinimumSamples]) -> Non
         label = f"{one.method.name}: {one.rays_per_sr:,} rays/sr"
         axes.loglog(one.rays, one.standard_deviations, "o-", ms=4, color=colour, label=label)
         axes.axvline(one.rays_per_sr, linestyle=":", linewidth=1, color=colour)
-    axes.set_title("Scatter at the worst place found, 1 sr ommatidia")
+    axes.set_title("Scatter at the worst position found, 1 sr ommatidia")
     _finish(axes)
     _save_png(path, figure)
 

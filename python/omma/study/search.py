@@ -1,8 +1,9 @@
-"""How many rays per steradian a scene needs: its worst place, and the scatter of responses there.
+"""How many rays per steradian a scene needs: its worst position, and the scatter of responses
+there.
 
-CompoundRay's protocol (Millward, Maddock, Mangan, eLife 2022, 73893): the place where the light in
-one of twelve ommatidia of 1 sr varies most is searched for, and there the number of rays at which
-the standard deviation falls under a share of full scale.
+CompoundRay's protocol (Millward, Maddock, Mangan, eLife 2022, 73893): the position where the light
+in one of twelve ommatidia of 1 sr varies most is searched for, and there the number of rays at
+which the standard deviation falls under a share of full scale.
 """
 
 from __future__ import annotations
@@ -65,12 +66,13 @@ class Cylinder:
 class MinimumSamples:
     """What `minimum_samples` found.
 
-    ``relative_error`` is the standard error of ``rays_per_sr`` as a share of it, at the place
-    found; how much worse a place the search has missed is not in it. ``script_rays_per_sr`` is
-    where CompoundRay's script stops on average, for its measure: it adds one ray at a time and
-    stops at the first set of 1,000 frames that happens to be under the limit, which is early.
-    ``spread`` is the largest standard deviation among the ommatidia there for estimates of
-    ``spread_rays`` rays. Rays (K,) and standard deviations (K,) are the curve it is read from.
+    ``relative_error`` is the standard error of ``rays_per_sr`` as a share of it, at the
+    position found; how much worse a position the search has missed is not in it.
+    ``script_rays_per_sr`` is where CompoundRay's script stops on average, for its measure: it adds
+    one ray at a time and stops at the first set of 1,000 frames that happens to be under the limit,
+    which is early. ``spread`` is the largest standard deviation among the ommatidia there for
+    estimates of ``spread_rays`` rays. Rays (K,) and standard deviations (K,) are the curve it is
+    read from.
     """
 
     method: Method
@@ -105,7 +107,7 @@ def minimum_samples(
 ) -> MinimumSamples:
     """Rays per steradian at which responses scatter by no more than a share of full scale.
 
-    The place of the largest scatter is looked for first: ``poses`` poses spread evenly over
+    The position of the largest scatter is looked for first: ``poses`` poses spread evenly over
     ``where`` and all orientations, the best of which are measured again and better, twice; then 8
     rounds in which the best 16 (of few, a sixteenth) and 8 smaller and smaller changes of each are
     rendered anew; then the best of those left, with most repeats. Scatter is that of single rays

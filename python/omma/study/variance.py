@@ -1,4 +1,4 @@
-"""How far responses scatter: by place in a scene, and by the number of rays.
+"""How far responses scatter: by position in a scene, and by the number of rays.
 
 Everything rests on one thing: estimates of the same response repeated with independent samples,
 and their standard deviation. The protocols are CompoundRay's (Millward, Maddock, Mangan, eLife
