@@ -39,7 +39,7 @@ _NAMES = {
     "elevation": ("elevation", "el", "elev", "elevationdeg", "eldeg", "elevationrad", "elrad"),
 }
 _SIDES = {"left": -1, "l": -1, "-1": -1, "right": 1, "r": 1, "1": 1}
-# Unit vectors of the head's frame.
+# Axes of the head's frame.
 _WAYS = {
     "right": (1, 0, 0), "left": (-1, 0, 0), "up": (0, 1, 0),
     "down": (0, -1, 0), "back": (0, 0, 1), "front": (0, 0, -1),

@@ -1,4 +1,4 @@
-"""The store of a data set: its groups, arrays and attributes, and a shard's part of an array as the
+"""The store of a data set: its groups, arrays and attributes, and a shard's rows of an array as the
 bytes of its file.
 
 Zarr 3. Each eye has a group, which is the store itself where there is one eye. All arrays of views

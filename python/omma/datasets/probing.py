@@ -166,7 +166,7 @@ class Probe:
 
 
 def _directions(number: int) -> Floats:
-    """(N, 3), unit vectors spread evenly: a spiral of golden angles."""
+    """(N, 3), spread evenly: a spiral of golden angles."""
     z = 1 - (2 * np.arange(number) + 1) / number
     turn = np.pi * (3 - np.sqrt(5)) * np.arange(number)
     across = np.sqrt(1 - z**2)

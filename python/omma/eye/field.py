@@ -83,13 +83,13 @@ def in_field(
     lattice: Neighbours,
     spacing_rad: Floats,
 ) -> Flags:
-    """Whether unit vectors (K, 3) are in the field of the eye ``which``: (K,)."""
+    """Whether directions (K, 3) are in the field of the eye ``which``: (K,)."""
     from scipy.spatial import cKDTree
 
     members = np.flatnonzero(eye_id == which)
-    unit = axis[members] / np.linalg.norm(axis[members], axis=1, keepdims=True)
+    own = axis[members] / np.linalg.norm(axis[members], axis=1, keepdims=True)
     near = min(3, len(members))
-    distance, index = cKDTree(unit).query(directions, k=near)
+    distance, index = cKDTree(own).query(directions, k=near)
     distance, index = distance.reshape(-1, near), index.reshape(-1, near)
     half = np.nan_to_num(spacing_rad[members]) / 2
     angle = 2 * np.arcsin(np.minimum(distance[:, 0] / 2, 1))
@@ -116,7 +116,7 @@ def in_field(
 
 
 def sphere_directions(count: int) -> Floats:
-    """``count`` unit vectors spread evenly over the sphere, each for the same solid angle: the
+    """``count`` directions spread evenly over the sphere, each for the same solid angle: the
     Fibonacci lattice, turned by the golden angle from one to the next."""
     index = np.arange(count)
     height = 1 - (2 * index + 1) / count

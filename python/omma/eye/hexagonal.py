@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from omma._core import Eye
 from omma.base.arguments import checked, one_of
-from omma.base.directions import unit
+from omma.base.directions import normalized
 from omma.base.values import value_class
 from omma.eye.neighbours import Neighbours, direction_lattice, sides, surface_lattice
 
@@ -111,7 +111,7 @@ def hexagonal_coordinates(
         omma.Error: another word for ``by``.
     """
     one_of(by, ("surface", "direction"), "by")
-    position, axis = eye.position_m.astype(np.float64), unit(eye.axis.astype(np.float64))
+    position, axis = eye.position_m.astype(np.float64), normalized(eye.axis.astype(np.float64))
     eye_id = sides(position, eye.eye_id)
     positions = position if by == "surface" else axis
     lattice = (surface_lattice if by == "surface" else direction_lattice)(positions, eye_id)

@@ -67,7 +67,7 @@ class EyeMeasures:
     outlier: what is far from the neighbours': "", or "spacing", "axis" or "position", or several
         with + between.
     duplicate_of: the first ommatidium with the same position and axis, -1 where there is none.
-    axis: (N, 3), unit vectors. lattice: neighbours in direction.
+    axis: (N, 3), directions. lattice: neighbours in direction.
     """
 
     eye_id: NDArray[np.int32]
@@ -206,18 +206,18 @@ def _known(lengths: ArrayLike) -> Floats:
     return np.where(values > 0, values, np.nan)
 
 
-def _pair_angles(unit: Floats, pairs: Ints) -> Floats:
-    return 2 * np.arcsin(np.minimum(_pair_lengths(unit, pairs) / 2, 1))
+def _pair_angles(directions: Floats, pairs: Ints) -> Floats:
+    return 2 * np.arcsin(np.minimum(_pair_lengths(directions, pairs) / 2, 1))
 
 
 def _pair_lengths(points: Floats, pairs: Ints) -> Floats:
     return np.asarray(np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1))
 
 
-def _angle_between(vectors: Floats, unit: Floats) -> Floats:
+def _angle_between(vectors: Floats, directions: Floats) -> Floats:
     # NaN where a vector is zero: the lengths are metres, so that rounding leaves less than 1e-12.
     length = np.linalg.norm(vectors, axis=1)
-    return np.where(length > 1e-12, angle_between(vectors, unit), np.nan)
+    return np.where(length > 1e-12, angle_between(vectors, directions), np.nan)
 
 
 def _local_metric(axis: Floats, lattice: Neighbours) -> Floats:

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, positive, whole
-from omma.base.directions import unit
+from omma.base.directions import normalized
 from omma.eye.facets import set_facets
 from omma.eye.relaxation import Bools, Domain, Progress, Region, grown
 from omma.eye.surfaces import Surface
@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 NormalOf = Callable[[Floats], Floats]
 AxisAt = Callable[[Floats, Floats], ArrayLike]
 
-_PART = 4096  # directions whose positions are looked for at once
+_PIECE = 4096  # directions whose positions are looked for at once
 
 
 @checked
@@ -56,10 +56,10 @@ def eye_on_surface(
     normals = axes if normal is None else _vectors(normal(axes), "normal", len(axes))
     tell = progress or (lambda stage, fraction: None)
     positions = []
-    # In parts, so that progress is told and Ctrl-C heard.
-    for start in range(0, len(axes), _PART):
+    # In pieces, so that progress is told and Ctrl-C heard.
+    for start in range(0, len(axes), _PIECE):
         tell("placing ommatidia", start / len(axes))
-        positions.append(surface.point_of_normal(normals[start : start + _PART]))
+        positions.append(surface.point_of_normal(normals[start : start + _PIECE]))
     tell("measuring neighbours", None)
     return _finished(Eye(np.concatenate(positions), axes, 0.0, 0.0, eye_id), acceptance_ratio)
 
@@ -109,7 +109,7 @@ def squeeze_for_skew(
         normals = squeezed(towards, factor)(axes)
         positions = normals
         if centre_m is not None:
-            positions = unit(
+            positions = normalized(
                 surface.point_of_normal(normals) - array_of(centre_m, "centre_m", (3,))
             )
         return float(np.median(angle_between(axes, positions)))
@@ -220,7 +220,7 @@ def lay_on_surface(
         normals = surface.near(points)[1]
         # Across the axis that the normal is furthest from.
         least = np.eye(3)[np.argmin(np.abs(normals), axis=1)]
-        first = unit(np.cross(normals, least))
+        first = normalized(np.cross(normals, least))
         both = np.stack([first, np.cross(normals, first)], axis=1)
         return np.asarray(both / spacing(points)[:, None, None])
 

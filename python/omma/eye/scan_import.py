@@ -292,7 +292,7 @@ def _spread(lengths_m: Floats) -> str:
 
 
 def _inward_axes(table: ScanTable, position: Floats, axis: str, notes: list[str]) -> Floats:
-    """Unit vectors that point into the eye, of ODA's two kinds."""
+    """Directions that point into the eye, of ODA's two kinds."""
     kinds = {
         kind: table.vectors(column) for kind, column in ODA_AXES.items() if column in table.columns
     }

@@ -31,7 +31,7 @@ def split_eyes(lens: Floats, cone: Floats, right: Floats) -> tuple[Ints, Ints]:
     apart 0 is the left one, 1 the right one.
 
     Args:
-        right: (3,), unit vector to the animal's right in the scan.
+        right: (3,), the direction to the animal's right in the scan.
 
     Raises:
         omma.Error: more than two groups of points; not as many of lenses as of tips; two that do

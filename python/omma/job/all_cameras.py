@@ -148,15 +148,15 @@ def render_all_cameras(
     with WholeFiles() as whole:
         for index, camera in enumerate(cameras):
 
-            def part(done: float, index: int = index) -> None:
+            def tell_share(done: float, index: int = index) -> None:
                 tell(f"Rendering {cameras[index].name}", (index + done) / len(cameras))
 
             began = time.perf_counter()
             eye, name, file = eyes[index], shown[index], files[index]
             pixels = (
-                _picture(seen, camera, width, height, rays, seed, gamma, part)
+                _picture(seen, camera, width, height, rays, seed, gamma, tell_share)
                 if eye is None
-                else _eye_picture(renderer_of(eye), camera, name, width, height, gamma, part)
+                else _eye_picture(renderer_of(eye), camera, name, width, height, gamma, tell_share)
             )
             seconds = time.perf_counter() - began
             write_png(whole, str(file), pixels)

@@ -94,11 +94,11 @@ def render_pieces(
         while first < len(poses):
             piece = poses[first : first + count]
 
-            def part(done: float, first: int = first, count: int = len(piece)) -> None:
+            def tell_share(done: float, first: int = first, count: int = len(piece)) -> None:
                 tell("Rendering", (first + done * count) / len(poses))
 
             start = time.perf_counter()
-            rendered = render(piece, first, part)
+            rendered = render(piece, first, tell_share)
             took = time.perf_counter() - start
             seconds += took
             first += len(piece)

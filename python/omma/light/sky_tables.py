@@ -31,7 +31,7 @@ SUN_DIAMETER_DEG = 0.533
 _LEAST_SUN_NM = 0.1  # between the edges of what is stored of the sun
 ROWS, COLUMNS = 91, 360  # of the maps that are made: one degree
 
-# Optical depth that is added to that of all, so that log I is nearly a parabola over haze's part.
+# Optical depth that is added to that of all, so that log I is nearly a parabola over haze's share.
 _PART_BEND = 0.2
 
 # Ozone's bands in the visible: where they begin, at a node of the tables, and are deepest.
@@ -341,7 +341,7 @@ def _at_nodes(table: dict[str, Any], depth: str) -> Floats:
 def _haze_shares(table: dict[str, Any], haze: float) -> dict[int, Floats]:
     """Shares of the tables' hazes in log I, by index: (wavelength,).
 
-    Over haze's part in scattering, by wavelength, in which log I is bent less than in its depth.
+    Over haze's share in scattering, by wavelength, in which log I is bent less than in its depth.
     """
     air, each = _at_nodes(table, "rayleigh_depth"), _at_nodes(table, "haze_depth")
     return _between_hazes(
@@ -352,7 +352,7 @@ def _haze_shares(table: dict[str, Any], haze: float) -> dict[int, Floats]:
 def _polarised_shares(table: dict[str, Any], haze: float, sun_deg: float) -> dict[int, Floats]:
     """Shares of the tables' hazes in Q/I and U/I, by index: (wavelength, elevation, azimuth).
 
-    Over the part of light scattered once that haze sends into a direction: of that light Q/I and
+    Over the share of light scattered once that haze sends into a direction: of that light Q/I and
     U/I are linear in it.
     """
     air, each = _scattered_once(table, sun_deg, table["elevation_deg"], table["azimuth_deg"])
@@ -372,12 +372,12 @@ def _between_hazes(
     k = int(np.clip(np.searchsorted(nodes, haze, side="right") - 1, 0, last + 1))
     along = (haze - nodes[k]) / (nodes[k + 1] - nodes[k])
     shares: dict[int, Any] = {}
-    for first, part in ((max(k - 1, 0), 1 - along), (min(k, last), along)):
+    for first, weight in ((max(k - 1, 0), 1 - along), (min(k, last), along)):
         near = range(first, first + 3)
         for i in near:
             others = [coordinates[j] for j in near if j != i]
             share = np.prod([(at - one) / (coordinates[i] - one) for one in others], axis=0)
-            shares[i] = shares.get(i, 0.0) + part * share
+            shares[i] = shares.get(i, 0.0) + weight * share
     return shares
 
 

@@ -20,7 +20,7 @@ from scipy.sparse import csr_array
 
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, one_of, whole, within
-from omma.base.directions import unit
+from omma.base.directions import normalized
 from omma.base.values import value_class
 from omma.eye.field import sphere_directions
 
@@ -84,7 +84,7 @@ class LoomingCells:
 
     Attributes:
         count: N.
-        center: (C, 3), unit vectors in the head's frame, the middles of their fields.
+        center: (C, 3), directions in the head's frame, the middles of their fields.
         cell, arm, ommatidium: (M,), which ommatidium is in which arm (of `omma.motion.ARMS`) of
             which cell.
         along: (M, 2), the direction of the arm at that ommatidium: right and up.
@@ -227,7 +227,7 @@ def looming_cells(
             continue
         # The arm's direction, in the great circle's frame at the ommatidium: outwards and across.
         off = (math.pi / 2) * which - turned[near]
-        across = np.cross(outward[near], unit(np.asarray(eye.axis, np.float64))[near])
+        across = np.cross(outward[near], normalized(np.asarray(eye.axis, np.float64))[near])
         way = np.cos(off)[:, None] * outward[near] + np.sin(off)[:, None] * across
         cell.append(np.full(len(near), len(kept)))
         arm.append(which)
@@ -246,8 +246,8 @@ def looming_cells(
 
 def _around(eye: Eye, middle: Floats) -> tuple[Floats, Floats, Floats]:
     """Of each ommatidium how far it looks from a direction (N,), which way leads on from there,
-    unit vectors (N, 3), and the way to it from the middle (N,), from right towards up; rad."""
-    axis = unit(np.asarray(eye.axis, np.float64))
+    directions (N, 3), and the way to it from the middle (N,), from right towards up; rad."""
+    axis = normalized(np.asarray(eye.axis, np.float64))
     level = axis @ middle
     away = axis * level[:, None] - middle
     length = np.linalg.norm(away, axis=1)
@@ -260,7 +260,7 @@ def _around(eye: Eye, middle: Floats) -> tuple[Floats, Floats, Floats]:
 
 def _in_frames(eye: Eye, which: NDArray[np.generic], ways: Floats) -> Floats:
     """Directions (K, 3) as right and up (K, 2) of these ommatidia."""
-    right, up = (unit(np.asarray(each, np.float64)[which]) for each in (eye.right, eye.up))
+    right, up = (normalized(np.asarray(each, np.float64)[which]) for each in (eye.right, eye.up))
     return np.stack([np.sum(ways * right, axis=1), np.sum(ways * up, axis=1)], axis=1)
 
 

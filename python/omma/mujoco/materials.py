@@ -88,9 +88,9 @@ class Look:
         ):
             corners = np.arange(len(coordinates)).reshape(-1, 3)
             normal = values[1] if normals else None
-            part = Shape(values[0], corners, normal, values[0])
+            shown = Shape(values[0], corners, normal, values[0])
             which = self._material(material, rgba, self._texture(texture, face), both_sides)
-            found.append(_mesh(name, part, coordinates, which))
+            found.append(_mesh(name, shown, coordinates, which))
         return found
 
     def _laid_out(

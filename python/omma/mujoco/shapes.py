@@ -92,9 +92,9 @@ def _plane(model: Any, size: Floats) -> Shape:
     """A rectangle; where a size is 0, to where MuJoCo's pictures end."""
     far = _BEYOND_FAR * float(model.vis.map.zfar) * float(model.stat.extent)
     half = np.where(size[:2] > 0, size[:2], far)
-    unit = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
-    once = np.where(size[:2] > 0, 0.5 + 0.5 * unit[:, :2] * (1, -1), np.nan)
-    corners = unit * (*half, 0)
+    square = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
+    once = np.where(size[:2] > 0, 0.5 + 0.5 * square[:, :2] * (1, -1), np.nan)
+    corners = square * (*half, 0)
     return Shape(corners, np.array([[0, 1, 2], [0, 2, 3]]), None, corners, once)
 
 
@@ -166,11 +166,11 @@ def _mesh(model: Any, mesh: int) -> Shape:
     return Shape(vertices, triangles.reshape(-1, 3), normals, vertices, coordinates, own)
 
 
-def _scaled(unit: Shape, half: Floats) -> Shape:
-    normals = None if unit.normals is None else unit.normals / half
+def _scaled(shape: Shape, half: Floats) -> Shape:
+    normals = None if shape.normals is None else shape.normals / half
     if normals is not None:
         normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
-    return Shape(unit.positions * half, unit.triangles, normals, unit.local, unit.once)
+    return Shape(shape.positions * half, shape.triangles, normals, shape.local, shape.once)
 
 
 def _unit_box() -> Shape:
@@ -195,15 +195,15 @@ def _unit_box() -> Shape:
 
 def _unit_cylinder() -> Shape:
     """Closed, along z from -1 to 1."""
-    parts, ring = [_tube()], _ring()
+    shapes, ring = [_tube()], _ring()
     here = 1 + np.arange(_SLICES)
     fan = np.stack([np.zeros(_SLICES, int), here, here + 1], -1)
     for sign in (1.0, -1.0):
         vertices = np.concatenate([np.zeros((1, 3)), ring]) + (0, 0, sign)
         normals = np.tile((0.0, 0, sign), (_SLICES + 2, 1))
         triangles = fan if sign > 0 else fan[:, ::-1]
-        parts.append(Shape(vertices, triangles, normals, vertices, 0.5 + 0.5 * vertices[:, :2]))
-    return _joined(parts)
+        shapes.append(Shape(vertices, triangles, normals, vertices, 0.5 + 0.5 * vertices[:, :2]))
+    return _joined(shapes)
 
 
 def _tube() -> Shape:
@@ -236,16 +236,16 @@ def _dome(lowest_rad: float, highest_rad: float) -> Shape:
 def _capsule(radius: float, half_length: float) -> Shape:
     """A tube and two half spheres, each with a picture of its own about its own middle. For cubes
     they stand on the ends of the tube of half size 1, so that they show what is above or below."""
-    parts = [_scaled(_tube(), np.array([radius, radius, half_length]))]
+    shapes = [_scaled(_tube(), np.array([radius, radius, half_length]))]
     for sign, low, high in ((1, 0.0, np.pi / 2), (-1, -np.pi / 2, 0.0)):
         cap = _dome(low, high)
         vertices = radius * cap.positions + (0, 0, sign * half_length)
-        parts.append(replace(cap, positions=vertices, local=cap.local + (0, 0, sign)))
-    return _joined(parts)
+        shapes.append(replace(cap, positions=vertices, local=cap.local + (0, 0, sign)))
+    return _joined(shapes)
 
 
 def _ring() -> Floats:
-    """Unit vectors around z; the first comes again as the last, to the same bits."""
+    """Directions around z; the first comes again as the last, to the same bits."""
     angle = 2 * np.pi * (np.arange(_SLICES + 1) % _SLICES) / _SLICES
     return np.stack([np.cos(angle), np.sin(angle), np.zeros(_SLICES + 1)], -1)
 
@@ -260,13 +260,13 @@ def _grid(rows: int) -> Whole:
     return np.concatenate([first, second])
 
 
-def _joined(parts: list[Shape]) -> Shape:
+def _joined(shapes: list[Shape]) -> Shape:
     """All as one; each has normals and coordinates."""
-    firsts = np.cumsum([0] + [len(part.positions) for part in parts])
+    firsts = np.cumsum([0] + [len(one.positions) for one in shapes])
     return Shape(
-        np.concatenate([part.positions for part in parts]),
-        np.concatenate([part.triangles + first for part, first in zip(parts, firsts)]),
-        np.concatenate([part.normals for part in parts if part.normals is not None]),
-        np.concatenate([part.local for part in parts]),
-        np.concatenate([part.once for part in parts if part.once is not None]),
+        np.concatenate([one.positions for one in shapes]),
+        np.concatenate([one.triangles + first for one, first in zip(shapes, firsts)]),
+        np.concatenate([one.normals for one in shapes if one.normals is not None]),
+        np.concatenate([one.local for one in shapes]),
+        np.concatenate([one.once for one in shapes if one.once is not None]),
     )

@@ -16,7 +16,7 @@ MERCATOR_EDGE = math.radians(80)  # beyond, a degree is stretched more than six 
 
 
 def project_directions(directions: Floats, projection: Projection) -> Floats:
-    """Where directions, unit vectors (..., 3) in the head's frame, are on a map: (..., 2).
+    """Where directions (..., 3) in the head's frame, are on a map: (..., 2).
 
     Mercator: x is the azimuth, y the isometric latitude; Mollweide: x to 2√2, y to √2; Lambert's
     azimuthal equal-area map about straight ahead: the rim, at radius 2, is straight behind (all as

@@ -40,7 +40,7 @@ def labels_text(labels: Labels, files: Mapping[str, str]) -> str:
         for name, (dimensions, dtype, attributes) in labels.variables.items()
         if name in files or not files
     }
-    parts: dict[str, Mapping[str, Any]] = {
+    sections: dict[str, Mapping[str, Any]] = {
         "attributes": labels.attributes,
         "sizes": labels.sizes,
         "variables": variables,
@@ -48,9 +48,9 @@ def labels_text(labels: Labels, files: Mapping[str, str]) -> str:
     }
     # A line for each thing: a person finds it, and a million numbers are not a line each.
     texts = [f'"format": {json.dumps(FORMAT)}']
-    for part, members in parts.items():
+    for section, members in sections.items():
         lines = ",\n".join(f"  {json.dumps(k)}: {json.dumps(v)}" for k, v in members.items())
-        texts.append(f'"{part}": {{\n{lines}\n}}')
+        texts.append(f'"{section}": {{\n{lines}\n}}')
     return "{" + ",\n".join(texts) + "}\n"
 
 

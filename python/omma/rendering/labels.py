@@ -120,7 +120,8 @@ def eye_digest(eye: Eye) -> str:
 
 
 def pose_variables(matrices: Matrices, first: str) -> Variables:
-    """Where the head is at each pose, and how it is turned: in full, and in two parts."""
+    """Where the head is at each pose, and how it is turned: in full, and as position and
+    rotation."""
     head = "of the head in the world"
     return {
         "world_from_head": (

@@ -63,8 +63,8 @@ class ParquetWriter:
         count = max(1, _GROUP_ROWS // max(1, self._rows))
         values = values_of(piece)
         for begin in range(0, len(piece.responses), count):
-            part = {name: array[begin : begin + count] for name, array in values.items()}
-            self._write(part, piece.first + begin)
+            rows = {name: array[begin : begin + count] for name, array in values.items()}
+            self._write(rows, piece.first + begin)
 
     def _write(self, values: dict[str, np.ndarray[Any, Any]], first: int) -> None:
         poses = len(values["response"])

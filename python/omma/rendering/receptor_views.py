@@ -60,8 +60,12 @@ class ReceptorViews:
 def _with_polarisation(eye: Eye, weights: Floats) -> Floats:
     """Weights [type, band] as [type, component x band]: what microvilli make of I, Q and U."""
     modulation, angle = type_polarisation(eye)
-    parts = [np.ones(len(angle)), modulation * np.cos(2 * angle), modulation * np.sin(2 * angle)]
-    return np.concatenate([part[:, None] * weights for part in parts], axis=1)
+    components = [
+        np.ones(len(angle)),
+        modulation * np.cos(2 * angle),
+        modulation * np.sin(2 * angle),
+    ]
+    return np.concatenate([one[:, None] * weights for one in components], axis=1)
 
 
 def render_receptors(
@@ -115,16 +119,16 @@ def render_receptors(
     for start in range(0, len(matrices), chunk):
         piece = matrices[start : start + chunk]
         number = None if first is None else first + start
-        here = moving.part(start, len(piece))
+        here = moving.piece(start, len(piece))
         for k in range(passes):
 
             def report(
                 done: float,
                 before: float = start + k / passes * len(piece),
-                part: float = len(piece) / passes,
+                size: float = len(piece) / passes,
             ) -> None:
                 assert progress is not None
-                progress((before + done * part) / len(matrices))
+                progress((before + done * size) / len(matrices))
 
             tell = None if progress is None else report
             into = responses[start : start + chunk]

@@ -457,11 +457,11 @@ class Renderer:
         )
         moving.note()
         warn_of_poses(self._engine, matrices)
-        parts = (*shape[:2], 3, self.bands)
+        by_component = (*shape[:2], 3, self.bands)
         return (
-            found.reshape(parts)
+            found.reshape(by_component)
             if errors is None
-            else (found.reshape(parts), errors.reshape(parts))
+            else (found.reshape(by_component), errors.reshape(by_component))
         )
 
     def _render_outputs(

@@ -29,8 +29,8 @@ _ENDING, _UNFINISHED = ".baked", ".unfinished"
 _MOST_BYTES = 2 << 30
 _DAY_S = 86400.0
 
-# Of a scene what light depends on; names play no part.
-_PARTS = ("meshes", "instances", "materials", "textures", "images", "lights", "color_rule")
+# Of a scene what light depends on; names make no difference.
+_FIELDS = ("meshes", "instances", "materials", "textures", "images", "lights", "color_rule")
 _ARRAYS = ("values", "errors", "first_cell", "probe_values")
 _PROBE_GRID = ("probe_origin_m", "probe_spacing_m")
 
@@ -52,9 +52,9 @@ def cache_directory(cache: bool | str | os.PathLike[str]) -> Path | None:
 def scene_digest(scene: Scene) -> bytes:
     """Of all of a scene that light depends on."""
     digest = hashlib.blake2b(digest_size=32)
-    for part in _PARTS:
-        _add(digest, part)
-        _add(digest, getattr(scene, part))
+    for name in _FIELDS:
+        _add(digest, name)
+        _add(digest, getattr(scene, name))
     return digest.digest()
 
 
@@ -70,8 +70,8 @@ def world_key(
     """
     digest = hashlib.blake2b(digest_size=32)
     transforms = [one.world_from_node for one in engine.instances]
-    for part in (_FORMAT, __version__, engine.backend, of_scene, transforms, light, settings):
-        _add(digest, part)
+    for one in (_FORMAT, __version__, engine.backend, of_scene, transforms, light, settings):
+        _add(digest, one)
     return digest.hexdigest()
 
 

@@ -83,7 +83,7 @@ class RandomDots(Stimulus):
 
     @cached_property
     def _centres(self) -> Floats:
-        """Unit vectors (n, 3) in the pattern's frame."""
+        """Directions (n, 3) in the pattern's frame."""
         drawn = np.random.default_rng(self.seed).normal(size=(self.count, 3))
         return np.asarray(drawn / np.linalg.norm(drawn, axis=1, keepdims=True))
 
@@ -111,7 +111,7 @@ class RandomDots(Stimulus):
         shares = np.array(covered).reshape(len(times_s), len(axes))
         return np.asarray(self.background + (self.dot - self.background) * shares)
 
-    def _parts(self) -> Scene:
+    def _scene(self) -> Scene:
         radius = SPHERE_RADIUS_M * np.tan(np.radians(self.diameter_deg) / 2)
         flat, triangles = polygon(polygon_radius_m(float(radius), _CORNERS), _CORNERS)
         transforms = facing_origin(self._centres, np.full(self.count, SPHERE_RADIUS_M))
@@ -201,7 +201,7 @@ class Starfield(Stimulus):
         return np.where(on_star, self.star, self.background)
 
     def _seen(self, time_s: float) -> tuple[Floats, Floats]:
-        """Unit vectors to the stars, (count, 3), and how far they are, (count,), m."""
+        """Directions to the stars, (count, 3), and how far they are, (count,), m."""
         positions = self.positions_m(time_s)
         # One that were in the very middle would have no direction.
         distance = np.maximum(np.linalg.norm(positions, axis=1), 1e-9 * self.cube_m)
@@ -219,7 +219,7 @@ class Starfield(Stimulus):
         shares = np.array(covered).reshape(len(times_s), len(axes))
         return np.asarray(self.background + (self.star - self.background) * shares)
 
-    def _parts(self) -> Scene:
+    def _scene(self) -> Scene:
         flat, triangles = polygon(polygon_radius_m(self.radius_m, _CORNERS), _CORNERS)
         return Scene(
             meshes=[Mesh(flat, triangles, name=self.name, material=0)],

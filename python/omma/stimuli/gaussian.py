@@ -25,7 +25,7 @@ _TURN = np.pi * (3 - np.sqrt(5))
 
 
 def field_directions(axis: Floats, acceptance_rad: float) -> Floats:
-    """Unit vectors (Q, 3) over the field of an ommatidium, each with the same share of a response.
+    """Directions (Q, 3) over the field of an ommatidium, each with the same share of a response.
 
     On a spiral by the golden angle (Vogel 1979, Math Biosci 44:179), which has no rows along which
     an edge could run, at polar angles that share the sensitivity evenly.
@@ -66,7 +66,7 @@ def caps_share(axis: Floats, acceptance_rad: float, centres: Floats, radii_rad: 
 
     Args:
         axis: (3,), unit.
-        centres: (K, 3), unit vectors to the middles of the caps.
+        centres: (K, 3), directions to the middles of the caps.
         radii_rad: (K,), half their widths, under π/2 each.
     """
     reach = _REACH * acceptance_rad
@@ -95,7 +95,7 @@ def caps_share(axis: Floats, acceptance_rad: float, centres: Floats, radii_rad: 
 
 
 def tangents(axis: Floats) -> tuple[Floats, Floats]:
-    """Two unit vectors across an axis (3,) and each other."""
+    """Two directions across an axis (3,) and each other."""
     helper = np.eye(3)[np.argmin(np.abs(axis))]
     right = np.cross(helper, axis)
     right /= np.linalg.norm(right)
@@ -130,7 +130,7 @@ def _gauss(count: int) -> tuple[Floats, Floats]:
 def _split_rings(acceptance_rad: float, kinks: list[float]) -> tuple[Floats, Floats]:
     """As `ring_shares`, with the same number of nodes in each of the sections between kinks.
 
-    There the covered part of a ring goes as a square root; nodes that crowd towards both ends of a
+    There the covered share of a ring goes as a square root; nodes that crowd towards both ends of a
     section take that in.
     """
     end = min(_REACH * acceptance_rad, np.pi)

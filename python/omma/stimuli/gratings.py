@@ -112,7 +112,7 @@ class DrumGrating(Stimulus):
         drift = self._drift_deg(times_s) / self.wavelength_deg
         return _sine_means(self, axes, acceptance_rad, drift, periods_at)
 
-    def _parts(self) -> Scene:
+    def _scene(self) -> Scene:
         positions, triangles, coordinates = tube(self.radius_m, self.height_m, _SIDES, inward=True)
         periods = (coordinates[:, 0] - 0.5) * 360 / self.wavelength_deg
         return _striped((positions, triangles, coordinates), periods, self)
@@ -178,7 +178,7 @@ class SphereGrating(Stimulus):
         drift = self._drift_deg(times_s) / self.wavelength_deg
         return _sine_means(self, axes, acceptance_rad, drift, periods_at)
 
-    def _parts(self) -> Scene:
+    def _scene(self) -> Scene:
         surface, azimuth_elevation = sphere_patch((-180.0, 180.0), (-90.0, 90.0))
         return _striped(surface, azimuth_elevation[:, 0] / self.wavelength_deg, self)
 
@@ -257,7 +257,7 @@ class PlaneGrating(Stimulus):
         return np.where(within_x & within_y, wave(self, np.nan_to_num(phase)), self.background)
 
     def _frame(self) -> tuple[Floats, Floats, Floats]:
-        """Unit vectors: where it drifts; right and up as seen in front."""
+        """Directions: where it drifts; right and up as seen in front."""
         right, up = upright(-np.array(self.center_m) / np.linalg.norm(self.center_m))
         angle = np.radians(self.direction_deg)
         along = np.cos(angle) * right + np.sin(angle) * up
@@ -266,7 +266,7 @@ class PlaneGrating(Stimulus):
     def _shift_m(self, time_s: Floats | float) -> Floats:
         return np.asarray(self.wavelength_m * _periods(self.temporal_frequency_hz, time_s))
 
-    def _parts(self) -> Scene:
+    def _scene(self) -> Scene:
         along, right, up = self._frame()
         signs = np.array([[-1, 1], [-1, -1], [1, -1], [1, 1]])
         half = np.array(self.size_m) / 2

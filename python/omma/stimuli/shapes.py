@@ -32,7 +32,7 @@ def sphere_patch(
     longitude, latitude = left + (right - left) * u, high - (high - low) * v
     # The first and the last column are the same to the last bit where they meet.
     closed = np.where((u == 1) & (right - left == 360), left, longitude)
-    positions = SPHERE_RADIUS_M * unit_vectors(closed, latitude)
+    positions = SPHERE_RADIUS_M * directions_of(closed, latitude)
     corners = np.arange((rows + 1) * (columns + 1)).reshape(rows + 1, columns + 1)
     a, b = corners[:-1, :-1], corners[:-1, 1:]
     c, d = corners[1:, :-1], corners[1:, 1:]
@@ -51,7 +51,7 @@ def polygon_radius_m(radius_m: float, corners: int) -> float:
     return float(radius_m * np.sqrt(angle / np.sin(angle)))
 
 
-def unit_vectors(longitude_deg: Floats | float, latitude_deg: Floats | float) -> Floats:
+def directions_of(longitude_deg: Floats | float, latitude_deg: Floats | float) -> Floats:
     """(..., 3); exact at the poles and at longitude 0."""
     longitude, latitude = np.radians(longitude_deg), np.radians(latitude_deg)
     across = np.where(np.abs(latitude_deg) == 90, 0.0, np.cos(latitude))

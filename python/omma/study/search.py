@@ -282,8 +282,8 @@ def _uniform_quaternions(units: Array) -> Array:
     """Evenly spread rotations (n, 4), x y z w (Shoemake 1992), from points (n, 3)."""
     a, b, c = units[:, 0], 2 * np.pi * units[:, 1], 2 * np.pi * units[:, 2]
     low, high = np.sqrt(1 - a), np.sqrt(a)
-    parts = [low * np.sin(b), low * np.cos(b), high * np.sin(c), high * np.cos(c)]
-    quaternions: Array = np.stack(parts, axis=1)
+    components = [low * np.sin(b), low * np.cos(b), high * np.sin(c), high * np.cos(c)]
+    quaternions: Array = np.stack(components, axis=1)
     return quaternions
 
 

@@ -131,8 +131,8 @@ def response_variances(
     # Random single rays are independent already; others come from an eye that is there many times.
     single = rays == 1 and method.points == "random"
     crowd = Eye(
-        *(np.repeat(part, copies, axis=0) for part in (eye.position_m, eye.axis)),
-        *(np.repeat(part, copies) for part in (eye.acceptance_angle_rad, eye.focal_offset_m)),
+        *(np.repeat(array, copies, axis=0) for array in (eye.position_m, eye.axis)),
+        *(np.repeat(array, copies) for array in (eye.acceptance_angle_rad, eye.focal_offset_m)),
     )
     base = scene_renderer(scene, threads)
     renderers = [
@@ -153,8 +153,8 @@ def response_variances(
         piece = matrices[first : first + chunk]
         estimates = []
         for k, renderer in enumerate(renderers):
-            part = len(piece) / len(matrices) / seeds
-            tell = _part_of(progress, first / len(matrices) + k * part, part)
+            share = len(piece) / len(matrices) / seeds
+            tell = _share_of(progress, first / len(matrices) + k * share, share)
             found = render(renderer, piece, first_pose=first, progress=tell)
             estimates.append(found.reshape(len(piece), len(eye), copies, -1))
         result[first : first + chunk] = _variance(np.concatenate(estimates, axis=2), measure)
@@ -175,8 +175,8 @@ def further_seed(seed: int, number: int) -> int:
     return (seed + number * 0x9E3779B97F4A7C15) % (1 << 64)
 
 
-def _part_of(progress: Finished | None, start: float, length: float) -> Finished | None:
-    """Progress of a part of the work as progress of the whole."""
+def _share_of(progress: Finished | None, start: float, length: float) -> Finished | None:
+    """Progress of a share of the work as progress of the whole."""
     return None if progress is None else lambda done: progress(start + length * done)
 
 

@@ -170,14 +170,14 @@ def _instanced(glb: bytes) -> bytes:
     for mesh, found in transforms_of.items():
         if len(found) < _LEAST_COPIES:
             continue
-        parts = [_trs(matrix) for _, matrix in found]
+        factors = [_trs(matrix) for _, matrix in found]
         attributes = {}
         for name, kind, column in (
             ("TRANSLATION", "VEC3", 0),
             ("ROTATION", "VEC4", 1),
             ("SCALE", "VEC3", 2),
         ):
-            values = np.array([part[column] for part in parts], "<f4")
+            values = np.array([one[column] for one in factors], "<f4")
             data += b"\0" * (-len(data) % 4)
             view = {"buffer": 0, "byteOffset": len(data), "byteLength": values.nbytes}
             data += values.tobytes()
