@@ -1,3 +1,4 @@
+// Directional albedos by quadrature, and their tables.
 #include "backend/specular_albedo.h"
 
 #include <algorithm>

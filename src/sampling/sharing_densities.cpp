@@ -1,3 +1,4 @@
+// Tables of densities over the squared chord from the axis.
 #include "sampling/sharing_densities.h"
 
 #include <cmath>

@@ -1,4 +1,4 @@
-"""What ARCHITECTURE.md and CONVENTIONS.md name in code type is there: a file, or words of the code."""
+"""What ARCHITECTURE.md and CONVENTIONS.md have in code type is there: files, or words of code."""
 
 import functools
 import re

@@ -141,7 +141,7 @@ def arrays_of(**values: Any) -> list[NDArray[np.float64]]:
         raise Error(f"{names}: expected shapes that go together, found {found}") from None
 
 
-# What `checked` knows by name: things of Omma's own, which hold what functions then ask them for.
+# Omma's own types that `checked` knows by name, and what messages call them.
 _OWN = {
     "AcuteZone": "omma.eye.AcuteZone",
     "Background": "omma.Background",
@@ -173,7 +173,7 @@ _OWN = {
 # Alternatives of an annotation, not those inside of brackets.
 _UNION = re.compile(r" \| (?![^\[]*\])")
 
-# What else it knows: the annotation, whether a value is one, and what messages call it.
+# Other annotations: whether a value is one, and what messages call it.
 _PLAIN: dict[str, tuple[Callable[[Any], bool], str]] = {
     "None": (lambda value: value is None, "None"),
     "bool": (lambda value: isinstance(value, (bool, np.bool_)), "True or False"),
@@ -246,7 +246,7 @@ def checked(function: F) -> F:
         kinds = [_kind(word) for word in words]
         if None not in kinds:
             known[name] = [kind for kind in kinds if kind is not None]
-    # An eye or a scene first: whatever else is wrong, that says most.
+    # Eyes and scenes are checked first, as a wrong one says most about the mistake.
     order = sorted(known, key=lambda name: not any("omma." in text for _, text in known[name]))
 
     @functools.wraps(function)

@@ -29,7 +29,7 @@ _OPTIONS = {
 }  # fmt: skip
 _HARMLESS = ("-blendu", "-blendv", "-bm", "-cc", "-texres", "-type")  # change no colour
 _PICTURES = ("map_kd", "map_d", "map_ke")
-# Other words that change what is seen; others than these and those that are read are shine alone.
+# Other keywords that change the look; all that are neither here nor read are specular only.
 _TOLD = {
     "map_bump", "bump", "norm", "disp", "decal", "refl", "map_ks", "map_ns", "map_pr", "map_pm",
     "map_ps", "map_tr", "map_opacity",

@@ -11,7 +11,7 @@ from omma._core import Error
 
 T = TypeVar("T")
 
-# Characters of a repr, of one text and of one other thing in it, and items of one sequence in it.
+# Limits of a repr: characters in all, of one text and of anything else, and items of a sequence.
 _REPR, _TEXT, _THING, _ITEMS = 200, 40, 80, 3
 
 
@@ -88,7 +88,7 @@ def _hashed(self: Any, name: str, value: Any) -> int:
 
 
 def _state(self: Any) -> dict[str, Any]:
-    # Not what a class may keep besides, which is made again when it is asked for.
+    # Fields only: cached values are computed again.
     return _fields(self)
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from omma._core import Scene
 
 _CELLS = 64  # along each axis
-# Beside clearance, for what single precision rounds, of the size of the scene.
+# Margin for rounding in single precision, as a fraction of the size of the scene.
 _ROUNDING = 1e-5
 
 Floats = NDArray[np.float64]
@@ -32,7 +32,8 @@ class FarMap:
         bounds = scene.bounds
         size = 0.0 if bounds is None else float(np.abs(bounds).max())
         margin = clearance_m + _ROUNDING * (size + float(np.abs([low_m, high_m]).max()))
-        # Each box adds 1 to all cells it meets: written at its corners, summed along the axes.
+        # Each box adds 1 to all cells that it overlaps: differences at its corners, then cumulative
+        # sums along the axes.
         steps = np.zeros(3 * (_CELLS + 1,))
         for least, most in triangle_boxes(scene):
             first = np.floor((least - margin - self._low) / self._cell)

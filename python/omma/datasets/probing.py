@@ -22,11 +22,11 @@ Floats = NDArray[np.float64]
 
 # Directions in which rays are sent from a position, and towards it.
 _DIRECTIONS = 128
-# Surfaces above one another that a vertical line is followed through.
+# Most surfaces that a vertical line is followed through.
 _LAYERS = 256
 _PIECE = 4096  # positions in one render
-# Triangles that a map of the open is made of, and how many positions of 256 rays cost as much as
-# that.
+# Most triangles for which a map of far cells is made; and how many positions, at 256 rays each,
+# cost as much as a map, per triangle.
 _MOST_MAPPED = 1 << 22
 _POSITIONS_PER_TRIANGLE = 0.02
 
@@ -39,14 +39,14 @@ class Probe:
         self._world, self._threads = world, threads
         box = np.zeros((2, 3)) if bounds is None else np.asarray(bounds)
         self._top = float(box[1, 1]) + 1.0
-        # What a ray is moved on by to leave a surface behind: rays are single precision.
+        # Offset against self-intersection: rays are single precision.
         self._step = max(1e-5, 1e-5 * float(np.abs(box).max()))
         self._down = self._bundle([[0, -1, 0]])
         self._up = self._bundle([[0, 1, 0]])
         self._ahead = self._bundle([[0, 0, -1]])
         self._balls: dict[float, Renderer] = {}
         self._maps: dict[float, FarMap] = {}
-        # Where bones bend meshes their triangles are not where the file has them.
+        # Skinned meshes are not where the file has their triangles: no map then.
         triangles = triangles_of(world.scene) if world.scene.rig is None else _MOST_MAPPED + 1
         self._mapped_after = triangles * _POSITIONS_PER_TRIANGLE
         self._is_mapped = triangles <= _MOST_MAPPED
@@ -111,7 +111,7 @@ class Probe:
             poses = _at(positions[first : first + _PIECE])
             seen = self._balls[radius_m].ground_truth(poses).nearest_m
             away, towards = seen[:, :_DIRECTIONS], seen[:, _DIRECTIONS:]
-            # What a ray towards the position meets beyond it is no business of ours.
+            # Hits of inward rays beyond the position do not count.
             nearest = np.minimum(away, np.where(towards < radius_m, 0, np.inf)).min(axis=1)
             found.append(nearest)
         return np.concatenate(found) if found else np.empty(0)
@@ -123,7 +123,7 @@ class Probe:
         top = positions.copy()
         top[:, 1] = np.maximum(self._top, positions[:, 1] + 1)
         depth = self._crossed(self._down, top, -1, top[:, 1] - positions[:, 1])
-        # Where nothing above looks up, what looks down makes no difference.
+        # Without upward faces above, downward ones make no difference.
         below = np.flatnonzero(depth > 0)
         depth[below] -= self._crossed(self._up, positions[below], 1, (top - positions)[below, 1])
         return depth

@@ -252,10 +252,10 @@ def _relaxed(surface: _Surface, points: Floats, tell: Progress) -> Floats:
 
 
 def _nearest(points: Floats, spacing: Floats, count: int) -> NDArray[np.int64]:
-    # By distance over the spacing wanted, or where a dense and a sparse region meet, the sparse
-    # one's points would feel the dense one's only. (N, count), in no order. Neighbours in the array
-    # are neighbours on the eye (the seeds are made so), hence each block of it needs comparing with
-    # what lies near the block only.
+    # Indices of the nearest by distance over the sum of both wanted spacings, (N, count), in no
+    # order: by one spacing alone points of a sparse region would only interact with a dense one's.
+    # Neighbours in the array are neighbours on the eye, so each piece is compared with what is near
+    # it only.
     found = np.empty((len(points), count), dtype=np.int64)
     size = 128
     for start in range(0, len(points), size):

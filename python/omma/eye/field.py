@@ -176,8 +176,8 @@ def _widest_cone(inside: Floats, rim: Floats, step: float) -> tuple[Floats, floa
     if len(rim) == 0:
         return inside[0], float(np.pi)
     tree = cKDTree(rim)
-    # All of a rim is about as far from the middle, which is slow to search: first every 16th, about
-    # four steps apart, and then those so near to a good one that they may be better.
+    # All points of a rim are about as far from the middle, which makes the search slow: first every
+    # 16th, about four steps apart, then those near the best.
     some = inside[::16]
     distance = tree.query(some)[0]
     good = some[distance >= distance.max() - 8 * step]

@@ -175,7 +175,7 @@ def _is_hexagonal(lattice: Neighbours, positions: Floats, members: Ints, degree:
 
 
 def _neighbours(rings: dict[int, list[int]], inner: set[int], seed: int, count: int) -> Ints:
-    # Each one's six by direction, the seed's in any order; from inner ones to what is next to them.
+    # Breadth first from the seed: assigns the six neighbours of each by direction.
     found = np.full((count, 6), -1, np.int64)
     found[seed] = rings[seed]
     queue, done = deque([seed]), {seed}

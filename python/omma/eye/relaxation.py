@@ -28,7 +28,7 @@ Bools = NDArray[np.bool_]
 Progress = Callable[[str, "float | None"], object]
 
 _FORCE_POWER = 7
-# Of the most the system of points can take without swinging, found by trying on 100 to 10,000.
+# Step size as a fraction of the largest stable one, found by trials with 100 to 10,000 points.
 _STEP_SIZE = 0.0107
 _MOMENTUM = 0.8
 _COARSEST = 150  # points, or up to four times as many

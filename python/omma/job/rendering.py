@@ -64,7 +64,7 @@ from omma.scene.world import World
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-# What makes no difference to responses, or is told by what is in the files.
+# Arguments that are not recorded: they do not change responses, or the files tell them.
 _NO_RECORD = (
     *("scene", "outputs", "eyes", "path", "poses", "threads", "backend", "progress", "resume"),
     *("command", "sampling", "options"),  # the last two are told as settings

@@ -16,7 +16,7 @@ from omma.receptors.sensitivity import ultraviolet_mix
 from omma.scene.backgrounds import NAMED_BACKGROUNDS
 from omma.scene.light_words import full_words
 
-# What makes no difference to responses.
+# Arguments that do not change responses.
 _SILENT = ("threads", "progress", "resume", "command")
 _LONGEST = 200  # characters of an argument
 

@@ -31,7 +31,7 @@ SUN_DIAMETER_DEG = 0.533
 _LEAST_SUN_NM = 0.1  # between the edges of what is stored of the sun
 ROWS, COLUMNS = 91, 360  # of the maps that are made: one degree
 
-# Optical depth that is added to that of all, so that log I is nearly a parabola over haze's share.
+# Offset of optical depth, with which log I is nearly a parabola over haze's share.
 _PART_BEND = 0.2
 
 # Ozone's bands in the visible: where they begin, at a node of the tables, and are deepest.
@@ -253,8 +253,8 @@ class TableSky:
         if self.sun_deg < 0:
             return np.zeros(len(nm))
         table = self.table
-        # Over the sine of the elevation, about which masses go, they change so little that a spline
-        # is right; held up, as a sine of 0 has no inverse.
+        # As functions of sin(elevation), bounded away from 0, air masses vary so little that a
+        # spline fits.
         over = [np.hypot(np.sin(np.radians(e)), 0.05) for e in (table["mass_deg"], self.sun_deg)]
         along = _spline_matrix(tuple(table["mass_deg"]), (self.sun_deg,))[0]
         mass = (table["mass"] * over[0]) @ along / over[1]

@@ -18,12 +18,12 @@ from omma.photoreceptors.impulse_response import ImpulseResponse
 
 Floats = NDArray[np.float64]
 
-# The share of |h| that may lie beyond the last frame that counts. The rest is made up for by
-# scaling, so that steady light stays what it is.
+# Share of |h| that may be cut off after the last frame; weights are rescaled so that steady light
+# is kept.
 _LEFT_OUT = 1e-7
 # More frames than that in one response are a frame rate in the wrong unit.
 _MOST_FRAMES = 20_000
-# Frames that are convolved at a time: so few that the matrix of their weights stays small.
+# Frames convolved at a time: few, as the Toeplitz matrix is dense.
 _ROWS = 256
 
 

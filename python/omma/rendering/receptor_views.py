@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Responses = NDArray[np.float32]
 
-# Radiance of views that is held while it becomes responses of receptors.
+# Bytes of radiance held at once while it becomes receptors' responses.
 _CHUNK_BYTES = 32 << 20
 # Types whose estimates are made in one render.
 _MOST_TYPES = 64
@@ -111,7 +111,8 @@ def render_receptors(
     errors = np.empty(shape, np.float32) if standard_error else None
     # Errors are those of the receptors' own estimates, for some types at a time.
     groups = [weights[k : k + _MOST_TYPES] for k in range(0, len(weights), _MOST_TYPES)]
-    # Where Q and U count, types are rendered as themselves; else I of all bands does for all.
+    # With polarisation or errors each type is rendered by itself; else one render of I in all bands
+    # serves all.
     by_type = polarized or errors is not None
     passes = len(groups) if by_type else 1
     wide = min(len(weights), _MOST_TYPES) if by_type else renderer.bands

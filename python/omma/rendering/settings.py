@@ -254,7 +254,7 @@ class Settings:
         options["kernel"] = options.pop("angular_sensitivity")  # as C++ calls it
         impulse_response = options.pop("impulse_response", None)
         if impulse_response is not None:
-            # As fine that what lies between two of them is a straight line.
+            # So many that delays between two quantiles are nearly linear.
             steps = np.linspace(0, 1, _DELAYS)
             options["delays_s"] = np.minimum(
                 impulse_response.quantile(steps), impulse_response.duration_s

@@ -29,7 +29,7 @@ _ENDING, _UNFINISHED = ".baked", ".unfinished"
 _MOST_BYTES = 2 << 30
 _DAY_S = 86400.0
 
-# Of a scene what light depends on; names make no difference.
+# Fields of a scene that light depends on; names are not among them.
 _FIELDS = ("meshes", "instances", "materials", "textures", "images", "lights", "color_rule")
 _ARRAYS = ("values", "errors", "first_cell", "probe_values")
 _PROBE_GRID = ("probe_origin_m", "probe_spacing_m")
@@ -93,7 +93,7 @@ def _add(digest: Any, value: Any) -> None:
         text = repr(value).encode("utf-8", "surrogateescape")
         digest.update(f"{type(value).__name__}{len(text)} ".encode() + text)
     else:
-        # A part of a scene: what makes it again is all that it is.
+        # A value of the scene: its pickle is all that it is.
         make = value.__reduce__()[0]
         assert isinstance(make, functools.partial)
         _add(digest, type(value).__name__)

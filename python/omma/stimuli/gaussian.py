@@ -80,7 +80,8 @@ def caps_share(axis: Floats, acceptance_rad: float, centres: Floats, radii_rad: 
     right, up = tangents(axis)
     azimuth = np.arctan2(centre @ up, centre @ right)
     if len(away) == 1:
-        # What a cap covers of a ring begins and ends with a kink: nodes on either side of each.
+        # The covered share of a ring as a function of θ has kinks where the cap begins and ends:
+        # integrate between them.
         kinks = [abs(away[0] - radius[0]), away[0] + radius[0]]
         theta, share = _split_rings(acceptance_rad, kinks)
     else:
@@ -128,7 +129,7 @@ def _gauss(count: int) -> tuple[Floats, Floats]:
 
 
 def _split_rings(acceptance_rad: float, kinks: list[float]) -> tuple[Floats, Floats]:
-    """As `ring_shares`, with the same number of nodes in each of the sections between kinks.
+    """As `_ring_shares`, with the same number of nodes in each of the sections between kinks.
 
     There the covered share of a ring goes as a square root; nodes that crowd towards both ends of a
     section take that in.

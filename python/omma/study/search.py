@@ -218,7 +218,8 @@ def _worst_pose(
         return largest
 
     kept = min(_KEPT, -(-count // 16))
-    # Heats: the best quarter, then the best eighth of those, each measured four times as well.
+    # Successive halving: the best quarter, then the best eighth of those, each measured four times
+    # as well.
     for heat, keep in enumerate((4, 32, count)):
         variance = measure(few * 4**heat, f"Surveying, heat {heat + 1} of 3")
         best = np.argsort(-variance)[: max(kept, count // keep)]
@@ -228,14 +229,14 @@ def _worst_pose(
         parents = np.repeat(np.arange(kept), _OFFSPRING)
         moved = units[parents] + step * rng.normal(size=(len(parents), 3))
         turned = _turned(turns[parents], 3 * step * rng.normal(size=(len(parents), 3)))
-        # Parents are measured anew, so that none stays for having been lucky once.
+        # Parents are measured again, so that none survives by one lucky sample.
         units = np.concatenate([units, moved.clip(0, 1)])
         turns = np.concatenate([turns, turned])
         best = np.argsort(-measure(many, f"Refining, round {number + 1} of {_ROUNDS}"))[:kept]
         units, turns = units[best], turns[best]
         step *= 0.7
     worst = int(measure(last, "Comparing the worst").argmax())
-    # Once more with other samples: the largest of several measurements is too large.
+    # Measured again with other samples: the largest of several estimates is biased high.
     pose = poses_from_quaternions(_positions(where, units[worst, None]), turns[worst])
     return pose[0], tally.variances(pose, rays, last, "Comparing the worst", _SEEDS)[0]
 

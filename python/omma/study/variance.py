@@ -128,7 +128,8 @@ def response_variances(
     matrices = as_poses(poses)
     seeds = min(whole(seeds, "seeds", 1, 1 << 10), whole(repeats, "repeats", 2, 1 << 20))
     copies = -(-repeats // seeds)
-    # Random single rays are independent already; others come from an eye that is there many times.
+    # Random single rays are independent; otherwise the eye is repeated, and each copy has its own
+    # scramble.
     single = rays == 1 and method.points == "random"
     crowd = Eye(
         *(np.repeat(array, copies, axis=0) for array in (eye.position_m, eye.axis)),

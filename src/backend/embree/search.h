@@ -16,10 +16,10 @@ struct EmbreeSearch {
     arguments.context.passed = passed;
     arguments.expect(spread);
     intersect_16(tracer->scene, valid, rays_of(rays), arguments);
-    // t_far is the distance found so far, so only nearer hits are looked for.
+    // t_far_m is the distance found so far, so only nearer hits are looked for.
     if (tracer->moving != nullptr) intersect_16(tracer->moving, valid, rays_of(rays), arguments);
   }
-  // A bit for each valid ray that meets an accepted surface between its t_near and t_far; one that
+  // A bit for each valid ray that meets an accepted surface between t_near_m and t_far_m; one that
   // lets light through in part counts as any other. Nothing of the rays is kept.
   OMMA_HD unsigned occluded(const std::int32_t* valid, const RayPacket<16>& given) {
     RayPacket<16> rays = given;
