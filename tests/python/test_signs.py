@@ -17,6 +17,8 @@ CODE = {
 }
 # What is in code type and names nothing: how names are written.
 OTHERS = {"PascalCase", "snake_case"}
+# Files of other projects that comments cite.
+OTHER_FILES = {"libEyeRenderer3/shaders.cu", "MulticamScene.cpp", "analysis_tools.py", "jpeglib.h"}
 
 PAGES = ("ARCHITECTURE.md", "CONVENTIONS.md")
 
@@ -98,6 +100,26 @@ def test_the_drawing_names_files_that_are_there():
     named = set(re.findall(r"[\w/]+\.(?:h|cpp)\b", "\n".join(lines)))
     assert len(named) > 15
     assert not [name for name in named if not is_file(name)]
+
+
+def comments(path):
+    """The comments and docstrings of a file of C++ or Python, as one text."""
+    text = path.read_text(encoding="utf-8")
+    if path.suffix == ".py":
+        docstrings = re.findall(r'"""(.*?)"""', text, flags=re.DOTALL)
+        return "\n".join([*docstrings, *re.findall(r"#(.*)", text)])
+    return "\n".join(re.findall(r"//(.*)", text))
+
+
+@pytest.mark.parametrize("folder", ["src", "include", "python", "compat"])
+def test_files_that_comments_name_are_there(folder):
+    gone = {}
+    for name, path in files().items():
+        if name.startswith(f"{folder}/") and path.suffix in (".h", ".cpp", ".cu", ".py"):
+            for sign in re.findall(r"(?<![\w./])[\w/]+\.(?:h|cpp|cu|py)\b", comments(path)):
+                if sign not in OTHER_FILES and not is_file(sign):
+                    gone.setdefault(name, []).append(sign)
+    assert not gone
 
 
 def test_what_is_not_there_is_found_out():

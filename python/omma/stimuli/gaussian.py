@@ -65,7 +65,7 @@ def caps_share(axis: Floats, acceptance_rad: float, centres: Floats, radii_rad: 
     """The share of an ommatidium's sensitivity that falls on any of some round caps of the sphere.
 
     Args:
-        axis: (3,), unit.
+        axis: (3,), of length 1.
         centres: (K, 3), directions to the middles of the caps.
         radii_rad: (K,), half their widths, under π/2 each.
     """

@@ -210,10 +210,10 @@ def _worst_pose(
     rays, few, many, last = (1, 64, 1024, _LAST_RAYS) if single else (_SEARCH_RAYS, 8, 64, 512)
     rng = np.random.default_rng(tally.seed)
     points = _spread_points(count)
-    units, turns = points[:, :3], _uniform_quaternions(points[:, 3:])
+    fractions, turns = points[:, :3], _uniform_quaternions(points[:, 3:])
 
     def measure(repeats: int, stage: str) -> Array:
-        poses = poses_from_quaternions(_positions(where, units), turns)
+        poses = poses_from_quaternions(_positions(where, fractions), turns)
         largest: Array = tally.variances(poses, rays, repeats, stage).max(axis=1)
         return largest
 
@@ -223,45 +223,47 @@ def _worst_pose(
     for heat, keep in enumerate((4, 32, count)):
         variance = measure(few * 4**heat, f"Surveying, heat {heat + 1} of 3")
         best = np.argsort(-variance)[: max(kept, count // keep)]
-        units, turns = units[best], turns[best]
+        fractions, turns = fractions[best], turns[best]
     step = 0.1
     for number in range(_ROUNDS):
         parents = np.repeat(np.arange(kept), _OFFSPRING)
-        moved = units[parents] + step * rng.normal(size=(len(parents), 3))
+        moved = fractions[parents] + step * rng.normal(size=(len(parents), 3))
         turned = _turned(turns[parents], 3 * step * rng.normal(size=(len(parents), 3)))
         # Parents are measured again, so that none survives by one lucky sample.
-        units = np.concatenate([units, moved.clip(0, 1)])
+        fractions = np.concatenate([fractions, moved.clip(0, 1)])
         turns = np.concatenate([turns, turned])
         best = np.argsort(-measure(many, f"Refining, round {number + 1} of {_ROUNDS}"))[:kept]
-        units, turns = units[best], turns[best]
+        fractions, turns = fractions[best], turns[best]
         step *= 0.7
     worst = int(measure(last, "Comparing the worst").argmax())
     # Measured again with other samples: the largest of several estimates is biased high.
-    pose = poses_from_quaternions(_positions(where, units[worst, None]), turns[worst])
+    pose = poses_from_quaternions(_positions(where, fractions[worst, None]), turns[worst])
     return pose[0], tally.variances(pose, rays, last, "Comparing the worst", _SEEDS)[0]
 
 
-def _positions(where: Box | Cylinder | ArrayLike, units: Array) -> Array:
+def _positions(where: Box | Cylinder | ArrayLike, fractions: Array) -> Array:
     """Positions (n, 3), m, of points (n, 3) of the unit cube, evenly spread if those are."""
     if isinstance(where, Box):
         low, high = numbers([where.low_m, where.high_m], "box", 3)
         if not (low <= high).all():
             raise Error(f"box: expected the lower corner first, found {where.low_m} {where.high_m}")
-        inside: Array = low + units * (high - low)
+        inside: Array = low + fractions * (high - low)
         return inside
     if isinstance(where, Cylinder):
         base = numbers(where.base_m, "cylinder", 3)[0]
         if not (where.radius_m >= 0 and where.height_m >= 0):
             found = f"{where.radius_m} and {where.height_m}"
             raise Error(f"cylinder: expected a radius and a height of 0 or more, found {found}")
-        radius, angle = where.radius_m * np.sqrt(units[:, 0]), 2 * np.pi * units[:, 1]
-        x, y, z = radius * np.cos(angle), where.height_m * units[:, 2], radius * np.sin(angle)
+        radius, angle = where.radius_m * np.sqrt(fractions[:, 0]), 2 * np.pi * fractions[:, 1]
+        x, y, z = radius * np.cos(angle), where.height_m * fractions[:, 2], radius * np.sin(angle)
         round_axis: Array = base + np.stack([x, y, z], axis=1)
         return round_axis
     path = as_poses(where)
     if not len(path):
         raise Error("where: expected at least one pose")
-    positions: Array = path[np.minimum((units[:, 0] * len(path)).astype(int), len(path) - 1), :3, 3]
+    positions: Array = path[
+        np.minimum((fractions[:, 0] * len(path)).astype(int), len(path) - 1), :3, 3
+    ]
     return positions
 
 
@@ -279,9 +281,9 @@ def _spread_points(count: int) -> Array:
     return points
 
 
-def _uniform_quaternions(units: Array) -> Array:
+def _uniform_quaternions(fractions: Array) -> Array:
     """Evenly spread rotations (n, 4), x y z w (Shoemake 1992), from points (n, 3)."""
-    a, b, c = units[:, 0], 2 * np.pi * units[:, 1], 2 * np.pi * units[:, 2]
+    a, b, c = fractions[:, 0], 2 * np.pi * fractions[:, 1], 2 * np.pi * fractions[:, 2]
     low, high = np.sqrt(1 - a), np.sqrt(a)
     components = [low * np.sin(b), low * np.cos(b), high * np.sin(c), high * np.cos(c)]
     quaternions: Array = np.stack(components, axis=1)

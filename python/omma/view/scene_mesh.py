@@ -252,5 +252,5 @@ def _is_trs(matrix: Floats) -> bool:
     length = np.linalg.norm(columns, axis=0)
     if not (length > 0).all():
         return False
-    unit = columns / length
-    return bool(np.allclose(unit.T @ unit, np.eye(3), atol=1e-4))
+    axes = columns / length
+    return bool(np.allclose(axes.T @ axes, np.eye(3), atol=1e-4))
