@@ -200,14 +200,14 @@ def _is_number(value: Any) -> bool:
 
 
 def _is_own(value: Any, kind: str) -> bool:
-    """Whether it is that thing of Omma's. By name, as its module may need this one."""
+    """Whether it is of that type of Omma's; by name, as its module may import this one."""
     if kind == "Surface":  # a protocol: whatever has the methods
         return hasattr(value, "point_of_normal") and hasattr(value, "samples")
     return kind in {one.__name__ for one in type(value).__mro__}
 
 
 def _kind(annotation: str) -> tuple[Callable[[Any], bool], str] | None:
-    """How to know a value of this annotation, and its name for messages; None: not checked."""
+    """The check for an annotation and its name in messages; None: not checked."""
     name = _ALIASES.get(annotation, annotation)
     if name in _PLAIN:
         return _PLAIN[name]

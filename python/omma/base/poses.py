@@ -121,8 +121,8 @@ def poses_from_angles(positions_m: ArrayLike, yaw_pitch_roll_deg: ArrayLike) -> 
 
 
 def _warn_of_radians(angles_deg: Matrices) -> None:
-    """Angles that are all within a turn in radians and either quarters of it or, where there are
-    many, all around: as degrees they would be odd, and as radians plain."""
+    """Warns of angles that look like radians: all within a turn, and multiples of a quarter turn
+    or, where there are many, spread over all of it."""
     size = np.abs(angles_deg)
     if not size.size or size.max() > 2 * np.pi + 1e-6:
         return

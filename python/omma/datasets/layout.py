@@ -120,7 +120,7 @@ class Layout:
 
 
 def _fill_value(dtype: str) -> float:
-    """What is not made yet."""
+    """The value of views that are not made yet."""
     return np.nan if np.dtype(dtype).kind == "f" else 0
 
 

@@ -83,7 +83,7 @@ class Probe:
         return np.asarray(self._ahead.ground_truth(poses).nearest_m[:, 0] >= distance_m)
 
     def _is_far(self, positions: Floats, clearance_m: float) -> NDArray[np.bool_]:
-        """(P,), whether no surface is nearer for sure, as far as a map of the open says."""
+        """(P,), whether the map of far cells says that no surface is nearer."""
         self._asked += len(positions)
         found = self._maps.get(clearance_m)
         if (
@@ -117,9 +117,9 @@ class Probe:
         return np.concatenate(found) if found else np.empty(0)
 
     def _depth_inside(self, positions: Floats) -> NDArray[np.int64]:
-        """(P,), in how many closed surfaces positions (P, 3) are: of the line upwards from each,
-        how many surfaces look up, less those that look down where there are any of the former.
-        Two-sided ones count as both, so as none."""
+        """(P,), the number of closed surfaces around positions (P, 3): along the line upwards,
+        upward faces less downward ones, where there are any of the former. Two-sided faces count as
+        both, so as none."""
         top = positions.copy()
         top[:, 1] = np.maximum(self._top, positions[:, 1] + 1)
         depth = self._crossed(self._down, top, -1, top[:, 1] - positions[:, 1])

@@ -143,7 +143,7 @@ def read_manifest(store: str) -> dict[str, Any]:
 
 
 def _check_manifest(said: Said) -> None:
-    """What the members are that readers take."""
+    """Checks the members that readers use."""
     for name in ("views", "views_per_chunk", "views_per_shard"):
         said.take(name, is_count)
     if said.take("views", is_count) > MOST_VIEWS:

@@ -241,11 +241,9 @@ def _local_metric(axis: Floats, lattice: Neighbours) -> Floats:
 
 
 def _local_ellipse(axis: Floats, lattice: Neighbours) -> Floats:
-    """The smaller and the larger interommatidial angle: (N, 2), rad.
-
-    The tensor of `_local_metric`, in three dimensions: its eigenvalues across the axis are the
-    squares of the half axes of the ellipse, whichever way that lies.
-    """
+    """The smaller and the larger interommatidial angle: (N, 2), rad. The half axes of the ellipse
+    of neighbours are the roots of the eigenvalues across the axis of the tensor of `_local_metric`,
+    in three dimensions."""
     corners = axis[lattice.triangles]
     edges = corners - np.roll(corners, 1, axis=1)
     tensor = lattice.mean_over_triangles(np.einsum("tki,tkj->tij", edges, edges) * 2 / 3)

@@ -129,8 +129,8 @@ def _mixed(sky: Map, half: Whole, height: Floats, azimuth: Floats) -> Floats:
 def _corners(
     rows: int, columns: int, half: Whole, height: Floats, azimuth: Floats
 ) -> list[tuple[Floats, Floats, tuple[Whole, ...]]]:
-    """The four nodes around directions: the share that each has in what is between them, how far
-    to the right of it the direction is, rad, and its indices."""
+    """The four nodes around directions: their bilinear weights, the angle by which the direction is
+    to their right, rad, and their indices."""
     row = np.clip(height / (np.pi / 2), 0, 1) * (rows - 1)
     low = np.minimum(row.astype(np.int64), rows - 2)
     up = row - low

@@ -339,10 +339,8 @@ def _at_nodes(table: dict[str, Any], depth: str) -> Floats:
 
 
 def _haze_shares(table: dict[str, Any], haze: float) -> dict[int, Floats]:
-    """Shares of the tables' hazes in log I, by index: (wavelength,).
-
-    Over haze's share in scattering, by wavelength, in which log I is bent less than in its depth.
-    """
+    """Interpolation weights of the tables' hazes for log I, by index: (wavelength,). The coordinate
+    is haze's share in scattering, in which log I is less curved than in optical depth."""
     air, each = _at_nodes(table, "rayleigh_depth"), _at_nodes(table, "haze_depth")
     return _between_hazes(
         table, haze, lambda depth: depth * each / (air + _PART_BEND + depth * each)
@@ -350,11 +348,9 @@ def _haze_shares(table: dict[str, Any], haze: float) -> dict[int, Floats]:
 
 
 def _polarised_shares(table: dict[str, Any], haze: float, sun_deg: float) -> dict[int, Floats]:
-    """Shares of the tables' hazes in Q/I and U/I, by index: (wavelength, elevation, azimuth).
-
-    Over the share of light scattered once that haze sends into a direction: of that light Q/I and
-    U/I are linear in it.
-    """
+    """Interpolation weights of the tables' hazes for Q/I and U/I, by index: (wavelength, elevation,
+    azimuth). The coordinate is the share of singly scattered light that haze sends into a
+    direction, in which Q/I and U/I of that light are linear."""
     air, each = _scattered_once(table, sun_deg, table["elevation_deg"], table["azimuth_deg"])
     return _between_hazes(table, haze, lambda depth: depth * each / (air + depth * each))
 

@@ -103,10 +103,8 @@ def _share_of(progress: Progress, done: float, share: float) -> Progress:
 
 
 def _rendered_together(renderers: Sequence[Renderer]) -> list[list[int]]:
-    """Animals with one renderer, at most as many as one call can tell apart.
-
-    Those whose frames last are rendered one by one, as each looks back along its own path.
-    """
+    """Groups of animals that are rendered in one call: those with one renderer, at most as many as
+    there are bits of a mask. Animals whose frames last are alone, as each has a path of its own."""
     groups: list[list[int]] = []
     for a, renderer in enumerate(renderers):
         lasts = renderer.settings.impulse_response is not None

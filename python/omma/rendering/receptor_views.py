@@ -58,7 +58,7 @@ class ReceptorViews:
 
 
 def _with_polarisation(eye: Eye, weights: Floats) -> Floats:
-    """Weights [type, band] as [type, component x band]: what microvilli make of I, Q and U."""
+    """Weights [type, band] as [type, component x band]: how microvilli weight I, Q and U."""
     modulation, angle = type_polarisation(eye)
     components = [
         np.ones(len(angle)),

@@ -121,12 +121,12 @@ class ToError:
 
 
 def _least_samples(error: float, most: int) -> int:
-    """Rays that an ommatidium gets at least where nobody says: 8, and from an error of
-    0.00625 down the power of two below 0.1 / error, up to 64.
+    """Default of `ToError.least`: 8, and from an error of 0.00625 down the power of two below 0.1 /
+    error, up to 64.
 
-    What few rays and those of all neighbours miss nothing tells of, and it is the more errors the
-    smaller these are. In the arena 32 instead of 8 rays take the worst of 50,000 from 28 times an
-    error of 0.003 to 4 times, for 7 % more rays (docs/error-target.md).
+    Errors that few rays cannot see are missed by their estimate too, and these weigh the more the
+    smaller the wanted error is. In the arena 32 instead of 8 rays reduce the worst of 50,000 from
+    28 times an error of 0.003 to 4 times, for 7 % more rays (docs/error-target.md).
     """
     least = 8
     while least < 64 and 2 * least * error <= 0.1 and 2 * least <= most:

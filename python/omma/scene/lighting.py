@@ -173,7 +173,8 @@ def _weights_of(rule: Rule) -> tuple[float, float, float, float]:
 
 
 def _asking(names: list[str], light: Light) -> str:
-    """Who lacks ultraviolet, how much light there is of it, and what can be said."""
+    """The message that ultraviolet reflectances are missing: of which materials, how much of the
+    light is concerned, and what can be said."""
     bands = light.bands
     below = (bands.weight * (bands.wavelength_nm < 400)).sum(axis=1)
     fallen = sum(light.irradiance()) * bands.widths_nm

@@ -129,11 +129,8 @@ def _gauss(count: int) -> tuple[Floats, Floats]:
 
 
 def _split_rings(acceptance_rad: float, kinks: list[float]) -> tuple[Floats, Floats]:
-    """As `_ring_shares`, with the same number of nodes in each of the sections between kinks.
-
-    There the covered share of a ring goes as a square root; nodes that crowd towards both ends of a
-    section take that in.
-    """
+    """As `_ring_shares`, with the same number of nodes in each section between kinks, where the
+    covered share goes as a square root: nodes crowd towards both ends of a section."""
     end = min(_REACH * acceptance_rad, np.pi)
     bounds = sorted({0.0, end, *(min(kink, end) for kink in kinks)})
     nodes, weights = _gauss(_RINGS // 8)
@@ -147,10 +144,8 @@ def _split_rings(acceptance_rad: float, kinks: list[float]) -> tuple[Floats, Flo
 
 
 def _union(start: Floats, end: Floats) -> Floats:
-    """How much of each ring its arcs (R, K), rad, cover together: (R,), 0 to 1.
-
-    Arcs start from -3π/2 on and end by 5π/2: each counts where it lies and once around away.
-    """
+    """The covered share of each ring, (R,), 0 to 1, by arcs (R, K), rad, that may overlap. Arcs lie
+    between -3π/2 and 5π/2 and are taken modulo a turn."""
     turns = 2 * np.pi * np.array([-1.0, 0.0, 1.0])[:, None, None]
     starts = np.clip(np.concatenate(list(start + turns), axis=1), -np.pi, np.pi)
     ends = np.clip(np.concatenate(list(end + turns), axis=1), -np.pi, np.pi)

@@ -328,9 +328,8 @@ def _curve(tally: _Tally, pose: Array, limit: float) -> tuple[NDArray[np.int64],
 def _crossing(
     counts: NDArray[np.int64], deviations: Array, limit: float
 ) -> tuple[float, float, int | None]:
-    """Where a power law through the nearest measurements meets the limit, the relative standard
-    error of that, and where counting up one by one stops in the median.
-    """
+    """Where a power law fitted to the nearest measurements meets the limit, its relative standard
+    error, and the median of where counting up one by one stops."""
     if deviations[0] <= limit:
         return 1.0, 0.0, 1
     first = int(np.flatnonzero(deviations <= limit)[0])

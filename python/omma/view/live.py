@@ -17,7 +17,7 @@ Job = Callable[[], bool]
 
 
 class _ChangedError(Exception):
-    """The settings are others now: what is being rendered is for nothing."""
+    """Settings have changed: the frame in work is not wanted any more."""
 
 
 class Live:
