@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from omma._core import Error
 from omma.base.poses import Matrices, load_poses, poses_from_angles
 from omma.base.velocities import velocities_from_poses
-from omma.datasets.probing import Probe
+from omma.datasets.free_space import FreeSpace
 from omma.datasets.tables import Table, choices, count, name, number_above_0, numbers, span, texts
 from omma.datasets.tables import text as a_text
 
@@ -125,7 +125,9 @@ def key_of(*parts: object) -> NDArray[np.uint64]:
     return np.frombuffer(digest[:16], np.uint64)
 
 
-def sample_poses(poses: PoseSet, seed: int, scene: str, numbers: range, probe: Probe) -> Matrices:
+def sample_poses(
+    poses: PoseSet, seed: int, scene: str, numbers: range, space: FreeSpace
+) -> Matrices:
     """Poses (P, 4, 4) with these numbers, of a set whose sampler is no walk.
 
     Raises:
@@ -141,10 +143,10 @@ def sample_poses(poses: PoseSet, seed: int, scene: str, numbers: range, probe: P
         # A step of the counter gives four numbers.
         stream.advance(numbers.start * (_DRAWN // 4))
         drawn = np.random.Generator(stream).random((len(numbers), _DRAWN))[left]
-        tried = _positions(poses, drawn, probe)
+        tried = _positions(poses, drawn, space)
         good = np.asarray(np.isfinite(tried).all(axis=1))
         if poses.clearance_m > 0:
-            good[good] = probe.is_free(tried[good], poses.clearance_m)
+            good[good] = space.is_free(tried[good], poses.clearance_m)
         position[left[good]] = tried[good]
         for k, (low, high) in enumerate((poses.yaw_deg, poses.pitch_deg, poses.roll_deg)):
             angles[left[good], k] = low + (high - low) * drawn[good, 4 + k]
@@ -184,13 +186,13 @@ def no_free_position(poses: PoseSet, scene: str, which: str, tried: str) -> Erro
     )
 
 
-def _positions(poses: PoseSet, drawn: Floats, probe: Probe) -> Floats:
+def _positions(poses: PoseSet, drawn: Floats, space: FreeSpace) -> Floats:
     """Positions (P, 3), m, from random numbers; NaN where there is none."""
     low, high = np.array(poses.low_m), np.array(poses.high_m)
     spread: Floats = low + (high - low) * drawn[:, : len(low)]
     if poses.sampler != "surface":
         return spread
-    ground = probe.ground_below(spread, poses.on)
+    ground = space.ground_below(spread, poses.on)
     bottom, top = poses.height_m
     above = bottom + (top - bottom) * drawn[:, 3]
     return np.column_stack([spread[:, 0], ground + above, spread[:, 1]])

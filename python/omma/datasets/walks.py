@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from omma.base.poses import Matrices, poses_from_angles
 from omma.base.velocities import velocities_from_poses
-from omma.datasets.probing import Probe
+from omma.datasets.free_space import FreeSpace
 from omma.datasets.samplers import PoseSet, key_of, no_free_position, sample_poses
 
 # New ways that are tried where the one ahead is blocked.
@@ -20,13 +20,13 @@ _TURNS = 64
 Floats = NDArray[np.float64]
 
 
-def walk_poses(poses: PoseSet, seed: int, scene: str, walks: range, probe: Probe) -> Matrices:
+def walk_poses(poses: PoseSet, seed: int, scene: str, walks: range, space: FreeSpace) -> Matrices:
     """Whole walks with these numbers, one after another: (walks * steps, 4, 4).
 
     Raises:
         omma.Error: a walk has no free position to begin or to go on.
     """
-    begin = sample_poses(poses, seed, scene, walks, probe)
+    begin = sample_poses(poses, seed, scene, walks, space)
     position = begin[:, :3, 3].copy()
     yaw = np.degrees(np.arctan2(-begin[:, 0, 2], begin[:, 2, 2]))
     draw = [
@@ -50,7 +50,7 @@ def walk_poses(poses: PoseSet, seed: int, scene: str, walks: range, probe: Probe
             side = draw[k].choice((-1.0, 1.0))
             yaw[k] = gaze[k] + side * draw[k].uniform(*poses.saccade_deg)
             climb[k] = draw[k].uniform(*poses.climb_deg)
-        blocked = ~_can_go(poses, position, yaw, climb, probe)
+        blocked = ~_can_go(poses, position, yaw, climb, space)
         for _ in range(_TURNS):
             if not blocked.any():
                 break
@@ -59,7 +59,7 @@ def walk_poses(poses: PoseSet, seed: int, scene: str, walks: range, probe: Probe
                 yaw[k] = gaze[k] + draw[k].uniform(-180, 180)
                 climb[k] = draw[k].uniform(*poses.climb_deg)
             starts |= blocked
-            blocked[which] = ~_can_go(poses, position[which], yaw[which], climb[which], probe)
+            blocked[which] = ~_can_go(poses, position[which], yaw[which], climb[which], space)
         if blocked.any():
             number = walks[int(np.argmax(blocked))]
             raise no_free_position(
@@ -87,7 +87,7 @@ def _gone(poses: PoseSet, position: Floats, yaw_deg: Floats, climb_deg: Floats) 
 
 
 def _can_go(
-    poses: PoseSet, position: Floats, yaw_deg: Floats, climb_deg: Floats, probe: Probe
+    poses: PoseSet, position: Floats, yaw_deg: Floats, climb_deg: Floats, space: FreeSpace
 ) -> NDArray[np.bool_]:
     """Whether a step stays in the box, meets nothing and ends at a free position."""
     after = _gone(poses, position, yaw_deg, climb_deg)
@@ -95,6 +95,6 @@ def _can_go(
     if poses.clearance_m > 0 and good.any():
         angles = np.column_stack([yaw_deg, climb_deg, np.zeros_like(yaw_deg)])[good]
         length = poses.speed_m_s[0] * poses.step_s + poses.clearance_m
-        ahead = probe.is_clear_ahead(poses_from_angles(position[good], angles), length)
-        good[good] = ahead & probe.is_free(after[good], poses.clearance_m)
+        ahead = space.is_clear_ahead(poses_from_angles(position[good], angles), length)
+        good[good] = ahead & space.is_free(after[good], poses.clearance_m)
     return good

@@ -31,7 +31,7 @@ _MOST_MAPPED = 1 << 22
 _POSITIONS_PER_TRIANGLE = 0.02
 
 
-class Probe:
+class FreeSpace:
     """Asks a world, which should have no light: what is seen is of no use here."""
 
     def __init__(self, world: World, threads: int = 0) -> None:
