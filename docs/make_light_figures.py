@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import omma
-from omma.base.directions import direction, unit
+from omma.base.directions import direction, normalized
 from omma.base.figures import COLOURS, GREY, INK, figure_style, save_figure
 
 DOCS = Path(__file__).resolve().parent
@@ -103,7 +103,7 @@ def draw_ommatidium(panel):
     end = 1.25 * ray
     arrow(panel, view, end, end + 0.45 * carried, BLUE, "e₁", (0, 0.09))
     arrow(panel, view, end, end + 0.45 * np.cross(ray, carried), RED, "e₂", (0.10, -0.08))
-    between = unit(np.array([axis * (1 - t) + ray * t for t in np.linspace(0, 1, 20)]))
+    between = normalized(np.array([axis * (1 - t) + ray * t for t in np.linspace(0, 1, 20)]))
     line(panel, view, 0.9 * between, GREY, 0.8, ":")
     panel.text(
         0.45, -1.2, "a receptor sees\nI + m (Q cos 2φ + U sin 2φ)", ha="center", fontsize="small"
@@ -114,12 +114,12 @@ def draw_ommatidium(panel):
 def axes_of(d):
     """e1, which points up, and e2 of light from afar in a direction d."""
     up = np.array([0, 1.0, 0])
-    e1 = unit(up - (up @ d) * d)
+    e1 = normalized(up - (up @ d) * d)
     return e1, np.cross(d, e1)
 
 
 def shortest_turn(one, other):
-    """The rotation (3, 3) that takes one unit vector to another by the shortest way."""
+    """The rotation (3, 3) that takes one direction to another by the shortest way."""
     v, c = np.cross(one, other), one @ other
     skew = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
     return np.eye(3) + skew + skew @ skew / (1 + c)
@@ -128,7 +128,7 @@ def shortest_turn(one, other):
 def camera(azimuth_deg, elevation_deg):
     """Rows right, up and towards the viewer, who looks from behind the one who sees, from above."""
     towards = -direction(azimuth_deg, -elevation_deg)
-    right = unit(np.cross([0, 1.0, 0], towards))
+    right = normalized(np.cross([0, 1.0, 0], towards))
     return np.array([right, np.cross(towards, right), towards])
 
 

@@ -1,7 +1,7 @@
 """Docstrings as Sphinx wants them, for docs/conf.py: they are written to be read as they are.
 
 Names between single backquotes become links where they are public, lines `name: what it is` of
-values a list, indented lines of a room's docstring code, and |x| stays |x|.
+values a list, indented lines of a subpackage's docstring code, and |x| stays |x|.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ FIELD = re.compile(r"^(\*{0,2}\w+(?:, \*{0,2}\w+)*): ")
 @functools.cache
 def places() -> dict[str, str]:
     """The full name of each public thing by what docstrings may call it: alone, where that is said
-    of one thing only, and with its room."""
+    of one thing only, and with its subpackage."""
     found: dict[str, str] = {}
     twice = set()
     modules = {name: getattr(omma, name) for name in omma.__all__}
-    rooms = {"omma": omma} | {
+    subpackages = {"omma": omma} | {
         f"omma.{name}": one for name, one in modules.items() if inspect.ismodule(one)
     }
-    for room, module in rooms.items():
-        found[room] = room
+    for subpackage, module in subpackages.items():
+        found[subpackage] = subpackage
         for name in module.__all__:
-            full = f"{room}.{name}"
+            full = f"{subpackage}.{name}"
             thing = getattr(module, name)
             if inspect.ismodule(thing):
                 continue

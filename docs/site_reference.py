@@ -1,5 +1,5 @@
-"""The site's reference, made from the package itself: a page for each room with every public name,
-the command line's help, and the C++ headers. For docs/make_site.py."""
+"""The site's reference, made from the package itself: a page for each subpackage with every public
+name, the command line's help, and the C++ headers. For docs/make_site.py."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from site_docstrings import linked
 import omma
 
 
-def rooms() -> dict[str, Any]:
+def subpackages() -> dict[str, Any]:
     """The package and its public subpackages, by their full names."""
     found = {"omma": omma}
     for name in omma.__all__:
@@ -32,11 +32,11 @@ def first_sentence(text: str | None) -> str:
     return re.split(r"(?<=[.])\s", line)[0]
 
 
-def public(room: Any) -> dict[str, list[str]]:
-    """What a room has: names of classes, of functions and of other things."""
+def public(subpackage: Any) -> dict[str, list[str]]:
+    """What a subpackage has: names of classes, of functions and of other things."""
     kinds: dict[str, list[str]] = {"Classes": [], "Functions": [], "Constants": []}
-    for name in room.__all__:
-        thing = getattr(room, name)
+    for name in subpackage.__all__:
+        thing = getattr(subpackage, name)
         if inspect.ismodule(thing):
             continue
         kind = "Classes" if inspect.isclass(thing) else "Functions"
@@ -72,25 +72,25 @@ def entry(full: str, thing: Any) -> list[str]:
         return lines
     if callable(thing):
         return [f".. autofunction:: {full}", ""]
-    room, name = full.rsplit(".", 1)
-    return [f".. py:data:: {name}", f"   :module: {room}", "", f"   ``{thing!r}``", ""]
+    subpackage, name = full.rsplit(".", 1)
+    return [f".. py:data:: {name}", f"   :module: {subpackage}", "", f"   ``{thing!r}``", ""]
 
 
-def room_page(full: str, room: Any) -> str:
-    """A room's page, reStructuredText, as docstrings are."""
+def subpackage_page(full: str, subpackage: Any) -> str:
+    """A subpackage's page, reStructuredText, as docstrings are."""
     lines = [full, "=" * len(full), "", f".. automodule:: {full}", "   :no-members:", ""]
-    kinds = public(room)
+    kinds = public(subpackage)
     for kind, names in kinds.items():
         lines += [f"{kind} of {full}", "-" * (len(kind) + 4 + len(full)), ""]
         lines += [".. list-table::", "   :widths: 30 70", "   :class: names", ""]
         for name in names:
-            thing = getattr(room, name)
+            thing = getattr(subpackage, name)
             said = first_sentence(thing.__doc__) if callable(thing) else ""
             said = re.sub(r"(?<!`)`([^`]+)`(?!`)", linked, said).replace("|", "\\|")
             lines += [f"   * - :py:obj:`{name} <{full}.{name}>`", f"     - {said}"]
         lines += [""]
         for name in names:
-            lines += entry(f"{full}.{name}", getattr(room, name))
+            lines += entry(f"{full}.{name}", getattr(subpackage, name))
     return "\n".join(lines) + "\n"
 
 
@@ -162,14 +162,17 @@ def command_line_page() -> str:
 
 def reference_pages(root: Path) -> dict[str, str]:
     """All pages of the reference, by their place in the site."""
-    pages = {f"reference/{full}.rst": room_page(full, room) for full, room in rooms().items()}
+    pages = {
+        f"reference/{full}.rst": subpackage_page(full, subpackage)
+        for full, subpackage in subpackages().items()
+    }
     pages["reference/command-line.md"] = command_line_page()
     pages["reference/cpp.md"] = headers_page(root)
     lines = [""]
-    for full, room in rooms().items():
-        count = sum(len(names) for names in public(room).values())
+    for full, subpackage in subpackages().items():
+        count = sum(len(names) for names in public(subpackage).values())
         lines.append(
-            f"- [{full}](reference/{full}.rst): {first_sentence(room.__doc__)} {count} names."
+            f"- [{full}](reference/{full}.rst): {first_sentence(subpackage.__doc__)} {count} names."
         )
     lines += [
         "- [Command line](reference/command-line.md): every command and option of `omma`.",
@@ -179,7 +182,7 @@ def reference_pages(root: Path) -> dict[str, str]:
         "```{toctree}",
         ":hidden:",
         "",
-        *(f"reference/{full}" for full in rooms()),
+        *(f"reference/{full}" for full in subpackages()),
         "reference/command-line",
         "reference/cpp",
         "```",

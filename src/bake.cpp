@@ -1,8 +1,8 @@
-// Baking, in passes and each in two halves, which have random numbers of their own: what they differ by
-// is noise (backend/bake_groups.h). A first pass tells how much of it there is. Where light comes in by
-// few ways, as into rooms, the next passes end their paths on the light of the one before (final
-// gathering); elsewhere a second pass has more paths, where noise is. It alone counts then: a mean with
-// paths that decided how many others there are would be too low.
+// Baking in passes, each in two halves with independent random numbers, whose difference is noise
+// (backend/bake_groups.h). The first pass estimates the noise. Where light enters by small
+// openings, as into rooms, later passes end their paths on the light of the pass before (final
+// gathering); elsewhere a second pass has more paths where there is more noise, and counts alone: a
+// mean with the paths that decided on how many others there are would be biased low.
 #include "omma/bake.h"
 
 #include <algorithm>
@@ -30,9 +30,9 @@ constexpr double paths_of_side = 16, paths_of_small_scenes = 1 << 26;
 // One of so many paths goes to the first pass.
 constexpr double paths_of_first = 6;
 constexpr int most_first = 32;
-// Light comes in by few ways, as into rooms, where paths differ by so much: the variance of one, over
-// the square of the light, at the cells of which a tenth has more. From few paths of a side that is not
-// known, and what is read would be noise.
+// Final gathering is used where light enters by small openings, as into rooms, so that paths vary
+// much: where the relative variance of one path exceeds this at a tenth of the cells. With few
+// paths per side the variance is not known, and gathering would read noise.
 constexpr double variance_in_rooms = 16, least_to_gather = 96;
 // Variance of a path that ends on what is baked over that of one that goes all the way, about.
 constexpr double variance_of_second = 0.5;

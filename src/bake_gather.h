@@ -31,7 +31,8 @@ struct GatherWorld {
   GatherWorld(const World& world, const BakedLight& plan, const BakedLine* read);
   GatherWorld(const GatherWorld&) = delete;
 
-  // Into `values` [place][band], as codes of BakedLight; whether all have room in them.
+  // Into `values` [cell side or probe][band], as codes of BakedLight; false where a value is too
+  // large for its code.
   bool gather(std::span<const GatherPlace> places, int paths, std::uint16_t* const* values) const;
 };
 
@@ -46,8 +47,8 @@ struct CellPaths {
   const std::uint16_t* paths_of_side = nullptr;  // [cell][side]
 };
 
-// The cells from `first` on, before `end`, into `values` [cell][side][band], of these; whether all have
-// room.
+// The cells from `first` on, before `end`, into `values` [cell][side][band] of these; false where a
+// value is too large for its code.
 bool gather_cells(const GatherWorld& world, const CellPaths& of, std::int32_t first,
                   std::int32_t end, std::uint16_t* values);
 

@@ -13,13 +13,14 @@
 namespace omma {
 namespace {
 
-// Nodes over the time that a frame sees: some for each key, and so many at least that a turn
-// between two of them is small.
+// Nodes of the head's path over the time that a frame sees: some for each key, and at least so many
+// that rotations between nodes are small.
 constexpr std::size_t nodes_per_key = 4, least_nodes = 33, most_nodes = 257;
 
-// Parts of frames in which things move: a few rays each, so that theirs are worth placing all again.
+// Time intervals into which a frame is divided while things move, each with a few rays, as each
+// costs a move of all things.
 constexpr int most_parts = 32, least_parts = 8, rays_of_part = 4;
-// How much of what makes parts alike is the probability of their delays, the rest their length.
+// Intervals are equal in this mixture of probability and length; the weight of probability.
 constexpr double by_probability = 0.75;
 
 HeadKey key_of(const Mat4& traced_from_head, double time_s) {

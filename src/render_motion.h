@@ -39,24 +39,24 @@ struct FrameMotion {
   std::size_t frame = ~std::size_t{0};
 };
 
-// A part of a frame that lasts, for things that move meanwhile: where they are at its middle they are
-// for all its rays, one of each `count` of an ommatidium (rays.h). The whole frame is one part.
+// A time interval of a frame, for things that move: all rays of it see them where they are at its
+// middle, one ray of each `count` of an ommatidium (rays.h). The whole frame is one interval.
 struct TimePart {
   int index = 0, count = 1;    // a power of two
   double first = 0, size = 1;  // its delays, as quantiles: `size` is how much it counts
 };
 
-// As many parts as so many rays can have.
+// The number of intervals for so many rays of an ommatidium.
 int parts_for(int samples);
 
-// Parts are alike in a mean of how probable their delays are and how long they last: a long tail of
-// few rays moves too far to be one. `delays_s`: see RenderSettings.
+// Intervals are equal in a mixture of probability and length: by probability alone the long tail
+// would be one interval, in which things move too far. `delays_s`: see RenderSettings.
 TimePart time_part(int index, int count, std::span<const double> delays_s);
 
-// So many rays of an ommatidium are in a part.
+// The number of an ommatidium's rays in an interval.
 int samples_in(const TimePart& part, int samples);
 
-// How long before the frame the middle of a part is, s.
+// The delay at the middle of an interval, s.
 double delay_of(const TimePart& part, std::span<const double> delays_s);
 
 // Null where the head stands still for as long as the frame sees.

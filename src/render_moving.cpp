@@ -1,6 +1,5 @@
-// Frames between which things move: poses between which nothing does are rendered as a still world,
-// one stretch of them after the other, without going back to the caller in between. Where frames last,
-// and things move meanwhile, each is rendered in parts.
+// Frames between which things move: runs of poses at which all things are still are each rendered
+// as a still world. A frame that lasts while things move is rendered by time intervals.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -23,7 +22,7 @@ struct Stretch {
   std::size_t begin, end;
 };
 
-// What some of all poses have of an output; empty where there is none.
+// The slice of an output that belongs to some of the poses; empty where the output is.
 template <typename T>
 std::span<T> of_poses(std::span<T> all, Stretch part, std::size_t poses) {
   const std::size_t each = all.size() / poses;
@@ -34,7 +33,7 @@ std::span<T> of_pose(std::span<T> all, std::size_t pose, std::size_t poses) {
   return of_poses(all, {pose, pose + 1}, poses);
 }
 
-// The ground truth that a call asks for of some of its poses.
+// The ground truth of a call, sliced to some of its poses.
 TruthCall truth_of_poses(const TruthCall& all, Stretch part, std::size_t poses) {
   TruthCall some = all;
   for (std::span<float> TruthCall::* const output :
@@ -80,7 +79,7 @@ Moves moves_of(const BuiltScene& built, const RenderCall& call, std::span<const 
   return moves;
 }
 
-// Whether all is at one pose where it is at another.
+// Whether all things are at the same transforms at two poses.
 bool lies_alike(const RenderCall& call, bool is_animated, std::size_t a, std::size_t b,
                 std::size_t poses) {
   if (is_animated && call.times_s[a] != call.times_s[b]) return false;
@@ -89,7 +88,7 @@ bool lies_alike(const RenderCall& call, bool is_animated, std::size_t a, std::si
                                       first.size_bytes()) == 0;
 }
 
-// The head's poses, for frames that last: each is rendered by itself and told what was before.
+// Keys of the head's path: a frame that lasts is rendered by itself, and needs those before it.
 struct HeadKeys {
   double longest_s = -1;  // that a frame looks back; below 0 frames are instants
   std::vector<Mat4> world_from_head;
@@ -128,8 +127,8 @@ struct HeadKeys {
   }
 };
 
-// Where the things of the call are at a key: before the poses where the call says that they were,
-// or else where they are at the first of them.
+// Transforms of the call's things at a key; before the first pose those that the call gives for the
+// past, or else those of the first pose.
 std::span<const Mat4> things_at(const RenderCall& call, const HeadKeys& keys, std::size_t key,
                                 std::size_t poses) {
   if (key >= keys.past) return of_pose(call.world_from_node, key - keys.past, poses);
@@ -149,8 +148,8 @@ bool moves_within(const RenderCall& call, const HeadKeys& keys, bool is_animated
   return false;
 }
 
-// Where all is so long before the frame of a pose: between keys things move on a straight way and turn
-// evenly, before the first they stand.
+// Moves to where all things are at a delay before the frame of a pose: between keys positions are
+// linear and rotations even, before the first key all stand.
 Moves moves_before(const BuiltScene& built, const RenderCall& call, const HeadKeys& keys,
                    std::span<const int> animations, std::size_t pose, std::size_t poses,
                    double delay_s) {

@@ -12,9 +12,9 @@ namespace {
 
 constexpr std::size_t rows_per_task = 256;
 
-// Room of this thread for so many numbers, the same for all frames. In a forked process the
-// renderer's own may be as another thread was about to change it.
-float* room_for_rays(const Renderer::State& s, std::size_t values) {
+// This thread's buffer of so many floats, reused by all frames. A forked process takes other
+// memory, as its parent may have been changing the renderer's.
+float* buffer_for_rays(const Renderer::State& s, std::size_t values) {
   if (threads_are_gone())
     return reinterpret_cast<float*>(
         thread_memory(ThreadRoom::shared_rays, values * sizeof(float)));
@@ -45,7 +45,7 @@ void render_frame(const Renderer::State& s, int pattern, const Mat4& world_from_
       blocks_of(s, s.eye_view, s.direction_views.front(), s.eye.size(), outputs);
   // [ray][output]
   float* const traced =
-      room_for_rays(s, set.rays.rays.size() * static_cast<std::size_t>(outputs.count));
+      buffer_for_rays(s, set.rays.rays.size() * static_cast<std::size_t>(outputs.count));
   const auto trace = [&](std::size_t block) {
     BlockTask task = make_task(blocks, block, world_from_head, 0);  // rays are fixed to the head
     task.sees = sees;
@@ -68,8 +68,8 @@ void render_frame(const Renderer::State& s, int pattern, const Mat4& world_from_
         thread_memory(ThreadRoom::block, block_memory_bytes(of_eye.frame)));
   };
   if (parallel) {
-    // Isolated: a thread that waits here may not take up a frame of another call, which would use
-    // this thread's room.
+    // Isolated: a waiting thread must not take up a frame of another call, which would use the same
+    // buffer.
     run_isolated([&] {
       parallel_for(std::size_t{0}, blocks.count(), trace);
       parallel_for(std::size_t{0}, row_tasks, weigh);

@@ -46,7 +46,7 @@ struct Renderer::State {
 
   // Rays shared by neighbours: the first set is used at all poses, the others for standard errors.
   mutable std::array<MadeOnce<SharedSet>, error_scrambles> shared;
-  // What such rays bring in a frame, of each of the arena's threads.
+  // Radiance of shared rays in one frame, a buffer for each thread of the arena.
   mutable std::vector<std::vector<float>> radiance;  // [thread][ray * output]
 
   mutable std::atomic<std::uint64_t> frames = 0;  // rendered so far, with Noise::new_every_frame
@@ -56,7 +56,7 @@ struct Renderer::State {
 
   const BuiltScene& built() const { return *world.state().built; }
   const SceneView* view() const { return &world.state().view; }
-  // The number of a call's pose that its noise goes by, less that of the first; see Noise.
+  // The frame number that random numbers are hashed from: 0 with frozen noise.
   std::uint64_t frame_of(std::size_t pose, std::uint64_t first) const {
     return settings.noise == Noise::frozen ? 0 : first + pose;
   }
@@ -81,15 +81,15 @@ BlockTask make_task(const Blocks& blocks, std::size_t block, const Mat4& world_f
 // Traces a task, on this thread.
 void trace_task(const Blocks& blocks, const BlockTask& task);
 
-// What the call's responses are made of: the bands themselves, or a mixture of them for each output.
+// Outputs of a call: the bands themselves, or linear combinations of them.
 struct Outputs {
   int count = 0;
   std::vector<float> from_band;  // [output][band], empty for the bands
 };
 
-// Runs run(begin, end) over all tasks in stretches of about a fifth of a second, so that the caller
-// hears of progress and can cancel; short renders are one stretch, and the first is short enough
-// for the slowest scenes, but a task for each thread. Nobody to tell: all is one stretch.
+// Runs run(begin, end) over all tasks in pieces of about a fifth of a second, so that the caller
+// hears of progress and can cancel. Short renders are one piece; the first piece is short enough
+// for the slowest scenes, but at least a task for each thread. Without `progress` all is one piece.
 void run_in_stretches(std::size_t tasks, double rays_per_task, int threads,
                       const std::function<bool(double)>& progress,
                       const std::function<void(std::size_t, std::size_t)>& run);
@@ -102,8 +102,8 @@ const SharedSet& shared_set(const Renderer::State& state, int pattern);
 void render_still(const Renderer::State& state, std::span<const Mat4> world_from_head,
                   std::span<float> responses, const RenderCall& call, const TimePart& part = {});
 
-// The bits of what the rays of a pose meet (RayPacket::mask): a group's rays have its bit, which what
-// the group does not see lacks.
+// The mask of a pose's rays (RayPacket::mask): each group has a bit, which instances that it does
+// not see lack.
 inline SeenMasks seen_at(const RenderCall& call, std::size_t pose) {
   if (call.unseen_at.empty() || call.unseen_at[pose] < 0) return {};
   const std::uint32_t own = 1u << call.unseen_at[pose];

@@ -1,4 +1,4 @@
-// The ground truth that a call asks for: rooms and motions checked, tables by instance made.
+// The ground truth of a call: sizes of outputs and motions checked, tables by instance made.
 #include "render_truth.h"
 
 #include <cmath>
@@ -95,13 +95,13 @@ Truth checked_truth(const TruthCall& call, const BuiltScene& built, std::size_t 
                     std::size_t ommatidia) {
   Truth truth;
   bool is_asked = false;
-  // Whether there is room, which must then be for all.
-  const auto asks = [&](const char* name, const auto& room, std::size_t each, const char* shape) {
-    if (room.empty()) return false;
+  // Whether an output is asked for; if so its size must fit all poses.
+  const auto asks = [&](const char* name, const auto& output, std::size_t each, const char* shape) {
+    if (output.empty()) return false;
     const std::size_t expected = poses * ommatidia * each;
-    if (room.size() != expected)
+    if (output.size() != expected)
       throw Error(std::string(name) + ": expected room for " + std::to_string(expected) +
-                  " values (" + shape + "), found " + std::to_string(room.size()));
+                  " values (" + shape + "), found " + std::to_string(output.size()));
     return is_asked = true;
   };
   const char* one = "pose x ommatidium";
@@ -113,10 +113,10 @@ Truth checked_truth(const TruthCall& call, const BuiltScene& built, std::size_t 
   truth.view.places = asks("position_m", call.position_m, 3, vector);
   truth.view.places = asks("normal", call.normal, 3, vector) || truth.view.places;
   const char* flow = "pose x ommatidium x (right, up)";
-  for (const auto& [name, room] : {std::pair{"flow_rotation", call.flow_rotation},
+  for (const auto& [name, output] : {std::pair{"flow_rotation", call.flow_rotation},
                                    {"flow_translation", call.flow_translation},
                                    {"flow_objects", call.flow_objects}})
-    truth.view.flow = asks(name, room, 2, flow) || truth.view.flow;
+    truth.view.flow = asks(name, output, 2, flow) || truth.view.flow;
   if (asks("shares", call.shares, static_cast<std::size_t>(call.share_count),
            "pose x ommatidium x group"))
     take_shares(call, built, truth);
@@ -127,8 +127,8 @@ Truth checked_truth(const TruthCall& call, const BuiltScene& built, std::size_t 
   const Vec3d origin = built.placement.origin_m;
   for (std::size_t p = 0; p < poses; ++p) {
     TruthTask task;
-    const auto of_pose = [&](const auto& room, std::size_t each) {
-      return room.empty() ? nullptr : room.data() + p * ommatidia * each;
+    const auto of_pose = [&](const auto& output, std::size_t each) {
+      return output.empty() ? nullptr : output.data() + p * ommatidia * each;
     };
     const auto set = [](auto& to, const Vec3d& v) {
       to[0] = static_cast<std::remove_reference_t<decltype(to[0])>>(v.x);

@@ -17,7 +17,7 @@ struct Truth {
   std::vector<float> objects;  // [pose][object][3][3]
 };
 
-// Throws omma::Error where room or motions are of the wrong size. The world must be at rest.
+// Throws omma::Error where outputs or motions are of the wrong size. The world must be at rest.
 Truth checked_truth(const TruthCall& call, const BuiltScene& built, std::size_t poses,
                     std::size_t ommatidia);
 

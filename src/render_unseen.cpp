@@ -1,4 +1,4 @@
-// Marks things by bits of what is not seen (RayPacket::mask).
+// Sets the mask bits of instances that groups of poses do not see (RayPacket::mask).
 #include "render_unseen.h"
 
 #include <algorithm>

@@ -9,8 +9,8 @@ namespace omma {
 // Throws omma::Error where groups, or the group of a pose, are not of this world.
 void check_unseen(const BuiltScene& built, const RenderCall& call, std::size_t poses);
 
-// While it lives, what groups do not see is marked so. Things take their marks where they are placed:
-// they are to be among the moves before and after.
+// Sets the masks while it lives. Masks are applied where instances are placed, so what is unseen
+// must be among the moves before and after.
 class UnseenMarks {
  public:
   UnseenMarks(BuiltScene& built, const RenderCall& call);

@@ -258,8 +258,8 @@ void make_moves(BuiltScene& built, Moves moves, const Progress& progress) {
     for (std::size_t i = 0; newly && i < placement.moves.size(); ++i)
       box = box_around(box, box_of(built, i, placement.world_from_mesh[i]));
     placement.half_size_m = omma::half_size_m(box);
-    // The origin stays as long as it is not far away, so that what moves along does not have all
-    // built again and again.
+    // The origin is kept until it is far away, so that one thing that moves away does not rebuild
+    // all each time.
     const Vec3d shift = origin_near({box.lower - origin, box.upper - origin, box.empty});
     if (shift.x != 0 || shift.y != 0 || shift.z != 0) {
       placement.origin_m = origin_near(box);

@@ -27,7 +27,7 @@ inline double seconds_since(Clock::time_point start) {
 
 struct CameraRays;  // camera_rays.h
 
-// What lit worlds read of meshes, in a list that only grows while anything is rendered.
+// A list of the shading data of lit worlds; it only grows while anything is rendered.
 struct LitShading {
   std::weak_ptr<ShadingData> shading;
   LitShading* next = nullptr;
@@ -75,7 +75,7 @@ struct BuiltScene {
   float first_origin_now_m[3] = {0, 0, 0};
   Bounds still_box;         // around what was never moved
   std::vector<int> moving;  // indices of instances that were
-  // Content that images of the scene were given, where it stays.
+  // Pictures that replaced images of the scene, by image; their addresses stay.
   std::map<int, std::unique_ptr<const Image>> images;
   bool has_other_colors = false;  // a material was given one
 
@@ -158,7 +158,7 @@ Moves moves_at(const BuiltScene& built, std::span<const int> animations, double 
 // Of a scene with a rig.
 Animated animated_of(const Scene& scene, const Things& things);
 
-// Has what all that see the world read of meshes be of their shapes now.
+// Points the shading data of all worlds of this scene to the shapes that meshes have now.
 void follow_shapes(BuiltScene& built);
 // The same of a lit world, from now on. Its maker holds a Rendering.
 void follow_shapes(const BuiltScene& built, const std::shared_ptr<ShadingData>& shading);

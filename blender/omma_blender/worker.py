@@ -117,7 +117,8 @@ def render(
         picture: .npy to write what is to be shown to: float32 (height, width, 3), linear, row 0 at
             the top, NaN where no ommatidium looks.
         light: what lights the scene, see `light_of`; without it, it is not lit.
-        options: samples, seed, width, and of an eye kernel, standard_error and projection.
+        options: samples, seed, width, and of an eye kernel (angular sensitivity),
+            standard_error and projection.
     """
     import numpy as np
 
@@ -197,7 +198,9 @@ def render_lit(
     errors = None
     if scene.camera(camera).type == "compound":
         head = omma.picture.camera_eye(scene, camera)
-        renderer = omma.Renderer(world, head, omma.Fixed(samples), seed=seed, kernel=kernel)
+        renderer = omma.Renderer(
+            world, head, omma.Fixed(samples), seed=seed, angular_sensitivity=kernel
+        )
         seen = renderer.render(camera, standard_error=standard_error, progress=progress)
         if standard_error:
             seen, errors = seen

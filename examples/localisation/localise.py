@@ -62,14 +62,21 @@ def positions_mm(part: int, seed: int) -> np.ndarray:
     return np.random.default_rng([seed, part]).uniform(-BOX_MM / 2, BOX_MM / 2, (PART, 3))
 
 
-def views_folder(out: Path, scene: Path, eye: Path, rays: int, kernel: str, seed: int) -> Path:
+def views_folder(out: Path, scene: Path, eye: Path, rays: int, sensitivity: str, seed: int) -> Path:
     """A folder for each setting, so that views of one are never taken for those of another."""
     content = hashlib.sha256(scene.read_bytes() + eye.read_bytes()).hexdigest()[:8]
-    return out / "views" / f"{eye.stem}_{rays}rays_{kernel}_seed{seed}_{content}"
+    return out / "views" / f"{eye.stem}_{rays}rays_{sensitivity}_seed{seed}_{content}"
 
 
 def render_views(
-    scene: Path, eye: Path, folder: Path, frames: int, rays: int, kernel: str, seed: int, tick: Tick
+    scene: Path,
+    eye: Path,
+    folder: Path,
+    frames: int,
+    rays: int,
+    sensitivity: str,
+    seed: int,
+    tick: Tick,
 ) -> None:
     """Write what the eye sees to ``folder``, PART views a file; files that are there are kept."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -79,7 +86,7 @@ def render_views(
         omma.load_eye(eye, unit="m"),
         omma.Fixed(rays),
         seed=seed,
-        kernel=kernel,
+        angular_sensitivity=sensitivity,
         noise="new_every_frame",
     )
     for part in range(math.ceil(frames / PART)):
@@ -362,7 +369,11 @@ def arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--networks", type=int, default=1, help="networks per eye and draw (1)")
     parser.add_argument("--seed", type=int, default=0, help="of places and networks (0)")
     parser.add_argument(
-        "--kernel", default="gaussian", choices=["gaussian", "compoundray"], help="(gaussian)"
+        "--angular-sensitivity",
+        "--kernel",  # its old name
+        default="gaussian",
+        choices=["gaussian", "compoundray"],
+        help="(gaussian)",
     )
     given = parser.parse_args(argv)
     for name in ("frames", "rays", "epochs", "draws", "networks"):
@@ -386,9 +397,12 @@ def main(argv: list[str] | None = None) -> Curves:
     given = arguments(argv)
     curves: Curves = {eye.stem: [] for eye in given.eyes}
     bounds: dict[str, list[tuple[float, float]]] = {eye.stem: [] for eye in given.eyes}
-    title = f"{given.frames:,} views, {given.rays} rays per ommatidium, {given.kernel} kernel"
+    title = (
+        f"{given.frames:,} views, {given.rays} rays per ommatidium, "
+        f"{given.angular_sensitivity} sensitivity"
+    )
     for draw in range(given.draws):
-        setting = (given.rays, given.kernel, given.seed + draw)
+        setting = (given.rays, given.angular_sensitivity, given.seed + draw)
         for eye in given.eyes:
             what = eye.stem if given.draws == 1 else f"{eye.stem}, draw {draw}"
             folder = views_folder(given.out, given.scene, eye, *setting)

@@ -13,7 +13,7 @@ sensitivity: an evenly lit surround of radiance 1 gives exactly 1. Linear, never
 ``world_from_head``: the head looks along its -Z, +X is its right, +Y up; lengths are metres, angles
 radians, where a name does not say otherwise.
 
-At the top is what a first hour needs; the rest is in rooms, which are loaded when they are used:
+At the top is what a first hour needs; the rest is in subpackages, loaded when they are used:
 
 - `omma.eye`: eyes made, changed, measured, read and written; `omma.species`: those of ten animals
 - `omma.receptors`, `omma.light`: sensitivities to wavelengths; bands

@@ -1,5 +1,5 @@
 // Files of eyes for Python: read, written, and what a format would lose. Defaults and units are in
-// omma/files.py.
+// omma/eye/files.py.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>

@@ -1,4 +1,4 @@
-// The one writer and the one reader of files for Python; omma/files.py wraps them.
+// The one writer and the one reader of files for Python; omma/base/files.py wraps them.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>

@@ -1,4 +1,4 @@
-// What worlds are lit by, for Python: the engine's light, made once of the arrays that the room
+// What worlds are lit by, for Python: the engine's light, made once of the arrays that
 // omma.light has put together.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>

@@ -88,8 +88,8 @@ void prepare(Search& s) {
   }
 }
 
-// Whether the triangle has a part in a box: whether none of the axes along which convex shapes can
-// be told apart (of the boxes around both and of the triangle's sides) does.
+// Whether triangle and box overlap: separating axis test, with the axes of the box and the normals
+// of the triangle's sides.
 bool touches(const Search& s, double left, double top, double right, double bottom) {
   const double ax = std::max(left, s.lower_x), bx = std::min(right, s.upper_x);
   const double ay = std::max(top, s.lower_y), by = std::min(bottom, s.upper_y);
@@ -154,7 +154,7 @@ Repeats repeats_of(double lower, double upper, double reach, Wrap wrap, int size
   return {std::floor((lower - reach) / size), std::floor((upper + reach) / size)};
 }
 
-// As seen from a repeat of the image, of which every other is mirrored.
+// Coordinates within one repeat of the image; with mirrored_repeat every other one is mirrored.
 void place_in_repeat(const double (&from)[3], double repeat, Wrap wrap, int size, double (&to)[3]) {
   const bool mirrored = wrap == Wrap::mirrored_repeat && std::fmod(repeat, 2.0) != 0;
   for (int k = 0; k < 3; ++k)
@@ -171,7 +171,7 @@ void search_repeat(Search& s) {
   const int x1 = clamp_texel(s.upper_x + s.reach_x, t.width);
   const int y0 = clamp_texel(s.lower_y - s.reach_y, t.height);
   const int y1 = clamp_texel(s.upper_y + s.reach_y, t.height);
-  // From squares of which the triangle covers few.
+  // Start at the level where the triangle covers few squares.
   const int extent = std::max(x1 - x0, y1 - y0);
   int level = -1;
   for (int size = squares_a_side; 2 * size <= extent; size *= squares_a_side) ++level;
@@ -192,8 +192,8 @@ std::int64_t floor_of(double x) {
   return towards_zero - (static_cast<double>(towards_zero) > x ? 1 : 0);
 }
 
-// A small triangle in an image that is interpolated, square by square between the centres of four
-// texels. In a box within one alpha has its least and most value in corners of the box.
+// A small triangle under bilinear filtering, by squares between four texel centres: within one
+// alpha is bilinear, so that over a box its extremes lie at corners.
 void search_squares(Search& s, double margin_x, double margin_y) {
   const TextureView& t = s.blocks.texture;
   const double left = s.lower_x - margin_x, right = s.upper_x + margin_x;

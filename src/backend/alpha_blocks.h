@@ -1,5 +1,5 @@
-// Least and most alpha of a texture in ever larger squares, by which it is soon found what texels
-// reading it anywhere in a triangle can meet (backend/opacity_maps).
+// A min-max pyramid of a texture's alpha: it bounds what a read anywhere in a triangle can give
+// (backend/opacity_maps).
 #pragma once
 
 #include <vector>
@@ -26,7 +26,8 @@ struct AlphaBlocks {
 // Of level 0, the image itself.
 AlphaBlocks make_alpha_blocks(const TextureView& texture);
 
-// Alpha that lets a cut-out be seen surely, and that surely does not.
+// From opaque_from on a cut-out is opaque however alpha is rounded; below transparent_below it is
+// transparent.
 struct AlphaLimits {
   double opaque_from = 0;        // at least this
   double transparent_below = 0;  // less than this
@@ -38,7 +39,8 @@ struct TexelTriangle {
   double margin_x = 0, margin_y = 0;  // texels: how far off the arithmetic of a read may be
 };
 
-// What all texels are that reads in the triangle give a weight to; else `ask`.
+// Opaque or transparent where that holds for every texel that a read in the triangle weights; else
+// `ask`.
 Opacity kind_of_texels(const AlphaBlocks& blocks, const AlphaLimits& limits,
                        const TexelTriangle& triangle);
 

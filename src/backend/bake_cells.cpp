@@ -1,4 +1,4 @@
-// Cells of a size, of as many as have room.
+// Divides triangles into cells, as many as fit into memory.
 #include "backend/bake_cells.h"
 
 #include <algorithm>
@@ -35,8 +35,8 @@ std::vector<std::vector<float>> longest_edges(const Scene& scene, const Placemen
   return edges;
 }
 
-// What cells are divided by: the longest edges of triangles, and where cells are chosen how much
-// room there is about them, [mesh][triangle], m.
+// What sizes of cells depend on: the longest edges of triangles and, without a given size, their
+// clearances, [mesh][triangle], m.
 struct Sizes {
   std::vector<std::vector<float>> edges, clearances;
   double under_clutter = 0;  // the longest edge of a cell there, over the clearance; 0: any
@@ -45,9 +45,9 @@ struct Sizes {
 // Clearances that count, over the edge: nearer or farther says nothing of the whole triangle.
 constexpr double nearest = 1.0 / 64, farthest = 64;
 
-// Light on a large triangle under clutter, as on ground under grass, changes within a part of the
-// clearance, whatever the size of the triangle: cells are no longer than that, at the finest so much of
-// it, and coarser where scenes would have more cells than these for it.
+// Light on a large triangle under clutter, as on ground under grass, varies over a fraction of the
+// clearance, whatever the size of the triangle. This fraction bounds the cells there, if that makes
+// no more cells than these; else a larger one.
 constexpr double finest_under_clutter = 0.125;
 constexpr std::int64_t most_under_clutter = std::int64_t{1} << 17;
 
@@ -58,10 +58,10 @@ double edge_under_clutter_m(const Sizes& sizes, std::size_t mesh, std::size_t tr
                   edge_m / most_divisions);
 }
 
-// Parts of a triangle's edge: no longer than a cell, where its size was asked for. Chosen, cells are
-// the finer the closer surfaces stand, but they grow with the triangle, as distant ground is no
-// meadow. In the lit meadow, at equally many cells, green light was nearer to that of paths with these
-// powers than where clearances count twice as much.
+// Into how many pieces a triangle's edge is divided. With a given size: so that no cell is longer.
+// Else cells are the smaller the closer other surfaces are, and the larger the larger the triangle:
+// ground far away has large ones. In the lit meadow, at equally many cells, green light was nearer
+// to that of paths with these exponents than with twice the exponent of the clearance.
 std::int64_t divisions(const Sizes& sizes, std::size_t mesh, std::size_t triangle, double cell_m) {
   const auto edge_m = static_cast<double>(sizes.edges[mesh][triangle]);
   if (!(edge_m > 0)) return 1;  // all its corners in one place
@@ -153,8 +153,7 @@ std::string in_mebibytes(double bytes) {
   return text;
 }
 
-// Instances by the size of their triangles, the smallest first, lose their cells until the others
-// have room.
+// Removes the cells of instances, those with the smallest triangles first, until the rest fits.
 void leave_out_smallest(Counted& counted, std::int64_t room) {
   const Scene& scene = counted.scene;
   const auto triangles = [&](std::size_t i) {

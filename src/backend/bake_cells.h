@@ -28,10 +28,9 @@ inline std::size_t bytes_of_cell(std::size_t bands) {
 double longest_edge_m(const Scene& scene, const Placement& placement, std::size_t instance,
                       std::size_t triangle);
 
-// Throws omma::Error where cells were asked for that have no room. Where a size was not asked for,
-// there are some five times as many cells as triangles, the smaller the nearer other surfaces are
-// (clearances_m); where even a cell for each triangle has no room, instances of the smallest
-// triangles get none.
+// Throws omma::Error where cells of a given size do not fit into memory. Without one there are some
+// five times as many cells as triangles, smaller where other surfaces are near (clearances_m);
+// where not even one cell for each triangle fits, instances of the smallest triangles get none.
 BakeCells divide_into_cells(const Tracing& tracing, const Scene& scene, const Placement& placement,
                             std::size_t bands, const BakeSettings& settings);
 

@@ -21,10 +21,12 @@ constexpr std::int64_t least_members = 10;
 // Of a plane through the light of a group, and the least spread of cells that it may lean by, over the
 // largest.
 constexpr double parameters = 4, least_spread = 1e-3;
-// What cells have beside the plane goes with how they are seen: in grass what is bright is open. An
-// ommatidium sees many cells, so it loses more by light that is given up than by noise that is kept.
+// Weight of variation against noise in shrinking residuals. Residuals go with visibility: in grass
+// what is bright is open. An ommatidium averages over many cells, so that bias costs it more than
+// noise.
 constexpr double weight_of_light = 16;
-// Variances of few cells are as that of all groups' median for so many cells more.
+// A prior for variances of small groups: the median over all groups, with the weight of so many
+// cells.
 constexpr double cells_of_median = 4;
 
 // Cells that are better than this, as a fraction of their light, get no more paths.
@@ -182,13 +184,14 @@ double share_of(double varies, double noise) {
   return varies + noise > 0 ? varies / (varies + noise) : 1.0;
 }
 
-// The share that a cell keeps of what it has beside the plane (as in empirical Bayes estimation: C.
-// Morris, Parametric empirical Bayes inference, JASA 78, 1983).
+// Shrinkage factor of a cell's residual (empirical Bayes: C. Morris, Parametric empirical Bayes
+// inference, JASA 78, 1983).
 double kept_share(const GroupNoise& noise, std::int64_t members) {
   return members < least_members ? 1.0 : share_of(weight_of_light * noise.varies, noise.own);
 }
 
-// Of the noise of a cell what is left once it has shared, by itself and with its group.
+// The variance that is left of a cell's noise after shrinking: its own, and what its group has in
+// common.
 struct LeftNoise {
   double own, shared;
 };
@@ -210,8 +213,9 @@ double median_own(const std::vector<GroupNoise>& noise) {
   return *middle;
 }
 
-// [region], the variance that the cells of a group have in common: of the means of groups less what
-// independent noise of their cells makes. Cells whose paths end on the same bright cell err together.
+// [region], the variance that cells of a group have in common: that between the means of the
+// halves, less the part that independent noise explains. Cells whose paths end on the same bright
+// cell have correlated errors.
 std::vector<double> find_common(const BakeGroups& groups, const std::vector<GroupNoise>& noise) {
   struct Sum {
     double apart = 0, own = 0;

@@ -1,7 +1,7 @@
-// Noise of baked light, and less of it. A bake is done twice with random numbers of its own, in two
-// halves: what both agree on among cells that lie side by side and face alike is how their light
-// varies, what they differ by is noise. A plane is laid through the light of such a group; as much as
-// is noise of what a cell has beside the plane it gives up.
+// Estimates and reduces the noise of baked light. A bake has two independent halves: among
+// neighbouring cells that face alike, what the halves share is variation of light, their difference
+// is noise. A plane is fitted to the light of such a group, and residuals are shrunk by their share
+// of noise.
 #pragma once
 
 #include <cstdint>

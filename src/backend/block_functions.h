@@ -23,7 +23,8 @@ struct BlockFunctions {
   void (*discs)(const FrameView&, const BlockTask&, const void* tracer, std::byte* memory) = nullptr;
   void (*weigh)(const SharedWeights&, const float* radiance, int outputs, std::int64_t first,
                 std::int64_t end, float* responses) = nullptr;
-  // Means over the paths of each place, [place][band], in the view's unit; memory as of `render`.
+  // Means over the paths of each cell side or probe, [place][band], in the view's unit; memory as
+  // of `render`.
   void (*gather)(const FrameView&, const GatherTask&, const void* tracer, std::byte* memory,
                  double* mean) = nullptr;
   void (*prepare)(const FrameView&, const BlockTask&, RayPacket<packet_rays>* packets) = nullptr;

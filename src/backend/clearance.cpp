@@ -13,7 +13,7 @@
 namespace omma {
 namespace {
 
-// Instances of a mesh that are looked at.
+// Instances of a mesh that clearances are measured at.
 constexpr std::size_t most_looked_at = 3;
 constexpr std::uint32_t hash_of_clearances = 0x726f6f6du;
 

@@ -1,5 +1,5 @@
-// How much room there is about the triangles of a scene: where surfaces stand close together, the
-// light on them changes within short distances.
+// Free space about the triangles of a scene: where surfaces stand close together, light on them
+// changes within short distances.
 #pragma once
 
 #include <vector>
@@ -16,10 +16,10 @@ struct Tracing {
   const void* tracer = nullptr;
 };
 
-// Harmonic mean of the distances to what surrounds each triangle, on both its sides, [mesh][triangle],
-// m; infinite where nothing does. The mean spacing of places where light has to be known goes by it
-// (Ward, Rubinstein and Clear 1988, A ray tracing solution for diffuse interreflection, eq. 5). Of a
-// mesh with many instances some stand for all.
+// Harmonic mean of the distances to what surrounds each triangle, on both its sides,
+// [mesh][triangle], m; infinite where nothing does. It sets the spacing of irradiance samples
+// (Ward, Rubinstein and Clear 1988, A ray tracing solution for diffuse interreflection, eq. 5). Of
+// a mesh with many instances a few stand for all.
 std::vector<std::vector<float>> clearances_m(const Tracing& tracing, const Scene& scene,
                                              const Placement& placement);
 

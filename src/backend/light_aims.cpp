@@ -11,13 +11,13 @@
 namespace omma {
 namespace {
 
-// Each is asked about for each ommatidium of each frame.
+// Each is tested for each ommatidium in each frame.
 constexpr std::size_t most_aims = 16;
 
 // Of scenes full of small mirrors the first so many directions count; others are found by rays.
 constexpr std::size_t most_mirrors = 64;
 
-// As rough as this a surface spreads the sun over degrees, which rays find.
+// A rougher surface spreads the sun over degrees, which ordinary rays find.
 constexpr float most_mirror_roughness = 0.1f;
 // Surfaces whose normals differ by more, rad, show the sun in more than one direction.
 constexpr double flat_rad = 5e-4;

@@ -179,8 +179,9 @@ std::vector<double> make_emissive(LightData& data, const Light& light, const Sce
   return sent;
 }
 
-// How often each kind is sampled: by its share of what a surface gets, whichever way it faces, the
-// mean over bands; and now and then in any case, as places may lie closer to it.
+// Probability of sampling each kind of light: its share of the irradiance, the mean over bands and
+// orientations, with a floor of a tenth for all kinds together, as a surface may lie close to a
+// weak light.
 void choose_probabilities(LightView& view, const std::array<std::vector<double>, 3>& sent) {
   std::array<double, 3> share{};
   double kinds = 0, bands = 0;
@@ -199,7 +200,7 @@ void choose_probabilities(LightView& view, const std::array<std::vector<double>,
   view.emissive_probability = probability(2);
 }
 
-// About what a surface gets, the mean over bands, over 4 pi.
+// The power of two nearest to irradiance / 4 pi, the mean over bands.
 double choose_radiance_unit(const std::array<std::vector<double>, 3>& sent) {
   double all = 0;
   for (const std::vector<double>& of_kind : sent) all += sum_of(of_kind);

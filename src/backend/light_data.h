@@ -43,8 +43,8 @@ struct LightData {
   std::vector<std::int32_t> emissive_of_instance;
   std::vector<AimView> aims;
   LightView view;
-  // About how bright it is, a power of two: what a radiance of 1 should be on the way of rays, so that
-  // squares of absolute radiances, 10^18 and more, stay in single precision.
+  // The unit of radiance along rays, a power of two near the usual radiance: squares of absolute
+  // radiances, 10^18 and more, then stay in single precision.
   double radiance_unit = 1;
 };
 
@@ -54,10 +54,11 @@ struct LightData {
 std::unique_ptr<LightData> make_light_data(const Light& light, const Scene& scene,
                                            const Placement& placement, const SceneView& view);
 
-// Has the sky's polarisation no more.
+// Drops Q and U of the sky.
 void keep_intensity_alone(LightData& data);
 
-// All radiance in `radiance_unit`, but for that of surfaces, which is the caller's. Once.
+// Divides all radiance by `radiance_unit`, but for that of surfaces, which is the caller's. To be
+// called once.
 void scale_to_radiance_unit(LightData& data);
 
 // Lamps in a frame with this origin, which LightView::lamp_origin_m places in the traced one.

@@ -32,7 +32,7 @@ void make_albedos(LitData& lit) {
   if (has_metal) lit.metal_albedo = make_specular_albedo(std::numeric_limits<double>::infinity());
 }
 
-// Of the light, what is asked for at run time where the rest was baked: discs and lamps.
+// The lights that baked light leaves to next-event estimation: discs and lamps.
 void leave_out_baked(const LightData& data, BakedReading& reading) {
   LightView& light = reading.left_out;
   light = data.view;

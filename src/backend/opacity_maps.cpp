@@ -222,15 +222,15 @@ std::size_t words_of(int level) {
   return (finest + (level < first_tiled_opacity_level ? 0 : finest >> 2 * opacity_tile_level)) / 16;
 }
 
-// A triangle of a scene that is neither all there nor all not.
+// A triangle that is neither wholly opaque nor wholly transparent.
 struct Mixed {
   std::size_t cut_out = 0, triangle = 0;
   int level = 0;
   std::size_t first_word = 0;
 };
 
-// Mixed triangles, each once that has the same corners in the same image: cards of leaves mostly
-// do.
+// Mixed triangles without duplicates: those with the same corners in the same image are one, as
+// most cards of leaves are.
 struct MixedTriangles {
   const std::vector<CutOut>& cut_outs;
   std::vector<Mixed> distinct = {};
@@ -258,8 +258,8 @@ struct MixedTriangles {
   }
 };
 
-// Gives each its place among the states: as fine as it wants to be, or where that would take too
-// much memory, all as fine as there is room for. Returns the number of words.
+// Assigns each triangle its words in the table of states: at the level that it wants, or where
+// memory is short at most at the finest common level that fits. Returns the number of words.
 std::size_t place_states(const std::vector<CutOut>& cut_outs, std::vector<Mixed>& distinct,
                          std::size_t most_words) {
   parallel_for(std::size_t{0}, distinct.size(), [&](std::size_t i) {

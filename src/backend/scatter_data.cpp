@@ -14,21 +14,23 @@
 namespace omma {
 namespace {
 
-// Of linear red, green and blue of a colour, and of 1.
+// Weights of a colour's linear red, green and blue, and of the constant 1.
 using Weights = std::array<double, 4>;
 
 // Luminance of linear sRGB.
 constexpr std::array<double, 3> luminance_weights = {0.2126, 0.7152, 0.0722};
 
-// What a colour is at a wavelength. Below the visible RGB says nothing, and the caller does.
+// Reflectance at a wavelength as a function of RGB, which says nothing below the visible: there the
+// caller's rule holds.
 Weights rgb_weights(double wavelength_nm, const Weights& ultraviolet) {
   if (wavelength_nm < visible_from_nm) return ultraviolet;
   const std::array<double, 3> part = primary_spectra(std::min(wavelength_nm, visible_to_nm));
   return {part[0], part[1], part[2], 0};
 }
 
-// The same of a material whose spectrum is known at a colour of some luminance. Beyond a table its
-// last value is held where light is visible to us, and above.
+// The same for a material with a table: the table times the colour's luminance over `luminance`,
+// that of the colour which the table belongs to. Beyond its ends its last value is held, but in the
+// ultraviolet the caller's rule.
 Weights table_weights(const Spectrum& table, double luminance, double wavelength_nm,
                       double width_nm, const Weights& ultraviolet) {
   const bool known =
@@ -110,7 +112,7 @@ void add_extra(const Maker& make, const ExtraReflectance& extra, ScatterView& vi
   view.extra = make.keep(std::move(matrix));
 }
 
-// The reflection of the surface: of an unlit material none.
+// The specular lobes; an unlit material has none.
 void add_surface(const Maker& make, const Material& m, ScatterView& view) {
   view.specular = 0;
   if (m.unlit) return;
@@ -125,8 +127,8 @@ void add_surface(const Maker& make, const Material& m, ScatterView& view) {
   view.clearcoat = m.clearcoat;
   view.clearcoat_roughness = m.clearcoat_roughness;
   const Vec3 tint = m.specular_color;
-  // Below the visible as at its end: RGB says nothing of it, and reflections without a colour, of
-  // nearly all surfaces, have none there either.
+  // In the ultraviolet as at 400 nm: RGB says nothing there, and nearly all specular reflection is
+  // achromatic.
   const auto tint_weights = [&](double wavelength_nm, double) {
     const Weights w = rgb_weights(std::max(wavelength_nm, visible_from_nm), {});
     return std::array<double, 3>{w[0] * tint.x, w[1] * tint.y, w[2] * tint.z};

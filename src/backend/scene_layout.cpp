@@ -62,9 +62,9 @@ SceneLayout lay_out_scene(const Scene& scene, const Placement& placement) {
       copied_triangles += static_cast<std::size_t>(uses[m]) * scene.meshes[m].triangles.size();
   const bool is_large = copied_triangles > most_copied_triangles;
 
-  // A mirrored mesh is shared even when used once: as a copy its triangles would face the wrong
-  // way; its structure is then there for the instances behind it. A flattened one never is: there
-  // is no inverse.
+  // A mirrored mesh is shared even when used once, as its copy would be wound the wrong way;
+  // further instances then share it too. A mesh that an instance flattens cannot be shared, as the
+  // transform has no inverse.
   SceneLayout layout;
   layout.mesh_origin_m.resize(scene.meshes.size());
   std::vector<bool> has_origin(scene.meshes.size(), false);

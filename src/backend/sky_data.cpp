@@ -11,7 +11,7 @@
 namespace omma {
 namespace {
 
-// Part of the probability that goes to all that shines at all, however little.
+// Share of the probability that is spread evenly over all cells with light (defensive sampling).
 constexpr double even_part = 1.0 / 64;
 
 // Of the nodes of a map, with what is the same for all of a row.
@@ -35,7 +35,7 @@ double cell_sr(const LightData& data, std::size_t row, std::size_t columns) {
   return 2 * pi / static_cast<double>(columns) * between;
 }
 
-// I apart from Q and U, which few ask for: maps are larger than caches.
+// I is stored apart from Q and U, which few paths read: maps are larger than caches.
 void split_stokes(LightData& data, const SkyMap& map) {
   const auto channels = static_cast<std::ptrdiff_t>(map.channels);
   data.sky_intensity.reserve(map.radiance.size() / 3);
@@ -128,8 +128,8 @@ void make_cells(LightData& data, const SkyNodes& nodes, const std::vector<double
   }
 }
 
-// How far the density of directions is from an even one, over the sphere or the upper half of it,
-// whichever is nearer: the distance of total variation, 0 to 1, but at least a twentieth.
+// Total variation distance (0 to 1) of the density of directions from a uniform one, over the
+// sphere or its upper half, whichever is nearer; at least 0.05.
 double unevenness(const LightData& data, const SkyView& sky) {
   const auto columns = static_cast<std::size_t>(sky.columns);
   const auto half = static_cast<std::size_t>(sky.rows - 1);
@@ -265,8 +265,8 @@ std::vector<double> make_far(LightData& data, const Light& light) {
     sky.cell_density = data.cell_density.data();
   }
 
-  // By the mean over bands of their share; a sky that is not beside a disc by how uneven it is, as
-  // an even one is found as well by the directions that surfaces scatter to.
+  // Probabilities: the mean over bands of each one's share in the flux. Beside discs the sky's is
+  // multiplied by its unevenness, as sampling the lobes finds an even sky just as well.
   double shining = 0, of_sky = 0;
   for (std::size_t b = 0; b < bands; ++b) {
     if (!(flux[b] > 0)) continue;

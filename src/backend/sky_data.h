@@ -7,10 +7,10 @@
 
 namespace omma {
 
-// [weight + 1], cumulative probabilities in steps of 2^-24: those of random numbers of 24 bits, so
-// that differences are exactly how often an interval is hit. A small part of the probability goes
-// by `even` (where it is empty, evenly) to all whose weight is above 0, so that each is chosen at
-// times. Zeros where all weights are.
+// Cumulative probabilities, [weight + 1], in multiples of 2^-24, the steps of random numbers of 24
+// bits: differences are exactly the probabilities of intervals. A small share goes by `even` (where
+// it is empty, evenly) to all with a weight above 0 (defensive sampling). All zero where all
+// weights are.
 std::vector<float> running_sum(const std::vector<double>& weights,
                                const std::vector<double>& even = {});
 

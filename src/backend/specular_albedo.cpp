@@ -1,3 +1,4 @@
+// Directional albedos by quadrature, and their tables.
 #include "backend/specular_albedo.h"
 
 #include <algorithm>
@@ -18,9 +19,8 @@ double reflectance(double cos_i, double ior) {
   return 0.5 * (s * s + p * p);
 }
 
-// Over the two numbers that sample_microfacet takes, as what is left to integrate there is smooth:
-// Fresnel's reflectance times G2 / G1 of the direction they give. Azimuths left and right of the
-// viewer give the same.
+// Integrates F G2/G1 over the unit square of sample_microfacet's random numbers, in which the
+// integrand is smooth. Half the azimuths suffice by symmetry.
 class AlbedoQuadrature {
  public:
   AlbedoQuadrature() : height_(gauss_legendre(48)), azimuth_(gauss_legendre(24)) {
@@ -60,8 +60,8 @@ double alpha_of(double roughness) {
   return std::pow(std::max(roughness, static_cast<double>(least_roughness)), 2);
 }
 
-// 2 integral E(c) c dc of what the table gives, linear in t between nodes, c = alpha (e^(s t) - 1).
-// Its pieces are smooth: four nodes are exact to float.
+// 2 integral E(c) c dc of the table, which is linear in t between nodes, c = alpha (e^(s t) - 1).
+// The integrand is smooth there: four nodes are exact to float.
 double mean_of_row(const std::vector<double>& row, double alpha) {
   static constexpr int last = albedo_cosines - 1;
   const double s = std::log1p(1 / alpha) / last;
@@ -100,7 +100,7 @@ std::vector<float> make_specular_albedo(double ior) {
     const double s = std::log1p(1 / alpha) / (albedo_cosines - 1);
     std::vector<double> row;
     for (int k = 0; k < albedo_cosines; ++k) {
-      // At 0 all is hidden but in the limit.
+      // At cosine 0 the masking term vanishes: the limit is taken.
       const double cosine = std::clamp(alpha * std::expm1(s * k), 1e-9, 1.0);
       row.push_back(quadrature.eval(ior, alpha, cosine));
     }

@@ -11,10 +11,10 @@
 namespace omma {
 namespace {
 
-// How far in front of a surface others do not shade it: so much of a texel, as hollow ground would
-// otherwise shade itself where triangles meet; and so much of the greatest coordinate, as rays and
-// places are rounded. More of a texel lets by light beneath blades: with a tenth both make up for each
-// other, and the lit meadow is as bright by its map as by shadow rays (bench/baked_error.py).
+// Depth bias, so that surfaces do not shadow themselves: a fraction of a texel, for concave edges
+// between triangles, plus a fraction of the largest coordinate, for rounding. A larger bias lets
+// light pass beneath blades of grass; with a tenth of a texel both errors cancel, and the lit
+// meadow is as bright by its map as by shadow rays (bench/baked_error.py).
 constexpr double bias_texels = 0.1;
 constexpr double bias_of_reach = 0x1p-20;
 
@@ -61,8 +61,8 @@ void trace_texels(const Tracing& tracing, const SunRays& rays, std::int32_t colu
   }
 }
 
-// Heights as codes of a page's own, in its tiles. Rounded down, so that no surface is above itself.
-// `top_m`: the height at which rays start.
+// Quantises heights to the page's own range and writes them into its tiles; rounded down, so that
+// no surface is above itself. `top_m`: the height at which rays start.
 void put_heights(const float* distance_m, std::int32_t side, double top_m, SunPage& page,
                  SunTile* tiles) {
   const std::int32_t columns = side * sun_tile_columns + 1, rows = side * sun_tile_rows + 1;

@@ -1,5 +1,5 @@
-// Memory goes where triangles are: a page's texels are as wide as a share of its triangles, the
-// same for all pages, and that share is the least that fits.
+// Gives memory to pages by their density of triangles: the width of a page's texels is a share of
+// the mean width of its triangles, the same share for all pages, the smallest that fits.
 #include "backend/sun_map_grid.h"
 
 #include <algorithm>
@@ -18,15 +18,15 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double usual_texel_m = 0.005;
 constexpr double least_texels = 2000;
 
-// Pages are as large as it takes to have so many, up to the greatest level; then there are more,
-// and then texels are coarser. Along an axis there are so few that a place in single precision is
-// known to a twentieth of the finest texel.
+// Pages grow to the greatest level until there are enough_pages or fewer, then their number grows
+// to most_pages, then texels become coarser. Columns and rows are bounded so that a position in
+// single precision is exact to a twentieth of the finest texel.
 constexpr double enough_pages = 4096, most_pages = 65536;
 constexpr double most_columns = 512, most_rows = 1024;
 constexpr int most_level = 7;
 
 // Of the memory, what pages of level 0 may take.
-constexpr double part_of_coarsest = 0.125;
+constexpr double share_of_coarsest = 0.125;
 
 // A cut-out has edges besides those of its triangles.
 constexpr double triangles_of_cut_out = 16;
@@ -144,8 +144,8 @@ std::vector<double> count_triangles(const Scene& scene, const Placement& placeme
   return detail.sums();
 }
 
-// The level at which a page's texels are so much of the width of its triangles, each of which has
-// an equal part of it.
+// The level at which texels are `share` times as wide as the page's triangles, if each covers an
+// equal area of it.
 int level_of(double triangles, double share, int finest) {
   if (!(triangles > 0)) return 0;
   const double texels = double{sun_tile_columns} * double{sun_tile_rows};  // at level 0
@@ -187,12 +187,12 @@ SunGrid choose_sun_grid(const Scene& scene, const Placement& placement, const Su
     texel_m = usual_texel_m;
     if (longest_m > 0) texel_m = std::min(texel_m, longest_m / least_texels);
   }
-  // The scene begins a fine texel from the first page's edge, and ends a coarse one before the
-  // last's: at the rim nothing is met.
+  // A margin of a fine texel before the scene and of a coarse one behind it: at the rim nothing is
+  // met.
   SunGrid grid;
   const double bytes = static_cast<double>(most_bytes);
   const double affordable =
-      std::max(1.0, std::floor(part_of_coarsest * bytes / (tile_bytes + sizeof(SunPage))));
+      std::max(1.0, std::floor(share_of_coarsest * bytes / (tile_bytes + sizeof(SunPage))));
   int finest = 0;
   double columns = 1, rows = 1;
   for (;;) {
@@ -216,8 +216,8 @@ SunGrid choose_sun_grid(const Scene& scene, const Placement& placement, const Su
   const std::vector<double> triangles = count_triangles(scene, placement, frame, grid);
   const double tiles =
       std::min((bytes - columns * rows * sizeof(SunPage)) / tile_bytes, most_tiles);
-  // Steps finer than levels, so that not all pages change theirs at once; the first is as fine as
-  // any page can be, the last as coarse.
+  // Shares grow by less than a level at a time, so that not all pages change level at once; the
+  // first makes pages as fine as they can be, the last as coarse.
   double share = 0x1p-10;
   for (; share < 0x1p40; share *= 1.1) {
     double taken = 0;

@@ -89,9 +89,9 @@ Texel mean_of(const Taps& across, const Taps& down, const Read& read) {
   return {value(0), value(1), value(2), static_cast<float>(alpha)};
 }
 
-// The level that is half as wide and high, row by row, and the next after it, which alone is held:
-// level 1 of a large image would need as much memory as the image. `keep(row, texels)` takes the
-// rows of the first.
+// Box-filters a level to half its width and height, row by row, and at once the next level, which
+// alone is kept in memory: level 1 of a large image would take as much as the image. `keep(row,
+// texels)` takes the rows of the first.
 template <typename Read, typename Keep>
 Level make_two_levels(int width, int height, const Read& read, const Keep& keep) {
   const int first_width = half(width), first_height = half(height);

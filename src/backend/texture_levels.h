@@ -9,8 +9,8 @@
 
 namespace omma {
 
-// What the alpha of an image is for: nothing, the part of light that it covers, or to be cut out
-// where it is below a cutoff. Colours are averaged with the weight that they are seen with.
+// How alpha is used: not at all, as coverage (blending), or with a cutoff. Colours are averaged
+// with alpha as weight.
 struct AlphaUse {
   AlphaMode mode = AlphaMode::opaque;
   float cutoff = 0;  // of the image's own alpha, for `mask`

@@ -1,4 +1,5 @@
-// Translations, rotations and scales of places, an accessor each; one that is missing is none.
+// Reads translations, rotations and scales of instances, an accessor each; one that is missing is
+// the identity.
 #include "io/gltf_instances.h"
 
 #include <string>
@@ -35,7 +36,7 @@ GltfAccessor read_attribute(GltfContainer& gltf, int index, const Attribute& att
   return accessor;
 }
 
-// The nodes that one node's places become, each with that part of its transform which the file says.
+// One node for each instance, with the parts of its transform that the file gives.
 std::vector<GltfNode> read_places(GltfContainer& gltf, const json& attributes,
                                   const GltfNode& node) {
   std::vector<GltfNode> places;

@@ -9,8 +9,8 @@
 
 namespace omma {
 
-// Each place becomes a node of its own, a child of the one that has them, at the end of `nodes` and
-// `parent`; the mesh is theirs from then on. Throws omma::Error that names the node and the member.
+// Each instance becomes a node of its own, a child of the one that has them, at the end of `nodes`
+// and `parent`; the mesh moves to them. Throws omma::Error that names the node and the member.
 void place_gltf_instances(GltfContainer& gltf, std::vector<GltfNode>& nodes,
                           std::vector<int>& parent, GltfWarnings& warnings);
 

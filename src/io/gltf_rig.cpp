@@ -77,8 +77,8 @@ Skin read_skin(GltfContainer& gltf, int index, std::size_t nodes) {
   return skin;
 }
 
-// Nodes of the file that the scene's rig has: those that place something which moves, bones, and all
-// that these hang from.
+// Nodes of the file that the scene's rig needs: those that move a mesh, bones, and all their
+// ancestors.
 std::vector<char> needed_nodes(const std::vector<GltfNode>& nodes, const std::vector<int>& parent,
                                const std::vector<char>& moves, const GltfRigParts& parts,
                                const std::vector<Skin>& skins, const Scene& scene) {
@@ -135,7 +135,8 @@ RigNode rig_node(const GltfContainer& gltf, const GltfNode& node, std::size_t ta
   return made;
 }
 
-// Gives meshes their shape as the file shows them; those that no animation changes are done with.
+// Gives meshes the shape that they have in the file; deformations that no animation changes are
+// dropped.
 void shape_meshes(Rig& rig, const std::vector<int>& instances, Scene& scene) {
   const RigPose rest = eval_rig(rig, {}, 0);
   const std::vector<char> moves = nodes_that_move(rig);
@@ -143,8 +144,8 @@ void shape_meshes(Rig& rig, const std::vector<int>& instances, Scene& scene) {
   for (std::size_t d = 0; d < rig.deformations.size(); ++d) {
     Deformation& deformation = rig.deformations[d];
     Instance& instance = scene.instances[static_cast<std::size_t>(instances[d])];
-    // glTF takes no heed of where a skinned mesh's own node is; here the shape is kept about it, so
-    // that all can be moved by that.
+    // glTF ignores the transform of a skinned mesh's own node; vertices are stored in that node's
+    // frame here, so that moving the node moves the mesh.
     if (deformation.skin >= 0) {
       if (!(std::fabs(determinant(instance.world_from_mesh)) > least_determinant))
         for (Instance& one : scene.instances)

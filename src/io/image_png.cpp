@@ -128,8 +128,8 @@ float linear_from_srgb(double encoded) {
                                                : std::pow((encoded + 0.055) / 1.055, 2.4));
 }
 
-// Rows of 16-bit values, each at the end of the room for its floats, become those floats: what is
-// written never reaches what is still to be read.
+// Converts rows of 16-bit values to floats in place: each row lies at the end of its floats'
+// memory, so that writing never reaches what is still to be read.
 void linear_from_16_bits(std::vector<float>& values, std::size_t row) {
   static const auto linear = [] {
     std::vector<float> table(65536);

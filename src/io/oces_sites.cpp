@@ -61,7 +61,7 @@ double diameter_at(const OcesProperty& property, const OcesSite& site) {
   return diameter_m;
 }
 
-// Small pieces of triangles, each with how many facets it has room for, summed up.
+// Small pieces of triangles and how many facets fit into each, cumulated.
 struct Pieces {
   const std::vector<Triangle>& triangles;
   std::size_t rows = 1;         // a triangle is cut into rows * rows pieces

@@ -33,7 +33,7 @@ struct ReceptorTypeHash {
   }
 };
 
-// What a growing eye has already, and where.
+// Indices of what an eye under construction holds already.
 struct Known {
   std::unordered_map<Acceptance, std::int32_t, AcceptanceHash> acceptances;
   std::unordered_map<ReceptorType, std::int32_t, ReceptorTypeHash> receptor_types;

@@ -31,8 +31,8 @@ void run_watched(const Progress& progress, const std::function<void(WorkState&)>
   bool has_ended = false, cancelled = false;
   std::exception_ptr failure;
   {
-    // However this is left, the work has ended: by an exception of `progress` too, or because its
-    // thread is made to end there.
+    // The worker is joined however this scope is left, also by an exception of `progress` or a
+    // cancelled thread.
     struct Worker {
       WorkState& state;
       std::thread thread;

@@ -60,7 +60,7 @@ struct OrderedResults {
         break;
       --place;
     }
-    // The guess that a search began with comes up again in the tree.
+    // The first guess is found again in the tree.
     if (place > 0 && found.index[static_cast<std::size_t>(place - 1)] == index) return true;
     if (place == capacity) return true;
     if (!full()) ++found.count;

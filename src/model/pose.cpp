@@ -1,5 +1,4 @@
-// Poses from what people have: a position with a quaternion, or a place to look from and one to
-// look at.
+// Poses from a position and a quaternion, or from a position and a point to look at.
 #include "omma/pose.h"
 
 #include <cmath>

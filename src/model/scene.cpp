@@ -104,7 +104,7 @@ bool same_instances(const std::vector<Instance>& a, const std::vector<Instance>&
          first_of_each_node(a) == first_of_each_node(b);
 }
 
-// The largest component of all, in magnitude, and at least 1: what a product may grow by.
+// The largest magnitude among the values, at least 1: the factor by which a product may grow.
 float largest(std::span<const float> values) {
   float most = 1;
   for (const float value : values) most = std::max(most, std::fabs(value));

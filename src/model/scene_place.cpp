@@ -11,8 +11,8 @@
 namespace omma {
 namespace {
 
-// A box this many times its half size away from the origin is traced from an origin of its own.
-// Below, moving would not gain two bits.
+// A box farther from the origin than this many half sizes is traced from an origin of its own.
+// Below, that would gain less than two bits.
 constexpr double far_away = 4;
 
 // Rounding by more than this fraction of the scene's half size is told.

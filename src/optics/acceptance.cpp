@@ -13,7 +13,7 @@
 namespace omma {
 namespace {
 
-// Outermost place below which the profile of a lens is still at half its largest, over x.
+// The outermost x at which the profile of a lens is half its maximum.
 double half_maximum_x(const LensProfile& profile) {
   const double* p = profile.knots.data() + 2 * (profile_knots - 2);
   int i = profile_knots - 2;
@@ -36,8 +36,8 @@ double half_maximum_rad(const SensitivityTable& table) {
   return table.right_rad[i] * (1 - t) + table.right_rad[i + 1] * t;
 }
 
-// Width of a two-dimensional table along a line through the axis: between the outermost places with
-// half of the line's largest value.
+// Full width at half maximum of a two-dimensional table along a line through the axis, by the
+// outermost crossings.
 double line_width_rad(const SensitivityView& s, double azimuth_rad) {
   constexpr int steps = 4096;
   const double end = std::min(pi, std::hypot(std::max(-s.right_rad[0], s.right_rad[s.columns - 1]),
@@ -60,7 +60,7 @@ double line_width_rad(const SensitivityView& s, double azimuth_rad) {
   return 2 * end / steps * (crossing(steps, -1) - crossing(0, 1));
 }
 
-// Diameter of the disc as large as all that has half of the largest sensitivity, which is 1.
+// Diameter of the disc with the area in which S is at least half its maximum, which is 1.
 double area_width_rad(const SensitivityView& s) {
   constexpr int steps = 512;
   const double width = s.right_rad[s.columns - 1] - s.right_rad[0];

@@ -1,6 +1,5 @@
-// Round sensitivities have one row of theta(r). The rows of elliptical Gaussians are those of round
-// ones of all widths, which all of them share: at one azimuth they are the same. The rows of tables
-// are those of evenly spaced azimuths.
+// A round sensitivity has one row of theta(r). Elliptical Gaussians share rows: at one azimuth each
+// is a round Gaussian of some width. Tables have rows at evenly spaced azimuths.
 #include "optics/acceptance_warp.h"
 
 #include <algorithm>
@@ -22,8 +21,8 @@ constexpr int smooth_intervals = 512, ring_intervals = 1024;
 // Azimuths that the distribution over azimuth is integrated on; rows of a table, and of Gaussians.
 constexpr int marginal_steps = 4096, table_rows = 256, gaussian_rows = 256;
 
-// Writes the azimuth for each of evenly spaced parts of `density`, which is given in the middle of
-// evenly spaced azimuths, and the row there. Returns the integral.
+// Inverts the cumulative distribution of `density`, given at the middles of evenly spaced azimuths:
+// appends the azimuth of each quantile and its row. Returns the integral.
 double invert_azimuth(const std::vector<double>& density,
                       const std::function<double(double)>& row_of, std::vector<double>& azimuth) {
   std::vector<double> below{0};

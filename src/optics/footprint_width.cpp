@@ -1,3 +1,4 @@
+// Widest footprints of tables by their modulation transfer, those of other acceptances by a rule.
 #include "optics/footprint_width.h"
 
 #include <algorithm>

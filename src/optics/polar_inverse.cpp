@@ -113,7 +113,7 @@ double append_inverse(const SensitivityView& s, double azimuth, const PolarCells
   std::size_t cell = 0;
   for (int k = 1; k <= intervals; ++k) {
     check_cancelled();
-    // What must lie above theta for this radius: exp(-r^2/2) of the whole.
+    // The share of the distribution above theta at this radius: exp(-r^2/2).
     const double r = k * r_step;
     const double tail = std::exp(-0.5 * r * r) * total;
     const double head = -std::expm1(-0.5 * r * r) * total;

@@ -10,9 +10,8 @@
 namespace omma {
 namespace {
 
-// How far from its ommatidium a facet at the rim reaches, in mean distances to the four nearest
-// neighbours, most of which one at the rim has too. The corners of a regular hexagon lie at 0.577;
-// more keeps the corners of facets that are stretched.
+// Radius of a facet at the rim, in mean distances to its four nearest neighbours. The corners of a
+// regular hexagon lie at 0.577; more keeps those of stretched facets.
 constexpr double facet_reach = 0.9;
 
 [[noreturn]] void fail_flat(const Eye& eye, std::int32_t member) {

@@ -21,12 +21,12 @@
 namespace omma {
 namespace {
 
-// Patterns enough that twice as many would lower no error by 1 %: the tables of one acceptance
-// angle stay in a core's second-level cache, nearly in its first ...
+// So many patterns that twice as many would lower no error by 1 %; the tables of one acceptance
+// angle fit a core's second-level cache.
 constexpr std::size_t points_per_warp = 4096;
 constexpr int most_patterns = 1024;
-// ... all tables together under 100 MB, and their points made within some tenths of a second. Where
-// that leaves fewer patterns than scrambles there are no tables.
+// Bounds of all tables together: 100 MB, and some tenths of a second to make their points. With
+// fewer patterns than scrambles no tables are made.
 constexpr std::size_t most_points = std::size_t(1) << 23;
 constexpr std::size_t most_scrambled_points = std::size_t(1) << 19;
 constexpr int least_patterns = error_scrambles;
@@ -62,14 +62,14 @@ void sort_into_packets(std::vector<Vec3d>& normals) {
   for (std::size_t i = 0; i < keyed.size(); ++i) normals[i] = keyed[i].second;
 }
 
-// Where an eye has more widths than this, nearby ones share a warp, so that its tables stay in the
-// cache: a warp for steps of width_step, scaled to each width (with 6,374 widths 1.5 times as fast,
-// and made in a tenth of the time). Sines scaled by k instead of angles change S by no more than
-// a factor 1 + 0.92 |k^2 - 1| theta^2 (theta/width)^2, where k is within half a step of 1: 1e-4 at
-// theta = width for the widest that are scaled.
+// Above this number of widths nearby ones share a warp, so that tables stay in the cache: one for
+// each step of width_step, scaled to each width (with 6,374 widths 1.5 times as fast, and made in a
+// tenth of the time). Scaling sines by k in place of angles changes S by at most a factor 1 + 0.92
+// |k^2 - 1| theta^2 (theta/width)^2, where k is within half a step of 1: 1e-4 at theta = width for
+// the widest that are scaled.
 //
-// The S of a lens is one of sines, which scale as lambda/D; the angle of its rhabdom, over that, is
-// a level's too, so that its width is within half a step.
+// S of a lens is a function of sines, which scale as lambda/D. The angle of its rhabdom over
+// lambda/D is rounded to steps too, so that its width is exact to half a step.
 constexpr std::size_t most_exact_widths = 64;
 constexpr double width_step = 0.0025;
 constexpr double widest_scaled_rad = 0.2;
@@ -79,8 +79,8 @@ bool is_lens(const Acceptance& a) {
          (a.kernel == Kernel::lens_rhabdom && a.model != RhabdomModel::snyder);
 }
 
-// Puts the level's acceptance in place of each; how many times as wide each is as its level. Empty,
-// and nothing changed, where there are few widths.
+// Rounds widths to steps, where there are many: replaces each acceptance by that of its step and
+// returns how many times as wide each was. Empty, and nothing changed, where there are few widths.
 std::vector<float> use_width_levels(std::vector<Acceptance>& acceptances) {
   const auto scales = [](const Acceptance& a) {
     return is_lens(a) || (a.kernel <= Kernel::compoundray && is_round(a) && a.width_rad > 0 &&
@@ -109,7 +109,7 @@ std::vector<float> use_width_levels(std::vector<Acceptance>& acceptances) {
 }
 
 // Which patterns of which warps are to be made, [warp * patterns + pattern]: all, or those that are
-// asked for in frame 0 (units.h).
+// used in frame 0 (units.h).
 std::vector<std::size_t> patterns_to_make(const DirectionTables& tables, bool of_frame_0) {
   const auto patterns = static_cast<std::size_t>(tables.patterns);
   std::vector<std::uint8_t> used(tables.warps.size() * patterns, of_frame_0 ? 0 : 1);

@@ -47,8 +47,8 @@ struct DirectionTables {
   PolarTables polar;        // with random points
 };
 
-// The sensitivity that an ommatidium is rendered with: its own, or where the settings name a kernel
-// that one, as wide.
+// The acceptance that an ommatidium is rendered with: its own, or the settings' kernel at its
+// acceptance angle.
 Acceptance rendered_acceptance(const Eye& eye, const RenderSettings& settings, std::size_t i);
 
 // For estimates of `samples` rays, whatever the settings say of their number. Warps for the same

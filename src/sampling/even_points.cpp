@@ -70,8 +70,8 @@ void restore_radii(std::vector<std::vector<Vec3d>>& patterns, const std::vector<
 void move_apart(std::vector<std::vector<Vec3d>>& patterns, std::uint64_t seed) {
   if (patterns.empty() || patterns.front().size() > most_moved_points) return;
   const std::size_t points = patterns.front().size(), total = patterns.size() * points;
-  // One radius in each of as many equal parts of the mass as there are points. The seed says where
-  // in its part, so that nothing is left of the parts in the mean over seeds.
+  // Stratified radii: one in each of n intervals of equal probability. Their positions within the
+  // intervals are jittered by the seed, so that the mean over seeds has no bias.
   std::vector<double> radii;
   std::vector<RankedPoint> ranked;
   const double within = unit_interval(hash_combine(mix_bits(seed), total));

@@ -1,6 +1,6 @@
-// Patterns of points of the standard normal of the plane, moved so that each integrates edges
-// better and all of them together still have exactly the radii of the normal: a pattern taken at
-// random and turned at random about the origin has no bias.
+// Point sets of the standard normal in the plane, moved so that each integrates edges better while
+// all together keep exactly the normal's radii: a set taken at random and turned at random about
+// the origin has no bias.
 #pragma once
 
 #include <cstdint>

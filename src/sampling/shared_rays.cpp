@@ -1,7 +1,7 @@
-// Builds the lattice and the weights. Densities come in steps of two, so that one lattice serves
-// each: where ommatidia ask for 2^k rays per steradian, to the nearest k, the points of the lattice
-// of that density are rays. What each ommatidium would draw itself is then weighed by the density
-// of all: the balance heuristic (Veach and Guibas 1995, SIGGRAPH, 419-428).
+// Builds the lattices and the weights. Where ommatidia together demand 2^k rays per steradian, to
+// the nearest k, the rays are the points of a lattice of that density. An ommatidium weights a ray
+// by its own density over that of all: the balance heuristic (Veach and Guibas 1995, SIGGRAPH,
+// 419-428).
 #include "sampling/shared_rays.h"
 
 #include <algorithm>
@@ -50,7 +50,7 @@ struct LatticeRay {
   double area_sr;  // that it stands for
 };
 
-// What the members ask for in a direction.
+// The density of rays that the members demand in a direction.
 struct Demand {
   float density = 0;  // per steradian, what all together would sample it with
   std::uint32_t warp = 0;
@@ -75,9 +75,8 @@ Demand find_demand(const Group& group, const SphereCells& cells, Vec3d direction
   return demand;
 }
 
-// How many times as many rays as its own an ommatidium would have at work. One that draws rays with
-// the density q to weigh them by p has 1/mean(p/q) times as many as if it drew them with p, the
-// mean over what it draws with p.
+// Effective samples of an ommatidium that shares, over its own: importance sampling of p by q has
+// an efficiency of 1/E_p[p/q].
 double sharing_gain(const Group& group, const SphereCells& cells, std::size_t k) {
   constexpr int angles = SharingDensities::polar_angles;
   const DensityTable& own = group.densities[k]->weight;
@@ -105,8 +104,8 @@ double sharing_gain(const Group& group, const SphereCells& cells, std::size_t k)
               ": take fewer samples");
 }
 
-// Throws where members would count too many rays: about as many as there are pairs of an ommatidium
-// and another in its field, times samples; from some of the members.
+// Throws where there would be too many weights: about the number of pairs of an ommatidium and
+// another in its field, times samples; estimated from some of the members.
 void check_weights(const Group& group) {
   constexpr std::size_t some = 64;
   const std::size_t n = group.axes.size(), step = (n + some - 1) / some;
@@ -120,8 +119,8 @@ void check_weights(const Group& group) {
   if (weights > static_cast<double>(most_shared_weights)) refuse_weights(n, weights);
 }
 
-// Steps of density: that of step k is 2^k of the median asked for at the axes, so that eyes that
-// are alike all over get what they ask for; 1 per steradian at least.
+// Densities by powers of two: step k is 2^k times the median demand at the axes, so that eyes that
+// are even get exactly what they demand; at least 1 per steradian.
 struct DensitySteps {
   double unit = 1;
   int lowest = 0, top = 0;
@@ -133,7 +132,7 @@ struct DensitySteps {
   }
 };
 
-// More than at any axis may be asked for between axes, but nobody alone asks for more than there.
+// Demand may be larger between axes than at any, but no ommatidium alone demands more there.
 DensitySteps make_steps(std::vector<float> at_axes) {
   std::sort(at_axes.begin(), at_axes.end());
   const auto first = std::upper_bound(at_axes.begin(), at_axes.end(), 0.0f);
@@ -156,7 +155,7 @@ Mat4 random_rotation(std::uint64_t hash) {
   return pose_from_quaternion({0, 0, 0}, q[0], q[1], q[2], q[3]);
 }
 
-// The most that the members ask for anywhere within an angle of a direction.
+// An upper bound of the demand anywhere within an angle of a direction.
 float most_demand(const Group& group, const SphereCells& cells, Vec3d centre, double radius) {
   const double reach_rad = angle_from_chord_squared(group.most_reach * group.most_reach);
   float pdf = 0;
@@ -175,7 +174,7 @@ struct Lattice {
   std::uint64_t tried = 0;  // directions that were looked at
 };
 
-// The lattice points whose own density is the one asked for there, and that somebody will use.
+// The points of each lattice at which its density is the one demanded, if any member uses them.
 Lattice make_lattice(const Group& group, const SphereCells& cells, std::uint64_t hash) {
   std::vector<float> at_axes(group.axes.size());
   parallel_for(std::size_t{0}, at_axes.size(), [&](std::size_t k) {
@@ -188,8 +187,8 @@ Lattice make_lattice(const Group& group, const SphereCells& cells, std::uint64_t
     SphereLattice lattice;
     lattice.points = static_cast<std::uint64_t>(std::ceil(4 * pi * steps.density(step)));
     lattice.turn = random_rotation(hash_combine(hash, static_cast<std::uint64_t>(step)));
-    // Nothing below half a step is of this step, but all of the lowest. Large patches are halved
-    // without a look.
+    // A step covers demands from half a step below it, the lowest step all below. Large patches are
+    // halved without asking.
     constexpr double large_rad = 0.25;
     const double least = step == steps.lowest ? 0 : 0.7 * steps.density(step);
     const std::vector<LatticePatch> patches =

@@ -1,3 +1,4 @@
+// Tables of densities over the squared chord from the axis.
 #include "sampling/sharing_densities.h"
 
 #include <cmath>
@@ -12,8 +13,8 @@ namespace {
 // the modulation transfer by 0.001 at most.
 constexpr double reach_sigmas = 4;
 
-// Largest angle from the axis at which rays count. A lens's dark rings go on to the side: what is
-// left out beyond a few widths would be percents. Those share nothing, and have rays of their own.
+// Largest angle from the axis at which rays count. The dark rings of lenses extend to the side, and
+// cutting them off would cost percents: lenses share nothing.
 double reach_rad(const Acceptance& a) {
   switch (a.kernel) {
     case Kernel::gaussian:
@@ -36,7 +37,7 @@ DensityTable make_table(const AcceptanceWarp& warp, double reach_rad) {
   table.reach_chord2 = chord * chord;
   table.scale = static_cast<float>(density_intervals / table.reach_chord2);
   for (int i = 0; i <= density_intervals; ++i) {
-    // A hair inside, where a pillbox has not ended yet.
+    // Just inside the edge, where a pillbox is still 1.
     const double chord2 = table.reach_chord2 * (1 - 1e-12) * i / density_intervals;
     table.density[static_cast<std::size_t>(i)] = static_cast<float>(
         acceptance_pdf(view(warp), 2 * std::asin(std::min(1.0, 0.5 * std::sqrt(chord2))), 0));
@@ -55,15 +56,15 @@ SharingDensities make_densities(const AcceptanceWarp& warp, int samples) {
   SharingDensities made;
   const Acceptance& acceptance = warp.sensitivity.acceptance;
   const double reach = reach_rad(acceptance);
-  // S is 1 at most, so that this is the densest that it asks for alone.
+  // S <= 1, so this is the largest density that it demands alone.
   if (!(reach > 0 && warp.integral_sr * most_lattice_points >= 4 * pi * samples)) return made;
   made.width_rad = width_rad(warp.sensitivity, 0);
   made.weight = make_table(warp, reach);
   made.demand = made.weight;
   if (acceptance.kernel == Kernel::pillbox) {
-    // Discs overlap in many small pieces, each of which would have a lattice of its own; the border
-    // of one is where points are too many or too few. Gaussians with 0.6 of the radius for standard
-    // deviation are as wide, and add up smoothly.
+    // Overlapping discs would cut the sphere into many small pieces, each with a lattice of its own
+    // and uneven points at its border. The demand is therefore a Gaussian of about the same width,
+    // sigma = 0.6 of the radius; sums of these are smooth.
     const double sigma = 0.6 * 0.5 * made.width_rad;
     Acceptance smooth;
     smooth.width_rad = sigma / sigma_per_fwhm;

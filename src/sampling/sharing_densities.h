@@ -1,5 +1,5 @@
-// What an ommatidium that may share rays asks for and counts, by the distance from its axis: tables
-// of densities per steradian, so that nothing heavy is evaluated for each ray.
+// Densities of rays that an ommatidium demands and weights, by the distance from its axis, as
+// tables per steradian.
 #pragma once
 
 #include <algorithm>
@@ -41,9 +41,8 @@ struct SharingDensities {
   std::array<double, polar_angles> polar_rad{};
 };
 
-// [warp]. Those share with nobody whose rays would have to be known far beyond their width (lenses,
-// whose dark rings go on to the side), and those so narrow that no lattice over the sphere is fine
-// enough for `samples` rays in their field.
+// [warp]. Empty tables mean that it shares with nobody: lenses, whose dark rings extend to the
+// side, and fields so narrow that no lattice over the sphere would have `samples` points in them.
 std::vector<SharingDensities> make_sharing_densities(const std::vector<AcceptanceWarp>& warps,
                                                      int samples);
 

@@ -14,8 +14,8 @@ namespace omma {
 // [group][member], indices in the eye; each ommatidium is in one group.
 std::vector<std::vector<std::uint32_t>> sharing_groups(const Eye& eye);
 
-// Within a class nobody's field is more than this many times as wide as another's. A ray of the
-// narrowest is worth little to the widest, who would count so many squared of them.
+// Largest ratio of widths within a class: a ray of the narrowest is worth little to the widest,
+// which would weight the square of that ratio as many.
 inline constexpr double most_width_ratio = 4;
 
 // The members of a group by their width [ommatidium]: as few classes as that takes, each as wide on

@@ -24,8 +24,8 @@ struct Kept {
 }  // namespace
 
 std::byte* thread_memory(ThreadRoom room, std::size_t bytes) {
-  thread_local std::array<Kept, static_cast<std::size_t>(ThreadRoom::count)> rooms;
-  auto& [memory, size] = rooms[static_cast<std::size_t>(room)];
+  thread_local std::array<Kept, static_cast<std::size_t>(ThreadRoom::count)> buffers;
+  auto& [memory, size] = buffers[static_cast<std::size_t>(room)];
   if (size < bytes || size / 4 > bytes) {
     memory.reset();
     size = 0;

@@ -5,7 +5,7 @@
 
 namespace omma {
 
-// What is held in a thread's memory: each has a room of its own, as they are needed together.
+// Separate buffers of a thread, as they are in use together.
 enum class ThreadRoom { block, shared_rays, count };
 
 // So many bytes of this thread, aligned to 64; what is in them is not kept from call to call. What

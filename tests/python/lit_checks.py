@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import omma
-from omma.base.directions import unit
+from omma.base.directions import normalized
 from omma.light import Bands, Light, Spectrum
 from omma.scene import Material, Mesh
 
@@ -82,9 +82,9 @@ def square(
     size_m: float, center_m: ArrayLike, facing: ArrayLike, material: int = 0, **parts: object
 ) -> Mesh:
     """A square about a place, with texture coordinates."""
-    normal = unit(np.asarray(facing, float))
+    normal = normalized(np.asarray(facing, float))
     helper = np.array([0.0, 0, -1]) if abs(normal[1]) > 0.5 else np.array([0.0, 1, 0])
-    across = unit(np.cross(helper, normal))
+    across = normalized(np.cross(helper, normal))
     up = np.cross(normal, across)
     half = size_m / 2
     corners = [

@@ -1,12 +1,12 @@
-"""What the package offers, at its top and in its rooms."""
+"""What the package offers, at its top and in its subpackages."""
 
 import inspect
 
 import omma
 
 
-def rooms():
-    """The package and its subpackages that are public, by name; the package itself is ""."""
+def subpackages():
+    """The package and its public subpackages, by name; the package itself is ""."""
     found = {"": omma}
     for name in omma.__all__:
         thing = getattr(omma, name)
@@ -16,9 +16,10 @@ def rooms():
 
 
 def public_things():
-    """(room, name, thing) of everything public but the rooms themselves and the version."""
-    for room, module in rooms().items():
+    """(subpackage, name, thing) of everything public but the subpackages themselves and the
+    version."""
+    for subpackage, module in subpackages().items():
         for name in module.__all__:
             thing = getattr(module, name)
             if not inspect.ismodule(thing) and not name.startswith("__"):
-                yield room, name, thing
+                yield subpackage, name, thing

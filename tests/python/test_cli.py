@@ -73,7 +73,9 @@ def test_settings(rendered, scene, eye):
         return omma.Renderer(scene, eye, *sampling, **settings).render("plain")
 
     assert (rendered("--samples", 3, "--seed", 8) == expected(omma.Fixed(3), seed=8)).all()
-    assert (rendered("--kernel", "pillbox") == expected(kernel="pillbox")).all()
+    assert (
+        rendered("--angular-sensitivity", "pillbox") == expected(angular_sensitivity="pillbox")
+    ).all()
     assert (rendered("--points", "random") == expected(points="random")).all()
     assert (rendered("--threads", 1) == expected()).all()
     for text, background in [
@@ -82,6 +84,24 @@ def test_settings(rendered, scene, eye):
         ("test_pattern", omma.Background.test_pattern()),
     ]:
         assert (rendered("--background", text) == expected(background=background)).all()
+
+
+def test_the_old_name_of_angular_sensitivity(omma_command, tmp_path):
+    """It works with a warning, which no help mentions."""
+    paths = [tmp_path / "old.npy", tmp_path / "new.npy"]
+    command = ("render", "scene.gltf", "--eye", "bug.eye", "-o")
+    code, _, err = omma_command(*command, paths[0], "--kernel", "pillbox")
+    assert (code, err) == (
+        0,
+        "omma: warning: --kernel is called --angular-sensitivity now; the old name works until "
+        "0.2\n",
+    )
+    assert omma_command(*command, paths[1], "--angular-sensitivity", "pillbox")[0] == 0
+    assert (np.load(paths[0]) == np.load(paths[1])).all()
+    code, _, err = omma_command(*command, paths[0], "--kernel", "box")
+    assert code != 0
+    assert "expected one of own, gaussian, pillbox, compoundray, found 'box'" in err
+    assert "--kernel" not in omma_command("render", "--help")[1]
 
 
 def test_background_from_an_image(rendered, tmp_path):
@@ -166,7 +186,7 @@ def test_info_of_a_scene(omma_command):
     for what, words in [
         ("nodes", "3"),
         ("triangles", "2"),
-        ("meshes", "1 in 1 places"),
+        ("meshes", "1 in 1 instances"),
         ("textures", "0"),
         ("bounds", "(-10, 0, -10) to (10, 0, 10) m"),
         ("background", "simple sky"),
@@ -254,7 +274,7 @@ WRONG_USAGE = [
     (["render", "scene.gltf"], "output"),
     (["render", "-o", "a.npy"], "scene"),
     (["render", "scene.gltf", "-o", "a.npy", "--samples", "many"], "--samples"),
-    (["render", "scene.gltf", "-o", "a.npy", "--kernel", "box"], "gaussian"),
+    (["render", "scene.gltf", "-o", "a.npy", "--angular-sensitivity", "box"], "gaussian"),
     (["render", "scene.gltf", "-o", "a.npy", "--position", "1", "2"], "--position"),
     (["render", "scene.gltf", "-o", "a.npy", "--position", "0", "0", "-o", "b.npy"], "3 numbers"),
     (["render", "scene.gltf", "-o", "a.npy", "--nonsense"], "--nonsense"),

@@ -235,7 +235,7 @@ def test_maps_of_flywire_and_of_male_cns_are_the_same(tmp_path):
     assert (male.q == plain.q).all()
     assert male.axis == pytest.approx(plain.axis, abs=1e-12)
     assert dict(male.taken_from)["azimuth"] == "Azimuth (rad)"
-    # The same as JSON in its three ways, as unit vectors with x ahead, y left, z up.
+    # The same as JSON in its three ways, as directions with x ahead, y left, z up.
     front_left_up = np.stack([-plain.axis[:, 2], -plain.axis[:, 0], plain.axis[:, 1]], axis=1)
     records = [
         {"P": p, "Q": q, "side": side, "x": x, "y": y, "z": z}

@@ -210,7 +210,7 @@ def test_the_kernel_of_the_environment(fresh, monkeypatch, kernel):
     shown = frame(fresh)[0, 0, :3] / 255
     scene = omma.load_scene(ROOM / "room.gltf")
     eye = omma.Eye(np.zeros((1, 3)), [[1.0, 0, 0]], acceptance)
-    renderer = omma.Renderer(scene, eye, omma.Fixed(1 << 16), kernel=kernel)
+    renderer = omma.Renderer(scene, eye, omma.Fixed(1 << 16), angular_sensitivity=kernel)
     expected = renderer.render(np.eye(4))[0, 0]
     # Truncation takes up to a level; 200,000 random samples err by 0.5 / sqrt(200000) = 0.0011, a
     # quarter of a level here. The kernels differ by 30 levels.

@@ -302,6 +302,15 @@ def test_a_contact_sheet_has_each_eye_in_a_border():
         assert (panel[:, -2:] == 34).all()
 
 
+def test_the_old_name_of_angular_sensitivity(tmp_path):
+    job = write_job(tmp_path, rendering='kernel = "pillbox"')
+    with pytest.warns(DeprecationWarning, match="kernel: is called angular_sensitivity now"):
+        old = datasets.load_job(job)
+    new = datasets.load_job(write_job(tmp_path, rendering='angular_sensitivity = "pillbox"'))
+    assert old.settings == new.settings
+    assert new.settings.angular_sensitivity == "pillbox"
+
+
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [

@@ -13,8 +13,8 @@ import omma
 def examples():
     """Everything public that has an example, by its full name; methods of classes too."""
     found = {}
-    for room, name, thing in public_things():
-        full = f"{room}.{name}".strip(".")
+    for subpackage, name, thing in public_things():
+        full = f"{subpackage}.{name}".strip(".")
         members = vars(thing).items() if inspect.isclass(thing) else ()
         for called, one in [(full, thing), *((f"{full}.{key}", value) for key, value in members)]:
             text = getattr(one, "__doc__", None) or ""

@@ -207,8 +207,10 @@ def test_renders_use_each_ommatidiums_own_sensitivity() -> None:
     far = np.diag([1.0, 1, 1, 1])
     far[1, 3] = 1000  # above the meadow, which fills less than the lower half
     own = omma.Renderer(scene, eye, omma.Fixed(256), background=image).render(far[None])[0, :, 0]
-    plain = omma.Renderer(scene, eye, omma.Fixed(256), background=image, kernel="gaussian")
+    plain = omma.Renderer(
+        scene, eye, omma.Fixed(256), background=image, angular_sensitivity="gaussian"
+    )
     assert own[1] == pytest.approx(1, abs=1e-3)
     assert own[0] < 0.9
     assert plain.render(far[None])[0, 0, 0] == pytest.approx(own[0], abs=1e-6)
-    assert plain.settings.kernel == "gaussian"
+    assert plain.settings.angular_sensitivity == "gaussian"

@@ -39,7 +39,7 @@ def test_names_are_whole_and_switches_are_switches(run_omma, monkeypatch, words,
     assert not re.search(r"<(float|int|str|path|file)\b", out), "a type instead of a word"
     for parameter in command.params:
         for name in (*parameter.opts, *parameter.secondary_opts):
-            if name.startswith("-"):
+            if name.startswith("-") and not getattr(parameter, "hidden", False):
                 assert re.search(rf"^ .*(?<![\w-]){name}(?![\w-])", out, re.MULTILINE), name
     for name, one in getattr(command, "commands", {}).items():
         assert f" {name} {one.short_help or one.help} " in f"{' '.join(out.split())} "

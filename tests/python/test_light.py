@@ -247,7 +247,7 @@ def test_polarised_bands_of_a_panorama():
     picture[:, :, 0], picture[:, :, 1], picture[:, :, 2] = 1.0, 0.3, -0.4
     light = omma.light.panorama_bands(picture, bands=Bands.equal(2))
     np.testing.assert_allclose(light.radiance(direction(45, 21))[:, 0], [1, 0.3, -0.4], rtol=1e-6)
-    with pytest.raises(omma.Error, match="sky: expected a polarised part"):
+    with pytest.raises(omma.Error, match="sky: expected a polarised radiance"):
         omma.light.panorama_bands(picture * [[1], [3], [3]], bands=Bands.equal(2))
 
 

@@ -528,13 +528,13 @@ def public_calls(folder):
             omma.rendering.SamplingReport(np.ones((1, 1)), np.ones((1, 1, 3)), 0.1), {},
         ),
     }  # fmt: skip
-    for room, name, thing in public_things():
+    for subpackage, name, thing in public_things():
         # Names that are also those of other things.
-        known = room == "species" or (room, name) == ("scene", "sphere")
-        full = f"{room}.{name}" if known else name
+        known = subpackage == "species" or (subpackage, name) == ("scene", "sphere")
+        full = f"{subpackage}.{name}" if known else name
         if name == "Error" or not callable(thing):
             continue
-        if room == "species" and name in species.names():
+        if subpackage == "species" and name in species.names():
             continue  # they take seconds, and one argument, which `make` has too
         if name in ("Acceptance", "Animation", "Background", "WorldInstance"):
             continue  # made by static methods, or by the engine alone

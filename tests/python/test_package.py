@@ -8,15 +8,15 @@ import sys
 from pathlib import Path
 
 import pytest
-from public_names import public_things, rooms
+from public_names import public_things, subpackages
 
 import omma
 
 
 def named_things():
     """Everything public and what belongs to it, by its full name; values are what they are."""
-    for room, name, thing in public_things():
-        full = f"{room}.{name}".strip(".")
+    for subpackage, name, thing in public_things():
+        full = f"{subpackage}.{name}".strip(".")
         if inspect.isfunction(thing) or inspect.isclass(thing) or inspect.isbuiltin(thing):
             yield full, thing
         if inspect.isclass(thing):
@@ -31,13 +31,13 @@ def test_everything_public_is_documented(name):
     assert (dict(named_things())[name].__doc__ or "").strip()
 
 
-@pytest.mark.parametrize("name", rooms())
+@pytest.mark.parametrize("name", subpackages())
 def test_every_room_says_what_it_is_for(name):
-    assert len(rooms()[name].__doc__.strip()) > 20
+    assert len(subpackages()[name].__doc__.strip()) > 20
 
 
-# From the lowest to the highest: a room imports from those before it, and from itself.
-ROOMS = [
+# From the lowest to the highest: a subpackage imports from those before it, and from itself.
+SUBPACKAGES = [
     "_core", "base", "light", "receptors", "photoreceptors", "eye", "scene", "stimuli",
     "rendering", "motion", "species", "picture", "study", "job", "datasets", "gym", "mujoco",
     "columns", "view", "cli",
@@ -45,7 +45,8 @@ ROOMS = [
 
 
 def imports():
-    """(file, its room, module it imports, name it imports from there) in the whole package."""
+    """(file, its subpackage, module it imports, name it imports from there) in the whole
+    package."""
     folder = Path(omma.__file__).parent
     for path in sorted(folder.rglob("*.py")):
         file = path.relative_to(folder)
@@ -60,16 +61,16 @@ def imports():
 def test_each_room_imports_downwards():
     found = list(imports())
     assert len(found) > 200
-    assert {room for _, room, _, _ in found} == set(ROOMS) - {"_core"}
-    for file, room, module, _ in found:
-        below = ROOMS[: ROOMS.index(room) + 1]
+    assert {subpackage for _, subpackage, _, _ in found} == set(SUBPACKAGES) - {"_core"}
+    for file, subpackage, module, _ in found:
+        below = SUBPACKAGES[: SUBPACKAGES.index(subpackage) + 1]
         assert module.split(".")[1] in below, f"{file} imports {module}"
 
 
 def test_private_names_stay_in_their_room():
-    for file, room, module, name in imports():
+    for file, subpackage, module, name in imports():
         other = module.split(".")[1]
-        if other not in (room, "_core"):
+        if other not in (subpackage, "_core"):
             parts = (*module.split(".")[2:], name)
             assert not any(part.startswith("_") for part in parts), f"{file}: {module} {name}"
 
@@ -88,7 +89,7 @@ def test_measures_print_as_a_line():
 
 
 def test_the_top_is_small():
-    assert len([name for name in dir(omma) if name not in rooms()]) <= 25
+    assert len([name for name in dir(omma) if name not in subpackages()]) <= 25
     assert set(dir(omma)) == set(omma.__all__)
 
 

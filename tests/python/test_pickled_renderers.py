@@ -21,7 +21,7 @@ def again(*things):
         {"sampling": omma.ToError(0.05, most=64)},
         {"sampling": omma.ToError(0.05, least=16)},
         {"sampling": omma.Shared(4)},
-        {"kernel": "pillbox", "points": "random", "seed": 7, "footprints": False},
+        {"angular_sensitivity": "pillbox", "points": "random", "seed": 7, "footprints": False},
         {"noise": "new_every_frame", "backend": "portable", "threads": 2},
     ],
     ids=str,

@@ -149,7 +149,7 @@ def test_oces(tmp_path):
 
 def test_eye_with_long_numbers(tmp_path):
     """Numbers of 8 columns as Python writes them (KrishKanwar/CompoundRayTest,
-    CylinderEyeTests/cylinderical_eye_data.eye) and axes that are no unit vectors
+    CylinderEyeTests/cylinderical_eye_data.eye) and axes that are not of length 1
     (optseb/compound-ray, data/eyes/cyl.eye)."""
     (tmp_path / "cyl.eye").write_text(
         "0.0 -100.0 0.001 0.0 0 1.0 0.17453292519943295 0.0\n"

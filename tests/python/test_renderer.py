@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 import omma
 
 
-@pytest.mark.parametrize("kernel", ["gaussian", "pillbox", "compoundray"])
+@pytest.mark.parametrize("angular_sensitivity", ["gaussian", "pillbox", "compoundray"])
 @pytest.mark.parametrize("sampling", ["low_discrepancy", "random"])
 @pytest.mark.parametrize("samples", [1, 7, 16])
-def test_even_surround_gives_one(kernel, sampling, samples):
+def test_even_surround_gives_one(angular_sensitivity, sampling, samples):
     rng = np.random.default_rng(0)
     eye = omma.Eye(
         rng.normal(size=(50, 3)), rng.normal(size=(50, 3)), rng.uniform(0.001, 6, 50), 0.01
@@ -24,7 +24,7 @@ def test_even_surround_gives_one(kernel, sampling, samples):
         omma.Scene(),
         eye,
         omma.Fixed(samples),
-        kernel=kernel,
+        angular_sensitivity=angular_sensitivity,
         points=sampling,
         background=omma.Background.constant((1, 1, 1)),
     )
@@ -133,9 +133,9 @@ def test_wrong_poses(renderer, poses, word):
         ({"seed": 1 << 64}, omma.Error, "seed"),
         ({"threads": -1}, omma.Error, "threads"),
         (
-            {"kernel": "box"},
+            {"angular_sensitivity": "box"},
             omma.Error,
-            "kernel: expected one of own, gaussian, pillbox, compoundray",
+            "angular_sensitivity: expected one of own, gaussian, pillbox, compoundray",
         ),
         ({"points": "sobol"}, omma.Error, "points: expected one of low_discrepancy, random"),
         ({"background": (1, 1, 1)}, TypeError, "background: expected omma.Background"),
@@ -167,10 +167,16 @@ def test_footprints_read_fine_textures_without_noise(eye):
 
 def test_settings_can_be_read(scene, eye):
     renderer = omma.Renderer(
-        scene, [eye, eye], omma.Fixed(4), seed=9, kernel="pillbox", points="random", threads=2
+        scene,
+        [eye, eye],
+        omma.Fixed(4),
+        seed=9,
+        angular_sensitivity="pillbox",
+        points="random",
+        threads=2,
     )
     assert renderer.settings == omma.rendering.Settings(
-        omma.Fixed(4), seed=9, kernel="pillbox", points="random"
+        omma.Fixed(4), seed=9, angular_sensitivity="pillbox", points="random"
     )
     assert renderer.threads == 2
     assert renderer.scene is scene

@@ -8,10 +8,21 @@ import omma
 
 
 def test_with_eye_equals_a_renderer_of_its_own(scene, eye, flight):
-    first = omma.Renderer(scene, eye, omma.Fixed(5), seed=3, kernel="pillbox", points="random")
+    first = omma.Renderer(
+        scene, eye, omma.Fixed(5), seed=3, angular_sensitivity="pillbox", points="random"
+    )
     other = make_eye(count=25, seed=9)
-    for changes in ({}, {"sampling": omma.Fixed(7)}, {"seed": 4, "kernel": "gaussian"}):
-        settings = {"sampling": omma.Fixed(5), "seed": 3, "kernel": "pillbox", "points": "random"}
+    for changes in (
+        {},
+        {"sampling": omma.Fixed(7)},
+        {"seed": 4, "angular_sensitivity": "gaussian"},
+    ):
+        settings = {
+            "sampling": omma.Fixed(5),
+            "seed": 3,
+            "angular_sensitivity": "pillbox",
+            "points": "random",
+        }
         settings |= changes
         second = first.with_eye(other, **changes)
         own = omma.Renderer(scene, other, **settings)

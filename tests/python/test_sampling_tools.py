@@ -389,8 +389,8 @@ def test_min_samples_command(omma_command, tmp_path):  # noqa: F811
     assert (code, err) == (0, "")
     for words in (
         "rays/sr",
-        "compoundray kernel",
-        "gaussian kernel",
+        "compoundray sensitivity",
+        "gaussian sensitivity",
         "bug.eye:",
         "worst at",
         "s\n",

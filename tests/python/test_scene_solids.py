@@ -25,7 +25,7 @@ def ray(scene, direction, position=(0, 0, 0), background=(0.5, 0.5, 0.5)):
 def part_of_pillbox(scene, width_rad, samples=4096):
     """How bright a cone around -Z is to an ommatidium that is as sensitive all over it."""
     eye = omma.Eye([[0, 0, 0]], [[0, 0, -1]], width_rad)
-    renderer = omma.Renderer(scene, eye, omma.Fixed(samples), kernel="pillbox")
+    renderer = omma.Renderer(scene, eye, omma.Fixed(samples), angular_sensitivity="pillbox")
     return float(renderer.render(np.eye(4))[0, 0, 0])
 
 

@@ -3,6 +3,7 @@
 import inspect
 import json
 import pickle
+from dataclasses import replace
 from typing import get_args, get_type_hints
 
 import numpy as np
@@ -21,10 +22,10 @@ from omma.rendering.settings import (
 
 EVERY = [
     Settings(),
-    Settings(omma.Fixed(3), seed=2**64 - 1, kernel="pillbox", points="random"),
+    Settings(omma.Fixed(3), seed=2**64 - 1, angular_sensitivity="pillbox", points="random"),
     Settings(omma.ToError(0.01), footprints=False),
     Settings(omma.ToError(0.1, least=4, most=99), noise="new_every_frame"),
-    Settings(omma.Shared(7), kernel="gaussian"),
+    Settings(omma.Shared(7), angular_sensitivity="gaussian"),
 ]
 
 
@@ -50,7 +51,7 @@ def test_help_tells_every_option(run_omma):
     for name in ("samples", "error", "least", "most", "shared", "no-footprints"):
         assert f"--{name}" in said
     for option in options_of(Settings):
-        assert f"--{option.name}" in said
+        assert f"--{option.name.replace('_', '-')}" in said
 
 
 @pytest.mark.parametrize("settings", EVERY)
@@ -77,3 +78,34 @@ def test_a_record_of_something_else_is_refused():
     for wrong in ({"sampling": "Fixed"}, settings_as_record(Settings()) | {"seed": "many"}):
         with pytest.raises(omma.Error, match=r"^settings: expected those of a render"):
             settings_from_record(wrong)
+
+
+OLD_NAME = "kernel: is called angular_sensitivity now"
+
+
+def test_the_old_name_of_angular_sensitivity(scene, eye):
+    with pytest.warns(DeprecationWarning, match=OLD_NAME):
+        settings = Settings(kernel="pillbox")
+    assert settings == Settings(angular_sensitivity="pillbox")
+    with pytest.warns(DeprecationWarning, match=OLD_NAME) as told:
+        renderer = omma.Renderer(scene, eye, omma.Fixed(1), kernel="pillbox")
+    assert [one.filename for one in told] == [__file__]
+    assert renderer.settings == replace(settings, sampling=omma.Fixed(1))
+    with pytest.warns(DeprecationWarning, match=OLD_NAME):
+        assert renderer.with_eye(eye, kernel="own").settings.angular_sensitivity == "own"
+    with pytest.warns(DeprecationWarning, match=OLD_NAME):
+        assert settings.kernel == "pillbox"
+    with pytest.warns(DeprecationWarning, match=OLD_NAME):
+        assert omma.study.Method(kernel="pillbox") == omma.study.Method("pillbox")
+    with (
+        pytest.warns(DeprecationWarning, match=OLD_NAME),
+        pytest.raises(TypeError, match=r"^angular_sensitivity: given twice, as kernel too"),
+    ):
+        Settings(angular_sensitivity="own", kernel="own")
+
+
+def test_records_with_the_old_name():
+    settings = Settings(angular_sensitivity="pillbox")
+    record = settings_as_record(settings)
+    record["kernel"] = record.pop("angular_sensitivity")
+    assert settings_from_record(record) == settings

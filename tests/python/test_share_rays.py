@@ -104,7 +104,10 @@ def test_refuses_what_takes_too_much(sharing: omma.Renderer, eye: omma.Eye) -> N
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"kernel": "compoundray"}, "^sampling: Shared, not with the kernel compoundray"),
+        (
+            {"angular_sensitivity": "compoundray"},
+            "^sampling: Shared, not with the kernel compoundray",
+        ),
         ({"points": "random"}, "^points: expected low_discrepancy where rays are shared"),
         ({"noise": "new_every_frame"}, "^noise: expected frozen where rays are shared"),
     ],

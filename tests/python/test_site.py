@@ -13,7 +13,7 @@ from pathlib import Path
 from urllib.parse import unquote
 
 import pytest
-from public_names import public_things, rooms
+from public_names import public_things, subpackages
 
 ROOT = Path(__file__).resolve().parents[2]
 for needed in ("sphinx", "pydata_sphinx_theme", "myst_nb", "sphinx_design", "sphinx_copybutton"):
@@ -73,16 +73,16 @@ def test_it_builds_without_a_warning(built):
 def test_each_kind_of_page_is_there(html):
     pages = ["start", "tutorials", "how-to", "reference", "explanation", "gallery", "figures"]
     pages += ["species", "validation", "limits", "glossary", "inside", "search", "CONVENTIONS"]
-    pages += [f"species/{name}" for name in rooms()["species"].names()]
+    pages += [f"species/{name}" for name in subpackages()["species"].names()]
     assert not {f"{page}.html" for page in pages} - set(html)
 
 
 def test_every_public_name_has_an_entry(html):
     """One with what it takes and gives, not only a link to it."""
     missing = []
-    for room, name, _ in public_things():
-        full = ".".join(part for part in ("omma", room, name) if part)
-        page = ".".join(part for part in ("omma", room) if part)
+    for subpackage, name, _ in public_things():
+        full = ".".join(part for part in ("omma", subpackage, name) if part)
+        page = ".".join(part for part in ("omma", subpackage) if part)
         if full not in html[f"reference/{page}.html"].ids:
             missing.append(full)
     assert not missing

@@ -47,7 +47,7 @@ def eye_of(axes, acceptance_deg):
 
 
 def axes_ahead(count=16):
-    """Unit vectors within 60° of straight ahead, of which the last look at what moves."""
+    """Directions within 60° of straight ahead, of which the last look at what moves."""
     rng = np.random.default_rng(1)
     axes = direction(rng.uniform(-60, 60, count), rng.uniform(-40, 40, count))
     axes[-3:] = direction([20.0, -40.0, 40.0], [10.0, 0.0, 8.0])
@@ -268,7 +268,7 @@ def test_bad_questions_are_named():
         drum.expected([[0, 0, 1]], [0.1, 0.2], [0])
     with pytest.raises(omma.Error, match="times_s: expected seconds"):
         drum.expected([[0, 0, 1]], 0.1, [np.nan])
-    with pytest.raises(omma.Error, match="directions: expected unit vectors"):
+    with pytest.raises(omma.Error, match="directions: expected vectors of length 1"):
         drum.radiance([0, 0, 2], 0)
     with pytest.raises(TypeError, match=r"renderer: expected omma\.Renderer"):
         drum.play(drum.world(), [0])

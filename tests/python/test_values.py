@@ -224,7 +224,11 @@ UNHASHABLE = {
 # (tests/python/test_view_window.py).
 ELSEWHERE = {"mujoco.FlyRetina", "view.Window"}
 CLASSES = sorted(
-    {f"{room}.{name}".strip(".") for room, name, thing in public_things() if inspect.isclass(thing)}
+    {
+        f"{subpackage}.{name}".strip(".")
+        for subpackage, name, thing in public_things()
+        if inspect.isclass(thing)
+    }
     - ELSEWHERE
 )
 NAMES = [*CLASSES, "sphere()", "mesh_surface()", "EyeMeasures.field"]

@@ -244,7 +244,7 @@ def test_directories_are_named_when_they_are_whole(tmp_path):
     ("sampling", "settings"),
     [
         (omma.Fixed(3), {"standard_error": True, "noise": "new_every_frame", "seed": 2**64 - 1}),
-        (omma.ToError(0.05, most=64), {"kernel": "gaussian", "footprints": False}),
+        (omma.ToError(0.05, most=64), {"angular_sensitivity": "gaussian", "footprints": False}),
         (omma.Shared(2), {"background": "0.1,0.25,3", "backend": "portable"}),
         # The camera's own eye, which it scales.
         (omma.Fixed(2), {"eyes": (), "path": None, "camera": "insect", "points": "random"}),
@@ -255,7 +255,15 @@ def test_rendered_again_to_the_same_bits(folder, name, sampling, settings):
     first = load_responses(name).load()
     assert render_like(name, "again.zarr").warnings == warnings
     again = load_responses("again.zarr")
-    told = ("eye_sha256", "scene_sha256", "samples", "seed", "noise", "kernel", "backend")
+    told = (
+        "eye_sha256",
+        "scene_sha256",
+        "samples",
+        "seed",
+        "noise",
+        "angular_sensitivity",
+        "backend",
+    )
     assert {key: again.attrs.get(key) for key in told} == {
         key: first.attrs.get(key) for key in told
     }

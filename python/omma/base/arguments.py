@@ -111,8 +111,8 @@ def expect(value: object, kind: type, name: str, hint: str) -> None:
     """TypeError where ``value`` is no ``kind``; ``hint`` says where to get one."""
     if not isinstance(value, kind):
         found = type(value).__name__
-        place = _OWN.get(kind.__name__, f"omma.{kind.__name__}")
-        raise TypeError(f"{name}: expected {place}, found {found} ({hint})")
+        full_name = _OWN.get(kind.__name__, f"omma.{kind.__name__}")
+        raise TypeError(f"{name}: expected {full_name}, found {found} ({hint})")
 
 
 def output_array(out: Any, shape: tuple[int, ...], name: str) -> NDArray[np.float32]:
@@ -141,7 +141,7 @@ def arrays_of(**values: Any) -> list[NDArray[np.float64]]:
         raise Error(f"{names}: expected shapes that go together, found {found}") from None
 
 
-# What `checked` knows by name: things of Omma's own, which hold what functions then ask them for.
+# Omma's own types that `checked` knows by name, and what messages call them.
 _OWN = {
     "AcuteZone": "omma.eye.AcuteZone",
     "Background": "omma.Background",
@@ -173,7 +173,7 @@ _OWN = {
 # Alternatives of an annotation, not those inside of brackets.
 _UNION = re.compile(r" \| (?![^\[]*\])")
 
-# What else it knows: the annotation, whether a value is one, and what messages call it.
+# Other annotations: whether a value is one, and what messages call it.
 _PLAIN: dict[str, tuple[Callable[[Any], bool], str]] = {
     "None": (lambda value: value is None, "None"),
     "bool": (lambda value: isinstance(value, (bool, np.bool_)), "True or False"),
@@ -200,14 +200,14 @@ def _is_number(value: Any) -> bool:
 
 
 def _is_own(value: Any, kind: str) -> bool:
-    """Whether it is that thing of Omma's. By name, as its module may need this one."""
+    """Whether it is of that type of Omma's; by name, as its module may import this one."""
     if kind == "Surface":  # a protocol: whatever has the methods
         return hasattr(value, "point_of_normal") and hasattr(value, "samples")
     return kind in {one.__name__ for one in type(value).__mro__}
 
 
 def _kind(annotation: str) -> tuple[Callable[[Any], bool], str] | None:
-    """How to know a value of this annotation, and its name for messages; None: not checked."""
+    """The check for an annotation and its name in messages; None: not checked."""
     name = _ALIASES.get(annotation, annotation)
     if name in _PLAIN:
         return _PLAIN[name]
@@ -246,7 +246,7 @@ def checked(function: F) -> F:
         kinds = [_kind(word) for word in words]
         if None not in kinds:
             known[name] = [kind for kind in kinds if kind is not None]
-    # An eye or a scene first: whatever else is wrong, that says most.
+    # Eyes and scenes are checked first, as a wrong one says most about the mistake.
     order = sorted(known, key=lambda name: not any("omma." in text for _, text in known[name]))
 
     @functools.wraps(function)

@@ -1,4 +1,4 @@
-"""Directions as unit vectors in the head's frame, and as azimuth and elevation."""
+"""Directions as vectors of length 1 in the head's frame, and as azimuth and elevation."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ Floats = NDArray[np.float64]
 
 @checked
 def direction(azimuth_deg: ArrayLike, elevation_deg: ArrayLike) -> Floats:
-    """Unit vectors (..., 3) in the head frame; azimuth 0 is ahead and grows to the right."""
+    """Directions (..., 3) of length 1 in the head frame; azimuth 0 is ahead and grows to the
+    right."""
     a, e = np.radians(arrays_of(azimuth_deg=azimuth_deg, elevation_deg=elevation_deg))
     return np.stack([np.cos(e) * np.sin(a), np.sin(e), -np.cos(e) * np.cos(a)], axis=-1)
 
@@ -29,6 +30,6 @@ def azimuth_elevation_deg_of(directions: ArrayLike) -> tuple[Floats, Floats]:
     return np.degrees(np.arctan2(x, -z)) + 0.0, np.degrees(np.arctan2(y, np.hypot(x, z))) + 0.0
 
 
-def unit(vectors: Floats) -> Floats:
+def normalized(vectors: Floats) -> Floats:
     """Vectors (..., 3) at length 1."""
     return np.asarray(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True))

@@ -8,7 +8,7 @@ import numpy as np
 
 from omma._core import Error
 
-# Of DLPack's kinds of device the memory that this process reads as its own.
+# DLPack device types whose memory this process can read.
 _CPU = 1
 
 
@@ -39,8 +39,8 @@ def as_numpy(value: Any, name: str) -> Any:
 
 
 def _writable(value: Any, array: Any) -> Any:
-    # Before version 1 of DLPack a hand-over does not say what may be written to, and NumPy takes
-    # it for read only; where the library gives the same memory as a NumPy array, that says it.
+    # Before DLPack 1 nothing says whether memory is writable, and NumPy takes it as read-only; a
+    # library that gives the same memory as a NumPy array says so by that.
     if hasattr(value, "__array__"):
         other = np.asarray(value)
         same = other.dtype == array.dtype and other.shape == array.shape

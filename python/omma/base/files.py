@@ -252,7 +252,7 @@ def digests_of(path: PathLike) -> dict[str, str]:
         # Of a .glb the first chunk is the JSON text.
         binary = data[:4] == b"glTF"
         text = data[20 : 20 + int.from_bytes(data[12:16], "little")] if binary else data
-        # Whatever it is that a text names: buffers, images, eyes, things of extensions.
+        # URIs of all kinds: buffers, images, eyes, extensions.
         try:
             document = json.loads(text)
         except (ValueError, RecursionError):

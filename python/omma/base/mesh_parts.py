@@ -19,8 +19,8 @@ Ints = NDArray[np.int64]
 # What turns +Z up into +Y up.
 _Y_FROM_Z = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 
-# As far as this, in half sizes of the scene, coordinates are as good as about zero; the engine's
-# own origin is chosen by the same (model/scene_place.h).
+# A scene farther from zero than this many half sizes is moved near it, as the engine does
+# (model/scene_place.h).
 _NEAR = 4
 
 

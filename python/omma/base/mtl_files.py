@@ -29,7 +29,7 @@ _OPTIONS = {
 }  # fmt: skip
 _HARMLESS = ("-blendu", "-blendv", "-bm", "-cc", "-texres", "-type")  # change no colour
 _PICTURES = ("map_kd", "map_d", "map_ke")
-# Other words that change what is seen; others than these and those that are read are shine alone.
+# Other keywords that change the look; all that are neither here nor read are specular only.
 _TOLD = {
     "map_bump", "bump", "norm", "disp", "decal", "refl", "map_ks", "map_ns", "map_pr", "map_pm",
     "map_ps", "map_tr", "map_opacity",
@@ -63,7 +63,7 @@ class Materials:
         self._told: Counter[str] = Counter()
         # Bytes of pictures that may be in memory, as for glTF: one of the largest size, and
         # well-packed ones beyond.
-        self._room = 4 * MOST_PIXELS
+        self._bytes_left = 4 * MOST_PIXELS
         self._counted: set[str] = set()
         self._missing = False  # whether one of its .mtl files is
         self._entries: dict[str, _Entry] = {}
@@ -163,7 +163,7 @@ class Materials:
         base, cut = self._base_texture(pictures)
         glow = self._texture(pictures["map_ke"]) if "map_ke" in pictures else None
         if "map_kd" in pictures and base is not None:
-            color = [1.0, 1.0, 1.0]  # as exporters mean it: the picture stands in its place
+            color = [1.0, 1.0, 1.0]  # as exporters mean it: the picture replaces it
         mode = "blend" if opacity < 1 or cut == "blend" else cut
         return Material(
             name,
@@ -225,8 +225,8 @@ class Materials:
             if pixels is None:
                 self._texture_of[key] = None
             else:
-                self._room -= pixels.nbytes
-                if self._room < 0:
+                self._bytes_left -= pixels.nbytes
+                if self._bytes_left < 0:
                     raise Error("its pictures take too much memory for the sizes of their files")
                 self.parts.images.append(Image(pixels, name=os.path.basename(picture.name)))
                 wrap = "clamp_to_edge" if picture.clamped else "repeat"
@@ -247,7 +247,7 @@ class Materials:
         try:
             if file not in self._counted:
                 self._counted.add(file)
-                self._room += 256 * os.path.getsize(file)
+                self._bytes_left += 256 * os.path.getsize(file)
             return read_picture(file)
         except Error as error:
             self._told[f"a picture is passed over: {error}"] += 1

@@ -80,25 +80,25 @@ def _header(path: str, data: bytes) -> tuple[str, list[_Element], str, int]:
         line = data[at:end].decode("utf-8", "replace").strip()
         at, number = end + 1, number + 1
         words = line.split()
-        place = f"{path}, line {number}"
+        where = f"{path}, line {number}"
         if line == "end_header":
             break
         if words[:1] == ["format"]:
             order = _ORDERS.get(words[1] if len(words) > 1 else "")
             if order is None:
                 known = ", ".join(_ORDERS)
-                raise Error(f"{place}: expected the format {known}, found '{line[:60]}'")
+                raise Error(f"{where}: expected the format {known}, found '{line[:60]}'")
         elif words[:1] == ["element"]:
             if len(words) != 3 or not (words[2].isascii() and words[2].isdecimal()):
-                raise Error(f"{place}: expected 'element NAME COUNT', found '{line[:60]}'")
+                raise Error(f"{where}: expected 'element NAME COUNT', found '{line[:60]}'")
             elements.append(_Element(words[1], int(words[2])))
         elif words[:1] == ["property"]:
             is_list = words[1:2] == ["list"]
             if not elements or len(words) != (5 if is_list else 3):
-                raise Error(f"{place}: expected a property of an element, found '{line[:60]}'")
+                raise Error(f"{where}: expected a property of an element, found '{line[:60]}'")
             unknown = [one for one in words[2 if is_list else 1 : -1] if one not in _TYPES]
             if unknown or (is_list and _TYPES[words[2]][0] == "f"):
-                raise Error(f"{place}: expected a type of PLY, found '{line[:60]}'")
+                raise Error(f"{where}: expected a type of PLY, found '{line[:60]}'")
             count_type = _TYPES[words[2]] if is_list else ""
             elements[-1].properties.append(_Property(words[-1], _TYPES[words[-2]], count_type))
         elif words[:2] == ["comment", "TextureFile"]:
@@ -150,8 +150,8 @@ def _rows_of(
             starts[row] = here
             for k, i in enumerate(lists):
                 # Behind the properties before it, and the lists among them.
-                place = here + i + int(counts[row, :k].sum())
-                length = numbers[place] if place < total else -1.0
+                offset = here + i + int(counts[row, :k].sum())
+                length = numbers[offset] if offset < total else -1.0
                 if not 0 <= length <= total:
                     raise Error(f"{path}: {element.name} {row}: expected a list, found no length")
                 counts[row, k] = int(length)
@@ -162,18 +162,18 @@ def _rows_of(
             f"{path}: expected {element.count} of {element.name}, found the end of the file"
         )
     columns: _Columns = {}
-    place = starts[:-1].copy()
+    offset = starts[:-1].copy()
     for i, one in enumerate(element.properties):
         if one.count_type:
             length = counts[:, lists.index(i)]
-            columns[one.name] = _Ragged(length, numbers[_ranges(place + 1, length)])
-            place = place + 1 + length
+            columns[one.name] = _Ragged(length, numbers[_ranges(offset + 1, length)])
+            offset = offset + 1 + length
         else:
-            found = numbers[place]
+            found = numbers[offset]
             # What is called float keeps the digits of the text.
             with np.errstate(invalid="ignore"):
                 columns[one.name] = found if one.type[0] == "f" else found.astype(one.type)
-            place = place + 1
+            offset = offset + 1
     return columns, int(starts[-1])
 
 
@@ -238,7 +238,7 @@ def _binary_lists(
     ]
     byte_order: Literal["big", "little"] = "big" if order == ">" else "little"
     # Bytes where each property's values begin, and how many there are.
-    places = np.empty((len(sizes), element.count), np.int64)
+    offsets = np.empty((len(sizes), element.count), np.int64)
     counts = np.ones((len(sizes), element.count), np.int64)
     end = len(body)
     for row in range(element.count):
@@ -247,10 +247,10 @@ def _binary_lists(
                 length = int.from_bytes(body[at : at + heads[i]], byte_order)
                 at += heads[i]
                 counts[i, row] = length if at + length * size <= end else end + 1
-                places[i, row] = at
+                offsets[i, row] = at
                 at += length * size
             else:
-                places[i, row] = at
+                offsets[i, row] = at
                 at += size
         if at > end:
             raise Error(
@@ -260,7 +260,7 @@ def _binary_lists(
     raw = np.frombuffer(body, np.uint8)
     columns = {}
     for i, one in enumerate(element.properties):
-        picked = raw[_ranges(places[i], counts[i] * sizes[i])]
+        picked = raw[_ranges(offsets[i], counts[i] * sizes[i])]
         values = picked.view(np.dtype(order + one.type))
         columns[one.name] = _Ragged(counts[i], values) if one.count_type else values
     return columns, at

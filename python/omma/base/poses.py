@@ -121,8 +121,8 @@ def poses_from_angles(positions_m: ArrayLike, yaw_pitch_roll_deg: ArrayLike) -> 
 
 
 def _warn_of_radians(angles_deg: Matrices) -> None:
-    """Angles that are all within a turn in radians and either quarters of it or, where there are
-    many, all around: as degrees they would be odd, and as radians plain."""
+    """Warns of angles that look like radians: all within a turn, and multiples of a quarter turn
+    or, where there are many, spread over all of it."""
     size = np.abs(angles_deg)
     if not size.size or size.max() > 2 * np.pi + 1e-6:
         return
@@ -231,7 +231,7 @@ def is_position_pair(poses: Any) -> bool:
         return False
 
 
-def _row(cells: list[str], columns: tuple[str, ...], place: str) -> list[float]:
+def _row(cells: list[str], columns: tuple[str, ...], where: str) -> list[float]:
     row = []
     for cell, column in zip(cells, columns, strict=True):
         try:
@@ -239,10 +239,10 @@ def _row(cells: list[str], columns: tuple[str, ...], place: str) -> list[float]:
         except ValueError:
             value = float("nan")
         if not np.isfinite(value):
-            raise Error(f"{place}, column {column}: expected a finite number, found '{cell[:40]}'")
+            raise Error(f"{where}, column {column}: expected a finite number, found '{cell[:40]}'")
         row.append(value)
     if columns == QUATERNION_COLUMNS and not any(row[3:]):
-        raise Error(f"{place}: the quaternion has length 0")
+        raise Error(f"{where}: the quaternion has length 0")
     return row
 
 

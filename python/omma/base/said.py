@@ -64,12 +64,12 @@ _WORDS: dict[Callable[[Any], bool], str] = {
 
 
 class Said:
-    """The members of an object in a file, taken one by one; ``place`` names file and object."""
+    """The members of an object in a file, taken one by one; ``where`` names file and object."""
 
-    def __init__(self, values: Any, place: str) -> None:
+    def __init__(self, values: Any, where: str) -> None:
         if not isinstance(values, Mapping):
-            raise Error(f"{place}: expected an object, found {values!r:.60}")
-        self.place = place
+            raise Error(f"{where}: expected an object, found {values!r:.60}")
+        self.where = where
         self._values = values
 
     def take(self, name: str, is_right: Callable[[Any], bool], default: Any = _MISSING) -> Any:
@@ -80,7 +80,7 @@ class Said:
         """
         value = self._values.get(name, default)
         if value is _MISSING:
-            raise Error(f"{self.place}: {name}: is missing, expected {_WORDS[is_right]}")
+            raise Error(f"{self.where}: {name}: is missing, expected {_WORDS[is_right]}")
         if value is not default and not is_right(value):
             self.refuse(name, _WORDS[is_right])
         return value
@@ -100,16 +100,16 @@ class Said:
 
     def refuse(self, name: str, expected: str) -> NoReturn:
         """omma.Error that a member is something else than what is expected."""
-        raise Error(f"{self.place}: {name}: expected {expected}, found {self._values[name]!r:.60}")
+        raise Error(f"{self.where}: {name}: expected {expected}, found {self._values[name]!r:.60}")
 
 
-def object_in(data: bytes, place: str, what: str) -> Said:
+def object_in(data: bytes, where: str, what: str) -> Said:
     """The JSON object that a file is.
 
     Raises:
         omma.Error: it is none; ``what`` says what was expected.
     """
     try:
-        return Said(json.loads(data), place)
+        return Said(json.loads(data), where)
     except (ValueError, RecursionError, Error):
-        raise Error(f"{place}: expected {what}, found something else") from None
+        raise Error(f"{where}: expected {what}, found something else") from None

@@ -45,11 +45,11 @@ def read_table(path: PathLike, *headers: Sequence[str]) -> tuple[list[str], Floa
 
 
 def as_grid(path: PathLike, table: Floats, across: str, upwards: str) -> tuple[Floats, ...]:
-    """Of a table whose first two columns say where: the places across (A,) and upwards (E,),
+    """Of a table whose first two columns are coordinates: those across (A,) and upwards (E,),
     ascending, and for each further column its values (E, A).
 
     Raises:
-        omma.Error: a place is missing or there twice.
+        omma.Error: a pair of coordinates is missing or there twice.
     """
     columns, column = np.unique(table[:, 0], return_inverse=True)
     rows, row = np.unique(table[:, 1], return_inverse=True)
@@ -70,11 +70,11 @@ def as_grid(path: PathLike, table: Floats, across: str, upwards: str) -> tuple[F
     return (columns, rows, *grids)
 
 
-def _numbers(words: list[str], count: int, place: str) -> list[float]:
+def _numbers(words: list[str], count: int, where: str) -> list[float]:
     try:
         values = [float(word) for word in words]
     except ValueError:
         values = []
     if len(values) != count or not all(math.isfinite(value) for value in values):
-        raise Error(f"{place}: expected {count} numbers, found {','.join(words)!r:.60}")
+        raise Error(f"{where}: expected {count} numbers, found {','.join(words)!r:.60}")
     return values

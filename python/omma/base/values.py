@@ -11,7 +11,7 @@ from omma._core import Error
 
 T = TypeVar("T")
 
-# Characters of a repr, of one text and of one other thing in it, and items of one sequence in it.
+# Limits of a repr: characters in all, of one text and of anything else, and items of a sequence.
 _REPR, _TEXT, _THING, _ITEMS = 200, 40, 80, 3
 
 
@@ -69,25 +69,26 @@ def _equal(self: Any, other: object) -> Any:
 
 
 def _hash(self: Any) -> int:
-    return hash((type(self), *(_hashed(self, name, part) for name, part in _fields(self).items())))
+    hashes = (_hashed(self, name, value) for name, value in _fields(self).items())
+    return hash((type(self), *hashes))
 
 
-def _hashed(self: Any, name: str, part: Any) -> int:
-    if isinstance(part, tuple):
-        return hash(tuple(_hashed(self, name, item) for item in part))
-    if isinstance(part, float) and part != part:
+def _hashed(self: Any, name: str, value: Any) -> int:
+    if isinstance(value, tuple):
+        return hash(tuple(_hashed(self, name, item) for item in value))
+    if isinstance(value, float) and value != value:
         return 0  # one NaN equals another, but their own hashes differ
     try:
-        return hash(part)
+        return hash(value)
     except TypeError:
-        owner, kind = type(self).__name__, type(part).__name__
+        owner, kind = type(self).__name__, type(value).__name__
         raise TypeError(
             f"{owner}: has no hash, as its field {name} holds what can change ({kind})"
         ) from None
 
 
 def _state(self: Any) -> dict[str, Any]:
-    # Not what a class may keep besides, which is made again when it is asked for.
+    # Fields only: cached values are computed again.
     return _fields(self)
 
 
@@ -105,10 +106,10 @@ def _line(self: Any) -> str:
     """Its fields in one line, arrays by their type and shape; fields at their default left out."""
     text = ""
     for field in dataclasses.fields(self):
-        part = getattr(self, field.name)
-        if field.default is not dataclasses.MISSING and same(part, field.default):
+        value = getattr(self, field.name)
+        if field.default is not dataclasses.MISSING and same(value, field.default):
             continue
-        added = f"{', ' if text else ''}{field.name}={_short(part)}"
+        added = f"{', ' if text else ''}{field.name}={_short(value)}"
         if len(text) + len(added) > _REPR - len(type(self).__name__) - len("(, ...)"):
             text += ", ..."
             break
@@ -116,20 +117,20 @@ def _line(self: Any) -> str:
     return f"{type(self).__name__}({text})"
 
 
-def _short(part: Any) -> str:
-    if isinstance(part, np.ndarray):
-        return f"<{part.dtype} {part.shape}>"
-    if isinstance(part, np.generic):
-        return repr(part.item())
-    if isinstance(part, str) and len(part) > _TEXT:
-        return repr(part[: _TEXT - 3] + "...")
-    if isinstance(part, (tuple, list)):
-        items = [_short(item) for item in part[:_ITEMS]]
-        if len(part) > _ITEMS:
-            items.append(f"... {len(part)} in all")
-        comma = "," if isinstance(part, tuple) and len(part) == 1 else ""
+def _short(value: Any) -> str:
+    if isinstance(value, np.ndarray):
+        return f"<{value.dtype} {value.shape}>"
+    if isinstance(value, np.generic):
+        return repr(value.item())
+    if isinstance(value, str) and len(value) > _TEXT:
+        return repr(value[: _TEXT - 3] + "...")
+    if isinstance(value, (tuple, list)):
+        items = [_short(item) for item in value[:_ITEMS]]
+        if len(value) > _ITEMS:
+            items.append(f"... {len(value)} in all")
+        comma = "," if isinstance(value, tuple) and len(value) == 1 else ""
         return (
-            f"({', '.join(items)}{comma})" if isinstance(part, tuple) else f"[{', '.join(items)}]"
+            f"({', '.join(items)}{comma})" if isinstance(value, tuple) else f"[{', '.join(items)}]"
         )
-    text = repr(part)
-    return text if len(text) <= _THING else f"<{type(part).__name__}>"
+    text = repr(value)
+    return text if len(text) <= _THING else f"<{type(value).__name__}>"

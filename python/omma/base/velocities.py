@@ -63,7 +63,7 @@ def velocities_between(
 
 
 def _nearest_turns(matrices: Matrices) -> NDArray[np.float64]:
-    """Orthogonal matrices (P, 3, 3): what scales is left out; what mirrors does so still."""
+    """Nearest orthogonal matrices (P, 3, 3): scale and shear removed, reflections kept."""
     u, size, v = np.linalg.svd(matrices[:, :3, :3])
     if not (size > 0).all():
         flat = int(np.flatnonzero(~(size > 0).all(axis=1))[0])

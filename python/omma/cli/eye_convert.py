@@ -166,7 +166,7 @@ def convert(
         losses = eye_file_losses(output, found)
         if losses and not lossy:
             raise Error(
-                f"{output}: an .eye file has no place for {'; '.join(losses)}. Write a .csv, .gltf "
+                f"{output}: an .eye file cannot hold {'; '.join(losses)}. Write a .csv, .gltf "
                 "or .glb file, which keep everything, or say --lossy"
             )
         save(output, found, unit)

@@ -93,7 +93,7 @@ Make an eye larger or smaller: positions, focal offsets, facets; not angles.
 
 JOIN_HELP = """
 Put several eyes into one head, in the order given. Eyes of the files are kept apart where the
-format has place for that, as .csv and .gltf have.
+format holds that, as .csv and .gltf do.
 
 **Examples**
 

@@ -94,12 +94,12 @@ def _write(text: str, formatter: Any) -> None:
         formatter.write("\n" + "".join(f"  {line}\n" for line in lines))
 
 
-def _wrapped(text: str, room: int) -> list[str]:
-    # Names of options have hyphens, which are no place to break them.
-    return textwrap.wrap(text, room, break_on_hyphens=False)
+def _wrapped(text: str, width: int) -> list[str]:
+    # Names of options have hyphens, at which they are not broken.
+    return textwrap.wrap(text, width, break_on_hyphens=False)
 
 
-def command_lines(command: str, room: int) -> list[str]:
+def command_lines(command: str, width: int) -> list[str]:
     """A command on lines of at most so many characters where that is possible, broken before
     options, with what tells a shell that it goes on."""
     parts: list[str] = []
@@ -111,7 +111,7 @@ def command_lines(command: str, room: int) -> list[str]:
     lines = parts[:1]
     for part in parts[1:]:
         # Two more for " \".
-        if len(lines[-1]) + 1 + len(part) + 2 > room:
+        if len(lines[-1]) + 1 + len(part) + 2 > width:
             lines[-1] += " \\"
             lines.append(f"  {part}")
         else:

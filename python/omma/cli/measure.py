@@ -18,7 +18,13 @@ from omma.base.files import check_ending
 from omma.base.poses import Matrices, load_poses, poses_from_angles
 from omma.cli.help import App
 from omma.cli.numbers import above_zero, not_below_zero
-from omma.cli.options import SceneUnitOption, SceneUpOption, help_of
+from omma.cli.options import (
+    OldKernelOption,
+    SceneUnitOption,
+    SceneUpOption,
+    help_of,
+    sensitivity_of,
+)
 from omma.cli.working import DelayedBar, check_outputs, say, working
 from omma.eye.files import load_eye
 from omma.rendering.renderer import Renderer
@@ -57,7 +63,7 @@ Measure scatter and speed: rays needed, variance maps, aliasing, frames/s.
 MIN_SAMPLES_HELP = """
 Find the rays per steradian at which responses scatter by no more than a share of full scale.
 
-The worst place within a box, a cylinder or along a path is searched for with twelve ommatidia of
+The worst position within a box, a cylinder or along a path is searched for with twelve ommatidia of
 1 sr, for CompoundRay's sampling and for Omma's. Keep the box clear of the inside of objects and of
 the ground: nothing else does.
 
@@ -136,7 +142,7 @@ MeasureOption = Annotated[
         "8-bit gamma-encoded colours, as distance in RGB."
     ),
 ]
-KernelOption = Annotated[
+SensitivityOption = Annotated[
     Literal["gaussian", "pillbox", "compoundray"], typer.Option(help="Angular sensitivity.")
 ]
 PointsOption = Annotated[PointsName, typer.Option(help=help_of("points"))]
@@ -235,7 +241,8 @@ def variance_map_command(
         bool, typer.Option("--variance", help="Write variances, not standard deviations.")
     ] = False,
     measure: MeasureOption = "linear",
-    kernel: KernelOption = "compoundray",
+    angular_sensitivity: SensitivityOption = "compoundray",
+    kernel: OldKernelOption = None,
     points: PointsOption = "random",
     rays: Annotated[int, typer.Option(help="Rays per estimate.", metavar="N", min=1)] = 1,
     repeats: Annotated[int, typer.Option(help="Estimates per ommatidium.", metavar="N")] = 1024,
@@ -253,7 +260,7 @@ def variance_map_command(
             statistic=statistic,
             rays=rays,
             repeats=repeats,
-            method=Method(kernel, points),
+            method=Method(sensitivity_of(angular_sensitivity, kernel), points),
             measure=measure,
             seed=seed,
             threads=threads,
@@ -337,7 +344,8 @@ def speed_command(
     warm_up: Annotated[
         float, typer.Option(help="Seconds to warm up.", metavar="S", callback=not_below_zero)
     ] = 10.0,
-    kernel: KernelOption = "gaussian",
+    angular_sensitivity: SensitivityOption = "gaussian",
+    kernel: OldKernelOption = None,
     points: PointsOption = "low_discrepancy",
     threads: ThreadsOption = 0,
     output: Outputs = None,
@@ -358,7 +366,7 @@ def speed_command(
             counts,
             frames=frames,
             warm_up_s=warm_up,
-            method=Method(kernel, points),
+            method=Method(sensitivity_of(angular_sensitivity, kernel), points),
             threads=threads,
             progress=bar.show,
         )

@@ -9,7 +9,10 @@ from typing import Annotated, Any, get_args
 import typer
 
 from omma._core import Error
+from omma.base.arguments import one_of
+from omma.cli.working import warn
 from omma.rendering.settings import (
+    AngularSensitivityName,
     Fixed,
     Sampling,
     Settings,
@@ -47,6 +50,19 @@ UltravioletOption = Annotated[
 # Options of the command line by the class they belong to; where their name is not the field's.
 _NAMES = {(Shared, "samples"): "shared"}
 
+OldKernelOption = Annotated[
+    str | None,
+    typer.Option("--kernel", hidden=True, help="The old name of --angular-sensitivity."),
+]
+
+
+def sensitivity_of(angular_sensitivity: str, kernel: str | None) -> Any:
+    """What --angular-sensitivity says, or with a warning --kernel, its old name."""
+    if kernel is None:
+        return angular_sensitivity
+    warn("--kernel is called --angular-sensitivity now; the old name works until 0.2")
+    return one_of(kernel, get_args(AngularSensitivityName), "--kernel")
+
 
 def light_and_mix(
     light: str | None, ultraviolet: str | None
@@ -83,6 +99,9 @@ def takes_settings(command: Callable[..., Any]) -> Callable[..., Any]:
 
     def with_settings(**given: Any) -> Any:
         values = {one.name: given.pop(one.name) for one in _parameters()}
+        values["angular_sensitivity"] = sensitivity_of(
+            values["angular_sensitivity"], values.pop("kernel")
+        )
         return command(settings=_settings(values), **given)
 
     with_settings.__name__, with_settings.__doc__ = command.__name__, command.__doc__
@@ -95,6 +114,7 @@ def _parameters() -> list[inspect.Parameter]:
     """A parameter as typer reads it for each option. Those of the three ways of sampling are None
     where not given, so that one can tell which was meant."""
     found = []
+    either = inspect.Parameter.POSITIONAL_OR_KEYWORD
     for kind in (*get_args(Sampling), Settings):
         for one in options_of(kind):
             name = _NAMES.get((kind, one.name), one.name)
@@ -109,8 +129,8 @@ def _parameters() -> list[inspect.Parameter]:
             if of_sampling:
                 kept = Annotated[declared | None, shown]
             default = None if of_sampling else one.default
-            either = inspect.Parameter.POSITIONAL_OR_KEYWORD
             found.append(inspect.Parameter(name, either, default=default, annotation=kept))
+    found.append(inspect.Parameter("kernel", either, default=None, annotation=OldKernelOption))
     return found
 
 

@@ -103,7 +103,7 @@ render_app = App()
 
 _DEFAULTS = Settings()
 
-# Nothing else may be said of a render that is made again.
+# Options that may go with --like.
 _WITH_LIKE = ("like", "output", "scene", "eye", "threads")
 
 BackgroundOption = Annotated[

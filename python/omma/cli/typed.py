@@ -5,18 +5,18 @@ from __future__ import annotations
 import re
 from collections.abc import Collection
 
-# Of commands that take rays in other ways, too.
+# A message about `sampling`, which commands split into several options.
 _SAMPLING = re.compile(r"sampling: expected omma\.Fixed for (.+), found (ToError|Shared)\(.*")
-# What a message is about, at its beginning or behind the name of a file: one argument, or several.
+# The subject of a message: one argument or several, at its beginning or after a file name.
 _SUBJECT = re.compile(r"(?:^|(?<=: ))\w+(?:(?:, | and )\w+)*(?=: )")
-# An argument with what it is said to be.
+# An argument with a value: name=value.
 _SAID = re.compile(r"\b([a-z_]+)=(?:\"([^\"]*)\"|'([^']*)'|([\d.]*\d)|(True))")
-# Arguments in the midst of a message: those of two words, which are no words of a sentence.
+# Arguments inside a message: only names with an underscore, as others are ordinary words.
 _OF_TWO_WORDS = re.compile(r"(?<![\w./=-])[a-z]+(?:_[a-z]+)+(?![\w./=-])")
 
 
 def as_typed(message: str, options: Collection[str]) -> str:
-    """The message with options of a command, of which these are all, in place of arguments."""
+    """The message with options of a command, of which these are all, instead of arguments."""
 
     def option_of(name: str) -> str:
         option = "--" + name.replace("_", "-")

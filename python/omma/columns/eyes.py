@@ -84,8 +84,8 @@ def column_pairs(columns: Columns, rows: Sequence[str] = ("v", "p", "-q")) -> In
     expect_columns(columns)
     if not isinstance(rows, (list, tuple)) or not rows:
         raise Error(f"rows: expected some of {', '.join(_STEPS)}, found {rows!r:.40}")
-    places = zip(columns.side.tolist(), columns.p.tolist(), columns.q.tolist(), strict=True)
-    index = {place: k for k, place in enumerate(places)}
+    columns_of_eye = zip(columns.side.tolist(), columns.p.tolist(), columns.q.tolist(), strict=True)
+    index = {column: k for k, column in enumerate(columns_of_eye)}
     pairs = []
     for row in rows:
         more_p, more_q = _STEPS[one_of(row, _STEPS, "rows")]

@@ -108,7 +108,7 @@ def to_hexals(
     whole_lattice = hexals(radius)
     start = array_of(middle, "middle", (2,), np.int64)
     u, v = uv_from_pq(columns.p - start[0], columns.q - start[1], front)
-    row_of = {place: k for k, place in enumerate(zip(u.tolist(), v.tolist(), strict=True))}
+    row_of = {hexal: k for k, hexal in enumerate(zip(u.tolist(), v.tolist(), strict=True))}
     row = np.array([row_of.get((u, v), -1) for u, v in whole_lattice.tolist()])
     missing = np.flatnonzero(row < 0)
     if len(missing) and fill is None:

@@ -25,7 +25,7 @@ class Columns:
             dorsal and to the back, p + q dorsal; the six next to a column are one step along p, q
             or both together away. Left and right eyes are mirror images.
         side: (M,), -1 in the left eye, 1 in the right one.
-        axis: (M, 3), unit vectors in the head's frame: +X right, +Y up, -Z ahead.
+        axis: (M, 3), directions in the head's frame: +X right, +Y up, -Z ahead.
         taken_from: for each quantity what it was called in the file that they are from.
     """
 

@@ -39,7 +39,7 @@ _NAMES = {
     "elevation": ("elevation", "el", "elev", "elevationdeg", "eldeg", "elevationrad", "elrad"),
 }
 _SIDES = {"left": -1, "l": -1, "-1": -1, "right": 1, "r": 1, "1": 1}
-# Unit vectors of the head's frame.
+# Axes of the head's frame.
 _WAYS = {
     "right": (1, 0, 0), "left": (-1, 0, 0), "up": (0, 1, 0),
     "down": (0, -1, 0), "back": (0, 0, 1), "front": (0, 0, -1),
@@ -188,35 +188,35 @@ def _json_rows(path: PathLike) -> Rows:
     return _rows_of(document, name)
 
 
-def _rows_of(document: Any, place: str) -> Rows:
+def _rows_of(document: Any, name: str) -> Rows:
     if isinstance(document, list):
         for k, row in enumerate(document):
             if not isinstance(row, dict):
-                raise Error(f"{place}, row {k}: expected names and values, found {row!r:.40}")
-        return [(f"{place}, row {k}", row) for k, row in enumerate(document)]
+                raise Error(f"{name}, row {k}: expected names and values, found {row!r:.40}")
+        return [(f"{name}, row {k}", row) for k, row in enumerate(document)]
     if not isinstance(document, dict):
-        raise Error(f"{place}: expected a list of rows, found {document!r:.40}")
+        raise Error(f"{name}: expected a list of rows, found {document!r:.40}")
     sides = {key: value for key, value in document.items() if _plain(key) in ("left", "right")}
     if sides:
         return [
             (where, {"side": _plain(key), **row})
             for key, value in sides.items()
-            for where, row in _rows_of(value, f"{place}, {key}")
+            for where, row in _rows_of(value, f"{name}, {key}")
         ]
     lists = {key: value for key, value in document.items() if isinstance(value, list)}
     rows = [key for key, value in lists.items() if value and isinstance(value[0], dict)]
     if len(rows) == 1:
-        return _rows_of(lists[rows[0]], f"{place}, {rows[0]}")
+        return _rows_of(lists[rows[0]], f"{name}, {rows[0]}")
     if rows or not lists:
         found = ", ".join(map(str, document)) or "nothing"
         raise Error(
-            f"{place}: expected one list of rows, or a list for each name, found {found:.99}"
+            f"{name}: expected one list of rows, or a list for each name, found {found:.99}"
         )
     lengths = {key: len(value) for key, value in lists.items()}
     if len(set(lengths.values())) > 1:
-        raise Error(f"{place}: expected lists of one length, found {lengths!r:.120}")
+        raise Error(f"{name}: expected lists of one length, found {lengths!r:.120}")
     columns = [dict(zip(lists, values)) for values in zip(*lists.values(), strict=True)]
-    return [(f"{place}, row {k}", row) for k, row in enumerate(columns)]
+    return [(f"{name}, row {k}", row) for k, row in enumerate(columns)]
 
 
 def _numbers(rows: Rows, word: str) -> Floats:
@@ -267,12 +267,12 @@ def _turn(xyz: Sequence[str]) -> Floats:
 def _check(rows: Rows, p: Ints, q: Ints, sides: Ints, axis: Floats) -> None:
     # As the value does, but by the file's rows.
     seen: dict[tuple[int, int, int], str] = {}
-    for (where, _), *place in zip(rows, sides.tolist(), p.tolist(), q.tolist(), strict=True):
-        before = seen.setdefault((place[0], place[1], place[2]), where)
+    for (where, _), *column in zip(rows, sides.tolist(), p.tolist(), q.tolist(), strict=True):
+        before = seen.setdefault((column[0], column[1], column[2]), where)
         if before != where:
             raise Error(
-                f"{where}: expected each column of an eye once, found p = {place[1]}, q = "
-                f"{place[2]} in {before} too"
+                f"{where}: expected each column of an eye once, found p = {column[1]}, q = "
+                f"{column[2]} in {before} too"
             )
     nowhere = np.flatnonzero(np.linalg.norm(axis, axis=1) == 0)
     if len(nowhere):

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, one_of, positive
-from omma.base.directions import unit
+from omma.base.directions import normalized
 from omma.columns.lattice import Columns, expect_columns
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ def resampling_matrix(
     """
     expect_columns(columns)
     one_of(weights, ("gaussian", "nearest"), "weights")
-    axes = unit(np.asarray(eye.axis, np.float64))
+    axes = normalized(np.asarray(eye.axis, np.float64))
     reach = _reach(axes, reach_rad)
     width = _width(eye, width_rad) if weights == "gaussian" else 0.0
     rows, indices, values = [], [], []
@@ -116,7 +116,7 @@ def seen_by(eye: Eye, columns: Columns, reach_rad: float | None = None) -> NDArr
         reach_rad: as of `resampling_matrix`.
     """
     expect_columns(columns)
-    axes = unit(np.asarray(eye.axis, np.float64))
+    axes = normalized(np.asarray(eye.axis, np.float64))
     reach = _reach(axes, reach_rad)
     found = np.zeros(len(columns), bool)
     for members, served in _groups(eye, columns):

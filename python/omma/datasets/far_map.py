@@ -1,7 +1,8 @@
 """Where nothing is near for sure: cells of space that no triangle's box comes close to.
 
-Most places that are tried lie in the open, where rays would only say so. Asked first, a map of the
-open spares these rays; what it is not sure of is left to rays, so that answers do not depend on it.
+Most positions that are tried lie in the open, where rays would only say so. Asked first, a map of
+the open spares these rays; what it is not sure of is left to rays, so that answers do not depend on
+it.
 """
 
 from __future__ import annotations
@@ -14,14 +15,14 @@ from numpy.typing import NDArray
 from omma._core import Scene
 
 _CELLS = 64  # along each axis
-# Beside clearance, for what single precision rounds, of the size of the scene.
+# Margin for rounding in single precision, as a fraction of the size of the scene.
 _ROUNDING = 1e-5
 
 Floats = NDArray[np.float64]
 
 
 class FarMap:
-    """Cells of a box in which every place is farther from all triangles than a clearance."""
+    """Cells of a box in which every position is farther from all triangles than a clearance."""
 
     def __init__(self, scene: Scene, low_m: Floats, high_m: Floats, clearance_m: float) -> None:
         """A map of the box from ``low_m`` (3,) to ``high_m`` (3,), of a scene without a rig."""
@@ -31,7 +32,8 @@ class FarMap:
         bounds = scene.bounds
         size = 0.0 if bounds is None else float(np.abs(bounds).max())
         margin = clearance_m + _ROUNDING * (size + float(np.abs([low_m, high_m]).max()))
-        # Each box adds 1 to all cells it meets: written at its corners, summed along the axes.
+        # Each box adds 1 to all cells that it overlaps: differences at its corners, then cumulative
+        # sums along the axes.
         steps = np.zeros(3 * (_CELLS + 1,))
         for least, most in triangle_boxes(scene):
             first = np.floor((least - margin - self._low) / self._cell)
@@ -45,9 +47,10 @@ class FarMap:
                         np.add.at(steps, corner, (-1.0) ** (x + y + z))
         self._is_far = steps.cumsum(0).cumsum(1).cumsum(2)[:_CELLS, :_CELLS, :_CELLS] < 0.5
 
-    def is_far(self, places: Floats) -> NDArray[np.bool_]:
-        """(P,), whether places (P, 3) are for sure farther from everything than the clearance."""
-        cell = np.floor((places - self._low) / self._cell).astype(np.int64)
+    def is_far(self, positions: Floats) -> NDArray[np.bool_]:
+        """(P,), whether positions (P, 3) are for sure farther from everything than the
+        clearance."""
+        cell = np.floor((positions - self._low) / self._cell).astype(np.int64)
         found = np.asarray(((cell >= 0) & (cell < _CELLS)).all(axis=1))
         found[found] = self._is_far[tuple(cell[found].T)]
         return found

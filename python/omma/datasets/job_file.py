@@ -154,7 +154,7 @@ def load_job(path: PathLike) -> Job:
 
     Raises:
         omma.Error: the file is missing or no TOML, or something in it is missing, unknown or out of
-            its range; it names the place.
+            its range; it says where.
     """
     file = os.fsdecode(path)
     try:
@@ -171,7 +171,7 @@ def job_from(values: Mapping[str, Any], file: str, said: str) -> Job:
     job = Table(values, file)
     about = Table(job.take("dataset", _same, {}), f"{file}, dataset")
     store = about.take("store", text, f"{Path(file).stem}.zarr")
-    seed = about.take("seed", lambda value, place: count(value + 1, place) - 1, 0)
+    seed = about.take("seed", lambda value, where: count(value + 1, where) - 1, 0)
     outputs = about.take("outputs", texts, ("responses",))
     for one in outputs:
         choices(OUTPUTS)(one, f"{file}, dataset.outputs")
@@ -263,7 +263,7 @@ def _check_truths(
 def _scene(table: Table, folder: Path) -> SceneInput:
     file = table.take("file", _file_in(folder))
     options = {
-        "scene_index": table.take("scene_index", lambda value, place: count(value + 1, place) - 1,
+        "scene_index": table.take("scene_index", lambda value, where: count(value + 1, where) - 1,
                                   None),
         "color_rule": table.take("color_rule", text, "gltf"),
         "unit": table.take("unit", _same, None),
@@ -278,11 +278,11 @@ def _eye(table: Table, folder: Path) -> EyeInput:
     species = table.take("species", text, "")
     files = table.take("files", texts, ())
     if bool(species) == bool(files):
-        raise Error(f"{table.place}: expected either files or a species")
+        raise Error(f"{table.where}: expected either files or a species")
     read = _file_in(folder)
     found = EyeInput(
         table.take("name", name, species or _plain_name(files[0] if files else "")),
-        tuple(read(file, f"{table.place}.files") for file in files),
+        tuple(read(file, f"{table.where}.files") for file in files),
         table.take("unit", _same, "mm"),
         species,
     )
@@ -297,7 +297,7 @@ def _condition(table: Table, folder: Path) -> Condition:
         background = str(folder / background)
     sky, sky_options = "", {}
     if table.has("light"):
-        light = Table(table.take("light", _same), f"{table.place}.light")
+        light = Table(table.take("light", _same), f"{table.where}.light")
         sky = light.take("sky", choices(SKIES))
         sky_options = light.rest()
     world = {
@@ -306,13 +306,13 @@ def _condition(table: Table, folder: Path) -> Condition:
         if table.has(key)
     }
     if table.has("bake"):
-        world["bake"] = _bake(Table(table.take("bake", _same), f"{table.place}.bake"))
+        world["bake"] = _bake(Table(table.take("bake", _same), f"{table.where}.bake"))
     if world and not sky:
-        raise Error(f"{table.place}.{next(iter(world))}: goes with a light")
+        raise Error(f"{table.where}.{next(iter(world))}: goes with a light")
     if sky:
         world.setdefault("lighting", "path")
     if "bake" in world and world["lighting"] != "baked":
-        raise Error(f'{table.place}.bake: goes with lighting = "baked"')
+        raise Error(f'{table.where}.bake: goes with lighting = "baked"')
     objects = tuple(_object(one, folder) for one in table.take("object", tables, []))
     table.end()
     return Condition(called, background, sky, sky_options, world, objects)
@@ -324,14 +324,14 @@ def _bake(table: Table) -> Bake:
     try:
         return Bake(**{key: value for key, value in given.items() if value is not None})
     except (Error, TypeError) as error:
-        raise Error(f"{table.place}: {error}") from None
+        raise Error(f"{table.where}: {error}") from None
 
 
 def _object(table: Table, folder: Path) -> PlacedObject:
     found = PlacedObject(
         table.take("file", _file_in(folder)),
         table.take("position_m", numbers(3), (0.0, 0.0, 0.0)),
-        table.take("yaw_deg", lambda value, place: numbers(1)([value], place)[0], 0.0),
+        table.take("yaw_deg", lambda value, where: numbers(1)([value], where)[0], 0.0),
         table.take("scale", number_above_0, 1.0),
     )
     table.end()
@@ -351,14 +351,11 @@ def _settings(table: Table) -> Settings:
             ways["error"] = ToError(**{key: table.take(key, _same, None) for key in of_error})
         if len(ways) > 1:
             raise Error(f"{' and '.join(ways)}: only one of them can say how many rays there are")
-        options = {
-            one.name: table.take(one.name, _same)
-            for one in options_of(Settings)
-            if table.has(one.name)
-        }
+        names = [*(one.name for one in options_of(Settings)), "kernel"]  # the old name too
+        options = {name: table.take(name, _same) for name in names if table.has(name)}
         settings = Settings(next(iter(ways.values()), Settings.sampling), **options)
     except (Error, TypeError) as error:
-        raise Error(f"{table.place}: {error}") from None
+        raise Error(f"{table.where}: {error}") from None
     for one in (
         *settings_as_record(settings),
         *(one.name for one in options_of(ToError)),
@@ -370,10 +367,10 @@ def _settings(table: Table) -> Settings:
 
 
 def _file_in(folder: Path) -> Any:
-    def read(value: Any, place: str) -> str:
-        file = str(folder / text(value, place))
+    def read(value: Any, where: str) -> str:
+        file = str(folder / text(value, where))
         if not os.path.isfile(file):
-            raise Error(f"{place}: expected a file, found none at {file}")
+            raise Error(f"{where}: expected a file, found none at {file}")
         return os.path.normpath(file)
 
     return read
@@ -383,7 +380,7 @@ def _plain_name(file: str) -> str:
     return "".join(letter if letter.isalnum() else "_" for letter in Path(file).stem) or "_"
 
 
-def _same(value: Any, place: str) -> Any:
+def _same(value: Any, where: str) -> Any:
     return value
 
 

@@ -1,4 +1,4 @@
-"""The store of a data set: its groups, arrays and attributes, and a shard's part of an array as the
+"""The store of a data set: its groups, arrays and attributes, and a shard's rows of an array as the
 bytes of its file.
 
 Zarr 3. Each eye has a group, which is the store itself where there is one eye. All arrays of views
@@ -23,7 +23,7 @@ from omma.datasets.shard_bytes import COMPRESSION, chunk_bytes, shard_bytes
 from omma.datasets.worlds import make_light
 from omma.picture.projections import projection_ids
 from omma.rendering.labelled_files import load_package, write_coordinate
-from omma.rendering.labels import Labels, labels_of, place_variables
+from omma.rendering.labels import Labels, labels_of, pose_variables
 from omma.rendering.renderer import Renderer
 from omma.rendering.settings import ToError
 from omma.rendering.truth import GroundTruth, truth_variables
@@ -120,7 +120,7 @@ class Layout:
 
 
 def _fill_value(dtype: str) -> float:
-    """What is not made yet."""
+    """The value of views that are not made yet."""
     return np.nan if np.dtype(dtype).kind == "f" else 0
 
 
@@ -205,7 +205,7 @@ def _variables(job: Job, eye: Eye, labels: Labels) -> tuple[dict[str, Variable],
     """What is kept of each view of an eye, and coordinates that this has besides."""
     found: dict[str, Variable] = {}
     coordinates: dict[str, Any] = {}
-    for name, (dimensions, values, about) in place_variables(np.eye(4)[None], "pose").items():
+    for name, (dimensions, values, about) in pose_variables(np.eye(4)[None], "pose").items():
         if dimensions[0] == "pose":
             shape = values.shape[1:]
             found[name] = Variable(dimensions[1:], shape, values.dtype.name, about, False)

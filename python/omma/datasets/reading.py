@@ -47,7 +47,7 @@ class Views:
         return len(self.numbers)
 
     def __getitem__(self, index: int | slice | ArrayLike) -> Batch:
-        """Views by their place in ``numbers``.
+        """Views by their index in ``numbers``.
 
         Raises:
             IndexError: there is no such view.

@@ -143,7 +143,7 @@ def read_manifest(store: str) -> dict[str, Any]:
 
 
 def _check_manifest(said: Said) -> None:
-    """What the members are that readers take."""
+    """Checks the members that readers use."""
     for name in ("views", "views_per_chunk", "views_per_shard"):
         said.take(name, is_count)
     if said.take("views", is_count) > MOST_VIEWS:
@@ -156,7 +156,7 @@ def _check_manifest(said: Said) -> None:
         said.take(name, is_object)
     if not said.take("groups", is_object_of_texts):
         said.refuse("groups", "at least one eye")
-    names = Said(said.take("names", is_object), f"{said.place}.names")
+    names = Said(said.take("names", is_object), f"{said.where}.names")
     for name in ("scene", "condition", "pose_set"):
         names.take(name, is_texts)
 
@@ -191,15 +191,15 @@ def _differences(then: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[st
     yield from _unlike(then.get("job_plain"), now["job_plain"], "job")
 
 
-def _unlike(then: Any, now: Any, place: str) -> Iterator[str]:
+def _unlike(then: Any, now: Any, where: str) -> Iterator[str]:
     if isinstance(then, dict) and isinstance(now, dict):
         for key in dict.fromkeys([*then, *now]):
-            yield from _unlike(then.get(key), now.get(key), f"{place}.{key}")
+            yield from _unlike(then.get(key), now.get(key), f"{where}.{key}")
     elif isinstance(then, list) and isinstance(now, list) and len(then) == len(now):
         for k, (one, other) in enumerate(zip(then, now)):
-            yield from _unlike(one, other, f"{place}[{k}]")
+            yield from _unlike(one, other, f"{where}[{k}]")
     elif then != now:
-        yield f"{place} was {then!r:.60}, is {now!r:.60}"
+        yield f"{where} was {then!r:.60}, is {now!r:.60}"
 
 
 @contextmanager

@@ -106,7 +106,7 @@ def run(
 
     Raises:
         omma.Error: something in the job or its files; a store of another job, of inputs that
-            changed or of another version; a full disk; a scheduler that went away; no free place
+            changed or of another version; a full disk; a scheduler that went away; no free position
             for a pose. What is done is kept.
         KeyboardInterrupt: Ctrl-C. What is done is kept.
     """
@@ -212,15 +212,15 @@ def _make_here(
         written: Future[None] | None = None
         for k, shard in enumerate(missing):
 
-            def part(share: float, k: int = k) -> None:
+            def tell_share(share: float, k: int = k) -> None:
                 tell("Rendering", (k + share) / len(missing))
 
-            rendered = render_shard(workshop, plan, layouts, shard, part)
+            rendered = render_shard(workshop, plan, layouts, shard, tell_share)
             if written is not None:
                 written.result()
             written = writer.submit(write_shard, path, layouts, rendered)
             del rendered  # the writer gives its arrays up as it writes them
-            part(1.0)
+            tell_share(1.0)
         if written is not None:
             written.result()
 

@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 from omma._core import Error
 from omma.base.poses import Matrices, load_poses, poses_from_angles
 from omma.base.velocities import velocities_from_poses
-from omma.datasets.probing import Probe
+from omma.datasets.free_space import FreeSpace
 from omma.datasets.tables import Table, choices, count, name, number_above_0, numbers, span, texts
 from omma.datasets.tables import text as a_text
 
 SAMPLERS = ("uniform", "surface", "path", "walk")
 
-# Places that are tried for a pose.
+# Positions that are tried for a pose.
 _TRIES = 1000
 # Random numbers of an attempt at a pose: a whole number of Philox's blocks of four.
 _DRAWN = 8
@@ -80,20 +80,20 @@ def read_pose_set(table: Table, folder: Path, scenes: list[str]) -> PoseSet:
         "scenes": table.take("scenes", texts, tuple(scenes)),
     }
     for one in found["scenes"]:
-        choices(scenes)(one, f"{table.place}.scenes")
+        choices(scenes)(one, f"{table.where}.scenes")
     if kind == "path":
         file = str(folder / table.take("file", a_text))
         found |= {"file": file, "count": len(load_poses(file))}
         found["step_s"] = table.take("step_s", number_above_0, 0.0)
         if found["step_s"] and found["count"] < 2:
-            raise Error(f"{table.place}.step_s: expected two poses or more in {file}, found one")
+            raise Error(f"{table.where}.step_s: expected two poses or more in {file}, found one")
         table.end()
         return PoseSet(**found)
     corner = numbers(2 if kind == "surface" else 3)
     low = table.take("low_m", corner)
     high = table.take("high_m", corner)
     if any(a > b for a, b in zip(low, high)):
-        raise Error(f"{table.place}.high_m: expected at least low_m {list(low)}, found {high}")
+        raise Error(f"{table.where}.high_m: expected at least low_m {list(low)}, found {high}")
     found |= {"low_m": low, "high_m": high}
     found["clearance_m"] = table.take("clearance_m", number_above_0, 0.0)
     if kind == "walk":
@@ -125,15 +125,17 @@ def key_of(*parts: object) -> NDArray[np.uint64]:
     return np.frombuffer(digest[:16], np.uint64)
 
 
-def sample_poses(poses: PoseSet, seed: int, scene: str, numbers: range, probe: Probe) -> Matrices:
+def sample_poses(
+    poses: PoseSet, seed: int, scene: str, numbers: range, space: FreeSpace
+) -> Matrices:
     """Poses (P, 4, 4) with these numbers, of a set whose sampler is no walk.
 
     Raises:
-        omma.Error: no free place was found for one of them.
+        omma.Error: no free position was found for one of them.
     """
     if poses.sampler == "path":
         return load_poses(poses.file)[numbers.start : numbers.stop]
-    place = np.full((len(numbers), 3), np.nan)
+    position = np.full((len(numbers), 3), np.nan)
     angles = np.empty((len(numbers), 3))
     left = np.arange(len(numbers))
     for attempt in range(_TRIES):
@@ -141,17 +143,17 @@ def sample_poses(poses: PoseSet, seed: int, scene: str, numbers: range, probe: P
         # A step of the counter gives four numbers.
         stream.advance(numbers.start * (_DRAWN // 4))
         drawn = np.random.Generator(stream).random((len(numbers), _DRAWN))[left]
-        tried = _places(poses, drawn, probe)
+        tried = _positions(poses, drawn, space)
         good = np.asarray(np.isfinite(tried).all(axis=1))
         if poses.clearance_m > 0:
-            good[good] = probe.is_free(tried[good], poses.clearance_m)
-        place[left[good]] = tried[good]
+            good[good] = space.is_free(tried[good], poses.clearance_m)
+        position[left[good]] = tried[good]
         for k, (low, high) in enumerate((poses.yaw_deg, poses.pitch_deg, poses.roll_deg)):
             angles[left[good], k] = low + (high - low) * drawn[good, 4 + k]
         left = left[~good]
         if len(left) == 0:
-            return poses_from_angles(place, angles)
-    raise no_place(poses, scene, f"pose {numbers[left[0]]}", f"{_TRIES} places tried")
+            return poses_from_angles(position, angles)
+    raise no_free_position(poses, scene, f"pose {numbers[left[0]]}", f"{_TRIES} positions tried")
 
 
 def sample_velocities(
@@ -173,24 +175,24 @@ def sample_velocities(
     return -speed * made[:, :3, 2], -turn * made[:, :3, 1]
 
 
-def no_place(poses: PoseSet, scene: str, which: str, tried: str) -> Error:
-    """What to say where there is no room."""
+def no_free_position(poses: PoseSet, scene: str, which: str, tried: str) -> Error:
+    """What to say where no free position is found."""
     clear = f" with clearance_m {poses.clearance_m:g}" if poses.clearance_m > 0 else ""
     where = f" on {', '.join(poses.on)}" if poses.on else ""
     return Error(
-        f"poses {poses.name!r}: found no free place in scene {scene!r} for {which}{where} from "
+        f"poses {poses.name!r}: found no free position in scene {scene!r} for {which}{where} from "
         f"low_m {list(poses.low_m)} to high_m {list(poses.high_m)}{clear}: {tried}. Give it "
-        "more room, or less clearance_m"
+        "more space, or less clearance_m"
     )
 
 
-def _places(poses: PoseSet, drawn: Floats, probe: Probe) -> Floats:
+def _positions(poses: PoseSet, drawn: Floats, space: FreeSpace) -> Floats:
     """Positions (P, 3), m, from random numbers; NaN where there is none."""
     low, high = np.array(poses.low_m), np.array(poses.high_m)
     spread: Floats = low + (high - low) * drawn[:, : len(low)]
     if poses.sampler != "surface":
         return spread
-    ground = probe.ground_below(spread, poses.on)
+    ground = space.ground_below(spread, poses.on)
     bottom, top = poses.height_m
     above = bottom + (top - bottom) * drawn[:, 3]
     return np.column_stack([spread[:, 0], ground + above, spread[:, 1]])

@@ -33,14 +33,14 @@ def shard_bytes(
     crc32c = load_package("google_crc32c", "datasets")
     index = np.full((views_per_shard // views_per_chunk, 2), _NO_CHUNK, "<u8")
     codec = _codec()
-    parts, offset = [], 0
+    chunks, offset = [], 0
     for k, first in enumerate(range(0, len(values), views_per_chunk)):
-        part = _packed(codec, values[first : first + views_per_chunk], views_per_chunk, fill)
-        index[k] = offset, len(part)
-        offset += len(part)
-        parts.append(part)
+        chunk = _packed(codec, values[first : first + views_per_chunk], views_per_chunk, fill)
+        index[k] = offset, len(chunk)
+        offset += len(chunk)
+        chunks.append(chunk)
     table = index.tobytes()
-    return b"".join([*parts, table, crc32c.value(table).to_bytes(4, "little")])
+    return b"".join([*chunks, table, crc32c.value(table).to_bytes(4, "little")])
 
 
 def _codec() -> Any:

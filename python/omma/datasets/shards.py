@@ -28,7 +28,7 @@ from omma.datasets.records import record_file
 from omma.datasets.worlds import Workshop
 from omma.picture.band_colours import colours_of
 from omma.picture.projections import projection_ids
-from omma.rendering.labels import place_variables
+from omma.rendering.labels import pose_variables
 from omma.rendering.renderer import Renderer
 from omma.rendering.truth import GroundTruth, truth_variables
 
@@ -73,9 +73,9 @@ def render_shard(
         for block, numbers in parts
     ]
     every = np.concatenate(poses)
-    places = {
+    of_poses = {
         name: values
-        for name, (dimensions, values, _) in place_variables(every, "pose").items()
+        for name, (dimensions, values, _) in pose_variables(every, "pose").items()
         if dimensions[0] == "pose"
     }
     motions: list[Motion | None] = [None] * len(parts)
@@ -87,7 +87,7 @@ def render_shard(
             for (block, numbers), some in zip(parts, poses)
         ]
         for name, each in zip(HEAD_MOTION, zip(*motions)):
-            places[name] = np.concatenate(each)
+            of_poses[name] = np.concatenate(each)
     found: dict[str, Arrays] = {}
     done = 0
     for eye in layouts:
@@ -101,7 +101,7 @@ def render_shard(
             renderer = workshop.renderer(block, eye)
             rendered.append(_render(workshop.job, renderer, some, motion, numbers.start, tell))
             done += len(some)
-        found[eye] = {**places, **_joined(rendered)}
+        found[eye] = {**of_poses, **_joined(rendered)}
     return RenderedShard(shard, views, found, time.perf_counter() - start)
 
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from omma.base.poses import Matrices, poses_from_angles
 from omma.base.velocities import velocities_from_poses
-from omma.datasets.probing import Probe
-from omma.datasets.samplers import PoseSet, key_of, no_place, sample_poses
+from omma.datasets.free_space import FreeSpace
+from omma.datasets.samplers import PoseSet, key_of, no_free_position, sample_poses
 
 # New ways that are tried where the one ahead is blocked.
 _TURNS = 64
@@ -20,14 +20,14 @@ _TURNS = 64
 Floats = NDArray[np.float64]
 
 
-def walk_poses(poses: PoseSet, seed: int, scene: str, walks: range, probe: Probe) -> Matrices:
+def walk_poses(poses: PoseSet, seed: int, scene: str, walks: range, space: FreeSpace) -> Matrices:
     """Whole walks with these numbers, one after another: (walks * steps, 4, 4).
 
     Raises:
-        omma.Error: a walk has no free place to begin or to go on.
+        omma.Error: a walk has no free position to begin or to go on.
     """
-    begin = sample_poses(poses, seed, scene, walks, probe)
-    place = begin[:, :3, 3].copy()
+    begin = sample_poses(poses, seed, scene, walks, space)
+    position = begin[:, :3, 3].copy()
     yaw = np.degrees(np.arctan2(-begin[:, 0, 2], begin[:, 2, 2]))
     draw = [
         np.random.Generator(np.random.Philox(key=key_of(seed, scene, poses.name, "walk", k)))
@@ -40,7 +40,7 @@ def walk_poses(poses: PoseSet, seed: int, scene: str, walks: range, probe: Probe
         share = np.minimum(turned_s / poses.saccade_s, 1)
         gaze = turn_from + (yaw - turn_from) * share**2 * (3 - 2 * share)
         level = np.zeros_like(gaze)
-        found[:, step] = poses_from_angles(place, np.column_stack([gaze, level, level]))
+        found[:, step] = poses_from_angles(position, np.column_stack([gaze, level, level]))
         if step + 1 == poses.steps:
             break
         turned_s = turned_s + poses.step_s
@@ -50,7 +50,7 @@ def walk_poses(poses: PoseSet, seed: int, scene: str, walks: range, probe: Probe
             side = draw[k].choice((-1.0, 1.0))
             yaw[k] = gaze[k] + side * draw[k].uniform(*poses.saccade_deg)
             climb[k] = draw[k].uniform(*poses.climb_deg)
-        blocked = ~_can_go(poses, place, yaw, climb, probe)
+        blocked = ~_can_go(poses, position, yaw, climb, space)
         for _ in range(_TURNS):
             if not blocked.any():
                 break
@@ -59,12 +59,14 @@ def walk_poses(poses: PoseSet, seed: int, scene: str, walks: range, probe: Probe
                 yaw[k] = gaze[k] + draw[k].uniform(-180, 180)
                 climb[k] = draw[k].uniform(*poses.climb_deg)
             starts |= blocked
-            blocked[which] = ~_can_go(poses, place[which], yaw[which], climb[which], probe)
+            blocked[which] = ~_can_go(poses, position[which], yaw[which], climb[which], space)
         if blocked.any():
             number = walks[int(np.argmax(blocked))]
-            raise no_place(poses, scene, f"walk {number}, step {step + 1}", f"{_TURNS} ways tried")
+            raise no_free_position(
+                poses, scene, f"walk {number}, step {step + 1}", f"{_TURNS} ways tried"
+            )
         turn_from[starts], turned_s[starts] = gaze[starts], 0.0
-        place = _gone(poses, place, yaw, climb)
+        position = _gone(poses, position, yaw, climb)
     return found.reshape(-1, 4, 4)
 
 
@@ -75,24 +77,24 @@ def walk_velocities(poses: PoseSet, made: Matrices) -> tuple[Floats, Floats]:
     return np.concatenate([one for one, _ in each]), np.concatenate([one for _, one in each])
 
 
-def _gone(poses: PoseSet, place: Floats, yaw_deg: Floats, climb_deg: Floats) -> Floats:
+def _gone(poses: PoseSet, position: Floats, yaw_deg: Floats, climb_deg: Floats) -> Floats:
     """Where a step leads."""
     yaw, climb = np.radians(yaw_deg), np.radians(climb_deg)
     ahead = np.column_stack(
         [np.sin(yaw) * np.cos(climb), np.sin(climb), -np.cos(yaw) * np.cos(climb)]
     )
-    return np.asarray(place + poses.speed_m_s[0] * poses.step_s * ahead)
+    return np.asarray(position + poses.speed_m_s[0] * poses.step_s * ahead)
 
 
 def _can_go(
-    poses: PoseSet, place: Floats, yaw_deg: Floats, climb_deg: Floats, probe: Probe
+    poses: PoseSet, position: Floats, yaw_deg: Floats, climb_deg: Floats, space: FreeSpace
 ) -> NDArray[np.bool_]:
-    """Whether a step stays in the box, meets nothing and ends where there is room."""
-    after = _gone(poses, place, yaw_deg, climb_deg)
+    """Whether a step stays in the box, meets nothing and ends at a free position."""
+    after = _gone(poses, position, yaw_deg, climb_deg)
     good: NDArray[np.bool_] = np.all((after >= poses.low_m) & (after <= poses.high_m), axis=1)
     if poses.clearance_m > 0 and good.any():
         angles = np.column_stack([yaw_deg, climb_deg, np.zeros_like(yaw_deg)])[good]
         length = poses.speed_m_s[0] * poses.step_s + poses.clearance_m
-        ahead = probe.is_clear_ahead(poses_from_angles(place[good], angles), length)
-        good[good] = ahead & probe.is_free(after[good], poses.clearance_m)
+        ahead = space.is_clear_ahead(poses_from_angles(position[good], angles), length)
+        good[good] = ahead & space.is_free(after[good], poses.clearance_m)
     return good

@@ -71,7 +71,7 @@ def to_webdataset(
 
 
 class _Stream:
-    """As much of a file as tarfile writes to."""
+    """The part of a file's interface that tarfile writes to."""
 
     def __init__(self, file: Any) -> None:
         self._file = file

@@ -16,9 +16,9 @@ from omma import light, species
 from omma._core import Error, Eye, Scene, merge_eyes
 from omma.base.arguments import one_of
 from omma.base.poses import Matrices, poses_from_angles
+from omma.datasets.free_space import FreeSpace
 from omma.datasets.job_file import Condition, EyeInput, Job, PlacedObject, SceneInput
 from omma.datasets.plan import Block
-from omma.datasets.probing import Probe
 from omma.datasets.samplers import Floats, sample_poses, sample_velocities
 from omma.datasets.walks import walk_poses, walk_velocities
 from omma.eye.files import load_eye
@@ -63,7 +63,7 @@ class Workshop:
         for file in sum(files, ()):
             self._check(file)
         self._lock = threading.Lock()  # threads of one worker wait for the world one of them builds
-        self._worlds: OrderedDict[tuple[Any, ...], tuple[World, Probe]] = OrderedDict()
+        self._worlds: OrderedDict[tuple[Any, ...], tuple[World, FreeSpace]] = OrderedDict()
         self._renderers: dict[tuple[int, int, str], Renderer] = {}
         self._walks: OrderedDict[tuple[Any, ...], Matrices] = OrderedDict()
 
@@ -88,9 +88,9 @@ class Workshop:
         scene, condition = self.job.scenes[block.scene], self.job.conditions[block.condition]
         poses = self.job.poses[block.poses]
         with self._lock:
-            _, probe = self._world(scene, condition)
+            _, space = self._world(scene, condition)
         if poses.sampler != "walk":
-            return sample_poses(poses, self.job.seed, scene.name, numbers, probe)
+            return sample_poses(poses, self.job.seed, scene.name, numbers, space)
         found, first = self._walked(block, numbers)
         return found[numbers.start - first : numbers.stop - first]
 
@@ -110,19 +110,20 @@ class Workshop:
         scene, condition = self.job.scenes[block.scene], self.job.conditions[block.condition]
         poses = self.job.poses[block.poses]
         with self._lock:
-            _, probe = self._world(scene, condition)
+            _, space = self._world(scene, condition)
         walks = range(numbers.start // poses.steps, -(-numbers.stop // poses.steps))
         key = (block.scene, condition.objects, block.poses, walks)
         found = self._walks.get(key)
         if found is None:
-            found = walk_poses(poses, self.job.seed, scene.name, walks, probe)
+            found = walk_poses(poses, self.job.seed, scene.name, walks, space)
             self._walks[key] = found
             while len(self._walks) > _WALKS:
                 self._walks.popitem(last=False)
         return found, walks.start * poses.steps
 
-    def _world(self, scene: SceneInput, condition: Condition) -> tuple[World, Probe]:
-        """A scene and what a condition puts into it, without light, and what asks it for room."""
+    def _world(self, scene: SceneInput, condition: Condition) -> tuple[World, FreeSpace]:
+        """A scene and what a condition puts into it, without light, and the `FreeSpace` that asks
+        it for free space."""
         key = (scene.name, condition.objects)
         if key not in self._worlds:
             while len(self._worlds) >= _WORLDS:
@@ -132,7 +133,7 @@ class Workshop:
             parts += [_placed(self._read(one.file, {}), one) for one in condition.objects]
             whole = parts[0] if len(parts) == 1 else merge_scenes(parts)
             world = World(whole, threads=self._threads, backend=self.job.backend)
-            self._worlds[key] = (world, Probe(world, self._threads))
+            self._worlds[key] = (world, FreeSpace(world, self._threads))
         self._worlds.move_to_end(key)
         return self._worlds[key]
 

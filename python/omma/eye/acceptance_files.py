@@ -20,8 +20,8 @@ def load_acceptance(path: PathLike) -> Acceptance:
     """A measured angular sensitivity from a CSV file, divided by its largest value.
 
     A radial profile has the columns angle_deg (from the axis) and sensitivity; a map right_deg,
-    up_deg (angles from the axis) and sensitivity, one line for each place of a full grid. Lines in
-    any order; those that begin with # are passed over. Between the places S is linear, beyond the
+    up_deg (angles from the axis) and sensitivity, one line for each node of a full grid. Lines in
+    any order; those that begin with # are passed over. Between the nodes S is linear, beyond the
     last it is 0.
 
     Raises:

@@ -127,9 +127,9 @@ def angle_table(
 
 def _between(knots: Floats, values: Floats) -> tuple[NDArray[np.int64], Floats]:
     # Knot below and the share of the way to the one above.
-    place = np.interp(values, knots, np.arange(len(knots), dtype=np.float64))
-    below = np.minimum(place.astype(np.int64), max(0, len(knots) - 2))
-    return below, place - below
+    position = np.interp(values, knots, np.arange(len(knots), dtype=np.float64))
+    below = np.minimum(position.astype(np.int64), max(0, len(knots) - 2))
+    return below, position - below
 
 
 @checked

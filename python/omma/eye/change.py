@@ -313,7 +313,7 @@ def _column_notes(table: Floats) -> tuple[str, ...]:
         else f"{ninth.min():.6g} to {ninth.max():.6g}, {len(np.unique(ninth))} different"
     )
     return (
-        f"Lost: column 9 ({values}); today's format has no place for it.",
+        f"Lost: column 9 ({values}); today's format cannot hold it.",
         "Assumed: columns 7 and 8 are acceptance angle and focal offset, as CompoundRay reads a "
         "file of 9 columns.",
     )
@@ -338,11 +338,11 @@ def _read_table(name: str) -> Floats:
     return np.array(rows)
 
 
-def _number(word: str, place: str) -> float:
+def _number(word: str, where: str) -> float:
     try:
         value = float(word)
     except ValueError:
         value = float("nan")
     if not np.isfinite(value):
-        raise Error(f"{place}: expected a finite number, found {word!r:.24}")
+        raise Error(f"{where}: expected a finite number, found {word!r:.24}")
     return value

@@ -60,7 +60,7 @@ class AcuteZone:
                 raise Error(f"{name}: expected a finite angle, found {getattr(self, name)}")
 
     def density(self, directions: Floats) -> Floats:
-        """Relative number of ommatidia per steradian at unit vectors (K, 3), head frame: (K,)."""
+        """Relative number of ommatidia per steradian at directions (K, 3), head frame: (K,)."""
         directions = array_of(directions, "directions", (None, 3))
         if self.band:
             elevation = np.arcsin(np.clip(directions[:, 1], -1, 1))
@@ -112,7 +112,7 @@ def generate_eye(
     Args:
         radius_m: radius of the sphere, or the three semi-axes (right, up, forward), metres.
         density: relative number of ommatidia per steradian, as a function of viewing directions:
-            unit vectors (K, 3) in the head's frame (+X right, +Y up, -Z ahead) to (K,) numbers of
+            directions (K, 3) in the head's frame (+X right, +Y up, -Z ahead) to (K,) numbers of
             at least 0. Where it is 0 there are none.
         acceptance_ratio: acceptance angle as a multiple of the local interommatidial angle.
         seed: the same seed gives the same eye (on one machine); another one, another arrangement.
@@ -155,7 +155,7 @@ class _Surface:
         return np.asarray(points / np.linalg.norm(sphere, axis=1, keepdims=True))
 
     def normals(self, points: Floats) -> Floats:
-        """Outward unit normals (K, 3) at points of the surface."""
+        """Outward normals (K, 3), of length 1, at points of the surface."""
         gradient = points / self.semi_axes**2
         return np.asarray(gradient / np.linalg.norm(gradient, axis=1, keepdims=True))
 
@@ -252,28 +252,28 @@ def _relaxed(surface: _Surface, points: Floats, tell: Progress) -> Floats:
 
 
 def _nearest(points: Floats, spacing: Floats, count: int) -> NDArray[np.int64]:
-    # By distance over the spacing wanted, or where a dense and a sparse part meet, the sparse one's
-    # points would feel the dense one's only. (N, count), in no order. Neighbours in the array are
-    # neighbours on the eye (the seeds are made so), hence each block of it needs comparing with
-    # what lies near the block only.
+    # Indices of the nearest by distance over the sum of both wanted spacings, (N, count), in no
+    # order: by one spacing alone points of a sparse region would only interact with a dense one's.
+    # Neighbours in the array are neighbours on the eye, so each piece is compared with what is near
+    # it only.
     found = np.empty((len(points), count), dtype=np.int64)
     size = 128
     for start in range(0, len(points), size):
-        part = slice(start, min(start + size, len(points)))
-        to_centre = np.linalg.norm(points - points[part].mean(axis=0), axis=1)
+        piece = slice(start, min(start + size, len(points)))
+        to_centre = np.linalg.norm(points - points[piece].mean(axis=0), axis=1)
         # Three spacings hold more than the two rings of a hexagonal lattice.
-        near_enough = to_centre[part].max() + 1.5 * (spacing[part].max() + spacing)
+        near_enough = to_centre[piece].max() + 1.5 * (spacing[piece].max() + spacing)
         near = np.flatnonzero(to_centre <= near_enough)
         if len(near) <= count:
             near = np.arange(len(points))
         # Not by a product of matrices: too small for threads, which NumPy's would start.
-        distance = np.zeros((part.stop - start, len(near)))
+        distance = np.zeros((piece.stop - start, len(near)))
         for axis in range(3):
-            distance += (points[part, None, axis] - points[near, axis]) ** 2
-        distance /= (spacing[part, None] + spacing[near]) ** 2
-        own = np.searchsorted(near, np.arange(start, part.stop))
+            distance += (points[piece, None, axis] - points[near, axis]) ** 2
+        distance /= (spacing[piece, None] + spacing[near]) ** 2
+        own = np.searchsorted(near, np.arange(start, piece.stop))
         distance[np.arange(len(own)), own] = np.inf
-        found[part] = near[np.argpartition(distance, count - 1, axis=1)[:, :count]]
+        found[piece] = near[np.argpartition(distance, count - 1, axis=1)[:, :count]]
     return found
 
 

@@ -83,13 +83,13 @@ def in_field(
     lattice: Neighbours,
     spacing_rad: Floats,
 ) -> Flags:
-    """Whether unit vectors (K, 3) are in the field of the eye ``which``: (K,)."""
+    """Whether directions (K, 3) are in the field of the eye ``which``: (K,)."""
     from scipy.spatial import cKDTree
 
     members = np.flatnonzero(eye_id == which)
-    unit = axis[members] / np.linalg.norm(axis[members], axis=1, keepdims=True)
+    own = axis[members] / np.linalg.norm(axis[members], axis=1, keepdims=True)
     near = min(3, len(members))
-    distance, index = cKDTree(unit).query(directions, k=near)
+    distance, index = cKDTree(own).query(directions, k=near)
     distance, index = distance.reshape(-1, near), index.reshape(-1, near)
     half = np.nan_to_num(spacing_rad[members]) / 2
     angle = 2 * np.arcsin(np.minimum(distance[:, 0] / 2, 1))
@@ -116,7 +116,7 @@ def in_field(
 
 
 def sphere_directions(count: int) -> Floats:
-    """``count`` unit vectors spread evenly over the sphere, each for the same solid angle: the
+    """``count`` directions spread evenly over the sphere, each for the same solid angle: the
     Fibonacci lattice, turned by the golden angle from one to the next."""
     index = np.arange(count)
     height = 1 - (2 * index + 1) / count
@@ -161,8 +161,8 @@ def _zones(directions: Floats, blind: Flags, each: float, least_sr: float) -> tu
         if many * each < least_sr:
             continue
         inside = directions[label == zone]
-        place, radius = _widest_cone(inside, rim, step)
-        azimuth, elevation = azimuth_elevation_deg_of(place)
+        direction, radius = _widest_cone(inside, rim, step)
+        azimuth, elevation = azimuth_elevation_deg_of(direction)
         zones.append(
             BlindZone(many * each, float(azimuth), float(elevation), float(np.degrees(radius)))
         )
@@ -176,8 +176,8 @@ def _widest_cone(inside: Floats, rim: Floats, step: float) -> tuple[Floats, floa
     if len(rim) == 0:
         return inside[0], float(np.pi)
     tree = cKDTree(rim)
-    # All of a rim is about as far from the middle, which is slow to search: first every 16th, about
-    # four steps apart, and then those so near to a good one that they may be better.
+    # All points of a rim are about as far from the middle, which makes the search slow: first every
+    # 16th, about four steps apart, then those near the best.
     some = inside[::16]
     distance = tree.query(some)[0]
     good = some[distance >= distance.max() - 8 * step]

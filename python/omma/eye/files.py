@@ -34,7 +34,7 @@ def load_eye(path: PathLike, unit: str | float = "mm", *, head: str | int | None
         head: name or number of the head whose eyes are meant, where an OCES file has several.
 
     Raises:
-        omma.Error: the file is missing or wrong; it names the file and the place in it.
+        omma.Error: the file is missing or wrong; it names the file and says where in it.
 
     Warns:
         UserWarning: numbers that no animal has, mostly in another unit.
@@ -70,7 +70,7 @@ def save_eye(path: PathLike, eye: Eye, unit: str | float = "mm", *, lossy: bool 
     """Write an eye, in the format that the ending of the name says; `load_eye` reads it back.
 
     `.csv`, `.gltf` and `.glb` keep everything, to the last bit. An `.eye` file, with lengths in
-    ``unit``, has place for position, axis, acceptance angle and focal offset only.
+    ``unit``, holds position, axis, acceptance angle and focal offset only.
 
     Args:
         lossy: write an `.eye` file although the eye has more than it can hold, which is then lost.
@@ -85,7 +85,7 @@ def save_eye(path: PathLike, eye: Eye, unit: str | float = "mm", *, lossy: bool 
 
 @checked
 def eye_file_losses(path: PathLike, eye: Eye) -> list[str]:
-    """What of an eye a file of that name has no place for, a few words each; empty where all is
+    """What of an eye a file of that name cannot hold, a few words each; empty where all is
     kept.
     """
     return _core.eye_file_losses(path, eye)

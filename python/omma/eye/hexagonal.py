@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from omma._core import Eye
 from omma.base.arguments import checked, one_of
-from omma.base.directions import unit
+from omma.base.directions import normalized
 from omma.base.values import value_class
 from omma.eye.neighbours import Neighbours, direction_lattice, sides, surface_lattice
 
@@ -111,10 +111,10 @@ def hexagonal_coordinates(
         omma.Error: another word for ``by``.
     """
     one_of(by, ("surface", "direction"), "by")
-    position, axis = eye.position_m.astype(np.float64), unit(eye.axis.astype(np.float64))
+    position, axis = eye.position_m.astype(np.float64), normalized(eye.axis.astype(np.float64))
     eye_id = sides(position, eye.eye_id)
-    places = position if by == "surface" else axis
-    lattice = (surface_lattice if by == "surface" else direction_lattice)(places, eye_id)
+    positions = position if by == "surface" else axis
+    lattice = (surface_lattice if by == "surface" else direction_lattice)(positions, eye_id)
     count = len(axis)
     p, q = np.full(count, NO_COORDINATE, np.int64), np.full(count, NO_COORDINATE, np.int64)
     neighbours, angle = np.full((count, 6), -1, np.int64), np.full((count, 6), np.nan)
@@ -125,7 +125,7 @@ def hexagonal_coordinates(
     for which in np.unique(eye_id):
         members = np.flatnonzero(eye_id == which)
         side[members] = 1 if axis[members, 0].mean() >= 0 else -1
-        if not _is_hexagonal(lattice, places, members, degree):
+        if not _is_hexagonal(lattice, positions, members, degree):
             continue
         # Rings run counter-clockwise from outside, which is from dorsal to the front in left eyes.
         rings = {i: fans[i][:: -side[i]] for i in members.tolist() if i in fans and not fault[i]}
@@ -159,7 +159,7 @@ def _fans(lattice: Neighbours, count: int) -> dict[int, list[int]]:
     return fans
 
 
-def _is_hexagonal(lattice: Neighbours, places: Floats, members: Ints, degree: Ints) -> bool:
+def _is_hexagonal(lattice: Neighbours, positions: Floats, members: Ints, degree: Ints) -> bool:
     inner = members[~lattice.border[members]]
     if len(inner) == 0 or np.mean(degree[inner] == 6) < _LEAST_SIX:
         return False
@@ -169,13 +169,13 @@ def _is_hexagonal(lattice: Neighbours, places: Floats, members: Ints, degree: In
     order = np.lexsort(edges.T)
     edges, opposite = edges[order], triangles.reshape(-1)[order]
     twice = np.flatnonzero((edges[1:] == edges[:-1]).all(axis=1))
-    along = np.linalg.norm(places[edges[twice, 0]] - places[edges[twice, 1]], axis=1)
-    across = np.linalg.norm(places[opposite[twice]] - places[opposite[twice + 1]], axis=1)
+    along = np.linalg.norm(positions[edges[twice, 0]] - positions[edges[twice, 1]], axis=1)
+    across = np.linalg.norm(positions[opposite[twice]] - positions[opposite[twice + 1]], axis=1)
     return bool(np.mean(np.abs(across / along - 1) < _SQUARE_WITHIN) < _MOST_SQUARE)
 
 
 def _neighbours(rings: dict[int, list[int]], inner: set[int], seed: int, count: int) -> Ints:
-    # Each one's six by direction, the seed's in any order; from inner ones to what is next to them.
+    # Breadth first from the seed: assigns the six neighbours of each by direction.
     found = np.full((count, 6), -1, np.int64)
     found[seed] = rings[seed]
     queue, done = deque([seed]), {seed}
@@ -231,9 +231,9 @@ def _counted(neighbours: Ints, seed: int, count: int) -> Ints:
         i = queue.popleft()
         p, q = found[i].tolist()
         for j, (more_p, more_q) in zip(neighbours[i].tolist(), steps):
-            place = (p + more_p, q + more_q)
-            if j >= 0 and found[j, 0] == NO_COORDINATE and place not in taken:
-                found[j] = place
-                taken.add(place)
+            coordinate = (p + more_p, q + more_q)
+            if j >= 0 and found[j, 0] == NO_COORDINATE and coordinate not in taken:
+                found[j] = coordinate
+                taken.add(coordinate)
                 queue.append(j)
     return np.asarray(found.T)

@@ -19,7 +19,7 @@ from omma._core import Error
 from omma.base.arguments import array_of, checked, whole
 from omma.base.directions import azimuth_elevation_deg_of as azimuth_elevation_deg_of
 from omma.base.directions import direction as direction
-from omma.base.directions import unit
+from omma.base.directions import normalized
 from omma.base.values import value_class
 from omma.eye.cells import cells
 from omma.eye.relaxation import MARGIN, Domain, Progress, Region, grown
@@ -33,7 +33,7 @@ FieldOfView = Callable[[Floats], ArrayLike]
 @value_class
 @dataclass(frozen=True, eq=False, repr=False)
 class Lattice:
-    """Directions (N, 3), unit vectors in the head frame, and the factor ``scale`` by which the
+    """Directions (N, 3) in the head frame, and the factor ``scale`` by which the
     wanted angles had to be multiplied to give as many as asked."""
 
     directions: Floats
@@ -183,7 +183,7 @@ def _base_cells() -> tuple[Floats, Floats, NDArray[np.int64]]:
 
 
 def _cell_middle(corner: Floats, size: Floats, face: NDArray[np.int64]) -> tuple[Floats, Floats]:
-    # Squares on the faces of the cube around the unit sphere: middles as unit vectors and solid
+    # Squares on the faces of the cube around the unit sphere: middles as directions and solid
     # angles, exact: that of a rectangle from the face's middle to (x, y) is
     # atan(xy / sqrt(x² + y² + 1)).
     middle = corner + size[:, None] / 2
@@ -198,7 +198,7 @@ def _cell_middle(corner: Floats, size: Floats, face: NDArray[np.int64]) -> tuple
     for x, y, sign in ((1, 1, 1), (0, 1, -1), (1, 0, -1), (0, 0, 1)):
         a, b = corner[:, 0] + x * size, corner[:, 1] + y * size
         solid_angle += sign * np.arctan(a * b / np.sqrt(a * a + b * b + 1))
-    return unit(points), solid_angle
+    return normalized(points), solid_angle
 
 
 @checked
@@ -215,7 +215,7 @@ def lay_directions(
 
     Args:
         horizontal_rad: the wanted angle between an ommatidium and a neighbour to its side: a number
-            or a function of directions, unit vectors (K, 3) in the head's frame (+X right, +Y up,
+            or a function of directions (K, 3) in the head's frame (+X right, +Y up,
             -Z ahead), to (K,) numbers. Asked for inside the field of view only.
         vertical_rad: the same for a neighbour above or below; None: as horizontally. Rows as they
             are published, ommatidia Δφ_h apart in a row and every second row Δφ_v below, are
@@ -239,7 +239,7 @@ def lay_directions(
     tell("placing ommatidia", None)
     sphere = SphereCells(horizontal_rad, vertical_rad, field_of_view, count)
     domain = Domain(
-        unit,
+        normalized,
         sphere.metric,
         None if sphere.closed else sphere.region.outside,
         sphere.middle,

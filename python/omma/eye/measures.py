@@ -32,7 +32,7 @@ from omma.receptors.sensitivity import ommatidium_of_receptor, receptor_optical_
 # An ommatidium differs from its neighbours where it is this many robust standard deviations above
 # the median of its kind. Of a normal distribution one in 10^15 would be.
 _OUTLIER_SD = 8.0
-_SAME = 1e-6  # of the eye's extent, and radians: what counts as the same place and direction
+_SAME = 1e-6  # of the eye's extent, and radians: what counts as the same position and direction
 _WAVELENGTH_NM = 500.0  # of the diffraction limit, where no other is asked for
 
 #: Snyder (1977, J Comp Physiol 116:161): D·Δφ of a diffraction-limited hexagonal eye, times λ.
@@ -67,7 +67,7 @@ class EyeMeasures:
     outlier: what is far from the neighbours': "", or "spacing", "axis" or "position", or several
         with + between.
     duplicate_of: the first ommatidium with the same position and axis, -1 where there is none.
-    axis: (N, 3), unit vectors. lattice: neighbours in direction.
+    axis: (N, 3), directions. lattice: neighbours in direction.
     """
 
     eye_id: NDArray[np.int32]
@@ -206,18 +206,18 @@ def _known(lengths: ArrayLike) -> Floats:
     return np.where(values > 0, values, np.nan)
 
 
-def _pair_angles(unit: Floats, pairs: Ints) -> Floats:
-    return 2 * np.arcsin(np.minimum(_pair_lengths(unit, pairs) / 2, 1))
+def _pair_angles(directions: Floats, pairs: Ints) -> Floats:
+    return 2 * np.arcsin(np.minimum(_pair_lengths(directions, pairs) / 2, 1))
 
 
 def _pair_lengths(points: Floats, pairs: Ints) -> Floats:
     return np.asarray(np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1))
 
 
-def _angle_between(vectors: Floats, unit: Floats) -> Floats:
+def _angle_between(vectors: Floats, directions: Floats) -> Floats:
     # NaN where a vector is zero: the lengths are metres, so that rounding leaves less than 1e-12.
     length = np.linalg.norm(vectors, axis=1)
-    return np.where(length > 1e-12, angle_between(vectors, unit), np.nan)
+    return np.where(length > 1e-12, angle_between(vectors, directions), np.nan)
 
 
 def _local_metric(axis: Floats, lattice: Neighbours) -> Floats:
@@ -241,11 +241,9 @@ def _local_metric(axis: Floats, lattice: Neighbours) -> Floats:
 
 
 def _local_ellipse(axis: Floats, lattice: Neighbours) -> Floats:
-    """The smaller and the larger interommatidial angle: (N, 2), rad.
-
-    The tensor of `_local_metric`, in three dimensions: its eigenvalues across the axis are the
-    squares of the half axes of the ellipse, whichever way that lies.
-    """
+    """The smaller and the larger interommatidial angle: (N, 2), rad. The half axes of the ellipse
+    of neighbours are the roots of the eigenvalues across the axis of the tensor of `_local_metric`,
+    in three dimensions."""
     corners = axis[lattice.triangles]
     edges = corners - np.roll(corners, 1, axis=1)
     tensor = lattice.mean_over_triangles(np.einsum("tki,tkj->tij", edges, edges) * 2 / 3)

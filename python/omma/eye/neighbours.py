@@ -1,7 +1,7 @@
 """Which ommatidia are neighbours: the lattice of an eye, in direction and on its surface.
 
 Neighbours are those of the Delaunay triangulation on the sphere, which is the convex hull of the
-unit vectors (K. Q. Brown 1979, Information Processing Letters 9:223). In a hexagonal lattice these
+directions (K. Q. Brown 1979, Information Processing Letters 9:223). In a hexagonal lattice these
 are the six around each, also where it is stretched: along its rows by less than √3, across them by
 any factor. (Stretched further along its rows it is another lattice, with other neighbours.)
 A triangulation also closes over what an eye does not see: triangles far larger than the lattice
@@ -25,7 +25,7 @@ Flags = NDArray[np.bool_]
 
 # The circle around a triangle of a lattice has 0.5 to 0.71 times the radius of the distance to the
 # third nearest point. What is far over that spans a hole; a steep acute zone has up to about 2. Up
-# to seven missing ommatidia in one place (1.73) are bridged.
+# to seven missing ommatidia side by side (1.73) are bridged.
 _LARGEST_CIRCLE = 2.0
 # A right angle is the most a lattice has; the rest is disorder. Triangles flatter than the first
 # are taken from the border again and again, those flatter than the second once, so that a
@@ -88,12 +88,12 @@ class Neighbours:
 def direction_lattice(axis: Floats, eye_id: NDArray[np.int32]) -> Neighbours:
     """The lattice of axes (N, 3), each eye's for itself. Ommatidia of one eye with the same axis
     count as one."""
-    parts = []
+    groups = []
     for which in np.unique(eye_id):
         members = np.flatnonzero(eye_id == which)
-        unit = axis[members] / np.linalg.norm(axis[members], axis=1, keepdims=True)
-        parts.append((members, unit))
-    return _joined(parts, len(axis))
+        directions = axis[members] / np.linalg.norm(axis[members], axis=1, keepdims=True)
+        groups.append((members, directions))
+    return _joined(groups, len(axis))
 
 
 def surface_lattice(position: Floats, eye_id: NDArray[np.int32]) -> Neighbours:
@@ -102,14 +102,14 @@ def surface_lattice(position: Floats, eye_id: NDArray[np.int32]) -> Neighbours:
     Meant for surfaces that bulge, as eyes do. Eyes with fewer than four positions, or with all of
     them at a point, have none.
     """
-    parts = []
+    groups = []
     for which in np.unique(eye_id):
         members = np.flatnonzero(eye_id == which)
         outward = position[members] - eye_centre(position[members])
         length = np.linalg.norm(outward, axis=1, keepdims=True)
         if len(members) >= 4 and length.min() > 0:
-            parts.append((members, outward / length))
-    return _joined(parts, len(position))
+            groups.append((members, outward / length))
+    return _joined(groups, len(position))
 
 
 def surface_normals(position: Floats, surface: Neighbours) -> Floats:
@@ -163,12 +163,12 @@ def sides(position: Floats, eye_id: NDArray[np.int32]) -> NDArray[np.int32]:
     return (x >= 0).astype(np.int32)
 
 
-def _joined(parts: Iterable[tuple[Ints, Floats]], count: int) -> Neighbours:
+def _joined(groups: Iterable[tuple[Ints, Floats]], count: int) -> Neighbours:
     pairs, triangles = [], []
     border, same = np.ones(count, bool), np.arange(count)
-    for members, unit in parts:
-        first, inverse = _distinct(unit)
-        found, corners, outer = _lattice(unit[first])
+    for members, directions in groups:
+        first, inverse = _distinct(directions)
+        found, corners, outer = _lattice(directions[first])
         pairs.append(members[first][found])
         triangles.append(members[first][corners])
         border[members] = outer[inverse]
@@ -181,76 +181,76 @@ def _joined(parts: Iterable[tuple[Ints, Floats]], count: int) -> Neighbours:
     )
 
 
-def _distinct(unit: Floats) -> tuple[Ints, Ints]:
+def _distinct(directions: Floats) -> tuple[Ints, Ints]:
     # The first of each set of equal directions, and which of these each belongs to.
     from scipy.spatial import cKDTree
 
-    _, index, inverse = np.unique(unit, axis=0, return_index=True, return_inverse=True)
+    _, index, inverse = np.unique(directions, axis=0, return_index=True, return_inverse=True)
     label = index[inverse.reshape(-1)]
-    near = cKDTree(unit[index]).query_pairs(_SAME_RAD, output_type="ndarray")
+    near = cKDTree(directions[index]).query_pairs(_SAME_RAD, output_type="ndarray")
     for one, other in np.sort(index[near], axis=1):
         label[label == label[other]] = label[one]
     first, inverse = np.unique(label, return_inverse=True)
     return first.astype(np.int64), inverse.astype(np.int64)
 
 
-def _lattice(unit: Floats) -> tuple[Ints, Ints, Flags]:
+def _lattice(directions: Floats) -> tuple[Ints, Ints, Flags]:
     # Pairs, triangles, and which points are on the border.
     from scipy.spatial import cKDTree
 
-    triangles = _delaunay(unit)
+    triangles = _delaunay(directions)
     if len(triangles) == 0:
-        return _chain(unit), triangles, np.ones(len(unit), bool)
-    triangles = _without_bridges(unit, triangles)
+        return _chain(directions), triangles, np.ones(len(directions), bool)
+    triangles = _without_bridges(directions, triangles)
     edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     pairs, times = np.unique(edges, axis=0, return_counts=True)
-    border = np.zeros(len(unit), bool)
+    border = np.zeros(len(directions), bool)
     border[pairs[times == 1]] = True
-    lonely = np.setdiff1d(np.arange(len(unit)), triangles)
+    lonely = np.setdiff1d(np.arange(len(directions)), triangles)
     border[lonely] = True
     # A point that only flat triangles held keeps the nearest it has.
     if len(lonely):
-        nearest = cKDTree(unit).query(unit[lonely], k=2)[1][:, 1]
+        nearest = cKDTree(directions).query(directions[lonely], k=2)[1][:, 1]
         more = np.sort(np.column_stack([lonely, nearest]), axis=1)
         pairs = np.unique(np.concatenate([pairs, more]), axis=0)
     return pairs, triangles, border
 
 
-def _delaunay(unit: Floats) -> Ints:
+def _delaunay(directions: Floats) -> Ints:
     from scipy.spatial import ConvexHull, QhullError
 
-    if len(unit) < 4:
+    if len(directions) < 4:
         return np.empty((0, 3), np.int64)
     try:
-        triangles = ConvexHull(unit).simplices.astype(np.int64)
+        triangles = ConvexHull(directions).simplices.astype(np.int64)
     except QhullError:  # all on one circle
         return np.empty((0, 3), np.int64)
-    a, b, c = unit[triangles].transpose(1, 0, 2)
-    inside = np.sum(np.cross(b - a, c - a) * (a - unit.mean(axis=0)), axis=1) < 0
+    a, b, c = directions[triangles].transpose(1, 0, 2)
+    inside = np.sum(np.cross(b - a, c - a) * (a - directions.mean(axis=0)), axis=1) < 0
     triangles[inside] = triangles[inside][:, ::-1]
     return np.asarray(triangles)
 
 
-def _chain(unit: Floats) -> Ints:
+def _chain(directions: Floats) -> Ints:
     # Points on one circle, or too few for a triangle: each with its nearest, and with its second
     # nearest where that is so from both sides, which it is not at the ends of a row.
     from scipy.spatial import cKDTree
 
-    count = len(unit)
+    count = len(directions)
     if count < 2:
         return np.empty((0, 2), np.int64)
-    near = cKDTree(unit).query(unit, k=min(3, count))[1][:, 1:]
+    near = cKDTree(directions).query(directions, k=min(3, count))[1][:, 1:]
     nearest = np.sort(np.column_stack([np.arange(count), near[:, 0]]), axis=1)
     both = np.column_stack([np.repeat(np.arange(count), near.shape[1]), near.ravel()])
     pairs, times = np.unique(np.sort(both, axis=1), axis=0, return_counts=True)
     return np.asarray(np.unique(np.concatenate([pairs[times == 2], nearest]), axis=0))
 
 
-def _without_bridges(unit: Floats, triangles: Ints) -> Ints:
+def _without_bridges(directions: Floats, triangles: Ints) -> Ints:
     from scipy.spatial import cKDTree
 
-    third = cKDTree(unit).query(unit, k=4)[0][:, 3]
-    corners = unit[triangles]
+    third = cKDTree(directions).query(directions, k=4)[0][:, 3]
+    corners = directions[triangles]
     edge = np.linalg.norm(corners[:, [1, 2, 0]] - corners[:, [2, 0, 1]], axis=2)  # opposite each
     doubled = np.linalg.norm(
         np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1

@@ -1,8 +1,8 @@
-"""Ommatidia on surfaces: directions given and places found, or places laid and axes found.
+"""Ommatidia on surfaces: directions given and positions found, or positions given and axes found.
 
 Real eyes are skewed: their ommatidia do not look along the normal of the surface they sit on, so
 an eye sees more, or less, than its curvature spans. Here that is a function of its own: from the
-direction to the normal of the place, or from the place to the axis.
+direction to the normal at a position, or from a position to the axis.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, positive, whole
-from omma.base.directions import unit
+from omma.base.directions import normalized
 from omma.eye.facets import set_facets
 from omma.eye.relaxation import Bools, Domain, Progress, Region, grown
 from omma.eye.surfaces import Surface
@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 NormalOf = Callable[[Floats], Floats]
 AxisAt = Callable[[Floats, Floats], ArrayLike]
 
-_PART = 4096  # directions whose places are looked for at once
+_PIECE = 4096  # directions whose positions are looked for at once
 
 
 @checked
@@ -49,19 +49,19 @@ def eye_on_surface(
         progress: called as progress(stage, finished fraction or None) now and then.
 
     Raises:
-        omma.Error: directions, normals or a ratio that are none; several lenses in one place, as
+        omma.Error: directions, normals or a ratio that are none; several lenses at one position, as
             on a mesh without curvature.
     """
     axes = _vectors(directions, "directions")
     normals = axes if normal is None else _vectors(normal(axes), "normal", len(axes))
     tell = progress or (lambda stage, fraction: None)
-    places = []
-    # In parts, so that progress is told and Ctrl-C heard.
-    for start in range(0, len(axes), _PART):
+    positions = []
+    # In pieces, so that progress is told and Ctrl-C heard.
+    for start in range(0, len(axes), _PIECE):
         tell("placing ommatidia", start / len(axes))
-        places.append(surface.point_of_normal(normals[start : start + _PART]))
+        positions.append(surface.point_of_normal(normals[start : start + _PIECE]))
     tell("measuring neighbours", None)
-    return _finished(Eye(np.concatenate(places), axes, 0.0, 0.0, eye_id), acceptance_ratio)
+    return _finished(Eye(np.concatenate(positions), axes, 0.0, 0.0, eye_id), acceptance_ratio)
 
 
 @checked
@@ -107,10 +107,12 @@ def squeeze_for_skew(
 
     def median(factor: float) -> float:
         normals = squeezed(towards, factor)(axes)
-        places = normals
+        positions = normals
         if centre_m is not None:
-            places = unit(surface.point_of_normal(normals) - array_of(centre_m, "centre_m", (3,)))
-        return float(np.median(angle_between(axes, places)))
+            positions = normalized(
+                surface.point_of_normal(normals) - array_of(centre_m, "centre_m", (3,))
+            )
+        return float(np.median(angle_between(axes, positions)))
 
     factors = np.linspace(1.0, 0.02, 50)
     medians = np.array([median(factor) for factor in factors])
@@ -218,7 +220,7 @@ def lay_on_surface(
         normals = surface.near(points)[1]
         # Across the axis that the normal is furthest from.
         least = np.eye(3)[np.argmin(np.abs(normals), axis=1)]
-        first = unit(np.cross(normals, least))
+        first = normalized(np.cross(normals, least))
         both = np.stack([first, np.cross(normals, first)], axis=1)
         return np.asarray(both / spacing(points)[:, None, None])
 

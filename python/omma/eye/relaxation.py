@@ -28,7 +28,7 @@ Bools = NDArray[np.bool_]
 Progress = Callable[[str, "float | None"], object]
 
 _FORCE_POWER = 7
-# Of the most the system of points can take without swinging, found by trying on 100 to 10,000.
+# Step size as a fraction of the largest stable one, found by trials with 100 to 10,000 points.
 _STEP_SIZE = 0.0107
 _MOMENTUM = 0.8
 _COARSEST = 150  # points, or up to four times as many
@@ -63,7 +63,7 @@ class Domain:
 
 
 def _filled(domain: Domain, points: Floats, count: int) -> Floats:
-    # With the middles of the longest edges, not two in one place.
+    # With the middles of the longest edges, not two at one position.
     net = cells(points, domain.metric(points))
     length = np.where(net.is_neighbour, net.distance, 0)
     free = np.ones(len(points), bool)
@@ -132,17 +132,17 @@ def grown(
     work = np.array([_COARSE_STEPS / 4**doublings, *(_STEPS * 4.0 ** -np.arange(doublings)[::-1])])
     done = np.concatenate([[0], np.cumsum(work)]) / work.sum()
 
-    def part(level: int) -> Callable[[float], object]:
+    def stage(level: int) -> Callable[[float], object]:
         start, length = done[level], done[level + 1] - done[level]
         return lambda fraction: tell(float(start + fraction * length))
 
-    points = _coarse(domain, count, 2.0**doublings, random, part(0))
+    points = _coarse(domain, count, 2.0**doublings, random, stage(0))
     for level in range(1, doublings + 1):
         scale = 2.0 ** (doublings - level)
         points = _refined(domain, points, scale)
         if domain.outside is not None:
             points = points[domain.outside(points) <= (MARGIN + _HALF_ROW) * scale]
-        points = _relaxed(domain, points, scale, _STEPS, _SHAKE, random, part(level))
+        points = _relaxed(domain, points, scale, _STEPS, _SHAKE, random, stage(level))
     if len(points) < count or (domain.outside is None and len(points) > count):
         change = _thinned if len(points) > count else _filled
         points = change(domain, points, count)
@@ -203,7 +203,7 @@ def _refined(domain: Domain, points: Floats, scale: float) -> Floats:
 
 
 def _thinned(domain: Domain, points: Floats, count: int) -> Floats:
-    # Without those that are closest to their neighbours, not two from one place.
+    # Without those that are closest to their neighbours, not two from one position.
     net = cells(points, domain.metric(points))
     crowded = np.argsort(np.where(net.is_neighbour, net.distance, 0).sum(axis=1) / net.degree)
     keep = np.ones(len(points), bool)
@@ -221,13 +221,13 @@ def _thinned(domain: Domain, points: Floats, count: int) -> Floats:
 def bisected(points: Floats, fraction: Floats, count: int) -> Floats:
     """``count`` of many points (K, 3), each standing for the same sum of ``fraction`` (K,).
 
-    The set is halved again and again across its longest side into parts of as many to come each;
+    The set is halved again and again across its longest side into subsets of as many to come each;
     neighbours in the result are neighbours in space.
     """
     seeds = np.empty((count, 3))
-    parts = [(np.arange(len(fraction)), 0, count)]
-    while parts:
-        members, first, size = parts.pop()
+    subsets = [(np.arange(len(fraction)), 0, count)]
+    while subsets:
+        members, first, size = subsets.pop()
         inside, weight = points[members], fraction[members]
         if size == 1:
             # One of the points, as the middle itself may lie where there are to be none.
@@ -240,8 +240,8 @@ def bisected(points: Floats, fraction: Floats, count: int) -> Floats:
         half = size // 2
         cut = int(np.searchsorted(summed, summed[-1] * half / size))
         cut = min(max(cut, half), len(members) - (size - half))
-        parts.append((members[:cut], first, half))
-        parts.append((members[cut:], first + half, size - half))
+        subsets.append((members[:cut], first, half))
+        subsets.append((members[cut:], first + half, size - half))
     return seeds
 
 
@@ -319,6 +319,6 @@ def _root_metric(domain: Domain, points: Floats) -> Floats:
     metric = domain.metric(points)
     size = np.linalg.norm(metric, axis=2)
     ratio = size[:, 1] / size[:, 0]
-    unit = metric / size[:, :, None]
+    direction = metric / size[:, :, None]
     weight = np.stack([ratio, 1 / ratio], axis=1)
-    return np.asarray(np.einsum("na,nai,naj->nij", weight, unit, unit))
+    return np.asarray(np.einsum("na,nai,naj->nij", weight, direction, direction))

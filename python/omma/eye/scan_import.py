@@ -230,7 +230,9 @@ def import_lens_cone(
     distance = np.linalg.norm(direction, axis=1)
     if (distance == 0).any():
         at = which_lens[np.argmin(distance)]
-        raise Error(f"lens {at}: expected a cone's tip apart from it, found one at the same place")
+        raise Error(
+            f"lens {at}: expected a cone's tip apart from it, found one at the same position"
+        )
     notes = [
         f"Matched {len(distance):,} lenses and cones, {_spread(distance)} apart; tips are "
         f"{_spread(misfit)} from where their neighbours' say they should be."
@@ -290,7 +292,7 @@ def _spread(lengths_m: Floats) -> str:
 
 
 def _inward_axes(table: ScanTable, position: Floats, axis: str, notes: list[str]) -> Floats:
-    """Unit vectors that point into the eye, of ODA's two kinds."""
+    """Directions that point into the eye, of ODA's two kinds."""
     kinds = {
         kind: table.vectors(column) for kind, column in ODA_AXES.items() if column in table.columns
     }

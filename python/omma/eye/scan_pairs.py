@@ -31,7 +31,7 @@ def split_eyes(lens: Floats, cone: Floats, right: Floats) -> tuple[Ints, Ints]:
     apart 0 is the left one, 1 the right one.
 
     Args:
-        right: (3,), unit vector to the animal's right in the scan.
+        right: (3,), the direction to the animal's right in the scan.
 
     Raises:
         omma.Error: more than two groups of points; not as many of lenses as of tips; two that do
@@ -96,7 +96,8 @@ def match_tips(
     lens: Floats, cone: Floats, tell: Callable[[float], object]
 ) -> tuple[Ints, Ints, Floats]:
     """Indices of the pairs of one eye by lens, and how far each tip is from where a smooth map of
-    the lenses' places (a polynomial of second order, fitted and matched in turn) says it should be.
+    the lenses' positions (a polynomial of second order, fitted and matched in turn) says it should
+    be.
 
     Lenses and tips are matched one to one with the least sum of squared distances under the map.
     ``tell`` is told the finished fraction, of the most rounds that it may take.
@@ -106,7 +107,7 @@ def match_tips(
     middle = lens.mean(axis=0)
     size = np.linalg.norm(lens - middle, axis=1).max()
     if not size > 0:
-        raise Error("lenses: expected points apart from one another, found one place")
+        raise Error("lenses: expected points apart from one another, found one position")
     # The first guess: the lenses' cloud shrunk and moved to that of the tips.
     shrink = np.sqrt(np.var(cone, axis=0).sum() / np.var(lens, axis=0).sum())
     predicted = (lens - middle) * shrink + cone.mean(axis=0)

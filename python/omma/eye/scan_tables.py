@@ -94,7 +94,7 @@ class ScanTable:
 
 
 def read_points(value: PathLike | ArrayLike, name: str, metres: float | None) -> Floats:
-    """(N, 3) places in metres, from an array or a text file.
+    """(N, 3) positions in metres, from an array or a text file.
 
     Args:
         metres: those of the numbers; None for the unit that the file says, else micrometres.
@@ -175,9 +175,9 @@ def _columns(name: str, line: int, words: list[str]) -> tuple[list[int], float |
             found[match[1].lower()].append((i, match[2] or ""))
     if not all(found.values()):
         return None
-    for letter, places in found.items():
-        if len(places) > 1:
-            several = ", ".join(words[i] for i, _ in places)
+    for letter, columns in found.items():
+        if len(columns) > 1:
+            several = ", ".join(words[i] for i, _ in columns)
             raise Error(f"{name}, line {line}: expected one column {letter}, found {several}")
     units = {found[letter][0][1].lower() for letter in "xyz"} & UNITS.keys()
     if len(units) > 1:

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye, ReceptorType
 from omma.base.arguments import array_of, checked, positive, whole
-from omma.base.directions import unit
+from omma.base.directions import normalized
 from omma.base.values import value_class
 from omma.eye.neighbours import direction_lattice
 from omma.receptors.mosaic import COLUMN, Region, region_mask
@@ -141,7 +141,7 @@ def neural_superposition_wiring(
         wanted = "beside the axis" if receptors is None else f"called {', '.join(receptors)}"
         raise Error(f"{eye.path or 'eye'}: expected receptors {wanted}, found none")
     owner = ommatidium_of_receptor(eye)[index]
-    axes = unit(eye.axis.astype(np.float64))
+    axes = normalized(eye.axis.astype(np.float64))
     spacing = eye.interommatidial_angle_rad().astype(np.float64)
     target = np.full(len(index), -1)
     for number in np.unique(eye.eye_id):
@@ -244,7 +244,7 @@ def superposition_facets(eye: Eye, aperture_diameter_m: float | None = None) -> 
         aperture = np.full(len(eye), positive(aperture_diameter_m, "aperture_diameter_m"))
     if np.any(aperture <= 0):
         raise Error(f"aperture_diameter_m: ommatidium {np.argmin(aperture)} has none")
-    axes = unit(eye.axis.astype(np.float64))
+    axes = normalized(eye.axis.astype(np.float64))
     position = eye.position_m.astype(np.float64)
     owners, facets = [], []
     for i in range(len(eye)):
@@ -296,12 +296,12 @@ def _wiring(target: Ints, index: Ints, weight: Floats, count: int) -> Wiring:
 
 def _trapezoid_offsets(eye: Eye, dorsal: Flags) -> Floats:
     """Where R1 to R6 look: (N, 6, 2), to the ommatidium's right and up, rad."""
-    axes = unit(eye.axis.astype(np.float64))
+    axes = normalized(eye.axis.astype(np.float64))
     # A frame that does not depend on the up vectors: towards the zenith, and what is right of it.
     north = np.array([0.0, 1.0, 0.0]) - axes * axes[:, 1:2]
     steep = np.linalg.norm(north, axis=1) < 1e-6
     north[steep] = eye.up[steep]
-    north = unit(north)
+    north = normalized(north)
     east = np.cross(axes, north)
     # Anterior is left on a right eye, whose axes point to +x, and right on a left one.
     left_eye = np.zeros(len(eye), bool)
@@ -377,7 +377,7 @@ def _lattice_rows(eye: Eye, axes: Floats, north: Floats, east: Floats, side: Flo
 def _continuous(phase: Floats, pairs: Ints, axes: Floats, north: Floats, east: Floats) -> Floats:
     """Directions known but for sixths of a turn, made to agree between neighbours, (N,), rad.
 
-    From the ommatidium in the middle of each connected part outwards.
+    From the ommatidium in the middle of each connected component outwards.
     """
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import breadth_first_order, connected_components
@@ -386,9 +386,9 @@ def _continuous(phase: Floats, pairs: Ints, axes: Floats, north: Floats, east: F
     count = len(axes)
     graph = csr_matrix((np.ones(len(pairs)), (one, other)), shape=(count, count))
     phase = phase.copy()
-    parts, labels = connected_components(graph, directed=False)
-    for part in range(parts):
-        members = np.flatnonzero(labels == part)
+    components, labels = connected_components(graph, directed=False)
+    for component in range(components):
+        members = np.flatnonzero(labels == component)
         start = members[np.argmax(axes[members] @ axes[members].sum(axis=0))]
         order, before = breadth_first_order(graph, start, directed=False)
         to, origin = order[1:], before[order[1:]]

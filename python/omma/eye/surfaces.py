@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, positive, whole
-from omma.base.directions import unit
+from omma.base.directions import normalized
 from omma.base.files import PathLike, metres_per_unit
 from omma.base.mesh_triangles import triangles_of_file
 from omma.base.values import value_class
@@ -41,7 +41,7 @@ class Surface(Protocol):
         """The nearest points (K, 3) on it (of an ellipsoid, along the radius)."""
 
     def normals(self, points: Floats) -> Floats:
-        """Outward unit normals (K, 3) at points on it."""
+        """Outward normals (K, 3), of length 1, at points on it."""
 
     def near(self, points: Floats) -> tuple[Floats, Floats]:
         """Points on it and their normals, both (K, 3), within a thousandth; quick."""
@@ -83,7 +83,7 @@ class Ellipsoid:
 
     def normals(self, points: Floats) -> Floats:
         points = array_of(points, "points", (None, 3))
-        return unit((points - self.centre_m) / np.square(self.semi_axes_m))
+        return normalized((points - self.centre_m) / np.square(self.semi_axes_m))
 
     def near(self, points: Floats) -> tuple[Floats, Floats]:
         on_surface = self.onto(points)
@@ -139,9 +139,9 @@ def ellipsoid(
 def mesh_surface(vertices_m: ArrayLike, triangles: ArrayLike) -> Mesh:
     """A triangle mesh as a surface: vertices (V, 3) and indices of them (T, 3).
 
-    Vertices in one place are one. Normals are smooth, interpolated between those of the vertices.
-    The outside is where most of it faces away from its middle, whichever way triangles are turned
-    as long as they are all turned alike.
+    Vertices at one position are one. Normals are smooth, interpolated between those of the
+    vertices. The outside is where most of it faces away from its middle, whichever way triangles
+    are turned as long as they are all turned alike.
 
     Raises:
         omma.Error: no triangles, shapes or indices that are wrong, no area.
@@ -203,7 +203,7 @@ class Mesh:
         self._area = area
         self._points, self._of, weight = self._spread(max(_MESH_SAMPLES, 2 * len(faces)))
         corners = self._vertex_normals[self.triangles[self._of]]
-        self._normals = unit(np.einsum("kc,kcx->kx", weight, corners))
+        self._normals = normalized(np.einsum("kc,kcx->kx", weight, corners))
         # Twice the distance between samples.
         self._reach = 2 * math.sqrt(float(area.sum()) / len(self._of))
         self._tree = cKDTree(self._points)
@@ -231,7 +231,7 @@ class Mesh:
     def normals(self, points: Floats) -> Floats:
         _, triangle, weight = self._nearest(points)
         corners = self._vertex_normals[self.triangles[triangle]]
-        return unit(np.einsum("kc,kcx->kx", weight, corners))
+        return normalized(np.einsum("kc,kcx->kx", weight, corners))
 
     def near(self, points: Floats) -> tuple[Floats, Floats]:
         # Onto the plane that touches at the nearest sample, but not past the end of the surface.

@@ -72,8 +72,8 @@ class EyeEnv(gymnasium.Env[Responses, Any]):
             {"pose": moment.pose},
         )
 
-    def _seen(self, pose: Any, places: Any) -> Moment:
-        return self._episode.see(render_poses(self.loop, self._limits, [pose], [places])[0])
+    def _seen(self, pose: Any, transforms: Any) -> Moment:
+        return self._episode.see(render_poses(self.loop, self._limits, [pose], [transforms])[0])
 
 
 class EyeVectorEnv(VectorEnv[Responses, Any, Any]):
@@ -144,8 +144,8 @@ class EyeVectorEnv(VectorEnv[Responses, Any, Any]):
         ]
 
     def _seen(self, where: list[Any]) -> list[Moment]:
-        poses, places = [pose for pose, _ in where], [things for _, things in where]
-        views = render_poses(self.loop, self._limits, poses, places)
+        poses, transforms = [pose for pose, _ in where], [things for _, things in where]
+        views = render_poses(self.loop, self._limits, poses, transforms)
         return [episode.see(view) for episode, view in zip(self._episodes, views, strict=True)]
 
     def _observations(self, moments: list[Moment]) -> Responses:

@@ -72,7 +72,7 @@ class Loop:
         distances: moments have distances, by the rays that the responses are made of; for
             renderers with `Fixed` or `ToError`.
         things: names or indices of K things that move besides the head; start and motion then
-            return (state, pose, places), places ``world_from_node`` (K, 4, 4), m.
+            return (state, pose, transforms), the last ``world_from_node`` (K, 4, 4), m.
         bounds: least and largest response, for the bounds of observations; a response beyond them
             is an error. None: `response_bounds` of the world.
 
@@ -183,7 +183,7 @@ class Episode:
 
     def _taken(self, returned: Any, name: str) -> tuple[Floats, Floats | None]:
         things = len(self._loop.things)
-        wanted = "(state, pose, places)" if things else "(state, pose)"
+        wanted = "(state, pose, transforms)" if things else "(state, pose)"
         if not isinstance(returned, tuple) or len(returned) != (3 if things else 2):
             raise Error(f"{name}: expected it to return {wanted}, found {returned!r:.60}")
         try:
@@ -195,17 +195,17 @@ class Episode:
         self._state, self._pose = returned[0], poses[0].copy()
         if not things:
             return self._pose, None
-        return self._pose, array_of(returned[2], f"{name}: places", (things, 4, 4))
+        return self._pose, array_of(returned[2], f"{name}: transforms", (things, 4, 4))
 
 
 def render_poses(
-    loop: Loop, limits: tuple[float, float], poses: list[Floats], places: list[Floats | None]
+    loop: Loop, limits: tuple[float, float], poses: list[Floats], transforms: list[Floats | None]
 ) -> list[dict[str, Any]]:
     """What is seen at each pose, rendered in one call: `Episode.see` takes them."""
     matrices = np.stack(poses)
     moves: Any = {}
     if loop.things:
-        moves = {"instances": list(loop.things), "transforms": np.stack(places)}  # type: ignore[arg-type]
+        moves = {"instances": list(loop.things), "transforms": np.stack(transforms)}  # type: ignore[arg-type]
     if loop.distances:
         truth = loop.renderer.ground_truth(matrices, **moves)
         responses = truth.responses

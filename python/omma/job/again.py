@@ -124,7 +124,7 @@ def check_scene(said: Said, scene: PathLike) -> None:
         if was.get(file) != now.get(file):
             raise Error(
                 f"{os.path.join(os.path.dirname(os.fsdecode(scene)), file)}: is not what "
-                f"{said.place} was rendered of: SHA-256 was {was.get(file)}, is {now.get(file)}"
+                f"{said.where} was rendered of: SHA-256 was {was.get(file)}, is {now.get(file)}"
             )
 
 
@@ -134,7 +134,7 @@ def check_eyes(said: Said, eyes: Sequence[PathLike]) -> None:
     digest = eye_digest(head_of(eyes, said.take("eye_unit_m", is_number)))
     if digest != was:
         raise Error(
-            f"{', '.join(os.fsdecode(eye) for eye in eyes)}: is not the eye that {said.place} was "
+            f"{', '.join(os.fsdecode(eye) for eye in eyes)}: is not the eye that {said.where} was "
             f"rendered through: SHA-256 was {was}, is {digest}"
         )
 
@@ -148,7 +148,7 @@ def check_background(said: Said) -> None:
     now = digests_of(background)
     if was != now:
         raise Error(
-            f"{background}: is not the background of {said.place}: SHA-256 was "
+            f"{background}: is not the background of {said.where}: SHA-256 was "
             f"{', '.join(was.values())}, is {', '.join(now.values())}"
         )
 

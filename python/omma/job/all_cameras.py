@@ -14,6 +14,7 @@ from omma._core import Background, Camera, Error, Eye
 from omma.base.addresses import expect_local
 from omma.base.arguments import checked
 from omma.base.files import PathLike, WholeFiles, check_target, left_behind, make_directory
+from omma.base.renamed import renamed_arguments
 from omma.base.values import value_class
 from omma.picture.band_colours import colours_of
 from omma.picture.cameras import camera_eye, camera_projection, display, picture_size, render_camera
@@ -61,6 +62,7 @@ class AllCamerasReport:
     warnings: tuple[str, ...]  # what the scene's loader passed over
 
 
+@renamed_arguments(kernel="angular_sensitivity")
 @checked
 @takes_options
 def render_all_cameras(
@@ -146,15 +148,15 @@ def render_all_cameras(
     with WholeFiles() as whole:
         for index, camera in enumerate(cameras):
 
-            def part(done: float, index: int = index) -> None:
+            def tell_share(done: float, index: int = index) -> None:
                 tell(f"Rendering {cameras[index].name}", (index + done) / len(cameras))
 
             began = time.perf_counter()
             eye, name, file = eyes[index], shown[index], files[index]
             pixels = (
-                _picture(seen, camera, width, height, rays, seed, gamma, part)
+                _picture(seen, camera, width, height, rays, seed, gamma, tell_share)
                 if eye is None
-                else _eye_picture(renderer_of(eye), camera, name, width, height, gamma, part)
+                else _eye_picture(renderer_of(eye), camera, name, width, height, gamma, tell_share)
             )
             seconds = time.perf_counter() - began
             write_png(whole, str(file), pixels)

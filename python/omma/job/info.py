@@ -72,7 +72,7 @@ def describe_scene(scene: Scene) -> Lines:
         ("scene", scene.path or "in memory"),
         ("nodes", f"{scene.node_count:,}"),
         ("triangles", f"{scene.triangle_count:,}"),
-        ("meshes", f"{scene.mesh_count:,} in {scene.instance_count:,} places"),
+        ("meshes", f"{scene.mesh_count:,} in {scene.instance_count:,} instances"),
         ("materials", f"{scene.material_count:,}"),
         ("textures", f"{scene.texture_count:,} of {scene.image_count:,} images"),
     ]
@@ -99,8 +99,8 @@ def describe_scene(scene: Scene) -> Lines:
         lines.append(("camera", text))
     for name in scene.hit_box_names:
         box = scene.hit_box_bounds(name)
-        place = "empty" if box is None else f"{_point(box[0])} to {_point(box[1])} m"
-        lines.append(("hit box", f"{name}: {place}"))
+        corners = "empty" if box is None else f"{_point(box[0])} to {_point(box[1])} m"
+        lines.append(("hit box", f"{name}: {corners}"))
     lines += [("warning", warning) for warning in scene.warnings]
     return lines
 

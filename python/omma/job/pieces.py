@@ -17,9 +17,9 @@ from omma.rendering.response_files import Piece, Writer
 
 # Two pieces are in memory, one that is rendered and one that is written.
 _PIECE_BYTES = 32 << 20
-# As long as a piece takes, about, so that writing begins soon and Ctrl-C is heard.
+# Target duration of a piece, s: writing begins soon and Ctrl-C is heard.
 _PIECE_S = 0.5
-# What a render that is cut off may lose of its work.
+# Most work, in s, that an interrupted render loses.
 _KEPT_PIECE_S = 10.0
 
 Progress = Callable[[float], object]
@@ -94,11 +94,11 @@ def render_pieces(
         while first < len(poses):
             piece = poses[first : first + count]
 
-            def part(done: float, first: int = first, count: int = len(piece)) -> None:
+            def tell_share(done: float, first: int = first, count: int = len(piece)) -> None:
                 tell("Rendering", (first + done * count) / len(poses))
 
             start = time.perf_counter()
-            rendered = render(piece, first, part)
+            rendered = render(piece, first, tell_share)
             took = time.perf_counter() - start
             seconds += took
             first += len(piece)

@@ -26,6 +26,7 @@ from omma.base.files import (
     metres_per_unit,
 )
 from omma.base.poses import Matrices, as_poses, load_poses, poses_from_angles
+from omma.base.renamed import renamed_arguments
 from omma.base.values import value_class
 from omma.eye.files import load_eye
 from omma.job.outputs import output_names, writers_of
@@ -63,7 +64,7 @@ from omma.scene.world import World
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-# What makes no difference to responses, or is told by what is in the files.
+# Arguments that are not recorded: they do not change responses, or the files tell them.
 _NO_RECORD = (
     *("scene", "outputs", "eyes", "path", "poses", "threads", "backend", "progress", "resume"),
     *("command", "sampling", "options"),  # the last two are told as settings
@@ -93,6 +94,7 @@ class RenderReport:
     receptors: int = 0  # where their responses were asked for
 
 
+@renamed_arguments(kernel="angular_sensitivity")
 @checked
 @takes_options
 def render_file(

@@ -23,8 +23,8 @@ Lines = list[tuple[str, str]]
 
 _READ_BYTES = 64 << 20
 _SETTINGS = (
-    *("sampling", "samples", "error", "least", "most", "seed", "kernel", "points", "footprints"),
-    *("noise", "background", "band_from_rgb", "ultraviolet"),
+    *("sampling", "samples", "error", "least", "most", "seed", "points", "footprints"),
+    *("angular_sensitivity", "kernel", "noise", "background", "band_from_rgb", "ultraviolet"),
 )
 
 
@@ -118,9 +118,9 @@ def _range(values: xarray.DataArray) -> str:
     count = max(1, _READ_BYTES // max(1, values[:1].nbytes))
     low, high, total = np.inf, -np.inf, 0.0
     for begin in range(0, values.sizes[first], count):
-        part = values[begin : begin + count].values
-        low, high = min(low, float(part.min())), max(high, float(part.max()))
-        total += float(part.sum(dtype=np.float64))
+        piece = values[begin : begin + count].values
+        low, high = min(low, float(piece.min())), max(high, float(piece.max()))
+        total += float(piece.sum(dtype=np.float64))
     return f"{low:.4g} to {high:.4g}, mean {total / values.size:.4g}"
 
 

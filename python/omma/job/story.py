@@ -16,7 +16,7 @@ from omma.receptors.sensitivity import ultraviolet_mix
 from omma.scene.backgrounds import NAMED_BACKGROUNDS
 from omma.scene.light_words import full_words
 
-# What makes no difference to responses.
+# Arguments that do not change responses.
 _SILENT = ("threads", "progress", "resume", "command")
 _LONGEST = 200  # characters of an argument
 
@@ -25,7 +25,7 @@ def story_of(
     given: Mapping[str, Any], eyes: Sequence[str], background: Background | None, command: str
 ) -> dict[str, Any]:
     """Attributes beyond those of a renderer: ``given`` to `render_file`, the files of the eyes, the
-    background in place of the scene's own."""
+    background instead of the scene's own."""
     # What a camera names is in scene units, eye files are in millimetres.
     default = "mm" if given["eyes"] else "m"
     unit = default if given["unit"] is None else given["unit"]

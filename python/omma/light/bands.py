@@ -100,7 +100,7 @@ class Bands:
     edges_nm: (B + 1,) where the bands lie side by side; else None.
     cell_nm: (K,), how much there is about each wavelength that its weight stands for: spectra that
         are straight between their values count by their exact means over it. None: with edges, an
-        equal part of its band; without, the wavelengths alone.
+        equal share of its band; without, the wavelengths alone.
 
     Raises:
         omma.Error: wavelengths that do not ascend or are not within 100 to 5000 nm, weights that
@@ -133,9 +133,9 @@ class Bands:
             if not (np.all(np.isfinite(cell)) and np.all(cell >= 0)):
                 raise Error("cell_nm: expected widths of at least 0")
         elif edges is not None:
-            parts = np.count_nonzero(weight, axis=1)
-            if parts.sum() == len(nm):
-                cell = np.repeat(np.diff(edges) / parts, parts)
+            counts = np.count_nonzero(weight, axis=1)
+            if counts.sum() == len(nm):
+                cell = np.repeat(np.diff(edges) / counts, counts)
         fields = {
             "wavelength_nm": nm.copy(),
             "weight": weight / weight.sum(axis=1, keepdims=True),
@@ -305,8 +305,8 @@ def means_of_pieces(
     def integral(nm: Floats) -> Floats:
         inside = np.clip(nm, knots_nm[0], knots_nm[-1])
         k = np.clip(np.searchsorted(knots_nm, inside, side="right") - 1, 0, len(knots_nm) - 1)
-        part = (inside - knots_nm[k])[:, None] * 0.5 * (columns[k] + at(inside))
-        return up_to[k] + part + (nm - inside)[:, None] * at(inside)
+        trapezoid = (inside - knots_nm[k])[:, None] * 0.5 * (columns[k] + at(inside))
+        return up_to[k] + trapezoid + (nm - inside)[:, None] * at(inside)
 
     has_width = width_nm > 0
     wide = np.where(has_width, width_nm, 1.0)

@@ -13,8 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, expect
-from omma.base.directions import azimuth_elevation_deg_of
-from omma.base.directions import unit as unit_vectors
+from omma.base.directions import azimuth_elevation_deg_of, normalized
 from omma.base.notebook import html_table
 from omma.base.values import value_class
 from omma.light import sky_map
@@ -74,7 +73,7 @@ class Disc:
             limb = _strengths(self.limb_darkening, "limb_darkening", radiance.shape)
             if np.any(limb > 1):
                 raise Error("limb_darkening: expected 0 to 1")
-        object.__setattr__(self, "direction", unit_vectors(direction))
+        object.__setattr__(self, "direction", normalized(direction))
         object.__setattr__(self, "angular_radius_rad", float(radius))
         object.__setattr__(self, "radiance", radiance)
         object.__setattr__(self, "limb_darkening", limb)
@@ -337,7 +336,7 @@ def _directions(direction: ArrayLike, name: str = "direction") -> Floats:
         raise Error(f"{name}: expected shape (..., 3), found {towards.shape}")
     if not np.all(np.isfinite(towards)) or not np.all(towards.any(axis=-1)):
         raise Error(f"{name}: expected vectors that are finite and not zero")
-    return unit_vectors(towards)
+    return normalized(towards)
 
 
 def _strengths(value: Any, name: str, shape: tuple[int | None, ...]) -> Floats:
@@ -371,7 +370,7 @@ def _checked_sky(sky: Any, bands: int, matrix: Floats | None) -> NDArray[np.floa
         polarised = np.hypot(array[:, :, :, 1], array[:, :, :, 2])
         # Rounding of what is fully polarised.
         if np.any(polarised > intensity * np.float32(1 + 1e-5)):
-            raise Error("sky: expected a polarised part, sqrt(Q² + U²), of at most I")
+            raise Error("sky: expected a polarised radiance, sqrt(Q² + U²), of at most I")
     # Not the caller's own, which may change.
     array = np.ascontiguousarray(array).copy() if array is sky else np.ascontiguousarray(array)
     array.flags.writeable = False

@@ -154,8 +154,8 @@ def clear_sky_at(
         aerosol, ozone_du, albedo, bands, unit: as of `clear_sky`.
 
     Raises:
-        omma.Error: a time without a time zone or out of range, a place out of range, a sun that
-            the tables do not have, or PyEphem is not installed.
+        omma.Error: a time without a time zone or out of range, a latitude or longitude out of
+            range, a sun that the tables do not have, or PyEphem is not installed.
     """
     sun = sun_position(date_time, latitude_deg, longitude_deg)
     return clear_sky(
@@ -182,7 +182,7 @@ def moonlit_sky(
     bands: Bands | None = None,
     unit: Unit = "photons",
 ) -> Light:
-    """A clear sky by moonlight: `clear_sky` with the moon in the sun's place.
+    """A clear sky by moonlight: `clear_sky` with the moon instead of the sun.
 
     Its strength is that of the visual magnitudes of sun and moon, -26.74 and -12.73 when it is
     full, which is 2.5e-6, less 0.026 |φ| + 4e-9 φ⁴ magnitudes at a phase angle of φ degrees (Allen

@@ -26,7 +26,7 @@ def sky_nodes(rows: int, columns: int) -> tuple[Floats, Floats]:
 
 
 def look_up(sky: Map, direction: Floats) -> Floats:
-    """What a map says of directions (..., 3), unit vectors: (..., components, channels)."""
+    """What a map says of directions (..., 3): (..., components, channels)."""
     elevation = np.arcsin(np.clip(direction[..., 1], -1, 1))
     azimuth = np.arctan2(direction[..., 0], -direction[..., 2])
     return _mixed(sky, (elevation < 0).astype(np.int64), np.abs(elevation), azimuth)
@@ -81,8 +81,8 @@ def from_equirectangular(picture: Floats) -> Map:
     # Column 0 looks ahead, which is the picture's middle.
     column = (azimuth / (2 * np.pi) + 0.5) * width - 0.5
     left = np.floor(column).astype(int)
-    part = (column - left)[:, None, None]
-    across = (1 - part) * picture[:, left % width] + part * picture[:, (left + 1) % width]
+    share = (column - left)[:, None, None]
+    across = (1 - share) * picture[:, left % width] + share * picture[:, (left + 1) % width]
     halves = []
     for k, nodes in enumerate(elevation):
         row = (0.5 - nodes / np.pi) * height - 0.5
@@ -129,8 +129,8 @@ def _mixed(sky: Map, half: Whole, height: Floats, azimuth: Floats) -> Floats:
 def _corners(
     rows: int, columns: int, half: Whole, height: Floats, azimuth: Floats
 ) -> list[tuple[Floats, Floats, tuple[Whole, ...]]]:
-    """The four nodes around directions: the share that each has in what is between them, how far
-    to the right of it the direction is, rad, and its indices."""
+    """The four nodes around directions: their bilinear weights, the angle by which the direction is
+    to their right, rad, and their indices."""
     row = np.clip(height / (np.pi / 2), 0, 1) * (rows - 1)
     low = np.minimum(row.astype(np.int64), rows - 2)
     up = row - low

@@ -31,7 +31,7 @@ SUN_DIAMETER_DEG = 0.533
 _LEAST_SUN_NM = 0.1  # between the edges of what is stored of the sun
 ROWS, COLUMNS = 91, 360  # of the maps that are made: one degree
 
-# Optical depth that is added to that of all, so that log I is nearly a parabola over haze's part.
+# Offset of optical depth, with which log I is nearly a parabola over haze's share.
 _PART_BEND = 0.2
 
 # Ozone's bands in the visible: where they begin, at a node of the tables, and are deepest.
@@ -253,8 +253,8 @@ class TableSky:
         if self.sun_deg < 0:
             return np.zeros(len(nm))
         table = self.table
-        # Over the sine of the elevation, about which masses go, they change so little that a spline
-        # is right; held up, as a sine of 0 has no inverse.
+        # As functions of sin(elevation), bounded away from 0, air masses vary so little that a
+        # spline fits.
         over = [np.hypot(np.sin(np.radians(e)), 0.05) for e in (table["mass_deg"], self.sun_deg)]
         along = _spline_matrix(tuple(table["mass_deg"]), (self.sun_deg,))[0]
         mass = (table["mass"] * over[0]) @ along / over[1]
@@ -339,10 +339,8 @@ def _at_nodes(table: dict[str, Any], depth: str) -> Floats:
 
 
 def _haze_shares(table: dict[str, Any], haze: float) -> dict[int, Floats]:
-    """Shares of the tables' hazes in log I, by index: (wavelength,).
-
-    Over haze's part in scattering, by wavelength, in which log I is bent less than in its depth.
-    """
+    """Interpolation weights of the tables' hazes for log I, by index: (wavelength,). The coordinate
+    is haze's share in scattering, in which log I is less curved than in optical depth."""
     air, each = _at_nodes(table, "rayleigh_depth"), _at_nodes(table, "haze_depth")
     return _between_hazes(
         table, haze, lambda depth: depth * each / (air + _PART_BEND + depth * each)
@@ -350,34 +348,32 @@ def _haze_shares(table: dict[str, Any], haze: float) -> dict[int, Floats]:
 
 
 def _polarised_shares(table: dict[str, Any], haze: float, sun_deg: float) -> dict[int, Floats]:
-    """Shares of the tables' hazes in Q/I and U/I, by index: (wavelength, elevation, azimuth).
-
-    Over the part of light scattered once that haze sends into a direction: of that light Q/I and
-    U/I are linear in it.
-    """
+    """Interpolation weights of the tables' hazes for Q/I and U/I, by index: (wavelength, elevation,
+    azimuth). The coordinate is the share of singly scattered light that haze sends into a
+    direction, in which Q/I and U/I of that light are linear."""
     air, each = _scattered_once(table, sun_deg, table["elevation_deg"], table["azimuth_deg"])
     return _between_hazes(table, haze, lambda depth: depth * each / (air + depth * each))
 
 
 def _between_hazes(
-    table: dict[str, Any], haze: float, place: Callable[[float], Floats]
+    table: dict[str, Any], haze: float, coordinate: Callable[[float], Floats]
 ) -> dict[int, Floats]:
-    """Shares of the tables' hazes, where each is at its place, by index.
+    """Shares of the tables' hazes, where each is at its coordinate, by index.
 
     By the two parabolas through three neighbours that reach over the haze, of which the one with
     its middle nearer counts for more; they are the same at either end.
     """
     nodes, last = table["haze"], len(table["haze"]) - 3
-    places, at = [place(one) for one in nodes], place(haze)
+    coordinates, at = [coordinate(one) for one in nodes], coordinate(haze)
     k = int(np.clip(np.searchsorted(nodes, haze, side="right") - 1, 0, last + 1))
     along = (haze - nodes[k]) / (nodes[k + 1] - nodes[k])
     shares: dict[int, Any] = {}
-    for first, part in ((max(k - 1, 0), 1 - along), (min(k, last), along)):
+    for first, weight in ((max(k - 1, 0), 1 - along), (min(k, last), along)):
         near = range(first, first + 3)
         for i in near:
-            others = [places[j] for j in near if j != i]
-            share = np.prod([(at - one) / (places[i] - one) for one in others], axis=0)
-            shares[i] = shares.get(i, 0.0) + part * share
+            others = [coordinates[j] for j in near if j != i]
+            share = np.prod([(at - one) / (coordinates[i] - one) for one in others], axis=0)
+            shares[i] = shares.get(i, 0.0) + weight * share
     return shares
 
 
@@ -385,8 +381,8 @@ def _neighbours(nodes: Floats, at: float) -> list[tuple[int, float]]:
     """Up to four nodes and their shares in the cubic through them; (index, share)."""
     count = min(4, len(nodes))
     order = np.argsort(nodes)
-    place = int(np.searchsorted(nodes[order], at))
-    first = int(np.clip(place - 2, 0, len(nodes) - count))
+    index = int(np.searchsorted(nodes[order], at))
+    first = int(np.clip(index - 2, 0, len(nodes) - count))
     near = order[first : first + count]
     shares = []
     for one in near:

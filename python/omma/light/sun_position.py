@@ -59,18 +59,18 @@ def sun_position(date_time: datetime, latitude_deg: float, longitude_deg: float)
         ``azimuth_deg`` and ``elevation_deg``.
 
     Raises:
-        omma.Error: a time without a time zone or out of range, a place out of range, or PyEphem is
-            not installed.
+        omma.Error: a time without a time zone or out of range, a latitude or longitude out of
+            range, or PyEphem is not installed.
     """
     moment = _universal(date_time)
     within(latitude_deg, "latitude_deg", -90, 90)
     within(longitude_deg, "longitude_deg", -180, 180)
     ephem = _load_ephem()
-    place = ephem.Observer()
-    place.lat, place.lon = math.radians(latitude_deg), math.radians(longitude_deg)
-    place.pressure = 0  # no refraction
-    place.date = moment.replace(tzinfo=None)
-    sun = ephem.Sun(place)
+    observer = ephem.Observer()
+    observer.lat, observer.lon = math.radians(latitude_deg), math.radians(longitude_deg)
+    observer.pressure = 0  # no refraction
+    observer.date = moment.replace(tzinfo=None)
+    sun = ephem.Sun(observer)
     return SunPosition(math.degrees(sun.az), math.degrees(sun.alt))
 
 
@@ -95,6 +95,6 @@ def _load_ephem() -> Any:
         import ephem
     except ImportError:
         raise Error(
-            "the sun's place needs PyEphem, which is not installed: pip install 'omma[sky]'"
+            "the sun's position needs PyEphem, which is not installed: pip install 'omma[sky]'"
         ) from None
     return ephem

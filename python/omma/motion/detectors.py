@@ -26,8 +26,8 @@ from omma.motion.pairs import displacements_rad, neighbour_pairs
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-# Directions of an ommatidium's pairs that lie nearer to one line than this (35°, as the ratio of
-# the eigenvalues of the sum of their squares) do not tell what moves across it.
+# Least ratio of the eigenvalues of an ommatidium's pair directions (35°): below it, its pairs lie
+# so nearly along one line that motion across it is not measured.
 _LEAST_SPREAD = 0.1
 
 

@@ -19,7 +19,7 @@ from omma.base.arguments import positive
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-# Of the time between frames to a time constant. Beyond, a filter does nothing or all.
+# Limits of the frame interval over a time constant: beyond, a filter does nothing or all.
 _LEAST, _MOST = 1e-6, 1e4
 
 
@@ -60,8 +60,8 @@ def filter_step(tau_s: float, high_pass_tau_s: float | None, frame_rate_hz: floa
             )
         shares.append(1 / frames)
     late, slow = shares
-    # The exponential of the equations' matrix, of late, slow, the input and its rise to the next
-    # frame, is their solution over a frame.
+    # The solution over one frame is the matrix exponential of the system with state (late, slow,
+    # input, slope of the input).
     matrix = np.array(
         [
             [-late, -late, late, 0],

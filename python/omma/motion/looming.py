@@ -1,5 +1,5 @@
-"""What comes nearer: motion away from a place in the field of view, and cells that pool it as LPLC2
-of flies do.
+"""What comes nearer: motion away from a direction in the field of view, and cells that pool it as
+LPLC2 of flies do.
 
 An LPLC2 neuron has four dendrites, a cross, each in the layer of the lobula plate that holds motion
 in the direction in which that dendrite leads away from the middle: it is excited by motion outwards
@@ -20,7 +20,7 @@ from scipy.sparse import csr_array
 
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, one_of, whole, within
-from omma.base.directions import unit
+from omma.base.directions import normalized
 from omma.base.values import value_class
 from omma.eye.field import sphere_directions
 
@@ -43,7 +43,7 @@ def expansion(
 
     Of a flat thing that comes straight on, l/v being half its size over its speed and t the time to
     collision, optic flow is sin θ cos θ / t away from its middle where it is seen, θ away from it,
-    which is up to atan(l/v / t): the mean over the ommatidia on it times t depends on their places
+    which is up to atan(l/v / t): the mean over the ommatidia on it times t depends on their axes
     alone. Motion vectors of detectors have no such meaning; they are above 0 all the same.
 
     Args:
@@ -84,7 +84,7 @@ class LoomingCells:
 
     Attributes:
         count: N.
-        center: (C, 3), unit vectors in the head's frame, the middles of their fields.
+        center: (C, 3), directions in the head's frame, the middles of their fields.
         cell, arm, ommatidium: (M,), which ommatidium is in which arm (of `omma.motion.ARMS`) of
             which cell.
         along: (M, 2), the direction of the arm at that ommatidium: right and up.
@@ -206,7 +206,8 @@ def looming_cells(
         False
 
     Raises:
-        omma.Error: directions of no length, an angle out of its range, or no place with four arms.
+        omma.Error: directions of no length, an angle out of its range, or no direction with four
+        arms.
     """
     radius = math.radians(within(radius_deg, "radius_deg", 1e-3, 180))
     spread = centers is None
@@ -226,7 +227,7 @@ def looming_cells(
             continue
         # The arm's direction, in the great circle's frame at the ommatidium: outwards and across.
         off = (math.pi / 2) * which - turned[near]
-        across = np.cross(outward[near], unit(np.asarray(eye.axis, np.float64))[near])
+        across = np.cross(outward[near], normalized(np.asarray(eye.axis, np.float64))[near])
         way = np.cos(off)[:, None] * outward[near] + np.sin(off)[:, None] * across
         cell.append(np.full(len(near), len(kept)))
         arm.append(which)
@@ -245,8 +246,8 @@ def looming_cells(
 
 def _around(eye: Eye, middle: Floats) -> tuple[Floats, Floats, Floats]:
     """Of each ommatidium how far it looks from a direction (N,), which way leads on from there,
-    unit vectors (N, 3), and the way to it from the middle (N,), from right towards up; rad."""
-    axis = unit(np.asarray(eye.axis, np.float64))
+    directions (N, 3), and the way to it from the middle (N,), from right towards up; rad."""
+    axis = normalized(np.asarray(eye.axis, np.float64))
     level = axis @ middle
     away = axis * level[:, None] - middle
     length = np.linalg.norm(away, axis=1)
@@ -259,7 +260,7 @@ def _around(eye: Eye, middle: Floats) -> tuple[Floats, Floats, Floats]:
 
 def _in_frames(eye: Eye, which: NDArray[np.generic], ways: Floats) -> Floats:
     """Directions (K, 3) as right and up (K, 2) of these ommatidia."""
-    right, up = (unit(np.asarray(each, np.float64)[which]) for each in (eye.right, eye.up))
+    right, up = (normalized(np.asarray(each, np.float64)[which]) for each in (eye.right, eye.up))
     return np.stack([np.sum(ways * right, axis=1), np.sum(ways * up, axis=1)], axis=1)
 
 

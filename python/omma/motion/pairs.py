@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from omma._core import Error, Eye
 from omma.base.arguments import checked, one_of
-from omma.base.directions import unit
+from omma.base.directions import normalized
 from omma.eye.hexagonal import DIRECTIONS, hexagonal_coordinates
 
 Floats = NDArray[np.float64]
@@ -67,7 +67,7 @@ def displacements_rad(eye: Eye, pairs: Ints) -> Floats:
     between them; [:, 1] that of the first in the frame of the second.
     """
     axis, right, up = (
-        unit(np.asarray(vectors, np.float64)) for vectors in (eye.axis, eye.right, eye.up)
+        normalized(np.asarray(vectors, np.float64)) for vectors in (eye.axis, eye.right, eye.up)
     )
     found = np.empty((len(pairs), 2, 2))
     for k, (here, there) in enumerate((pairs.T, pairs.T[::-1])):

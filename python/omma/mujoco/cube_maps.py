@@ -68,8 +68,8 @@ def cut_by_faces(
     for number in np.unique(face):
         here = corners[face == number].reshape(-1, corners.shape[-1])
         which = np.full(len(here), number)
-        parts = np.split(here[:, 3:], np.cumsum(widths)[:-1], axis=1)
-        found.append((int(number), on_face(here[:, :3], which), parts))
+        interpolated = np.split(here[:, 3:], np.cumsum(widths)[:-1], axis=1)
+        found.append((int(number), on_face(here[:, :3], which), interpolated))
     return found
 
 

@@ -70,7 +70,7 @@ class Look:
         texture = self._texture_of_material(material) if textured else -1
         both_sides = kind == PLANE
         flat = texture >= 0 and int(self._model.tex_type[texture]) == PICTURE
-        # Coordinates of one's own are places on a picture; of a cube MuJoCo shows nothing there.
+        # A mesh's own coordinates are positions in a picture; of a cube MuJoCo shows nothing there.
         if texture < 0 or (shape.own and not flat):
             which = self._material(material, rgba, None, both_sides)
             return [_mesh(name, shape, None, which)]
@@ -88,9 +88,9 @@ class Look:
         ):
             corners = np.arange(len(coordinates)).reshape(-1, 3)
             normal = values[1] if normals else None
-            part = Shape(values[0], corners, normal, values[0])
+            shown = Shape(values[0], corners, normal, values[0])
             which = self._material(material, rgba, self._texture(texture, face), both_sides)
-            found.append(_mesh(name, part, coordinates, which))
+            found.append(_mesh(name, shown, coordinates, which))
         return found
 
     def _laid_out(
@@ -195,14 +195,14 @@ def texture_pixels(model: Any, texture: int, linear: bool) -> NDArray[Any]:
     kind = int(model.tex_type[texture])
     height, width = int(model.tex_height[texture]), int(model.tex_width[texture])
     channels = int(model.tex_nchannel[texture])
-    place = f"model: texture {names_of_texture(model, texture)!r}"
+    where = f"model: texture {names_of_texture(model, texture)!r}"
     if kind not in (PICTURE, CUBE, SKYBOX):
-        raise Error(f"{place}: expected a 2d, cube or skybox texture, found type {kind}")
+        raise Error(f"{where}: expected a 2d, cube or skybox texture, found type {kind}")
     if height < 1 or width < 1 or not 1 <= channels <= 4:
-        raise Error(f"{place}: expected a picture, found {width} x {height} x {channels}")
+        raise Error(f"{where}: expected a picture, found {width} x {height} x {channels}")
     if kind != PICTURE and height not in (width, 6 * width):
         raise Error(
-            f"{place}: expected one or six squares below each other, found {width} x {height}"
+            f"{where}: expected one or six squares below each other, found {width} x {height}"
         )
     first = int(model.tex_adr[texture])
     data = np.asarray(model.tex_data[first : first + height * width * channels], np.uint8)

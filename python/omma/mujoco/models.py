@@ -65,7 +65,7 @@ def checked_data(data: Any, model: Any = None) -> Any:
         ours, theirs = sizes(model), sizes(data.model)
         if ours != theirs or bytes(model.names) != bytes(data.model.names):
             raise Error(f"data: expected those of the model ({ours}), found another's ({theirs})")
-    check_places(data.geom_xpos, data.geom_xmat)
+    check_transforms(data.geom_xpos, data.geom_xmat)
     return data
 
 
@@ -74,7 +74,7 @@ def sizes(model: Any) -> str:
     return f"{model.nbody} bodies, {model.ngeom} geoms, {model.nmesh} meshes"
 
 
-def check_places(position: NDArray[np.float64], matrix: NDArray[np.float64]) -> None:
+def check_transforms(position: NDArray[np.float64], matrix: NDArray[np.float64]) -> None:
     """omma.Error where nothing has been computed, or a simulation has diverged."""
     if not (np.isfinite(position).all() and np.isfinite(matrix).all()):
         raise Error("data: expected finite positions, found some that are not: it has diverged")

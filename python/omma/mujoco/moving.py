@@ -25,7 +25,7 @@ class _Things:
         geoms: (K,) of the model.
         instances: (K,) of the world, the same things.
         moves: (K,), whether it can move, or has been somewhere else.
-        places: (K, 4, 4), where what does not move is.
+        world_from_geom: (K, 4, 4), where what does not move is.
         skins: of each skin its index in the model and that of its mesh in the scene.
     """
 
@@ -33,7 +33,7 @@ class _Things:
     geoms: NDArray[np.int64]
     instances: NDArray[np.int64]
     moves: NDArray[np.bool_]
-    places: NDArray[np.float64]
+    world_from_geom: NDArray[np.float64]
     skins: list[tuple[int, int]]
 
 
@@ -45,8 +45,8 @@ def update(world: World, data: Any) -> None:
     """Put the geoms and skins of a model to where they are now.
 
     Things of the world are found by their names, so it may hold other things beside the model's,
-    and need not hold all of these. What the model welds to its world stays in the part that was
-    built once, unless it is found elsewhere. The first call moves everything that can move, which
+    and need not hold all of these. What the model welds to its world stays in what was built
+    once, unless it is found elsewhere. The first call moves everything that can move, which
     builds the world anew (docs/moving.md).
 
     Args:
@@ -63,7 +63,7 @@ def update(world: World, data: Any) -> None:
         things = _found(world, data.model)
         _known[world] = things
     now = transforms(data.geom_xpos[things.geoms], data.geom_xmat[things.geoms])
-    things.moves |= np.abs(now - things.places).max(axis=(1, 2)) > 0
+    things.moves |= np.abs(now - things.world_from_geom).max(axis=(1, 2)) > 0
     if things.moves.any():
         world.set_transforms(things.instances[things.moves], now[things.moves])
     for skin, mesh in things.skins:

@@ -51,13 +51,13 @@ def head_pose(data: Any, body: str | int) -> NDArray[np.float64]:
     """
     model = checked_data(data).model
     index = _index(model, "body", model.nbody, body)
-    place = transforms(data.xpos[index : index + 1], data.xmat[index : index + 1])[0]
-    return np.asarray(place @ _BODY_FROM_HEAD)
+    world_from_body = transforms(data.xpos[index : index + 1], data.xmat[index : index + 1])[0]
+    return np.asarray(world_from_body @ _BODY_FROM_HEAD)
 
 
 def cameras(model: Any, data: Any) -> list[Camera]:
     """All cameras of a model, where they are."""
-    places = transforms(data.cam_xpos, data.cam_xmat)
+    world_from_camera = transforms(data.cam_xpos, data.cam_xmat)
     near, far = (float(end) * float(model.stat.extent) for end in
                  (model.vis.map.znear, model.vis.map.zfar))  # fmt: skip
     flat = (
@@ -72,7 +72,7 @@ def cameras(model: Any, data: Any) -> list[Camera]:
             Camera(
                 name,
                 type="orthographic" if flat[index] else "perspective",
-                world_from_camera=places[index],
+                world_from_camera=world_from_camera[index],
                 yfov_rad=1.0 if flat[index] else np.radians(height),
                 xmag_m=height / 2 if flat[index] else 1.0,
                 ymag_m=height / 2 if flat[index] else 1.0,

@@ -45,7 +45,7 @@ def fly_eye(
         ommatidia_id_map: (H, W) whole numbers, which pixel of the bent picture is whose: 1 to N, 0
             nobody's.
         fovy_deg: vertical field of view of the camera.
-        distortion, zoom: of the fisheye lens: a place r from the middle of the bent picture, in
+        distortion, zoom: of the fisheye lens: a point r from the middle of the bent picture, in
             half sizes, is at r / zoom / (1 - distortion (r / zoom)²) in the camera's.
         acceptance_angle_deg: full width at half maximum. None: each ommatidium's mean angle to its
             neighbours.
@@ -82,7 +82,7 @@ def fly_eye(
 
 
 class FlyRetina:
-    """What FlyGym's flies see, by rays: `get_ommatidia_readouts` in place of the simulation's.
+    """What FlyGym's flies see, by rays: `get_ommatidia_readouts` instead of the simulation's.
 
     The world is the model's, unlit, its numbers taken as light (``colors="linear"``): a readout is
     the mean colour of what an ommatidium sees, 0 to 1, without MuJoCo's lights and shades. Geoms in

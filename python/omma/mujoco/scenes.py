@@ -76,14 +76,14 @@ def scene_from_model(
     look = Look(model, linear)
     meshes: list[Mesh] = []
     instances: list[Instance] = []
-    places = transforms(data.geom_xpos, data.geom_xmat)
-    parts_of: dict[tuple[Any, ...], range] = {}  # geoms that look the same share their meshes
+    world_from_geom = transforms(data.geom_xpos, data.geom_xmat)
+    meshes_of: dict[tuple[Any, ...], range] = {}  # geoms that look the same share their meshes
     names, shapes = names_of(model, "geom", model.ngeom), shape_names(model)
     for geom in _seen_geoms(model, look, names, groups, hidden):
         own = model.geom_rgba[geom].tobytes(), model.geom_size[geom].tobytes()
         key = shapes[geom], int(model.geom_matid[geom]), *own
-        if key not in parts_of:
-            parts = look.meshes(
+        if key not in meshes_of:
+            own_meshes = look.meshes(
                 shapes[geom],
                 shape_of(model, geom),
                 int(model.geom_matid[geom]),
@@ -91,10 +91,11 @@ def scene_from_model(
                 int(model.geom_type[geom]),
                 drawn_size(model, geom),
             )
-            parts_of[key] = range(len(meshes), len(meshes) + len(parts))
-            meshes += parts
+            meshes_of[key] = range(len(meshes), len(meshes) + len(own_meshes))
+            meshes += own_meshes
         instances += [
-            Instance(mesh, places[geom], name=names[geom], node=geom) for mesh in parts_of[key]
+            Instance(mesh, world_from_geom[geom], name=names[geom], node=geom)
+            for mesh in meshes_of[key]
         ]
     for skin, name in enumerate(skin_names(model)):
         if int(model.skin_group[skin]) in groups and model.skin_rgba[skin][3] > 0:

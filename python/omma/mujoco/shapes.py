@@ -1,7 +1,7 @@
 """The shapes of geoms as triangles, in the frame of the geom.
 
-Beside places and normals a shape has coordinates by which MuJoCo lays textures on geoms: those of
-the solid of half size 1 for cubes, and once over each surface for pictures.
+Beside positions and normals a shape has coordinates by which MuJoCo lays textures on geoms: those
+of the solid of half size 1 for cubes, and once over each surface for pictures.
 """
 
 from __future__ import annotations
@@ -92,9 +92,9 @@ def _plane(model: Any, size: Floats) -> Shape:
     """A rectangle; where a size is 0, to where MuJoCo's pictures end."""
     far = _BEYOND_FAR * float(model.vis.map.zfar) * float(model.stat.extent)
     half = np.where(size[:2] > 0, size[:2], far)
-    unit = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
-    once = np.where(size[:2] > 0, 0.5 + 0.5 * unit[:, :2] * (1, -1), np.nan)
-    corners = unit * (*half, 0)
+    square = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
+    once = np.where(size[:2] > 0, 0.5 + 0.5 * square[:, :2] * (1, -1), np.nan)
+    corners = square * (*half, 0)
     return Shape(corners, np.array([[0, 1, 2], [0, 2, 3]]), None, corners, once)
 
 
@@ -133,8 +133,8 @@ def _height_field(model: Any, field: int) -> Shape:
     positions.append(floor - (0, 0, base))
     triangles.append(np.array([[0, 1, 2], [0, 2, 3]]) + count)
     normals.append(np.tile((0.0, 0, -1), (4, 1)))
-    places = np.concatenate(positions)
-    return Shape(places, np.concatenate(triangles), np.concatenate(normals), places)
+    vertices = np.concatenate(positions)
+    return Shape(vertices, np.concatenate(triangles), np.concatenate(normals), vertices)
 
 
 def _field_normals(top: Floats) -> Floats:
@@ -146,7 +146,8 @@ def _field_normals(top: Floats) -> Floats:
 
 
 def _mesh(model: Any, mesh: int) -> Shape:
-    """A vertex for each of a mesh's (place, normal, texture coordinate) that are used together."""
+    """A vertex for each of a mesh's (position, normal, texture coordinate) that are used
+    together."""
     faces = slice(int(model.mesh_faceadr[mesh]), None)
     faces = slice(faces.start, faces.start + int(model.mesh_facenum[mesh]))
     corners = [np.asarray(model.mesh_face[faces], np.int64).ravel()]
@@ -155,21 +156,21 @@ def _mesh(model: Any, mesh: int) -> Shape:
     if first_coordinate >= 0:
         corners.append(np.asarray(model.mesh_facetexcoord[faces], np.int64).ravel())
     used, triangles = np.unique(np.stack(corners, 1), axis=0, return_inverse=True)
-    places = np.asarray(model.mesh_vert[int(model.mesh_vertadr[mesh]) + used[:, 0]], float)
+    vertices = np.asarray(model.mesh_vert[int(model.mesh_vertadr[mesh]) + used[:, 0]], float)
     normals = np.asarray(model.mesh_normal[int(model.mesh_normaladr[mesh]) + used[:, 1]], float)
     normals[~np.abs(normals).max(axis=1).astype(bool)] = 0, 0, 1
     coordinates = None
     if first_coordinate >= 0:
         coordinates = np.asarray(model.mesh_texcoord[first_coordinate + used[:, 2]], float)
     own = coordinates is not None
-    return Shape(places, triangles.reshape(-1, 3), normals, places, coordinates, own)
+    return Shape(vertices, triangles.reshape(-1, 3), normals, vertices, coordinates, own)
 
 
-def _scaled(unit: Shape, half: Floats) -> Shape:
-    normals = None if unit.normals is None else unit.normals / half
+def _scaled(shape: Shape, half: Floats) -> Shape:
+    normals = None if shape.normals is None else shape.normals / half
     if normals is not None:
         normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
-    return Shape(unit.positions * half, unit.triangles, normals, unit.local, unit.once)
+    return Shape(shape.positions * half, shape.triangles, normals, shape.local, shape.once)
 
 
 def _unit_box() -> Shape:
@@ -188,21 +189,21 @@ def _unit_box() -> Shape:
             once.append(0.5 + 0.5 * corners[:, [across, upwards]] * (1, -1))
     first = 4 * np.arange(6)[:, None, None]
     triangles = (first + np.array([[0, 1, 2], [0, 2, 3]])).reshape(-1, 3)
-    places = np.concatenate(positions)
-    return Shape(places, triangles, np.concatenate(normals), places, np.concatenate(once))
+    vertices = np.concatenate(positions)
+    return Shape(vertices, triangles, np.concatenate(normals), vertices, np.concatenate(once))
 
 
 def _unit_cylinder() -> Shape:
     """Closed, along z from -1 to 1."""
-    parts, ring = [_tube()], _ring()
+    shapes, ring = [_tube()], _ring()
     here = 1 + np.arange(_SLICES)
     fan = np.stack([np.zeros(_SLICES, int), here, here + 1], -1)
     for sign in (1.0, -1.0):
-        places = np.concatenate([np.zeros((1, 3)), ring]) + (0, 0, sign)
+        vertices = np.concatenate([np.zeros((1, 3)), ring]) + (0, 0, sign)
         normals = np.tile((0.0, 0, sign), (_SLICES + 2, 1))
         triangles = fan if sign > 0 else fan[:, ::-1]
-        parts.append(Shape(places, triangles, normals, places, 0.5 + 0.5 * places[:, :2]))
-    return _joined(parts)
+        shapes.append(Shape(vertices, triangles, normals, vertices, 0.5 + 0.5 * vertices[:, :2]))
+    return _joined(shapes)
 
 
 def _tube() -> Shape:
@@ -235,16 +236,16 @@ def _dome(lowest_rad: float, highest_rad: float) -> Shape:
 def _capsule(radius: float, half_length: float) -> Shape:
     """A tube and two half spheres, each with a picture of its own about its own middle. For cubes
     they stand on the ends of the tube of half size 1, so that they show what is above or below."""
-    parts = [_scaled(_tube(), np.array([radius, radius, half_length]))]
+    shapes = [_scaled(_tube(), np.array([radius, radius, half_length]))]
     for sign, low, high in ((1, 0.0, np.pi / 2), (-1, -np.pi / 2, 0.0)):
         cap = _dome(low, high)
-        places = radius * cap.positions + (0, 0, sign * half_length)
-        parts.append(replace(cap, positions=places, local=cap.local + (0, 0, sign)))
-    return _joined(parts)
+        vertices = radius * cap.positions + (0, 0, sign * half_length)
+        shapes.append(replace(cap, positions=vertices, local=cap.local + (0, 0, sign)))
+    return _joined(shapes)
 
 
 def _ring() -> Floats:
-    """Unit vectors around z; the first comes again as the last, to the same bits."""
+    """Directions around z; the first comes again as the last, to the same bits."""
     angle = 2 * np.pi * (np.arange(_SLICES + 1) % _SLICES) / _SLICES
     return np.stack([np.cos(angle), np.sin(angle), np.zeros(_SLICES + 1)], -1)
 
@@ -259,13 +260,13 @@ def _grid(rows: int) -> Whole:
     return np.concatenate([first, second])
 
 
-def _joined(parts: list[Shape]) -> Shape:
+def _joined(shapes: list[Shape]) -> Shape:
     """All as one; each has normals and coordinates."""
-    firsts = np.cumsum([0] + [len(part.positions) for part in parts])
+    firsts = np.cumsum([0] + [len(one.positions) for one in shapes])
     return Shape(
-        np.concatenate([part.positions for part in parts]),
-        np.concatenate([part.triangles + first for part, first in zip(parts, firsts)]),
-        np.concatenate([part.normals for part in parts if part.normals is not None]),
-        np.concatenate([part.local for part in parts]),
-        np.concatenate([part.once for part in parts if part.once is not None]),
+        np.concatenate([one.positions for one in shapes]),
+        np.concatenate([one.triangles + first for one, first in zip(shapes, firsts)]),
+        np.concatenate([one.normals for one in shapes if one.normals is not None]),
+        np.concatenate([one.local for one in shapes]),
+        np.concatenate([one.once for one in shapes if one.once is not None]),
     )

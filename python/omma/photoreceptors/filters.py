@@ -18,13 +18,13 @@ from omma.photoreceptors.impulse_response import ImpulseResponse
 
 Floats = NDArray[np.float64]
 
-# The share of |h| that may lie beyond the last frame that counts. The rest is made up for by
-# scaling, so that steady light stays what it is.
+# Share of |h| that may be cut off after the last frame; weights are rescaled so that steady light
+# is kept.
 _LEFT_OUT = 1e-7
 # More frames than that in one response are a frame rate in the wrong unit.
 _MOST_FRAMES = 20_000
-# Frames that are convolved at a time: so few that the matrix of their weights stays small.
-_BLOCK = 256
+# Frames convolved at a time: few, as the Toeplitz matrix is dense.
+_ROWS = 256
 
 
 def frame_weights(h: ImpulseResponse, frame_rate_hz: float) -> Floats:
@@ -107,12 +107,12 @@ def _convolve(padded: Floats, weights: Floats) -> Floats:
     """Sums of ``weights`` (K,) times the rows up to each, from row K - 1 on: (T - K + 1, N)."""
     taps, count = len(weights), len(padded) - len(weights) + 1
     result = np.empty((count, padded.shape[1]))
-    block = min(_BLOCK, count)
-    toeplitz = np.zeros((block, block + taps - 1))
-    for row in range(block):
+    size = min(_ROWS, count)
+    toeplitz = np.zeros((size, size + taps - 1))
+    for row in range(size):
         toeplitz[row, row : row + taps] = weights[::-1]
-    for start in range(0, count, block):
-        rows = min(block, count - start)
+    for start in range(0, count, size):
+        rows = min(size, count - start)
         some = padded[start : start + rows + taps - 1]
         result[start : start + rows] = toeplitz[:rows, : len(some)] @ some
     return result

@@ -82,7 +82,7 @@ def _even(start_s: float, end_s: float) -> ImpulseResponse:
 def displace_axes(
     axis: ArrayLike, up: ArrayLike, angle_rad: ArrayLike, towards_rad: ArrayLike
 ) -> Floats:
-    """Axes turned by an angle each: (..., N, 3), unit vectors.
+    """Axes turned by an angle each: (..., N, 3), of length 1.
 
     Args:
         axis: (N, 3), as ``eye.axis``.

@@ -31,11 +31,11 @@ def large_monopolar(
     inhibition: ImpulseResponse = _INHIBITION,
 ) -> Floats:
     """What large monopolar cells make of the contrasts that their ommatidia see: excitation less a
-    later inhibition, part of which comes from the neighbours.
+    later inhibition, a share of which comes from the neighbours.
 
     y_i = h₁ * c_i - strength × h₂ * [(1 - Σw) c_i + Σ_k w_k c_k], with * for convolution in time:
     what is expected from the past and from around is taken away (Srinivasan, Laughlin and Dubs
-    1982, Proc R Soc Lond B 216:427). Where a neighbour is missing, its part comes from the cell
+    1982, Proc R Soc Lond B 216:427). Where a neighbour is missing, its share comes from the cell
     itself, so that an even field gives the same everywhere. Positive for more light; real cells
     hyperpolarise.
 

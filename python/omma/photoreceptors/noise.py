@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 _MANY = 1e10
 # Counts above are no longer whole numbers in double precision.
 _MOST = 9e15
-# Numbers of a frame are drawn from a generator of its own, a place for each kind of noise.
+# Numbers of a frame are drawn from a generator of its own, a stream for each kind of noise.
 _PHOTONS, _INTRINSIC = 0, 1
 
 

@@ -111,13 +111,13 @@ def camera_eye(scene: Scene, camera: Camera | str | int, unit: str | float = "m"
     structure = which.compound_structure
     if not structure:
         raise Error(f"{scene.path or 'scene'}: camera '{which.name}' names no eye")
-    places = [Path(structure), Path(scene.path).parent / structure]
-    for place in places:
-        if place.is_file():
-            return load_eye(place, unit)
+    candidates = [Path(structure), Path(scene.path).parent / structure]
+    for candidate in candidates:
+        if candidate.is_file():
+            return load_eye(candidate, unit)
     raise Error(
         f"{scene.path or 'scene'}: camera '{which.name}' names the eye '{structure}', "
-        f"which is neither {places[0]} nor {places[1]}"
+        f"which is neither {candidates[0]} nor {candidates[1]}"
     )
 
 

@@ -298,7 +298,7 @@ def _facets(drawing: _Drawing) -> Any:
 
 
 def _frame(drawing: _Drawing) -> tuple[Floats, Floats]:
-    # Lower left and upper right corner: what is drawn, with room below for scale and compass.
+    # Lower left and upper right corner: what is drawn, with space below for scale and compass.
     shown = drawing.shown if len(drawing.shown) else np.arange(len(drawing.start))
     reach = drawing.start[shown]
     if drawing.style != "facets":
@@ -334,16 +334,16 @@ def _compass(drawing: _Drawing, axes: Any, low: Floats, high: Floats) -> None:
     }
     drawn: list[Floats] = []
     for name, along in sorted(signed.items(), key=lambda item: -float(np.linalg.norm(item[1]))):
-        unit = along / max(float(np.linalg.norm(along)), 1e-9)
-        if np.linalg.norm(along) < 0.2 or any(unit @ other > 0.9 for other in drawn):
+        way = along / max(float(np.linalg.norm(along)), 1e-9)
+        if np.linalg.norm(along) < 0.2 or any(way @ other > 0.9 for other in drawn):
             continue
-        drawn.append(unit)
+        drawn.append(way)
         end = centre + along * length
         arrow = {"arrowstyle": "->", "color": INK, "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
         axes.annotate("", end, centre, arrowprops=arrow)
         sideways = abs(along[0]) > abs(along[1])
         axes.text(
-            *(end + 0.12 * length * unit),
+            *(end + 0.12 * length * way),
             name,
             ha=("left" if along[0] > 0 else "right") if sideways else "center",
             va="center" if sideways else ("bottom" if along[1] > 0 else "top"),

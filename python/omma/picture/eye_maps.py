@@ -58,8 +58,8 @@ class EyeMap:
     """Which ommatidium is where on a map.
 
     ommatidium: (H, W), row 0 at the top; -1 where the map shows a direction that no eye sees, -2
-        outside the map. Of several eyes that see a place, the one whose mean axis is nearest.
-    seen: (E, H, W), which of the eyes see each place.
+        outside the map. Of several eyes that see a direction, the one whose mean axis is nearest.
+    seen: (E, H, W), which of the eyes see each direction.
     extent: left, right, bottom, top, in the map's units.
     """
 

@@ -35,7 +35,7 @@ class PngWriter:
     """A picture of each pose: ``name`` where there is one, else name_0000.png, name_0001.png, ...
 
     The number is that of the pose. They get their names together: a series is there whole or not at
-    all, and needs its place on the disk twice where an older one is replaced. In a render that
+    all, and needs its space on the disk twice where an older one is replaced. In a render that
     may go on later each gets its name at once.
     """
 

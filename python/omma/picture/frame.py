@@ -84,7 +84,7 @@ class Frame:
         line = max(1, height // 256)
         tick = letters // 2
         left = tick + line + round(font.getlength("-90°")) + 3 * letters // 2
-        # Between two panels, so that -180° of the one and 180° of the other both have room.
+        # Between two panels, so that -180° of the one and 180° of the other both fit.
         gap = round(font.getlength("180°")) + letters if count > 1 else 0
         top = (2 * letters if count > 1 else letters) + line
         bottom = line + tick + 3 * letters
@@ -167,14 +167,14 @@ def _azimuths(
     """Ticks each 30° below a panel, labels as close as they fit, and what they are."""
     left, _, _, bottom = box
     words = {-90: "left -90°", 0: "ahead 0°", 90: "right 90°"}
-    room = width / 360  # pixels a degree
-    named = room * 90 > 1.2 * float(font.getlength(words[90]))
-    step = _step(room, 1.3 * float(font.getlength("-180°")), 90 if named else 30)
+    pixels_per_degree = width / 360
+    named = pixels_per_degree * 90 > 1.2 * float(font.getlength(words[90]))
+    step = _step(pixels_per_degree, 1.3 * float(font.getlength("-180°")), 90 if named else 30)
     for azimuth in range(-180, 181, 30):
-        x = round(left + line + (azimuth + 180) * room)
+        x = round(left + line + (azimuth + 180) * pixels_per_degree)
         draw.line((x, bottom, x, bottom + tick // (1 if azimuth % step == 0 else 2)), _INK, line)
     for azimuth in range(-180, 181, step):
-        x = round(left + line + (azimuth + 180) * room)
+        x = round(left + line + (azimuth + 180) * pixels_per_degree)
         text = words.get(azimuth, f"{azimuth}°") if named else f"{azimuth}°"
         draw.text((x, bottom + tick), text, _INK, font, anchor="ma")
     middle = left + line + width // 2
@@ -194,10 +194,10 @@ def _elevations(
 ) -> None:
     """Ticks each 30° left of a panel, and where it is the first of a row labels."""
     left, top, _, _ = box
-    room = height / 180
-    step = _step(room, 1.3 * font.size, 30)
+    pixels_per_degree = height / 180
+    step = _step(pixels_per_degree, 1.3 * font.size, 30)
     for elevation in range(-90, 91, 30):
-        y = round(top + line + (90 - elevation) * room)
+        y = round(top + line + (90 - elevation) * pixels_per_degree)
         at_label = named and elevation % step == 0
         draw.line((left - tick // (1 if at_label else 2), y, left, y), _INK, line)
         if at_label:

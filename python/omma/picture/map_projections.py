@@ -16,7 +16,7 @@ MERCATOR_EDGE = math.radians(80)  # beyond, a degree is stretched more than six 
 
 
 def project_directions(directions: Floats, projection: Projection) -> Floats:
-    """Where directions, unit vectors (..., 3) in the head's frame, are on a map: (..., 2).
+    """Where directions (..., 3) in the head's frame, are on a map: (..., 2).
 
     Mercator: x is the azimuth, y the isometric latitude; Mollweide: x to 2√2, y to √2; Lambert's
     azimuthal equal-area map about straight ahead: the rim, at radius 2, is straight behind (all as
@@ -35,7 +35,7 @@ def project_directions(directions: Floats, projection: Projection) -> Floats:
 
 
 def map_directions(projection: Projection, x: Floats, y: Floats) -> Floats:
-    """The directions at places on a map, (..., 3); NaN outside the map."""
+    """The directions at points of a map, (..., 3); NaN outside the map."""
     if projection == "mercator":
         azimuth, elevation = x, np.arctan(np.sinh(y))
         good = (np.abs(azimuth) <= np.pi) & (np.abs(elevation) <= MERCATOR_EDGE)

@@ -249,8 +249,8 @@ def _found(summary: dict[str, Any]) -> list[PosterFact]:
     found.append(("field", f"{summary['seen_sr']:.3g} sr", f"{fraction:.0%} of the sphere"))
     if len(eyes) > 1:
         both = summary["binocular_sr"]
-        part = summary["binocular_fraction_of_seen"]
-        found.append(("binocular", f"{both:.3g} sr", f"{part:.0%} of the field" if both else ""))
+        share = summary["binocular_fraction_of_seen"]
+        found.append(("binocular", f"{both:.3g} sr", f"{share:.0%} of the field" if both else ""))
     for zone in summary["blind_zones"][:2]:
         where = f"azimuth {zone['azimuth_deg']:.0f}°, elevation {zone['elevation_deg']:.0f}°"
         cone = f"{zone['radius_deg']:.0f}° around {where}"

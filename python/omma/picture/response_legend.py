@@ -82,7 +82,7 @@ def draw_strips(panel: Axes, scale: Scale) -> None:
     labels = _row_names(scale.names)
     panel.set_yticks(np.arange(count) + 0.5, labels, fontsize="small")
     for label in panel.get_yticklabels():
-        label.set_in_layout(False)  # there is room beside it, which no other picture should give
+        label.set_in_layout(False)  # there is space beside it, which no other picture should give
     panel.tick_params(axis="y", length=0)
     name_scale(panel, f"{scale.what} (display gamma {scale.gamma:g})", scale.full_scale, scale.unit)
     for side in ("left", "bottom"):

@@ -75,7 +75,7 @@ def _what_lacks(eye: Eye) -> str:
         if names:
             some = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
             lacks.append(f"{what} of the receptors {some}")
-    import omma  # species lie above this room: for these words alone
+    import omma  # species lie above this subpackage: for these words alone
 
     animals = ", ".join(omma.species.with_catches())
     return (

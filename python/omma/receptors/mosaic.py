@@ -1,4 +1,4 @@
-"""Who has which receptors: ommatidia of several types mixed over an eye, or over a part of it."""
+"""Who has which receptors: ommatidia of several types mixed over an eye, or over a region of it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from omma.base.values import value_class
 
 Flags = NDArray[np.bool_]
 
-# A part of an eye: a mask (N,), or a function of azimuth and elevation (N,), rad, that gives one.
+# A region of an eye: a mask (N,), or a function of azimuth and elevation (N,), rad, that gives one.
 Region = ArrayLike | Callable[[NDArray[np.float64], NDArray[np.float64]], ArrayLike]
 
 # The column that says which type an ommatidium is of.
@@ -51,7 +51,7 @@ def assign_receptors(
 
     Args:
         types: one, or several with their shares.
-        where: the part of the eye that gets them, others keep what they have: a mask (N,) or a
+        where: the region of the eye that gets them, others keep what they have: a mask (N,) or a
             function of azimuth and elevation (N,), rad. None: all of it.
         seed: of the draw, at least 0.
 
@@ -114,7 +114,7 @@ def up_towards(eye: Eye, direction: ArrayLike, *, where: Region | None = None) -
 
 
 def region_mask(eye: Eye, where: Region | None) -> Flags:
-    """Which ommatidia are in a part of an eye: (N,)."""
+    """Which ommatidia are in a region of an eye: (N,)."""
     if where is None:
         return np.ones(len(eye), bool)
     if callable(where):

@@ -241,7 +241,7 @@ def ommatidium_of_receptor(eye: Eye) -> NDArray[np.int64]:
 
 @checked
 def microvillus_direction(eye: Eye) -> Floats:
-    """Where each receptor's microvilli point: (R, 3), unit vectors in the head frame, across the
+    """Where each receptor's microvilli point: (R, 3), directions in the head frame, across the
     direction it looks in. Their sign means nothing: microvilli have an axis, not a sense.
 
     Raises:
@@ -255,7 +255,7 @@ def microvillus_direction(eye: Eye) -> Floats:
 
 @checked
 def receptor_axis(eye: Eye) -> NDArray[np.float32]:
-    """Where each receptor looks: (R, 3), unit vectors in the head frame.
+    """Where each receptor looks: (R, 3), directions in the head frame.
 
     Raises:
         omma.Error: the eye has no receptors.

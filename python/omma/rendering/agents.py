@@ -77,8 +77,8 @@ def render_agents(
         lasts = renderer.settings.impulse_response is not None
         at_once = frames if lasts else max(1, _MOST_BYTES // (128 * size * (1 + len(things))))
         for first in range(0, frames, at_once):
-            part = slice(first, min(first + at_once, frames))
-            count = part.stop - part.start
+            piece = slice(first, min(first + at_once, frames))
+            count = piece.stop - piece.start
             share = count * size / (frames * animals)
             options: dict[str, Any] = {
                 "unseen": [held[a][0] for a in group] * count,
@@ -86,27 +86,25 @@ def render_agents(
             }
             if things:
                 options["instances"] = things
-                options["transforms"] = np.repeat(placed[part], size, axis=0)
+                options["transforms"] = np.repeat(placed[piece], size, axis=0)
             if times is not None:
-                options["times_s"] = np.repeat(times[part], size)
+                options["times_s"] = np.repeat(times[piece], size)
             if progress is not None:
-                options["progress"] = _part_of(progress, done, share)
-            found = renderer.render(heads[part][:, group].reshape(-1, 4, 4), **options)
+                options["progress"] = _share_of(progress, done, share)
+            found = renderer.render(heads[piece][:, group].reshape(-1, 4, 4), **options)
             done += share
             for k, a in enumerate(group):
-                responses[a][part] = found[k::size]
+                responses[a][piece] = found[k::size]
     return responses
 
 
-def _part_of(progress: Progress, done: float, share: float) -> Progress:
+def _share_of(progress: Progress, done: float, share: float) -> Progress:
     return lambda fraction: progress(min(done + share * fraction, 1.0))
 
 
 def _rendered_together(renderers: Sequence[Renderer]) -> list[list[int]]:
-    """Animals with one renderer, at most as many as one call can tell apart.
-
-    Those whose frames last are rendered one by one, as each looks back along its own path.
-    """
+    """Groups of animals that are rendered in one call: those with one renderer, at most as many as
+    there are bits of a mask. Animals whose frames last are alone, as each has a path of its own."""
     groups: list[list[int]] = []
     for a, renderer in enumerate(renderers):
         lasts = renderer.settings.impulse_response is not None

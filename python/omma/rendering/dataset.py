@@ -1,4 +1,4 @@
-"""Responses as an `xarray.Dataset`: with their places, their units and what they were made of.
+"""Responses as an `xarray.Dataset`: with their coordinates, their units and what they were made of.
 
 Needs xarray, an optional extra, which is imported only here and only when a dataset is made.
 """

@@ -54,7 +54,7 @@ def _pieces(
         moving = renderer._moves(matrices, moves)
         for begin in range(0, len(matrices), count):
             piece = matrices[begin : begin + count]
-            yield piece, moving.part(begin, len(piece)).options()
+            yield piece, moving.piece(begin, len(piece)).options()
     elif isinstance(poses, Iterable):
         source, done = iter(poses), 0
         while taken := list(itertools.islice(source, count)):

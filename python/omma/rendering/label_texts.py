@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from omma._core import Error
-from omma.rendering.labels import Labels, place_variables
+from omma.rendering.labels import Labels, pose_variables
 
 FORMAT = "omma responses 1"
 
@@ -19,7 +19,7 @@ def labels_text(labels: Labels, files: Mapping[str, str]) -> str:
     """All of the labels; ``files`` says in which file each variable is, where it is in one."""
     # What follows from the poses in full is made again when it is read.
     first = next(iter(labels.variables.values()))[0][0]
-    follows = set(place_variables(np.eye(4)[None], first)) - {"world_from_head"}
+    follows = set(pose_variables(np.eye(4)[None], first)) - {"world_from_head"}
     coordinates = {
         name: {
             "dimensions": dimensions,
@@ -40,7 +40,7 @@ def labels_text(labels: Labels, files: Mapping[str, str]) -> str:
         for name, (dimensions, dtype, attributes) in labels.variables.items()
         if name in files or not files
     }
-    parts: dict[str, Mapping[str, Any]] = {
+    sections: dict[str, Mapping[str, Any]] = {
         "attributes": labels.attributes,
         "sizes": labels.sizes,
         "variables": variables,
@@ -48,17 +48,17 @@ def labels_text(labels: Labels, files: Mapping[str, str]) -> str:
     }
     # A line for each thing: a person finds it, and a million numbers are not a line each.
     texts = [f'"format": {json.dumps(FORMAT)}']
-    for part, members in parts.items():
+    for section, members in sections.items():
         lines = ",\n".join(f"  {json.dumps(k)}: {json.dumps(v)}" for k, v in members.items())
-        texts.append(f'"{part}": {{\n{lines}\n}}')
+        texts.append(f'"{section}": {{\n{lines}\n}}')
     return "{" + ",\n".join(texts) + "}\n"
 
 
-def labels_from_text(text: str | bytes, place: str) -> tuple[Labels, dict[str, str]]:
+def labels_from_text(text: str | bytes, where: str) -> tuple[Labels, dict[str, str]]:
     """What `labels_text` was made of.
 
     Raises:
-        omma.Error: it is something else; ``place`` names it.
+        omma.Error: it is something else; ``where`` names it.
     """
     try:
         found = json.loads(text)
@@ -69,7 +69,7 @@ def labels_from_text(text: str | bytes, place: str) -> tuple[Labels, dict[str, s
             for name, one in found["coordinates"].items()
         }
         dimensions, matrices, _ = coordinates["world_from_head"]
-        coordinates |= place_variables(matrices, dimensions[0])
+        coordinates |= pose_variables(matrices, dimensions[0])
         variables = {
             name: (tuple(one["dimensions"]), str(one["type"]), dict(one["attributes"]))
             for name, one in found["variables"].items()
@@ -83,7 +83,7 @@ def labels_from_text(text: str | bytes, place: str) -> tuple[Labels, dict[str, s
             raise ValueError
     except (ValueError, TypeError, KeyError, AttributeError, IndexError, OverflowError,
             RecursionError, np.linalg.LinAlgError):  # fmt: skip
-        raise Error(f"{place}: expected the JSON that omma writes of responses") from None
+        raise Error(f"{where}: expected the JSON that omma writes of responses") from None
     return labels, files
 
 

@@ -1,4 +1,5 @@
-"""What the numbers of a render mean: their dimensions, places, units, and what they were made of.
+"""What the numbers of a render mean: their dimensions, coordinates, units, and what they were made
+of.
 
 One description for all who hand responses on: `Renderer.dataset` and every format of file.
 """
@@ -79,7 +80,7 @@ def labels_of(
         coordinates["band"] = (("band",), np.array(_band_names(renderer)), {})
         if light is not None:
             coordinates["wavelength"] = (("band",), light.bands.centers_nm, {"units": "nm"})
-    coordinates |= place_variables(matrices, first)
+    coordinates |= pose_variables(matrices, first)
     unit = "1" if light is None else _UNITS[light.unit]
     about = {"units": unit, "long_name": CATCH if receptors else RADIANCE}
     variables: dict[str, tuple[tuple[str, ...], str, dict[str, Any]]] = {
@@ -118,8 +119,9 @@ def eye_digest(eye: Eye) -> str:
         return hashlib.sha256(Path(path).read_bytes()).hexdigest()
 
 
-def place_variables(matrices: Matrices, first: str) -> Variables:
-    """Where the head is at each pose, and how it is turned: in full, and in two parts."""
+def pose_variables(matrices: Matrices, first: str) -> Variables:
+    """Where the head is at each pose, and how it is turned: in full, and as position and
+    rotation."""
     head = "of the head in the world"
     return {
         "world_from_head": (

@@ -137,27 +137,27 @@ class Moves:
             raise Error("unseen_by_light: goes with unseen, found None of that")
         self._by_light = bool(by_light)
 
-    def part(self, first: int, count: int) -> Self:
+    def piece(self, first: int, count: int) -> Self:
         """The same of some of the poses."""
-        part = object.__new__(type(self))
-        vars(part).update(vars(self))
-        part._transforms = self._transforms[first : first + count]
-        part._poses = self._poses[first : first + count]
-        part._group_of_pose = self._group_of_pose[first : first + count]
+        piece = object.__new__(type(self))
+        vars(piece).update(vars(self))
+        piece._transforms = self._transforms[first : first + count]
+        piece._poses = self._poses[first : first + count]
+        piece._group_of_pose = self._group_of_pose[first : first + count]
         if self._longest_s is not None and self._times is not None:
             # What the first of them still sees, and one before.
             times = np.concatenate([self._past[1], self._times[:first]])
             seen = int(np.searchsorted(times, self._times[first] - self._longest_s))
             kept = slice(max(0, seen - 1), None)
             before = np.concatenate([self._past[0], self._poses[:first]])
-            part._past = np.ascontiguousarray(before[kept]), times[kept]
+            piece._past = np.ascontiguousarray(before[kept]), times[kept]
             known = self._past_transforms
             if len(known) < len(self._past[1]):  # things stood as they are at the first pose
                 known = self._transforms[:1].repeat(len(self._past[1]), axis=0)
-            part._past_transforms = np.concatenate([known, self._transforms[:first]])[kept]
+            piece._past_transforms = np.concatenate([known, self._transforms[:first]])[kept]
         if self._times is not None:
-            part._times = self._times[first : first + count]
-        return part
+            piece._times = self._times[first : first + count]
+        return piece
 
     def options(self) -> MovesOptions:
         """As a user gives them."""

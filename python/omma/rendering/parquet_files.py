@@ -20,7 +20,7 @@ METADATA = b"omma"
 
 # Rows that are in memory as a table at once, and that a reader takes at once.
 _GROUP_ROWS = 1 << 18
-# Their places are in the schema, which readers have in memory as a whole, and at most 100 MB of.
+# Their positions are in the schema, which readers have in memory as a whole, and at most 100 MB of.
 _MOST_POSES = 200_000
 
 
@@ -63,8 +63,8 @@ class ParquetWriter:
         count = max(1, _GROUP_ROWS // max(1, self._rows))
         values = values_of(piece)
         for begin in range(0, len(piece.responses), count):
-            part = {name: array[begin : begin + count] for name, array in values.items()}
-            self._write(part, piece.first + begin)
+            rows = {name: array[begin : begin + count] for name, array in values.items()}
+            self._write(rows, piece.first + begin)
 
     def _write(self, values: dict[str, np.ndarray[Any, Any]], first: int) -> None:
         poses = len(values["response"])

@@ -177,12 +177,12 @@ def _of_table(name: str) -> xarray.Dataset:
             "ommatidium": (along, site["ommatidium"].astype(np.int64)),
             "type": (along, site["receptor"]),
         }
-        parts = [numbers[..., k] for k in range(numbers.shape[2])]
+        arrays = [numbers[..., k] for k in range(numbers.shape[2])]
     else:
         dimensions = (*dimensions, "band")
         coordinates["band"] = ["red", "green", "blue"] if bands == list("rgb") else bands
-        parts = [numbers[..., k : k + len(bands)] for k in range(0, numbers.shape[2], len(bands))]
-    found = zip(("response", "standard_error"), parts)
+        arrays = [numbers[..., k : k + len(bands)] for k in range(0, numbers.shape[2], len(bands))]
+    found = zip(("response", "standard_error"), arrays)
     variables = {one: (dimensions, values, {"units": "1"}) for one, values in found}
     data: xarray.Dataset = load_xarray().Dataset(variables, coordinates)
     return data

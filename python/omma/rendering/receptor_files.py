@@ -22,7 +22,7 @@ class ReceptorCsvWriter:
         self._file.write_header(f"{header}\n".encode())
         names = [quoted(kind.name) for kind in eye.receptor_types]
         azimuth, elevation = azimuth_elevation_deg_of(receptor_axis(eye))
-        self._places = [
+        self._columns = [
             f"{i},{eye.eye_id[i]},{names[t]},{a:.6g},{e:.6g}"
             for i, t, a, e in zip(
                 ommatidium_of_receptor(eye), eye.receptor_type, azimuth, elevation, strict=True
@@ -34,8 +34,8 @@ class ReceptorCsvWriter:
         form = ",".join(["%.9g"] * len(columns))
         for number, pose in enumerate(np.stack(columns, axis=-1), start=piece.first):
             lines = [
-                f"{number},{place},{form % tuple(values)}\n"
-                for place, values in zip(self._places, pose.tolist(), strict=True)
+                f"{number},{columns},{form % tuple(values)}\n"
+                for columns, values in zip(self._columns, pose.tolist(), strict=True)
             ]
             self._file.write("".join(lines).encode())
 

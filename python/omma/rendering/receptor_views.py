@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Responses = NDArray[np.float32]
 
-# Radiance of views that is held while it becomes responses of receptors.
+# Bytes of radiance held at once while it becomes receptors' responses.
 _CHUNK_BYTES = 32 << 20
 # Types whose estimates are made in one render.
 _MOST_TYPES = 64
@@ -58,10 +58,14 @@ class ReceptorViews:
 
 
 def _with_polarisation(eye: Eye, weights: Floats) -> Floats:
-    """Weights [type, band] as [type, component x band]: what microvilli make of I, Q and U."""
+    """Weights [type, band] as [type, component x band]: how microvilli weight I, Q and U."""
     modulation, angle = type_polarisation(eye)
-    parts = [np.ones(len(angle)), modulation * np.cos(2 * angle), modulation * np.sin(2 * angle)]
-    return np.concatenate([part[:, None] * weights for part in parts], axis=1)
+    components = [
+        np.ones(len(angle)),
+        modulation * np.cos(2 * angle),
+        modulation * np.sin(2 * angle),
+    ]
+    return np.concatenate([one[:, None] * weights for one in components], axis=1)
 
 
 def render_receptors(
@@ -107,7 +111,8 @@ def render_receptors(
     errors = np.empty(shape, np.float32) if standard_error else None
     # Errors are those of the receptors' own estimates, for some types at a time.
     groups = [weights[k : k + _MOST_TYPES] for k in range(0, len(weights), _MOST_TYPES)]
-    # Where Q and U count, types are rendered as themselves; else I of all bands does for all.
+    # With polarisation or errors each type is rendered by itself; else one render of I in all bands
+    # serves all.
     by_type = polarized or errors is not None
     passes = len(groups) if by_type else 1
     wide = min(len(weights), _MOST_TYPES) if by_type else renderer.bands
@@ -115,16 +120,16 @@ def render_receptors(
     for start in range(0, len(matrices), chunk):
         piece = matrices[start : start + chunk]
         number = None if first is None else first + start
-        here = moving.part(start, len(piece))
+        here = moving.piece(start, len(piece))
         for k in range(passes):
 
             def report(
                 done: float,
                 before: float = start + k / passes * len(piece),
-                part: float = len(piece) / passes,
+                size: float = len(piece) / passes,
             ) -> None:
                 assert progress is not None
-                progress((before + done * part) / len(matrices))
+                progress((before + done * size) / len(matrices))
 
             tell = None if progress is None else report
             into = responses[start : start + chunk]

@@ -14,6 +14,7 @@ from omma._core import Background, Error, Eye, Scene
 from omma.base.arguments import checked, expect, output_array, whole
 from omma.base.notebook import html_table, without_folder
 from omma.base.poses import Matrices, as_poses
+from omma.base.renamed import renamed_arguments
 from omma.rendering.dataset import make_dataset
 from omma.rendering.iterate import render_pieces
 from omma.rendering.moves import Moves, MovesOptions, takes_moves
@@ -60,7 +61,7 @@ class Renderer:
         eye: who sees it; a list of eyes is merged as `merge_eyes` does.
         sampling: `omma.Fixed`, as many rays for every ommatidium; `omma.ToError`, as many as each
             needs for an error; or `omma.Shared`, rays that neighbours share.
-        options: seed, kernel, points, footprints, noise and impulse_response, as
+        options: seed, angular_sensitivity, points, footprints, noise and impulse_response, as
             `omma.rendering.Settings` has them: that says what each does.
         threads: 0 takes one per hardware thread.
         background: instead of the scene's or the world's own.
@@ -92,6 +93,7 @@ class Renderer:
         TypeError: an argument is of another type.
     """
 
+    @renamed_arguments(kernel="angular_sensitivity")
     @checked
     @takes_options
     def __init__(
@@ -128,6 +130,7 @@ class Renderer:
         self._asked_threads = threads
         self._receptors: ReceptorViews | None = None
 
+    @renamed_arguments(kernel="angular_sensitivity")
     @checked
     def with_eye(
         self,
@@ -280,7 +283,7 @@ class Renderer:
         Warns:
             UserWarning: a pose mirrors or stretches the head, or lies where it would if it were in
                 millimetres.
-            RuntimeWarning: single precision places rays and surfaces at one of the poses less than
+            RuntimeWarning: single precision holds rays and surfaces at one of the poses less than
                 a millimetre exactly, as in scenes of tens of kilometres, or by more than 1e-4 of
                 the size of a scene that is far away; it says how exactly. Scenes far from the
                 world's origin are traced from an origin of their own and lose nothing.
@@ -454,11 +457,11 @@ class Renderer:
         )
         moving.note()
         warn_of_poses(self._engine, matrices)
-        parts = (*shape[:2], 3, self.bands)
+        by_component = (*shape[:2], 3, self.bands)
         return (
-            found.reshape(parts)
+            found.reshape(by_component)
             if errors is None
-            else (found.reshape(parts), errors.reshape(parts))
+            else (found.reshape(by_component), errors.reshape(by_component))
         )
 
     def _render_outputs(
@@ -586,7 +589,7 @@ class Renderer:
     ) -> GroundTruth:
         """Responses, and beside them how far, where and what each ommatidium sees.
 
-        Means over the very rays of `render`, whose bits the responses have: distances, places,
+        Means over the very rays of `render`, whose bits the responses have: distances, positions,
         normals, shares of instances and optic flow; `GroundTruth` says what each is
         (docs/ground-truth.md). Not with `Shared`.
 
@@ -650,7 +653,7 @@ class Renderer:
         Args:
             poses, standard_error, first_pose, progress: as of `render`. With `ToError` there
                 are always standard errors.
-            receptors: what receptors answer, as `render_receptors` says, in place of bands.
+            receptors: what receptors answer, as `render_receptors` says, instead of bands.
             ultraviolet: as of `render_receptors`.
             time_s: (P,), when each pose is, s: the first dimension is then ``time``. None:
                 ``times_s``, where these are given.
@@ -749,8 +752,8 @@ class Renderer:
         if isinstance(self.settings.sampling, Shared):
             rays += f" by {np.count_nonzero(self.shared_ommatidia)}"
         return (
-            f"<omma.Renderer {len(self.eye)} ommatidia, {rays}, {self.settings.kernel}, "
-            f"{self.backend}, {self.threads} threads>"
+            f"<omma.Renderer {len(self.eye)} ommatidia, {rays}, "
+            f"{self.settings.angular_sensitivity}, {self.backend}, {self.threads} threads>"
         )
 
     def _repr_html_(self) -> str:

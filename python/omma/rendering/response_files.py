@@ -106,7 +106,7 @@ class CsvWriter:
         self._file.write_header(f"{header},{','.join(columns)}\n".encode())
         azimuth, elevation = azimuth_elevation_deg_of(eye.axis)
         numbered = enumerate(zip(eye.eye_id.tolist(), azimuth, elevation, strict=True))
-        self._places = [f"{i},{which},{a:.6g},{e:.6g}" for i, (which, a, e) in numbered]
+        self._columns = [f"{i},{which},{a:.6g},{e:.6g}" for i, (which, a, e) in numbered]
 
     def write(self, piece: Piece) -> None:
         table = piece.responses
@@ -116,8 +116,8 @@ class CsvWriter:
         form = ",".join(["%.9g"] * table.shape[-1])
         for number, pose in enumerate(table, start=piece.first):
             lines = [
-                f"{number},{place},{form % tuple(values)}\n"
-                for place, values in zip(self._places, pose.tolist(), strict=True)
+                f"{number},{columns},{form % tuple(values)}\n"
+                for columns, values in zip(self._columns, pose.tolist(), strict=True)
             ]
             self._file.write("".join(lines).encode())
 

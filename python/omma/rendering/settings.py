@@ -19,6 +19,7 @@ import numpy as np
 from omma import _core
 from omma._core import Error, RenderSettings
 from omma.base.arguments import expect, one_of, positive, whole
+from omma.base.renamed import renamed_fields
 from omma.photoreceptors import ImpulseResponse
 
 MAX_SAMPLES = 1 << 20
@@ -27,7 +28,7 @@ _MOST_UNASKED = 4096  # of ToError
 _LEAST_RELATIVE = 32
 _DELAYS = 4097  # quantiles of an impulse response that the engine is given
 
-KernelName = Literal["own", "gaussian", "pillbox", "compoundray"]
+AngularSensitivityName = Literal["own", "gaussian", "pillbox", "compoundray"]
 PointsName = Literal["low_discrepancy", "random"]
 NoiseName = Literal["frozen", "new_every_frame"]
 
@@ -51,11 +52,11 @@ def option_types(kind: Any) -> dict[str, Any]:
     return get_type_hints(kind)
 
 
-def _check(part: Any) -> None:
-    """Check all options of a part, and keep plain numbers: 16, not numpy.int64(16)."""
-    types = option_types(type(part))
-    for one in options_of(type(part)):
-        value, kind = getattr(part, one.name), types[one.name]
+def _check(declared: Any) -> None:
+    """Check the options of a class of this file; numbers become plain: 16, not numpy.int64(16)."""
+    types = option_types(type(declared))
+    for one in options_of(type(declared)):
+        value, kind = getattr(declared, one.name), types[one.name]
         choices = get_args(kind)
         if value is None and type(None) in choices:
             continue
@@ -70,7 +71,7 @@ def _check(part: Any) -> None:
             value = whole(value, one.name, *one.metadata["range"])
         else:
             value = one_of(value, choices, one.name)
-        object.__setattr__(part, one.name, value)
+        object.__setattr__(declared, one.name, value)
 
 
 @dataclass(frozen=True)
@@ -138,12 +139,12 @@ class ToError:
 
 
 def _least_samples(error: float, most: int) -> int:
-    """Rays that an ommatidium gets at least where nobody says: 8, and from an error of
-    0.00625 down the power of two below 0.1 / error, up to 64.
+    """Default of `ToError.least`: 8, and from an error of 0.00625 down the power of two below 0.1 /
+    error, up to 64.
 
-    What few rays and those of all neighbours miss nothing tells of, and it is the more errors the
-    smaller these are. In the arena 32 instead of 8 rays take the worst of 50,000 from 28 times an
-    error of 0.003 to 4 times, for 7 % more rays (docs/error-target.md).
+    Errors that few rays cannot see are missed by their estimate too, and these weigh the more the
+    smaller the wanted error is. In the arena 32 instead of 8 rays reduce the worst of 50,000 from
+    28 times an error of 0.003 to 4 times, for 7 % more rays (docs/error-target.md).
     """
     least = 8
     while least < 64 and 2 * least * error <= 0.1 and 2 * least <= most:
@@ -162,8 +163,8 @@ class Shared:
     times as wide; errors of neighbours go together; and the rays are fixed to the head, the same at
     every pose. Ommatidia that would gain nothing trace their own rays;
     `Renderer.shared_ommatidia` says who shares. Not for surfaces within some ten radii, nor with
-    random points, the kernel "compoundray", apertures or sensitivities that are not round. See
-    docs/shared-rays.md.
+    random points, the angular sensitivity "compoundray", apertures or sensitivities that are not
+    round. See docs/shared-rays.md.
     """
 
     samples: int = _option(
@@ -180,6 +181,7 @@ class Shared:
 Sampling = Fixed | ToError | Shared
 
 
+@renamed_fields(kernel="angular_sensitivity")
 @dataclass(frozen=True)
 class Settings:
     """Everything about a renderer's rays that responses depend on.
@@ -197,7 +199,7 @@ class Settings:
         low=0,
         high=(1 << 64) - 1,
     )
-    kernel: KernelName = _option(
+    angular_sensitivity: AngularSensitivityName = _option(
         "own",
         "Each ommatidium's own angular sensitivity, or one for all with its acceptance angle Δρ, "
         "per unit solid angle: gaussian, exp(-4 ln2 (θ/Δρ)²); pillbox, 1 within Δρ/2; compoundray, "
@@ -211,8 +213,8 @@ class Settings:
     )
     footprints: bool = _option(
         True,
-        "Rays read textures averaged over their part of the solid angle, so that fine texture does "
-        "not become noise; the modulation transfer stays within 0.01 of its own.",
+        "Rays read textures averaged over their share of the solid angle, so that fine texture "
+        "does not become noise; the modulation transfer stays within 0.01 of its own.",
     )
     noise: NoiseName = _option(
         "frozen",
@@ -268,9 +270,10 @@ class Settings:
             chosen = ("shared" if isinstance(sampling, Shared) else "fixed", sampling.samples)
         threads = whole(threads, "threads", 0, 1 << 16)
         options: dict[str, Any] = dict(self.options())
+        options["kernel"] = options.pop("angular_sensitivity")  # as C++ calls it
         impulse_response = options.pop("impulse_response", None)
         if impulse_response is not None:
-            # As fine that what lies between two of them is a straight line.
+            # So many that delays between two quantiles are nearly linear.
             steps = np.linspace(0, 1, _DELAYS)
             options["delays_s"] = np.minimum(
                 impulse_response.quantile(steps), impulse_response.duration_s
@@ -282,7 +285,7 @@ class Options(TypedDict, total=False):
     """The options of `Settings` but the sampling, as keyword arguments, for type checkers."""
 
     seed: int
-    kernel: KernelName
+    angular_sensitivity: AngularSensitivityName
     points: PointsName
     footprints: bool
     noise: NoiseName
@@ -313,8 +316,8 @@ def takes_options(function: F) -> F:
 def settings_as_record(settings: Settings) -> dict[str, str | int | float]:
     """Settings as texts and numbers, which every file format can hold, without what is None."""
     flat: dict[str, Any] = {"sampling": type(settings.sampling).__name__}
-    for part in (settings.sampling, settings):
-        flat |= {one.name: getattr(part, one.name) for one in options_of(type(part))}
+    for declared in (settings.sampling, settings):
+        flat |= {one.name: getattr(declared, one.name) for one in options_of(type(declared))}
     flat["seed"] = str(settings.seed)  # up to 2**64 - 1, which few formats hold as a number
     if settings.impulse_response is not None:
         flat["impulse_response"] = repr(settings.impulse_response)
@@ -337,11 +340,13 @@ def settings_from_record(record: Mapping[str, Any]) -> Settings:
     kind = kinds[one_of(record.get("sampling"), kinds, "sampling")]
     try:
         values = {**record, "seed": int(record["seed"]), "footprints": bool(record["footprints"])}
+        if "kernel" in record:  # files of older versions
+            values.setdefault("angular_sensitivity", record["kernel"])
     except (KeyError, ValueError) as error:
         raise Error(f"settings: expected those of a render, found none or wrong: {error}") from None
     of_sampling, others = (
-        {one.name: values[one.name] for one in options_of(part) if one.name in values}
-        for part in (kind, Settings)
+        {one.name: values[one.name] for one in options_of(declared) if one.name in values}
+        for declared in (kind, Settings)
     )
     return Settings(kind(**of_sampling), **others)
 

@@ -52,8 +52,8 @@ class GroundTruth:
     position_m: NDArray[np.float64]
     """(P, N, 3), in the world, mean over what was met; NaN where nothing was."""
     normal: Floats
-    """(P, N, 3), in the world: the mean of unit normals of triangles, on the side that is seen. The
-    more they differ the shorter it is; NaN where nothing was met."""
+    """(P, N, 3), in the world: the mean of the normals of triangles, each of length 1, on the side
+    that is seen. The more they differ the shorter it is; NaN where nothing was met."""
     names: tuple[str, ...] = ()
     """(K,), whose shares were asked for."""
     shares: Floats | None = None
@@ -71,11 +71,15 @@ class GroundTruth:
 
     @property
     def flow_rad_s(self) -> Floats | None:
-        """(P, N, 2), right and up: the optic flow, its three parts together."""
-        parts = (self.flow_rotation_rad_s, self.flow_translation_rad_s, self.flow_objects_rad_s)
-        if parts[0] is None or parts[1] is None or parts[2] is None:
+        """(P, N, 2), right and up: the optic flow, the sum of its three components."""
+        components = (
+            self.flow_rotation_rad_s,
+            self.flow_translation_rad_s,
+            self.flow_objects_rad_s,
+        )
+        if components[0] is None or components[1] is None or components[2] is None:
             return None
-        return parts[0] + parts[1] + parts[2]
+        return components[0] + components[1] + components[2]
 
 
 def render_truth(
@@ -119,8 +123,8 @@ def render_truth(
         names, asked["share_of_instance"] = _groups(renderer.world, shares)
         found["shares"] = np.empty((*size, len(shares)), np.float32)
     if head_velocity is not None or velocities is not None:
-        for part in ("rotation", "translation", "objects"):
-            found[f"flow_{part}_rad_s"] = np.empty((*size, 2), np.float32)
+        for component in ("rotation", "translation", "objects"):
+            found[f"flow_{component}_rad_s"] = np.empty((*size, 2), np.float32)
         if head_velocity is not None:
             asked["head"] = _velocity(head_velocity, "head_velocity", len(matrices))
         asked |= _objects(renderer.world, velocities or {}, moving, len(matrices))
@@ -150,7 +154,7 @@ def truth_variables(truth: GroundTruth, dimensions: tuple[str, str]) -> Variable
         "seen_position": (
             axis,
             truth.position_m,
-            {"units": "m", "long_name": "mean place of what is seen, in the world"},
+            {"units": "m", "long_name": "mean position of what is seen, in the world"},
         ),
         "seen_normal": (
             axis,
@@ -210,9 +214,9 @@ def _velocity(given: tuple[ArrayLike, ArrayLike], name: str, poses: int) -> NDAr
         raise TypeError(
             f"{name}: expected a tuple (linear_m_s, angular_rad_s), found {given!r:.40}"
         )
-    parts = []
-    for part, what in zip(given, ("linear_m_s", "angular_rad_s"), strict=True):
-        numbers = array_of(part, f"{name}, {what}")
+    velocities = []
+    for velocity, what in zip(given, ("linear_m_s", "angular_rad_s"), strict=True):
+        numbers = array_of(velocity, f"{name}, {what}")
         if numbers.shape not in ((3,), (poses, 3)):
             raise Error(
                 f"{name}, {what}: expected shape (3,) or ({poses}, 3), one for each pose, found "
@@ -220,8 +224,8 @@ def _velocity(given: tuple[ArrayLike, ArrayLike], name: str, poses: int) -> NDAr
             )
         if not np.isfinite(numbers).all():
             raise Error(f"{name}, {what}: expected finite numbers, found {numbers!r:.60}")
-        parts.append(np.broadcast_to(numbers, (poses, 3)))
-    return np.ascontiguousarray(np.concatenate(parts, axis=1))
+        velocities.append(np.broadcast_to(numbers, (poses, 3)))
+    return np.ascontiguousarray(np.concatenate(velocities, axis=1))
 
 
 def _objects(

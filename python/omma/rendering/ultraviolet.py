@@ -34,7 +34,7 @@ class UltravioletDependence:
 
     @property
     def share(self) -> NDArray[np.float32]:
-        """(P, N, C) or (P, R): the part of the larger response that hangs on the choice, 0 to 1.
+        """(P, N, C) or (P, R): the share of the larger response that depends on the choice, 0 to 1.
 
         Of a few times `share_error` and less it is chance: which ways paths take depends on all
         bands, so that bands above 400 nm differ too.
@@ -46,9 +46,11 @@ class UltravioletDependence:
         """The standard error of `share`, of its shape."""
         return self._of_larger(self.standard_error)
 
-    def _of_larger(self, part: Responses) -> NDArray[np.float32]:
+    def _of_larger(self, difference: Responses) -> NDArray[np.float32]:
         larger = np.maximum(self.dark, self.as_blue)
-        return np.asarray(np.divide(part, larger, out=np.zeros_like(larger), where=larger > 0))
+        return np.asarray(
+            np.divide(difference, larger, out=np.zeros_like(larger), where=larger > 0)
+        )
 
     def __repr__(self) -> str:
         share = self.share
@@ -76,7 +78,7 @@ def ultraviolet_dependence(
     Args:
         renderer: of a lit world.
         poses, progress: as of `Renderer.render`.
-        receptors: tell of receptors, in place of bands.
+        receptors: tell of receptors, instead of bands.
 
     Raises:
         omma.Error: the world has no light; what `Renderer.render` raises.

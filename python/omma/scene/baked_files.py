@@ -29,10 +29,10 @@ _ENDING, _UNFINISHED = ".baked", ".unfinished"
 _MOST_BYTES = 2 << 30
 _DAY_S = 86400.0
 
-# Of a scene what light depends on; names play no part.
-_PARTS = ("meshes", "instances", "materials", "textures", "images", "lights", "color_rule")
+# Fields of a scene that light depends on; names are not among them.
+_FIELDS = ("meshes", "instances", "materials", "textures", "images", "lights", "color_rule")
 _ARRAYS = ("values", "errors", "first_cell", "probe_values")
-_PLACES = ("probe_origin_m", "probe_spacing_m")
+_PROBE_GRID = ("probe_origin_m", "probe_spacing_m")
 
 
 def cache_directory(cache: bool | str | os.PathLike[str]) -> Path | None:
@@ -52,9 +52,9 @@ def cache_directory(cache: bool | str | os.PathLike[str]) -> Path | None:
 def scene_digest(scene: Scene) -> bytes:
     """Of all of a scene that light depends on."""
     digest = hashlib.blake2b(digest_size=32)
-    for part in _PARTS:
-        _add(digest, part)
-        _add(digest, getattr(scene, part))
+    for name in _FIELDS:
+        _add(digest, name)
+        _add(digest, getattr(scene, name))
     return digest.digest()
 
 
@@ -69,9 +69,9 @@ def world_key(
         settings: of the bake.
     """
     digest = hashlib.blake2b(digest_size=32)
-    places = [one.world_from_node for one in engine.instances]
-    for part in (_FORMAT, __version__, engine.backend, of_scene, places, light, settings):
-        _add(digest, part)
+    transforms = [one.world_from_node for one in engine.instances]
+    for one in (_FORMAT, __version__, engine.backend, of_scene, transforms, light, settings):
+        _add(digest, one)
     return digest.hexdigest()
 
 
@@ -93,7 +93,7 @@ def _add(digest: Any, value: Any) -> None:
         text = repr(value).encode("utf-8", "surrogateescape")
         digest.update(f"{type(value).__name__}{len(text)} ".encode() + text)
     else:
-        # A part of a scene: what makes it again is all that it is.
+        # A value of the scene: its pickle is all that it is.
         make = value.__reduce__()[0]
         assert isinstance(make, functools.partial)
         _add(digest, type(value).__name__)
@@ -110,7 +110,7 @@ def read_baked_light(directory: Path, key: str) -> _core.BakedLight | None:
         baked = _core.BakedLight(
             cell_of_triangle=np.split(cells, ends) if header["triangles"] else [],
             **arrays,
-            **{name: header[name] for name in ("unit", "numbers", *_PLACES)},
+            **{name: header[name] for name in ("unit", "numbers", *_PROBE_GRID)},
         )
     except _NOT_WHOLE:
         return None  # baked and written anew
@@ -127,7 +127,7 @@ def write_baked_light(directory: Path, key: str, baked: _core.BakedLight) -> Non
     header = {
         "unit": baked.unit,
         "numbers": baked.numbers,
-        **{name: getattr(baked, name).tolist() for name in _PLACES},
+        **{name: getattr(baked, name).tolist() for name in _PROBE_GRID},
         "triangles": [len(first) for first in cells],
     }
     problem = _write(directory / (key + _ENDING), key, header, arrays)
@@ -233,11 +233,11 @@ def _remove_oldest(directory: Path, kept: str) -> None:
                     found.append((about.st_mtime, about.st_size, entry.path))
                 elif entry.name.endswith(".partial") and about.st_mtime < time.time() - _DAY_S:
                     os.remove(entry.path)
-    room = _MOST_BYTES
+    bytes_left = _MOST_BYTES
     with contextlib.suppress(OSError):
-        room -= os.path.getsize(directory / kept)
+        bytes_left -= os.path.getsize(directory / kept)
     for _, size, path in sorted(found, reverse=True):
-        room -= size
-        if room < 0:
+        bytes_left -= size
+        if bytes_left < 0:
             with contextlib.suppress(OSError):
                 os.remove(path)

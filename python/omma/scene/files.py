@@ -42,7 +42,7 @@ def load_scene(
         scene_index: which of the file's scenes; None takes its default.
         color_rule: "gltf" takes colours as glTF 2.0 says: textures are sRGB, factors and vertex
             colours linear, and they multiply. "compoundray" is for comparison with work done with
-            CompoundRay: vertex colours to the power 2.2 in place of all else, or else the factor
+            CompoundRay: vertex colours to the power 2.2 instead of all else, or else the factor
             times the texture to the power 2.2; everything opaque and seen from both sides
             (BrainsOnBoard/compound-ray, libEyeRenderer3/shaders.cu).
         unit: of lengths in `.obj`, `.ply` and `.stl` files, which do not say it: "m" (None), "mm",

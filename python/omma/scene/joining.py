@@ -25,9 +25,9 @@ from omma.base.arguments import array_of, checked
 
 @checked
 def place_scene(scene: Scene, world_from_scene: ArrayLike) -> Scene:
-    """The same scene at another place: its instances, cameras, lamps and hit boxes, all together.
+    """The same scene at another pose: its instances, cameras, lamps and hit boxes, all together.
 
-    Its animations move things about that place.
+    Its animations move things about that pose.
 
     Args:
         world_from_scene: (4, 4), m, applied after where each of them is already.

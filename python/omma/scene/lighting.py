@@ -173,11 +173,12 @@ def _weights_of(rule: Rule) -> tuple[float, float, float, float]:
 
 
 def _asking(names: list[str], light: Light) -> str:
-    """Who lacks ultraviolet, how much light there is of it, and what can be said."""
+    """The message that ultraviolet reflectances are missing: of which materials, how much of the
+    light is concerned, and what can be said."""
     bands = light.bands
     below = (bands.weight * (bands.wavelength_nm < 400)).sum(axis=1)
     fallen = sum(light.irradiance()) * bands.widths_nm
-    part = float((fallen * below).sum() / max(fallen.sum(), 1e-300))
+    share = float((fallen * below).sum() / max(fallen.sum(), 1e-300))
     told = ", ".join(
         f'"{name}"' if name else "those without a material" for name in names[:_NAMES_TOLD]
     )
@@ -186,7 +187,7 @@ def _asking(names: list[str], light: Light) -> str:
         "ultraviolet: expected what surfaces reflect below 400 nm, such as "
         'ultraviolet="dark" (nothing), or a light of visible bands alone '
         "(bands=omma.light.Bands.equal(12, 400, 700), among the words of a light bands=visible). "
-        f"{part:.1%} of this light is below 400 nm, of which RGB says nothing, and of "
+        f"{share:.1%} of this light is below 400 nm, of which RGB says nothing, and of "
         f"{len(names)} materials only RGB is known: {told}{more}. Or say "
         'ultraviolet="as_blue", a reflectance such as ultraviolet=0.02 (leaves) or, in Python, a '
         "mapping by name; or give materials spectra (docs/materials.md). "

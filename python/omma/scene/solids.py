@@ -198,7 +198,7 @@ def disc(
 
 
 def upright(facing: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Right and up of a picture that faces somewhere, as who looks at it sees them: unit vectors.
+    """Right and up of a picture that faces somewhere, as who looks at it sees them: directions.
 
     Up is +Y, or -Z for what faces straight up or down.
     """
@@ -213,7 +213,7 @@ def upright(facing: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[n
 def tube(radius_m: float, height_m: float, segments: int, *, inward: bool) -> Surface:
     """An open upright tube around the origin, seen from outside or from within.
 
-    Texture coordinates go once around; the first and the last vertex of a ring are in one place.
+    Texture coordinates go once around; the first and the last vertex of a ring are at one position.
     The middle of the picture is towards +Z as seen from outside, towards -Z as seen from within,
     and from there it is not mirrored.
     """
@@ -226,7 +226,7 @@ def tube(radius_m: float, height_m: float, segments: int, *, inward: bool) -> Su
 
 
 def _around(u: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Unit vectors across y, once around to the right as seen from outside; u = 1/2 is +Z. The
+    """Directions across y, once around to the right as seen from outside; u = 1/2 is +Z. The
     first and the last are the same to the last bit, so that nothing shows between them."""
     angle = 2 * np.pi * (np.where(u == 1, 0, u) - 0.5)
     return np.stack([np.sin(angle), np.zeros_like(angle), np.cos(angle)], -1)

@@ -19,7 +19,7 @@ def from_trimesh(mesh: Any, *, unit: str | float = "m", up: str = "y") -> Scene:
     nodes keep their names.
 
     Colours of vertices and faces are taken as sRGB, as scanners and PLY files have them; factors of
-    materials as linear. The picture of an OBJ material stands in place of its diffuse colour, that
+    materials as linear. The picture of an OBJ material stands for its diffuse colour, that
     of a PBR material multiplies its factor. Surfaces are seen from both sides unless their material
     says that they are not. Cameras, lights and normals are left out.
 

@@ -51,7 +51,7 @@ class World:
             [..., B]. None: the bands are red, green and blue. Not together with ``light``, which
             has bands of its own.
         light: what the world is lit by (`omma.light.clear_sky` and others); radiance is then in its
-            bands and its unit, absolute, and its sky takes the place of a background. None:
+            bands and its unit, absolute, and its sky replaces a background. None:
             surfaces show their base colour and emission, as they are.
         lighting: "path" follows light over all surfaces for every ray, and has nothing to prepare;
             "baked" first finds the light of the sky and between surfaces, on both sides of every
@@ -375,7 +375,7 @@ class World:
         """Give a mesh another shape, for all its instances and all renderers of this world.
 
         The scene keeps its own. The first time costs what the first `set_transforms` does, and the
-        mesh's instances count as moved; from then on its hierarchy is fitted to the new places
+        mesh's instances count as moved; from then on its hierarchy is fitted to the new positions
         (docs/moving.md).
 
         Args:

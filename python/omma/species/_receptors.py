@@ -32,7 +32,7 @@ def receptor(
 
 
 def mixed(eye: Eye, kinds: list[OmmatidiumType], where: Region | None = None) -> Eye:
-    """The eye with these kinds of ommatidia at random, always in the same places."""
+    """The eye with these kinds of ommatidia at random, always the same ones."""
     return assign_receptors(eye, kinds, where=where, seed=_SEED)
 
 

@@ -70,7 +70,7 @@ class Revolution:
         self._tree = cKDTree(self._meridian(self._angle))
 
     def angle(self, points: Floats) -> Floats:
-        """The angle (K,) between ahead and the normal at the place nearest to points (K, 3)."""
+        """The angle (K,) between ahead and the normal at the point nearest to points (K, 3)."""
         return self._place(points)[0]
 
     def onto(self, points: Floats) -> Floats:

@@ -74,7 +74,7 @@ def on_ellipsoid(
     ``towards_deg`` (azimuth, elevation); the sphere is then stretched to the table's shape. Its
     size follows from the facets: the quantile ``fraction`` of the diameters is the table's
     ``facet``. With ``angle_at``, relative angles between axes over the angle from ``towards_deg``,
-    places are squeezed more where those are wide, so that facets differ less than angles do.
+    positions are squeezed more where those are wide, so that facets differ less than angles do.
     """
     shape, centre = (
         np.array([number(animal, f"eye_{what}_{way}") for way in ("right", "up", "forward")])
@@ -85,7 +85,7 @@ def on_ellipsoid(
     normal = squeezed(towards, squeeze)
     if angle_at is not None:
         normal = _evened(towards, squeeze, angle_at, float(np.arccos(axis @ towards).max()))
-    # The ellipsoid's normal at the stretched place p is along p over the shape's squares.
+    # The ellipsoid's normal at the stretched point p is along p over the shape's squares.
     eye = eye_on_surface(
         axis, ellipsoid((shape * 1e-3).tolist()), normal=lambda axes: normal(axes) / shape, eye_id=1
     )

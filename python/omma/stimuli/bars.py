@@ -74,7 +74,7 @@ class Bar(Stimulus):
         moved = np.mod(self.speed_deg_s * np.asarray(time_s), 360.0)
         return np.asarray(self.azimuth_deg + moved)
 
-    def _parts(self) -> Scene:
+    def _scene(self) -> Scene:
         half_width, half_height = self.width_deg / 2, self.height_deg / 2
         surface, _ = sphere_patch((-half_width, half_width), (-half_height, half_height))
         return painted_scene([("bar", surface, (self.bar,) * 3)], self.name, (0, 0, 0))

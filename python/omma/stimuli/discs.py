@@ -13,7 +13,7 @@ from omma.base.values import value_class
 from omma.scene.solids import disc
 from omma.stimuli.checks import angle_deg, keep, length_m, name_of, radiance_of
 from omma.stimuli.gaussian import Floats, caps_share
-from omma.stimuli.shapes import facing_origin, polygon_radius_m, unit_vectors
+from omma.stimuli.shapes import directions_of, facing_origin, polygon_radius_m
 from omma.stimuli.stimulus import Stimulus, as_times
 
 # Of the polygon that is a disc, whose area is the circle's.
@@ -89,14 +89,14 @@ class LoomingDisc(Stimulus):
         return np.where(on_disc, self.disc, self.background)
 
     def _direction(self) -> Floats:
-        return unit_vectors(self.azimuth_deg, self.elevation_deg)
+        return directions_of(self.azimuth_deg, self.elevation_deg)
 
     def _expected(self, axes: Floats, acceptance_rad: Floats, times_s: Floats) -> Floats:
         centres = np.broadcast_to(self._direction(), (len(times_s), 3))
         half = np.radians(self.size_deg(times_s)) / 2
         return _disc_means(self, axes, acceptance_rad, centres, half)
 
-    def _parts(self) -> Scene:
+    def _scene(self) -> Scene:
         return _disc_scene(self.half_width_m, self.disc, self.name)
 
 
@@ -144,7 +144,7 @@ class Target(Stimulus):
             raise Error("azimuth_deg: expected angles from -3600 to 3600")
         if not (np.abs(elevation) <= 90).all():
             raise Error("elevation_deg: expected angles from -90 to 90")
-        points = unit_vectors(azimuth, elevation)
+        points = directions_of(azimuth, elevation)
         opposite = np.flatnonzero(np.sum(points[:-1] * points[1:], axis=1) < -1 + 1e-9)
         if opposite.size:
             first = int(opposite[0])
@@ -165,19 +165,19 @@ class Target(Stimulus):
         )
 
     def directions(self, times_s: ArrayLike) -> Floats:
-        """Where it is: unit vectors (T, 3) at times (T,), s."""
+        """Where it is: directions (T, 3) at times (T,), s."""
         times = np.clip(as_times(times_s), self.path_s[0], self.path_s[-1])
-        points = unit_vectors(self.azimuth_deg, self.elevation_deg)
+        points = directions_of(self.azimuth_deg, self.elevation_deg)
         if len(points) == 1:
             return np.repeat(points, len(times), axis=0)
         before = np.clip(np.searchsorted(self.path_s, times, "right") - 1, 0, len(points) - 2)
         a, b = points[before], points[before + 1]
-        part = (times - self.path_s[before]) / (self.path_s[before + 1] - self.path_s[before])
+        share = (times - self.path_s[before]) / (self.path_s[before + 1] - self.path_s[before])
         angle = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.sum(a * b, axis=1))
-        # sinc so that points in one place divide nothing by 0.
+        # sinc so that points at one position divide nothing by 0.
         whole = np.sinc(angle / np.pi)
-        of_a = (1 - part) * np.sinc((1 - part) * angle / np.pi) / whole
-        of_b = part * np.sinc(part * angle / np.pi) / whole
+        of_a = (1 - share) * np.sinc((1 - share) * angle / np.pi) / whole
+        of_b = share * np.sinc(share * angle / np.pi) / whole
         return np.asarray(of_a[:, None] * a + of_b[:, None] * b)
 
     def _transforms(self, times_s: Floats) -> Floats:
@@ -193,7 +193,7 @@ class Target(Stimulus):
         half = np.full(len(times_s), np.radians(self.diameter_deg) / 2)
         return _disc_means(self, axes, acceptance_rad, self.directions(times_s), half)
 
-    def _parts(self) -> Scene:
+    def _scene(self) -> Scene:
         radius = self.distance_m * np.tan(np.radians(self.diameter_deg) / 2)
         return _disc_scene(float(radius), self.target, self.name)
 

@@ -40,7 +40,7 @@ class RandomDots(Stimulus):
         diameter_deg: of each.
         speed_deg_s: of their drift about the poles across its direction.
         direction_deg: where they drift as seen ahead: 0 is to the right, 90 upwards.
-        seed: of their places.
+        seed: of their positions.
         dot: their radiance.
         background: radiance between them.
         name: of the thing that turns.
@@ -83,7 +83,7 @@ class RandomDots(Stimulus):
 
     @cached_property
     def _centres(self) -> Floats:
-        """Unit vectors (n, 3) in the pattern's frame."""
+        """Directions (n, 3) in the pattern's frame."""
         drawn = np.random.default_rng(self.seed).normal(size=(self.count, 3))
         return np.asarray(drawn / np.linalg.norm(drawn, axis=1, keepdims=True))
 
@@ -111,11 +111,11 @@ class RandomDots(Stimulus):
         shares = np.array(covered).reshape(len(times_s), len(axes))
         return np.asarray(self.background + (self.dot - self.background) * shares)
 
-    def _parts(self) -> Scene:
+    def _scene(self) -> Scene:
         radius = SPHERE_RADIUS_M * np.tan(np.radians(self.diameter_deg) / 2)
         flat, triangles = polygon(polygon_radius_m(float(radius), _CORNERS), _CORNERS)
-        places = facing_origin(self._centres, np.full(self.count, SPHERE_RADIUS_M))
-        positions = flat @ np.swapaxes(places[:, :3, :3], 1, 2) + places[:, None, :3, 3]
+        transforms = facing_origin(self._centres, np.full(self.count, SPHERE_RADIUS_M))
+        positions = flat @ np.swapaxes(transforms[:, :3, :3], 1, 2) + transforms[:, None, :3, 3]
         first = len(flat) * np.arange(self.count)
         surface = (
             positions.reshape(-1, 3),
@@ -137,7 +137,7 @@ class Starfield(Stimulus):
         velocity_m_s: (3,), of the stars in the world; (0, 0, 1) is what one sees who flies ahead at
             1 m/s.
         cube_m: length of the cube's edges; its middle is the origin.
-        seed: of their places.
+        seed: of their positions.
         star: their radiance.
         background: radiance between them.
         name: of the stars: they are called "star 0", "star 1" and so on, each a thing that moves.
@@ -201,7 +201,7 @@ class Starfield(Stimulus):
         return np.where(on_star, self.star, self.background)
 
     def _seen(self, time_s: float) -> tuple[Floats, Floats]:
-        """Unit vectors to the stars, (count, 3), and how far they are, (count,), m."""
+        """Directions to the stars, (count, 3), and how far they are, (count,), m."""
         positions = self.positions_m(time_s)
         # One that were in the very middle would have no direction.
         distance = np.maximum(np.linalg.norm(positions, axis=1), 1e-9 * self.cube_m)
@@ -219,7 +219,7 @@ class Starfield(Stimulus):
         shares = np.array(covered).reshape(len(times_s), len(axes))
         return np.asarray(self.background + (self.star - self.background) * shares)
 
-    def _parts(self) -> Scene:
+    def _scene(self) -> Scene:
         flat, triangles = polygon(polygon_radius_m(self.radius_m, _CORNERS), _CORNERS)
         return Scene(
             meshes=[Mesh(flat, triangles, name=self.name, material=0)],

@@ -25,7 +25,7 @@ _TURN = np.pi * (3 - np.sqrt(5))
 
 
 def field_directions(axis: Floats, acceptance_rad: float) -> Floats:
-    """Unit vectors (Q, 3) over the field of an ommatidium, each with the same share of a response.
+    """Directions (Q, 3) over the field of an ommatidium, each with the same share of a response.
 
     On a spiral by the golden angle (Vogel 1979, Math Biosci 44:179), which has no rows along which
     an edge could run, at polar angles that share the sensitivity evenly.
@@ -65,8 +65,8 @@ def caps_share(axis: Floats, acceptance_rad: float, centres: Floats, radii_rad: 
     """The share of an ommatidium's sensitivity that falls on any of some round caps of the sphere.
 
     Args:
-        axis: (3,), unit.
-        centres: (K, 3), unit vectors to the middles of the caps.
+        axis: (3,), of length 1.
+        centres: (K, 3), directions to the middles of the caps.
         radii_rad: (K,), half their widths, under π/2 each.
     """
     reach = _REACH * acceptance_rad
@@ -80,7 +80,8 @@ def caps_share(axis: Floats, acceptance_rad: float, centres: Floats, radii_rad: 
     right, up = tangents(axis)
     azimuth = np.arctan2(centre @ up, centre @ right)
     if len(away) == 1:
-        # What a cap covers of a ring begins and ends with a kink: nodes on either side of each.
+        # The covered share of a ring as a function of θ has kinks where the cap begins and ends:
+        # integrate between them.
         kinks = [abs(away[0] - radius[0]), away[0] + radius[0]]
         theta, share = _split_rings(acceptance_rad, kinks)
     else:
@@ -95,7 +96,7 @@ def caps_share(axis: Floats, acceptance_rad: float, centres: Floats, radii_rad: 
 
 
 def tangents(axis: Floats) -> tuple[Floats, Floats]:
-    """Two unit vectors across an axis (3,) and each other."""
+    """Two directions across an axis (3,) and each other."""
     helper = np.eye(3)[np.argmin(np.abs(axis))]
     right = np.cross(helper, axis)
     right /= np.linalg.norm(right)
@@ -128,11 +129,8 @@ def _gauss(count: int) -> tuple[Floats, Floats]:
 
 
 def _split_rings(acceptance_rad: float, kinks: list[float]) -> tuple[Floats, Floats]:
-    """As `ring_shares`, with the same number of nodes in each of the sections between kinks.
-
-    There the covered part of a ring goes as a square root; nodes that crowd towards both ends of a
-    section take that in.
-    """
+    """As `_ring_shares`, with the same number of nodes in each section between kinks, where the
+    covered share goes as a square root: nodes crowd towards both ends of a section."""
     end = min(_REACH * acceptance_rad, np.pi)
     bounds = sorted({0.0, end, *(min(kink, end) for kink in kinks)})
     nodes, weights = _gauss(_RINGS // 8)
@@ -146,10 +144,8 @@ def _split_rings(acceptance_rad: float, kinks: list[float]) -> tuple[Floats, Flo
 
 
 def _union(start: Floats, end: Floats) -> Floats:
-    """How much of each ring its arcs (R, K), rad, cover together: (R,), 0 to 1.
-
-    Arcs start from -3π/2 on and end by 5π/2: each counts where it lies and once around away.
-    """
+    """The covered share of each ring, (R,), 0 to 1, by arcs (R, K), rad, that may overlap. Arcs lie
+    between -3π/2 and 5π/2 and are taken modulo a turn."""
     turns = 2 * np.pi * np.array([-1.0, 0.0, 1.0])[:, None, None]
     starts = np.clip(np.concatenate(list(start + turns), axis=1), -np.pi, np.pi)
     ends = np.clip(np.concatenate(list(end + turns), axis=1), -np.pi, np.pi)

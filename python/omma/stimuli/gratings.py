@@ -105,14 +105,14 @@ class DrumGrating(Stimulus):
         if self.waveform == "square":
             return super()._expected(axes, acceptance_rad, times_s)
 
-        def place(directions: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+        def periods_at(directions: Floats) -> tuple[Floats, NDArray[np.bool_]]:
             azimuth, elevation = longitude_latitude_deg(directions, 0.0, 0.0)
             return azimuth / self.wavelength_deg, self._inside(elevation)
 
         drift = self._drift_deg(times_s) / self.wavelength_deg
-        return _sine_means(self, axes, acceptance_rad, drift, place)
+        return _sine_means(self, axes, acceptance_rad, drift, periods_at)
 
-    def _parts(self) -> Scene:
+    def _scene(self) -> Scene:
         positions, triangles, coordinates = tube(self.radius_m, self.height_m, _SIDES, inward=True)
         periods = (coordinates[:, 0] - 0.5) * 360 / self.wavelength_deg
         return _striped((positions, triangles, coordinates), periods, self)
@@ -171,16 +171,16 @@ class SphereGrating(Stimulus):
         if self.waveform == "square":
             return super()._expected(axes, acceptance_rad, times_s)
 
-        def place(directions: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+        def periods_at(directions: Floats) -> tuple[Floats, NDArray[np.bool_]]:
             longitude, latitude = longitude_latitude_deg(directions, 0.0, self.direction_deg)
             return longitude / self.wavelength_deg, np.ones(len(latitude), bool)
 
         drift = self._drift_deg(times_s) / self.wavelength_deg
-        return _sine_means(self, axes, acceptance_rad, drift, place)
+        return _sine_means(self, axes, acceptance_rad, drift, periods_at)
 
-    def _parts(self) -> Scene:
-        surface, places = sphere_patch((-180.0, 180.0), (-90.0, 90.0))
-        return _striped(surface, places[:, 0] / self.wavelength_deg, self)
+    def _scene(self) -> Scene:
+        surface, azimuth_elevation = sphere_patch((-180.0, 180.0), (-90.0, 90.0))
+        return _striped(surface, azimuth_elevation[:, 0] / self.wavelength_deg, self)
 
 
 @value_class
@@ -237,10 +237,10 @@ class PlaneGrating(Stimulus):
 
     def _transforms(self, times_s: Floats) -> Floats:
         along, _, _ = self._frame()
-        places = np.broadcast_to(np.eye(4), (len(times_s), 4, 4)).copy()
+        transforms = np.broadcast_to(np.eye(4), (len(times_s), 4, 4)).copy()
         shift = self._shift_m(times_s)
-        places[:, :3, 3] = np.array(self.center_m) + shift[:, None] * along
-        return np.asarray(places[:, None])
+        transforms[:, :3, 3] = np.array(self.center_m) + shift[:, None] * along
+        return np.asarray(transforms[:, None])
 
     def _radiance(self, directions: Floats, time_s: float) -> Floats:
         vectors = directions
@@ -257,7 +257,7 @@ class PlaneGrating(Stimulus):
         return np.where(within_x & within_y, wave(self, np.nan_to_num(phase)), self.background)
 
     def _frame(self) -> tuple[Floats, Floats, Floats]:
-        """Unit vectors: where it drifts; right and up as seen in front."""
+        """Directions: where it drifts; right and up as seen in front."""
         right, up = upright(-np.array(self.center_m) / np.linalg.norm(self.center_m))
         angle = np.radians(self.direction_deg)
         along = np.cos(angle) * right + np.sin(angle) * up
@@ -266,7 +266,7 @@ class PlaneGrating(Stimulus):
     def _shift_m(self, time_s: Floats | float) -> Floats:
         return np.asarray(self.wavelength_m * _periods(self.temporal_frequency_hz, time_s))
 
-    def _parts(self) -> Scene:
+    def _scene(self) -> Scene:
         along, right, up = self._frame()
         signs = np.array([[-1, 1], [-1, -1], [1, -1], [1, 1]])
         half = np.array(self.size_m) / 2
@@ -334,17 +334,17 @@ def _sine_means(
     axes: Floats,
     acceptance_rad: Floats,
     drift: Floats,
-    place: Callable[[Floats], tuple[Floats, NDArray[np.bool_]]],
+    periods_at: Callable[[Floats], tuple[Floats, NDArray[np.bool_]]],
 ) -> Floats:
     """Means (T, N) of a sine over fields of view, when it has drifted by so many periods (T,).
 
-    ``place``: of directions, how many periods from its phase each is, and whether it is on it. One
-    sum for all times, as a drift only turns its phase.
+    ``periods_at``: of directions, how many periods from its phase each is, and whether it is on it.
+    One sum for all times, as a drift only turns its phase.
     """
     angle = -2 * np.pi * drift + np.radians(grating.phase_deg)
     means = np.empty((len(drift), len(axes)))
     for n, (axis, width) in enumerate(zip(axes, acceptance_rad, strict=True)):
-        periods, is_on = place(field_directions(axis, float(width)))
+        periods, is_on = periods_at(field_directions(axis, float(width)))
         turned = np.exp(2j * np.pi * periods[is_on]).sum() / len(periods)
         amplitude = np.imag(turned * np.exp(1j * angle))
         means[:, n] = grating.mean * (is_on.mean() + grating.contrast * amplitude)

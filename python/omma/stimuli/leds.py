@@ -146,9 +146,9 @@ class LedArena(Stimulus):
         # Out of sight is tiny and far below.
         away = np.diag([1e-6, 1e-6, 1e-6, 1.0])
         away[1, 3] = -10.0
-        places = np.broadcast_to(away, (len(times), len(frames), 4, 4)).copy()
-        places[np.arange(len(times)), of_frame[self._frame(times)]] = np.eye(4)
-        return np.asarray(places)
+        transforms = np.broadcast_to(away, (len(times), len(frames), 4, 4)).copy()
+        transforms[np.arange(len(times)), of_frame[self._frame(times)]] = np.eye(4)
+        return np.asarray(transforms)
 
     def _radiance(self, directions: Floats, time_s: float) -> Floats:
         x, y, z = np.moveaxis(directions, -1, 0)
@@ -190,7 +190,7 @@ class LedArena(Stimulus):
         return np.asarray(levels * (self.brightest / (2**self.bits - 1)))
 
     def _pixel_directions(self) -> Floats:
-        """Unit vectors to the middles of pixels, (rows, columns, 3)."""
+        """Directions to the middles of pixels, (rows, columns, 3)."""
         pitch = _PANEL_M / _LEDS
         panel, led = np.divmod(np.arange(self.panels_around * _LEDS), _LEDS)
         middle = 2 * np.pi * ((panel + 0.5) / self.panels_around - 0.5)
@@ -201,7 +201,7 @@ class LedArena(Stimulus):
         points = np.stack(np.broadcast_arrays(x, y[:, None], z), -1)
         return np.asarray(points / np.linalg.norm(points, axis=-1, keepdims=True))
 
-    def _parts(self) -> Scene:
+    def _scene(self) -> Scene:
         corner = self.distance_m / np.cos(np.pi / self.panels_around)
         ring = tube(float(corner), self.height_m, self.panels_around, inward=True)
         positions, triangles, coordinates = ring

@@ -97,7 +97,7 @@ class NoisePanorama(Stimulus):
     def _drift_deg(self, time_s: Floats | float) -> Floats:
         return np.asarray(np.mod(self.speed_deg_s * np.asarray(time_s), 360.0))
 
-    def _parts(self) -> Scene:
+    def _scene(self) -> Scene:
         surface, _ = sphere_patch((-180.0, 180.0), (-90.0, 90.0))
         picture = grey(self.picture)
         return painted_scene([("picture", surface, picture)], self.name, (0, 0, 0), wrap_u="repeat")

@@ -32,7 +32,7 @@ def sphere_patch(
     longitude, latitude = left + (right - left) * u, high - (high - low) * v
     # The first and the last column are the same to the last bit where they meet.
     closed = np.where((u == 1) & (right - left == 360), left, longitude)
-    positions = SPHERE_RADIUS_M * unit_vectors(closed, latitude)
+    positions = SPHERE_RADIUS_M * directions_of(closed, latitude)
     corners = np.arange((rows + 1) * (columns + 1)).reshape(rows + 1, columns + 1)
     a, b = corners[:-1, :-1], corners[:-1, 1:]
     c, d = corners[1:, :-1], corners[1:, 1:]
@@ -51,7 +51,7 @@ def polygon_radius_m(radius_m: float, corners: int) -> float:
     return float(radius_m * np.sqrt(angle / np.sin(angle)))
 
 
-def unit_vectors(longitude_deg: Floats | float, latitude_deg: Floats | float) -> Floats:
+def directions_of(longitude_deg: Floats | float, latitude_deg: Floats | float) -> Floats:
     """(..., 3); exact at the poles and at longitude 0."""
     longitude, latitude = np.radians(longitude_deg), np.radians(latitude_deg)
     across = np.where(np.abs(latitude_deg) == 90, 0.0, np.cos(latitude))
@@ -66,12 +66,12 @@ def drifted(drift_deg: Floats, direction_deg: float) -> Floats:
         direction_deg: where to, as seen ahead: 0 is to the right, 90 upwards.
     """
     angle = np.radians(drift_deg)
-    places = np.zeros((len(drift_deg), 4, 4))
+    transforms = np.zeros((len(drift_deg), 4, 4))
     # To the right is about -Y.
-    places[:, 0, 0] = places[:, 2, 2] = np.cos(angle)
-    places[:, 0, 2], places[:, 2, 0] = -np.sin(angle), np.sin(angle)
-    places[:, 1, 1] = places[:, 3, 3] = 1
-    return np.asarray(roll(direction_deg) @ places)
+    transforms[:, 0, 0] = transforms[:, 2, 2] = np.cos(angle)
+    transforms[:, 0, 2], transforms[:, 2, 0] = -np.sin(angle), np.sin(angle)
+    transforms[:, 1, 1] = transforms[:, 3, 3] = 1
+    return np.asarray(roll(direction_deg) @ transforms)
 
 
 def roll(direction_deg: float) -> Floats:
@@ -93,18 +93,18 @@ def longitude_latitude_deg(
 
 
 def facing_origin(directions: Floats, distance_m: Floats) -> Floats:
-    """Places (T, 4, 4) in unit directions (T, 3) from which +Z looks at the origin."""
-    places = np.zeros((len(directions), 4, 4))
+    """Transforms (T, 4, 4) to directions (T, 3) from which +Z looks at the origin."""
+    transforms = np.zeros((len(directions), 4, 4))
     z = -directions
     # Up is +Y, or -Z for what is straight above or below.
     steep = np.hypot(z[:, 0], z[:, 2]) < 1e-9
     above = np.where(steep[:, None], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0])
     x = np.cross(above, z)
     x /= np.linalg.norm(x, axis=1, keepdims=True)
-    places[:, :3, 0], places[:, :3, 1], places[:, :3, 2] = x, np.cross(z, x), z
-    places[:, :3, 3] = distance_m[:, None] * directions
-    places[:, 3, 3] = 1
-    return places
+    transforms[:, :3, 0], transforms[:, :3, 1], transforms[:, :3, 2] = x, np.cross(z, x), z
+    transforms[:, :3, 3] = distance_m[:, None] * directions
+    transforms[:, 3, 3] = 1
+    return transforms
 
 
 def grey(row: NDArray[np.float64]) -> NDArray[np.float32]:

@@ -64,7 +64,7 @@ class Stimulus:
 
     @checked
     def radiance(self, directions: ArrayLike, time_s: float) -> Floats:
-        """What is seen from the origin in unit directions (..., 3) of the world: (...).
+        """What is seen from the origin in directions (..., 3) of the world: (...).
 
         Raises:
             omma.Error: a wrong shape, vectors that are not of length 1, a time that is not finite.
@@ -77,16 +77,16 @@ class Stimulus:
     def _radiance(self, directions: Floats, time_s: float) -> Floats:
         raise NotImplementedError
 
-    def _parts(self) -> Scene:
+    def _scene(self) -> Scene:
         """Its things, wherever they are."""
         raise NotImplementedError
 
     def scene(self) -> Scene:
         """Its things, as they are at time 0, before its background."""
-        made = self._parts()
-        places = dict(zip(self.names, self._transforms(np.zeros(1))[0], strict=True))
+        made = self._scene()
+        transforms = dict(zip(self.names, self._transforms(np.zeros(1))[0], strict=True))
         return made.replace(
-            instances=[one.replace(world_from_mesh=places[one.name]) for one in made.instances],
+            instances=[one.replace(world_from_mesh=transforms[one.name]) for one in made.instances],
             background=Background.constant([self.background] * 3),
         )
 
@@ -111,8 +111,8 @@ class Stimulus:
             omma.Error: the world lacks them, or is being rendered.
         """
         expect(world, World, "world", "Stimulus.world gives one")
-        places = self._transforms(np.array([_one_time(time_s)]))[0]
-        world.set_transforms(self._indices(world), places)
+        transforms = self._transforms(np.array([_one_time(time_s)]))[0]
+        world.set_transforms(self._indices(world), transforms)
 
     def _indices(self, world: World) -> list[int]:
         """Which of a world's things are its own."""
@@ -216,12 +216,12 @@ def as_times(times_s: ArrayLike) -> Floats:
 
 
 def _as_directions(directions: ArrayLike) -> Floats:
-    """Unit vectors (..., 3), checked."""
+    """Directions (..., 3) of length 1, checked."""
     vectors = array_of(directions, "directions")
     if vectors.shape[-1:] != (3,):
         raise Error(f"directions: expected shape (..., 3), found {vectors.shape}")
     if not (np.abs(np.linalg.norm(vectors, axis=-1) - 1) < 1e-6).all():
-        raise Error("directions: expected unit vectors, found others")
+        raise Error("directions: expected vectors of length 1, found others")
     return vectors
 
 

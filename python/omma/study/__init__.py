@@ -1,5 +1,5 @@
-"""How many rays a scene needs: variance over places and turns, aliasing, bounds around responses,
-speed.
+"""How many rays a scene needs: variance over positions and turns, aliasing, bounds around
+responses, speed.
 """
 
 import lazy_loader

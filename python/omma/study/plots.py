@@ -40,7 +40,7 @@ _SCATTER = {
 def save_minimum_samples(path: PathLike, found: Sequence[MinimumSamples]) -> None:
     """Write the curves of several searches to `.csv` or a log-log plot `.png`.
 
-    `.csv`: kernel, points, measure, rays_per_sr, standard_deviation, a line a point.
+    `.csv`: angular_sensitivity, points, measure, rays_per_sr, standard_deviation, a line a point.
 
     Raises:
         omma.Error: another ending, no Matplotlib, searches of different measures, no such folder.
@@ -53,7 +53,7 @@ def save_minimum_samples(path: PathLike, found: Sequence[MinimumSamples]) -> Non
             for one in found
             for n, sd in zip(one.rays.tolist(), one.standard_deviations.tolist(), strict=True)
         ]
-        header = ("kernel", "points", "measure", "rays_per_sr", "standard_deviation")
+        header = ("angular_sensitivity", "points", "measure", "rays_per_sr", "standard_deviation")
         _save_csv(path, header, rows)
         return
     figure, axes = _figure("rays per steradian", _SCATTER[found[0].measure])
@@ -63,7 +63,7 @@ def save_minimum_samples(path: PathLike, found: Sequence[MinimumSamples]) -> Non
         label = f"{one.method.name}: {one.rays_per_sr:,} rays/sr"
         axes.loglog(one.rays, one.standard_deviations, "o-", ms=4, color=colour, label=label)
         axes.axvline(one.rays_per_sr, linestyle=":", linewidth=1, color=colour)
-    axes.set_title("Scatter at the worst place found, 1 sr ommatidia")
+    axes.set_title("Scatter at the worst position found, 1 sr ommatidia")
     _finish(axes)
     _save_png(path, figure)
 
@@ -118,7 +118,8 @@ def save_alias_curves(
 ) -> None:
     """Write what `alias_curve` gave for each method to `.csv` or a log-log plot `.png`.
 
-    `.csv`: kernel, points, rays_per_ommatidium, mean_sd_per_sr, rms_sd, a line a point.
+    `.csv`: angular_sensitivity, points, rays_per_ommatidium, mean_sd_per_sr, rms_sd, a line a
+    point.
 
     Raises:
         omma.Error: another ending, no Matplotlib, no such folder.
@@ -136,7 +137,13 @@ def save_alias_curves(
             for method, (per_sr, rms) in both.items()
             for n, a, b in zip(counts, per_sr, rms, strict=True)
         ]
-        header = ("kernel", "points", "rays_per_ommatidium", "mean_sd_per_sr", "rms_sd")
+        header = (
+            "angular_sensitivity",
+            "points",
+            "rays_per_ommatidium",
+            "mean_sd_per_sr",
+            "rms_sd",
+        )
         _save_csv(path, header, rows)
         return
     figure, axes = _figure("rays per ommatidium", "mean of standard deviation / solid angle (1/sr)")
@@ -230,7 +237,7 @@ def _suffix(path: PathLike, *known: str) -> str:
 
 
 def _names(method: Method) -> tuple[str, str]:
-    return method.kernel, method.points
+    return method.angular_sensitivity, method.points
 
 
 def _save_csv(path: PathLike, header: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:

@@ -1,8 +1,9 @@
-"""How many rays per steradian a scene needs: its worst place, and the scatter of responses there.
+"""How many rays per steradian a scene needs: its worst position, and the scatter of responses
+there.
 
-CompoundRay's protocol (Millward, Maddock, Mangan, eLife 2022, 73893): the place where the light in
-one of twelve ommatidia of 1 sr varies most is searched for, and there the number of rays at which
-the standard deviation falls under a share of full scale.
+CompoundRay's protocol (Millward, Maddock, Mangan, eLife 2022, 73893): the position where the light
+in one of twelve ommatidia of 1 sr varies most is searched for, and there the number of rays at
+which the standard deviation falls under a share of full scale.
 """
 
 from __future__ import annotations
@@ -65,12 +66,13 @@ class Cylinder:
 class MinimumSamples:
     """What `minimum_samples` found.
 
-    ``relative_error`` is the standard error of ``rays_per_sr`` as a share of it, at the place
-    found; how much worse a place the search has missed is not in it. ``script_rays_per_sr`` is
-    where CompoundRay's script stops on average, for its measure: it adds one ray at a time and
-    stops at the first set of 1,000 frames that happens to be under the limit, which is early.
-    ``spread`` is the largest standard deviation among the ommatidia there for estimates of
-    ``spread_rays`` rays. Rays (K,) and standard deviations (K,) are the curve it is read from.
+    ``relative_error`` is the standard error of ``rays_per_sr`` as a share of it, at the
+    position found; how much worse a position the search has missed is not in it.
+    ``script_rays_per_sr`` is where CompoundRay's script stops on average, for its measure: it adds
+    one ray at a time and stops at the first set of 1,000 frames that happens to be under the limit,
+    which is early. ``spread`` is the largest standard deviation among the ommatidia there for
+    estimates of ``spread_rays`` rays. Rays (K,) and standard deviations (K,) are the curve it is
+    read from.
     """
 
     method: Method
@@ -105,7 +107,7 @@ def minimum_samples(
 ) -> MinimumSamples:
     """Rays per steradian at which responses scatter by no more than a share of full scale.
 
-    The place of the largest scatter is looked for first: ``poses`` poses spread evenly over
+    The position of the largest scatter is looked for first: ``poses`` poses spread evenly over
     ``where`` and all orientations, the best of which are measured again and better, twice; then 8
     rounds in which the best 16 (of few, a sixteenth) and 8 smaller and smaller changes of each are
     rendered anew; then the best of those left, with most repeats. Scatter is that of single rays
@@ -120,7 +122,7 @@ def minimum_samples(
         scene: what there is to see, or a renderer of it.
         where: positions to search, or poses (P, 4, 4) of a path, whose positions are taken.
         fraction: of full scale, over 0.
-        method: kernel and points.
+        method: angular sensitivity and points.
         measure: as in `response_variances`.
         poses: of the first stage.
         seed: of the samples and of the search.
@@ -208,57 +210,60 @@ def _worst_pose(
     rays, few, many, last = (1, 64, 1024, _LAST_RAYS) if single else (_SEARCH_RAYS, 8, 64, 512)
     rng = np.random.default_rng(tally.seed)
     points = _spread_points(count)
-    units, turns = points[:, :3], _uniform_quaternions(points[:, 3:])
+    fractions, turns = points[:, :3], _uniform_quaternions(points[:, 3:])
 
     def measure(repeats: int, stage: str) -> Array:
-        poses = poses_from_quaternions(_positions(where, units), turns)
+        poses = poses_from_quaternions(_positions(where, fractions), turns)
         largest: Array = tally.variances(poses, rays, repeats, stage).max(axis=1)
         return largest
 
     kept = min(_KEPT, -(-count // 16))
-    # Heats: the best quarter, then the best eighth of those, each measured four times as well.
+    # Successive halving: the best quarter, then the best eighth of those, each measured four times
+    # as well.
     for heat, keep in enumerate((4, 32, count)):
         variance = measure(few * 4**heat, f"Surveying, heat {heat + 1} of 3")
         best = np.argsort(-variance)[: max(kept, count // keep)]
-        units, turns = units[best], turns[best]
+        fractions, turns = fractions[best], turns[best]
     step = 0.1
     for number in range(_ROUNDS):
         parents = np.repeat(np.arange(kept), _OFFSPRING)
-        moved = units[parents] + step * rng.normal(size=(len(parents), 3))
+        moved = fractions[parents] + step * rng.normal(size=(len(parents), 3))
         turned = _turned(turns[parents], 3 * step * rng.normal(size=(len(parents), 3)))
-        # Parents are measured anew, so that none stays for having been lucky once.
-        units = np.concatenate([units, moved.clip(0, 1)])
+        # Parents are measured again, so that none survives by one lucky sample.
+        fractions = np.concatenate([fractions, moved.clip(0, 1)])
         turns = np.concatenate([turns, turned])
         best = np.argsort(-measure(many, f"Refining, round {number + 1} of {_ROUNDS}"))[:kept]
-        units, turns = units[best], turns[best]
+        fractions, turns = fractions[best], turns[best]
         step *= 0.7
     worst = int(measure(last, "Comparing the worst").argmax())
-    # Once more with other samples: the largest of several measurements is too large.
-    pose = poses_from_quaternions(_positions(where, units[worst, None]), turns[worst])
+    # Measured again with other samples: the largest of several estimates is biased high.
+    pose = poses_from_quaternions(_positions(where, fractions[worst, None]), turns[worst])
     return pose[0], tally.variances(pose, rays, last, "Comparing the worst", _SEEDS)[0]
 
 
-def _positions(where: Box | Cylinder | ArrayLike, units: Array) -> Array:
+def _positions(where: Box | Cylinder | ArrayLike, fractions: Array) -> Array:
     """Positions (n, 3), m, of points (n, 3) of the unit cube, evenly spread if those are."""
     if isinstance(where, Box):
         low, high = numbers([where.low_m, where.high_m], "box", 3)
         if not (low <= high).all():
             raise Error(f"box: expected the lower corner first, found {where.low_m} {where.high_m}")
-        inside: Array = low + units * (high - low)
+        inside: Array = low + fractions * (high - low)
         return inside
     if isinstance(where, Cylinder):
         base = numbers(where.base_m, "cylinder", 3)[0]
         if not (where.radius_m >= 0 and where.height_m >= 0):
             found = f"{where.radius_m} and {where.height_m}"
             raise Error(f"cylinder: expected a radius and a height of 0 or more, found {found}")
-        radius, angle = where.radius_m * np.sqrt(units[:, 0]), 2 * np.pi * units[:, 1]
-        x, y, z = radius * np.cos(angle), where.height_m * units[:, 2], radius * np.sin(angle)
+        radius, angle = where.radius_m * np.sqrt(fractions[:, 0]), 2 * np.pi * fractions[:, 1]
+        x, y, z = radius * np.cos(angle), where.height_m * fractions[:, 2], radius * np.sin(angle)
         round_axis: Array = base + np.stack([x, y, z], axis=1)
         return round_axis
     path = as_poses(where)
     if not len(path):
         raise Error("where: expected at least one pose")
-    positions: Array = path[np.minimum((units[:, 0] * len(path)).astype(int), len(path) - 1), :3, 3]
+    positions: Array = path[
+        np.minimum((fractions[:, 0] * len(path)).astype(int), len(path) - 1), :3, 3
+    ]
     return positions
 
 
@@ -276,12 +281,12 @@ def _spread_points(count: int) -> Array:
     return points
 
 
-def _uniform_quaternions(units: Array) -> Array:
+def _uniform_quaternions(fractions: Array) -> Array:
     """Evenly spread rotations (n, 4), x y z w (Shoemake 1992), from points (n, 3)."""
-    a, b, c = units[:, 0], 2 * np.pi * units[:, 1], 2 * np.pi * units[:, 2]
+    a, b, c = fractions[:, 0], 2 * np.pi * fractions[:, 1], 2 * np.pi * fractions[:, 2]
     low, high = np.sqrt(1 - a), np.sqrt(a)
-    parts = [low * np.sin(b), low * np.cos(b), high * np.sin(c), high * np.cos(c)]
-    quaternions: Array = np.stack(parts, axis=1)
+    components = [low * np.sin(b), low * np.cos(b), high * np.sin(c), high * np.cos(c)]
+    quaternions: Array = np.stack(components, axis=1)
     return quaternions
 
 
@@ -323,9 +328,8 @@ def _curve(tally: _Tally, pose: Array, limit: float) -> tuple[NDArray[np.int64],
 def _crossing(
     counts: NDArray[np.int64], deviations: Array, limit: float
 ) -> tuple[float, float, int | None]:
-    """Where a power law through the nearest measurements meets the limit, the relative standard
-    error of that, and where counting up one by one stops in the median.
-    """
+    """Where a power law fitted to the nearest measurements meets the limit, its relative standard
+    error, and the median of where counting up one by one stops."""
     if deviations[0] <= limit:
         return 1.0, 0.0, 1
     first = int(np.flatnonzero(deviations <= limit)[0])

@@ -77,7 +77,7 @@ def measure_speed(
         rays: numbers of rays per ommatidium, (K,).
         frames: that the mean is taken of.
         warm_up_s: seconds of rendering before the clock starts, 0 or more.
-        method: kernel and points.
+        method: angular sensitivity and points.
         threads: 0 takes all.
         progress: called with a stage and its finished share.
 
@@ -98,7 +98,7 @@ def measure_speed(
         scene,
         eye,
         Fixed(1),
-        kernel=method.kernel,
+        angular_sensitivity=method.angular_sensitivity,
         points=method.points,
         noise="new_every_frame",
         threads=threads,

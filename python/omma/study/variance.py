@@ -1,4 +1,4 @@
-"""How far responses scatter: by place in a scene, and by the number of rays.
+"""How far responses scatter: by position in a scene, and by the number of rays.
 
 Everything rests on one thing: estimates of the same response repeated with independent samples,
 and their standard deviation. The protocols are CompoundRay's (Millward, Maddock, Mangan, eLife
@@ -17,9 +17,10 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error, Eye, Scene
 from omma.base.arguments import checked, positive, whole
 from omma.base.poses import as_poses, numbers
+from omma.base.renamed import renamed_fields
 from omma.base.values import value_class
 from omma.rendering.renderer import Renderer
-from omma.rendering.settings import Fixed, KernelName, PointsName
+from omma.rendering.settings import AngularSensitivityName, Fixed, PointsName
 
 Array = NDArray[np.float64]
 Measure = Literal["linear", "compoundray"]
@@ -35,18 +36,19 @@ FULL_SCALE: dict[str, float] = {"linear": 1.0, "compoundray": 255 * 3**0.5}
 _CHUNK_BYTES = 64 << 20
 
 
+@renamed_fields(kernel="angular_sensitivity")
 @value_class
 @dataclass(frozen=True, eq=False, repr=False)
 class Method:
-    """How directions are drawn: names of a `Renderer`'s kernel and points."""
+    """How directions are drawn: names of a `Renderer`'s angular sensitivity and points."""
 
-    kernel: KernelName = "gaussian"
+    angular_sensitivity: AngularSensitivityName = "gaussian"
     points: PointsName = "low_discrepancy"
 
     @property
     def name(self) -> str:
         """In words."""
-        return f"{self.kernel} kernel, {self.points.replace('_', ' ')} points"
+        return f"{self.angular_sensitivity} sensitivity, {self.points.replace('_', ' ')} points"
 
 
 OURS = Method()
@@ -108,7 +110,7 @@ def response_variances(
         rays: rays per estimate.
         repeats: estimates; their variance has a relative standard error of about
             sqrt(2 / (repeats - 1)).
-        method: kernel and points.
+        method: angular sensitivity and points.
         measure: "linear": variance of the linear response, of the channel with the largest; full
             scale is radiance 1. "compoundray": clamped, raised to 1/2.2, truncated to 8 bits; the
             mean squared distance in RGB from the mean colour.
@@ -126,11 +128,12 @@ def response_variances(
     matrices = as_poses(poses)
     seeds = min(whole(seeds, "seeds", 1, 1 << 10), whole(repeats, "repeats", 2, 1 << 20))
     copies = -(-repeats // seeds)
-    # Random single rays are independent already; others come from an eye that is there many times.
+    # Random single rays are independent; otherwise the eye is repeated, and each copy has its own
+    # scramble.
     single = rays == 1 and method.points == "random"
     crowd = Eye(
-        *(np.repeat(part, copies, axis=0) for part in (eye.position_m, eye.axis)),
-        *(np.repeat(part, copies) for part in (eye.acceptance_angle_rad, eye.focal_offset_m)),
+        *(np.repeat(array, copies, axis=0) for array in (eye.position_m, eye.axis)),
+        *(np.repeat(array, copies) for array in (eye.acceptance_angle_rad, eye.focal_offset_m)),
     )
     base = scene_renderer(scene, threads)
     renderers = [
@@ -138,7 +141,7 @@ def response_variances(
             eye if single else crowd,
             Fixed(copies if single else rays),
             seed=further_seed(seed, k),
-            kernel=method.kernel,
+            angular_sensitivity=method.angular_sensitivity,
             points=method.points,
             noise="new_every_frame",
         )
@@ -151,8 +154,8 @@ def response_variances(
         piece = matrices[first : first + chunk]
         estimates = []
         for k, renderer in enumerate(renderers):
-            part = len(piece) / len(matrices) / seeds
-            tell = _part_of(progress, first / len(matrices) + k * part, part)
+            share = len(piece) / len(matrices) / seeds
+            tell = _share_of(progress, first / len(matrices) + k * share, share)
             found = render(renderer, piece, first_pose=first, progress=tell)
             estimates.append(found.reshape(len(piece), len(eye), copies, -1))
         result[first : first + chunk] = _variance(np.concatenate(estimates, axis=2), measure)
@@ -173,8 +176,8 @@ def further_seed(seed: int, number: int) -> int:
     return (seed + number * 0x9E3779B97F4A7C15) % (1 << 64)
 
 
-def _part_of(progress: Finished | None, start: float, length: float) -> Finished | None:
-    """Progress of a part of the work as progress of the whole."""
+def _share_of(progress: Finished | None, start: float, length: float) -> Finished | None:
+    """Progress of a share of the work as progress of the whole."""
     return None if progress is None else lambda done: progress(start + length * done)
 
 
@@ -217,7 +220,7 @@ def variance_map(
         statistic: of the twelve ommatidia: "max" or "mean".
         rays: rays per estimate; 1 with random points gives the variance of the light itself.
         repeats: estimates per ommatidium.
-        method: kernel and points.
+        method: angular sensitivity and points.
         measure: as in `response_variances`.
         seed: of the samples.
         threads: 0 takes all.
@@ -279,7 +282,7 @@ def alias_curve(
         pose: (4, 4) ``world_from_head``, m.
         rays: numbers of rays, (K,).
         repeats: estimates of each response.
-        method: kernel and points.
+        method: angular sensitivity and points.
         measure: as in `response_variances`.
         seed: of the samples.
         threads: 0 takes all.

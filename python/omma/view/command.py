@@ -146,5 +146,5 @@ def _row(look: Look) -> str:
 
 
 def _numbers(values: Sequence[float]) -> list[str]:
-    # Six decimals are what a pose keeps; never 1e-06, which some programs do not read.
+    # Six decimals, as poses keep; never 1e-06, which some programs do not read.
     return [f"{value:.6f}".rstrip("0").rstrip(".") for value in values]

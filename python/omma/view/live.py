@@ -17,7 +17,7 @@ Job = Callable[[], bool]
 
 
 class _ChangedError(Exception):
-    """The settings are others now: what is being rendered is for nothing."""
+    """Settings have changed: the frame in work is not wanted any more."""
 
 
 class Live:
@@ -109,7 +109,7 @@ class Live:
                 if self._closed:
                     return
                 look, version = self._look, self._version
-                # In turns with what moves, so that neither waits for the other to end.
+                # Alternates with what moves, so that neither starves.
                 moves = look != failed and (last is None or last.look != look)
                 job = self._jobs.popleft() if self._jobs and not (moves and job_was_last) else None
             job_was_last = job is not None

@@ -17,7 +17,7 @@ _BUTTONS = (("Ahead", "Back", "Left", "Right"), ("Up", "Down", "Turn left", "Tur
 
 
 class Head:
-    """Widgets of the head's place."""
+    """Widgets of the head's pose."""
 
     def __init__(self, page: Page, gui: Any, guarded: Any) -> None:
         self.page = page
@@ -96,8 +96,8 @@ class Head:
         """A browser's camera behind the head."""
         matrix = self.page.live.look.pose.world_from_head
         r = self.page.scene.head_m
-        place = matrix @ [2 * r, 4 * r, 9 * r, 1]
+        position = matrix @ [2 * r, 4 * r, 9 * r, 1]
         ahead = matrix @ np.array([0, 0, -4 * r, 1])
         with client.atomic():
-            client.camera.position = place[:3]
+            client.camera.position = position[:3]
             client.camera.look_at = ahead[:3]

@@ -36,14 +36,14 @@ class PageScene:
         if drawn.still is not None:
             scene.add_glb("/scene/still", drawn.still)
         self._moving = {}
-        places = world.instances if drawn.moving else []
+        instances = world.instances if drawn.moving else []
         for k, glb in drawn.moving:
-            place = without_scale(places[k].world_from_node)
+            transform = without_scale(instances[k].world_from_node)
             self._moving[k] = scene.add_glb(
                 f"/scene/moving/{k}",
                 glb,
-                wxyz=quaternion_wxyz(place),
-                position=tuple(place[:3, 3].tolist()),
+                wxyz=quaternion_wxyz(transform),
+                position=tuple(transform[:3, 3].tolist()),
             )
         bounds = world.scene.bounds
         size_m = 10.0 if bounds is None else float(np.linalg.norm(np.ptp(bounds, axis=0)))
@@ -145,11 +145,11 @@ class PageScene:
         """What animations move where it is now; in the thread that renders."""
         if not self._moving:
             return
-        places = self.looker.world.instances
+        instances = self.looker.world.instances
         for k, handle in self._moving.items():
-            place = without_scale(places[k].world_from_node)
-            handle.wxyz = quaternion_wxyz(place)
-            handle.position = tuple(place[:3, 3].tolist())
+            transform = without_scale(instances[k].world_from_node)
+            handle.wxyz = quaternion_wxyz(transform)
+            handle.position = tuple(transform[:3, 3].tolist())
 
     def show_facets(self, colours: NDArray[np.uint8]) -> None:
         """The colours (N, 3) of the facets on the head."""

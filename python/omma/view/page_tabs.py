@@ -68,7 +68,7 @@ class Tabs:
         self._clock.close()
 
     def _guarded(self, function: Any) -> Any:
-        """A callback for what a browser does, not for what is set from here."""
+        """A callback for events of browsers only, not for values that are set from here."""
 
         async def by_browser(event: Any) -> None:
             if event.client_id is not None:

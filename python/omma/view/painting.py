@@ -34,7 +34,7 @@ FALSE_COLOURS = "receptors, false colours"
 _RGB = ("red", "green", "blue")
 _MARK = (255, 0, 220)
 _GAMMA = 2.2
-# Of lit worlds and receptors: what so many of the numbers stay below is shown as white.
+# White point of lit worlds and receptors: this quantile of the numbers.
 _WHITE_SHARE = 98.0
 
 

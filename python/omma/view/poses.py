@@ -29,7 +29,7 @@ class HeadPose:
     numbers give. Yaw turns to the right, pitch lifts the view, roll lowers the right side.
 
     Raises:
-        omma.Error: numbers that are not finite, a place 1,000 km and more away.
+        omma.Error: numbers that are not finite, a position 1,000 km and more away.
     """
 
     position_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -38,16 +38,16 @@ class HeadPose:
     roll_deg: float = 0.0
 
     def __post_init__(self) -> None:
-        place = array_of(self.position_m, "position_m", (3,))
+        position = array_of(self.position_m, "position_m", (3,))
         angles = array_of([self.yaw_deg, self.pitch_deg, self.roll_deg], "angles", (3,))
         if not np.isfinite(angles).all():
             raise Error(f"pose: expected finite angles, found {angles.tolist()}")
-        if not np.isfinite(place).all() or np.abs(place).max() > _FARTHEST_M:
+        if not np.isfinite(position).all() or np.abs(position).max() > _FARTHEST_M:
             raise Error(
-                f"pose: expected a position within {_FARTHEST_M:g} m, found {place.tolist()}"
+                f"pose: expected a position within {_FARTHEST_M:g} m, found {position.tolist()}"
             )
         # Adding 0 makes 0 of -0, which would be another text.
-        x, y, z = (np.round(place, _METRES) + 0.0).tolist()
+        x, y, z = (np.round(position, _METRES) + 0.0).tolist()
         object.__setattr__(self, "position_m", (x, y, z))
         for name, angle in zip(("yaw_deg", "pitch_deg", "roll_deg"), angles.tolist(), strict=True):
             object.__setattr__(self, name, round((angle + 180) % 360 - 180, _DEGREES) + 0.0)

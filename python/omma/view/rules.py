@@ -90,7 +90,7 @@ def refusal_of_origin(
     if origin is None:
         return None
     # A proxy that puts a Host of its own may say which was asked for. No page of the web can set
-    # this header in a web socket or in a request to another place.
+    # this header in a web socket or in a request to another address.
     known = {headers.get("Host", ""), headers.get("X-Forwarded-Host", "").split(",")[0].strip()}
     if rules.proxy is not None:
         known.add(rules.proxy.netloc)

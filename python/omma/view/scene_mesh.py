@@ -1,4 +1,4 @@
-"""The scene as the page draws it: binary glTF, with what stands in many places stored once."""
+"""The scene as the page draws it: binary glTF, with meshes of many instances stored once."""
 
 from __future__ import annotations
 
@@ -47,12 +47,12 @@ def drawn_scene(world: World) -> DrawnScene:
         # Surfaces then show base colour and emission as they are, which glTF calls unlit.
         scene = scene.replace(materials=[one.replace(unlit=True) for one in scene.materials])
     groups = _groups(scene)
-    places = world.instances
+    of_world = world.instances
     # Where the file has what has been moved since.
     before = dict(world._moved)
     animated = set(world._engine.animated) | set(before)
     notes = []
-    if len(groups) != len(places):
+    if len(groups) != len(of_world):
         animated = set()
         notes.append("what moves is drawn where the file has it")
     kept = _largest(scene, MOST_TRIANGLES)
@@ -67,7 +67,7 @@ def drawn_scene(world: World) -> DrawnScene:
         if k not in animated:
             still += instances
             continue
-        node = np.linalg.inv(without_scale(before.get(k, places[k].world_from_node)))
+        node = np.linalg.inv(without_scale(before.get(k, of_world[k].world_from_node)))
         own = [Instance(one.mesh, node @ one.world_from_mesh, name=one.name) for one in instances]
         moving.append((k, _glb(scene.replace(instances=own, rig=None))))
     drawn = _instanced(_glb(scene.replace(instances=still, rig=None))) if still else None
@@ -77,7 +77,7 @@ def drawn_scene(world: World) -> DrawnScene:
 
 
 def without_scale(matrix: Floats) -> Floats:
-    """A transform (4, 4) with its turn and its place alone."""
+    """A transform (4, 4) with its rotation and translation alone."""
     left, _, right = np.linalg.svd(matrix[:3, :3])
     turn = left @ np.diag([1, 1, np.linalg.det(left @ right)]) @ right
     rigid = np.eye(4)
@@ -155,29 +155,29 @@ def _glb(scene: Scene) -> bytes:
 
 
 def _instanced(glb: bytes) -> bytes:
-    """The same file, in which nodes that place one mesh are one, with all its places
+    """The same file, in which nodes that place one mesh are one, with all its transforms
     (EXT_mesh_gpu_instancing), so that a browser draws them at once."""
     document, data = _parts(glb)
     nodes = document["nodes"]
     roots = document["scenes"][document.get("scene", 0)]["nodes"]
-    places: dict[int, list[tuple[int, Floats]]] = defaultdict(list)
+    transforms_of: dict[int, list[tuple[int, Floats]]] = defaultdict(list)
     for k in roots:
         matrix = _matrix(nodes[k])
         if "mesh" in nodes[k] and not nodes[k].get("children") and _is_trs(matrix):
-            places[nodes[k]["mesh"]].append((k, matrix))
+            transforms_of[nodes[k]["mesh"]].append((k, matrix))
     gone: set[int] = set()
     made: list[dict[str, Any]] = []
-    for mesh, found in places.items():
+    for mesh, found in transforms_of.items():
         if len(found) < _LEAST_COPIES:
             continue
-        parts = [_trs(matrix) for _, matrix in found]
+        factors = [_trs(matrix) for _, matrix in found]
         attributes = {}
         for name, kind, column in (
             ("TRANSLATION", "VEC3", 0),
             ("ROTATION", "VEC4", 1),
             ("SCALE", "VEC3", 2),
         ):
-            values = np.array([part[column] for part in parts], "<f4")
+            values = np.array([one[column] for one in factors], "<f4")
             data += b"\0" * (-len(data) % 4)
             view = {"buffer": 0, "byteOffset": len(data), "byteLength": values.nbytes}
             data += values.tobytes()
@@ -252,5 +252,5 @@ def _is_trs(matrix: Floats) -> bool:
     length = np.linalg.norm(columns, axis=0)
     if not (length > 0).all():
         return False
-    unit = columns / length
-    return bool(np.allclose(unit.T @ unit, np.eye(3), atol=1e-4))
+    axes = columns / length
+    return bool(np.allclose(axes.T @ axes, np.eye(3), atol=1e-4))

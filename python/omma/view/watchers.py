@@ -52,7 +52,7 @@ class Watchers:
 
     @property
     def size(self) -> tuple[int, int]:
-        """Width and height of the largest picture that they have room for, pixels; 0 where none
+        """Width and height of the largest picture that fits them, pixels; 0 where none
         says."""
         sizes = [one.size for one in list(self._all)]
         return max((w for w, _ in sizes), default=0), max((h for _, h in sizes), default=0)

@@ -285,8 +285,8 @@ def load_viser() -> Any:
 
 
 def _lock(server: Any, secret: str) -> None:
-    """viser's own port answers to the door alone: whoever comes without its secret is cut off
-    before anything is sent; and nobody can have viser share the page over the internet."""
+    """Makes viser's own port answer to the door alone: requests without its secret are cut off, and
+    sharing the page over the internet is disabled."""
     from omma.view.passing import SECRET_HEADER
 
     inner = server._websock_server
@@ -304,7 +304,7 @@ def _lock(server: Any, secret: str) -> None:
 
 @contextmanager
 def _quiet_viser() -> Iterator[None]:
-    """viser says where it listens and that it stops; where that is is nobody's business."""
+    """Silences viser's messages about its own port."""
     import rich
 
     console = rich.get_console()

@@ -34,8 +34,8 @@ OMMA_HD RTCRayHit16& rays_of(RayPacket<16>& packet) {
   return reinterpret_cast<RTCRayHit16&>(packet);
 }
 
-// Rays of one ommatidium run close together, which is what coherent traversal is for; scattered ones
-// it takes far longer. Filters find the context again, and in it what the rays have passed.
+// Rays of one ommatidium are coherent; for scattered rays Embree's coherent mode is far slower. The
+// context takes the surfaces that rays have passed to the filters.
 #if RTC_VERSION_MAJOR >= 4
 struct QueryContext : RTCRayQueryContext {
   const PassedSurfaces<16>* passed = nullptr;

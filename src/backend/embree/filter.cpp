@@ -1,5 +1,5 @@
-// Which candidates count: those that are seen at all, and behind surfaces that let light through
-// those that the ray has not passed yet.
+// Accepts or rejects candidate hits: culled faces and cut-outs, and behind transparent surfaces
+// those that the ray has passed already.
 #include "backend/embree/filter.h"
 
 #include "physics/surface.h"

@@ -16,16 +16,16 @@ struct EmbreeSearch {
     arguments.context.passed = passed;
     arguments.expect(spread);
     intersect_16(tracer->scene, valid, rays_of(rays), arguments);
-    // Only what is nearer than what was found is looked for.
+    // t_far_m is the distance found so far, so only nearer hits are looked for.
     if (tracer->moving != nullptr) intersect_16(tracer->moving, valid, rays_of(rays), arguments);
   }
-  // A bit for each valid ray that meets an accepted surface between its t_near and t_far; one that
+  // A bit for each valid ray that meets an accepted surface between t_near_m and t_far_m; one that
   // lets light through in part counts as any other. Nothing of the rays is kept.
   OMMA_HD unsigned occluded(const std::int32_t* valid, const RayPacket<16>& given) {
     RayPacket<16> rays = given;
     arguments.context.passed = nullptr;
-    // Told that rays keep together, Embree 3.13.5 does not come back for rays that do not, with
-    // AVX-512 (SearchHits.OccludedIsWhereSomethingIsMet in tests/cpp/render_hits.cpp).
+    // In coherent mode Embree 3.13.5 with AVX-512 never returns for scattered rays
+    // (SearchHits.OccludedIsWhereSomethingIsMet in tests/cpp/render_hits.cpp).
     arguments.expect(Spread::scattered);
     RTCRay16& as_embree = rays_of(rays).ray;
     occluded_16(tracer->scene, valid, as_embree, arguments);

@@ -216,7 +216,7 @@ void reshape(EmbreeTracer& tracer, std::size_t mesh, const Placement& placement)
   rtcCommitGeometry(geometry);
   rtcCommitScene(scene);
   check(tracer.device, "giving a mesh another shape");
-  // What places it has a box of its own to bring up to date.
+  // The boxes of its instances change too.
   for (std::size_t k = 0; k < tracer.layout.moving; ++k)
     if (tracer.layout.instances[k].mesh == static_cast<std::int32_t>(mesh))
       rtcCommitGeometry(rtcGetGeometry(tracer.moving, static_cast<unsigned>(k)));
@@ -265,9 +265,9 @@ std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const Scene
   build.commit(tracer->scene, copied_triangles);
   if (layout.moving == 0) return tracer;
 
-  // What moves has the lowest ids: each time that it moves, Embree goes through all ids up to the
-  // last one of its scene. Its boxes are built anew then, a microsecond for each instance: building
-  // them with lower quality takes longer, and Embree refits no instances.
+  // Moving instances have the lowest ids, as each commit visits all ids up to the largest of its
+  // scene. A commit rebuilds the boxes, 1 µs per instance: a build of lower quality takes longer,
+  // and Embree cannot refit instances.
   tracer->moving = new_scene(tracer->device, RTC_SCENE_FLAG_NONE);
   for (std::size_t k = 0; k < layout.moving; ++k)
     add_instance(*tracer, tracer->moving, k, scene, view);

@@ -91,7 +91,7 @@ struct Binning {
   }
 };
 
-// Of what threads find for parts of a range, the sum.
+// Parallel reduction over a range; part(sum, begin, end) adds to a sum.
 template <typename Sum, typename Part>
 Sum sum_over(const Range& range, const Part& part) {
   Sum sum;
@@ -148,7 +148,8 @@ struct Split {
   Box left, right;
 };
 
-// The split that rays are expected to spend least on: surface times blocks of both sides.
+// The binned split of least cost by the surface area heuristic: area times blocks, summed over both
+// sides.
 Split find_split(const Tree& tree, const Range& range, const Binning& binning) {
   const Bins bins = sum_over<Bins>(range, [&](Bins& sum, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
@@ -290,7 +291,8 @@ void build_node(const Tree& tree, const Range& range, FoundNode& found) {
   }
 }
 
-// Into the order of a walk through the tree, in which what is searched together lies together.
+// Writes a node's children next to each other, then each subtree in turn, and leaves in the order
+// in which they are searched.
 void write_node(const Tree& tree, FoundNode& found, std::size_t at, BuiltTree& out) {
   WideNode node = found.node;
   node.first_child = static_cast<std::uint32_t>(out.nodes.size());
@@ -310,8 +312,7 @@ void write_node(const Tree& tree, FoundNode& found, std::size_t at, BuiltTree& o
   found.children = {};
 }
 
-// All places of the blocks at once: those without a triangle hold no number, which is neither less
-// nor more.
+// Over all slots of the blocks; empty ones hold NaN, which changes neither minimum nor maximum.
 Box box_of_leaf(const TriangleBlock* blocks, int triangles) {
   float lower[3][block_width], upper[3][block_width];
   for (int a = 0; a < 3; ++a)
@@ -348,7 +349,7 @@ BuildBox refit_tree(std::span<WideNode> nodes, std::uint32_t first, const Triang
                                     node.leaf[c] & 15);
       own.include(box);
     }
-    // One in which nothing can be met shrinks to a corner of its parent.
+    // An empty child shrinks to a corner of its parent.
     if (!(own.lower[0] <= own.upper[0])) continue;
     for (Box& box : child)
       if (!(box.lower[0] <= box.upper[0])) {

@@ -30,7 +30,7 @@ struct PortableSearch {
     omma::closest<L>(tracer->view, valid, rays, accept);
   }
 
-  // A bit for each valid ray that meets an accepted surface between its t_near and t_far; one that
+  // A bit for each valid ray that meets an accepted surface between t_near_m and t_far_m; one that
   // lets light through in part counts as any other.
   OMMA_HD unsigned occluded(const std::int32_t* valid, const RayPacket<L::count>& rays) const {
     return omma::occluded<L>(tracer->view, valid, rays,

@@ -59,7 +59,7 @@ Mat4 translation(Vec3d by) {
   return t;
 }
 
-// Whether a ray can meet it at all: not where its normal, as the search finds it, is zero.
+// Whether the triangle has an area: its normal, as the search computes it, is not zero.
 bool can_be_hit(const float (&corner)[3][3]) {
   float normal[3];
   triangle_normal(corner, normal);
@@ -213,7 +213,7 @@ void build_top(PortableTracer& tracer) {
                  tracer.nodes.data(), tracer.blocks.data()};
 }
 
-// Where the k-th triangle of a block is now.
+// The corners of the k-th triangle of a block, as they are now.
 void place_corners(TriangleBlock& block, int k, const std::vector<Vec3>& vertex_m,
                    const std::array<std::uint32_t, 3>& vertices) {
   float corner[3][3];

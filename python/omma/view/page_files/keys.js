@@ -68,9 +68,9 @@
     drag.at = [x, y];
   });
   window.addEventListener('pointerup', (event) => {
-    const place = drag && !drag.far ? placeOn(drag.image, event) : null;
+    const spot = drag && !drag.far ? placeOn(drag.image, event) : null;
     drag = null;
-    if (place) omma.say({ do: 'pick', ...place });
+    if (spot) omma.say({ do: 'pick', ...spot });
   });
   window.addEventListener('pointercancel', () => { drag = null; });
 

@@ -39,7 +39,7 @@
     else if (tries > 0) setTimeout(() => fold(tries - 1), 250);
   }
 
-  // The element that holds viser's canvas, and the room that it has.
+  // The element that holds viser's canvas, and the space that it has.
   function stage() {
     let canvas = null;
     for (const one of document.querySelectorAll('canvas[data-engine]')) canvas = one;
@@ -47,13 +47,13 @@
     return holder && holder.parentElement ? [holder, holder.parentElement] : [null, null];
   }
 
-  // Of a room, the part for the picture: beside the scene or above it, whichever shows more.
-  function partOf(room, ratio) {
+  // Of a space, the share for the picture: beside the scene or above it, whichever shows more.
+  function partOf(space, ratio) {
     const size = (w, h) => Math.min(w, h * ratio);
-    const half = { width: (room.width - gap) / 2, height: (room.height - gap) / 2 };
-    return size(half.width, room.height) > size(room.width, half.height)
-      ? { left: room.left, top: room.top, width: half.width, height: room.height, across: true }
-      : { left: room.left, top: room.top, width: room.width, height: half.height, across: false };
+    const half = { width: (space.width - gap) / 2, height: (space.height - gap) / 2 };
+    return size(half.width, space.height) > size(space.width, half.height)
+      ? { left: space.left, top: space.top, width: half.width, height: space.height, across: true }
+      : { left: space.left, top: space.top, width: space.width, height: half.height, across: false };
   }
 
   function place() {
@@ -63,21 +63,21 @@
     big.hidden = layout === 'panel';
     const image = document.getElementById('omma-big-eye');
     const ratio = image.naturalWidth ? image.naturalWidth / image.naturalHeight : 2;
-    let room = parent.getBoundingClientRect();
-    const part = layout === 'beside' ? partOf(room, ratio) : null;
+    let space = parent.getBoundingClientRect();
+    const part = layout === 'beside' ? partOf(space, ratio) : null;
     const scene = { height: '100%', width: '100%', marginTop: '0', marginLeft: '0' };
     if (part && part.across) {
       scene.width = `calc(50% - ${gap / 2}px)`;
       scene.marginLeft = `calc(50% + ${gap / 2}px)`;
     } else if (part) {
       scene.height = `calc(50% - ${gap / 2}px)`;
-      scene.marginTop = `${(room.height + gap) / 2}px`;
+      scene.marginTop = `${(space.height + gap) / 2}px`;
     }
     for (const [name, value] of Object.entries(scene)) {
       if (holder.style[name] !== value) holder.style[name] = value;
     }
-    if (layout === 'page') room = { left: 0, top: 0, width: innerWidth, height: innerHeight };
-    const at = part || room;
+    if (layout === 'page') space = { left: 0, top: 0, width: innerWidth, height: innerHeight };
+    const at = part || space;
     for (const name of ['left', 'top', 'width', 'height']) big.style[name] = `${at[name]}px`;
     const status = document.getElementById('omma-status');
     if (status) document.getElementById('omma-big-status').textContent = status.textContent;

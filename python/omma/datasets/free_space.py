@@ -1,7 +1,8 @@
-"""Where there is room in a scene: what rays tell of the surfaces about a place.
+"""Free space in a scene: what rays tell of the surfaces about a position.
 
 An eye whose ommatidia take a single ray each is a bundle of rays; ground truth says how far each
-went. Single-sided surfaces are met from their front only, so that places are asked from both sides.
+went. Single-sided surfaces are met from their front only, so that positions are asked from both
+sides.
 """
 
 from __future__ import annotations
@@ -19,17 +20,18 @@ from omma.scene.world import World
 
 Floats = NDArray[np.float64]
 
-# Directions in which the room about a place is asked for, from it and towards it.
+# Directions in which rays are sent from a position, and towards it.
 _DIRECTIONS = 128
-# Surfaces above one another that a vertical line is followed through.
+# Most surfaces that a vertical line is followed through.
 _LAYERS = 256
-_PIECE = 4096  # places in one render
-# Triangles that a map of the open is made of, and how many places of 256 rays cost as much as that.
+_PIECE = 4096  # positions in one render
+# Most triangles for which a map of far cells is made; and how many positions, at 256 rays each,
+# cost as much as a map, per triangle.
 _MOST_MAPPED = 1 << 22
-_PLACES_PER_TRIANGLE = 0.02
+_POSITIONS_PER_TRIANGLE = 0.02
 
 
-class Probe:
+class FreeSpace:
     """Asks a world, which should have no light: what is seen is of no use here."""
 
     def __init__(self, world: World, threads: int = 0) -> None:
@@ -37,42 +39,42 @@ class Probe:
         self._world, self._threads = world, threads
         box = np.zeros((2, 3)) if bounds is None else np.asarray(bounds)
         self._top = float(box[1, 1]) + 1.0
-        # What a ray is moved on by to leave a surface behind: rays are single precision.
+        # Offset against self-intersection: rays are single precision.
         self._step = max(1e-5, 1e-5 * float(np.abs(box).max()))
         self._down = self._bundle([[0, -1, 0]])
         self._up = self._bundle([[0, 1, 0]])
         self._ahead = self._bundle([[0, 0, -1]])
         self._balls: dict[float, Renderer] = {}
         self._maps: dict[float, FarMap] = {}
-        # Where bones bend meshes their triangles are not where the file has them.
+        # Skinned meshes are not where the file has their triangles: no map then.
         triangles = triangles_of(world.scene) if world.scene.rig is None else _MOST_MAPPED + 1
-        self._mapped_after = triangles * _PLACES_PER_TRIANGLE
+        self._mapped_after = triangles * _POSITIONS_PER_TRIANGLE
         self._is_mapped = triangles <= _MOST_MAPPED
         self._asked = 0
 
-    def is_free(self, places: Floats, clearance_m: float) -> NDArray[np.bool_]:
-        """(P,), whether nothing is nearer than ``clearance_m`` to a place (P, 3), and the place is
-        not inside of something."""
-        free = self._is_far(places, clearance_m)
-        free[~free] = self._near(places[~free], clearance_m) >= clearance_m
-        free[free] = self._depth_inside(places[free]) <= 0
+    def is_free(self, positions: Floats, clearance_m: float) -> NDArray[np.bool_]:
+        """(P,), whether nothing is nearer than ``clearance_m`` to a position (P, 3), and the
+        position is not inside of something."""
+        free = self._is_far(positions, clearance_m)
+        free[~free] = self._near(positions[~free], clearance_m) >= clearance_m
+        free[free] = self._depth_inside(positions[free]) <= 0
         return free
 
     def ground_below(self, spots: Floats, on: Sequence[str] = ()) -> Floats:
         """(P,), m: the height at x and z (P, 2) of the highest surface of the instances called so,
         through whatever is above it; without names, of anything. NaN where there is none."""
         height = np.full(len(spots), np.nan)
-        place = np.column_stack([spots[:, 0], np.full(len(spots), self._top), spots[:, 1]])
+        position = np.column_stack([spots[:, 0], np.full(len(spots), self._top), spots[:, 1]])
         left = np.arange(len(spots))
         for _ in range(_LAYERS):
             if len(left) == 0:
                 break
-            distance, is_wanted = self._ask(self._down, place[left], on)
+            distance, is_wanted = self._ask(self._down, position[left], on)
             met = np.isfinite(distance)
             found = met & is_wanted
-            at = place[left, 1] - distance
+            at = position[left, 1] - distance
             height[left[found]] = at[found]
-            place[left, 1] = np.where(met, at - self._step, 0)
+            position[left, 1] = np.where(met, at - self._step, 0)
             left = left[met & ~found]
         return height
 
@@ -80,43 +82,50 @@ class Probe:
         """(P,), whether heads at poses (P, 4, 4) meet nothing within a distance straight ahead."""
         return np.asarray(self._ahead.ground_truth(poses).nearest_m[:, 0] >= distance_m)
 
-    def _is_far(self, places: Floats, clearance_m: float) -> NDArray[np.bool_]:
-        """(P,), whether no surface is nearer for sure, as far as a map of the open says."""
-        self._asked += len(places)
+    def _is_far(self, positions: Floats, clearance_m: float) -> NDArray[np.bool_]:
+        """(P,), whether the map of far cells says that no surface is nearer."""
+        self._asked += len(positions)
         found = self._maps.get(clearance_m)
-        if found is None and self._is_mapped and self._asked > self._mapped_after and len(places):
-            found = FarMap(self._world.scene, places.min(axis=0), places.max(axis=0), clearance_m)
+        if (
+            found is None
+            and self._is_mapped
+            and self._asked > self._mapped_after
+            and len(positions)
+        ):
+            found = FarMap(
+                self._world.scene, positions.min(axis=0), positions.max(axis=0), clearance_m
+            )
             self._maps[clearance_m] = found
-        return np.zeros(len(places), np.bool_) if found is None else found.is_far(places)
+        return np.zeros(len(positions), np.bool_) if found is None else found.is_far(positions)
 
-    def _near(self, places: Floats, radius_m: float) -> Floats:
-        """(P,), m: distance of the nearest surface about a place, as far as ``radius_m``."""
+    def _near(self, positions: Floats, radius_m: float) -> Floats:
+        """(P,), m: distance of the nearest surface about a position, as far as ``radius_m``."""
         if radius_m not in self._balls:
             out = _directions(_DIRECTIONS)
-            # Rays from the place, and rays towards it from a sphere about it.
+            # Rays from the position, and rays towards it from a sphere about it.
             self._balls[radius_m] = self._bundle(
                 np.concatenate([out, -out]), np.concatenate([0 * out, radius_m * out])
             )
         found = []
-        for first in range(0, len(places), _PIECE):
-            poses = _at(places[first : first + _PIECE])
+        for first in range(0, len(positions), _PIECE):
+            poses = _at(positions[first : first + _PIECE])
             seen = self._balls[radius_m].ground_truth(poses).nearest_m
             away, towards = seen[:, :_DIRECTIONS], seen[:, _DIRECTIONS:]
-            # What a ray towards the place meets beyond it is no business of ours.
+            # Hits of inward rays beyond the position do not count.
             nearest = np.minimum(away, np.where(towards < radius_m, 0, np.inf)).min(axis=1)
             found.append(nearest)
         return np.concatenate(found) if found else np.empty(0)
 
-    def _depth_inside(self, places: Floats) -> NDArray[np.int64]:
-        """(P,), in how many closed surfaces places (P, 3) are: of the line upwards from each, how
-        many surfaces look up, less those that look down where there are any of the former.
-        Two-sided ones count as both, so as none."""
-        top = places.copy()
-        top[:, 1] = np.maximum(self._top, places[:, 1] + 1)
-        depth = self._crossed(self._down, top, -1, top[:, 1] - places[:, 1])
-        # Where nothing above looks up, what looks down makes no difference.
+    def _depth_inside(self, positions: Floats) -> NDArray[np.int64]:
+        """(P,), the number of closed surfaces around positions (P, 3): along the line upwards,
+        upward faces less downward ones, where there are any of the former. Two-sided faces count as
+        both, so as none."""
+        top = positions.copy()
+        top[:, 1] = np.maximum(self._top, positions[:, 1] + 1)
+        depth = self._crossed(self._down, top, -1, top[:, 1] - positions[:, 1])
+        # Without upward faces above, downward ones make no difference.
         below = np.flatnonzero(depth > 0)
-        depth[below] -= self._crossed(self._up, places[below], 1, (top - places)[below, 1])
+        depth[below] -= self._crossed(self._up, positions[below], 1, (top - positions)[below, 1])
         return depth
 
     def _crossed(
@@ -124,25 +133,26 @@ class Probe:
     ) -> NDArray[np.int64]:
         """How many surfaces vertical rays meet on so much of their way."""
         number = np.zeros(len(start), np.int64)
-        place, left = start.copy(), np.arange(len(start))
+        position, left = start.copy(), np.arange(len(start))
         for _ in range(_LAYERS):
             if len(left) == 0:
                 break
-            distance, _ = self._ask(rays, place[left], ())
-            gone = np.abs(place[left, 1] - start[left, 1]) + distance
+            distance, _ = self._ask(rays, position[left], ())
+            gone = np.abs(position[left, 1] - start[left, 1]) + distance
             met = gone < length[left]
             number[left[met]] += 1
             left = left[met]
-            place[left, 1] += sign * (distance[met] + self._step)
+            position[left, 1] += sign * (distance[met] + self._step)
         return number
 
     def _ask(
-        self, rays: Renderer, places: Floats, on: Sequence[str]
+        self, rays: Renderer, positions: Floats, on: Sequence[str]
     ) -> tuple[Floats, NDArray[np.bool_]]:
-        """How far single rays go from places, and whether they meet one of the instances named."""
+        """How far single rays go from positions, and whether they meet one of the instances
+        named."""
         distance, wanted = [], []
-        for first in range(0, len(places), _PIECE):
-            truth = rays.ground_truth(_at(places[first : first + _PIECE]), shares=list(on))
+        for first in range(0, len(positions), _PIECE):
+            truth = rays.ground_truth(_at(positions[first : first + _PIECE]), shares=list(on))
             distance.append(truth.nearest_m[:, 0].astype(np.float64))
             shares = truth.shares
             wanted.append(truth.met[:, 0] > 0 if shares is None else shares[:, 0].sum(axis=1) > 0)
@@ -151,20 +161,20 @@ class Probe:
     def _bundle(self, directions: ArrayLike, starts_m: ArrayLike | None = None) -> Renderer:
         """One ray for each direction (N, 3), from (N, 3), m, in the head."""
         axis = np.asarray(directions, dtype=np.float64)
-        position = np.zeros_like(axis) if starts_m is None else starts_m
-        return Renderer(self._world, Eye(position, axis, 0.0), Fixed(1), threads=self._threads)
+        start = np.zeros_like(axis) if starts_m is None else starts_m
+        return Renderer(self._world, Eye(start, axis, 0.0), Fixed(1), threads=self._threads)
 
 
 def _directions(number: int) -> Floats:
-    """(N, 3), unit vectors spread evenly: a spiral of golden angles."""
+    """(N, 3), spread evenly: a spiral of golden angles."""
     z = 1 - (2 * np.arange(number) + 1) / number
     turn = np.pi * (3 - np.sqrt(5)) * np.arange(number)
     across = np.sqrt(1 - z**2)
     return np.column_stack([across * np.cos(turn), z, across * np.sin(turn)])
 
 
-def _at(places: Floats) -> Floats:
+def _at(positions: Floats) -> Floats:
     """Poses (P, 4, 4) of heads that are not turned."""
-    poses = np.tile(np.eye(4), (len(places), 1, 1))
-    poses[:, :3, 3] = places
+    poses = np.tile(np.eye(4), (len(positions), 1, 1))
+    poses[:, :3, 3] = positions
     return poses
