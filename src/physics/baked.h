@@ -5,6 +5,8 @@
 #include "omma/bake.h"
 #include "physics/far_lanes.h"
 #include "physics/path_light.h"
+#include "physics/rows.h"
+#include "physics/vector3.h"
 
 namespace omma {
 

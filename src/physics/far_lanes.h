@@ -3,6 +3,8 @@
 #pragma once
 
 #include "physics/light_sample.h"
+#include "physics/rows.h"
+#include "physics/vector3.h"
 
 namespace omma {
 

@@ -8,6 +8,7 @@
 #pragma once
 
 #include "physics/lanes.h"
+#include "physics/vector3.h"
 
 namespace omma {
 

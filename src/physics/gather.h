@@ -6,6 +6,7 @@
 #pragma once
 
 #include "physics/lit_path.h"
+#include "physics/vector3.h"
 
 namespace omma {
 

@@ -3,6 +3,7 @@
 
 #include "physics/rays.h"
 #include "physics/scene_view.h"
+#include "physics/vector3.h"
 
 namespace omma {
 

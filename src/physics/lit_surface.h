@@ -6,6 +6,7 @@
 #include "physics/hits.h"
 #include "physics/scatter.h"
 #include "physics/surface.h"
+#include "physics/vector3.h"
 
 namespace omma {
 

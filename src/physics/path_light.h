@@ -8,6 +8,7 @@
 #include "physics/lit_surface.h"
 #include "physics/passed.h"
 #include "physics/path_points.h"
+#include "physics/vector3.h"
 
 namespace omma {
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "physics/path_light.h"
+#include "physics/vector3.h"
 
 namespace omma {
 

@@ -27,6 +27,7 @@
 
 #include "physics/fresnel.h"
 #include "physics/specular_albedo.h"
+#include "physics/vector3.h"
 
 namespace omma {
 

@@ -67,11 +67,7 @@ OMMA_HD float most_lane(float x) {
 // Each lane beside the one `step` away from it, in a circle.
 template <int step, int... k>
 OMMA_HD Floats turn_lanes(Floats x, std::integer_sequence<int, k...>) {
-#if defined(__clang__) || __GNUC__ >= 12
-  return __builtin_shufflevector(x, x, ((k + step) % lane_width)...);
-#else  // GCC 11 knows the same under another name
-  return __builtin_shuffle(x, Ints{((k + step) % lane_width)...});
-#endif
+  return shuffle(x, x, std::integer_sequence<int, ((k + step) % lane_width)...>{});
 }
 template <int step = lane_width / 2>
 OMMA_HD Floats least_of_all(Floats x) {

@@ -6,6 +6,7 @@
 #include "physics/head_motion.h"
 #include "physics/path.h"
 #include "physics/path_block.h"
+#include "physics/rows.h"
 
 namespace omma {
 

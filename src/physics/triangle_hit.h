@@ -6,6 +6,7 @@
 #pragma once
 
 #include "physics/search_lanes.h"
+#include "physics/vector3.h"
 
 namespace omma {
 

@@ -4,6 +4,7 @@
 
 #include "physics/block_memory.h"
 #include "physics/hits.h"
+#include "physics/vector3.h"
 
 namespace omma {
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "physics/lanes.h"
+#include "physics/rows.h"
 
 namespace omma {
 
