@@ -71,18 +71,14 @@ Seen look(const Setup& setup, const EmbreeTracer& tracer, const SceneView& view,
       find_hits<L>(tracer.layout.placed.data(), packet, hits);
       HitGeometry<L>& geometry = seen.geometry.emplace_back();
       eval_geometry<L>(view, packet.rays, hits, geometry);
-      const float towards[3] = {static_cast<float>(sun.x), static_cast<float>(sun.y),
-                                static_cast<float>(sun.z)};
+      const Vector3<float> towards = vector_of(to_float(sun));
       for (int l = 0; l < 16; ++l) {
         valid[l] = hits.mesh[l] >= 0 ? -1 : 0;
-        float at[3], normal[3], origin[3];
-        for (int r = 0; r < 3; ++r)
-          at[r] = geometry.position[r][l], normal[r] = geometry.normal[r][l];
-        leave_surface(at, normal, geometry.reach_m[l], towards, origin);
-        for (int r = 0; r < 3; ++r) {
-          packet.rays.origin[r][l] = origin[r];
-          packet.rays.direction[r][l] = towards[r];
-        }
+        store_vector(packet.rays.origin, l,
+                     leave_surface(load_vector<float>(geometry.position, l),
+                                   load_vector<float>(geometry.normal, l), geometry.reach_m[l],
+                                   towards));
+        store_vector(packet.rays.direction, l, towards);
         packet.rays.t_far_m[l] = INFINITY;
       }
       functions.closest(&tracer, valid, packet.rays);

@@ -38,17 +38,10 @@ double inverse_distances(const Tracing& tracing, const Vec3 (&corner)[3], std::u
     const float root = std::sqrt(place.x), u = root - root * place.y, v = root * place.y;
     const Vec3 at = corner[0] + e1 * u + e2 * v;
     const Vec3 up = l % 2 == 0 ? normal : normal * -1.0f;
-    const float from[3] = {up.x, up.y, up.z};
-    float tangent[3], bitangent[3], towards[3];
-    make_axes(from, tangent, bitangent);
-    const LocalDirection<float> local = sample_cosine(way.x, way.y);
-    for (int r = 0; r < 3; ++r)
-      towards[r] = tangent[r] * local.x + bitangent[r] * local.y + from[r] * local.z;
-    const float position[3] = {at.x, at.y, at.z};
-    for (int r = 0; r < 3; ++r) {
-      geometry.position[r][l] = position[r];
-      geometry.normal[r][l] = from[r];
-    }
+    const Vector3<float> away = vector_of(up);
+    const Vector3<float> towards = from_local(make_axes(away), away, sample_cosine(way.x, way.y));
+    store_vector(geometry.position, l, vector_of(at));
+    store_vector(geometry.normal, l, away);
     geometry.reach_m[l] = reach;
     leave_surface<L>(geometry, l, towards, rays);
     rays.t_far_m[l] = INFINITY;

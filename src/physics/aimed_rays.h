@@ -134,25 +134,17 @@ OMMA_HD void trace_cone(const DiscTask& of, int k, int each, Search& search,
       for (int j = 0; j < k; ++j)
         if (is_in_cone(memory.cones[u * most_cones + j], direction)) weight[l] = 0;
       valid[l] = weight[l] > 0 ? -1 : 0;
-      float from[3], up[3], axis[3], turned[3];
-      const float towards[3] = {direction.x, direction.y, direction.z};
+      const Vector3<float> towards = vector_of(direction);
       const float radius_m = units.aperture_radius_m[u];
-      for (int r = 0; r < 3; ++r) {
-        from[r] = units.origin[r][u] + radius_m * (units.s[r][u] * lens.x + units.t[r][u] * lens.y);
-        up[r] = axis[r] = 0;
-      }
-      if (of.task->motion != nullptr) move_point(*of.task->motion, turn, from);
-      for (int r = 0; r < 3; ++r) {
-        packet.rays.origin[r][l] = from[r];
-        packet.rays.direction[r][l] = without_noise(towards[r]);
-        for (int c = 0; c < 3 && frame.scene->polarized; ++c) {
-          up[r] += turn[r][c] * units.up[c][u];
-          axis[r] += turn[r][c] * units.axis[c][u];
-        }
-      }
+      const auto s = load_vector<float>(units.s, u), t = load_vector<float>(units.t, u);
+      Vector3<float> from = load_vector<float>(units.origin, u) + (s * lens.x + t * lens.y) * radius_m;
+      if (of.task->motion != nullptr) from = move_point(*of.task->motion, turn, from);
+      store_vector(packet.rays.origin, l, from);
+      store_vector(packet.rays.direction, l, without_noise(towards));
       if (frame.scene->polarized) {
-        turn_with(axis, towards, up, turned);
-        for (int r = 0; r < 3; ++r) packet.reference[r][l] = turned[r];
+        const auto up = transform_direction(turn, load_vector<float>(units.up, u));
+        const auto axis = transform_direction(turn, load_vector<float>(units.axis, u));
+        store_vector(packet.reference, l, turn_with(axis, towards, up));
       }
       packet.rays.t_near_m[l] = units.t_near_m[u];
       packet.rays.mask[l] = of.task->sees.from_eye;

@@ -156,10 +156,7 @@ OMMA_HD void eval_baked(const SceneView& scene, const Packet<L>& packet,
   constexpr int n = L::count, width = L::width;
   const BakedView& baked = *scene.baked;
   const unsigned from_behind = places.from_behind = bits_where<L>([&](int l) {
-    F normal[3], direction[3];
-    load_3(geometry.normal, l, normal);
-    load_3(packet.rays.direction, l, direction);
-    return dot_lanes(normal, direction) > 0.0f;
+    return dot(load_vector<F>(geometry.normal, l), load_vector<F>(packet.rays.direction, l)) > 0.0f;
   });
   unsigned in_cells = 0, sheets = 0;
   for (unsigned bits = lanes; bits != 0; bits &= bits - 1) {

@@ -67,12 +67,12 @@ __global__ void device_check_acceptance(AcceptanceWarpView warp, double* out) {
 __global__ void device_check_scatter(const ScatterSurface<float>* surfaces, Vec2 u,
                                      Mueller3<float>* paths) {
   const ScatterPoint<float> point = make_scatter_point(surfaces[threadIdx.x]);
-  float weight[lobe_count], w[3], s[3];
+  float weight[lobe_count];
   lobe_weights(point, {0.5f, 0.5f, 0.5f, 0.5f}, weight);
   const LobeChoice<float> choice = choose_lobe(weight, u.x);
-  sample_scatter(choice.lobe, point, u.x, u.y, w);
+  const Vector3<float> w = sample_scatter(choice.lobe, point, u.x, u.y);
   const ScatterValue<float> value = eval_scatter(point, w);
-  reflection_axis(point.direction, w, point.tangent, s);
+  const Vector3<float> s = reflection_axis(point.direction, w, point.tangent);
   paths[threadIdx.x] = paths[threadIdx.x] * frame_turn(point.tangent, point.bitangent, s) *
                        (value.dielectric * (1.0f / pdf_scatter(choice.lobe, value)));
 }
@@ -88,16 +88,8 @@ __global__ void device_check_leaving(SceneView scene, BvhView bvh, const PlacedM
   find_hits<OneLane>(placed, packet, hits);
   HitGeometry<OneLane> geometry;
   eval_geometry<OneLane>(scene, packet.rays, hits, geometry);
-  float position[3], normal[3], origin[3];
-  for (int r = 0; r < 3; ++r) {
-    position[r] = geometry.position[r][0];
-    normal[r] = geometry.normal[r][0];
-  }
-  leave_surface(position, normal, geometry.reach_m[0], normal, origin);
-  for (int r = 0; r < 3; ++r) {
-    packet.rays.origin[r][0] = origin[r];
-    packet.rays.direction[r][0] = normal[r];
-  }
+  const auto normal = load_vector<float>(geometry.normal, 0);
+  leave_surface<OneLane>(geometry, 0, normal, packet.rays);
   packet.rays.t_far_m[0] = INFINITY;
   occluded_rays[threadIdx.x] = search.occluded(&valid, packet.rays);
 }

@@ -91,13 +91,11 @@ OMMA_HD DiscPoints<F> even_disc_points(const UnitPair<F>& pair) {
 // A direction in a disc, `x` and `y` in the unit circle, which is mapped evenly by solid angle.
 OMMA_HD Vec3 disc_direction(const DiscView& disc, float x, float y) {
   const Vec3 n = disc.direction;
-  const float centre[3] = {n.x, n.y, n.z};
-  float s[3], t[3];
-  make_axes(centre, s, t);
+  const Axes<float> axes = make_axes(vector_of(n));
+  const Vector3<float>&s = axes.tangent, &t = axes.bitangent;
   const float chord_2 = (x * x + y * y) * disc.chord_2;
   const float across = sqrtf(disc.chord_2 * (1.0f - 0.25f * chord_2)), along = 1.0f - 0.5f * chord_2;
-  return {along * n.x + across * (x * s[0] + y * t[0]), along * n.y + across * (x * s[1] + y * t[1]),
-          along * n.z + across * (x * s[2] + y * t[2])};
+  return vec_of(vector_of(n) * along + (s * x + t * y) * across);
 }
 
 // Density of the unit's rays in a world direction, where the head is turned by `turn`.
@@ -256,15 +254,11 @@ OMMA_HD void trace_disc(const DiscTask& of, Search& search, const BlockMemory& m
                                    static_cast<double>(disc.chord_2)));
       valid[l] = weight[l] > 0.0f ? -1 : 0;
       asked |= (weight[l] > 0.0f ? 1u : 0u) << l;
-      float from[3];
-      for (int r = 0; r < 3; ++r)
-        from[r] = units.origin[r][u] + units.s[r][u] * from_x[l] + units.t[r][u] * from_y[l];
-      if (of.task->motion != nullptr) move_point(*of.task->motion, turn, from);
-      const float towards[3] = {direction.x, direction.y, direction.z};
-      for (int r = 0; r < 3; ++r) {
-        shadow.rays.origin[r][l] = from[r];
-        shadow.rays.direction[r][l] = without_noise(towards[r]);
-      }
+      const auto s = load_vector<float>(units.s, u), t = load_vector<float>(units.t, u);
+      Vector3<float> from = load_vector<float>(units.origin, u) + s * from_x[l] + t * from_y[l];
+      if (of.task->motion != nullptr) from = move_point(*of.task->motion, turn, from);
+      store_vector(shadow.rays.origin, l, from);
+      store_vector(shadow.rays.direction, l, without_noise(vector_of(direction)));
       shadow.rays.t_near_m[l] = units.t_near_m[u];
       shadow.rays.t_far_m[l] = INFINITY;
       shadow.rays.mask[l] = of.task->sees.from_eye;

@@ -8,15 +8,10 @@
 
 namespace omma {
 
-template <int n>
-OMMA_HD Vec3 vec_at(const float (&values)[3][n], int l) {
-  return {values[0][l], values[1][l], values[2][l]};
-}
-
 template <typename F>
-OMMA_HD F chord_2_lanes(const F (&d)[3], Vec3 centre) {
-  const F x = d[0] - centre.x, y = d[1] - centre.y, z = d[2] - centre.z;
-  return x * x + y * y + z * z;
+OMMA_HD F chord_2_lanes(const Vector3<F>& d, Vec3 centre) {
+  const Vector3<F> across = d - vector_of(centre);
+  return dot(across, across);
 }
 
 // Where light from afar of a packet's directions is to be looked up.
@@ -30,10 +25,8 @@ OMMA_HD void find_far_lanes(const LightView& light, const float (&direction)[3][
       places[l / L::width] = {};
       continue;
     }
-    F d[3];
-    load_3(direction, l, d);
-    for (F& x : d) x = keep(lanes_on<L>(lanes, l), x);
-    places[l / L::width] = find_on_sky(light.sky, d[0], d[1], d[2]);
+    const auto d = keep(lanes_on<L>(lanes, l), load_vector<F>(direction, l));
+    places[l / L::width] = find_on_sky(light.sky, d.x, d.y, d.z);
   }
 }
 
@@ -182,9 +175,7 @@ OMMA_HD void add_disc_light(const LightView& light, const float (&direction)[3][
   for (int i = 0; i < light.disc_count; ++i) {
     const DiscView& disc = light.discs[i];
     for (int l = 0; l < L::count; l += L::width) {
-      F d[3];
-      load_3(direction, l, d);
-      const F chord = chord_2_lanes(d, disc.direction);
+      const F chord = chord_2_lanes(load_vector<F>(direction, l), disc.direction);
       auto inside = lanes_on<L>(lanes, l) && chord <= disc.chord_2;
       if (!any_lane(inside)) continue;
       if (acceptance_sr != nullptr)
@@ -215,26 +206,25 @@ OMMA_HD void sample_far_lanes(const LightView& light, const float* u0, const flo
     const auto wanted = lanes_on<L>(lanes, l);
     if (!any_lane(wanted)) continue;
     I open = keep(wanted, lane_numbers<L>() * 0 + 1);
-    F left = load<F>(u0 + l), d[3] = {F{}, broadcast<F>(1.0f), F{}};
+    F left = load<F>(u0 + l);
+    Vector3<F> d = {F{}, broadcast<F>(1.0f), F{}};
     for (int i = 0; i < light.disc_count; ++i) {
       const DiscView& disc = light.discs[i];
       if (!(disc.probability > 0.0f)) continue;
       const auto here = open != 0 && left < disc.probability;
-      F in_disc[3];
-      sample_disc(disc, left / disc.probability, load<F>(u1 + l), in_disc);
-      for (int r = 0; r < 3; ++r) d[r] = here ? in_disc[r] : d[r];
+      d = select(here, sample_disc(disc, left / disc.probability, load<F>(u1 + l)), d);
       open = here ? open * 0 : open;
       left -= disc.probability;
     }
     const auto from_sky = open != 0;
     if (light.sky.probability > 0.0f && any_lane(from_sky)) {
       const F most = broadcast<F>(0x1.fffffep-1f), u = left / light.sky.probability;
-      F in_sky[3];
-      sample_sky(light.sky, keep(from_sky, u < most ? u : most),
-                 keep(from_sky, load<F>(u1 + l)), in_sky);
-      for (int r = 0; r < 3; ++r) d[r] = from_sky ? in_sky[r] : d[r];
+      d = select(from_sky,
+                 sample_sky(light.sky, keep(from_sky, u < most ? u : most),
+                            keep(from_sky, load<F>(u1 + l))),
+                 d);
     }
-    for (int r = 0; r < 3; ++r) store(direction[r] + l, d[r]);
+    store_vector(direction, l, d);
   }
 }
 
@@ -250,8 +240,8 @@ OMMA_HD void find_far_pdf(const LightView& light, const float (&direction)[3][L:
   for (int l = 0; l < L::count; l += L::width) {
     const auto wanted = lanes_on<L>(lanes, l);
     if (!any_lane(wanted)) continue;
-    F d[3], density{};
-    load_3(direction, l, d);
+    const auto d = load_vector<F>(direction, l);
+    F density{};
     for (int i = 0; i < light.disc_count; ++i) {
       const DiscView& disc = light.discs[i];
       density += keep(chord_2_lanes(d, disc.direction) <= disc.chord_2,

@@ -73,7 +73,7 @@ OMMA_HD unsigned find_hidden(const SceneView& scene, Search& search,
   for (int l = 0; l < n; ++l) {
     asked[l] = (lanes >> l & 1u) != 0 ? -1 : 0;
     look.footprint_rad[l] = 0;
-    float towards[3] = {0, 1, 0};
+    Vector3<float> towards = {0, 1, 0};
     look.rays.t_far_m[l] = 0;
     if (asked[l] != 0) {
       const GatherPlace& place = *of.place[l];
@@ -83,13 +83,9 @@ OMMA_HD unsigned find_hidden(const SceneView& scene, Search& search,
         from_back = pair.y < 0.5f;
         pair.y = 2.0f * pair.y - (from_back ? 0.0f : 1.0f);
       }
-      float up[3], tangent[3], bitangent[3];
-      for (int r = 0; r < 3; ++r)
-        up[r] = from_back ? -geometry.normal[r][l] : geometry.normal[r][l];
-      make_axes(up, tangent, bitangent);
-      const LocalDirection<float> local = sample_cosine(pair.x, pair.y);
-      for (int r = 0; r < 3; ++r)
-        towards[r] = tangent[r] * local.x + bitangent[r] * local.y + up[r] * local.z;
+      const auto normal = load_vector<float>(geometry.normal, l);
+      const Vector3<float> up = from_back ? -normal : normal;
+      towards = from_local(make_axes(up), up, sample_cosine(pair.x, pair.y));
     }
     leave_surface<L>(geometry, l, towards, look.rays);
     if (asked[l] != 0) look.rays.t_far_m[l] = of.place[l]->reach_m;
@@ -188,12 +184,11 @@ OMMA_HD void add_shining(const SceneView& scene, Search& search, const GatherLan
     const auto on = path_pair(place.hash, of.sample[l], choice_on_shining);
     lights[l] = sample_surfaces(scene, vec_at(geometry.position, l), which.x, on.x, on.y);
     const Vec3 d = lights[l].direction;
-    const float towards[3] = {d.x, d.y, d.z};
     cosine[l] = normal[0][l] * d.x + normal[1][l] * d.y + normal[2][l] * d.z;
     float facing = dot(vec_at(geometry.normal, l), d);
     if (place.mesh >= 0 && place.is_back) facing = -facing;
     if (!(lights[l].pdf > 0.0f) || !(cosine[l] > 0.0f) || !(facing > 0.0f)) continue;
-    leave_surface<L>(geometry, l, towards, shadow.rays);
+    leave_surface<L>(geometry, l, vector_of(d), shadow.rays);
     shadow.rays.t_far_m[l] = lights[l].distance_m * up_to_light;
     weight[l] = cosine[l] * inverse_pi / (lights[l].pdf / scene.light->emissive_probability);
     asked[l] = -1;
@@ -255,8 +250,8 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTa
       // Seen by one who looks straight down on it.
       for (int l = 0; l < n; ++l) {
         const bool is_back = of.place[l] != nullptr && of.place[l]->is_back;
-        for (int r = 0; r < 3; ++r)
-          packet.rays.direction[r][l] = is_back ? geometry.normal[r][l] : -geometry.normal[r][l];
+        const auto outwards = load_vector<float>(geometry.normal, l);
+        store_vector(packet.rays.direction, l, is_back ? outwards : -outwards);
       }
       eval_lit_surfaces<L>(scene, packet, hits, geometry, memory, surface);
     } else {
@@ -265,36 +260,26 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTa
         hits.mesh[l] = of.place[l] != nullptr ? 0 : -1;
         if (of.place[l] == nullptr) continue;
         const GatherPlace& place = *of.place[l];
-        const float at[3] = {place.position.x, place.position.y, place.position.z};
-        const float up[3] = {place.normal.x, place.normal.y, place.normal.z};
-        for (int r = 0; r < 3; ++r) {
-          geometry.position[r][l] = at[r];
-          geometry.normal[r][l] = up[r];
-        }
+        store_vector(geometry.position, l, vector_of(place.position));
+        store_vector(geometry.normal, l, vector_of(place.normal));
       }
     }
     for (int l = 0; l < n; l += L::width) {
-      F tangent[3], bitangent[3], up[3], w[3];
-      if (is_on_surface) {
+      if (is_on_surface)
         points[l / L::width] =
             make_scatter_point(scatter_surface<L>(scene, packet.rays, surface, l));
-        for (int r = 0; r < 3; ++r) up[r] = points[l / L::width].base_normal[r];
-      } else {
-        load_3(geometry.normal, l, up);
-      }
-      make_axes(up, tangent, bitangent);
+      const Vector3<F> up = is_on_surface ? points[l / L::width].base_normal
+                                          : load_vector<F>(geometry.normal, l);
       const auto pair = path_pair(load<typename L::U>(packet.hash + l),
                                   load<typename L::U>(packet.sample + l), choice_of_way);
       const LocalDirection<F> local = sample_cosine(pair.x, pair.y);
-      for (int r = 0; r < 3; ++r) {
-        w[r] = without_noise(tangent[r] * local.x + bitangent[r] * local.y + up[r] * local.z);
-        store(way[r] + l, w[r]);
-        store(normal[r] + l, up[r]);
-      }
+      const Vector3<F> w = without_noise(from_local(make_axes(up), up, local));
+      store_vector(way, l, w);
+      store_vector(normal, l, up);
       F reaches_base = broadcast<F>(1.0f);
       if (is_on_surface) {
         const ScatterPoint<F>& point = points[l / L::width];
-        const F side = dot_lanes(point.geometric_normal, w);
+        const F side = dot(point.geometric_normal, w);
         reaches_base = keep(side > 0.0f, eval_entering(point, local.z));
       }
       store(entering + l, reaches_base);
@@ -306,11 +291,10 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTa
       valid[l] = entering[l] > 0.0f ? on[l] : 0;
       // Rays that are not traced must be such as could be: Embree checks all.
       const bool goes_on = valid[l] != 0;
-      const float towards[3] = {goes_on ? way[0][l] : 0.0f, goes_on ? way[1][l] : 1.0f,
-                                goes_on ? way[2][l] : 0.0f};
-      leave_surface<L>(geometry, l, towards, packet.rays);
-      for (int r = 0; r < 3; ++r)
-        packet.reference[r][l] = goes_on ? normal[r][l] : (r == 0 ? 1.0f : 0.0f);
+      leave_surface<L>(geometry, l,
+                       goes_on ? load_vector<float>(way, l) : Vector3<float>{0, 1, 0}, packet.rays);
+      store_vector(packet.reference, l,
+                   goes_on ? load_vector<float>(normal, l) : Vector3<float>{1, 0, 0});
     }
     // What shines is sampled first: the paths move on from where they begin.
     for (int i = 0; i < scene.bands * n; ++i) memory.front[i] = 0;

@@ -88,25 +88,20 @@ OMMA_HD void choose_nodes(const Packet<L>& packet, const PathState<L>& state, Ch
 
 // The reference axis of light from afar in a direction (omma/light.h).
 template <typename F>
-OMMA_HD void vertical_axis(const F (&d)[3], F (&axis)[3]) {
-  const F level = d[0] * d[0] + d[2] * d[2], one = broadcast<F>(1.0f);
+OMMA_HD Vector3<F> vertical_axis(const Vector3<F>& d) {
+  const F level = d.x * d.x + d.z * d.z, one = broadcast<F>(1.0f);
   const auto is_zenith = level < 1e-14f;  // or nadir: of azimuth 0
   const F scale = 1.0f / sqrt_lanes(is_zenith ? one : level);
-  axis[0] = is_zenith ? F{} : (0.0f - d[1] * d[0]) * scale;
-  axis[1] = is_zenith ? F{} : level * scale;
-  axis[2] = is_zenith ? (d[1] > 0.0f ? one : 0.0f - one) : (0.0f - d[1] * d[2]) * scale;
+  return {is_zenith ? F{} : (0.0f - d.y * d.x) * scale, is_zenith ? F{} : level * scale,
+          is_zenith ? (d.y > 0.0f ? one : 0.0f - one) : (0.0f - d.y * d.z) * scale};
 }
 
 // The same of a packet's directions, [lane].
 template <typename L>
 OMMA_HD void vertical_axes(const float (&direction)[3][L::count], float (&axis)[3][L::count]) {
   using F = typename L::F;
-  for (int l = 0; l < L::count; l += L::width) {
-    F d[3], up[3];
-    load_3(direction, l, d);
-    vertical_axis(d, up);
-    for (int r = 0; r < 3; ++r) store(axis[r] + l, up[r]);
-  }
+  for (int l = 0; l < L::count; l += L::width)
+    store_vector(axis, l, vertical_axis(load_vector<F>(direction, l)));
 }
 
 template <typename L>
@@ -156,12 +151,10 @@ OMMA_HD void add_light(const SceneView& scene, const Packet<L>& packet, const Pa
       path = load_mueller(state, l);
       for (int k = l; k < l + L::width; ++k) keeps = keeps || keeps_polarisation<L>(state, k);
       if (axis != nullptr && keeps) {
-        F d[3], own[3], across[3], theirs[3];
-        load_3(packet.rays.direction, l, d);
-        load_3(packet.reference, l, own);
-        for (int r = 0; r < 3; ++r) theirs[r] = load<F>(axis[r] + l);
-        cross_lanes(d, own, across);
-        path = path * frame_turn(own, across, theirs);
+        const auto own = load_vector<F>(packet.reference, l);
+        const Vector3<F> across = cross(load_vector<F>(packet.rays.direction, l), own);
+        path = path * frame_turn(own, across,
+                                 {load<F>(axis[0] + l), load<F>(axis[1] + l), load<F>(axis[2] + l)});
       }
     }
     for (int b = 0; b < scene.bands; ++b) {

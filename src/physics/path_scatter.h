@@ -41,17 +41,12 @@ OMMA_HD void scatter_light(const SceneView& scene, const Packet<L>& packet,
       dielectric.c = load<F>(by.dielectric[2] + l);
       coat.b = load<F>(by.coat[1] + l);
       coat.c = load<F>(by.coat[2] + l);
-      F d[3], from[3], own[3], across[3], theirs[3], s[3];
-      load_3(packet.rays.direction, l, d);
-      load_3(w, l, from);
-      load_3(packet.reference, l, own);
-      load_3(axis, l, theirs);
-      reflection_axis(d, from, own, s);
+      const auto d = load_vector<F>(packet.rays.direction, l), from = load_vector<F>(w, l);
+      const auto own = load_vector<F>(packet.reference, l), theirs = load_vector<F>(axis, l);
+      const Vector3<F> s = reflection_axis(d, from, own);
       // From the light's axes to s, and from s to the ray's.
-      cross_lanes(from, s, across);
-      before = frame_turn(s, across, theirs);
-      cross_lanes(d, own, across);
-      after = frame_turn(own, across, s);
+      before = frame_turn(s, cross(from, s), theirs);
+      after = frame_turn(own, cross(d, own), s);
     }
     for (int b = 0; b < scene.bands; ++b) {
       const int at = b * L::count + l;
@@ -137,8 +132,7 @@ OMMA_HD void scatter_sample(const ScatteringPacket<L>& scattering,
   for (int l = 0; l < L::count; l += L::width) {
     const int v = l / L::width;
     const F(&weight)[lobe_count] = scattering.weight[v];
-    F w[3];
-    load_3(to_light, l, w);
+    const auto w = load_vector<F>(to_light, l);
     const ScatterValue<F> seen = eval_scatter(scattering.point[v], w);
     const F density = load<F>(light_density + l);
     const F over = 1.0f / (density > 0.0f ? density : broadcast<F>(1.0f));
@@ -179,8 +173,7 @@ OMMA_HD void send_on(const Packet<L>& packet, const PathState<L>& state,
     const auto pair = choose<L>(packet, state, l, Choice::lobe_and_roulette);
     const auto place = choose<L>(packet, state, l, Choice::direction);
     const LobeChoice<F> chosen = choose_lobe(scattering.weight[v], pair.x);
-    F w[3];
-    sample_scatter(chosen.lobe, point, place.x, place.y, w);
+    const Vector3<F> w = sample_scatter(chosen.lobe, point, place.x, place.y);
     const ScatterValue<F> found = eval_scatter(point, w);
     const F own = chosen.probability * pdf_scatter(chosen.lobe, found);
     const auto is = [&](Lobe one) { return chosen.lobe == static_cast<std::int32_t>(one); };
@@ -203,7 +196,7 @@ OMMA_HD void send_on(const Packet<L>& packet, const PathState<L>& state,
     store(onward.by.coat[0] + l, of_lobe(Lobe::coat, found.coat.a));
     store(onward.by.coat[1] + l, of_lobe(Lobe::coat, found.coat.b));
     store(onward.by.coat[2] + l, of_lobe(Lobe::coat, found.coat.c));
-    for (int r = 0; r < 3; ++r) store(onward.direction[r] + l, without_noise(w[r]));
+    store_vector(onward.direction, l, without_noise(w));
     store(onward.roulette + l, pair.y);
     store(onward.density + l, is_straight ? load<F>(state.density + l) : own);
     const auto goes_on = lanes_on<L>(lanes, l) && chosen.probability > 0.0f;
@@ -241,12 +234,9 @@ OMMA_HD void lengthen(const SceneView& scene, Packet<L>& packet, const Onward<L>
     if (!scene.polarized) continue;
 
     const auto is = [&](Lobe one) { return lobe == static_cast<std::int32_t>(one); };
-    F d[3], w[3], own[3], across[3], s[3];
-    load_3(packet.rays.direction, l, d);
-    load_3(onward.direction, l, w);
-    load_3(packet.reference, l, own);
-    reflection_axis(d, w, own, s);
-    cross_lanes(d, own, across);
+    const auto d = load_vector<F>(packet.rays.direction, l), w = load_vector<F>(onward.direction, l);
+    const auto own = load_vector<F>(packet.reference, l);
+    const Vector3<F> s = reflection_axis(d, w, own), across = cross(d, own);
     // As parts of what is reflected, which the throughput has.
     const auto is_coat = is(Lobe::coat);
     const auto is_metal = is(Lobe::metal);
@@ -267,12 +257,8 @@ OMMA_HD void lengthen(const SceneView& scene, Packet<L>& packet, const Onward<L>
       store(state.mueller[k] + l, is_straight ? before.m[r][q] : scattered);
     }
     // Any axis across the new ray will do for what was depolarised.
-    F any_axis[3], other[3];
-    make_axes(w, any_axis, other);
-    for (int r = 0; r < 3; ++r) {
-      const F next = is_mirrored ? s[r] : any_axis[r];
-      store(packet.reference[r] + l, is_straight ? own[r] : next);
-    }
+    const Vector3<F> next = select(is_mirrored, s, make_axes(w).tangent);
+    store_vector(packet.reference, l, select(is_straight, own, next));
   }
 }
 

@@ -7,6 +7,7 @@
 #pragma once
 
 #include "physics/search_lanes.h"
+#include "physics/vector3.h"
 
 namespace omma {
 
@@ -42,6 +43,16 @@ template <typename L>
 struct RayFrame {
   const float (*origin)[L::count];
   const float (*direction)[L::count];
+
+  // Of lanes from l on.
+  OMMA_HD Vector3<typename L::F> load_origin(int l) const {
+    using F = typename L::F;
+    return {load<F>(origin[0] + l), load<F>(origin[1] + l), load<F>(origin[2] + l)};
+  }
+  OMMA_HD Vector3<typename L::F> load_direction(int l) const {
+    using F = typename L::F;
+    return {load<F>(direction[0] + l), load<F>(direction[1] + l), load<F>(direction[2] + l)};
+  }
 };
 
 // The bundle of the first of those lanes and all that go with it.

@@ -7,6 +7,7 @@
 #include "physics/random_direction.h"
 #include "physics/ray_packet.h"
 #include "physics/units.h"
+#include "physics/vector3.h"
 
 namespace omma {
 
@@ -42,6 +43,10 @@ template <typename F>
 OMMA_HD F without_noise(F component) {
   return component < 1e-9f && component > -1e-9f ? component * 0.0f : component;
 }
+template <typename F>
+OMMA_HD Vector3<F> without_noise(const Vector3<F>& v) {
+  return {without_noise(v.x), without_noise(v.y), without_noise(v.z)};
+}
 
 // Points all over the unit disc for samples of units: a lattice of two irrational steps (the
 // plastic number's, whose points stay apart at any count), shifted by the unit's hash. Each point
@@ -67,15 +72,14 @@ OMMA_HD DiscPoints<typename L::F> disc_points(typename L::I hash, typename L::I 
 // bends light that comes along the ray into the rhabdom, which lies along the axis. All unit, up
 // across the axis.
 template <typename F>
-OMMA_HD void turn_with(const F (&axis)[3], const F (&ray)[3], const F (&up)[3], F (&turned)[3]) {
-  const F along = up[0] * ray[0] + up[1] * ray[1] + up[2] * ray[2];
-  const F cosine = axis[0] * ray[0] + axis[1] * ray[1] + axis[2] * ray[2];
+OMMA_HD Vector3<F> turn_with(const Vector3<F>& axis, const Vector3<F>& ray, const Vector3<F>& up) {
+  const F along = dot(up, ray), cosine = dot(axis, ray);
   // Straight behind the axis there are many shortest turns; the bound takes one of them.
   const F over = 1.0f + cosine;
   const F part = along / (over > 1e-6f ? over : broadcast<F>(1e-6f));
-  for (int r = 0; r < 3; ++r) turned[r] = up[r] - part * (axis[r] + ray[r]);
-  const F length = sqrt_lanes(turned[0] * turned[0] + turned[1] * turned[1] + turned[2] * turned[2]);
-  for (F& x : turned) x /= length;
+  const Vector3<F> turned = up - (axis + ray) * part;
+  const F length = sqrt_lanes(dot(turned, turned));
+  return {turned.x / length, turned.y / length, turned.z / length};
 }
 
 // Which samples of a pattern belong to a part of it: one of each 2^part_bits that follow each other,
@@ -115,15 +119,16 @@ OMMA_HD void write_rays(const DirectionsView& directions, const Units& units, in
       const F radius = of_unit(units.aperture_radius_m);
       disc = {disc.x * radius, disc.y * radius};
     }
-    for (int r = 0; r < 3; ++r) {
-      const F from = of_unit(units.origin[r]);
-      store(rays.origin[r] + l, units.has_apertures ? from + of_unit(units.s[r]) * disc.x +
-                                                          of_unit(units.t[r]) * disc.y
-                                                    : from);
-      store(rays.direction[r] + l,
-            without_noise(of_unit(units.s[r]) * d.x + of_unit(units.t[r]) * d.y +
-                          of_unit(units.axis[r]) * d.z));
-    }
+    const auto vector_of_unit = [&](const float(&values)[3][unit_room]) {
+      return Vector3<F>{of_unit(values[0]), of_unit(values[1]), of_unit(values[2])};
+    };
+    const Vector3<F> s = vector_of_unit(units.s), t = vector_of_unit(units.t);
+    const Vector3<F> axis = vector_of_unit(units.axis);
+    Vector3<F> origin = vector_of_unit(units.origin);
+    if (units.has_apertures) origin = origin + s * disc.x + t * disc.y;
+    const Vector3<F> direction = without_noise(s * d.x + t * d.y + axis * d.z);
+    store_vector(rays.origin, l, origin);
+    store_vector(rays.direction, l, direction);
     store(rays.t_near_m + l, of_unit(units.t_near_m));
     store(packet.footprint_rad + l, of_unit(units.footprint_rad));
     if (units.has_choices) {
@@ -132,14 +137,7 @@ OMMA_HD void write_rays(const DirectionsView& directions, const Units& units, in
       store(packet.acceptance_sr + l, of_unit(units.acceptance_sr));
     }
     if (!units.has_axes) return;
-    F axis[3], ray[3], up[3], turned[3];
-    for (int r = 0; r < 3; ++r) {
-      axis[r] = of_unit(units.axis[r]);
-      ray[r] = load<F>(rays.direction[r] + l);
-      up[r] = of_unit(units.up[r]);
-    }
-    turn_with(axis, ray, up, turned);
-    for (int r = 0; r < 3; ++r) store(packet.reference[r] + l, turned[r]);
+    store_vector(packet.reference, l, turn_with(axis, direction, vector_of_unit(units.up)));
   };
 
   // All lanes are one unit's: straight from its pattern.

@@ -6,6 +6,7 @@
 
 #include "physics/light_view.h"
 #include "physics/random_direction.h"
+#include "physics/vector3.h"
 
 namespace omma {
 
@@ -222,7 +223,7 @@ struct DirectionSample {
 
 // A direction in a cell of the sky, evenly by solid angle, of u0 and u1 in [0, 1).
 template <typename F>
-OMMA_HD void sample_sky(const SkyView& sky, F u0, F u1, F (&direction)[3]) {
+OMMA_HD Vector3<F> sample_sky(const SkyView& sky, F u0, F u1) {
   using I = decltype(to_int(u0));
   const std::int32_t cell_rows = sky.rows - 1;
   const I zero = to_int(F{});
@@ -245,26 +246,22 @@ OMMA_HD void sample_sky(const SkyView& sky, F u0, F u1, F (&direction)[3]) {
   F azimuth = (to_float(column) + along_column) / sky.columns_per_rad;
   azimuth = azimuth > 3.14159265f ? azimuth - 6.28318531f : azimuth;
   const SineCosine<F> turn = sine_cosine(azimuth);
-  direction[0] = turn.sine * cosine;
-  direction[1] = below ? 0.0f - sine : sine;
-  direction[2] = (0.0f - turn.cosine) * cosine;
+  return {turn.sine * cosine, below ? 0.0f - sine : sine, (0.0f - turn.cosine) * cosine};
 }
 
 // A direction in a disc, evenly by solid angle. The frame about its centre: Duff et al. 2017,
 // Building an orthonormal basis, revisited (Journal of Computer Graphics Techniques 6(1)).
 template <typename F>
-OMMA_HD void sample_disc(const DiscView& disc, F u0, F u1, F (&direction)[3]) {
+OMMA_HD Vector3<F> sample_disc(const DiscView& disc, F u0, F u1) {
   const Vec3 n = disc.direction;
   const float sign = n.z < 0.0f ? -1.0f : 1.0f;
   const float a = -1.0f / (sign + n.z), b = n.x * n.y * a;
-  const float s[3] = {1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x};
-  const float t[3] = {b, sign + n.y * n.y * a, -n.y};
-  const float centre[3] = {n.x, n.y, n.z};
+  const Vector3<float> s = {1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x};
+  const Vector3<float> t = {b, sign + n.y * n.y * a, -n.y};
   const F chord = u0 * disc.chord_2;
   const F sine = sqrt_lanes(chord * (1.0f - 0.25f * chord));
   const SineCosine<F> turn = sine_cosine((2.0f * u1 - 1.0f) * 3.14159265f);
-  for (int r = 0; r < 3; ++r)
-    direction[r] = (1.0f - 0.5f * chord) * centre[r] + (turn.cosine * s[r] + turn.sine * t[r]) * sine;
+  return vector_of(n) * (1.0f - 0.5f * chord) + (s * turn.cosine + t * turn.sine) * sine;
 }
 
 // A direction by how much light comes from it, of u0 and u1 in [0, 1); its density is far_pdf, which
@@ -272,17 +269,11 @@ OMMA_HD void sample_disc(const DiscView& disc, F u0, F u1, F (&direction)[3]) {
 OMMA_HD Vec3 sample_far_direction(const LightView& light, float u0, float u1) {
   for (int i = 0; i < light.disc_count; ++i) {
     const float p = light.discs[i].probability;
-    if (u0 < p) {
-      float direction[3];
-      sample_disc(light.discs[i], u0 / p, u1, direction);
-      return {direction[0], direction[1], direction[2]};
-    }
+    if (u0 < p) return vec_of(sample_disc(light.discs[i], u0 / p, u1));
     u0 -= p;
   }
   if (!(light.sky.probability > 0.0f)) return {0, 1, 0};
-  float direction[3];
-  sample_sky(light.sky, fminf(u0 / light.sky.probability, 0x1.fffffep-1f), u1, direction);
-  return {direction[0], direction[1], direction[2]};
+  return vec_of(sample_sky(light.sky, fminf(u0 / light.sky.probability, 0x1.fffffep-1f), u1));
 }
 
 OMMA_HD DirectionSample sample_far(const LightView& light, float u0, float u1) {

@@ -59,12 +59,12 @@ struct SunMapPlace {
 };
 
 template <typename F>
-OMMA_HD F along_axis(const F (&v)[3], const float (&axis)[3]) {
-  return v[0] * axis[0] + v[1] * axis[1] + v[2] * axis[2];
+OMMA_HD F along_axis(const Vector3<F>& v, const float (&axis)[3]) {
+  return dot(v, vector_of(axis));
 }
 
 template <typename F>
-OMMA_HD SunMapPlace<F> find_on_sun_map(const SunMapView& map, const F (&position)[3]) {
+OMMA_HD SunMapPlace<F> find_on_sun_map(const SunMapView& map, const Vector3<F>& position) {
   using I = decltype(to_int(F{}));
   // Places outside the map, and what is no number, go to its rim, where nothing is met.
   const auto page_at = [](F x, float last) {
@@ -107,8 +107,8 @@ OMMA_HD void fetch_sun_map(const SunMapView& map, std::int32_t word) {
 // The part of the sun that is seen, 0 to 1, from places on triangles with this unit normal; which
 // of its sides is meant makes no difference.
 template <typename F>
-OMMA_HD F eval_sun_map(const SunMapView& map, const SunMapPlace<F>& place, const F (&position)[3],
-                       const F (&normal)[3]) {
+OMMA_HD F eval_sun_map(const SunMapView& map, const SunMapPlace<F>& place,
+                       const Vector3<F>& position, const Vector3<F>& normal) {
   const F lowest_m = float_of(gather_pair(&map.pages->tile_and_level, place.page * 2).second);
   const Pair<F> scales = gather_pair(&map.pages->codes_per_m, place.page * 2);
   const F codes_per_m = scales.first, texel_m = scales.second;
@@ -151,20 +151,14 @@ OMMA_HD void eval_sun_map(const SunMapView& map, const HitGeometry<L>& geometry,
   constexpr int n = L::count;
   SunMapPlace<F> places[n / L::width];
   for (int l = 0; l < n; l += L::width) {
-    F position[3];
-    for (int r = 0; r < 3; ++r) position[r] = load<F>(geometry.position[r] + l);
-    places[l / L::width] = find_on_sun_map(map, position);
+    places[l / L::width] = find_on_sun_map(map, load_vector<F>(geometry.position, l));
     alignas(L::width * 4) std::int32_t word[L::width];
     store<I>(word, places[l / L::width].word);
     for (int k = 0; k < L::width; ++k) fetch_sun_map(map, word[k]);
   }
   for (int l = 0; l < n; l += L::width) {
-    F position[3], normal[3];
-    for (int r = 0; r < 3; ++r) {
-      position[r] = load<F>(geometry.position[r] + l);
-      normal[r] = load<F>(geometry.normal[r] + l);
-    }
-    store(visible + l, eval_sun_map(map, places[l / L::width], position, normal));
+    store(visible + l, eval_sun_map(map, places[l / L::width], load_vector<F>(geometry.position, l),
+                                    load_vector<F>(geometry.normal, l)));
   }
 }
 

@@ -95,44 +95,38 @@ OMMA_HD unsigned search_leaf(const RayFrame<L>& frame, const Leaf& leaf, unsigne
     alignas(16) float normals[3][block_width];
     alignas(16) float edges[3][3][block_width], heights[block_width];
     for (int k = 0; k < block_width; k += block_lanes) {
-      BlockFloats corner[3][3], normal[3];
-      for (int i = 0; i < 3; ++i)
-        for (int a = 0; a < 3; ++a) corner[i][a] = load<BlockFloats>(block.corner[i][a] + k);
-      triangle_normal(corner, normal);
-      for (int a = 0; a < 3; ++a) store(normals[a] + k, normal[a]);
+      Vector3<BlockFloats> corner[3];
+      for (int i = 0; i < 3; ++i) corner[i] = load_vector<BlockFloats>(block.corner[i], k);
+      const Vector3<BlockFloats> normal = triangle_normal(corner);
+      store_vector(normals, k, normal);
       if (!leaf.one_origin) continue;
       const int ray = lowest_bit(lanes);
-      for (int i = 0; i < 3; ++i)
-        for (int a = 0; a < 3; ++a) corner[i][a] = corner[i][a] - frame.origin[a][ray];
-      SeenTriangle<BlockFloats> seen;
-      see_triangle(corner, normal, seen);
-      for (int i = 0; i < 3; ++i)
-        for (int a = 0; a < 3; ++a) store(edges[i][a] + k, seen.edge[i][a]);
+      const Vector3<float> origin{frame.origin[0][ray], frame.origin[1][ray], frame.origin[2][ray]};
+      for (Vector3<BlockFloats>& c : corner) c = c - origin;
+      const SeenTriangle<BlockFloats> seen = see_from_origin(corner, normal);
+      for (int i = 0; i < 3; ++i) store_vector(edges[i], k, seen.edge[i]);
       store(heights + k, seen.height);
     }
     const int last = leaf.triangles - first < block_width ? leaf.triangles - first : block_width;
     for (int k = 0; k < last; ++k) {
-      const float normal[3] = {normals[0][k], normals[1][k], normals[2][k]};
+      const auto normal = load_vector<float>(normals, k);
       for (int l = 0; l < L::count; l += L::width) {
         if constexpr (L::count > L::width)
           if ((lanes >> l & ((1u << L::width) - 1)) == 0) continue;
-        F direction[3];
-        for (int a = 0; a < 3; ++a) direction[a] = load<F>(frame.direction[a] + l);
+        const Vector3<F> direction = frame.load_direction(l);
         Crossing<F> crossing;
         unsigned bits;
         if (leaf.one_origin) {
           SeenTriangle<float> seen;
-          for (int i = 0; i < 3; ++i)
-            for (int a = 0; a < 3; ++a) seen.edge[i][a] = edges[i][a][k];
+          for (int i = 0; i < 3; ++i) seen.edge[i] = load_vector<float>(edges[i], k);
           seen.height = heights[k];
           bits = cross_triangle(seen, normal, direction, crossing);
         } else {
-          F corner[3][3];
+          const Vector3<F> origin = frame.load_origin(l);
+          Vector3<F> corner[3];
           for (int i = 0; i < 3; ++i)
-            for (int a = 0; a < 3; ++a)
-              corner[i][a] = block.corner[i][a][k] - load<F>(frame.origin[a] + l);
-          SeenTriangle<F> seen;
-          see_triangle(corner, normal, seen);
+            corner[i] = load_vector<float>(block.corner[i], k) - origin;
+          const SeenTriangle<F> seen = see_from_origin(corner, normal);
           bits = cross_triangle(seen, normal, direction, crossing);
         }
         bits &= lanes >> l;
@@ -147,18 +141,12 @@ OMMA_HD unsigned search_leaf(const RayFrame<L>& frame, const Leaf& leaf, unsigne
 // Rays in the frame of a placed tree: origins, then directions, which keep their length so that
 // distances along them stay what they are.
 template <typename L, typename Packet>
-OMMA_HD void move_rays(const float (&m)[3][4], const Packet& rays, float (&moved)[6][L::count]) {
+OMMA_HD void move_rays(const float (&m)[3][4], const Packet& rays, float (&origin)[3][L::count],
+                       float (&direction)[3][L::count]) {
   using F = typename L::F;
   for (int l = 0; l < L::count; l += L::width) {
-    F o[3], d[3];
-    for (int a = 0; a < 3; ++a) {
-      o[a] = load<F>(rays.origin[a] + l);
-      d[a] = load<F>(rays.direction[a] + l);
-    }
-    for (int a = 0; a < 3; ++a) {
-      store(moved[a] + l, m[a][0] * o[0] + m[a][1] * o[1] + m[a][2] * o[2] + m[a][3]);
-      store(moved[3 + a] + l, m[a][0] * d[0] + m[a][1] * d[1] + m[a][2] * d[2]);
-    }
+    store_vector(origin, l, transform_point(m, load_vector<F>(rays.origin, l)));
+    store_vector(direction, l, transform_direction(m, load_vector<F>(rays.direction, l)));
   }
 }
 
@@ -185,10 +173,10 @@ OMMA_HD void search(const BvhView& bvh, unsigned valid, Packet& rays, Found foun
       const PlacedTree& tree = bvh.trees[index];
       const bool is_moved = tree.placed != none;
       RayFrame<L> frame = world;
-      alignas(L::count >= 16 ? 64 : 4) float moved[6][L::count];
+      alignas(L::count >= 16 ? 64 : 4) float origin[3][L::count], direction[3][L::count];
       if (is_moved) {
-        move_rays<L>(tree.tree_from_frame, rays, moved);
-        frame = {moved, moved + 3};
+        move_rays<L>(tree.tree_from_frame, rays, origin, direction);
+        frame = {origin, direction};
       }
       for (unsigned left = seeing<L>(rays, tree, lanes); left != 0;) {
         RayBundle<L> moved_bundle;
@@ -284,7 +272,7 @@ OMMA_HD void closest(const BvhView& bvh, const int* valid, RayPacket<L::count>& 
   search<L>(
       bvh, valid_bits<L>(valid), rays,
       [&](const PlacedTree& tree, unsigned lanes, int l, unsigned bits, const Crossing<F>& crossing,
-          const float(&normal)[3], const TriangleBlock& block, int k) {
+          const Vector3<float>& normal, const TriangleBlock& block, int k) {
         bits = in_reach<L>(rays, l, bits, crossing);
         if (bits == 0) return lanes;
         const std::uint32_t placed = placed_of(tree, block, k), triangle = block.triangle[k];
@@ -320,7 +308,7 @@ OMMA_HD unsigned occluded(const BvhView& bvh, const int* valid, const RayPacket<
   search<L>(
       bvh, valid_bits<L>(valid), rays,
       [&](const PlacedTree& tree, unsigned lanes, int l, unsigned bits, const Crossing<F>& crossing,
-          const float(&)[3], const TriangleBlock& block, int k) {
+          const Vector3<float>&, const TriangleBlock& block, int k) {
         bits = in_reach<L>(rays, l, bits, crossing);
         bits = accepted<L>(l, bits, crossing, block, k, placed_of(tree, block, k), accept);
         found |= bits << l;

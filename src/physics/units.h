@@ -4,7 +4,7 @@
 
 #include "physics/frame_view.h"
 #include "physics/hash.h"
-#include "physics/lanes.h"
+#include "physics/vector3.h"
 
 namespace omma {
 
@@ -74,26 +74,18 @@ OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const Directi
     };
 
     // The frame at this pose; orthonormal again, as a pose may scale.
-    const F origin[3] = {at(eye.origin[0]), at(eye.origin[1]), at(eye.origin[2])};
-    const F axis[3] = {at(eye.axis[0]), at(eye.axis[1]), at(eye.axis[2])};
-    const F up[3] = {at(eye.up[0]), at(eye.up[1]), at(eye.up[2])};
-    F a[3], s[3];
-    for (int r = 0; r < 3; ++r) {
-      store(units.origin[r] + u,
-            m[r][0] * origin[0] + m[r][1] * origin[1] + m[r][2] * origin[2] + m[r][3]);
-      a[r] = m[r][0] * axis[0] + m[r][1] * axis[1] + m[r][2] * axis[2];
-      s[r] = m[r][0] * up[0] + m[r][1] * up[1] + m[r][2] * up[2];
-    }
-    const F length_a = sqrt_lanes(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+    const auto vector_at = [&](const float* const(&values)[3]) {
+      return Vector3<F>{at(values[0]), at(values[1]), at(values[2])};
+    };
+    store_vector(units.origin, u, transform_point(m, vector_at(eye.origin)));
+    const Vector3<F> axis = transform_direction(m, vector_at(eye.axis));
+    const F length_a = sqrt_lanes(dot(axis, axis));
     store(units.t_near_m + u, at(eye.focal_offset_m) * length_a);
-    const F scale_a = 1.0f / length_a;
-    for (F& x : a) x *= scale_a;
-    const F along = s[0] * a[0] + s[1] * a[1] + s[2] * a[2];
-    for (int r = 0; r < 3; ++r) s[r] -= along * a[r];
-    const F scale_s = 1.0f / sqrt_lanes(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
-    for (F& x : s) x *= scale_s;
-    const F t[3] = {a[1] * s[2] - a[2] * s[1], a[2] * s[0] - a[0] * s[2],
-                    a[0] * s[1] - a[1] * s[0]};
+    const Vector3<F> a = axis * (1.0f / length_a);
+    Vector3<F> s = transform_direction(m, vector_at(eye.up));
+    s = s - a * dot(s, a);
+    s = s * (1.0f / sqrt_lanes(dot(s, s)));
+    const Vector3<F> t = cross(a, s);
 
     // Its pattern, and its turn about the axis from other bits; scrambles of one ommatidium differ
     // in both.
@@ -105,12 +97,10 @@ OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const Directi
     const I turn = fixed_turn < 0 ? own_turn : fixed_turn;
     const float* turns = &directions.turns->x;
     const F cosine = gather(turns, turn * 2), sine = gather(turns, turn * 2 + 1);
-    for (int r = 0; r < 3; ++r) {
-      store(units.axis[r] + u, a[r]);
-      store(units.s[r] + u, s[r] * cosine + t[r] * sine);
-      store(units.t[r] + u, t[r] * cosine - s[r] * sine);
-      if (has_axes) store(units.up[r] + u, s[r]);
-    }
+    store_vector(units.axis, u, a);
+    store_vector(units.s, u, s * cosine + t * sine);
+    store_vector(units.t, u, t * cosine - s * sine);
+    if (has_axes) store_vector(units.up, u, s);
     store(units.warp + u, warp);
     store(units.footprint_rad + u, gather(directions.footprint_rad, warp));
     if (directions.patterns > 0) {

@@ -157,22 +157,16 @@ TYPED_TEST(SearchHits, RaysThatLeaveASurfaceDoNotMeetItAgain) {
         for (int l = 0; l < 16; ++l) {
           valid[l] = hits.mesh[l] >= 0 ? -1 : 0;
           met += hits.mesh[l] >= 0;
-          float position[3], normal[3], towards[3], origin[3];
           Vec3d d = random.direction();
           // Some nearly along the surface.
           if (k % 2 == 0) d = normalize(d + up * (1e-4 - dot(d, up)));
           if (dot(d, up) < 0) d = d * -1.0;
-          const double direction[3] = {d.x, d.y, d.z};
-          for (int r = 0; r < 3; ++r) {
-            position[r] = geometry.position[r][l];
-            normal[r] = geometry.normal[r][l];
-            towards[r] = static_cast<float>(direction[r]);
-          }
-          leave_surface(position, normal, geometry.reach_m[l], towards, origin);
-          for (int r = 0; r < 3; ++r) {
-            leaving.origin[r][l] = origin[r];
-            leaving.direction[r][l] = towards[r];
-          }
+          const Vector3<float> towards = vector_of(to_float(d));
+          store_vector(leaving.origin, l,
+                       leave_surface(load_vector<float>(geometry.position, l),
+                                     load_vector<float>(geometry.normal, l), geometry.reach_m[l],
+                                     towards));
+          store_vector(leaving.direction, l, towards);
           leaving.t_far_m[l] = INFINITY;
         }
         alignas(64) std::int32_t asked[16];

@@ -57,8 +57,8 @@ struct SunScene {
 
   float visible(const SunMapData& map, Vec3d position, Vec3d normal) const {
     const Vec3 p = to_float(position - placement.origin_m), n = to_float(normal);
-    const float at[3] = {p.x, p.y, p.z}, across[3] = {n.x, n.y, n.z};
-    return eval_sun_map(map.view, find_on_sun_map(map.view, at), at, across);
+    const Vector3<float> at = vector_of(p);
+    return eval_sun_map(map.view, find_on_sun_map(map.view, at), at, vector_of(n));
   }
 };
 
@@ -255,8 +255,7 @@ TEST(SunMap, MemoryGoesWhereTrianglesAre) {
     EXPECT_GT(map.coarsest_texel_m, 15 * map.finest_texel_m);
     const auto texel_at = [&](Vec3d p) {
       const Vec3 at = to_float(p - lit.placement.origin_m);
-      const float position[3] = {at.x, at.y, at.z};
-      return map.view.pages[find_on_sun_map(map.view, position).page].texel_m;
+      return map.view.pages[find_on_sun_map(map.view, vector_of(at)).page].texel_m;
     };
     EXPECT_EQ(texel_at({0, 0.3, 0}), static_cast<float>(map.finest_texel_m));
     EXPECT_GT(texel_at({700, 0, -500}), 15 * static_cast<float>(map.finest_texel_m));

@@ -45,12 +45,11 @@ struct Copies {
   }
 };
 
-void corners_of(const Copies& tree, const Copy& copy, std::size_t triangle, float (&corner)[3][3]) {
+void corners_of(const Copies& tree, const Copy& copy, std::size_t triangle,
+                Vector3<float> (&corner)[3]) {
   const std::array<std::uint32_t, 3>& vertices = copy.mesh->triangles[triangle];
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Vec3 p = tree.vertex_m[copy.first_vertex + vertices[i]];
-    corner[i][0] = p.x, corner[i][1] = p.y, corner[i][2] = p.z;
-  }
+  for (std::size_t i = 0; i < 3; ++i)
+    corner[i] = vector_of(tree.vertex_m[copy.first_vertex + vertices[i]]);
 }
 
 Mat4 translation(Vec3d by) {
@@ -60,10 +59,9 @@ Mat4 translation(Vec3d by) {
 }
 
 // Whether a ray can meet it at all: not where its normal, as the search finds it, is zero.
-bool can_be_hit(const float (&corner)[3][3]) {
-  float normal[3];
-  triangle_normal(corner, normal);
-  const float size = std::fabs(normal[0]) + std::fabs(normal[1]) + std::fabs(normal[2]);
+bool can_be_hit(const Vector3<float> (&corner)[3]) {
+  const Vector3<float> normal = triangle_normal(corner);
+  const float size = std::fabs(normal.x) + std::fabs(normal.y) + std::fabs(normal.z);
   return size > 0 && size <= std::numeric_limits<float>::max();
 }
 
@@ -75,12 +73,12 @@ std::vector<BuildBox> boxes_of(const Copies& tree) {
     std::size_t out = k * chunk;
     for (std::size_t t = k * chunk; t < std::min((k + 1) * chunk, tree.triangles); ++t) {
       const Copy& copy = tree.of_triangle(t);
-      float corner[3][3];
+      Vector3<float> corner[3];
       corners_of(tree, copy, t - copy.first_triangle, corner);
       if (!tree.deforms && !can_be_hit(corner)) continue;
       BuildBox& box = boxes[out++];
       box.index = static_cast<std::uint32_t>(t);
-      for (std::size_t a = 0; a < 3; ++a) {
+      for (int a = 0; a < 3; ++a) {
         box.lower[a] = std::min({corner[0][a], corner[1][a], corner[2][a]});
         box.upper[a] = std::max({corner[0][a], corner[1][a], corner[2][a]});
       }
@@ -96,7 +94,7 @@ std::vector<BuildBox> boxes_of(const Copies& tree) {
 
 void write_block(const Copies& tree, const std::uint32_t* order, TriangleBlock& block) {
   for (int k = 0; k < block_width; ++k) {
-    float corner[3][3];
+    Vector3<float> corner[3];
     bool is_there = order[k] != none;
     if (is_there) {
       const Copy& copy = tree.of_triangle(order[k]);
@@ -216,11 +214,8 @@ void build_top(PortableTracer& tracer) {
 // Where the k-th triangle of a block is now.
 void place_corners(TriangleBlock& block, int k, const std::vector<Vec3>& vertex_m,
                    const std::array<std::uint32_t, 3>& vertices) {
-  float corner[3][3];
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Vec3 p = vertex_m[vertices[i]];
-    corner[i][0] = p.x, corner[i][1] = p.y, corner[i][2] = p.z;
-  }
+  Vector3<float> corner[3];
+  for (std::size_t i = 0; i < 3; ++i) corner[i] = vector_of(vertex_m[vertices[i]]);
   const bool is_there = can_be_hit(corner);
   for (int i = 0; i < 3; ++i)
     for (int a = 0; a < 3; ++a)
