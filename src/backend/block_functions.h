@@ -27,9 +27,8 @@ struct BlockFunctions {
   void (*gather)(const FrameView&, const GatherTask&, const void* tracer, std::byte* memory,
                  double* mean) = nullptr;
   void (*prepare)(const FrameView&, const BlockTask&, RayPacket<packet_rays>* packets) = nullptr;
-  // Closest accepted hits, between t_near_m and t_far_m, of rays whose `valid` is not 0.
-  void (*closest)(const void* tracer, const std::int32_t* valid,
-                  RayPacket<packet_rays>& rays) = nullptr;
+  // Closest accepted hits, between t_near_m and t_far_m, of rays whose bit in `lanes` is set.
+  void (*closest)(const void* tracer, unsigned lanes, RayPacket<packet_rays>& rays) = nullptr;
 };
 
 // What `render` needs, on each thread.

@@ -28,7 +28,6 @@ double inverse_distances(const Tracing& tracing, const Vec3 (&corner)[3], std::u
   HitGeometry<L> geometry{};
   RayPacket<packet_rays> rays{};
   clear<L>(rays);
-  alignas(64) std::int32_t valid[packet_rays];
   float reach = 0;
   for (const Vec3& c : corner)
     reach = std::max({reach, std::abs(c.x), std::abs(c.y), std::abs(c.z)});
@@ -45,9 +44,8 @@ double inverse_distances(const Tracing& tracing, const Vec3 (&corner)[3], std::u
     geometry.reach_m[l] = reach;
     leave_surface<L>(geometry, l, towards, rays);
     rays.t_far_m[l] = INFINITY;
-    valid[l] = -1;
   }
-  tracing.closest(tracing.tracer, valid, rays);
+  tracing.closest(tracing.tracer, LaneMask<L>::all_bits, rays);
   double sum = 0;
   for (int l = 0; l < packet_rays; ++l)
     if (rays.geometry[l] != none) sum += 1.0 / std::max(1e-30, double{rays.t_far_m[l]});

@@ -87,23 +87,24 @@ OMMA_HD bool find_cones(const FrameView& frame, const BlockTask& task, const Uni
 
 // Of a packet's rays those in a cone of their unit.
 template <typename L>
-OMMA_HD unsigned rays_in_cones(const Packet<L>& packet, const PacketPlace& place, int samples,
+OMMA_HD LaneMask<L> rays_in_cones(const Packet<L>& packet, const PacketPlace& place, int samples,
                                const BlockMemory& memory) {
-  unsigned inside = 0;
+  LaneMask<L> inside;
   for (int l = 0; l < place.filled; ++l) {
     const int u = place.unit + (place.sample + l) / samples;
     for (int k = 0; k < memory.cone_count[u]; ++k)
       if (is_in_cone(memory.cones[u * most_cones + k], vec_at(packet.rays.direction, l)))
-        inside |= 1u << l;
+        inside.add(l);
   }
   return inside;
 }
 
 // Takes away the radiance [row][lane] of some lanes.
 template <typename L>
-OMMA_HD void drop_lanes(unsigned lanes, int rows, float* radiance) {
-  for (unsigned bits = lanes; bits != 0; bits &= bits - 1)
-    for (int i = 0; i < rows; ++i) radiance[i * L::count + lowest_bit(bits)] = 0;
+OMMA_HD void drop_lanes(LaneMask<L> lanes, int rows, float* radiance) {
+  lanes.for_each([&](int l) {
+    for (int i = 0; i < rows; ++i) radiance[i * L::count + l] = 0;
+  });
 }
 
 // Rays of a unit all over its cone number `k`, `each` for each replicate: sums of what they bring,
@@ -120,7 +121,7 @@ OMMA_HD void trace_cone(const DiscTask& of, int k, int each, Search& search,
   clear<L>(packet.rays);
   packet.light_sees = of.task->sees.by_light;
   for (int begin = 0; begin < rays; begin += n) {
-    alignas(n * 4) std::int32_t valid[n];
+    LaneMask<L> counting;
     float weight[n];
     for (int l = 0; l < n; ++l) {
       const int ray = begin + l < rays ? begin + l : rays - 1;
@@ -133,7 +134,7 @@ OMMA_HD void trace_cone(const DiscTask& of, int k, int each, Search& search,
       weight[l] = begin + l < rays ? static_cast<float>(unit_pdf(of, direction, turn)) : 0.0f;
       for (int j = 0; j < k; ++j)
         if (is_in_cone(memory.cones[u * most_cones + j], direction)) weight[l] = 0;
-      valid[l] = weight[l] > 0 ? -1 : 0;
+      if (weight[l] > 0) counting.add(l);
       const Vector3<float> towards = vector_of(direction);
       const float radius_m = units.aperture_radius_m[u];
       const auto s = load_vector<float>(units.s, u), t = load_vector<float>(units.t, u);
@@ -155,18 +156,17 @@ OMMA_HD void trace_cone(const DiscTask& of, int k, int each, Search& search,
     }
     PathMemory paths = memory.paths;
     paths.cell_errors = nullptr;  // rays that count for little
-    eval_lit_path<L>(*frame.scene, search, valid, packet, paths, memory.radiance);
+    eval_lit_path<L>(*frame.scene, search, counting, packet, paths, memory.radiance);
     const float* brought = memory.radiance;
     if (frame.output_from_band != nullptr) {
       make_outputs<L>(frame, memory.radiance, memory.output);
       brought = memory.output;
     }
-    for (unsigned bits = packet_bits<L>(valid); bits != 0; bits &= bits - 1) {
-      const int l = lowest_bit(bits);
+    counting.for_each([&](int l) {
       double* const sums = memory.aimed + (begin + l) / each * outputs;
       for (int o = 0; o < outputs; ++o)
         sums[o] += static_cast<double>(weight[l] * brought[o * n + l]);
-    }
+    });
   }
 }
 
@@ -176,7 +176,7 @@ template <typename L, typename Search>
 OMMA_HD void add_aimed(const FrameView& frame, const BlockTask& task, const UnitList& list,
                        Search& search, const BlockMemory& memory) {
   Units units;
-  make_units<L>(*frame.eye, task, *frame.directions, list, true, frame.scene->polarized, units);
+  make_units<L>(*frame.eye, task, *frame.directions, list, {true, frame.scene->polarized}, units);
   find_acceptances(frame, units, list.count);
   if (!find_cones(frame, task, units, list.count, memory)) return;
   for (int u = 0; u < list.count; ++u)

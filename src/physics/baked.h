@@ -66,15 +66,15 @@ OMMA_HD I divisions_of(I cells) {
 }
 
 // The cell that lanes' rays met, asked for from memory; null where probes light them.
-template <int n>
-struct BakedPlaces {
-  const std::uint16_t* cell[n];
-  unsigned from_behind;  // lanes whose rays come from behind, once light is read
+template <typename L>
+struct BakedLookup {
+  const std::uint16_t* cell[L::count];
+  LaneMask<L> from_behind;  // lanes whose rays come from behind, once light is read
 };
 
 template <typename L>
 OMMA_HD void find_baked(const SceneView& scene, const Packet<L>& packet, const Hits<L>& hits,
-                        BakedPlaces<L::count>& places) {
+                        BakedLookup<L>& found) {
   using F = typename L::F;
   using I = typename L::I;
   constexpr int n = L::count;
@@ -92,12 +92,12 @@ OMMA_HD void find_baked(const SceneView& scene, const Packet<L>& packet, const H
     store(cells + l, is_member ? cell : load<I>(cells + l));
   });
   for (int l = 0; l < n; ++l) {
-    places.cell[l] = nullptr;
+    found.cell[l] = nullptr;
     if (hits.mesh[l] < 0) continue;
     const std::int32_t first = baked.first_cell[hits.instance[l]];
     if (first < 0 || baked.moves[hits.instance[l]] != 0) continue;
-    places.cell[l] = baked.values + stride * (first + static_cast<std::ptrdiff_t>(cells[l]));
-    fetch_line(places.cell[l]);
+    found.cell[l] = baked.values + stride * (first + static_cast<std::ptrdiff_t>(cells[l]));
+    fetch_line(found.cell[l]);
   }
 }
 
@@ -148,43 +148,44 @@ OMMA_HD auto decode_baked(I values) {
 
 // Of the lanes in `lanes`, into memory.front and memory.back [band][lane]. Of surfaces that transmit
 // nothing what is behind them is not read: it is left as zeros.
-template <typename L>
-OMMA_HD void eval_baked(const SceneView& scene, const Packet<L>& packet,
-                        BakedPlaces<L::count>& places, const HitGeometry<L>& geometry,
-                        const LitSurface<L>& surface, unsigned lanes, const PathMemory& memory) {
+template <typename L, typename Search>
+OMMA_HD void eval_baked(const Flight<L, Search>& flight, BakedLookup<L>& found,
+                        const HitGeometry<L>& geometry, const LitSurface<L>& surface,
+                        LaneMask<L> lanes) {
   using F = typename L::F;
   constexpr int n = L::count, width = L::width;
+  const SceneView& scene = flight.scene;
+  const PathMemory& memory = flight.memory;
   const BakedView& baked = *scene.baked;
-  const unsigned from_behind = places.from_behind = bits_where<L>([&](int l) {
-    return dot(load_vector<F>(geometry.normal, l), load_vector<F>(packet.rays.direction, l)) > 0.0f;
+  const LaneMask<L> from_behind = found.from_behind = lanes_where<L>([&](int l) {
+    return dot(load_vector<F>(geometry.normal, l),
+               load_vector<F>(flight.packet.rays.direction, l)) > 0.0f;
   });
-  unsigned in_cells = 0, sheets = 0;
-  for (unsigned bits = lanes; bits != 0; bits &= bits - 1) {
-    const int l = lowest_bit(bits);
-    if (places.cell[l] != nullptr) in_cells |= 1u << l;
-    if (scene.scatter[surface.material[l]].transmittance != nullptr) sheets |= 1u << l;
-  }
-  const auto read_cells = [&](unsigned wanted, bool is_far, float* out) {
+  LaneMask<L> in_cells, sheets;
+  lanes.for_each([&](int l) {
+    if (found.cell[l] != nullptr) in_cells.add(l);
+    if (scene.scatter[surface.material[l]].transmittance != nullptr) sheets.add(l);
+  });
+  const auto read_cells = [&](LaneMask<L> wanted, bool is_far, float* out) {
     for (int l = 0; l < n; l += width)
-      store_rows<L>(scene.bands, wanted >> l, [&](int k, const auto& read) {
-        const bool is_back = (from_behind >> (l + k) & 1u) != 0;
-        const std::uint16_t* side = places.cell[l + k] + (is_back != is_far ? scene.bands : 0);
+      store_rows<L>(scene.bands, wanted.word(l), [&](int k, const auto& read) {
+        const bool is_back = from_behind.has(l + k);
+        const std::uint16_t* side = found.cell[l + k] + (is_back != is_far ? scene.bands : 0);
         return decode_baked(read(side)) * baked.unit;
       }, out + l);
   };
   read_cells(in_cells, false, memory.front);
-  if (sheets != 0) {
+  if (sheets.any()) {
     read_cells(in_cells & sheets, true, memory.back);
   } else {
     for (int i = 0; i < scene.bands * n; ++i) memory.back[i] = 0;
   }
-  for (unsigned bits = lanes & ~in_cells; bits != 0; bits &= bits - 1) {
-    const int l = lowest_bit(bits);
+  (lanes & ~in_cells).for_each([&](int l) {
     const Vec3 position = vec_at(geometry.position, l), normal = vec_at(surface.normal, l);
     eval_probes(baked, scene.bands, position, normal, memory.front + l, n);
-    if ((sheets >> l & 1u) != 0)
+    if (sheets.has(l))
       eval_probes(baked, scene.bands, position, normal * -1.0f, memory.back + l, n);
-  }
+  });
 }
 
 }  // namespace omma

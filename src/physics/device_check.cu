@@ -22,7 +22,7 @@ struct Search {
                        bool from_behind) const {
     return accept_hit(*scene, {placed_meshes[placed].mesh, triangle, u, v}, from_behind);
   }
-  OMMA_HD void closest(const std::int32_t* valid, RayPacket<1>& rays,
+  OMMA_HD void closest(LaneMask<OneLane> lanes, RayPacket<1>& rays,
                        const PassedSurfaces<1>* passed, Spread = Spread::together) const {
     const auto accept = [&](int lane, float t_m, float u, float v, std::uint32_t triangle,
                             std::uint32_t placed, bool from_behind) {
@@ -31,11 +31,11 @@ struct Search {
       return passed == nullptr ||
              !has_passed(*passed, lane, {none, placed, triangle, t_m, u, v}, {}, corners);
     };
-    omma::closest<OneLane>(*bvh, valid, rays, accept);
+    omma::closest<OneLane>(*bvh, lanes, rays, accept);
   }
-  OMMA_HD unsigned occluded(const std::int32_t* valid, const RayPacket<1>& rays) const {
+  OMMA_HD LaneMask<OneLane> occluded(LaneMask<OneLane> lanes, const RayPacket<1>& rays) const {
     return omma::occluded<OneLane>(
-        *bvh, valid, rays,
+        *bvh, lanes, rays,
         [&](int, float, float u, float v, std::uint32_t triangle, std::uint32_t placed,
             bool from_behind) { return accepts(placed, triangle, u, v, from_behind); });
   }
@@ -81,9 +81,9 @@ __global__ void device_check_scatter(const ScatterSurface<float>* surfaces, Vec2
 __global__ void device_check_leaving(SceneView scene, BvhView bvh, const PlacedMesh* placed,
                                      Packet<OneLane>* packets, unsigned* occluded_rays) {
   Packet<OneLane>& packet = packets[threadIdx.x];
-  const std::int32_t valid = -1;
+  const auto all = LaneMask<OneLane>::all();
   const Search search{&scene, &bvh, placed};
-  search.closest(&valid, packet.rays, nullptr);
+  search.closest(all, packet.rays, nullptr);
   Hits<OneLane> hits;
   find_hits<OneLane>(placed, packet, hits);
   HitGeometry<OneLane> geometry;
@@ -91,7 +91,7 @@ __global__ void device_check_leaving(SceneView scene, BvhView bvh, const PlacedM
   const auto normal = load_vector<float>(geometry.normal, 0);
   leave_surface<OneLane>(geometry, 0, normal, packet.rays);
   packet.rays.t_far_m[0] = INFINITY;
-  occluded_rays[threadIdx.x] = search.occluded(&valid, packet.rays);
+  occluded_rays[threadIdx.x] = search.occluded(all, packet.rays).bits;
 }
 
 // How much of the sun is seen from where a ray met something.

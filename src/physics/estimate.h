@@ -2,7 +2,7 @@
 // rays by itself.
 #pragma once
 
-#include "physics/sums.h"
+#include "physics/trace_units.h"
 
 namespace omma {
 
@@ -138,8 +138,10 @@ OMMA_HD void clear(double* sums, int outputs, int units) {
 
 // One round of the ommatidia for which it comes next.
 template <typename L, typename Search>
-OMMA_HD void trace_round(const FrameView& frame, const BlockTask& task, int k, int scramble,
-                         Search& search, WayToError& way, const BlockMemory& memory) {
+OMMA_HD void trace_round(const BlockRun<Search>& run, int k, int scramble, WayToError& way) {
+  const FrameView& frame = run.frame;
+  const BlockTask& task = run.task;
+  const BlockMemory& memory = run.memory;
   const DirectionsView& directions = frame.directions[k];
   const int most =
       directions.samples < L::count ? block_rays / directions.samples : block_capacity;
@@ -156,8 +158,8 @@ OMMA_HD void trace_round(const FrameView& frame, const BlockTask& task, int k, i
     clear(memory.round_squares, frame.outputs, count);
     if (frame.truth != nullptr) clear(*frame.truth, memory.truth_round_sums, count);
     const UnitList list{scramble == 0 ? nullptr : ordinal, scramble, 1, count};
-    trace_units<L>(frame, task, directions, list, search, memory, memory.round_sums,
-                   memory.round_squares, memory.truth_round_sums);
+    trace_units<L>(run, directions, list,
+                   {memory.round_sums, memory.round_squares, memory.truth_round_sums});
     // Choices on the way of a path are not as even as the directions that they begin with.
     const bool is_even = !directions.random && frame.scene->light == nullptr;
     const double credit = is_even ? even_credit : 1.0;
@@ -176,8 +178,10 @@ OMMA_HD void trace_round(const FrameView& frame, const BlockTask& task, int k, i
 }
 
 template <typename L, typename Search>
-OMMA_HD void render_to_error(const FrameView& frame, const BlockTask& task, Search& search,
-                             const BlockMemory& memory) {
+OMMA_HD void render_to_error(const BlockRun<Search>& run) {
+  const FrameView& frame = run.frame;
+  const BlockTask& task = run.task;
+  const BlockMemory& memory = run.memory;
   WayToError way;
   clear(memory.sums, frame.outputs, task.count);
   clear(memory.all_squares, frame.outputs, task.count);
@@ -186,8 +190,7 @@ OMMA_HD void render_to_error(const FrameView& frame, const BlockTask& task, Sear
   for (int i = 0; i < task.count; ++i) way.roots[i] = way.rays[i] = way.next[i] = 0;
   int rounds = 1;  // of these some are to come
   for (int scramble = 0; rounds > 0; ++scramble) {
-    for (int k = 0; k < rounds; ++k)
-      trace_round<L>(frame, task, k, scramble, search, way, memory);
+    for (int k = 0; k < rounds; ++k) trace_round<L>(run, k, scramble, way);
     rounds = 0;
     estimate(frame, task, way, memory);
     for (int i = 0; i < task.count; ++i) {
@@ -197,7 +200,7 @@ OMMA_HD void render_to_error(const FrameView& frame, const BlockTask& task, Sear
   }
   const bool sees_more = sees_beside_rays(frame);
   if (sees_more)
-    eval_beside_rays<L>(frame, task, {nullptr, 0, 1, task.count}, search, memory);
+    eval_beside_rays<L>(frame, task, {nullptr, 0, 1, task.count}, run.search, memory);
   for (int i = 0; i < task.count; ++i) {
     const auto ommatidium = static_cast<std::int64_t>(frame.eye->ommatidium[task.first + i]);
     if (task.rays != nullptr) task.rays[ommatidium] = way.rays[i];

@@ -13,7 +13,7 @@
 // than the acceptance. What fills an acceptance is found by its rays as well as any other surface is.
 #pragma once
 
-#include "physics/ask_lights.h"
+#include "physics/direct_light.h"
 #include "physics/head_motion.h"
 #include "physics/units.h"
 
@@ -207,10 +207,16 @@ struct DiscSums {
   bool any_open = false, any_hidden = false;
 };
 
-// Shadow rays of a unit to the points of a set on the disc, `each` for each of some replicates.
+// Points on a disc: `each` for each of some replicates. Sets of other numbers are independent.
+struct PointSet {
+  std::uint32_t number;
+  int replicates, each;
+};
+
+// Shadow rays of a unit to the points of a set on the disc.
 template <typename L, typename Search>
 OMMA_HD void trace_disc(const DiscTask& of, Search& search, const BlockMemory& memory,
-                        std::uint32_t set, int replicates, int each, DiscSums& sums) {
+                        const PointSet& set, DiscSums& sums) {
   using F = typename L::F;
   using I = typename L::I;
   using U = typename L::U;
@@ -218,19 +224,19 @@ OMMA_HD void trace_disc(const DiscTask& of, Search& search, const BlockMemory& m
   const SceneView& scene = *of.frame->scene;
   const Units& units = *of.units;
   const DiscView& disc = *of.disc;
-  const int u = of.unit, bands = scene.bands, rays = replicates * each;
-  const bool dims = scene.has_blend || scene.has_glass;
+  const int u = of.unit, bands = scene.bands, rays = set.replicates * set.each;
+  const bool dims = lets_through(scene);
   sums.any_open = sums.any_hidden = false;
-  for (int i = 0; i < replicates * bands; ++i) sums.all[i] = sums.seen[i] = 0;
+  for (int i = 0; i < set.replicates * bands; ++i) sums.all[i] = sums.seen[i] = 0;
   Packet<L> shadow;
   clear<L>(shadow.rays);
   for (int begin = 0; begin < rays; begin += n) {
     alignas(n * 4) float x[n], y[n], from_x[n], from_y[n];
-    alignas(n * 4) std::int32_t hash[n], sample[n], valid[n];
+    alignas(n * 4) std::int32_t hash[n], sample[n];
     float weight[n], darkened[n];
     for (int l = 0; l < n; ++l) {
       const int ray = begin + l < rays ? begin + l : rays - 1;
-      hash[l] = int_of(mix_bits_32(of.hash + set));
+      hash[l] = int_of(mix_bits_32(of.hash + set.number));
       sample[l] = ray;
     }
     for (int l = 0; l < n; l += L::width) {
@@ -243,7 +249,7 @@ OMMA_HD void trace_disc(const DiscTask& of, Search& search, const BlockMemory& m
       store(from_x + l, lens.x * units.aperture_radius_m[u]);
       store(from_y + l, lens.y * units.aperture_radius_m[u]);
     }
-    unsigned asked = 0;
+    LaneMask<L> asked;
     for (int l = 0; l < n; ++l) {
       const Vec3 direction = disc_direction(disc, x[l], y[l]);
       float turn[3][4];
@@ -252,8 +258,7 @@ OMMA_HD void trace_disc(const DiscTask& of, Search& search, const BlockMemory& m
       darkened[l] = static_cast<float>(
           disc_darkening(disc, static_cast<double>(x[l] * x[l] + y[l] * y[l]) *
                                    static_cast<double>(disc.chord_2)));
-      valid[l] = weight[l] > 0.0f ? -1 : 0;
-      asked |= (weight[l] > 0.0f ? 1u : 0u) << l;
+      if (weight[l] > 0.0f) asked.add(l);
       const auto s = load_vector<float>(units.s, u), t = load_vector<float>(units.t, u);
       Vector3<float> from = load_vector<float>(units.origin, u) + s * from_x[l] + t * from_y[l];
       if (of.task->motion != nullptr) from = move_point(*of.task->motion, turn, from);
@@ -264,15 +269,15 @@ OMMA_HD void trace_disc(const DiscTask& of, Search& search, const BlockMemory& m
       shadow.rays.mask[l] = of.task->sees.from_eye;
       shadow.footprint_rad[l] = 0;
     }
-    if (asked == 0) continue;
-    const unsigned open =
-        dims ? dim_by_passing<L>(scene, search, asked, shadow, memory.paths.shadow)
-             : asked & ~search.occluded(valid, shadow.rays);
-    sums.any_open = sums.any_open || open != 0;
-    sums.any_hidden = sums.any_hidden || open != asked;
-    for (unsigned bits = asked; bits != 0; bits &= bits - 1) {
-      const int l = lowest_bit(bits), row = (begin + l) / each * bands;
-      const bool is_open = (open >> l & 1u) != 0;
+    if (!asked.any()) continue;
+    const LaneMask<L> open =
+        dims ? trace_transmittance<L>(scene, search, asked, shadow, memory.paths.shadow)
+             : asked & ~search.occluded(asked, shadow.rays);
+    sums.any_open = sums.any_open || open.any();
+    sums.any_hidden = sums.any_hidden || !(open == asked);
+    asked.for_each([&](int l) {
+      const int row = (begin + l) / set.each * bands;
+      const bool is_open = open.has(l);
       for (int b = 0; b < bands; ++b) {
         const float limb = disc.limb != nullptr ? disc.limb[b] : 0.0f;
         const double light = static_cast<double>(weight[l] * (1.0f - limb * darkened[l]));
@@ -281,7 +286,7 @@ OMMA_HD void trace_disc(const DiscTask& of, Search& search, const BlockMemory& m
         sums.all[row + b] += light;
         if (is_open) sums.seen[row + b] += light * static_cast<double>(left);
       }
-    }
+    });
   }
 }
 
@@ -293,10 +298,10 @@ OMMA_HD void add_disc_of_unit(const DiscTask& of, const DiscEffort& effort, Sear
   DiscSums sums{memory.disc_all, memory.disc_seen};
   int each = effort.plain;
   if (effort.pilot > 0) {
-    trace_disc<L>(of, search, memory, 1, 1, effort.pilot, sums);
+    trace_disc<L>(of, search, memory, {1, 1, effort.pilot}, sums);
     if (sums.any_open && sums.any_hidden) each = effort.mixed;
   }
-  trace_disc<L>(of, search, memory, 0, disc_replicates, each, sums);
+  trace_disc<L>(of, search, memory, {0, disc_replicates, each}, sums);
   if (!sums.any_open) return;
   double integral[2];
   integrate_disc(of, integral);
@@ -339,7 +344,7 @@ OMMA_HD void add_eye_discs(const FrameView& frame, const BlockTask& task, const 
   const DirectionsView& directions = *frame.directions;
   const int bands = frame.scene->bands;
   Units units;
-  make_units<L>(*frame.eye, task, directions, list, true, false, units);
+  make_units<L>(*frame.eye, task, directions, list, {true, false}, units);
   find_acceptances(frame, units, list.count);
   for (int u = 0; u < list.count; ++u) {
     double *of_band = memory.disc_light, *error_2 = of_band + bands;

@@ -2,6 +2,7 @@
 // at once; the sky, whose maps are read by rows.
 #pragma once
 
+#include "physics/lane_mask.h"
 #include "physics/light_sample.h"
 #include "physics/rows.h"
 #include "physics/vector3.h"
@@ -14,18 +15,21 @@ OMMA_HD F chord_2_lanes(const Vector3<F>& d, Vec3 centre) {
   return dot(across, across);
 }
 
+// Of a packet's directions.
+template <typename L>
+using SkyLookups = SkyLookup<typename L::F, typename L::I>[L::count / L::width];
+
 // Where light from afar of a packet's directions is to be looked up.
 template <typename L>
 OMMA_HD void find_far_lanes(const LightView& light, const float (&direction)[3][L::count],
-                            unsigned lanes,
-                            SkyPlaces<typename L::F, typename L::I> (&places)[L::count / L::width]) {
+                            LaneMask<L> lanes, SkyLookups<L>& places) {
   using F = typename L::F;
   for (int l = 0; l < L::count; l += L::width) {
-    if (light.sky.rows == 0 || !any_lane(lanes_on<L>(lanes, l))) {
+    if (light.sky.rows == 0 || !any_lane(lanes.at(l))) {
       places[l / L::width] = {};
       continue;
     }
-    const auto d = keep(lanes_on<L>(lanes, l), load_vector<F>(direction, l));
+    const auto d = keep(lanes.at(l), load_vector<F>(direction, l));
     places[l / L::width] = find_on_sky(light.sky, d.x, d.y, d.z);
   }
 }
@@ -41,7 +45,7 @@ struct SkyCorners {
 
 template <typename L>
 OMMA_HD void find_corners(const SkyView& sky,
-                          const SkyPlaces<typename L::F, typename L::I>& place,
+                          const SkyLookup<typename L::F, typename L::I>& place,
                           SkyCorners<L>& corners) {
   using F = typename L::F;
   const auto first = (place.half * sky.rows + place.row) * sky.columns;
@@ -59,7 +63,7 @@ OMMA_HD void find_corners(const SkyView& sky,
 // between them, and rays that were scattered go to many places, whose nodes are far apart in memory.
 // `bits`: random.
 template <typename F, typename I, typename U>
-OMMA_HD void choose_node(SkyPlaces<F, I>& place, U bits) {
+OMMA_HD void choose_node(SkyLookup<F, I>& place, U bits) {
   const F one = broadcast<F>(1.0f);
   const F u = (to_float(int_of(bits & 0xffffu)) + 0.5f) * 0x1p-16f;
   const F v = (to_float(int_of(bits >> 16)) + 0.5f) * 0x1p-16f;
@@ -69,7 +73,7 @@ OMMA_HD void choose_node(SkyPlaces<F, I>& place, U bits) {
 
 // Calls `eval(k, node)` for those of some lanes that go at once, with the node that was chosen.
 template <typename L, typename Eval>
-OMMA_HD void for_each_node(const SkyView& sky, const SkyPlaces<typename L::F, typename L::I>& place,
+OMMA_HD void for_each_node(const SkyView& sky, const SkyLookup<typename L::F, typename L::I>& place,
                            unsigned lanes, const Eval& eval) {
   const auto column = place.along_column > 0.0f ? place.next : place.column;
   const auto row = place.half * sky.rows + place.row + to_int(place.along_row);
@@ -81,62 +85,65 @@ OMMA_HD void for_each_node(const SkyView& sky, const SkyPlaces<typename L::F, ty
 // Asks for what eval_nodes will read, of lanes in `keeps` also Q and U: maps are larger than what a
 // processor holds near it.
 template <typename L>
-OMMA_HD void fetch_sky_nodes(const SkyView& sky, unsigned lanes, unsigned keeps,
-                             const SkyPlaces<typename L::F, typename L::I> (
-                                 &places)[L::count / L::width]) {
+OMMA_HD void fetch_sky_nodes(const SkyView& sky, LaneMask<L> lanes, LaneMask<L> keeps,
+                             const SkyLookups<L>& places) {
   if (sky.rows == 0) return;
   const auto fetch = [](const float* row, int size) {
     for (int i = 0; i < size; i += 16) fetch_line(row + i);
   };
   for (int l = 0; l < L::count; l += L::width)
-    for_each_node<L>(sky, places[l / L::width], lanes >> l & ((1u << L::width) - 1u),
-                     [&](int k, std::ptrdiff_t node) {
-                       fetch(sky.radiance + node * sky.channels, sky.channels);
-                       if ((keeps >> (l + k) & 1u) != 0 && sky.polarisation != nullptr)
-                         fetch(sky.polarisation + node * 2 * sky.channels, 2 * sky.channels);
-                     });
+    for_each_node<L>(sky, places[l / L::width], lanes.word(l), [&](int k, std::ptrdiff_t node) {
+      fetch(sky.radiance + node * sky.channels, sky.channels);
+      if (keeps.has(l + k) && sky.polarisation != nullptr)
+        fetch(sky.polarisation + node * 2 * sky.channels, 2 * sky.channels);
+    });
 }
 
 // eval_sky_lanes at the nodes that were chosen, of lanes that go at once. The axes of a node are taken
 // for the direction's, which on average are half a column away to either side.
 template <typename L>
-OMMA_HD void eval_nodes(const SkyView& sky, const SkyPlaces<typename L::F, typename L::I>& place,
-                        unsigned lanes, unsigned keeps, bool is_polarized, float* out, int stride) {
+OMMA_HD void eval_nodes(const SkyView& sky, const SkyLookup<typename L::F, typename L::I>& place,
+                        unsigned lanes, unsigned keeps, const StokesOut& to) {
   std::ptrdiff_t node_of[L::width] = {};
   for_each_node<L>(sky, place, lanes, [&](int k, std::ptrdiff_t node) { node_of[k] = node; });
-  const auto read_nodes = [&](const float* table, int size, unsigned wanted, float* to) {
+  const auto read_nodes = [&](const float* table, int size, unsigned wanted, float* out) {
     store_rows<L>(sky.channels, wanted, [&](int k, const auto& read) {
       return sky.per_unit * read(table + node_of[k] * size);
-    }, to);
+    }, out);
   };
-  read_nodes(sky.radiance, sky.channels, lanes, out);
-  for (int p = 0; is_polarized && p < 2; ++p)
-    read_nodes(sky.polarisation + p * sky.channels, 2 * sky.channels, keeps,
-               out + (1 + p) * stride);
+  read_nodes(sky.radiance, sky.channels, lanes, to.stokes);
+  for (int p = 1; p < to.components; ++p)
+    read_nodes(sky.polarisation + (p - 1) * sky.channels, 2 * sky.channels, keeps,
+               to.stokes + p * to.component_stride);
 }
 
-// Radiance of the sky [component][band][lane] at the places of some lanes' directions, zeros in the
-// others: I, and where `components` is 3 Q and U, which are zeros where a lane's bit in `keeps` is
-// not set. `at_nodes`: of the nodes that were chosen, else between nodes.
+// Which directions of a packet's are looked up in the sky, and how.
 template <typename L>
-OMMA_HD void eval_sky_lanes(const LightView& light, const float (&direction)[3][L::count],
-                            const SkyPlaces<typename L::F, typename L::I> (
-                                &places)[L::count / L::width],
-                            unsigned lanes, int components, unsigned keeps, bool at_nodes,
+struct SkyQuery {
+  const float (&direction)[3][L::count];
+  const SkyLookups<L>& places;
+  LaneMask<L> lanes;
+  LaneMask<L> keeps;  // of them those that need Q and U; they are zeros in the others
+  bool at_nodes;      // of the nodes that were chosen, else between nodes
+};
+
+// Radiance of the sky [component][band][lane], zeros in lanes that do not ask.
+template <typename L>
+OMMA_HD void eval_sky_lanes(const LightView& light, const SkyQuery<L>& query, int components,
                             float* out) {
   constexpr int n = L::count, width = L::width;
   const SkyView& sky = light.sky;
   const int stride = light.bands * n;
-  if (sky.rows == 0) lanes = 0;
-  if (sky.polarisation == nullptr) keeps = 0;
-  const bool by_one = sky.band_from_channel != nullptr || (keeps != 0 && sky.turns_axes);
-  const int left_dark = lanes == 0 || by_one ? 0 : (keeps == 0 ? 1 : 3);
+  const LaneMask<L> lanes = sky.rows == 0 ? LaneMask<L>{} : query.lanes;
+  const LaneMask<L> keeps = sky.polarisation == nullptr ? LaneMask<L>{} : query.keeps;
+  const bool by_one = sky.band_from_channel != nullptr || (keeps.any() && sky.turns_axes);
+  const int left_dark = !lanes.any() || by_one ? 0 : (keeps.any() ? 3 : 1);
   for (int i = left_dark * stride; i < components * stride; ++i) out[i] = 0;
-  for (int l = 0; lanes != 0 && l < n; l += width) {
-    const auto& place = places[l / width];
-    const unsigned here = lanes >> l & ((1u << width) - 1u), kept = here & keeps >> l;
-    if (at_nodes && !by_one) {
-      eval_nodes<L>(sky, place, here, kept, keeps != 0, out + l, stride);
+  for (int l = 0; lanes.any() && l < n; l += width) {
+    const auto& place = query.places[l / width];
+    const unsigned here = lanes.word(l), kept = here & keeps.word(l);
+    if (query.at_nodes && !by_one) {
+      eval_nodes<L>(sky, place, here, kept, {out + l, keeps.any() ? 3 : 1, n, stride});
       continue;
     }
     SkyCorners<L> at;
@@ -144,9 +151,9 @@ OMMA_HD void eval_sky_lanes(const LightView& light, const float (&direction)[3][
     if (by_one) {
       for (unsigned bits = here; bits != 0; bits &= bits - 1) {
         const int k = lowest_bit(bits);
-        const Vec3 d = vec_at(direction, l + k);
-        eval_sky(light, d, find_on_sky(sky, d.x, d.y, d.z), (kept >> k & 1u) != 0 ? 3 : 1,
-                 out + l + k, n, stride);
+        const Vec3 d = vec_at(query.direction, l + k);
+        eval_sky(light, d, find_on_sky(sky, d.x, d.y, d.z),
+                 {out + l + k, (kept >> k & 1u) != 0 ? 3 : 1, n, stride});
       }
       continue;
     }
@@ -160,7 +167,7 @@ OMMA_HD void eval_sky_lanes(const LightView& light, const float (&direction)[3][
       }, to + l);
     };
     mix(sky.radiance, sky.channels, here, out);
-    for (int p = 0; keeps != 0 && p < 2; ++p)
+    for (int p = 0; keeps.any() && p < 2; ++p)
       mix(sky.polarisation + p * sky.channels, 2 * sky.channels, kept, out + (1 + p) * stride);
   }
 }
@@ -170,13 +177,13 @@ OMMA_HD void eval_sky_lanes(const LightView& light, const float (&direction)[3][
 // (counts_by_rays); 0 for others.
 template <typename L>
 OMMA_HD void add_disc_light(const LightView& light, const float (&direction)[3][L::count],
-                            unsigned lanes, const float* acceptance_sr, float* out) {
+                            LaneMask<L> lanes, const float* acceptance_sr, float* out) {
   using F = typename L::F;
   for (int i = 0; i < light.disc_count; ++i) {
     const DiscView& disc = light.discs[i];
     for (int l = 0; l < L::count; l += L::width) {
       const F chord = chord_2_lanes(load_vector<F>(direction, l), disc.direction);
-      auto inside = lanes_on<L>(lanes, l) && chord <= disc.chord_2;
+      auto inside = lanes.at(l) && chord <= disc.chord_2;
       if (!any_lane(inside)) continue;
       if (acceptance_sr != nullptr)
         inside = inside && !(load<F>(acceptance_sr + l) * (most_over_acceptance * disc.density) >= 1.0f);
@@ -199,11 +206,11 @@ OMMA_HD void add_disc_light(const LightView& light, const float (&direction)[3][
 // sample_far_direction.
 template <typename L>
 OMMA_HD void sample_far_lanes(const LightView& light, const float* u0, const float* u1,
-                              unsigned lanes, float (&direction)[3][L::count]) {
+                              LaneMask<L> lanes, float (&direction)[3][L::count]) {
   using F = typename L::F;
   using I = typename L::I;
   for (int l = 0; l < L::count; l += L::width) {
-    const auto wanted = lanes_on<L>(lanes, l);
+    const auto wanted = lanes.at(l);
     if (!any_lane(wanted)) continue;
     I open = keep(wanted, lane_numbers<L>() * 0 + 1);
     F left = load<F>(u0 + l);
@@ -232,13 +239,11 @@ OMMA_HD void sample_far_lanes(const LightView& light, const float* u0, const flo
 // given; as escaped_light_pdf. The other lanes' are left.
 template <typename L>
 OMMA_HD void find_far_pdf(const LightView& light, const float (&direction)[3][L::count],
-                          const SkyPlaces<typename L::F, typename L::I> (
-                              &places)[L::count / L::width],
-                          unsigned lanes, float* pdf) {
+                          const SkyLookups<L>& places, LaneMask<L> lanes, float* pdf) {
   using F = typename L::F;
   const SkyView& sky = light.sky;
   for (int l = 0; l < L::count; l += L::width) {
-    const auto wanted = lanes_on<L>(lanes, l);
+    const auto wanted = lanes.at(l);
     if (!any_lane(wanted)) continue;
     const auto d = load_vector<F>(direction, l);
     F density{};

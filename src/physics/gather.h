@@ -63,19 +63,18 @@ OMMA_HD std::uint32_t hash_of_attempt(const GatherPlace& place, std::uint32_t at
 // cosine, meets something within the place's reach. By reciprocity points that are kept are as
 // frequent as eyes all around see them. What falls on one side of a sheet is seen from both.
 template <typename L, typename Search>
-OMMA_HD unsigned find_hidden(const SceneView& scene, Search& search,
-                             const GatherLanes<L::count>& of, std::uint32_t attempt, unsigned lanes,
-                             const HitGeometry<L>& geometry, const PathMemory& memory) {
+OMMA_HD LaneMask<L> find_hidden(const Flight<L, Search>& flight, const GatherLanes<L::count>& of,
+                                std::uint32_t attempt, LaneMask<L> lanes,
+                                const HitGeometry<L>& geometry) {
   constexpr int n = L::count;
+  const SceneView& scene = flight.scene;
   Packet<L> look;
   clear<L>(look.rays);
-  alignas(n * 4) std::int32_t asked[n];
   for (int l = 0; l < n; ++l) {
-    asked[l] = (lanes >> l & 1u) != 0 ? -1 : 0;
     look.footprint_rad[l] = 0;
     Vector3<float> towards = {0, 1, 0};
     look.rays.t_far_m[l] = 0;
-    if (asked[l] != 0) {
+    if (lanes.has(l)) {
       const GatherPlace& place = *of.place[l];
       auto pair = path_pair(hash_of_attempt(place, attempt), of.sample[l], choice_of_look);
       bool from_back = place.is_back;
@@ -88,27 +87,28 @@ OMMA_HD unsigned find_hidden(const SceneView& scene, Search& search,
       towards = from_local(make_axes(up), up, sample_cosine(pair.x, pair.y));
     }
     leave_surface<L>(geometry, l, towards, look.rays);
-    if (asked[l] != 0) look.rays.t_far_m[l] = of.place[l]->reach_m;
+    if (lanes.has(l)) look.rays.t_far_m[l] = of.place[l]->reach_m;
   }
-  return scene.has_blend || scene.has_glass
-             ? lanes & ~dim_by_passing<L>(scene, search, lanes, look, memory.shadow)
-             : search.occluded(asked, look.rays);
+  return lets_through(scene)
+             ? lanes & ~trace_transmittance<L>(scene, flight.search, lanes, look, flight.memory.shadow)
+             : flight.search.occluded(lanes, look.rays);
 }
 
 // The packet's points on their patches, as rays would have met them, and their geometry; false where
 // none is on a surface. Lanes whose points are all hidden or cut out begin where others of their
 // place do; where all of a place are hidden the last ones are taken.
 template <typename L, typename Search>
-OMMA_HD bool choose_points(const SceneView& scene, Search& search,
-                           const GatherLanes<L::count>& of, const PathMemory& memory,
-                           Packet<L>& packet, Hits<L>& hits, HitGeometry<L>& geometry) {
+OMMA_HD bool choose_points(const Flight<L, Search>& flight, const GatherLanes<L::count>& of,
+                           Hits<L>& hits, HitGeometry<L>& geometry) {
   constexpr int n = L::count;
-  unsigned all = 0;
+  const SceneView& scene = flight.scene;
+  Packet<L>& packet = flight.packet;
+  LaneMask<L> all;
   for (int l = 0; l < n; ++l) {
     hits.mesh[l] = -1;
     hits.instance[l] = of.place[l] != nullptr ? of.place[l]->instance : 0;
     hits.footprint_m[l] = 0;
-    if (of.place[l] != nullptr) all |= 1u << l;
+    if (of.place[l] != nullptr) all.add(l);
   }
   const auto put = [&](int l, float u, float v) {
     hits.mesh[l] = of.place[l]->mesh;
@@ -116,11 +116,10 @@ OMMA_HD bool choose_points(const SceneView& scene, Search& search,
     packet.rays.u[l] = u;
     packet.rays.v[l] = v;
   };
-  unsigned seen = 0, any = 0;
-  for (std::uint32_t attempt = 0; attempt < most_attempts && seen != all; ++attempt) {
-    unsigned tried = 0;
-    for (unsigned left = all & ~seen; left != 0; left &= left - 1) {
-      const int l = lowest_bit(left);
+  LaneMask<L> seen, any;
+  for (std::uint32_t attempt = 0; attempt < most_attempts && !(seen == all); ++attempt) {
+    LaneMask<L> tried;
+    (all & ~seen).for_each([&](int l) {
       const GatherPlace& place = *of.place[l];
       const auto pair = path_pair(hash_of_attempt(place, attempt), of.sample[l], choice_of_point);
       const float root = sqrtf(pair.x), b = root * pair.y, a = root - b;
@@ -131,90 +130,92 @@ OMMA_HD bool choose_points(const SceneView& scene, Search& search,
       const SurfaceHit hit{place.mesh, static_cast<std::uint32_t>(place.triangle), u, v, 0.0f};
       const bool has_holes =
           scene.materials[scene.meshes[place.mesh].material].alpha_mode == AlphaMode::mask;
-      if (has_holes && !accept_hit(scene, hit, false)) continue;
+      if (has_holes && !accept_hit(scene, hit, false)) return;
       put(l, u, v);
-      tried |= 1u << l;
-    }
-    if (tried == 0) continue;
+      tried.add(l);
+    });
+    if (!tried.any()) continue;
     any |= tried;
     eval_geometry<L>(scene, packet.rays, hits, geometry);
-    seen |= tried & ~find_hidden<L>(scene, search, of, attempt, tried, geometry, memory);
+    seen |= tried & ~find_hidden(flight, of, attempt, tried, geometry);
   }
-  if (seen == 0 || seen == all) return any != 0;
+  if (!seen.any() || seen == all) return any.any();
   int other = 0;
-  for (unsigned left = all & ~seen; left != 0; left &= left - 1) {
-    const int l = lowest_bit(left);
-    const auto serves = [&](int k) { return (seen >> k & 1u) != 0 && of.place[k] == of.place[l]; };
+  (all & ~seen).for_each([&](int l) {
     for (int tries = 0; tries < n; ++tries) {
       other = (other + 1) % n;
-      if (!serves(other)) continue;
+      if (!seen.has(other) || of.place[other] != of.place[l]) continue;
       put(l, packet.rays.u[other], packet.rays.v[other]);
       break;
     }
-  }
+  });
   eval_geometry<L>(scene, packet.rays, hits, geometry);
   return true;
 }
 
 // Light that surfaces which shine send straight to the beginnings of paths, [band][lane] added to
 // `radiance`, as radiance that a white surface sends back.
+// What rays begin at, of those that gather light: places and the normals about which it counts. `points`
+// is null in the air.
+template <typename L>
+struct GatherPoints {
+  GatherLanes<L::count> of;
+  HitGeometry<L> geometry;
+  alignas(L::count * 4) float normal[3][L::count];
+  const ScatterPoint<typename L::F>* points;
+};
+
 template <typename L, typename Search>
-OMMA_HD void add_shining(const SceneView& scene, Search& search, const GatherLanes<L::count>& of,
-                         const HitGeometry<L>& geometry,
-                         const float (&normal)[3][L::count],
-                         const ScatterPoint<typename L::F>* points, const std::int32_t* valid,
-                         const PathMemory& memory, float* radiance) {
+OMMA_HD void add_shining(const SceneView& scene, Search& search, const GatherPoints<L>& at,
+                         LaneMask<L> lanes, const PathMemory& memory, float* radiance) {
   using F = typename L::F;
   constexpr int n = L::count;
+  const GatherLanes<n>& of = at.of;
   LightSample lights[n];
   Packet<L> shadow;
   clear<L>(shadow.rays);
-  alignas(n * 4) std::int32_t asked[n];
   alignas(n * 4) float cosine[n], weight[n];
-  unsigned open = 0;
+  LaneMask<L> asked;
   for (int l = 0; l < n; ++l) {
     lights[l] = {};
-    asked[l] = 0;
     cosine[l] = weight[l] = 0;
     for (int r = 0; r < 3; ++r) shadow.rays.origin[r][l] = shadow.rays.direction[r][l] = 0;
     shadow.rays.t_near_m[l] = shadow.rays.t_far_m[l] = shadow.footprint_rad[l] = 0;
-    if (valid[l] == 0) continue;
+    if (!lanes.has(l)) continue;
     const GatherPlace& place = *of.place[l];
     const auto which = path_pair(place.hash, of.sample[l], choice_of_shining);
     const auto on = path_pair(place.hash, of.sample[l], choice_on_shining);
-    lights[l] = sample_surfaces(scene, vec_at(geometry.position, l), which.x, on.x, on.y);
+    lights[l] = sample_surfaces(scene, vec_at(at.geometry.position, l), which.x, on.x, on.y);
     const Vec3 d = lights[l].direction;
-    cosine[l] = normal[0][l] * d.x + normal[1][l] * d.y + normal[2][l] * d.z;
-    float facing = dot(vec_at(geometry.normal, l), d);
+    cosine[l] = dot(vec_at(at.normal, l), d);
+    float facing = dot(vec_at(at.geometry.normal, l), d);
     if (place.mesh >= 0 && place.is_back) facing = -facing;
     if (!(lights[l].pdf > 0.0f) || !(cosine[l] > 0.0f) || !(facing > 0.0f)) continue;
-    leave_surface<L>(geometry, l, vector_of(d), shadow.rays);
+    leave_surface<L>(at.geometry, l, vector_of(d), shadow.rays);
     shadow.rays.t_far_m[l] = lights[l].distance_m * up_to_light;
     weight[l] = cosine[l] * inverse_pi / (lights[l].pdf / scene.light->emissive_probability);
-    asked[l] = -1;
-    open |= 1u << l;
+    asked.add(l);
   }
-  const bool lets_through = scene.has_blend || scene.has_glass;
-  if (open != 0)
-    open = lets_through ? dim_by_passing<L>(scene, search, open, shadow, memory.shadow)
-                        : open & ~search.occluded(asked, shadow.rays);
-  if (open == 0) return;
+  const bool dims = lets_through(scene);
+  if (!asked.any()) return;
+  const LaneMask<L> open =
+      dims ? trace_transmittance<L>(scene, search, asked, shadow, memory.shadow)
+           : asked & ~search.occluded(asked, shadow.rays);
+  if (!open.any()) return;
   for (int i = 0; i < scene.bands * n; ++i) memory.light[i] = 0;
-  for (int l = 0; l < n; ++l)
-    if ((open >> l & 1u) != 0)
-      eval_light_sample(scene, lights[l], 1, memory.light + l, n, scene.bands * n);
+  open.for_each([&](int l) {
+    eval_light_sample(scene, lights[l], 1, memory.light + l, n, scene.bands * n);
+  });
   for (int l = 0; l < n; l += L::width) {
     F entering = load<F>(weight + l);
-    if (points != nullptr)
-      entering = entering * eval_entering(points[l / L::width], load<F>(cosine + l));
-    for (int k = 0; k < L::width; ++k)
-      if ((open >> (l + k) & 1u) == 0) weight[l + k] = 0;
-    entering = keep(load<F>(weight + l) > 0.0f, entering);
+    if (at.points != nullptr)
+      entering = entering * eval_entering(at.points[l / L::width], load<F>(cosine + l));
+    entering = keep(open.at(l), entering);
     for (int b = 0; b < scene.bands; ++b) {
-      const int at = b * n + l;
-      F light = load<F>(memory.light + at);
-      if (lets_through) light = light * load<F>(memory.shadow.throughput + at);
-      store(radiance + at, load<F>(radiance + at) + entering * light);
+      const int k = b * n + l;
+      F light = load<F>(memory.light + k);
+      if (dims) light = light * load<F>(memory.shadow.throughput + k);
+      store(radiance + k, load<F>(radiance + k) + entering * light);
     }
   }
 }
@@ -228,16 +229,24 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTa
   int points_found[n] = {};
   for (int i = 0; i < task.count * scene.bands; ++i) mean[i] = 0;
   const bool is_on_surface = task.places->mesh >= 0;
-  GatherLanes<n> of;
+  GatherPoints<L> at;
+  GatherLanes<n>& of = at.of;
+  HitGeometry<L>& geometry = at.geometry;
+  PassedSurfaces<n> passed;
   for (int first = 0; first < task.paths; first += n) {
     assign_lanes(task, first, of);
     Packet<L> packet;
     clear<L>(packet.rays);
     Hits<L> hits;
-    HitGeometry<L> geometry;
     LitSurface<L> surface;
     ScatterPoint<F> points[n / L::width];
-    alignas(n * 4) float normal[3][n], way[3][n], entering[n];
+    at.points = is_on_surface ? points : nullptr;
+    alignas(n * 4) float way[3][n], entering[n];
+    PathState<L> state;
+    state.gathers = true;
+    const Flight<L, Search> flight{scene,  search,   packet,
+                                   state,  memory,   radiance,
+                                   lets_through(scene) ? &passed : nullptr};
     for (int l = 0; l < n; ++l) {
       packet.rays.t_far_m[l] = INFINITY;
       packet.footprint_rad[l] = 0;
@@ -246,7 +255,7 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTa
     }
     if (is_on_surface) {
       geometry = {};
-      if (!choose_points<L>(scene, search, of, memory, packet, hits, geometry)) continue;
+      if (!choose_points(flight, of, hits, geometry)) continue;
       // Seen by one who looks straight down on it.
       for (int l = 0; l < n; ++l) {
         const bool is_back = of.place[l] != nullptr && of.place[l]->is_back;
@@ -275,7 +284,7 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTa
       const LocalDirection<F> local = sample_cosine(pair.x, pair.y);
       const Vector3<F> w = without_noise(from_local(make_axes(up), up, local));
       store_vector(way, l, w);
-      store_vector(normal, l, up);
+      store_vector(at.normal, l, up);
       F reaches_base = broadcast<F>(1.0f);
       if (is_on_surface) {
         const ScatterPoint<F>& point = points[l / L::width];
@@ -285,36 +294,34 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTa
       store(entering + l, reaches_base);
     }
     // Places that there are, and those of which a path goes on.
-    alignas(n * 4) std::int32_t on[n], valid[n];
+    const LaneMask<L> on = lanes_met(hits);
+    const LaneMask<L> going =
+        on & lanes_where<L>([&](int l) { return load<F>(entering + l) > 0.0f; });
     for (int l = 0; l < n; ++l) {
-      on[l] = hits.mesh[l] >= 0 ? -1 : 0;
-      valid[l] = entering[l] > 0.0f ? on[l] : 0;
       // Rays that are not traced must be such as could be: Embree checks all.
-      const bool goes_on = valid[l] != 0;
+      const bool goes_on = going.has(l);
       leave_surface<L>(geometry, l,
                        goes_on ? load_vector<float>(way, l) : Vector3<float>{0, 1, 0}, packet.rays);
       store_vector(packet.reference, l,
-                   goes_on ? load_vector<float>(normal, l) : Vector3<float>{1, 0, 0});
+                   goes_on ? load_vector<float>(at.normal, l) : Vector3<float>{1, 0, 0});
     }
     // What shines is sampled first: the paths move on from where they begin.
     for (int i = 0; i < scene.bands * n; ++i) memory.front[i] = 0;
     if (task.shining->light->emissive_probability > 0.0f)
-      add_shining<L>(*task.shining, search, of, geometry, normal,
-                     is_on_surface ? points : nullptr, on, memory, memory.front);
+      add_shining<L>(*task.shining, search, at, on, memory, memory.front);
     // What shines has been put aside: paths that read baked light need the memory.
     const auto add = [&](int l, const float* light, float weight) {
       const std::ptrdiff_t k = of.place[l] - task.places;
       for (int b = 0; b < scene.bands; ++b)
         mean[k * scene.bands + b] += static_cast<double>(light[b * n + l] * weight);
     };
-    for (int l = 0; l < n; ++l) {
-      if (on[l] == 0) continue;
+    on.for_each([&](int l) {
       ++points_found[of.place[l] - task.places];
       add(l, memory.front, 1.0f);
-    }
-    eval_lit_path<L>(scene, search, valid, packet, memory, radiance, true);
-    for (int l = 0; l < n; ++l)
-      if (valid[l] != 0) add(l, radiance, entering[l]);
+    });
+    if (flight.passed != nullptr) clear(passed);
+    trace_paths(flight, going);
+    going.for_each([&](int l) { add(l, radiance, entering[l]); });
   }
   for (int k = 0; k < task.count; ++k)
     for (int b = 0; b < scene.bands; ++b)

@@ -1,6 +1,7 @@
-// What rays met, and where light goes on from there.
+// What rays met, where that is, and how rays leave it again without meeting it (self-intersection offset).
 #pragma once
 
+#include "physics/lane_mask.h"
 #include "physics/rays.h"
 #include "physics/scene_view.h"
 #include "physics/vector3.h"
@@ -33,23 +34,34 @@ OMMA_HD void find_hits(const PlacedMesh* placed, const Packet<L>& packet, Hits<L
   }
 }
 
+// Nothing found yet.
+template <typename L>
+OMMA_HD void clear_hits(RayPacket<L::count>& rays) {
+  for (int l = 0; l < L::count; ++l) {
+    rays.t_far_m[l] = INFINITY;
+    rays.geometry[l] = none;
+    rays.instance[l] = none;
+  }
+}
+
+// Lanes whose rays met a surface.
+template <typename L>
+OMMA_HD LaneMask<L> lanes_met(const Hits<L>& hits) {
+  return lanes_where<L>([&](int l) { return load<typename L::I>(hits.mesh + l) >= 0; });
+}
+
 // Calls `eval(mesh, l, is_member)` for lanes from l on of each mesh that was met: mostly all lanes
 // see the same one.
 template <typename L, typename Eval>
 OMMA_HD void for_each_mesh(const Hits<L>& hits, const Eval& eval) {
   using I = typename L::I;
-  unsigned left = 0;
-  for (int l = 0; l < L::count; l += L::width)
-    left |= lane_bits(load<I>(hits.mesh + l) >= 0) << l;
-  while (left != 0) {
-    const std::int32_t mesh = hits.mesh[lowest_bit(left)];
-    unsigned members = 0;
-    for (int l = 0; l < L::count; l += L::width)
-      members |= lane_bits(load<I>(hits.mesh + l) == mesh) << l;
+  for (LaneMask<L> left = lanes_met(hits); left.any();) {
+    const std::int32_t mesh = hits.mesh[lowest_bit(left.bits)];
+    const auto members =
+        lanes_where<L>([&](int l) { return load<I>(hits.mesh + l) == mesh; });
     left &= ~members;
     for (int l = 0; l < L::count; l += L::width)
-      if ((members >> l & ((1u << L::width) - 1)) != 0)
-        eval(mesh, l, load<I>(hits.mesh + l) == mesh);
+      if (members.word(l) != 0) eval(mesh, l, load<I>(hits.mesh + l) == mesh);
   }
 }
 
@@ -75,8 +87,8 @@ OMMA_HD void load_frames(const SceneView& scene, const Hits<L>& hits, int l,
 template <typename L>
 struct HitGeometry {
   alignas(L::count * 4) float position[3][L::count];  // m
-  // Unit, towards the side from which corners are seen counter-clockwise. Normals of vertices are not
-  // read, so light is shaded by this one too.
+  // The triangle's own: unit, towards the side from which corners are seen counter-clockwise. Normals of
+  // vertices and normal maps are read by lit_surface.h.
   alignas(L::count * 4) float normal[3][L::count];
   // The largest coordinate of the triangle's corners, in magnitude, m: by it places on the surface
   // are known.
@@ -164,10 +176,10 @@ OMMA_HD void leave_surface(const HitGeometry<L>& geometry, int l, const Vector3<
 // The same of some lanes at once; the others' rays are left. `towards` [lane].
 template <typename L>
 OMMA_HD void leave_surfaces(const HitGeometry<L>& geometry, const float (&towards)[3][L::count],
-                            unsigned lanes, RayPacket<L::count>& rays) {
+                            LaneMask<L> lanes, RayPacket<L::count>& rays) {
   using F = typename L::F;
   for (int l = 0; l < L::count; l += L::width) {
-    const auto leaves = lanes_on<L>(lanes, l);
+    const auto leaves = lanes.at(l);
     if (!any_lane(leaves)) continue;
     const auto direction = load_vector<F>(towards, l);
     const auto origin =

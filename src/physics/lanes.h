@@ -150,22 +150,6 @@ OMMA_HD typename L::I lane_numbers() {
   }
 }
 
-// Whether any of a packet's lanes is on; the bits of a mask [lane] of 0 and -1.
-template <typename L>
-OMMA_HD unsigned packet_bits(const std::int32_t* mask) {
-  unsigned bits = 0;
-  for (int l = 0; l < L::count; l += L::width)
-    bits |= lane_bits(load<typename L::I>(mask + l) != 0) << l;
-  return bits;
-}
-
-// A comparison's result that holds for the lanes from l on whose bit is set.
-template <typename L>
-OMMA_HD auto lanes_on(unsigned bits, int l) {
-  const auto word = lane_numbers<L>() * 0 + static_cast<std::int32_t>(bits >> l);
-  return (word >> lane_numbers<L>() & 1) != 0;
-}
-
 OMMA_HD int lowest_bit(unsigned bits) {
 #if defined(__CUDA_ARCH__)
   return __ffs(static_cast<int>(bits)) - 1;

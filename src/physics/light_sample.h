@@ -23,12 +23,12 @@ struct LightSample {
   std::int32_t mesh = 0, triangle = 0;  // of a surface
   float u = 0, v = 0;                   // barycentric, where on it
   float scale = 1;                      // of a lamp's strength
-  SkyPlace place = {};                  // of light from afar
+  OneSkyLookup place = {};                  // of light from afar
 };
 
 // Probability of a direction in which a ray has left the scene, as sample_light would give it;
 // `place` is its place on the sky (find_far).
-OMMA_HD float escaped_light_pdf(const SceneView& scene, Vec3 direction, const SkyPlace& place) {
+OMMA_HD float escaped_light_pdf(const SceneView& scene, Vec3 direction, const OneSkyLookup& place) {
   const LightView& light = *scene.light;
   if (!(light.far_probability > 0.0f)) return 0.0f;
   return light.far_probability * far_pdf(light, direction, place);
@@ -131,8 +131,8 @@ OMMA_HD void eval_light_sample(const SceneView& scene, const LightSample& sample
                                float* out, int band_stride, int component_stride) {
   const LightView& light = *scene.light;
   if (sample.kind == LightKind::far && light.sky.probability > 0.0f)
-    return eval_far(light, sample.direction, sample.place, components, out, band_stride,
-                    component_stride);
+    return eval_far(light, sample.direction, sample.place,
+                    {out, components, band_stride, component_stride});
   for (int p = 0; p < components; ++p)
     for (int k = 0; k < light.bands; ++k) out[p * component_stride + k * band_stride] = 0;
   if (sample.kind == LightKind::far) {

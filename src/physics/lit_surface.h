@@ -100,9 +100,10 @@ OMMA_HD Vector3<F> eval_shading_normal(const SceneView& scene, const MeshView& m
 
 // Spectra of the lanes of one mesh; `keep_at(values, b, x)` stores them.
 template <typename F, typename I, typename Store>
-OMMA_HD void eval_spectra(const SceneView& scene, const MeshView& mesh, const ScatterView& scatter,
-                          const Color<F>& base, const SurfacePoint<F, I>& p,
-                          const SpectraMemory& memory, const Store& keep_at) {
+OMMA_HD void eval_spectra(const SceneView& scene, const MeshView& mesh, const Color<F>& base,
+                          const SurfacePoint<F, I>& p, const SpectraMemory& memory,
+                          const Store& keep_at) {
+  const ScatterView& scatter = scene.scatter[mesh.material];
   Color<F> through = base, extra{};
   if (scatter.transmittance != nullptr && !scatter.transmits_base_color) {
     const Vec3 factor = scatter.transmission_color;
@@ -162,15 +163,20 @@ OMMA_HD void eval_tint(const SceneView& scene, const MeshView& mesh, const Scatt
   }
 }
 
+// What textures of factors are multiplied to.
+template <typename F>
+struct SurfaceFactors {
+  F specular, transmission, coat, coat_roughness;
+};
+
 // Factors of one mesh times their textures.
 template <typename F, typename I>
 OMMA_HD void multiply_factors(const SceneView& scene, const MeshView& mesh,
-                              const SurfacePoint<F, I>& p, F& specular, F& transmission, F& coat,
-                              F& coat_roughness) {
+                              const SurfacePoint<F, I>& p, SurfaceFactors<F>& own) {
   const FactorTextures& textures = *mesh.factors;
   const TextureRead* const reads[] = {&textures.specular, &textures.transmission, &textures.coat,
                                       &textures.coat_roughness};
-  F* const factors[] = {&specular, &transmission, &coat, &coat_roughness};
+  F* const factors[] = {&own.specular, &own.transmission, &own.coat, &own.coat_roughness};
   // A loop, so that the code that reads a texture is there once.
   for (int k = 0; k < 4; ++k) {
     if (reads[k]->texture < 0) continue;
@@ -202,7 +208,7 @@ OMMA_HD void eval_lit_surfaces(const SceneView& scene, const Packet<L>& packet,
     const auto set_band = [&](float* values, int b, F value) { set(values + b * L::count, value); };
 
     const Color<F> base = eval_base_color(scene, mesh, p);
-    eval_spectra(scene, mesh, scatter, base, p, memory, set_band);
+    eval_spectra(scene, mesh, base, p, memory, set_band);
     if (scatter.emission != nullptr)
       eval_emitted(scene, mesh, scatter, p,
                    [&](int b, F light) { set_band(memory.emission, b, light); });
@@ -229,22 +235,22 @@ OMMA_HD void eval_lit_surfaces(const SceneView& scene, const Packet<L>& packet,
       roughness = roughness * clamp_unit_lanes(c.g);
       metallic = metallic * clamp_unit_lanes(c.b);
     }
-    F specular = broadcast<F>(scatter.specular), transmission = broadcast<F>(scatter.transmission);
-    F coat = broadcast<F>(scatter.clearcoat);
-    F coat_roughness = broadcast<F>(scatter.clearcoat_roughness);
+    SurfaceFactors<F> own{broadcast<F>(scatter.specular), broadcast<F>(scatter.transmission),
+                          broadcast<F>(scatter.clearcoat),
+                          broadcast<F>(scatter.clearcoat_roughness)};
     if (mesh.factors != nullptr) {
-      multiply_factors(scene, mesh, p, specular, transmission, coat, coat_roughness);
+      multiply_factors(scene, mesh, p, own);
       if (scatter.tint_from_rgb != nullptr)
         eval_tint(scene, mesh, scatter, p, [&](int b, F tint) { set_band(memory.tint, b, tint); });
     }
     set(surface.roughness, roughness);
     set(surface.metallic, metallic);
     set(surface.ior, broadcast<F>(scatter.ior));
-    set(surface.specular, specular);
-    set(surface.transmission, transmission);
+    set(surface.specular, own.specular);
+    set(surface.transmission, own.transmission);
     set(surface.alpha, opacity_of(material, base));
-    set(surface.coat, coat);
-    set(surface.coat_roughness, coat_roughness);
+    set(surface.coat, own.coat);
+    set(surface.coat_roughness, own.coat_roughness);
     set(surface.table, load<I>(hits.mesh + l) * 0 + scatter.albedo_table);
     set(surface.material, keep(is_member, load<I>(hits.mesh + l) * 0 + mesh.material));
   });

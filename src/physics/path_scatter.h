@@ -1,6 +1,6 @@
-// What the surfaces that a packet met make of light: of a sample of a light, which they scatter
-// towards the eye, and of the path itself, which goes on in one direction of one of their lobes. The
-// two are weighed against each other, each lobe by itself.
+// What the surfaces that a packet met make of light: of a sample of a light, which they scatter towards
+// the eye, and of the path itself, which goes on in one direction of one of their lobes. The two are
+// weighed against each other, each lobe by itself (direct_light.h).
 #pragma once
 
 #include "physics/path_light.h"
@@ -22,12 +22,14 @@ struct Scattered {
 
 // Scatters `light` [component][band][lane], which comes from direction `w` [lane] with Stokes
 // vectors by `axis`, towards the eye, in place: by the rays' own reference axes.
-template <typename L>
-OMMA_HD void scatter_light(const SceneView& scene, const Packet<L>& packet,
-                           const Scattered<L>& by, const float (&w)[3][L::count],
-                           const float (&axis)[3][L::count], const PathMemory& memory,
+template <typename L, typename Search>
+OMMA_HD void scatter_light(const Flight<L, Search>& flight, const Scattered<L>& by,
+                           const float (&w)[3][L::count], const float (&axis)[3][L::count],
                            float* light) {
   using F = typename L::F;
+  const SceneView& scene = flight.scene;
+  const Packet<L>& packet = flight.packet;
+  const PathMemory& memory = flight.memory;
   const int stride = scene.bands * L::count;
   for (int l = 0; l < L::count; l += L::width) {
     const F reflected = load<F>(by.reflected + l), transmitted = load<F>(by.transmitted + l);
@@ -76,9 +78,9 @@ OMMA_HD void scatter_light(const SceneView& scene, const Packet<L>& packet,
 // In place of a lobe: none, where a path ends, and past the surface, which let the light by.
 inline constexpr std::int32_t no_lobe = -1, let_by = -2;
 
-// The way on of the packet's paths, [lane].
+// Where the packet's paths go on, [lane]: a lobe of the surface, and a direction of it.
 template <typename L>
-struct Onward {
+struct ScatteringSample {
   static constexpr int n = L::count;
   alignas(n * 4) float direction[3][n];
   alignas(n * 4) float density[n];   // 0 where the path ends
@@ -96,15 +98,16 @@ struct ScatteringPacket {
   F weight[vectors][lobe_count];  // probability of each lobe for the way on
 };
 
-template <typename L>
-OMMA_HD void make_scattering(const SceneView& scene, const Packet<L>& packet,
-                             const LitSurface<L>& surface, const SpectraMemory& memory,
+template <typename L, typename Search>
+OMMA_HD void make_scattering(const Flight<L, Search>& flight, const LitSurface<L>& surface,
                              ScatteringPacket<L>& scattering) {
   using F = typename L::F;
+  const SceneView& scene = flight.scene;
+  const PathMemory& memory = flight.memory;
   for (int l = 0; l < L::count; l += L::width) {
     const int v = l / L::width;
     ScatterPoint<F>& point = scattering.point[v];
-    point = make_scatter_point(scatter_surface<L>(scene, packet.rays, surface, l));
+    point = make_scatter_point(scatter_surface<L>(scene, flight.packet.rays, surface, l));
     // By what all bands get of each lobe.
     LobeColors<F> colors{};
     for (int b = 0; b < scene.bands; ++b) {
@@ -123,11 +126,13 @@ OMMA_HD void make_scattering(const SceneView& scene, const Packet<L>& packet,
   }
 }
 
-// How the surfaces scatter a sample of light for each lane.
+// How the surfaces scatter a sample of light for each lane: f_j cos θ w_j / p of each lobe j, with the
+// balance heuristic's w_j = p / (p + q_j p_j), or 1 where is_delta.
 template <typename L>
-OMMA_HD void scatter_sample(const ScatteringPacket<L>& scattering,
-                            const float (&to_light)[3][L::count], const float* light_density,
-                            const float* is_delta, Scattered<L>& direct) {
+OMMA_HD void scatter_light_samples(const ScatteringPacket<L>& scattering,
+                                   const float (&to_light)[3][L::count],
+                                   const float* light_density, const float* is_delta,
+                                   Scattered<L>& direct) {
   using F = typename L::F;
   for (int l = 0; l < L::count; l += L::width) {
     const int v = l / L::width;
@@ -162,10 +167,12 @@ OMMA_HD void scatter_sample(const ScatteringPacket<L>& scattering,
   }
 }
 
-// Where the paths of some lanes go on, and what is left of light from there.
+// Where the paths of some lanes go on: a lobe j by its probability q_j, a direction of it by its density
+// p_j, and what the throughput is multiplied by, f_j cos θ / (q_j p_j).
 template <typename L>
-OMMA_HD void send_on(const Packet<L>& packet, const PathState<L>& state,
-                     const ScatteringPacket<L>& scattering, unsigned lanes, Onward<L>& onward) {
+OMMA_HD void sample_scattering(const Packet<L>& packet, const PathState<L>& state,
+                               const ScatteringPacket<L>& scattering, LaneMask<L> lanes,
+                               ScatteringSample<L>& sample) {
   using F = typename L::F;
   for (int l = 0; l < L::count; l += L::width) {
     const int v = l / L::width;
@@ -183,40 +190,45 @@ OMMA_HD void send_on(const Packet<L>& packet, const PathState<L>& state,
     // Light that goes straight on was chosen as before: what reflects it is by `reflected`.
     const F straight = point.straight / (chosen.probability > 0.0f ? chosen.probability
                                                                    : broadcast<F>(1.0f));
-    store(onward.by.reflected + l,
+    store(sample.by.reflected + l,
           is_straight ? straight : of_lobe(Lobe::diffuse_reflection, found.diffuse_reflection));
-    store(onward.by.transmitted + l,
+    store(sample.by.transmitted + l,
           of_lobe(Lobe::diffuse_transmission, found.diffuse_transmission));
-    store(onward.by.dielectric[0] + l, of_lobe(Lobe::dielectric, found.dielectric.a));
-    store(onward.by.dielectric[1] + l, of_lobe(Lobe::dielectric, found.dielectric.b));
-    store(onward.by.dielectric[2] + l, of_lobe(Lobe::dielectric, found.dielectric.c));
-    store(onward.by.metal + l, of_lobe(Lobe::metal, found.metal));
-    store(onward.by.metal_gain + l, point.metal_gain);
-    store(onward.by.schlick + l, found.schlick);
-    store(onward.by.coat[0] + l, of_lobe(Lobe::coat, found.coat.a));
-    store(onward.by.coat[1] + l, of_lobe(Lobe::coat, found.coat.b));
-    store(onward.by.coat[2] + l, of_lobe(Lobe::coat, found.coat.c));
-    store_vector(onward.direction, l, without_noise(w));
-    store(onward.roulette + l, pair.y);
-    store(onward.density + l, is_straight ? load<F>(state.density + l) : own);
-    const auto goes_on = lanes_on<L>(lanes, l) && chosen.probability > 0.0f;
-    store(onward.lobe + l, goes_on ? chosen.lobe : chosen.lobe * 0 + no_lobe);
+    store(sample.by.dielectric[0] + l, of_lobe(Lobe::dielectric, found.dielectric.a));
+    store(sample.by.dielectric[1] + l, of_lobe(Lobe::dielectric, found.dielectric.b));
+    store(sample.by.dielectric[2] + l, of_lobe(Lobe::dielectric, found.dielectric.c));
+    store(sample.by.metal + l, of_lobe(Lobe::metal, found.metal));
+    store(sample.by.metal_gain + l, point.metal_gain);
+    store(sample.by.schlick + l, found.schlick);
+    store(sample.by.coat[0] + l, of_lobe(Lobe::coat, found.coat.a));
+    store(sample.by.coat[1] + l, of_lobe(Lobe::coat, found.coat.b));
+    store(sample.by.coat[2] + l, of_lobe(Lobe::coat, found.coat.c));
+    store_vector(sample.direction, l, without_noise(w));
+    store(sample.roulette + l, pair.y);
+    store(sample.density + l, is_straight ? load<F>(state.density + l) : own);
+    const auto goes_on = lanes.at(l) && chosen.probability > 0.0f;
+    store(sample.lobe + l, goes_on ? chosen.lobe : chosen.lobe * 0 + no_lobe);
   }
 }
 
-// Throughput and Mueller matrices lengthened by the way on; `most` [lane]: the largest throughput.
-template <typename L>
-OMMA_HD void lengthen(const SceneView& scene, Packet<L>& packet, const Onward<L>& onward,
-                      PathState<L>& state, const PathMemory& memory, float* most) {
+// Throughput and Mueller matrices of paths that have gone on by a sample; `most` [lane]: the largest
+// throughput of a path's bands.
+template <typename L, typename Search>
+OMMA_HD void update_throughput(const Flight<L, Search>& flight, const ScatteringSample<L>& sample,
+                               float* most) {
   using F = typename L::F;
+  const SceneView& scene = flight.scene;
+  Packet<L>& packet = flight.packet;
+  PathState<L>& state = flight.state;
+  const PathMemory& memory = flight.memory;
   using I = typename L::I;
   for (int l = 0; l < L::count; l += L::width) {
-    const Scattered<L>& by = onward.by;
+    const Scattered<L>& by = sample.by;
     const F reflected = load<F>(by.reflected + l), transmitted = load<F>(by.transmitted + l);
     const F metal = load<F>(by.metal + l), schlick = load<F>(by.schlick + l);
     const F gain = load<F>(by.metal_gain + l);
     const F dielectric = load<F>(by.dielectric[0] + l), coat = load<F>(by.coat[0] + l);
-    const I lobe = load<I>(onward.lobe + l);
+    const I lobe = load<I>(sample.lobe + l);
     const auto is_by = lobe == let_by;
     F largest{};
     for (int b = 0; b < scene.bands; ++b) {
@@ -234,7 +246,7 @@ OMMA_HD void lengthen(const SceneView& scene, Packet<L>& packet, const Onward<L>
     if (!scene.polarized) continue;
 
     const auto is = [&](Lobe one) { return lobe == static_cast<std::int32_t>(one); };
-    const auto d = load_vector<F>(packet.rays.direction, l), w = load_vector<F>(onward.direction, l);
+    const auto d = load_vector<F>(packet.rays.direction, l), w = load_vector<F>(sample.direction, l);
     const auto own = load_vector<F>(packet.reference, l);
     const Vector3<F> s = reflection_axis(d, w, own), across = cross(d, own);
     // As parts of what is reflected, which the throughput has.

@@ -6,6 +6,7 @@
 // widens by the rounding of the box test itself).
 #pragma once
 
+#include "physics/lane_mask.h"
 #include "physics/search_lanes.h"
 #include "physics/vector3.h"
 
@@ -73,7 +74,7 @@ OMMA_HD void make_bundle(const RayFrame<L>& frame, const float (&t_near_m)[L::co
 
   // Idle lanes repeat the first ray of the bundle.
   const auto lane = [&](const float* values, int l) {
-    return lanes_of<L>(bundle.lanes, l) ? load<F>(values + l) : broadcast<F>(values[first]);
+    return LaneMask<L>{bundle.lanes}.at(l) ? load<F>(values + l) : broadcast<F>(values[first]);
   };
   const auto span = [&](const float* values, float& lowest, float& highest) {
     unsigned others_than_first = 0;
@@ -198,7 +199,7 @@ OMMA_HD float furthest(const float (&t_far_m)[L::count], unsigned lanes) {
   using F = typename L::F;
   F far = broadcast<F>(0.0f);
   for (int l = 0; l < L::count; l += L::width)
-    far = most(lanes_of<L>(lanes, l) ? load<F>(t_far_m + l) : far, far);
+    far = most(LaneMask<L>{lanes}.at(l) ? load<F>(t_far_m + l) : far, far);
   return most_lane(far) * hit_slack;
 }
 

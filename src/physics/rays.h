@@ -96,12 +96,18 @@ OMMA_HD I sample_of_part(const DirectionsView& directions, I number) {
   return first + (number < directions.pattern_samples >> bits ? own : number * 0 + directions.part);
 }
 
-// Writes L::width rays from lane l on: the first is sample `sample` of unit `unit`.
+// Where a packet stands: its first ray is sample `sample` of unit `unit`; `filled` lanes hold rays.
+struct PacketPlace {
+  int unit, sample, filled;
+};
+
+// Writes L::width rays from lane l on, the first that of a place.
 template <typename L>
 OMMA_HD void write_rays(const DirectionsView& directions, const Units& units, int last_unit,
-                        int unit, int sample, float per_sample, Packet<L>& packet, int l) {
+                        const PacketPlace& place, Packet<L>& packet, int l) {
   using F = typename L::F;
   using I = typename L::I;
+  const int unit = place.unit, sample = place.sample;
   const auto write = [&](LocalDirection<F> d, const auto& of_unit, const auto& points,
                          const auto& hash, I sample_of_unit) {
     RayPacket<L::count>& rays = packet.rays;
@@ -131,12 +137,12 @@ OMMA_HD void write_rays(const DirectionsView& directions, const Units& units, in
     store_vector(rays.direction, l, direction);
     store(rays.t_near_m + l, of_unit(units.t_near_m));
     store(packet.footprint_rad + l, of_unit(units.footprint_rad));
-    if (units.has_choices) {
+    if (units.needs.choices) {
       store(packet.hash + l, hash());
       store(packet.sample + l, sample_of_unit);
       store(packet.acceptance_sr + l, of_unit(units.acceptance_sr));
     }
-    if (!units.has_axes) return;
+    if (!units.needs.axes) return;
     store_vector(packet.reference, l, turn_with(axis, direction, vector_of_unit(units.up)));
   };
 
@@ -157,7 +163,7 @@ OMMA_HD void write_rays(const DirectionsView& directions, const Units& units, in
 
   // Units that the lanes are ahead of the first one, and their sample within those.
   const I lane_sample = lane_numbers<L>() + sample;
-  I ahead = to_int((to_float(lane_sample) + 0.5f) * per_sample);
+  I ahead = to_int((to_float(lane_sample) + 0.5f) * (1.0f / static_cast<float>(samples)));
   const I local_sample = sample_of_part(directions, lane_sample - ahead * samples);
   ahead = ahead > last_unit - unit ? ahead * 0 + (last_unit - unit) : ahead;
   LocalDirection<F> d;
@@ -187,11 +193,6 @@ OMMA_HD void write_rays(const DirectionsView& directions, const Units& units, in
       [&] { return gather(units.hash + unit, ahead); }, local_sample);
 }
 
-// Where a packet stands: its first ray is sample `sample` of unit `unit`; `filled` lanes hold rays.
-struct PacketPlace {
-  int unit, sample, filled;
-};
-
 // Writes the rays of all units into packets, in order, and hands each one to `consume`.
 template <typename L, typename Consume>
 OMMA_HD void for_each_packet(const DirectionsView& directions, const Units& units, int unit_count,
@@ -203,7 +204,7 @@ OMMA_HD void for_each_packet(const DirectionsView& directions, const Units& unit
     if (left < L::count) place.filled = static_cast<int>(left);
     int unit = place.unit, sample = place.sample;
     for (int l = 0; l < L::count; l += L::width) {
-      write_rays<L>(directions, units, unit_count - 1, unit, sample, per_sample, packet, l);
+      write_rays<L>(directions, units, unit_count - 1, {unit, sample, 0}, packet, l);
       sample += L::width;
       const int ahead = static_cast<int>((static_cast<float>(sample) + 0.5f) * per_sample);
       unit += ahead;

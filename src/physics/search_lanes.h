@@ -85,16 +85,4 @@ OMMA_HD float most_lane(Floats x) {
 }
 #endif
 
-// Of a bit for each ray of a packet, those from ray l on, as a comparison's result.
-template <typename L>
-OMMA_HD auto lanes_of(unsigned bits, int l) {
-  if constexpr (L::width == 1) {
-    return (bits >> l & 1u) != 0;
-  } else {
-    typename L::I bit;
-    for (int i = 0; i < L::width; ++i) bit[i] = 1 << i;
-    return (bit & static_cast<std::int32_t>(bits >> l)) != 0;
-  }
-}
-
 }  // namespace omma

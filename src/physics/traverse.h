@@ -15,6 +15,7 @@
 // so that the order of the search does not matter.
 #pragma once
 
+#include "physics/lane_mask.h"
 #include "physics/ray_bundle.h"
 #include "physics/ray_packet.h"
 #include "physics/triangle_hit.h"
@@ -83,8 +84,13 @@ struct Leaf {
   bool one_origin;       // of all rays that ask
 };
 
-// Calls `found(first lane, bits, crossing, normal, block, k)` for what lanes meet of the k-th
-// triangle of a block, where it may lie at any distance; it returns the lanes that search on.
+// The k-th triangle of a block.
+struct LeafTriangle {
+  const TriangleBlock& block;
+  int k;
+};
+
+// Calls `found(first lane, bits, crossing, normal, triangle)` for what lanes meet of a triangle, where it may lie at any distance; it returns the lanes that search on.
 template <typename L, typename Found>
 OMMA_HD unsigned search_leaf(const RayFrame<L>& frame, const Leaf& leaf, unsigned lanes,
                              Found found) {
@@ -130,7 +136,7 @@ OMMA_HD unsigned search_leaf(const RayFrame<L>& frame, const Leaf& leaf, unsigne
           bits = cross_triangle(seen, normal, direction, crossing);
         }
         bits &= lanes >> l;
-        if (bits != 0) lanes = found(l, bits, crossing, normal, block, k);
+        if (bits != 0) lanes = found(l, bits, crossing, normal, LeafTriangle{block, k});
       }
       if (lanes == 0) return 0;
     }
@@ -162,13 +168,13 @@ OMMA_HD unsigned seeing(const Packet& rays, const PlacedTree& tree, unsigned lan
 // Goes through what is placed. `found(tree, lanes, ...)` is called for what the lanes of `bits`
 // meet of a triangle, as in search_leaf; it returns those of `lanes` that search on.
 template <typename L, typename Packet, typename Found>
-OMMA_HD void search(const BvhView& bvh, unsigned valid, Packet& rays, Found found) {
+OMMA_HD void search(const BvhView& bvh, unsigned on, Packet& rays, Found found) {
   if (bvh.top_nodes == nullptr) return;
   const RayFrame<L> world{rays.origin, rays.direction};
-  while (valid != 0) {
+  while (on != 0) {
     RayBundle<L> bundle;
-    make_bundle<L>(world, rays.t_near_m, valid, bundle);
-    valid &= ~bundle.lanes;
+    make_bundle<L>(world, rays.t_near_m, on, bundle);
+    on &= ~bundle.lanes;
     const auto search_placed = [&](std::uint32_t index, std::uint32_t, unsigned lanes) {
       const PlacedTree& tree = bvh.trees[index];
       const bool is_moved = tree.placed != none;
@@ -184,7 +190,7 @@ OMMA_HD void search(const BvhView& bvh, unsigned valid, Packet& rays, Found foun
         const RayBundle<L>& own = is_moved ? moved_bundle : bundle;
         const unsigned asked = left & own.lanes;
         left &= ~asked;
-        unsigned on = asked;
+        unsigned searching = asked;
         search_tree<L>(bvh.nodes, tree.root, own, asked, rays.t_far_m,
                     [&](std::uint32_t first, std::uint32_t triangles, unsigned meeting) {
                       const Leaf leaf{bvh.blocks + first, static_cast<int>(triangles), tree.placed,
@@ -193,22 +199,15 @@ OMMA_HD void search(const BvhView& bvh, unsigned valid, Packet& rays, Found foun
                       still = search_leaf<L>(frame, leaf, meeting, [&](auto&&... crossing) {
                         return still = found(tree, still, crossing...);
                       });
-                      on &= ~meeting | still;
+                      searching &= ~meeting | still;
                       return still;
                     });
-        lanes &= ~asked | on;
+        lanes &= ~asked | searching;
       }
       return lanes;
     };
     search_tree<L>(bvh.top_nodes, 0, bundle, bundle.lanes, rays.t_far_m, search_placed);
   }
-}
-
-template <typename L>
-OMMA_HD unsigned valid_bits(const int* valid) {
-  unsigned bits = 0;
-  for (int l = 0; l < L::count; ++l) bits |= (valid[l] != 0 ? 1u : 0u) << l;
-  return bits;
 }
 
 // Of lanes that cross a triangle, those that do where they look.
@@ -220,8 +219,8 @@ OMMA_HD unsigned in_reach(const Packet& rays, int l, unsigned bits,
          lane_bits(crossing.t_m <= load<F>(rays.t_far_m + l));
 }
 
-OMMA_HD std::uint32_t placed_of(const PlacedTree& tree, const TriangleBlock& block, int k) {
-  return tree.placed != none ? tree.placed : block.placed[k] & ~ask_flag;
+OMMA_HD std::uint32_t placed_of(const PlacedTree& tree, const LeafTriangle& at) {
+  return tree.placed != none ? tree.placed : at.block.placed[at.k] & ~ask_flag;
 }
 
 // Of those, the ones that have not met what counts instead in the same place.
@@ -241,11 +240,11 @@ OMMA_HD unsigned first_in_place(const Packet& rays, int l, unsigned bits,
 
 // Of those, the ones for which the surface counts.
 template <typename L, typename Accept>
-OMMA_HD unsigned accepted(int l, unsigned bits,
-                          const Crossing<typename L::F>& crossing,
-                          const TriangleBlock& block, int k, std::uint32_t placed,
-                          const Accept& accept) {
+OMMA_HD unsigned accepted(int l, unsigned bits, const Crossing<typename L::F>& crossing,
+                          const PlacedTree& tree, const LeafTriangle& at, const Accept& accept) {
   constexpr int width = L::width;
+  const TriangleBlock& block = at.block;
+  const int k = at.k;
   if ((block.placed[k] & ask_flag) == 0 || bits == 0) return bits;
   float t_m[width], u[width], v[width], facing[width];
   store(t_m, crossing.t_m);
@@ -254,32 +253,33 @@ OMMA_HD unsigned accepted(int l, unsigned bits,
   store(facing, crossing.facing);
   for (unsigned asked = bits; asked != 0; asked &= asked - 1) {
     const int i = lowest_bit(asked);
-    if (!accept(l + i, t_m[i], u[i], v[i], block.triangle[k], placed, facing[i] > 0))
+    if (!accept(l + i, t_m[i], u[i], v[i], block.triangle[k], placed_of(tree, at), facing[i] > 0))
       bits &= ~(1u << i);
   }
   return bits;
 }
 
-// The closest accepted hit of each valid ray behind its t_near and up to its t_far, which becomes
+// The closest accepted hit of each ray that is on, behind its t_near and up to its t_far, which becomes
 // the hit's distance; weights, triangle, normal and placed mesh are filled in. Where nothing is met
 // nothing changes, so `geometry` must be `none` before. `accept(lane, t, u, v, triangle, placed,
 // from_behind)` is asked of each candidate on meshes that may say no; u and v are the weights of
 // the second and third vertex.
 template <typename L, typename Accept>
-OMMA_HD void closest(const BvhView& bvh, const int* valid, RayPacket<L::count>& rays, Accept accept) {
+OMMA_HD void closest(const BvhView& bvh, LaneMask<L> lanes_on, RayPacket<L::count>& rays,
+                     Accept accept) {
   using F = typename L::F;
   using I = typename L::I;
   search<L>(
-      bvh, valid_bits<L>(valid), rays,
+      bvh, lanes_on.bits, rays,
       [&](const PlacedTree& tree, unsigned lanes, int l, unsigned bits, const Crossing<F>& crossing,
-          const Vector3<float>& normal, const TriangleBlock& block, int k) {
+          const Vector3<float>& normal, const LeafTriangle& at) {
         bits = in_reach<L>(rays, l, bits, crossing);
         if (bits == 0) return lanes;
-        const std::uint32_t placed = placed_of(tree, block, k), triangle = block.triangle[k];
+        const std::uint32_t placed = placed_of(tree, at), triangle = at.block.triangle[at.k];
         bits = first_in_place<L>(rays, l, bits, crossing, placed, triangle);
-        bits = accepted<L>(l, bits, crossing, block, k, placed, accept);
+        bits = accepted<L>(l, bits, crossing, tree, at, accept);
         if (bits == 0) return lanes;
-        const auto hit = lanes_of<L>(bits, 0);
+        const auto hit = LaneMask<L>{bits}.at(0);
         const auto set = [&](float* values, F value) {
           store(values + l, hit ? value : load<F>(values + l));
         };
@@ -298,20 +298,20 @@ OMMA_HD void closest(const BvhView& bvh, const int* valid, RayPacket<L::count>& 
       });
 }
 
-// A bit for each valid ray that meets anything accepted behind its t_near and up to its t_far.
+// Those of the rays that are on which meet anything accepted behind their t_near and up to their t_far.
 // `accept` as in closest.
 template <typename L, typename Accept>
-OMMA_HD unsigned occluded(const BvhView& bvh, const int* valid, const RayPacket<L::count>& rays,
-                          Accept accept) {
+OMMA_HD LaneMask<L> occluded(const BvhView& bvh, LaneMask<L> lanes_on,
+                             const RayPacket<L::count>& rays, Accept accept) {
   using F = typename L::F;
-  unsigned found = 0;
+  LaneMask<L> found;
   search<L>(
-      bvh, valid_bits<L>(valid), rays,
+      bvh, lanes_on.bits, rays,
       [&](const PlacedTree& tree, unsigned lanes, int l, unsigned bits, const Crossing<F>& crossing,
-          const Vector3<float>&, const TriangleBlock& block, int k) {
+          const Vector3<float>&, const LeafTriangle& at) {
         bits = in_reach<L>(rays, l, bits, crossing);
-        bits = accepted<L>(l, bits, crossing, block, k, placed_of(tree, block, k), accept);
-        found |= bits << l;
+        bits = accepted<L>(l, bits, crossing, tree, at, accept);
+        found.bits |= bits << l;
         return lanes & ~(bits << l);
       });
   return found;

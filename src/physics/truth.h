@@ -102,9 +102,10 @@ OMMA_HD void eval_truth(const FrameView& frame, const BlockTask& task, const Fir
 
 // What is not a mean: the nearest of a unit's rays, and which group each ray met.
 template <typename L>
-OMMA_HD void add_met(const TruthView& view, const FirstHits<L>& first, int samples, int unit,
-                     int sample, int filled, const TruthSums& sums) {
-  for (int l = 0; l < filled; ++l) {
+OMMA_HD void add_met(const TruthView& view, const FirstHits<L>& first, int samples,
+                     const PacketPlace& place, const TruthSums& sums) {
+  int unit = place.unit, sample = place.sample;
+  for (int l = 0; l < place.filled; ++l) {
     if (first.hits.mesh[l] >= 0) {
       const float t = first.packet.rays.t_far_m[l];
       if (t < sums.nearest_m[unit]) sums.nearest_m[unit] = t;

@@ -26,6 +26,12 @@ struct UnitList {
   int count = 0;  // of units
 };
 
+// What rays carry besides where they start and look.
+struct RayNeeds {
+  bool choices = false;  // hashes: those that choose ways of paths or times
+  bool axes = false;     // up vectors: those of light that is polarised, and of optic flow
+};
+
 // World frames of units; s and t lie across the axis, the scramble's turn about it applied.
 struct Units {
   alignas(64) float origin[3][unit_room];
@@ -42,15 +48,14 @@ struct Units {
   alignas(64) float acceptance_sr[unit_room];      // counts_by_rays; find_acceptances
   alignas(64) float up[3][unit_room];              // across the axis, before any turn
   bool has_apertures, has_scales;
-  bool has_choices;  // whether rays carry hashes: those that choose ways of paths or times
-  bool has_axes;     // whether they carry up vectors: those of light that is polarised, and of optic flow
+  RayNeeds needs;
 };
 
 // The eye's arrays are padded, so that the last lanes read something; lanes behind the last unit
 // repeat it.
 template <typename L>
 OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const DirectionsView& directions,
-                        const UnitList& list, bool has_choices, bool has_axes, Units& units) {
+                        const UnitList& list, RayNeeds needs, Units& units) {
   using F = typename L::F;
   using I = typename L::I;
   using U = typename L::U;
@@ -59,8 +64,7 @@ OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const Directi
   const bool in_order = list.ordinal == nullptr && list.scrambles == 1;
   units.has_apertures = eye.has_apertures;
   units.has_scales = eye.has_scales;
-  units.has_choices = has_choices;
-  units.has_axes = has_axes;
+  units.needs = needs;
   const float per_scramble = 1.0f / static_cast<float>(list.scrambles);
   for (int u = 0; u < list.count; u += L::width) {
     I unit = lane_numbers<L>() + u;
@@ -100,7 +104,7 @@ OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const Directi
     store_vector(units.axis, u, a);
     store_vector(units.s, u, s * cosine + t * sine);
     store_vector(units.t, u, t * cosine - s * sine);
-    if (has_axes) store_vector(units.up, u, s);
+    if (needs.axes) store_vector(units.up, u, s);
     store(units.warp + u, warp);
     store(units.footprint_rad + u, gather(directions.footprint_rad, warp));
     if (directions.patterns > 0) {

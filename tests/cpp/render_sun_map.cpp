@@ -42,7 +42,6 @@ struct SunScene {
 
   // Whether a ray from a place of the world to the middle of the sun meets nothing.
   bool sees_sun(Vec3d position, Vec3d normal, Vec3d towards) const {
-    alignas(64) std::int32_t valid[16] = {-1};
     RayPacket<16> rays{};
     clear<Lanes<16, 1>>(rays);
     const double side = dot(normal, towards) < 0 ? -1 : 1;
@@ -51,7 +50,7 @@ struct SunScene {
     rays.origin[0][0] = from.x, rays.origin[1][0] = from.y, rays.origin[2][0] = from.z;
     rays.direction[0][0] = along.x, rays.direction[1][0] = along.y, rays.direction[2][0] = along.z;
     rays.t_far_m[0] = INFINITY;
-    functions.closest(acceleration.tracer.get(), valid, rays);
+    functions.closest(acceleration.tracer.get(), 1u, rays);
     return rays.geometry[0] == none;
   }
 
@@ -379,18 +378,16 @@ TEST(SunMap, TellsItsProgressAndCanBeEnded) {
 // What rays are asked for besides: only between their ends.
 TEST(SunMap, ClosestHitsLieBetweenTheEndsOfRays) {
   const SunScene lit(sheets(0, 0, {0, 1, 2}, {0, 0, 0}, 1));
-  alignas(64) std::int32_t valid[16] = {};
   RayPacket<16> rays{};
   clear<Lanes<16, 1>>(rays);
   for (int l = 0; l < 16; ++l) {
-    valid[l] = l == 15 ? 0 : -1;
     rays.origin[0][l] = rays.origin[2][l] = 0.1f;
     rays.origin[1][l] = 3;
     rays.direction[1][l] = -1;
     rays.t_near_m[l] = 0.25f + 0.5f * static_cast<float>(l % 8);  // to 3.75
     rays.t_far_m[l] = l < 8 ? INFINITY : 2.5f;
   }
-  lit.functions.closest(lit.acceleration.tracer.get(), valid, rays);
+  lit.functions.closest(lit.acceleration.tracer.get(), 0x7fffu, rays);
   for (int l = 0; l < 15; ++l) {
     SCOPED_TRACE(l);
     const float next = std::ceil(0.25f + 0.5f * static_cast<float>(l % 8));

@@ -6,7 +6,7 @@
 namespace omma::OMMA_ISA {
 
 BlockFunctions embree_block() {
-  return build_block<EmbreeSearch, EmbreeTracer>();
+  return build_block<EmbreeSearch<Packets>, EmbreeTracer>();
 }
 
 }  // namespace omma::OMMA_ISA

@@ -13,7 +13,7 @@ template <typename L>
 struct PortableSearch {
   const PortableTracer* tracer;
 
-  OMMA_HD void closest(const std::int32_t* valid, RayPacket<L::count>& rays,
+  OMMA_HD void closest(LaneMask<L> lanes, RayPacket<L::count>& rays,
                        const PassedSurfaces<L::count>* passed,
                        Spread = Spread::together) const {
     const auto accept = [&](int lane, float t_m, float u, float v, std::uint32_t triangle,
@@ -27,13 +27,13 @@ struct PortableSearch {
                            return tracer->corners(geometry, index);
                          });
     };
-    omma::closest<L>(tracer->view, valid, rays, accept);
+    omma::closest<L>(tracer->view, lanes, rays, accept);
   }
 
-  // A bit for each valid ray that meets an accepted surface between its t_near and t_far; one that
-  // lets light through in part counts as any other.
-  OMMA_HD unsigned occluded(const std::int32_t* valid, const RayPacket<L::count>& rays) const {
-    return omma::occluded<L>(tracer->view, valid, rays,
+  // Lanes whose ray meets an accepted surface between its t_near and t_far; one that lets light through
+  // in part counts as any other.
+  OMMA_HD LaneMask<L> occluded(LaneMask<L> lanes, const RayPacket<L::count>& rays) const {
+    return omma::occluded<L>(tracer->view, lanes, rays,
                              [&](int, float, float u, float v, std::uint32_t triangle,
                                  std::uint32_t placed, bool from_behind) {
                                return accepts(placed, triangle, u, v, from_behind);
