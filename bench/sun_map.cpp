@@ -1,6 +1,6 @@
 // The shadow map of the sun in the bundled meadow: time and memory to make it, what a bee sees by
 // it against shadow rays to the middle of the sun, and the time to look a hit up.
-#include "backend/sun_map.h"
+#include "backend/make_sun_map.h"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 #include <cstdio>
 #include <ctime>
 
-#include "backend/embree/backend.h"
-#include "backend/embree/tracer.h"
+#include "backend/embree/embree_backend.h"
+#include "backend/embree/embree_tracer.h"
 #include "backend/shading_data.h"
 #include "physics/hash.h"
 #include "physics/path.h"
@@ -71,10 +71,10 @@ Seen look(const Setup& setup, const EmbreeTracer& tracer, const SceneView& view,
       eval_geometry<L>(view, packet.rays, hits, geometry);
       const Vector3<float> towards = vector_of(to_float(sun));
       for (int l = 0; l < 16; ++l) {
-        store_vector(packet.rays.origin, l,
-                     leave_surface(load_vector<float>(geometry.position, l),
-                                   load_vector<float>(geometry.normal, l), geometry.reach_m[l],
-                                   towards));
+        store_vector(
+            packet.rays.origin, l,
+            leave_surface(load_vector<float>(geometry.position, l),
+                          load_vector<float>(geometry.normal, l), geometry.reach_m[l], towards));
         store_vector(packet.rays.direction, l, towards);
         packet.rays.t_far_m[l] = INFINITY;
       }
@@ -84,7 +84,8 @@ Seen look(const Setup& setup, const EmbreeTracer& tracer, const SceneView& view,
       auto& lit = seen.lit.emplace_back();
       for (std::size_t l = 0; l < 16; ++l) {
         const Vec3d normal{geometry.normal[0][l], geometry.normal[1][l], geometry.normal[2][l]};
-        full[l] = met.has(static_cast<int>(l)) ? static_cast<float>(std::fabs(dot(normal, sun))) : 0;
+        full[l] =
+            met.has(static_cast<int>(l)) ? static_cast<float>(std::fabs(dot(normal, sun))) : 0;
         lit[l] = packet.rays.geometry[l] == none ? 1.0f : 0.0f;
       }
     }

@@ -17,8 +17,7 @@ BlockFunctions build_block() {
     const DenormalsAreZero denormals_are_zero;
     Search search{static_cast<const Tracer*>(tracer)};
     Room room{memory};
-    render_block<Packets>(frame, task, search,
-                          lay_out(room, frame, packet_rays));
+    render_block<Packets>(frame, task, search, lay_out(room, frame, packet_rays));
   };
   block.discs = [](const FrameView& frame, const BlockTask& task, const void* tracer,
                    std::byte* memory) {

@@ -20,7 +20,8 @@ struct BlockFunctions {
   void (*render)(const FrameView&, const BlockTask&, const void* tracer,
                  std::byte* memory) = nullptr;
   // Adds what the task's ommatidia see of discs of the sky to its responses.
-  void (*discs)(const FrameView&, const BlockTask&, const void* tracer, std::byte* memory) = nullptr;
+  void (*discs)(const FrameView&, const BlockTask&, const void* tracer,
+                std::byte* memory) = nullptr;
   void (*weigh)(const SharedWeights&, const float* radiance, int outputs, std::int64_t first,
                 std::int64_t end, float* responses) = nullptr;
   // Means over the paths of each place, [place][band], in the view's unit; memory as of `render`.

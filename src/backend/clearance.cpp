@@ -76,17 +76,16 @@ std::vector<std::vector<float>> clearances_m(const Tracing& tracing, const Scene
               const std::size_t i = of_mesh[k * of_mesh.size() / looks];
               Vec3 corner[3];
               for (std::size_t c = 0; c < 3; ++c)
-                corner[c] = to_float(
-                    transform_point(placement.world_from_mesh[i],
-                                    to_double(mesh.positions[mesh.triangles[t][c]])) -
-                    placement.origin_m);
+                corner[c] =
+                    to_float(transform_point(placement.world_from_mesh[i],
+                                             to_double(mesh.positions[mesh.triangles[t][c]])) -
+                             placement.origin_m);
               const std::uint32_t hash =
                   mix_bits_32(mix_bits_32(static_cast<std::uint32_t>(t) + hash_of_clearances) +
                               static_cast<std::uint32_t>(i));
               sum += inverse_distances(tracing, corner, hash);
             }
-            clearance[m][t] =
-                static_cast<float>(static_cast<double>(looks * packet_rays) / sum);
+            clearance[m][t] = static_cast<float>(static_cast<double>(looks * packet_rays) / sum);
           }
         });
   }

@@ -1,6 +1,6 @@
-// Rays that ommatidia aim at what is small and bright besides the discs of the sky: the sun's mirror
-// image in smooth water, surfaces that shine (LightView::aims). Their own rays, by their acceptance,
-// would find it by chance.
+// Rays that ommatidia aim at what is small and bright besides the discs of the sky: the sun's
+// mirror image in smooth water, surfaces that shine (LightView::aims). Their own rays, by their
+// acceptance, would find it by chance.
 //
 // The integral over directions is divided: within a cone about each such thing, where it is much
 // smaller than the acceptance, the ommatidium sends rays evenly over the cone, each weighed by the
@@ -8,8 +8,8 @@
 //
 //   ∫ over the cone p L dω = mean of p(ω) L(ω) times the cone's solid angle,   p = S / ∫ S,
 //
-// and its own rays count outside of all cones alone. Both follow whole paths, so that the sum is right
-// whatever stands there, also where a thing has moved away from its cone.
+// and its own rays count outside of all cones alone. Both follow whole paths, so that the sum is
+// right whatever stands there, also where a thing has moved away from its cone.
 #pragma once
 
 #include "physics/eye_discs.h"
@@ -38,7 +38,8 @@ OMMA_HD AimCone cone_of(const AimView& aim, Vec3 from) {
   } else {
     const Vec3 way = aim.centre - from;
     const double distance_2 = static_cast<double>(dot(way, way));
-    const double sine_2 = static_cast<double>(aim.radius) * static_cast<double>(aim.radius) / distance_2;
+    const double sine_2 =
+        static_cast<double>(aim.radius) * static_cast<double>(aim.radius) / distance_2;
     if (!(sine_2 < 0.25)) return {};
     cone.direction = way * static_cast<float>(1 / sqrt(distance_2));
     cosine = sqrt(1 - sine_2);
@@ -58,10 +59,10 @@ OMMA_HD DiscView disc_of(const AimCone& cone) {
   return disc;
 }
 
-// The cones that units aim at, into `memory`; false where none does. They are the same for all scrambles
-// of an ommatidium: what its rays leave out is what it aims at.
-OMMA_HD bool find_cones(const FrameView& frame, const BlockTask& task, const Units& units, int count,
-                        const BlockMemory& memory) {
+// The cones that units aim at, into `memory`; false where none does. They are the same for all
+// scrambles of an ommatidium: what its rays leave out is what it aims at.
+OMMA_HD bool find_cones(const FrameView& frame, const BlockTask& task, const Units& units,
+                        int count, const BlockMemory& memory) {
   const LightView& light = *frame.scene->light;
   bool any = false;
   for (int u = 0; u < count; ++u) {
@@ -73,8 +74,8 @@ OMMA_HD bool find_cones(const FrameView& frame, const BlockTask& task, const Uni
       // A cone that fills an acceptance is found by its rays.
       if (!(cone.solid_sr > 0) || cone.solid_sr > 0.5f * units.acceptance_sr[u]) continue;
       const DiscView disc = disc_of(cone);
-      const DiscTask of{&frame, &task, &units, frame.directions->warps + units.warp[u], &disc, u,
-                        0x51ed270bu};
+      const DiscTask of{&frame, &task, &units,     frame.directions->warps + units.warp[u],
+                        &disc,  u,     0x51ed270bu};
       cone.most = static_cast<float>(static_cast<double>(light.aims[i].brightest * cone.solid_sr) *
                                      most_unit_pdf(of));
       if (!(cone.most >= static_cast<float>(least_aimed_light))) continue;
@@ -88,7 +89,7 @@ OMMA_HD bool find_cones(const FrameView& frame, const BlockTask& task, const Uni
 // Of a packet's rays those in a cone of their unit.
 template <typename L>
 OMMA_HD LaneMask<L> rays_in_cones(const Packet<L>& packet, const PacketPlace& place, int samples,
-                               const BlockMemory& memory) {
+                                  const BlockMemory& memory) {
   LaneMask<L> inside;
   for (int l = 0; l < place.filled; ++l) {
     const int u = place.unit + (place.sample + l) / samples;
@@ -138,7 +139,8 @@ OMMA_HD void trace_cone(const DiscTask& of, int k, int each, Search& search,
       const Vector3<float> towards = vector_of(direction);
       const float radius_m = units.aperture_radius_m[u];
       const auto s = load_vector<float>(units.s, u), t = load_vector<float>(units.t, u);
-      Vector3<float> from = load_vector<float>(units.origin, u) + (s * lens.x + t * lens.y) * radius_m;
+      Vector3<float> from =
+          load_vector<float>(units.origin, u) + (s * lens.x + t * lens.y) * radius_m;
       if (of.task->motion != nullptr) from = move_point(*of.task->motion, turn, from);
       store_vector(packet.rays.origin, l, from);
       store_vector(packet.rays.direction, l, without_noise(towards));
@@ -183,8 +185,14 @@ OMMA_HD void add_aimed(const FrameView& frame, const BlockTask& task, const Unit
     for (int k = 0; k < memory.cone_count[u]; ++k) {
       const AimCone& cone = memory.cones[u * most_cones + k];
       const DiscView disc = disc_of(cone);
-      const DiscTask of{&frame, &task, &units, frame.directions->warps + units.warp[u], &disc, u,
-                        mix_bits_32(uint_of(units.hash[u]) + 0x2545f491u * static_cast<std::uint32_t>(k + 1))};
+      const DiscTask of{
+          &frame,
+          &task,
+          &units,
+          frame.directions->warps + units.warp[u],
+          &disc,
+          u,
+          mix_bits_32(uint_of(units.hash[u]) + 0x2545f491u * static_cast<std::uint32_t>(k + 1))};
       const int each = cone.most >= 0.3f ? 32 : (cone.most >= 0.003f ? 8 : 2);
       trace_cone<L>(of, k, each, search, memory);
       const double solid_sr = static_cast<double>(cone.solid_sr);

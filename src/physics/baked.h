@@ -1,5 +1,5 @@
-// Light that was found before (omma/bake.h), looked up where rays meet surfaces: what a white, fully
-// diffuse surface would send back of it, on the viewer's side and on the other.
+// Light that was found before (omma/bake.h), looked up where rays meet surfaces: what a white,
+// fully diffuse surface would send back of it, on the viewer's side and on the other.
 #pragma once
 
 #include "omma/bake.h"
@@ -42,8 +42,7 @@ OMMA_HD I cell_at(I k, F u, F v) {
   I i = to_int(u * size), j = to_int(v * size);
   i = i > k - 1 ? k - 1 : i;
   j = j > k - 1 - i ? k - 1 - i : j;
-  const auto hangs =
-      (u * size - to_float(i)) + (v * size - to_float(j)) > 1.0f && i + j < k - 1;
+  const auto hangs = (u * size - to_float(i)) + (v * size - to_float(j)) > 1.0f && i + j < k - 1;
   return i * (2 * k - i) + 2 * j + keep(hangs, i * 0 + 1);
 }
 
@@ -52,9 +51,8 @@ OMMA_HD void corners_of_cell(std::int32_t k, std::int32_t cell, float (&uv)[3][2
   std::int32_t i = 0, left = cell;
   while (left >= 2 * (k - i) - 1) left -= 2 * (k - i++) - 1;
   const std::int32_t j = left / 2, hangs = left % 2;
-  const std::int32_t corner[3][2] = {{i + hangs, j + hangs},
-                                     {i + 1 - hangs, j + hangs},
-                                     {i + hangs, j + 1 - hangs}};
+  const std::int32_t corner[3][2] = {
+      {i + hangs, j + hangs}, {i + 1 - hangs, j + hangs}, {i + hangs, j + 1 - hangs}};
   for (int c = 0; c < 3; ++c)
     for (int a = 0; a < 2; ++a) uv[c][a] = to_float(corner[c][a]) / to_float(k);
 }
@@ -102,8 +100,8 @@ OMMA_HD void find_baked(const SceneView& scene, const Packet<L>& packet, const H
 }
 
 // By the eight probes about a place: of the three directions that a normal leans to, weighed by the
-// squares of its components, which add up to 1 (the ambient cube of J. McTaggart, Half-Life 2 / Valve
-// Source Shading, 2004).
+// squares of its components, which add up to 1 (the ambient cube of J. McTaggart, Half-Life 2 /
+// Valve Source Shading, 2004).
 OMMA_HD void eval_probes(const BakedView& baked, int bands, Vec3 position, Vec3 normal, float* out,
                          int band_stride) {
   for (int b = 0; b < bands; ++b) out[b * band_stride] = 0;
@@ -146,8 +144,8 @@ OMMA_HD auto decode_baked(I values) {
   return keep(values != 0, float_of(bits));
 }
 
-// Of the lanes in `lanes`, into memory.front and memory.back [band][lane]. Of surfaces that transmit
-// nothing what is behind them is not read: it is left as zeros.
+// Of the lanes in `lanes`, into memory.front and memory.back [band][lane]. Of surfaces that
+// transmit nothing what is behind them is not read: it is left as zeros.
 template <typename L, typename Search>
 OMMA_HD void eval_baked(const Flight<L, Search>& flight, BakedLookup<L>& found,
                         const HitGeometry<L>& geometry, const LitSurface<L>& surface,
@@ -168,11 +166,14 @@ OMMA_HD void eval_baked(const Flight<L, Search>& flight, BakedLookup<L>& found,
   });
   const auto read_cells = [&](LaneMask<L> wanted, bool is_far, float* out) {
     for (int l = 0; l < n; l += width)
-      store_rows<L>(scene.bands, wanted.word(l), [&](int k, const auto& read) {
-        const bool is_back = from_behind.has(l + k);
-        const std::uint16_t* side = found.cell[l + k] + (is_back != is_far ? scene.bands : 0);
-        return decode_baked(read(side)) * baked.unit;
-      }, out + l);
+      store_rows<L>(
+          scene.bands, wanted.word(l),
+          [&](int k, const auto& read) {
+            const bool is_back = from_behind.has(l + k);
+            const std::uint16_t* side = found.cell[l + k] + (is_back != is_far ? scene.bands : 0);
+            return decode_baked(read(side)) * baked.unit;
+          },
+          out + l);
   };
   read_cells(in_cells, false, memory.front);
   if (sheets.any()) {

@@ -1,5 +1,5 @@
-// What surfaces make of light that was baked: diffuse lobes send of it to the eye at once; paths that
-// gloss sends on are followed while they count.
+// What surfaces make of light that was baked: diffuse lobes send of it to the eye at once; paths
+// that gloss sends on are followed while they count.
 #pragma once
 
 #include "physics/baked.h"
@@ -12,7 +12,8 @@ namespace omma {
 // nothing, and none much more than it counts for.
 inline constexpr float least_gloss = 1.0f / 64;
 
-// The probability with which such a path goes on, of what it counts for. Paths between mirrors end too.
+// The probability with which such a path goes on, of what it counts for. Paths between mirrors end
+// too.
 template <typename F, typename I>
 OMMA_HD F gloss_survival(F largest, I scatterings) {
   const F bound = scatterings >= roulette_after ? broadcast<F>(most_survival) : broadcast<F>(1.0f);
@@ -20,7 +21,8 @@ OMMA_HD F gloss_survival(F largest, I scatterings) {
   return survival < bound ? survival : bound;
 }
 
-// Adds what the diffuse lobes of some lanes' surfaces send to the eye: no light is sampled for them.
+// Adds what the diffuse lobes of some lanes' surfaces send to the eye: no light is sampled for
+// them.
 template <typename L, typename Search>
 OMMA_HD void add_baked(const Flight<L, Search>& flight, const ScatteringPacket<L>& scattering,
                        LaneMask<L> lanes) {
@@ -53,12 +55,14 @@ OMMA_HD void add_baked(const Flight<L, Search>& flight, const ScatteringPacket<L
 }
 
 // What a side of a cell may be off by under each sign, as a fraction of its light.
-OMMA_HD void signed_errors(const BakedView& baked, std::ptrdiff_t side, float (&error)[error_signs]) {
+OMMA_HD void signed_errors(const BakedView& baked, std::ptrdiff_t side,
+                           float (&error)[error_signs]) {
   const CellError& of = baked.errors[side];
   const float own = decode_error(of.own), shared = decode_error(of.shared);
   const std::uint32_t signs = mix_bits_32(static_cast<std::uint32_t>(side));
   for (int k = 0; k < error_signs; ++k)
-    error[k] = ((signs >> k & 1u) != 0 ? own : -own) + ((of.signs >> k & 1u) != 0 ? shared : -shared);
+    error[k] =
+        ((signs >> k & 1u) != 0 ? own : -own) + ((of.signs >> k & 1u) != 0 ? shared : -shared);
 }
 
 // Adds to the sums of ommatidia what add_baked may be off by: cells err each by itself, but an
@@ -80,7 +84,8 @@ OMMA_HD void add_cell_errors(const Flight<L, Search>& flight, const ScatteringPa
     signed_errors(baked, near, front);
     signed_errors(baked, near ^ 1, back);
     const float weight = diffuse[l] * (scene.polarized ? flight.state.mueller[0][l] : 1.0f);
-    float* sums = memory.cell_errors + std::ptrdiff_t{flight.packet.ommatidium[l]} * scene.bands * error_signs;
+    float* sums = memory.cell_errors +
+                  std::ptrdiff_t{flight.packet.ommatidium[l]} * scene.bands * error_signs;
     for (int b = 0; b < scene.bands; ++b, sums += error_signs) {
       const int at = b * n + l;
       const float scale = weight * memory.throughput[at];

@@ -1,11 +1,14 @@
-// One block of neighbouring ommatidia at one pose, from directions to responses: trace_units.h, the hot
-// loop, then means and standard errors. A backend runs it with a search of its own, which has three
-// members (device_check.cu has the shortest one):
+// One block of neighbouring ommatidia at one pose, from directions to responses: trace_units.h, the
+// hot loop, then means and standard errors. A backend runs it with a search of its own, which has
+// three members (device_check.cu has the shortest one):
 //
-//   closest(lanes, rays, passed, spread)  the closest accepted hits (surface.h) of a RayPacket, between
-//     t_near_m and t_far_m, of the lanes that are on (LaneMask); where `passed` is not null, surfaces
-//     that a ray has passed (passed.h) do not count; `spread`: how the rays lie to each other
-//   occluded(lanes, rays)  those of the lanes whose ray meets any accepted surface between them; shadow
+//   closest(lanes, rays, passed, spread)  the closest accepted hits (surface.h) of a RayPacket,
+//   between
+//     t_near_m and t_far_m, of the lanes that are on (LaneMask); where `passed` is not null,
+//     surfaces that a ray has passed (passed.h) do not count; `spread`: how the rays lie to each
+//     other
+//   occluded(lanes, rays)  those of the lanes whose ray meets any accepted surface between them;
+//   shadow
 //     rays ask for no more
 //   placed()  the table of placed meshes that hits point into
 //
@@ -36,7 +39,8 @@ OMMA_HD void reduce(const FrameView& frame, const BlockTask& task, const double*
 
 // Standard errors of the responses, from the spread of the scrambles and from what cells of baked
 // light err by, which all scrambles see alike.
-OMMA_HD void reduce_errors(const FrameView& frame, const BlockTask& task, const BlockMemory& memory) {
+OMMA_HD void reduce_errors(const FrameView& frame, const BlockTask& task,
+                           const BlockMemory& memory) {
   const double* const sums = memory.sums;
   const double samples = frame.directions->samples;
   const int scrambles = frame.scrambles;
@@ -62,7 +66,7 @@ OMMA_HD void reduce_errors(const FrameView& frame, const BlockTask& task, const 
 // besides.
 template <typename L, typename Search>
 OMMA_HD void add_beside_rays(const FrameView& frame, const BlockTask& task, const UnitList& units,
-                       Search& search, const BlockMemory& memory) {
+                             Search& search, const BlockMemory& memory) {
   if (!sees_beside_rays(frame)) return;
   eval_beside_rays<L>(frame, task, units, search, memory);
   const int samples = frame.directions->samples;

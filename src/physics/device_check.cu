@@ -22,8 +22,8 @@ struct Search {
                        bool from_behind) const {
     return accept_hit(*scene, {placed_meshes[placed].mesh, triangle, u, v}, from_behind);
   }
-  OMMA_HD void closest(LaneMask<OneLane> lanes, RayPacket<1>& rays,
-                       const PassedSurfaces<1>* passed, Spread = Spread::together) const {
+  OMMA_HD void closest(LaneMask<OneLane> lanes, RayPacket<1>& rays, const PassedSurfaces<1>* passed,
+                       Spread = Spread::together) const {
     const auto accept = [&](int lane, float t_m, float u, float v, std::uint32_t triangle,
                             std::uint32_t placed, bool from_behind) {
       if (!accepts(placed, triangle, u, v, from_behind)) return false;
@@ -39,9 +39,7 @@ struct Search {
         [&](int, float, float u, float v, std::uint32_t triangle, std::uint32_t placed,
             bool from_behind) { return accepts(placed, triangle, u, v, from_behind); });
   }
-  OMMA_HD const PlacedMesh* placed() const {
-    return placed_meshes;
-  }
+  OMMA_HD const PlacedMesh* placed() const { return placed_meshes; }
 };
 
 }  // namespace
@@ -53,7 +51,8 @@ __global__ void device_check(FrameView frame, BlockTask task, BvhView bvh, const
   render_block<OneLane>(frame, task, search, lay_out(room, frame, 1));
 }
 
-__global__ void device_check_weights(SharedWeights shared, const float* radiance, float* responses) {
+__global__ void device_check_weights(SharedWeights shared, const float* radiance,
+                                     float* responses) {
   weigh_rays<Lanes<weight_group, 1>>(shared, radiance, 3, 0, 1, responses);
 }
 
@@ -95,7 +94,8 @@ __global__ void device_check_leaving(SceneView scene, BvhView bvh, const PlacedM
 }
 
 // How much of the sun is seen from where a ray met something.
-__global__ void device_check_sun_map(SunMapView map, const HitGeometry<OneLane>* hits, float* visible) {
+__global__ void device_check_sun_map(SunMapView map, const HitGeometry<OneLane>* hits,
+                                     float* visible) {
   float seen[1];
   eval_sun_map(map, hits[threadIdx.x], seen);
   visible[threadIdx.x] = seen[0];

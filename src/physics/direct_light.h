@@ -1,12 +1,12 @@
 // Next-event estimation for the lanes of a packet: a light sampled for each surface that was met, a
-// shadow ray to it or a look at the sun's map, and what comes to the eye of it. Of lobes j with sampling
-// probabilities q_j the estimate is
+// shadow ray to it or a look at the sun's map, and what comes to the eye of it. Of lobes j with
+// sampling probabilities q_j the estimate is
 //
 //   Σ_j w_j f_j(ω) cos θ L(ω) V(ω) / p(ω),    w_j = p / (p + q_j p_j),
 //
-// p the density of the light sample, p_j that of lobe j: the balance heuristic of each lobe by itself
-// (Veach 1997, 9.2.2), as the path may find the same light by that lobe. Lamps have no size, no path meets
-// them: there w = 1.
+// p the density of the light sample, p_j that of lobe j: the balance heuristic of each lobe by
+// itself (Veach 1997, 9.2.2), as the path may find the same light by that lobe. Lamps have no size,
+// no path meets them: there w = 1.
 #pragma once
 
 #include "physics/baked_scatter.h"
@@ -72,9 +72,8 @@ OMMA_HD void sample_lights(const Flight<L, Search>& flight, const HitGeometry<L>
 
   // Lamps and surfaces that shine: lane by lane.
   lights.near.for_each([&](int l) {
-    const LightSample sample =
-        sample_near_light(flight.scene, vec_at(geometry.position, l),
-                          which[l] - light.far_probability, u0[l], u1[l]);
+    const LightSample sample = sample_near_light(flight.scene, vec_at(geometry.position, l),
+                                                 which[l] - light.far_probability, u0[l], u1[l]);
     lights.other[l] = sample;
     store_vector(lights.direction, l, vector_of(sample.direction));
     lights.density[l] = sample.pdf;
@@ -83,12 +82,12 @@ OMMA_HD void sample_lights(const Flight<L, Search>& flight, const HitGeometry<L>
   });
 }
 
-// Shadow rays: of some lanes those whose light is not hidden. What surfaces that let light through leave
-// of it is in memory.shadow.throughput then.
+// Shadow rays: of some lanes those whose light is not hidden. What surfaces that let light through
+// leave of it is in memory.shadow.throughput then.
 template <typename L, typename Search>
 OMMA_HD LaneMask<L> trace_shadow_rays(const Flight<L, Search>& flight,
-                                      const HitGeometry<L>& geometry,
-                                      const LightSamples<L>& lights, LaneMask<L> lanes) {
+                                      const HitGeometry<L>& geometry, const LightSamples<L>& lights,
+                                      LaneMask<L> lanes) {
   using F = typename L::F;
   if (!lanes.any()) return {};
   Packet<L> shadow;
@@ -136,12 +135,13 @@ OMMA_HD void add_direct_light(const Flight<L, Search>& flight, const HitGeometry
   const LightView& light = *scene.light;
   const int components = flight.components(), stride = flight.stride();
   float* const arriving = flight.memory.light;
-  const LaneMask<L> asked = scattering & lanes_where<L>([&](int l) {
-    const F any = load<F>(scattered.reflected + l) + load<F>(scattered.transmitted + l) +
-                  load<F>(scattered.dielectric[0] + l) + load<F>(scattered.metal + l) +
-                  load<F>(scattered.coat[0] + l);
-    return load<F>(lights.density + l) > 0.0f && any > 0.0f;
-  });
+  const LaneMask<L> asked =
+      scattering & lanes_where<L>([&](int l) {
+        const F any = load<F>(scattered.reflected + l) + load<F>(scattered.transmitted + l) +
+                      load<F>(scattered.dielectric[0] + l) + load<F>(scattered.metal + l) +
+                      load<F>(scattered.coat[0] + l);
+        return load<F>(lights.density + l) > 0.0f && any > 0.0f;
+      });
   if (!asked.any()) return;
   const bool has_sky = light.sky.probability > 0.0f;
   const LaneMask<L> from_sky = has_sky ? asked & lights.from_afar : LaneMask<L>{};
@@ -159,10 +159,9 @@ OMMA_HD void add_direct_light(const Flight<L, Search>& flight, const HitGeometry
   alignas(n * 4) float axis[3][n] = {};
   if (scene.polarized) vertical_axes<L>(lights.direction, axis);
   const LaneMask<L> far_seen = seen & lights.from_afar;
-  eval_sky_lanes<L>(light,
-                    {lights.direction, lights.on_sky, has_sky ? far_seen : LaneMask<L>{}, far_seen,
-                     true},
-                    components, arriving);
+  eval_sky_lanes<L>(
+      light, {lights.direction, lights.on_sky, has_sky ? far_seen : LaneMask<L>{}, far_seen, true},
+      components, arriving);
   (seen & lights.near).for_each([&](int l) {
     eval_light_sample(scene, lights.other[l], components, arriving + l, n, stride);
   });

@@ -6,14 +6,13 @@
 
 namespace omma {
 
-// The variance of output o of an ommatidium's response, in radiance units, that comes of the cells of
-// baked light which its `rays` met; 0 in other worlds.
-OMMA_HD double cell_variance(const FrameView& frame, const BlockMemory& memory, int ommatidium, int o,
-                             double rays) {
+// The variance of output o of an ommatidium's response, in radiance units, that comes of the cells
+// of baked light which its `rays` met; 0 in other worlds.
+OMMA_HD double cell_variance(const FrameView& frame, const BlockMemory& memory, int ommatidium,
+                             int o, double rays) {
   if (memory.paths.cell_errors == nullptr) return 0;
   const int bands = frame.scene->bands, components = frame.scene->polarized ? 3 : 1;
-  const float* sums =
-      memory.paths.cell_errors + std::ptrdiff_t{ommatidium} * bands * error_signs;
+  const float* sums = memory.paths.cell_errors + std::ptrdiff_t{ommatidium} * bands * error_signs;
   // What is baked is unpolarised: it is in I alone.
   if (frame.output_from_band == nullptr && o >= bands) return 0;
   double squares = 0;
@@ -23,7 +22,8 @@ OMMA_HD double cell_variance(const FrameView& frame, const BlockMemory& memory, 
       sum = static_cast<double>(sums[o * error_signs + k]);
     } else {
       const float* row = frame.output_from_band + std::ptrdiff_t{o} * components * bands;
-      for (int b = 0; b < bands; ++b) sum += static_cast<double>(row[b] * sums[b * error_signs + k]);
+      for (int b = 0; b < bands; ++b)
+        sum += static_cast<double>(row[b] * sums[b * error_signs + k]);
     }
     squares += sum * sum;
   }
@@ -37,8 +37,8 @@ OMMA_HD void clear_cell_errors(const FrameView& frame, const BlockTask& task,
   for (std::ptrdiff_t i = 0; i < all; ++i) memory.paths.cell_errors[i] = 0;
 }
 
-// Where the ommatidia of a block stand on the way to an error; the rest is in BlockMemory: sums over
-// all rays so far, all_squares, roughness and unseen.
+// Where the ommatidia of a block stand on the way to an error; the rest is in BlockMemory: sums
+// over all rays so far, all_squares, roughness and unseen.
 struct WayToError {
   double roots[block_capacity];       // sum over the rounds of the square roots of their rays
   std::int32_t rays[block_capacity];  // so far
@@ -50,8 +50,8 @@ struct WayToError {
 // 2.5. With 0.6 more than one in a hundred are beyond twice the error on a fine checkerboard.
 inline constexpr double even_credit = 0.75;
 
-// n even rays can all miss what covers a fraction of up to about 1/n of a field, and are then off by
-// that fraction of its contrast. Measured, 0.4 leaves some 1 in 1,000 beyond twice the error in
+// n even rays can all miss what covers a fraction of up to about 1/n of a field, and are then off
+// by that fraction of its contrast. Measured, 0.4 leaves some 1 in 1,000 beyond twice the error in
 // arenas, this 1 in 2,000, for 5 % to 10 % more rays.
 inline constexpr float overlooked = 0.6f;
 
@@ -102,8 +102,9 @@ OMMA_HD double scaled_variance(const BlockMemory& memory, int i, int o, double r
 }
 
 // Whether the standard errors would be small enough with so many rays; all in radiance units. More
-// rays do not change what cells of baked light err by: rays make up for at least half of the variance
-// that is asked for, and where cells err by more than the other half, the error stays above.
+// rays do not change what cells of baked light err by: rays make up for at least half of the
+// variance that is asked for, and where cells err by more than the other half, the error stays
+// above.
 OMMA_HD bool reaches_error(const FrameView& frame, const BlockMemory& memory, int i, double rays,
                            double roots) {
   const double error = frame.error / frame.radiance_unit;
@@ -117,8 +118,8 @@ OMMA_HD bool reaches_error(const FrameView& frame, const BlockMemory& memory, in
 
 // The smallest round that should reach the error, or the largest that is left; -1 where none is
 // needed, or none left.
-OMMA_HD int choose_round(const FrameView& frame, const WayToError& way,
-                         const BlockMemory& memory, int i) {
+OMMA_HD int choose_round(const FrameView& frame, const WayToError& way, const BlockMemory& memory,
+                         int i) {
   const double rays = way.rays[i];
   if (reaches_error(frame, memory, i, rays, way.roots[i])) return -1;
   int round = -1;
@@ -143,8 +144,7 @@ OMMA_HD void trace_round(const BlockRun<Search>& run, int k, int scramble, WayTo
   const BlockTask& task = run.task;
   const BlockMemory& memory = run.memory;
   const DirectionsView& directions = frame.directions[k];
-  const int most =
-      directions.samples < L::count ? block_rays / directions.samples : block_capacity;
+  const int most = directions.samples < L::count ? block_rays / directions.samples : block_capacity;
   std::int32_t member[unit_room], ordinal[unit_room];
   for (int i = 0; i < task.count;) {
     int count = 0;
@@ -199,8 +199,7 @@ OMMA_HD void render_to_error(const BlockRun<Search>& run) {
     }
   }
   const bool sees_more = sees_beside_rays(frame);
-  if (sees_more)
-    eval_beside_rays<L>(frame, task, {nullptr, 0, 1, task.count}, run.search, memory);
+  if (sees_more) eval_beside_rays<L>(frame, task, {nullptr, 0, 1, task.count}, run.search, memory);
   for (int i = 0; i < task.count; ++i) {
     const auto ommatidium = static_cast<std::int64_t>(frame.eye->ommatidium[task.first + i]);
     if (task.rays != nullptr) task.rays[ommatidium] = way.rays[i];

@@ -1,16 +1,17 @@
 // Discs of the sky, such as the sun, as ommatidia see them. They are too small and too bright to be
-// found by rays that an ommatidium sends by its acceptance, so it asks for them: next-event estimation
-// from the eye. Of a disc it gets, in band b,
+// found by rays that an ommatidium sends by its acceptance, so it asks for them: next-event
+// estimation from the eye. Of a disc it gets, in band b,
 //
 //   D[b] = ∫ S L[b] V dω / ∫ S dω   over the disc,
 //
-// V the part of the light that nothing hides. The integral without V is a quadrature; how much of it is
-// open comes of shadow rays to points all over the disc (a ratio estimator, within 0 and the whole).
-// First a few of them, which are not counted, say whether the disc is partly hidden; only then there
-// are many. As they choose how many there are and nothing else, the mean stays right.
+// V the part of the light that nothing hides. The integral without V is a quadrature; how much of
+// it is open comes of shadow rays to points all over the disc (a ratio estimator, within 0 and the
+// whole). First a few of them, which are not counted, say whether the disc is partly hidden; only
+// then there are many. As they choose how many there are and nothing else, the mean stays right.
 //
 // Rays from the eye leave out what is sampled here (counts_by_rays): discs that are not much larger
-// than the acceptance. What fills an acceptance is found by its rays as well as any other surface is.
+// than the acceptance. What fills an acceptance is found by its rays as well as any other surface
+// is.
 #pragma once
 
 #include "physics/direct_light.h"
@@ -30,9 +31,10 @@ struct DiscEffort {
   int pilot = 0, plain = 0, mixed = 0;  // the pilot's are all in one
 };
 
-// `most`: a bound on what the disc adds, in units of what a surface gets; `over`: how many times the
-// acceptance's solid angle the disc is, as only that part of its points counts. A half hidden disc that
-// outshines all else is then off by some 0.4 %, others by less than what rays of the rest are.
+// `most`: a bound on what the disc adds, in units of what a surface gets; `over`: how many times
+// the acceptance's solid angle the disc is, as only that part of its points counts. A half hidden
+// disc that outshines all else is then off by some 0.4 %, others by less than what rays of the rest
+// are.
 OMMA_HD DiscEffort choose_disc_effort(double most, double over) {
   if (!(most >= least_disc_light)) return {};
   DiscEffort effort{64, 8, 512};
@@ -94,7 +96,8 @@ OMMA_HD Vec3 disc_direction(const DiscView& disc, float x, float y) {
   const Axes<float> axes = make_axes(vector_of(n));
   const Vector3<float>&s = axes.tangent, &t = axes.bitangent;
   const float chord_2 = (x * x + y * y) * disc.chord_2;
-  const float across = sqrtf(disc.chord_2 * (1.0f - 0.25f * chord_2)), along = 1.0f - 0.5f * chord_2;
+  const float across = sqrtf(disc.chord_2 * (1.0f - 0.25f * chord_2)),
+              along = 1.0f - 0.5f * chord_2;
   return vec_of(vector_of(n) * along + (s * x + t * y) * across);
 }
 
@@ -111,31 +114,34 @@ OMMA_HD double unit_pdf(const DiscTask& of, Vec3 direction, const float (&turn)[
     z += d * static_cast<double>(units.axis[c][u]);
   }
   const double azimuth = of.warp->azimuth == nullptr ? 0 : atan2(y, x);
-  return eye_pdf(*of.warp, static_cast<double>(units.scale[u]), atan2(sqrt(x * x + y * y), z), azimuth);
+  return eye_pdf(*of.warp, static_cast<double>(units.scale[u]), atan2(sqrt(x * x + y * y), z),
+                 azimuth);
 }
 
-// How the head is turned when sample `sample` looks, and where its centre is: as HeadMotion's nodes.
+// How the head is turned when sample `sample` looks, and where its centre is: as HeadMotion's
+// nodes.
 OMMA_HD void disc_turn(const DiscTask& of, std::uint32_t hash, int sample, float (&turn)[3][4]) {
   if (of.task->motion != nullptr) {
-    head_turn<float, std::int32_t>(*of.task->motion, hash, static_cast<std::uint32_t>(sample), turn);
+    head_turn<float, std::int32_t>(*of.task->motion, hash, static_cast<std::uint32_t>(sample),
+                                   turn);
     return;
   }
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 4; ++c) turn[r][c] = r == c ? 1.0f : 0.0f;
 }
 
-// Bound on the density of the unit's rays in the disc: where it is nearest to the axis, in its middle
-// and where it is furthest, at some times of a frame that lasts.
+// Bound on the density of the unit's rays in the disc: where it is nearest to the axis, in its
+// middle and where it is furthest, at some times of a frame that lasts.
 OMMA_HD double most_unit_pdf(const DiscTask& of) {
   const Units& units = *of.units;
   const AcceptanceWarpView& warp = *of.warp;
   const double radius_rad = 2 * asin(0.5 * sqrt(static_cast<double>(of.disc->chord_2)));
-  const bool ends = warp.sensitivity.kernel == Kernel::gaussian ||
-                    warp.sensitivity.kernel == Kernel::pillbox;
+  const bool ends =
+      warp.sensitivity.kernel == Kernel::gaussian || warp.sensitivity.kernel == Kernel::pillbox;
   const double scale = static_cast<double>(units.scale[of.unit]);
   // Beyond 3.5 widths a Gaussian is below 2e-15 of its peak.
-  const double reach_rad = radius_rad + 3.5 * scale * fmax(warp.sensitivity.width_rad,
-                                                           warp.sensitivity.minor_width_rad);
+  const double reach_rad =
+      radius_rad + 3.5 * scale * fmax(warp.sensitivity.width_rad, warp.sensitivity.minor_width_rad);
   const int times = of.task->motion != nullptr ? 32 : 1;
   double most = 0;
   for (int k = 0; k < times; ++k) {
@@ -161,9 +167,9 @@ OMMA_HD double most_unit_pdf(const DiscTask& of) {
   return most;
 }
 
-// ∫ over the disc of the density of the unit's rays, [0], and times the darkening, [1]: in cosines at
-// the disc by Gauss and Legendre's rule, which limb darkening is smooth in, and in turns about its
-// centre. Where S has edges in many small pieces. While the head moves a mean over times too.
+// ∫ over the disc of the density of the unit's rays, [0], and times the darkening, [1]: in cosines
+// at the disc by Gauss and Legendre's rule, which limb darkening is smooth in, and in turns about
+// its centre. Where S has edges in many small pieces. While the head moves a mean over times too.
 OMMA_HD void integrate_disc(const DiscTask& of, double (&integral)[2]) {
   constexpr double node[8] = {0.0198550717512319, 0.1016667612931866, 0.2372337950418355,
                               0.4082826787521751, 0.5917173212478249, 0.7627662049581645,
@@ -200,8 +206,8 @@ OMMA_HD void integrate_disc(const DiscTask& of, double (&integral)[2]) {
   for (double& x : integral) x /= static_cast<double>(disc.density);
 }
 
-// Sums over a unit's points on a disc, [replicate][band]: of all of their light, and of what reaches
-// the eye; and whether some, or not all, does.
+// Sums over a unit's points on a disc, [replicate][band]: of all of their light, and of what
+// reaches the eye; and whether some, or not all, does.
 struct DiscSums {
   double *all = nullptr, *seen = nullptr;
   bool any_open = false, any_hidden = false;
@@ -255,9 +261,9 @@ OMMA_HD void trace_disc(const DiscTask& of, Search& search, const BlockMemory& m
       float turn[3][4];
       disc_turn(of, uint_of(hash[l]), sample[l], turn);
       weight[l] = begin + l < rays ? static_cast<float>(unit_pdf(of, direction, turn)) : 0.0f;
-      darkened[l] = static_cast<float>(
-          disc_darkening(disc, static_cast<double>(x[l] * x[l] + y[l] * y[l]) *
-                                   static_cast<double>(disc.chord_2)));
+      darkened[l] =
+          static_cast<float>(disc_darkening(disc, static_cast<double>(x[l] * x[l] + y[l] * y[l]) *
+                                                      static_cast<double>(disc.chord_2)));
       if (weight[l] > 0.0f) asked.add(l);
       const auto s = load_vector<float>(units.s, u), t = load_vector<float>(units.t, u);
       Vector3<float> from = load_vector<float>(units.origin, u) + s * from_x[l] + t * from_y[l];
@@ -308,8 +314,7 @@ OMMA_HD void add_disc_of_unit(const DiscTask& of, const DiscEffort& effort, Sear
   const DiscView& disc = *of.disc;
   for (int b = 0; b < bands; ++b) {
     const double limb = disc.limb != nullptr ? static_cast<double>(disc.limb[b]) : 0;
-    const double whole =
-        static_cast<double>(disc.radiance[b]) * (integral[0] - limb * integral[1]);
+    const double whole = static_cast<double>(disc.radiance[b]) * (integral[0] - limb * integral[1]);
     double all = 0, seen = 0;
     for (int r = 0; r < disc_replicates; ++r) {
       all += sums.all[r * bands + b];
@@ -329,17 +334,18 @@ OMMA_HD void add_disc_of_unit(const DiscTask& of, const DiscEffort& effort, Sear
   }
 }
 
-// Whether ommatidia of a frame ask for discs; rays that neighbours share have no acceptance to ask by.
+// Whether ommatidia of a frame ask for discs; rays that neighbours share have no acceptance to ask
+// by.
 OMMA_HD bool has_discs(const FrameView& frame) {
   return frame.scene->light != nullptr && frame.scene->light->disc_count > 0 &&
          frame.directions->warps != nullptr;
 }
 
-// Adds what units see of discs that their rays leave out to memory.beside, and the square of its error
-// to memory.beside_variance.
+// Adds what units see of discs that their rays leave out to memory.beside, and the square of its
+// error to memory.beside_variance.
 template <typename L, typename Search>
 OMMA_HD void add_eye_discs(const FrameView& frame, const BlockTask& task, const UnitList& list,
-                            Search& search, const BlockMemory& memory) {
+                           Search& search, const BlockMemory& memory) {
   const LightView& light = *frame.scene->light;
   const DirectionsView& directions = *frame.directions;
   const int bands = frame.scene->bands;
@@ -352,8 +358,14 @@ OMMA_HD void add_eye_discs(const FrameView& frame, const BlockTask& task, const 
     for (int i = 0; i < light.disc_count; ++i) {
       const DiscView& disc = light.discs[i];
       if (counts_by_rays(disc, units.acceptance_sr[u])) continue;
-      DiscTask of{&frame, &task, &units, directions.warps + units.warp[u], &disc, u,
-                  mix_bits_32(uint_of(units.hash[u]) + static_cast<std::uint32_t>(i) * 0x85ebca6bu)};
+      DiscTask of{
+          &frame,
+          &task,
+          &units,
+          directions.warps + units.warp[u],
+          &disc,
+          u,
+          mix_bits_32(uint_of(units.hash[u]) + static_cast<std::uint32_t>(i) * 0x85ebca6bu)};
       float most = 0;
       for (int b = 0; b < bands; ++b) most = fmaxf(most, disc.radiance[b]);
       const double solid_sr = 1 / static_cast<double>(disc.density);

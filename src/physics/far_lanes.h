@@ -1,5 +1,5 @@
-// Light from afar for the lanes of a packet: discs such as the sun, and directions in them, all lanes
-// at once; the sky, whose maps are read by rows.
+// Light from afar for the lanes of a packet: discs such as the sun, and directions in them, all
+// lanes at once; the sky, whose maps are read by rows.
 #pragma once
 
 #include "physics/lane_mask.h"
@@ -44,8 +44,7 @@ struct SkyCorners {
 };
 
 template <typename L>
-OMMA_HD void find_corners(const SkyView& sky,
-                          const SkyLookup<typename L::F, typename L::I>& place,
+OMMA_HD void find_corners(const SkyView& sky, const SkyLookup<typename L::F, typename L::I>& place,
                           SkyCorners<L>& corners) {
   using F = typename L::F;
   const auto first = (place.half * sky.rows + place.row) * sky.columns;
@@ -60,8 +59,8 @@ OMMA_HD void find_corners(const SkyView& sky,
 }
 
 // One of the four nodes about each place, as near to it as by chance: on average that is what lies
-// between them, and rays that were scattered go to many places, whose nodes are far apart in memory.
-// `bits`: random.
+// between them, and rays that were scattered go to many places, whose nodes are far apart in
+// memory. `bits`: random.
 template <typename F, typename I, typename U>
 OMMA_HD void choose_node(SkyLookup<F, I>& place, U bits) {
   const F one = broadcast<F>(1.0f);
@@ -99,17 +98,18 @@ OMMA_HD void fetch_sky_nodes(const SkyView& sky, LaneMask<L> lanes, LaneMask<L> 
     });
 }
 
-// eval_sky_lanes at the nodes that were chosen, of lanes that go at once. The axes of a node are taken
-// for the direction's, which on average are half a column away to either side.
+// eval_sky_lanes at the nodes that were chosen, of lanes that go at once. The axes of a node are
+// taken for the direction's, which on average are half a column away to either side.
 template <typename L>
 OMMA_HD void eval_nodes(const SkyView& sky, const SkyLookup<typename L::F, typename L::I>& place,
                         unsigned lanes, unsigned keeps, const StokesOut& to) {
   std::ptrdiff_t node_of[L::width] = {};
   for_each_node<L>(sky, place, lanes, [&](int k, std::ptrdiff_t node) { node_of[k] = node; });
   const auto read_nodes = [&](const float* table, int size, unsigned wanted, float* out) {
-    store_rows<L>(sky.channels, wanted, [&](int k, const auto& read) {
-      return sky.per_unit * read(table + node_of[k] * size);
-    }, out);
+    store_rows<L>(
+        sky.channels, wanted,
+        [&](int k, const auto& read) { return sky.per_unit * read(table + node_of[k] * size); },
+        out);
   };
   read_nodes(sky.radiance, sky.channels, lanes, to.stokes);
   for (int p = 1; p < to.components; ++p)
@@ -159,12 +159,15 @@ OMMA_HD void eval_sky_lanes(const LightView& light, const SkyQuery<L>& query, in
     }
     const auto mix = [&](const float* table, std::ptrdiff_t node, unsigned wanted, float* to) {
       const std::ptrdiff_t up = node * sky.columns;
-      store_rows<L>(sky.channels, wanted, [&](int k, const auto& read) {
-        const float* left = table + node * at.left[k];
-        const float* right = table + node * at.right[k];
-        return at.low_left[k] * read(left) + at.low_right[k] * read(right) +
-               at.high_left[k] * read(left + up) + at.high_right[k] * read(right + up);
-      }, to + l);
+      store_rows<L>(
+          sky.channels, wanted,
+          [&](int k, const auto& read) {
+            const float* left = table + node * at.left[k];
+            const float* right = table + node * at.right[k];
+            return at.low_left[k] * read(left) + at.low_right[k] * read(right) +
+                   at.high_left[k] * read(left + up) + at.high_right[k] * read(right + up);
+          },
+          to + l);
     };
     mix(sky.radiance, sky.channels, here, out);
     for (int p = 0; keeps.any() && p < 2; ++p)
@@ -186,7 +189,8 @@ OMMA_HD void add_disc_light(const LightView& light, const float (&direction)[3][
       auto inside = lanes.at(l) && chord <= disc.chord_2;
       if (!any_lane(inside)) continue;
       if (acceptance_sr != nullptr)
-        inside = inside && !(load<F>(acceptance_sr + l) * (most_over_acceptance * disc.density) >= 1.0f);
+        inside =
+            inside && !(load<F>(acceptance_sr + l) * (most_over_acceptance * disc.density) >= 1.0f);
       F darkened{};
       if (disc.limb != nullptr) {
         const F sine_2 = chord * (1.0f - 0.25f * chord);
@@ -235,8 +239,8 @@ OMMA_HD void sample_far_lanes(const LightView& light, const float* u0, const flo
   }
 }
 
-// The probability with which a light sample has the direction of each of some lanes, whose places are
-// given; as escaped_light_pdf. The other lanes' are left.
+// The probability with which a light sample has the direction of each of some lanes, whose places
+// are given; as escaped_light_pdf. The other lanes' are left.
 template <typename L>
 OMMA_HD void find_far_pdf(const LightView& light, const float (&direction)[3][L::count],
                           const SkyLookups<L>& places, LaneMask<L> lanes, float* pdf) {
@@ -255,7 +259,8 @@ OMMA_HD void find_far_pdf(const LightView& light, const float (&direction)[3][L:
     if (sky.probability > 0.0f) {
       const auto& place = places[l / L::width];
       const auto row = place.half * (sky.rows - 1) + place.row;
-      density = sky.probability * gather(sky.cell_density, row * sky.columns + place.column) + density;
+      density =
+          sky.probability * gather(sky.cell_density, row * sky.columns + place.column) + density;
     }
     store(pdf + l, wanted ? light.far_probability * density : load<F>(pdf + l));
   }

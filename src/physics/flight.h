@@ -1,6 +1,6 @@
-// What the flights of a packet's paths work on. A flight is one step of all of them: rays leave, meet
-// surfaces or nothing, light is added to what they found, and those that go on have new rays. Functions
-// of the lit path take this and what is theirs.
+// What the flights of a packet's paths work on. A flight is one step of all of them: rays leave,
+// meet surfaces or nothing, light is added to what they found, and those that go on have new rays.
+// Functions of the lit path take this and what is theirs.
 #pragma once
 
 #include "physics/block_memory.h"
@@ -23,13 +23,9 @@ struct Flight {
   static constexpr int lanes = L::count;
 
   // Of Stokes vectors that are followed: I, or I, Q and U.
-  OMMA_HD int components() const {
-    return scene.polarized ? 3 : 1;
-  }
+  OMMA_HD int components() const { return scene.polarized ? 3 : 1; }
   // From one component to the next, in what is [component][band][lane].
-  OMMA_HD int stride() const {
-    return scene.bands * L::count;
-  }
+  OMMA_HD int stride() const { return scene.bands * L::count; }
 };
 
 // Whether surfaces let light straight through: then rays remember which they have passed.

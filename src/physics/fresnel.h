@@ -80,7 +80,8 @@ struct FrameTurn {
 
 // `other`: the other frame's first axis.
 template <typename F>
-OMMA_HD FrameTurn<F> frame_turn(const Vector3<F>& e1, const Vector3<F>& e2, const Vector3<F>& other) {
+OMMA_HD FrameTurn<F> frame_turn(const Vector3<F>& e1, const Vector3<F>& e2,
+                                const Vector3<F>& other) {
   const F c = dot(e1, other), s = dot(e2, other);
   return {c * c - s * s, 2.0f * (c * s)};
 }

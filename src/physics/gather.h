@@ -1,8 +1,8 @@
 // Light that arrives at places from all around, as it is baked: paths begin at points of a patch of
-// a surface, or at a place in the air, in directions by the cosine, and are followed like those of an
-// eye; in a scene with baked light, to the first diffuse surface, as in the final gathering of a
-// radiosity (Ward, Rubinstein and Clear 1988). What comes straight from discs and lamps is left out.
-// A packet holds the paths of one place, or of several that have few each.
+// a surface, or at a place in the air, in directions by the cosine, and are followed like those of
+// an eye; in a scene with baked light, to the first diffuse surface, as in the final gathering of a
+// radiosity (Ward, Rubinstein and Clear 1988). What comes straight from discs and lamps is left
+// out. A packet holds the paths of one place, or of several that have few each.
 #pragma once
 
 #include "physics/lit_path.h"
@@ -15,7 +15,7 @@ struct GatherPlace {
   std::int32_t instance = -1, mesh = -1, triangle = 0;
   bool is_back = false;
   float uv[3][2] = {};
-  float reach_m = 0;  // of a patch: what is nearer hides points from eyes
+  float reach_m = 0;      // of a patch: what is nearer hides points from eyes
   Vec3 position, normal;  // of a place in the air, traced frame
   std::uint32_t hash = 0;
 };
@@ -89,14 +89,14 @@ OMMA_HD LaneMask<L> find_hidden(const Flight<L, Search>& flight, const GatherLan
     leave_surface<L>(geometry, l, towards, look.rays);
     if (lanes.has(l)) look.rays.t_far_m[l] = of.place[l]->reach_m;
   }
-  return lets_through(scene)
-             ? lanes & ~trace_transmittance<L>(scene, flight.search, lanes, look, flight.memory.shadow)
-             : flight.search.occluded(lanes, look.rays);
+  return lets_through(scene) ? lanes & ~trace_transmittance<L>(scene, flight.search, lanes, look,
+                                                               flight.memory.shadow)
+                             : flight.search.occluded(lanes, look.rays);
 }
 
-// The packet's points on their patches, as rays would have met them, and their geometry; false where
-// none is on a surface. Lanes whose points are all hidden or cut out begin where others of their
-// place do; where all of a place are hidden the last ones are taken.
+// The packet's points on their patches, as rays would have met them, and their geometry; false
+// where none is on a surface. Lanes whose points are all hidden or cut out begin where others of
+// their place do; where all of a place are hidden the last ones are taken.
 template <typename L, typename Search>
 OMMA_HD bool choose_points(const Flight<L, Search>& flight, const GatherLanes<L::count>& of,
                            Hits<L>& hits, HitGeometry<L>& geometry) {
@@ -155,8 +155,8 @@ OMMA_HD bool choose_points(const Flight<L, Search>& flight, const GatherLanes<L:
 
 // Light that surfaces which shine send straight to the beginnings of paths, [band][lane] added to
 // `radiance`, as radiance that a white surface sends back.
-// What rays begin at, of those that gather light: places and the normals about which it counts. `points`
-// is null in the air.
+// What rays begin at, of those that gather light: places and the normals about which it counts.
+// `points` is null in the air.
 template <typename L>
 struct GatherPoints {
   GatherLanes<L::count> of;
@@ -198,14 +198,13 @@ OMMA_HD void add_shining(const SceneView& scene, Search& search, const GatherPoi
   }
   const bool dims = lets_through(scene);
   if (!asked.any()) return;
-  const LaneMask<L> open =
-      dims ? trace_transmittance<L>(scene, search, asked, shadow, memory.shadow)
-           : asked & ~search.occluded(asked, shadow.rays);
+  const LaneMask<L> open = dims
+                               ? trace_transmittance<L>(scene, search, asked, shadow, memory.shadow)
+                               : asked & ~search.occluded(asked, shadow.rays);
   if (!open.any()) return;
   for (int i = 0; i < scene.bands * n; ++i) memory.light[i] = 0;
-  open.for_each([&](int l) {
-    eval_light_sample(scene, lights[l], 1, memory.light + l, n, scene.bands * n);
-  });
+  open.for_each(
+      [&](int l) { eval_light_sample(scene, lights[l], 1, memory.light + l, n, scene.bands * n); });
   for (int l = 0; l < n; l += L::width) {
     F entering = load<F>(weight + l);
     if (at.points != nullptr)
@@ -244,9 +243,8 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTa
     alignas(n * 4) float way[3][n], entering[n];
     PathState<L> state;
     state.gathers = true;
-    const Flight<L, Search> flight{scene,  search,   packet,
-                                   state,  memory,   radiance,
-                                   lets_through(scene) ? &passed : nullptr};
+    const Flight<L, Search> flight{
+        scene, search, packet, state, memory, radiance, lets_through(scene) ? &passed : nullptr};
     for (int l = 0; l < n; ++l) {
       packet.rays.t_far_m[l] = INFINITY;
       packet.footprint_rad[l] = 0;
@@ -277,8 +275,8 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTa
       if (is_on_surface)
         points[l / L::width] =
             make_scatter_point(scatter_surface<L>(scene, packet.rays, surface, l));
-      const Vector3<F> up = is_on_surface ? points[l / L::width].base_normal
-                                          : load_vector<F>(geometry.normal, l);
+      const Vector3<F> up =
+          is_on_surface ? points[l / L::width].base_normal : load_vector<F>(geometry.normal, l);
       const auto pair = path_pair(load<typename L::U>(packet.hash + l),
                                   load<typename L::U>(packet.sample + l), choice_of_way);
       const LocalDirection<F> local = sample_cosine(pair.x, pair.y);
@@ -300,8 +298,8 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTa
     for (int l = 0; l < n; ++l) {
       // Rays that are not traced must be such as could be: Embree checks all.
       const bool goes_on = going.has(l);
-      leave_surface<L>(geometry, l,
-                       goes_on ? load_vector<float>(way, l) : Vector3<float>{0, 1, 0}, packet.rays);
+      leave_surface<L>(geometry, l, goes_on ? load_vector<float>(way, l) : Vector3<float>{0, 1, 0},
+                       packet.rays);
       store_vector(packet.reference, l,
                    goes_on ? load_vector<float>(at.normal, l) : Vector3<float>{1, 0, 0});
     }

@@ -1,5 +1,5 @@
-// Where the head is while what is seen goes into a frame: each ray draws how long before the frame it
-// looks, by the impulse response of a photoreceptor, and starts from where the head was then.
+// Where the head is while what is seen goes into a frame: each ray draws how long before the frame
+// it looks, by the impulse response of a photoreceptor, and starts from where the head was then.
 #pragma once
 
 #include "physics/path_points.h"
@@ -15,15 +15,15 @@ struct HeadMotion {
   // Of them those from `first` on, as fractions of all, for rays of which one in 2^shift is there.
   float first = 0, size = 1;
   int shift = 0;
-  // [nodes][3][4], row major: from where a ray is at the frame itself, less `centre`, to where it is
-  // so many nodes before; at least two.
+  // [nodes][3][4], row major: from where a ray is at the frame itself, less `centre`, to where it
+  // is so many nodes before; at least two.
   const float* node = nullptr;
   int nodes = 0;
   float centre[3] = {};  // m, traced frame
 };
 
-// Numbers in (0, 1) of samples of units: steps of the golden ratio, so that any run of samples, whose
-// directions are neighbours, has times from all over; shifted by the unit's hash.
+// Numbers in (0, 1) of samples of units: steps of the golden ratio, so that any run of samples,
+// whose directions are neighbours, has times from all over; shifted by the unit's hash.
 template <typename U>
 OMMA_HD auto time_fraction(U hash, U sample) {
   return open_unit(mix_bits_32(hash + 0x3c6ef372u) + sample * 2654435769u);

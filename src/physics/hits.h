@@ -1,4 +1,5 @@
-// What rays met, where that is, and how rays leave it again without meeting it (self-intersection offset).
+// What rays met, where that is, and how rays leave it again without meeting it (self-intersection
+// offset).
 #pragma once
 
 #include "physics/lane_mask.h"
@@ -57,8 +58,7 @@ OMMA_HD void for_each_mesh(const Hits<L>& hits, const Eval& eval) {
   using I = typename L::I;
   for (LaneMask<L> left = lanes_met(hits); left.any();) {
     const std::int32_t mesh = hits.mesh[lowest_bit(left.bits)];
-    const auto members =
-        lanes_where<L>([&](int l) { return load<I>(hits.mesh + l) == mesh; });
+    const auto members = lanes_where<L>([&](int l) { return load<I>(hits.mesh + l) == mesh; });
     left &= ~members;
     for (int l = 0; l < L::count; l += L::width)
       if (members.word(l) != 0) eval(mesh, l, load<I>(hits.mesh + l) == mesh);
@@ -87,8 +87,8 @@ OMMA_HD void load_frames(const SceneView& scene, const Hits<L>& hits, int l,
 template <typename L>
 struct HitGeometry {
   alignas(L::count * 4) float position[3][L::count];  // m
-  // The triangle's own: unit, towards the side from which corners are seen counter-clockwise. Normals of
-  // vertices and normal maps are read by lit_surface.h.
+  // The triangle's own: unit, towards the side from which corners are seen counter-clockwise.
+  // Normals of vertices and normal maps are read by lit_surface.h.
   alignas(L::count * 4) float normal[3][L::count];
   // The largest coordinate of the triangle's corners, in magnitude, m: by it places on the surface
   // are known.
@@ -146,12 +146,12 @@ OMMA_HD void eval_geometry(const SceneView& scene, const RayPacket<L::count>& ra
   });
 }
 
-// A ray that leaves a surface starts so far above it that it does not meet it again, on its own side
-// of the triangle: rounding puts places on it, and what a search computes of its plane, off by some
-// multiples of float's resolution of its corners' coordinates. Waechter and Binder 2019 (Ray Tracing
-// Gems, chapter 6) go by the resolution of the place itself instead, which fails where triangles are
-// large beside their distance from the origin, or scenes are of micrometres. `towards`: the new
-// direction; all of one lane.
+// A ray that leaves a surface starts so far above it that it does not meet it again, on its own
+// side of the triangle: rounding puts places on it, and what a search computes of its plane, off by
+// some multiples of float's resolution of its corners' coordinates. Waechter and Binder 2019 (Ray
+// Tracing Gems, chapter 6) go by the resolution of the place itself instead, which fails where
+// triangles are large beside their distance from the origin, or scenes are of micrometres.
+// `towards`: the new direction; all of one lane.
 inline constexpr float leave_resolutions = 0x1p-19f;  // 32 of them
 
 template <typename F>

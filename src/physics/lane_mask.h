@@ -1,6 +1,6 @@
-// Which lanes of a packet are on: a bit for each, the first lane lowest. The one type for that between
-// functions; inside of a loop over vectors `at` turns it into a comparison's result, for `mask ? a : b`,
-// keep and any_lane.
+// Which lanes of a packet are on: a bit for each, the first lane lowest. The one type for that
+// between functions; inside of a loop over vectors `at` turns it into a comparison's result, for
+// `mask ? a : b`, keep and any_lane.
 #pragma once
 
 #include "physics/lanes.h"
@@ -13,29 +13,17 @@ struct LaneMask {
   static constexpr unsigned vector_bits = L::width == 32 ? ~0u : (1u << L::width) - 1u;
   unsigned bits = 0;
 
-  OMMA_HD static LaneMask all() {
-    return {all_bits};
-  }
+  OMMA_HD static LaneMask all() { return {all_bits}; }
   // Lanes 0 to count - 1.
   OMMA_HD static LaneMask first(int count) {
     return {count >= L::count ? all_bits : (1u << count) - 1u};
   }
-  OMMA_HD bool any() const {
-    return bits != 0;
-  }
-  OMMA_HD bool has(int lane) const {
-    return (bits >> lane & 1u) != 0;
-  }
-  OMMA_HD void add(int lane) {
-    bits |= 1u << lane;
-  }
-  OMMA_HD void remove(int lane) {
-    bits &= ~(1u << lane);
-  }
+  OMMA_HD bool any() const { return bits != 0; }
+  OMMA_HD bool has(int lane) const { return (bits >> lane & 1u) != 0; }
+  OMMA_HD void add(int lane) { bits |= 1u << lane; }
+  OMMA_HD void remove(int lane) { bits &= ~(1u << lane); }
   // The bits of the lanes that go at once from l on.
-  OMMA_HD unsigned word(int l) const {
-    return bits >> l & vector_bits;
-  }
+  OMMA_HD unsigned word(int l) const { return bits >> l & vector_bits; }
   // The same as a comparison's result.
   OMMA_HD auto at(int l) const {
     if constexpr (L::width == 1) {
@@ -51,9 +39,7 @@ struct LaneMask {
     for (unsigned left = bits; left != 0; left &= left - 1) use(lowest_bit(left));
   }
 
-  OMMA_HD LaneMask operator~() const {
-    return {~bits & all_bits};
-  }
+  OMMA_HD LaneMask operator~() const { return {~bits & all_bits}; }
   OMMA_HD LaneMask& operator&=(LaneMask other) {
     bits &= other.bits;
     return *this;
@@ -62,15 +48,9 @@ struct LaneMask {
     bits |= other.bits;
     return *this;
   }
-  friend OMMA_HD LaneMask operator&(LaneMask a, LaneMask b) {
-    return {a.bits & b.bits};
-  }
-  friend OMMA_HD LaneMask operator|(LaneMask a, LaneMask b) {
-    return {a.bits | b.bits};
-  }
-  friend OMMA_HD bool operator==(LaneMask a, LaneMask b) {
-    return a.bits == b.bits;
-  }
+  friend OMMA_HD LaneMask operator&(LaneMask a, LaneMask b) { return {a.bits & b.bits}; }
+  friend OMMA_HD LaneMask operator|(LaneMask a, LaneMask b) { return {a.bits | b.bits}; }
+  friend OMMA_HD bool operator==(LaneMask a, LaneMask b) { return a.bits == b.bits; }
 };
 
 // The lanes for which `holds(l)` is so, of those that go at once from l on: a comparison's result.

@@ -1,7 +1,7 @@
-// The physics is written once for any number of lanes: `F` is a float (one ray: device code, filters,
-// tests) or a vector of floats (a processor's packets, `Floats`), `I` and `U` the integers beside it.
-// Arithmetic, comparisons and `mask ? a : b` read the same for both; what differs is here for one lane,
-// in lanes_simd.h for vectors.
+// The physics is written once for any number of lanes: `F` is a float (one ray: device code,
+// filters, tests) or a vector of floats (a processor's packets, `Floats`), `I` and `U` the integers
+// beside it. Arithmetic, comparisons and `mask ? a : b` read the same for both; what differs is
+// here for one lane, in lanes_simd.h for vectors.
 //
 // A packet of rays lies in memory as [lane] (ray_packet.h) and goes through the arithmetic some
 // lanes at a time; Lanes says how many there are and how many go at once. So nearly every function
@@ -13,10 +13,11 @@
 //     store(rays.t_far_m + l, is_hit ? nearer : t);
 //   }
 //
-// Six functions to know: `load` and `store` (lanes that lie one behind the other), `gather` (a table read
-// at an index of each lane's own), `broadcast` (one number for all lanes), `keep` (x where a comparison
-// holds, else zero) and `any_lane` (whether it holds anywhere). Which lanes of a packet are on is a
-// LaneMask (lane_mask.h), vectors of three are in vector3.h, tables with a row for each lane in rows.h.
+// Six functions to know: `load` and `store` (lanes that lie one behind the other), `gather` (a
+// table read at an index of each lane's own), `broadcast` (one number for all lanes), `keep` (x
+// where a comparison holds, else zero) and `any_lane` (whether it holds anywhere). Which lanes of a
+// packet are on is a LaneMask (lane_mask.h), vectors of three are in vector3.h, tables with a row
+// for each lane in rows.h.
 #pragma once
 
 #include <cstddef>

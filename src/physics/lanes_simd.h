@@ -1,6 +1,6 @@
-// Vectors of floats and integers as a processor has them, and what is done to them by its instructions:
-// conversions, masks, gathers, shuffles. A reader of the physics needs lanes.h only, which has the same
-// functions for one lane; this is where a new instruction set goes.
+// Vectors of floats and integers as a processor has them, and what is done to them by its
+// instructions: conversions, masks, gathers, shuffles. A reader of the physics needs lanes.h only,
+// which has the same functions for one lane; this is where a new instruction set goes.
 #pragma once
 
 #include <cstddef>
@@ -218,12 +218,14 @@ OMMA_HD void gather_3(const float* base, Ints index, Floats (&out)[3]) {
 #endif
     };
 #if defined(__AVX512F__)
-    const __m256 low = _mm256_insertf128_ps(_mm256_castps128_ps256(load_lane(k)), load_lane(k + 4), 1);
+    const __m256 low =
+        _mm256_insertf128_ps(_mm256_castps128_ps256(load_lane(k)), load_lane(k + 4), 1);
     const __m256 high =
         _mm256_insertf128_ps(_mm256_castps128_ps256(load_lane(k + 8)), load_lane(k + 12), 1);
     quads[k] = (Floats)_mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
 #else
-    quads[k] = (Floats)_mm256_insertf128_ps(_mm256_castps128_ps256(load_lane(k)), load_lane(k + 4), 1);
+    quads[k] =
+        (Floats)_mm256_insertf128_ps(_mm256_castps128_ps256(load_lane(k)), load_lane(k + 4), 1);
 #endif
   }
   // x0 x2 y0 y2 and x1 x3 y1 y3 of each quad's lanes, then x0 x1 x2 x3.
@@ -254,8 +256,8 @@ OMMA_HD Floats pick(const float* p, Ints index) {
 #endif
 }
 
-// The lanes whose bit is set, one behind the other from `to` on (stream compaction); what lies behind
-// them there, up to a vector's width in all, is overwritten with anything.
+// The lanes whose bit is set, one behind the other from `to` on (stream compaction); what lies
+// behind them there, up to a vector's width in all, is overwritten with anything.
 template <typename T>
 OMMA_HD void store_some(T* to, Floats x, unsigned bits) {
 #if defined(__AVX512F__)

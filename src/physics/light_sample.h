@@ -23,7 +23,7 @@ struct LightSample {
   std::int32_t mesh = 0, triangle = 0;  // of a surface
   float u = 0, v = 0;                   // barycentric, where on it
   float scale = 1;                      // of a lamp's strength
-  OneSkyLookup place = {};                  // of light from afar
+  OneSkyLookup place = {};              // of light from afar
 };
 
 // Probability of a direction in which a ray has left the scene, as sample_light would give it;
@@ -56,7 +56,8 @@ OMMA_HD LightSample sample_lamps(const LightView& light, Vec3 position, float u)
   LightSample sample;
   sample.index = find_in_sum(light.lamp_sum, light.lamp_count, u);
   const float* origin = light.lamp_origin_m;
-  const Vec3 from_lamps = origin == nullptr ? position : position - Vec3{origin[0], origin[1], origin[2]};
+  const Vec3 from_lamps =
+      origin == nullptr ? position : position - Vec3{origin[0], origin[1], origin[2]};
   const LampAt at = eval_lamp_at(light.lamps[sample.index], from_lamps);
   sample.kind = LightKind::lamp;
   sample.is_delta = true;
@@ -82,7 +83,7 @@ OMMA_HD LightSample sample_surfaces(const SceneView& scene, Vec3 position, float
   sample.triangle = find_in_sum(emissive.triangle_sum, emissive.triangles, within);
   const LightTriangle seen =
       see_triangle(scene, sample.index, sample.mesh, sample.triangle, position);
-  const TrianglePlace place = sample_triangle(seen, u0, u1);
+  const TriangleSample place = sample_triangle(seen, u0, u1);
   sample.direction = place.direction;
   sample.distance_m = place.distance_m;
   sample.u = place.u;
@@ -95,8 +96,8 @@ OMMA_HD LightSample sample_surfaces(const SceneView& scene, Vec3 position, float
   return sample;
 }
 
-// Towards a lamp or a surface that shines; `left`: a random number in [0, 1) less the probability of
-// light from afar.
+// Towards a lamp or a surface that shines; `left`: a random number in [0, 1) less the probability
+// of light from afar.
 OMMA_HD LightSample sample_near_light(const SceneView& scene, Vec3 position, float left, float u0,
                                       float u1) {
   const LightView& light = *scene.light;

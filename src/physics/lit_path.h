@@ -1,13 +1,14 @@
-// The lit path: a path tracer from the eye backwards, the lanes of a packet side by side. At each surface
-// one light is asked for directly (next-event estimation), and the path goes on in one direction of one of
-// the surface's lobes; what both could have found is weighed by the balance heuristic (Veach 1997, 9.2.2),
-// for each lobe by itself. Paths end by Russian roulette. Unbiased; the reference for all faster ways.
+// The lit path: a path tracer from the eye backwards, the lanes of a packet side by side. At each
+// surface one light is asked for directly (next-event estimation), and the path goes on in one
+// direction of one of the surface's lobes; what both could have found is weighed by the balance
+// heuristic (Veach 1997, 9.2.2), for each lobe by itself. Paths end by Russian roulette. Unbiased;
+// the reference for all faster ways.
 //
 // Read trace_flight first, which is one step of all paths of a packet.
 #pragma once
 
 #include "physics/direct_light.h"
-#include "physics/truth.h"
+#include "physics/truth_sums.h"
 
 namespace omma {
 
@@ -23,8 +24,8 @@ OMMA_HD LaneMask<L> at_full_depth(const SceneView& scene, const PathState<L>& st
       [&](int l) { return load<typename L::I>(state.scatterings + l) >= scene.depth; });
 }
 
-// Of some lanes' surfaces those that let the path by, by chance, as they cover a fraction alpha of what
-// lies behind: what lies there is found with the probability 1 - alpha with which it counts.
+// Of some lanes' surfaces those that let the path by, by chance, as they cover a fraction alpha of
+// what lies behind: what lies there is found with the probability 1 - alpha with which it counts.
 template <typename L>
 OMMA_HD LaneMask<L> choose_let_by(const Packet<L>& packet, const PathState<L>& state,
                                   const LitSurface<L>& surface, LaneMask<L> met) {
@@ -38,9 +39,9 @@ OMMA_HD LaneMask<L> choose_let_by(const Packet<L>& packet, const PathState<L>& s
   return by;
 }
 
-// Russian roulette (Arvo and Kirk 1990, Particle transport and image synthesis): of some lanes' paths
-// those that go on, with the probability q of their largest throughput `most` [lane]; their throughput
-// grows by 1 / q, so that the mean stays.
+// Russian roulette (Arvo and Kirk 1990, Particle transport and image synthesis): of some lanes'
+// paths those that go on, with the probability q of their largest throughput `most` [lane]; their
+// throughput grows by 1 / q, so that the mean stays.
 template <typename L, typename Search>
 OMMA_HD LaneMask<L> play_roulette(const Flight<L, Search>& flight, LaneMask<L> on,
                                   const ScatteringSample<L>& sample, const float* most) {
@@ -90,8 +91,8 @@ OMMA_HD void scatter_rays(const Flight<L, Search>& flight, LaneMask<L> scattered
   leave_surfaces<L>(geometry, sample.direction, scattered, packet.rays);
 }
 
-// Paths of some lanes go on by a sample, or end: by roulette, or where nothing is left of them. Returns
-// the lanes that go on.
+// Paths of some lanes go on by a sample, or end: by roulette, or where nothing is left of them.
+// Returns the lanes that go on.
 template <typename L, typename Search>
 OMMA_HD LaneMask<L> continue_paths(const Flight<L, Search>& flight, LaneMask<L> on,
                                    const HitGeometry<L>& geometry,
@@ -103,8 +104,8 @@ OMMA_HD LaneMask<L> continue_paths(const Flight<L, Search>& flight, LaneMask<L> 
   update_throughput(flight, sample, most);
   on &= lanes_where<L>([&](int l) {
     const I lobe = load<I>(sample.lobe + l);
-    return lobe == let_by || (lobe != no_lobe && load<F>(most + l) > 0.0f &&
-                              load<F>(sample.density + l) > 0.0f);
+    return lobe == let_by ||
+           (lobe != no_lobe && load<F>(most + l) > 0.0f && load<F>(sample.density + l) > 0.0f);
   });
   LaneMask<L> by;
   if (flight.passed != nullptr)
@@ -120,9 +121,9 @@ OMMA_HD LaneMask<L> continue_paths(const Flight<L, Search>& flight, LaneMask<L> 
   return by | scattered;
 }
 
-// One flight of the paths of some lanes: adds what they find to the radiance, and returns the lanes whose
-// paths go on; rays, state and throughput are those of the next flight then. `first`: takes what the rays
-// met, or null.
+// One flight of the paths of some lanes: adds what they find to the radiance, and returns the lanes
+// whose paths go on; rays, state and throughput are those of the next flight then. `first`: takes
+// what the rays met, or null.
 template <typename L, typename Search>
 OMMA_HD_CALLED LaneMask<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on, Spread spread,
                                         FirstHits<L>* first = nullptr) {
@@ -134,7 +135,8 @@ OMMA_HD_CALLED LaneMask<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on
   clear_hits<L>(packet.rays);
   FarLookups<L> far;
 
-  // The last flight, where only light from afar can be found: whether anything is in the way will do.
+  // The last flight, where only light from afar can be found: whether anything is in the way will
+  // do.
   if (ends_in_the_dark(scene) && !(on & ~at_full_depth(scene, state)).any()) {
     look_up_far(flight, on, far);
     const LaneMask<L> open = on & ~flight.search.occluded(on, packet.rays);
@@ -142,8 +144,8 @@ OMMA_HD_CALLED LaneMask<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on
     return {};
   }
 
-  // Intersect. Where nothing is met the sky is read: after the surfaces, when what was fetched of it has
-  // come.
+  // Intersect. Where nothing is met the sky is read: after the surfaces, when what was fetched of
+  // it has come.
   Hits<L> hits;
   flight.search.closest(on, packet.rays, flight.passed, spread);
   find_hits<L>(flight.search.placed(), packet, hits);
@@ -169,7 +171,8 @@ OMMA_HD_CALLED LaneMask<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on
   if (scene.shines) add_emission(flight, hits, surface, met);
 
   // Who is scattered: not those that a surface lets by, nor those at full depth, whose paths end.
-  const LaneMask<L> by = scene.has_blend ? choose_let_by(packet, state, surface, met) : LaneMask<L>{};
+  const LaneMask<L> by =
+      scene.has_blend ? choose_let_by(packet, state, surface, met) : LaneMask<L>{};
   on = scene.depth > 0 ? met & (by | ~at_full_depth(scene, state)) : met;
   const LaneMask<L> scattering = on & ~by;
   if (is_baked) eval_baked(flight, baked, geometry, surface, scattering);
@@ -194,16 +197,15 @@ OMMA_HD_CALLED LaneMask<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on
   return continue_paths(flight, on, geometry, sample);
 }
 
-// The radiance [component][band][lane] of the rays of some lanes, to the end of their paths: the packet
-// is followed alone.
+// The radiance [component][band][lane] of the rays of some lanes, to the end of their paths: the
+// packet is followed alone.
 template <typename L, typename Search>
 OMMA_HD void trace_paths(const Flight<L, Search>& flight, LaneMask<L> on,
                          FirstHits<L>* first = nullptr) {
   for (int i = 0; i < flight.components() * flight.stride(); ++i) flight.radiance[i] = 0;
   reset_paths<L>(flight.scene, flight.state, flight.memory);
   for (int k = 0; on.any() && k < most_flights; ++k) {
-    const Spread spread =
-        k == 0 && !flight.state.gathers ? Spread::together : Spread::scattered;
+    const Spread spread = k == 0 && !flight.state.gathers ? Spread::together : Spread::scattered;
     on = trace_flight(flight, on, spread, k == 0 ? first : nullptr);
   }
 }
@@ -214,9 +216,9 @@ OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, LaneMask<L> o
                            Packet<L>& packet, const PathMemory& memory, float* radiance) {
   PathState<L> state;
   PassedSurfaces<L::count> passed;
-  trace_paths<L, Search>({scene, search, packet, state, memory, radiance,
-                          lets_through(scene) ? &passed : nullptr},
-                         on);
+  trace_paths<L, Search>(
+      {scene, search, packet, state, memory, radiance, lets_through(scene) ? &passed : nullptr},
+      on);
 }
 
 }  // namespace omma

@@ -1,5 +1,6 @@
-// What surfaces are where rays met them, for light: the normal that shades, how rough, how metallic,
-// and in each band how much they reflect, transmit and shine. How they scatter is scatter.h.
+// What surfaces are where rays met them, for light: the normal that shades, how rough, how
+// metallic, and in each band how much they reflect, transmit and shine. How they scatter is
+// scatter.h.
 #pragma once
 
 #include "physics/block_memory.h"
@@ -55,9 +56,9 @@ OMMA_HD Vector3<F> map_normal(const SceneView& scene, const MeshView& mesh, cons
     const I vertex = gather(mesh.triangles, corner_index);
     const I at = mesh.vertex_of_corner != nullptr ? vertex : corner_index;
     uv[k] = gather_pair(mesh.normal_uv, at);
-    corner[k] = transform_direction(m, Vector3<F>{gather(mesh.positions, vertex * 3),
-                                                  gather(mesh.positions + 1, vertex * 3),
-                                                  gather(mesh.positions + 2, vertex * 3)});
+    corner[k] = transform_direction(
+        m, Vector3<F>{gather(mesh.positions, vertex * 3), gather(mesh.positions + 1, vertex * 3),
+                      gather(mesh.positions + 2, vertex * 3)});
   }
   const F du1 = uv[1].first - uv[0].first, du2 = uv[2].first - uv[0].first;
   const F dv1 = uv[1].second - uv[0].second, dv2 = uv[2].second - uv[0].second;
@@ -68,8 +69,8 @@ OMMA_HD Vector3<F> map_normal(const SceneView& scene, const MeshView& mesh, cons
   right = normalize(right - n * dot(right, n));
   const Vector3<F> across = cross(n, right);
   const F hand = dot(across, up) < 0.0f ? broadcast<F>(-1.0f) : broadcast<F>(1.0f);
-  const Color<F> c = eval_texture_at(scene, mesh, scatter.normal_texture, mesh.normal_uv,
-                                     mesh.normal_density, p);
+  const Color<F> c =
+      eval_texture_at(scene, mesh, scatter.normal_texture, mesh.normal_uv, mesh.normal_density, p);
   const F x = (c.r * 2.0f - 1.0f) * scatter.normal_scale;
   const F y = (c.g * 2.0f - 1.0f) * scatter.normal_scale * hand;
   const F z = c.b * 2.0f - 1.0f;
@@ -77,8 +78,8 @@ OMMA_HD Vector3<F> map_normal(const SceneView& scene, const MeshView& mesh, cons
   return select(dot(turned, turned) > 0.5f, turned, n);
 }
 
-// The normal that shades some lanes of one mesh with normals or a map of them, whose frame is `m`, on
-// the side of the triangle to which `geometric` looks.
+// The normal that shades some lanes of one mesh with normals or a map of them, whose frame is `m`,
+// on the side of the triangle to which `geometric` looks.
 template <typename F, typename I>
 OMMA_HD Vector3<F> eval_shading_normal(const SceneView& scene, const MeshView& mesh,
                                        const F (&m)[3][4], const SurfacePoint<F, I>& p,
@@ -89,8 +90,7 @@ OMMA_HD Vector3<F> eval_shading_normal(const SceneView& scene, const MeshView& m
     Vector3<F> own = {};
     I vertex[3];
     gather_3(mesh.triangles, p.triangle, vertex);
-    for (int k = 0; k < 3; ++k)
-      own = own + gather_vector<F>(mesh.normals, vertex[k]) * weight[k];
+    for (int k = 0; k < 3; ++k) own = own + gather_vector<F>(mesh.normals, vertex[k]) * weight[k];
     const Vector3<F> turned = normalize(transform_normal(m, own));
     const Vector3<F> towards = select(dot(turned, geometric) < 0.0f, opposite(turned), turned);
     normal = select(dot(turned, turned) > 0.5f, towards, normal);
@@ -114,8 +114,8 @@ OMMA_HD void eval_spectra(const SceneView& scene, const MeshView& mesh, const Co
                                           mesh.transmission_uv, mesh.transmission_density, p);
   }
   if (mesh.extra_uv != nullptr && scatter.extra != nullptr)
-    extra = eval_texture_at(scene, mesh, scatter.extra_texture, mesh.extra_uv, mesh.extra_density,
-                            p);
+    extra =
+        eval_texture_at(scene, mesh, scatter.extra_texture, mesh.extra_uv, mesh.extra_density, p);
   const auto of = [](const float* row, const Color<F>& c) {
     return c.r * row[0] + c.g * row[1] + c.b * row[2];
   };
@@ -187,9 +187,9 @@ OMMA_HD void multiply_factors(const SceneView& scene, const MeshView& mesh,
 }
 
 template <typename L>
-OMMA_HD void eval_lit_surfaces(const SceneView& scene, const Packet<L>& packet,
-                               const Hits<L>& hits, const HitGeometry<L>& geometry,
-                               const SpectraMemory& memory, LitSurface<L>& surface) {
+OMMA_HD void eval_lit_surfaces(const SceneView& scene, const Packet<L>& packet, const Hits<L>& hits,
+                               const HitGeometry<L>& geometry, const SpectraMemory& memory,
+                               LitSurface<L>& surface) {
   using F = typename L::F;
   using I = typename L::I;
   for (int l = 0; l < L::count; ++l) surface.material[l] = -1;

@@ -1,17 +1,18 @@
-// The unlit path: what comes along the rays of a packet where surfaces send out their own colours. Rays
-// are followed front to back, through surfaces that cover what lies behind in part, to the background:
+// The unlit path: what comes along the rays of a packet where surfaces send out their own colours.
+// Rays are followed front to back, through surfaces that cover what lies behind in part, to the
+// background:
 //
 //   L = Σ_k α_k C_k Π_{j<k} (1 − α_j),
 //
-// the `over` operator (Porter and Duff 1984). A backend gives one thing, the closest accepted hits of a
-// packet; everything else along rays is here.
+// the `over` operator (Porter and Duff 1984). A backend gives one thing, the closest accepted hits
+// of a packet; everything else along rays is here.
 #pragma once
 
 #include "physics/background.h"
 #include "physics/lane_mask.h"
 #include "physics/passed.h"
 #include "physics/surface.h"
-#include "physics/truth.h"
+#include "physics/truth_sums.h"
 
 namespace omma {
 
@@ -35,11 +36,10 @@ OMMA_HD void eval_surfaces(const SceneView& scene, const RayPacket<L::count>& ra
   for_each_mesh(hits, [&](std::int32_t mesh, int l, const auto& is_member) {
     // Lanes of other meshes, and without a hit, hold anything; they go through as zeros.
     const auto of_members = [&](const float* p) { return keep(is_member, load<F>(p + l)); };
-    const SurfaceColor<F> s =
-        eval_surface(scene, scene.meshes[mesh],
-                     SurfacePoint<F, I>{keep(is_member, load<I>(rays.triangle + l)),
-                                        of_members(rays.u), of_members(rays.v),
-                                        of_members(hits.footprint_m)});
+    const SurfaceColor<F> s = eval_surface(
+        scene, scene.meshes[mesh],
+        SurfacePoint<F, I>{keep(is_member, load<I>(rays.triangle + l)), of_members(rays.u),
+                           of_members(rays.v), of_members(hits.footprint_m)});
     for (int c = 0; c < 3; ++c)
       store(color.rgb[c] + l, is_member ? s.rgb[c] : load<F>(color.rgb[c] + l));
     store(color.alpha + l, is_member ? s.alpha : load<F>(color.alpha + l));
@@ -99,7 +99,8 @@ struct UnlitFlight {
   PassedSurfaces<L::count>* passed;  // where surfaces let light through in part, else null
 };
 
-// One step along the rays of some lanes: the closest hits and the colours there, or the background's.
+// One step along the rays of some lanes: the closest hits and the colours there, or the
+// background's.
 template <typename L, typename Search>
 OMMA_HD void eval_closest(const UnlitFlight<L, Search>& flight, LaneMask<L> on, Hits<L>& hits,
                           PacketColor<L>& color) {
@@ -113,8 +114,8 @@ OMMA_HD void eval_closest(const UnlitFlight<L, Search>& flight, LaneMask<L> on, 
   eval_surfaces<L>(flight.scene, packet.rays, hits, color);
 }
 
-// Radiance [band][lane] of the rays of some lanes of a packet. `first`: takes what they met first, or
-// null.
+// Radiance [band][lane] of the rays of some lanes of a packet. `first`: takes what they met first,
+// or null.
 template <typename L, typename Search>
 OMMA_HD void eval_path(const UnlitFlight<L, Search>& flight, LaneMask<L> on, float* radiance,
                        FirstHits<L>* first = nullptr) {
@@ -147,7 +148,8 @@ OMMA_HD void eval_path(const UnlitFlight<L, Search>& flight, LaneMask<L> on, flo
     eval_closest(flight, on, hits, color);
     if (first != nullptr) *first = {packet, hits};
     first = nullptr;
-    // Composite: what the surface covers of what still counts; paths end where nothing gets through.
+    // Composite: what the surface covers of what still counts; paths end where nothing gets
+    // through.
     LaneMask<L> through;
     for (int l = 0; l < L::count; l += L::width) {
       const auto is_on = on.at(l);

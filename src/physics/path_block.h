@@ -1,5 +1,5 @@
-// The paths of a block in a lit world: those of many packets are followed together, so that packets are
-// full on all their flights (waiting_paths.h).
+// The paths of a block in a lit world: those of many packets are followed together, so that packets
+// are full on all their flights (waiting_paths.h).
 #pragma once
 
 #include "physics/lit_path.h"
@@ -16,7 +16,7 @@ struct PathBlock {
   const PathMemory& memory;
   float* radiance;
   WaitingPaths<L> waiting, waiting_for_last;
-  Packet<L> onward;  // of paths that have waited
+  Packet<L> onward;                     // of paths that have waited
   std::int32_t ommatidium[block_rays];  // [ray], as Packet has it
 };
 
@@ -27,8 +27,8 @@ OMMA_HD int packet_floats(const SceneView& scene) {
 
 // Paths of some lanes wait; those whose last flight comes next, by themselves.
 template <typename L, typename Search>
-OMMA_HD void enqueue_paths(PathBlock<L, Search>& block, const Flight<L, Search>& flight, LaneMask<L> lanes,
-                  const std::int32_t (&ray)[L::count]) {
+OMMA_HD void enqueue_paths(PathBlock<L, Search>& block, const Flight<L, Search>& flight,
+                           LaneMask<L> lanes, const std::int32_t (&ray)[L::count]) {
   const LaneMask<L> last = ends_in_the_dark(block.scene)
                                ? lanes & at_full_depth(block.scene, flight.state)
                                : LaneMask<L>{};
@@ -49,8 +49,7 @@ OMMA_HD void trace_waiting_flight(PathBlock<L, Search>& block, WaitingPaths<L>& 
                                  block.memory, found,        nullptr};
   const LaneMask<L> lanes = dequeue(flight, waiting, ray);
   lanes.for_each([&](int l) { block.onward.ommatidium[l] = block.ommatidium[ray[l]]; });
-  const LaneMask<L> polarised =
-      scene.polarized ? bringing_polarisation<L>(state) : LaneMask<L>{};
+  const LaneMask<L> polarised = scene.polarized ? bringing_polarisation<L>(state) : LaneMask<L>{};
   for (int i = 0; i < floats; ++i) found[i] = 0;
   const LaneMask<L> on = trace_flight(flight, lanes, Spread::scattered);
   // What they found goes to the rays from the eye that they began as.
@@ -71,12 +70,11 @@ OMMA_HD void trace_waiting(PathBlock<L, Search>& block, int least) {
     if (block.waiting.count < least) break;
     trace_waiting_flight(block, block.waiting);
   }
-  while (block.waiting_for_last.count >= least)
-    trace_waiting_flight(block, block.waiting_for_last);
+  while (block.waiting_for_last.count >= least) trace_waiting_flight(block, block.waiting_for_last);
 }
 
-// Begins the paths of some lanes of a packet, whose radiance is that of number `packet_index`; others are
-// followed as soon as there are as many as a packet holds.
+// Begins the paths of some lanes of a packet, whose radiance is that of number `packet_index`;
+// others are followed as soon as there are as many as a packet holds.
 template <typename L, typename Search>
 OMMA_HD void begin_paths(PathBlock<L, Search>& block, int packet_index, LaneMask<L> lanes,
                          Packet<L>& packet, FirstHits<L>* first) {

@@ -1,5 +1,5 @@
-// Light that arrives at the ends of the paths of a packet: from afar, from surfaces that shine; and what
-// is left of light that comes past surfaces which let it by.
+// Light that arrives at the ends of the paths of a packet: from afar, from surfaces that shine; and
+// what is left of light that comes past surfaces which let it by.
 #pragma once
 
 #include "physics/far_lanes.h"
@@ -41,13 +41,13 @@ OMMA_HD void vertical_axes(const float (&direction)[3][L::count], float (&axis)[
     store_vector(axis, l, vertical_axis(load_vector<F>(direction, l)));
 }
 
-// Adds light that arrives along the packet's rays, `light` [component][band][lane], with a weight for
-// each lane, 0 for none:
+// Adds light that arrives along the packet's rays, `light` [component][band][lane], with a weight
+// for each lane, 0 for none:
 //
 //   radiance += w β M s,
 //
-// β the throughput of the path, M its Mueller matrix, s the light's Stokes vector. That is by the axes
-// `axis`; where they are null light is unpolarised, and `light` has I alone.
+// β the throughput of the path, M its Mueller matrix, s the light's Stokes vector. That is by the
+// axes `axis`; where they are null light is unpolarised, and `light` has I alone.
 template <typename L, typename Search>
 OMMA_HD void add_light(const Flight<L, Search>& flight, const float* weight,
                        const float (*axis)[L::count], const float* light) {
@@ -67,8 +67,9 @@ OMMA_HD void add_light(const Flight<L, Search>& flight, const float* weight,
       if (axis != nullptr && keeps) {
         const auto own = load_vector<F>(flight.packet.reference, l);
         const Vector3<F> across = cross(load_vector<F>(flight.packet.rays.direction, l), own);
-        path = path * frame_turn(own, across,
-                                 {load<F>(axis[0] + l), load<F>(axis[1] + l), load<F>(axis[2] + l)});
+        path =
+            path * frame_turn(own, across,
+                              {load<F>(axis[0] + l), load<F>(axis[1] + l), load<F>(axis[2] + l)});
       }
     }
     for (int b = 0; b < scene.bands; ++b) {
@@ -97,8 +98,8 @@ OMMA_HD void add_light(const Flight<L, Search>& flight, const float* weight,
   }
 }
 
-// Where the light from afar along the rays of some lanes is looked up. What lies at nodes is fetched
-// from memory meanwhile.
+// Where the light from afar along the rays of some lanes is looked up. What lies at nodes is
+// fetched from memory meanwhile.
 template <typename L>
 struct FarLookups {
   SkyLookups<L> on_sky;
@@ -123,7 +124,8 @@ OMMA_HD void look_up_far(const Flight<L, Search>& flight, LaneMask<L> lanes, Far
 }
 
 // Light from afar along the rays of some lanes, which met nothing. Next-event estimation could have
-// found it too (direct_light.h): it counts by the balance heuristic, and wholly for rays from the eye.
+// found it too (direct_light.h): it counts by the balance heuristic, and wholly for rays from the
+// eye.
 template <typename L, typename Search>
 OMMA_HD void add_far(const Flight<L, Search>& flight, LaneMask<L> lanes, const FarLookups<L>& far) {
   using F = typename L::F;
@@ -141,8 +143,8 @@ OMMA_HD void add_far(const Flight<L, Search>& flight, LaneMask<L> lanes, const F
           ? lanes & lanes_where<L>([&](int l) { return load<I>(state.scatterings + l) > 0; })
           : lanes;
   if (by_chance.any()) find_far_pdf<L>(light, direction, far.on_sky, by_chance, pdf);
-  eval_sky_lanes<L>(light, {direction, far.on_sky, lanes, keeps, far.at_nodes},
-                    flight.components(), arriving);
+  eval_sky_lanes<L>(light, {direction, far.on_sky, lanes, keeps, far.at_nodes}, flight.components(),
+                    arriving);
   alignas(n * 4) float acceptance_sr[n];
   for (int l = 0; l < n; l += L::width)
     store(acceptance_sr + l, by_chance.at(l) ? F{} : load<F>(packet.acceptance_sr + l));
@@ -170,10 +172,10 @@ OMMA_HD void add_emission(const Flight<L, Search>& flight, const Hits<L>& hits,
     if (state.gathers && state.scatterings[l] == 0) return;
     weight[l] = surface.alpha[l];
     if (!is_from_eye(state.density[l]))
-      weight[l] *= balance(state.density[l],
-                           met_light_pdf(scene, hits.instance[l], int_of(rays.triangle[l]),
-                                         vec_at(rays.origin, l), vec_at(rays.direction, l),
-                                         rays.t_far_m[l]));
+      weight[l] *=
+          balance(state.density[l], met_light_pdf(scene, hits.instance[l], int_of(rays.triangle[l]),
+                                                  vec_at(rays.origin, l), vec_at(rays.direction, l),
+                                                  rays.t_far_m[l]));
     any = true;
   });
   if (any) add_light<L>(flight, weight, nullptr, flight.memory.emission);
@@ -186,8 +188,8 @@ OMMA_HD F passing(F alpha, F straight, F reflectance) {
   return (1.0f - alpha) + alpha * straight * reflectance;
 }
 
-// Shadow rays past surfaces that let light straight through: the transmittance of the way, by band, is
-// memory.throughput. Returns the lanes that reach their light.
+// Shadow rays past surfaces that let light straight through: the transmittance of the way, by band,
+// is memory.throughput. Returns the lanes that reach their light.
 template <typename L, typename Search>
 OMMA_HD LaneMask<L> trace_transmittance(const SceneView& scene, Search& search, LaneMask<L> lanes,
                                         Packet<L>& shadow, const SpectraMemory& memory) {

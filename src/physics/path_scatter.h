@@ -1,6 +1,6 @@
-// What the surfaces that a packet met make of light: of a sample of a light, which they scatter towards
-// the eye, and of the path itself, which goes on in one direction of one of their lobes. The two are
-// weighed against each other, each lobe by itself (direct_light.h).
+// What the surfaces that a packet met make of light: of a sample of a light, which they scatter
+// towards the eye, and of the path itself, which goes on in one direction of one of their lobes.
+// The two are weighed against each other, each lobe by itself (direct_light.h).
 #pragma once
 
 #include "physics/path_light.h"
@@ -8,8 +8,8 @@
 
 namespace omma {
 
-// How light of a direction is scattered towards the eye by what was met, [lane]: scatter.h's values,
-// over the density with which the direction was chosen, and weighed.
+// How light of a direction is scattered towards the eye by what was met, [lane]: scatter.h's
+// values, over the density with which the direction was chosen, and weighed.
 template <typename L>
 struct Scattered {
   static constexpr int n = L::count;
@@ -55,8 +55,7 @@ OMMA_HD void scatter_light(const Flight<L, Search>& flight, const Scattered<L>& 
       const F reflectance = load<F>(memory.reflectance + at), tint = load<F>(memory.tint + at);
       const F colour = tint + (1.0f - tint) * schlick;
       const F of_metal = metal * metal_color(reflectance, schlick, gain);
-      const F diffuse =
-          reflected * reflectance + transmitted * load<F>(memory.transmittance + at);
+      const F diffuse = reflected * reflectance + transmitted * load<F>(memory.transmittance + at);
       const F i = load<F>(light + at);
       if (!scene.polarized) {
         store(light + at, (diffuse + dielectric.a * colour + coat.a + of_metal) * i);
@@ -126,13 +125,12 @@ OMMA_HD void make_scattering(const Flight<L, Search>& flight, const LitSurface<L
   }
 }
 
-// How the surfaces scatter a sample of light for each lane: f_j cos θ w_j / p of each lobe j, with the
-// balance heuristic's w_j = p / (p + q_j p_j), or 1 where is_delta.
+// How the surfaces scatter a sample of light for each lane: f_j cos θ w_j / p of each lobe j, with
+// the balance heuristic's w_j = p / (p + q_j p_j), or 1 where is_delta.
 template <typename L>
 OMMA_HD void scatter_light_samples(const ScatteringPacket<L>& scattering,
-                                   const float (&to_light)[3][L::count],
-                                   const float* light_density, const float* is_delta,
-                                   Scattered<L>& direct) {
+                                   const float (&to_light)[3][L::count], const float* light_density,
+                                   const float* is_delta, Scattered<L>& direct) {
   using F = typename L::F;
   for (int l = 0; l < L::count; l += L::width) {
     const int v = l / L::width;
@@ -150,8 +148,8 @@ OMMA_HD void scatter_light_samples(const ScatteringPacket<L>& scattering,
     const F by_dielectric = weighed(Lobe::dielectric, seen.boundary_pdf);
     const F by_metal = weighed(Lobe::metal, seen.boundary_pdf);
     const F by_coat = weighed(Lobe::coat, seen.coat_pdf);
-    store(direct.reflected + l, seen.diffuse_reflection * weighed(Lobe::diffuse_reflection,
-                                                                  cosine_pdf(seen.cosine)));
+    store(direct.reflected + l,
+          seen.diffuse_reflection * weighed(Lobe::diffuse_reflection, cosine_pdf(seen.cosine)));
     store(direct.transmitted + l,
           seen.diffuse_transmission *
               weighed(Lobe::diffuse_transmission, cosine_pdf(0.0f - seen.cosine)));
@@ -167,8 +165,8 @@ OMMA_HD void scatter_light_samples(const ScatteringPacket<L>& scattering,
   }
 }
 
-// Where the paths of some lanes go on: a lobe j by its probability q_j, a direction of it by its density
-// p_j, and what the throughput is multiplied by, f_j cos θ / (q_j p_j).
+// Where the paths of some lanes go on: a lobe j by its probability q_j, a direction of it by its
+// density p_j, and what the throughput is multiplied by, f_j cos θ / (q_j p_j).
 template <typename L>
 OMMA_HD void sample_scattering(const Packet<L>& packet, const PathState<L>& state,
                                const ScatteringPacket<L>& scattering, LaneMask<L> lanes,
@@ -188,8 +186,8 @@ OMMA_HD void sample_scattering(const Packet<L>& packet, const PathState<L>& stat
     const F inverse = keep(own > 0.0f, 1.0f / (own > 0.0f ? own : broadcast<F>(1.0f)));
     const auto of_lobe = [&](Lobe one, F x) { return keep(is(one), x * inverse); };
     // Light that goes straight on was chosen as before: what reflects it is by `reflected`.
-    const F straight = point.straight / (chosen.probability > 0.0f ? chosen.probability
-                                                                   : broadcast<F>(1.0f));
+    const F straight =
+        point.straight / (chosen.probability > 0.0f ? chosen.probability : broadcast<F>(1.0f));
     store(sample.by.reflected + l,
           is_straight ? straight : of_lobe(Lobe::diffuse_reflection, found.diffuse_reflection));
     store(sample.by.transmitted + l,
@@ -211,8 +209,8 @@ OMMA_HD void sample_scattering(const Packet<L>& packet, const PathState<L>& stat
   }
 }
 
-// Throughput and Mueller matrices of paths that have gone on by a sample; `most` [lane]: the largest
-// throughput of a path's bands.
+// Throughput and Mueller matrices of paths that have gone on by a sample; `most` [lane]: the
+// largest throughput of a path's bands.
 template <typename L, typename Search>
 OMMA_HD void update_throughput(const Flight<L, Search>& flight, const ScatteringSample<L>& sample,
                                float* most) {
@@ -246,7 +244,8 @@ OMMA_HD void update_throughput(const Flight<L, Search>& flight, const Scattering
     if (!scene.polarized) continue;
 
     const auto is = [&](Lobe one) { return lobe == static_cast<std::int32_t>(one); };
-    const auto d = load_vector<F>(packet.rays.direction, l), w = load_vector<F>(sample.direction, l);
+    const auto d = load_vector<F>(packet.rays.direction, l),
+               w = load_vector<F>(sample.direction, l);
     const auto own = load_vector<F>(packet.reference, l);
     const Vector3<F> s = reflection_axis(d, w, own), across = cross(d, own);
     // As parts of what is reflected, which the throughput has.

@@ -1,6 +1,6 @@
-// Where the paths of a packet stand, and what light from their end still counts: a throughput for each
-// band times, where light is polarised, one Mueller matrix for all bands, as lobes that polarise do so
-// alike in all bands, and all others leave of a Stokes vector its I alone.
+// Where the paths of a packet stand, and what light from their end still counts: a throughput for
+// each band times, where light is polarised, one Mueller matrix for all bands, as lobes that
+// polarise do so alike in all bands, and all others leave of a Stokes vector its I alone.
 #pragma once
 
 #include "physics/block_memory.h"
@@ -69,8 +69,8 @@ OMMA_HD Mueller3<typename L::F> load_mueller(const PathState<L>& state, int l) {
   return m;
 }
 
-// Whether of light that arrives at a path's end more than I counts: not where a diffuse surface lies
-// on it.
+// Whether of light that arrives at a path's end more than I counts: not where a diffuse surface
+// lies on it.
 template <typename L>
 OMMA_HD bool keeps_polarisation(const PathState<L>& state, int l) {
   for (int k = 0; k < 9; ++k)
@@ -82,8 +82,9 @@ OMMA_HD bool is_from_eye(float density) {
   return !(density < INFINITY);
 }
 
-// The balance heuristic (Veach 1997, Robust Monte Carlo Methods for Light Transport Simulation, 9.2.2):
-// a direction that was chosen with the density p_1, and could have been with p_2, counts by
+// The balance heuristic (Veach 1997, Robust Monte Carlo Methods for Light Transport
+// Simulation, 9.2.2): a direction that was chosen with the density p_1, and could have been with
+// p_2, counts by
 //
 //   w_1 = p_1 / (p_1 + p_2).
 template <typename F>

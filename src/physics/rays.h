@@ -22,7 +22,7 @@ struct Packet {
   alignas(L::count * 4) std::int32_t sample[L::count];
   alignas(L::count * 4) float reference[3][L::count];
   alignas(L::count * 4) float acceptance_sr[L::count];  // of rays from the eye (counts_by_rays)
-  std::int32_t ommatidium[L::count];  // in its block, where errors of cells are summed up
+  std::int32_t ommatidium[L::count];    // in its block, where errors of cells are summed up
   std::uint32_t light_sees = all_seen;  // the mask of rays that go on from surfaces, and to lights
 };
 
@@ -68,9 +68,9 @@ OMMA_HD DiscPoints<typename L::F> disc_points(typename L::I hash, typename L::I 
   return {radius * a.cosine, radius * a.sine};
 }
 
-// The up vector of an ommatidium carried along by the shortest turn from its axis to a ray: the lens
-// bends light that comes along the ray into the rhabdom, which lies along the axis. All unit, up
-// across the axis.
+// The up vector of an ommatidium carried along by the shortest turn from its axis to a ray: the
+// lens bends light that comes along the ray into the rhabdom, which lies along the axis. All unit,
+// up across the axis.
 template <typename F>
 OMMA_HD Vector3<F> turn_with(const Vector3<F>& axis, const Vector3<F>& ray, const Vector3<F>& up) {
   const F along = dot(up, ray), cosine = dot(axis, ray);
@@ -82,10 +82,11 @@ OMMA_HD Vector3<F> turn_with(const Vector3<F>& axis, const Vector3<F>& ray, cons
   return {turned.x / length, turned.y / length, turned.z / length};
 }
 
-// Which samples of a pattern belong to a part of it: one of each 2^part_bits that follow each other,
-// in each another one, by the bits of its number reversed and the part's (as in Hammersley's points).
-// Neighbours in a pattern are near each other, and always the same ones of them would all be off to
-// the same side. Behind the last full number of them there is one for each of the first parts.
+// Which samples of a pattern belong to a part of it: one of each 2^part_bits that follow each
+// other, in each another one, by the bits of its number reversed and the part's (as in Hammersley's
+// points). Neighbours in a pattern are near each other, and always the same ones of them would all
+// be off to the same side. Behind the last full number of them there is one for each of the first
+// parts.
 template <typename I>
 OMMA_HD I sample_of_part(const DirectionsView& directions, I number) {
   const int bits = directions.part_bits;
@@ -151,13 +152,14 @@ OMMA_HD void write_rays(const DirectionsView& directions, const Units& units, in
   const int samples = directions.samples, plane = directions.pattern_samples;
   if (directions.patterns > 0 && directions.part_bits == 0 && sample + L::width <= samples) {
     const float* p = local + units.directions[unit] + sample;
-    write({load<F>(p), load<F>(p + plane), load<F>(p + 2 * plane)},
-          [&](const float* values) { return broadcast<F>(values[unit]); },
-          [&] {
-            return disc_points<L>(lane_numbers<L>() * 0 + units.hash[unit],
-                                  lane_numbers<L>() + sample);
-          },
-          [&] { return lane_numbers<L>() * 0 + units.hash[unit]; }, lane_numbers<L>() + sample);
+    write(
+        {load<F>(p), load<F>(p + plane), load<F>(p + 2 * plane)},
+        [&](const float* values) { return broadcast<F>(values[unit]); },
+        [&] {
+          return disc_points<L>(lane_numbers<L>() * 0 + units.hash[unit],
+                                lane_numbers<L>() + sample);
+        },
+        [&] { return lane_numbers<L>() * 0 + units.hash[unit]; }, lane_numbers<L>() + sample);
     return;
   }
 

@@ -1,5 +1,5 @@
-// Rows and columns: tables with a row for each lane become [column][lane] (a transpose), rows of numbers
-// become lanes, a packet's lanes are summed up.
+// Rows and columns: tables with a row for each lane become [column][lane] (a transpose), rows of
+// numbers become lanes, a packet's lanes are summed up.
 #pragma once
 
 #include <type_traits>
@@ -12,8 +12,10 @@ namespace omma {
 #if !defined(__CUDACC__)
 template <int step, int... k>
 OMMA_HD void swap_halves(Floats& a, Floats& b, std::integer_sequence<int, k...>) {
-  constexpr auto of_first = std::integer_sequence<int, ((k & step) == 0 ? k : lane_width + k - step)...>{};
-  constexpr auto of_second = std::integer_sequence<int, ((k & step) == 0 ? k + step : lane_width + k)...>{};
+  constexpr auto of_first =
+      std::integer_sequence<int, ((k & step) == 0 ? k : lane_width + k - step)...>{};
+  constexpr auto of_second =
+      std::integer_sequence<int, ((k & step) == 0 ? k + step : lane_width + k)...>{};
   const Floats first = shuffle(a, b, of_first), second = shuffle(a, b, of_second);
   a = first;
   b = second;
@@ -44,8 +46,8 @@ OMMA_HD Ints widen(const std::uint16_t* p, Ints) {
 }
 #endif
 
-// As many neighbours in memory as lanes go at once, or `count` of them and zeros: floats, or numbers
-// of 16 bits.
+// As many neighbours in memory as lanes go at once, or `count` of them and zeros: floats, or
+// numbers of 16 bits.
 template <typename L, typename T>
 OMMA_HD auto load_row(const T* p, int count) {
   using F = typename L::F;
@@ -62,10 +64,10 @@ OMMA_HD auto load_row(const T* p, int count) {
     return widen(p, I{});
 }
 
-// Tables with a row for each lane, [row][column], as [column][lane] from `out` on: of lanes that go at
-// once those in `lanes`, whose other bits do not count, and zeros in the others. `row(k, read)` gives
-// what lane k has, in which `read(p)` stands for what p points to, the first of a row's numbers in a
-// table.
+// Tables with a row for each lane, [row][column], as [column][lane] from `out` on: of lanes that go
+// at once those in `lanes`, whose other bits do not count, and zeros in the others. `row(k, read)`
+// gives what lane k has, in which `read(p)` stands for what p points to, the first of a row's
+// numbers in a table.
 template <typename L, typename Row>
 OMMA_HD void store_rows(int columns, unsigned lanes, const Row& row, float* out) {
   using F = typename L::F;

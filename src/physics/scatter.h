@@ -132,7 +132,8 @@ OMMA_HD LocalDirection<F> to_local(const ScatterPoint<F>& p, const Vector3<F>& w
 }
 // And back, about a normal.
 template <typename F>
-OMMA_HD Vector3<F> from_local(const Axes<F>& axes, const Vector3<F>& normal, const LocalDirection<F>& d) {
+OMMA_HD Vector3<F> from_local(const Axes<F>& axes, const Vector3<F>& normal,
+                              const LocalDirection<F>& d) {
   return axes.tangent * d.x + axes.bitangent * d.y + normal * d.z;
 }
 

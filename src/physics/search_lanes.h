@@ -1,5 +1,5 @@
-// What the search of a hierarchy does side by side besides the rays of a packet: the eight children of
-// a node, the four triangles of a block. On a graphics card, where every ray is a thread, each of
+// What the search of a hierarchy does side by side besides the rays of a packet: the eight children
+// of a node, the four triangles of a quad. On a graphics card, where every ray is a thread, each of
 // these goes one by one.
 #pragma once
 
@@ -11,8 +11,8 @@ namespace omma {
 #if defined(__CUDACC__)
 inline constexpr int child_lanes = 1;
 using ChildFloats = float;
-inline constexpr int block_lanes = 1;
-using BlockFloats = float;
+inline constexpr int quad_lanes = 1;
+using QuadFloats = float;
 OMMA_HD float read_children(const std::uint8_t* byte) {
   return static_cast<float>(*byte);
 }
@@ -20,8 +20,8 @@ OMMA_HD unsigned child_bits(bool condition) {
   return condition ? 1u : 0u;
 }
 #else
-inline constexpr int block_lanes = 4;
-using BlockFloats = float __attribute__((vector_size(16)));
+inline constexpr int quad_lanes = 4;
+using QuadFloats = float __attribute__((vector_size(16)));
 #if defined(__AVX2__)
 inline constexpr int child_lanes = 8;
 using ChildFloats = float __attribute__((vector_size(32)));

@@ -30,7 +30,8 @@ OMMA_HD F angle_in_quadrant(F x, F y) {
 template <typename F, typename I>
 struct SkyLookup {
   I half = {};  // 0: above the horizon, and the horizon itself; 1: below
-  // Nodes at or before it, the column to the right, and how far on to the next row and column, 0 to 1.
+  // Nodes at or before it, the column to the right, and how far on to the next row and column, 0
+  // to 1.
   I row = {}, column = {}, next = {};
   F along_row = {}, along_column = {};
 };
@@ -69,8 +70,8 @@ OMMA_HD std::ptrdiff_t cell_of(const SkyView& sky, const OneSkyLookup& place) {
   return static_cast<std::ptrdiff_t>(row) * sky.columns + place.column;
 }
 
-// Between columns as far apart as 360 of them are, or less, axes are not turned: of a polarisation that
-// is one all about the zenith 2 pi^2 / columns^2 is lost at most, 1.5e-4.
+// Between columns as far apart as 360 of them are, or less, axes are not turned: of a polarisation
+// that is one all about the zenith 2 pi^2 / columns^2 is lost at most, 1.5e-4.
 inline constexpr int even_columns = 360;
 
 // Where Stokes vectors of all bands go: `components` 1 (I) or 3 (I, Q, U), at
@@ -271,8 +272,8 @@ OMMA_HD Vector3<F> sample_disc(const DiscView& disc, F u0, F u1) {
   return vector_of(n) * (1.0f - 0.5f * chord) + (s * turn.cosine + t * turn.sine) * sine;
 }
 
-// A direction by how much light comes from it, of u0 and u1 in [0, 1); its density is far_pdf, which
-// is 0 where nothing shines from afar.
+// A direction by how much light comes from it, of u0 and u1 in [0, 1); its density is far_pdf,
+// which is 0 where nothing shines from afar.
 OMMA_HD Vec3 sample_far_direction(const LightView& light, float u0, float u1) {
   for (int i = 0; i < light.disc_count; ++i) {
     const float p = light.discs[i].probability;

@@ -51,7 +51,7 @@ inline constexpr float least_sun_cosine = 0.01f;
 
 // Where a place is looked up.
 template <typename F>
-struct SunMapPlace {
+struct SunMapLookup {
   decltype(to_int(F{})) page;
   decltype(to_int(F{})) word;    // of the nearest texel before it
   decltype(to_int(F{})) is_odd;  // 1: that is the high half of its word
@@ -64,7 +64,7 @@ OMMA_HD F along_axis(const Vector3<F>& v, const float (&axis)[3]) {
 }
 
 template <typename F>
-OMMA_HD SunMapPlace<F> find_on_sun_map(const SunMapView& map, const Vector3<F>& position) {
+OMMA_HD SunMapLookup<F> find_on_sun_map(const SunMapView& map, const Vector3<F>& position) {
   using I = decltype(to_int(F{}));
   // Places outside the map, and what is no number, go to its rim, where nothing is met.
   const auto page_at = [](F x, float last) {
@@ -77,7 +77,7 @@ OMMA_HD SunMapPlace<F> find_on_sun_map(const SunMapView& map, const Vector3<F>& 
   const F row =
       page_at(along_axis(position, map.row_axis) * map.row_per_m + map.row_offset, map.last_row);
   const I i = to_int(column), j = to_int(row);
-  SunMapPlace<F> place;
+  SunMapLookup<F> place;
   place.page = j * map.page_columns + i;
   const I tile_and_level = gather(&map.pages->tile_and_level, place.page * 4);
   const I level = tile_and_level & ((1 << sun_level_bits) - 1);
@@ -107,7 +107,7 @@ OMMA_HD void fetch_sun_map(const SunMapView& map, std::int32_t word) {
 // The part of the sun that is seen, 0 to 1, from places on triangles with this unit normal; which
 // of its sides is meant makes no difference.
 template <typename F>
-OMMA_HD F eval_sun_map(const SunMapView& map, const SunMapPlace<F>& place,
+OMMA_HD F eval_sun_map(const SunMapView& map, const SunMapLookup<F>& place,
                        const Vector3<F>& position, const Vector3<F>& normal) {
   const F lowest_m = float_of(gather_pair(&map.pages->tile_and_level, place.page * 2).second);
   const Pair<F> scales = gather_pair(&map.pages->codes_per_m, place.page * 2);
@@ -149,7 +149,7 @@ OMMA_HD void eval_sun_map(const SunMapView& map, const HitGeometry<L>& geometry,
   using F = typename L::F;
   using I = typename L::I;
   constexpr int n = L::count;
-  SunMapPlace<F> places[n / L::width];
+  SunMapLookup<F> places[n / L::width];
   for (int l = 0; l < n; l += L::width) {
     places[l / L::width] = find_on_sun_map(map, load_vector<F>(geometry.position, l));
     alignas(L::width * 4) std::int32_t word[L::width];

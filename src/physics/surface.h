@@ -1,9 +1,9 @@
-// What a surface is where a ray met it: its base colour, its emission, how much it covers; and which
-// surfaces a ray sees at all. One mesh, any number of lanes (lanes.h).
+// What a surface is where a ray met it: its base colour, its emission, how much it covers; and
+// which surfaces a ray sees at all. One mesh, any number of lanes (lanes.h).
 //
 // In an unlit scene eval_surface is what comes to the eye: base colour plus emission (CompoundRay's
-// default shading). In a lit one lit_surface.h makes spectra and normals of the same. Colours are linear
-// RGB, as files have them; path.h lifts them to the bands of the scene.
+// default shading). In a lit one lit_surface.h makes spectra and normals of the same. Colours are
+// linear RGB, as files have them; path.h lifts them to the bands of the scene.
 #pragma once
 
 #include "physics/opacity.h"

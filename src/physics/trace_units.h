@@ -32,16 +32,17 @@ struct BlockRun {
   const BlockMemory& memory;
 };
 
-// Where the sums over the rays of each unit go, which begin as zeros: what its rays brought; where not
-// null the squared differences between pairs of samples; what they met, where the frame asks for it.
+// Where the sums over the rays of each unit go, which begin as zeros: what its rays brought; where
+// not null the squared differences between pairs of samples; what they met, where the frame asks
+// for it.
 struct UnitSums {
   double* light;
   double* squares;
   TruthSums truth;
 };
 
-// The hot loop: makes the rays of units, packet by packet, follows them, and adds what they bring to
-// their units' sums.
+// The hot loop: makes the rays of units, packet by packet, follows them, and adds what they bring
+// to their units' sums.
 template <typename L, typename Search>
 OMMA_HD void trace_units(const BlockRun<Search>& run, const DirectionsView& directions,
                          const UnitList& list, const UnitSums& to) {
@@ -67,7 +68,8 @@ OMMA_HD void trace_units(const BlockRun<Search>& run, const DirectionsView& dire
 
   // Adds the numbers of a packet's rays, [row][lane], to their units.
   const auto add = [&](const PacketPlace& place, const float* rays, int count, double* sums) {
-    const int left = directions.samples - place.sample, in_first = left < L::count ? left : L::count;
+    const int left = directions.samples - place.sample,
+              in_first = left < L::count ? left : L::count;
     const int end = in_first < place.filled ? in_first : place.filled;
     add_lanes<L>(rays, 0, end, count, sums, place.unit);
     if (end < place.filled) add_lanes<L>(rays, end, place.filled, count, sums, place.unit + 1);
@@ -150,9 +152,8 @@ OMMA_HD void trace_units(const BlockRun<Search>& run, const DirectionsView& dire
       packets = 0;
     };
     for_each([&](const PacketPlace& place, LaneMask<L> lanes) {
-      in_cones[packets] = has_cones
-                              ? rays_in_cones(packet, place, directions.samples, memory)
-                              : LaneMask<L>{};
+      in_cones[packets] =
+          has_cones ? rays_in_cones(packet, place, directions.samples, memory) : LaneMask<L>{};
       begin_paths(block, packets, lanes, packet, first);
       places[packets++] = place;
       if (packets == most_packets) end();

@@ -22,7 +22,7 @@
 
 namespace omma {
 
-// What is still to be visited: a node's index, or the first block of a leaf with the number of its
+// What is still to be visited: a node's index, or the first quad of a leaf with the number of its
 // triangles above it.
 struct Visit {
   std::uint32_t at;
@@ -78,42 +78,43 @@ OMMA_HD void search_tree(const WideNode* nodes, std::uint32_t root, const RayBun
 
 // A leaf that rays may meet.
 struct Leaf {
-  const TriangleBlock* blocks;
+  const TriangleQuad* quads;
   int triangles;
   std::uint32_t placed;  // as in PlacedTree
   bool one_origin;       // of all rays that ask
 };
 
-// The k-th triangle of a block.
+// The k-th triangle of a quad.
 struct LeafTriangle {
-  const TriangleBlock& block;
+  const TriangleQuad& quad;
   int k;
 };
 
-// Calls `found(first lane, bits, crossing, normal, triangle)` for what lanes meet of a triangle, where it may lie at any distance; it returns the lanes that search on.
+// Calls `found(first lane, bits, crossing, normal, triangle)` for what lanes meet of a triangle,
+// where it may lie at any distance; it returns the lanes that search on.
 template <typename L, typename Found>
 OMMA_HD unsigned search_leaf(const RayFrame<L>& frame, const Leaf& leaf, unsigned lanes,
                              Found found) {
   using F = typename L::F;
-  for (int first = 0; first < leaf.triangles; first += block_width) {
-    const TriangleBlock& block = leaf.blocks[first / block_width];
-    // Normals and, where all rays start in one place, what is seen from there: of the whole block.
-    alignas(16) float normals[3][block_width];
-    alignas(16) float edges[3][3][block_width], heights[block_width];
-    for (int k = 0; k < block_width; k += block_lanes) {
-      Vector3<BlockFloats> corner[3];
-      for (int i = 0; i < 3; ++i) corner[i] = load_vector<BlockFloats>(block.corner[i], k);
-      const Vector3<BlockFloats> normal = triangle_normal(corner);
+  for (int first = 0; first < leaf.triangles; first += quad_width) {
+    const TriangleQuad& quad = leaf.quads[first / quad_width];
+    // Normals and, where all rays start in one place, what is seen from there: of the whole quad.
+    alignas(16) float normals[3][quad_width];
+    alignas(16) float edges[3][3][quad_width], heights[quad_width];
+    for (int k = 0; k < quad_width; k += quad_lanes) {
+      Vector3<QuadFloats> corner[3];
+      for (int i = 0; i < 3; ++i) corner[i] = load_vector<QuadFloats>(quad.corner[i], k);
+      const Vector3<QuadFloats> normal = triangle_normal(corner);
       store_vector(normals, k, normal);
       if (!leaf.one_origin) continue;
       const int ray = lowest_bit(lanes);
       const Vector3<float> origin{frame.origin[0][ray], frame.origin[1][ray], frame.origin[2][ray]};
-      for (Vector3<BlockFloats>& c : corner) c = c - origin;
-      const SeenTriangle<BlockFloats> seen = see_from_origin(corner, normal);
+      for (Vector3<QuadFloats>& c : corner) c = c - origin;
+      const SeenTriangle<QuadFloats> seen = see_from_origin(corner, normal);
       for (int i = 0; i < 3; ++i) store_vector(edges[i], k, seen.edge[i]);
       store(heights + k, seen.height);
     }
-    const int last = leaf.triangles - first < block_width ? leaf.triangles - first : block_width;
+    const int last = leaf.triangles - first < quad_width ? leaf.triangles - first : quad_width;
     for (int k = 0; k < last; ++k) {
       const auto normal = load_vector<float>(normals, k);
       for (int l = 0; l < L::count; l += L::width) {
@@ -130,13 +131,12 @@ OMMA_HD unsigned search_leaf(const RayFrame<L>& frame, const Leaf& leaf, unsigne
         } else {
           const Vector3<F> origin = frame.load_origin(l);
           Vector3<F> corner[3];
-          for (int i = 0; i < 3; ++i)
-            corner[i] = load_vector<float>(block.corner[i], k) - origin;
+          for (int i = 0; i < 3; ++i) corner[i] = load_vector<float>(quad.corner[i], k) - origin;
           const SeenTriangle<F> seen = see_from_origin(corner, normal);
           bits = cross_triangle(seen, normal, direction, crossing);
         }
         bits &= lanes >> l;
-        if (bits != 0) lanes = found(l, bits, crossing, normal, LeafTriangle{block, k});
+        if (bits != 0) lanes = found(l, bits, crossing, normal, LeafTriangle{quad, k});
       }
       if (lanes == 0) return 0;
     }
@@ -192,16 +192,16 @@ OMMA_HD void search(const BvhView& bvh, unsigned on, Packet& rays, Found found) 
         left &= ~asked;
         unsigned searching = asked;
         search_tree<L>(bvh.nodes, tree.root, own, asked, rays.t_far_m,
-                    [&](std::uint32_t first, std::uint32_t triangles, unsigned meeting) {
-                      const Leaf leaf{bvh.blocks + first, static_cast<int>(triangles), tree.placed,
-                                      own.one_origin};
-                      unsigned still = meeting;
-                      still = search_leaf<L>(frame, leaf, meeting, [&](auto&&... crossing) {
-                        return still = found(tree, still, crossing...);
-                      });
-                      searching &= ~meeting | still;
-                      return still;
-                    });
+                       [&](std::uint32_t first, std::uint32_t triangles, unsigned meeting) {
+                         const Leaf leaf{bvh.quads + first, static_cast<int>(triangles),
+                                         tree.placed, own.one_origin};
+                         unsigned still = meeting;
+                         still = search_leaf<L>(frame, leaf, meeting, [&](auto&&... crossing) {
+                           return still = found(tree, still, crossing...);
+                         });
+                         searching &= ~meeting | still;
+                         return still;
+                       });
         lanes &= ~asked | searching;
       }
       return lanes;
@@ -220,14 +220,14 @@ OMMA_HD unsigned in_reach(const Packet& rays, int l, unsigned bits,
 }
 
 OMMA_HD std::uint32_t placed_of(const PlacedTree& tree, const LeafTriangle& at) {
-  return tree.placed != none ? tree.placed : at.block.placed[at.k] & ~ask_flag;
+  return tree.placed != none ? tree.placed : at.quad.placed[at.k] & ~ask_flag;
 }
 
 // Of those, the ones that have not met what counts instead in the same place.
 template <typename L, typename Packet>
 OMMA_HD unsigned first_in_place(const Packet& rays, int l, unsigned bits,
-                                const Crossing<typename L::F>& crossing,
-                                std::uint32_t placed, std::uint32_t triangle) {
+                                const Crossing<typename L::F>& crossing, std::uint32_t placed,
+                                std::uint32_t triangle) {
   using F = typename L::F;
   unsigned ties = bits & lane_bits(crossing.t_m == load<F>(rays.t_far_m + l));
   for (; ties != 0; ties &= ties - 1) {
@@ -243,9 +243,9 @@ template <typename L, typename Accept>
 OMMA_HD unsigned accepted(int l, unsigned bits, const Crossing<typename L::F>& crossing,
                           const PlacedTree& tree, const LeafTriangle& at, const Accept& accept) {
   constexpr int width = L::width;
-  const TriangleBlock& block = at.block;
+  const TriangleQuad& quad = at.quad;
   const int k = at.k;
-  if ((block.placed[k] & ask_flag) == 0 || bits == 0) return bits;
+  if ((quad.placed[k] & ask_flag) == 0 || bits == 0) return bits;
   float t_m[width], u[width], v[width], facing[width];
   store(t_m, crossing.t_m);
   store(u, weight_fraction(crossing, 1));
@@ -253,67 +253,65 @@ OMMA_HD unsigned accepted(int l, unsigned bits, const Crossing<typename L::F>& c
   store(facing, crossing.facing);
   for (unsigned asked = bits; asked != 0; asked &= asked - 1) {
     const int i = lowest_bit(asked);
-    if (!accept(l + i, t_m[i], u[i], v[i], block.triangle[k], placed_of(tree, at), facing[i] > 0))
+    if (!accept(l + i, t_m[i], u[i], v[i], quad.triangle[k], placed_of(tree, at), facing[i] > 0))
       bits &= ~(1u << i);
   }
   return bits;
 }
 
-// The closest accepted hit of each ray that is on, behind its t_near and up to its t_far, which becomes
-// the hit's distance; weights, triangle, normal and placed mesh are filled in. Where nothing is met
-// nothing changes, so `geometry` must be `none` before. `accept(lane, t, u, v, triangle, placed,
-// from_behind)` is asked of each candidate on meshes that may say no; u and v are the weights of
-// the second and third vertex.
+// The closest accepted hit of each ray that is on, behind its t_near and up to its t_far, which
+// becomes the hit's distance; weights, triangle, normal and placed mesh are filled in. Where
+// nothing is met nothing changes, so `geometry` must be `none` before. `accept(lane, t, u, v,
+// triangle, placed, from_behind)` is asked of each candidate on meshes that may say no; u and v are
+// the weights of the second and third vertex.
 template <typename L, typename Accept>
 OMMA_HD void closest(const BvhView& bvh, LaneMask<L> lanes_on, RayPacket<L::count>& rays,
                      Accept accept) {
   using F = typename L::F;
   using I = typename L::I;
-  search<L>(
-      bvh, lanes_on.bits, rays,
-      [&](const PlacedTree& tree, unsigned lanes, int l, unsigned bits, const Crossing<F>& crossing,
-          const Vector3<float>& normal, const LeafTriangle& at) {
-        bits = in_reach<L>(rays, l, bits, crossing);
-        if (bits == 0) return lanes;
-        const std::uint32_t placed = placed_of(tree, at), triangle = at.block.triangle[at.k];
-        bits = first_in_place<L>(rays, l, bits, crossing, placed, triangle);
-        bits = accepted<L>(l, bits, crossing, tree, at, accept);
-        if (bits == 0) return lanes;
-        const auto hit = LaneMask<L>{bits}.at(0);
-        const auto set = [&](float* values, F value) {
-          store(values + l, hit ? value : load<F>(values + l));
-        };
-        const auto set_number = [&](std::uint32_t* values, std::uint32_t value) {
-          const I number = I{} + static_cast<std::int32_t>(value);
-          store(values + l, hit ? number : load<I>(values + l));
-        };
-        set(rays.t_far_m, crossing.t_m);
-        set(rays.u, weight_fraction(crossing, 1));
-        set(rays.v, weight_fraction(crossing, 2));
-        for (int a = 0; a < 3; ++a) set(rays.normal[a], broadcast<F>(normal[a]));
-        set_number(rays.triangle, triangle);
-        set_number(rays.geometry, placed);
-        set_number(rays.instance, none);
-        return lanes;
-      });
+  search<L>(bvh, lanes_on.bits, rays,
+            [&](const PlacedTree& tree, unsigned lanes, int l, unsigned bits,
+                const Crossing<F>& crossing, const Vector3<float>& normal, const LeafTriangle& at) {
+              bits = in_reach<L>(rays, l, bits, crossing);
+              if (bits == 0) return lanes;
+              const std::uint32_t placed = placed_of(tree, at), triangle = at.quad.triangle[at.k];
+              bits = first_in_place<L>(rays, l, bits, crossing, placed, triangle);
+              bits = accepted<L>(l, bits, crossing, tree, at, accept);
+              if (bits == 0) return lanes;
+              const auto hit = LaneMask<L>{bits}.at(0);
+              const auto set = [&](float* values, F value) {
+                store(values + l, hit ? value : load<F>(values + l));
+              };
+              const auto set_number = [&](std::uint32_t* values, std::uint32_t value) {
+                const I number = I{} + static_cast<std::int32_t>(value);
+                store(values + l, hit ? number : load<I>(values + l));
+              };
+              set(rays.t_far_m, crossing.t_m);
+              set(rays.u, weight_fraction(crossing, 1));
+              set(rays.v, weight_fraction(crossing, 2));
+              for (int a = 0; a < 3; ++a) set(rays.normal[a], broadcast<F>(normal[a]));
+              set_number(rays.triangle, triangle);
+              set_number(rays.geometry, placed);
+              set_number(rays.instance, none);
+              return lanes;
+            });
 }
 
-// Those of the rays that are on which meet anything accepted behind their t_near and up to their t_far.
-// `accept` as in closest.
+// Those of the rays that are on which meet anything accepted behind their t_near and up to their
+// t_far. `accept` as in closest.
 template <typename L, typename Accept>
 OMMA_HD LaneMask<L> occluded(const BvhView& bvh, LaneMask<L> lanes_on,
                              const RayPacket<L::count>& rays, Accept accept) {
   using F = typename L::F;
   LaneMask<L> found;
-  search<L>(
-      bvh, lanes_on.bits, rays,
-      [&](const PlacedTree& tree, unsigned lanes, int l, unsigned bits, const Crossing<F>& crossing,
-          const Vector3<float>&, const LeafTriangle& at) {
-        bits = in_reach<L>(rays, l, bits, crossing);
-        bits = accepted<L>(l, bits, crossing, tree, at, accept);
-        found.bits |= bits << l;
-        return lanes & ~(bits << l);
-      });
+  search<L>(bvh, lanes_on.bits, rays,
+            [&](const PlacedTree& tree, unsigned lanes, int l, unsigned bits,
+                const Crossing<F>& crossing, const Vector3<float>&, const LeafTriangle& at) {
+              bits = in_reach<L>(rays, l, bits, crossing);
+              bits = accepted<L>(l, bits, crossing, tree, at, accept);
+              found.bits |= bits << l;
+              return lanes & ~(bits << l);
+            });
   return found;
 }
 

@@ -45,8 +45,8 @@ struct Units {
   alignas(64) std::int32_t directions[unit_room];  // where its pattern begins, or which warp
   alignas(64) std::int32_t hash[unit_room];        // of its scramble
   alignas(64) std::int32_t warp[unit_room];
-  alignas(64) float acceptance_sr[unit_room];      // counts_by_rays; find_acceptances
-  alignas(64) float up[3][unit_room];              // across the axis, before any turn
+  alignas(64) float acceptance_sr[unit_room];  // counts_by_rays; find_acceptances
+  alignas(64) float up[3][unit_room];          // across the axis, before any turn
   bool has_apertures, has_scales;
   RayNeeds needs;
 };
@@ -120,9 +120,9 @@ OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const Directi
   }
 }
 
-// By which rays of an ommatidium count discs of the sky (counts_by_rays): the integral of S; 0 of one
-// without an acceptance, and of the kernel compoundray, which is infinite at its axis: their rays count
-// all discs. `scale`: EyeView::scale.
+// By which rays of an ommatidium count discs of the sky (counts_by_rays): the integral of S; 0 of
+// one without an acceptance, and of the kernel compoundray, which is infinite at its axis: their
+// rays count all discs. `scale`: EyeView::scale.
 OMMA_HD float acceptance_sr(const AcceptanceWarpView& warp, float scale) {
   if (warp.intervals == 0 || warp.sensitivity.kernel == Kernel::compoundray) return 0;
   return static_cast<float>(warp.integral_sr) * scale * scale;

@@ -1,6 +1,6 @@
-// Vectors of three lanes: of one ray where F is a float, else of as many rays as go at once. Operations
-// are written out by axis, in one order, so that all instruction sets give the same bits. In memory a
-// packet has [axis][lane].
+// Vectors of three lanes: of one ray where F is a float, else of as many rays as go at once.
+// Operations are written out by axis, in one order, so that all instruction sets give the same
+// bits. In memory a packet has [axis][lane].
 #pragma once
 
 #include <type_traits>
@@ -14,12 +14,8 @@ struct Vector3 {
   F x, y, z;
 
   // For loops by axis alone.
-  OMMA_HD F& operator[](int axis) {
-    return axis == 0 ? x : (axis == 1 ? y : z);
-  }
-  OMMA_HD const F& operator[](int axis) const {
-    return axis == 0 ? x : (axis == 1 ? y : z);
-  }
+  OMMA_HD F& operator[](int axis) { return axis == 0 ? x : (axis == 1 ? y : z); }
+  OMMA_HD const F& operator[](int axis) const { return axis == 0 ? x : (axis == 1 ? y : z); }
 };
 
 // One vector may be of all lanes and the other a float's, the same for all.
@@ -50,8 +46,8 @@ OMMA_HD Vector3<F> select(const Mask& mask, const Vector3<F>& a, const Vector3<F
   return {mask ? a.x : b.x, mask ? a.y : b.y, mask ? a.z : b.z};
 }
 template <typename Mask, typename F>
-  requires(!std::is_same_v<Mask, bool>)
-OMMA_HD Vector3<F> keep(const Mask& mask, const Vector3<F>& a) {
+requires(!std::is_same_v<Mask, bool>) OMMA_HD Vector3<F> keep(const Mask& mask,
+                                                              const Vector3<F>& a) {
   return {keep(mask, a.x), keep(mask, a.y), keep(mask, a.z)};
 }
 
@@ -109,7 +105,8 @@ OMMA_HD Vec3 vec_of(const Vector3<float>& v) {
 // By an affine transform, [row][column].
 template <typename M, typename F>
 OMMA_HD Vector3<F> transform_direction(const M (&m)[3][4], const Vector3<F>& v) {
-  return {m[0][0] * v.x + m[0][1] * v.y + m[0][2] * v.z, m[1][0] * v.x + m[1][1] * v.y + m[1][2] * v.z,
+  return {m[0][0] * v.x + m[0][1] * v.y + m[0][2] * v.z,
+          m[1][0] * v.x + m[1][1] * v.y + m[1][2] * v.z,
           m[2][0] * v.x + m[2][1] * v.y + m[2][2] * v.z};
 }
 template <typename M, typename F>

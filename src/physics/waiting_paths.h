@@ -1,6 +1,6 @@
-// Paths that go on after their first flight wait here until there are as many as a packet holds, as in a
-// wavefront path tracer (Laine, Karras and Aila 2013, Megakernels considered harmful): most packets would
-// go on with few lanes, each at the price of all.
+// Paths that go on after their first flight wait here until there are as many as a packet holds, as
+// in a wavefront path tracer (Laine, Karras and Aila 2013, Megakernels considered harmful): most
+// packets would go on with few lanes, each at the price of all.
 #pragma once
 
 #include "physics/flight.h"
@@ -40,17 +40,16 @@ OMMA_HD void for_each_number(bool polarized, WaitingPaths<L>& waiting, Packet<L>
 // Adds the paths of some lanes; at most a packet waits before.
 template <typename L, typename Search>
 OMMA_HD void enqueue(const Flight<L, Search>& flight, LaneMask<L> lanes,
-                 const std::int32_t (&ray)[L::count], WaitingPaths<L>& waiting) {
+                     const std::int32_t (&ray)[L::count], WaitingPaths<L>& waiting) {
   using F = typename L::F;
   const SceneView& scene = flight.scene;
   int count = waiting.count;
   for (int l = 0; l < L::count; l += L::width) {
     const unsigned here = lanes.word(l);
     if (here == 0) continue;
-    for_each_number(scene.polarized, waiting, flight.packet, flight.state,
-                    [&](auto* to, const auto* from) {
-                      store_some(to + count, load<F>(from + l), here);
-                    });
+    for_each_number(
+        scene.polarized, waiting, flight.packet, flight.state,
+        [&](auto* to, const auto* from) { store_some(to + count, load<F>(from + l), here); });
     store_some(waiting.ray + count, load<F>(ray + l), here);
     for (int b = 0; b < scene.bands; ++b)
       store_some(waiting.throughput + b * waiting.room + count,
@@ -63,16 +62,15 @@ OMMA_HD void enqueue(const Flight<L, Search>& flight, LaneMask<L> lanes,
 // Takes as many paths as a packet holds, or all; returns the lanes that hold one.
 template <typename L, typename Search>
 OMMA_HD LaneMask<L> dequeue(const Flight<L, Search>& flight, WaitingPaths<L>& waiting,
-                         std::int32_t (&ray)[L::count]) {
+                            std::int32_t (&ray)[L::count]) {
   using F = typename L::F;
   const SceneView& scene = flight.scene;
   Packet<L>& packet = flight.packet;
   constexpr int n = L::count;
   const int taken = waiting.count < n ? waiting.count : n, from = waiting.count - taken;
   for (int l = 0; l < n; l += L::width) {
-    for_each_number(scene.polarized, waiting, packet, flight.state, [&](const auto* kept, auto* to) {
-      store(to + l, load<F>(kept + from + l));
-    });
+    for_each_number(scene.polarized, waiting, packet, flight.state,
+                    [&](const auto* kept, auto* to) { store(to + l, load<F>(kept + from + l)); });
     store(ray + l, load<F>(waiting.ray + from + l));
     for (int b = 0; b < scene.bands; ++b)
       store(flight.memory.throughput + b * n + l,

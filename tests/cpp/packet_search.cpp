@@ -26,7 +26,8 @@ LaneMask<L> valid_lanes(const int* valid) {
 template <typename L>
 void closest_of(const PortableTracer& tracer, const int* valid, RayPacket<L::count>* rays,
                 std::size_t packets) {
-  for (std::size_t p = 0; p < packets; ++p) closest<L>(tracer.view, valid_lanes<L>(valid), rays[p], accept_of(tracer));
+  for (std::size_t p = 0; p < packets; ++p)
+    closest<L>(tracer.view, valid_lanes<L>(valid), rays[p], accept_of(tracer));
 }
 
 template <typename L>

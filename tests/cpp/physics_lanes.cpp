@@ -61,13 +61,14 @@ TEST(Lanes, RowsBecomeLanes) {
               << columns << " columns, " << c << ", lane " << l;
     };
     std::vector<float> out(static_cast<std::size_t>(columns * L::count), -1.0f);
-    store_rows<L>(columns, lanes, [&](int k, const auto& read) {
-      return read(table.data() + k * columns);
-    }, out.data());
+    store_rows<L>(
+        columns, lanes, [&](int k, const auto& read) { return read(table.data() + k * columns); },
+        out.data());
     expect(out);
-    store_rows<L>(columns, lanes, [&](int k, const auto& read) {
-      return to_float(read(codes.data() + k * columns));
-    }, out.data());
+    store_rows<L>(
+        columns, lanes,
+        [&](int k, const auto& read) { return to_float(read(codes.data() + k * columns)); },
+        out.data());
     expect(out);
   }
 }

@@ -241,8 +241,7 @@ TEST(PhysicsScatter, OddNormalsStayFinite) {
     ScatterSurface<float> s = random_surface(random);
     if (trial < 90) copy(random_direction(random), s.normal);
     if (trial == 0) copy({s.direction[0], s.direction[1], s.direction[2]}, s.normal);
-    if (trial >= 90)
-      s.normal = s.geometric_normal = {};
+    if (trial >= 90) s.normal = s.geometric_normal = {};
     const ScatterPoint<float> p = make_scatter_point(s);
     EXPECT_GE(p.o.z, 0.99f * least_cosine);
     const double albedo = white_albedo(p, 0.5);

@@ -40,8 +40,7 @@ TEST(PhysicsScatter, SamplersFollowTheirDensities) {
       const double turn = std::atan2(w[1], w[0]) / (2 * pi);
       const int h = std::min(static_cast<int>((w[2] + 1) / 2 * heights), heights - 1);
       const int t = std::min(static_cast<int>((turn - std::floor(turn)) * turns), turns - 1);
-      const bool is_below = lobe != Lobe::diffuse_transmission &&
-                            omma::dot(p.normal, w) <= 0;
+      const bool is_below = lobe != Lobe::diffuse_transmission && omma::dot(p.normal, w) <= 0;
       ++count[is_below ? heights * turns : static_cast<std::size_t>(h * turns + t)];
     }
     EXPECT_LT(chi_square_ratio(count, expected), 1) << k;

@@ -2,10 +2,10 @@
 // normal and instance, rays that leave it, and whether anything is in their way.
 #include <gtest/gtest.h>
 
-#include "backend/embree/backend.h"
-#include "backend/embree/search.h"
-#include "backend/portable/backend.h"
-#include "backend/portable/search.h"
+#include "backend/embree/embree_backend.h"
+#include "backend/embree/embree_search.h"
+#include "backend/portable/portable_backend.h"
+#include "backend/portable/portable_search.h"
 #include "backend/shading_data.h"
 #include "physics/hits.h"
 #include "test_scenes.h"
@@ -112,8 +112,9 @@ TYPED_TEST(SearchHits, LieWhereRaysMeetSurfaces) {
   EXPECT_GT(met, 1500);
 }
 
-// Floors of a micrometre to a kilometre, and as far away: rays that leave one of them do not meet it
-// again on the side that they leave to, nor do they step over another that lies a little above it.
+// Floors of a micrometre to a kilometre, and as far away: rays that leave one of them do not meet
+// it again on the side that they leave to, nor do they step over another that lies a little above
+// it.
 TYPED_TEST(SearchHits, RaysThatLeaveASurfaceDoNotMeetItAgain) {
   for (const double size : {1e-6, 1e-3, 1.0, 1e3})
     for (const double away : {0.0, 1.0, 3.0}) {  // further away they are traced about themselves
@@ -122,7 +123,8 @@ TYPED_TEST(SearchHits, RaysThatLeaveASurfaceDoNotMeetItAgain) {
       const Vec3d centre = transform_vector(turn, Vec3d{0.3, 0.5, 0.8}) * (away * size);
       // Above by 2^-16 of how far its corners are from the origin: eight times the step.
       const double gap = (1 + away) * size * 0x1p-16;
-      const Vec3d u = transform_vector(turn, {size, 0, 0}), v = transform_vector(turn, {0, 0, -size});
+      const Vec3d u = transform_vector(turn, {size, 0, 0}),
+                  v = transform_vector(turn, {0, 0, -size});
       const Vec3d up = normalize(cross(u, v));
       Scene floor, both;
       const int material = add_color(floor, {1, 1, 1});
@@ -157,10 +159,10 @@ TYPED_TEST(SearchHits, RaysThatLeaveASurfaceDoNotMeetItAgain) {
           if (k % 2 == 0) d = normalize(d + up * (1e-4 - dot(d, up)));
           if (dot(d, up) < 0) d = d * -1.0;
           const Vector3<float> towards = vector_of(to_float(d));
-          store_vector(leaving.origin, l,
-                       leave_surface(load_vector<float>(geometry.position, l),
-                                     load_vector<float>(geometry.normal, l), geometry.reach_m[l],
-                                     towards));
+          store_vector(
+              leaving.origin, l,
+              leave_surface(load_vector<float>(geometry.position, l),
+                            load_vector<float>(geometry.normal, l), geometry.reach_m[l], towards));
           store_vector(leaving.direction, l, towards);
           leaving.t_far_m[l] = INFINITY;
         }

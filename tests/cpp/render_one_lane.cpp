@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "backend/block_functions.h"
-#include "backend/embree/backend.h"
-#include "backend/embree/builds.h"
-#include "backend/embree/search.h"
+#include "backend/embree/embree_backend.h"
+#include "backend/embree/embree_builds.h"
+#include "backend/embree/embree_search.h"
 #include "backend/eye_arrays.h"
 #include "backend/shading_data.h"
 #include "optics/acceptance_warp.h"
@@ -40,9 +40,7 @@ struct SingleRays {
     copy_lane<16, 1>(packet, rays);
     return {search.occluded(LaneMask<All>{lanes.bits}, packet).bits};
   }
-  const PlacedMesh* placed() const {
-    return search.placed();
-  }
+  const PlacedMesh* placed() const { return search.placed(); }
 
   template <int to, int from>
   static void copy_lane(RayPacket<to>& target, const RayPacket<from>& source) {
@@ -132,7 +130,8 @@ Output run_block(const BlockSetup& setup, const Run& run) {
 
 Output in_packets(const BlockSetup& setup) {
   return run_block(setup, [](const FrameView& frame, const BlockTask& task, const void* tracer) {
-    plain::embree_block().render(frame, task, tracer, thread_memory(ThreadRoom::block, block_memory_bytes(frame)));
+    plain::embree_block().render(frame, task, tracer,
+                                 thread_memory(ThreadRoom::block, block_memory_bytes(frame)));
   });
 }
 

@@ -1,5 +1,5 @@
 // The shadow map of the sun against closed forms and against shadow rays.
-#include "backend/sun_map.h"
+#include "backend/make_sun_map.h"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "backend/specular_albedo.h"
+#include "backend/albedo_tables.h"
 #include "physics/scatter.h"
 #include "scatter_checks.h"
 

@@ -1,7 +1,7 @@
 // The hot loop with Embree's search. This file is compiled once per instruction set.
 #include "backend/block_build.h"
-#include "backend/embree/builds.h"
-#include "backend/embree/search.h"
+#include "backend/embree/embree_builds.h"
+#include "backend/embree/embree_search.h"
 
 namespace omma::OMMA_ISA {
 

@@ -1,5 +1,5 @@
 // Traces the sun's shadow map; sun_map_grid.cpp chooses its pages.
-#include "backend/sun_map.h"
+#include "backend/make_sun_map.h"
 
 #include <algorithm>
 #include <atomic>
@@ -13,8 +13,8 @@ namespace {
 
 // How far in front of a surface others do not shade it: so much of a texel, as hollow ground would
 // otherwise shade itself where triangles meet; and so much of the greatest coordinate, as rays and
-// places are rounded. More of a texel lets by light beneath blades: with a tenth both make up for each
-// other, and the lit meadow is as bright by its map as by shadow rays (bench/baked_error.py).
+// places are rounded. More of a texel lets by light beneath blades: with a tenth both make up for
+// each other, and the lit meadow is as bright by its map as by shadow rays (bench/baked_error.py).
 constexpr double bias_texels = 0.1;
 constexpr double bias_of_reach = 0x1p-20;
 
@@ -99,9 +99,8 @@ void set_axis(float (&axis)[3], Vec3d v) {
 
 }  // namespace
 
-SunMapData make_sun_map(const Tracing& tracing, const Scene& scene,
-                        const Placement& placement, Vec3 towards, const SunMapSettings& settings,
-                        const WorkPart& work) {
+SunMapData make_sun_map(const Tracing& tracing, const Scene& scene, const Placement& placement,
+                        Vec3 towards, const SunMapSettings& settings, const WorkPart& work) {
   const SunFrame frame = sun_frame_around(scene, placement, normalize(to_double(towards)));
   const SunGrid grid =
       choose_sun_grid(scene, placement, frame, settings.texel_m, settings.most_bytes);

@@ -3,7 +3,7 @@
 
 #include "backend/block_functions.h"
 #include "backend/embree/embree_api.h"
-#include "backend/embree/tracer.h"
+#include "backend/embree/embree_tracer.h"
 #include "physics/lane_mask.h"
 
 namespace omma {
@@ -25,8 +25,8 @@ struct EmbreeSearch {
   const EmbreeTracer* tracer;
   IntersectArguments arguments = {};
 
-  OMMA_HD void closest(LaneMask<L> lanes, RayPacket<16>& rays,
-                       const PassedSurfaces<16>* passed, Spread spread = Spread::together) {
+  OMMA_HD void closest(LaneMask<L> lanes, RayPacket<16>& rays, const PassedSurfaces<16>* passed,
+                       Spread spread = Spread::together) {
     const EmbreeLanes<L> asked(lanes);
     arguments.context.passed = passed;
     arguments.expect(spread);
@@ -35,8 +35,8 @@ struct EmbreeSearch {
     if (tracer->moving != nullptr)
       intersect_16(tracer->moving, asked.valid, rays_of(rays), arguments);
   }
-  // Lanes whose ray meets an accepted surface between its t_near and t_far; one that lets light through
-  // in part counts as any other. Nothing of the rays is kept.
+  // Lanes whose ray meets an accepted surface between its t_near and t_far; one that lets light
+  // through in part counts as any other. Nothing of the rays is kept.
   OMMA_HD LaneMask<L> occluded(LaneMask<L> lanes, const RayPacket<16>& given) {
     const EmbreeLanes<L> asked(lanes);
     RayPacket<16> rays = given;
@@ -47,13 +47,10 @@ struct EmbreeSearch {
     RTCRay16& as_embree = rays_of(rays).ray;
     occluded_16(tracer->scene, asked.valid, as_embree, arguments);
     if (tracer->moving != nullptr) occluded_16(tracer->moving, asked.valid, as_embree, arguments);
-    return lanes & lanes_where<L>([&](int l) {
-             return load<typename L::F>(rays.t_far_m + l) < 0.0f;
-           });
+    return lanes &
+           lanes_where<L>([&](int l) { return load<typename L::F>(rays.t_far_m + l) < 0.0f; });
   }
-  OMMA_HD const PlacedMesh* placed() const {
-    return tracer->layout.placed.data();
-  }
+  OMMA_HD const PlacedMesh* placed() const { return tracer->layout.placed.data(); }
 };
 
 }  // namespace omma

@@ -76,7 +76,8 @@ OMMA_HD void eval_truth(const FrameView& frame, const BlockTask& task, const Fir
       }
     }
     if (!view.flow) continue;
-    const auto origin = load_vector<F>(rays.origin, l), up = load_vector<F>(first.packet.reference, l);
+    const auto origin = load_vector<F>(rays.origin, l),
+               up = load_vector<F>(first.packet.reference, l);
     const Vector3<F> right = cross(d, up), place = origin + d * distance;
     const auto turn = Vector3<F>{} + vector_of(truth.angular_rad_s);
     const auto& m = task.world_from_head;
@@ -86,8 +87,8 @@ OMMA_HD void eval_truth(const FrameView& frame, const BlockTask& task, const Fir
     const Flow<F> passing = flow_of(head, right, up, inverse);
     if (view.object_of_instance != nullptr) {
       const I instance = keep(is_met, load<I>(first.hits.instance + l));
-      velocity = object_velocity(
-          truth, keep(is_met, gather(view.object_of_instance, instance) + 1), place);
+      velocity = object_velocity(truth, keep(is_met, gather(view.object_of_instance, instance) + 1),
+                                 place);
     }
     const Flow<F> moving = flow_of(velocity, right, up, inverse);
     // -(w x d) along right and up, as right = d x up.

@@ -1,6 +1,6 @@
 // A Scene into trees: one over all copies, one for each mesh that is shared, one over what is
 // placed.
-#include "backend/portable/tracer.h"
+#include "backend/portable/portable_tracer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +23,7 @@ struct Copy {
   const Mesh* mesh = nullptr;
   const std::vector<Vec3>* positions = nullptr;  // of the mesh as it is now
   Mat4 tree_from_mesh;
-  std::uint32_t placed = 0;                          // as in TriangleBlock
+  std::uint32_t placed = 0;                          // as in TriangleQuad
   std::size_t first_triangle = 0, first_vertex = 0;  // of the tree's
 };
 
@@ -92,8 +92,8 @@ std::vector<BuildBox> boxes_of(const Copies& tree) {
   return boxes;
 }
 
-void write_block(const Copies& tree, const std::uint32_t* order, TriangleBlock& block) {
-  for (int k = 0; k < block_width; ++k) {
+void write_block(const Copies& tree, const std::uint32_t* order, TriangleQuad& block) {
+  for (int k = 0; k < quad_width; ++k) {
     Vector3<float> corner[3];
     bool is_there = order[k] != none;
     if (is_there) {
@@ -135,10 +135,10 @@ TreeRoot add_tree(PortableTracer& tracer, Copies& tree) {
       place.lower[a] = std::min(place.lower[a], box.lower[a]);
       place.upper[a] = std::max(place.upper[a], box.upper[a]);
     }
-  BuiltTree built = build_tree(boxes, block_width, block_width);
+  BuiltTree built = build_tree(boxes, quad_width, quad_width);
   boxes = {};
-  const std::size_t first_node = tracer.nodes.size(), first_block = tracer.blocks.size();
-  const std::size_t blocks = built.order.size() / block_width;
+  const std::size_t first_node = tracer.nodes.size(), first_block = tracer.quads.size();
+  const std::size_t blocks = built.order.size() / quad_width;
   constexpr std::size_t index_room = std::size_t{1} << visit_index_bits;
   if (first_node + built.nodes.size() > index_room || first_block + blocks > index_room)
     throw Error("portable: at most " + std::to_string(index_room) +
@@ -148,9 +148,9 @@ TreeRoot add_tree(PortableTracer& tracer, Copies& tree) {
     node.first_leaf += static_cast<std::uint32_t>(first_block);
   }
   tracer.nodes.insert(tracer.nodes.end(), built.nodes.begin(), built.nodes.end());
-  tracer.blocks.resize(first_block + blocks);
+  tracer.quads.resize(first_block + blocks);
   parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
-    write_block(tree, built.order.data() + b * block_width, tracer.blocks[first_block + b]);
+    write_block(tree, built.order.data() + b * quad_width, tracer.quads[first_block + b]);
   });
   place.index = static_cast<std::uint32_t>(first_node);
   place.end = static_cast<std::uint32_t>(tracer.nodes.size());
@@ -189,8 +189,7 @@ void build_top(PortableTracer& tracer) {
     boxes.emplace_back().index = static_cast<std::uint32_t>(trees.size());
     placed_box(root, frame_from_tree, boxes.back());
     const Mat4 tree_from_frame = inverse(frame_from_tree);
-    const std::uint32_t seen_by =
-        placed == none ? all_seen : tracer.layout.placed[placed].seen_by;
+    const std::uint32_t seen_by = placed == none ? all_seen : tracer.layout.placed[placed].seen_by;
     trees.push_back({{}, root.index, placed, seen_by});
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 4; ++c)
@@ -208,11 +207,11 @@ void build_top(PortableTracer& tracer) {
   tracer.trees.clear();
   for (const std::uint32_t tree : built.order) tracer.trees.push_back(trees[tree]);
   tracer.view = {tracer.top_nodes.empty() ? nullptr : tracer.top_nodes.data(), tracer.trees.data(),
-                 tracer.nodes.data(), tracer.blocks.data()};
+                 tracer.nodes.data(), tracer.quads.data()};
 }
 
 // Where the k-th triangle of a block is now.
-void place_corners(TriangleBlock& block, int k, const std::vector<Vec3>& vertex_m,
+void place_corners(TriangleQuad& block, int k, const std::vector<Vec3>& vertex_m,
                    const std::array<std::uint32_t, 3>& vertices) {
   Vector3<float> corner[3];
   for (std::size_t i = 0; i < 3; ++i) corner[i] = vector_of(vertex_m[vertices[i]]);
@@ -239,23 +238,22 @@ void refit_mesh(PortableTracer& tracer, std::size_t mesh) {
     vertex_m[i] = to_float(to_double(tracer.position_m[mesh][i]) - origin);
   const std::span<WideNode> nodes(&tracer.nodes[root.index], root.end - root.index);
   constexpr std::size_t nodes_per_task = 64;  // some hundred triangles each
-  parallel_ranges(std::size_t{0}, nodes.size(), nodes_per_task,
-                  [&](std::size_t begin, std::size_t end) {
-                    for (std::size_t n = begin; n < end; ++n) {
-                      const WideNode& node = nodes[n];
-                      for (int c = node.counts & 15; c < node.counts >> 4; ++c) {
-                        TriangleBlock* blocks =
-                            &tracer.blocks[node.first_leaf +
-                                           static_cast<std::size_t>(node.leaf[c] >> 4)];
-                        for (int t = 0; t < (node.leaf[c] & 15); ++t) {
-                          TriangleBlock& block = blocks[t / block_width];
-                          const int k = t % block_width;
-                          place_corners(block, k, vertex_m, own.triangles[block.triangle[k]]);
-                        }
-                      }
-                    }
-                  });
-  const BuildBox box = refit_tree(nodes, root.index, tracer.blocks.data());
+  parallel_ranges(
+      std::size_t{0}, nodes.size(), nodes_per_task, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t n = begin; n < end; ++n) {
+          const WideNode& node = nodes[n];
+          for (int c = node.counts & 15; c < node.counts >> 4; ++c) {
+            TriangleQuad* blocks =
+                &tracer.quads[node.first_leaf + static_cast<std::size_t>(node.leaf[c] >> 4)];
+            for (int t = 0; t < (node.leaf[c] & 15); ++t) {
+              TriangleQuad& block = blocks[t / quad_width];
+              const int k = t % quad_width;
+              place_corners(block, k, vertex_m, own.triangles[block.triangle[k]]);
+            }
+          }
+        }
+      });
+  const BuildBox box = refit_tree(nodes, root.index, tracer.quads.data());
   if (!(box.lower[0] <= box.upper[0])) return;  // flattened to a point: nothing of it can be met
   std::copy_n(box.lower, 3, root.lower);
   std::copy_n(box.upper, 3, root.upper);
@@ -271,7 +269,7 @@ void build_all(PortableTracer& tracer, const Placement& placement, WorkState* wo
   const Scene& scene = *tracer.scene;
   tracer.layout = lay_out_scene(scene, placement);
   tracer.nodes.clear();
-  tracer.blocks.clear();
+  tracer.quads.clear();
   tracer.of_mesh.assign(scene.meshes.size(), {});
   take_positions(tracer, placement);
 
@@ -289,8 +287,8 @@ void build_all(PortableTracer& tracer, const Placement& placement, WorkState* wo
                  static_cast<std::uint32_t>(i) | ask);
     } else if (shared[m].copies.empty()) {
       shared[m].deforms = !placement.shapes[m].positions.empty();
-      shared[m].add(scene.meshes[m], positions,
-                    translation(tracer.layout.mesh_origin_m[m] * -1.0), ask);
+      shared[m].add(scene.meshes[m], positions, translation(tracer.layout.mesh_origin_m[m] * -1.0),
+                    ask);
     } else {
       continue;
     }
@@ -319,9 +317,8 @@ Triangle PortableTracer::corners(std::uint32_t surface, std::uint32_t triangle) 
   const Vec3d about = instance.is_shared ? layout.mesh_origin_m[m] : Vec3d{};
   Triangle t;
   for (std::size_t k = 0; k < 3; ++k)
-    t.corner[k] =
-        transform_point(instance.frame_from_mesh,
-                        to_double(position_m[m][mesh.triangles[triangle][k]]) - about);
+    t.corner[k] = transform_point(instance.frame_from_mesh,
+                                  to_double(position_m[m][mesh.triangles[triangle][k]]) - about);
   return t;
 }
 

@@ -1,4 +1,4 @@
-#include "backend/specular_albedo.h"
+#include "backend/albedo_tables.h"
 
 #include <algorithm>
 #include <cmath>
