@@ -63,7 +63,7 @@ OMMA_HD I divisions_of(I cells) {
   return to_int(sqrt_lanes(to_float(cells)) + 0.5f);
 }
 
-// The cell that lanes' rays met, asked for from memory; null where probes light them.
+// The cell that each lane's ray met, prefetched; null where probes light it.
 template <typename L>
 struct BakedLookup {
   const std::uint16_t* cell[L::count];

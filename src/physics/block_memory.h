@@ -42,7 +42,7 @@ struct PathMemory : SpectraMemory {
   // that was met.
   float *front = nullptr, *back = nullptr;
   SpectraMemory shadow;  // of rays to lights
-  // [band][place], of paths that wait to go on, and of those that wait for their last flight.
+  // [band][slot], of paths that wait to go on, and of those that wait for their last flight.
   float *waiting = nullptr, *waiting_for_last = nullptr;
   float* found = nullptr;  // [component][band][lane], by paths that have waited
   // [ommatidium of the block][band][error_signs], sums over all rays; null where none are asked
@@ -50,7 +50,7 @@ struct PathMemory : SpectraMemory {
   float* cell_errors = nullptr;
 };
 
-// Of the ground truth (truth.h), over the rays of each unit.
+// Of the ground truth (truth_sums.h), over the rays of each unit.
 struct TruthSums {
   double* rows = nullptr;          // [row][unit_room], see TruthRows
   float* nearest_m = nullptr;      // [unit_room]

@@ -1,6 +1,6 @@
-// Discs of the sky, such as the sun, as ommatidia see them. They are too small and too bright to be
-// found by rays that an ommatidium sends by its acceptance, so it asks for them: next-event
-// estimation from the eye. Of a disc it gets, in band b,
+// Discs of the sky, such as the sun, as ommatidia see them: next-event estimation from the eye, as
+// they are too small and too bright to be found by rays that an ommatidium sends by its acceptance.
+// Of a disc it gets, in band b,
 //
 //   D[b] = ∫ S L[b] V dω / ∫ S dω   over the disc,
 //
@@ -334,8 +334,7 @@ OMMA_HD void add_disc_of_unit(const DiscTask& of, const DiscEffort& effort, Sear
   }
 }
 
-// Whether ommatidia of a frame ask for discs; rays that neighbours share have no acceptance to ask
-// by.
+// Whether ommatidia of a frame sample discs; rays that neighbours share have no acceptance.
 OMMA_HD bool has_discs(const FrameView& frame) {
   return frame.scene->light != nullptr && frame.scene->light->disc_count > 0 &&
          frame.directions->warps != nullptr;

@@ -58,9 +58,9 @@ OMMA_HD void find_corners(const SkyView& sky, const SkyLookup<typename L::F, typ
   store(corners.high_right, right * high);
 }
 
-// One of the four nodes about each place, as near to it as by chance: on average that is what lies
-// between them, and rays that were scattered go to many places, whose nodes are far apart in
-// memory. `bits`: random.
+// Stochastic bilinear interpolation: one of the four nodes about each direction, by its weight,
+// which in the mean is what lies between them. Rays that were scattered go to many places of the
+// map, whose nodes are far apart in memory. `bits`: random.
 template <typename F, typename I, typename U>
 OMMA_HD void choose_node(SkyLookup<F, I>& place, U bits) {
   const F one = broadcast<F>(1.0f);

@@ -20,8 +20,6 @@ struct Flight {
   float* radiance;           // [component][band][lane], what paths have found; light is added to it
   PassedSurfaces<L::count>* passed;  // where surfaces let light straight through, else null
 
-  static constexpr int lanes = L::count;
-
   // Of Stokes vectors that are followed: I, or I, Q and U.
   OMMA_HD int components() const { return scene.polarized ? 3 : 1; }
   // From one component to the next, in what is [component][band][lane].

@@ -51,7 +51,7 @@ struct DirectionsView {
 // Ommatidia that each listens to where rays go on to an error.
 inline constexpr int listened_to = 8;
 
-// What is asked of the ground truth (truth.h), and of which instances of the scene.
+// What is asked of the ground truth (truth_sums.h), and of which instances of the scene.
 struct TruthView {
   bool places = false;                               // positions and normals
   bool flow = false;                                 // optic flow

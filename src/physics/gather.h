@@ -59,9 +59,10 @@ OMMA_HD std::uint32_t hash_of_attempt(const GatherPlace& place, std::uint32_t at
   return place.hash + attempt * 0x9e3779b9u;
 }
 
-// Of the lanes in `lanes` those whose points are hidden: a ray from there, in a direction by the
-// cosine, meets something within the place's reach. By reciprocity points that are kept are as
-// frequent as eyes all around see them. What falls on one side of a sheet is seen from both.
+// Of some lanes those whose points are hidden: a ray from there, in a direction by the cosine,
+// meets something within the place's reach. By reciprocity, rejection sampling by such rays leaves
+// points as frequent as eyes all around see them. What falls on one side of a sheet is seen from
+// both.
 template <typename L, typename Search>
 OMMA_HD LaneMask<L> find_hidden(const Flight<L, Search>& flight, const GatherLanes<L::count>& of,
                                 std::uint32_t attempt, LaneMask<L> lanes,
@@ -153,8 +154,6 @@ OMMA_HD bool choose_points(const Flight<L, Search>& flight, const GatherLanes<L:
   return true;
 }
 
-// Light that surfaces which shine send straight to the beginnings of paths, [band][lane] added to
-// `radiance`, as radiance that a white surface sends back.
 // What rays begin at, of those that gather light: places and the normals about which it counts.
 // `points` is null in the air.
 template <typename L>
@@ -165,6 +164,8 @@ struct GatherPoints {
   const ScatterPoint<typename L::F>* points;
 };
 
+// Next-event estimation from the beginnings of paths, towards surfaces that shine: [band][lane]
+// added to `radiance`, as radiance that a white surface sends back.
 template <typename L, typename Search>
 OMMA_HD void add_shining(const SceneView& scene, Search& search, const GatherPoints<L>& at,
                          LaneMask<L> lanes, const PathMemory& memory, float* radiance) {

@@ -9,8 +9,8 @@ namespace omma {
 
 template <typename L>
 struct LaneMask {
-  static constexpr unsigned all_bits = L::count == 32 ? ~0u : (1u << L::count) - 1u;
-  static constexpr unsigned vector_bits = L::width == 32 ? ~0u : (1u << L::width) - 1u;
+  static constexpr unsigned all_bits = (1u << L::count) - 1u;
+  static constexpr unsigned vector_bits = (1u << L::width) - 1u;
   unsigned bits = 0;
 
   OMMA_HD static LaneMask all() { return {all_bits}; }
@@ -21,7 +21,6 @@ struct LaneMask {
   OMMA_HD bool any() const { return bits != 0; }
   OMMA_HD bool has(int lane) const { return (bits >> lane & 1u) != 0; }
   OMMA_HD void add(int lane) { bits |= 1u << lane; }
-  OMMA_HD void remove(int lane) { bits &= ~(1u << lane); }
   // The bits of the lanes that go at once from l on.
   OMMA_HD unsigned word(int l) const { return bits >> l & vector_bits; }
   // The same as a comparison's result.

@@ -1,5 +1,5 @@
 // The lit path: a path tracer from the eye backwards, the lanes of a packet side by side. At each
-// surface one light is asked for directly (next-event estimation), and the path goes on in one
+// surface one light is sampled directly (next-event estimation), and the path goes on in one
 // direction of one of the surface's lobes; what both could have found is weighed by the balance
 // heuristic (Veach 1997, 9.2.2), for each lobe by itself. Paths end by Russian roulette. Unbiased;
 // the reference for all faster ways.

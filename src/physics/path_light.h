@@ -11,7 +11,7 @@ namespace omma {
 // Below this fraction what lies behind a surface that lets light by counts for nothing.
 inline constexpr float least_passing = 1e-7f;
 
-// One node for each of a packet's places on the sky; `choice` is what asks for it.
+// One node of the sky for each of a packet's directions; `choice`: for what it is sampled.
 template <typename L>
 OMMA_HD void choose_nodes(const Packet<L>& packet, const PathState<L>& state, Choice choice,
                           SkyLookups<L>& places) {

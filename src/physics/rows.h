@@ -64,10 +64,9 @@ OMMA_HD auto load_row(const T* p, int count) {
     return widen(p, I{});
 }
 
-// Tables with a row for each lane, [row][column], as [column][lane] from `out` on: of lanes that go
-// at once those in `lanes`, whose other bits do not count, and zeros in the others. `row(k, read)`
-// gives what lane k has, in which `read(p)` stands for what p points to, the first of a row's
-// numbers in a table.
+// A masked transpose: the row of each lane in `lanes` (bits of the lanes that go at once) becomes a
+// column of `out` [column][lane], zeros in the other lanes. `row(k, read)` gives lane k's row, a
+// vector of columns at a time, where `read(p)` loads them from the row of a table that begins at p.
 template <typename L, typename Row>
 OMMA_HD void store_rows(int columns, unsigned lanes, const Row& row, float* out) {
   using F = typename L::F;

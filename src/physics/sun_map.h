@@ -1,6 +1,6 @@
 // A shadow map of the sun (Williams 1978, Casting curved shadows on curved surfaces): how high,
 // along the direction towards the middle of its disc, the first surface lies that each ray of a
-// grid from there meets. Made by backend/sun_map; a place is lit where nothing lies above it.
+// grid from there meets. Made by backend/make_sun_map; a place is lit where nothing lies above it.
 //
 // The four rays about a place are asked, and what they say is bilinear, so that edges of shadows
 // are ramps as wide as a texel. Each ray is compared with where it meets the plane of the triangle

@@ -7,7 +7,7 @@
 
 namespace omma {
 
-// All [place], those before `count` wait. Stores are a vector wide: some places more are written.
+// All [slot], those before `count` wait. Stores are a vector wide: some slots more are written.
 template <typename L>
 struct WaitingPaths {
   static constexpr int n = L::count, room = 3 * n;
