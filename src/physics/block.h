@@ -2,15 +2,14 @@
 // hot loop, then means and standard errors. A backend runs it with a search of its own, which has
 // three members (device_check.cu has the shortest one):
 //
-//   closest(lanes, rays, passed, spread)  the closest accepted hits (surface.h) of a RayPacket,
-//   between
-//     t_near_m and t_far_m, of the lanes that are on (LaneMask); where `passed` is not null,
-//     surfaces that a ray has passed (passed.h) do not count; `spread`: how the rays lie to each
-//     other
-//   occluded(lanes, rays)  those of the lanes whose ray meets any accepted surface between them;
-//   shadow
-//     rays ask for no more
-//   placed()  the table of placed meshes that hits point into
+//   closest(lanes, rays, passed, spread)
+//     the closest accepted hits (surface.h) of a RayPacket, between t_near_m and t_far_m, of the
+//     lanes that are on (LaneMask); where `passed` is not null, surfaces that a ray has passed
+//     (passed.h) do not count; `spread`: how the rays lie to each other
+//   occluded(lanes, rays)
+//     those of the lanes whose ray meets any accepted surface there; shadow rays ask no more
+//   placed()
+//     the table of placed meshes that hits point into
 //
 // Nothing is allocated, nothing is called out of line that other instruction sets share.
 #pragma once

@@ -56,3 +56,14 @@ def test_functions_of_the_physics_have_few_parameters():
 def test_headers_have_names_of_their_own():
     names = Counter(path.name for path in headers())
     assert [name for name, count in names.items() if count > 1] == []
+
+
+def test_block_says_what_a_search_has():
+    physics = sorted((ROOT / "src" / "physics").glob("*.h"))
+    called = {
+        name
+        for path in physics
+        for name in re.findall(r"\bsearch\.(\w+)\(", without_comments(path.read_text()))
+    }
+    said = set(re.findall(r"^//   (\w+)\(", (ROOT / "src/physics/block.h").read_text(), re.M))
+    assert called == said == {"closest", "occluded", "placed"}
