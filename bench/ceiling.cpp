@@ -8,8 +8,8 @@
 #include <atomic>
 #include <cstdio>
 
-#include "backend/embree/backend.h"
-#include "backend/embree/search.h"
+#include "backend/embree/embree_backend.h"
+#include "backend/embree/embree_search.h"
 #include "backend/eye_arrays.h"
 #include "backend/shading_data.h"
 #include "scenes.h"
@@ -62,11 +62,10 @@ double trace_seconds(const Prepared& p, int samples, const BlockFunctions& block
     packets.resize(static_cast<std::size_t>((task.count * samples + 15) / 16));
     block.prepare(frame, task, packets.data());
     const DenormalsAreZero denormals_are_zero;
-    EmbreeSearch search{static_cast<const EmbreeTracer*>(p.acceleration.tracer.get()), {}};
-    alignas(64) int valid[16];
-    for (int& v : valid) v = -1;
+    using L = Lanes<packet_rays, lane_width>;
+    EmbreeSearch<L> search{static_cast<const EmbreeTracer*>(p.acceleration.tracer.get()), {}};
     const auto start = Clock::now();
-    for (RayPacket<packet_rays>& rays : packets) search.closest(valid, rays, nullptr);
+    for (RayPacket<packet_rays>& rays : packets) search.closest(LaneMask<L>::all(), rays, nullptr);
     traced_ns += std::chrono::nanoseconds(Clock::now() - start).count();
   });
   return 1e-9 * static_cast<double>(traced_ns) / oneapi::tbb::info::default_concurrency();

@@ -10,7 +10,7 @@
 #include <limits>
 
 #include "backend/denormals.h"
-#include "backend/embree/tracer.h"
+#include "backend/embree/embree_tracer.h"
 #include "backend/shading_data.h"
 #include "packet_search.h"
 #include "physics/hash.h"

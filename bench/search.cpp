@@ -5,9 +5,9 @@
 #include <cstring>
 #include <numeric>
 
-#include "backend/embree/backend.h"
 #include "backend/denormals.h"
-#include "backend/embree/tracer.h"
+#include "backend/embree/embree_backend.h"
+#include "backend/embree/embree_tracer.h"
 #include "backend/eye_arrays.h"
 #include "backend/shading_data.h"
 #include "packet_search.h"

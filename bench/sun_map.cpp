@@ -1,6 +1,6 @@
 // The shadow map of the sun in the bundled meadow: time and memory to make it, what a bee sees by
 // it against shadow rays to the middle of the sun, and the time to look a hit up.
-#include "backend/sun_map.h"
+#include "backend/make_sun_map.h"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 #include <cstdio>
 #include <ctime>
 
-#include "backend/embree/backend.h"
-#include "backend/embree/tracer.h"
+#include "backend/embree/embree_backend.h"
+#include "backend/embree/embree_tracer.h"
 #include "backend/shading_data.h"
 #include "physics/hash.h"
 #include "physics/path.h"
@@ -52,7 +52,6 @@ Seen look(const Setup& setup, const EmbreeTracer& tracer, const SceneView& view,
     for (int k = 0; k < packets_each; ++k) {
       Packet<L> packet{};
       clear<L>(packet.rays);
-      alignas(64) std::int32_t valid[16];
       for (int l = 0; l < 16; ++l) {
         const double r = sigma * std::sqrt(-2 * std::log(1 - draw.uniform()));
         const double phi = 2 * pi * draw.uniform();
@@ -64,33 +63,29 @@ Seen look(const Setup& setup, const EmbreeTracer& tracer, const SceneView& view,
         packet.rays.direction[0][l] = d.x, packet.rays.direction[1][l] = d.y;
         packet.rays.direction[2][l] = d.z;
         packet.rays.t_far_m[l] = INFINITY;
-        valid[l] = -1;
       }
-      functions.closest(&tracer, valid, packet.rays);
+      functions.closest(&tracer, LaneMask<L>::all_bits, packet.rays);
       Hits<L> hits;
       find_hits<L>(tracer.layout.placed.data(), packet, hits);
       HitGeometry<L>& geometry = seen.geometry.emplace_back();
       eval_geometry<L>(view, packet.rays, hits, geometry);
-      const float towards[3] = {static_cast<float>(sun.x), static_cast<float>(sun.y),
-                                static_cast<float>(sun.z)};
+      const Vector3<float> towards = vector_of(to_float(sun));
       for (int l = 0; l < 16; ++l) {
-        valid[l] = hits.mesh[l] >= 0 ? -1 : 0;
-        float at[3], normal[3], origin[3];
-        for (int r = 0; r < 3; ++r)
-          at[r] = geometry.position[r][l], normal[r] = geometry.normal[r][l];
-        leave_surface(at, normal, geometry.reach_m[l], towards, origin);
-        for (int r = 0; r < 3; ++r) {
-          packet.rays.origin[r][l] = origin[r];
-          packet.rays.direction[r][l] = towards[r];
-        }
+        store_vector(
+            packet.rays.origin, l,
+            leave_surface(load_vector<float>(geometry.position, l),
+                          load_vector<float>(geometry.normal, l), geometry.reach_m[l], towards));
+        store_vector(packet.rays.direction, l, towards);
         packet.rays.t_far_m[l] = INFINITY;
       }
-      functions.closest(&tracer, valid, packet.rays);
+      const LaneMask<L> met = lanes_met(hits);
+      functions.closest(&tracer, met.bits, packet.rays);
       auto& full = seen.full.emplace_back();
       auto& lit = seen.lit.emplace_back();
       for (std::size_t l = 0; l < 16; ++l) {
         const Vec3d normal{geometry.normal[0][l], geometry.normal[1][l], geometry.normal[2][l]};
-        full[l] = valid[l] != 0 ? static_cast<float>(std::fabs(dot(normal, sun))) : 0;
+        full[l] =
+            met.has(static_cast<int>(l)) ? static_cast<float>(std::fabs(dot(normal, sun))) : 0;
         lit[l] = packet.rays.geometry[l] == none ? 1.0f : 0.0f;
       }
     }

@@ -63,7 +63,8 @@ void check_settings(const RenderSettings& s) {
       throw Error("delays_s: expected two or more growing delays from 0 on, found " +
                   std::to_string(s.delays_s[k]) + " as number " + std::to_string(k));
   if (!s.delays_s.empty() && shares_rays(s.sampling))
-    throw Error("sampling: Shared, not with an impulse response: rays of one delay would be shared");
+    throw Error(
+        "sampling: Shared, not with an impulse response: rays of one delay would be shared");
   check_threads(s.threads);
 }
 
@@ -257,9 +258,8 @@ void render_still(const Renderer::State& s, std::span<const Mat4> world_from_hea
   std::vector<FrameMotion> motions(static_cast<std::size_t>(s.threads.threads));
 
   // One block of ommatidia at one pose is a task: some 512 rays, but no more than fit its sums.
-  Blocks blocks{{s.view(), &s.eye_view, s.direction_views.data()},
-                &s.built(),
-                static_cast<int>(ommatidia)};
+  Blocks blocks{
+      {s.view(), &s.eye_view, s.direction_views.data()}, &s.built(), static_cast<int>(ommatidia)};
   FrameView& frame = blocks.frame;
   frame.outputs = outputs.count;
   frame.radiance_unit = s.world.state().radiance_unit;
@@ -324,8 +324,9 @@ BlockTask make_task(const Blocks& blocks, std::size_t block, const Mat4& world_f
 }
 
 void trace_task(const Blocks& blocks, const BlockTask& task) {
-  blocks.built->functions.render(blocks.frame, task, blocks.built->acceleration.tracer.get(),
-                                 thread_memory(ThreadRoom::block, block_memory_bytes(blocks.frame)));
+  blocks.built->functions.render(
+      blocks.frame, task, blocks.built->acceleration.tracer.get(),
+      thread_memory(ThreadRoom::block, block_memory_bytes(blocks.frame)));
 }
 
 void run_in_stretches(std::size_t tasks, double rays_per_task, int threads,

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "camera_rays.h"
-#include "model/camera.h"
+#include "model/camera_check.h"
 #include "omma/camera.h"
 #include "physics/hash.h"
 #include "physics/sobol.h"
@@ -119,8 +119,7 @@ void render_band(const World& world, const CameraRays& rays, const EyeArrays& ba
   for (std::size_t pixel = 0; pixel < pixels; ++pixel)
     for (std::size_t b = 0; b < bands; ++b) {
       double sum = 0;
-      for (std::size_t i = 0; i < samples; ++i)
-        sum += radiance[(pixel * samples + i) * bands + b];
+      for (std::size_t i = 0; i < samples; ++i) sum += radiance[(pixel * samples + i) * bands + b];
       out[pixel * bands + b] = static_cast<float>(sum / static_cast<double>(samples));
     }
 }
@@ -136,8 +135,8 @@ void check(const Camera& camera, const CameraSettings& settings, int bands,
   if (settings.samples < 1 || settings.samples > max_samples)
     throw Error("samples: expected 1 to " + std::to_string(max_samples) + ", found " +
                 std::to_string(settings.samples));
-  const std::size_t expected =
-      static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * static_cast<std::size_t>(bands);
+  const std::size_t expected = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
+                               static_cast<std::size_t>(bands);
   if (picture.size() != expected)
     throw Error("picture: expected room for " + std::to_string(expected) +
                 " values (row x column x band), found " + std::to_string(picture.size()));
@@ -156,7 +155,8 @@ void render_camera(const World& world, const Camera& camera, const CameraSetting
   if (rays == nullptr || !has_rays_of(*rays, camera, settings))
     run_in_arena(*built.threads.arena, [&] { rays = new_camera_rays(camera, settings, points); });
   const auto run_band = [&](std::size_t band) {
-    float* const out = picture.data() + band * rays->pixels_per_band * static_cast<std::size_t>(world.bands());
+    float* const out =
+        picture.data() + band * rays->pixels_per_band * static_cast<std::size_t>(world.bands());
     const auto render = [&](const EyeArrays& of_band) {
       render_band(world, *rays, of_band, band, camera.world_from_camera, out);
     };

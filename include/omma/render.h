@@ -107,9 +107,9 @@ struct RenderSettings {
   // function's modulation transfer stays within 0.01.
   bool footprints = true;
   Noise noise = Noise::frozen;  // only frozen with Shared, whose rays are fixed to the head
-  // What photoreceptors make of time: how long before a frame light falls on them that counts in it,
-  // s, as quantiles at equal steps of probability, from the least to the greatest. Each ray draws a
-  // delay and is sent from where the head was then. Empty: frames are instants.
+  // What photoreceptors make of time: how long before a frame light falls on them that counts in
+  // it, s, as quantiles at equal steps of probability, from the least to the greatest. Each ray
+  // draws a delay and is sent from where the head was then. Empty: frames are instants.
   std::vector<double> delays_s = {};
 };
 
@@ -169,8 +169,9 @@ struct RenderCall {
   // are as of so many independent parts, which is too much rather than too little.
   std::span<const double> times_s;
   std::span<const int> animations;
-  // With delays: poses before the first, for frames that are rendered piece by piece, when they were,
-  // and where things were then, [past pose][thing], or empty where they were as at the first pose.
+  // With delays: poses before the first, for frames that are rendered piece by piece, when they
+  // were, and where things were then, [past pose][thing], or empty where they were as at the first
+  // pose.
   std::span<const Mat4> past_world_from_head;
   std::span<const Mat4> past_world_from_node;
   std::span<const double> past_times_s;

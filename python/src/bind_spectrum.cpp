@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "model/spectrum.h"
+#include "model/spectrum_check.h"
 #include "scene_parts.h"
 
 namespace omma::python {

@@ -4,19 +4,20 @@
 #include <array>
 
 #if defined(OMMA_HAS_EMBREE)
-#include "backend/embree/backend.h"
+#include "backend/embree/embree_backend.h"
 #endif
-#include "backend/portable/backend.h"
+#include "backend/portable/portable_backend.h"
 #include "omma/error.h"
 
 namespace omma {
 namespace {
 
-const std::array all{
+const std::array all {
 #if defined(OMMA_HAS_EMBREE)
-    embree_backend(),
+  embree_backend(),
 #endif
-    portable_backend()};
+      portable_backend()
+};
 
 }  // namespace
 

@@ -17,8 +17,7 @@ BlockFunctions build_block() {
     const DenormalsAreZero denormals_are_zero;
     Search search{static_cast<const Tracer*>(tracer)};
     Room room{memory};
-    render_block<Packets>(frame, task, search,
-                          lay_out(room, frame, packet_rays));
+    render_block<Packets>(frame, task, search, lay_out(room, frame, packet_rays));
   };
   block.discs = [](const FrameView& frame, const BlockTask& task, const void* tracer,
                    std::byte* memory) {
@@ -44,11 +43,11 @@ BlockFunctions build_block() {
                      RayPacket<packet_rays>* packets) {
     prepare_block<Packets>(frame, task, packets);
   };
-  block.closest = [](const void* tracer, const std::int32_t* valid, RayPacket<packet_rays>& rays) {
+  block.closest = [](const void* tracer, unsigned lanes, RayPacket<packet_rays>& rays) {
     const DenormalsAreZero denormals_are_zero;
     Search search{static_cast<const Tracer*>(tracer)};
     for (int l = 0; l < packet_rays; ++l) rays.geometry[l] = rays.instance[l] = none;
-    search.closest(valid, rays, nullptr, Spread::together);
+    search.closest(LaneMask<Packets>{lanes}, rays, nullptr, Spread::together);
   };
   return block;
 }

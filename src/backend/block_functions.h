@@ -20,7 +20,8 @@ struct BlockFunctions {
   void (*render)(const FrameView&, const BlockTask&, const void* tracer,
                  std::byte* memory) = nullptr;
   // Adds what the task's ommatidia see of discs of the sky to its responses.
-  void (*discs)(const FrameView&, const BlockTask&, const void* tracer, std::byte* memory) = nullptr;
+  void (*discs)(const FrameView&, const BlockTask&, const void* tracer,
+                std::byte* memory) = nullptr;
   void (*weigh)(const SharedWeights&, const float* radiance, int outputs, std::int64_t first,
                 std::int64_t end, float* responses) = nullptr;
   // Means over the paths of each cell side or probe, [place][band], in the view's unit; memory as
@@ -28,9 +29,8 @@ struct BlockFunctions {
   void (*gather)(const FrameView&, const GatherTask&, const void* tracer, std::byte* memory,
                  double* mean) = nullptr;
   void (*prepare)(const FrameView&, const BlockTask&, RayPacket<packet_rays>* packets) = nullptr;
-  // Closest accepted hits, between t_near_m and t_far_m, of rays whose `valid` is not 0.
-  void (*closest)(const void* tracer, const std::int32_t* valid,
-                  RayPacket<packet_rays>& rays) = nullptr;
+  // Closest accepted hits, between t_near_m and t_far_m, of rays whose bit in `lanes` is set.
+  void (*closest)(const void* tracer, unsigned lanes, RayPacket<packet_rays>& rays) = nullptr;
 };
 
 // What `render` needs, on each thread.

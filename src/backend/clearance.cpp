@@ -28,7 +28,6 @@ double inverse_distances(const Tracing& tracing, const Vec3 (&corner)[3], std::u
   HitGeometry<L> geometry{};
   RayPacket<packet_rays> rays{};
   clear<L>(rays);
-  alignas(64) std::int32_t valid[packet_rays];
   float reach = 0;
   for (const Vec3& c : corner)
     reach = std::max({reach, std::abs(c.x), std::abs(c.y), std::abs(c.z)});
@@ -38,23 +37,15 @@ double inverse_distances(const Tracing& tracing, const Vec3 (&corner)[3], std::u
     const float root = std::sqrt(place.x), u = root - root * place.y, v = root * place.y;
     const Vec3 at = corner[0] + e1 * u + e2 * v;
     const Vec3 up = l % 2 == 0 ? normal : normal * -1.0f;
-    const float from[3] = {up.x, up.y, up.z};
-    float tangent[3], bitangent[3], towards[3];
-    make_axes(from, tangent, bitangent);
-    const LocalDirection<float> local = sample_cosine(way.x, way.y);
-    for (int r = 0; r < 3; ++r)
-      towards[r] = tangent[r] * local.x + bitangent[r] * local.y + from[r] * local.z;
-    const float position[3] = {at.x, at.y, at.z};
-    for (int r = 0; r < 3; ++r) {
-      geometry.position[r][l] = position[r];
-      geometry.normal[r][l] = from[r];
-    }
+    const Vector3<float> away = vector_of(up);
+    const Vector3<float> towards = from_local(make_axes(away), away, sample_cosine(way.x, way.y));
+    store_vector(geometry.position, l, vector_of(at));
+    store_vector(geometry.normal, l, away);
     geometry.reach_m[l] = reach;
     leave_surface<L>(geometry, l, towards, rays);
     rays.t_far_m[l] = INFINITY;
-    valid[l] = -1;
   }
-  tracing.closest(tracing.tracer, valid, rays);
+  tracing.closest(tracing.tracer, LaneMask<L>::all_bits, rays);
   double sum = 0;
   for (int l = 0; l < packet_rays; ++l)
     if (rays.geometry[l] != none) sum += 1.0 / std::max(1e-30, double{rays.t_far_m[l]});
@@ -85,17 +76,16 @@ std::vector<std::vector<float>> clearances_m(const Tracing& tracing, const Scene
               const std::size_t i = of_mesh[k * of_mesh.size() / looks];
               Vec3 corner[3];
               for (std::size_t c = 0; c < 3; ++c)
-                corner[c] = to_float(
-                    transform_point(placement.world_from_mesh[i],
-                                    to_double(mesh.positions[mesh.triangles[t][c]])) -
-                    placement.origin_m);
+                corner[c] =
+                    to_float(transform_point(placement.world_from_mesh[i],
+                                             to_double(mesh.positions[mesh.triangles[t][c]])) -
+                             placement.origin_m);
               const std::uint32_t hash =
                   mix_bits_32(mix_bits_32(static_cast<std::uint32_t>(t) + hash_of_clearances) +
                               static_cast<std::uint32_t>(i));
               sum += inverse_distances(tracing, corner, hash);
             }
-            clearance[m][t] =
-                static_cast<float>(static_cast<double>(looks * packet_rays) / sum);
+            clearance[m][t] = static_cast<float>(static_cast<double>(looks * packet_rays) / sum);
           }
         });
   }

@@ -6,7 +6,7 @@
 #include <limits>
 #include <map>
 
-#include "backend/specular_albedo.h"
+#include "backend/albedo_tables.h"
 
 namespace omma {
 namespace {

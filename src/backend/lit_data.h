@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "backend/light_data.h"
+#include "backend/make_sun_map.h"
 #include "backend/scatter_data.h"
 #include "backend/shading_data.h"
-#include "backend/sun_map.h"
 #include "omma/world.h"
 
 namespace omma {
@@ -27,17 +27,17 @@ struct LitData {
   std::unique_ptr<ScatterData> scatter;
   std::unique_ptr<LightData> light;
   std::vector<float> albedos, coat_albedo, metal_albedo;  // see SceneView
-  std::vector<std::vector<float>> emission;     // [material that shines][band][3]
+  std::vector<std::vector<float>> emission;               // [material that shines][band][3]
   std::shared_ptr<const BakedLight> baked_light;
   BakedReading baked;
   SunMapData sun_map;
-  SceneView view;                               // without a background
+  SceneView view;  // without a background
 };
 
 // What of a world changes as things move, and where it is kept.
 struct MovingFrames {
-  const float* frame_from_mesh;     // as in SceneView
-  Vec3d lamp_origin_m;              // of the frame that lamps are placed in, in the world
+  const float* frame_from_mesh;    // as in SceneView
+  Vec3d lamp_origin_m;             // of the frame that lamps are placed in, in the world
   const float* lamp_origin_now_m;  // [3], the same in the traced frame
   const char* moves;               // [instance], as in BakedView
 };

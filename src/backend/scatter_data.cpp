@@ -8,7 +8,7 @@
 
 #include "backend/texture_table.h"
 #include "light/bands.h"
-#include "model/spectrum.h"
+#include "model/spectrum_check.h"
 #include "omma/receptor.h"
 
 namespace omma {

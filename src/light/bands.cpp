@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "model/spectrum.h"
+#include "model/spectrum_check.h"
 #include "omma/receptor.h"
 
 namespace omma {

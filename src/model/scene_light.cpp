@@ -7,7 +7,7 @@
 #include <initializer_list>
 #include <vector>
 
-#include "model/spectrum.h"
+#include "model/spectrum_check.h"
 #include "omma/error.h"
 
 namespace omma {

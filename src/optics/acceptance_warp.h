@@ -1,14 +1,14 @@
-// Makes what physics/acceptance.h reads: the tables of a sensitivity, and its warp by inverting the
-// exact distribution.
+// Makes what physics/acceptance_sampling.h reads: the tables of a sensitivity, and its warp by
+// inverting the exact distribution.
 #pragma once
 
 #include <memory>
 #include <span>
 #include <vector>
 
-#include "physics/acceptance.h"
 #include "omma/acceptance.h"
 #include "optics/lens_rhabdom.h"
+#include "physics/acceptance_sampling.h"
 
 namespace omma {
 

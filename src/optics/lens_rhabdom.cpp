@@ -7,8 +7,8 @@
 #include <cmath>
 #include <functional>
 
-#include "physics/acceptance.h"
 #include "optics/gauss_legendre.h"
+#include "physics/acceptance_sampling.h"
 #include "threads/made_once.h"
 
 namespace omma {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "physics/acceptance.h"
+#include "physics/acceptance_sampling.h"
 
 namespace omma {
 

@@ -1,6 +1,6 @@
-// Rays that ommatidia aim at what is small and bright besides the discs of the sky: the sun's mirror
-// image in smooth water, surfaces that shine (LightView::aims). Their own rays, by their acceptance,
-// would find it by chance.
+// Rays that ommatidia aim at what is small and bright besides the discs of the sky: the sun's
+// mirror image in smooth water, surfaces that shine (LightView::aims). Their own rays, by their
+// acceptance, would find it by chance.
 //
 // The integral over directions is divided: within a cone about each such thing, where it is much
 // smaller than the acceptance, the ommatidium sends rays evenly over the cone, each weighed by the
@@ -8,8 +8,8 @@
 //
 //   ∫ over the cone p L dω = mean of p(ω) L(ω) times the cone's solid angle,   p = S / ∫ S,
 //
-// and its own rays count outside of all cones alone. Both follow whole paths, so that the sum is right
-// whatever stands there, also where a thing has moved away from its cone.
+// and its own rays count outside of all cones alone. Both follow whole paths, so that the sum is
+// right whatever stands there, also where a thing has moved away from its cone.
 #pragma once
 
 #include "physics/eye_discs.h"
@@ -38,7 +38,8 @@ OMMA_HD AimCone cone_of(const AimView& aim, Vec3 from) {
   } else {
     const Vec3 way = aim.centre - from;
     const double distance_2 = static_cast<double>(dot(way, way));
-    const double sine_2 = static_cast<double>(aim.radius) * static_cast<double>(aim.radius) / distance_2;
+    const double sine_2 =
+        static_cast<double>(aim.radius) * static_cast<double>(aim.radius) / distance_2;
     if (!(sine_2 < 0.25)) return {};
     cone.direction = way * static_cast<float>(1 / sqrt(distance_2));
     cosine = sqrt(1 - sine_2);
@@ -58,10 +59,10 @@ OMMA_HD DiscView disc_of(const AimCone& cone) {
   return disc;
 }
 
-// The cones that units aim at, into `memory`; false where none does. They are the same for all scrambles
-// of an ommatidium: what its rays leave out is what it aims at.
-OMMA_HD bool find_cones(const FrameView& frame, const BlockTask& task, const Units& units, int count,
-                        const BlockMemory& memory) {
+// The cones that units aim at, into `memory`; false where none does. They are the same for all
+// scrambles of an ommatidium: what its rays leave out is what it aims at.
+OMMA_HD bool find_cones(const FrameView& frame, const BlockTask& task, const Units& units,
+                        int count, const BlockMemory& memory) {
   const LightView& light = *frame.scene->light;
   bool any = false;
   for (int u = 0; u < count; ++u) {
@@ -73,8 +74,8 @@ OMMA_HD bool find_cones(const FrameView& frame, const BlockTask& task, const Uni
       // A cone that fills an acceptance is found by its rays.
       if (!(cone.solid_sr > 0) || cone.solid_sr > 0.5f * units.acceptance_sr[u]) continue;
       const DiscView disc = disc_of(cone);
-      const DiscTask of{&frame, &task, &units, frame.directions->warps + units.warp[u], &disc, u,
-                        0x51ed270bu};
+      const DiscTask of{&frame, &task, &units,     frame.directions->warps + units.warp[u],
+                        &disc,  u,     0x51ed270bu};
       cone.most = static_cast<float>(static_cast<double>(light.aims[i].brightest * cone.solid_sr) *
                                      most_unit_pdf(of));
       if (!(cone.most >= static_cast<float>(least_aimed_light))) continue;
@@ -87,23 +88,24 @@ OMMA_HD bool find_cones(const FrameView& frame, const BlockTask& task, const Uni
 
 // Of a packet's rays those in a cone of their unit.
 template <typename L>
-OMMA_HD unsigned rays_in_cones(const Packet<L>& packet, const PacketPlace& place, int samples,
-                               const BlockMemory& memory) {
-  unsigned inside = 0;
+OMMA_HD LaneMask<L> rays_in_cones(const Packet<L>& packet, const PacketPlace& place, int samples,
+                                  const BlockMemory& memory) {
+  LaneMask<L> inside;
   for (int l = 0; l < place.filled; ++l) {
     const int u = place.unit + (place.sample + l) / samples;
     for (int k = 0; k < memory.cone_count[u]; ++k)
       if (is_in_cone(memory.cones[u * most_cones + k], vec_at(packet.rays.direction, l)))
-        inside |= 1u << l;
+        inside.add(l);
   }
   return inside;
 }
 
 // Takes away the radiance [row][lane] of some lanes.
 template <typename L>
-OMMA_HD void drop_lanes(unsigned lanes, int rows, float* radiance) {
-  for (unsigned bits = lanes; bits != 0; bits &= bits - 1)
-    for (int i = 0; i < rows; ++i) radiance[i * L::count + lowest_bit(bits)] = 0;
+OMMA_HD void drop_lanes(LaneMask<L> lanes, int rows, float* radiance) {
+  lanes.for_each([&](int l) {
+    for (int i = 0; i < rows; ++i) radiance[i * L::count + l] = 0;
+  });
 }
 
 // Rays of a unit all over its cone number `k`, `each` for each replicate: sums of what they bring,
@@ -120,7 +122,7 @@ OMMA_HD void trace_cone(const DiscTask& of, int k, int each, Search& search,
   clear<L>(packet.rays);
   packet.light_sees = of.task->sees.by_light;
   for (int begin = 0; begin < rays; begin += n) {
-    alignas(n * 4) std::int32_t valid[n];
+    LaneMask<L> counting;
     float weight[n];
     for (int l = 0; l < n; ++l) {
       const int ray = begin + l < rays ? begin + l : rays - 1;
@@ -133,26 +135,19 @@ OMMA_HD void trace_cone(const DiscTask& of, int k, int each, Search& search,
       weight[l] = begin + l < rays ? static_cast<float>(unit_pdf(of, direction, turn)) : 0.0f;
       for (int j = 0; j < k; ++j)
         if (is_in_cone(memory.cones[u * most_cones + j], direction)) weight[l] = 0;
-      valid[l] = weight[l] > 0 ? -1 : 0;
-      float from[3], up[3], axis[3], turned[3];
-      const float towards[3] = {direction.x, direction.y, direction.z};
+      if (weight[l] > 0) counting.add(l);
+      const Vector3<float> towards = vector_of(direction);
       const float radius_m = units.aperture_radius_m[u];
-      for (int r = 0; r < 3; ++r) {
-        from[r] = units.origin[r][u] + radius_m * (units.s[r][u] * lens.x + units.t[r][u] * lens.y);
-        up[r] = axis[r] = 0;
-      }
-      if (of.task->motion != nullptr) move_point(*of.task->motion, turn, from);
-      for (int r = 0; r < 3; ++r) {
-        packet.rays.origin[r][l] = from[r];
-        packet.rays.direction[r][l] = without_noise(towards[r]);
-        for (int c = 0; c < 3 && frame.scene->polarized; ++c) {
-          up[r] += turn[r][c] * units.up[c][u];
-          axis[r] += turn[r][c] * units.axis[c][u];
-        }
-      }
+      const auto s = load_vector<float>(units.s, u), t = load_vector<float>(units.t, u);
+      Vector3<float> from =
+          load_vector<float>(units.origin, u) + (s * lens.x + t * lens.y) * radius_m;
+      if (of.task->motion != nullptr) from = move_point(*of.task->motion, turn, from);
+      store_vector(packet.rays.origin, l, from);
+      store_vector(packet.rays.direction, l, without_noise(towards));
       if (frame.scene->polarized) {
-        turn_with(axis, towards, up, turned);
-        for (int r = 0; r < 3; ++r) packet.reference[r][l] = turned[r];
+        const auto up = transform_direction(turn, load_vector<float>(units.up, u));
+        const auto axis = transform_direction(turn, load_vector<float>(units.axis, u));
+        store_vector(packet.reference, l, turn_with(axis, towards, up));
       }
       packet.rays.t_near_m[l] = units.t_near_m[u];
       packet.rays.mask[l] = of.task->sees.from_eye;
@@ -163,18 +158,17 @@ OMMA_HD void trace_cone(const DiscTask& of, int k, int each, Search& search,
     }
     PathMemory paths = memory.paths;
     paths.cell_errors = nullptr;  // rays that count for little
-    eval_lit_path<L>(*frame.scene, search, valid, packet, paths, memory.radiance);
+    eval_lit_path<L>(*frame.scene, search, counting, packet, paths, memory.radiance);
     const float* brought = memory.radiance;
     if (frame.output_from_band != nullptr) {
       make_outputs<L>(frame, memory.radiance, memory.output);
       brought = memory.output;
     }
-    for (unsigned bits = packet_bits<L>(valid); bits != 0; bits &= bits - 1) {
-      const int l = lowest_bit(bits);
+    counting.for_each([&](int l) {
       double* const sums = memory.aimed + (begin + l) / each * outputs;
       for (int o = 0; o < outputs; ++o)
         sums[o] += static_cast<double>(weight[l] * brought[o * n + l]);
-    }
+    });
   }
 }
 
@@ -184,15 +178,21 @@ template <typename L, typename Search>
 OMMA_HD void add_aimed(const FrameView& frame, const BlockTask& task, const UnitList& list,
                        Search& search, const BlockMemory& memory) {
   Units units;
-  make_units<L>(*frame.eye, task, *frame.directions, list, true, frame.scene->polarized, units);
+  make_units<L>(*frame.eye, task, *frame.directions, list, {true, frame.scene->polarized}, units);
   find_acceptances(frame, units, list.count);
   if (!find_cones(frame, task, units, list.count, memory)) return;
   for (int u = 0; u < list.count; ++u)
     for (int k = 0; k < memory.cone_count[u]; ++k) {
       const AimCone& cone = memory.cones[u * most_cones + k];
       const DiscView disc = disc_of(cone);
-      const DiscTask of{&frame, &task, &units, frame.directions->warps + units.warp[u], &disc, u,
-                        mix_bits_32(uint_of(units.hash[u]) + 0x2545f491u * static_cast<std::uint32_t>(k + 1))};
+      const DiscTask of{
+          &frame,
+          &task,
+          &units,
+          frame.directions->warps + units.warp[u],
+          &disc,
+          u,
+          mix_bits_32(uint_of(units.hash[u]) + 0x2545f491u * static_cast<std::uint32_t>(k + 1))};
       const int each = cone.most >= 0.3f ? 32 : (cone.most >= 0.003f ? 8 : 2);
       trace_cone<L>(of, k, each, search, memory);
       const double solid_sr = static_cast<double>(cone.solid_sr);

@@ -1,10 +1,12 @@
-// Light that was found before (omma/bake.h), looked up where rays meet surfaces: what a white, fully
-// diffuse surface would send back of it, on the viewer's side and on the other.
+// Light that was found before (omma/bake.h), looked up where rays meet surfaces: what a white,
+// fully diffuse surface would send back of it, on the viewer's side and on the other.
 #pragma once
 
 #include "omma/bake.h"
 #include "physics/far_lanes.h"
 #include "physics/path_light.h"
+#include "physics/rows.h"
+#include "physics/vector3.h"
 
 namespace omma {
 
@@ -40,8 +42,7 @@ OMMA_HD I cell_at(I k, F u, F v) {
   I i = to_int(u * size), j = to_int(v * size);
   i = i > k - 1 ? k - 1 : i;
   j = j > k - 1 - i ? k - 1 - i : j;
-  const auto hangs =
-      (u * size - to_float(i)) + (v * size - to_float(j)) > 1.0f && i + j < k - 1;
+  const auto hangs = (u * size - to_float(i)) + (v * size - to_float(j)) > 1.0f && i + j < k - 1;
   return i * (2 * k - i) + 2 * j + keep(hangs, i * 0 + 1);
 }
 
@@ -50,9 +51,8 @@ OMMA_HD void corners_of_cell(std::int32_t k, std::int32_t cell, float (&uv)[3][2
   std::int32_t i = 0, left = cell;
   while (left >= 2 * (k - i) - 1) left -= 2 * (k - i++) - 1;
   const std::int32_t j = left / 2, hangs = left % 2;
-  const std::int32_t corner[3][2] = {{i + hangs, j + hangs},
-                                     {i + 1 - hangs, j + hangs},
-                                     {i + hangs, j + 1 - hangs}};
+  const std::int32_t corner[3][2] = {
+      {i + hangs, j + hangs}, {i + 1 - hangs, j + hangs}, {i + hangs, j + 1 - hangs}};
   for (int c = 0; c < 3; ++c)
     for (int a = 0; a < 2; ++a) uv[c][a] = to_float(corner[c][a]) / to_float(k);
 }
@@ -63,16 +63,16 @@ OMMA_HD I divisions_of(I cells) {
   return to_int(sqrt_lanes(to_float(cells)) + 0.5f);
 }
 
-// The cell that lanes' rays met, asked for from memory; null where probes light them.
-template <int n>
-struct BakedPlaces {
-  const std::uint16_t* cell[n];
-  unsigned from_behind;  // lanes whose rays come from behind, once light is read
+// The cell that each lane's ray met, prefetched; null where probes light it.
+template <typename L>
+struct BakedLookup {
+  const std::uint16_t* cell[L::count];
+  LaneMask<L> from_behind;  // lanes whose rays come from behind, once light is read
 };
 
 template <typename L>
 OMMA_HD void find_baked(const SceneView& scene, const Packet<L>& packet, const Hits<L>& hits,
-                        BakedPlaces<L::count>& places) {
+                        BakedLookup<L>& found) {
   using F = typename L::F;
   using I = typename L::I;
   constexpr int n = L::count;
@@ -90,18 +90,18 @@ OMMA_HD void find_baked(const SceneView& scene, const Packet<L>& packet, const H
     store(cells + l, is_member ? cell : load<I>(cells + l));
   });
   for (int l = 0; l < n; ++l) {
-    places.cell[l] = nullptr;
+    found.cell[l] = nullptr;
     if (hits.mesh[l] < 0) continue;
     const std::int32_t first = baked.first_cell[hits.instance[l]];
     if (first < 0 || baked.moves[hits.instance[l]] != 0) continue;
-    places.cell[l] = baked.values + stride * (first + static_cast<std::ptrdiff_t>(cells[l]));
-    fetch_line(places.cell[l]);
+    found.cell[l] = baked.values + stride * (first + static_cast<std::ptrdiff_t>(cells[l]));
+    fetch_line(found.cell[l]);
   }
 }
 
 // By the eight probes about a place: of the three directions that a normal leans to, weighed by the
-// squares of its components, which add up to 1 (the ambient cube of J. McTaggart, Half-Life 2 / Valve
-// Source Shading, 2004).
+// squares of its components, which add up to 1 (the ambient cube of J. McTaggart, Half-Life 2 /
+// Valve Source Shading, 2004).
 OMMA_HD void eval_probes(const BakedView& baked, int bands, Vec3 position, Vec3 normal, float* out,
                          int band_stride) {
   for (int b = 0; b < bands; ++b) out[b * band_stride] = 0;
@@ -144,48 +144,49 @@ OMMA_HD auto decode_baked(I values) {
   return keep(values != 0, float_of(bits));
 }
 
-// Of the lanes in `lanes`, into memory.front and memory.back [band][lane]. Of surfaces that transmit
-// nothing what is behind them is not read: it is left as zeros.
-template <typename L>
-OMMA_HD void eval_baked(const SceneView& scene, const Packet<L>& packet,
-                        BakedPlaces<L::count>& places, const HitGeometry<L>& geometry,
-                        const LitSurface<L>& surface, unsigned lanes, const PathMemory& memory) {
+// Of the lanes in `lanes`, into memory.front and memory.back [band][lane]. Of surfaces that
+// transmit nothing what is behind them is not read: it is left as zeros.
+template <typename L, typename Search>
+OMMA_HD void eval_baked(const Flight<L, Search>& flight, BakedLookup<L>& found,
+                        const HitGeometry<L>& geometry, const LitSurface<L>& surface,
+                        LaneMask<L> lanes) {
   using F = typename L::F;
   constexpr int n = L::count, width = L::width;
+  const SceneView& scene = flight.scene;
+  const PathMemory& memory = flight.memory;
   const BakedView& baked = *scene.baked;
-  const unsigned from_behind = places.from_behind = bits_where<L>([&](int l) {
-    F normal[3], direction[3];
-    load_3(geometry.normal, l, normal);
-    load_3(packet.rays.direction, l, direction);
-    return dot_lanes(normal, direction) > 0.0f;
+  const LaneMask<L> from_behind = found.from_behind = lanes_where<L>([&](int l) {
+    return dot(load_vector<F>(geometry.normal, l),
+               load_vector<F>(flight.packet.rays.direction, l)) > 0.0f;
   });
-  unsigned in_cells = 0, sheets = 0;
-  for (unsigned bits = lanes; bits != 0; bits &= bits - 1) {
-    const int l = lowest_bit(bits);
-    if (places.cell[l] != nullptr) in_cells |= 1u << l;
-    if (scene.scatter[surface.material[l]].transmittance != nullptr) sheets |= 1u << l;
-  }
-  const auto read_cells = [&](unsigned wanted, bool is_far, float* out) {
+  LaneMask<L> in_cells, sheets;
+  lanes.for_each([&](int l) {
+    if (found.cell[l] != nullptr) in_cells.add(l);
+    if (scene.scatter[surface.material[l]].transmittance != nullptr) sheets.add(l);
+  });
+  const auto read_cells = [&](LaneMask<L> wanted, bool is_far, float* out) {
     for (int l = 0; l < n; l += width)
-      store_rows<L>(scene.bands, wanted >> l, [&](int k, const auto& read) {
-        const bool is_back = (from_behind >> (l + k) & 1u) != 0;
-        const std::uint16_t* side = places.cell[l + k] + (is_back != is_far ? scene.bands : 0);
-        return decode_baked(read(side)) * baked.unit;
-      }, out + l);
+      store_rows<L>(
+          scene.bands, wanted.word(l),
+          [&](int k, const auto& read) {
+            const bool is_back = from_behind.has(l + k);
+            const std::uint16_t* side = found.cell[l + k] + (is_back != is_far ? scene.bands : 0);
+            return decode_baked(read(side)) * baked.unit;
+          },
+          out + l);
   };
   read_cells(in_cells, false, memory.front);
-  if (sheets != 0) {
+  if (sheets.any()) {
     read_cells(in_cells & sheets, true, memory.back);
   } else {
     for (int i = 0; i < scene.bands * n; ++i) memory.back[i] = 0;
   }
-  for (unsigned bits = lanes & ~in_cells; bits != 0; bits &= bits - 1) {
-    const int l = lowest_bit(bits);
+  (lanes & ~in_cells).for_each([&](int l) {
     const Vec3 position = vec_at(geometry.position, l), normal = vec_at(surface.normal, l);
     eval_probes(baked, scene.bands, position, normal, memory.front + l, n);
-    if ((sheets >> l & 1u) != 0)
+    if (sheets.has(l))
       eval_probes(baked, scene.bands, position, normal * -1.0f, memory.back + l, n);
-  }
+  });
 }
 
 }  // namespace omma

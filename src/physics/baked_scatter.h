@@ -1,5 +1,5 @@
-// What surfaces make of light that was baked: diffuse lobes send of it to the eye at once; paths that
-// gloss sends on are followed while they count.
+// What surfaces make of light that was baked: diffuse lobes send of it to the eye at once; paths
+// that gloss sends on are followed while they count.
 #pragma once
 
 #include "physics/baked.h"
@@ -12,7 +12,8 @@ namespace omma {
 // nothing, and none much more than it counts for.
 inline constexpr float least_gloss = 1.0f / 64;
 
-// The probability with which such a path goes on, of what it counts for. Paths between mirrors end too.
+// The probability with which such a path goes on, of what it counts for. Paths between mirrors end
+// too.
 template <typename F, typename I>
 OMMA_HD F gloss_survival(F largest, I scatterings) {
   const F bound = scatterings >= roulette_after ? broadcast<F>(most_survival) : broadcast<F>(1.0f);
@@ -20,16 +21,18 @@ OMMA_HD F gloss_survival(F largest, I scatterings) {
   return survival < bound ? survival : bound;
 }
 
-// Adds what the diffuse lobes of some lanes' surfaces send to the eye.
-template <typename L>
-OMMA_HD void add_baked(const SceneView& scene, const PathState<L>& state,
-                       const ScatteringPacket<L>& scattering, unsigned lanes,
-                       const PathMemory& memory, float* radiance) {
+// Adds what the diffuse lobes of some lanes' surfaces send to the eye: no light is sampled for
+// them.
+template <typename L, typename Search>
+OMMA_HD void add_baked(const Flight<L, Search>& flight, const ScatteringPacket<L>& scattering,
+                       LaneMask<L> lanes) {
   using F = typename L::F;
   constexpr int n = L::count;
-  const int stride = scene.bands * n;
+  const SceneView& scene = flight.scene;
+  const PathMemory& memory = flight.memory;
+  const int stride = flight.stride();
   for (int l = 0; l < n; l += L::width) {
-    const auto scatters = lanes_on<L>(lanes, l);
+    const auto scatters = lanes.at(l);
     if (!any_lane(scatters)) continue;
     const F diffuse = scattering.point[l / L::width].diffuse;
     for (int b = 0; b < scene.bands; ++b) {
@@ -40,47 +43,49 @@ OMMA_HD void add_baked(const SceneView& scene, const PathState<L>& state,
                              (load<F>(memory.reflectance + at) * load<F>(memory.front + at) +
                               load<F>(memory.transmittance + at) * load<F>(memory.back + at)));
       if (!scene.polarized) {
-        store(radiance + at, load<F>(radiance + at) + sent);
+        store(flight.radiance + at, load<F>(flight.radiance + at) + sent);
         continue;
       }
       for (int p = 0; p < 3; ++p) {
-        float* const to = radiance + p * stride + at;
-        store(to, load<F>(to) + keep(scatters, load<F>(state.mueller[3 * p] + l) * sent));
+        float* const to = flight.radiance + p * stride + at;
+        store(to, load<F>(to) + keep(scatters, load<F>(flight.state.mueller[3 * p] + l) * sent));
       }
     }
   }
 }
 
 // What a side of a cell may be off by under each sign, as a fraction of its light.
-OMMA_HD void signed_errors(const BakedView& baked, std::ptrdiff_t side, float (&error)[error_signs]) {
+OMMA_HD void signed_errors(const BakedView& baked, std::ptrdiff_t side,
+                           float (&error)[error_signs]) {
   const CellError& of = baked.errors[side];
   const float own = decode_error(of.own), shared = decode_error(of.shared);
   const std::uint32_t signs = mix_bits_32(static_cast<std::uint32_t>(side));
   for (int k = 0; k < error_signs; ++k)
-    error[k] = ((signs >> k & 1u) != 0 ? own : -own) + ((of.signs >> k & 1u) != 0 ? shared : -shared);
+    error[k] =
+        ((signs >> k & 1u) != 0 ? own : -own) + ((of.signs >> k & 1u) != 0 ? shared : -shared);
 }
 
 // Adds to the sums of ommatidia what add_baked may be off by: cells err each by itself, but an
 // ommatidium by the same for all rays that meet one cell. Bands err together.
-template <typename L>
-OMMA_HD void add_cell_errors(const SceneView& scene, const Packet<L>& packet,
-                             const PathState<L>& state, const ScatteringPacket<L>& scattering,
-                             const BakedPlaces<L::count>& places, unsigned lanes,
-                             const PathMemory& memory) {
+template <typename L, typename Search>
+OMMA_HD void add_cell_errors(const Flight<L, Search>& flight, const ScatteringPacket<L>& scattering,
+                             const BakedLookup<L>& found, LaneMask<L> lanes) {
   constexpr int n = L::count;
+  const SceneView& scene = flight.scene;
+  const PathMemory& memory = flight.memory;
   const BakedView& baked = *scene.baked;
   alignas(n * 4) float diffuse[n];
   for (int l = 0; l < n; l += L::width) store(diffuse + l, scattering.point[l / L::width].diffuse);
-  for (unsigned bits = lanes; bits != 0; bits &= bits - 1) {
-    const int l = lowest_bit(bits);
-    if (places.cell[l] == nullptr) continue;
-    const std::ptrdiff_t cell = (places.cell[l] - baked.values) / (2 * scene.bands);
-    const std::ptrdiff_t near = 2 * cell + (places.from_behind >> l & 1u);
+  lanes.for_each([&](int l) {
+    if (found.cell[l] == nullptr) return;
+    const std::ptrdiff_t cell = (found.cell[l] - baked.values) / (2 * scene.bands);
+    const std::ptrdiff_t near = 2 * cell + (found.from_behind.has(l) ? 1 : 0);
     float front[error_signs], back[error_signs];
     signed_errors(baked, near, front);
     signed_errors(baked, near ^ 1, back);
-    const float weight = diffuse[l] * (scene.polarized ? state.mueller[0][l] : 1.0f);
-    float* sums = memory.cell_errors + std::ptrdiff_t{packet.ommatidium[l]} * scene.bands * error_signs;
+    const float weight = diffuse[l] * (scene.polarized ? flight.state.mueller[0][l] : 1.0f);
+    float* sums = memory.cell_errors +
+                  std::ptrdiff_t{flight.packet.ommatidium[l]} * scene.bands * error_signs;
     for (int b = 0; b < scene.bands; ++b, sums += error_signs) {
       const int at = b * n + l;
       const float scale = weight * memory.throughput[at];
@@ -88,7 +93,7 @@ OMMA_HD void add_cell_errors(const SceneView& scene, const Packet<L>& packet,
                   behind = scale * memory.transmittance[at] * memory.back[at];
       for (int k = 0; k < error_signs; ++k) sums[k] += in_front * front[k] + behind * back[k];
     }
-  }
+  });
 }
 
 }  // namespace omma

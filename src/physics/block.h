@@ -1,10 +1,15 @@
-// The hot loop: one block of neighbouring ommatidia at one pose, from directions to responses. A
-// backend runs it with a search of its own, which has two members:
+// One block of neighbouring ommatidia at one pose, from directions to responses: trace_units.h, the
+// hot loop, then means and standard errors. A backend runs it with a search of its own, which has
+// three members (device_check.cu has the shortest one):
 //
-//   closest(valid, rays, passed, spread)  the closest accepted hits (surface.h) of a RayPacket, between
-//     t_near_m and t_far_m, of the lanes where valid[lane] is not 0; where `passed` is not null,
-//     surfaces that a ray has passed (passed.h) do not count
-//   placed()                      the table of placed meshes that hits point into
+//   closest(lanes, rays, passed, spread)
+//     the closest accepted hits (surface.h) of a RayPacket, between t_near_m and t_far_m, of the
+//     lanes that are on (LaneMask); where `passed` is not null, surfaces that a ray has passed
+//     (passed.h) do not count; `spread`: how the rays lie to each other
+//   occluded(lanes, rays)
+//     those of the lanes whose ray meets any accepted surface there; shadow rays ask no more
+//   placed()
+//     the table of placed meshes that hits point into
 //
 // Nothing is allocated, nothing is called out of line that other instruction sets share.
 #pragma once
@@ -33,7 +38,8 @@ OMMA_HD void reduce(const FrameView& frame, const BlockTask& task, const double*
 
 // Standard errors of the responses, from the spread of the scrambles and from what cells of baked
 // light err by, which all scrambles see alike.
-OMMA_HD void reduce_errors(const FrameView& frame, const BlockTask& task, const BlockMemory& memory) {
+OMMA_HD void reduce_errors(const FrameView& frame, const BlockTask& task,
+                           const BlockMemory& memory) {
   const double* const sums = memory.sums;
   const double samples = frame.directions->samples;
   const int scrambles = frame.scrambles;
@@ -59,7 +65,7 @@ OMMA_HD void reduce_errors(const FrameView& frame, const BlockTask& task, const 
 // besides.
 template <typename L, typename Search>
 OMMA_HD void add_beside_rays(const FrameView& frame, const BlockTask& task, const UnitList& units,
-                       Search& search, const BlockMemory& memory) {
+                             Search& search, const BlockMemory& memory) {
   if (!sees_beside_rays(frame)) return;
   eval_beside_rays<L>(frame, task, units, search, memory);
   const int samples = frame.directions->samples;
@@ -91,13 +97,13 @@ OMMA_HD void render_discs(const FrameView& frame, const BlockTask& task, Search&
 template <typename L, typename Search>
 OMMA_HD void render_block(const FrameView& frame, const BlockTask& task, Search& search,
                           const BlockMemory& memory) {
-  if (frame.most_samples > 0) return render_to_error<L>(frame, task, search, memory);
+  const BlockRun<Search> run{frame, task, search, memory};
+  if (frame.most_samples > 0) return render_to_error<L>(run);
   const UnitList all{nullptr, 0, frame.scrambles, task.count * frame.scrambles};
   clear(memory.sums, frame.outputs, all.count);
   clear_cell_errors(frame, task, memory);
   if (frame.truth != nullptr) clear(*frame.truth, memory.truth_sums, all.count);
-  trace_units<L>(frame, task, *frame.directions, all, search, memory, memory.sums,
-                 static_cast<double*>(nullptr), memory.truth_sums);
+  trace_units<L>(run, *frame.directions, all, {memory.sums, nullptr, memory.truth_sums});
   add_beside_rays<L>(frame, task, all, search, memory);
   reduce(frame, task, memory.sums);
   for (int i = 0; frame.truth != nullptr && i < task.count; ++i)
@@ -112,7 +118,7 @@ OMMA_HD void prepare_block(const FrameView& frame, const BlockTask& task,
                            RayPacket<L::count>* packets) {
   const UnitList all{nullptr, 0, frame.scrambles, task.count * frame.scrambles};
   Units units;
-  make_units<L>(*frame.eye, task, *frame.directions, all, false, false, units);
+  make_units<L>(*frame.eye, task, *frame.directions, all, {}, units);
   Packet<L> packet;
   clear<L>(packet.rays);
   for_each_packet<L>(*frame.directions, units, all.count, packet, [&](const PacketPlace&) {

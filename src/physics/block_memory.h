@@ -38,18 +38,19 @@ inline constexpr int error_signs = 16;
 // Of a packet's paths; null where worlds are not lit.
 struct PathMemory : SpectraMemory {
   float* light = nullptr;  // [component][band][lane], arriving
-  // [band][lane], what white surfaces would send back of baked light, before and behind the one that
-  // was met.
+  // [band][lane], what white surfaces would send back of baked light, before and behind the one
+  // that was met.
   float *front = nullptr, *back = nullptr;
   SpectraMemory shadow;  // of rays to lights
-  // [band][place], of paths that wait to go on, and of those that wait for their last flight.
+  // [band][slot], of paths that wait to go on, and of those that wait for their last flight.
   float *waiting = nullptr, *waiting_for_last = nullptr;
   float* found = nullptr;  // [component][band][lane], by paths that have waited
-  // [ommatidium of the block][band][error_signs], sums over all rays; null where none are asked for.
+  // [ommatidium of the block][band][error_signs], sums over all rays; null where none are asked
+  // for.
   float* cell_errors = nullptr;
 };
 
-// Of the ground truth (truth.h), over the rays of each unit.
+// Of the ground truth (truth_sums.h), over the rays of each unit.
 struct TruthSums {
   double* rows = nullptr;          // [row][unit_room], see TruthRows
   float* nearest_m = nullptr;      // [unit_room]
@@ -67,26 +68,26 @@ OMMA_HD TruthRows rows_of(const TruthView& truth) {
   return {3, flow, truth.flow ? flow + 6 : flow};
 }
 
-// Parts of the points on a disc, each all over it: the spread of how much of it they find open is the
-// error (eye_discs.h). Together they are more even than apart, so that it is rather too large.
+// Parts of the points on a disc, each all over it: the spread of how much of it they find open is
+// the error (eye_discs.h). Together they are more even than apart, so that it is rather too large.
 inline constexpr int disc_replicates = 8;
 
 // Directions in which a unit sees something small and bright (aimed_rays.h).
 struct AimCone {
-  Vec3 direction;                    // unit
-  float chord_2 = 0, solid_sr = 0;   // of its rim, as of DiscView; its solid angle
-  float most = 0;                    // bound on what it adds to the response
+  Vec3 direction;                   // unit
+  float chord_2 = 0, solid_sr = 0;  // of its rim, as of DiscView; its solid angle
+  float most = 0;                   // bound on what it adds to the response
 };
 inline constexpr int most_cones = 8;
 
 // What has a number for each output of each unit is [output][unit_room].
 struct BlockMemory {
-  // [component][band][lane] of one packet, where worlds are lit of block_rays of them one behind the
-  // other. Component 0 is the radiance; in a polarised world Q and U stand behind it.
+  // [component][band][lane] of one packet, where worlds are lit of block_rays of them one behind
+  // the other. Component 0 is the radiance; in a polarised world Q and U stand behind it.
   float* radiance = nullptr;
   PathMemory paths;
-  float* output = nullptr;      // [output][lane] of one packet; the radiance itself without a matrix
-  float* squares = nullptr;     // [output][lane] of one packet, see pair_squares
+  float* output = nullptr;   // [output][lane] of one packet; the radiance itself without a matrix
+  float* squares = nullptr;  // [output][lane] of one packet, see pair_squares
   float* short_rays = nullptr;  // [output][short_room], see add_short_units
   double* sums = nullptr;       // over the rays of each unit
   // Rendering to an error: sums of a round, squares of a round and of all; see estimate.
@@ -103,7 +104,8 @@ struct BlockMemory {
   double *beside = nullptr, *beside_variance = nullptr;
   // Of one unit, on a disc: sums [disc_replicates][band]; its light and error, [2][band].
   double *disc_all = nullptr, *disc_seen = nullptr, *disc_light = nullptr;
-  // Cones that units aim at, [unit][most_cones], how many, [unit]; sums of one, [disc_replicates][output].
+  // Cones that units aim at, [unit][most_cones], how many, [unit]; sums of one,
+  // [disc_replicates][output].
   AimCone* cones = nullptr;
   std::int32_t* cone_count = nullptr;
   double* aimed = nullptr;
@@ -143,8 +145,8 @@ OMMA_HD BlockMemory lay_out(Room& room, const FrameView& frame, int lanes) {
     paths.front = room.take<float>(one);
     paths.back = room.take<float>(one);
   }
-  memory.output = frame.output_from_band == nullptr ? memory.radiance
-                                                    : room.take<float>(outputs * packet);
+  memory.output =
+      frame.output_from_band == nullptr ? memory.radiance : room.take<float>(outputs * packet);
   memory.short_rays = room.take<float>(outputs * short_room);
   memory.sums = room.take<double>(units);
   if (frame.most_samples > 0) {
@@ -171,8 +173,9 @@ OMMA_HD BlockMemory lay_out(Room& room, const FrameView& frame, int lanes) {
     memory.disc_light = room.take<double>(2 * bands);
   }
   if (has_cell_errors(frame))
-    memory.paths.cell_errors = room.take<float>(static_cast<std::size_t>(most_per_block) *
-                                                static_cast<std::size_t>(scene.bands) * error_signs);
+    memory.paths.cell_errors =
+        room.take<float>(static_cast<std::size_t>(most_per_block) *
+                         static_cast<std::size_t>(scene.bands) * error_signs);
   if (frame.truth != nullptr) {
     const auto rows = static_cast<std::size_t>(rows_of(*frame.truth).count);
     memory.truth = room.take<float>(rows * packet);

@@ -12,8 +12,8 @@
 
 namespace omma {
 
-inline constexpr int node_width = 8;   // most children of a node
-inline constexpr int block_width = 4;  // triangles kept side by side
+inline constexpr int node_width = 8;  // most children of a node
+inline constexpr int quad_width = 4;  // triangles kept side by side
 inline constexpr int most_leaf_triangles = 8;
 
 // No path through a tree needs more room than this for what it has still to visit: the builder
@@ -28,20 +28,20 @@ struct WideNode {
   std::uint8_t exponent[3];       // per axis, as in a float's bits
   std::uint8_t counts;            // children, times 16; plus those of them that are nodes
   std::uint32_t first_child;      // index of the first child that is a node; the others follow it
-  std::uint32_t first_leaf;       // index of the first triangle block (top level: placed tree)
-  std::uint8_t leaf[node_width];  // blocks behind first_leaf, times 16; plus how many triangles
+  std::uint32_t first_leaf;       // index of the first quad (top level: placed tree)
+  std::uint8_t leaf[node_width];  // quads behind first_leaf, times 16; plus how many triangles
   std::uint8_t lower[3][node_width], upper[3][node_width];
 };
 static_assert(sizeof(WideNode) == 80);
 
-// Triangles of a leaf, four side by side; a leaf's last block may be filled in part, its other
+// Triangles of a leaf, four side by side; a leaf's last quad may be filled in part, its other
 // places then hold no number.
-struct TriangleBlock {
-  float corner[3][3][block_width];      // [vertex][axis], m
-  std::uint32_t triangle[block_width];  // index in its mesh
+struct TriangleQuad {
+  float corner[3][3][quad_width];      // [vertex][axis], m
+  std::uint32_t triangle[quad_width];  // index in its mesh
   // Index into the table of placed meshes; where the search must ask whether a hit counts,
   // `ask_flag` is added. Triangles of a tree that is placed several times have 0 here.
-  std::uint32_t placed[block_width];
+  std::uint32_t placed[quad_width];
 };
 inline constexpr std::uint32_t ask_flag = 0x80000000u;
 
@@ -58,7 +58,7 @@ struct BvhView {
   const WideNode* top_nodes = nullptr;  // the first is the root; null where nothing is placed
   const PlacedTree* trees = nullptr;    // in the order of the top level's leaves
   const WideNode* nodes = nullptr;      // of all trees of triangles
-  const TriangleBlock* blocks = nullptr;
+  const TriangleQuad* quads = nullptr;
 };
 
 }  // namespace omma

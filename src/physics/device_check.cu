@@ -22,8 +22,8 @@ struct Search {
                        bool from_behind) const {
     return accept_hit(*scene, {placed_meshes[placed].mesh, triangle, u, v}, from_behind);
   }
-  OMMA_HD void closest(const std::int32_t* valid, RayPacket<1>& rays,
-                       const PassedSurfaces<1>* passed, Spread = Spread::together) const {
+  OMMA_HD void closest(LaneMask<OneLane> lanes, RayPacket<1>& rays, const PassedSurfaces<1>* passed,
+                       Spread = Spread::together) const {
     const auto accept = [&](int lane, float t_m, float u, float v, std::uint32_t triangle,
                             std::uint32_t placed, bool from_behind) {
       if (!accepts(placed, triangle, u, v, from_behind)) return false;
@@ -31,17 +31,15 @@ struct Search {
       return passed == nullptr ||
              !has_passed(*passed, lane, {none, placed, triangle, t_m, u, v}, {}, corners);
     };
-    omma::closest<OneLane>(*bvh, valid, rays, accept);
+    omma::closest<OneLane>(*bvh, lanes, rays, accept);
   }
-  OMMA_HD unsigned occluded(const std::int32_t* valid, const RayPacket<1>& rays) const {
+  OMMA_HD LaneMask<OneLane> occluded(LaneMask<OneLane> lanes, const RayPacket<1>& rays) const {
     return omma::occluded<OneLane>(
-        *bvh, valid, rays,
+        *bvh, lanes, rays,
         [&](int, float, float u, float v, std::uint32_t triangle, std::uint32_t placed,
             bool from_behind) { return accepts(placed, triangle, u, v, from_behind); });
   }
-  OMMA_HD const PlacedMesh* placed() const {
-    return placed_meshes;
-  }
+  OMMA_HD const PlacedMesh* placed() const { return placed_meshes; }
 };
 
 }  // namespace
@@ -53,7 +51,8 @@ __global__ void device_check(FrameView frame, BlockTask task, BvhView bvh, const
   render_block<OneLane>(frame, task, search, lay_out(room, frame, 1));
 }
 
-__global__ void device_check_weights(SharedWeights shared, const float* radiance, float* responses) {
+__global__ void device_check_weights(SharedWeights shared, const float* radiance,
+                                     float* responses) {
   weigh_rays<Lanes<weight_group, 1>>(shared, radiance, 3, 0, 1, responses);
 }
 
@@ -67,12 +66,12 @@ __global__ void device_check_acceptance(AcceptanceWarpView warp, double* out) {
 __global__ void device_check_scatter(const ScatterSurface<float>* surfaces, Vec2 u,
                                      Mueller3<float>* paths) {
   const ScatterPoint<float> point = make_scatter_point(surfaces[threadIdx.x]);
-  float weight[lobe_count], w[3], s[3];
+  float weight[lobe_count];
   lobe_weights(point, {0.5f, 0.5f, 0.5f, 0.5f}, weight);
   const LobeChoice<float> choice = choose_lobe(weight, u.x);
-  sample_scatter(choice.lobe, point, u.x, u.y, w);
+  const Vector3<float> w = sample_scatter(choice.lobe, point, u.x, u.y);
   const ScatterValue<float> value = eval_scatter(point, w);
-  reflection_axis(point.direction, w, point.tangent, s);
+  const Vector3<float> s = reflection_axis(point.direction, w, point.tangent);
   paths[threadIdx.x] = paths[threadIdx.x] * frame_turn(point.tangent, point.bitangent, s) *
                        (value.dielectric * (1.0f / pdf_scatter(choice.lobe, value)));
 }
@@ -81,29 +80,22 @@ __global__ void device_check_scatter(const ScatterSurface<float>* surfaces, Vec2
 __global__ void device_check_leaving(SceneView scene, BvhView bvh, const PlacedMesh* placed,
                                      Packet<OneLane>* packets, unsigned* occluded_rays) {
   Packet<OneLane>& packet = packets[threadIdx.x];
-  const std::int32_t valid = -1;
+  const auto all = LaneMask<OneLane>::all();
   const Search search{&scene, &bvh, placed};
-  search.closest(&valid, packet.rays, nullptr);
+  search.closest(all, packet.rays, nullptr);
   Hits<OneLane> hits;
   find_hits<OneLane>(placed, packet, hits);
   HitGeometry<OneLane> geometry;
   eval_geometry<OneLane>(scene, packet.rays, hits, geometry);
-  float position[3], normal[3], origin[3];
-  for (int r = 0; r < 3; ++r) {
-    position[r] = geometry.position[r][0];
-    normal[r] = geometry.normal[r][0];
-  }
-  leave_surface(position, normal, geometry.reach_m[0], normal, origin);
-  for (int r = 0; r < 3; ++r) {
-    packet.rays.origin[r][0] = origin[r];
-    packet.rays.direction[r][0] = normal[r];
-  }
+  const auto normal = load_vector<float>(geometry.normal, 0);
+  leave_surface<OneLane>(geometry, 0, normal, packet.rays);
   packet.rays.t_far_m[0] = INFINITY;
-  occluded_rays[threadIdx.x] = search.occluded(&valid, packet.rays);
+  occluded_rays[threadIdx.x] = search.occluded(all, packet.rays).bits;
 }
 
 // How much of the sun is seen from where a ray met something.
-__global__ void device_check_sun_map(SunMapView map, const HitGeometry<OneLane>* hits, float* visible) {
+__global__ void device_check_sun_map(SunMapView map, const HitGeometry<OneLane>* hits,
+                                     float* visible) {
   float seen[1];
   eval_sun_map(map, hits[threadIdx.x], seen);
   visible[threadIdx.x] = seen[0];

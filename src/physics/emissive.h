@@ -107,16 +107,16 @@ OMMA_HD Vec3 sample_spherical_triangle(const LightTriangle& seen, float u0, floa
 }
 
 // A place on a triangle as it is seen.
-struct TrianglePlace {
+struct TriangleSample {
   Vec3 direction;  // unit, from the point
   float distance_m;
   float u, v;  // barycentric weights of the second and third corner
   float pdf;   // per solid angle; 0 where there is no such place
 };
 
-OMMA_HD TrianglePlace sample_triangle(const LightTriangle& seen, float u0, float u1) {
+OMMA_HD TriangleSample sample_triangle(const LightTriangle& seen, float u0, float u1) {
   const Vec3 e1 = seen.corner[1] - seen.corner[0], e2 = seen.corner[2] - seen.corner[0];
-  TrianglePlace place{};
+  TriangleSample place{};
   if (is_sampled_by_solid_angle(seen)) {
     // Where that direction meets the plane (Moeller and Trumbore 1997, from its first corner).
     place.direction = sample_spherical_triangle(seen, u0, u1);

@@ -2,18 +2,17 @@
 // rays by itself.
 #pragma once
 
-#include "physics/sums.h"
+#include "physics/trace_units.h"
 
 namespace omma {
 
-// The variance of output o of an ommatidium's response, in radiance units, that comes of the cells of
-// baked light which its `rays` met; 0 in other worlds.
-OMMA_HD double cell_variance(const FrameView& frame, const BlockMemory& memory, int ommatidium, int o,
-                             double rays) {
+// The variance of output o of an ommatidium's response, in radiance units, that comes of the cells
+// of baked light which its `rays` met; 0 in other worlds.
+OMMA_HD double cell_variance(const FrameView& frame, const BlockMemory& memory, int ommatidium,
+                             int o, double rays) {
   if (memory.paths.cell_errors == nullptr) return 0;
   const int bands = frame.scene->bands, components = frame.scene->polarized ? 3 : 1;
-  const float* sums =
-      memory.paths.cell_errors + std::ptrdiff_t{ommatidium} * bands * error_signs;
+  const float* sums = memory.paths.cell_errors + std::ptrdiff_t{ommatidium} * bands * error_signs;
   // What is baked is unpolarised: it is in I alone.
   if (frame.output_from_band == nullptr && o >= bands) return 0;
   double squares = 0;
@@ -23,7 +22,8 @@ OMMA_HD double cell_variance(const FrameView& frame, const BlockMemory& memory, 
       sum = static_cast<double>(sums[o * error_signs + k]);
     } else {
       const float* row = frame.output_from_band + std::ptrdiff_t{o} * components * bands;
-      for (int b = 0; b < bands; ++b) sum += static_cast<double>(row[b] * sums[b * error_signs + k]);
+      for (int b = 0; b < bands; ++b)
+        sum += static_cast<double>(row[b] * sums[b * error_signs + k]);
     }
     squares += sum * sum;
   }
@@ -37,8 +37,8 @@ OMMA_HD void clear_cell_errors(const FrameView& frame, const BlockTask& task,
   for (std::ptrdiff_t i = 0; i < all; ++i) memory.paths.cell_errors[i] = 0;
 }
 
-// Where the ommatidia of a block stand on the way to an error; the rest is in BlockMemory: sums over
-// all rays so far, all_squares, roughness and unseen.
+// Where the ommatidia of a block stand on the way to an error; the rest is in BlockMemory: sums
+// over all rays so far, all_squares, roughness and unseen.
 struct WayToError {
   double roots[block_capacity];       // sum over the rounds of the square roots of their rays
   std::int32_t rays[block_capacity];  // so far
@@ -50,8 +50,8 @@ struct WayToError {
 // 2.5. With 0.6 more than one in a hundred are beyond twice the error on a fine checkerboard.
 inline constexpr double even_credit = 0.75;
 
-// n even rays can all miss what covers a fraction of up to about 1/n of a field, and are then off by
-// that fraction of its contrast. Measured, 0.4 leaves some 1 in 1,000 beyond twice the error in
+// n even rays can all miss what covers a fraction of up to about 1/n of a field, and are then off
+// by that fraction of its contrast. Measured, 0.4 leaves some 1 in 1,000 beyond twice the error in
 // arenas, this 1 in 2,000, for 5 % to 10 % more rays.
 inline constexpr float overlooked = 0.6f;
 
@@ -112,8 +112,9 @@ OMMA_HD double scaled_variance(const BlockMemory& memory, int i, int o, double r
 }
 
 // Whether the standard errors would be small enough with so many rays; all in radiance units. More
-// rays do not change what cells of baked light err by: rays make up for at least half of the variance
-// that is asked for, and where cells err by more than the other half, the error stays above.
+// rays do not change what cells of baked light err by: rays make up for at least half of the
+// variance that is asked for, and where cells err by more than the other half, the error stays
+// above.
 OMMA_HD bool reaches_error(const FrameView& frame, const BlockMemory& memory, int i, double rays,
                            double roots) {
   for (int o = 0; o < frame.outputs; ++o) {
@@ -127,8 +128,8 @@ OMMA_HD bool reaches_error(const FrameView& frame, const BlockMemory& memory, in
 
 // The smallest round that should reach the error, or the largest that is left; -1 where none is
 // needed, or none left.
-OMMA_HD int choose_round(const FrameView& frame, const WayToError& way,
-                         const BlockMemory& memory, int i) {
+OMMA_HD int choose_round(const FrameView& frame, const WayToError& way, const BlockMemory& memory,
+                         int i) {
   const double rays = way.rays[i];
   if (reaches_error(frame, memory, i, rays, way.roots[i])) return -1;
   int round = -1;
@@ -148,11 +149,12 @@ OMMA_HD void clear(double* sums, int outputs, int units) {
 
 // One round of the ommatidia for which it comes next.
 template <typename L, typename Search>
-OMMA_HD void trace_round(const FrameView& frame, const BlockTask& task, int k, int scramble,
-                         Search& search, WayToError& way, const BlockMemory& memory) {
+OMMA_HD void trace_round(const BlockRun<Search>& run, int k, int scramble, WayToError& way) {
+  const FrameView& frame = run.frame;
+  const BlockTask& task = run.task;
+  const BlockMemory& memory = run.memory;
   const DirectionsView& directions = frame.directions[k];
-  const int most =
-      directions.samples < L::count ? block_rays / directions.samples : block_capacity;
+  const int most = directions.samples < L::count ? block_rays / directions.samples : block_capacity;
   std::int32_t member[unit_room], ordinal[unit_room];
   for (int i = 0; i < task.count;) {
     int count = 0;
@@ -166,8 +168,8 @@ OMMA_HD void trace_round(const FrameView& frame, const BlockTask& task, int k, i
     clear(memory.round_squares, frame.outputs, count);
     if (frame.truth != nullptr) clear(*frame.truth, memory.truth_round_sums, count);
     const UnitList list{scramble == 0 ? nullptr : ordinal, scramble, 1, count};
-    trace_units<L>(frame, task, directions, list, search, memory, memory.round_sums,
-                   memory.round_squares, memory.truth_round_sums);
+    trace_units<L>(run, directions, list,
+                   {memory.round_sums, memory.round_squares, memory.truth_round_sums});
     // Choices on the way of a path are not as even as the directions that they begin with.
     const bool is_even = !directions.random && frame.scene->light == nullptr;
     const double credit = is_even ? even_credit : 1.0;
@@ -186,8 +188,10 @@ OMMA_HD void trace_round(const FrameView& frame, const BlockTask& task, int k, i
 }
 
 template <typename L, typename Search>
-OMMA_HD void render_to_error(const FrameView& frame, const BlockTask& task, Search& search,
-                             const BlockMemory& memory) {
+OMMA_HD void render_to_error(const BlockRun<Search>& run) {
+  const FrameView& frame = run.frame;
+  const BlockTask& task = run.task;
+  const BlockMemory& memory = run.memory;
   WayToError way;
   clear(memory.sums, frame.outputs, task.count);
   clear(memory.all_squares, frame.outputs, task.count);
@@ -196,8 +200,7 @@ OMMA_HD void render_to_error(const FrameView& frame, const BlockTask& task, Sear
   for (int i = 0; i < task.count; ++i) way.roots[i] = way.rays[i] = way.next[i] = 0;
   int rounds = 1;  // of these some are to come
   for (int scramble = 0; rounds > 0; ++scramble) {
-    for (int k = 0; k < rounds; ++k)
-      trace_round<L>(frame, task, k, scramble, search, way, memory);
+    for (int k = 0; k < rounds; ++k) trace_round<L>(run, k, scramble, way);
     rounds = 0;
     estimate(frame, task, way, memory);
     for (int i = 0; i < task.count; ++i) {
@@ -206,8 +209,7 @@ OMMA_HD void render_to_error(const FrameView& frame, const BlockTask& task, Sear
     }
   }
   const bool sees_more = sees_beside_rays(frame);
-  if (sees_more)
-    eval_beside_rays<L>(frame, task, {nullptr, 0, 1, task.count}, search, memory);
+  if (sees_more) eval_beside_rays<L>(frame, task, {nullptr, 0, 1, task.count}, run.search, memory);
   for (int i = 0; i < task.count; ++i) {
     const auto ommatidium = static_cast<std::int64_t>(frame.eye->ommatidium[task.first + i]);
     if (task.rays != nullptr) task.rays[ommatidium] = way.rays[i];

@@ -1,19 +1,20 @@
-// Discs of the sky, such as the sun, as ommatidia see them. They are too small and too bright to be
-// found by rays that an ommatidium sends by its acceptance, so it asks for them: next-event estimation
-// from the eye. Of a disc it gets, in band b,
+// Discs of the sky, such as the sun, as ommatidia see them: next-event estimation from the eye, as
+// they are too small and too bright to be found by rays that an ommatidium sends by its acceptance.
+// Of a disc it gets, in band b,
 //
 //   D[b] = ∫ S L[b] V dω / ∫ S dω   over the disc,
 //
-// V the part of the light that nothing hides. The integral without V is a quadrature; how much of it is
-// open comes of shadow rays to points all over the disc (a ratio estimator, within 0 and the whole).
-// First a few of them, which are not counted, say whether the disc is partly hidden; only then there
-// are many. As they choose how many there are and nothing else, the mean stays right.
+// V the part of the light that nothing hides. The integral without V is a quadrature; how much of
+// it is open comes of shadow rays to points all over the disc (a ratio estimator, within 0 and the
+// whole). First a few of them, which are not counted, say whether the disc is partly hidden; only
+// then there are many. As they choose how many there are and nothing else, the mean stays right.
 //
 // Rays from the eye leave out what is sampled here (counts_by_rays): discs that are not much larger
-// than the acceptance. What fills an acceptance is found by its rays as well as any other surface is.
+// than the acceptance. What fills an acceptance is found by its rays as well as any other surface
+// is.
 #pragma once
 
-#include "physics/ask_lights.h"
+#include "physics/direct_light.h"
 #include "physics/head_motion.h"
 #include "physics/units.h"
 
@@ -30,9 +31,10 @@ struct DiscEffort {
   int pilot = 0, plain = 0, mixed = 0;  // the pilot's are all in one
 };
 
-// `most`: a bound on what the disc adds, in units of what a surface gets; `over`: how many times the
-// acceptance's solid angle the disc is, as only that part of its points counts. A half hidden disc that
-// outshines all else is then off by some 0.4 %, others by less than what rays of the rest are.
+// `most`: a bound on what the disc adds, in units of what a surface gets; `over`: how many times
+// the acceptance's solid angle the disc is, as only that part of its points counts. A half hidden
+// disc that outshines all else is then off by some 0.4 %, others by less than what rays of the rest
+// are.
 OMMA_HD DiscEffort choose_disc_effort(double most, double over) {
   if (!(most >= least_disc_light)) return {};
   DiscEffort effort{64, 8, 512};
@@ -91,13 +93,12 @@ OMMA_HD DiscPoints<F> even_disc_points(const UnitPair<F>& pair) {
 // A direction in a disc, `x` and `y` in the unit circle, which is mapped evenly by solid angle.
 OMMA_HD Vec3 disc_direction(const DiscView& disc, float x, float y) {
   const Vec3 n = disc.direction;
-  const float centre[3] = {n.x, n.y, n.z};
-  float s[3], t[3];
-  make_axes(centre, s, t);
+  const Axes<float> axes = make_axes(vector_of(n));
+  const Vector3<float>&s = axes.tangent, &t = axes.bitangent;
   const float chord_2 = (x * x + y * y) * disc.chord_2;
-  const float across = sqrtf(disc.chord_2 * (1.0f - 0.25f * chord_2)), along = 1.0f - 0.5f * chord_2;
-  return {along * n.x + across * (x * s[0] + y * t[0]), along * n.y + across * (x * s[1] + y * t[1]),
-          along * n.z + across * (x * s[2] + y * t[2])};
+  const float across = sqrtf(disc.chord_2 * (1.0f - 0.25f * chord_2)),
+              along = 1.0f - 0.5f * chord_2;
+  return vec_of(vector_of(n) * along + (s * x + t * y) * across);
 }
 
 // Density of the unit's rays in a world direction, where the head is turned by `turn`.
@@ -113,31 +114,34 @@ OMMA_HD double unit_pdf(const DiscTask& of, Vec3 direction, const float (&turn)[
     z += d * static_cast<double>(units.axis[c][u]);
   }
   const double azimuth = of.warp->azimuth == nullptr ? 0 : atan2(y, x);
-  return eye_pdf(*of.warp, static_cast<double>(units.scale[u]), atan2(sqrt(x * x + y * y), z), azimuth);
+  return eye_pdf(*of.warp, static_cast<double>(units.scale[u]), atan2(sqrt(x * x + y * y), z),
+                 azimuth);
 }
 
-// How the head is turned when sample `sample` looks, and where its centre is: as HeadMotion's nodes.
+// How the head is turned when sample `sample` looks, and where its centre is: as HeadMotion's
+// nodes.
 OMMA_HD void disc_turn(const DiscTask& of, std::uint32_t hash, int sample, float (&turn)[3][4]) {
   if (of.task->motion != nullptr) {
-    head_turn<float, std::int32_t>(*of.task->motion, hash, static_cast<std::uint32_t>(sample), turn);
+    head_turn<float, std::int32_t>(*of.task->motion, hash, static_cast<std::uint32_t>(sample),
+                                   turn);
     return;
   }
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 4; ++c) turn[r][c] = r == c ? 1.0f : 0.0f;
 }
 
-// Bound on the density of the unit's rays in the disc: where it is nearest to the axis, in its middle
-// and where it is furthest, at some times of a frame that lasts.
+// Bound on the density of the unit's rays in the disc: where it is nearest to the axis, in its
+// middle and where it is furthest, at some times of a frame that lasts.
 OMMA_HD double most_unit_pdf(const DiscTask& of) {
   const Units& units = *of.units;
   const AcceptanceWarpView& warp = *of.warp;
   const double radius_rad = 2 * asin(0.5 * sqrt(static_cast<double>(of.disc->chord_2)));
-  const bool ends = warp.sensitivity.kernel == Kernel::gaussian ||
-                    warp.sensitivity.kernel == Kernel::pillbox;
+  const bool ends =
+      warp.sensitivity.kernel == Kernel::gaussian || warp.sensitivity.kernel == Kernel::pillbox;
   const double scale = static_cast<double>(units.scale[of.unit]);
   // Beyond 3.5 widths a Gaussian is below 2e-15 of its peak.
-  const double reach_rad = radius_rad + 3.5 * scale * fmax(warp.sensitivity.width_rad,
-                                                           warp.sensitivity.minor_width_rad);
+  const double reach_rad =
+      radius_rad + 3.5 * scale * fmax(warp.sensitivity.width_rad, warp.sensitivity.minor_width_rad);
   const int times = of.task->motion != nullptr ? 32 : 1;
   double most = 0;
   for (int k = 0; k < times; ++k) {
@@ -163,9 +167,9 @@ OMMA_HD double most_unit_pdf(const DiscTask& of) {
   return most;
 }
 
-// ∫ over the disc of the density of the unit's rays, [0], and times the darkening, [1]: in cosines at
-// the disc by Gauss and Legendre's rule, which limb darkening is smooth in, and in turns about its
-// centre. Where S has edges in many small pieces. While the head moves a mean over times too.
+// ∫ over the disc of the density of the unit's rays, [0], and times the darkening, [1]: in cosines
+// at the disc by Gauss and Legendre's rule, which limb darkening is smooth in, and in turns about
+// its centre. Where S has edges in many small pieces. While the head moves a mean over times too.
 OMMA_HD void integrate_disc(const DiscTask& of, double (&integral)[2]) {
   constexpr double node[8] = {0.0198550717512319, 0.1016667612931866, 0.2372337950418355,
                               0.4082826787521751, 0.5917173212478249, 0.7627662049581645,
@@ -202,17 +206,23 @@ OMMA_HD void integrate_disc(const DiscTask& of, double (&integral)[2]) {
   for (double& x : integral) x /= static_cast<double>(disc.density);
 }
 
-// Sums over a unit's points on a disc, [replicate][band]: of all of their light, and of what reaches
-// the eye; and whether some, or not all, does.
+// Sums over a unit's points on a disc, [replicate][band]: of all of their light, and of what
+// reaches the eye; and whether some, or not all, does.
 struct DiscSums {
   double *all = nullptr, *seen = nullptr;
   bool any_open = false, any_hidden = false;
 };
 
-// Shadow rays of a unit to the points of a set on the disc, `each` for each of some replicates.
+// Points on a disc: `each` for each of some replicates. Sets of other numbers are independent.
+struct PointSet {
+  std::uint32_t number;
+  int replicates, each;
+};
+
+// Shadow rays of a unit to the points of a set on the disc.
 template <typename L, typename Search>
 OMMA_HD void trace_disc(const DiscTask& of, Search& search, const BlockMemory& memory,
-                        std::uint32_t set, int replicates, int each, DiscSums& sums) {
+                        const PointSet& set, DiscSums& sums) {
   using F = typename L::F;
   using I = typename L::I;
   using U = typename L::U;
@@ -220,19 +230,19 @@ OMMA_HD void trace_disc(const DiscTask& of, Search& search, const BlockMemory& m
   const SceneView& scene = *of.frame->scene;
   const Units& units = *of.units;
   const DiscView& disc = *of.disc;
-  const int u = of.unit, bands = scene.bands, rays = replicates * each;
-  const bool dims = scene.has_blend || scene.has_glass;
+  const int u = of.unit, bands = scene.bands, rays = set.replicates * set.each;
+  const bool dims = lets_through(scene);
   sums.any_open = sums.any_hidden = false;
-  for (int i = 0; i < replicates * bands; ++i) sums.all[i] = sums.seen[i] = 0;
+  for (int i = 0; i < set.replicates * bands; ++i) sums.all[i] = sums.seen[i] = 0;
   Packet<L> shadow;
   clear<L>(shadow.rays);
   for (int begin = 0; begin < rays; begin += n) {
     alignas(n * 4) float x[n], y[n], from_x[n], from_y[n];
-    alignas(n * 4) std::int32_t hash[n], sample[n], valid[n];
+    alignas(n * 4) std::int32_t hash[n], sample[n];
     float weight[n], darkened[n];
     for (int l = 0; l < n; ++l) {
       const int ray = begin + l < rays ? begin + l : rays - 1;
-      hash[l] = int_of(mix_bits_32(of.hash + set));
+      hash[l] = int_of(mix_bits_32(of.hash + set.number));
       sample[l] = ray;
     }
     for (int l = 0; l < n; l += L::width) {
@@ -245,40 +255,35 @@ OMMA_HD void trace_disc(const DiscTask& of, Search& search, const BlockMemory& m
       store(from_x + l, lens.x * units.aperture_radius_m[u]);
       store(from_y + l, lens.y * units.aperture_radius_m[u]);
     }
-    unsigned asked = 0;
+    LaneMask<L> asked;
     for (int l = 0; l < n; ++l) {
       const Vec3 direction = disc_direction(disc, x[l], y[l]);
       float turn[3][4];
       disc_turn(of, uint_of(hash[l]), sample[l], turn);
       weight[l] = begin + l < rays ? static_cast<float>(unit_pdf(of, direction, turn)) : 0.0f;
-      darkened[l] = static_cast<float>(
-          disc_darkening(disc, static_cast<double>(x[l] * x[l] + y[l] * y[l]) *
-                                   static_cast<double>(disc.chord_2)));
-      valid[l] = weight[l] > 0.0f ? -1 : 0;
-      asked |= (weight[l] > 0.0f ? 1u : 0u) << l;
-      float from[3];
-      for (int r = 0; r < 3; ++r)
-        from[r] = units.origin[r][u] + units.s[r][u] * from_x[l] + units.t[r][u] * from_y[l];
-      if (of.task->motion != nullptr) move_point(*of.task->motion, turn, from);
-      const float towards[3] = {direction.x, direction.y, direction.z};
-      for (int r = 0; r < 3; ++r) {
-        shadow.rays.origin[r][l] = from[r];
-        shadow.rays.direction[r][l] = without_noise(towards[r]);
-      }
+      darkened[l] =
+          static_cast<float>(disc_darkening(disc, static_cast<double>(x[l] * x[l] + y[l] * y[l]) *
+                                                      static_cast<double>(disc.chord_2)));
+      if (weight[l] > 0.0f) asked.add(l);
+      const auto s = load_vector<float>(units.s, u), t = load_vector<float>(units.t, u);
+      Vector3<float> from = load_vector<float>(units.origin, u) + s * from_x[l] + t * from_y[l];
+      if (of.task->motion != nullptr) from = move_point(*of.task->motion, turn, from);
+      store_vector(shadow.rays.origin, l, from);
+      store_vector(shadow.rays.direction, l, without_noise(vector_of(direction)));
       shadow.rays.t_near_m[l] = units.t_near_m[u];
       shadow.rays.t_far_m[l] = INFINITY;
       shadow.rays.mask[l] = of.task->sees.from_eye;
       shadow.footprint_rad[l] = 0;
     }
-    if (asked == 0) continue;
-    const unsigned open =
-        dims ? dim_by_passing<L>(scene, search, asked, shadow, memory.paths.shadow)
-             : asked & ~search.occluded(valid, shadow.rays);
-    sums.any_open = sums.any_open || open != 0;
-    sums.any_hidden = sums.any_hidden || open != asked;
-    for (unsigned bits = asked; bits != 0; bits &= bits - 1) {
-      const int l = lowest_bit(bits), row = (begin + l) / each * bands;
-      const bool is_open = (open >> l & 1u) != 0;
+    if (!asked.any()) continue;
+    const LaneMask<L> open =
+        dims ? trace_transmittance<L>(scene, search, asked, shadow, memory.paths.shadow)
+             : asked & ~search.occluded(asked, shadow.rays);
+    sums.any_open = sums.any_open || open.any();
+    sums.any_hidden = sums.any_hidden || !(open == asked);
+    asked.for_each([&](int l) {
+      const int row = (begin + l) / set.each * bands;
+      const bool is_open = open.has(l);
       for (int b = 0; b < bands; ++b) {
         const float limb = disc.limb != nullptr ? disc.limb[b] : 0.0f;
         const double light = static_cast<double>(weight[l] * (1.0f - limb * darkened[l]));
@@ -287,7 +292,7 @@ OMMA_HD void trace_disc(const DiscTask& of, Search& search, const BlockMemory& m
         sums.all[row + b] += light;
         if (is_open) sums.seen[row + b] += light * static_cast<double>(left);
       }
-    }
+    });
   }
 }
 
@@ -299,18 +304,17 @@ OMMA_HD void add_disc_of_unit(const DiscTask& of, const DiscEffort& effort, Sear
   DiscSums sums{memory.disc_all, memory.disc_seen};
   int each = effort.plain;
   if (effort.pilot > 0) {
-    trace_disc<L>(of, search, memory, 1, 1, effort.pilot, sums);
+    trace_disc<L>(of, search, memory, {1, 1, effort.pilot}, sums);
     if (sums.any_open && sums.any_hidden) each = effort.mixed;
   }
-  trace_disc<L>(of, search, memory, 0, disc_replicates, each, sums);
+  trace_disc<L>(of, search, memory, {0, disc_replicates, each}, sums);
   if (!sums.any_open) return;
   double integral[2];
   integrate_disc(of, integral);
   const DiscView& disc = *of.disc;
   for (int b = 0; b < bands; ++b) {
     const double limb = disc.limb != nullptr ? static_cast<double>(disc.limb[b]) : 0;
-    const double whole =
-        static_cast<double>(disc.radiance[b]) * (integral[0] - limb * integral[1]);
+    const double whole = static_cast<double>(disc.radiance[b]) * (integral[0] - limb * integral[1]);
     double all = 0, seen = 0;
     for (int r = 0; r < disc_replicates; ++r) {
       all += sums.all[r * bands + b];
@@ -330,22 +334,22 @@ OMMA_HD void add_disc_of_unit(const DiscTask& of, const DiscEffort& effort, Sear
   }
 }
 
-// Whether ommatidia of a frame ask for discs; rays that neighbours share have no acceptance to ask by.
+// Whether ommatidia of a frame sample discs; rays that neighbours share have no acceptance.
 OMMA_HD bool has_discs(const FrameView& frame) {
   return frame.scene->light != nullptr && frame.scene->light->disc_count > 0 &&
          frame.directions->warps != nullptr;
 }
 
-// Adds what units see of discs that their rays leave out to memory.beside, and the square of its error
-// to memory.beside_variance.
+// Adds what units see of discs that their rays leave out to memory.beside, and the square of its
+// error to memory.beside_variance.
 template <typename L, typename Search>
 OMMA_HD void add_eye_discs(const FrameView& frame, const BlockTask& task, const UnitList& list,
-                            Search& search, const BlockMemory& memory) {
+                           Search& search, const BlockMemory& memory) {
   const LightView& light = *frame.scene->light;
   const DirectionsView& directions = *frame.directions;
   const int bands = frame.scene->bands;
   Units units;
-  make_units<L>(*frame.eye, task, directions, list, true, false, units);
+  make_units<L>(*frame.eye, task, directions, list, {true, false}, units);
   find_acceptances(frame, units, list.count);
   for (int u = 0; u < list.count; ++u) {
     double *of_band = memory.disc_light, *error_2 = of_band + bands;
@@ -353,8 +357,14 @@ OMMA_HD void add_eye_discs(const FrameView& frame, const BlockTask& task, const 
     for (int i = 0; i < light.disc_count; ++i) {
       const DiscView& disc = light.discs[i];
       if (counts_by_rays(disc, units.acceptance_sr[u])) continue;
-      DiscTask of{&frame, &task, &units, directions.warps + units.warp[u], &disc, u,
-                  mix_bits_32(uint_of(units.hash[u]) + static_cast<std::uint32_t>(i) * 0x85ebca6bu)};
+      DiscTask of{
+          &frame,
+          &task,
+          &units,
+          directions.warps + units.warp[u],
+          &disc,
+          u,
+          mix_bits_32(uint_of(units.hash[u]) + static_cast<std::uint32_t>(i) * 0x85ebca6bu)};
       float most = 0;
       for (int b = 0; b < bands; ++b) most = fmaxf(most, disc.radiance[b]);
       const double solid_sr = 1 / static_cast<double>(disc.density);

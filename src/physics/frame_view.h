@@ -1,11 +1,11 @@
-// What frames are rendered from besides the scene (scene_view.h), as the physics sees it: an eye and
-// its patterns of directions, as flat arrays behind pointers, the same on host and device. Made by
-// backend/eye_arrays and sampling/directions.
+// What frames are rendered from besides the scene (scene_view.h), as the physics sees it: an eye
+// and its patterns of directions, as flat arrays behind pointers, the same on host and device. Made
+// by backend/eye_arrays and sampling/directions.
 #pragma once
 
 #include <cstdint>
 
-#include "physics/acceptance.h"
+#include "physics/acceptance_sampling.h"
 #include "physics/random_direction.h"
 #include "physics/ray_packet.h"
 #include "physics/scene_view.h"
@@ -41,17 +41,17 @@ struct DirectionsView {
   // [warp][pattern][x, y, z][pattern_samples], unit, in a frame with x up, y right, z along the
   // axis.
   const float* local = nullptr;
-  const Vec2* turns = nullptr;                 // [turn_count + 1], cosine, sine; the last is no turn
-  const std::int32_t* fixed_turn = nullptr;    // [warp], the turn that all have, or -1
-  const float* footprint_rad = nullptr;        // [warp], width of each ray (footprint.h)
-  const AcceptanceWarpView* warps = nullptr;   // [warp]
-  PolarTablesView polar;                       // with random sampling
+  const Vec2* turns = nullptr;                // [turn_count + 1], cosine, sine; the last is no turn
+  const std::int32_t* fixed_turn = nullptr;   // [warp], the turn that all have, or -1
+  const float* footprint_rad = nullptr;       // [warp], width of each ray (footprint.h)
+  const AcceptanceWarpView* warps = nullptr;  // [warp]
+  PolarTablesView polar;                      // with random sampling
 };
 
 // Ommatidia that each listens to where rays go on to an error.
 inline constexpr int listened_to = 8;
 
-// What is asked of the ground truth (truth.h), and of which instances of the scene.
+// What is asked of the ground truth (truth_sums.h), and of which instances of the scene.
 struct TruthView {
   bool places = false;                               // positions and normals
   bool flow = false;                                 // optic flow
@@ -93,7 +93,8 @@ struct FrameView {
   int most_samples = 0;  // 0: not rendered to an error
   const std::uint8_t* nearest = nullptr;  // [ommatidium][listened_to], place in its block
   const TruthView* truth = nullptr;       // null: none is asked for
-  // By which rays count discs of the sky (counts_by_rays), the same for all; -1: each ommatidium's own.
+  // By which rays count discs of the sky (counts_by_rays), the same for all; -1: each ommatidium's
+  // own.
   float acceptance_sr = -1;
 };
 

@@ -8,6 +8,7 @@
 #pragma once
 
 #include "physics/lanes.h"
+#include "physics/vector3.h"
 
 namespace omma {
 
@@ -79,8 +80,9 @@ struct FrameTurn {
 
 // `other`: the other frame's first axis.
 template <typename F>
-OMMA_HD FrameTurn<F> frame_turn(const F (&e1)[3], const F (&e2)[3], const F (&other)[3]) {
-  const F c = dot_lanes(e1, other), s = dot_lanes(e2, other);
+OMMA_HD FrameTurn<F> frame_turn(const Vector3<F>& e1, const Vector3<F>& e2,
+                                const Vector3<F>& other) {
+  const F c = dot(e1, other), s = dot(e2, other);
   return {c * c - s * s, 2.0f * (c * s)};
 }
 
@@ -149,14 +151,14 @@ OMMA_HD Stokes<F> operator*(const Mueller3<F>& path, const Stokes<F>& s) {
 // The axis s of a reflection that takes the ray `before` to the ray `after`, unit; where light goes
 // back the way it came any axis across the ray is right, and `fallback` is taken.
 template <typename F>
-OMMA_HD void reflection_axis(const F (&before)[3], const F (&after)[3], const F (&fallback)[3],
-                             F (&s)[3]) {
-  cross_lanes(before, after, s);
-  const F length2 = dot_lanes(s, s);
+OMMA_HD Vector3<F> reflection_axis(const Vector3<F>& before, const Vector3<F>& after,
+                                   const Vector3<F>& fallback) {
+  const Vector3<F> s = cross(before, after);
+  const F length2 = dot(s, s);
   // Below this, at 1e-4 rad, rounding turns the cross product by more than 1e-3 rad.
   const auto is_known = length2 > 1e-8f;
   const F scale = 1.0f / sqrt_lanes(is_known ? length2 : broadcast<F>(1.0f));
-  for (int r = 0; r < 3; ++r) s[r] = is_known ? s[r] * scale : fallback[r];
+  return select(is_known, s * scale, fallback);
 }
 
 }  // namespace omma

@@ -1,11 +1,12 @@
 // Light that arrives at places from all around, as it is baked: paths begin at points of a patch of
-// a surface, or at a place in the air, in directions by the cosine, and are followed like those of an
-// eye; in a scene with baked light, to the first diffuse surface, as in the final gathering of a
-// radiosity (Ward, Rubinstein and Clear 1988). What comes straight from discs and lamps is left out.
-// A packet holds the paths of one place, or of several that have few each.
+// a surface, or at a place in the air, in directions by the cosine, and are followed like those of
+// an eye; in a scene with baked light, to the first diffuse surface, as in the final gathering of a
+// radiosity (Ward, Rubinstein and Clear 1988). What comes straight from discs and lamps is left
+// out. A packet holds the paths of one place, or of several that have few each.
 #pragma once
 
 #include "physics/lit_path.h"
+#include "physics/vector3.h"
 
 namespace omma {
 
@@ -14,7 +15,7 @@ struct GatherPlace {
   std::int32_t instance = -1, mesh = -1, triangle = 0;
   bool is_back = false;
   float uv[3][2] = {};
-  float reach_m = 0;  // of a patch: what is nearer hides points from eyes
+  float reach_m = 0;      // of a patch: what is nearer hides points from eyes
   Vec3 position, normal;  // of a place in the air, traced frame
   std::uint32_t hash = 0;
 };
@@ -58,23 +59,23 @@ OMMA_HD std::uint32_t hash_of_attempt(const GatherPlace& place, std::uint32_t at
   return place.hash + attempt * 0x9e3779b9u;
 }
 
-// Of the lanes in `lanes` those whose points are hidden: a ray from there, in a direction by the
-// cosine, meets something within the place's reach. By reciprocity points that are kept are as
-// frequent as eyes all around see them. What falls on one side of a sheet is seen from both.
+// Of some lanes those whose points are hidden: a ray from there, in a direction by the cosine,
+// meets something within the place's reach. By reciprocity, rejection sampling by such rays leaves
+// points as frequent as eyes all around see them. What falls on one side of a sheet is seen from
+// both.
 template <typename L, typename Search>
-OMMA_HD unsigned find_hidden(const SceneView& scene, Search& search,
-                             const GatherLanes<L::count>& of, std::uint32_t attempt, unsigned lanes,
-                             const HitGeometry<L>& geometry, const PathMemory& memory) {
+OMMA_HD LaneMask<L> find_hidden(const Flight<L, Search>& flight, const GatherLanes<L::count>& of,
+                                std::uint32_t attempt, LaneMask<L> lanes,
+                                const HitGeometry<L>& geometry) {
   constexpr int n = L::count;
+  const SceneView& scene = flight.scene;
   Packet<L> look;
   clear<L>(look.rays);
-  alignas(n * 4) std::int32_t asked[n];
   for (int l = 0; l < n; ++l) {
-    asked[l] = (lanes >> l & 1u) != 0 ? -1 : 0;
     look.footprint_rad[l] = 0;
-    float towards[3] = {0, 1, 0};
+    Vector3<float> towards = {0, 1, 0};
     look.rays.t_far_m[l] = 0;
-    if (asked[l] != 0) {
+    if (lanes.has(l)) {
       const GatherPlace& place = *of.place[l];
       auto pair = path_pair(hash_of_attempt(place, attempt), of.sample[l], choice_of_look);
       bool from_back = place.is_back;
@@ -82,36 +83,33 @@ OMMA_HD unsigned find_hidden(const SceneView& scene, Search& search,
         from_back = pair.y < 0.5f;
         pair.y = 2.0f * pair.y - (from_back ? 0.0f : 1.0f);
       }
-      float up[3], tangent[3], bitangent[3];
-      for (int r = 0; r < 3; ++r)
-        up[r] = from_back ? -geometry.normal[r][l] : geometry.normal[r][l];
-      make_axes(up, tangent, bitangent);
-      const LocalDirection<float> local = sample_cosine(pair.x, pair.y);
-      for (int r = 0; r < 3; ++r)
-        towards[r] = tangent[r] * local.x + bitangent[r] * local.y + up[r] * local.z;
+      const auto normal = load_vector<float>(geometry.normal, l);
+      const Vector3<float> up = from_back ? -normal : normal;
+      towards = from_local(make_axes(up), up, sample_cosine(pair.x, pair.y));
     }
     leave_surface<L>(geometry, l, towards, look.rays);
-    if (asked[l] != 0) look.rays.t_far_m[l] = of.place[l]->reach_m;
+    if (lanes.has(l)) look.rays.t_far_m[l] = of.place[l]->reach_m;
   }
-  return scene.has_blend || scene.has_glass
-             ? lanes & ~dim_by_passing<L>(scene, search, lanes, look, memory.shadow)
-             : search.occluded(asked, look.rays);
+  return lets_through(scene) ? lanes & ~trace_transmittance<L>(scene, flight.search, lanes, look,
+                                                               flight.memory.shadow)
+                             : flight.search.occluded(lanes, look.rays);
 }
 
-// The packet's points on their patches, as rays would have met them, and their geometry; false where
-// none is on a surface. Lanes whose points are all hidden or cut out begin where others of their
-// place do; where all of a place are hidden the last ones are taken.
+// The packet's points on their patches, as rays would have met them, and their geometry; false
+// where none is on a surface. Lanes whose points are all hidden or cut out begin where others of
+// their place do; where all of a place are hidden the last ones are taken.
 template <typename L, typename Search>
-OMMA_HD bool choose_points(const SceneView& scene, Search& search,
-                           const GatherLanes<L::count>& of, const PathMemory& memory,
-                           Packet<L>& packet, Hits<L>& hits, HitGeometry<L>& geometry) {
+OMMA_HD bool choose_points(const Flight<L, Search>& flight, const GatherLanes<L::count>& of,
+                           Hits<L>& hits, HitGeometry<L>& geometry) {
   constexpr int n = L::count;
-  unsigned all = 0;
+  const SceneView& scene = flight.scene;
+  Packet<L>& packet = flight.packet;
+  LaneMask<L> all;
   for (int l = 0; l < n; ++l) {
     hits.mesh[l] = -1;
     hits.instance[l] = of.place[l] != nullptr ? of.place[l]->instance : 0;
     hits.footprint_m[l] = 0;
-    if (of.place[l] != nullptr) all |= 1u << l;
+    if (of.place[l] != nullptr) all.add(l);
   }
   const auto put = [&](int l, float u, float v) {
     hits.mesh[l] = of.place[l]->mesh;
@@ -119,11 +117,10 @@ OMMA_HD bool choose_points(const SceneView& scene, Search& search,
     packet.rays.u[l] = u;
     packet.rays.v[l] = v;
   };
-  unsigned seen = 0, any = 0;
-  for (std::uint32_t attempt = 0; attempt < most_attempts && seen != all; ++attempt) {
-    unsigned tried = 0;
-    for (unsigned left = all & ~seen; left != 0; left &= left - 1) {
-      const int l = lowest_bit(left);
+  LaneMask<L> seen, any;
+  for (std::uint32_t attempt = 0; attempt < most_attempts && !(seen == all); ++attempt) {
+    LaneMask<L> tried;
+    (all & ~seen).for_each([&](int l) {
       const GatherPlace& place = *of.place[l];
       const auto pair = path_pair(hash_of_attempt(place, attempt), of.sample[l], choice_of_point);
       const float root = sqrtf(pair.x), b = root * pair.y, a = root - b;
@@ -134,91 +131,91 @@ OMMA_HD bool choose_points(const SceneView& scene, Search& search,
       const SurfaceHit hit{place.mesh, static_cast<std::uint32_t>(place.triangle), u, v, 0.0f};
       const bool has_holes =
           scene.materials[scene.meshes[place.mesh].material].alpha_mode == AlphaMode::mask;
-      if (has_holes && !accept_hit(scene, hit, false)) continue;
+      if (has_holes && !accept_hit(scene, hit, false)) return;
       put(l, u, v);
-      tried |= 1u << l;
-    }
-    if (tried == 0) continue;
+      tried.add(l);
+    });
+    if (!tried.any()) continue;
     any |= tried;
     eval_geometry<L>(scene, packet.rays, hits, geometry);
-    seen |= tried & ~find_hidden<L>(scene, search, of, attempt, tried, geometry, memory);
+    seen |= tried & ~find_hidden(flight, of, attempt, tried, geometry);
   }
-  if (seen == 0 || seen == all) return any != 0;
+  if (!seen.any() || seen == all) return any.any();
   int other = 0;
-  for (unsigned left = all & ~seen; left != 0; left &= left - 1) {
-    const int l = lowest_bit(left);
-    const auto serves = [&](int k) { return (seen >> k & 1u) != 0 && of.place[k] == of.place[l]; };
+  (all & ~seen).for_each([&](int l) {
     for (int tries = 0; tries < n; ++tries) {
       other = (other + 1) % n;
-      if (!serves(other)) continue;
+      if (!seen.has(other) || of.place[other] != of.place[l]) continue;
       put(l, packet.rays.u[other], packet.rays.v[other]);
       break;
     }
-  }
+  });
   eval_geometry<L>(scene, packet.rays, hits, geometry);
   return true;
 }
 
-// Light that surfaces which shine send straight to the beginnings of paths, [band][lane] added to
-// `radiance`, as radiance that a white surface sends back.
+// What rays begin at, of those that gather light: places and the normals about which it counts.
+// `points` is null in the air.
+template <typename L>
+struct GatherPoints {
+  GatherLanes<L::count> of;
+  HitGeometry<L> geometry;
+  alignas(L::count * 4) float normal[3][L::count];
+  const ScatterPoint<typename L::F>* points;
+};
+
+// Next-event estimation from the beginnings of paths, towards surfaces that shine: [band][lane]
+// added to `radiance`, as radiance that a white surface sends back.
 template <typename L, typename Search>
-OMMA_HD void add_shining(const SceneView& scene, Search& search, const GatherLanes<L::count>& of,
-                         const HitGeometry<L>& geometry,
-                         const float (&normal)[3][L::count],
-                         const ScatterPoint<typename L::F>* points, const std::int32_t* valid,
-                         const PathMemory& memory, float* radiance) {
+OMMA_HD void add_shining(const SceneView& scene, Search& search, const GatherPoints<L>& at,
+                         LaneMask<L> lanes, const PathMemory& memory, float* radiance) {
   using F = typename L::F;
   constexpr int n = L::count;
+  const GatherLanes<n>& of = at.of;
   LightSample lights[n];
   Packet<L> shadow;
   clear<L>(shadow.rays);
-  alignas(n * 4) std::int32_t asked[n];
   alignas(n * 4) float cosine[n], weight[n];
-  unsigned open = 0;
+  LaneMask<L> asked;
   for (int l = 0; l < n; ++l) {
     lights[l] = {};
-    asked[l] = 0;
     cosine[l] = weight[l] = 0;
     for (int r = 0; r < 3; ++r) shadow.rays.origin[r][l] = shadow.rays.direction[r][l] = 0;
     shadow.rays.t_near_m[l] = shadow.rays.t_far_m[l] = shadow.footprint_rad[l] = 0;
-    if (valid[l] == 0) continue;
+    if (!lanes.has(l)) continue;
     const GatherPlace& place = *of.place[l];
     const auto which = path_pair(place.hash, of.sample[l], choice_of_shining);
     const auto on = path_pair(place.hash, of.sample[l], choice_on_shining);
-    lights[l] = sample_surfaces(scene, vec_at(geometry.position, l), which.x, on.x, on.y);
+    lights[l] = sample_surfaces(scene, vec_at(at.geometry.position, l), which.x, on.x, on.y);
     const Vec3 d = lights[l].direction;
-    const float towards[3] = {d.x, d.y, d.z};
-    cosine[l] = normal[0][l] * d.x + normal[1][l] * d.y + normal[2][l] * d.z;
-    float facing = dot(vec_at(geometry.normal, l), d);
+    cosine[l] = dot(vec_at(at.normal, l), d);
+    float facing = dot(vec_at(at.geometry.normal, l), d);
     if (place.mesh >= 0 && place.is_back) facing = -facing;
     if (!(lights[l].pdf > 0.0f) || !(cosine[l] > 0.0f) || !(facing > 0.0f)) continue;
-    leave_surface<L>(geometry, l, towards, shadow.rays);
+    leave_surface<L>(at.geometry, l, vector_of(d), shadow.rays);
     shadow.rays.t_far_m[l] = lights[l].distance_m * up_to_light;
     weight[l] = cosine[l] * inverse_pi / (lights[l].pdf / scene.light->emissive_probability);
-    asked[l] = -1;
-    open |= 1u << l;
+    asked.add(l);
   }
-  const bool lets_through = scene.has_blend || scene.has_glass;
-  if (open != 0)
-    open = lets_through ? dim_by_passing<L>(scene, search, open, shadow, memory.shadow)
-                        : open & ~search.occluded(asked, shadow.rays);
-  if (open == 0) return;
+  const bool dims = lets_through(scene);
+  if (!asked.any()) return;
+  const LaneMask<L> open = dims
+                               ? trace_transmittance<L>(scene, search, asked, shadow, memory.shadow)
+                               : asked & ~search.occluded(asked, shadow.rays);
+  if (!open.any()) return;
   for (int i = 0; i < scene.bands * n; ++i) memory.light[i] = 0;
-  for (int l = 0; l < n; ++l)
-    if ((open >> l & 1u) != 0)
-      eval_light_sample(scene, lights[l], 1, memory.light + l, n, scene.bands * n);
+  open.for_each(
+      [&](int l) { eval_light_sample(scene, lights[l], 1, memory.light + l, n, scene.bands * n); });
   for (int l = 0; l < n; l += L::width) {
     F entering = load<F>(weight + l);
-    if (points != nullptr)
-      entering = entering * eval_entering(points[l / L::width], load<F>(cosine + l));
-    for (int k = 0; k < L::width; ++k)
-      if ((open >> (l + k) & 1u) == 0) weight[l + k] = 0;
-    entering = keep(load<F>(weight + l) > 0.0f, entering);
+    if (at.points != nullptr)
+      entering = entering * eval_entering(at.points[l / L::width], load<F>(cosine + l));
+    entering = keep(open.at(l), entering);
     for (int b = 0; b < scene.bands; ++b) {
-      const int at = b * n + l;
-      F light = load<F>(memory.light + at);
-      if (lets_through) light = light * load<F>(memory.shadow.throughput + at);
-      store(radiance + at, load<F>(radiance + at) + entering * light);
+      const int k = b * n + l;
+      F light = load<F>(memory.light + k);
+      if (dims) light = light * load<F>(memory.shadow.throughput + k);
+      store(radiance + k, load<F>(radiance + k) + entering * light);
     }
   }
 }
@@ -232,16 +229,23 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTa
   int points_found[n] = {};
   for (int i = 0; i < task.count * scene.bands; ++i) mean[i] = 0;
   const bool is_on_surface = task.places->mesh >= 0;
-  GatherLanes<n> of;
+  GatherPoints<L> at;
+  GatherLanes<n>& of = at.of;
+  HitGeometry<L>& geometry = at.geometry;
+  PassedSurfaces<n> passed;
   for (int first = 0; first < task.paths; first += n) {
     assign_lanes(task, first, of);
     Packet<L> packet;
     clear<L>(packet.rays);
     Hits<L> hits;
-    HitGeometry<L> geometry;
     LitSurface<L> surface;
     ScatterPoint<F> points[n / L::width];
-    alignas(n * 4) float normal[3][n], way[3][n], entering[n];
+    at.points = is_on_surface ? points : nullptr;
+    alignas(n * 4) float way[3][n], entering[n];
+    PathState<L> state;
+    state.gathers = true;
+    const Flight<L, Search> flight{
+        scene, search, packet, state, memory, radiance, lets_through(scene) ? &passed : nullptr};
     for (int l = 0; l < n; ++l) {
       packet.rays.t_far_m[l] = INFINITY;
       packet.footprint_rad[l] = 0;
@@ -250,12 +254,12 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTa
     }
     if (is_on_surface) {
       geometry = {};
-      if (!choose_points<L>(scene, search, of, memory, packet, hits, geometry)) continue;
+      if (!choose_points(flight, of, hits, geometry)) continue;
       // Seen by one who looks straight down on it.
       for (int l = 0; l < n; ++l) {
         const bool is_back = of.place[l] != nullptr && of.place[l]->is_back;
-        for (int r = 0; r < 3; ++r)
-          packet.rays.direction[r][l] = is_back ? geometry.normal[r][l] : -geometry.normal[r][l];
+        const auto outwards = load_vector<float>(geometry.normal, l);
+        store_vector(packet.rays.direction, l, is_back ? outwards : -outwards);
       }
       eval_lit_surfaces<L>(scene, packet, hits, geometry, memory, surface);
     } else {
@@ -264,72 +268,59 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTa
         hits.mesh[l] = of.place[l] != nullptr ? 0 : -1;
         if (of.place[l] == nullptr) continue;
         const GatherPlace& place = *of.place[l];
-        const float at[3] = {place.position.x, place.position.y, place.position.z};
-        const float up[3] = {place.normal.x, place.normal.y, place.normal.z};
-        for (int r = 0; r < 3; ++r) {
-          geometry.position[r][l] = at[r];
-          geometry.normal[r][l] = up[r];
-        }
+        store_vector(geometry.position, l, vector_of(place.position));
+        store_vector(geometry.normal, l, vector_of(place.normal));
       }
     }
     for (int l = 0; l < n; l += L::width) {
-      F tangent[3], bitangent[3], up[3], w[3];
-      if (is_on_surface) {
+      if (is_on_surface)
         points[l / L::width] =
             make_scatter_point(scatter_surface<L>(scene, packet.rays, surface, l));
-        for (int r = 0; r < 3; ++r) up[r] = points[l / L::width].base_normal[r];
-      } else {
-        load_3(geometry.normal, l, up);
-      }
-      make_axes(up, tangent, bitangent);
+      const Vector3<F> up =
+          is_on_surface ? points[l / L::width].base_normal : load_vector<F>(geometry.normal, l);
       const auto pair = path_pair(load<typename L::U>(packet.hash + l),
                                   load<typename L::U>(packet.sample + l), choice_of_way);
       const LocalDirection<F> local = sample_cosine(pair.x, pair.y);
-      for (int r = 0; r < 3; ++r) {
-        w[r] = without_noise(tangent[r] * local.x + bitangent[r] * local.y + up[r] * local.z);
-        store(way[r] + l, w[r]);
-        store(normal[r] + l, up[r]);
-      }
+      const Vector3<F> w = without_noise(from_local(make_axes(up), up, local));
+      store_vector(way, l, w);
+      store_vector(at.normal, l, up);
       F reaches_base = broadcast<F>(1.0f);
       if (is_on_surface) {
         const ScatterPoint<F>& point = points[l / L::width];
-        const F side = dot_lanes(point.geometric_normal, w);
+        const F side = dot(point.geometric_normal, w);
         reaches_base = keep(side > 0.0f, eval_entering(point, local.z));
       }
       store(entering + l, reaches_base);
     }
     // Places that there are, and those of which a path goes on.
-    alignas(n * 4) std::int32_t on[n], valid[n];
+    const LaneMask<L> on = lanes_met(hits);
+    const LaneMask<L> going =
+        on & lanes_where<L>([&](int l) { return load<F>(entering + l) > 0.0f; });
     for (int l = 0; l < n; ++l) {
-      on[l] = hits.mesh[l] >= 0 ? -1 : 0;
-      valid[l] = entering[l] > 0.0f ? on[l] : 0;
       // Rays that are not traced must be such as could be: Embree checks all.
-      const bool goes_on = valid[l] != 0;
-      const float towards[3] = {goes_on ? way[0][l] : 0.0f, goes_on ? way[1][l] : 1.0f,
-                                goes_on ? way[2][l] : 0.0f};
-      leave_surface<L>(geometry, l, towards, packet.rays);
-      for (int r = 0; r < 3; ++r)
-        packet.reference[r][l] = goes_on ? normal[r][l] : (r == 0 ? 1.0f : 0.0f);
+      const bool goes_on = going.has(l);
+      leave_surface<L>(geometry, l, goes_on ? load_vector<float>(way, l) : Vector3<float>{0, 1, 0},
+                       packet.rays);
+      store_vector(packet.reference, l,
+                   goes_on ? load_vector<float>(at.normal, l) : Vector3<float>{1, 0, 0});
     }
     // What shines is sampled first: the paths move on from where they begin.
     for (int i = 0; i < scene.bands * n; ++i) memory.front[i] = 0;
     if (task.shining->light->emissive_probability > 0.0f)
-      add_shining<L>(*task.shining, search, of, geometry, normal,
-                     is_on_surface ? points : nullptr, on, memory, memory.front);
+      add_shining<L>(*task.shining, search, at, on, memory, memory.front);
     // What shines has been put aside: paths that read baked light need the memory.
     const auto add = [&](int l, const float* light, float weight) {
       const std::ptrdiff_t k = of.place[l] - task.places;
       for (int b = 0; b < scene.bands; ++b)
         mean[k * scene.bands + b] += static_cast<double>(light[b * n + l] * weight);
     };
-    for (int l = 0; l < n; ++l) {
-      if (on[l] == 0) continue;
+    on.for_each([&](int l) {
       ++points_found[of.place[l] - task.places];
       add(l, memory.front, 1.0f);
-    }
-    eval_lit_path<L>(scene, search, valid, packet, memory, radiance, true);
-    for (int l = 0; l < n; ++l)
-      if (valid[l] != 0) add(l, radiance, entering[l]);
+    });
+    if (flight.passed != nullptr) clear(passed);
+    trace_paths(flight, going);
+    going.for_each([&](int l) { add(l, radiance, entering[l]); });
   }
   for (int k = 0; k < task.count; ++k)
     for (int b = 0; b < scene.bands; ++b)

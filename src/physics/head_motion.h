@@ -1,5 +1,5 @@
-// Where the head is while what is seen goes into a frame: each ray draws how long before the frame it
-// looks, by the impulse response of a photoreceptor, and starts from where the head was then.
+// Where the head is while what is seen goes into a frame: each ray draws how long before the frame
+// it looks, by the impulse response of a photoreceptor, and starts from where the head was then.
 #pragma once
 
 #include "physics/path_points.h"
@@ -15,15 +15,15 @@ struct HeadMotion {
   // Of them those from `first` on, as fractions of all, for rays of which one in 2^shift is there.
   float first = 0, size = 1;
   int shift = 0;
-  // [nodes][3][4], row major: from where a ray is at the frame itself, less `centre`, to where it is
-  // so many nodes before; at least two.
+  // [nodes][3][4], row major: from where a ray is at the frame itself, less `centre`, to where it
+  // is so many nodes before; at least two.
   const float* node = nullptr;
   int nodes = 0;
   float centre[3] = {};  // m, traced frame
 };
 
-// Numbers in (0, 1) of samples of units: steps of the golden ratio, so that any run of samples, whose
-// directions are neighbours, has times from all over; shifted by the unit's hash.
+// Numbers in (0, 1) of samples of units: steps of the golden ratio, so that any run of samples,
+// whose directions are neighbours, has times from all over; shifted by the unit's hash.
 template <typename U>
 OMMA_HD auto time_fraction(U hash, U sample) {
   return open_unit(mix_bits_32(hash + 0x3c6ef372u) + sample * 2654435769u);
@@ -50,11 +50,9 @@ OMMA_HD void head_turn(const HeadMotion& motion, U hash, U sample, F (&turn)[3][
 }
 
 // A point that is as at the frame itself, where it is when the head is turned so.
-OMMA_HD void move_point(const HeadMotion& motion, const float (&turn)[3][4], float (&point)[3]) {
-  float from[3];
-  for (int r = 0; r < 3; ++r) from[r] = point[r] - motion.centre[r];
-  for (int r = 0; r < 3; ++r)
-    point[r] = turn[r][0] * from[0] + turn[r][1] * from[1] + turn[r][2] * from[2] + turn[r][3];
+OMMA_HD Vector3<float> move_point(const HeadMotion& motion, const float (&turn)[3][4],
+                                  const Vector3<float>& point) {
+  return transform_point(turn, point - vector_of(motion.centre));
 }
 
 // Moves the rays of a packet, which are as at the frame itself, to where they are when they look.
@@ -64,30 +62,17 @@ OMMA_HD void move_with_head(const HeadMotion& motion, Packet<L>& packet) {
   using I = typename L::I;
   using U = typename L::U;
   for (int l = 0; l < L::count; l += L::width) {
-    F m[3][4], from[3], way[3], axis[3];
-    head_turn<F, I>(motion, load<U>(packet.hash + l), load<U>(packet.sample + l), m);
-    for (int r = 0; r < 3; ++r) {
-      from[r] = load<F>(packet.rays.origin[r] + l) - motion.centre[r];
-      way[r] = load<F>(packet.rays.direction[r] + l);
-      axis[r] = load<F>(packet.reference[r] + l);
-    }
-    const auto turned = [&](const F(&v)[3], int r) {
-      return m[r][0] * v[0] + m[r][1] * v[1] + m[r][2] * v[2];
-    };
+    F turn[3][4];
+    head_turn<F, I>(motion, load<U>(packet.hash + l), load<U>(packet.sample + l), turn);
+    const auto from = load_vector<F>(packet.rays.origin, l) - vector_of(motion.centre);
+    store_vector(packet.rays.origin, l, transform_point(turn, from));
     // Between nodes, and where a pose stretches, turned vectors are not quite of unit length.
-    F direction[3], reference[3], of_direction{}, of_reference{};
-    for (int r = 0; r < 3; ++r) {
-      store(packet.rays.origin[r] + l, turned(from, r) + m[r][3]);
-      direction[r] = turned(way, r);
-      reference[r] = turned(axis, r);
-      of_direction = of_direction + direction[r] * direction[r];
-      of_reference = of_reference + reference[r] * reference[r];
-    }
-    const F scale = 1.0f / sqrt_lanes(of_direction), of_axis = 1.0f / sqrt_lanes(of_reference);
-    for (int r = 0; r < 3; ++r) {
-      store(packet.rays.direction[r] + l, without_noise(direction[r] * scale));
-      store(packet.reference[r] + l, reference[r] * of_axis);
-    }
+    const auto direction = transform_direction(turn, load_vector<F>(packet.rays.direction, l));
+    const auto reference = transform_direction(turn, load_vector<F>(packet.reference, l));
+    const F scale = 1.0f / sqrt_lanes(dot(direction, direction));
+    const F of_axis = 1.0f / sqrt_lanes(dot(reference, reference));
+    store_vector(packet.rays.direction, l, without_noise(direction * scale));
+    store_vector(packet.reference, l, reference * of_axis);
   }
 }
 

@@ -1,8 +1,11 @@
-// What rays met, and where light goes on from there.
+// What rays met, where that is, and how rays leave it again without meeting it (self-intersection
+// offset).
 #pragma once
 
+#include "physics/lane_mask.h"
 #include "physics/rays.h"
 #include "physics/scene_view.h"
+#include "physics/vector3.h"
 
 namespace omma {
 
@@ -32,23 +35,33 @@ OMMA_HD void find_hits(const PlacedMesh* placed, const Packet<L>& packet, Hits<L
   }
 }
 
+// Nothing found yet.
+template <typename L>
+OMMA_HD void clear_hits(RayPacket<L::count>& rays) {
+  for (int l = 0; l < L::count; ++l) {
+    rays.t_far_m[l] = INFINITY;
+    rays.geometry[l] = none;
+    rays.instance[l] = none;
+  }
+}
+
+// Lanes whose rays met a surface.
+template <typename L>
+OMMA_HD LaneMask<L> lanes_met(const Hits<L>& hits) {
+  return lanes_where<L>([&](int l) { return load<typename L::I>(hits.mesh + l) >= 0; });
+}
+
 // Calls `eval(mesh, l, is_member)` for lanes from l on of each mesh that was met: mostly all lanes
 // see the same one.
 template <typename L, typename Eval>
 OMMA_HD void for_each_mesh(const Hits<L>& hits, const Eval& eval) {
   using I = typename L::I;
-  unsigned left = 0;
-  for (int l = 0; l < L::count; l += L::width)
-    left |= lane_bits(load<I>(hits.mesh + l) >= 0) << l;
-  while (left != 0) {
-    const std::int32_t mesh = hits.mesh[lowest_bit(left)];
-    unsigned members = 0;
-    for (int l = 0; l < L::count; l += L::width)
-      members |= lane_bits(load<I>(hits.mesh + l) == mesh) << l;
+  for (LaneMask<L> left = lanes_met(hits); left.any();) {
+    const std::int32_t mesh = hits.mesh[lowest_bit(left.bits)];
+    const auto members = lanes_where<L>([&](int l) { return load<I>(hits.mesh + l) == mesh; });
     left &= ~members;
     for (int l = 0; l < L::count; l += L::width)
-      if ((members >> l & ((1u << L::width) - 1)) != 0)
-        eval(mesh, l, load<I>(hits.mesh + l) == mesh);
+      if (members.word(l) != 0) eval(mesh, l, load<I>(hits.mesh + l) == mesh);
   }
 }
 
@@ -74,8 +87,8 @@ OMMA_HD void load_frames(const SceneView& scene, const Hits<L>& hits, int l,
 template <typename L>
 struct HitGeometry {
   alignas(L::count * 4) float position[3][L::count];  // m
-  // Unit, towards the side from which corners are seen counter-clockwise. Normals of vertices are not
-  // read, so light is shaded by this one too.
+  // The triangle's own: unit, towards the side from which corners are seen counter-clockwise.
+  // Normals of vertices and normal maps are read by lit_surface.h.
   alignas(L::count * 4) float normal[3][L::count];
   // The largest coordinate of the triangle's corners, in magnitude, m: by it places on the surface
   // are known.
@@ -93,107 +106,91 @@ OMMA_HD void eval_geometry(const SceneView& scene, const RayPacket<L::count>& ra
     const I triangle = keep(is_member, load<I>(rays.triangle + l));
     const F weight_1 = load<F>(rays.u + l), weight_2 = load<F>(rays.v + l);
     const F weight[3] = {1.0f - weight_1 - weight_2, weight_1, weight_2};
-    F m[3][4], corner[3][3], position[3] = {}, reach = {};
+    F m[3][4], reach = {};
     load_frames(scene, hits, l, is_member, m);
     I vertex[3];
     gather_3(view.triangles, triangle, vertex);
+    Vector3<F> corner[3], position = {};
     for (int k = 0; k < 3; ++k) {
-      F own[3];
-      gather_3(view.positions, vertex[k], own);
+      corner[k] = transform_point(m, gather_vector<F>(view.positions, vertex[k]));
+      position = position + corner[k] * weight[k];
       for (int r = 0; r < 3; ++r) {
-        F& x = corner[k][r];
-        x = m[r][0] * own[0] + m[r][1] * own[1] + m[r][2] * own[2] + m[r][3];
-        position[r] = position[r] + weight[k] * x;
-        const F size = x < 0.0f ? -x : x;
+        const F x = corner[k][r], size = x < 0.0f ? -x : x;
         reach = size > reach ? size : reach;
       }
-    }
-    F e1[3], e2[3];
-    for (int r = 0; r < 3; ++r) {
-      e1[r] = corner[1][r] - corner[0][r];
-      e2[r] = corner[2][r] - corner[0][r];
     }
     // A mirrored mesh is seen from the side on which its own corners go counter-clockwise.
     const F det = m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) +
                   m[0][1] * (m[1][2] * m[2][0] - m[1][0] * m[2][2]) +
                   m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
     const F side = det < 0.0f ? broadcast<F>(-1.0f) : broadcast<F>(1.0f);
-    F n[3] = {e1[1] * e2[2] - e1[2] * e2[1], e1[2] * e2[0] - e1[0] * e2[2],
-              e1[0] * e2[1] - e1[1] * e2[0]};
+    Vector3<F> n = cross(corner[1] - corner[0], corner[2] - corner[0]);
     // Scaled first, so that squares of small areas do not vanish.
     F largest = {};
-    for (F& x : n) {
-      const F size = x < 0.0f ? -x : x;
+    for (int r = 0; r < 3; ++r) {
+      const F size = n[r] < 0.0f ? -n[r] : n[r];
       largest = size > largest ? size : largest;
     }
-    const F scale = 1.0f / (largest > 0.0f ? largest : broadcast<F>(1.0f));
-    for (F& x : n) x = x * scale;
-    const F length = sqrt_lanes(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    n = n * (1.0f / (largest > 0.0f ? largest : broadcast<F>(1.0f)));
+    const F length = sqrt_lanes(dot(n, n));
     const F unit = side / (length > 0.0f ? length : broadcast<F>(1.0f));
     const auto set = [&](float* values, F value) {
       store(values + l, is_member ? value : load<F>(values + l));
     };
-    for (int r = 0; r < 3; ++r) {
-      set(geometry.position[r], position[r]);
-      set(geometry.normal[r], n[r] * unit);
-    }
+    const auto set_vector = [&](float(&values)[3][L::count], const Vector3<F>& value) {
+      store_vector(values, l, select(is_member, value, load_vector<F>(values, l)));
+    };
+    set_vector(geometry.position, position);
+    set_vector(geometry.normal, n * unit);
     set(geometry.reach_m, reach);
   });
 }
 
-// A ray that leaves a surface starts so far above it that it does not meet it again, on its own side
-// of the triangle: rounding puts places on it, and what a search computes of its plane, off by some
-// multiples of float's resolution of its corners' coordinates. Waechter and Binder 2019 (Ray Tracing
-// Gems, chapter 6) go by the resolution of the place itself instead, which fails where triangles are
-// large beside their distance from the origin, or scenes are of micrometres. `towards`: the new
-// direction; all of one lane.
+// A ray that leaves a surface starts so far above it that it does not meet it again, on its own
+// side of the triangle: rounding puts places on it, and what a search computes of its plane, off by
+// some multiples of float's resolution of its corners' coordinates. Waechter and Binder 2019 (Ray
+// Tracing Gems, chapter 6) go by the resolution of the place itself instead, which fails where
+// triangles are large beside their distance from the origin, or scenes are of micrometres.
+// `towards`: the new direction; all of one lane.
 inline constexpr float leave_resolutions = 0x1p-19f;  // 32 of them
 
 template <typename F>
-OMMA_HD void leave_surface(const F (&position)[3], const F (&normal)[3], F reach_m,
-                           const F (&towards)[3], F (&origin)[3]) {
-  const F along = normal[0] * towards[0] + normal[1] * towards[1] + normal[2] * towards[2];
+OMMA_HD Vector3<F> leave_surface(const Vector3<F>& position, const Vector3<F>& normal, F reach_m,
+                                 const Vector3<F>& towards) {
   const F distance = reach_m * leave_resolutions;
-  const F step = along < 0.0f ? 0.0f - distance : distance;
-  for (int r = 0; r < 3; ++r) origin[r] = position[r] + normal[r] * step;
+  const F step = dot(normal, towards) < 0.0f ? 0.0f - distance : distance;
+  return position + normal * step;
 }
 
 // The same of one lane of what a packet met: the ray that goes on from there.
 template <typename L>
-OMMA_HD void leave_surface(const HitGeometry<L>& geometry, int l, const float (&towards)[3],
+OMMA_HD void leave_surface(const HitGeometry<L>& geometry, int l, const Vector3<float>& towards,
                            RayPacket<L::count>& rays) {
-  const float at[3] = {geometry.position[0][l], geometry.position[1][l], geometry.position[2][l]};
-  const float normal[3] = {geometry.normal[0][l], geometry.normal[1][l], geometry.normal[2][l]};
-  float from[3];
-  leave_surface(at, normal, geometry.reach_m[l], towards, from);
-  for (int r = 0; r < 3; ++r) {
-    rays.origin[r][l] = from[r];
-    rays.direction[r][l] = without_noise(towards[r]);
-  }
+  store_vector(rays.origin, l,
+               leave_surface(load_vector<float>(geometry.position, l),
+                             load_vector<float>(geometry.normal, l), geometry.reach_m[l], towards));
+  store_vector(rays.direction, l, without_noise(towards));
   rays.t_near_m[l] = 0;
 }
 
 // The same of some lanes at once; the others' rays are left. `towards` [lane].
 template <typename L>
 OMMA_HD void leave_surfaces(const HitGeometry<L>& geometry, const float (&towards)[3][L::count],
-                            unsigned lanes, RayPacket<L::count>& rays) {
+                            LaneMask<L> lanes, RayPacket<L::count>& rays) {
   using F = typename L::F;
   for (int l = 0; l < L::count; l += L::width) {
-    const auto leaves = lanes_on<L>(lanes, l);
+    const auto leaves = lanes.at(l);
     if (!any_lane(leaves)) continue;
-    F position[3], normal[3], direction[3], from[3];
-    load_3(geometry.position, l, position);
-    load_3(geometry.normal, l, normal);
-    load_3(towards, l, direction);
-    leave_surface(position, normal, load<F>(geometry.reach_m + l), direction, from);
-    const auto set = [&](float* values, F value) {
-      store(values + l, leaves ? value : load<F>(values + l));
+    const auto direction = load_vector<F>(towards, l);
+    const auto origin =
+        leave_surface(load_vector<F>(geometry.position, l), load_vector<F>(geometry.normal, l),
+                      load<F>(geometry.reach_m + l), direction);
+    const auto set = [&](float(&values)[3][L::count], const Vector3<F>& value) {
+      store_vector(values, l, select(leaves, value, load_vector<F>(values, l)));
     };
-    for (int r = 0; r < 3; ++r) {
-      set(rays.origin[r], from[r]);
-      set(rays.direction[r], without_noise(direction[r]));
-    }
-    set(rays.t_near_m, F{});
+    set(rays.origin, origin);
+    set(rays.direction, without_noise(direction));
+    store(rays.t_near_m + l, leaves ? F{} : load<F>(rays.t_near_m + l));
   }
 }
 

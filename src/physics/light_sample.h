@@ -23,12 +23,12 @@ struct LightSample {
   std::int32_t mesh = 0, triangle = 0;  // of a surface
   float u = 0, v = 0;                   // barycentric, where on it
   float scale = 1;                      // of a lamp's strength
-  SkyPlace place = {};                  // of light from afar
+  OneSkyLookup place = {};              // of light from afar
 };
 
 // Probability of a direction in which a ray has left the scene, as sample_light would give it;
 // `place` is its place on the sky (find_far).
-OMMA_HD float escaped_light_pdf(const SceneView& scene, Vec3 direction, const SkyPlace& place) {
+OMMA_HD float escaped_light_pdf(const SceneView& scene, Vec3 direction, const OneSkyLookup& place) {
   const LightView& light = *scene.light;
   if (!(light.far_probability > 0.0f)) return 0.0f;
   return light.far_probability * far_pdf(light, direction, place);
@@ -56,7 +56,8 @@ OMMA_HD LightSample sample_lamps(const LightView& light, Vec3 position, float u)
   LightSample sample;
   sample.index = find_in_sum(light.lamp_sum, light.lamp_count, u);
   const float* origin = light.lamp_origin_m;
-  const Vec3 from_lamps = origin == nullptr ? position : position - Vec3{origin[0], origin[1], origin[2]};
+  const Vec3 from_lamps =
+      origin == nullptr ? position : position - Vec3{origin[0], origin[1], origin[2]};
   const LampAt at = eval_lamp_at(light.lamps[sample.index], from_lamps);
   sample.kind = LightKind::lamp;
   sample.is_delta = true;
@@ -82,7 +83,7 @@ OMMA_HD LightSample sample_surfaces(const SceneView& scene, Vec3 position, float
   sample.triangle = find_in_sum(emissive.triangle_sum, emissive.triangles, within);
   const LightTriangle seen =
       see_triangle(scene, sample.index, sample.mesh, sample.triangle, position);
-  const TrianglePlace place = sample_triangle(seen, u0, u1);
+  const TriangleSample place = sample_triangle(seen, u0, u1);
   sample.direction = place.direction;
   sample.distance_m = place.distance_m;
   sample.u = place.u;
@@ -95,8 +96,8 @@ OMMA_HD LightSample sample_surfaces(const SceneView& scene, Vec3 position, float
   return sample;
 }
 
-// Towards a lamp or a surface that shines; `left`: a random number in [0, 1) less the probability of
-// light from afar.
+// Towards a lamp or a surface that shines; `left`: a random number in [0, 1) less the probability
+// of light from afar.
 OMMA_HD LightSample sample_near_light(const SceneView& scene, Vec3 position, float left, float u0,
                                       float u1) {
   const LightView& light = *scene.light;
@@ -131,8 +132,8 @@ OMMA_HD void eval_light_sample(const SceneView& scene, const LightSample& sample
                                float* out, int band_stride, int component_stride) {
   const LightView& light = *scene.light;
   if (sample.kind == LightKind::far && light.sky.probability > 0.0f)
-    return eval_far(light, sample.direction, sample.place, components, out, band_stride,
-                    component_stride);
+    return eval_far(light, sample.direction, sample.place,
+                    {out, components, band_stride, component_stride});
   for (int p = 0; p < components; ++p)
     for (int k = 0; k < light.bands; ++k) out[p * component_stride + k * band_stride] = 0;
   if (sample.kind == LightKind::far) {

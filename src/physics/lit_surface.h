@@ -1,11 +1,13 @@
-// What surfaces are where rays met them, for light: the normal that shades, how rough, how metallic,
-// and in each band how much they reflect, transmit and shine. How they scatter is scatter.h.
+// What surfaces are where rays met them, for light: the normal that shades, how rough, how
+// metallic, and in each band how much they reflect, transmit and shine. How they scatter is
+// scatter.h.
 #pragma once
 
 #include "physics/block_memory.h"
 #include "physics/hits.h"
 #include "physics/scatter.h"
 #include "physics/surface.h"
+#include "physics/vector3.h"
 
 namespace omma {
 
@@ -30,106 +32,78 @@ struct LitSurface {
   alignas(L::count * 4) std::int32_t material[L::count];  // -1 where nothing was met
 };
 
-// To unit length; what has none stays zero.
-template <typename F>
-OMMA_HD void normalize3(F (&a)[3]) {
-  const F square = dot_lanes(a, a);
-  const F scale = square > 0.0f ? 1.0f / sqrt_lanes(square) : square;
-  for (F& x : a) x *= scale;
-}
-
 // Normals go with the cofactors of a transform: across all that lies across them.
 template <typename F>
-OMMA_HD void transform_normal(const F (&m)[3][4], const F (&own)[3], F (&n)[3]) {
-  for (int r = 0; r < 3; ++r) {
-    const int s = (r + 1) % 3, t = (r + 2) % 3;
-    n[r] = (m[s][1] * m[t][2] - m[s][2] * m[t][1]) * own[0] +
-           (m[s][2] * m[t][0] - m[s][0] * m[t][2]) * own[1] +
-           (m[s][0] * m[t][1] - m[s][1] * m[t][0]) * own[2];
-  }
+OMMA_HD Vector3<F> transform_normal(const F (&m)[3][4], const Vector3<F>& own) {
+  const auto row = [&](int s, int t) {
+    return (m[s][1] * m[t][2] - m[s][2] * m[t][1]) * own.x +
+           (m[s][2] * m[t][0] - m[s][0] * m[t][2]) * own.y +
+           (m[s][0] * m[t][1] - m[s][1] * m[t][0]) * own.z;
+  };
+  return {row(1, 2), row(2, 0), row(0, 1)};
 }
 
 // The normal turned as a normal map says (glTF 2.0, 3.9.3): x along the image's rightwards, y
 // along its upwards direction on the surface, which come from the triangle's own coordinates.
 template <typename F, typename I>
-OMMA_HD void map_normal(const SceneView& scene, const MeshView& mesh, const ScatterView& scatter,
-                        const F (&m)[3][4], const SurfacePoint<F, I>& p, F (&n)[3]) {
-  F corner[3][3];
+OMMA_HD Vector3<F> map_normal(const SceneView& scene, const MeshView& mesh, const F (&m)[3][4],
+                              const SurfacePoint<F, I>& p, const Vector3<F>& n) {
+  const ScatterView& scatter = scene.scatter[mesh.material];
+  Vector3<F> corner[3];
   Pair<F> uv[3];
   for (int k = 0; k < 3; ++k) {
     const I corner_index = p.triangle * 3 + k;
     const I vertex = gather(mesh.triangles, corner_index);
     const I at = mesh.vertex_of_corner != nullptr ? vertex : corner_index;
     uv[k] = gather_pair(mesh.normal_uv, at);
-    F own[3];
-    for (int a = 0; a < 3; ++a) own[a] = gather(mesh.positions + a, vertex * 3);
-    for (int r = 0; r < 3; ++r)
-      corner[k][r] = m[r][0] * own[0] + m[r][1] * own[1] + m[r][2] * own[2];
+    corner[k] = transform_direction(
+        m, Vector3<F>{gather(mesh.positions, vertex * 3), gather(mesh.positions + 1, vertex * 3),
+                      gather(mesh.positions + 2, vertex * 3)});
   }
   const F du1 = uv[1].first - uv[0].first, du2 = uv[2].first - uv[0].first;
   const F dv1 = uv[1].second - uv[0].second, dv2 = uv[2].second - uv[0].second;
-  const F det = du1 * dv2 - du2 * dv1;
-  F right[3], up[3];
-  for (int r = 0; r < 3; ++r) {
-    const F e1 = corner[1][r] - corner[0][r], e2 = corner[2][r] - corner[0][r];
-    const F along_u = (e1 * dv2 - e2 * dv1) * (det < 0.0f ? broadcast<F>(-1.0f) : broadcast<F>(1.0f));
-    const F along_v = (e2 * du1 - e1 * du2) * (det < 0.0f ? broadcast<F>(-1.0f) : broadcast<F>(1.0f));
-    right[r] = along_u;
-    up[r] = 0.0f - along_v;
-  }
-  const F along = dot_lanes(right, n);
-  for (int r = 0; r < 3; ++r) right[r] -= along * n[r];
-  normalize3(right);
-  F across[3];
-  cross_lanes(n, right, across);
-  const F hand = dot_lanes(across, up) < 0.0f ? broadcast<F>(-1.0f) : broadcast<F>(1.0f);
-  const Color<F> c = eval_texture_at(scene, mesh, scatter.normal_texture, mesh.normal_uv,
-                                     mesh.normal_density, p);
+  const F sign = du1 * dv2 - du2 * dv1 < 0.0f ? broadcast<F>(-1.0f) : broadcast<F>(1.0f);
+  const Vector3<F> e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
+  Vector3<F> right = (e1 * dv2 - e2 * dv1) * sign;
+  const Vector3<F> up = opposite((e2 * du1 - e1 * du2) * sign);
+  right = normalize(right - n * dot(right, n));
+  const Vector3<F> across = cross(n, right);
+  const F hand = dot(across, up) < 0.0f ? broadcast<F>(-1.0f) : broadcast<F>(1.0f);
+  const Color<F> c =
+      eval_texture_at(scene, mesh, scatter.normal_texture, mesh.normal_uv, mesh.normal_density, p);
   const F x = (c.r * 2.0f - 1.0f) * scatter.normal_scale;
   const F y = (c.g * 2.0f - 1.0f) * scatter.normal_scale * hand;
   const F z = c.b * 2.0f - 1.0f;
-  F turned[3];
-  for (int r = 0; r < 3; ++r) turned[r] = right[r] * x + across[r] * y + n[r] * z;
-  normalize3(turned);
-  const auto is_usable = dot_lanes(turned, turned) > 0.5f;
-  for (int r = 0; r < 3; ++r) n[r] = is_usable ? turned[r] : n[r];
+  const Vector3<F> turned = normalize(right * x + across * y + n * z);
+  return select(dot(turned, turned) > 0.5f, turned, n);
 }
 
-// The normal that shades some lanes of one mesh with normals or a map of them, whose frame is `m`, on
-// the side of the triangle to which `geometric` looks.
+// The normal that shades some lanes of one mesh with normals or a map of them, whose frame is `m`,
+// on the side of the triangle to which `geometric` looks.
 template <typename F, typename I>
-OMMA_HD void eval_shading_normal(const SceneView& scene, const MeshView& mesh,
-                                 const ScatterView& scatter, const F (&m)[3][4],
-                                 const SurfacePoint<F, I>& p, const F (&geometric)[3],
-                                 F (&normal)[3]) {
+OMMA_HD Vector3<F> eval_shading_normal(const SceneView& scene, const MeshView& mesh,
+                                       const F (&m)[3][4], const SurfacePoint<F, I>& p,
+                                       const Vector3<F>& geometric) {
+  Vector3<F> normal = geometric;
   if (mesh.normals != nullptr) {
     const F weight[3] = {1.0f - p.u - p.v, p.u, p.v};
-    F own[3] = {};
+    Vector3<F> own = {};
     I vertex[3];
     gather_3(mesh.triangles, p.triangle, vertex);
-    for (int k = 0; k < 3; ++k) {
-      F of_vertex[3];
-      gather_3(mesh.normals, vertex[k], of_vertex);
-      for (int a = 0; a < 3; ++a) own[a] = own[a] + weight[k] * of_vertex[a];
-    }
-    F turned[3];
-    transform_normal(m, own, turned);
-    normalize3(turned);
-    const F side = dot_lanes(turned, geometric);
-    const auto is_usable = dot_lanes(turned, turned) > 0.5f;
-    for (int r = 0; r < 3; ++r) {
-      const F towards = side < 0.0f ? 0.0f - turned[r] : turned[r];
-      normal[r] = is_usable ? towards : normal[r];
-    }
+    for (int k = 0; k < 3; ++k) own = own + gather_vector<F>(mesh.normals, vertex[k]) * weight[k];
+    const Vector3<F> turned = normalize(transform_normal(m, own));
+    const Vector3<F> towards = select(dot(turned, geometric) < 0.0f, opposite(turned), turned);
+    normal = select(dot(turned, turned) > 0.5f, towards, normal);
   }
-  if (mesh.normal_uv != nullptr) map_normal(scene, mesh, scatter, m, p, normal);
+  return mesh.normal_uv != nullptr ? map_normal(scene, mesh, m, p, normal) : normal;
 }
 
 // Spectra of the lanes of one mesh; `keep_at(values, b, x)` stores them.
 template <typename F, typename I, typename Store>
-OMMA_HD void eval_spectra(const SceneView& scene, const MeshView& mesh, const ScatterView& scatter,
-                          const Color<F>& base, const SurfacePoint<F, I>& p,
-                          const SpectraMemory& memory, const Store& keep_at) {
+OMMA_HD void eval_spectra(const SceneView& scene, const MeshView& mesh, const Color<F>& base,
+                          const SurfacePoint<F, I>& p, const SpectraMemory& memory,
+                          const Store& keep_at) {
+  const ScatterView& scatter = scene.scatter[mesh.material];
   Color<F> through = base, extra{};
   if (scatter.transmittance != nullptr && !scatter.transmits_base_color) {
     const Vec3 factor = scatter.transmission_color;
@@ -140,8 +114,8 @@ OMMA_HD void eval_spectra(const SceneView& scene, const MeshView& mesh, const Sc
                                           mesh.transmission_uv, mesh.transmission_density, p);
   }
   if (mesh.extra_uv != nullptr && scatter.extra != nullptr)
-    extra = eval_texture_at(scene, mesh, scatter.extra_texture, mesh.extra_uv, mesh.extra_density,
-                            p);
+    extra =
+        eval_texture_at(scene, mesh, scatter.extra_texture, mesh.extra_uv, mesh.extra_density, p);
   const auto of = [](const float* row, const Color<F>& c) {
     return c.r * row[0] + c.g * row[1] + c.b * row[2];
   };
@@ -189,15 +163,20 @@ OMMA_HD void eval_tint(const SceneView& scene, const MeshView& mesh, const Scatt
   }
 }
 
+// What textures of factors are multiplied to.
+template <typename F>
+struct SurfaceFactors {
+  F specular, transmission, coat, coat_roughness;
+};
+
 // Factors of one mesh times their textures.
 template <typename F, typename I>
 OMMA_HD void multiply_factors(const SceneView& scene, const MeshView& mesh,
-                              const SurfacePoint<F, I>& p, F& specular, F& transmission, F& coat,
-                              F& coat_roughness) {
+                              const SurfacePoint<F, I>& p, SurfaceFactors<F>& own) {
   const FactorTextures& textures = *mesh.factors;
   const TextureRead* const reads[] = {&textures.specular, &textures.transmission, &textures.coat,
                                       &textures.coat_roughness};
-  F* const factors[] = {&specular, &transmission, &coat, &coat_roughness};
+  F* const factors[] = {&own.specular, &own.transmission, &own.coat, &own.coat_roughness};
   // A loop, so that the code that reads a texture is there once.
   for (int k = 0; k < 4; ++k) {
     if (reads[k]->texture < 0) continue;
@@ -208,9 +187,9 @@ OMMA_HD void multiply_factors(const SceneView& scene, const MeshView& mesh,
 }
 
 template <typename L>
-OMMA_HD void eval_lit_surfaces(const SceneView& scene, const Packet<L>& packet,
-                               const Hits<L>& hits, const HitGeometry<L>& geometry,
-                               const SpectraMemory& memory, LitSurface<L>& surface) {
+OMMA_HD void eval_lit_surfaces(const SceneView& scene, const Packet<L>& packet, const Hits<L>& hits,
+                               const HitGeometry<L>& geometry, const SpectraMemory& memory,
+                               LitSurface<L>& surface) {
   using F = typename L::F;
   using I = typename L::I;
   for (int l = 0; l < L::count; ++l) surface.material[l] = -1;
@@ -229,28 +208,25 @@ OMMA_HD void eval_lit_surfaces(const SceneView& scene, const Packet<L>& packet,
     const auto set_band = [&](float* values, int b, F value) { set(values + b * L::count, value); };
 
     const Color<F> base = eval_base_color(scene, mesh, p);
-    eval_spectra(scene, mesh, scatter, base, p, memory, set_band);
+    eval_spectra(scene, mesh, base, p, memory, set_band);
     if (scatter.emission != nullptr)
       eval_emitted(scene, mesh, scatter, p,
                    [&](int b, F light) { set_band(memory.emission, b, light); });
 
-    F geometric[3], direction[3];
-    for (int r = 0; r < 3; ++r) {
-      geometric[r] = load<F>(geometry.normal[r] + l);
-      direction[r] = load<F>(packet.rays.direction[r] + l);
-    }
-    const F facing = dot_lanes(geometric, direction);
-    for (F& x : geometric) x = facing > 0.0f ? 0.0f - x : x;
-    F normal[3] = {geometric[0], geometric[1], geometric[2]};
+    const auto facing = load_vector<F>(geometry.normal, l);
+    const auto direction = load_vector<F>(packet.rays.direction, l);
+    const Vector3<F> geometric = select(dot(facing, direction) > 0.0f, opposite(facing), facing);
+    Vector3<F> normal = geometric;
     if (mesh.normals != nullptr || mesh.normal_uv != nullptr) {
       F m[3][4];
       load_frames(scene, hits, l, is_member, m);
-      eval_shading_normal(scene, mesh, scatter, m, p, geometric, normal);
+      normal = eval_shading_normal(scene, mesh, m, p, geometric);
     }
-    for (int r = 0; r < 3; ++r) {
-      set(surface.normal[r], normal[r]);
-      set(surface.geometric[r], geometric[r]);
-    }
+    const auto set_vector = [&](float(&values)[3][L::count], const Vector3<F>& value) {
+      store_vector(values, l, select(is_member, value, load_vector<F>(values, l)));
+    };
+    set_vector(surface.normal, normal);
+    set_vector(surface.geometric, geometric);
 
     F roughness = broadcast<F>(scatter.roughness), metallic = broadcast<F>(scatter.metallic);
     if (mesh.roughness_uv != nullptr) {
@@ -259,22 +235,22 @@ OMMA_HD void eval_lit_surfaces(const SceneView& scene, const Packet<L>& packet,
       roughness = roughness * clamp_unit_lanes(c.g);
       metallic = metallic * clamp_unit_lanes(c.b);
     }
-    F specular = broadcast<F>(scatter.specular), transmission = broadcast<F>(scatter.transmission);
-    F coat = broadcast<F>(scatter.clearcoat);
-    F coat_roughness = broadcast<F>(scatter.clearcoat_roughness);
+    SurfaceFactors<F> own{broadcast<F>(scatter.specular), broadcast<F>(scatter.transmission),
+                          broadcast<F>(scatter.clearcoat),
+                          broadcast<F>(scatter.clearcoat_roughness)};
     if (mesh.factors != nullptr) {
-      multiply_factors(scene, mesh, p, specular, transmission, coat, coat_roughness);
+      multiply_factors(scene, mesh, p, own);
       if (scatter.tint_from_rgb != nullptr)
         eval_tint(scene, mesh, scatter, p, [&](int b, F tint) { set_band(memory.tint, b, tint); });
     }
     set(surface.roughness, roughness);
     set(surface.metallic, metallic);
     set(surface.ior, broadcast<F>(scatter.ior));
-    set(surface.specular, specular);
-    set(surface.transmission, transmission);
+    set(surface.specular, own.specular);
+    set(surface.transmission, own.transmission);
     set(surface.alpha, opacity_of(material, base));
-    set(surface.coat, coat);
-    set(surface.coat_roughness, coat_roughness);
+    set(surface.coat, own.coat);
+    set(surface.coat_roughness, own.coat_roughness);
     set(surface.table, load<I>(hits.mesh + l) * 0 + scatter.albedo_table);
     set(surface.material, keep(is_member, load<I>(hits.mesh + l) * 0 + mesh.material));
   });
@@ -290,11 +266,9 @@ OMMA_HD ScatterSurface<typename L::F> scatter_surface(const SceneView& scene,
   ScatterSurface<F> s;
   const auto is_met = load<I>(surface.material + l) >= 0;
   const auto met = [&](const float* x) { return keep(is_met, load<F>(x + l)); };
-  for (int r = 0; r < 3; ++r) {
-    s.direction[r] = load<F>(rays.direction[r] + l);
-    s.geometric_normal[r] = met(surface.geometric[r]);
-    s.normal[r] = met(surface.normal[r]);
-  }
+  s.direction = load_vector<F>(rays.direction, l);
+  s.geometric_normal = keep(is_met, load_vector<F>(surface.geometric, l));
+  s.normal = keep(is_met, load_vector<F>(surface.normal, l));
   s.roughness = met(surface.roughness);
   s.metallic = met(surface.metallic);
   s.specular = met(surface.specular);

@@ -3,7 +3,7 @@
 // large they are made on the way, by the same steps.
 #pragma once
 
-#include "physics/acceptance.h"
+#include "physics/acceptance_sampling.h"
 #include "physics/sobol.h"
 
 namespace omma {

@@ -38,6 +38,12 @@ struct PassedSurfaces {
   PassedSurface surface[lanes][room];  // in the order they were met
 };
 
+// Forgets all surfaces.
+template <int lanes>
+OMMA_HD void clear(PassedSurfaces<lanes>& passed) {
+  for (int& count : passed.count) count = 0;
+}
+
 // Remembers the surface that a ray met and passes, and moves its near end to where it goes on from.
 template <int lanes>
 OMMA_HD void pass(PassedSurfaces<lanes>& passed, int lane, RayPacket<lanes>& rays) {

@@ -1,12 +1,18 @@
-// The light that comes along rays: surfaces front to back, through those that cover what lies
-// behind in part, and the background behind all. A backend gives one thing, the closest accepted
-// hits of a packet; everything else along rays is here.
+// The unlit path: what comes along the rays of a packet where surfaces send out their own colours.
+// Rays are followed front to back, through surfaces that cover what lies behind in part, to the
+// background:
+//
+//   L = Σ_k α_k C_k Π_{j<k} (1 − α_j),
+//
+// the `over` operator (Porter and Duff 1984). A backend gives one thing, the closest accepted hits
+// of a packet; everything else along rays is here.
 #pragma once
 
 #include "physics/background.h"
+#include "physics/lane_mask.h"
 #include "physics/passed.h"
 #include "physics/surface.h"
-#include "physics/truth.h"
+#include "physics/truth_sums.h"
 
 namespace omma {
 
@@ -21,16 +27,6 @@ struct PacketColor {
   alignas(L::count * 4) float alpha[L::count];
 };
 
-// Nothing found yet.
-template <typename L>
-OMMA_HD void clear_hits(RayPacket<L::count>& rays) {
-  for (int l = 0; l < L::count; ++l) {
-    rays.t_far_m[l] = INFINITY;
-    rays.geometry[l] = none;
-    rays.instance[l] = none;
-  }
-}
-
 // Colours of the lanes that met a surface.
 template <typename L>
 OMMA_HD void eval_surfaces(const SceneView& scene, const RayPacket<L::count>& rays,
@@ -40,11 +36,10 @@ OMMA_HD void eval_surfaces(const SceneView& scene, const RayPacket<L::count>& ra
   for_each_mesh(hits, [&](std::int32_t mesh, int l, const auto& is_member) {
     // Lanes of other meshes, and without a hit, hold anything; they go through as zeros.
     const auto of_members = [&](const float* p) { return keep(is_member, load<F>(p + l)); };
-    const SurfaceColor<F> s =
-        eval_surface(scene, scene.meshes[mesh],
-                     SurfacePoint<F, I>{keep(is_member, load<I>(rays.triangle + l)),
-                                        of_members(rays.u), of_members(rays.v),
-                                        of_members(hits.footprint_m)});
+    const SurfaceColor<F> s = eval_surface(
+        scene, scene.meshes[mesh],
+        SurfacePoint<F, I>{keep(is_member, load<I>(rays.triangle + l)), of_members(rays.u),
+                           of_members(rays.v), of_members(hits.footprint_m)});
     for (int c = 0; c < 3; ++c)
       store(color.rgb[c] + l, is_member ? s.rgb[c] : load<F>(color.rgb[c] + l));
     store(color.alpha + l, is_member ? s.alpha : load<F>(color.alpha + l));
@@ -95,38 +90,47 @@ OMMA_HD void lift(const SceneView& scene, const F (&rgb)[3], const Consume& cons
   }
 }
 
-// Closest hits and the colours there, or the background's.
+// What the rays of a packet are followed in.
 template <typename L, typename Search>
-OMMA_HD void eval_closest(const SceneView& scene, Search& search, const std::int32_t* active,
-                          const PassedSurfaces<L::count>* passed, Packet<L>& packet, Hits<L>& hits,
+struct UnlitFlight {
+  const SceneView& scene;
+  Search& search;
+  Packet<L>& packet;
+  PassedSurfaces<L::count>* passed;  // where surfaces let light through in part, else null
+};
+
+// One step along the rays of some lanes: the closest hits and the colours there, or the
+// background's.
+template <typename L, typename Search>
+OMMA_HD void eval_closest(const UnlitFlight<L, Search>& flight, LaneMask<L> on, Hits<L>& hits,
                           PacketColor<L>& color) {
-  using I = typename L::I;
+  Packet<L>& packet = flight.packet;
+  // Intersect.
   clear_hits<L>(packet.rays);
-  search.closest(active, packet.rays, passed);
-  find_hits<L>(search.placed(), packet, hits);
-  unsigned misses = 0;
-  for (int l = 0; l < L::count; l += L::width)
-    misses |= lane_bits(load<I>(hits.mesh + l) < 0) << l;
-  if (misses != 0) eval_backgrounds<L>(scene, packet, color);
-  eval_surfaces<L>(scene, packet.rays, hits, color);
+  flight.search.closest(on, packet.rays, flight.passed, Spread::together);
+  find_hits<L>(flight.search.placed(), packet, hits);
+  // What the background sends, where nothing was met, and what surfaces do.
+  if ((~lanes_met(hits)).any()) eval_backgrounds<L>(flight.scene, packet, color);
+  eval_surfaces<L>(flight.scene, packet.rays, hits, color);
 }
 
-// Radiance [band][lane] of the rays of a packet, where `valid` [lane] is not 0. `first`: takes what
-// they met first, or null.
+// Radiance [band][lane] of the rays of some lanes of a packet. `first`: takes what they met first,
+// or null.
 template <typename L, typename Search>
-OMMA_HD void eval_path(const SceneView& scene, Search& search, const std::int32_t* valid,
-                       Packet<L>& packet, float* radiance, FirstHits<L>* first = nullptr) {
+OMMA_HD void eval_path(const UnlitFlight<L, Search>& flight, LaneMask<L> on, float* radiance,
+                       FirstHits<L>* first = nullptr) {
   using F = typename L::F;
-  using I = typename L::I;
+  const SceneView& scene = flight.scene;
+  Packet<L>& packet = flight.packet;
   Hits<L> hits;
   PacketColor<L> color;
   const auto colors_at = [&](int l, F(&rgb)[3]) {
     for (int c = 0; c < 3; ++c) rgb[c] = load<F>(color.rgb[c] + l);
   };
 
-  // Nothing lets light through: what is met first is all there is.
-  if (!scene.has_blend) {
-    eval_closest<L>(scene, search, valid, nullptr, packet, hits, color);
+  // Opaque scenes: what is met first is all there is.
+  if (flight.passed == nullptr) {
+    eval_closest(flight, on, hits, color);
     if (first != nullptr) *first = {packet, hits};
     for (int l = 0; l < L::count; l += L::width) {
       F rgb[3];
@@ -136,37 +140,33 @@ OMMA_HD void eval_path(const SceneView& scene, Search& search, const std::int32_
     return;
   }
 
-  // On behind each surface, until nothing gets through.
-  PassedSurfaces<L::count> passed;
-  alignas(L::count * 4) float throughput[L::count];  // fraction of what lies behind that still counts
-  alignas(L::count * 4) std::int32_t active[L::count];
-  for (int l = 0; l < L::count; ++l) {
-    throughput[l] = 1;
-    active[l] = valid[l];
-  }
+  clear(*flight.passed);
+  alignas(L::count * 4) float throughput[L::count];  // Π (1 − α): what lies behind still counts
+  for (int l = 0; l < L::count; ++l) throughput[l] = 1;
   for (int i = 0; i < scene.bands * L::count; ++i) radiance[i] = 0;
-  for (unsigned on = packet_bits<L>(active); on != 0;) {
-    eval_closest<L>(scene, search, active, &passed, packet, hits, color);
+  while (on.any()) {
+    eval_closest(flight, on, hits, color);
     if (first != nullptr) *first = {packet, hits};
     first = nullptr;
-    on = 0;
+    // Composite: what the surface covers of what still counts; paths end where nothing gets
+    // through.
+    LaneMask<L> through;
     for (int l = 0; l < L::count; l += L::width) {
-      const auto is_active = load<I>(active + l) != 0;
+      const auto is_on = on.at(l);
       const F before = load<F>(throughput + l), alpha = load<F>(color.alpha + l);
       F rgb[3];
       colors_at(l, rgb);
       lift(scene, rgb, [&](int b, F x) {
         float* sum = radiance + b * L::count + l;
-        store(sum, is_active ? load<F>(sum) + before * alpha * x : load<F>(sum));
+        store(sum, is_on ? load<F>(sum) + before * alpha * x : load<F>(sum));
       });
       const F after = before * (1.0f - alpha);
-      store(throughput + l, is_active ? after : before);
-      on |= lane_bits(is_active) << l & lane_bits(after > least_throughput) << l;
+      store(throughput + l, is_on ? after : before);
+      through.bits |= lane_bits(after > least_throughput) << l;
     }
-    for (int l = 0; l < L::count; ++l) {
-      active[l] = (on >> l & 1u) != 0 ? -1 : 0;
-      if (active[l] != 0) pass(passed, l, packet.rays);
-    }
+    // On behind the surface.
+    on &= through;
+    on.for_each([&](int l) { pass(*flight.passed, l, packet.rays); });
   }
 }
 

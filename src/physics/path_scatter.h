@@ -1,14 +1,15 @@
 // What the surfaces that a packet met make of light: of a sample of a light, which they scatter
-// towards the eye, and of the path itself, which goes on in one direction of one of their lobes. The
-// two are weighed against each other, each lobe by itself.
+// towards the eye, and of the path itself, which goes on in one direction of one of their lobes.
+// The two are weighed against each other, each lobe by itself (direct_light.h).
 #pragma once
 
 #include "physics/path_light.h"
+#include "physics/vector3.h"
 
 namespace omma {
 
-// How light of a direction is scattered towards the eye by what was met, [lane]: scatter.h's values,
-// over the density with which the direction was chosen, and weighed.
+// How light of a direction is scattered towards the eye by what was met, [lane]: scatter.h's
+// values, over the density with which the direction was chosen, and weighed.
 template <typename L>
 struct Scattered {
   static constexpr int n = L::count;
@@ -21,12 +22,14 @@ struct Scattered {
 
 // Scatters `light` [component][band][lane], which comes from direction `w` [lane] with Stokes
 // vectors by `axis`, towards the eye, in place: by the rays' own reference axes.
-template <typename L>
-OMMA_HD void scatter_light(const SceneView& scene, const Packet<L>& packet,
-                           const Scattered<L>& by, const float (&w)[3][L::count],
-                           const float (&axis)[3][L::count], const PathMemory& memory,
+template <typename L, typename Search>
+OMMA_HD void scatter_light(const Flight<L, Search>& flight, const Scattered<L>& by,
+                           const float (&w)[3][L::count], const float (&axis)[3][L::count],
                            float* light) {
   using F = typename L::F;
+  const SceneView& scene = flight.scene;
+  const Packet<L>& packet = flight.packet;
+  const PathMemory& memory = flight.memory;
   const int stride = scene.bands * L::count;
   for (int l = 0; l < L::count; l += L::width) {
     const F reflected = load<F>(by.reflected + l), transmitted = load<F>(by.transmitted + l);
@@ -40,25 +43,19 @@ OMMA_HD void scatter_light(const SceneView& scene, const Packet<L>& packet,
       dielectric.c = load<F>(by.dielectric[2] + l);
       coat.b = load<F>(by.coat[1] + l);
       coat.c = load<F>(by.coat[2] + l);
-      F d[3], from[3], own[3], across[3], theirs[3], s[3];
-      load_3(packet.rays.direction, l, d);
-      load_3(w, l, from);
-      load_3(packet.reference, l, own);
-      load_3(axis, l, theirs);
-      reflection_axis(d, from, own, s);
+      const auto d = load_vector<F>(packet.rays.direction, l), from = load_vector<F>(w, l);
+      const auto own = load_vector<F>(packet.reference, l), theirs = load_vector<F>(axis, l);
+      const Vector3<F> s = reflection_axis(d, from, own);
       // From the light's axes to s, and from s to the ray's.
-      cross_lanes(from, s, across);
-      before = frame_turn(s, across, theirs);
-      cross_lanes(d, own, across);
-      after = frame_turn(own, across, s);
+      before = frame_turn(s, cross(from, s), theirs);
+      after = frame_turn(own, cross(d, own), s);
     }
     for (int b = 0; b < scene.bands; ++b) {
       const int at = b * L::count + l;
       const F reflectance = load<F>(memory.reflectance + at), tint = load<F>(memory.tint + at);
       const F colour = tint + (1.0f - tint) * schlick;
       const F of_metal = metal * metal_color(reflectance, schlick, gain);
-      const F diffuse =
-          reflected * reflectance + transmitted * load<F>(memory.transmittance + at);
+      const F diffuse = reflected * reflectance + transmitted * load<F>(memory.transmittance + at);
       const F i = load<F>(light + at);
       if (!scene.polarized) {
         store(light + at, (diffuse + dielectric.a * colour + coat.a + of_metal) * i);
@@ -80,9 +77,9 @@ OMMA_HD void scatter_light(const SceneView& scene, const Packet<L>& packet,
 // In place of a lobe: none, where a path ends, and past the surface, which let the light by.
 inline constexpr std::int32_t no_lobe = -1, let_by = -2;
 
-// The way on of the packet's paths, [lane].
+// Where the packet's paths go on, [lane]: a lobe of the surface, and a direction of it.
 template <typename L>
-struct Onward {
+struct ScatteringSample {
   static constexpr int n = L::count;
   alignas(n * 4) float direction[3][n];
   alignas(n * 4) float density[n];   // 0 where the path ends
@@ -100,15 +97,16 @@ struct ScatteringPacket {
   F weight[vectors][lobe_count];  // probability of each lobe for the way on
 };
 
-template <typename L>
-OMMA_HD void make_scattering(const SceneView& scene, const Packet<L>& packet,
-                             const LitSurface<L>& surface, const SpectraMemory& memory,
+template <typename L, typename Search>
+OMMA_HD void make_scattering(const Flight<L, Search>& flight, const LitSurface<L>& surface,
                              ScatteringPacket<L>& scattering) {
   using F = typename L::F;
+  const SceneView& scene = flight.scene;
+  const PathMemory& memory = flight.memory;
   for (int l = 0; l < L::count; l += L::width) {
     const int v = l / L::width;
     ScatterPoint<F>& point = scattering.point[v];
-    point = make_scatter_point(scatter_surface<L>(scene, packet.rays, surface, l));
+    point = make_scatter_point(scatter_surface<L>(scene, flight.packet.rays, surface, l));
     // By what all bands get of each lobe.
     LobeColors<F> colors{};
     for (int b = 0; b < scene.bands; ++b) {
@@ -127,17 +125,17 @@ OMMA_HD void make_scattering(const SceneView& scene, const Packet<L>& packet,
   }
 }
 
-// How the surfaces scatter a sample of light for each lane.
+// How the surfaces scatter a sample of light for each lane: f_j cos θ w_j / p of each lobe j, with
+// the balance heuristic's w_j = p / (p + q_j p_j), or 1 where is_delta.
 template <typename L>
-OMMA_HD void scatter_sample(const ScatteringPacket<L>& scattering,
-                            const float (&to_light)[3][L::count], const float* light_density,
-                            const float* is_delta, Scattered<L>& direct) {
+OMMA_HD void scatter_light_samples(const ScatteringPacket<L>& scattering,
+                                   const float (&to_light)[3][L::count], const float* light_density,
+                                   const float* is_delta, Scattered<L>& direct) {
   using F = typename L::F;
   for (int l = 0; l < L::count; l += L::width) {
     const int v = l / L::width;
     const F(&weight)[lobe_count] = scattering.weight[v];
-    F w[3];
-    load_3(to_light, l, w);
+    const auto w = load_vector<F>(to_light, l);
     const ScatterValue<F> seen = eval_scatter(scattering.point[v], w);
     const F density = load<F>(light_density + l);
     const F over = 1.0f / (density > 0.0f ? density : broadcast<F>(1.0f));
@@ -150,8 +148,8 @@ OMMA_HD void scatter_sample(const ScatteringPacket<L>& scattering,
     const F by_dielectric = weighed(Lobe::dielectric, seen.boundary_pdf);
     const F by_metal = weighed(Lobe::metal, seen.boundary_pdf);
     const F by_coat = weighed(Lobe::coat, seen.coat_pdf);
-    store(direct.reflected + l, seen.diffuse_reflection * weighed(Lobe::diffuse_reflection,
-                                                                  cosine_pdf(seen.cosine)));
+    store(direct.reflected + l,
+          seen.diffuse_reflection * weighed(Lobe::diffuse_reflection, cosine_pdf(seen.cosine)));
     store(direct.transmitted + l,
           seen.diffuse_transmission *
               weighed(Lobe::diffuse_transmission, cosine_pdf(0.0f - seen.cosine)));
@@ -167,10 +165,12 @@ OMMA_HD void scatter_sample(const ScatteringPacket<L>& scattering,
   }
 }
 
-// Where the paths of some lanes go on, and what is left of light from there.
+// Where the paths of some lanes go on: a lobe j by its probability q_j, a direction of it by its
+// density p_j, and what the throughput is multiplied by, f_j cos θ / (q_j p_j).
 template <typename L>
-OMMA_HD void send_on(const Packet<L>& packet, const PathState<L>& state,
-                     const ScatteringPacket<L>& scattering, unsigned lanes, Onward<L>& onward) {
+OMMA_HD void sample_scattering(const Packet<L>& packet, const PathState<L>& state,
+                               const ScatteringPacket<L>& scattering, LaneMask<L> lanes,
+                               ScatteringSample<L>& sample) {
   using F = typename L::F;
   for (int l = 0; l < L::count; l += L::width) {
     const int v = l / L::width;
@@ -178,8 +178,7 @@ OMMA_HD void send_on(const Packet<L>& packet, const PathState<L>& state,
     const auto pair = choose<L>(packet, state, l, Choice::lobe_and_roulette);
     const auto place = choose<L>(packet, state, l, Choice::direction);
     const LobeChoice<F> chosen = choose_lobe(scattering.weight[v], pair.x);
-    F w[3];
-    sample_scatter(chosen.lobe, point, place.x, place.y, w);
+    const Vector3<F> w = sample_scatter(chosen.lobe, point, place.x, place.y);
     const ScatterValue<F> found = eval_scatter(point, w);
     const F own = chosen.probability * pdf_scatter(chosen.lobe, found);
     const auto is = [&](Lobe one) { return chosen.lobe == static_cast<std::int32_t>(one); };
@@ -187,42 +186,47 @@ OMMA_HD void send_on(const Packet<L>& packet, const PathState<L>& state,
     const F inverse = keep(own > 0.0f, 1.0f / (own > 0.0f ? own : broadcast<F>(1.0f)));
     const auto of_lobe = [&](Lobe one, F x) { return keep(is(one), x * inverse); };
     // Light that goes straight on was chosen as before: what reflects it is by `reflected`.
-    const F straight = point.straight / (chosen.probability > 0.0f ? chosen.probability
-                                                                   : broadcast<F>(1.0f));
-    store(onward.by.reflected + l,
+    const F straight =
+        point.straight / (chosen.probability > 0.0f ? chosen.probability : broadcast<F>(1.0f));
+    store(sample.by.reflected + l,
           is_straight ? straight : of_lobe(Lobe::diffuse_reflection, found.diffuse_reflection));
-    store(onward.by.transmitted + l,
+    store(sample.by.transmitted + l,
           of_lobe(Lobe::diffuse_transmission, found.diffuse_transmission));
-    store(onward.by.dielectric[0] + l, of_lobe(Lobe::dielectric, found.dielectric.a));
-    store(onward.by.dielectric[1] + l, of_lobe(Lobe::dielectric, found.dielectric.b));
-    store(onward.by.dielectric[2] + l, of_lobe(Lobe::dielectric, found.dielectric.c));
-    store(onward.by.metal + l, of_lobe(Lobe::metal, found.metal));
-    store(onward.by.metal_gain + l, point.metal_gain);
-    store(onward.by.schlick + l, found.schlick);
-    store(onward.by.coat[0] + l, of_lobe(Lobe::coat, found.coat.a));
-    store(onward.by.coat[1] + l, of_lobe(Lobe::coat, found.coat.b));
-    store(onward.by.coat[2] + l, of_lobe(Lobe::coat, found.coat.c));
-    for (int r = 0; r < 3; ++r) store(onward.direction[r] + l, without_noise(w[r]));
-    store(onward.roulette + l, pair.y);
-    store(onward.density + l, is_straight ? load<F>(state.density + l) : own);
-    const auto goes_on = lanes_on<L>(lanes, l) && chosen.probability > 0.0f;
-    store(onward.lobe + l, goes_on ? chosen.lobe : chosen.lobe * 0 + no_lobe);
+    store(sample.by.dielectric[0] + l, of_lobe(Lobe::dielectric, found.dielectric.a));
+    store(sample.by.dielectric[1] + l, of_lobe(Lobe::dielectric, found.dielectric.b));
+    store(sample.by.dielectric[2] + l, of_lobe(Lobe::dielectric, found.dielectric.c));
+    store(sample.by.metal + l, of_lobe(Lobe::metal, found.metal));
+    store(sample.by.metal_gain + l, point.metal_gain);
+    store(sample.by.schlick + l, found.schlick);
+    store(sample.by.coat[0] + l, of_lobe(Lobe::coat, found.coat.a));
+    store(sample.by.coat[1] + l, of_lobe(Lobe::coat, found.coat.b));
+    store(sample.by.coat[2] + l, of_lobe(Lobe::coat, found.coat.c));
+    store_vector(sample.direction, l, without_noise(w));
+    store(sample.roulette + l, pair.y);
+    store(sample.density + l, is_straight ? load<F>(state.density + l) : own);
+    const auto goes_on = lanes.at(l) && chosen.probability > 0.0f;
+    store(sample.lobe + l, goes_on ? chosen.lobe : chosen.lobe * 0 + no_lobe);
   }
 }
 
-// Throughput and Mueller matrices lengthened by the way on; `most` [lane]: the largest throughput.
-template <typename L>
-OMMA_HD void lengthen(const SceneView& scene, Packet<L>& packet, const Onward<L>& onward,
-                      PathState<L>& state, const PathMemory& memory, float* most) {
+// Throughput and Mueller matrices of paths that have gone on by a sample; `most` [lane]: the
+// largest throughput of a path's bands.
+template <typename L, typename Search>
+OMMA_HD void update_throughput(const Flight<L, Search>& flight, const ScatteringSample<L>& sample,
+                               float* most) {
   using F = typename L::F;
+  const SceneView& scene = flight.scene;
+  Packet<L>& packet = flight.packet;
+  PathState<L>& state = flight.state;
+  const PathMemory& memory = flight.memory;
   using I = typename L::I;
   for (int l = 0; l < L::count; l += L::width) {
-    const Scattered<L>& by = onward.by;
+    const Scattered<L>& by = sample.by;
     const F reflected = load<F>(by.reflected + l), transmitted = load<F>(by.transmitted + l);
     const F metal = load<F>(by.metal + l), schlick = load<F>(by.schlick + l);
     const F gain = load<F>(by.metal_gain + l);
     const F dielectric = load<F>(by.dielectric[0] + l), coat = load<F>(by.coat[0] + l);
-    const I lobe = load<I>(onward.lobe + l);
+    const I lobe = load<I>(sample.lobe + l);
     const auto is_by = lobe == let_by;
     F largest{};
     for (int b = 0; b < scene.bands; ++b) {
@@ -240,12 +244,10 @@ OMMA_HD void lengthen(const SceneView& scene, Packet<L>& packet, const Onward<L>
     if (!scene.polarized) continue;
 
     const auto is = [&](Lobe one) { return lobe == static_cast<std::int32_t>(one); };
-    F d[3], w[3], own[3], across[3], s[3];
-    load_3(packet.rays.direction, l, d);
-    load_3(onward.direction, l, w);
-    load_3(packet.reference, l, own);
-    reflection_axis(d, w, own, s);
-    cross_lanes(d, own, across);
+    const auto d = load_vector<F>(packet.rays.direction, l),
+               w = load_vector<F>(sample.direction, l);
+    const auto own = load_vector<F>(packet.reference, l);
+    const Vector3<F> s = reflection_axis(d, w, own), across = cross(d, own);
     // As parts of what is reflected, which the throughput has.
     const auto is_coat = is(Lobe::coat);
     const auto is_metal = is(Lobe::metal);
@@ -266,12 +268,8 @@ OMMA_HD void lengthen(const SceneView& scene, Packet<L>& packet, const Onward<L>
       store(state.mueller[k] + l, is_straight ? before.m[r][q] : scattered);
     }
     // Any axis across the new ray will do for what was depolarised.
-    F any_axis[3], other[3];
-    make_axes(w, any_axis, other);
-    for (int r = 0; r < 3; ++r) {
-      const F next = is_mirrored ? s[r] : any_axis[r];
-      store(packet.reference[r] + l, is_straight ? own[r] : next);
-    }
+    const Vector3<F> next = select(is_mirrored, s, make_axes(w).tangent);
+    store_vector(packet.reference, l, select(is_straight, own, next));
   }
 }
 

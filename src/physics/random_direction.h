@@ -1,9 +1,9 @@
 // Independent directions around an axis, any number of lanes (physics/lanes.h) at once: a hash, the
-// radius of a pair of normals, the warp of physics/acceptance.h, an azimuth. In floats: the polar
-// angle is within a few 1e-7 of its value in doubles, relative to the acceptance angle.
+// radius of a pair of normals, the warp of physics/acceptance_sampling.h, an azimuth. In floats:
+// the polar angle is within a few 1e-7 of its value in doubles, relative to the acceptance angle.
 #pragma once
 
-#include "physics/acceptance.h"
+#include "physics/acceptance_sampling.h"
 #include "physics/hash.h"
 #include "physics/lanes.h"
 

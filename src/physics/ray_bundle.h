@@ -6,7 +6,9 @@
 // widens by the rounding of the box test itself).
 #pragma once
 
+#include "physics/lane_mask.h"
 #include "physics/search_lanes.h"
+#include "physics/vector3.h"
 
 namespace omma {
 
@@ -42,6 +44,16 @@ template <typename L>
 struct RayFrame {
   const float (*origin)[L::count];
   const float (*direction)[L::count];
+
+  // Of lanes from l on.
+  OMMA_HD Vector3<typename L::F> load_origin(int l) const {
+    using F = typename L::F;
+    return {load<F>(origin[0] + l), load<F>(origin[1] + l), load<F>(origin[2] + l)};
+  }
+  OMMA_HD Vector3<typename L::F> load_direction(int l) const {
+    using F = typename L::F;
+    return {load<F>(direction[0] + l), load<F>(direction[1] + l), load<F>(direction[2] + l)};
+  }
 };
 
 // The bundle of the first of those lanes and all that go with it.
@@ -62,7 +74,7 @@ OMMA_HD void make_bundle(const RayFrame<L>& frame, const float (&t_near_m)[L::co
 
   // Idle lanes repeat the first ray of the bundle.
   const auto lane = [&](const float* values, int l) {
-    return lanes_of<L>(bundle.lanes, l) ? load<F>(values + l) : broadcast<F>(values[first]);
+    return LaneMask<L>{bundle.lanes}.at(l) ? load<F>(values + l) : broadcast<F>(values[first]);
   };
   const auto span = [&](const float* values, float& lowest, float& highest) {
     unsigned others_than_first = 0;
@@ -187,7 +199,7 @@ OMMA_HD float furthest(const float (&t_far_m)[L::count], unsigned lanes) {
   using F = typename L::F;
   F far = broadcast<F>(0.0f);
   for (int l = 0; l < L::count; l += L::width)
-    far = most(lanes_of<L>(lanes, l) ? load<F>(t_far_m + l) : far, far);
+    far = most(LaneMask<L>{lanes}.at(l) ? load<F>(t_far_m + l) : far, far);
   return most_lane(far) * hit_slack;
 }
 

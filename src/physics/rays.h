@@ -7,6 +7,7 @@
 #include "physics/random_direction.h"
 #include "physics/ray_packet.h"
 #include "physics/units.h"
+#include "physics/vector3.h"
 
 namespace omma {
 
@@ -21,7 +22,7 @@ struct Packet {
   alignas(L::count * 4) std::int32_t sample[L::count];
   alignas(L::count * 4) float reference[3][L::count];
   alignas(L::count * 4) float acceptance_sr[L::count];  // of rays from the eye (counts_by_rays)
-  std::int32_t ommatidium[L::count];  // in its block, where errors of cells are summed up
+  std::int32_t ommatidium[L::count];    // in its block, where errors of cells are summed up
   std::uint32_t light_sees = all_seen;  // the mask of rays that go on from surfaces, and to lights
 };
 
@@ -41,6 +42,10 @@ OMMA_HD void clear(RayPacket<L::count>& rays) {
 template <typename F>
 OMMA_HD F without_noise(F component) {
   return component < 1e-9f && component > -1e-9f ? component * 0.0f : component;
+}
+template <typename F>
+OMMA_HD Vector3<F> without_noise(const Vector3<F>& v) {
+  return {without_noise(v.x), without_noise(v.y), without_noise(v.z)};
 }
 
 // Points all over the unit disc for samples of units: a lattice of two irrational steps (the
@@ -63,25 +68,25 @@ OMMA_HD DiscPoints<typename L::F> disc_points(typename L::I hash, typename L::I 
   return {radius * a.cosine, radius * a.sine};
 }
 
-// The up vector of an ommatidium carried along by the shortest turn from its axis to a ray: the lens
-// bends light that comes along the ray into the rhabdom, which lies along the axis. All unit, up
-// across the axis.
+// The up vector of an ommatidium carried along by the shortest turn from its axis to a ray: the
+// lens bends light that comes along the ray into the rhabdom, which lies along the axis. All unit,
+// up across the axis.
 template <typename F>
-OMMA_HD void turn_with(const F (&axis)[3], const F (&ray)[3], const F (&up)[3], F (&turned)[3]) {
-  const F along = up[0] * ray[0] + up[1] * ray[1] + up[2] * ray[2];
-  const F cosine = axis[0] * ray[0] + axis[1] * ray[1] + axis[2] * ray[2];
+OMMA_HD Vector3<F> turn_with(const Vector3<F>& axis, const Vector3<F>& ray, const Vector3<F>& up) {
+  const F along = dot(up, ray), cosine = dot(axis, ray);
   // Straight behind the axis there are many shortest turns; the bound takes one of them.
   const F over = 1.0f + cosine;
   const F part = along / (over > 1e-6f ? over : broadcast<F>(1e-6f));
-  for (int r = 0; r < 3; ++r) turned[r] = up[r] - part * (axis[r] + ray[r]);
-  const F length = sqrt_lanes(turned[0] * turned[0] + turned[1] * turned[1] + turned[2] * turned[2]);
-  for (F& x : turned) x /= length;
+  const Vector3<F> turned = up - (axis + ray) * part;
+  const F length = sqrt_lanes(dot(turned, turned));
+  return {turned.x / length, turned.y / length, turned.z / length};
 }
 
-// Which samples of a pattern belong to a part of it: one of each 2^part_bits that follow each other,
-// in each another one, by the bits of its number reversed and the part's (as in Hammersley's points).
-// Neighbours in a pattern are near each other, and always the same ones of them would all be off to
-// the same side. Behind the last full number of them there is one for each of the first parts.
+// Which samples of a pattern belong to a part of it: one of each 2^part_bits that follow each
+// other, in each another one, by the bits of its number reversed and the part's (as in Hammersley's
+// points). Neighbours in a pattern are near each other, and always the same ones of them would all
+// be off to the same side. Behind the last full number of them there is one for each of the first
+// parts.
 template <typename I>
 OMMA_HD I sample_of_part(const DirectionsView& directions, I number) {
   const int bits = directions.part_bits;
@@ -92,12 +97,18 @@ OMMA_HD I sample_of_part(const DirectionsView& directions, I number) {
   return first + (number < directions.pattern_samples >> bits ? own : number * 0 + directions.part);
 }
 
-// Writes L::width rays from lane l on: the first is sample `sample` of unit `unit`.
+// Where a packet stands: its first ray is sample `sample` of unit `unit`; `filled` lanes hold rays.
+struct PacketPlace {
+  int unit, sample, filled;
+};
+
+// Writes L::width rays from lane l on, the first that of a place.
 template <typename L>
 OMMA_HD void write_rays(const DirectionsView& directions, const Units& units, int last_unit,
-                        int unit, int sample, float per_sample, Packet<L>& packet, int l) {
+                        const PacketPlace& place, Packet<L>& packet, int l) {
   using F = typename L::F;
   using I = typename L::I;
+  const int unit = place.unit, sample = place.sample;
   const auto write = [&](LocalDirection<F> d, const auto& of_unit, const auto& points,
                          const auto& hash, I sample_of_unit) {
     RayPacket<L::count>& rays = packet.rays;
@@ -115,31 +126,25 @@ OMMA_HD void write_rays(const DirectionsView& directions, const Units& units, in
       const F radius = of_unit(units.aperture_radius_m);
       disc = {disc.x * radius, disc.y * radius};
     }
-    for (int r = 0; r < 3; ++r) {
-      const F from = of_unit(units.origin[r]);
-      store(rays.origin[r] + l, units.has_apertures ? from + of_unit(units.s[r]) * disc.x +
-                                                          of_unit(units.t[r]) * disc.y
-                                                    : from);
-      store(rays.direction[r] + l,
-            without_noise(of_unit(units.s[r]) * d.x + of_unit(units.t[r]) * d.y +
-                          of_unit(units.axis[r]) * d.z));
-    }
+    const auto vector_of_unit = [&](const float(&values)[3][unit_room]) {
+      return Vector3<F>{of_unit(values[0]), of_unit(values[1]), of_unit(values[2])};
+    };
+    const Vector3<F> s = vector_of_unit(units.s), t = vector_of_unit(units.t);
+    const Vector3<F> axis = vector_of_unit(units.axis);
+    Vector3<F> origin = vector_of_unit(units.origin);
+    if (units.has_apertures) origin = origin + s * disc.x + t * disc.y;
+    const Vector3<F> direction = without_noise(s * d.x + t * d.y + axis * d.z);
+    store_vector(rays.origin, l, origin);
+    store_vector(rays.direction, l, direction);
     store(rays.t_near_m + l, of_unit(units.t_near_m));
     store(packet.footprint_rad + l, of_unit(units.footprint_rad));
-    if (units.has_choices) {
+    if (units.needs.choices) {
       store(packet.hash + l, hash());
       store(packet.sample + l, sample_of_unit);
       store(packet.acceptance_sr + l, of_unit(units.acceptance_sr));
     }
-    if (!units.has_axes) return;
-    F axis[3], ray[3], up[3], turned[3];
-    for (int r = 0; r < 3; ++r) {
-      axis[r] = of_unit(units.axis[r]);
-      ray[r] = load<F>(rays.direction[r] + l);
-      up[r] = of_unit(units.up[r]);
-    }
-    turn_with(axis, ray, up, turned);
-    for (int r = 0; r < 3; ++r) store(packet.reference[r] + l, turned[r]);
+    if (!units.needs.axes) return;
+    store_vector(packet.reference, l, turn_with(axis, direction, vector_of_unit(units.up)));
   };
 
   // All lanes are one unit's: straight from its pattern.
@@ -147,19 +152,20 @@ OMMA_HD void write_rays(const DirectionsView& directions, const Units& units, in
   const int samples = directions.samples, plane = directions.pattern_samples;
   if (directions.patterns > 0 && directions.part_bits == 0 && sample + L::width <= samples) {
     const float* p = local + units.directions[unit] + sample;
-    write({load<F>(p), load<F>(p + plane), load<F>(p + 2 * plane)},
-          [&](const float* values) { return broadcast<F>(values[unit]); },
-          [&] {
-            return disc_points<L>(lane_numbers<L>() * 0 + units.hash[unit],
-                                  lane_numbers<L>() + sample);
-          },
-          [&] { return lane_numbers<L>() * 0 + units.hash[unit]; }, lane_numbers<L>() + sample);
+    write(
+        {load<F>(p), load<F>(p + plane), load<F>(p + 2 * plane)},
+        [&](const float* values) { return broadcast<F>(values[unit]); },
+        [&] {
+          return disc_points<L>(lane_numbers<L>() * 0 + units.hash[unit],
+                                lane_numbers<L>() + sample);
+        },
+        [&] { return lane_numbers<L>() * 0 + units.hash[unit]; }, lane_numbers<L>() + sample);
     return;
   }
 
   // Units that the lanes are ahead of the first one, and their sample within those.
   const I lane_sample = lane_numbers<L>() + sample;
-  I ahead = to_int((to_float(lane_sample) + 0.5f) * per_sample);
+  I ahead = to_int((to_float(lane_sample) + 0.5f) * (1.0f / static_cast<float>(samples)));
   const I local_sample = sample_of_part(directions, lane_sample - ahead * samples);
   ahead = ahead > last_unit - unit ? ahead * 0 + (last_unit - unit) : ahead;
   LocalDirection<F> d;
@@ -189,11 +195,6 @@ OMMA_HD void write_rays(const DirectionsView& directions, const Units& units, in
       [&] { return gather(units.hash + unit, ahead); }, local_sample);
 }
 
-// Where a packet stands: its first ray is sample `sample` of unit `unit`; `filled` lanes hold rays.
-struct PacketPlace {
-  int unit, sample, filled;
-};
-
 // Writes the rays of all units into packets, in order, and hands each one to `consume`.
 template <typename L, typename Consume>
 OMMA_HD void for_each_packet(const DirectionsView& directions, const Units& units, int unit_count,
@@ -205,7 +206,7 @@ OMMA_HD void for_each_packet(const DirectionsView& directions, const Units& unit
     if (left < L::count) place.filled = static_cast<int>(left);
     int unit = place.unit, sample = place.sample;
     for (int l = 0; l < L::count; l += L::width) {
-      write_rays<L>(directions, units, unit_count - 1, unit, sample, per_sample, packet, l);
+      write_rays<L>(directions, units, unit_count - 1, {unit, sample, 0}, packet, l);
       sample += L::width;
       const int ahead = static_cast<int>((static_cast<float>(sample) + 0.5f) * per_sample);
       unit += ahead;

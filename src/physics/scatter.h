@@ -27,6 +27,7 @@
 
 #include "physics/fresnel.h"
 #include "physics/specular_albedo.h"
+#include "physics/vector3.h"
 
 namespace omma {
 
@@ -46,9 +47,9 @@ inline constexpr float coat_ior = 1.5f;  // KHR_materials_clearcoat
 // direction too, and zeros otherwise.
 template <typename F>
 struct ScatterSurface {
-  F direction[3];         // of the ray, towards the surface
-  F geometric_normal[3];  // of the triangle, towards the viewer
-  F normal[3];            // what light is shaded by, on the same side of the triangle
+  Vector3<F> direction;         // of the ray, towards the surface
+  Vector3<F> geometric_normal;  // of the triangle, towards the viewer
+  Vector3<F> normal;            // what light is shaded by, on the same side of the triangle
   F roughness, metallic, specular, transmission, ior;
   F coat, coat_roughness;
   const float* albedo_tables;   // [table][albedo_floats], make_specular_albedo of its ior
@@ -67,10 +68,10 @@ struct RoughBoundary {
 // All that does not depend on the direction of the light.
 template <typename F>
 struct ScatterPoint {
-  F tangent[3], bitangent[3], normal[3], geometric_normal[3], direction[3];
+  Vector3<F> tangent, bitangent, normal, geometric_normal, direction;
   // By which the base is lit: the surface's own, not bent towards the viewer, so that what falls on
   // it is the same whoever looks.
-  F base_normal[3];
+  Vector3<F> base_normal;
   LocalDirection<F> o;  // towards the viewer, in the frame of tangent, bitangent, normal
   F ior, specular, coat;
   RoughBoundary<F> boundary, coat_boundary;
@@ -104,30 +105,36 @@ struct ScatterValue {
 inline constexpr float least_cosine = 1e-3f;
 
 template <typename F>
-OMMA_HD void bend_normal(const F (&normal)[3], const F (&direction)[3], F (&out)[3]) {
-  const F lacking = least_cosine + dot_lanes(normal, direction);
+OMMA_HD Vector3<F> bend_normal(const Vector3<F>& normal, const Vector3<F>& direction) {
+  const F lacking = least_cosine + dot(normal, direction);
   const F bend = lacking > 0.0f ? lacking : broadcast<F>(0.0f);
-  for (int r = 0; r < 3; ++r) out[r] = normal[r] - bend * direction[r];
-  const F unit = 1.0f / sqrt_lanes(dot_lanes(out, out));
-  for (int r = 0; r < 3; ++r) out[r] = out[r] * unit;
+  const Vector3<F> bent = normal - direction * bend;
+  return bent * (1.0f / sqrt_lanes(dot(bent, bent)));
 }
 
-// Two axes across a unit vector: Duff et al. 2017, listing 3.
+// Two axes across a unit vector.
 template <typename F>
-OMMA_HD void make_axes(const F (&n)[3], F (&tangent)[3], F (&bitangent)[3]) {
-  const F sign = n[2] < 0.0f ? broadcast<F>(-1.0f) : broadcast<F>(1.0f);
-  const F a = -1.0f / (sign + n[2]), b = n[0] * n[1] * a;
-  tangent[0] = 1.0f + sign * n[0] * n[0] * a;
-  tangent[1] = sign * b;
-  tangent[2] = -sign * n[0];
-  bitangent[0] = b;
-  bitangent[1] = sign + n[1] * n[1] * a;
-  bitangent[2] = -n[1];
+struct Axes {
+  Vector3<F> tangent, bitangent;
+};
+
+// Duff et al. 2017, listing 3.
+template <typename F>
+OMMA_HD Axes<F> make_axes(const Vector3<F>& n) {
+  const F sign = n.z < 0.0f ? broadcast<F>(-1.0f) : broadcast<F>(1.0f);
+  const F a = -1.0f / (sign + n.z), b = n.x * n.y * a;
+  return {{1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}};
 }
 
 template <typename F>
-OMMA_HD LocalDirection<F> to_local(const ScatterPoint<F>& p, const F (&w)[3]) {
-  return {dot_lanes(p.tangent, w), dot_lanes(p.bitangent, w), dot_lanes(p.normal, w)};
+OMMA_HD LocalDirection<F> to_local(const ScatterPoint<F>& p, const Vector3<F>& w) {
+  return {dot(p.tangent, w), dot(p.bitangent, w), dot(p.normal, w)};
+}
+// And back, about a normal.
+template <typename F>
+OMMA_HD Vector3<F> from_local(const Axes<F>& axes, const Vector3<F>& normal,
+                              const LocalDirection<F>& d) {
+  return axes.tangent * d.x + axes.bitangent * d.y + normal * d.z;
 }
 
 template <typename F>
@@ -140,13 +147,13 @@ template <typename F>
 OMMA_HD ScatterPoint<F> make_scatter_point(const ScatterSurface<F>& s) {
   const F one = broadcast<F>(1.0f);
   ScatterPoint<F> p;
-  for (int r = 0; r < 3; ++r) {
-    p.geometric_normal[r] = s.geometric_normal[r];
-    p.direction[r] = s.direction[r];
-    p.base_normal[r] = s.normal[r];
-  }
-  bend_normal(s.normal, s.direction, p.normal);
-  make_axes(p.normal, p.tangent, p.bitangent);
+  p.geometric_normal = s.geometric_normal;
+  p.direction = s.direction;
+  p.base_normal = s.normal;
+  p.normal = bend_normal(s.normal, s.direction);
+  const Axes<F> axes = make_axes(p.normal);
+  p.tangent = axes.tangent;
+  p.bitangent = axes.bitangent;
   const LocalDirection<F> away = to_local(p, s.direction);
   p.o = {-away.x, -away.y, -away.z};
   p.ior = s.ior;
@@ -198,10 +205,10 @@ OMMA_HD F eval_entering(const ScatterPoint<F>& p, F cos_w) {
 // `w`: a unit vector towards the light. Light reaches the viewer from the viewer's side of both the
 // triangle and the normal of the lobe by reflection, from the far side of both through the sheet.
 template <typename F>
-OMMA_HD ScatterValue<F> eval_scatter(const ScatterPoint<F>& p, const F (&w)[3]) {
+OMMA_HD ScatterValue<F> eval_scatter(const ScatterPoint<F>& p, const Vector3<F>& w) {
   const LocalDirection<F> local = to_local(p, w);
-  const F side = dot_lanes(p.geometric_normal, w), cosine = local.z;
-  const F on_base = dot_lanes(p.base_normal, w);
+  const F side = dot(p.geometric_normal, w), cosine = local.z;
+  const F on_base = dot(p.base_normal, w);
   const auto reflects = cosine > 0.0f && side > 0.0f;
   const auto below_1 = [](F x) {
     const F size = x < 0.0f ? -x : x;
@@ -249,19 +256,17 @@ OMMA_HD F pdf_scatter(I lobe, const ScatterValue<F>& value) {
   return is(Lobe::coat) ? value.coat_pdf : pdf;
 }
 template <typename F, typename I>
-OMMA_HD F pdf_scatter(I lobe, const ScatterPoint<F>& point, const F (&w)[3]) {
+OMMA_HD F pdf_scatter(I lobe, const ScatterPoint<F>& point, const Vector3<F>& w) {
   return pdf_scatter(lobe, eval_scatter(point, w));
 }
 
 // A direction of a lobe for two numbers in [0, 1), unit; eval_scatter may be 0 there.
 template <typename F, typename I>
-OMMA_HD void sample_scatter(I lobe, const ScatterPoint<F>& p, F u0, F u1, F (&w)[3]) {
+OMMA_HD Vector3<F> sample_scatter(I lobe, const ScatterPoint<F>& p, F u0, F u1) {
   const auto is = [&](Lobe one) { return lobe == static_cast<std::int32_t>(one); };
   const auto is_boundary = is(Lobe::dielectric) || is(Lobe::metal);
   LocalDirection<F> diffuse = sample_cosine(u0, u1), local = diffuse;
   diffuse.z = is(Lobe::diffuse_transmission) ? -diffuse.z : diffuse.z;
-  F across[3], along[3];
-  make_axes(p.base_normal, across, along);
   const auto is_diffuse = is(Lobe::diffuse_reflection) || is(Lobe::diffuse_transmission);
   const auto take = [&](const auto& those, const LocalDirection<F>& d) {
     local.x = those ? d.x : local.x;
@@ -271,12 +276,9 @@ OMMA_HD void sample_scatter(I lobe, const ScatterPoint<F>& p, F u0, F u1, F (&w)
   if (any_lane(is_boundary)) take(is_boundary, sample_microfacet(p.o, p.boundary.alpha, u0, u1));
   if (p.coat_table != nullptr)
     take(is(Lobe::coat), sample_microfacet(p.o, p.coat_boundary.alpha, u0, u1));
-  for (int r = 0; r < 3; ++r) {
-    const F mirrored = p.tangent[r] * local.x + p.bitangent[r] * local.y + p.normal[r] * local.z;
-    const F scattered = across[r] * diffuse.x + along[r] * diffuse.y + p.base_normal[r] * diffuse.z;
-    const F turned = is_diffuse ? scattered : mirrored;
-    w[r] = is(Lobe::straight) ? p.direction[r] : turned;
-  }
+  const Vector3<F> mirrored = from_local({p.tangent, p.bitangent}, p.normal, local);
+  const Vector3<F> scattered = from_local(make_axes(p.base_normal), p.base_normal, diffuse);
+  return select(is(Lobe::straight), p.direction, select(is_diffuse, scattered, mirrored));
 }
 
 // What a metal reflects in a band, over what its facets would if they were white and hid each other

@@ -1,5 +1,5 @@
-// What the search of a hierarchy does side by side besides the rays of a packet: the eight children of
-// a node, the four triangles of a block. On a graphics card, where every ray is a thread, each of
+// What the search of a hierarchy does side by side besides the rays of a packet: the eight children
+// of a node, the four triangles of a quad. On a graphics card, where every ray is a thread, each of
 // these goes one by one.
 #pragma once
 
@@ -11,8 +11,8 @@ namespace omma {
 #if defined(__CUDACC__)
 inline constexpr int child_lanes = 1;
 using ChildFloats = float;
-inline constexpr int block_lanes = 1;
-using BlockFloats = float;
+inline constexpr int quad_lanes = 1;
+using QuadFloats = float;
 OMMA_HD float read_children(const std::uint8_t* byte) {
   return static_cast<float>(*byte);
 }
@@ -20,8 +20,8 @@ OMMA_HD unsigned child_bits(bool condition) {
   return condition ? 1u : 0u;
 }
 #else
-inline constexpr int block_lanes = 4;
-using BlockFloats = float __attribute__((vector_size(16)));
+inline constexpr int quad_lanes = 4;
+using QuadFloats = float __attribute__((vector_size(16)));
 #if defined(__AVX2__)
 inline constexpr int child_lanes = 8;
 using ChildFloats = float __attribute__((vector_size(32)));
@@ -67,11 +67,7 @@ OMMA_HD float most_lane(float x) {
 // Each lane beside the one `step` away from it, in a circle.
 template <int step, int... k>
 OMMA_HD Floats turn_lanes(Floats x, std::integer_sequence<int, k...>) {
-#if defined(__clang__) || __GNUC__ >= 12
-  return __builtin_shufflevector(x, x, ((k + step) % lane_width)...);
-#else  // GCC 11 knows the same under another name
-  return __builtin_shuffle(x, Ints{((k + step) % lane_width)...});
-#endif
+  return shuffle(x, x, std::integer_sequence<int, ((k + step) % lane_width)...>{});
 }
 template <int step = lane_width / 2>
 OMMA_HD Floats least_of_all(Floats x) {
@@ -88,17 +84,5 @@ OMMA_HD float most_lane(Floats x) {
   return -least_of_all(-x)[0];
 }
 #endif
-
-// Of a bit for each ray of a packet, those from ray l on, as a comparison's result.
-template <typename L>
-OMMA_HD auto lanes_of(unsigned bits, int l) {
-  if constexpr (L::width == 1) {
-    return (bits >> l & 1u) != 0;
-  } else {
-    typename L::I bit;
-    for (int i = 0; i < L::width; ++i) bit[i] = 1 << i;
-    return (bit & static_cast<std::int32_t>(bits >> l)) != 0;
-  }
-}
 
 }  // namespace omma

@@ -6,6 +6,7 @@
 
 #include "physics/light_view.h"
 #include "physics/random_direction.h"
+#include "physics/vector3.h"
 
 namespace omma {
 
@@ -25,21 +26,22 @@ OMMA_HD F angle_in_quadrant(F x, F y) {
   return y > x ? 1.57079633f - angle : angle;
 }
 
-// Where directions lie among the nodes of a sky.
+// Where directions are looked up among the nodes of a sky.
 template <typename F, typename I>
-struct SkyPlaces {
+struct SkyLookup {
   I half = {};  // 0: above the horizon, and the horizon itself; 1: below
-  // Nodes at or before it, the column to the right, and how far on to the next row and column, 0 to 1.
+  // Nodes at or before it, the column to the right, and how far on to the next row and column, 0
+  // to 1.
   I row = {}, column = {}, next = {};
   F along_row = {}, along_column = {};
 };
-using SkyPlace = SkyPlaces<float, std::int32_t>;
+using OneSkyLookup = SkyLookup<float, std::int32_t>;
 
 template <typename F>
 OMMA_HD auto find_on_sky(const SkyView& sky, F x, F y, F z) {
   using I = decltype(to_int(x));
   const auto size = [](F value) { return value < 0.0f ? 0.0f - value : value; };
-  SkyPlaces<F, I> place;
+  SkyLookup<F, I> place;
   const I one = to_int(broadcast<F>(1.0f));
   place.half = keep(y < 0.0f, one);
   const F row = angle_in_quadrant(sqrt_lanes(x * x + z * z), size(y)) * sky.rows_per_rad;
@@ -63,18 +65,25 @@ OMMA_HD auto find_on_sky(const SkyView& sky, F x, F y, F z) {
 }
 
 // The cell of a place, in tables of cells.
-OMMA_HD std::ptrdiff_t cell_of(const SkyView& sky, const SkyPlace& place) {
+OMMA_HD std::ptrdiff_t cell_of(const SkyView& sky, const OneSkyLookup& place) {
   const std::int32_t row = place.half * (sky.rows - 1) + place.row;
   return static_cast<std::ptrdiff_t>(row) * sky.columns + place.column;
 }
 
-// Between columns as far apart as 360 of them are, or less, axes are not turned: of a polarisation that
-// is one all about the zenith 2 pi^2 / columns^2 is lost at most, 1.5e-4.
+// Between columns as far apart as 360 of them are, or less, axes are not turned: of a polarisation
+// that is one all about the zenith 2 pi^2 / columns^2 is lost at most, 1.5e-4.
 inline constexpr int even_columns = 360;
 
-// Radiance of the sky at the place of a direction, all bands, `components` of I, Q, U.
-OMMA_HD void eval_sky(const LightView& light, Vec3 d, const SkyPlace& place, int components,
-                      float* stokes, int band_stride, int component_stride) {
+// Where Stokes vectors of all bands go: `components` 1 (I) or 3 (I, Q, U), at
+// stokes[component * component_stride + band * band_stride].
+struct StokesOut {
+  float* stokes;
+  int components, band_stride, component_stride;
+};
+
+// Radiance of the sky at the place of a direction.
+OMMA_HD void eval_sky(const LightView& light, Vec3 d, const OneSkyLookup& place,
+                      const StokesOut& to) {
   const SkyView& sky = light.sky;
   const int channels = sky.channels;
   const std::ptrdiff_t row = (static_cast<std::ptrdiff_t>(place.half) * sky.rows + place.row);
@@ -85,16 +94,16 @@ OMMA_HD void eval_sky(const LightView& light, Vec3 d, const SkyPlace& place, int
               we = right * high;
   alignas(64) float mixed[most_bands];
   const auto put = [&](int component) {
-    float* out = stokes + component * component_stride;
+    float* out = to.stokes + component * to.component_stride;
     if (sky.band_from_channel == nullptr) {
-      for (int k = 0; k < channels; ++k) out[k * band_stride] = mixed[k];
+      for (int k = 0; k < channels; ++k) out[k * to.band_stride] = mixed[k];
       return;
     }
     for (int k = 0; k < light.bands; ++k) {
       const float* weights = sky.band_from_channel + k * channels;
       float sum = 0;
       for (int i = 0; i < channels; ++i) sum += weights[i] * mixed[i];
-      out[k * band_stride] = sum;
+      out[k * to.band_stride] = sum;
     }
   };
   {
@@ -105,10 +114,11 @@ OMMA_HD void eval_sky(const LightView& light, Vec3 d, const SkyPlace& place, int
     for (int k = 0; k < channels; ++k) mixed[k] = wa * a[k] + wb * b[k] + wc * c[k] + we * e[k];
     put(0);
   }
-  if (components == 1) return;
+  if (to.components == 1) return;
   if (sky.polarisation == nullptr) {
     for (int p = 1; p < 3; ++p)
-      for (int k = 0; k < light.bands; ++k) stokes[p * component_stride + k * band_stride] = 0;
+      for (int k = 0; k < light.bands; ++k)
+        to.stokes[p * to.component_stride + k * to.band_stride] = 0;
     return;
   }
   const float* a = sky.polarisation + (first + place.column) * 2 * channels;
@@ -152,7 +162,7 @@ OMMA_HD float chord_2(Vec3 a, Vec3 b) {
 }
 
 // Where light from afar in a unit direction is to be looked up.
-OMMA_HD SkyPlace find_far(const LightView& light, Vec3 d) {
+OMMA_HD OneSkyLookup find_far(const LightView& light, Vec3 d) {
   if (light.sky.rows == 0) return {};
   return find_on_sky(light.sky, d.x, d.y, d.z);
 }
@@ -175,20 +185,19 @@ OMMA_HD void add_discs(const LightView& light, Vec3 d, float* stokes, int band_s
 }
 
 // Radiance of the sky at the place of a unit direction, also where there is none.
-OMMA_HD void eval_sky_or_dark(const LightView& light, Vec3 d, const SkyPlace& place, int components,
-                              float* stokes, int band_stride, int component_stride) {
-  if (light.sky.rows > 0)
-    return eval_sky(light, d, place, components, stokes, band_stride, component_stride);
-  for (int p = 0; p < components; ++p)
-    for (int k = 0; k < light.bands; ++k) stokes[p * component_stride + k * band_stride] = 0;
+OMMA_HD void eval_sky_or_dark(const LightView& light, Vec3 d, const OneSkyLookup& place,
+                              const StokesOut& to) {
+  if (light.sky.rows > 0) return eval_sky(light, d, place, to);
+  for (int p = 0; p < to.components; ++p)
+    for (int k = 0; k < light.bands; ++k)
+      to.stokes[p * to.component_stride + k * to.band_stride] = 0;
 }
 
-// Radiance of sky and discs in a unit direction, whose place find_far gave: all bands, `components`
-// 1 (I) or 3 (I, Q, U), at stokes[component * component_stride + band * band_stride].
-OMMA_HD void eval_far(const LightView& light, Vec3 d, const SkyPlace& place, int components,
-                      float* stokes, int band_stride, int component_stride) {
-  eval_sky_or_dark(light, d, place, components, stokes, band_stride, component_stride);
-  add_discs(light, d, stokes, band_stride);
+// Radiance of sky and discs in a unit direction, whose place find_far gave.
+OMMA_HD void eval_far(const LightView& light, Vec3 d, const OneSkyLookup& place,
+                      const StokesOut& to) {
+  eval_sky_or_dark(light, d, place, to);
+  add_discs(light, d, to.stokes, to.band_stride);
 }
 
 // Probability per solid angle with which sample_far gives a unit direction that lies in discs.
@@ -201,7 +210,7 @@ OMMA_HD float discs_pdf(const LightView& light, Vec3 d) {
 }
 
 // The same of any unit direction, whose place find_far gave.
-OMMA_HD float far_pdf(const LightView& light, Vec3 d, const SkyPlace& place) {
+OMMA_HD float far_pdf(const LightView& light, Vec3 d, const OneSkyLookup& place) {
   const SkyView& sky = light.sky;
   const float of_discs = discs_pdf(light, d);
   if (sky.rows == 0) return of_discs;
@@ -212,7 +221,7 @@ OMMA_HD float far_pdf(const LightView& light, Vec3 d) {
 }
 OMMA_HD void eval_far(const LightView& light, Vec3 d, int components, float* stokes,
                       int band_stride, int component_stride) {
-  eval_far(light, d, find_far(light, d), components, stokes, band_stride, component_stride);
+  eval_far(light, d, find_far(light, d), {stokes, components, band_stride, component_stride});
 }
 
 struct DirectionSample {
@@ -222,7 +231,7 @@ struct DirectionSample {
 
 // A direction in a cell of the sky, evenly by solid angle, of u0 and u1 in [0, 1).
 template <typename F>
-OMMA_HD void sample_sky(const SkyView& sky, F u0, F u1, F (&direction)[3]) {
+OMMA_HD Vector3<F> sample_sky(const SkyView& sky, F u0, F u1) {
   using I = decltype(to_int(u0));
   const std::int32_t cell_rows = sky.rows - 1;
   const I zero = to_int(F{});
@@ -245,44 +254,34 @@ OMMA_HD void sample_sky(const SkyView& sky, F u0, F u1, F (&direction)[3]) {
   F azimuth = (to_float(column) + along_column) / sky.columns_per_rad;
   azimuth = azimuth > 3.14159265f ? azimuth - 6.28318531f : azimuth;
   const SineCosine<F> turn = sine_cosine(azimuth);
-  direction[0] = turn.sine * cosine;
-  direction[1] = below ? 0.0f - sine : sine;
-  direction[2] = (0.0f - turn.cosine) * cosine;
+  return {turn.sine * cosine, below ? 0.0f - sine : sine, (0.0f - turn.cosine) * cosine};
 }
 
 // A direction in a disc, evenly by solid angle. The frame about its centre: Duff et al. 2017,
 // Building an orthonormal basis, revisited (Journal of Computer Graphics Techniques 6(1)).
 template <typename F>
-OMMA_HD void sample_disc(const DiscView& disc, F u0, F u1, F (&direction)[3]) {
+OMMA_HD Vector3<F> sample_disc(const DiscView& disc, F u0, F u1) {
   const Vec3 n = disc.direction;
   const float sign = n.z < 0.0f ? -1.0f : 1.0f;
   const float a = -1.0f / (sign + n.z), b = n.x * n.y * a;
-  const float s[3] = {1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x};
-  const float t[3] = {b, sign + n.y * n.y * a, -n.y};
-  const float centre[3] = {n.x, n.y, n.z};
+  const Vector3<float> s = {1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x};
+  const Vector3<float> t = {b, sign + n.y * n.y * a, -n.y};
   const F chord = u0 * disc.chord_2;
   const F sine = sqrt_lanes(chord * (1.0f - 0.25f * chord));
   const SineCosine<F> turn = sine_cosine((2.0f * u1 - 1.0f) * 3.14159265f);
-  for (int r = 0; r < 3; ++r)
-    direction[r] = (1.0f - 0.5f * chord) * centre[r] + (turn.cosine * s[r] + turn.sine * t[r]) * sine;
+  return vector_of(n) * (1.0f - 0.5f * chord) + (s * turn.cosine + t * turn.sine) * sine;
 }
 
-// A direction by how much light comes from it, of u0 and u1 in [0, 1); its density is far_pdf, which
-// is 0 where nothing shines from afar.
+// A direction by how much light comes from it, of u0 and u1 in [0, 1); its density is far_pdf,
+// which is 0 where nothing shines from afar.
 OMMA_HD Vec3 sample_far_direction(const LightView& light, float u0, float u1) {
   for (int i = 0; i < light.disc_count; ++i) {
     const float p = light.discs[i].probability;
-    if (u0 < p) {
-      float direction[3];
-      sample_disc(light.discs[i], u0 / p, u1, direction);
-      return {direction[0], direction[1], direction[2]};
-    }
+    if (u0 < p) return vec_of(sample_disc(light.discs[i], u0 / p, u1));
     u0 -= p;
   }
   if (!(light.sky.probability > 0.0f)) return {0, 1, 0};
-  float direction[3];
-  sample_sky(light.sky, fminf(u0 / light.sky.probability, 0x1.fffffep-1f), u1, direction);
-  return {direction[0], direction[1], direction[2]};
+  return vec_of(sample_sky(light.sky, fminf(u0 / light.sky.probability, 0x1.fffffep-1f), u1));
 }
 
 OMMA_HD DirectionSample sample_far(const LightView& light, float u0, float u1) {

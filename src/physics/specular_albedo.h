@@ -1,7 +1,7 @@
 // How much of the light from all sides a rough dielectric's boundary sends towards the viewer, or,
 // which is the same, how much of a narrow beam it reflects: the directional albedo E of its lobe
 // (microfacet.h with Fresnel's reflectance). The rest goes in, and comes out diffusely. A table for
-// each ior (backend/specular_albedo.h), read in lanes.
+// each ior (backend/albedo_tables.h), read in lanes.
 //
 // Near grazing angles E changes where the cosine is about alpha. So a row's nodes are even in
 // log(1 + cosine / alpha), and rows in the fourth root of the roughness, from that of a mirror on:

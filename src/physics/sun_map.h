@@ -1,6 +1,6 @@
 // A shadow map of the sun (Williams 1978, Casting curved shadows on curved surfaces): how high,
 // along the direction towards the middle of its disc, the first surface lies that each ray of a
-// grid from there meets. Made by backend/sun_map; a place is lit where nothing lies above it.
+// grid from there meets. Made by backend/make_sun_map; a place is lit where nothing lies above it.
 //
 // The four rays about a place are asked, and what they say is bilinear, so that edges of shadows
 // are ramps as wide as a texel. Each ray is compared with where it meets the plane of the triangle
@@ -51,7 +51,7 @@ inline constexpr float least_sun_cosine = 0.01f;
 
 // Where a place is looked up.
 template <typename F>
-struct SunMapPlace {
+struct SunMapLookup {
   decltype(to_int(F{})) page;
   decltype(to_int(F{})) word;    // of the nearest texel before it
   decltype(to_int(F{})) is_odd;  // 1: that is the high half of its word
@@ -59,12 +59,12 @@ struct SunMapPlace {
 };
 
 template <typename F>
-OMMA_HD F along_axis(const F (&v)[3], const float (&axis)[3]) {
-  return v[0] * axis[0] + v[1] * axis[1] + v[2] * axis[2];
+OMMA_HD F along_axis(const Vector3<F>& v, const float (&axis)[3]) {
+  return dot(v, vector_of(axis));
 }
 
 template <typename F>
-OMMA_HD SunMapPlace<F> find_on_sun_map(const SunMapView& map, const F (&position)[3]) {
+OMMA_HD SunMapLookup<F> find_on_sun_map(const SunMapView& map, const Vector3<F>& position) {
   using I = decltype(to_int(F{}));
   // Places outside the map, and what is no number, go to its rim, where nothing is met.
   const auto page_at = [](F x, float last) {
@@ -77,7 +77,7 @@ OMMA_HD SunMapPlace<F> find_on_sun_map(const SunMapView& map, const F (&position
   const F row =
       page_at(along_axis(position, map.row_axis) * map.row_per_m + map.row_offset, map.last_row);
   const I i = to_int(column), j = to_int(row);
-  SunMapPlace<F> place;
+  SunMapLookup<F> place;
   place.page = j * map.page_columns + i;
   const I tile_and_level = gather(&map.pages->tile_and_level, place.page * 4);
   const I level = tile_and_level & ((1 << sun_level_bits) - 1);
@@ -107,8 +107,8 @@ OMMA_HD void fetch_sun_map(const SunMapView& map, std::int32_t word) {
 // The part of the sun that is seen, 0 to 1, from places on triangles with this unit normal; which
 // of its sides is meant makes no difference.
 template <typename F>
-OMMA_HD F eval_sun_map(const SunMapView& map, const SunMapPlace<F>& place, const F (&position)[3],
-                       const F (&normal)[3]) {
+OMMA_HD F eval_sun_map(const SunMapView& map, const SunMapLookup<F>& place,
+                       const Vector3<F>& position, const Vector3<F>& normal) {
   const F lowest_m = float_of(gather_pair(&map.pages->tile_and_level, place.page * 2).second);
   const Pair<F> scales = gather_pair(&map.pages->codes_per_m, place.page * 2);
   const F codes_per_m = scales.first, texel_m = scales.second;
@@ -149,22 +149,16 @@ OMMA_HD void eval_sun_map(const SunMapView& map, const HitGeometry<L>& geometry,
   using F = typename L::F;
   using I = typename L::I;
   constexpr int n = L::count;
-  SunMapPlace<F> places[n / L::width];
+  SunMapLookup<F> places[n / L::width];
   for (int l = 0; l < n; l += L::width) {
-    F position[3];
-    for (int r = 0; r < 3; ++r) position[r] = load<F>(geometry.position[r] + l);
-    places[l / L::width] = find_on_sun_map(map, position);
+    places[l / L::width] = find_on_sun_map(map, load_vector<F>(geometry.position, l));
     alignas(L::width * 4) std::int32_t word[L::width];
     store<I>(word, places[l / L::width].word);
     for (int k = 0; k < L::width; ++k) fetch_sun_map(map, word[k]);
   }
   for (int l = 0; l < n; l += L::width) {
-    F position[3], normal[3];
-    for (int r = 0; r < 3; ++r) {
-      position[r] = load<F>(geometry.position[r] + l);
-      normal[r] = load<F>(geometry.normal[r] + l);
-    }
-    store(visible + l, eval_sun_map(map, places[l / L::width], position, normal));
+    store(visible + l, eval_sun_map(map, places[l / L::width], load_vector<F>(geometry.position, l),
+                                    load_vector<F>(geometry.normal, l)));
   }
 }
 

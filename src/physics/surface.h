@@ -1,8 +1,8 @@
-// What a surface sends towards the eye, and which surfaces a ray sees at all. One mesh, any number
-// of lanes (physics/lanes.h).
+// What a surface is where a ray met it: its base colour, its emission, how much it covers; and
+// which surfaces a ray sees at all. One mesh, any number of lanes (lanes.h).
 //
-// This is the seam where light comes in: eval_surface returns the unlit base colour plus emission
-// (CompoundRay's default shading); illumination will multiply the base colour here. Colours are
+// In an unlit scene eval_surface is what comes to the eye: base colour plus emission (CompoundRay's
+// default shading). In a lit one lit_surface.h makes spectra and normals of the same. Colours are
 // linear RGB, as files have them; path.h lifts them to the bands of the scene.
 #pragma once
 
@@ -17,22 +17,7 @@ struct SurfaceColor {
   F alpha;   // fraction of what lies behind that the surface covers
 };
 
-// Two of the mesh's values per corner or vertex, of which there are `pairs` pairs, at barycentric
-// weights (1 - u - v, u, v).
-template <typename F, typename I>
-OMMA_HD Pair<F> interpolate(const MeshView& mesh, const float* values, int pairs, int pair,
-                            I triangle, F u, F v) {
-  I at[3] = {triangle * 3, triangle * 3 + 1, triangle * 3 + 2};
-  if (mesh.vertex_of_corner != nullptr)
-    for (I& corner : at) corner = gather(mesh.vertex_of_corner, corner);
-  const Pair<F> a = gather_pair(values, at[0] * pairs + pair),
-                b = gather_pair(values, at[1] * pairs + pair),
-                c = gather_pair(values, at[2] * pairs + pair);
-  const F w = 1.0f - u - v;
-  return {a.first * w + b.first * u + c.first * v, a.second * w + b.second * u + c.second * v};
-}
-
-// Where on a mesh lanes ask for its light.
+// Where on a mesh lanes are.
 template <typename F, typename I>
 struct SurfacePoint {
   I triangle;
@@ -40,11 +25,26 @@ struct SurfacePoint {
   F footprint_m;  // width of the ray's footprint, in metres of the mesh
 };
 
+// Two of the mesh's values per corner or vertex, of which there are `pairs` pairs, at barycentric
+// weights (1 - u - v, u, v).
+template <typename F, typename I>
+OMMA_HD Pair<F> interpolate(const MeshView& mesh, const float* values, int pairs, int pair,
+                            const SurfacePoint<F, I>& p) {
+  I at[3] = {p.triangle * 3, p.triangle * 3 + 1, p.triangle * 3 + 2};
+  if (mesh.vertex_of_corner != nullptr)
+    for (I& corner : at) corner = gather(mesh.vertex_of_corner, corner);
+  const Pair<F> a = gather_pair(values, at[0] * pairs + pair),
+                b = gather_pair(values, at[1] * pairs + pair),
+                c = gather_pair(values, at[2] * pairs + pair);
+  const F u = p.u, v = p.v, w = 1.0f - u - v;
+  return {a.first * w + b.first * u + c.first * v, a.second * w + b.second * u + c.second * v};
+}
+
 template <typename F, typename I>
 OMMA_HD Color<F> eval_texture_at(const SceneView& scene, const MeshView& mesh, int texture,
                                  const float* uvs, const float* density,
                                  const SurfacePoint<F, I>& p) {
-  const Pair<F> uv = interpolate(mesh, uvs, 1, 0, p.triangle, p.u, p.v);
+  const Pair<F> uv = interpolate(mesh, uvs, 1, 0, p);
   // Along the short side of a slanted footprint, so that nothing is blurred by more than its width.
   const F width =
       density != nullptr ? p.footprint_m * gather(density, p.triangle) : broadcast<F>(0.0f);
@@ -68,8 +68,8 @@ OMMA_HD Color<F> eval_power_22(const float* table, const Color<F>& c) {
 
 template <typename F, typename I>
 OMMA_HD Color<F> eval_vertex_color(const MeshView& mesh, const SurfacePoint<F, I>& p) {
-  const Pair<F> red_green = interpolate(mesh, mesh.colors, 2, 0, p.triangle, p.u, p.v);
-  const Pair<F> blue_alpha = interpolate(mesh, mesh.colors, 2, 1, p.triangle, p.u, p.v);
+  const Pair<F> red_green = interpolate(mesh, mesh.colors, 2, 0, p);
+  const Pair<F> blue_alpha = interpolate(mesh, mesh.colors, 2, 1, p);
   return {red_green.first, red_green.second, blue_alpha.first, blue_alpha.second};
 }
 

@@ -10,6 +10,25 @@
 
 namespace omma {
 
+// Linear RGBA, or a weight for each.
+template <typename F>
+struct Color {
+  F r, g, b, a;
+};
+
+template <typename F>
+OMMA_HD Color<F> operator+(const Color<F>& p, const Color<F>& q) {
+  return {p.r + q.r, p.g + q.g, p.b + q.b, p.a + q.a};
+}
+template <typename F>
+OMMA_HD Color<F> operator*(const Color<F>& p, const Color<F>& q) {
+  return {p.r * q.r, p.g * q.g, p.b * q.b, p.a * q.a};
+}
+template <typename F>
+OMMA_HD Color<F> operator*(const Color<F>& p, F s) {
+  return {p.r * s, p.g * s, p.b * s, p.a * s};
+}
+
 // One level of a texture: the same for all lanes (I an integer), or one for each.
 template <typename I>
 struct TextureLevel {

@@ -15,13 +15,14 @@
 // so that the order of the search does not matter.
 #pragma once
 
+#include "physics/lane_mask.h"
 #include "physics/ray_bundle.h"
 #include "physics/ray_packet.h"
 #include "physics/triangle_hit.h"
 
 namespace omma {
 
-// What is still to be visited: a node's index, or the first block of a leaf with the number of its
+// What is still to be visited: a node's index, or the first quad of a leaf with the number of its
 // triangles above it.
 struct Visit {
   std::uint32_t at;
@@ -77,66 +78,65 @@ OMMA_HD void search_tree(const WideNode* nodes, std::uint32_t root, const RayBun
 
 // A leaf that rays may meet.
 struct Leaf {
-  const TriangleBlock* blocks;
+  const TriangleQuad* quads;
   int triangles;
   std::uint32_t placed;  // as in PlacedTree
   bool one_origin;       // of all rays that ask
 };
 
-// Calls `found(first lane, bits, crossing, normal, block, k)` for what lanes meet of the k-th
-// triangle of a block, where it may lie at any distance; it returns the lanes that search on.
+// The k-th triangle of a quad.
+struct LeafTriangle {
+  const TriangleQuad& quad;
+  int k;
+};
+
+// Calls `found(first lane, bits, crossing, normal, triangle)` for what lanes meet of a triangle,
+// where it may lie at any distance; it returns the lanes that search on.
 template <typename L, typename Found>
 OMMA_HD unsigned search_leaf(const RayFrame<L>& frame, const Leaf& leaf, unsigned lanes,
                              Found found) {
   using F = typename L::F;
-  for (int first = 0; first < leaf.triangles; first += block_width) {
-    const TriangleBlock& block = leaf.blocks[first / block_width];
-    // Normals and, where all rays start in one place, what is seen from there: of the whole block.
-    alignas(16) float normals[3][block_width];
-    alignas(16) float edges[3][3][block_width], heights[block_width];
-    for (int k = 0; k < block_width; k += block_lanes) {
-      BlockFloats corner[3][3], normal[3];
-      for (int i = 0; i < 3; ++i)
-        for (int a = 0; a < 3; ++a) corner[i][a] = load<BlockFloats>(block.corner[i][a] + k);
-      triangle_normal(corner, normal);
-      for (int a = 0; a < 3; ++a) store(normals[a] + k, normal[a]);
+  for (int first = 0; first < leaf.triangles; first += quad_width) {
+    const TriangleQuad& quad = leaf.quads[first / quad_width];
+    // Normals and, where all rays start in one place, what is seen from there: of the whole quad.
+    alignas(16) float normals[3][quad_width];
+    alignas(16) float edges[3][3][quad_width], heights[quad_width];
+    for (int k = 0; k < quad_width; k += quad_lanes) {
+      Vector3<QuadFloats> corner[3];
+      for (int i = 0; i < 3; ++i) corner[i] = load_vector<QuadFloats>(quad.corner[i], k);
+      const Vector3<QuadFloats> normal = triangle_normal(corner);
+      store_vector(normals, k, normal);
       if (!leaf.one_origin) continue;
       const int ray = lowest_bit(lanes);
-      for (int i = 0; i < 3; ++i)
-        for (int a = 0; a < 3; ++a) corner[i][a] = corner[i][a] - frame.origin[a][ray];
-      SeenTriangle<BlockFloats> seen;
-      see_triangle(corner, normal, seen);
-      for (int i = 0; i < 3; ++i)
-        for (int a = 0; a < 3; ++a) store(edges[i][a] + k, seen.edge[i][a]);
+      const Vector3<float> origin{frame.origin[0][ray], frame.origin[1][ray], frame.origin[2][ray]};
+      for (Vector3<QuadFloats>& c : corner) c = c - origin;
+      const SeenTriangle<QuadFloats> seen = see_from_origin(corner, normal);
+      for (int i = 0; i < 3; ++i) store_vector(edges[i], k, seen.edge[i]);
       store(heights + k, seen.height);
     }
-    const int last = leaf.triangles - first < block_width ? leaf.triangles - first : block_width;
+    const int last = leaf.triangles - first < quad_width ? leaf.triangles - first : quad_width;
     for (int k = 0; k < last; ++k) {
-      const float normal[3] = {normals[0][k], normals[1][k], normals[2][k]};
+      const auto normal = load_vector<float>(normals, k);
       for (int l = 0; l < L::count; l += L::width) {
         if constexpr (L::count > L::width)
           if ((lanes >> l & ((1u << L::width) - 1)) == 0) continue;
-        F direction[3];
-        for (int a = 0; a < 3; ++a) direction[a] = load<F>(frame.direction[a] + l);
+        const Vector3<F> direction = frame.load_direction(l);
         Crossing<F> crossing;
         unsigned bits;
         if (leaf.one_origin) {
           SeenTriangle<float> seen;
-          for (int i = 0; i < 3; ++i)
-            for (int a = 0; a < 3; ++a) seen.edge[i][a] = edges[i][a][k];
+          for (int i = 0; i < 3; ++i) seen.edge[i] = load_vector<float>(edges[i], k);
           seen.height = heights[k];
           bits = cross_triangle(seen, normal, direction, crossing);
         } else {
-          F corner[3][3];
-          for (int i = 0; i < 3; ++i)
-            for (int a = 0; a < 3; ++a)
-              corner[i][a] = block.corner[i][a][k] - load<F>(frame.origin[a] + l);
-          SeenTriangle<F> seen;
-          see_triangle(corner, normal, seen);
+          const Vector3<F> origin = frame.load_origin(l);
+          Vector3<F> corner[3];
+          for (int i = 0; i < 3; ++i) corner[i] = load_vector<float>(quad.corner[i], k) - origin;
+          const SeenTriangle<F> seen = see_from_origin(corner, normal);
           bits = cross_triangle(seen, normal, direction, crossing);
         }
         bits &= lanes >> l;
-        if (bits != 0) lanes = found(l, bits, crossing, normal, block, k);
+        if (bits != 0) lanes = found(l, bits, crossing, normal, LeafTriangle{quad, k});
       }
       if (lanes == 0) return 0;
     }
@@ -147,18 +147,12 @@ OMMA_HD unsigned search_leaf(const RayFrame<L>& frame, const Leaf& leaf, unsigne
 // Rays in the frame of a placed tree: origins, then directions, which keep their length so that
 // distances along them stay what they are.
 template <typename L, typename Packet>
-OMMA_HD void move_rays(const float (&m)[3][4], const Packet& rays, float (&moved)[6][L::count]) {
+OMMA_HD void move_rays(const float (&m)[3][4], const Packet& rays, float (&origin)[3][L::count],
+                       float (&direction)[3][L::count]) {
   using F = typename L::F;
   for (int l = 0; l < L::count; l += L::width) {
-    F o[3], d[3];
-    for (int a = 0; a < 3; ++a) {
-      o[a] = load<F>(rays.origin[a] + l);
-      d[a] = load<F>(rays.direction[a] + l);
-    }
-    for (int a = 0; a < 3; ++a) {
-      store(moved[a] + l, m[a][0] * o[0] + m[a][1] * o[1] + m[a][2] * o[2] + m[a][3]);
-      store(moved[3 + a] + l, m[a][0] * d[0] + m[a][1] * d[1] + m[a][2] * d[2]);
-    }
+    store_vector(origin, l, transform_point(m, load_vector<F>(rays.origin, l)));
+    store_vector(direction, l, transform_direction(m, load_vector<F>(rays.direction, l)));
   }
 }
 
@@ -174,21 +168,21 @@ OMMA_HD unsigned seeing(const Packet& rays, const PlacedTree& tree, unsigned lan
 // Goes through what is placed. `found(tree, lanes, ...)` is called for what the lanes of `bits`
 // meet of a triangle, as in search_leaf; it returns those of `lanes` that search on.
 template <typename L, typename Packet, typename Found>
-OMMA_HD void search(const BvhView& bvh, unsigned valid, Packet& rays, Found found) {
+OMMA_HD void search(const BvhView& bvh, unsigned on, Packet& rays, Found found) {
   if (bvh.top_nodes == nullptr) return;
   const RayFrame<L> world{rays.origin, rays.direction};
-  while (valid != 0) {
+  while (on != 0) {
     RayBundle<L> bundle;
-    make_bundle<L>(world, rays.t_near_m, valid, bundle);
-    valid &= ~bundle.lanes;
+    make_bundle<L>(world, rays.t_near_m, on, bundle);
+    on &= ~bundle.lanes;
     const auto search_placed = [&](std::uint32_t index, std::uint32_t, unsigned lanes) {
       const PlacedTree& tree = bvh.trees[index];
       const bool is_moved = tree.placed != none;
       RayFrame<L> frame = world;
-      alignas(L::count >= 16 ? 64 : 4) float moved[6][L::count];
+      alignas(L::count >= 16 ? 64 : 4) float origin[3][L::count], direction[3][L::count];
       if (is_moved) {
-        move_rays<L>(tree.tree_from_frame, rays, moved);
-        frame = {moved, moved + 3};
+        move_rays<L>(tree.tree_from_frame, rays, origin, direction);
+        frame = {origin, direction};
       }
       for (unsigned left = seeing<L>(rays, tree, lanes); left != 0;) {
         RayBundle<L> moved_bundle;
@@ -196,31 +190,24 @@ OMMA_HD void search(const BvhView& bvh, unsigned valid, Packet& rays, Found foun
         const RayBundle<L>& own = is_moved ? moved_bundle : bundle;
         const unsigned asked = left & own.lanes;
         left &= ~asked;
-        unsigned on = asked;
+        unsigned searching = asked;
         search_tree<L>(bvh.nodes, tree.root, own, asked, rays.t_far_m,
-                    [&](std::uint32_t first, std::uint32_t triangles, unsigned meeting) {
-                      const Leaf leaf{bvh.blocks + first, static_cast<int>(triangles), tree.placed,
-                                      own.one_origin};
-                      unsigned still = meeting;
-                      still = search_leaf<L>(frame, leaf, meeting, [&](auto&&... crossing) {
-                        return still = found(tree, still, crossing...);
-                      });
-                      on &= ~meeting | still;
-                      return still;
-                    });
-        lanes &= ~asked | on;
+                       [&](std::uint32_t first, std::uint32_t triangles, unsigned meeting) {
+                         const Leaf leaf{bvh.quads + first, static_cast<int>(triangles),
+                                         tree.placed, own.one_origin};
+                         unsigned still = meeting;
+                         still = search_leaf<L>(frame, leaf, meeting, [&](auto&&... crossing) {
+                           return still = found(tree, still, crossing...);
+                         });
+                         searching &= ~meeting | still;
+                         return still;
+                       });
+        lanes &= ~asked | searching;
       }
       return lanes;
     };
     search_tree<L>(bvh.top_nodes, 0, bundle, bundle.lanes, rays.t_far_m, search_placed);
   }
-}
-
-template <typename L>
-OMMA_HD unsigned valid_bits(const int* valid) {
-  unsigned bits = 0;
-  for (int l = 0; l < L::count; ++l) bits |= (valid[l] != 0 ? 1u : 0u) << l;
-  return bits;
 }
 
 // Of lanes that cross a triangle, those that do where they look.
@@ -232,15 +219,15 @@ OMMA_HD unsigned in_reach(const Packet& rays, int l, unsigned bits,
          lane_bits(crossing.t_m <= load<F>(rays.t_far_m + l));
 }
 
-OMMA_HD std::uint32_t placed_of(const PlacedTree& tree, const TriangleBlock& block, int k) {
-  return tree.placed != none ? tree.placed : block.placed[k] & ~ask_flag;
+OMMA_HD std::uint32_t placed_of(const PlacedTree& tree, const LeafTriangle& at) {
+  return tree.placed != none ? tree.placed : at.quad.placed[at.k] & ~ask_flag;
 }
 
 // Of those, the ones that have not met what counts instead in the same place.
 template <typename L, typename Packet>
 OMMA_HD unsigned first_in_place(const Packet& rays, int l, unsigned bits,
-                                const Crossing<typename L::F>& crossing,
-                                std::uint32_t placed, std::uint32_t triangle) {
+                                const Crossing<typename L::F>& crossing, std::uint32_t placed,
+                                std::uint32_t triangle) {
   using F = typename L::F;
   unsigned ties = bits & lane_bits(crossing.t_m == load<F>(rays.t_far_m + l));
   for (; ties != 0; ties &= ties - 1) {
@@ -253,12 +240,12 @@ OMMA_HD unsigned first_in_place(const Packet& rays, int l, unsigned bits,
 
 // Of those, the ones for which the surface counts.
 template <typename L, typename Accept>
-OMMA_HD unsigned accepted(int l, unsigned bits,
-                          const Crossing<typename L::F>& crossing,
-                          const TriangleBlock& block, int k, std::uint32_t placed,
-                          const Accept& accept) {
+OMMA_HD unsigned accepted(int l, unsigned bits, const Crossing<typename L::F>& crossing,
+                          const PlacedTree& tree, const LeafTriangle& at, const Accept& accept) {
   constexpr int width = L::width;
-  if ((block.placed[k] & ask_flag) == 0 || bits == 0) return bits;
+  const TriangleQuad& quad = at.quad;
+  const int k = at.k;
+  if ((quad.placed[k] & ask_flag) == 0 || bits == 0) return bits;
   float t_m[width], u[width], v[width], facing[width];
   store(t_m, crossing.t_m);
   store(u, weight_fraction(crossing, 1));
@@ -266,66 +253,65 @@ OMMA_HD unsigned accepted(int l, unsigned bits,
   store(facing, crossing.facing);
   for (unsigned asked = bits; asked != 0; asked &= asked - 1) {
     const int i = lowest_bit(asked);
-    if (!accept(l + i, t_m[i], u[i], v[i], block.triangle[k], placed, facing[i] > 0))
+    if (!accept(l + i, t_m[i], u[i], v[i], quad.triangle[k], placed_of(tree, at), facing[i] > 0))
       bits &= ~(1u << i);
   }
   return bits;
 }
 
-// The closest accepted hit of each valid ray behind its t_near and up to its t_far, which becomes
-// the hit's distance; weights, triangle, normal and placed mesh are filled in. Where nothing is met
-// nothing changes, so `geometry` must be `none` before. `accept(lane, t, u, v, triangle, placed,
-// from_behind)` is asked of each candidate on meshes that may say no; u and v are the weights of
-// the second and third vertex.
+// The closest accepted hit of each ray that is on, behind its t_near and up to its t_far, which
+// becomes the hit's distance; weights, triangle, normal and placed mesh are filled in. Where
+// nothing is met nothing changes, so `geometry` must be `none` before. `accept(lane, t, u, v,
+// triangle, placed, from_behind)` is asked of each candidate on meshes that may say no; u and v are
+// the weights of the second and third vertex.
 template <typename L, typename Accept>
-OMMA_HD void closest(const BvhView& bvh, const int* valid, RayPacket<L::count>& rays, Accept accept) {
+OMMA_HD void closest(const BvhView& bvh, LaneMask<L> lanes_on, RayPacket<L::count>& rays,
+                     Accept accept) {
   using F = typename L::F;
   using I = typename L::I;
-  search<L>(
-      bvh, valid_bits<L>(valid), rays,
-      [&](const PlacedTree& tree, unsigned lanes, int l, unsigned bits, const Crossing<F>& crossing,
-          const float(&normal)[3], const TriangleBlock& block, int k) {
-        bits = in_reach<L>(rays, l, bits, crossing);
-        if (bits == 0) return lanes;
-        const std::uint32_t placed = placed_of(tree, block, k), triangle = block.triangle[k];
-        bits = first_in_place<L>(rays, l, bits, crossing, placed, triangle);
-        bits = accepted<L>(l, bits, crossing, block, k, placed, accept);
-        if (bits == 0) return lanes;
-        const auto hit = lanes_of<L>(bits, 0);
-        const auto set = [&](float* values, F value) {
-          store(values + l, hit ? value : load<F>(values + l));
-        };
-        const auto set_number = [&](std::uint32_t* values, std::uint32_t value) {
-          const I number = I{} + static_cast<std::int32_t>(value);
-          store(values + l, hit ? number : load<I>(values + l));
-        };
-        set(rays.t_far_m, crossing.t_m);
-        set(rays.u, weight_fraction(crossing, 1));
-        set(rays.v, weight_fraction(crossing, 2));
-        for (int a = 0; a < 3; ++a) set(rays.normal[a], broadcast<F>(normal[a]));
-        set_number(rays.triangle, triangle);
-        set_number(rays.geometry, placed);
-        set_number(rays.instance, none);
-        return lanes;
-      });
+  search<L>(bvh, lanes_on.bits, rays,
+            [&](const PlacedTree& tree, unsigned lanes, int l, unsigned bits,
+                const Crossing<F>& crossing, const Vector3<float>& normal, const LeafTriangle& at) {
+              bits = in_reach<L>(rays, l, bits, crossing);
+              if (bits == 0) return lanes;
+              const std::uint32_t placed = placed_of(tree, at), triangle = at.quad.triangle[at.k];
+              bits = first_in_place<L>(rays, l, bits, crossing, placed, triangle);
+              bits = accepted<L>(l, bits, crossing, tree, at, accept);
+              if (bits == 0) return lanes;
+              const auto hit = LaneMask<L>{bits}.at(0);
+              const auto set = [&](float* values, F value) {
+                store(values + l, hit ? value : load<F>(values + l));
+              };
+              const auto set_number = [&](std::uint32_t* values, std::uint32_t value) {
+                const I number = I{} + static_cast<std::int32_t>(value);
+                store(values + l, hit ? number : load<I>(values + l));
+              };
+              set(rays.t_far_m, crossing.t_m);
+              set(rays.u, weight_fraction(crossing, 1));
+              set(rays.v, weight_fraction(crossing, 2));
+              for (int a = 0; a < 3; ++a) set(rays.normal[a], broadcast<F>(normal[a]));
+              set_number(rays.triangle, triangle);
+              set_number(rays.geometry, placed);
+              set_number(rays.instance, none);
+              return lanes;
+            });
 }
 
-// A bit for each valid ray that meets anything accepted behind its t_near and up to its t_far.
-// `accept` as in closest.
+// Those of the rays that are on which meet anything accepted behind their t_near and up to their
+// t_far. `accept` as in closest.
 template <typename L, typename Accept>
-OMMA_HD unsigned occluded(const BvhView& bvh, const int* valid, const RayPacket<L::count>& rays,
-                          Accept accept) {
+OMMA_HD LaneMask<L> occluded(const BvhView& bvh, LaneMask<L> lanes_on,
+                             const RayPacket<L::count>& rays, Accept accept) {
   using F = typename L::F;
-  unsigned found = 0;
-  search<L>(
-      bvh, valid_bits<L>(valid), rays,
-      [&](const PlacedTree& tree, unsigned lanes, int l, unsigned bits, const Crossing<F>& crossing,
-          const float(&)[3], const TriangleBlock& block, int k) {
-        bits = in_reach<L>(rays, l, bits, crossing);
-        bits = accepted<L>(l, bits, crossing, block, k, placed_of(tree, block, k), accept);
-        found |= bits << l;
-        return lanes & ~(bits << l);
-      });
+  LaneMask<L> found;
+  search<L>(bvh, lanes_on.bits, rays,
+            [&](const PlacedTree& tree, unsigned lanes, int l, unsigned bits,
+                const Crossing<F>& crossing, const Vector3<float>&, const LeafTriangle& at) {
+              bits = in_reach<L>(rays, l, bits, crossing);
+              bits = accepted<L>(l, bits, crossing, tree, at, accept);
+              found.bits |= bits << l;
+              return lanes & ~(bits << l);
+            });
   return found;
 }
 

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "physics/search_lanes.h"
+#include "physics/vector3.h"
 
 namespace omma {
 
@@ -17,34 +18,26 @@ inline constexpr float edge_slack = 0x1p-23f;
 // and the origin, for the triangle its height along its own normal.
 template <typename V>
 struct SeenTriangle {
-  V edge[3][3];  // [opposite vertex][axis]
+  Vector3<V> edge[3];  // [opposite vertex]
   V height;
 };
 
 // Not normalised; counter-clockwise corners are seen from where it points to.
 template <typename V>
-OMMA_HD void triangle_normal(const V (&corner)[3][3], V (&normal)[3]) {
-  V first[3], second[3];
-  for (int a = 0; a < 3; ++a) {
-    first[a] = corner[1][a] - corner[0][a];
-    second[a] = corner[2][a] - corner[0][a];
-  }
-  cross_lanes(first, second, normal);
+OMMA_HD Vector3<V> triangle_normal(const Vector3<V> (&corner)[3]) {
+  return cross(corner[1] - corner[0], corner[2] - corner[0]);
 }
 
 // `corner` relative to the origin of the ray.
 template <typename V, typename N>
-OMMA_HD void see_triangle(const V (&corner)[3][3], const N (&normal)[3], SeenTriangle<V>& seen) {
+OMMA_HD SeenTriangle<V> see_from_origin(const Vector3<V> (&corner)[3], const Vector3<N>& normal) {
+  SeenTriangle<V> seen;
   for (int i = 0; i < 3; ++i) {
-    const int j = (i + 1) % 3, k = (i + 2) % 3;
-    V sum[3], difference[3];
-    for (int a = 0; a < 3; ++a) {
-      sum[a] = corner[k][a] + corner[j][a];
-      difference[a] = corner[k][a] - corner[j][a];
-    }
-    cross_lanes(sum, difference, seen.edge[i]);
+    const Vector3<V>&a = corner[(i + 1) % 3], &b = corner[(i + 2) % 3];
+    seen.edge[i] = cross(b + a, b - a);
   }
-  seen.height = corner[0][0] * normal[0] + corner[0][1] * normal[1] + corner[0][2] * normal[2];
+  seen.height = dot(corner[0], normal);
+  return seen;
 }
 
 // What the rays of some lanes meet of a triangle's plane and edges.
@@ -58,18 +51,16 @@ struct Crossing {
 
 // A bit for each lane that passes between the edges, nearer or further away.
 template <typename F, typename V>
-OMMA_HD unsigned cross_triangle(const SeenTriangle<V>& seen, const float (&normal)[3],
-                                const F (&direction)[3], Crossing<F>& crossing) {
-  for (int i = 0; i < 3; ++i)
-    crossing.weight[i] = seen.edge[i][0] * direction[0] + seen.edge[i][1] * direction[1] +
-                         seen.edge[i][2] * direction[2];
+OMMA_HD unsigned cross_triangle(const SeenTriangle<V>& seen, const Vector3<float>& normal,
+                                const Vector3<F>& direction, Crossing<F>& crossing) {
+  for (int i = 0; i < 3; ++i) crossing.weight[i] = dot(seen.edge[i], direction);
   const F(&w)[3] = crossing.weight;
   crossing.sum = w[0] + w[1] + w[2];
   const F slack = (crossing.sum < 0.0f ? -crossing.sum : crossing.sum) * edge_slack;
   const F lowest = least(w[0], least(w[1], w[2])), highest = most(w[0], most(w[1], w[2]));
   const unsigned bits = lane_bits(lowest >= -slack) | lane_bits(highest <= slack);
   if (bits == 0) return 0;
-  crossing.facing = direction[0] * normal[0] + direction[1] * normal[1] + direction[2] * normal[2];
+  crossing.facing = dot(direction, normal);
   crossing.t_m = seen.height / crossing.facing;
   return bits & ~lane_bits(crossing.facing == 0.0f);
 }

@@ -4,7 +4,7 @@
 
 #include "physics/frame_view.h"
 #include "physics/hash.h"
-#include "physics/lanes.h"
+#include "physics/vector3.h"
 
 namespace omma {
 
@@ -26,6 +26,12 @@ struct UnitList {
   int count = 0;  // of units
 };
 
+// What rays carry besides where they start and look.
+struct RayNeeds {
+  bool choices = false;  // hashes: those that choose ways of paths or times
+  bool axes = false;     // up vectors: those of light that is polarised, and of optic flow
+};
+
 // World frames of units; s and t lie across the axis, the scramble's turn about it applied.
 struct Units {
   alignas(64) float origin[3][unit_room];
@@ -39,18 +45,17 @@ struct Units {
   alignas(64) std::int32_t directions[unit_room];  // where its pattern begins, or which warp
   alignas(64) std::int32_t hash[unit_room];        // of its scramble
   alignas(64) std::int32_t warp[unit_room];
-  alignas(64) float acceptance_sr[unit_room];      // counts_by_rays; find_acceptances
-  alignas(64) float up[3][unit_room];              // across the axis, before any turn
+  alignas(64) float acceptance_sr[unit_room];  // counts_by_rays; find_acceptances
+  alignas(64) float up[3][unit_room];          // across the axis, before any turn
   bool has_apertures, has_scales;
-  bool has_choices;  // whether rays carry hashes: those that choose ways of paths or times
-  bool has_axes;     // whether they carry up vectors: those of light that is polarised, and of optic flow
+  RayNeeds needs;
 };
 
 // The eye's arrays are padded, so that the last lanes read something; lanes behind the last unit
 // repeat it.
 template <typename L>
 OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const DirectionsView& directions,
-                        const UnitList& list, bool has_choices, bool has_axes, Units& units) {
+                        const UnitList& list, RayNeeds needs, Units& units) {
   using F = typename L::F;
   using I = typename L::I;
   using U = typename L::U;
@@ -59,8 +64,7 @@ OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const Directi
   const bool in_order = list.ordinal == nullptr && list.scrambles == 1;
   units.has_apertures = eye.has_apertures;
   units.has_scales = eye.has_scales;
-  units.has_choices = has_choices;
-  units.has_axes = has_axes;
+  units.needs = needs;
   const float per_scramble = 1.0f / static_cast<float>(list.scrambles);
   for (int u = 0; u < list.count; u += L::width) {
     I unit = lane_numbers<L>() + u;
@@ -74,26 +78,18 @@ OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const Directi
     };
 
     // The frame at this pose; orthonormal again, as a pose may scale.
-    const F origin[3] = {at(eye.origin[0]), at(eye.origin[1]), at(eye.origin[2])};
-    const F axis[3] = {at(eye.axis[0]), at(eye.axis[1]), at(eye.axis[2])};
-    const F up[3] = {at(eye.up[0]), at(eye.up[1]), at(eye.up[2])};
-    F a[3], s[3];
-    for (int r = 0; r < 3; ++r) {
-      store(units.origin[r] + u,
-            m[r][0] * origin[0] + m[r][1] * origin[1] + m[r][2] * origin[2] + m[r][3]);
-      a[r] = m[r][0] * axis[0] + m[r][1] * axis[1] + m[r][2] * axis[2];
-      s[r] = m[r][0] * up[0] + m[r][1] * up[1] + m[r][2] * up[2];
-    }
-    const F length_a = sqrt_lanes(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+    const auto vector_at = [&](const float* const(&values)[3]) {
+      return Vector3<F>{at(values[0]), at(values[1]), at(values[2])};
+    };
+    store_vector(units.origin, u, transform_point(m, vector_at(eye.origin)));
+    const Vector3<F> axis = transform_direction(m, vector_at(eye.axis));
+    const F length_a = sqrt_lanes(dot(axis, axis));
     store(units.t_near_m + u, at(eye.focal_offset_m) * length_a);
-    const F scale_a = 1.0f / length_a;
-    for (F& x : a) x *= scale_a;
-    const F along = s[0] * a[0] + s[1] * a[1] + s[2] * a[2];
-    for (int r = 0; r < 3; ++r) s[r] -= along * a[r];
-    const F scale_s = 1.0f / sqrt_lanes(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
-    for (F& x : s) x *= scale_s;
-    const F t[3] = {a[1] * s[2] - a[2] * s[1], a[2] * s[0] - a[0] * s[2],
-                    a[0] * s[1] - a[1] * s[0]};
+    const Vector3<F> a = axis * (1.0f / length_a);
+    Vector3<F> s = transform_direction(m, vector_at(eye.up));
+    s = s - a * dot(s, a);
+    s = s * (1.0f / sqrt_lanes(dot(s, s)));
+    const Vector3<F> t = cross(a, s);
 
     // Its pattern, and its turn about the axis from other bits; scrambles of one ommatidium differ
     // in both.
@@ -105,12 +101,10 @@ OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const Directi
     const I turn = fixed_turn < 0 ? own_turn : fixed_turn;
     const float* turns = &directions.turns->x;
     const F cosine = gather(turns, turn * 2), sine = gather(turns, turn * 2 + 1);
-    for (int r = 0; r < 3; ++r) {
-      store(units.axis[r] + u, a[r]);
-      store(units.s[r] + u, s[r] * cosine + t[r] * sine);
-      store(units.t[r] + u, t[r] * cosine - s[r] * sine);
-      if (has_axes) store(units.up[r] + u, s[r]);
-    }
+    store_vector(units.axis, u, a);
+    store_vector(units.s, u, s * cosine + t * sine);
+    store_vector(units.t, u, t * cosine - s * sine);
+    if (needs.axes) store_vector(units.up, u, s);
     store(units.warp + u, warp);
     store(units.footprint_rad + u, gather(directions.footprint_rad, warp));
     if (directions.patterns > 0) {
@@ -126,9 +120,9 @@ OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const Directi
   }
 }
 
-// By which rays of an ommatidium count discs of the sky (counts_by_rays): the integral of S; 0 of one
-// without an acceptance, and of the kernel compoundray, which is infinite at its axis: their rays count
-// all discs. `scale`: EyeView::scale.
+// By which rays of an ommatidium count discs of the sky (counts_by_rays): the integral of S; 0 of
+// one without an acceptance, and of the kernel compoundray, which is infinite at its axis: their
+// rays count all discs. `scale`: EyeView::scale.
 OMMA_HD float acceptance_sr(const AcceptanceWarpView& warp, float scale) {
   if (warp.intervals == 0 || warp.sensitivity.kernel == Kernel::compoundray) return 0;
   return static_cast<float>(warp.integral_sr) * scale * scale;

@@ -1,12 +1,13 @@
-// Paths that go on after their first flight wait here until there are as many as a packet holds:
-// most packets would go on with few lanes, each at the price of all.
+// Paths that go on after their first flight wait here until there are as many as a packet holds, as
+// in a wavefront path tracer (Laine, Karras and Aila 2013, Megakernels considered harmful): most
+// packets would go on with few lanes, each at the price of all.
 #pragma once
 
-#include "physics/path_light.h"
+#include "physics/flight.h"
 
 namespace omma {
 
-// All [place], those before `count` wait. Stores are a vector wide: some places more are written.
+// All [slot], those before `count` wait. Stores are a vector wide: some slots more are written.
 template <typename L>
 struct WaitingPaths {
   static constexpr int n = L::count, room = 3 * n;
@@ -37,42 +38,42 @@ OMMA_HD void for_each_number(bool polarized, WaitingPaths<L>& waiting, Packet<L>
 }
 
 // Adds the paths of some lanes; at most a packet waits before.
-template <typename L>
-OMMA_HD void put(const SceneView& scene, unsigned lanes, Packet<L>& packet, PathState<L>& state,
-                 const std::int32_t (&ray)[L::count], const PathMemory& memory,
-                 WaitingPaths<L>& waiting) {
+template <typename L, typename Search>
+OMMA_HD void enqueue(const Flight<L, Search>& flight, LaneMask<L> lanes,
+                     const std::int32_t (&ray)[L::count], WaitingPaths<L>& waiting) {
   using F = typename L::F;
+  const SceneView& scene = flight.scene;
   int count = waiting.count;
   for (int l = 0; l < L::count; l += L::width) {
-    const unsigned here = lanes >> l & ((1u << L::width) - 1u);
+    const unsigned here = lanes.word(l);
     if (here == 0) continue;
-    for_each_number(scene.polarized, waiting, packet, state, [&](auto* to, const auto* from) {
-      store_some(to + count, load<F>(from + l), here);
-    });
+    for_each_number(
+        scene.polarized, waiting, flight.packet, flight.state,
+        [&](auto* to, const auto* from) { store_some(to + count, load<F>(from + l), here); });
     store_some(waiting.ray + count, load<F>(ray + l), here);
     for (int b = 0; b < scene.bands; ++b)
       store_some(waiting.throughput + b * waiting.room + count,
-                 load<F>(memory.throughput + b * L::count + l), here);
+                 load<F>(flight.memory.throughput + b * L::count + l), here);
     count += bits_in(here);
   }
   waiting.count = count;
 }
 
 // Takes as many paths as a packet holds, or all; returns the lanes that hold one.
-template <typename L>
-OMMA_HD unsigned take(const SceneView& scene, WaitingPaths<L>& waiting, Packet<L>& packet,
-                      PathState<L>& state, std::int32_t (&ray)[L::count],
-                      const PathMemory& memory) {
+template <typename L, typename Search>
+OMMA_HD LaneMask<L> dequeue(const Flight<L, Search>& flight, WaitingPaths<L>& waiting,
+                            std::int32_t (&ray)[L::count]) {
   using F = typename L::F;
+  const SceneView& scene = flight.scene;
+  Packet<L>& packet = flight.packet;
   constexpr int n = L::count;
   const int taken = waiting.count < n ? waiting.count : n, from = waiting.count - taken;
   for (int l = 0; l < n; l += L::width) {
-    for_each_number(scene.polarized, waiting, packet, state, [&](const auto* kept, auto* to) {
-      store(to + l, load<F>(kept + from + l));
-    });
+    for_each_number(scene.polarized, waiting, packet, flight.state,
+                    [&](const auto* kept, auto* to) { store(to + l, load<F>(kept + from + l)); });
     store(ray + l, load<F>(waiting.ray + from + l));
     for (int b = 0; b < scene.bands; ++b)
-      store(memory.throughput + b * n + l,
+      store(flight.memory.throughput + b * n + l,
             load<F>(waiting.throughput + b * waiting.room + from + l));
   }
   for (int l = 0; l < n; ++l) {
@@ -86,7 +87,7 @@ OMMA_HD unsigned take(const SceneView& scene, WaitingPaths<L>& waiting, Packet<L
       packet.rays.direction[r][l] = r == 1 ? 1.0f : 0.0f;
     }
   waiting.count = from;
-  return (1u << taken) - 1u;
+  return LaneMask<L>::first(taken);
 }
 
 }  // namespace omma

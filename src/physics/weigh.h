@@ -3,6 +3,7 @@
 #pragma once
 
 #include "physics/lanes.h"
+#include "physics/rows.h"
 
 namespace omma {
 
@@ -45,8 +46,7 @@ OMMA_HD void weigh_rays(const SharedWeights& shared, const float* radiance, int 
   for (std::int64_t i = first; i < end; ++i) {
     float* out = responses + i * outputs;
     int o = 0;
-    for (; outputs - o > 3; o += 4)
-      weigh_outputs<L, 4>(shared, radiance + o, outputs, i, out + o);
+    for (; outputs - o > 3; o += 4) weigh_outputs<L, 4>(shared, radiance + o, outputs, i, out + o);
     if (outputs - o == 3) weigh_outputs<L, 3>(shared, radiance + o, outputs, i, out + o);
     if (outputs - o == 2) weigh_outputs<L, 2>(shared, radiance + o, outputs, i, out + o);
     if (outputs - o == 1) weigh_outputs<L, 1>(shared, radiance + o, outputs, i, out + o);

@@ -27,14 +27,14 @@ struct DirectionTables {
   int samples = 0;
   Points points = Points::low_discrepancy;
   std::uint64_t seed = 0;
-  std::vector<AcceptanceWarp> warps;   // [distinct acceptance]
-  std::shared_ptr<WarpCache> warp_cache;  // shared by all tables that `known` led to
+  std::vector<AcceptanceWarp> warps;           // [distinct acceptance]
+  std::shared_ptr<WarpCache> warp_cache;       // shared by all tables that `known` led to
   std::vector<AcceptanceWarpView> warp_views;  // of them
-  std::vector<std::uint32_t> warp_of;  // [ommatidium], index into warps
+  std::vector<std::uint32_t> warp_of;          // [ommatidium], index into warps
   // [ommatidium], times as wide as its warp: sines of the polar angles are multiplied by it. Empty:
   // all are 1.
   std::vector<float> scale_of;
-  std::vector<float> footprint_rad;    // [warp], width of each ray (physics/footprint.h)
+  std::vector<float> footprint_rad;  // [warp], width of each ray (physics/footprint.h)
   // [warp]: the turn about the axis that all have whose sensitivity is not round, else -1.
   std::vector<std::int32_t> fixed_turn;
   int patterns = 0;  // per warp; 0: made on the fly
@@ -52,9 +52,10 @@ struct DirectionTables {
 Acceptance rendered_acceptance(const Eye& eye, const RenderSettings& settings, std::size_t i);
 
 // For estimates of `samples` rays, whatever the settings say of their number. Warps for the same
-// acceptance are taken from `known` or its cache, where there are some, and so are points. With `of_frame_0` only the
-// patterns are made that ommatidia have in frame 0, which with frozen noise and a fixed number of
-// rays is all that are asked for: an eye whose acceptances change is ready in less than its frame.
+// acceptance are taken from `known` or its cache, where there are some, and so are points. With
+// `of_frame_0` only the patterns are made that ommatidia have in frame 0, which with frozen noise
+// and a fixed number of rays is all that are asked for: an eye whose acceptances change is ready in
+// less than its frame.
 DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& settings, int samples,
                                       const DirectionTables* known = nullptr,
                                       bool of_frame_0 = false);

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "light/bands.h"
-#include "model/spectrum.h"
+#include "model/spectrum_check.h"
 
 namespace omma {
 namespace {

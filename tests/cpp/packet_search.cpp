@@ -16,15 +16,24 @@ auto accept_of(const PortableTracer& tracer) {
 }
 
 template <typename L>
+LaneMask<L> valid_lanes(const int* valid) {
+  LaneMask<L> lanes;
+  for (int l = 0; l < L::count; ++l)
+    if (valid[l] != 0) lanes.add(l);
+  return lanes;
+}
+
+template <typename L>
 void closest_of(const PortableTracer& tracer, const int* valid, RayPacket<L::count>* rays,
                 std::size_t packets) {
-  for (std::size_t p = 0; p < packets; ++p) closest<L>(tracer.view, valid, rays[p], accept_of(tracer));
+  for (std::size_t p = 0; p < packets; ++p)
+    closest<L>(tracer.view, valid_lanes<L>(valid), rays[p], accept_of(tracer));
 }
 
 template <typename L>
 unsigned occluded_of(const PortableTracer& tracer, const int* valid,
                      const RayPacket<L::count>& rays) {
-  return occluded<L>(tracer.view, valid, rays, accept_of(tracer));
+  return occluded<L>(tracer.view, valid_lanes<L>(valid), rays, accept_of(tracer)).bits;
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 // once per instruction set.
 #pragma once
 
-#include "backend/portable/tracer.h"
+#include "backend/portable/portable_tracer.h"
 #include "physics/ray_packet.h"
 
 namespace omma {

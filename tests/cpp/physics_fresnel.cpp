@@ -61,14 +61,13 @@ Vec3d random_unit(std::mt19937& random) {
 }
 
 struct Frame {
-  float e1[3], e2[3];
+  Vector3<float> e1, e2;
 };
 
 // A frame of a ray with direction d.
 Frame random_frame(std::mt19937& random, Vec3d d) {
   const Vec3d e1 = normalize(cross(d, random_unit(random))), e2 = cross(d, e1);
-  return {{static_cast<float>(e1.x), static_cast<float>(e1.y), static_cast<float>(e1.z)},
-          {static_cast<float>(e2.x), static_cast<float>(e2.y), static_cast<float>(e2.z)}};
+  return {vector_of(omma::to_float(e1)), vector_of(omma::to_float(e2))};
 }
 
 // Stokes vector of a field, as omma/light.h defines it.
@@ -115,10 +114,8 @@ TEST(PhysicsFresnel, MirrorsAsFieldsDo) {
     const Vec3d seen = normal * (2 * dot(light, normal)) - light;
 
     const Vec3 b = omma::to_float(before), a = omma::to_float(after);
-    const float ray[3] = {b.x, b.y, b.z}, next[3] = {a.x, a.y, a.z};
-    float s[3], beside[3];
-    reflection_axis(ray, next, at_eye.e1, s);
-    cross_lanes(next, s, beside);
+    const Vector3<float> ray = vector_of(b), next = vector_of(a);
+    const Vector3<float> s = reflection_axis(ray, next, at_eye.e1), beside = cross(next, s);
     const Mueller3<float> path = identity_mueller<float>() * frame_turn(at_eye.e1, at_eye.e2, s) *
                                  mueller_of_metal(1.0f) * frame_turn(s, beside, at_light.e1);
     expect_near(path * to_float(stokes_of(light, at_light)), stokes_of(seen, at_eye));
@@ -147,10 +144,8 @@ TEST(PhysicsFresnel, ReflectsAsFieldsDo) {
 
     const Frame at_eye = random_frame(random, before), at_light = random_frame(random, after);
     const Vec3 b = omma::to_float(before), a = omma::to_float(after);
-    const float ray[3] = {b.x, b.y, b.z}, next[3] = {a.x, a.y, a.z};
-    float axis[3], beside[3];
-    reflection_axis(ray, next, at_eye.e1, axis);
-    cross_lanes(next, axis, beside);
+    const Vector3<float> ray = vector_of(b), next = vector_of(a);
+    const Vector3<float> axis = reflection_axis(ray, next, at_eye.e1), beside = cross(next, axis);
     const Mueller<float> m = mueller_of(fresnel_dielectric(static_cast<float>(cosine), 1.5f));
     const Mueller3<float> path = identity_mueller<float>() *
                                  frame_turn(at_eye.e1, at_eye.e2, axis) * m *

@@ -1,5 +1,5 @@
 // What is done to lanes by shuffles and loads of neighbours, against the plain meaning.
-#include "physics/lanes.h"
+#include "physics/rows.h"
 
 #include <gtest/gtest.h>
 
@@ -61,13 +61,14 @@ TEST(Lanes, RowsBecomeLanes) {
               << columns << " columns, " << c << ", lane " << l;
     };
     std::vector<float> out(static_cast<std::size_t>(columns * L::count), -1.0f);
-    store_rows<L>(columns, lanes, [&](int k, const auto& read) {
-      return read(table.data() + k * columns);
-    }, out.data());
+    store_rows<L>(
+        columns, lanes, [&](int k, const auto& read) { return read(table.data() + k * columns); },
+        out.data());
     expect(out);
-    store_rows<L>(columns, lanes, [&](int k, const auto& read) {
-      return to_float(read(codes.data() + k * columns));
-    }, out.data());
+    store_rows<L>(
+        columns, lanes,
+        [&](int k, const auto& read) { return to_float(read(codes.data() + k * columns)); },
+        out.data());
     expect(out);
   }
 }

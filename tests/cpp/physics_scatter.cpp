@@ -86,7 +86,7 @@ TEST(PhysicsScatter, LobesAreReciprocal) {
     // Not where the viewer's normal is bent; and the mirror's narrow lobes magnify rounding.
     if (std::abs(dot(a, normal)) < 0.01 || std::abs(dot(b, normal)) < 0.01) continue;
     s.roughness = std::max(s.roughness, 0.1f);
-    float to_a[3], to_b[3];
+    Vector3<float> to_a, to_b;
     copy(a, to_a);
     copy(b, to_b);
     const ScatterValue<float> one = eval_scatter(view(a), to_b),
@@ -106,19 +106,18 @@ TEST(PhysicsScatter, LobesAreReciprocal) {
 // the plane of view and normal.
 Stokes<double> reflect_uniform(const ScatterPoint<float>& p, const Direction& across_plane,
                                float rho) {
-  float e1[3], e2[3];
+  Vector3<float> e1;
   copy(across_plane, e1);
-  cross_lanes(p.direction, e1, e2);
+  const Vector3<float> e2 = cross(p.direction, e1);
   Stokes<double> sum{rho * lobe_albedo(p, Lobe::diffuse_reflection), 0, 0};
   constexpr std::uint32_t count = 20000;
   for (std::uint32_t i = 0; i < count; ++i) {
     const Vec2 u = square_point(i);
-    float w[3], s[3];
     constexpr auto lobe = static_cast<std::int32_t>(Lobe::dielectric);
-    sample_scatter(lobe, p, u.x, u.y, w);
+    const Vector3<float> w = sample_scatter(lobe, p, u.x, u.y);
     const ScatterValue<float> v = eval_scatter(p, w);
     if (!(v.boundary_pdf > 0)) continue;
-    reflection_axis(p.direction, w, e1, s);
+    const Vector3<float> s = reflection_axis(p.direction, w, e1);
     const Mueller3<float> path = identity_mueller<float>() * frame_turn(e1, e2, s) *
                                  (v.dielectric * (1 / pdf_scatter(lobe, v)));
     const Stokes<float> seen = path * Stokes<float>{1, 0, 0};
@@ -200,8 +199,8 @@ TEST(PhysicsScatter, SmoothIsAMirror) {
     int near = 0;
     for (std::uint32_t i = 0; i < 1000; ++i) {
       const Vec2 u = square_point(i);
-      float w[3];
-      sample_scatter(static_cast<std::int32_t>(Lobe::dielectric), p, u.x, u.y, w);
+      const Vector3<float> w =
+          sample_scatter(static_cast<std::int32_t>(Lobe::dielectric), p, u.x, u.y);
       const Direction off = {w[0] - s.direction[0], w[1] + s.direction[1], w[2] - s.direction[2]};
       near += std::sqrt(dot(off, off)) < 0.06 * degree;
     }
@@ -218,7 +217,7 @@ TEST(PhysicsScatter, WrongSidesAreDark) {
   s.coat_table = coat_table();
   const ScatterPoint<float> p = make_scatter_point(s);
   const auto eval = [&](const Direction& towards) {
-    float w[3];
+    Vector3<float> w;
     copy(unit(towards), w);
     return eval_scatter(p, w);
   };
@@ -242,8 +241,7 @@ TEST(PhysicsScatter, OddNormalsStayFinite) {
     ScatterSurface<float> s = random_surface(random);
     if (trial < 90) copy(random_direction(random), s.normal);
     if (trial == 0) copy({s.direction[0], s.direction[1], s.direction[2]}, s.normal);
-    if (trial >= 90)
-      for (int r = 0; r < 3; ++r) s.normal[r] = s.geometric_normal[r] = 0;
+    if (trial >= 90) s.normal = s.geometric_normal = {};
     const ScatterPoint<float> p = make_scatter_point(s);
     EXPECT_GE(p.o.z, 0.99f * least_cosine);
     const double albedo = white_albedo(p, 0.5);

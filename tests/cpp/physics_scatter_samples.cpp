@@ -26,7 +26,7 @@ TEST(PhysicsScatter, SamplersFollowTheirDensities) {
       for (int j = 0; j < turns * fine; ++j) {
         const double z = 2 * (i + 0.5) / (heights * fine) - 1, r = std::sqrt(1 - z * z);
         const double phi = 2 * pi * (j + 0.5) / (turns * fine);
-        float w[3];
+        Vector3<float> w;
         copy({r * std::cos(phi), r * std::sin(phi), z}, w);
         const double mass = pdf_scatter(k, p, w) * 4 * pi / (heights * fine * turns * fine);
         expected[static_cast<std::size_t>(i / fine * turns + j / fine)] += samples * mass;
@@ -36,13 +36,11 @@ TEST(PhysicsScatter, SamplersFollowTheirDensities) {
     expected.back() = samples * std::max(0.0, 1 - sum);
     for (int i = 0; i < samples; ++i) {
       const float u0 = any(random), u1 = any(random);
-      float w[3];
-      sample_scatter(k, p, u0, u1, w);
+      const Vector3<float> w = sample_scatter(k, p, u0, u1);
       const double turn = std::atan2(w[1], w[0]) / (2 * pi);
       const int h = std::min(static_cast<int>((w[2] + 1) / 2 * heights), heights - 1);
       const int t = std::min(static_cast<int>((turn - std::floor(turn)) * turns), turns - 1);
-      const bool is_below = lobe != Lobe::diffuse_transmission &&
-                            p.normal[0] * w[0] + p.normal[1] * w[1] + p.normal[2] * w[2] <= 0;
+      const bool is_below = lobe != Lobe::diffuse_transmission && omma::dot(p.normal, w) <= 0;
       ++count[is_below ? heights * turns : static_cast<std::size_t>(h * turns + t)];
     }
     EXPECT_LT(chi_square_ratio(count, expected), 1) << k;
@@ -120,8 +118,8 @@ TEST(PhysicsScatter, LanesAgree) {
     all.coat_table = coat_table();
     all.metal_table = metal_table();
     const ScatterPoint<Floats> point = make_scatter_point(all);
-    Floats w[3], weight[lobe_count];
-    sample_scatter(lobe, point, u0, u1, w);
+    Floats weight[lobe_count];
+    const Vector3<Floats> w = sample_scatter(lobe, point, u0, u1);
     const ScatterValue<Floats> value = eval_scatter(point, w);
     const Floats pdf = pdf_scatter(lobe, value);
     lobe_weights(point, {u0, u1, u0, u1}, weight);
@@ -130,8 +128,8 @@ TEST(PhysicsScatter, LanesAgree) {
       const float x = u0[l], y = u1[l];
       const std::int32_t k = lobe[l];
       const ScatterPoint<float> p = make_scatter_point(single[static_cast<std::size_t>(l)]);
-      float one[3], one_weight[lobe_count];
-      sample_scatter(k, p, x, y, one);
+      float one_weight[lobe_count];
+      const Vector3<float> one = sample_scatter(k, p, x, y);
       for (int r = 0; r < 3; ++r) EXPECT_EQ(one[r], w[r][l]);
       const ScatterValue<float> v = eval_scatter(p, one);
       EXPECT_EQ(v.diffuse_reflection, value.diffuse_reflection[l]);

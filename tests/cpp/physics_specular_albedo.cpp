@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "backend/specular_albedo.h"
+#include "backend/albedo_tables.h"
 #include "physics/fresnel.h"
 #include "scatter_checks.h"
 

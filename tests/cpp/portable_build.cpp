@@ -43,7 +43,7 @@ void expect_holds_all(const BuiltTree& tree, const std::vector<BuildBox>& boxes)
     for (std::size_t c = node.counts & 15u; c < static_cast<std::size_t>(node.counts >> 4); ++c)
       for (std::size_t k = 0; k < (node.leaf[c] & 15u); ++k) {
         const std::uint32_t index =
-            tree.order[(node.first_leaf + (node.leaf[c] >> 4)) * block_width + k];
+            tree.order[(node.first_leaf + (node.leaf[c] >> 4)) * quad_width + k];
         ++found[index];
         for (int a = 0; a < 3; ++a) {
           const double step = std::ldexp(1.0, node.exponent[a] - 127);
@@ -64,7 +64,7 @@ TEST(PortableBuild, IsTheSameWhateverTheThreads) {
     oneapi::tbb::task_arena arena(k == 0 ? 1 : 2);
     run_in_arena(arena, [&] {
       std::vector<BuildBox> own = boxes;
-      trees[k] = build_tree(own, block_width, block_width);
+      trees[k] = build_tree(own, quad_width, quad_width);
     });
   }
   expect_holds_all(trees[0], boxes);
@@ -88,7 +88,7 @@ TEST(PortableBuild, IsNeverTooDeep) {
     }
   }
   std::vector<BuildBox> own = boxes;
-  const BuiltTree tree = build_tree(own, block_width, block_width);
+  const BuiltTree tree = build_tree(own, quad_width, quad_width);
   expect_holds_all(tree, boxes);
   EXPECT_LE(depth_of(tree.nodes), most_tree_depth);
 }
@@ -98,7 +98,7 @@ TEST(PortableBuild, CanBeCancelled) {
   std::vector<BuildBox> boxes = random_boxes(random, 100000);
   const std::atomic<bool> cancelled{true};
   const TakingPart part(&cancelled);
-  EXPECT_THROW(build_tree(boxes, block_width, block_width), Cancelled);
+  EXPECT_THROW(build_tree(boxes, quad_width, quad_width), Cancelled);
 }
 
 }  // namespace

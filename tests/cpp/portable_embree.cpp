@@ -6,7 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "backend/embree/tracer.h"
+#include "backend/embree/embree_tracer.h"
 #include "omma/io.h"
 #include "portable_rays.h"
 

@@ -116,9 +116,9 @@ TEST(PortableLevels, Moving) {
       to.push_back(step == 3 ? translation({0.5, 0, 0.1}) * t
                              : translation({0.5 + step, 0, 0.1}) * t);
     }
-    const TriangleBlock* blocks = traced.tracer->blocks.data();
+    const TriangleQuad* blocks = traced.tracer->quads.data();
     traced.move(movers, to);
-    EXPECT_TRUE(step == 0 || traced.tracer->blocks.data() == blocks) << "trees were built again";
+    EXPECT_TRUE(step == 0 || traced.tracer->quads.data() == blocks) << "trees were built again";
     SCOPED_TRACE(step);
     EXPECT_GT(expect_as_brute_force(*traced.tracer, rays, 8e-6), 300u);
     if (step == 0) first = hits_of(*traced.tracer, rays);
@@ -134,7 +134,7 @@ TEST(PortableLevels, LargeScenesShareTheirMeshes) {
   for (int i = 0; i < 40; ++i) add_instance(scene, 0, any_transform(random, 5));
   const TracedScene traced(std::move(scene));
   EXPECT_EQ(traced.tracer->trees.size(), 40u);
-  EXPECT_LT(traced.tracer->blocks.size(), 32400u);
+  EXPECT_LT(traced.tracer->quads.size(), 32400u);
   const std::vector<TestRay> rays = rays_from_all_round(random, 4, 6);
   EXPECT_GT(expect_as_brute_force(*traced.tracer, rays, 8e-6), 5u);
 }

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "backend/portable/tracer.h"
+#include "backend/portable/portable_tracer.h"
 #include "backend/shading_data.h"
 #include "packet_search.h"
 #include "test_scenes.h"

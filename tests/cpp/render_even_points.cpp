@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "physics/acceptance.h"
+#include "physics/acceptance_sampling.h"
 #include "physics/hash.h"
 #include "physics/sobol.h"
 #include "sampling/even_points.h"

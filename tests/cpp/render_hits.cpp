@@ -2,10 +2,10 @@
 // normal and instance, rays that leave it, and whether anything is in their way.
 #include <gtest/gtest.h>
 
-#include "backend/embree/backend.h"
-#include "backend/embree/search.h"
-#include "backend/portable/backend.h"
-#include "backend/portable/search.h"
+#include "backend/embree/embree_backend.h"
+#include "backend/embree/embree_search.h"
+#include "backend/portable/portable_backend.h"
+#include "backend/portable/portable_search.h"
 #include "backend/shading_data.h"
 #include "physics/hits.h"
 #include "test_scenes.h"
@@ -28,7 +28,7 @@ struct Built {
   explicit Built(Scene given) : scene(std::move(given)) {
     shading = make_shading_data(scene);
     placement = placement_of(scene);
-    const bool embree = std::is_same_v<Search, EmbreeSearch>;
+    const bool embree = std::is_same_v<Search, EmbreeSearch<L>>;
     acceleration = (embree ? embree_backend() : portable_backend())
                        .build(scene, shading->view, placement, nullptr);
     const double origin[3] = {placement.origin_m.x, placement.origin_m.y, placement.origin_m.z};
@@ -43,16 +43,12 @@ struct Built {
   Built& operator=(const Built&) = delete;
 
   Search search() const {
-    if constexpr (std::is_same_v<Search, EmbreeSearch>)
+    if constexpr (std::is_same_v<Search, EmbreeSearch<L>>)
       return {static_cast<const EmbreeTracer*>(acceleration.tracer.get()), {}};
     else
       return {static_cast<const PortableTracer*>(acceleration.tracer.get())};
   }
 };
-
-// Embree loads all sixteen at once, and ends the process where they do not lie on 64 bytes.
-alignas(64) constexpr std::int32_t all_lanes[16] = {-1, -1, -1, -1, -1, -1, -1, -1,
-                                                    -1, -1, -1, -1, -1, -1, -1, -1};
 
 void set_ray(RayPacket<16>& rays, int lane, Vec3d origin, Vec3d direction) {
   const double o[3] = {origin.x, origin.y, origin.z};
@@ -66,7 +62,7 @@ void set_ray(RayPacket<16>& rays, int lane, Vec3d origin, Vec3d direction) {
 
 template <typename Search>
 class SearchHits : public testing::Test {};
-using Searches = testing::Types<EmbreeSearch, PortableSearch<L>>;
+using Searches = testing::Types<EmbreeSearch<L>, PortableSearch<L>>;
 TYPED_TEST_SUITE(SearchHits, Searches);
 
 // Positions and normals from the corners of the mesh, in double precision, through all kinds of
@@ -82,7 +78,7 @@ TYPED_TEST(SearchHits, LieWhereRaysMeetSurfaces) {
       clear<L>(packet.rays);
       clear_hits<L>(packet.rays);
       for (int l = 0; l < 16; ++l) set_ray(packet.rays, l, {}, random.direction());
-      search.closest(all_lanes, packet.rays, nullptr);
+      search.closest(LaneMask<L>::all(), packet.rays, nullptr);
       Hits<L> hits;
       find_hits<L>(search.placed(), packet, hits);
       HitGeometry<L> geometry;
@@ -116,8 +112,9 @@ TYPED_TEST(SearchHits, LieWhereRaysMeetSurfaces) {
   EXPECT_GT(met, 1500);
 }
 
-// Floors of a micrometre to a kilometre, and as far away: rays that leave one of them do not meet it
-// again on the side that they leave to, nor do they step over another that lies a little above it.
+// Floors of a micrometre to a kilometre, and as far away: rays that leave one of them do not meet
+// it again on the side that they leave to, nor do they step over another that lies a little above
+// it.
 TYPED_TEST(SearchHits, RaysThatLeaveASurfaceDoNotMeetItAgain) {
   for (const double size : {1e-6, 1e-3, 1.0, 1e3})
     for (const double away : {0.0, 1.0, 3.0}) {  // further away they are traced about themselves
@@ -126,7 +123,8 @@ TYPED_TEST(SearchHits, RaysThatLeaveASurfaceDoNotMeetItAgain) {
       const Vec3d centre = transform_vector(turn, Vec3d{0.3, 0.5, 0.8}) * (away * size);
       // Above by 2^-16 of how far its corners are from the origin: eight times the step.
       const double gap = (1 + away) * size * 0x1p-16;
-      const Vec3d u = transform_vector(turn, {size, 0, 0}), v = transform_vector(turn, {0, 0, -size});
+      const Vec3d u = transform_vector(turn, {size, 0, 0}),
+                  v = transform_vector(turn, {0, 0, -size});
       const Vec3d up = normalize(cross(u, v));
       Scene floor, both;
       const int material = add_color(floor, {1, 1, 1});
@@ -147,45 +145,35 @@ TYPED_TEST(SearchHits, RaysThatLeaveASurfaceDoNotMeetItAgain) {
           const Vec3d from = aim + (up + random.direction() * 0.9) * size;
           set_ray(packet.rays, l, from, normalize(aim - from));
         }
-        one.closest(all_lanes, packet.rays, nullptr);
+        one.closest(LaneMask<L>::all(), packet.rays, nullptr);
         Hits<L> hits;
         find_hits<L>(one.placed(), packet, hits);
         HitGeometry<L> geometry;
         eval_geometry<L>(alone.view, packet.rays, hits, geometry);
         RayPacket<16> leaving = packet.rays;
-        std::int32_t valid[16];
+        const LaneMask<L> asked = lanes_met(hits);
+        met += bits_in(asked.bits);
         for (int l = 0; l < 16; ++l) {
-          valid[l] = hits.mesh[l] >= 0 ? -1 : 0;
-          met += hits.mesh[l] >= 0;
-          float position[3], normal[3], towards[3], origin[3];
           Vec3d d = random.direction();
           // Some nearly along the surface.
           if (k % 2 == 0) d = normalize(d + up * (1e-4 - dot(d, up)));
           if (dot(d, up) < 0) d = d * -1.0;
-          const double direction[3] = {d.x, d.y, d.z};
-          for (int r = 0; r < 3; ++r) {
-            position[r] = geometry.position[r][l];
-            normal[r] = geometry.normal[r][l];
-            towards[r] = static_cast<float>(direction[r]);
-          }
-          leave_surface(position, normal, geometry.reach_m[l], towards, origin);
-          for (int r = 0; r < 3; ++r) {
-            leaving.origin[r][l] = origin[r];
-            leaving.direction[r][l] = towards[r];
-          }
+          const Vector3<float> towards = vector_of(to_float(d));
+          store_vector(
+              leaving.origin, l,
+              leave_surface(load_vector<float>(geometry.position, l),
+                            load_vector<float>(geometry.normal, l), geometry.reach_m[l], towards));
+          store_vector(leaving.direction, l, towards);
           leaving.t_far_m[l] = INFINITY;
         }
-        alignas(64) std::int32_t asked[16];
-        std::copy_n(valid, 16, asked);
-        again += __builtin_popcount(one.occluded(asked, leaving));
+        again += bits_in(one.occluded(asked, leaving).bits);
         // Straight up, what lies above is met.
         for (int l = 0; l < 16; ++l) {
           const float towards[3] = {static_cast<float>(up.x), static_cast<float>(up.y),
                                     static_cast<float>(up.z)};
           for (int r = 0; r < 3; ++r) leaving.direction[r][l] = towards[r];
         }
-        const unsigned stopped = two.occluded(asked, leaving);
-        for (int l = 0; l < 16; ++l) over += valid[l] != 0 && (stopped >> l & 1u) == 0;
+        over += bits_in((asked & ~two.occluded(asked, leaving)).bits);
       }
       EXPECT_GT(met, 15000) << size << ' ' << away;
       EXPECT_EQ(again, 0) << size << ' ' << away;
@@ -210,12 +198,10 @@ TYPED_TEST(SearchHits, OccludedIsWhereSomethingIsMet) {
         if (k % 2 == 0) rays.t_far_m[l] = static_cast<float>(random.uniform(0.5, 3));
       }
       const RayPacket<16> asked = rays;
-      alignas(64) std::int32_t valid[16];
-      std::copy_n(all_lanes, 16, valid);
-      search.closest(valid, rays, nullptr);
-      const unsigned occluded = search.occluded(valid, asked);
+      search.closest(LaneMask<L>::all(), rays, nullptr);
+      const LaneMask<L> occluded = search.occluded(LaneMask<L>::all(), asked);
       for (int l = 0; l < 16; ++l) {
-        EXPECT_EQ(rays.geometry[l] != none, (occluded >> l & 1u) != 0);
+        EXPECT_EQ(rays.geometry[l] != none, occluded.has(l));
         (rays.geometry[l] != none ? met : open) += 1;
       }
     }

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "backend/embree/backend.h"
-#include "backend/embree/builds.h"
+#include "backend/embree/embree_backend.h"
+#include "backend/embree/embree_builds.h"
 #include "backend/eye_arrays.h"
 #include "backend/processor.h"
 #include "backend/shading_data.h"
@@ -54,7 +54,8 @@ TEST(InstructionSets, GiveTheSameBits) {
     const BackgroundData background = make_background_data(scene.background);
     SceneView view = shading->view;
     view.background = background.view;
-    const Acceleration acceleration = embree_backend().build(scene, shading->view, placement_of(scene), nullptr);
+    const Acceleration acceleration =
+        embree_backend().build(scene, shading->view, placement_of(scene), nullptr);
     const DirectionTables directions = make_direction_tables(eye, {}, samples);
     const EyeArrays arrays = make_eye_arrays(eye, directions);
     const DirectionsView directions_view = omma::view(directions);
@@ -130,8 +131,10 @@ TEST(InstructionSets, WeighSharedRaysAlike) {
   for (const NamedBuild& build : builds) {
     responses.emplace_back(eye.size() * rgb_bands, -1.0f);
     const auto count = static_cast<std::int64_t>(eye.size());
-    build.block.weigh(omma::view(shared), radiance.data(), rgb_bands, 0, 70, responses.back().data());
-    build.block.weigh(omma::view(shared), radiance.data(), rgb_bands, 70, count, responses.back().data());
+    build.block.weigh(omma::view(shared), radiance.data(), rgb_bands, 0, 70,
+                      responses.back().data());
+    build.block.weigh(omma::view(shared), radiance.data(), rgb_bands, 70, count,
+                      responses.back().data());
     EXPECT_EQ(responses.back(), responses.front()) << build.name;
   }
   // And are the sums they should be: of some hundred products, in floats.
@@ -140,9 +143,9 @@ TEST(InstructionSets, WeighSharedRaysAlike) {
       double sum = 0;
       for (auto k = static_cast<std::size_t>(shared.first[i]);
            k < static_cast<std::size_t>(shared.first[i + 1]); ++k)
-        sum += static_cast<double>(shared.weight[k]) *
-               static_cast<double>(
-                   radiance[static_cast<std::size_t>(shared.ray[k]) * rgb_bands + c]);
+        sum +=
+            static_cast<double>(shared.weight[k]) *
+            static_cast<double>(radiance[static_cast<std::size_t>(shared.ray[k]) * rgb_bands + c]);
       EXPECT_NEAR(responses.front()[i * rgb_bands + c], sum, 1e-6);
     }
 }

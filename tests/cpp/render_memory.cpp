@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <malloc.h>
 
-#include "backend/embree/tracer.h"
+#include "backend/embree/embree_tracer.h"
 #include "test_scenes.h"
 #include "threads/parallel.h"
 

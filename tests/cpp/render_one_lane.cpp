@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "backend/block_functions.h"
-#include "backend/embree/backend.h"
-#include "backend/embree/builds.h"
-#include "backend/embree/search.h"
+#include "backend/embree/embree_backend.h"
+#include "backend/embree/embree_builds.h"
+#include "backend/embree/embree_search.h"
 #include "backend/eye_arrays.h"
 #include "backend/shading_data.h"
 #include "optics/acceptance_warp.h"
@@ -18,30 +18,29 @@ namespace {
 
 // Embree asked about one ray at a time.
 struct SingleRays {
-  EmbreeSearch search;
+  using One = Lanes<1, 1>;
+  using All = Lanes<16, 1>;
+  EmbreeSearch<All> search;
 
-  void closest(const std::int32_t* valid, RayPacket<1>& rays, const PassedSurfaces<1>* passed,
+  void closest(LaneMask<One> lanes, RayPacket<1>& rays, const PassedSurfaces<1>* passed,
                Spread spread = Spread::together) {
     RayPacket<16> packet{};
     PassedSurfaces<16> packet_passed;
-    alignas(64) std::int32_t packet_valid[16] = {valid[0]};
     copy_lane<16, 1>(packet, rays);
     if (passed != nullptr) {
       packet_passed.count[0] = passed->count[0];
       std::copy_n(passed->surface[0], passed->count[0], packet_passed.surface[0]);
     }
-    search.closest(packet_valid, packet, passed == nullptr ? nullptr : &packet_passed, spread);
+    search.closest(LaneMask<All>{lanes.bits}, packet, passed == nullptr ? nullptr : &packet_passed,
+                   spread);
     copy_lane<1, 16>(rays, packet);
   }
-  unsigned occluded(const std::int32_t* valid, const RayPacket<1>& rays) {
+  LaneMask<One> occluded(LaneMask<One> lanes, const RayPacket<1>& rays) {
     RayPacket<16> packet{};
-    alignas(64) const std::int32_t packet_valid[16] = {valid[0]};
     copy_lane<16, 1>(packet, rays);
-    return search.occluded(packet_valid, packet);
+    return {search.occluded(LaneMask<All>{lanes.bits}, packet).bits};
   }
-  const PlacedMesh* placed() const {
-    return search.placed();
-  }
+  const PlacedMesh* placed() const { return search.placed(); }
 
   template <int to, int from>
   static void copy_lane(RayPacket<to>& target, const RayPacket<from>& source) {
@@ -131,7 +130,8 @@ Output run_block(const BlockSetup& setup, const Run& run) {
 
 Output in_packets(const BlockSetup& setup) {
   return run_block(setup, [](const FrameView& frame, const BlockTask& task, const void* tracer) {
-    plain::embree_block().render(frame, task, tracer, thread_memory(ThreadRoom::block, block_memory_bytes(frame)));
+    plain::embree_block().render(frame, task, tracer,
+                                 thread_memory(ThreadRoom::block, block_memory_bytes(frame)));
   });
 }
 

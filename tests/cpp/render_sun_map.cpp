@@ -1,5 +1,5 @@
 // The shadow map of the sun against closed forms and against shadow rays.
-#include "backend/sun_map.h"
+#include "backend/make_sun_map.h"
 
 #include <gtest/gtest.h>
 
@@ -42,7 +42,6 @@ struct SunScene {
 
   // Whether a ray from a place of the world to the middle of the sun meets nothing.
   bool sees_sun(Vec3d position, Vec3d normal, Vec3d towards) const {
-    alignas(64) std::int32_t valid[16] = {-1};
     RayPacket<16> rays{};
     clear<Lanes<16, 1>>(rays);
     const double side = dot(normal, towards) < 0 ? -1 : 1;
@@ -51,14 +50,14 @@ struct SunScene {
     rays.origin[0][0] = from.x, rays.origin[1][0] = from.y, rays.origin[2][0] = from.z;
     rays.direction[0][0] = along.x, rays.direction[1][0] = along.y, rays.direction[2][0] = along.z;
     rays.t_far_m[0] = INFINITY;
-    functions.closest(acceleration.tracer.get(), valid, rays);
+    functions.closest(acceleration.tracer.get(), 1u, rays);
     return rays.geometry[0] == none;
   }
 
   float visible(const SunMapData& map, Vec3d position, Vec3d normal) const {
     const Vec3 p = to_float(position - placement.origin_m), n = to_float(normal);
-    const float at[3] = {p.x, p.y, p.z}, across[3] = {n.x, n.y, n.z};
-    return eval_sun_map(map.view, find_on_sun_map(map.view, at), at, across);
+    const Vector3<float> at = vector_of(p);
+    return eval_sun_map(map.view, find_on_sun_map(map.view, at), at, vector_of(n));
   }
 };
 
@@ -255,8 +254,7 @@ TEST(SunMap, MemoryGoesWhereTrianglesAre) {
     EXPECT_GT(map.coarsest_texel_m, 15 * map.finest_texel_m);
     const auto texel_at = [&](Vec3d p) {
       const Vec3 at = to_float(p - lit.placement.origin_m);
-      const float position[3] = {at.x, at.y, at.z};
-      return map.view.pages[find_on_sun_map(map.view, position).page].texel_m;
+      return map.view.pages[find_on_sun_map(map.view, vector_of(at)).page].texel_m;
     };
     EXPECT_EQ(texel_at({0, 0.3, 0}), static_cast<float>(map.finest_texel_m));
     EXPECT_GT(texel_at({700, 0, -500}), 15 * static_cast<float>(map.finest_texel_m));
@@ -380,18 +378,16 @@ TEST(SunMap, TellsItsProgressAndCanBeEnded) {
 // What rays are asked for besides: only between their ends.
 TEST(SunMap, ClosestHitsLieBetweenTheEndsOfRays) {
   const SunScene lit(sheets(0, 0, {0, 1, 2}, {0, 0, 0}, 1));
-  alignas(64) std::int32_t valid[16] = {};
   RayPacket<16> rays{};
   clear<Lanes<16, 1>>(rays);
   for (int l = 0; l < 16; ++l) {
-    valid[l] = l == 15 ? 0 : -1;
     rays.origin[0][l] = rays.origin[2][l] = 0.1f;
     rays.origin[1][l] = 3;
     rays.direction[1][l] = -1;
     rays.t_near_m[l] = 0.25f + 0.5f * static_cast<float>(l % 8);  // to 3.75
     rays.t_far_m[l] = l < 8 ? INFINITY : 2.5f;
   }
-  lit.functions.closest(lit.acceleration.tracer.get(), valid, rays);
+  lit.functions.closest(lit.acceleration.tracer.get(), 0x7fffu, rays);
   for (int l = 0; l < 15; ++l) {
     SCOPED_TRACE(l);
     const float next = std::ceil(0.25f + 0.5f * static_cast<float>(l % 8));

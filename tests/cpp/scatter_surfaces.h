@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "backend/specular_albedo.h"
+#include "backend/albedo_tables.h"
 #include "physics/scatter.h"
 #include "scatter_checks.h"
 
@@ -61,8 +61,8 @@ inline Direction across(std::mt19937& random, const Direction& normal) {
   return unit(scaled_sum(d, 1, normal, -dot(d, normal)));
 }
 
-inline void copy(const Direction& from, float (&to)[3]) {
-  for (std::size_t r = 0; r < 3; ++r) to[r] = static_cast<float>(from[r]);
+inline void copy(const Direction& from, Vector3<float>& to) {
+  to = {static_cast<float>(from[0]), static_cast<float>(from[1]), static_cast<float>(from[2])};
 }
 
 // A matt white sheet of ior 1.5, seen along `direction`.
@@ -130,8 +130,7 @@ inline double lobe_albedo(const ScatterPoint<float>& p, Lobe lobe, float f0 = 1,
   double sum = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
     const Vec2 u = square_point(i);
-    float w[3];
-    sample_scatter(static_cast<std::int32_t>(lobe), p, u.x, u.y, w);
+    const Vector3<float> w = sample_scatter(static_cast<std::int32_t>(lobe), p, u.x, u.y);
     const ScatterValue<float> v = eval_scatter(p, w);
     const float value = eval_lobe(lobe, v, f0, p.metal_gain);
     if (value > 0)

@@ -1,12 +1,12 @@
 // The hot loop with Embree's search. This file is compiled once per instruction set.
 #include "backend/block_build.h"
-#include "backend/embree/builds.h"
-#include "backend/embree/search.h"
+#include "backend/embree/embree_builds.h"
+#include "backend/embree/embree_search.h"
 
 namespace omma::OMMA_ISA {
 
 BlockFunctions embree_block() {
-  return build_block<EmbreeSearch, EmbreeTracer>();
+  return build_block<EmbreeSearch<Packets>, EmbreeTracer>();
 }
 
 }  // namespace omma::OMMA_ISA

@@ -1,7 +1,7 @@
 // Asked by Embree for every candidate hit on a mesh that a ray may not see, or may see through.
 #pragma once
 
-#include "backend/embree/tracer.h"
+#include "backend/embree/embree_tracer.h"
 
 namespace omma {
 

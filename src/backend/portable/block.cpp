@@ -1,7 +1,7 @@
 // The hot loop with our own search. This file is compiled once per instruction set.
 #include "backend/block_build.h"
-#include "backend/portable/builds.h"
-#include "backend/portable/search.h"
+#include "backend/portable/portable_builds.h"
+#include "backend/portable/portable_search.h"
 
 namespace omma::OMMA_ISA {
 

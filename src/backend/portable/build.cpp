@@ -312,30 +312,30 @@ void write_node(const Tree& tree, FoundNode& found, std::size_t at, BuiltTree& o
   found.children = {};
 }
 
-// Over all slots of the blocks; empty ones hold NaN, which changes neither minimum nor maximum.
-Box box_of_leaf(const TriangleBlock* blocks, int triangles) {
-  float lower[3][block_width], upper[3][block_width];
+// Over all slots of the quads; empty ones hold NaN, which changes neither minimum nor maximum.
+Box box_of_leaf(const TriangleQuad* quads, int triangles) {
+  float lower[3][quad_width], upper[3][quad_width];
   for (int a = 0; a < 3; ++a)
-    for (int k = 0; k < block_width; ++k) lower[a][k] = infinity, upper[a][k] = -infinity;
-  for (int t = 0; t < triangles; t += block_width)
-    for (const auto& vertex : blocks[t / block_width].corner)
+    for (int k = 0; k < quad_width; ++k) lower[a][k] = infinity, upper[a][k] = -infinity;
+  for (int t = 0; t < triangles; t += quad_width)
+    for (const auto& vertex : quads[t / quad_width].corner)
       for (int a = 0; a < 3; ++a)
-        for (int k = 0; k < block_width; ++k) {
+        for (int k = 0; k < quad_width; ++k) {
           const float x = vertex[a][k];
           lower[a][k] = x < lower[a][k] ? x : lower[a][k];
           upper[a][k] = x > upper[a][k] ? x : upper[a][k];
         }
   Box box;
   for (int a = 0; a < 3; ++a) {
-    box.lower[a] = *std::min_element(lower[a], lower[a] + block_width);
-    box.upper[a] = *std::max_element(upper[a], upper[a] + block_width);
+    box.lower[a] = *std::min_element(lower[a], lower[a] + quad_width);
+    box.upper[a] = *std::max_element(upper[a], upper[a] + quad_width);
   }
   return box;
 }
 
 }  // namespace
 
-BuildBox refit_tree(std::span<WideNode> nodes, std::uint32_t first, const TriangleBlock* blocks) {
+BuildBox refit_tree(std::span<WideNode> nodes, std::uint32_t first, const TriangleQuad* blocks) {
   std::vector<Box> boxes(nodes.size());
   for (std::size_t n = nodes.size(); n-- > 0;) {
     WideNode& node = nodes[n];
@@ -344,9 +344,9 @@ BuildBox refit_tree(std::span<WideNode> nodes, std::uint32_t first, const Triang
     Box& own = boxes[n];
     for (int c = 0; c < children; ++c) {
       Box& box = child[static_cast<std::size_t>(c)];
-      box = c < inner ? boxes[node.first_child - first + static_cast<std::uint32_t>(c)]
-                      : box_of_leaf(blocks + node.first_leaf + (node.leaf[c] >> 4),
-                                    node.leaf[c] & 15);
+      box = c < inner
+                ? boxes[node.first_child - first + static_cast<std::uint32_t>(c)]
+                : box_of_leaf(blocks + node.first_leaf + (node.leaf[c] >> 4), node.leaf[c] & 15);
       own.include(box);
     }
     // An empty child shrinks to a corner of its parent.

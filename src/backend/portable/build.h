@@ -25,8 +25,8 @@ struct BuiltTree {
 // boxes give the same tree whatever the number of threads. Throws omma::Cancelled.
 BuiltTree build_tree(std::vector<BuildBox>& boxes, int most_in_leaf, int block);
 
-// Fits the boxes of a tree of triangles to blocks whose corners have moved; `nodes` are those of the
-// tree, which begins with node `first` of all. Returns the box around it, without an index.
-BuildBox refit_tree(std::span<WideNode> nodes, std::uint32_t first, const TriangleBlock* blocks);
+// Fits the boxes of a tree of triangles to blocks whose corners have moved; `nodes` are those of
+// the tree, which begins with node `first` of all. Returns the box around it, without an index.
+BuildBox refit_tree(std::span<WideNode> nodes, std::uint32_t first, const TriangleQuad* blocks);
 
 }  // namespace omma

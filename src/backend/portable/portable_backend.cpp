@@ -1,8 +1,8 @@
 // Puts the portable backend together, and chooses the build of its hot loop for the processor.
-#include "backend/portable/backend.h"
+#include "backend/portable/portable_backend.h"
 
-#include "backend/portable/builds.h"
-#include "backend/portable/tracer.h"
+#include "backend/portable/portable_builds.h"
+#include "backend/portable/portable_tracer.h"
 #include "backend/processor.h"
 
 namespace omma {

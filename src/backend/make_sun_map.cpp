@@ -1,5 +1,5 @@
 // Traces the sun's shadow map; sun_map_grid.cpp chooses its pages.
-#include "backend/sun_map.h"
+#include "backend/make_sun_map.h"
 
 #include <algorithm>
 #include <atomic>
@@ -34,14 +34,14 @@ struct SunRays {
 void trace_texels(const Tracing& tracing, const SunRays& rays, std::int32_t columns,
                   std::int32_t rows, float* distance_m) {
   RayPacket<packet_rays> packet{};
-  alignas(64) std::int32_t valid[packet_rays];
   for (std::int32_t row = 0; row < rows; row += packet_side) {
     check_cancelled();
     for (std::int32_t column = 0; column < columns; column += packet_side) {
       clear<Lanes<packet_rays, 1>>(packet);
+      LaneMask<Lanes<packet_rays, 1>> inside;
       for (std::int32_t l = 0; l < packet_rays; ++l) {
         const std::int32_t i = column + l % packet_side, j = row + l / packet_side;
-        valid[l] = i < columns && j < rows ? -1 : 0;
+        if (i < columns && j < rows) inside.add(l);
         const Vec3 origin = to_float(rays.first + rays.per_column * i + rays.per_row * j);
         packet.origin[0][l] = origin.x;
         packet.origin[1][l] = origin.y;
@@ -52,11 +52,11 @@ void trace_texels(const Tracing& tracing, const SunRays& rays, std::int32_t colu
         packet.t_near_m[l] = 0;
         packet.t_far_m[l] = INFINITY;
       }
-      tracing.closest(tracing.tracer, valid, packet);
-      for (std::int32_t l = 0; l < packet_rays; ++l)
-        if (valid[l] != 0)
-          distance_m[(row + l / packet_side) * columns + column + l % packet_side] =
-              packet.geometry[l] == none ? INFINITY : packet.t_far_m[l];
+      tracing.closest(tracing.tracer, inside.bits, packet);
+      inside.for_each([&](std::int32_t l) {
+        distance_m[(row + l / packet_side) * columns + column + l % packet_side] =
+            packet.geometry[l] == none ? INFINITY : packet.t_far_m[l];
+      });
     }
   }
 }
@@ -99,9 +99,8 @@ void set_axis(float (&axis)[3], Vec3d v) {
 
 }  // namespace
 
-SunMapData make_sun_map(const Tracing& tracing, const Scene& scene,
-                        const Placement& placement, Vec3 towards, const SunMapSettings& settings,
-                        const WorkPart& work) {
+SunMapData make_sun_map(const Tracing& tracing, const Scene& scene, const Placement& placement,
+                        Vec3 towards, const SunMapSettings& settings, const WorkPart& work) {
   const SunFrame frame = sun_frame_around(scene, placement, normalize(to_double(towards)));
   const SunGrid grid =
       choose_sun_grid(scene, placement, frame, settings.texel_m, settings.most_bytes);

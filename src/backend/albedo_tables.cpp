@@ -1,5 +1,5 @@
 // Directional albedos by quadrature, and their tables.
-#include "backend/specular_albedo.h"
+#include "backend/albedo_tables.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // A Scene into trees: one over all copies, one for each mesh that is shared, one over what is
 // placed.
-#include "backend/portable/tracer.h"
+#include "backend/portable/portable_tracer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +23,7 @@ struct Copy {
   const Mesh* mesh = nullptr;
   const std::vector<Vec3>* positions = nullptr;  // of the mesh as it is now
   Mat4 tree_from_mesh;
-  std::uint32_t placed = 0;                          // as in TriangleBlock
+  std::uint32_t placed = 0;                          // as in TriangleQuad
   std::size_t first_triangle = 0, first_vertex = 0;  // of the tree's
 };
 
@@ -45,12 +45,11 @@ struct Copies {
   }
 };
 
-void corners_of(const Copies& tree, const Copy& copy, std::size_t triangle, float (&corner)[3][3]) {
+void corners_of(const Copies& tree, const Copy& copy, std::size_t triangle,
+                Vector3<float> (&corner)[3]) {
   const std::array<std::uint32_t, 3>& vertices = copy.mesh->triangles[triangle];
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Vec3 p = tree.vertex_m[copy.first_vertex + vertices[i]];
-    corner[i][0] = p.x, corner[i][1] = p.y, corner[i][2] = p.z;
-  }
+  for (std::size_t i = 0; i < 3; ++i)
+    corner[i] = vector_of(tree.vertex_m[copy.first_vertex + vertices[i]]);
 }
 
 Mat4 translation(Vec3d by) {
@@ -60,10 +59,9 @@ Mat4 translation(Vec3d by) {
 }
 
 // Whether the triangle has an area: its normal, as the search computes it, is not zero.
-bool can_be_hit(const float (&corner)[3][3]) {
-  float normal[3];
-  triangle_normal(corner, normal);
-  const float size = std::fabs(normal[0]) + std::fabs(normal[1]) + std::fabs(normal[2]);
+bool can_be_hit(const Vector3<float> (&corner)[3]) {
+  const Vector3<float> normal = triangle_normal(corner);
+  const float size = std::fabs(normal.x) + std::fabs(normal.y) + std::fabs(normal.z);
   return size > 0 && size <= std::numeric_limits<float>::max();
 }
 
@@ -75,12 +73,12 @@ std::vector<BuildBox> boxes_of(const Copies& tree) {
     std::size_t out = k * chunk;
     for (std::size_t t = k * chunk; t < std::min((k + 1) * chunk, tree.triangles); ++t) {
       const Copy& copy = tree.of_triangle(t);
-      float corner[3][3];
+      Vector3<float> corner[3];
       corners_of(tree, copy, t - copy.first_triangle, corner);
       if (!tree.deforms && !can_be_hit(corner)) continue;
       BuildBox& box = boxes[out++];
       box.index = static_cast<std::uint32_t>(t);
-      for (std::size_t a = 0; a < 3; ++a) {
+      for (int a = 0; a < 3; ++a) {
         box.lower[a] = std::min({corner[0][a], corner[1][a], corner[2][a]});
         box.upper[a] = std::max({corner[0][a], corner[1][a], corner[2][a]});
       }
@@ -94,9 +92,9 @@ std::vector<BuildBox> boxes_of(const Copies& tree) {
   return boxes;
 }
 
-void write_block(const Copies& tree, const std::uint32_t* order, TriangleBlock& block) {
-  for (int k = 0; k < block_width; ++k) {
-    float corner[3][3];
+void write_block(const Copies& tree, const std::uint32_t* order, TriangleQuad& block) {
+  for (int k = 0; k < quad_width; ++k) {
+    Vector3<float> corner[3];
     bool is_there = order[k] != none;
     if (is_there) {
       const Copy& copy = tree.of_triangle(order[k]);
@@ -137,10 +135,10 @@ TreeRoot add_tree(PortableTracer& tracer, Copies& tree) {
       place.lower[a] = std::min(place.lower[a], box.lower[a]);
       place.upper[a] = std::max(place.upper[a], box.upper[a]);
     }
-  BuiltTree built = build_tree(boxes, block_width, block_width);
+  BuiltTree built = build_tree(boxes, quad_width, quad_width);
   boxes = {};
-  const std::size_t first_node = tracer.nodes.size(), first_block = tracer.blocks.size();
-  const std::size_t blocks = built.order.size() / block_width;
+  const std::size_t first_node = tracer.nodes.size(), first_block = tracer.quads.size();
+  const std::size_t blocks = built.order.size() / quad_width;
   constexpr std::size_t index_room = std::size_t{1} << visit_index_bits;
   if (first_node + built.nodes.size() > index_room || first_block + blocks > index_room)
     throw Error("portable: at most " + std::to_string(index_room) +
@@ -150,9 +148,9 @@ TreeRoot add_tree(PortableTracer& tracer, Copies& tree) {
     node.first_leaf += static_cast<std::uint32_t>(first_block);
   }
   tracer.nodes.insert(tracer.nodes.end(), built.nodes.begin(), built.nodes.end());
-  tracer.blocks.resize(first_block + blocks);
+  tracer.quads.resize(first_block + blocks);
   parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
-    write_block(tree, built.order.data() + b * block_width, tracer.blocks[first_block + b]);
+    write_block(tree, built.order.data() + b * quad_width, tracer.quads[first_block + b]);
   });
   place.index = static_cast<std::uint32_t>(first_node);
   place.end = static_cast<std::uint32_t>(tracer.nodes.size());
@@ -191,8 +189,7 @@ void build_top(PortableTracer& tracer) {
     boxes.emplace_back().index = static_cast<std::uint32_t>(trees.size());
     placed_box(root, frame_from_tree, boxes.back());
     const Mat4 tree_from_frame = inverse(frame_from_tree);
-    const std::uint32_t seen_by =
-        placed == none ? all_seen : tracer.layout.placed[placed].seen_by;
+    const std::uint32_t seen_by = placed == none ? all_seen : tracer.layout.placed[placed].seen_by;
     trees.push_back({{}, root.index, placed, seen_by});
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 4; ++c)
@@ -210,21 +207,18 @@ void build_top(PortableTracer& tracer) {
   tracer.trees.clear();
   for (const std::uint32_t tree : built.order) tracer.trees.push_back(trees[tree]);
   tracer.view = {tracer.top_nodes.empty() ? nullptr : tracer.top_nodes.data(), tracer.trees.data(),
-                 tracer.nodes.data(), tracer.blocks.data()};
+                 tracer.nodes.data(), tracer.quads.data()};
 }
 
-// The corners of the k-th triangle of a block, as they are now.
-void place_corners(TriangleBlock& block, int k, const std::vector<Vec3>& vertex_m,
+// The corners of the k-th triangle of a quad, as they are now.
+void place_corners(TriangleQuad& quad, int k, const std::vector<Vec3>& vertex_m,
                    const std::array<std::uint32_t, 3>& vertices) {
-  float corner[3][3];
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Vec3 p = vertex_m[vertices[i]];
-    corner[i][0] = p.x, corner[i][1] = p.y, corner[i][2] = p.z;
-  }
+  Vector3<float> corner[3];
+  for (std::size_t i = 0; i < 3; ++i) corner[i] = vector_of(vertex_m[vertices[i]]);
   const bool is_there = can_be_hit(corner);
   for (int i = 0; i < 3; ++i)
     for (int a = 0; a < 3; ++a)
-      block.corner[i][a][k] = is_there ? corner[i][a] : std::numeric_limits<float>::quiet_NaN();
+      quad.corner[i][a][k] = is_there ? corner[i][a] : std::numeric_limits<float>::quiet_NaN();
 }
 
 void take_positions(PortableTracer& tracer, const Placement& placement) {
@@ -244,23 +238,22 @@ void refit_mesh(PortableTracer& tracer, std::size_t mesh) {
     vertex_m[i] = to_float(to_double(tracer.position_m[mesh][i]) - origin);
   const std::span<WideNode> nodes(&tracer.nodes[root.index], root.end - root.index);
   constexpr std::size_t nodes_per_task = 64;  // some hundred triangles each
-  parallel_ranges(std::size_t{0}, nodes.size(), nodes_per_task,
-                  [&](std::size_t begin, std::size_t end) {
-                    for (std::size_t n = begin; n < end; ++n) {
-                      const WideNode& node = nodes[n];
-                      for (int c = node.counts & 15; c < node.counts >> 4; ++c) {
-                        TriangleBlock* blocks =
-                            &tracer.blocks[node.first_leaf +
-                                           static_cast<std::size_t>(node.leaf[c] >> 4)];
-                        for (int t = 0; t < (node.leaf[c] & 15); ++t) {
-                          TriangleBlock& block = blocks[t / block_width];
-                          const int k = t % block_width;
-                          place_corners(block, k, vertex_m, own.triangles[block.triangle[k]]);
-                        }
-                      }
-                    }
-                  });
-  const BuildBox box = refit_tree(nodes, root.index, tracer.blocks.data());
+  parallel_ranges(
+      std::size_t{0}, nodes.size(), nodes_per_task, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t n = begin; n < end; ++n) {
+          const WideNode& node = nodes[n];
+          for (int c = node.counts & 15; c < node.counts >> 4; ++c) {
+            TriangleQuad* blocks =
+                &tracer.quads[node.first_leaf + static_cast<std::size_t>(node.leaf[c] >> 4)];
+            for (int t = 0; t < (node.leaf[c] & 15); ++t) {
+              TriangleQuad& block = blocks[t / quad_width];
+              const int k = t % quad_width;
+              place_corners(block, k, vertex_m, own.triangles[block.triangle[k]]);
+            }
+          }
+        }
+      });
+  const BuildBox box = refit_tree(nodes, root.index, tracer.quads.data());
   if (!(box.lower[0] <= box.upper[0])) return;  // flattened to a point: nothing of it can be met
   std::copy_n(box.lower, 3, root.lower);
   std::copy_n(box.upper, 3, root.upper);
@@ -276,7 +269,7 @@ void build_all(PortableTracer& tracer, const Placement& placement, WorkState* wo
   const Scene& scene = *tracer.scene;
   tracer.layout = lay_out_scene(scene, placement);
   tracer.nodes.clear();
-  tracer.blocks.clear();
+  tracer.quads.clear();
   tracer.of_mesh.assign(scene.meshes.size(), {});
   take_positions(tracer, placement);
 
@@ -294,8 +287,8 @@ void build_all(PortableTracer& tracer, const Placement& placement, WorkState* wo
                  static_cast<std::uint32_t>(i) | ask);
     } else if (shared[m].copies.empty()) {
       shared[m].deforms = !placement.shapes[m].positions.empty();
-      shared[m].add(scene.meshes[m], positions,
-                    translation(tracer.layout.mesh_origin_m[m] * -1.0), ask);
+      shared[m].add(scene.meshes[m], positions, translation(tracer.layout.mesh_origin_m[m] * -1.0),
+                    ask);
     } else {
       continue;
     }
@@ -324,9 +317,8 @@ Triangle PortableTracer::corners(std::uint32_t surface, std::uint32_t triangle) 
   const Vec3d about = instance.is_shared ? layout.mesh_origin_m[m] : Vec3d{};
   Triangle t;
   for (std::size_t k = 0; k < 3; ++k)
-    t.corner[k] =
-        transform_point(instance.frame_from_mesh,
-                        to_double(position_m[m][mesh.triangles[triangle][k]]) - about);
+    t.corner[k] = transform_point(instance.frame_from_mesh,
+                                  to_double(position_m[m][mesh.triangles[triangle][k]]) - about);
   return t;
 }
 

@@ -1,5 +1,5 @@
 // Checks of spectra, and their values.
-#include "model/spectrum.h"
+#include "model/spectrum_check.h"
 
 #include <algorithm>
 #include <cstdio>

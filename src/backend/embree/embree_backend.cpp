@@ -1,8 +1,8 @@
 // Puts the Embree backend together, and chooses the build of its hot loop for the processor.
-#include "backend/embree/backend.h"
+#include "backend/embree/embree_backend.h"
 
-#include "backend/embree/builds.h"
-#include "backend/embree/tracer.h"
+#include "backend/embree/embree_builds.h"
+#include "backend/embree/embree_tracer.h"
 #include "backend/processor.h"
 
 namespace omma {

@@ -12,9 +12,9 @@
 // two neighbouring rows of a table, mixed.
 #pragma once
 
-#include "physics/normal_quantile.h"
 #include "omma/kernel.h"
 #include "omma/vec.h"
+#include "physics/normal_quantile.h"
 
 namespace omma {
 

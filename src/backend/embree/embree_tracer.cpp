@@ -1,5 +1,5 @@
 // Builds the Embree scene.
-#include "backend/embree/tracer.h"
+#include "backend/embree/embree_tracer.h"
 
 #include <algorithm>
 #include <type_traits>
@@ -137,9 +137,9 @@ void build_mesh(EmbreeTracer& tracer, const Scene& scene, std::size_t m, const S
   const Mesh& mesh = scene.meshes[m];
   const bool deforms = !shape.positions.empty();
   tracer.scene_of_mesh[m] = new_scene(tracer.device, deforms ? RTC_SCENE_FLAG_DYNAMIC : flags);
-  // Embree fits the boxes of a geometry's hierarchy, which it builds well at first, in scenes of low
-  // quality only: 2 ms for 100,000 triangles (one thread), where building it anew takes 33, or 8
-  // with low quality.
+  // Embree fits the boxes of a geometry's hierarchy, which it builds well at first, in scenes of
+  // low quality only: 2 ms for 100,000 triangles (one thread), where building it anew takes 33, or
+  // 8 with low quality.
   if (deforms) rtcSetSceneBuildQuality(tracer.scene_of_mesh[m], RTC_BUILD_QUALITY_LOW);
   const Geometry geometry =
       make_geometry(tracer, mesh, static_cast<std::int32_t>(m),
@@ -161,8 +161,9 @@ void place(const EmbreeTracer& tracer, RTCGeometry geometry, std::size_t index) 
 void check_masks(const EmbreeTracer& tracer, const Placement& placement) {
   if (placement.seen_by.empty()) return;
   if (rtcGetDeviceProperty(tracer.device, RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED) == 0)
-    throw Error("unseen: expected an Embree that was built with ray masks (EMBREE_RAY_MASK), found " +
-                tracer.name + " without; World(..., backend=\"portable\") has them");
+    throw Error(
+        "unseen: expected an Embree that was built with ray masks (EMBREE_RAY_MASK), found " +
+        tracer.name + " without; World(..., backend=\"portable\") has them");
 }
 
 // Puts an instance of the layout into one of the top scenes: as an instance of its mesh's scene, or
@@ -204,7 +205,8 @@ void reshape(EmbreeTracer& tracer, std::size_t mesh, const Placement& placement)
   const RTCScene scene = tracer.scene_of_mesh[mesh];
   if (scene == nullptr) return;  // it has no triangles, or is placed nowhere
   const RTCGeometry geometry = rtcGetGeometry(scene, 0);
-  auto* position = static_cast<Vec3*>(rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0));
+  auto* position =
+      static_cast<Vec3*>(rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0));
   const std::vector<Vec3>& positions = placement.shapes[mesh].positions;
   const Vec3d origin = tracer.layout.mesh_origin_m[mesh];
   parallel_ranges(std::size_t{0}, positions.size(), vertices_per_task,
@@ -245,9 +247,8 @@ std::unique_ptr<EmbreeTracer> make_embree_tracer(const Scene& scene, const Scene
   check_masks(*tracer, placement);
 
   const SceneLayout& layout = tracer->layout;
-  const RTCSceneFlags flags = layout.built_triangles > most_fast_triangles
-                                  ? RTC_SCENE_FLAG_COMPACT
-                                  : RTC_SCENE_FLAG_NONE;
+  const RTCSceneFlags flags =
+      layout.built_triangles > most_fast_triangles ? RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_NONE;
   Build build{tracer->device, work};
   build.all = static_cast<double>(std::max<std::size_t>(layout.built_triangles, 1));
   for (const PlacedInstance& instance : layout.instances)

@@ -5,7 +5,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "model/camera.h"
+#include "model/camera_check.h"
 #include "model/pose_check.h"
 #include "omma/error.h"
 

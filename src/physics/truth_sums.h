@@ -4,6 +4,7 @@
 
 #include "physics/block_memory.h"
 #include "physics/hits.h"
+#include "physics/vector3.h"
 
 namespace omma {
 
@@ -26,25 +27,22 @@ struct Flow {
 // Of a point that moves with `velocity` relative to where the ray starts, at 1 / inverse_m; `right`
 // and `up` lie across the ray.
 template <typename F>
-OMMA_HD Flow<F> flow_of(const F (&velocity)[3], const F (&right)[3], const F (&up)[3],
+OMMA_HD Flow<F> flow_of(const Vector3<F>& velocity, const Vector3<F>& right, const Vector3<F>& up,
                         F inverse_m) {
-  return {dot_lanes(velocity, right) * inverse_m, dot_lanes(velocity, up) * inverse_m};
+  return {dot(velocity, right) * inverse_m, dot(velocity, up) * inverse_m};
 }
 
 // How what some lanes met moves of itself, at `place` in the traced frame; zeros where it does not.
 template <typename F, typename I>
-OMMA_HD void object_velocity(const TruthTask& task, I object, const F (&place)[3],
-                             F (&velocity)[3]) {
+OMMA_HD Vector3<F> object_velocity(const TruthTask& task, I object, const Vector3<F>& place) {
   const auto moves = object > 0;  // one more than its index
   const I at = keep(moves, object - 1) * 9;
-  F linear[3], angular[3], arm[3];
-  for (int r = 0; r < 3; ++r) {
-    arm[r] = place[r] - gather(task.objects + r, at);
-    linear[r] = gather(task.objects + 3 + r, at);
-    angular[r] = gather(task.objects + 6 + r, at);
-  }
-  cross_lanes(angular, arm, velocity);
-  for (int r = 0; r < 3; ++r) velocity[r] = keep(moves, velocity[r] + linear[r]);
+  const auto vector = [&](int first) {
+    return Vector3<F>{gather(task.objects + first, at), gather(task.objects + first + 1, at),
+                      gather(task.objects + first + 2, at)};
+  };
+  const Vector3<F> origin = vector(0), linear = vector(3), angular = vector(6);
+  return keep(moves, cross(angular, place - origin) + linear);
 }
 
 // The rows of one packet, [row][lane]; see TruthRows.
@@ -68,39 +66,34 @@ OMMA_HD void eval_truth(const FrameView& frame, const BlockTask& task, const Fir
     set(0, keep(is_met, broadcast<F>(1.0f)));
     set(1, distance);
     set(2, inverse);
-    F d[3];
-    for (int r = 0; r < 3; ++r) d[r] = load<F>(rays.direction[r] + l);
+    const auto d = load_vector<F>(rays.direction, l);
     if (view.places) {
-      F n[3];
-      for (int r = 0; r < 3; ++r) n[r] = load<F>(geometry.normal[r] + l);
-      const F towards = dot_lanes(n, d) > 0.0f ? broadcast<F>(-1.0f) : broadcast<F>(1.0f);
+      const auto n = load_vector<F>(geometry.normal, l);
+      const F towards = dot(n, d) > 0.0f ? broadcast<F>(-1.0f) : broadcast<F>(1.0f);
       for (int r = 0; r < 3; ++r) {
         set(at.places + r, load<F>(geometry.position[r] + l));
         set(at.places + 3 + r, n[r] * towards);
       }
     }
     if (!view.flow) continue;
-    F up[3], right[3], turn[3], arm[3], head[3], place[3], velocity[3] = {};
-    for (int r = 0; r < 3; ++r) {
-      const F origin = load<F>(rays.origin[r] + l);
-      up[r] = load<F>(first.packet.reference[r] + l);
-      turn[r] = broadcast<F>(truth.angular_rad_s[r]);
-      arm[r] = origin - task.world_from_head[r][3];
-      place[r] = origin + d[r] * distance;
-    }
-    cross_lanes(d, up, right);
-    cross_lanes(turn, arm, head);
-    for (int r = 0; r < 3; ++r) head[r] = 0.0f - (head[r] + truth.linear_m_s[r]);
+    const auto origin = load_vector<F>(rays.origin, l),
+               up = load_vector<F>(first.packet.reference, l);
+    const Vector3<F> right = cross(d, up), place = origin + d * distance;
+    const auto turn = Vector3<F>{} + vector_of(truth.angular_rad_s);
+    const auto& m = task.world_from_head;
+    const Vector3<F> arm = origin - Vector3<float>{m[0][3], m[1][3], m[2][3]};
+    const Vector3<F> head = opposite(cross(turn, arm) + vector_of(truth.linear_m_s));
+    Vector3<F> velocity = {};
     const Flow<F> passing = flow_of(head, right, up, inverse);
     if (view.object_of_instance != nullptr) {
       const I instance = keep(is_met, load<I>(first.hits.instance + l));
-      object_velocity(truth, keep(is_met, gather(view.object_of_instance, instance) + 1), place,
-                      velocity);
+      velocity = object_velocity(truth, keep(is_met, gather(view.object_of_instance, instance) + 1),
+                                 place);
     }
     const Flow<F> moving = flow_of(velocity, right, up, inverse);
     // -(w x d) along right and up, as right = d x up.
-    set(at.flow, dot_lanes(turn, up));
-    set(at.flow + 1, 0.0f - dot_lanes(turn, right));
+    set(at.flow, dot(turn, up));
+    set(at.flow + 1, 0.0f - dot(turn, right));
     set(at.flow + 2, passing.right);
     set(at.flow + 3, passing.up);
     set(at.flow + 4, moving.right);
@@ -110,9 +103,10 @@ OMMA_HD void eval_truth(const FrameView& frame, const BlockTask& task, const Fir
 
 // What is not a mean: the nearest of a unit's rays, and which group each ray met.
 template <typename L>
-OMMA_HD void add_met(const TruthView& view, const FirstHits<L>& first, int samples, int unit,
-                     int sample, int filled, const TruthSums& sums) {
-  for (int l = 0; l < filled; ++l) {
+OMMA_HD void add_met(const TruthView& view, const FirstHits<L>& first, int samples,
+                     const PacketPlace& place, const TruthSums& sums) {
+  int unit = place.unit, sample = place.sample;
+  for (int l = 0; l < place.filled; ++l) {
     if (first.hits.mesh[l] >= 0) {
       const float t = first.packet.rays.t_far_m[l];
       if (t < sums.nearest_m[unit]) sums.nearest_m[unit] = t;

@@ -1,8 +1,8 @@
-// The portable backend's part of the hot loop: the closest hits of a packet, and whether anything is
-// in its way.
+// The portable backend's part of the hot loop: the closest hits of a packet, and whether anything
+// is in its way.
 #pragma once
 
-#include "backend/portable/tracer.h"
+#include "backend/portable/portable_tracer.h"
 #include "physics/passed.h"
 #include "physics/surface.h"
 #include "physics/traverse.h"
@@ -13,9 +13,8 @@ template <typename L>
 struct PortableSearch {
   const PortableTracer* tracer;
 
-  OMMA_HD void closest(const std::int32_t* valid, RayPacket<L::count>& rays,
-                       const PassedSurfaces<L::count>* passed,
-                       Spread = Spread::together) const {
+  OMMA_HD void closest(LaneMask<L> lanes, RayPacket<L::count>& rays,
+                       const PassedSurfaces<L::count>* passed, Spread = Spread::together) const {
     const auto accept = [&](int lane, float t_m, float u, float v, std::uint32_t triangle,
                             std::uint32_t placed, bool from_behind) {
       if (!accepts(placed, triangle, u, v, from_behind)) return false;
@@ -27,22 +26,19 @@ struct PortableSearch {
                            return tracer->corners(geometry, index);
                          });
     };
-    omma::closest<L>(tracer->view, valid, rays, accept);
+    omma::closest<L>(tracer->view, lanes, rays, accept);
   }
 
-  // A bit for each valid ray that meets an accepted surface between t_near_m and t_far_m; one that
-  // lets light through in part counts as any other.
-  OMMA_HD unsigned occluded(const std::int32_t* valid, const RayPacket<L::count>& rays) const {
-    return omma::occluded<L>(tracer->view, valid, rays,
-                             [&](int, float, float u, float v, std::uint32_t triangle,
-                                 std::uint32_t placed, bool from_behind) {
-                               return accepts(placed, triangle, u, v, from_behind);
-                             });
+  // Lanes whose ray meets an accepted surface between its t_near_m and t_far_m; one that lets light
+  // through in part counts as any other.
+  OMMA_HD LaneMask<L> occluded(LaneMask<L> lanes, const RayPacket<L::count>& rays) const {
+    return omma::occluded<L>(
+        tracer->view, lanes, rays,
+        [&](int, float, float u, float v, std::uint32_t triangle, std::uint32_t placed,
+            bool from_behind) { return accepts(placed, triangle, u, v, from_behind); });
   }
 
-  OMMA_HD const PlacedMesh* placed() const {
-    return tracer->layout.placed.data();
-  }
+  OMMA_HD const PlacedMesh* placed() const { return tracer->layout.placed.data(); }
 
  private:
   OMMA_HD bool accepts(std::uint32_t placed, std::uint32_t triangle, float u, float v,

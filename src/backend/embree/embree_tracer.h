@@ -1,6 +1,6 @@
-// The acceleration structure of the CPU: a Scene in Embree, laid out as backend/scene_layout.h says.
-// What has been moved is in a top scene of its own, so that moving it again builds nothing but the
-// boxes around what moves.
+// The acceleration structure of the CPU: a Scene in Embree, laid out as backend/scene_layout.h
+// says. What has been moved is in a top scene of its own, so that moving it again builds nothing
+// but the boxes around what moves.
 #pragma once
 
 #include <array>
@@ -44,7 +44,7 @@ struct EmbreeTracer {
   // [instance of the layout], null for what is shared and what needs no filter.
   std::vector<const FilterData*> filter_of;
   std::vector<RTCScene> scene_of_mesh;  // [mesh], what is shared; null where it never is
-  std::string name;  // e.g. "embree 3.13.5"
+  std::string name;                     // e.g. "embree 3.13.5"
 };
 
 // Refers to the Scene's vertices and triangles, which must outlive it unchanged. Throws omma::Error

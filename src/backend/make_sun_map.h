@@ -55,8 +55,8 @@ inline bool may_have_sun_map(const SceneView& view) {
 
 // `towards`: unit, to the middle of the sun's disc. Throws omma::Cancelled. The same bits for any
 // number of threads.
-SunMapData make_sun_map(const Tracing& tracing, const Scene& scene,
-                        const Placement& placement, Vec3 towards,
-                        const SunMapSettings& settings = {}, const WorkPart& work = {});
+SunMapData make_sun_map(const Tracing& tracing, const Scene& scene, const Placement& placement,
+                        Vec3 towards, const SunMapSettings& settings = {},
+                        const WorkPart& work = {});
 
 }  // namespace omma

@@ -29,7 +29,7 @@ struct PortableTracer {
 
   std::vector<WideNode> top_nodes, nodes;
   std::vector<PlacedTree> trees;
-  std::vector<TriangleBlock> blocks;
+  std::vector<TriangleQuad> quads;
 
   const Scene* scene = nullptr;
   const SceneView* scene_view = nullptr;
