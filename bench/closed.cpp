@@ -13,7 +13,7 @@
 #include "backend/embree/embree_tracer.h"
 #include "backend/shading_data.h"
 #include "packet_search.h"
-#include "physics/hash.h"
+#include "physics/sampling/hash.h"
 #include "scenes.h"
 
 namespace omma::bench {

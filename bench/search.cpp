@@ -1,5 +1,5 @@
 // Our own search beside Embree's, on the same packets and one thread, in turns so that a
-// disturbance meets both: rtcIntersect16, coherent, and `closest` of physics/traverse.h.
+// disturbance meets both: rtcIntersect16, coherent, and `closest` of physics/search/traverse.h.
 #include <algorithm>
 #include <cstdio>
 #include <cstring>

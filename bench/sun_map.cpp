@@ -11,8 +11,8 @@
 #include "backend/embree/embree_backend.h"
 #include "backend/embree/embree_tracer.h"
 #include "backend/shading_data.h"
-#include "physics/hash.h"
-#include "physics/path.h"
+#include "physics/path/path.h"
+#include "physics/sampling/hash.h"
 #include "scenes.h"
 
 namespace omma::bench {

@@ -2,7 +2,7 @@
 // Directions near the axis are given by their polar angle theta and their azimuth, which is 0
 // towards the ommatidium's up vector and grows towards its right (axis x up).
 //
-// Formulas: physics/acceptance_sampling.h, optics/lens_rhabdom.h in src.
+// Formulas: physics/sampling/acceptance_sampling.h, optics/lens_rhabdom.h in src.
 #pragma once
 
 #include <cstdint>

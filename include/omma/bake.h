@@ -36,7 +36,7 @@ struct CellError {
   std::uint16_t signs = 0;  // random bits, the same for a group
 };
 
-// Numbers are of 16 bits without a sign: 5 of an exponent, 11 of a fraction (physics/baked.h).
+// Numbers are of 16 bits without a sign: 5 of an exponent, 11 of a fraction (physics/path/baked.h).
 struct BakedLight {
   int bands = 0;
   // What a value of 1 is, in the light's unit: the radiance of a white surface.

@@ -189,7 +189,7 @@ struct BuildTimes {
 
 class Renderer {
  public:
-  struct State;  // src/render_state.h
+  struct State;  // src/render/render_state.h
 
   // An eye in a world, which it shares: what moves there has moved for this eye too. Makes the
   // direction tables; throws omma::Error.

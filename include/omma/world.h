@@ -62,7 +62,7 @@ struct WorldBuildTimes {
 // moved for all.
 class World {
  public:
-  struct State;  // src/world_state.h
+  struct State;  // src/world/world_state.h
 
   // Builds the acceleration structure; throws omma::Error. The scene must stay as it is: its arrays
   // are read from where they are. `progress` is told of the finished part (0 to 1) several times a

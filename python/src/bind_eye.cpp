@@ -14,7 +14,7 @@
 #include "model/text.h"
 #include "omma/error.h"
 #include "omma/eye.h"
-#include "physics/hash.h"
+#include "physics/sampling/hash.h"
 #include "plausible.h"
 #include "progress.h"
 #include "struct_values.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "optics/gauss_legendre.h"
-#include "physics/specular_albedo.h"
+#include "physics/surface/specular_albedo.h"
 
 namespace omma {
 namespace {

@@ -1,4 +1,4 @@
-// Tables of physics/specular_albedo.h.
+// Tables of physics/surface/specular_albedo.h.
 #pragma once
 
 #include <vector>

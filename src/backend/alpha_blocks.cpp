@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "physics/texture.h"
+#include "physics/surface/texture.h"
 #include "threads/parallel.h"
 
 namespace omma {

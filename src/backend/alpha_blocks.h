@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "physics/opacity.h"
-#include "physics/scene_view.h"
+#include "physics/surface/opacity.h"
+#include "physics/views/scene_view.h"
 
 namespace omma {
 

@@ -1,5 +1,5 @@
 // A way of finding where rays meet surfaces. A backend builds an acceleration structure of a scene
-// and runs the hot loop (physics/block.h) with a search of its own; all that lies between a pose and
+// and runs the hot loop (physics/block/block.h) with a search of its own; all that lies between a pose and
 // a response besides is the same for all of them.
 #pragma once
 

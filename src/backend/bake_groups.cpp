@@ -6,8 +6,8 @@
 #include <cmath>
 #include <span>
 
-#include "physics/baked.h"
-#include "physics/hash.h"
+#include "physics/path/baked.h"
+#include "physics/sampling/hash.h"
 #include "threads/parallel.h"
 
 namespace omma {

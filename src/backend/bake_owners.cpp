@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "backend/bake_cells.h"
-#include "physics/baked.h"
+#include "physics/path/baked.h"
 
 namespace omma {
 

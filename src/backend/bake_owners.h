@@ -8,7 +8,7 @@
 #include "model/scene_place.h"
 #include "omma/bake.h"
 #include "omma/scene.h"
-#include "physics/scene_view.h"
+#include "physics/views/scene_view.h"
 
 namespace omma {
 

@@ -1,13 +1,13 @@
-// The hot loop (physics/block.h) as a backend has built it for a kind of processor, chosen at run
+// The hot loop (physics/block/block.h) as a backend has built it for a kind of processor, chosen at run
 // time.
 #pragma once
 
 #include <cstddef>
 
 #include "backend/denormals.h"
-#include "physics/block.h"
-#include "physics/gather.h"
-#include "physics/weigh.h"
+#include "physics/block/block.h"
+#include "physics/block/weigh.h"
+#include "physics/path/gather.h"
 
 namespace omma {
 

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "physics/hash.h"
-#include "physics/hits.h"
-#include "physics/low_discrepancy.h"
-#include "physics/path_points.h"
+#include "physics/rays/hits.h"
+#include "physics/sampling/hash.h"
+#include "physics/sampling/low_discrepancy.h"
+#include "physics/sampling/path_points.h"
 #include "threads/parallel.h"
 
 namespace omma {

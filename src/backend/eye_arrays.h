@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "omma/eye.h"
-#include "physics/frame_view.h"
+#include "physics/views/frame_view.h"
 #include "sampling/directions.h"
 
 namespace omma {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include "physics/microfacet.h"
+#include "physics/surface/microfacet.h"
 
 namespace omma {
 namespace {

@@ -1,5 +1,5 @@
 // What is small and bright in a scene besides the discs of its sky: mirror images of those in smooth
-// flat surfaces, and surfaces that shine. Ommatidia aim rays of their own at it (physics/aimed_rays.h).
+// flat surfaces, and surfaces that shine. Ommatidia aim rays of their own at it (physics/block/aimed_rays.h).
 #pragma once
 
 #include <vector>

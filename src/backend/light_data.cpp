@@ -14,7 +14,7 @@
 #include "light/check_light.h"
 #include "model/scene_light.h"
 #include "omma/error.h"
-#include "physics/surface.h"
+#include "physics/surface/surface.h"
 #include "threads/parallel.h"
 
 namespace omma {

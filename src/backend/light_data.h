@@ -12,8 +12,8 @@
 #include "model/scene_place.h"
 #include "omma/light.h"
 #include "omma/scene.h"
-#include "physics/light_view.h"
-#include "physics/scene_view.h"
+#include "physics/views/light_view.h"
+#include "physics/views/scene_view.h"
 
 namespace omma {
 

@@ -1,4 +1,4 @@
-// Makes the shadow map of the sun (physics/sun_map.h) of a scene as it is placed now. Shared by all
+// Makes the shadow map of the sun (physics/light/sun_map.h) of a scene as it is placed now. Shared by all
 // backends.
 //
 // What the map does not know: surfaces that let light through in part (BLEND, glass) would cast
@@ -15,7 +15,7 @@
 #include "model/long_work.h"
 #include "model/scene_place.h"
 #include "omma/scene.h"
-#include "physics/sun_map.h"
+#include "physics/light/sun_map.h"
 
 namespace omma {
 

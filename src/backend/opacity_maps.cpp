@@ -10,8 +10,8 @@
 #include <unordered_map>
 
 #include "backend/alpha_blocks.h"
-#include "physics/hash.h"
-#include "physics/opacity.h"
+#include "physics/sampling/hash.h"
+#include "physics/surface/opacity.h"
 #include "threads/parallel.h"
 
 namespace omma {
@@ -277,7 +277,7 @@ std::size_t place_states(const std::vector<CutOut>& cut_outs, std::vector<Mixed>
   }
 }
 
-// As physics/opacity.h has it.
+// As physics/surface/opacity.h has it.
 std::int32_t word_of(const Mixed& mixed) {
   if (mixed.level < least_level) return static_cast<std::int32_t>(Opacity::ask);
   return static_cast<std::int32_t>(mixed.first_word << opacity_level_bits) | mixed.level;

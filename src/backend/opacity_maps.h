@@ -1,5 +1,5 @@
 // Opacity maps of cut-outs: which parts of their triangles are surely there and which surely not,
-// so that tracing seldom asks their images (physics/opacity.h).
+// so that tracing seldom asks their images (physics/surface/opacity.h).
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "physics/scene_view.h"
+#include "physics/views/scene_view.h"
 
 namespace omma {
 

@@ -8,7 +8,7 @@
 
 #include "backend/shading_data.h"
 #include "omma/light.h"
-#include "physics/scene_view.h"
+#include "physics/views/scene_view.h"
 
 namespace omma {
 

@@ -8,7 +8,7 @@
 
 #include "model/scene_place.h"
 #include "omma/scene.h"
-#include "physics/ray_packet.h"
+#include "physics/views/ray_packet.h"
 
 namespace omma {
 

@@ -13,7 +13,7 @@
 
 #include "backend/opacity_maps.h"
 #include "backend/texture_levels.h"
-#include "physics/scene_view.h"
+#include "physics/views/scene_view.h"
 
 namespace omma {
 

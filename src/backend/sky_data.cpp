@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "physics/sky.h"
+#include "physics/light/sky.h"
 #include "threads/parallel.h"
 
 namespace omma {

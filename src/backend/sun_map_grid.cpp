@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "physics/sun_map.h"
+#include "physics/light/sun_map.h"
 #include "threads/parallel.h"
 
 namespace omma {

@@ -1,11 +1,11 @@
 // Images in linear light with their coarser levels, and how densely triangles use them: what a ray
-// with a footprint reads (physics/texture.h).
+// with a footprint reads (physics/surface/texture.h).
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "physics/scene_view.h"
+#include "physics/views/scene_view.h"
 
 namespace omma {
 

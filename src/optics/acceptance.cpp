@@ -5,9 +5,9 @@
 #include <cmath>
 #include <tuple>
 
-#include "physics/hash.h"
 #include "optics/acceptance_warp.h"
 #include "optics/lens_rhabdom.h"
+#include "physics/sampling/hash.h"
 #include "threads/parallel.h"
 
 namespace omma {

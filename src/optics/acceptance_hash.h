@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <functional>
 
-#include "physics/hash.h"
 #include "omma/acceptance.h"
+#include "physics/sampling/hash.h"
 
 namespace omma {
 

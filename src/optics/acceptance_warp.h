@@ -1,4 +1,4 @@
-// Makes what physics/acceptance_sampling.h reads: the tables of a sensitivity, and its warp by
+// Makes what physics/sampling/acceptance_sampling.h reads: the tables of a sensitivity, and its warp by
 // inverting the exact distribution.
 #pragma once
 
@@ -8,7 +8,7 @@
 
 #include "omma/acceptance.h"
 #include "optics/lens_rhabdom.h"
-#include "physics/acceptance_sampling.h"
+#include "physics/sampling/acceptance_sampling.h"
 
 namespace omma {
 

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "physics/footprint.h"
+#include "physics/surface/footprint.h"
 
 namespace omma {
 namespace {
 
-// The bound of physics/footprint.h, of a table along one azimuth: frequencies go on until a
+// The bound of physics/surface/footprint.h, of a table along one azimuth: frequencies go on until a
 // footprint of a hundredth of the width would matter, in steps of a tenth of a cycle over the
 // width.
 double widest_along(const Acceptance& acceptance, double azimuth_rad, double width_rad) {

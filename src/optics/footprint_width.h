@@ -1,4 +1,4 @@
-// How wide the rays of an acceptance may be and are; physics/footprint.h says why.
+// How wide the rays of an acceptance may be and are; physics/surface/footprint.h says why.
 #pragma once
 
 #include "optics/acceptance_warp.h"

@@ -8,7 +8,7 @@
 #include <functional>
 
 #include "optics/gauss_legendre.h"
-#include "physics/acceptance_sampling.h"
+#include "physics/sampling/acceptance_sampling.h"
 #include "threads/made_once.h"
 
 namespace omma {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "physics/acceptance_sampling.h"
+#include "physics/sampling/acceptance_sampling.h"
 
 namespace omma {
 

@@ -12,8 +12,8 @@
 
 #include "optics/acceptance_hash.h"
 #include "optics/footprint_width.h"
-#include "physics/hash.h"
-#include "physics/low_discrepancy.h"
+#include "physics/sampling/hash.h"
+#include "physics/sampling/low_discrepancy.h"
 #include "sampling/even_points.h"
 #include "sampling/sampling_choice.h"
 #include "threads/parallel.h"

@@ -2,7 +2,7 @@
 // a sine: a number of independently scrambled patterns of unit directions around the axis for each
 // distinct acceptance. An estimate takes one pattern, chosen by its scramble hash, and where the
 // sensitivity is round turned about the axis by it too. Where tables would be too large, the same
-// directions are made on the fly; random directions always are (physics/random_direction.h).
+// directions are made on the fly; random directions always are (physics/sampling/random_direction.h).
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 #include "omma/render.h"
 #include "optics/acceptance_warp.h"
-#include "physics/frame_view.h"
+#include "physics/views/frame_view.h"
 #include "sampling/polar_tables.h"
 #include "sampling/unset_vector.h"
 #include "sampling/warp_cache.h"
@@ -34,7 +34,7 @@ struct DirectionTables {
   // [ommatidium], times as wide as its warp: sines of the polar angles are multiplied by it. Empty:
   // all are 1.
   std::vector<float> scale_of;
-  std::vector<float> footprint_rad;  // [warp], width of each ray (physics/footprint.h)
+  std::vector<float> footprint_rad;  // [warp], width of each ray (physics/surface/footprint.h)
   // [warp]: the turn about the axis that all have whose sensitivity is not round, else -1.
   std::vector<std::int32_t> fixed_turn;
   int patterns = 0;  // per warp; 0: made on the fly

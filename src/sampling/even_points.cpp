@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "physics/hash.h"
+#include "physics/sampling/hash.h"
 #include "threads/parallel.h"
 
 namespace omma {

@@ -1,12 +1,12 @@
-// The tables that random directions (physics/random_direction.h) are read from.
+// The tables that random directions (physics/sampling/random_direction.h) are read from.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "physics/random_direction.h"
 #include "optics/acceptance_warp.h"
+#include "physics/sampling/random_direction.h"
 
 namespace omma {
 

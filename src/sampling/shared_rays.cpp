@@ -11,7 +11,7 @@
 #include "model/nearest_axis.h"
 #include "omma/error.h"
 #include "omma/pose.h"
-#include "physics/low_discrepancy.h"
+#include "physics/sampling/low_discrepancy.h"
 #include "sampling/sharing_densities.h"
 #include "sampling/sharing_groups.h"
 #include "sampling/sphere_cells.h"

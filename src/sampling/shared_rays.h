@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "omma/eye.h"
-#include "physics/weigh.h"
+#include "physics/block/weigh.h"
 #include "sampling/directions.h"
 
 namespace omma {

@@ -7,7 +7,7 @@
 
 #include "backend/light_data.h"
 #include "omma/light.h"
-#include "physics/sky.h"
+#include "physics/light/sky.h"
 
 namespace omma::test {
 

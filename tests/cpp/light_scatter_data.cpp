@@ -5,8 +5,8 @@
 
 #include "backend/scatter_data.h"
 #include "omma/omma.h"
-#include "physics/lanes.h"
-#include "physics/texture.h"
+#include "physics/lanes/lanes.h"
+#include "physics/surface/texture.h"
 
 namespace omma::test {
 namespace {

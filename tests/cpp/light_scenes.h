@@ -8,7 +8,7 @@
 #include "backend/light_data.h"
 #include "backend/shading_data.h"
 #include "light_maps.h"
-#include "physics/light_sample.h"
+#include "physics/light/light_sample.h"
 #include "test_scenes.h"
 
 namespace omma::test {

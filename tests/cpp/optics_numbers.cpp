@@ -203,7 +203,7 @@ TEST(OpticsNumbers, TransferIsTheTransformOfTheSensitivity) {
   }
 }
 
-// The widest footprint changes the transfer by less than 0.01, as physics/footprint.h promises; and
+// The widest footprint changes the transfer by less than 0.01, as physics/surface/footprint.h promises; and
 // is at least a third of what would change it by as much.
 TEST(OpticsNumbers, FootprintsKeepTheTransfer) {
   std::vector<NamedAcceptance> all = acceptances_of_every_kind();

@@ -7,8 +7,8 @@
 
 #include "optics/acceptance_warp.h"
 #include "optics_acceptances.h"
-#include "physics/hash.h"
-#include "physics/random_direction.h"
+#include "physics/sampling/hash.h"
+#include "physics/sampling/random_direction.h"
 #include "sampling/polar_tables.h"
 
 namespace omma::test {

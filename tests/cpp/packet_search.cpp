@@ -1,8 +1,8 @@
 // One instruction set's functions of packet_search.h; OMMA_ISA names it. Calls nothing out of line.
 #include "packet_search.h"
 
-#include "physics/surface.h"
-#include "physics/traverse.h"
+#include "physics/search/traverse.h"
+#include "physics/surface/surface.h"
 
 namespace omma::OMMA_ISA {
 namespace {

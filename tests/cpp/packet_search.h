@@ -1,9 +1,9 @@
-// The search of physics/traverse.h as tests and benchmarks call it: built from packet_search.cpp
+// The search of physics/search/traverse.h as tests and benchmarks call it: built from packet_search.cpp
 // once per instruction set.
 #pragma once
 
 #include "backend/portable/portable_tracer.h"
-#include "physics/ray_packet.h"
+#include "physics/views/ray_packet.h"
 
 namespace omma {
 

@@ -5,7 +5,7 @@
 #include <random>
 #include <set>
 
-#include "physics/baked.h"
+#include "physics/path/baked.h"
 
 namespace omma {
 namespace {

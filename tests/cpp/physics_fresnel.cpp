@@ -1,5 +1,5 @@
 // Fresnel's reflectances against closed forms, and Stokes vectors against electric fields in space.
-#include "physics/fresnel.h"
+#include "physics/surface/fresnel.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // What is done to lanes by shuffles and loads of neighbours, against the plain meaning.
-#include "physics/rows.h"
+#include "physics/lanes/rows.h"
 
 #include <gtest/gtest.h>
 

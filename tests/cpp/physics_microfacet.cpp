@@ -1,5 +1,5 @@
 // Samplers against their densities, integrated here on their own.
-#include "physics/microfacet.h"
+#include "physics/surface/microfacet.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // Numbers that decide on the way of a path: in (0, 1), and even over the samples of a unit.
 #include <gtest/gtest.h>
 
-#include "physics/path_points.h"
-#include "physics/sobol.h"
+#include "physics/sampling/path_points.h"
+#include "physics/sampling/sobol.h"
 
 namespace omma::test {
 namespace {

@@ -1,12 +1,12 @@
 // The table of how much a rough boundary reflects, against integrals done here in other variables.
-#include "physics/specular_albedo.h"
+#include "physics/surface/specular_albedo.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
 #include "backend/albedo_tables.h"
-#include "physics/fresnel.h"
+#include "physics/surface/fresnel.h"
 #include "scatter_checks.h"
 
 namespace omma::test {

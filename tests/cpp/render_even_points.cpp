@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "physics/acceptance_sampling.h"
-#include "physics/hash.h"
-#include "physics/sobol.h"
+#include "physics/sampling/acceptance_sampling.h"
+#include "physics/sampling/hash.h"
+#include "physics/sampling/sobol.h"
 #include "sampling/even_points.h"
 
 namespace omma::test {

@@ -9,8 +9,8 @@
 #include "backend/texture_levels.h"
 #include "omma/camera.h"
 #include "omma/io.h"
-#include "physics/footprint.h"
-#include "physics/texture.h"
+#include "physics/surface/footprint.h"
+#include "physics/surface/texture.h"
 #include "test_scenes.h"
 
 namespace omma::test {

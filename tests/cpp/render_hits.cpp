@@ -7,7 +7,7 @@
 #include "backend/portable/portable_backend.h"
 #include "backend/portable/portable_search.h"
 #include "backend/shading_data.h"
-#include "physics/hits.h"
+#include "physics/rays/hits.h"
 #include "test_scenes.h"
 
 namespace omma::test {

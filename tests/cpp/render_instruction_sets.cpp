@@ -16,7 +16,7 @@
 #include "sampling/shared_rays.h"
 #include "test_scenes.h"
 #include "threads/thread_memory.h"
-#include "world_state.h"
+#include "world/world_state.h"
 #include "world_tests.h"
 
 namespace omma::test {

@@ -1,4 +1,4 @@
-// Opacity maps (backend/opacity_maps, physics/opacity.h) only say what reading the image would say,
+// Opacity maps (backend/opacity_maps, physics/surface/opacity.h) only say what reading the image would say,
 // in the arithmetic of the read itself, and say it of most places; renders have the same bits
 // without them.
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 #include "backend/eye_arrays.h"
 #include "backend/shading_data.h"
 #include "omma/io.h"
-#include "physics/surface.h"
+#include "physics/surface/surface.h"
 #include "test_scenes.h"
 #include "threads/thread_memory.h"
 

@@ -203,7 +203,7 @@ double law(Kernel kernel, double cycles_per_width) {
 // modulation, as are the tails left out. A pillbox ends sharply: how many rays it holds varies, and
 // those near its rim come in greater company, so that it is noisier, and biased by 0.015 at 2
 // samples and 0.002 at 8. Where textures are read from coarser levels 0.008 is added
-// (physics/footprint.h).
+// (physics/surface/footprint.h).
 TEST(SharedRaysRender, GratingsFollowEachKernelsLaw) {
   for (const bool with_wide : {false, true}) {
     std::vector<Vec3d> axes;

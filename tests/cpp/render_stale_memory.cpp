@@ -11,7 +11,7 @@
 #include "omma/bake.h"
 #include "test_scenes.h"
 #include "threads/thread_memory.h"
-#include "world_state.h"
+#include "world/world_state.h"
 #include "world_tests.h"
 
 namespace omma::test {

@@ -9,7 +9,7 @@
 
 #include "backend/backend.h"
 #include "backend/shading_data.h"
-#include "physics/path.h"
+#include "physics/path/path.h"
 #include "test_scenes.h"
 #include "threads/arena.h"
 #include "threads/parallel.h"

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "physics/low_discrepancy.h"
-#include "physics/random_direction.h"
+#include "physics/sampling/low_discrepancy.h"
+#include "physics/sampling/random_direction.h"
 #include "reference.h"
 #include "sampling/directions.h"
 #include "test_scenes.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "backend/albedo_tables.h"
-#include "physics/scatter.h"
+#include "physics/surface/scatter.h"
 #include "scatter_checks.h"
 
 namespace omma::test {

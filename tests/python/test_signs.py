@@ -125,5 +125,5 @@ def test_files_that_comments_name_are_there(folder):
 def test_what_is_not_there_is_found_out():
     assert not is_there("no_such_" + "name_at_all")
     assert not is_there("src/physics/no_such" + "_file.h")
-    assert is_there("physics/block.h")
+    assert is_there("physics/block/block.h")
     assert is_there("RenderCall::truth")

@@ -1,11 +1,33 @@
-"""What the C++ sources promise their readers: short signatures, one name for each header."""
+"""What the C++ sources promise their readers: short signatures, one name for each header, folders
+that include downwards."""
 
 import re
+import subprocess
+import sys
 from collections import Counter
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[2]
 MOST_PARAMETERS = 6
+
+# Folders, from the lowest to the highest: each includes from those before it, and from itself.
+# Those of one line know nothing of each other. The public headers, include/omma, are below all.
+FOLDERS = [
+    ["threads", "physics"],
+    ["optics"],
+    ["model"],
+    ["io", "light", "receptor", "sampling", "project"],
+    ["backend"],
+    ["world"],
+    ["render"],
+]
+# The same within src/physics: the chapters of a reading from the first page to the last.
+CHAPTERS = [
+    ["lanes"], ["sampling"], ["views"], ["search"], ["rays"], ["surface"], ["light"], ["path"],
+    ["block"],
+]  # fmt: skip
 
 FUNCTION = re.compile(r"OMMA_HD(?:_CALLED)?\s[^;{}=]*?\b([\w]+|operator\S+?)\s*\(")
 
@@ -45,7 +67,7 @@ def headers():
 def test_functions_of_the_physics_have_few_parameters():
     counted = [
         (path.name, name, count)
-        for path in sorted((ROOT / "src" / "physics").glob("*.h"))
+        for path in sorted((ROOT / "src" / "physics").rglob("*.h"))
         for name, count in functions(path)
     ]
     assert len(counted) > 300
@@ -59,11 +81,55 @@ def test_headers_have_names_of_their_own():
 
 
 def test_block_says_what_a_search_has():
-    physics = sorted((ROOT / "src" / "physics").glob("*.h"))
+    physics = sorted((ROOT / "src" / "physics").rglob("*.h"))
     called = {
         name
         for path in physics
         for name in re.findall(r"\bsearch\.(\w+)\(", without_comments(path.read_text()))
     }
-    said = set(re.findall(r"^//   (\w+)\(", (ROOT / "src/physics/block.h").read_text(), re.M))
+    said = set(re.findall(r"^//   (\w+)\(", (ROOT / "src/physics/block/block.h").read_text(), re.M))
     assert called == said == {"closest", "occluded", "placed"}
+
+
+def includes(folder):
+    """(file, its folder below ``folder``, folder of what it includes from there)."""
+    for path in sorted([*folder.rglob("*.h"), *folder.rglob("*.cpp"), *folder.rglob("*.cu")]):
+        own = path.relative_to(folder).parts[0]
+        for name in re.findall(r'#include "([^"]+)"', path.read_text()):
+            target = ROOT / "src" / name
+            if target.is_relative_to(folder) and target.is_file():
+                yield path.name, own, target.relative_to(folder).parts[0]
+
+
+@pytest.mark.parametrize(
+    ("folder", "levels", "least"),
+    [("src", FOLDERS, 400), ("src/physics", CHAPTERS, 100)],
+    ids=["src", "physics"],
+)
+def test_folders_include_downwards(folder, levels, least):
+    level = {name: height for height, names in enumerate(levels) for name in names}
+    assert set(level) == {path.name for path in (ROOT / folder).iterdir()}
+    found = list(includes(ROOT / folder))
+    assert len(found) > least
+    wrong = [
+        (file, other) for file, own, other in found if own != other and level[own] <= level[other]
+    ]
+    assert wrong == []
+
+
+def test_the_reading_path_is_as_long_as_architecture_says():
+    printed = subprocess.run(
+        [sys.executable, ROOT / "scripts" / "reading_path"],
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout.splitlines()
+    page = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8").splitlines()
+    assert len(printed) > 4
+    for line in printed[2:]:
+        *what, own, total = line.strip("| ").split(" | ")
+        said = [other for other in page if other.startswith("| " + " | ".join(what))]
+        assert len(said) == 1, f"ARCHITECTURE.md lacks what scripts/reading_path prints: {line}"
+        # A page more or less by small changes.
+        numbers = [int(number) for number in said[0].strip("| ").split(" | ")[-2:]]
+        assert numbers == pytest.approx([int(own), int(total)], abs=1)

@@ -1,5 +1,8 @@
 """Medulla columns: hexagonal coordinates as connectomes name them, published maps of where columns
 look, responses brought onto them, and the arrays that flyvis-like models take.
+
+Files: `coordinates` has the conventions, `maps` the files, `resampling` the weights, `hexal_arrays`
+what models take.
 """
 
 import lazy_loader

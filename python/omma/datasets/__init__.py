@@ -2,6 +2,11 @@
 
 A job is a TOML file; `run` makes its views and goes on where it was cut off; `Views` reads them
 (docs/datasets.md).
+
+Files: `plan` says which view is what, `shards` makes a shard (rendering and writing overlap),
+`records` knows what is there, `running` and `cluster` who makes it; `samplers` of poses, by
+`free_space`, rays that find free positions, and `far_map`, where nothing is near; `shard_bytes`
+is a shard as Zarr's bytes; `reading`.
 """
 
 import lazy_loader

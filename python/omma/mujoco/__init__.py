@@ -2,6 +2,9 @@
 
 A world made of a model has the model's own frame: MuJoCo's +Z is up in it, and nothing is turned.
 Lengths are the model's. Needs `mujoco` (``pip install 'omma[mujoco]'``).
+
+Files: `shapes`, `materials` and `cube_maps` lay textures as MuJoCo does, `lamps`, `skins`; `moving`
+keeps a world; `retina` answers FlyGym's call.
 """
 
 import lazy_loader

@@ -1,5 +1,8 @@
 """Moving stimuli of experiments on vision: each a world with parameters and time, and what an
 ommatidium must answer to it, from a closed form or a quadrature.
+
+`stimulus` is what all share, `gaussian` the quadratures; the other files hold a family each. A new
+stimulus is a frozen dataclass with `_scene`, `_transforms` and `_radiance`.
 """
 
 import lazy_loader

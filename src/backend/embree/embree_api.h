@@ -9,7 +9,7 @@
 
 #include <cstddef>
 
-#include "physics/passed.h"
+#include "physics/rays/passed.h"
 
 namespace omma {
 

@@ -4,7 +4,7 @@
 #include "backend/block_functions.h"
 #include "backend/embree/embree_api.h"
 #include "backend/embree/embree_tracer.h"
-#include "physics/lane_mask.h"
+#include "physics/lanes/lane_mask.h"
 
 namespace omma {
 

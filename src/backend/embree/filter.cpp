@@ -2,7 +2,7 @@
 // those that the ray has passed already.
 #include "backend/embree/filter.h"
 
-#include "physics/surface.h"
+#include "physics/surface/surface.h"
 
 namespace omma {
 namespace {

@@ -12,8 +12,8 @@
 #include <string>
 
 #include "omma/error.h"
-#include "physics/ray_packet.h"
-#include "physics/traverse.h"
+#include "physics/search/traverse.h"
+#include "physics/views/ray_packet.h"
 #include "threads/parallel.h"
 
 namespace omma {

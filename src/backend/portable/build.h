@@ -1,4 +1,4 @@
-// Builds the hierarchy that physics/traverse.h searches: eight children a node, split where the
+// Builds the hierarchy that physics/search/traverse.h searches: eight children a node, split where the
 // surface area heuristic says (binned: Wald 2007, doi:10.1109/RT.2007.4342588), boxes compressed.
 #pragma once
 
@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "physics/bvh.h"
+#include "physics/search/bvh.h"
 
 namespace omma {
 

@@ -3,9 +3,9 @@
 #pragma once
 
 #include "backend/portable/portable_tracer.h"
-#include "physics/passed.h"
-#include "physics/surface.h"
-#include "physics/traverse.h"
+#include "physics/rays/passed.h"
+#include "physics/search/traverse.h"
+#include "physics/surface/surface.h"
 
 namespace omma {
 

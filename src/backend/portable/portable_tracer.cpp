@@ -11,8 +11,8 @@
 #include "backend/portable/build.h"
 #include "model/transform.h"
 #include "omma/error.h"
-#include "physics/surface.h"
-#include "physics/traverse.h"
+#include "physics/search/traverse.h"
+#include "physics/surface/surface.h"
 #include "threads/parallel.h"
 
 namespace omma {

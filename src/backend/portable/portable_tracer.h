@@ -1,5 +1,5 @@
 // Our own acceleration structure, for any processor: a Scene as a hierarchy of boxes that
-// physics/traverse.h searches.
+// physics/search/traverse.h searches.
 #pragma once
 
 #include <memory>
@@ -10,9 +10,9 @@
 #include "backend/scene_layout.h"
 #include "model/long_work.h"
 #include "omma/scene.h"
-#include "physics/bvh.h"
-#include "physics/passed.h"
-#include "physics/scene_view.h"
+#include "physics/rays/passed.h"
+#include "physics/search/bvh.h"
+#include "physics/views/scene_view.h"
 
 namespace omma {
 

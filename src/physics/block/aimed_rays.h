@@ -1,0 +1,232 @@
+// Rays that ommatidia aim at what is small and bright besides the discs of the sky: the sun's
+// mirror image in smooth water, surfaces that shine (LightView::aims). Their own rays, by their
+// acceptance, would find it by chance.
+//
+// The integral over directions is divided: within a cone about each such thing, where it is much
+// smaller than the acceptance, the ommatidium sends rays evenly over the cone, each weighed by the
+// density of its own,
+//
+//   ∫ over the cone p L dω = mean of p(ω) L(ω) times the cone's solid angle,   p = S / ∫ S,
+//
+// and its own rays count outside of all cones alone. Both follow whole paths, so that the sum is
+// right whatever stands there, also where a thing has moved away from its cone.
+#pragma once
+
+#include "physics/block/eye_discs.h"
+#include "physics/block/outputs.h"
+#include "physics/path/lit_path.h"
+
+namespace omma {
+
+// Whether ommatidia of a frame aim rays: where they are lit and not shared.
+OMMA_HD bool has_aims(const FrameView& frame) {
+  return frame.scene->light != nullptr && frame.scene->light->aim_count > 0 &&
+         frame.directions->warps != nullptr && frame.acceptance_sr < 0;
+}
+
+OMMA_HD bool is_in_cone(const AimCone& cone, Vec3 direction) {
+  return chord_2(direction, cone.direction) <= cone.chord_2;
+}
+
+// The cone about a thing as it is seen from a place; its solid angle is 0 where it is all around.
+OMMA_HD AimCone cone_of(const AimView& aim, Vec3 from) {
+  AimCone cone;
+  double cosine;
+  if (aim.is_direction) {
+    cone.direction = aim.centre;
+    cosine = cos(static_cast<double>(aim.radius));
+  } else {
+    const Vec3 way = aim.centre - from;
+    const double distance_2 = static_cast<double>(dot(way, way));
+    const double sine_2 =
+        static_cast<double>(aim.radius) * static_cast<double>(aim.radius) / distance_2;
+    if (!(sine_2 < 0.25)) return {};
+    cone.direction = way * static_cast<float>(1 / sqrt(distance_2));
+    cosine = sqrt(1 - sine_2);
+  }
+  // At least as wide as single precision tells directions apart.
+  cone.chord_2 = static_cast<float>(fmax(2 * (1 - cosine), 1e-11));
+  cone.solid_sr = static_cast<float>(pi) * cone.chord_2;
+  return cone;
+}
+
+// What a cone is to functions that ask about discs.
+OMMA_HD DiscView disc_of(const AimCone& cone) {
+  DiscView disc;
+  disc.direction = cone.direction;
+  disc.chord_2 = cone.chord_2;
+  disc.density = 1.0f / cone.solid_sr;
+  return disc;
+}
+
+// The cones that units aim at, into `memory`; false where none does. They are the same for all
+// scrambles of an ommatidium: what its rays leave out is what it aims at.
+OMMA_HD bool find_cones(const FrameView& frame, const BlockTask& task, const Units& units,
+                        int count, const BlockMemory& memory) {
+  const LightView& light = *frame.scene->light;
+  bool any = false;
+  for (int u = 0; u < count; ++u) {
+    std::int32_t& found = memory.cone_count[u];
+    found = 0;
+    const Vec3 from{units.origin[0][u], units.origin[1][u], units.origin[2][u]};
+    for (int i = 0; i < light.aim_count && found < most_cones; ++i) {
+      AimCone cone = cone_of(light.aims[i], from);
+      // A cone that fills an acceptance is found by its rays.
+      if (!(cone.solid_sr > 0) || cone.solid_sr > 0.5f * units.acceptance_sr[u]) continue;
+      const DiscView disc = disc_of(cone);
+      const DiscTask of{&frame, &task, &units,     frame.directions->warps + units.warp[u],
+                        &disc,  u,     0x51ed270bu};
+      cone.most = static_cast<float>(static_cast<double>(light.aims[i].brightest * cone.solid_sr) *
+                                     most_unit_pdf(of));
+      if (!(cone.most >= static_cast<float>(least_aimed_light))) continue;
+      memory.cones[u * most_cones + found++] = cone;
+      any = true;
+    }
+  }
+  return any;
+}
+
+// Of a packet's rays those in a cone of their unit.
+template <typename L>
+OMMA_HD LaneMask<L> rays_in_cones(const Packet<L>& packet, const PacketPlace& place, int samples,
+                                  const BlockMemory& memory) {
+  LaneMask<L> inside;
+  for (int l = 0; l < place.filled; ++l) {
+    const int u = place.unit + (place.sample + l) / samples;
+    for (int k = 0; k < memory.cone_count[u]; ++k)
+      if (is_in_cone(memory.cones[u * most_cones + k], vec_at(packet.rays.direction, l)))
+        inside.add(l);
+  }
+  return inside;
+}
+
+// Takes away the radiance [row][lane] of some lanes.
+template <typename L>
+OMMA_HD void drop_lanes(LaneMask<L> lanes, int rows, float* radiance) {
+  lanes.for_each([&](int l) {
+    for (int i = 0; i < rows; ++i) radiance[i * L::count + l] = 0;
+  });
+}
+
+// Rays of a unit all over its cone number `k`, `each` for each replicate: sums of what they bring,
+// weighed, in memory.aimed [replicate][output].
+template <typename L, typename Search>
+OMMA_HD void trace_cone(const DiscTask& of, int k, int each, Search& search,
+                        const BlockMemory& memory) {
+  constexpr int n = L::count;
+  const FrameView& frame = *of.frame;
+  const Units& units = *of.units;
+  const int u = of.unit, outputs = frame.outputs, rays = disc_replicates * each;
+  for (int i = 0; i < disc_replicates * outputs; ++i) memory.aimed[i] = 0;
+  Packet<L> packet;
+  clear<L>(packet.rays);
+  packet.light_sees = of.task->sees.by_light;
+  for (int begin = 0; begin < rays; begin += n) {
+    LaneMask<L> counting;
+    float weight[n];
+    for (int l = 0; l < n; ++l) {
+      const int ray = begin + l < rays ? begin + l : rays - 1;
+      const auto sample = static_cast<std::uint32_t>(ray);
+      const DiscPoints<float> point = even_disc_points(path_pair(of.hash, sample, 0u));
+      const DiscPoints<float> lens = even_disc_points(path_pair(of.hash, sample, 1u));
+      const Vec3 direction = disc_direction(*of.disc, point.x, point.y);
+      float turn[3][4];
+      disc_turn(of, of.hash, ray, turn);
+      weight[l] = begin + l < rays ? static_cast<float>(unit_pdf(of, direction, turn)) : 0.0f;
+      for (int j = 0; j < k; ++j)
+        if (is_in_cone(memory.cones[u * most_cones + j], direction)) weight[l] = 0;
+      if (weight[l] > 0) counting.add(l);
+      const Vector3<float> towards = vector_of(direction);
+      const float radius_m = units.aperture_radius_m[u];
+      const auto s = load_vector<float>(units.s, u), t = load_vector<float>(units.t, u);
+      Vector3<float> from =
+          load_vector<float>(units.origin, u) + (s * lens.x + t * lens.y) * radius_m;
+      if (of.task->motion != nullptr) from = move_point(*of.task->motion, turn, from);
+      store_vector(packet.rays.origin, l, from);
+      store_vector(packet.rays.direction, l, without_noise(towards));
+      if (frame.scene->polarized) {
+        const auto up = transform_direction(turn, load_vector<float>(units.up, u));
+        const auto axis = transform_direction(turn, load_vector<float>(units.axis, u));
+        store_vector(packet.reference, l, turn_with(axis, towards, up));
+      }
+      packet.rays.t_near_m[l] = units.t_near_m[u];
+      packet.rays.mask[l] = of.task->sees.from_eye;
+      packet.footprint_rad[l] = units.footprint_rad[u];
+      packet.hash[l] = int_of(mix_bits_32(of.hash));
+      packet.sample[l] = ray;
+      packet.acceptance_sr[l] = units.acceptance_sr[u];
+    }
+    PathMemory paths = memory.paths;
+    paths.cell_errors = nullptr;  // rays that count for little
+    eval_lit_path<L>(*frame.scene, search, counting, packet, paths, memory.radiance);
+    const float* brought = memory.radiance;
+    if (frame.output_from_band != nullptr) {
+      make_outputs<L>(frame, memory.radiance, memory.output);
+      brought = memory.output;
+    }
+    counting.for_each([&](int l) {
+      double* const sums = memory.aimed + (begin + l) / each * outputs;
+      for (int o = 0; o < outputs; ++o)
+        sums[o] += static_cast<double>(weight[l] * brought[o * n + l]);
+    });
+  }
+}
+
+// Adds what units see in their cones to memory.beside, and the square of its error to
+// memory.beside_variance.
+template <typename L, typename Search>
+OMMA_HD void add_aimed(const FrameView& frame, const BlockTask& task, const UnitList& list,
+                       Search& search, const BlockMemory& memory) {
+  Units units;
+  make_units<L>(*frame.eye, task, *frame.directions, list, {true, frame.scene->polarized}, units);
+  find_acceptances(frame, units, list.count);
+  if (!find_cones(frame, task, units, list.count, memory)) return;
+  for (int u = 0; u < list.count; ++u)
+    for (int k = 0; k < memory.cone_count[u]; ++k) {
+      const AimCone& cone = memory.cones[u * most_cones + k];
+      const DiscView disc = disc_of(cone);
+      const DiscTask of{
+          &frame,
+          &task,
+          &units,
+          frame.directions->warps + units.warp[u],
+          &disc,
+          u,
+          mix_bits_32(uint_of(units.hash[u]) + 0x2545f491u * static_cast<std::uint32_t>(k + 1))};
+      const int each = cone.most >= 0.3f ? 32 : (cone.most >= 0.003f ? 8 : 2);
+      trace_cone<L>(of, k, each, search, memory);
+      const double solid_sr = static_cast<double>(cone.solid_sr);
+      for (int o = 0; o < frame.outputs; ++o) {
+        double mean = 0, squares = 0;
+        for (int r = 0; r < disc_replicates; ++r)
+          mean += memory.aimed[r * frame.outputs + o] / disc_replicates;
+        for (int r = 0; r < disc_replicates; ++r) {
+          const double d = memory.aimed[r * frame.outputs + o] - mean;
+          squares += d * d;
+        }
+        constexpr double replicates = disc_replicates;
+        const double scale = solid_sr / each;
+        memory.beside[o * unit_room + u] += mean * scale;
+        memory.beside_variance[o * unit_room + u] +=
+            squares * scale * scale / (replicates * (replicates - 1));
+      }
+    }
+}
+
+// What units see besides what their rays bring: of discs of the sky, and where they aim.
+template <typename L, typename Search>
+OMMA_HD void eval_beside_rays(const FrameView& frame, const BlockTask& task, const UnitList& list,
+                              Search& search, const BlockMemory& memory) {
+  for (int o = 0; o < frame.outputs; ++o)
+    for (int u = 0; u < list.count; ++u)
+      memory.beside[o * unit_room + u] = memory.beside_variance[o * unit_room + u] = 0;
+  if (has_discs(frame)) add_eye_discs<L>(frame, task, list, search, memory);
+  if (has_aims(frame)) add_aimed<L>(frame, task, list, search, memory);
+}
+
+// Whether there is any of that.
+OMMA_HD bool sees_beside_rays(const FrameView& frame) {
+  return has_discs(frame) || has_aims(frame);
+}
+
+}  // namespace omma

@@ -1,0 +1,106 @@
+// The paths of a block in a lit world: those of many packets are followed together, so that packets
+// are full on all their flights (waiting_paths.h).
+#pragma once
+
+#include "physics/path/lit_path.h"
+#include "physics/path/waiting_paths.h"
+
+namespace omma {
+
+// Where paths of a block are put together; `radiance` [packet][component][band][lane] is of the
+// rays from the eye.
+template <typename L, typename Search>
+struct PathBlock {
+  const SceneView& scene;
+  Search& search;
+  const PathMemory& memory;
+  float* radiance;
+  WaitingPaths<L> waiting, waiting_for_last;
+  Packet<L> onward;                     // of paths that have waited
+  std::int32_t ommatidium[block_rays];  // [ray], as Packet has it
+};
+
+template <typename L>
+OMMA_HD int packet_floats(const SceneView& scene) {
+  return (scene.polarized ? 3 : 1) * scene.bands * L::count;
+}
+
+// Paths of some lanes wait; those whose last flight comes next, by themselves.
+template <typename L, typename Search>
+OMMA_HD void enqueue_paths(PathBlock<L, Search>& block, const Flight<L, Search>& flight,
+                           LaneMask<L> lanes, const std::int32_t (&ray)[L::count]) {
+  const LaneMask<L> last = ends_in_the_dark(block.scene)
+                               ? lanes & at_full_depth(block.scene, flight.state)
+                               : LaneMask<L>{};
+  if (last.any()) enqueue(flight, last, ray, block.waiting_for_last);
+  if (!(last == lanes)) enqueue(flight, lanes & ~last, ray, block.waiting);
+}
+
+// One more flight of as many paths as a packet holds, of those that wait.
+template <typename L, typename Search>
+OMMA_HD void trace_waiting_flight(PathBlock<L, Search>& block, WaitingPaths<L>& waiting) {
+  constexpr int n = L::count;
+  const SceneView& scene = block.scene;
+  const int floats = packet_floats<L>(scene);
+  PathState<L> state;
+  alignas(n * 4) std::int32_t ray[n];
+  float* const found = block.memory.found;
+  const Flight<L, Search> flight{scene,        block.search, block.onward, state,
+                                 block.memory, found,        nullptr};
+  const LaneMask<L> lanes = dequeue(flight, waiting, ray);
+  lanes.for_each([&](int l) { block.onward.ommatidium[l] = block.ommatidium[ray[l]]; });
+  const LaneMask<L> polarised = scene.polarized ? bringing_polarisation<L>(state) : LaneMask<L>{};
+  for (int i = 0; i < floats; ++i) found[i] = 0;
+  const LaneMask<L> on = trace_flight(flight, lanes, Spread::scattered);
+  // What they found goes to the rays from the eye that they began as.
+  lanes.for_each([&](int l) {
+    float* const to = block.radiance + ray[l] / n * floats + ray[l] % n;
+    const int end = polarised.has(l) ? floats : scene.bands * n;
+    for (int i = 0; i < end; i += n) to[i] += found[i + l];
+  });
+  if (on.any()) enqueue_paths(block, flight, on, ray);
+}
+
+// Follows paths that wait, until fewer than `least` do.
+template <typename L, typename Search>
+OMMA_HD void trace_waiting(PathBlock<L, Search>& block, int least) {
+  for (;;) {
+    while (block.waiting_for_last.count >= L::count)
+      trace_waiting_flight(block, block.waiting_for_last);
+    if (block.waiting.count < least) break;
+    trace_waiting_flight(block, block.waiting);
+  }
+  while (block.waiting_for_last.count >= least) trace_waiting_flight(block, block.waiting_for_last);
+}
+
+// Begins the paths of some lanes of a packet, whose radiance is that of number `packet_index`;
+// others are followed as soon as there are as many as a packet holds.
+template <typename L, typename Search>
+OMMA_HD void begin_paths(PathBlock<L, Search>& block, int packet_index, LaneMask<L> lanes,
+                         Packet<L>& packet, FirstHits<L>* first) {
+  constexpr int n = L::count;
+  const SceneView& scene = block.scene;
+  const int floats = packet_floats<L>(scene);
+  float* const radiance = block.radiance + packet_index * floats;
+  PathState<L> state;
+  if (lets_through(scene)) {
+    PassedSurfaces<n> passed;
+    return trace_paths<L, Search>(
+        {scene, block.search, packet, state, block.memory, radiance, &passed}, lanes, first);
+  }
+  const Flight<L, Search> flight{scene,        block.search, packet, state,
+                                 block.memory, radiance,     nullptr};
+  for (int i = 0; i < floats; ++i) radiance[i] = 0;
+  reset_paths<L>(scene, state, block.memory);
+  const LaneMask<L> on = trace_flight(flight, lanes, Spread::together, first);
+  if (!on.any()) return;
+  alignas(n * 4) std::int32_t ray[n];
+  for (int l = 0; l < n; ++l) {
+    ray[l] = packet_index * n + l;
+    block.ommatidium[ray[l]] = packet.ommatidium[l];
+  }
+  enqueue_paths(block, flight, on, ray);
+  trace_waiting(block, n);
+}
+
+}  // namespace omma

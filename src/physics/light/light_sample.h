@@ -1,0 +1,160 @@
+// Next-event estimation: a direction from a place towards something that shines, with its
+// probability, and what comes from there if nothing is in the way. Light from afar, lamps and
+// surfaces are chosen between with fixed probabilities.
+#pragma once
+
+#include "physics/light/emissive.h"
+#include "physics/light/lamps.h"
+#include "physics/light/sky.h"
+#include "physics/surface/surface.h"
+
+namespace omma {
+
+enum class LightKind : std::uint8_t { dark, far, lamp, surface };
+
+struct LightSample {
+  LightKind kind = LightKind::dark;
+  bool is_delta = false;  // a lamp: no path meets it, and `pdf` is the probability of choosing it
+  Vec3 direction;         // unit, towards the light
+  float distance_m = INFINITY;
+  // Per solid angle, the choice of a light included; 0: no light comes.
+  float pdf = 0;
+  std::int32_t index = 0;               // of the lamp, or the surface's instance of the scene
+  std::int32_t mesh = 0, triangle = 0;  // of a surface
+  float u = 0, v = 0;                   // barycentric, where on it
+  float scale = 1;                      // of a lamp's strength
+  OneSkyLookup place = {};              // of light from afar
+};
+
+// Probability of a direction in which a ray has left the scene, as sample_light would give it;
+// `place` is its place on the sky (find_far).
+OMMA_HD float escaped_light_pdf(const SceneView& scene, Vec3 direction, const OneSkyLookup& place) {
+  const LightView& light = *scene.light;
+  if (!(light.far_probability > 0.0f)) return 0.0f;
+  return light.far_probability * far_pdf(light, direction, place);
+}
+
+// That of a direction in which a ray from `position` has met a surface, `distance_m` away; 0 where
+// the surface is not one that is sampled.
+OMMA_HD float met_light_pdf(const SceneView& scene, std::int32_t instance, std::int32_t triangle,
+                            Vec3 position, Vec3 direction, float distance_m) {
+  const LightView& light = *scene.light;
+  if (light.emissive_count == 0) return 0.0f;
+  const std::int32_t index = light.emissive_of_instance[instance];
+  if (index < 0) return 0.0f;
+  const EmissiveView& emissive = light.emissive[index];
+  const float chosen = light.emissive_probability *
+                       (light.emissive_sum[index + 1] - light.emissive_sum[index]) *
+                       (emissive.triangle_sum[triangle + 1] - emissive.triangle_sum[triangle]);
+  if (!(chosen > 0.0f)) return 0.0f;
+  const LightTriangle seen = see_triangle(scene, instance, emissive.mesh, triangle, position);
+  if (!shines_towards(scene, emissive.mesh, seen, direction)) return 0.0f;
+  return chosen * seen_triangle_pdf(seen, direction, distance_m);
+}
+
+OMMA_HD LightSample sample_lamps(const LightView& light, Vec3 position, float u) {
+  LightSample sample;
+  sample.index = find_in_sum(light.lamp_sum, light.lamp_count, u);
+  const float* origin = light.lamp_origin_m;
+  const Vec3 from_lamps =
+      origin == nullptr ? position : position - Vec3{origin[0], origin[1], origin[2]};
+  const LampAt at = eval_lamp_at(light.lamps[sample.index], from_lamps);
+  sample.kind = LightKind::lamp;
+  sample.is_delta = true;
+  sample.direction = at.direction;
+  sample.distance_m = at.distance_m;
+  sample.scale = at.scale;
+  if (at.scale > 0.0f)
+    sample.pdf =
+        light.lamp_probability * (light.lamp_sum[sample.index + 1] - light.lamp_sum[sample.index]);
+  return sample;
+}
+
+OMMA_HD LightSample sample_surfaces(const SceneView& scene, Vec3 position, float u, float u0,
+                                    float u1) {
+  const LightView& light = *scene.light;
+  const std::int32_t index = find_in_sum(light.emissive_sum, light.emissive_count, u);
+  const EmissiveView& emissive = light.emissive[index];
+  const float within = within_part(light.emissive_sum, index, u);
+  LightSample sample;
+  sample.kind = LightKind::surface;
+  sample.index = emissive.instance;
+  sample.mesh = emissive.mesh;
+  sample.triangle = find_in_sum(emissive.triangle_sum, emissive.triangles, within);
+  const LightTriangle seen =
+      see_triangle(scene, sample.index, sample.mesh, sample.triangle, position);
+  const TriangleSample place = sample_triangle(seen, u0, u1);
+  sample.direction = place.direction;
+  sample.distance_m = place.distance_m;
+  sample.u = place.u;
+  sample.v = place.v;
+  if (place.pdf > 0.0f && shines_towards(scene, sample.mesh, seen, place.direction))
+    sample.pdf =
+        place.pdf * light.emissive_probability *
+        (light.emissive_sum[index + 1] - light.emissive_sum[index]) *
+        (emissive.triangle_sum[sample.triangle + 1] - emissive.triangle_sum[sample.triangle]);
+  return sample;
+}
+
+// Towards a lamp or a surface that shines; `left`: a random number in [0, 1) less the probability
+// of light from afar.
+OMMA_HD LightSample sample_near_light(const SceneView& scene, Vec3 position, float left, float u0,
+                                      float u1) {
+  const LightView& light = *scene.light;
+  constexpr float below_1 = 0x1.fffffep-1f;
+  if (left < light.lamp_probability)
+    return sample_lamps(light, position, fminf(left / light.lamp_probability, below_1));
+  if (light.emissive_probability > 0.0f) {
+    const float u = (left - light.lamp_probability) / light.emissive_probability;
+    return sample_surfaces(scene, position, fminf(fmaxf(u, 0.0f), below_1), u0, u1);
+  }
+  return {};
+}
+
+// A direction from `position` towards something that shines, of random numbers in [0, 1).
+OMMA_HD LightSample sample_light(const SceneView& scene, Vec3 position, float u_choice, float u0,
+                                 float u1) {
+  const LightView& light = *scene.light;
+  if (!(u_choice < light.far_probability))
+    return sample_near_light(scene, position, u_choice - light.far_probability, u0, u1);
+  LightSample sample;
+  sample.kind = LightKind::far;
+  sample.direction = sample_far_direction(light, u0, u1);
+  sample.place = find_far(light, sample.direction);
+  sample.pdf = escaped_light_pdf(scene, sample.direction, sample.place);
+  return sample;
+}
+
+// What comes from where a sample looks, all bands, `components` of I, Q, U, at
+// out[component * component_stride + band * band_stride]: radiance, or from a lamp irradiance
+// across its direction.
+OMMA_HD void eval_light_sample(const SceneView& scene, const LightSample& sample, int components,
+                               float* out, int band_stride, int component_stride) {
+  const LightView& light = *scene.light;
+  if (sample.kind == LightKind::far && light.sky.probability > 0.0f)
+    return eval_far(light, sample.direction, sample.place,
+                    {out, components, band_stride, component_stride});
+  for (int p = 0; p < components; ++p)
+    for (int k = 0; k < light.bands; ++k) out[p * component_stride + k * band_stride] = 0;
+  if (sample.kind == LightKind::far) {
+    add_discs(light, sample.direction, out, band_stride);
+  } else if (sample.kind == LightKind::lamp) {
+    const float* strength = light.lamps[sample.index].strength;
+    for (int k = 0; k < light.bands; ++k) out[k * band_stride] = strength[k] * sample.scale;
+  } else if (sample.kind == LightKind::surface) {
+    const MeshView& mesh = scene.meshes[sample.mesh];
+    const float* matrix = scene.scatter[mesh.material].emission;
+    const SurfaceHit place{sample.mesh, static_cast<std::uint32_t>(sample.triangle), sample.u,
+                           sample.v, 0.0f};
+    // Light from behind is not sampled, so that only cut-outs are asked for here.
+    if (matrix == nullptr || !accept_hit(scene, place, false)) return;
+    const Color<float> c = emitted_rgb(scene, mesh, point_of(place));
+    const float alpha = eval_opacity(scene, mesh, point_of(place));
+    for (int k = 0; k < light.bands; ++k) {
+      const float* row = matrix + 3 * k;
+      out[k * band_stride] = alpha * (c.r * row[0] + c.g * row[1] + c.b * row[2]);
+    }
+  }
+}
+
+}  // namespace omma

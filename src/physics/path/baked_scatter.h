@@ -1,0 +1,99 @@
+// What surfaces make of light that was baked: diffuse lobes send of it to the eye at once; paths
+// that gloss sends on are followed while they count.
+#pragma once
+
+#include "physics/path/baked.h"
+#include "physics/path/path_scatter.h"
+
+namespace omma {
+
+// Paths that gloss sends on are all followed that count for so much, as the first on most surfaces
+// do. Those that count for less go on by roulette, and then for so much: no path brings less than
+// nothing, and none much more than it counts for.
+inline constexpr float least_gloss = 1.0f / 64;
+
+// The probability with which such a path goes on, of what it counts for. Paths between mirrors end
+// too.
+template <typename F, typename I>
+OMMA_HD F gloss_survival(F largest, I scatterings) {
+  const F bound = scatterings >= roulette_after ? broadcast<F>(most_survival) : broadcast<F>(1.0f);
+  const F survival = largest * (1.0f / least_gloss);
+  return survival < bound ? survival : bound;
+}
+
+// Adds what the diffuse lobes of some lanes' surfaces send to the eye: no light is sampled for
+// them.
+template <typename L, typename Search>
+OMMA_HD void add_baked(const Flight<L, Search>& flight, const ScatteringPacket<L>& scattering,
+                       LaneMask<L> lanes) {
+  using F = typename L::F;
+  constexpr int n = L::count;
+  const SceneView& scene = flight.scene;
+  const PathMemory& memory = flight.memory;
+  const int stride = flight.stride();
+  for (int l = 0; l < n; l += L::width) {
+    const auto scatters = lanes.at(l);
+    if (!any_lane(scatters)) continue;
+    const F diffuse = scattering.point[l / L::width].diffuse;
+    for (int b = 0; b < scene.bands; ++b) {
+      const int at = b * n + l;
+      // Lanes that met nothing have anything for spectra, also what is not a number.
+      const F sent =
+          keep(scatters, diffuse * load<F>(memory.throughput + at) *
+                             (load<F>(memory.reflectance + at) * load<F>(memory.front + at) +
+                              load<F>(memory.transmittance + at) * load<F>(memory.back + at)));
+      if (!scene.polarized) {
+        store(flight.radiance + at, load<F>(flight.radiance + at) + sent);
+        continue;
+      }
+      for (int p = 0; p < 3; ++p) {
+        float* const to = flight.radiance + p * stride + at;
+        store(to, load<F>(to) + keep(scatters, load<F>(flight.state.mueller[3 * p] + l) * sent));
+      }
+    }
+  }
+}
+
+// What a side of a cell may be off by under each sign, as a fraction of its light.
+OMMA_HD void signed_errors(const BakedView& baked, std::ptrdiff_t side,
+                           float (&error)[error_signs]) {
+  const CellError& of = baked.errors[side];
+  const float own = decode_error(of.own), shared = decode_error(of.shared);
+  const std::uint32_t signs = mix_bits_32(static_cast<std::uint32_t>(side));
+  for (int k = 0; k < error_signs; ++k)
+    error[k] =
+        ((signs >> k & 1u) != 0 ? own : -own) + ((of.signs >> k & 1u) != 0 ? shared : -shared);
+}
+
+// Adds to the sums of ommatidia what add_baked may be off by: cells err each by itself, but an
+// ommatidium by the same for all rays that meet one cell. Bands err together.
+template <typename L, typename Search>
+OMMA_HD void add_cell_errors(const Flight<L, Search>& flight, const ScatteringPacket<L>& scattering,
+                             const BakedLookup<L>& found, LaneMask<L> lanes) {
+  constexpr int n = L::count;
+  const SceneView& scene = flight.scene;
+  const PathMemory& memory = flight.memory;
+  const BakedView& baked = *scene.baked;
+  alignas(n * 4) float diffuse[n];
+  for (int l = 0; l < n; l += L::width) store(diffuse + l, scattering.point[l / L::width].diffuse);
+  lanes.for_each([&](int l) {
+    if (found.cell[l] == nullptr) return;
+    const std::ptrdiff_t cell = (found.cell[l] - baked.values) / (2 * scene.bands);
+    const std::ptrdiff_t near = 2 * cell + (found.from_behind.has(l) ? 1 : 0);
+    float front[error_signs], back[error_signs];
+    signed_errors(baked, near, front);
+    signed_errors(baked, near ^ 1, back);
+    const float weight = diffuse[l] * (scene.polarized ? flight.state.mueller[0][l] : 1.0f);
+    float* sums = memory.cell_errors +
+                  std::ptrdiff_t{flight.packet.ommatidium[l]} * scene.bands * error_signs;
+    for (int b = 0; b < scene.bands; ++b, sums += error_signs) {
+      const int at = b * n + l;
+      const float scale = weight * memory.throughput[at];
+      const float in_front = scale * memory.reflectance[at] * memory.front[at],
+                  behind = scale * memory.transmittance[at] * memory.back[at];
+      for (int k = 0; k < error_signs; ++k) sums[k] += in_front * front[k] + behind * back[k];
+    }
+  });
+}
+
+}  // namespace omma

@@ -1,0 +1,179 @@
+// Next-event estimation for the lanes of a packet: a light sampled for each surface that was met, a
+// shadow ray to it or a look at the sun's map, and what comes to the eye of it. Of lobes j with
+// sampling probabilities q_j the estimate is
+//
+//   Σ_j w_j f_j(ω) cos θ L(ω) V(ω) / p(ω),    w_j = p / (p + q_j p_j),
+//
+// p the density of the light sample, p_j that of lobe j: the balance heuristic of each lobe by
+// itself (Veach 1997, 9.2.2), as the path may find the same light by that lobe. Lamps have no size,
+// no path meets them: there w = 1.
+#pragma once
+
+#include "physics/light/sun_map.h"
+#include "physics/path/baked_scatter.h"
+
+namespace omma {
+
+// A light that lies on a surface is not hidden by that surface: a shadow ray looks this far.
+inline constexpr float up_to_light = 1.0f - 1e-4f;
+
+// A sample of light for each lane of a packet, all [lane].
+template <typename L>
+struct LightSamples {
+  static constexpr int n = L::count;
+  alignas(n * 4) float direction[3][n];  // unit, towards the light; zeros where there is none
+  alignas(n * 4) float density[n];       // per solid angle, choice of light included; 0: none
+  alignas(n * 4) float is_delta[n];      // 1 for lamps, which no path meets
+  alignas(n * 4) float distance_m[n];
+  LaneMask<L> from_afar, near;  // lanes with light from the sky and discs, and with other light
+  SkyLookups<L> on_sky;         // of those from afar
+  LightSample other[n];         // of those that are near
+};
+
+template <typename L, typename Search>
+OMMA_HD void sample_lights(const Flight<L, Search>& flight, const HitGeometry<L>& geometry,
+                           LaneMask<L> scattering, LightSamples<L>& lights) {
+  using F = typename L::F;
+  constexpr int n = L::count;
+  const LightView& light = *flight.scene.light;
+  const Packet<L>& packet = flight.packet;
+  const PathState<L>& state = flight.state;
+  for (int l = 0; l < n; l += L::width) {
+    store_vector(lights.direction, l, Vector3<F>{});
+    store(lights.density + l, F{});
+    store(lights.is_delta + l, F{});
+    store(lights.distance_m + l, broadcast<F>(INFINITY));
+  }
+  lights.from_afar = lights.near = {};
+  const bool has_near = light.lamp_probability > 0.0f || light.emissive_probability > 0.0f;
+  if (!has_near && !(light.far_probability > 0.0f)) return;
+
+  // Which light, and where on it.
+  alignas(n * 4) float which[n] = {}, u0[n], u1[n];
+  for (int l = 0; l < n; l += L::width) {
+    if (has_near) store(which + l, choose<L>(packet, state, l, Choice::light).x);
+    const auto on_light = choose<L>(packet, state, l, Choice::place_on_light);
+    store(u0 + l, on_light.x);
+    store(u1 + l, on_light.y);
+  }
+  lights.from_afar = scattering;
+  if (has_near)
+    lights.from_afar &=
+        lanes_where<L>([&](int l) { return load<F>(which + l) < light.far_probability; });
+  lights.near = scattering & ~lights.from_afar;
+
+  // The sky and its discs: all lanes at once.
+  sample_far_lanes<L>(light, u0, u1, lights.from_afar, lights.direction);
+  if (light.sky.probability > 0.0f)
+    find_far_lanes<L>(light, lights.direction, lights.from_afar, lights.on_sky);
+  find_far_pdf<L>(light, lights.direction, lights.on_sky, lights.from_afar, lights.density);
+  if (light.sky.probability > 0.0f)
+    choose_nodes<L>(packet, state, Choice::place_on_light, lights.on_sky);
+
+  // Lamps and surfaces that shine: lane by lane.
+  lights.near.for_each([&](int l) {
+    const LightSample sample = sample_near_light(flight.scene, vec_at(geometry.position, l),
+                                                 which[l] - light.far_probability, u0[l], u1[l]);
+    lights.other[l] = sample;
+    store_vector(lights.direction, l, vector_of(sample.direction));
+    lights.density[l] = sample.pdf;
+    lights.is_delta[l] = sample.is_delta ? 1.0f : 0.0f;
+    lights.distance_m[l] = sample.distance_m;
+  });
+}
+
+// Shadow rays: of some lanes those whose light is not hidden. What surfaces that let light through
+// leave of it is in memory.shadow.throughput then.
+template <typename L, typename Search>
+OMMA_HD LaneMask<L> trace_shadow_rays(const Flight<L, Search>& flight,
+                                      const HitGeometry<L>& geometry, const LightSamples<L>& lights,
+                                      LaneMask<L> lanes) {
+  using F = typename L::F;
+  if (!lanes.any()) return {};
+  Packet<L> shadow;
+  clear<L>(shadow.rays);
+  leave_surfaces<L>(geometry, lights.direction, LaneMask<L>::all(), shadow.rays);
+  for (int l = 0; l < L::count; ++l) {
+    shadow.rays.mask[l] = flight.packet.light_sees;
+    shadow.footprint_rad[l] = 0;
+  }
+  for (int l = 0; l < L::count; l += L::width)
+    store(shadow.rays.t_far_m + l, load<F>(lights.distance_m + l) * up_to_light);
+  if (lets_through(flight.scene))
+    return trace_transmittance<L>(flight.scene, flight.search, lanes, shadow, flight.memory.shadow);
+  return lanes & ~flight.search.occluded(lanes, shadow.rays);
+}
+
+// How much of each lane's light is seen, 0 to 1: of the sun by its map where there is one, else by
+// shadow rays.
+template <typename L, typename Search>
+OMMA_HD void eval_visibility(const Flight<L, Search>& flight, const HitGeometry<L>& geometry,
+                             const LightSamples<L>& lights, LaneMask<L> asked,
+                             float (&visible)[L::count]) {
+  using F = typename L::F;
+  const LaneMask<L> mapped =
+      flight.scene.sun_map != nullptr ? asked & lights.from_afar : LaneMask<L>{};
+  const LaneMask<L> open = trace_shadow_rays(flight, geometry, lights, asked & ~mapped);
+  for (int l = 0; l < L::count; l += L::width)
+    store(visible + l, keep(open.at(l), broadcast<F>(1.0f)));
+  if (!mapped.any()) return;
+  alignas(L::count * 4) float by_map[L::count];
+  eval_sun_map<L>(*flight.scene.sun_map, geometry, by_map);
+  for (int l = 0; l < L::count; l += L::width)
+    store(visible + l, mapped.at(l) ? load<F>(by_map + l) : load<F>(visible + l));
+}
+
+// Adds what the surfaces of some lanes send to the eye of the light that was sampled for them;
+// `scattered`: how they scatter it, weighed and over its density.
+template <typename L, typename Search>
+OMMA_HD void add_direct_light(const Flight<L, Search>& flight, const HitGeometry<L>& geometry,
+                              const LightSamples<L>& lights, const Scattered<L>& scattered,
+                              LaneMask<L> scattering) {
+  using F = typename L::F;
+  constexpr int n = L::count;
+  const SceneView& scene = flight.scene;
+  const LightView& light = *scene.light;
+  const int components = flight.components(), stride = flight.stride();
+  float* const arriving = flight.memory.light;
+  const LaneMask<L> asked =
+      scattering & lanes_where<L>([&](int l) {
+        const F any = load<F>(scattered.reflected + l) + load<F>(scattered.transmitted + l) +
+                      load<F>(scattered.dielectric[0] + l) + load<F>(scattered.metal + l) +
+                      load<F>(scattered.coat[0] + l);
+        return load<F>(lights.density + l) > 0.0f && any > 0.0f;
+      });
+  if (!asked.any()) return;
+  const bool has_sky = light.sky.probability > 0.0f;
+  const LaneMask<L> from_sky = has_sky ? asked & lights.from_afar : LaneMask<L>{};
+  if (from_sky.any())
+    fetch_sky_nodes<L>(light.sky, from_sky, scene.polarized ? from_sky : LaneMask<L>{},
+                       lights.on_sky);
+
+  // V: how much of it is seen.
+  alignas(n * 4) float visible[n];
+  eval_visibility(flight, geometry, lights, asked, visible);
+  const auto seen = lanes_where<L>([&](int l) { return load<F>(visible + l) > 0.0f; });
+  if (!seen.any()) return;
+
+  // L: what arrives.
+  alignas(n * 4) float axis[3][n] = {};
+  if (scene.polarized) vertical_axes<L>(lights.direction, axis);
+  const LaneMask<L> far_seen = seen & lights.from_afar;
+  eval_sky_lanes<L>(
+      light, {lights.direction, lights.on_sky, has_sky ? far_seen : LaneMask<L>{}, far_seen, true},
+      components, arriving);
+  (seen & lights.near).for_each([&](int l) {
+    eval_light_sample(scene, lights.other[l], components, arriving + l, n, stride);
+  });
+  add_disc_light<L>(light, lights.direction, far_seen, nullptr, arriving);
+  if (lets_through(scene))
+    for (int c = 0; c < components; ++c)
+      for (int i = 0; i < stride; ++i)
+        arriving[c * stride + i] *= flight.memory.shadow.throughput[i];
+
+  // f cos θ w / p, and on to the eye. Scattered, light is by the rays' own axes.
+  scatter_light(flight, scattered, lights.direction, axis, arriving);
+  add_light(flight, visible, flight.packet.reference, arriving);
+}
+
+}  // namespace omma

@@ -1,0 +1,330 @@
+// Light that arrives at places from all around, as it is baked: paths begin at points of a patch of
+// a surface, or at a place in the air, in directions by the cosine, and are followed like those of
+// an eye; in a scene with baked light, to the first diffuse surface, as in the final gathering of a
+// radiosity (Ward, Rubinstein and Clear 1988). What comes straight from discs and lamps is left
+// out. A packet holds the paths of one place, or of several that have few each.
+#pragma once
+
+#include "physics/lanes/vector3.h"
+#include "physics/path/lit_path.h"
+
+namespace omma {
+
+struct GatherPlace {
+  // A patch of a triangle, on one side: its corners [corner][u, v]. mesh -1: a place in the air.
+  std::int32_t instance = -1, mesh = -1, triangle = 0;
+  bool is_back = false;
+  float uv[3][2] = {};
+  float reach_m = 0;      // of a patch: what is nearer hides points from eyes
+  Vec3 position, normal;  // of a place in the air, traced frame
+  std::uint32_t hash = 0;
+};
+
+struct GatherTask {
+  const GatherPlace* places = nullptr;
+  int count = 0;  // of places; more than one only where a packet holds all their paths
+  int paths = 0;  // of each
+  // Whose light surfaces that shine are sampled from: of a scene without baked light, which leaves
+  // them out.
+  const SceneView* shining = nullptr;
+};
+
+// Whose path a lane is: the place, null for none, and its number among those of the place.
+template <int n>
+struct GatherLanes {
+  const GatherPlace* place[n];
+  std::uint32_t sample[n];
+};
+
+// `first`: the number of the first path in the packet.
+template <int n>
+OMMA_HD void assign_lanes(const GatherTask& task, int first, GatherLanes<n>& lanes) {
+  const int each = task.paths < n ? task.paths : n;
+  for (int l = 0; l < n; ++l) {
+    const int k = l / each, sample = first + l % each;
+    lanes.place[l] = k < task.count && sample < task.paths ? task.places + k : nullptr;
+    lanes.sample[l] = static_cast<std::uint32_t>(sample);
+  }
+}
+
+// Choices at the beginning of paths; those on the way count up from 0 (Choice).
+inline constexpr std::uint32_t choice_of_point = 0xfffffff0u, choice_of_way = 0xfffffff1u,
+                               choice_of_shining = 0xfffffff2u, choice_on_shining = 0xfffffff3u,
+                               choice_of_look = 0xfffffff4u;
+
+// Points that are cut out of a patch, or hidden, are chosen anew, so often at most.
+inline constexpr std::uint32_t most_attempts = 8;
+
+OMMA_HD std::uint32_t hash_of_attempt(const GatherPlace& place, std::uint32_t attempt) {
+  return place.hash + attempt * 0x9e3779b9u;
+}
+
+// Of some lanes those whose points are hidden: a ray from there, in a direction by the cosine,
+// meets something within the place's reach. By reciprocity, rejection sampling by such rays leaves
+// points as frequent as eyes all around see them. What falls on one side of a sheet is seen from
+// both.
+template <typename L, typename Search>
+OMMA_HD LaneMask<L> find_hidden(const Flight<L, Search>& flight, const GatherLanes<L::count>& of,
+                                std::uint32_t attempt, LaneMask<L> lanes,
+                                const HitGeometry<L>& geometry) {
+  constexpr int n = L::count;
+  const SceneView& scene = flight.scene;
+  Packet<L> look;
+  clear<L>(look.rays);
+  for (int l = 0; l < n; ++l) {
+    look.footprint_rad[l] = 0;
+    Vector3<float> towards = {0, 1, 0};
+    look.rays.t_far_m[l] = 0;
+    if (lanes.has(l)) {
+      const GatherPlace& place = *of.place[l];
+      auto pair = path_pair(hash_of_attempt(place, attempt), of.sample[l], choice_of_look);
+      bool from_back = place.is_back;
+      if (scene.scatter[scene.meshes[place.mesh].material].transmittance != nullptr) {
+        from_back = pair.y < 0.5f;
+        pair.y = 2.0f * pair.y - (from_back ? 0.0f : 1.0f);
+      }
+      const auto normal = load_vector<float>(geometry.normal, l);
+      const Vector3<float> up = from_back ? -normal : normal;
+      towards = from_local(make_axes(up), up, sample_cosine(pair.x, pair.y));
+    }
+    leave_surface<L>(geometry, l, towards, look.rays);
+    if (lanes.has(l)) look.rays.t_far_m[l] = of.place[l]->reach_m;
+  }
+  return lets_through(scene) ? lanes & ~trace_transmittance<L>(scene, flight.search, lanes, look,
+                                                               flight.memory.shadow)
+                             : flight.search.occluded(lanes, look.rays);
+}
+
+// The packet's points on their patches, as rays would have met them, and their geometry; false
+// where none is on a surface. Lanes whose points are all hidden or cut out begin where others of
+// their place do; where all of a place are hidden the last ones are taken.
+template <typename L, typename Search>
+OMMA_HD bool choose_points(const Flight<L, Search>& flight, const GatherLanes<L::count>& of,
+                           Hits<L>& hits, HitGeometry<L>& geometry) {
+  constexpr int n = L::count;
+  const SceneView& scene = flight.scene;
+  Packet<L>& packet = flight.packet;
+  LaneMask<L> all;
+  for (int l = 0; l < n; ++l) {
+    hits.mesh[l] = -1;
+    hits.instance[l] = of.place[l] != nullptr ? of.place[l]->instance : 0;
+    hits.footprint_m[l] = 0;
+    if (of.place[l] != nullptr) all.add(l);
+  }
+  const auto put = [&](int l, float u, float v) {
+    hits.mesh[l] = of.place[l]->mesh;
+    packet.rays.triangle[l] = static_cast<unsigned>(of.place[l]->triangle);
+    packet.rays.u[l] = u;
+    packet.rays.v[l] = v;
+  };
+  LaneMask<L> seen, any;
+  for (std::uint32_t attempt = 0; attempt < most_attempts && !(seen == all); ++attempt) {
+    LaneMask<L> tried;
+    (all & ~seen).for_each([&](int l) {
+      const GatherPlace& place = *of.place[l];
+      const auto pair = path_pair(hash_of_attempt(place, attempt), of.sample[l], choice_of_point);
+      const float root = sqrtf(pair.x), b = root * pair.y, a = root - b;
+      const float u = place.uv[0][0] + a * (place.uv[1][0] - place.uv[0][0]) +
+                      b * (place.uv[2][0] - place.uv[0][0]);
+      const float v = place.uv[0][1] + a * (place.uv[1][1] - place.uv[0][1]) +
+                      b * (place.uv[2][1] - place.uv[0][1]);
+      const SurfaceHit hit{place.mesh, static_cast<std::uint32_t>(place.triangle), u, v, 0.0f};
+      const bool has_holes =
+          scene.materials[scene.meshes[place.mesh].material].alpha_mode == AlphaMode::mask;
+      if (has_holes && !accept_hit(scene, hit, false)) return;
+      put(l, u, v);
+      tried.add(l);
+    });
+    if (!tried.any()) continue;
+    any |= tried;
+    eval_geometry<L>(scene, packet.rays, hits, geometry);
+    seen |= tried & ~find_hidden(flight, of, attempt, tried, geometry);
+  }
+  if (!seen.any() || seen == all) return any.any();
+  int other = 0;
+  (all & ~seen).for_each([&](int l) {
+    for (int tries = 0; tries < n; ++tries) {
+      other = (other + 1) % n;
+      if (!seen.has(other) || of.place[other] != of.place[l]) continue;
+      put(l, packet.rays.u[other], packet.rays.v[other]);
+      break;
+    }
+  });
+  eval_geometry<L>(scene, packet.rays, hits, geometry);
+  return true;
+}
+
+// What rays begin at, of those that gather light: places and the normals about which it counts.
+// `points` is null in the air.
+template <typename L>
+struct GatherPoints {
+  GatherLanes<L::count> of;
+  HitGeometry<L> geometry;
+  alignas(L::count * 4) float normal[3][L::count];
+  const ScatterPoint<typename L::F>* points;
+};
+
+// Next-event estimation from the beginnings of paths, towards surfaces that shine: [band][lane]
+// added to `radiance`, as radiance that a white surface sends back.
+template <typename L, typename Search>
+OMMA_HD void add_shining(const SceneView& scene, Search& search, const GatherPoints<L>& at,
+                         LaneMask<L> lanes, const PathMemory& memory, float* radiance) {
+  using F = typename L::F;
+  constexpr int n = L::count;
+  const GatherLanes<n>& of = at.of;
+  LightSample lights[n];
+  Packet<L> shadow;
+  clear<L>(shadow.rays);
+  alignas(n * 4) float cosine[n], weight[n];
+  LaneMask<L> asked;
+  for (int l = 0; l < n; ++l) {
+    lights[l] = {};
+    cosine[l] = weight[l] = 0;
+    for (int r = 0; r < 3; ++r) shadow.rays.origin[r][l] = shadow.rays.direction[r][l] = 0;
+    shadow.rays.t_near_m[l] = shadow.rays.t_far_m[l] = shadow.footprint_rad[l] = 0;
+    if (!lanes.has(l)) continue;
+    const GatherPlace& place = *of.place[l];
+    const auto which = path_pair(place.hash, of.sample[l], choice_of_shining);
+    const auto on = path_pair(place.hash, of.sample[l], choice_on_shining);
+    lights[l] = sample_surfaces(scene, vec_at(at.geometry.position, l), which.x, on.x, on.y);
+    const Vec3 d = lights[l].direction;
+    cosine[l] = dot(vec_at(at.normal, l), d);
+    float facing = dot(vec_at(at.geometry.normal, l), d);
+    if (place.mesh >= 0 && place.is_back) facing = -facing;
+    if (!(lights[l].pdf > 0.0f) || !(cosine[l] > 0.0f) || !(facing > 0.0f)) continue;
+    leave_surface<L>(at.geometry, l, vector_of(d), shadow.rays);
+    shadow.rays.t_far_m[l] = lights[l].distance_m * up_to_light;
+    weight[l] = cosine[l] * inverse_pi / (lights[l].pdf / scene.light->emissive_probability);
+    asked.add(l);
+  }
+  const bool dims = lets_through(scene);
+  if (!asked.any()) return;
+  const LaneMask<L> open = dims
+                               ? trace_transmittance<L>(scene, search, asked, shadow, memory.shadow)
+                               : asked & ~search.occluded(asked, shadow.rays);
+  if (!open.any()) return;
+  for (int i = 0; i < scene.bands * n; ++i) memory.light[i] = 0;
+  open.for_each(
+      [&](int l) { eval_light_sample(scene, lights[l], 1, memory.light + l, n, scene.bands * n); });
+  for (int l = 0; l < n; l += L::width) {
+    F entering = load<F>(weight + l);
+    if (at.points != nullptr)
+      entering = entering * eval_entering(at.points[l / L::width], load<F>(cosine + l));
+    entering = keep(open.at(l), entering);
+    for (int b = 0; b < scene.bands; ++b) {
+      const int k = b * n + l;
+      F light = load<F>(memory.light + k);
+      if (dims) light = light * load<F>(memory.shadow.throughput + k);
+      store(radiance + k, load<F>(radiance + k) + entering * light);
+    }
+  }
+}
+
+// Mean of what white surfaces there would send back, [place][band].
+template <typename L, typename Search>
+OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTask& task,
+                          const PathMemory& memory, float* radiance, double* mean) {
+  using F = typename L::F;
+  constexpr int n = L::count;
+  int points_found[n] = {};
+  for (int i = 0; i < task.count * scene.bands; ++i) mean[i] = 0;
+  const bool is_on_surface = task.places->mesh >= 0;
+  GatherPoints<L> at;
+  GatherLanes<n>& of = at.of;
+  HitGeometry<L>& geometry = at.geometry;
+  PassedSurfaces<n> passed;
+  for (int first = 0; first < task.paths; first += n) {
+    assign_lanes(task, first, of);
+    Packet<L> packet;
+    clear<L>(packet.rays);
+    Hits<L> hits;
+    LitSurface<L> surface;
+    ScatterPoint<F> points[n / L::width];
+    at.points = is_on_surface ? points : nullptr;
+    alignas(n * 4) float way[3][n], entering[n];
+    PathState<L> state;
+    state.gathers = true;
+    const Flight<L, Search> flight{
+        scene, search, packet, state, memory, radiance, lets_through(scene) ? &passed : nullptr};
+    for (int l = 0; l < n; ++l) {
+      packet.rays.t_far_m[l] = INFINITY;
+      packet.footprint_rad[l] = 0;
+      packet.hash[l] = of.place[l] != nullptr ? static_cast<std::int32_t>(of.place[l]->hash) : 0;
+      packet.sample[l] = static_cast<std::int32_t>(of.sample[l]);
+    }
+    if (is_on_surface) {
+      geometry = {};
+      if (!choose_points(flight, of, hits, geometry)) continue;
+      // Seen by one who looks straight down on it.
+      for (int l = 0; l < n; ++l) {
+        const bool is_back = of.place[l] != nullptr && of.place[l]->is_back;
+        const auto outwards = load_vector<float>(geometry.normal, l);
+        store_vector(packet.rays.direction, l, is_back ? outwards : -outwards);
+      }
+      eval_lit_surfaces<L>(scene, packet, hits, geometry, memory, surface);
+    } else {
+      geometry = {};
+      for (int l = 0; l < n; ++l) {
+        hits.mesh[l] = of.place[l] != nullptr ? 0 : -1;
+        if (of.place[l] == nullptr) continue;
+        const GatherPlace& place = *of.place[l];
+        store_vector(geometry.position, l, vector_of(place.position));
+        store_vector(geometry.normal, l, vector_of(place.normal));
+      }
+    }
+    for (int l = 0; l < n; l += L::width) {
+      if (is_on_surface)
+        points[l / L::width] =
+            make_scatter_point(scatter_surface<L>(scene, packet.rays, surface, l));
+      const Vector3<F> up =
+          is_on_surface ? points[l / L::width].base_normal : load_vector<F>(geometry.normal, l);
+      const auto pair = path_pair(load<typename L::U>(packet.hash + l),
+                                  load<typename L::U>(packet.sample + l), choice_of_way);
+      const LocalDirection<F> local = sample_cosine(pair.x, pair.y);
+      const Vector3<F> w = without_noise(from_local(make_axes(up), up, local));
+      store_vector(way, l, w);
+      store_vector(at.normal, l, up);
+      F reaches_base = broadcast<F>(1.0f);
+      if (is_on_surface) {
+        const ScatterPoint<F>& point = points[l / L::width];
+        const F side = dot(point.geometric_normal, w);
+        reaches_base = keep(side > 0.0f, eval_entering(point, local.z));
+      }
+      store(entering + l, reaches_base);
+    }
+    // Places that there are, and those of which a path goes on.
+    const LaneMask<L> on = lanes_met(hits);
+    const LaneMask<L> going =
+        on & lanes_where<L>([&](int l) { return load<F>(entering + l) > 0.0f; });
+    for (int l = 0; l < n; ++l) {
+      // Rays that are not traced must be such as could be: Embree checks all.
+      const bool goes_on = going.has(l);
+      leave_surface<L>(geometry, l, goes_on ? load_vector<float>(way, l) : Vector3<float>{0, 1, 0},
+                       packet.rays);
+      store_vector(packet.reference, l,
+                   goes_on ? load_vector<float>(at.normal, l) : Vector3<float>{1, 0, 0});
+    }
+    // What shines is sampled first: the paths move on from where they begin.
+    for (int i = 0; i < scene.bands * n; ++i) memory.front[i] = 0;
+    if (task.shining->light->emissive_probability > 0.0f)
+      add_shining<L>(*task.shining, search, at, on, memory, memory.front);
+    // What shines has been put aside: paths that read baked light need the memory.
+    const auto add = [&](int l, const float* light, float weight) {
+      const std::ptrdiff_t k = of.place[l] - task.places;
+      for (int b = 0; b < scene.bands; ++b)
+        mean[k * scene.bands + b] += static_cast<double>(light[b * n + l] * weight);
+    };
+    on.for_each([&](int l) {
+      ++points_found[of.place[l] - task.places];
+      add(l, memory.front, 1.0f);
+    });
+    if (flight.passed != nullptr) clear(passed);
+    trace_paths(flight, going);
+    going.for_each([&](int l) { add(l, radiance, entering[l]); });
+  }
+  for (int k = 0; k < task.count; ++k)
+    for (int b = 0; b < scene.bands; ++b)
+      mean[k * scene.bands + b] *= points_found[k] > 0 ? 1.0 / points_found[k] : 0.0;
+}
+
+}  // namespace omma

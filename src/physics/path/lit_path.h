@@ -1,0 +1,224 @@
+// The lit path: a path tracer from the eye backwards, the lanes of a packet side by side. At each
+// surface one light is sampled directly (next-event estimation), and the path goes on in one
+// direction of one of the surface's lobes; what both could have found is weighed by the balance
+// heuristic (Veach 1997, 9.2.2), for each lobe by itself. Paths end by Russian roulette. Unbiased;
+// the reference for all faster ways.
+//
+// Read trace_flight first, which is one step of all paths of a packet.
+#pragma once
+
+#include "physics/path/direct_light.h"
+#include "physics/rays/hits.h"
+
+namespace omma {
+
+// Whether the flight after the last scattering that the depth allows can only find light from afar.
+OMMA_HD bool ends_in_the_dark(const SceneView& scene) {
+  return scene.depth > 0 && !lets_through(scene) && scene.light->emissive_count == 0;
+}
+
+// Lanes whose paths have been scattered as often as the depth allows.
+template <typename L>
+OMMA_HD LaneMask<L> at_full_depth(const SceneView& scene, const PathState<L>& state) {
+  return lanes_where<L>(
+      [&](int l) { return load<typename L::I>(state.scatterings + l) >= scene.depth; });
+}
+
+// Of some lanes' surfaces those that let the path by, by chance, as they cover a fraction alpha of
+// what lies behind: what lies there is found with the probability 1 - alpha with which it counts.
+template <typename L>
+OMMA_HD LaneMask<L> choose_let_by(const Packet<L>& packet, const PathState<L>& state,
+                                  const LitSurface<L>& surface, LaneMask<L> met) {
+  LaneMask<L> by;
+  met.for_each([&](int l) {
+    if (!(surface.alpha[l] < 1.0f)) return;
+    const std::uint32_t seed = uint_of(packet.hash[l]) + uint_of(packet.sample[l]) * 0x9e3779b9u +
+                               uint_of(state.flight[l]) * 0x85ebca6bu;
+    if (open_unit(mix_bits_32(seed)) >= surface.alpha[l]) by.add(l);
+  });
+  return by;
+}
+
+// Russian roulette (Arvo and Kirk 1990, Particle transport and image synthesis): of some lanes'
+// paths those that go on, with the probability q of their largest throughput `most` [lane]; their
+// throughput grows by 1 / q, so that the mean stays.
+template <typename L, typename Search>
+OMMA_HD LaneMask<L> play_roulette(const Flight<L, Search>& flight, LaneMask<L> on,
+                                  const ScatteringSample<L>& sample, const float* most) {
+  using F = typename L::F;
+  using I = typename L::I;
+  const SceneView& scene = flight.scene;
+  // Many paths that are baked add up, so they may end early.
+  const int from = flight.state.gathers || scene.baked != nullptr ? 0 : roulette_after;
+  for (int l = 0; l < L::count; l += L::width) {
+    const I scatterings = load<I>(flight.state.scatterings + l);
+    const auto plays = scatterings >= from && on.at(l);
+    if (!any_lane(plays)) continue;
+    const F largest = load<F>(most + l), bound = broadcast<F>(most_survival);
+    const F survival = scene.baked != nullptr ? gloss_survival(largest, scatterings)
+                                              : (largest < bound ? largest : bound);
+    const auto ends = plays && load<F>(sample.roulette + l) >= survival;
+    on.bits &= ~(lane_bits(ends) << l);
+    const F one = broadcast<F>(1.0f), scale = plays ? one / survival : one;
+    for (int b = 0; b < scene.bands; ++b) {
+      float* const at = flight.memory.throughput + b * L::count + l;
+      store(at, load<F>(at) * scale);
+    }
+  }
+  return on;
+}
+
+// The next rays of paths that were scattered, which leave the surface.
+template <typename L, typename Search>
+OMMA_HD void scatter_rays(const Flight<L, Search>& flight, LaneMask<L> scattered,
+                          const HitGeometry<L>& geometry, const ScatteringSample<L>& sample) {
+  using F = typename L::F;
+  using I = typename L::I;
+  Packet<L>& packet = flight.packet;
+  PathState<L>& state = flight.state;
+  for (int l = 0; l < L::count; l += L::width) {
+    const auto is = scattered.at(l);
+    if (!any_lane(is)) continue;
+    const I scatterings = load<I>(state.scatterings + l);
+    store(state.scatterings + l, is ? scatterings + 1 : scatterings);
+    store(state.density + l, is ? load<F>(sample.density + l) : load<F>(state.density + l));
+    store(packet.footprint_rad + l, is ? F{} : load<F>(packet.footprint_rad + l));
+  }
+  scattered.for_each([&](int l) {
+    packet.rays.mask[l] = packet.light_sees;
+    if (flight.passed != nullptr) flight.passed->count[l] = 0;
+  });
+  leave_surfaces<L>(geometry, sample.direction, scattered, packet.rays);
+}
+
+// Paths of some lanes go on by a sample, or end: by roulette, or where nothing is left of them.
+// Returns the lanes that go on.
+template <typename L, typename Search>
+OMMA_HD LaneMask<L> continue_paths(const Flight<L, Search>& flight, LaneMask<L> on,
+                                   const HitGeometry<L>& geometry,
+                                   const ScatteringSample<L>& sample) {
+  using F = typename L::F;
+  using I = typename L::I;
+  constexpr auto straight = static_cast<std::int32_t>(Lobe::straight);
+  alignas(L::count * 4) float most[L::count];
+  update_throughput(flight, sample, most);
+  on &= lanes_where<L>([&](int l) {
+    const I lobe = load<I>(sample.lobe + l);
+    return lobe == let_by ||
+           (lobe != no_lobe && load<F>(most + l) > 0.0f && load<F>(sample.density + l) > 0.0f);
+  });
+  LaneMask<L> by;
+  if (flight.passed != nullptr)
+    by = on & lanes_where<L>([&](int l) {
+           const I lobe = load<I>(sample.lobe + l);
+           return lobe == let_by || lobe == straight;
+         });
+  const LaneMask<L> scattered = play_roulette(flight, on & ~by, sample, most);
+  by.for_each([&](int l) { pass(*flight.passed, l, flight.packet.rays); });
+  scatter_rays(flight, scattered, geometry, sample);
+  std::int32_t* const flights = flight.state.flight;
+  for (int l = 0; l < L::count; l += L::width) store(flights + l, load<I>(flights + l) + 1);
+  return by | scattered;
+}
+
+// One flight of the paths of some lanes: adds what they find to the radiance, and returns the lanes
+// whose paths go on; rays, state and throughput are those of the next flight then. `first`: takes
+// what the rays met, or null.
+template <typename L, typename Search>
+OMMA_HD_CALLED LaneMask<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on, Spread spread,
+                                        FirstHits<L>* first = nullptr) {
+  using I = typename L::I;
+  const SceneView& scene = flight.scene;
+  Packet<L>& packet = flight.packet;
+  PathState<L>& state = flight.state;
+  const bool is_baked = scene.baked != nullptr;
+  clear_hits<L>(packet.rays);
+  FarLookups<L> far;
+
+  // The last flight, where only light from afar can be found: whether anything is in the way will
+  // do.
+  if (ends_in_the_dark(scene) && !(on & ~at_full_depth(scene, state)).any()) {
+    look_up_far(flight, on, far);
+    const LaneMask<L> open = on & ~flight.search.occluded(on, packet.rays);
+    if (open.any()) add_far(flight, open, far);
+    return {};
+  }
+
+  // Intersect. Where nothing is met the sky is read: after the surfaces, when what was fetched of
+  // it has come.
+  Hits<L> hits;
+  flight.search.closest(on, packet.rays, flight.passed, spread);
+  find_hits<L>(flight.search.placed(), packet, hits);
+  if (first != nullptr) *first = {packet, hits};
+  const LaneMask<L> met = on & lanes_met(hits), missed = on & ~met;
+  if (missed.any()) look_up_far(flight, missed, far);
+  for (int l = 0; l < L::count; l += L::width) {
+    const I mesh = load<I>(hits.mesh + l);
+    store(hits.mesh + l, met.at(l) ? mesh : mesh * 0 - 1);
+  }
+  BakedLookup<L> baked = {};
+  HitGeometry<L> geometry;
+  LitSurface<L> surface;
+  if (met.any()) {
+    if (is_baked) find_baked<L>(scene, packet, hits, baked);
+    eval_geometry<L>(scene, packet.rays, hits, geometry);
+    eval_lit_surfaces<L>(scene, packet, hits, geometry, flight.memory, surface);
+  }
+
+  // Light at the end of the rays: from afar, and emission.
+  if (missed.any()) add_far(flight, missed, far);
+  if (!met.any()) return {};
+  if (scene.shines) add_emission(flight, hits, surface, met);
+
+  // Who is scattered: not those that a surface lets by, nor those at full depth, whose paths end.
+  const LaneMask<L> by =
+      scene.has_blend ? choose_let_by(packet, state, surface, met) : LaneMask<L>{};
+  on = scene.depth > 0 ? met & (by | ~at_full_depth(scene, state)) : met;
+  const LaneMask<L> scattering = on & ~by;
+  if (is_baked) eval_baked(flight, baked, geometry, surface, scattering);
+  ScatteringPacket<L> points;
+  make_scattering(flight, surface, points);
+
+  // Next-event estimation.
+  LightSamples<L> lights;
+  Scattered<L> direct;
+  sample_lights(flight, geometry, scattering, lights);
+  scatter_light_samples<L>(points, lights.direction, lights.density, lights.is_delta, direct);
+  add_direct_light(flight, geometry, lights, direct, scattering);
+
+  // Light that was baked, in place of what diffuse lobes would find.
+  if (is_baked) add_baked(flight, points, scattering);
+  if (flight.memory.cell_errors != nullptr) add_cell_errors(flight, points, baked, scattering);
+
+  // Sample the surface; throughput, roulette, the next rays.
+  ScatteringSample<L> sample;
+  sample_scattering<L>(packet, state, points, scattering, sample);
+  by.for_each([&](int l) { sample.lobe[l] = let_by; });
+  return continue_paths(flight, on, geometry, sample);
+}
+
+// The radiance [component][band][lane] of the rays of some lanes, to the end of their paths: the
+// packet is followed alone.
+template <typename L, typename Search>
+OMMA_HD void trace_paths(const Flight<L, Search>& flight, LaneMask<L> on,
+                         FirstHits<L>* first = nullptr) {
+  for (int i = 0; i < flight.components() * flight.stride(); ++i) flight.radiance[i] = 0;
+  reset_paths<L>(flight.scene, flight.state, flight.memory);
+  for (int k = 0; on.any() && k < most_flights; ++k) {
+    const Spread spread = k == 0 && !flight.state.gathers ? Spread::together : Spread::scattered;
+    on = trace_flight(flight, on, spread, k == 0 ? first : nullptr);
+  }
+}
+
+// The same for rays from the eye.
+template <typename L, typename Search>
+OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, LaneMask<L> on,
+                           Packet<L>& packet, const PathMemory& memory, float* radiance) {
+  PathState<L> state;
+  PassedSurfaces<L::count> passed;
+  trace_paths<L, Search>(
+      {scene, search, packet, state, memory, radiance, lets_through(scene) ? &passed : nullptr},
+      on);
+}
+
+}  // namespace omma

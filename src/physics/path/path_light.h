@@ -1,0 +1,237 @@
+// Light that arrives at the ends of the paths of a packet: from afar, from surfaces that shine; and
+// what is left of light that comes past surfaces which let it by.
+#pragma once
+
+#include "physics/light/far_lanes.h"
+#include "physics/path/flight.h"
+#include "physics/surface/lit_surface.h"
+
+namespace omma {
+
+// Below this fraction what lies behind a surface that lets light by counts for nothing.
+inline constexpr float least_passing = 1e-7f;
+
+// One node of the sky for each of a packet's directions; `choice`: for what it is sampled.
+template <typename L>
+OMMA_HD void choose_nodes(const Packet<L>& packet, const PathState<L>& state, Choice choice,
+                          SkyLookups<L>& places) {
+  using U = typename L::U;
+  for (int l = 0; l < L::count; l += L::width)
+    choose_node(places[l / L::width],
+                mix_bits_32(load<U>(packet.hash + l) + load<U>(packet.sample + l) * 0x9e3779b9u +
+                            load<U>(state.flight + l) * 0x85ebca6bu +
+                            (static_cast<std::uint32_t>(choice) + 1u) * 0x68bc21ebu));
+}
+
+// The reference axis of light from afar in a direction (omma/light.h).
+template <typename F>
+OMMA_HD Vector3<F> vertical_axis(const Vector3<F>& d) {
+  const F level = d.x * d.x + d.z * d.z, one = broadcast<F>(1.0f);
+  const auto is_zenith = level < 1e-14f;  // or nadir: of azimuth 0
+  const F scale = 1.0f / sqrt_lanes(is_zenith ? one : level);
+  return {is_zenith ? F{} : (0.0f - d.y * d.x) * scale, is_zenith ? F{} : level * scale,
+          is_zenith ? (d.y > 0.0f ? one : 0.0f - one) : (0.0f - d.y * d.z) * scale};
+}
+
+// The same of a packet's directions, [lane].
+template <typename L>
+OMMA_HD void vertical_axes(const float (&direction)[3][L::count], float (&axis)[3][L::count]) {
+  using F = typename L::F;
+  for (int l = 0; l < L::count; l += L::width)
+    store_vector(axis, l, vertical_axis(load_vector<F>(direction, l)));
+}
+
+// Adds light that arrives along the packet's rays, `light` [component][band][lane], with a weight
+// for each lane, 0 for none:
+//
+//   radiance += w β M s,
+//
+// β the throughput of the path, M its Mueller matrix, s the light's Stokes vector. That is by the
+// axes `axis`; where they are null light is unpolarised, and `light` has I alone.
+template <typename L, typename Search>
+OMMA_HD void add_light(const Flight<L, Search>& flight, const float* weight,
+                       const float (*axis)[L::count], const float* light) {
+  using F = typename L::F;
+  const SceneView& scene = flight.scene;
+  const PathState<L>& state = flight.state;
+  const int stride = flight.stride();
+  for (int l = 0; l < L::count; l += L::width) {
+    const F w = load<F>(weight + l);
+    const auto is_on = w != 0.0f;
+    if (!any_lane(is_on)) continue;
+    Mueller3<F> path{};
+    bool keeps = false;
+    if (scene.polarized) {
+      path = load_mueller(state, l);
+      for (int k = l; k < l + L::width; ++k) keeps = keeps || keeps_polarisation<L>(state, k);
+      if (axis != nullptr && keeps) {
+        const auto own = load_vector<F>(flight.packet.reference, l);
+        const Vector3<F> across = cross(load_vector<F>(flight.packet.rays.direction, l), own);
+        path =
+            path * frame_turn(own, across,
+                              {load<F>(axis[0] + l), load<F>(axis[1] + l), load<F>(axis[2] + l)});
+      }
+    }
+    for (int b = 0; b < scene.bands; ++b) {
+      const int at = b * L::count + l;
+      const F scale = load<F>(flight.memory.throughput + at) * w;
+      Stokes<F> s{load<F>(light + at), F{}, F{}};
+      const auto add = [&](int component, F x) {
+        float* sum = flight.radiance + component * stride + at;
+        store(sum, load<F>(sum) + keep(is_on, scale * x));
+      };
+      if (!scene.polarized) {
+        add(0, s.i);
+        continue;
+      }
+      if (!keeps) {
+        for (int p = 0; p < 3; ++p) add(p, path.m[p][0] * s.i);
+        continue;
+      }
+      if (axis != nullptr)
+        s.q = load<F>(light + stride + at), s.u = load<F>(light + 2 * stride + at);
+      s = path * s;
+      add(0, s.i);
+      add(1, s.q);
+      add(2, s.u);
+    }
+  }
+}
+
+// Where the light from afar along the rays of some lanes is looked up. What lies at nodes is
+// fetched from memory meanwhile.
+template <typename L>
+struct FarLookups {
+  SkyLookups<L> on_sky;
+  LaneMask<L> by_chance;  // lanes whose direction was sampled
+  LaneMask<L> keeps;      // lanes of whose light more than I counts
+  bool at_nodes;          // of the sky, else between them
+};
+
+template <typename L, typename Search>
+OMMA_HD void look_up_far(const Flight<L, Search>& flight, LaneMask<L> lanes, FarLookups<L>& far) {
+  using F = typename L::F;
+  const SceneView& scene = flight.scene;
+  const PathState<L>& state = flight.state;
+  far.keeps = scene.polarized ? keeping_polarisation<L>(state) & lanes : LaneMask<L>{};
+  far.by_chance =
+      lanes & lanes_where<L>([&](int l) { return load<F>(state.density + l) < INFINITY; });
+  far.at_nodes = far.by_chance == lanes;
+  find_far_lanes<L>(*scene.light, flight.packet.rays.direction, lanes, far.on_sky);
+  if (!far.at_nodes) return;
+  choose_nodes<L>(flight.packet, state, Choice::light, far.on_sky);
+  fetch_sky_nodes<L>(scene.light->sky, lanes, far.keeps, far.on_sky);
+}
+
+// Light from afar along the rays of some lanes, which met nothing. Next-event estimation could have
+// found it too (direct_light.h): it counts by the balance heuristic, and wholly for rays from the
+// eye.
+template <typename L, typename Search>
+OMMA_HD void add_far(const Flight<L, Search>& flight, LaneMask<L> lanes, const FarLookups<L>& far) {
+  using F = typename L::F;
+  using I = typename L::I;
+  constexpr int n = L::count;
+  const LightView& light = *flight.scene.light;
+  const PathState<L>& state = flight.state;
+  const Packet<L>& packet = flight.packet;
+  float* const arriving = flight.memory.light;
+  const float(&direction)[3][n] = packet.rays.direction;
+  alignas(n * 4) float weight[n], pdf[n] = {}, axis[3][n] = {};
+  const LaneMask<L> keeps = far.keeps & lanes, by_chance = far.by_chance & lanes;
+  const LaneMask<L> with_discs =
+      state.gathers
+          ? lanes & lanes_where<L>([&](int l) { return load<I>(state.scatterings + l) > 0; })
+          : lanes;
+  if (by_chance.any()) find_far_pdf<L>(light, direction, far.on_sky, by_chance, pdf);
+  eval_sky_lanes<L>(light, {direction, far.on_sky, lanes, keeps, far.at_nodes}, flight.components(),
+                    arriving);
+  alignas(n * 4) float acceptance_sr[n];
+  for (int l = 0; l < n; l += L::width)
+    store(acceptance_sr + l, by_chance.at(l) ? F{} : load<F>(packet.acceptance_sr + l));
+  add_disc_light<L>(light, direction, with_discs, acceptance_sr, arriving);
+  for (int l = 0; l < n; l += L::width) {
+    const F one = broadcast<F>(1.0f), density = load<F>(state.density + l);
+    const F weighed = balance(density, load<F>(pdf + l));
+    store(weight + l, keep(lanes.at(l), by_chance.at(l) ? weighed : one));
+  }
+  if (keeps.any()) vertical_axes<L>(direction, axis);
+  add_light(flight, weight, axis, arriving);
+}
+
+// What surfaces that were met shine with themselves, weighed against next-event estimation alike.
+template <typename L, typename Search>
+OMMA_HD void add_emission(const Flight<L, Search>& flight, const Hits<L>& hits,
+                          const LitSurface<L>& surface, LaneMask<L> lanes) {
+  const SceneView& scene = flight.scene;
+  const PathState<L>& state = flight.state;
+  const RayPacket<L::count>& rays = flight.packet.rays;
+  alignas(L::count * 4) float weight[L::count] = {};
+  bool any = false;
+  lanes.for_each([&](int l) {
+    if (scene.scatter[surface.material[l]].emission == nullptr) return;
+    if (state.gathers && state.scatterings[l] == 0) return;
+    weight[l] = surface.alpha[l];
+    if (!is_from_eye(state.density[l]))
+      weight[l] *=
+          balance(state.density[l], met_light_pdf(scene, hits.instance[l], int_of(rays.triangle[l]),
+                                                  vec_at(rays.origin, l), vec_at(rays.direction, l),
+                                                  rays.t_far_m[l]));
+    any = true;
+  });
+  if (any) add_light<L>(flight, weight, nullptr, flight.memory.emission);
+}
+
+// Straight on through a part of a surface: what is left, [band][lane], of light from behind, where
+// it covers little or is glass.
+template <typename F>
+OMMA_HD F passing(F alpha, F straight, F reflectance) {
+  return (1.0f - alpha) + alpha * straight * reflectance;
+}
+
+// Shadow rays past surfaces that let light straight through: the transmittance of the way, by band,
+// is memory.throughput. Returns the lanes that reach their light.
+template <typename L, typename Search>
+OMMA_HD LaneMask<L> trace_transmittance(const SceneView& scene, Search& search, LaneMask<L> lanes,
+                                        Packet<L>& shadow, const SpectraMemory& memory) {
+  using F = typename L::F;
+  PassedSurfaces<L::count> passed;
+  alignas(L::count * 4) float t_far_m[L::count];
+  for (int l = 0; l < L::count; ++l) t_far_m[l] = shadow.rays.t_far_m[l];
+  float* const transmittance = memory.throughput;
+  for (int i = 0; i < scene.bands * L::count; ++i) transmittance[i] = 1;
+  LaneMask<L> on = lanes, reached;
+  for (int flight = 0; on.any() && flight < most_flights; ++flight) {
+    clear_hits<L>(shadow.rays);
+    for (int l = 0; l < L::count; ++l) shadow.rays.t_far_m[l] = t_far_m[l];
+    search.closest(on, shadow.rays, &passed, Spread::scattered);
+    Hits<L> hits;
+    find_hits<L>(search.placed(), shadow, hits);
+    HitGeometry<L> geometry;
+    eval_geometry<L>(scene, shadow.rays, hits, geometry);
+    LitSurface<L> surface;
+    eval_lit_surfaces<L>(scene, shadow, hits, geometry, memory, surface);
+    const auto met =
+        lanes_where<L>([&](int l) { return load<typename L::I>(surface.material + l) >= 0; });
+    LaneMask<L> bright;
+    for (int l = 0; l < L::count; l += L::width) {
+      const auto point = make_scatter_point(scatter_surface<L>(scene, shadow.rays, surface, l));
+      const auto dims = (met & on).at(l);
+      F most{};
+      for (int b = 0; b < scene.bands; ++b) {
+        float* const at = transmittance + b * L::count + l;
+        const F part = passing(load<F>(surface.alpha + l), point.straight,
+                               load<F>(memory.reflectance + b * L::count + l));
+        const F after = dims ? load<F>(at) * part : load<F>(at);
+        store(at, after);
+        most = after > most ? after : most;
+      }
+      bright.bits |= lane_bits(most > least_passing) << l;
+    }
+    reached |= on & ~met;
+    on &= met & bright;
+    on.for_each([&](int l) { pass(passed, l, shadow.rays); });
+  }
+  return reached;
+}
+
+}  // namespace omma

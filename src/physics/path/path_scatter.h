@@ -1,0 +1,276 @@
+// What the surfaces that a packet met make of light: of a sample of a light, which they scatter
+// towards the eye, and of the path itself, which goes on in one direction of one of their lobes.
+// The two are weighed against each other, each lobe by itself (direct_light.h).
+#pragma once
+
+#include "physics/lanes/vector3.h"
+#include "physics/path/path_light.h"
+
+namespace omma {
+
+// How light of a direction is scattered towards the eye by what was met, [lane]: scatter.h's
+// values, over the density with which the direction was chosen, and weighed.
+template <typename L>
+struct Scattered {
+  static constexpr int n = L::count;
+  alignas(n * 4) float reflected[n], transmitted[n];  // of reflectance and transmittance
+  alignas(n * 4) float dielectric[3][n];              // a, b, c of its Mueller matrix, of the tint
+  alignas(n * 4) float metal[n], metal_gain[n];
+  alignas(n * 4) float schlick[n];
+  alignas(n * 4) float coat[3][n];
+};
+
+// Scatters `light` [component][band][lane], which comes from direction `w` [lane] with Stokes
+// vectors by `axis`, towards the eye, in place: by the rays' own reference axes.
+template <typename L, typename Search>
+OMMA_HD void scatter_light(const Flight<L, Search>& flight, const Scattered<L>& by,
+                           const float (&w)[3][L::count], const float (&axis)[3][L::count],
+                           float* light) {
+  using F = typename L::F;
+  const SceneView& scene = flight.scene;
+  const Packet<L>& packet = flight.packet;
+  const PathMemory& memory = flight.memory;
+  const int stride = scene.bands * L::count;
+  for (int l = 0; l < L::count; l += L::width) {
+    const F reflected = load<F>(by.reflected + l), transmitted = load<F>(by.transmitted + l);
+    const F metal = load<F>(by.metal + l), schlick = load<F>(by.schlick + l);
+    const F gain = load<F>(by.metal_gain + l);
+    Mueller<F> dielectric{load<F>(by.dielectric[0] + l), F{}, F{}};
+    Mueller<F> coat{load<F>(by.coat[0] + l), F{}, F{}};
+    FrameTurn<F> before{}, after{};
+    if (scene.polarized) {
+      dielectric.b = load<F>(by.dielectric[1] + l);
+      dielectric.c = load<F>(by.dielectric[2] + l);
+      coat.b = load<F>(by.coat[1] + l);
+      coat.c = load<F>(by.coat[2] + l);
+      const auto d = load_vector<F>(packet.rays.direction, l), from = load_vector<F>(w, l);
+      const auto own = load_vector<F>(packet.reference, l), theirs = load_vector<F>(axis, l);
+      const Vector3<F> s = reflection_axis(d, from, own);
+      // From the light's axes to s, and from s to the ray's.
+      before = frame_turn(s, cross(from, s), theirs);
+      after = frame_turn(own, cross(d, own), s);
+    }
+    for (int b = 0; b < scene.bands; ++b) {
+      const int at = b * L::count + l;
+      const F reflectance = load<F>(memory.reflectance + at), tint = load<F>(memory.tint + at);
+      const F colour = tint + (1.0f - tint) * schlick;
+      const F of_metal = metal * metal_color(reflectance, schlick, gain);
+      const F diffuse = reflected * reflectance + transmitted * load<F>(memory.transmittance + at);
+      const F i = load<F>(light + at);
+      if (!scene.polarized) {
+        store(light + at, (diffuse + dielectric.a * colour + coat.a + of_metal) * i);
+        continue;
+      }
+      const Stokes<F> s =
+          before * Stokes<F>{i, load<F>(light + stride + at), load<F>(light + 2 * stride + at)};
+      const Mueller<F> all{dielectric.a * colour + coat.a + of_metal,
+                           dielectric.b * colour + coat.b,
+                           dielectric.c * colour + coat.c - of_metal};
+      const Stokes<F> out = after * (all * s);
+      store(light + at, out.i + diffuse * i);
+      store(light + stride + at, out.q);
+      store(light + 2 * stride + at, out.u);
+    }
+  }
+}
+
+// In place of a lobe: none, where a path ends, and past the surface, which let the light by.
+inline constexpr std::int32_t no_lobe = -1, let_by = -2;
+
+// Where the packet's paths go on, [lane]: a lobe of the surface, and a direction of it.
+template <typename L>
+struct ScatteringSample {
+  static constexpr int n = L::count;
+  alignas(n * 4) float direction[3][n];
+  alignas(n * 4) float density[n];   // 0 where the path ends
+  alignas(n * 4) float roulette[n];  // a number in (0, 1)
+  alignas(n * 4) std::int32_t lobe[n];
+  Scattered<L> by;  // of the lobe that was chosen alone, over the density
+};
+
+// The surfaces that a packet met, as they scatter light.
+template <typename L>
+struct ScatteringPacket {
+  using F = typename L::F;
+  static constexpr int vectors = L::count / L::width;
+  ScatterPoint<F> point[vectors];
+  F weight[vectors][lobe_count];  // probability of each lobe for the way on
+};
+
+template <typename L, typename Search>
+OMMA_HD void make_scattering(const Flight<L, Search>& flight, const LitSurface<L>& surface,
+                             ScatteringPacket<L>& scattering) {
+  using F = typename L::F;
+  const SceneView& scene = flight.scene;
+  const PathMemory& memory = flight.memory;
+  for (int l = 0; l < L::count; l += L::width) {
+    const int v = l / L::width;
+    ScatterPoint<F>& point = scattering.point[v];
+    point = make_scatter_point(scatter_surface<L>(scene, flight.packet.rays, surface, l));
+    // By what all bands get of each lobe.
+    LobeColors<F> colors{};
+    for (int b = 0; b < scene.bands; ++b) {
+      const int at = b * L::count + l;
+      colors.reflectance = colors.reflectance + load<F>(memory.reflectance + at);
+      colors.transmittance = colors.transmittance + load<F>(memory.transmittance + at);
+    }
+    const float each = 1.0f / static_cast<float>(scene.bands);
+    colors.reflectance = colors.reflectance * each;
+    colors.transmittance = colors.transmittance * each;
+    colors.metal = colors.straight = colors.reflectance;
+    if (scene.baked == nullptr)
+      lobe_weights(point, colors, scattering.weight[v]);
+    else
+      glossy_lobe_weights(point, colors, scattering.weight[v]);
+  }
+}
+
+// How the surfaces scatter a sample of light for each lane: f_j cos θ w_j / p of each lobe j, with
+// the balance heuristic's w_j = p / (p + q_j p_j), or 1 where is_delta.
+template <typename L>
+OMMA_HD void scatter_light_samples(const ScatteringPacket<L>& scattering,
+                                   const float (&to_light)[3][L::count], const float* light_density,
+                                   const float* is_delta, Scattered<L>& direct) {
+  using F = typename L::F;
+  for (int l = 0; l < L::count; l += L::width) {
+    const int v = l / L::width;
+    const F(&weight)[lobe_count] = scattering.weight[v];
+    const auto w = load_vector<F>(to_light, l);
+    const ScatterValue<F> seen = eval_scatter(scattering.point[v], w);
+    const F density = load<F>(light_density + l);
+    const F over = 1.0f / (density > 0.0f ? density : broadcast<F>(1.0f));
+    const auto delta = load<F>(is_delta + l) > 0.0f;
+    // Each lobe by itself, as the path may find the same light by that lobe.
+    const auto weighed = [&](Lobe lobe, F pdf) {
+      const F found = weight[static_cast<int>(lobe)] * pdf;
+      return over * (delta ? broadcast<F>(1.0f) : balance(density, found));
+    };
+    const F by_dielectric = weighed(Lobe::dielectric, seen.boundary_pdf);
+    const F by_metal = weighed(Lobe::metal, seen.boundary_pdf);
+    const F by_coat = weighed(Lobe::coat, seen.coat_pdf);
+    store(direct.reflected + l,
+          seen.diffuse_reflection * weighed(Lobe::diffuse_reflection, cosine_pdf(seen.cosine)));
+    store(direct.transmitted + l,
+          seen.diffuse_transmission *
+              weighed(Lobe::diffuse_transmission, cosine_pdf(0.0f - seen.cosine)));
+    store(direct.dielectric[0] + l, seen.dielectric.a * by_dielectric);
+    store(direct.dielectric[1] + l, seen.dielectric.b * by_dielectric);
+    store(direct.dielectric[2] + l, seen.dielectric.c * by_dielectric);
+    store(direct.metal + l, seen.metal * by_metal);
+    store(direct.metal_gain + l, scattering.point[v].metal_gain);
+    store(direct.schlick + l, seen.schlick);
+    store(direct.coat[0] + l, seen.coat.a * by_coat);
+    store(direct.coat[1] + l, seen.coat.b * by_coat);
+    store(direct.coat[2] + l, seen.coat.c * by_coat);
+  }
+}
+
+// Where the paths of some lanes go on: a lobe j by its probability q_j, a direction of it by its
+// density p_j, and what the throughput is multiplied by, f_j cos θ / (q_j p_j).
+template <typename L>
+OMMA_HD void sample_scattering(const Packet<L>& packet, const PathState<L>& state,
+                               const ScatteringPacket<L>& scattering, LaneMask<L> lanes,
+                               ScatteringSample<L>& sample) {
+  using F = typename L::F;
+  for (int l = 0; l < L::count; l += L::width) {
+    const int v = l / L::width;
+    const ScatterPoint<F>& point = scattering.point[v];
+    const auto pair = choose<L>(packet, state, l, Choice::lobe_and_roulette);
+    const auto place = choose<L>(packet, state, l, Choice::direction);
+    const LobeChoice<F> chosen = choose_lobe(scattering.weight[v], pair.x);
+    const Vector3<F> w = sample_scatter(chosen.lobe, point, place.x, place.y);
+    const ScatterValue<F> found = eval_scatter(point, w);
+    const F own = chosen.probability * pdf_scatter(chosen.lobe, found);
+    const auto is = [&](Lobe one) { return chosen.lobe == static_cast<std::int32_t>(one); };
+    const auto is_straight = is(Lobe::straight);
+    const F inverse = keep(own > 0.0f, 1.0f / (own > 0.0f ? own : broadcast<F>(1.0f)));
+    const auto of_lobe = [&](Lobe one, F x) { return keep(is(one), x * inverse); };
+    // Light that goes straight on was chosen as before: what reflects it is by `reflected`.
+    const F straight =
+        point.straight / (chosen.probability > 0.0f ? chosen.probability : broadcast<F>(1.0f));
+    store(sample.by.reflected + l,
+          is_straight ? straight : of_lobe(Lobe::diffuse_reflection, found.diffuse_reflection));
+    store(sample.by.transmitted + l,
+          of_lobe(Lobe::diffuse_transmission, found.diffuse_transmission));
+    store(sample.by.dielectric[0] + l, of_lobe(Lobe::dielectric, found.dielectric.a));
+    store(sample.by.dielectric[1] + l, of_lobe(Lobe::dielectric, found.dielectric.b));
+    store(sample.by.dielectric[2] + l, of_lobe(Lobe::dielectric, found.dielectric.c));
+    store(sample.by.metal + l, of_lobe(Lobe::metal, found.metal));
+    store(sample.by.metal_gain + l, point.metal_gain);
+    store(sample.by.schlick + l, found.schlick);
+    store(sample.by.coat[0] + l, of_lobe(Lobe::coat, found.coat.a));
+    store(sample.by.coat[1] + l, of_lobe(Lobe::coat, found.coat.b));
+    store(sample.by.coat[2] + l, of_lobe(Lobe::coat, found.coat.c));
+    store_vector(sample.direction, l, without_noise(w));
+    store(sample.roulette + l, pair.y);
+    store(sample.density + l, is_straight ? load<F>(state.density + l) : own);
+    const auto goes_on = lanes.at(l) && chosen.probability > 0.0f;
+    store(sample.lobe + l, goes_on ? chosen.lobe : chosen.lobe * 0 + no_lobe);
+  }
+}
+
+// Throughput and Mueller matrices of paths that have gone on by a sample; `most` [lane]: the
+// largest throughput of a path's bands.
+template <typename L, typename Search>
+OMMA_HD void update_throughput(const Flight<L, Search>& flight, const ScatteringSample<L>& sample,
+                               float* most) {
+  using F = typename L::F;
+  const SceneView& scene = flight.scene;
+  Packet<L>& packet = flight.packet;
+  PathState<L>& state = flight.state;
+  const PathMemory& memory = flight.memory;
+  using I = typename L::I;
+  for (int l = 0; l < L::count; l += L::width) {
+    const Scattered<L>& by = sample.by;
+    const F reflected = load<F>(by.reflected + l), transmitted = load<F>(by.transmitted + l);
+    const F metal = load<F>(by.metal + l), schlick = load<F>(by.schlick + l);
+    const F gain = load<F>(by.metal_gain + l);
+    const F dielectric = load<F>(by.dielectric[0] + l), coat = load<F>(by.coat[0] + l);
+    const I lobe = load<I>(sample.lobe + l);
+    const auto is_by = lobe == let_by;
+    F largest{};
+    for (int b = 0; b < scene.bands; ++b) {
+      const int at = b * L::count + l;
+      const F reflectance = load<F>(memory.reflectance + at), tint = load<F>(memory.tint + at);
+      const F part = reflected * reflectance + transmitted * load<F>(memory.transmittance + at) +
+                     dielectric * (tint + (1.0f - tint) * schlick) + coat +
+                     metal * metal_color(reflectance, schlick, gain);
+      const F before = load<F>(memory.throughput + at);
+      const F after = is_by ? before : before * part;
+      store(memory.throughput + at, after);
+      largest = after > largest ? after : largest;
+    }
+    store(most + l, largest);
+    if (!scene.polarized) continue;
+
+    const auto is = [&](Lobe one) { return lobe == static_cast<std::int32_t>(one); };
+    const auto d = load_vector<F>(packet.rays.direction, l),
+               w = load_vector<F>(sample.direction, l);
+    const auto own = load_vector<F>(packet.reference, l);
+    const Vector3<F> s = reflection_axis(d, w, own), across = cross(d, own);
+    // As parts of what is reflected, which the throughput has.
+    const auto is_coat = is(Lobe::coat);
+    const auto is_metal = is(Lobe::metal);
+    const F a = is_coat ? coat : dielectric;
+    const F scale = 1.0f / (a > 0.0f ? a : broadcast<F>(1.0f));
+    const F b = (is_coat ? load<F>(by.coat[1] + l) : load<F>(by.dielectric[1] + l)) * scale;
+    const F c = (is_coat ? load<F>(by.coat[2] + l) : load<F>(by.dielectric[2] + l)) * scale;
+    const F one = broadcast<F>(1.0f);
+    const Mueller<F> mirror{one, is_metal ? F{} : b, is_metal ? 0.0f - one : c};
+    const Mueller3<F> before = load_mueller(state, l);
+    const Mueller3<F> mirrored = before * frame_turn(own, across, s) * mirror;
+    const Mueller3<F> diffuse = depolarized(before);
+    const auto is_mirrored = is_coat || is_metal || is(Lobe::dielectric);
+    const auto is_straight = is(Lobe::straight) || is_by;
+    for (int k = 0; k < 9; ++k) {
+      const int r = k / 3, q = k % 3;
+      const F scattered = is_mirrored ? mirrored.m[r][q] : diffuse.m[r][q];
+      store(state.mueller[k] + l, is_straight ? before.m[r][q] : scattered);
+    }
+    // Any axis across the new ray will do for what was depolarised.
+    const Vector3<F> next = select(is_mirrored, s, make_axes(w).tangent);
+    store_vector(packet.reference, l, select(is_straight, own, next));
+  }
+}
+
+}  // namespace omma

@@ -1,0 +1,123 @@
+// Where the paths of a packet stand, and what light from their end still counts: a throughput for
+// each band times, where light is polarised, one Mueller matrix for all bands, as lobes that
+// polarise do so alike in all bands, and all others leave of a Stokes vector its I alone.
+#pragma once
+
+#include "physics/lanes/lane_mask.h"
+#include "physics/rays/rays.h"
+#include "physics/sampling/path_points.h"
+#include "physics/surface/fresnel.h"
+#include "physics/views/path_memory.h"
+
+namespace omma {
+
+// Most flights of a path. Roulette ends them long before, but for light that goes straight through
+// more sheets than that.
+inline constexpr int most_flights = 4096;
+
+// From so many scatterings on a path may end before it leaves the scene, and it goes on with at
+// most this probability.
+inline constexpr int roulette_after = 3;
+inline constexpr float most_survival = 0.95f;
+
+// Numbers that decide on the way of a path; each a pair of path_points.h for each flight.
+enum class Choice : std::uint32_t { light, place_on_light, lobe_and_roulette, direction, count };
+
+// Where the paths of a packet stand, [lane].
+template <typename L>
+struct PathState {
+  static constexpr int n = L::count;
+  // Probability per solid angle with which the ray's direction was chosen, that of its lobe
+  // included; infinite for rays from the eye.
+  alignas(n * 4) float density[n];
+  alignas(n * 4) float mueller[9][n];  // row by row, where light is polarised
+  alignas(n * 4) std::int32_t scatterings[n];
+  alignas(n * 4) std::int32_t flight[n];  // how many flights lie behind
+  // Whether rays begin at a surface and gather what scattered light comes there: they see neither
+  // discs nor what shines until they have met another surface.
+  bool gathers = false;
+};
+
+// Paths that have not left yet; what is by band is in PathMemory.
+template <typename L>
+OMMA_HD void reset_paths(const SceneView& scene, PathState<L>& state, const PathMemory& memory) {
+  constexpr int n = L::count;
+  for (int i = 0; i < scene.bands * n; ++i) memory.throughput[i] = 1;
+  for (int l = 0; l < n; ++l) {
+    state.density[l] = INFINITY;
+    state.scatterings[l] = state.flight[l] = 0;
+  }
+  if (!scene.polarized) return;
+  for (int k = 0; k < 9; ++k)
+    for (int l = 0; l < n; ++l) state.mueller[k][l] = k % 4 == 0 ? 1.0f : 0.0f;
+}
+
+// The pair of numbers for a choice on the present flight, of lanes from l on.
+template <typename L>
+OMMA_HD UnitPair<typename L::F> choose(const Packet<L>& packet, const PathState<L>& state, int l,
+                                       Choice choice) {
+  using U = typename L::U;
+  const U first = load<U>(state.flight + l) * static_cast<std::uint32_t>(Choice::count);
+  return path_pair(load<U>(packet.hash + l), load<U>(packet.sample + l),
+                   first + static_cast<std::uint32_t>(choice));
+}
+
+template <typename L>
+OMMA_HD Mueller3<typename L::F> load_mueller(const PathState<L>& state, int l) {
+  Mueller3<typename L::F> m;
+  for (int k = 0; k < 9; ++k) m.m[k / 3][k % 3] = load<typename L::F>(state.mueller[k] + l);
+  return m;
+}
+
+// Whether of light that arrives at a path's end more than I counts: not where a diffuse surface
+// lies on it.
+template <typename L>
+OMMA_HD bool keeps_polarisation(const PathState<L>& state, int l) {
+  for (int k = 0; k < 9; ++k)
+    if (k % 3 != 0 && state.mueller[k][l] != 0.0f) return true;
+  return false;
+}
+
+OMMA_HD bool is_from_eye(float density) {
+  return !(density < INFINITY);
+}
+
+// The balance heuristic (Veach 1997, Robust Monte Carlo Methods for Light Transport
+// Simulation, 9.2.2): a direction that was chosen with the density p_1, and could have been with
+// p_2, counts by
+//
+//   w_1 = p_1 / (p_1 + p_2).
+template <typename F>
+OMMA_HD F balance(F chosen, F other) {
+  const F sum = chosen + other;
+  return sum > 0.0f ? chosen / sum : broadcast<F>(0.0f);
+}
+
+// Lanes whose path's Mueller matrix has something in one of the places for which `counts(k)` is so.
+template <typename L, typename Counts>
+OMMA_HD LaneMask<L> where_mueller(const PathState<L>& state, const Counts& counts) {
+  return lanes_where<L>([&](int l) {
+    using F = typename L::F;
+    F most{};
+    for (int k = 0; k < 9; ++k) {
+      if (!counts(k)) continue;
+      const F x = load<F>(state.mueller[k] + l);
+      most = most + x * x;
+    }
+    return most > 0.0f;
+  });
+}
+
+// Lanes of whose path's light more than I counts: those without a diffuse surface on it.
+template <typename L>
+OMMA_HD LaneMask<L> keeping_polarisation(const PathState<L>& state) {
+  return where_mueller<L>(state, [](int k) { return k % 3 != 0; });
+}
+
+// Lanes whose path brings more than I to the eye: not where the surface nearest to it is diffuse.
+template <typename L>
+OMMA_HD LaneMask<L> bringing_polarisation(const PathState<L>& state) {
+  return where_mueller<L>(state, [](int k) { return k / 3 != 0; });
+}
+
+}  // namespace omma

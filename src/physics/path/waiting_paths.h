@@ -1,0 +1,93 @@
+// Paths that go on after their first flight wait here until there are as many as a packet holds, as
+// in a wavefront path tracer (Laine, Karras and Aila 2013, Megakernels considered harmful): most
+// packets would go on with few lanes, each at the price of all.
+#pragma once
+
+#include "physics/path/flight.h"
+
+namespace omma {
+
+// All [slot], those before `count` wait. Stores are a vector wide: some slots more are written.
+template <typename L>
+struct WaitingPaths {
+  static constexpr int n = L::count, room = 3 * n;
+  int count = 0;
+  alignas(64) float origin[3][room], direction[3][room], density[room];
+  alignas(64) float reference[3][room], mueller[9][room];  // where light is polarised
+  alignas(64) std::int32_t hash[room], sample[room], scatterings[room], flight[room];
+  alignas(64) std::int32_t ray[room];  // where its radiance goes
+  float* throughput = nullptr;         // [band][room]
+};
+
+// Calls `move(waiting, of_packet)` for each number of a path but its throughput.
+template <typename L, typename Move>
+OMMA_HD void for_each_number(bool polarized, WaitingPaths<L>& waiting, Packet<L>& packet,
+                             PathState<L>& state, const Move& move) {
+  for (int r = 0; r < 3; ++r) {
+    move(waiting.origin[r], packet.rays.origin[r]);
+    move(waiting.direction[r], packet.rays.direction[r]);
+  }
+  move(waiting.density, state.density);
+  move(waiting.hash, packet.hash);
+  move(waiting.sample, packet.sample);
+  move(waiting.scatterings, state.scatterings);
+  move(waiting.flight, state.flight);
+  if (!polarized) return;
+  for (int r = 0; r < 3; ++r) move(waiting.reference[r], packet.reference[r]);
+  for (int k = 0; k < 9; ++k) move(waiting.mueller[k], state.mueller[k]);
+}
+
+// Adds the paths of some lanes; at most a packet waits before.
+template <typename L, typename Search>
+OMMA_HD void enqueue(const Flight<L, Search>& flight, LaneMask<L> lanes,
+                     const std::int32_t (&ray)[L::count], WaitingPaths<L>& waiting) {
+  using F = typename L::F;
+  const SceneView& scene = flight.scene;
+  int count = waiting.count;
+  for (int l = 0; l < L::count; l += L::width) {
+    const unsigned here = lanes.word(l);
+    if (here == 0) continue;
+    for_each_number(
+        scene.polarized, waiting, flight.packet, flight.state,
+        [&](auto* to, const auto* from) { store_some(to + count, load<F>(from + l), here); });
+    store_some(waiting.ray + count, load<F>(ray + l), here);
+    for (int b = 0; b < scene.bands; ++b)
+      store_some(waiting.throughput + b * waiting.room + count,
+                 load<F>(flight.memory.throughput + b * L::count + l), here);
+    count += bits_in(here);
+  }
+  waiting.count = count;
+}
+
+// Takes as many paths as a packet holds, or all; returns the lanes that hold one.
+template <typename L, typename Search>
+OMMA_HD LaneMask<L> dequeue(const Flight<L, Search>& flight, WaitingPaths<L>& waiting,
+                            std::int32_t (&ray)[L::count]) {
+  using F = typename L::F;
+  const SceneView& scene = flight.scene;
+  Packet<L>& packet = flight.packet;
+  constexpr int n = L::count;
+  const int taken = waiting.count < n ? waiting.count : n, from = waiting.count - taken;
+  for (int l = 0; l < n; l += L::width) {
+    for_each_number(scene.polarized, waiting, packet, flight.state,
+                    [&](const auto* kept, auto* to) { store(to + l, load<F>(kept + from + l)); });
+    store(ray + l, load<F>(waiting.ray + from + l));
+    for (int b = 0; b < scene.bands; ++b)
+      store(flight.memory.throughput + b * n + l,
+            load<F>(waiting.throughput + b * waiting.room + from + l));
+  }
+  for (int l = 0; l < n; ++l) {
+    packet.rays.t_near_m[l] = packet.footprint_rad[l] = 0;
+    packet.rays.mask[l] = packet.light_sees;
+  }
+  // Rays that are not traced must be such as could be: Embree checks all.
+  for (int l = taken; l < n; ++l)
+    for (int r = 0; r < 3; ++r) {
+      packet.rays.origin[r][l] = 0;
+      packet.rays.direction[r][l] = r == 1 ? 1.0f : 0.0f;
+    }
+  waiting.count = from;
+  return LaneMask<L>::first(taken);
+}
+
+}  // namespace omma

@@ -1,0 +1,286 @@
+// What surfaces are where rays met them, for light: the normal that shades, how rough, how
+// metallic, and in each band how much they reflect, transmit and shine. How they scatter is
+// scatter.h.
+#pragma once
+
+#include "physics/lanes/vector3.h"
+#include "physics/rays/hits.h"
+#include "physics/surface/scatter.h"
+#include "physics/surface/surface.h"
+#include "physics/views/path_memory.h"
+
+namespace omma {
+
+// All [lane], and anything where nothing was met; what is by band is in SpectraMemory:
+//   reflectance    of the base colour; a metal's reflection at normal incidence
+//   transmittance  diffuse, through the sheet
+//   emission       radiance, where the material shines; else anything
+//   tint           of a dielectric's reflection at normal incidence
+template <typename L>
+struct LitSurface {
+  alignas(L::count * 4) float normal[3][L::count];     // that shades, unit, towards the viewer
+  alignas(L::count * 4) float geometric[3][L::count];  // of the triangle, unit, towards the viewer
+  alignas(L::count * 4) float roughness[L::count];
+  alignas(L::count * 4) float metallic[L::count];
+  alignas(L::count * 4) float ior[L::count];
+  alignas(L::count * 4) float specular[L::count];
+  alignas(L::count * 4) float transmission[L::count];  // straight through
+  alignas(L::count * 4) float coat[L::count];
+  alignas(L::count * 4) float coat_roughness[L::count];
+  alignas(L::count * 4) float alpha[L::count];            // fraction of what lies behind it covers
+  alignas(L::count * 4) std::int32_t table[L::count];     // of its ior, ScatterView::albedo_table
+  alignas(L::count * 4) std::int32_t material[L::count];  // -1 where nothing was met
+};
+
+// Normals go with the cofactors of a transform: across all that lies across them.
+template <typename F>
+OMMA_HD Vector3<F> transform_normal(const F (&m)[3][4], const Vector3<F>& own) {
+  const auto row = [&](int s, int t) {
+    return (m[s][1] * m[t][2] - m[s][2] * m[t][1]) * own.x +
+           (m[s][2] * m[t][0] - m[s][0] * m[t][2]) * own.y +
+           (m[s][0] * m[t][1] - m[s][1] * m[t][0]) * own.z;
+  };
+  return {row(1, 2), row(2, 0), row(0, 1)};
+}
+
+// The normal turned as a normal map says (glTF 2.0, 3.9.3): x along the image's rightwards, y
+// along its upwards direction on the surface, which come from the triangle's own coordinates.
+template <typename F, typename I>
+OMMA_HD Vector3<F> map_normal(const SceneView& scene, const MeshView& mesh, const F (&m)[3][4],
+                              const SurfacePoint<F, I>& p, const Vector3<F>& n) {
+  const ScatterView& scatter = scene.scatter[mesh.material];
+  Vector3<F> corner[3];
+  Pair<F> uv[3];
+  for (int k = 0; k < 3; ++k) {
+    const I corner_index = p.triangle * 3 + k;
+    const I vertex = gather(mesh.triangles, corner_index);
+    const I at = mesh.vertex_of_corner != nullptr ? vertex : corner_index;
+    uv[k] = gather_pair(mesh.normal_uv, at);
+    corner[k] = transform_direction(
+        m, Vector3<F>{gather(mesh.positions, vertex * 3), gather(mesh.positions + 1, vertex * 3),
+                      gather(mesh.positions + 2, vertex * 3)});
+  }
+  const F du1 = uv[1].first - uv[0].first, du2 = uv[2].first - uv[0].first;
+  const F dv1 = uv[1].second - uv[0].second, dv2 = uv[2].second - uv[0].second;
+  const F sign = du1 * dv2 - du2 * dv1 < 0.0f ? broadcast<F>(-1.0f) : broadcast<F>(1.0f);
+  const Vector3<F> e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
+  Vector3<F> right = (e1 * dv2 - e2 * dv1) * sign;
+  const Vector3<F> up = opposite((e2 * du1 - e1 * du2) * sign);
+  right = normalize(right - n * dot(right, n));
+  const Vector3<F> across = cross(n, right);
+  const F hand = dot(across, up) < 0.0f ? broadcast<F>(-1.0f) : broadcast<F>(1.0f);
+  const Color<F> c =
+      eval_texture_at(scene, mesh, scatter.normal_texture, mesh.normal_uv, mesh.normal_density, p);
+  const F x = (c.r * 2.0f - 1.0f) * scatter.normal_scale;
+  const F y = (c.g * 2.0f - 1.0f) * scatter.normal_scale * hand;
+  const F z = c.b * 2.0f - 1.0f;
+  const Vector3<F> turned = normalize(right * x + across * y + n * z);
+  return select(dot(turned, turned) > 0.5f, turned, n);
+}
+
+// The normal that shades some lanes of one mesh with normals or a map of them, whose frame is `m`,
+// on the side of the triangle to which `geometric` looks.
+template <typename F, typename I>
+OMMA_HD Vector3<F> eval_shading_normal(const SceneView& scene, const MeshView& mesh,
+                                       const F (&m)[3][4], const SurfacePoint<F, I>& p,
+                                       const Vector3<F>& geometric) {
+  Vector3<F> normal = geometric;
+  if (mesh.normals != nullptr) {
+    const F weight[3] = {1.0f - p.u - p.v, p.u, p.v};
+    Vector3<F> own = {};
+    I vertex[3];
+    gather_3(mesh.triangles, p.triangle, vertex);
+    for (int k = 0; k < 3; ++k) own = own + gather_vector<F>(mesh.normals, vertex[k]) * weight[k];
+    const Vector3<F> turned = normalize(transform_normal(m, own));
+    const Vector3<F> towards = select(dot(turned, geometric) < 0.0f, opposite(turned), turned);
+    normal = select(dot(turned, turned) > 0.5f, towards, normal);
+  }
+  return mesh.normal_uv != nullptr ? map_normal(scene, mesh, m, p, normal) : normal;
+}
+
+// Spectra of the lanes of one mesh; `keep_at(values, b, x)` stores them.
+template <typename F, typename I, typename Store>
+OMMA_HD void eval_spectra(const SceneView& scene, const MeshView& mesh, const Color<F>& base,
+                          const SurfacePoint<F, I>& p, const SpectraMemory& memory,
+                          const Store& keep_at) {
+  const ScatterView& scatter = scene.scatter[mesh.material];
+  Color<F> through = base, extra{};
+  if (scatter.transmittance != nullptr && !scatter.transmits_base_color) {
+    const Vec3 factor = scatter.transmission_color;
+    through = {broadcast<F>(factor.x), broadcast<F>(factor.y), broadcast<F>(factor.z),
+               broadcast<F>(1.0f)};
+    if (mesh.transmission_uv != nullptr)
+      through = through * eval_texture_at(scene, mesh, scatter.transmission_texture,
+                                          mesh.transmission_uv, mesh.transmission_density, p);
+  }
+  if (mesh.extra_uv != nullptr && scatter.extra != nullptr)
+    extra =
+        eval_texture_at(scene, mesh, scatter.extra_texture, mesh.extra_uv, mesh.extra_density, p);
+  const auto of = [](const float* row, const Color<F>& c) {
+    return c.r * row[0] + c.g * row[1] + c.b * row[2];
+  };
+  for (int b = 0; b < scene.bands; ++b) {
+    const float* row = scatter.reflectance + 4 * b;
+    F reflected = of(row, base) + row[3];
+    if (scatter.extra != nullptr) reflected = reflected + of(scatter.extra + 3 * b, extra);
+    reflected = clamp_unit_lanes(reflected);
+    F transmitted = broadcast<F>(0.0f);
+    if (scatter.transmittance != nullptr) {
+      const float* of_sheet = scatter.transmittance + 4 * b;
+      transmitted = clamp_unit_lanes(of(of_sheet, through) + of_sheet[3]);
+      // No sheet gives back more than it gets, whatever its textures say.
+      const F sum = reflected + transmitted, scale = sum > 1.0f ? 1.0f / sum : broadcast<F>(1.0f);
+      reflected *= scale;
+      transmitted *= scale;
+    }
+    keep_at(memory.reflectance, b, reflected);
+    keep_at(memory.transmittance, b, transmitted);
+    keep_at(memory.tint, b,
+            broadcast<F>(scatter.specular_tint != nullptr ? scatter.specular_tint[b] : 1.0f));
+  }
+}
+
+// Emission by band, of the lanes of one mesh that shines.
+template <typename F, typename I, typename Store>
+OMMA_HD void eval_emitted(const SceneView& scene, const MeshView& mesh, const ScatterView& scatter,
+                          const SurfacePoint<F, I>& p, const Store& keep_band) {
+  const Color<F> rgb = emitted_rgb(scene, mesh, p);
+  for (int b = 0; b < scene.bands; ++b) {
+    const float* row = scatter.emission + 3 * b;
+    keep_band(b, rgb.r * row[0] + rgb.g * row[1] + rgb.b * row[2]);
+  }
+}
+
+// Tint by band, of the lanes of one mesh whose specular colour is a texture.
+template <typename F, typename I, typename Store>
+OMMA_HD void eval_tint(const SceneView& scene, const MeshView& mesh, const ScatterView& scatter,
+                       const SurfacePoint<F, I>& p, const Store& keep_band) {
+  const TextureRead& read = mesh.factors->specular_color;
+  const Color<F> rgb = eval_texture_at(scene, mesh, read.texture, read.uv, read.density, p);
+  for (int b = 0; b < scene.bands; ++b) {
+    const float* row = scatter.tint_from_rgb + 3 * b;
+    keep_band(b, clamp_unit_lanes(rgb.r * row[0] + rgb.g * row[1] + rgb.b * row[2]));
+  }
+}
+
+// What textures of factors are multiplied to.
+template <typename F>
+struct SurfaceFactors {
+  F specular, transmission, coat, coat_roughness;
+};
+
+// Factors of one mesh times their textures.
+template <typename F, typename I>
+OMMA_HD void multiply_factors(const SceneView& scene, const MeshView& mesh,
+                              const SurfacePoint<F, I>& p, SurfaceFactors<F>& own) {
+  const FactorTextures& textures = *mesh.factors;
+  const TextureRead* const reads[] = {&textures.specular, &textures.transmission, &textures.coat,
+                                      &textures.coat_roughness};
+  F* const factors[] = {&own.specular, &own.transmission, &own.coat, &own.coat_roughness};
+  // A loop, so that the code that reads a texture is there once.
+  for (int k = 0; k < 4; ++k) {
+    if (reads[k]->texture < 0) continue;
+    const Color<F> c =
+        eval_texture_at(scene, mesh, reads[k]->texture, reads[k]->uv, reads[k]->density, p);
+    *factors[k] = *factors[k] * clamp_unit_lanes(k == 0 ? c.a : k == 3 ? c.g : c.r);
+  }
+}
+
+template <typename L>
+OMMA_HD void eval_lit_surfaces(const SceneView& scene, const Packet<L>& packet, const Hits<L>& hits,
+                               const HitGeometry<L>& geometry, const SpectraMemory& memory,
+                               LitSurface<L>& surface) {
+  using F = typename L::F;
+  using I = typename L::I;
+  for (int l = 0; l < L::count; ++l) surface.material[l] = -1;
+  for_each_mesh(hits, [&](std::int32_t index, int l, const auto& is_member) {
+    const MeshView& mesh = scene.meshes[index];
+    const MaterialView& material = scene.materials[mesh.material];
+    const ScatterView& scatter = scene.scatter[mesh.material];
+    const auto of_members = [&](const float* x) { return keep(is_member, load<F>(x + l)); };
+    const SurfacePoint<F, I> p{keep(is_member, load<I>(packet.rays.triangle + l)),
+                               of_members(packet.rays.u), of_members(packet.rays.v),
+                               of_members(hits.footprint_m)};
+    const auto set = [&](auto* values, auto value) {
+      using Vector = decltype(value);
+      store(values + l, is_member ? value : load<Vector>(values + l));
+    };
+    const auto set_band = [&](float* values, int b, F value) { set(values + b * L::count, value); };
+
+    const Color<F> base = eval_base_color(scene, mesh, p);
+    eval_spectra(scene, mesh, base, p, memory, set_band);
+    if (scatter.emission != nullptr)
+      eval_emitted(scene, mesh, scatter, p,
+                   [&](int b, F light) { set_band(memory.emission, b, light); });
+
+    const auto facing = load_vector<F>(geometry.normal, l);
+    const auto direction = load_vector<F>(packet.rays.direction, l);
+    const Vector3<F> geometric = select(dot(facing, direction) > 0.0f, opposite(facing), facing);
+    Vector3<F> normal = geometric;
+    if (mesh.normals != nullptr || mesh.normal_uv != nullptr) {
+      F m[3][4];
+      load_frames(scene, hits, l, is_member, m);
+      normal = eval_shading_normal(scene, mesh, m, p, geometric);
+    }
+    const auto set_vector = [&](float(&values)[3][L::count], const Vector3<F>& value) {
+      store_vector(values, l, select(is_member, value, load_vector<F>(values, l)));
+    };
+    set_vector(surface.normal, normal);
+    set_vector(surface.geometric, geometric);
+
+    F roughness = broadcast<F>(scatter.roughness), metallic = broadcast<F>(scatter.metallic);
+    if (mesh.roughness_uv != nullptr) {
+      const Color<F> c = eval_texture_at(scene, mesh, scatter.roughness_texture, mesh.roughness_uv,
+                                         mesh.roughness_density, p);
+      roughness = roughness * clamp_unit_lanes(c.g);
+      metallic = metallic * clamp_unit_lanes(c.b);
+    }
+    SurfaceFactors<F> own{broadcast<F>(scatter.specular), broadcast<F>(scatter.transmission),
+                          broadcast<F>(scatter.clearcoat),
+                          broadcast<F>(scatter.clearcoat_roughness)};
+    if (mesh.factors != nullptr) {
+      multiply_factors(scene, mesh, p, own);
+      if (scatter.tint_from_rgb != nullptr)
+        eval_tint(scene, mesh, scatter, p, [&](int b, F tint) { set_band(memory.tint, b, tint); });
+    }
+    set(surface.roughness, roughness);
+    set(surface.metallic, metallic);
+    set(surface.ior, broadcast<F>(scatter.ior));
+    set(surface.specular, own.specular);
+    set(surface.transmission, own.transmission);
+    set(surface.alpha, opacity_of(material, base));
+    set(surface.coat, own.coat);
+    set(surface.coat_roughness, own.coat_roughness);
+    set(surface.table, load<I>(hits.mesh + l) * 0 + scatter.albedo_table);
+    set(surface.material, keep(is_member, load<I>(hits.mesh + l) * 0 + mesh.material));
+  });
+}
+
+// What is met by lanes from l on, for scatter.h.
+template <typename L>
+OMMA_HD ScatterSurface<typename L::F> scatter_surface(const SceneView& scene,
+                                                      const RayPacket<L::count>& rays,
+                                                      const LitSurface<L>& surface, int l) {
+  using F = typename L::F;
+  using I = typename L::I;
+  ScatterSurface<F> s;
+  const auto is_met = load<I>(surface.material + l) >= 0;
+  const auto met = [&](const float* x) { return keep(is_met, load<F>(x + l)); };
+  s.direction = load_vector<F>(rays.direction, l);
+  s.geometric_normal = keep(is_met, load_vector<F>(surface.geometric, l));
+  s.normal = keep(is_met, load_vector<F>(surface.normal, l));
+  s.roughness = met(surface.roughness);
+  s.metallic = met(surface.metallic);
+  s.specular = met(surface.specular);
+  s.transmission = met(surface.transmission);
+  s.ior = is_met ? load<F>(surface.ior + l) : broadcast<F>(1.0f);
+  s.coat = met(surface.coat);
+  s.coat_roughness = met(surface.coat_roughness);
+  s.table = keep(is_met, load<I>(surface.table + l));
+  s.albedo_tables = scene.specular_albedo;
+  s.coat_table = scene.coat_albedo;
+  s.metal_table = scene.metal_albedo;
+  return s;
+}
+
+}  // namespace omma

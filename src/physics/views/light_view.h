@@ -1,0 +1,152 @@
+// What shines, as the physics sees it: flat arrays behind pointers, the same on host and device.
+// Made by backend/light_data. Directions and places are those of the traced frame, which is turned
+// as the world is.
+#pragma once
+
+#include <cstdint>
+
+#include "omma/scene.h"
+#include "omma/vec.h"
+#include "physics/lanes/lanes.h"
+
+namespace omma {
+
+// omma::SkyMap, and cells between its nodes, from which directions are sampled: rows of cells are
+// those above the horizon from the horizon up, then those below it from the horizon down.
+struct SkyView {
+  std::int32_t columns = 0, rows = 0;  // of nodes, rows of each half; 0 where the sky is dark
+  std::int32_t channels = 0;
+  const float* radiance = nullptr;      // I: [above, below][row][column][channel]
+  const float* polarisation = nullptr;  // Q, U: [above, below][row][column][2][channel], or null
+  // Whether the axes of neighbouring columns differ by so much that what lies between them is to be
+  // turned first (eval_sky).
+  bool turns_axes = false;
+  float per_unit = 1;  // of both, in the unit of all else
+  const float* band_from_channel = nullptr;  // [band][channel], or null: channels are the bands
+  float columns_per_rad = 0, rows_per_rad = 0;
+  const float* one_minus_sine = nullptr;  // [row], of the elevation of nodes
+  // Cumulative probabilities, 0 to 1, in steps of 2^-24: of rows of cells, and of cells in each.
+  const float* row_sum = nullptr;     // [row of cells + 1]
+  const float* column_sum = nullptr;  // [row of cells][columns + 1]
+  // The interval of j / count, for each of `count` intervals: where to begin to look for others.
+  // One more lies behind each table.
+  const std::uint16_t* row_guide = nullptr;     // [row of cells]
+  const std::uint16_t* column_guide = nullptr;  // [row of cells][columns]
+  const float* cell_density = nullptr;  // [row of cells][column], per solid angle
+  float probability = 0;               // that light from afar is sampled from the sky
+};
+
+struct DiscView {
+  Vec3 direction{0, 1, 0};  // unit
+  // By the distance of a direction from the centre's as points of the unit sphere, squared: 2 minus
+  // two cosines, which resolves discs that a cosine in single precision does not.
+  float chord_2 = 0;                // of the rim
+  float per_sine_2 = 0;             // 1 / sin^2 of the radius
+  float density = 0;                // 1 / solid angle
+  float probability = 0;            // that light from afar is sampled from it
+  const float* radiance = nullptr;  // [band], at the centre
+  const float* limb = nullptr;      // [band], u of omma::Disc; or null
+};
+
+// Discs larger than so many times an ommatidium's acceptance are found by its rays; smaller ones are
+// asked for (eye_discs.h).
+inline constexpr float most_over_acceptance = 16;
+
+// Whether rays from the eye count the light of a disc. `acceptance_sr`: of their ommatidium, the
+// integral of S; 0: they count all discs.
+OMMA_HD bool counts_by_rays(const DiscView& disc, float acceptance_sr) {
+  return !(most_over_acceptance * acceptance_sr * disc.density >= 1.0f);
+}
+
+struct LampView {
+  PunctualLightType type = PunctualLightType::point;
+  Vec3 position;                          // m
+  Vec3 direction{0, 0, -1};               // unit, in which it shines
+  float per_range_2 = 0;                  // 1 / range^2, m^-2; 0: without end
+  float cone_scale = 0, cone_offset = 1;  // of the cosine from `direction`, of a spot
+  const float* strength = nullptr;        // [band], per sr, or per m^2 where directional
+};
+
+// An instance whose surface shines. Its triangles are chosen by their own power, then places on
+// them.
+struct EmissiveView {
+  std::int32_t instance = 0;  // of the scene
+  std::int32_t mesh = 0, triangles = 0;
+  const float* triangle_sum = nullptr;  // [triangle + 1], cumulative probabilities
+};
+
+// Something small and bright besides discs: the mirror image of one, or a surface that shines.
+struct AimView {
+  Vec3 centre;                // a unit direction, or a place, m
+  float radius = 0;           // about it, rad or m
+  bool is_direction = false;
+  float brightest = 0;        // bound on its mean radiance, of the brightest band
+};
+
+struct LightView {
+  std::int32_t bands = 0;
+  SkyView sky;
+  const DiscView* discs = nullptr;
+  std::int32_t disc_count = 0;
+
+  const LampView* lamps = nullptr;
+  const float* lamp_sum = nullptr;  // [lamp + 1], cumulative probabilities
+  // Where the origin of lamps' positions is in the traced frame, [3], m; null: at its own.
+  const float* lamp_origin_m = nullptr;
+  std::int32_t lamp_count = 0;
+
+  const EmissiveView* emissive = nullptr;
+  const float* emissive_sum = nullptr;                 // [emissive + 1]
+  const std::int32_t* emissive_of_instance = nullptr;  // [instance of the scene], -1: none
+  std::int32_t emissive_count = 0;
+
+  const AimView* aims = nullptr;  // aimed_rays.h
+  std::int32_t aim_count = 0;
+
+  // That a light sample is from afar, of a lamp, on a surface; they add up to 1, or are all 0.
+  float far_probability = 0, lamp_probability = 0, emissive_probability = 0;
+};
+
+// Which of the intervals of `sum`, [count + 1] ascending from 0 to 1, holds u: never one without
+// width.
+OMMA_HD std::int32_t find_in_sum(const float* sum, std::int32_t count, float u) {
+  std::int32_t first = 0;
+  while (count > 1) {
+    const std::int32_t half = count / 2;
+    first = sum[first + half] <= u ? first + half : first;
+    count -= half;
+  }
+  return first;
+}
+
+// The same from what is known of j / count, j the whole part of u count: a step or two on average
+// however many intervals there are (the method of cutpoints, Chen and Asau 1974). Tables of lanes
+// begin at `first` and `first_guide`.
+template <typename F, typename I>
+OMMA_HD I find_in_sum(const float* sum, I first, const std::uint16_t* guide, I first_guide,
+                      std::int32_t count, F u) {
+  I j = to_int(u * to_float(count));
+  j = j < count ? j : j * 0 + (count - 1);
+  const I at = first_guide + j;
+  // Two of 16 bits are read at once.
+  const I pair = gather_bytes(reinterpret_cast<const std::uint8_t*>(guide), at >> 1);
+  I i = (pair >> ((at & 1) * 16)) & 0xffff;
+  for (;;) {
+    const auto is_before = gather(sum, first + i + 1) <= u;
+    if (!any_lane(is_before)) return i;
+    i = i + keep(is_before, i * 0 + 1);
+  }
+}
+
+// u within the interval of numbers a to b that it lies in, in [0, 1).
+template <typename F>
+OMMA_HD F within_part(F a, F b, F u) {
+  const F inside = (u - a) / (b - a), most = broadcast<F>(0x1.fffffep-1f);
+  const F at_least = inside > 0.0f ? inside : broadcast<F>(0.0f);
+  return at_least < most ? at_least : most;
+}
+OMMA_HD float within_part(const float* sum, std::int32_t interval, float u) {
+  return within_part(sum[interval], sum[interval + 1], u);
+}
+
+}  // namespace omma

@@ -1,0 +1,35 @@
+// Scratch memory of a packet's paths: numbers by band, whose count is known at run time only, so that
+// they do not lie on the stack. block_memory.h lays it out.
+#pragma once
+
+#include "omma/vec.h"
+
+namespace omma {
+
+// What is known of a packet's rays and of the surfaces they met, all [band][lane].
+struct SpectraMemory {
+  float* throughput = nullptr;  // what light from the path's end still counts
+  // Of the surfaces that were met; see LitSurface.
+  float *reflectance = nullptr, *transmittance = nullptr, *emission = nullptr, *tint = nullptr;
+};
+
+// Random signs under which errors of cells of baked light are summed up: the mean square of so many
+// such sums is the variance of a response, within a third of it.
+inline constexpr int error_signs = 16;
+
+// Of a packet's paths; null where worlds are not lit.
+struct PathMemory : SpectraMemory {
+  float* light = nullptr;  // [component][band][lane], arriving
+  // [band][lane], what white surfaces would send back of baked light, before and behind the one
+  // that was met.
+  float *front = nullptr, *back = nullptr;
+  SpectraMemory shadow;  // of rays to lights
+  // [band][slot], of paths that wait to go on, and of those that wait for their last flight.
+  float *waiting = nullptr, *waiting_for_last = nullptr;
+  float* found = nullptr;  // [component][band][lane], by paths that have waited
+  // [ommatidium of the block][band][error_signs], sums over all rays; null where none are asked
+  // for.
+  float* cell_errors = nullptr;
+};
+
+}  // namespace omma
