@@ -46,7 +46,8 @@ def renamed_fields(**new_names: str) -> Callable[[C], C]:
         initialise: Any = cls.__init__  # type: ignore[misc]
         cls.__init__ = renamed_arguments(**new_names)(initialise)  # type: ignore[misc]
         for old, new in new_names.items():
-            setattr(cls, old, property(functools.partial(_read, old, new)))
+            told = f"The old name of `{new}`, with a warning."
+            setattr(cls, old, property(functools.partial(_read, old, new), doc=told))
         return cls
 
     return decorate
