@@ -35,9 +35,9 @@ const Backend& find_backend(const std::string& name) {
 }
 
 std::size_t block_memory_bytes(const FrameView& frame) {
-  Room room;
-  lay_out(room, frame, packet_rays);
-  return room.used;
+  Scratch scratch;
+  lay_out(scratch, frame, packet_rays);
+  return scratch.used;
 }
 
 }  // namespace omma

@@ -16,15 +16,15 @@ BlockFunctions build_block() {
                     std::byte* memory) {
     const DenormalsAreZero denormals_are_zero;
     Search search{static_cast<const Tracer*>(tracer)};
-    Room room{memory};
-    render_block<Packets>(frame, task, search, lay_out(room, frame, packet_rays));
+    Scratch scratch{memory};
+    render_block<Packets>(frame, task, search, lay_out(scratch, frame, packet_rays));
   };
   block.discs = [](const FrameView& frame, const BlockTask& task, const void* tracer,
                    std::byte* memory) {
     const DenormalsAreZero denormals_are_zero;
     Search search{static_cast<const Tracer*>(tracer)};
-    Room room{memory};
-    render_discs<Packets>(frame, task, search, lay_out(room, frame, packet_rays));
+    Scratch scratch{memory};
+    render_discs<Packets>(frame, task, search, lay_out(scratch, frame, packet_rays));
   };
   block.weigh = [](const SharedWeights& shared, const float* radiance, int outputs,
                    std::int64_t first, std::int64_t end, float* responses) {
@@ -35,8 +35,8 @@ BlockFunctions build_block() {
                     std::byte* memory, double* mean) {
     const DenormalsAreZero denormals_are_zero;
     Search search{static_cast<const Tracer*>(tracer)};
-    Room room{memory};
-    const BlockMemory laid_out = lay_out(room, frame, packet_rays);
+    Scratch scratch{memory};
+    const BlockMemory laid_out = lay_out(scratch, frame, packet_rays);
     gather_light<Packets>(*frame.scene, search, task, laid_out.paths, laid_out.radiance, mean);
   };
   block.prepare = [](const FrameView& frame, const BlockTask& task,

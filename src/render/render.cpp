@@ -32,8 +32,9 @@ void check_samples(const std::string& sampling, int samples, int most) {
 void check_to_error(const ToError& s) {
   for (const double error : {s.error, s.relative_error})
     if (!std::isfinite(error) || error < 0 || s.error + s.relative_error == 0)
-      throw Error("sampling: ToError expects an error above 0, a radiance, or a relative one, found " +
-                  std::to_string(s.error) + " and " + std::to_string(s.relative_error));
+      throw Error(
+          "sampling: ToError expects an error above 0, a radiance, or a relative one, found " +
+          std::to_string(s.error) + " and " + std::to_string(s.relative_error));
   if (s.least < 4 || s.least > max_samples || (s.least & (s.least - 1)) != 0)
     throw Error("sampling: ToError expects a power of two from 4 to " +
                 std::to_string(max_samples) + " as the least rays, found " +
@@ -326,7 +327,7 @@ BlockTask make_task(const Blocks& blocks, std::size_t block, const Mat4& world_f
 void trace_task(const Blocks& blocks, const BlockTask& task) {
   blocks.built->functions.render(
       blocks.frame, task, blocks.built->acceleration.tracer.get(),
-      thread_memory(ThreadRoom::block, block_memory_bytes(blocks.frame)));
+      thread_memory(ThreadBuffer::block, block_memory_bytes(blocks.frame)));
 }
 
 void run_in_stretches(std::size_t tasks, double rays_per_task, int threads,

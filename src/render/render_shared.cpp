@@ -17,7 +17,7 @@ constexpr std::size_t rows_per_task = 256;
 float* buffer_for_rays(const Renderer::State& s, std::size_t values) {
   if (threads_are_gone())
     return reinterpret_cast<float*>(
-        thread_memory(ThreadRoom::shared_rays, values * sizeof(float)));
+        thread_memory(ThreadBuffer::shared_rays, values * sizeof(float)));
   std::vector<float>& own = s.radiance[thread_in_arena()];
   own.resize(values);
   return own.data();
@@ -26,7 +26,8 @@ float* buffer_for_rays(const Renderer::State& s, std::size_t values) {
 // Blocks of some ommatidia: of those that stand for shared rays, or of the eye itself.
 Blocks blocks_of(const Renderer::State& s, const EyeView& eye, const DirectionsView& directions,
                  std::size_t ommatidia, const Outputs& outputs) {
-  Blocks blocks{{s.view(), &eye, &directions}, &s.built(), static_cast<int>(ommatidia), most_per_block};
+  Blocks blocks{
+      {s.view(), &eye, &directions}, &s.built(), static_cast<int>(ommatidia), most_per_block};
   blocks.frame.outputs = outputs.count;
   blocks.frame.radiance_unit = s.world.state().radiance_unit;
   if (!outputs.from_band.empty()) blocks.frame.output_from_band = outputs.from_band.data();
@@ -41,8 +42,7 @@ void render_frame(const Renderer::State& s, int pattern, const Mat4& world_from_
   const SharedSet& set = shared_set(s, pattern);
   const Blocks blocks =
       blocks_of(s, set.eye_view, set.directions_view, set.rays.rays.size(), outputs);
-  const Blocks of_eye =
-      blocks_of(s, s.eye_view, s.direction_views.front(), s.eye.size(), outputs);
+  const Blocks of_eye = blocks_of(s, s.eye_view, s.direction_views.front(), s.eye.size(), outputs);
   // [ray][output]
   float* const traced =
       buffer_for_rays(s, set.rays.rays.size() * static_cast<std::size_t>(outputs.count));
@@ -54,8 +54,9 @@ void render_frame(const Renderer::State& s, int pattern, const Mat4& world_from_
   };
   const std::size_t rows = s.eye.size(), row_tasks = (rows + rows_per_task - 1) / rows_per_task;
   const auto weigh = [&](std::size_t i) {
-    s.built().functions.weigh(omma::view(set.rays), traced, outputs.count, static_cast<std::int64_t>(i * rows_per_task),
-                  static_cast<std::int64_t>(std::min(rows, (i + 1) * rows_per_task)), responses);
+    s.built().functions.weigh(
+        omma::view(set.rays), traced, outputs.count, static_cast<std::int64_t>(i * rows_per_task),
+        static_cast<std::int64_t>(std::min(rows, (i + 1) * rows_per_task)), responses);
   };
   const std::size_t disc_tasks =
       s.view()->light != nullptr && s.view()->light->disc_count > 0 ? of_eye.count() : 0;
@@ -63,9 +64,8 @@ void render_frame(const Renderer::State& s, int pattern, const Mat4& world_from_
     BlockTask task = make_task(of_eye, block, world_from_head, static_cast<std::uint64_t>(pattern));
     task.sees = sees;
     task.responses = responses;
-    s.built().functions.discs(
-        of_eye.frame, task, s.built().acceleration.tracer.get(),
-        thread_memory(ThreadRoom::block, block_memory_bytes(of_eye.frame)));
+    s.built().functions.discs(of_eye.frame, task, s.built().acceleration.tracer.get(),
+                              thread_memory(ThreadBuffer::block, block_memory_bytes(of_eye.frame)));
   };
   if (parallel) {
     // Isolated: a waiting thread must not take up a frame of another call, which would use the same

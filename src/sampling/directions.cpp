@@ -109,7 +109,7 @@ std::vector<float> use_width_levels(std::vector<Acceptance>& acceptances) {
 }
 
 // Which patterns of which warps are to be made, [warp * patterns + pattern]: all, or those that are
-// used in frame 0 (units.h).
+// used in frame 0 (replicates.h).
 std::vector<std::size_t> patterns_to_make(const DirectionTables& tables, bool of_frame_0) {
   const auto patterns = static_cast<std::size_t>(tables.patterns);
   std::vector<std::uint8_t> used(tables.warps.size() * patterns, of_frame_0 ? 0 : 1);

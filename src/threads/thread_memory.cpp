@@ -23,9 +23,9 @@ struct Kept {
 
 }  // namespace
 
-std::byte* thread_memory(ThreadRoom room, std::size_t bytes) {
-  thread_local std::array<Kept, static_cast<std::size_t>(ThreadRoom::count)> buffers;
-  auto& [memory, size] = buffers[static_cast<std::size_t>(room)];
+std::byte* thread_memory(ThreadBuffer buffer, std::size_t bytes) {
+  thread_local std::array<Kept, static_cast<std::size_t>(ThreadBuffer::count)> buffers;
+  auto& [memory, size] = buffers[static_cast<std::size_t>(buffer)];
   if (size < bytes || size / 4 > bytes) {
     memory.reset();
     size = 0;

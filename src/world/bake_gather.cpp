@@ -77,7 +77,7 @@ bool GatherWorld::gather(std::span<const GatherPlace> places, int paths,
   double mean[packet_rays * most_bands];
   const GatherTask task{places.data(), static_cast<int>(places.size()), paths, &by_paths};
   built.functions.gather(frame, task, built.acceleration.tracer.get(),
-                         thread_memory(ThreadRoom::block, block_memory_bytes(frame)), mean);
+                         thread_memory(ThreadBuffer::block, block_memory_bytes(frame)), mean);
   bool has_room = true;
   for (std::size_t k = 0; k < places.size(); ++k)
     for (int b = 0; b < view.bands; ++b) {

@@ -340,7 +340,7 @@ std::vector<float> rendered(const Scene& scene, const Eye& eye, const Mat4& worl
   task.count = static_cast<int>(eye.size());
   task.responses = responses.data();
   backend.block_functions().render(frame, task, built.tracer.get(),
-                                   thread_memory(ThreadRoom::block, block_memory_bytes(frame)));
+                                   thread_memory(ThreadBuffer::block, block_memory_bytes(frame)));
   return responses;
 }
 

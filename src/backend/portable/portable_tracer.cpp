@@ -139,9 +139,9 @@ TreeRoot add_tree(PortableTracer& tracer, Copies& tree) {
   boxes = {};
   const std::size_t first_node = tracer.nodes.size(), first_block = tracer.quads.size();
   const std::size_t blocks = built.order.size() / quad_width;
-  constexpr std::size_t index_room = std::size_t{1} << visit_index_bits;
-  if (first_node + built.nodes.size() > index_room || first_block + blocks > index_room)
-    throw Error("portable: at most " + std::to_string(index_room) +
+  constexpr std::size_t index_capacity = std::size_t{1} << visit_index_bits;
+  if (first_node + built.nodes.size() > index_capacity || first_block + blocks > index_capacity)
+    throw Error("portable: at most " + std::to_string(index_capacity) +
                 " blocks of triangles are possible, found " + std::to_string(first_block + blocks));
   for (WideNode& node : built.nodes) {
     node.first_child += static_cast<std::uint32_t>(first_node);

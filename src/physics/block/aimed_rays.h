@@ -59,22 +59,22 @@ OMMA_HD DiscView disc_of(const AimCone& cone) {
   return disc;
 }
 
-// The cones that units aim at, into `memory`; false where none does. They are the same for all
+// The cones that replicates aim at, into `memory`; false where none does. They are the same for all
 // scrambles of an ommatidium: what its rays leave out is what it aims at.
-OMMA_HD bool find_cones(const FrameView& frame, const BlockTask& task, const Units& units,
+OMMA_HD bool find_cones(const FrameView& frame, const BlockTask& task, const Replicates& replicates,
                         int count, const BlockMemory& memory) {
   const LightView& light = *frame.scene->light;
   bool any = false;
   for (int u = 0; u < count; ++u) {
     std::int32_t& found = memory.cone_count[u];
     found = 0;
-    const Vec3 from{units.origin[0][u], units.origin[1][u], units.origin[2][u]};
+    const Vec3 from{replicates.origin[0][u], replicates.origin[1][u], replicates.origin[2][u]};
     for (int i = 0; i < light.aim_count && found < most_cones; ++i) {
       AimCone cone = cone_of(light.aims[i], from);
       // A cone that fills an acceptance is found by its rays.
-      if (!(cone.solid_sr > 0) || cone.solid_sr > 0.5f * units.acceptance_sr[u]) continue;
+      if (!(cone.solid_sr > 0) || cone.solid_sr > 0.5f * replicates.acceptance_sr[u]) continue;
       const DiscView disc = disc_of(cone);
-      const DiscTask of{&frame, &task, &units,     frame.directions->warps + units.warp[u],
+      const DiscTask of{&frame, &task, &replicates, frame.directions->warps + replicates.warp[u],
                         &disc,  u,     0x51ed270bu};
       cone.most = static_cast<float>(static_cast<double>(light.aims[i].brightest * cone.solid_sr) *
                                      most_unit_pdf(of));
@@ -86,13 +86,13 @@ OMMA_HD bool find_cones(const FrameView& frame, const BlockTask& task, const Uni
   return any;
 }
 
-// Of a packet's rays those in a cone of their unit.
+// Of a packet's rays those in a cone of their replicate.
 template <typename L>
 OMMA_HD LaneMask<L> rays_in_cones(const Packet<L>& packet, const PacketPlace& place, int samples,
                                   const BlockMemory& memory) {
   LaneMask<L> inside;
   for (int l = 0; l < place.filled; ++l) {
-    const int u = place.unit + (place.sample + l) / samples;
+    const int u = place.replicate + (place.sample + l) / samples;
     for (int k = 0; k < memory.cone_count[u]; ++k)
       if (is_in_cone(memory.cones[u * most_cones + k], vec_at(packet.rays.direction, l)))
         inside.add(l);
@@ -108,16 +108,16 @@ OMMA_HD void drop_lanes(LaneMask<L> lanes, int rows, float* radiance) {
   });
 }
 
-// Rays of a unit all over its cone number `k`, `each` for each replicate: sums of what they bring,
-// weighed, in memory.aimed [replicate][output].
+// Rays of a replicate all over its cone number `k`, `each` for each batch: sums of what they bring,
+// weighed, in memory.aimed [batch][output].
 template <typename L, typename Search>
 OMMA_HD void trace_cone(const DiscTask& of, int k, int each, Search& search,
                         const BlockMemory& memory) {
   constexpr int n = L::count;
   const FrameView& frame = *of.frame;
-  const Units& units = *of.units;
-  const int u = of.unit, outputs = frame.outputs, rays = disc_replicates * each;
-  for (int i = 0; i < disc_replicates * outputs; ++i) memory.aimed[i] = 0;
+  const Replicates& replicates = *of.replicates;
+  const int u = of.replicate, outputs = frame.outputs, rays = disc_batches * each;
+  for (int i = 0; i < disc_batches * outputs; ++i) memory.aimed[i] = 0;
   Packet<L> packet;
   clear<L>(packet.rays);
   packet.light_sees = of.task->sees.by_light;
@@ -137,24 +137,24 @@ OMMA_HD void trace_cone(const DiscTask& of, int k, int each, Search& search,
         if (is_in_cone(memory.cones[u * most_cones + j], direction)) weight[l] = 0;
       if (weight[l] > 0) counting.add(l);
       const Vector3<float> towards = vector_of(direction);
-      const float radius_m = units.aperture_radius_m[u];
-      const auto s = load_vector<float>(units.s, u), t = load_vector<float>(units.t, u);
+      const float radius_m = replicates.aperture_radius_m[u];
+      const auto s = load_vector<float>(replicates.s, u), t = load_vector<float>(replicates.t, u);
       Vector3<float> from =
-          load_vector<float>(units.origin, u) + (s * lens.x + t * lens.y) * radius_m;
+          load_vector<float>(replicates.origin, u) + (s * lens.x + t * lens.y) * radius_m;
       if (of.task->motion != nullptr) from = move_point(*of.task->motion, turn, from);
       store_vector(packet.rays.origin, l, from);
       store_vector(packet.rays.direction, l, without_noise(towards));
       if (frame.scene->polarized) {
-        const auto up = transform_direction(turn, load_vector<float>(units.up, u));
-        const auto axis = transform_direction(turn, load_vector<float>(units.axis, u));
+        const auto up = transform_direction(turn, load_vector<float>(replicates.up, u));
+        const auto axis = transform_direction(turn, load_vector<float>(replicates.axis, u));
         store_vector(packet.reference, l, turn_with(axis, towards, up));
       }
-      packet.rays.t_near_m[l] = units.t_near_m[u];
+      packet.rays.t_near_m[l] = replicates.t_near_m[u];
       packet.rays.mask[l] = of.task->sees.from_eye;
-      packet.footprint_rad[l] = units.footprint_rad[u];
+      packet.footprint_rad[l] = replicates.footprint_rad[u];
       packet.hash[l] = int_of(mix_bits_32(of.hash));
       packet.sample[l] = ray;
-      packet.acceptance_sr[l] = units.acceptance_sr[u];
+      packet.acceptance_sr[l] = replicates.acceptance_sr[u];
     }
     PathMemory paths = memory.paths;
     paths.cell_errors = nullptr;  // rays that count for little
@@ -172,54 +172,56 @@ OMMA_HD void trace_cone(const DiscTask& of, int k, int each, Search& search,
   }
 }
 
-// Adds what units see in their cones to memory.beside, and the square of its error to
+// Adds what replicates see in their cones to memory.beside, and the square of its error to
 // memory.beside_variance.
 template <typename L, typename Search>
-OMMA_HD void add_aimed(const FrameView& frame, const BlockTask& task, const UnitList& list,
+OMMA_HD void add_aimed(const FrameView& frame, const BlockTask& task, const ReplicateList& list,
                        Search& search, const BlockMemory& memory) {
-  Units units;
-  make_units<L>(*frame.eye, task, *frame.directions, list, {true, frame.scene->polarized}, units);
-  find_acceptances(frame, units, list.count);
-  if (!find_cones(frame, task, units, list.count, memory)) return;
+  Replicates replicates;
+  make_replicates<L>(*frame.eye, task, *frame.directions, list, {true, frame.scene->polarized},
+                     replicates);
+  find_acceptances(frame, replicates, list.count);
+  if (!find_cones(frame, task, replicates, list.count, memory)) return;
   for (int u = 0; u < list.count; ++u)
     for (int k = 0; k < memory.cone_count[u]; ++k) {
       const AimCone& cone = memory.cones[u * most_cones + k];
       const DiscView disc = disc_of(cone);
-      const DiscTask of{
-          &frame,
-          &task,
-          &units,
-          frame.directions->warps + units.warp[u],
-          &disc,
-          u,
-          mix_bits_32(uint_of(units.hash[u]) + 0x2545f491u * static_cast<std::uint32_t>(k + 1))};
+      const DiscTask of{&frame,
+                        &task,
+                        &replicates,
+                        frame.directions->warps + replicates.warp[u],
+                        &disc,
+                        u,
+                        mix_bits_32(uint_of(replicates.hash[u]) +
+                                    0x2545f491u * static_cast<std::uint32_t>(k + 1))};
       const int each = cone.most >= 0.3f ? 32 : (cone.most >= 0.003f ? 8 : 2);
       trace_cone<L>(of, k, each, search, memory);
       const double solid_sr = static_cast<double>(cone.solid_sr);
       for (int o = 0; o < frame.outputs; ++o) {
         double mean = 0, squares = 0;
-        for (int r = 0; r < disc_replicates; ++r)
-          mean += memory.aimed[r * frame.outputs + o] / disc_replicates;
-        for (int r = 0; r < disc_replicates; ++r) {
+        for (int r = 0; r < disc_batches; ++r)
+          mean += memory.aimed[r * frame.outputs + o] / disc_batches;
+        for (int r = 0; r < disc_batches; ++r) {
           const double d = memory.aimed[r * frame.outputs + o] - mean;
           squares += d * d;
         }
-        constexpr double replicates = disc_replicates;
+        constexpr double batches = disc_batches;
         const double scale = solid_sr / each;
-        memory.beside[o * unit_room + u] += mean * scale;
-        memory.beside_variance[o * unit_room + u] +=
-            squares * scale * scale / (replicates * (replicates - 1));
+        memory.beside[o * padded_capacity + u] += mean * scale;
+        memory.beside_variance[o * padded_capacity + u] +=
+            squares * scale * scale / (batches * (batches - 1));
       }
     }
 }
 
-// What units see besides what their rays bring: of discs of the sky, and where they aim.
+// What replicates see besides what their rays bring: of discs of the sky, and where they aim.
 template <typename L, typename Search>
-OMMA_HD void eval_beside_rays(const FrameView& frame, const BlockTask& task, const UnitList& list,
-                              Search& search, const BlockMemory& memory) {
+OMMA_HD void eval_beside_rays(const FrameView& frame, const BlockTask& task,
+                              const ReplicateList& list, Search& search,
+                              const BlockMemory& memory) {
   for (int o = 0; o < frame.outputs; ++o)
     for (int u = 0; u < list.count; ++u)
-      memory.beside[o * unit_room + u] = memory.beside_variance[o * unit_room + u] = 0;
+      memory.beside[o * padded_capacity + u] = memory.beside_variance[o * padded_capacity + u] = 0;
   if (has_discs(frame)) add_eye_discs<L>(frame, task, list, search, memory);
   if (has_aims(frame)) add_aimed<L>(frame, task, list, search, memory);
 }

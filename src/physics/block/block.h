@@ -1,6 +1,6 @@
-// One block of neighbouring ommatidia at one pose, from directions to responses: trace_units.h, the
-// hot loop, then means and standard errors. A backend runs it with a search of its own, which has
-// three members (device_check.cu has the shortest one):
+// One block of neighbouring ommatidia at one pose, from directions to responses:
+// trace_replicates.h, the hot loop, then means and standard errors. A backend runs it with a search
+// of its own, which has three members (device_check.cu has the shortest one):
 //
 //   closest(lanes, rays, passed, spread)
 //     the closest accepted hits (surface.h) of a RayPacket, between t_near_m and t_far_m, of the
@@ -25,7 +25,7 @@ OMMA_HD void reduce(const FrameView& frame, const BlockTask& task, const double*
   const double weight =
       frame.radiance_unit / (static_cast<double>(frame.directions->samples) * scrambles);
   const std::int32_t* ommatidium = frame.eye->ommatidium + task.first;
-  for (int o = 0; o < frame.outputs; ++o, sums += unit_room) {
+  for (int o = 0; o < frame.outputs; ++o, sums += padded_capacity) {
     float means[block_capacity];
     for (int i = 0; i < task.count; ++i) {
       double sum = sums[i * scrambles];
@@ -47,7 +47,7 @@ OMMA_HD void reduce_errors(const FrameView& frame, const BlockTask& task,
   for (int i = 0; i < task.count; ++i) {
     const auto ommatidium = static_cast<std::int64_t>(frame.eye->ommatidium[task.first + i]);
     for (int o = 0; o < frame.outputs; ++o) {
-      const double* estimates = sums + o * unit_room + i * scrambles;
+      const double* estimates = sums + o * padded_capacity + i * scrambles;
       double mean = 0, squares = 0;
       for (int r = 0; r < scrambles; ++r) mean += estimates[r] / samples;
       mean /= scrambles;
@@ -62,18 +62,19 @@ OMMA_HD void reduce_errors(const FrameView& frame, const BlockTask& task,
   }
 }
 
-// Adds to the sums over the rays of each unit what it sees of discs of the sky, and where it aims,
-// besides.
+// Adds to the sums over the rays of each replicate what it sees of discs of the sky, and where it
+// aims, besides.
 template <typename L, typename Search>
-OMMA_HD void add_beside_rays(const FrameView& frame, const BlockTask& task, const UnitList& units,
-                             Search& search, const BlockMemory& memory) {
+OMMA_HD void add_beside_rays(const FrameView& frame, const BlockTask& task,
+                             const ReplicateList& replicates, Search& search,
+                             const BlockMemory& memory) {
   if (!sees_beside_rays(frame)) return;
-  eval_beside_rays<L>(frame, task, units, search, memory);
+  eval_beside_rays<L>(frame, task, replicates, search, memory);
   const int samples = frame.directions->samples;
   for (int o = 0; o < frame.outputs; ++o)
-    for (int u = 0; u < units.count; ++u) {
-      const double seen = memory.beside[o * unit_room + u];
-      memory.sums[o * unit_room + u] += samples * seen;
+    for (int u = 0; u < replicates.count; ++u) {
+      const double seen = memory.beside[o * padded_capacity + u];
+      memory.sums[o * padded_capacity + u] += samples * seen;
       if (task.ray_radiance == nullptr || seen == 0) continue;
       const auto ommatidium = static_cast<std::int64_t>(frame.eye->ommatidium[task.first + u]);
       for (int k = 0; k < samples; ++k)
@@ -86,12 +87,12 @@ OMMA_HD void add_beside_rays(const FrameView& frame, const BlockTask& task, cons
 template <typename L, typename Search>
 OMMA_HD void render_discs(const FrameView& frame, const BlockTask& task, Search& search,
                           const BlockMemory& memory) {
-  const UnitList all{nullptr, 0, 1, task.count};
+  const ReplicateList all{nullptr, 0, 1, task.count};
   eval_beside_rays<L>(frame, task, all, search, memory);
   for (int o = 0; o < frame.outputs; ++o)
     for (int i = 0; i < task.count; ++i)
       task.responses[std::int64_t{frame.eye->ommatidium[task.first + i]} * frame.outputs + o] +=
-          static_cast<float>(memory.beside[o * unit_room + i] * frame.radiance_unit);
+          static_cast<float>(memory.beside[o * padded_capacity + i] * frame.radiance_unit);
 }
 
 // `memory`: of this thread, lay_out for this frame.
@@ -100,11 +101,11 @@ OMMA_HD void render_block(const FrameView& frame, const BlockTask& task, Search&
                           const BlockMemory& memory) {
   const BlockRun<Search> run{frame, task, search, memory};
   if (frame.most_samples > 0) return render_to_error<L>(run);
-  const UnitList all{nullptr, 0, frame.scrambles, task.count * frame.scrambles};
+  const ReplicateList all{nullptr, 0, frame.scrambles, task.count * frame.scrambles};
   clear(memory.sums, frame.outputs, all.count);
   clear_cell_errors(frame, task, memory);
   if (frame.truth != nullptr) clear(*frame.truth, memory.truth_sums, all.count);
-  trace_units<L>(run, *frame.directions, all, {memory.sums, nullptr, memory.truth_sums});
+  trace_replicates<L>(run, *frame.directions, all, {memory.sums, nullptr, memory.truth_sums});
   add_beside_rays<L>(frame, task, all, search, memory);
   reduce(frame, task, memory.sums);
   for (int i = 0; frame.truth != nullptr && i < task.count; ++i)
@@ -117,12 +118,12 @@ OMMA_HD void render_block(const FrameView& frame, const BlockTask& task, Search&
 template <typename L>
 OMMA_HD void prepare_block(const FrameView& frame, const BlockTask& task,
                            RayPacket<L::count>* packets) {
-  const UnitList all{nullptr, 0, frame.scrambles, task.count * frame.scrambles};
-  Units units;
-  make_units<L>(*frame.eye, task, *frame.directions, all, {}, units);
+  const ReplicateList all{nullptr, 0, frame.scrambles, task.count * frame.scrambles};
+  Replicates replicates;
+  make_replicates<L>(*frame.eye, task, *frame.directions, all, {}, replicates);
   Packet<L> packet;
   clear<L>(packet.rays);
-  for_each_packet<L>(*frame.directions, units, all.count, packet, [&](const PacketPlace&) {
+  for_each_packet<L>(*frame.directions, replicates, all.count, packet, [&](const PacketPlace&) {
     clear_hits<L>(packet.rays);
     *packets++ = packet.rays;
   });

@@ -47,8 +47,8 @@ struct Search {
 __global__ void device_check(FrameView frame, BlockTask task, BvhView bvh, const PlacedMesh* placed,
                              std::byte* memory) {
   Search search{frame.scene, &bvh, placed};
-  Room room{memory};
-  render_block<OneLane>(frame, task, search, lay_out(room, frame, 1));
+  Scratch scratch{memory};
+  render_block<OneLane>(frame, task, search, lay_out(scratch, frame, 1));
 }
 
 __global__ void device_check_weights(SharedWeights shared, const float* radiance,

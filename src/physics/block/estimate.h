@@ -2,7 +2,7 @@
 // rays by itself.
 #pragma once
 
-#include "physics/block/trace_units.h"
+#include "physics/block/trace_replicates.h"
 #include "physics/block/truth_sums.h"
 
 namespace omma {
@@ -74,7 +74,7 @@ OMMA_HD void estimate(const FrameView& frame, const BlockTask& task, const WayTo
   const std::uint8_t* nearest = frame.nearest + std::int64_t{task.first} * listened_to;
   const double error = frame.error / frame.radiance_unit;
   for (int o = 0; o < frame.outputs; ++o) {
-    const int row = o * unit_room;
+    const int row = o * padded_capacity;
     float own[block_capacity], response[block_capacity], size[block_capacity];
     for (int i = 0; i < task.count; ++i) {
       own[i] = static_cast<float>(memory.all_squares[row + i] / way.roots[i]);
@@ -98,7 +98,7 @@ OMMA_HD void estimate(const FrameView& frame, const BlockTask& task, const WayTo
       // Q and U may be 0 where I is not.
       const int of_light = frame.output_from_band == nullptr ? o % frame.scene->bands : o;
       const double relative =
-          frame.relative_error * fabs(memory.sums[of_light * unit_room + i]) / way.rays[i];
+          frame.relative_error * fabs(memory.sums[of_light * padded_capacity + i]) / way.rays[i];
       const double wanted = relative > error ? relative : error;
       memory.wanted[row + i] = wanted * wanted;
     }
@@ -108,8 +108,8 @@ OMMA_HD void estimate(const FrameView& frame, const BlockTask& task, const WayTo
 // The square of the standard error of output o of ommatidium i, times that of its number of rays,
 // whose `roots` are as in WayToError.
 OMMA_HD double scaled_variance(const BlockMemory& memory, int i, int o, double roots) {
-  const double unseen = memory.unseen[o * unit_room + i];
-  return memory.roughness[o * unit_room + i] * roots + unseen * unseen;
+  const double unseen = memory.unseen[o * padded_capacity + i];
+  return memory.roughness[o * padded_capacity + i] * roots + unseen * unseen;
 }
 
 // Whether the standard errors would be small enough with so many rays; all in radiance units. More
@@ -119,8 +119,8 @@ OMMA_HD double scaled_variance(const BlockMemory& memory, int i, int o, double r
 OMMA_HD bool reaches_error(const FrameView& frame, const BlockMemory& memory, int i, double rays,
                            double roots) {
   for (int o = 0; o < frame.outputs; ++o) {
-    const double all = memory.wanted[o * unit_room + i];
-    const double left = all - memory.of_cells[o * unit_room + i];
+    const double all = memory.wanted[o * padded_capacity + i];
+    const double left = all - memory.of_cells[o * padded_capacity + i];
     const double for_rays = left > 0.5 * all ? left : 0.5 * all;
     if (scaled_variance(memory, i, o, roots) > for_rays * rays * rays) return false;
   }
@@ -143,9 +143,9 @@ OMMA_HD int choose_round(const FrameView& frame, const WayToError& way, const Bl
   return round;
 }
 
-OMMA_HD void clear(double* sums, int outputs, int units) {
+OMMA_HD void clear(double* sums, int outputs, int replicates) {
   for (int o = 0; o < outputs; ++o)
-    for (int u = 0; u < units; ++u) sums[o * unit_room + u] = 0;
+    for (int u = 0; u < replicates; ++u) sums[o * padded_capacity + u] = 0;
 }
 
 // One round of the ommatidia for which it comes next.
@@ -156,7 +156,7 @@ OMMA_HD void trace_round(const BlockRun<Search>& run, int k, int scramble, WayTo
   const BlockMemory& memory = run.memory;
   const DirectionsView& directions = frame.directions[k];
   const int most = directions.samples < L::count ? block_rays / directions.samples : block_capacity;
-  std::int32_t member[unit_room], ordinal[unit_room];
+  std::int32_t member[padded_capacity], ordinal[padded_capacity];
   for (int i = 0; i < task.count;) {
     int count = 0;
     for (; i < task.count && count < most; ++i) {
@@ -168,9 +168,9 @@ OMMA_HD void trace_round(const BlockRun<Search>& run, int k, int scramble, WayTo
     clear(memory.round_sums, frame.outputs, count);
     clear(memory.round_squares, frame.outputs, count);
     if (frame.truth != nullptr) clear(*frame.truth, memory.truth_round_sums, count);
-    const UnitList list{scramble == 0 ? nullptr : ordinal, scramble, 1, count};
-    trace_units<L>(run, directions, list,
-                   {memory.round_sums, memory.round_squares, memory.truth_round_sums});
+    const ReplicateList list{scramble == 0 ? nullptr : ordinal, scramble, 1, count};
+    trace_replicates<L>(run, directions, list,
+                        {memory.round_sums, memory.round_squares, memory.truth_round_sums});
     // Choices on the way of a path are not as even as the directions that they begin with.
     const bool is_even = !directions.random && frame.scene->light == nullptr;
     const double credit = is_even ? even_credit : 1.0;
@@ -178,7 +178,7 @@ OMMA_HD void trace_round(const BlockRun<Search>& run, int k, int scramble, WayTo
       way.rays[member[u]] += directions.samples;
       way.roots[member[u]] += sqrt(static_cast<double>(directions.samples));
       for (int o = 0; o < frame.outputs; ++o) {
-        const int from = o * unit_room + u, to = o * unit_room + member[u];
+        const int from = o * padded_capacity + u, to = o * padded_capacity + member[u];
         memory.sums[to] += memory.round_sums[from];
         memory.all_squares[to] += credit * memory.round_squares[from];
       }
@@ -218,12 +218,12 @@ OMMA_HD void render_to_error(const BlockRun<Search>& run) {
     for (int o = 0; o < frame.outputs; ++o) {
       const std::int64_t out = ommatidium * frame.outputs + o;
       const double rays = way.rays[i];
-      double response = memory.sums[o * unit_room + i] / rays;
+      double response = memory.sums[o * padded_capacity + i] / rays;
       double variance = scaled_variance(memory, i, o, way.roots[i]) / (rays * rays) +
-                        memory.of_cells[o * unit_room + i];
+                        memory.of_cells[o * padded_capacity + i];
       if (sees_more) {
-        response += memory.beside[o * unit_room + i];
-        variance += memory.beside_variance[o * unit_room + i];
+        response += memory.beside[o * padded_capacity + i];
+        variance += memory.beside_variance[o * padded_capacity + i];
       }
       task.responses[out] = static_cast<float>(response * frame.radiance_unit);
       if (task.standard_error != nullptr)

@@ -17,7 +17,7 @@
 #include "physics/block/block_memory.h"
 #include "physics/path/direct_light.h"
 #include "physics/rays/head_motion.h"
-#include "physics/rays/units.h"
+#include "physics/rays/replicates.h"
 
 namespace omma {
 
@@ -27,7 +27,7 @@ inline constexpr double least_disc_light = 1e-7;
 // The same of what ommatidia aim at, of which rays find what is less.
 inline constexpr double least_aimed_light = 1e-6;
 
-// Points on a disc, for each replicate: where all of the pilot's see the disc, or none, and else.
+// Points on a disc, for each batch: where all of the pilot's see the disc, or none, and else.
 struct DiscEffort {
   int pilot = 0, plain = 0, mixed = 0;  // the pilot's are all in one
 };
@@ -64,15 +64,16 @@ OMMA_HD double eye_pdf(const AcceptanceWarpView& warp, double scale, double thet
          (scale * scale * cosine);
 }
 
-// What a unit (units.h) is when it looks at a disc: everything that stays the same over its points.
+// What a replicate (replicates.h) is when it looks at a disc: everything that stays the same over
+// its points.
 struct DiscTask {
   const FrameView* frame = nullptr;
   const BlockTask* task = nullptr;
-  const Units* units = nullptr;
+  const Replicates* replicates = nullptr;
   const AcceptanceWarpView* warp = nullptr;
   const DiscView* disc = nullptr;
-  int unit = 0;
-  std::uint32_t hash = 0;  // of unit and disc
+  int replicate = 0;
+  std::uint32_t hash = 0;  // of replicate and disc
 };
 
 // How much of what comes from the rim's side is darkened, of a direction at this chord^2 from the
@@ -102,20 +103,20 @@ OMMA_HD Vec3 disc_direction(const DiscView& disc, float x, float y) {
   return vec_of(vector_of(n) * along + (s * x + t * y) * across);
 }
 
-// Density of the unit's rays in a world direction, where the head is turned by `turn`.
+// Density of the replicate's rays in a world direction, where the head is turned by `turn`.
 OMMA_HD double unit_pdf(const DiscTask& of, Vec3 direction, const float (&turn)[3][4]) {
-  const Units& units = *of.units;
-  const int u = of.unit;
+  const Replicates& replicates = *of.replicates;
+  const int u = of.replicate;
   const float w[3] = {direction.x, direction.y, direction.z};
   double x = 0, y = 0, z = 0;
   for (int c = 0; c < 3; ++c) {
     const double d = static_cast<double>(turn[0][c] * w[0] + turn[1][c] * w[1] + turn[2][c] * w[2]);
-    x += d * static_cast<double>(units.s[c][u]);
-    y += d * static_cast<double>(units.t[c][u]);
-    z += d * static_cast<double>(units.axis[c][u]);
+    x += d * static_cast<double>(replicates.s[c][u]);
+    y += d * static_cast<double>(replicates.t[c][u]);
+    z += d * static_cast<double>(replicates.axis[c][u]);
   }
   const double azimuth = of.warp->azimuth == nullptr ? 0 : atan2(y, x);
-  return eye_pdf(*of.warp, static_cast<double>(units.scale[u]), atan2(sqrt(x * x + y * y), z),
+  return eye_pdf(*of.warp, static_cast<double>(replicates.scale[u]), atan2(sqrt(x * x + y * y), z),
                  azimuth);
 }
 
@@ -131,15 +132,15 @@ OMMA_HD void disc_turn(const DiscTask& of, std::uint32_t hash, int sample, float
     for (int c = 0; c < 4; ++c) turn[r][c] = r == c ? 1.0f : 0.0f;
 }
 
-// Bound on the density of the unit's rays in the disc: where it is nearest to the axis, in its
+// Bound on the density of the replicate's rays in the disc: where it is nearest to the axis, in its
 // middle and where it is furthest, at some times of a frame that lasts.
 OMMA_HD double most_unit_pdf(const DiscTask& of) {
-  const Units& units = *of.units;
+  const Replicates& replicates = *of.replicates;
   const AcceptanceWarpView& warp = *of.warp;
   const double radius_rad = 2 * asin(0.5 * sqrt(static_cast<double>(of.disc->chord_2)));
   const bool ends =
       warp.sensitivity.kernel == Kernel::gaussian || warp.sensitivity.kernel == Kernel::pillbox;
-  const double scale = static_cast<double>(units.scale[of.unit]);
+  const double scale = static_cast<double>(replicates.scale[of.replicate]);
   // Beyond 3.5 widths a Gaussian is below 2e-15 of its peak.
   const double reach_rad =
       radius_rad + 3.5 * scale * fmax(warp.sensitivity.width_rad, warp.sensitivity.minor_width_rad);
@@ -153,9 +154,9 @@ OMMA_HD double most_unit_pdf(const DiscTask& of) {
     for (int c = 0; c < 3; ++c) {
       const double d =
           static_cast<double>(turn[0][c] * w[0] + turn[1][c] * w[1] + turn[2][c] * w[2]);
-      local[0] += d * static_cast<double>(units.s[c][of.unit]);
-      local[1] += d * static_cast<double>(units.t[c][of.unit]);
-      local[2] += d * static_cast<double>(units.axis[c][of.unit]);
+      local[0] += d * static_cast<double>(replicates.s[c][of.replicate]);
+      local[1] += d * static_cast<double>(replicates.t[c][of.replicate]);
+      local[2] += d * static_cast<double>(replicates.axis[c][of.replicate]);
     }
     const double from_axis_2 =
         local[0] * local[0] + local[1] * local[1] + (local[2] - 1) * (local[2] - 1);
@@ -168,9 +169,10 @@ OMMA_HD double most_unit_pdf(const DiscTask& of) {
   return most;
 }
 
-// ∫ over the disc of the density of the unit's rays, [0], and times the darkening, [1]: in cosines
-// at the disc by Gauss and Legendre's rule, which limb darkening is smooth in, and in turns about
-// its centre. Where S has edges in many small pieces. While the head moves a mean over times too.
+// ∫ over the disc of the density of the replicate's rays, [0], and times the darkening, [1]: in
+// cosines at the disc by Gauss and Legendre's rule, which limb darkening is smooth in, and in turns
+// about its centre. Where S has edges in many small pieces. While the head moves a mean over times
+// too.
 OMMA_HD void integrate_disc(const DiscTask& of, double (&integral)[2]) {
   constexpr double node[8] = {0.0198550717512319, 0.1016667612931866, 0.2372337950418355,
                               0.4082826787521751, 0.5917173212478249, 0.7627662049581645,
@@ -207,20 +209,20 @@ OMMA_HD void integrate_disc(const DiscTask& of, double (&integral)[2]) {
   for (double& x : integral) x /= static_cast<double>(disc.density);
 }
 
-// Sums over a unit's points on a disc, [replicate][band]: of all of their light, and of what
+// Sums over a replicate's points on a disc, [batch][band]: of all of their light, and of what
 // reaches the eye; and whether some, or not all, does.
 struct DiscSums {
   double *all = nullptr, *seen = nullptr;
   bool any_open = false, any_hidden = false;
 };
 
-// Points on a disc: `each` for each of some replicates. Sets of other numbers are independent.
+// Points on a disc: `each` for each of some batches. Sets of other numbers are independent.
 struct PointSet {
   std::uint32_t number;
-  int replicates, each;
+  int batches, each;
 };
 
-// Shadow rays of a unit to the points of a set on the disc.
+// Shadow rays of a replicate to the points of a set on the disc.
 template <typename L, typename Search>
 OMMA_HD void trace_disc(const DiscTask& of, Search& search, const BlockMemory& memory,
                         const PointSet& set, DiscSums& sums) {
@@ -229,12 +231,12 @@ OMMA_HD void trace_disc(const DiscTask& of, Search& search, const BlockMemory& m
   using U = typename L::U;
   constexpr int n = L::count;
   const SceneView& scene = *of.frame->scene;
-  const Units& units = *of.units;
+  const Replicates& replicates = *of.replicates;
   const DiscView& disc = *of.disc;
-  const int u = of.unit, bands = scene.bands, rays = set.replicates * set.each;
+  const int u = of.replicate, bands = scene.bands, rays = set.batches * set.each;
   const bool dims = lets_through(scene);
   sums.any_open = sums.any_hidden = false;
-  for (int i = 0; i < set.replicates * bands; ++i) sums.all[i] = sums.seen[i] = 0;
+  for (int i = 0; i < set.batches * bands; ++i) sums.all[i] = sums.seen[i] = 0;
   Packet<L> shadow;
   clear<L>(shadow.rays);
   for (int begin = 0; begin < rays; begin += n) {
@@ -253,8 +255,8 @@ OMMA_HD void trace_disc(const DiscTask& of, Search& search, const BlockMemory& m
       store(y + l, point.y);
       // From all over the aperture.
       const DiscPoints<F> lens = even_disc_points(path_pair(uint_of(h), uint_of(k), U{} + 1u));
-      store(from_x + l, lens.x * units.aperture_radius_m[u]);
-      store(from_y + l, lens.y * units.aperture_radius_m[u]);
+      store(from_x + l, lens.x * replicates.aperture_radius_m[u]);
+      store(from_y + l, lens.y * replicates.aperture_radius_m[u]);
     }
     LaneMask<L> asked;
     for (int l = 0; l < n; ++l) {
@@ -266,12 +268,13 @@ OMMA_HD void trace_disc(const DiscTask& of, Search& search, const BlockMemory& m
           static_cast<float>(disc_darkening(disc, static_cast<double>(x[l] * x[l] + y[l] * y[l]) *
                                                       static_cast<double>(disc.chord_2)));
       if (weight[l] > 0.0f) asked.add(l);
-      const auto s = load_vector<float>(units.s, u), t = load_vector<float>(units.t, u);
-      Vector3<float> from = load_vector<float>(units.origin, u) + s * from_x[l] + t * from_y[l];
+      const auto s = load_vector<float>(replicates.s, u), t = load_vector<float>(replicates.t, u);
+      Vector3<float> from =
+          load_vector<float>(replicates.origin, u) + s * from_x[l] + t * from_y[l];
       if (of.task->motion != nullptr) from = move_point(*of.task->motion, turn, from);
       store_vector(shadow.rays.origin, l, from);
       store_vector(shadow.rays.direction, l, without_noise(vector_of(direction)));
-      shadow.rays.t_near_m[l] = units.t_near_m[u];
+      shadow.rays.t_near_m[l] = replicates.t_near_m[u];
       shadow.rays.t_far_m[l] = INFINITY;
       shadow.rays.mask[l] = of.task->sees.from_eye;
       shadow.footprint_rad[l] = 0;
@@ -297,10 +300,11 @@ OMMA_HD void trace_disc(const DiscTask& of, Search& search, const BlockMemory& m
   }
 }
 
-// Adds what a unit sees of a disc to `light` [band], and the square of its error to `variance`.
+// Adds what a replicate sees of a disc to `light` [band], and the square of its error to
+// `variance`.
 template <typename L, typename Search>
-OMMA_HD void add_disc_of_unit(const DiscTask& of, const DiscEffort& effort, Search& search,
-                              const BlockMemory& memory, double* light, double* variance) {
+OMMA_HD void add_disc_of_replicate(const DiscTask& of, const DiscEffort& effort, Search& search,
+                                   const BlockMemory& memory, double* light, double* variance) {
   const int bands = of.frame->scene->bands;
   DiscSums sums{memory.disc_all, memory.disc_seen};
   int each = effort.plain;
@@ -308,7 +312,7 @@ OMMA_HD void add_disc_of_unit(const DiscTask& of, const DiscEffort& effort, Sear
     trace_disc<L>(of, search, memory, {1, 1, effort.pilot}, sums);
     if (sums.any_open && sums.any_hidden) each = effort.mixed;
   }
-  trace_disc<L>(of, search, memory, {0, disc_replicates, each}, sums);
+  trace_disc<L>(of, search, memory, {0, disc_batches, each}, sums);
   if (!sums.any_open) return;
   double integral[2];
   integrate_disc(of, integral);
@@ -317,19 +321,19 @@ OMMA_HD void add_disc_of_unit(const DiscTask& of, const DiscEffort& effort, Sear
     const double limb = disc.limb != nullptr ? static_cast<double>(disc.limb[b]) : 0;
     const double whole = static_cast<double>(disc.radiance[b]) * (integral[0] - limb * integral[1]);
     double all = 0, seen = 0;
-    for (int r = 0; r < disc_replicates; ++r) {
+    for (int r = 0; r < disc_batches; ++r) {
       all += sums.all[r * bands + b];
       seen += sums.seen[r * bands + b];
     }
     if (!(all > 0)) continue;
-    // Of a ratio, to first order: residuals of each replicate about it (Cochran 1977, chapter 6).
+    // Of a ratio, to first order: residuals of each batch about it (Cochran 1977, chapter 6).
     const double open = seen / all;
     double squares = 0;
-    for (int r = 0; r < disc_replicates; ++r) {
+    for (int r = 0; r < disc_batches; ++r) {
       const double d = sums.seen[r * bands + b] - open * sums.all[r * bands + b];
       squares += d * d;
     }
-    constexpr double k = disc_replicates;
+    constexpr double k = disc_batches;
     light[b] += whole * open;
     variance[b] += whole * whole * squares * k / ((k - 1) * all * all);
   }
@@ -341,42 +345,42 @@ OMMA_HD bool has_discs(const FrameView& frame) {
          frame.directions->warps != nullptr;
 }
 
-// Adds what units see of discs that their rays leave out to memory.beside, and the square of its
-// error to memory.beside_variance.
+// Adds what replicates see of discs that their rays leave out to memory.beside, and the square of
+// its error to memory.beside_variance.
 template <typename L, typename Search>
-OMMA_HD void add_eye_discs(const FrameView& frame, const BlockTask& task, const UnitList& list,
+OMMA_HD void add_eye_discs(const FrameView& frame, const BlockTask& task, const ReplicateList& list,
                            Search& search, const BlockMemory& memory) {
   const LightView& light = *frame.scene->light;
   const DirectionsView& directions = *frame.directions;
   const int bands = frame.scene->bands;
-  Units units;
-  make_units<L>(*frame.eye, task, directions, list, {true, false}, units);
-  find_acceptances(frame, units, list.count);
+  Replicates replicates;
+  make_replicates<L>(*frame.eye, task, directions, list, {true, false}, replicates);
+  find_acceptances(frame, replicates, list.count);
   for (int u = 0; u < list.count; ++u) {
     double *of_band = memory.disc_light, *error_2 = of_band + bands;
     bool any = false;
     for (int i = 0; i < light.disc_count; ++i) {
       const DiscView& disc = light.discs[i];
-      if (counts_by_rays(disc, units.acceptance_sr[u])) continue;
+      if (counts_by_rays(disc, replicates.acceptance_sr[u])) continue;
       DiscTask of{
           &frame,
           &task,
-          &units,
-          directions.warps + units.warp[u],
+          &replicates,
+          directions.warps + replicates.warp[u],
           &disc,
           u,
-          mix_bits_32(uint_of(units.hash[u]) + static_cast<std::uint32_t>(i) * 0x85ebca6bu)};
+          mix_bits_32(uint_of(replicates.hash[u]) + static_cast<std::uint32_t>(i) * 0x85ebca6bu)};
       float most = 0;
       for (int b = 0; b < bands; ++b) most = fmaxf(most, disc.radiance[b]);
       const double solid_sr = 1 / static_cast<double>(disc.density);
       const DiscEffort effort =
           choose_disc_effort(static_cast<double>(most) * solid_sr * most_unit_pdf(of),
-                             solid_sr / static_cast<double>(units.acceptance_sr[u]));
+                             solid_sr / static_cast<double>(replicates.acceptance_sr[u]));
       if (effort.plain == 0) continue;
       if (!any)
         for (int b = 0; b < 2 * bands; ++b) of_band[b] = 0;
       any = true;
-      add_disc_of_unit<L>(of, effort, search, memory, of_band, error_2);
+      add_disc_of_replicate<L>(of, effort, search, memory, of_band, error_2);
     }
     if (!any) continue;
     const int components = frame.scene->polarized ? 3 : 1;
@@ -396,8 +400,8 @@ OMMA_HD void add_eye_discs(const FrameView& frame, const BlockTask& task, const 
         }
         squares = error * error;
       }
-      memory.beside[o * unit_room + u] += sum;
-      memory.beside_variance[o * unit_room + u] += squares;
+      memory.beside[o * padded_capacity + u] += sum;
+      memory.beside_variance[o * padded_capacity + u] += squares;
     }
   }
 }

@@ -1,4 +1,4 @@
-// What the rays of a block bring, summed up over the samples of each unit.
+// What the rays of a block bring, summed up over the samples of each replicate.
 #pragma once
 
 #include "physics/block/block_memory.h"
@@ -7,14 +7,14 @@
 
 namespace omma {
 
-// Adds what lanes [first, end) brought to one unit's sums; `light`: [output][lane].
+// Adds what lanes [first, end) brought to one replicate's sums; `light`: [output][lane].
 template <typename L>
 OMMA_HD void add_lanes(const float* light, int first, int end, int outputs, double* sums,
-                       int unit) {
+                       int replicate) {
   using F = typename L::F;
-  for (int o = 0; o < outputs; ++o, light += L::count, sums += unit_room) {
+  for (int o = 0; o < outputs; ++o, light += L::count, sums += padded_capacity) {
     if (end - first == L::count) {
-      sums[unit] += static_cast<double>(sum_lanes<L>(light));
+      sums[replicate] += static_cast<double>(sum_lanes<L>(light));
       continue;
     }
     alignas(64) float x[L::count];
@@ -22,7 +22,7 @@ OMMA_HD void add_lanes(const float* light, int first, int end, int outputs, doub
       const auto lane = lane_numbers<L>() + l;
       store(x + l, lane >= first && lane < end ? load<F>(light + l) : broadcast<F>(0.0f));
     }
-    sums[unit] += static_cast<double>(sum_lanes<L>(x));
+    sums[replicate] += static_cast<double>(sum_lanes<L>(x));
   }
 }
 
@@ -31,38 +31,39 @@ template <typename L>
 OMMA_HD void keep_rays(const FrameView& frame, const BlockTask& task, const PacketPlace& place,
                        const float* light) {
   const int samples = frame.directions->samples;
-  int unit = place.unit, sample = place.sample;
+  int replicate = place.replicate, sample = place.sample;
   for (int l = 0; l < place.filled; ++l) {
-    const auto ommatidium = static_cast<std::int64_t>(frame.eye->ommatidium[task.first + unit]);
+    const auto ommatidium =
+        static_cast<std::int64_t>(frame.eye->ommatidium[task.first + replicate]);
     float* out = task.ray_radiance + (ommatidium * samples + sample) * frame.outputs;
     for (int o = 0; o < frame.outputs; ++o)
       out[o] = light[o * L::count + l] * static_cast<float>(frame.radiance_unit);
     if (++sample < samples) continue;
     sample = 0;
-    ++unit;
+    ++replicate;
   }
 }
 
-// Sums over units that are shorter than a packet, each lane one of them; where asked for (not
+// Sums over replicates that are shorter than a packet, each lane one of them; where asked for (not
 // null), the squared differences between pairs of samples too.
 template <typename L>
-OMMA_HD void add_short_units(int samples, int units, int outputs, const float* rays, double* sums,
-                             double* squares) {
+OMMA_HD void add_short_replicates(int samples, int replicates, int outputs, const float* rays,
+                                  double* sums, double* squares) {
   using F = typename L::F;
-  for (int u = 0; u < units; u += L::width)
+  for (int u = 0; u < replicates; u += L::width)
     for (int o = 0; o < outputs; ++o) {
-      const float* of_output = rays + o * short_room;
+      const float* of_output = rays + o * short_capacity;
       const auto first = (lane_numbers<L>() + u) * samples;
       F sum = gather(of_output, first);
       for (int k = 1; k < samples; ++k) sum += gather(of_output, first + k);
-      store_wide(sums + o * unit_room + u, sum);
+      store_wide(sums + o * padded_capacity + u, sum);
       if (squares == nullptr) continue;
       F square = broadcast<F>(0.0f);
       for (int k = 0; k < samples; k += 2) {
         const F d = gather(of_output, first + k) - gather(of_output, first + k + 1);
         square += d * d;
       }
-      store_wide(squares + o * unit_room + u, square);
+      store_wide(squares + o * padded_capacity + u, square);
     }
 }
 
@@ -82,16 +83,16 @@ OMMA_HD void pair_squares(const float* light, int outputs, float* squares) {
   }
 }
 
-// The same for a packet of one ray, the second of each pair of which adds to its unit's squares;
-// `first` [output] holds the other.
+// The same for a packet of one ray, the second of each pair of which adds to its replicate's
+// squares; `first` [output] holds the other.
 OMMA_HD void add_pair(const float* light, int sample, int outputs, float* first, double* squares,
-                      int unit) {
+                      int replicate) {
   for (int o = 0; o < outputs; ++o) {
     const float d = first[o] - light[o];
     if (sample % 2 == 0)
       first[o] = light[o];
     else
-      squares[o * unit_room + unit] += static_cast<double>(d * d);
+      squares[o * padded_capacity + replicate] += static_cast<double>(d * d);
   }
 }
 

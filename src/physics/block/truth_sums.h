@@ -1,5 +1,5 @@
 // Ground truth beside radiance (omma/truth.h): what each ray met first, how far away, and how it
-// moves past, summed up over the rays of a unit as radiance is.
+// moves past, summed up over the rays of a replicate as radiance is.
 #pragma once
 
 #include "physics/block/block_memory.h"
@@ -94,47 +94,48 @@ OMMA_HD void eval_truth(const FrameView& frame, const BlockTask& task, const Fir
   }
 }
 
-// What is not a mean: the nearest of a unit's rays, and which group each ray met.
+// What is not a mean: the nearest of a replicate's rays, and which group each ray met.
 template <typename L>
 OMMA_HD void add_met(const TruthView& view, const FirstHits<L>& first, int samples,
                      const PacketPlace& place, const TruthSums& sums) {
-  int unit = place.unit, sample = place.sample;
+  int replicate = place.replicate, sample = place.sample;
   for (int l = 0; l < place.filled; ++l) {
     if (first.hits.mesh[l] >= 0) {
       const float t = first.packet.rays.t_far_m[l];
-      if (t < sums.nearest_m[unit]) sums.nearest_m[unit] = t;
+      if (t < sums.nearest_m[replicate]) sums.nearest_m[replicate] = t;
       if (view.shares > 0) {
         const std::int32_t group = view.share_of_instance[first.hits.instance[l]];
-        if (group >= 0) ++sums.shares[unit * view.shares + group];
+        if (group >= 0) ++sums.shares[replicate * view.shares + group];
       }
     }
     if (++sample < samples) continue;
     sample = 0;
-    ++unit;
+    ++replicate;
   }
 }
 
-OMMA_HD void clear(const TruthView& view, const TruthSums& sums, int units) {
+OMMA_HD void clear(const TruthView& view, const TruthSums& sums, int replicates) {
   const int rows = rows_of(view).count;
   for (int o = 0; o < rows; ++o)
-    for (int u = 0; u < units; ++u) sums.rows[o * unit_room + u] = 0;
-  for (int u = 0; u < units; ++u) sums.nearest_m[u] = INFINITY;
-  for (int k = 0; k < units * view.shares; ++k) sums.shares[k] = 0;
+    for (int u = 0; u < replicates; ++u) sums.rows[o * padded_capacity + u] = 0;
+  for (int u = 0; u < replicates; ++u) sums.nearest_m[u] = INFINITY;
+  for (int k = 0; k < replicates * view.shares; ++k) sums.shares[k] = 0;
 }
 
-// Adds what one unit's rays met to another's.
-OMMA_HD void add_truth(const TruthView& view, const TruthSums& from, int unit, const TruthSums& to,
-                       int to_unit) {
+// Adds what one replicate's rays met to another's.
+OMMA_HD void add_truth(const TruthView& view, const TruthSums& from, int replicate,
+                       const TruthSums& to, int to_replicate) {
   const int rows = rows_of(view).count;
   for (int o = 0; o < rows; ++o)
-    to.rows[o * unit_room + to_unit] += from.rows[o * unit_room + unit];
-  if (from.nearest_m[unit] < to.nearest_m[to_unit]) to.nearest_m[to_unit] = from.nearest_m[unit];
+    to.rows[o * padded_capacity + to_replicate] += from.rows[o * padded_capacity + replicate];
+  if (from.nearest_m[replicate] < to.nearest_m[to_replicate])
+    to.nearest_m[to_replicate] = from.nearest_m[replicate];
   for (int k = 0; k < view.shares; ++k)
-    to.shares[to_unit * view.shares + k] += from.shares[unit * view.shares + k];
+    to.shares[to_replicate * view.shares + k] += from.shares[replicate * view.shares + k];
 }
 
-// The truth of ommatidium i of the block from the sums of its units, one for each scramble, which
-// have `rays` in all.
+// The truth of ommatidium i of the block from the sums of its replicates, one for each scramble,
+// which have `rays` in all.
 OMMA_HD void reduce_truth(const FrameView& frame, const BlockTask& task, const TruthSums& sums,
                           int i, int scrambles, int rays) {
   const TruthView& view = *frame.truth;
@@ -142,13 +143,13 @@ OMMA_HD void reduce_truth(const FrameView& frame, const BlockTask& task, const T
   const TruthRows at = rows_of(view);
   const auto out = static_cast<std::int64_t>(frame.eye->ommatidium[task.first + i]);
   for (int r = 1; r < scrambles; ++r) add_truth(view, sums, i * scrambles + r, sums, i * scrambles);
-  const int unit = i * scrambles;
-  const auto sum = [&](int row) { return sums.rows[row * unit_room + unit]; };
+  const int replicate = i * scrambles;
+  const auto sum = [&](int row) { return sums.rows[row * padded_capacity + replicate]; };
   const double all = rays, met = sum(0);
   if (truth.met != nullptr) truth.met[out] = static_cast<float>(met / all);
   if (truth.distance_m != nullptr)
     truth.distance_m[out] = met > 0 ? static_cast<float>(sum(1) / met) : INFINITY;
-  if (truth.nearest_m != nullptr) truth.nearest_m[out] = sums.nearest_m[unit];
+  if (truth.nearest_m != nullptr) truth.nearest_m[out] = sums.nearest_m[replicate];
   if (truth.inverse_distance_per_m != nullptr)
     truth.inverse_distance_per_m[out] = static_cast<float>(sum(2) / all);
   for (int r = 0; r < 3; ++r) {
@@ -160,7 +161,7 @@ OMMA_HD void reduce_truth(const FrameView& frame, const BlockTask& task, const T
   }
   for (int k = 0; k < view.shares; ++k)
     truth.shares[out * view.shares + k] =
-        static_cast<float>(sums.shares[unit * view.shares + k] / all);
+        static_cast<float>(sums.shares[replicate * view.shares + k] / all);
   const auto mean_flow = [&](float* flow, int row) {
     if (flow == nullptr) return;
     for (int k = 0; k < 2; ++k) flow[out * 2 + k] = static_cast<float>(sum(row + k) / all);

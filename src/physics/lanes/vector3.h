@@ -68,6 +68,21 @@ OMMA_HD Vector3<F> normalize(const Vector3<F>& a) {
   return a * (square > 0.0f ? 1.0f / sqrt_lanes(square) : square);
 }
 
+// Two axes across a unit vector.
+template <typename F>
+struct Axes {
+  Vector3<F> tangent, bitangent;
+};
+
+// Duff et al. 2017, Building an orthonormal basis, revisited (Journal of Computer Graphics
+// Techniques 6(1)), listing 3.
+template <typename F>
+OMMA_HD Axes<F> make_axes(const Vector3<F>& n) {
+  const F sign = n.z < 0.0f ? broadcast<F>(-1.0f) : broadcast<F>(1.0f);
+  const F a = -1.0f / (sign + n.z), b = n.x * n.y * a;
+  return {{1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}};
+}
+
 template <typename F, int n>
 OMMA_HD Vector3<F> load_vector(const float (&values)[3][n], int l) {
   return {load<F>(values[0] + l), load<F>(values[1] + l), load<F>(values[2] + l)};

@@ -257,19 +257,16 @@ OMMA_HD Vector3<F> sample_sky(const SkyView& sky, F u0, F u1) {
   return {turn.sine * cosine, below ? 0.0f - sine : sine, (0.0f - turn.cosine) * cosine};
 }
 
-// A direction in a disc, evenly by solid angle. The frame about its centre: Duff et al. 2017,
-// Building an orthonormal basis, revisited (Journal of Computer Graphics Techniques 6(1)).
+// A direction in a disc, evenly by solid angle.
 template <typename F>
 OMMA_HD Vector3<F> sample_disc(const DiscView& disc, F u0, F u1) {
-  const Vec3 n = disc.direction;
-  const float sign = n.z < 0.0f ? -1.0f : 1.0f;
-  const float a = -1.0f / (sign + n.z), b = n.x * n.y * a;
-  const Vector3<float> s = {1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x};
-  const Vector3<float> t = {b, sign + n.y * n.y * a, -n.y};
+  const Vector3<float> n = vector_of(disc.direction);
+  const Axes<float> axes = make_axes(n);
   const F chord = u0 * disc.chord_2;
   const F sine = sqrt_lanes(chord * (1.0f - 0.25f * chord));
   const SineCosine<F> turn = sine_cosine((2.0f * u1 - 1.0f) * 3.14159265f);
-  return vector_of(n) * (1.0f - 0.5f * chord) + (s * turn.cosine + t * turn.sine) * sine;
+  return n * (1.0f - 0.5f * chord) +
+         (axes.tangent * turn.cosine + axes.bitangent * turn.sine) * sine;
 }
 
 // A direction by how much light comes from it, of u0 and u1 in [0, 1); its density is far_pdf,

@@ -24,9 +24,14 @@ OMMA_HD std::uint16_t encode_baked(float x) {
   return static_cast<std::uint16_t>(value < 1 ? 1 : (value > 0xffffu ? 0xffffu : value));
 }
 
+// Of a number, or of one for each lane.
+template <typename I>
+OMMA_HD auto decode_baked(I value) {
+  const I bits = (value + static_cast<std::int32_t>(baked_exponent << 11)) * (1 << 12);
+  return keep(value != 0, float_of(bits));
+}
 OMMA_HD float decode_baked(std::uint16_t value) {
-  const std::uint32_t bits = (value + (baked_exponent << 11)) << 12;
-  return float_of(static_cast<std::int32_t>(value == 0 ? 0u : bits));
+  return decode_baked(std::int32_t{value});
 }
 
 // CellError's numbers.
@@ -136,12 +141,6 @@ OMMA_HD void eval_probes(const BakedView& baked, int bands, Vec3 position, Vec3 
       for (int b = 0; b < bands; ++b) out[b * band_stride] += scale * decode_baked(values[b]);
     }
   }
-}
-
-template <typename I>
-OMMA_HD auto decode_baked(I values) {
-  const I bits = (values + static_cast<std::int32_t>(baked_exponent << 11)) * (1 << 12);
-  return keep(values != 0, float_of(bits));
 }
 
 // Of the lanes in `lanes`, into memory.front and memory.back [band][lane]. Of surfaces that

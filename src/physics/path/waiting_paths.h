@@ -10,13 +10,14 @@ namespace omma {
 // All [slot], those before `count` wait. Stores are a vector wide: some slots more are written.
 template <typename L>
 struct WaitingPaths {
-  static constexpr int n = L::count, room = 3 * n;
+  static constexpr int n = L::count, capacity = 3 * n;
   int count = 0;
-  alignas(64) float origin[3][room], direction[3][room], density[room];
-  alignas(64) float reference[3][room], mueller[9][room];  // where light is polarised
-  alignas(64) std::int32_t hash[room], sample[room], scatterings[room], flight[room];
-  alignas(64) std::int32_t ray[room];  // where its radiance goes
-  float* throughput = nullptr;         // [band][room]
+  alignas(64) float origin[3][capacity], direction[3][capacity], density[capacity];
+  alignas(64) float reference[3][capacity], mueller[9][capacity];  // where light is polarised
+  alignas(64) std::int32_t hash[capacity], sample[capacity],
+      scatterings[capacity], flight[capacity];
+  alignas(64) std::int32_t ray[capacity];  // where its radiance goes
+  float* throughput = nullptr;             // [band][capacity]
 };
 
 // Calls `move(waiting, of_packet)` for each number of a path but its throughput.
@@ -52,7 +53,7 @@ OMMA_HD void enqueue(const Flight<L, Search>& flight, LaneMask<L> lanes,
         [&](auto* to, const auto* from) { store_some(to + count, load<F>(from + l), here); });
     store_some(waiting.ray + count, load<F>(ray + l), here);
     for (int b = 0; b < scene.bands; ++b)
-      store_some(waiting.throughput + b * waiting.room + count,
+      store_some(waiting.throughput + b * waiting.capacity + count,
                  load<F>(flight.memory.throughput + b * L::count + l), here);
     count += bits_in(here);
   }
@@ -74,7 +75,7 @@ OMMA_HD LaneMask<L> dequeue(const Flight<L, Search>& flight, WaitingPaths<L>& wa
     store(ray + l, load<F>(waiting.ray + from + l));
     for (int b = 0; b < scene.bands; ++b)
       store(flight.memory.throughput + b * n + l,
-            load<F>(waiting.throughput + b * waiting.room + from + l));
+            load<F>(waiting.throughput + b * waiting.capacity + from + l));
   }
   for (int l = 0; l < n; ++l) {
     packet.rays.t_near_m[l] = packet.footprint_rad[l] = 0;

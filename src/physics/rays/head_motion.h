@@ -22,14 +22,16 @@ struct HeadMotion {
   float centre[3] = {};  // m, traced frame
 };
 
-// Numbers in (0, 1) of samples of units: steps of the golden ratio, so that any run of samples,
-// whose directions are neighbours, has times from all over; shifted by the unit's hash.
+// Numbers in (0, 1) of samples of replicates: steps of the golden ratio, so that any run of
+// samples, whose directions are neighbours, has times from all over; shifted by the replicate's
+// hash.
 template <typename U>
 OMMA_HD auto time_fraction(U hash, U sample) {
   return open_unit(mix_bits_32(hash + 0x3c6ef372u) + sample * 2654435769u);
 }
 
-// Where the head is when a sample of a unit looks: what HeadMotion::node says, between two nodes.
+// Where the head is when a sample of a replicate looks: what HeadMotion::node says, between two
+// nodes.
 template <typename F, typename I, typename U>
 OMMA_HD void head_turn(const HeadMotion& motion, U hash, U sample, F (&turn)[3][4]) {
   const F drawn = time_fraction(hash, sample >> motion.shift);

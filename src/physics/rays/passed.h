@@ -33,9 +33,9 @@ template <int lanes>
 struct PassedSurfaces {
   // Most surfaces in one place, which is a hundred-thousandth of the distance; a ray goes on behind
   // that place where there are more.
-  static constexpr int room = 64;
+  static constexpr int capacity = 64;
   int count[lanes] = {};
-  PassedSurface surface[lanes][room];  // in the order they were met
+  PassedSurface surface[lanes][capacity];  // in the order they were met
 };
 
 // Forgets all surfaces.
@@ -48,12 +48,12 @@ OMMA_HD void clear(PassedSurfaces<lanes>& passed) {
 template <int lanes>
 OMMA_HD void pass(PassedSurfaces<lanes>& passed, int lane, RayPacket<lanes>& rays) {
   const float t = rays.t_far_m[lane], from = search_from(t);
-  PassedSurface(&surfaces)[PassedSurfaces<lanes>::room] = passed.surface[lane];
+  PassedSurface(&surfaces)[PassedSurfaces<lanes>::capacity] = passed.surface[lane];
   int count = 0;
   for (int k = 0; k < passed.count[lane]; ++k)
     if (surfaces[k].t_m >= search_from(from)) surfaces[count++] = surfaces[k];
   float& near = rays.t_near_m[lane];
-  if (count == PassedSurfaces<lanes>::room) {
+  if (count == PassedSurfaces<lanes>::capacity) {
     passed.count[lane] = 0;
     near = step_behind(t);
     return;

@@ -1,10 +1,10 @@
-// Rays of a block, written straight into packets: packets run through the samples of one unit (an
-// ommatidium under one scramble) and on into the next, so that none is left half full. All of it
-// runs in lanes, whether a packet holds one unit or many.
+// Rays of a block, written straight into packets: packets run through the samples of one replicate
+// (an ommatidium under one scramble) and on into the next, so that none is left half full. All of
+// it runs in lanes, whether a packet holds one replicate or many.
 #pragma once
 
 #include "physics/lanes/vector3.h"
-#include "physics/rays/units.h"
+#include "physics/rays/replicates.h"
 #include "physics/sampling/low_discrepancy.h"
 #include "physics/sampling/random_direction.h"
 #include "physics/views/ray_packet.h"
@@ -16,7 +16,7 @@ template <typename L>
 struct Packet {
   RayPacket<L::count> rays;
   alignas(L::count * 4) float footprint_rad[L::count];  // width of each ray (footprint.h)
-  // Of paths: what their choices are hashed from, which sample of its unit each is, and the
+  // Of paths: what their choices are hashed from, which sample of its replicate each is, and the
   // reference axis of its polarisation: unit, across the ray.
   alignas(L::count * 4) std::int32_t hash[L::count];
   alignas(L::count * 4) std::int32_t sample[L::count];
@@ -48,9 +48,9 @@ OMMA_HD Vector3<F> without_noise(const Vector3<F>& v) {
   return {without_noise(v.x), without_noise(v.y), without_noise(v.z)};
 }
 
-// Points all over the unit disc for samples of units: a lattice of two irrational steps (the
-// plastic number's, whose points stay apart at any count), shifted by the unit's hash. Each point
-// alone is uniform, so responses are unbiased.
+// Points all over the unit disc for samples of replicates: a lattice of two irrational steps (the
+// plastic number's, whose points stay apart at any count), shifted by the replicate's hash. Each
+// point alone is uniform, so responses are unbiased.
 template <typename F>
 struct DiscPoints {
   F x, y;
@@ -97,23 +97,24 @@ OMMA_HD I sample_of_part(const DirectionsView& directions, I number) {
   return first + (number < directions.pattern_samples >> bits ? own : number * 0 + directions.part);
 }
 
-// Where a packet stands: its first ray is sample `sample` of unit `unit`; `filled` lanes hold rays.
+// Where a packet stands: its first ray is sample `sample` of replicate `replicate`; `filled` lanes
+// hold rays.
 struct PacketPlace {
-  int unit, sample, filled;
+  int replicate, sample, filled;
 };
 
 // Writes L::width rays from lane l on, the first that of a place.
 template <typename L>
-OMMA_HD void write_rays(const DirectionsView& directions, const Units& units, int last_unit,
-                        const PacketPlace& place, Packet<L>& packet, int l) {
+OMMA_HD void write_rays(const DirectionsView& directions, const Replicates& replicates,
+                        int last_replicate, const PacketPlace& place, Packet<L>& packet, int l) {
   using F = typename L::F;
   using I = typename L::I;
-  const int unit = place.unit, sample = place.sample;
-  const auto write = [&](LocalDirection<F> d, const auto& of_unit, const auto& points,
-                         const auto& hash, I sample_of_unit) {
+  const int replicate = place.replicate, sample = place.sample;
+  const auto write = [&](LocalDirection<F> d, const auto& of_replicate, const auto& points,
+                         const auto& hash, I sample_of_replicate) {
     RayPacket<L::count>& rays = packet.rays;
-    if (units.has_scales) {
-      const F scale = of_unit(units.scale);
+    if (replicates.has_scales) {
+      const F scale = of_replicate(replicates.scale);
       d.x *= scale;
       d.y *= scale;
       const F sine2 = d.x * d.x + d.y * d.y;
@@ -121,100 +122,101 @@ OMMA_HD void write_rays(const DirectionsView& directions, const Units& units, in
       d.z = d.z < 0.0f ? -cosine : cosine;
     }
     DiscPoints<F> disc{};
-    if (units.has_apertures) {
+    if (replicates.has_apertures) {
       disc = points();
-      const F radius = of_unit(units.aperture_radius_m);
+      const F radius = of_replicate(replicates.aperture_radius_m);
       disc = {disc.x * radius, disc.y * radius};
     }
-    const auto vector_of_unit = [&](const float(&values)[3][unit_room]) {
-      return Vector3<F>{of_unit(values[0]), of_unit(values[1]), of_unit(values[2])};
+    const auto vector_of_unit = [&](const float(&values)[3][padded_capacity]) {
+      return Vector3<F>{of_replicate(values[0]), of_replicate(values[1]), of_replicate(values[2])};
     };
-    const Vector3<F> s = vector_of_unit(units.s), t = vector_of_unit(units.t);
-    const Vector3<F> axis = vector_of_unit(units.axis);
-    Vector3<F> origin = vector_of_unit(units.origin);
-    if (units.has_apertures) origin = origin + s * disc.x + t * disc.y;
+    const Vector3<F> s = vector_of_unit(replicates.s), t = vector_of_unit(replicates.t);
+    const Vector3<F> axis = vector_of_unit(replicates.axis);
+    Vector3<F> origin = vector_of_unit(replicates.origin);
+    if (replicates.has_apertures) origin = origin + s * disc.x + t * disc.y;
     const Vector3<F> direction = without_noise(s * d.x + t * d.y + axis * d.z);
     store_vector(rays.origin, l, origin);
     store_vector(rays.direction, l, direction);
-    store(rays.t_near_m + l, of_unit(units.t_near_m));
-    store(packet.footprint_rad + l, of_unit(units.footprint_rad));
-    if (units.needs.choices) {
+    store(rays.t_near_m + l, of_replicate(replicates.t_near_m));
+    store(packet.footprint_rad + l, of_replicate(replicates.footprint_rad));
+    if (replicates.needs.choices) {
       store(packet.hash + l, hash());
-      store(packet.sample + l, sample_of_unit);
-      store(packet.acceptance_sr + l, of_unit(units.acceptance_sr));
+      store(packet.sample + l, sample_of_replicate);
+      store(packet.acceptance_sr + l, of_replicate(replicates.acceptance_sr));
     }
-    if (!units.needs.axes) return;
-    store_vector(packet.reference, l, turn_with(axis, direction, vector_of_unit(units.up)));
+    if (!replicates.needs.axes) return;
+    store_vector(packet.reference, l, turn_with(axis, direction, vector_of_unit(replicates.up)));
   };
 
-  // All lanes are one unit's: straight from its pattern.
+  // All lanes are one replicate's: straight from its pattern.
   const float* local = directions.local;
   const int samples = directions.samples, plane = directions.pattern_samples;
   if (directions.patterns > 0 && directions.part_bits == 0 && sample + L::width <= samples) {
-    const float* p = local + units.directions[unit] + sample;
+    const float* p = local + replicates.directions[replicate] + sample;
     write(
         {load<F>(p), load<F>(p + plane), load<F>(p + 2 * plane)},
-        [&](const float* values) { return broadcast<F>(values[unit]); },
+        [&](const float* values) { return broadcast<F>(values[replicate]); },
         [&] {
-          return disc_points<L>(lane_numbers<L>() * 0 + units.hash[unit],
+          return disc_points<L>(lane_numbers<L>() * 0 + replicates.hash[replicate],
                                 lane_numbers<L>() + sample);
         },
-        [&] { return lane_numbers<L>() * 0 + units.hash[unit]; }, lane_numbers<L>() + sample);
+        [&] { return lane_numbers<L>() * 0 + replicates.hash[replicate]; },
+        lane_numbers<L>() + sample);
     return;
   }
 
-  // Units that the lanes are ahead of the first one, and their sample within those.
+  // Replicates that the lanes are ahead of the first one, and their sample within those.
   const I lane_sample = lane_numbers<L>() + sample;
   I ahead = to_int((to_float(lane_sample) + 0.5f) * (1.0f / static_cast<float>(samples)));
   const I local_sample = sample_of_part(directions, lane_sample - ahead * samples);
-  ahead = ahead > last_unit - unit ? ahead * 0 + (last_unit - unit) : ahead;
+  ahead = ahead > last_replicate - replicate ? ahead * 0 + (last_replicate - replicate) : ahead;
   LocalDirection<F> d;
   if (directions.patterns > 0) {
-    const I p = gather(units.directions + unit, ahead) + local_sample;
+    const I p = gather(replicates.directions + replicate, ahead) + local_sample;
     d = {gather(local, p), gather(local, p + plane), gather(local, p + 2 * plane)};
   } else if (directions.random) {
-    d = sample_random_direction<F>(directions.polar, gather(units.directions + unit, ahead),
-                                   uint_of(gather(units.hash + unit, ahead)),
-                                   uint_of(local_sample));
+    d = sample_random_direction<F>(
+        directions.polar, gather(replicates.directions + replicate, ahead),
+        uint_of(gather(replicates.hash + replicate, ahead)), uint_of(local_sample));
   } else {
-    std::int32_t unit_of[L::width], sample_of[L::width];
-    store(unit_of, ahead + unit);
+    std::int32_t replicate_of[L::width], sample_of[L::width];
+    store(replicate_of, ahead + replicate);
     store(sample_of, local_sample);
     float x[L::width], y[L::width], z[L::width];
     for (int k = 0; k < L::width; ++k) {
       const Vec3 made = low_discrepancy_direction(
-          directions.warps[units.directions[unit_of[k]]],
-          static_cast<std::uint32_t>(units.hash[unit_of[k]]), sample_of[k]);
+          directions.warps[replicates.directions[replicate_of[k]]],
+          static_cast<std::uint32_t>(replicates.hash[replicate_of[k]]), sample_of[k]);
       x[k] = made.x, y[k] = made.y, z[k] = made.z;
     }
     d = {load<F>(x), load<F>(y), load<F>(z)};
   }
   write(
-      d, [&](const float* values) { return pick(values + unit, ahead); },
-      [&] { return disc_points<L>(gather(units.hash + unit, ahead), local_sample); },
-      [&] { return gather(units.hash + unit, ahead); }, local_sample);
+      d, [&](const float* values) { return pick(values + replicate, ahead); },
+      [&] { return disc_points<L>(gather(replicates.hash + replicate, ahead), local_sample); },
+      [&] { return gather(replicates.hash + replicate, ahead); }, local_sample);
 }
 
-// Writes the rays of all units into packets, in order, and hands each one to `consume`.
+// Writes the rays of all replicates into packets, in order, and hands each one to `consume`.
 template <typename L, typename Consume>
-OMMA_HD void for_each_packet(const DirectionsView& directions, const Units& units, int unit_count,
-                             Packet<L>& packet, const Consume& consume) {
+OMMA_HD void for_each_packet(const DirectionsView& directions, const Replicates& replicates,
+                             int replicate_count, Packet<L>& packet, const Consume& consume) {
   const int samples = directions.samples;
   const float per_sample = 1.0f / static_cast<float>(samples);
   PacketPlace place{0, 0, L::count};
-  for (std::int64_t left = std::int64_t{unit_count} * samples; left > 0; left -= L::count) {
+  for (std::int64_t left = std::int64_t{replicate_count} * samples; left > 0; left -= L::count) {
     if (left < L::count) place.filled = static_cast<int>(left);
-    int unit = place.unit, sample = place.sample;
+    int replicate = place.replicate, sample = place.sample;
     for (int l = 0; l < L::count; l += L::width) {
-      write_rays<L>(directions, units, unit_count - 1, {unit, sample, 0}, packet, l);
+      write_rays<L>(directions, replicates, replicate_count - 1, {replicate, sample, 0}, packet, l);
       sample += L::width;
       const int ahead = static_cast<int>((static_cast<float>(sample) + 0.5f) * per_sample);
-      unit += ahead;
+      replicate += ahead;
       sample -= ahead * samples;
-      if (unit >= unit_count) unit = unit_count - 1;
+      if (replicate >= replicate_count) replicate = replicate_count - 1;
     }
     consume(place);
-    place = {unit, sample, L::count};
+    place = {replicate, sample, L::count};
   }
 }
 

@@ -1,5 +1,5 @@
-// The search of a hierarchy of boxes (physics/search/bvh.h) for what rays meet: plain C++ for host and
-// device. One algorithm for a bundle of `count` rays, which may be one.
+// The search of a hierarchy of boxes (physics/search/bvh.h) for what rays meet: plain C++ for host
+// and device. One algorithm for a bundle of `count` rays, which may be one.
 //
 // The rays of a packet belong to one narrow ommatidium, or to neighbours. So those whose directions
 // have the same signs go through a tree together: the eight children of a node are tested at once
@@ -38,7 +38,7 @@ template <typename L, typename Leaf>
 OMMA_HD void search_tree(const WideNode* nodes, std::uint32_t root, const RayBundle<L>& bundle,
                          unsigned lanes, const float (&t_far_m)[L::count], Leaf leaf) {
   constexpr std::uint32_t index_mask = (1u << visit_index_bits) - 1;
-  Visit stack[stack_room];
+  Visit stack[stack_capacity];
   int depth = 0;
   float far_m = furthest<L>(t_far_m, lanes);
   stack[depth++] = {root, 0, lanes};

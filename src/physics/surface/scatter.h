@@ -112,20 +112,6 @@ OMMA_HD Vector3<F> bend_normal(const Vector3<F>& normal, const Vector3<F>& direc
   return bent * (1.0f / sqrt_lanes(dot(bent, bent)));
 }
 
-// Two axes across a unit vector.
-template <typename F>
-struct Axes {
-  Vector3<F> tangent, bitangent;
-};
-
-// Duff et al. 2017, listing 3.
-template <typename F>
-OMMA_HD Axes<F> make_axes(const Vector3<F>& n) {
-  const F sign = n.z < 0.0f ? broadcast<F>(-1.0f) : broadcast<F>(1.0f);
-  const F a = -1.0f / (sign + n.z), b = n.x * n.y * a;
-  return {{1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}};
-}
-
 template <typename F>
 OMMA_HD LocalDirection<F> to_local(const ScatterPoint<F>& p, const Vector3<F>& w) {
   return {dot(p.tangent, w), dot(p.bitangent, w), dot(p.normal, w)};

@@ -1,5 +1,5 @@
 // Where the rays of a block start and what their directions turn about: the world frame of each
-// unit, which is an ommatidium under one scramble, at one pose.
+// replicate, which is an ommatidium under one scramble, at one pose.
 #pragma once
 
 #include "physics/lanes/vector3.h"
@@ -15,15 +15,16 @@ inline constexpr int most_per_block = 64;
 // Rays that a block has about; it has no more where an ommatidium has less than a packet's.
 inline constexpr int block_rays = 512;
 
-// Vector loops read a packet's width past the last unit.
-inline constexpr int unit_room = block_capacity + 16;
+// Vector loops read a packet's width past the last replicate.
+inline constexpr int padded_capacity = block_capacity + 16;
 
-// Which ommatidia of a block are rendered, each under which scrambles: unit u is the ommatidium
-// ordinal[u / scrambles] of the eye's arrays under scramble first_scramble + u % scrambles.
-struct UnitList {
+// Which ommatidia of a block are rendered, each under which scrambles: replicate u is the
+// ommatidium ordinal[u / scrambles] of the eye's arrays under scramble first_scramble + u %
+// scrambles.
+struct ReplicateList {
   const std::int32_t* ordinal = nullptr;  // null: task.first and on
   int first_scramble = 0, scrambles = 1;
-  int count = 0;  // of units
+  int count = 0;  // of replicates
 };
 
 // What rays carry besides where they start and look.
@@ -32,45 +33,46 @@ struct RayNeeds {
   bool axes = false;     // up vectors: those of light that is polarised, and of optic flow
 };
 
-// World frames of units; s and t lie across the axis, the scramble's turn about it applied.
-struct Units {
-  alignas(64) float origin[3][unit_room];
-  alignas(64) float axis[3][unit_room];
-  alignas(64) float s[3][unit_room];
-  alignas(64) float t[3][unit_room];
-  alignas(64) float t_near_m[unit_room];
-  alignas(64) float footprint_rad[unit_room];  // width of each ray (footprint.h)
-  alignas(64) float aperture_radius_m[unit_room];
-  alignas(64) float scale[unit_room];              // of sines of polar angles
-  alignas(64) std::int32_t directions[unit_room];  // where its pattern begins, or which warp
-  alignas(64) std::int32_t hash[unit_room];        // of its scramble
-  alignas(64) std::int32_t warp[unit_room];
-  alignas(64) float acceptance_sr[unit_room];  // counts_by_rays; find_acceptances
-  alignas(64) float up[3][unit_room];          // across the axis, before any turn
+// World frames of replicates; s and t lie across the axis, the scramble's turn about it applied.
+struct Replicates {
+  alignas(64) float origin[3][padded_capacity];
+  alignas(64) float axis[3][padded_capacity];
+  alignas(64) float s[3][padded_capacity];
+  alignas(64) float t[3][padded_capacity];
+  alignas(64) float t_near_m[padded_capacity];
+  alignas(64) float footprint_rad[padded_capacity];  // width of each ray (footprint.h)
+  alignas(64) float aperture_radius_m[padded_capacity];
+  alignas(64) float scale[padded_capacity];              // of sines of polar angles
+  alignas(64) std::int32_t directions[padded_capacity];  // where its pattern begins, or which warp
+  alignas(64) std::int32_t hash[padded_capacity];        // of its scramble
+  alignas(64) std::int32_t warp[padded_capacity];
+  alignas(64) float acceptance_sr[padded_capacity];  // counts_by_rays; find_acceptances
+  alignas(64) float up[3][padded_capacity];          // across the axis, before any turn
   bool has_apertures, has_scales;
   RayNeeds needs;
 };
 
-// The eye's arrays are padded, so that the last lanes read something; lanes behind the last unit
-// repeat it.
+// The eye's arrays are padded, so that the last lanes read something; lanes behind the last
+// replicate repeat it.
 template <typename L>
-OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const DirectionsView& directions,
-                        const UnitList& list, RayNeeds needs, Units& units) {
+OMMA_HD void make_replicates(const EyeView& eye, const BlockTask& task,
+                             const DirectionsView& directions, const ReplicateList& list,
+                             RayNeeds needs, Replicates& replicates) {
   using F = typename L::F;
   using I = typename L::I;
   using U = typename L::U;
   const float(&m)[3][4] = task.world_from_head;
   const std::uint64_t pose = pose_hash(directions.seed, task.pose);
   const bool in_order = list.ordinal == nullptr && list.scrambles == 1;
-  units.has_apertures = eye.has_apertures;
-  units.has_scales = eye.has_scales;
-  units.needs = needs;
+  replicates.has_apertures = eye.has_apertures;
+  replicates.has_scales = eye.has_scales;
+  replicates.needs = needs;
   const float per_scramble = 1.0f / static_cast<float>(list.scrambles);
   for (int u = 0; u < list.count; u += L::width) {
-    I unit = lane_numbers<L>() + u;
-    unit = unit < list.count ? unit : unit * 0 + (list.count - 1);
-    const I listed = to_int((to_float(unit) + 0.5f) * per_scramble);
-    const U scramble = uint_of(unit - listed * list.scrambles + list.first_scramble);
+    I replicate = lane_numbers<L>() + u;
+    replicate = replicate < list.count ? replicate : replicate * 0 + (list.count - 1);
+    const I listed = to_int((to_float(replicate) + 0.5f) * per_scramble);
+    const U scramble = uint_of(replicate - listed * list.scrambles + list.first_scramble);
     const I e = list.ordinal == nullptr ? listed + task.first : gather(list.ordinal, listed);
     const auto at = [&](const auto* values) {
       using Vector = decltype(gather(values, e));
@@ -81,10 +83,10 @@ OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const Directi
     const auto vector_at = [&](const float* const(&values)[3]) {
       return Vector3<F>{at(values[0]), at(values[1]), at(values[2])};
     };
-    store_vector(units.origin, u, transform_point(m, vector_at(eye.origin)));
+    store_vector(replicates.origin, u, transform_point(m, vector_at(eye.origin)));
     const Vector3<F> axis = transform_direction(m, vector_at(eye.axis));
     const F length_a = sqrt_lanes(dot(axis, axis));
-    store(units.t_near_m + u, at(eye.focal_offset_m) * length_a);
+    store(replicates.t_near_m + u, at(eye.focal_offset_m) * length_a);
     const Vector3<F> a = axis * (1.0f / length_a);
     Vector3<F> s = transform_direction(m, vector_at(eye.up));
     s = s - a * dot(s, a);
@@ -101,22 +103,22 @@ OMMA_HD void make_units(const EyeView& eye, const BlockTask& task, const Directi
     const I turn = fixed_turn < 0 ? own_turn : fixed_turn;
     const float* turns = &directions.turns->x;
     const F cosine = gather(turns, turn * 2), sine = gather(turns, turn * 2 + 1);
-    store_vector(units.axis, u, a);
-    store_vector(units.s, u, s * cosine + t * sine);
-    store_vector(units.t, u, t * cosine - s * sine);
-    if (needs.axes) store_vector(units.up, u, s);
-    store(units.warp + u, warp);
-    store(units.footprint_rad + u, gather(directions.footprint_rad, warp));
+    store_vector(replicates.axis, u, a);
+    store_vector(replicates.s, u, s * cosine + t * sine);
+    store_vector(replicates.t, u, t * cosine - s * sine);
+    if (needs.axes) store_vector(replicates.up, u, s);
+    store(replicates.warp + u, warp);
+    store(replicates.footprint_rad + u, gather(directions.footprint_rad, warp));
     if (directions.patterns > 0) {
       const U pattern = (hash + scramble) & static_cast<std::uint32_t>(directions.patterns - 1);
-      store(units.directions + u,
+      store(replicates.directions + u,
             (warp * directions.patterns + int_of(pattern)) * (3 * directions.pattern_samples));
     } else {
-      store(units.directions + u, warp);
+      store(replicates.directions + u, warp);
     }
-    store(units.hash + u, scramble_hash(hash, scramble));
-    store(units.aperture_radius_m + u, at(eye.aperture_radius_m) * length_a);
-    store(units.scale + u, at(eye.scale));
+    store(replicates.hash + u, scramble_hash(hash, scramble));
+    store(replicates.aperture_radius_m + u, at(eye.aperture_radius_m) * length_a);
+    store(replicates.scale + u, at(eye.scale));
   }
 }
 
@@ -128,12 +130,12 @@ OMMA_HD float acceptance_sr(const AcceptanceWarpView& warp, float scale) {
   return static_cast<float>(warp.integral_sr) * scale * scale;
 }
 
-OMMA_HD void find_acceptances(const FrameView& frame, Units& units, int count) {
+OMMA_HD void find_acceptances(const FrameView& frame, Replicates& replicates, int count) {
   for (int u = 0; u < count; ++u)
-    units.acceptance_sr[u] =
+    replicates.acceptance_sr[u] =
         frame.acceptance_sr >= 0
             ? frame.acceptance_sr
-            : acceptance_sr(frame.directions->warps[units.warp[u]], units.scale[u]);
+            : acceptance_sr(frame.directions->warps[replicates.warp[u]], replicates.scale[u]);
 }
 
 }  // namespace omma

@@ -1,4 +1,5 @@
-// The hot loop of a block: the rays of units, followed packet by packet, from directions to sums.
+// The hot loop of a block: the rays of replicates, followed packet by packet, from directions to
+// sums.
 #pragma once
 
 #include "physics/block/aimed_rays.h"
@@ -12,15 +13,15 @@ namespace omma {
 
 // Whose rays those of a packet are, as Packet has it.
 template <typename L>
-OMMA_HD void name_ommatidia(const BlockTask& task, const UnitList& list, const PacketPlace& place,
-                            int samples, Packet<L>& packet) {
-  int unit = place.unit, sample = place.sample;
+OMMA_HD void name_ommatidia(const BlockTask& task, const ReplicateList& list,
+                            const PacketPlace& place, int samples, Packet<L>& packet) {
+  int replicate = place.replicate, sample = place.sample;
   for (int l = 0; l < L::count; ++l) {
-    const int listed = (unit < list.count ? unit : list.count - 1) / list.scrambles;
+    const int listed = (replicate < list.count ? replicate : list.count - 1) / list.scrambles;
     packet.ommatidium[l] = list.ordinal == nullptr ? listed : list.ordinal[listed] - task.first;
     if (++sample < samples) continue;
     sample = 0;
-    ++unit;
+    ++replicate;
   }
 }
 
@@ -33,31 +34,32 @@ struct BlockRun {
   const BlockMemory& memory;
 };
 
-// Where the sums over the rays of each unit go, which begin as zeros: what its rays brought; where
-// not null the squared differences between pairs of samples; what they met, where the frame asks
-// for it.
-struct UnitSums {
+// Where the sums over the rays of each replicate go, which begin as zeros: what its rays brought;
+// where not null the squared differences between pairs of samples; what they met, where the frame
+// asks for it.
+struct ReplicateSums {
   double* light;
   double* squares;
   TruthSums truth;
 };
 
-// The hot loop: makes the rays of units, packet by packet, follows them, and adds what they bring
-// to their units' sums.
+// The hot loop: makes the rays of replicates, packet by packet, follows them, and adds what they
+// bring to their replicates' sums.
 template <typename L, typename Search>
-OMMA_HD void trace_units(const BlockRun<Search>& run, const DirectionsView& directions,
-                         const UnitList& list, const UnitSums& to) {
+OMMA_HD void trace_replicates(const BlockRun<Search>& run, const DirectionsView& directions,
+                              const ReplicateList& list, const ReplicateSums& to) {
   const FrameView& frame = run.frame;
   const BlockTask& task = run.task;
   const BlockMemory& memory = run.memory;
   const SceneView& scene = *frame.scene;
-  Units units;
+  Replicates replicates;
   const bool has_flow = frame.truth != nullptr && frame.truth->flow;
   const bool has_choices = frame.scene->light != nullptr || task.motion != nullptr;
-  make_units<L>(*frame.eye, task, directions, list,
-                {has_choices, scene.polarized || has_flow || task.motion != nullptr}, units);
-  if (has_choices) find_acceptances(frame, units, list.count);
-  const bool has_cones = has_aims(frame) && find_cones(frame, task, units, list.count, memory);
+  make_replicates<L>(*frame.eye, task, directions, list,
+                     {has_choices, scene.polarized || has_flow || task.motion != nullptr},
+                     replicates);
+  if (has_choices) find_acceptances(frame, replicates, list.count);
+  const bool has_cones = has_aims(frame) && find_cones(frame, task, replicates, list.count, memory);
   FirstHits<L> met;
   FirstHits<L>* const first = frame.truth != nullptr ? &met : nullptr;
   const int truth_rows = frame.truth != nullptr ? rows_of(*frame.truth).count : 0;
@@ -67,19 +69,19 @@ OMMA_HD void trace_units(const BlockRun<Search>& run, const DirectionsView& dire
   clear<L>(packet.rays);
   packet.light_sees = task.sees.by_light;
 
-  // Adds the numbers of a packet's rays, [row][lane], to their units.
+  // Adds the numbers of a packet's rays, [row][lane], to their replicates.
   const auto add = [&](const PacketPlace& place, const float* rays, int count, double* sums) {
     const int left = directions.samples - place.sample,
               in_first = left < L::count ? left : L::count;
     const int end = in_first < place.filled ? in_first : place.filled;
-    add_lanes<L>(rays, 0, end, count, sums, place.unit);
-    if (end < place.filled) add_lanes<L>(rays, end, place.filled, count, sums, place.unit + 1);
+    add_lanes<L>(rays, 0, end, count, sums, place.replicate);
+    if (end < place.filled) add_lanes<L>(rays, end, place.filled, count, sums, place.replicate + 1);
   };
   const auto keep_short = [](const float* rays, int count, int traced, float* all) {
     for (int o = 0; o < count; ++o)
-      memcpy(all + o * short_room + traced, rays + o * L::count, L::count * sizeof(float));
+      memcpy(all + o * short_capacity + traced, rays + o * L::count, L::count * sizeof(float));
   };
-  int of_light = 0, of_truth = 0;  // rays so far, where units are short
+  int of_light = 0, of_truth = 0;  // rays so far, where replicates are short
   const auto add_light_of = [&](const PacketPlace& place, const float* radiance) {
     const float* output = radiance;
     if (frame.output_from_band != nullptr) {
@@ -95,7 +97,7 @@ OMMA_HD void trace_units(const BlockRun<Search>& run, const DirectionsView& dire
     add(place, output, outputs, to.light);
     if (to.squares == nullptr) return;
     if constexpr (L::count == 1) {
-      add_pair(output, place.sample, outputs, memory.squares, to.squares, place.unit);
+      add_pair(output, place.sample, outputs, memory.squares, to.squares, place.replicate);
     } else {
       pair_squares<L>(output, outputs, memory.squares);
       add(place, memory.squares, outputs, to.squares);
@@ -113,7 +115,7 @@ OMMA_HD void trace_units(const BlockRun<Search>& run, const DirectionsView& dire
     }
   };
   const auto for_each = [&](const auto& eval) {
-    for_each_packet<L>(directions, units, list.count, packet, [&](const PacketPlace& place) {
+    for_each_packet<L>(directions, replicates, list.count, packet, [&](const PacketPlace& place) {
       for (int l = 0; l < L::count; ++l) packet.rays.mask[l] = task.sees.from_eye;
       if (task.motion != nullptr) move_with_head<L>(*task.motion, packet);
       if (memory.paths.cell_errors != nullptr)
@@ -162,10 +164,10 @@ OMMA_HD void trace_units(const BlockRun<Search>& run, const DirectionsView& dire
     end();
   }
   if (!is_short) return;
-  add_short_units<L>(directions.samples, list.count, outputs, memory.short_rays, to.light,
-                     to.squares);
-  add_short_units<L>(directions.samples, list.count, truth_rows, memory.short_truth, to.truth.rows,
-                     static_cast<double*>(nullptr));
+  add_short_replicates<L>(directions.samples, list.count, outputs, memory.short_rays, to.light,
+                          to.squares);
+  add_short_replicates<L>(directions.samples, list.count, truth_rows, memory.short_truth,
+                          to.truth.rows, static_cast<double*>(nullptr));
 }
 
 }  // namespace omma
