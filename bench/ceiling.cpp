@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cstdio>
 
+#include "backend/denormals.h"
 #include "backend/embree/embree_backend.h"
 #include "backend/embree/embree_search.h"
 #include "backend/eye_arrays.h"

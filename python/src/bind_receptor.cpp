@@ -6,9 +6,7 @@
 #include <string>
 
 #include "arrays.h"
-#include "omma/error.h"
 #include "omma/receptor_views.h"
-#include "omma/scene.h"
 #include "progress.h"
 
 namespace omma::python {

@@ -8,6 +8,7 @@
 #endif
 #include "backend/portable/portable_backend.h"
 #include "omma/error.h"
+#include "physics/block/block_memory.h"
 
 namespace omma {
 namespace {

@@ -3,6 +3,8 @@
 #pragma once
 
 #include "backend/block_functions.h"
+#include "backend/denormals.h"
+#include "physics/block/block.h"
 
 namespace omma::OMMA_ISA {
 

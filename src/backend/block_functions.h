@@ -4,8 +4,6 @@
 
 #include <cstddef>
 
-#include "backend/denormals.h"
-#include "physics/block/block.h"
 #include "physics/block/weigh.h"
 #include "physics/path/gather.h"
 

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "backend/texture_table.h"
-#include "threads/parallel.h"
 
 namespace omma {
 namespace {

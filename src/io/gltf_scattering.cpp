@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "io/gltf_spectra.h"
-#include "omma/error.h"
 
 namespace omma {
 namespace {

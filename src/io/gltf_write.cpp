@@ -21,7 +21,6 @@
 #include "io/gltf_writer.h"
 #include "io/image.h"
 #include "model/long_work.h"
-#include "omma/error.h"
 #include "omma/io.h"
 
 namespace omma {

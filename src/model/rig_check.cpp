@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "omma/error.h"
+#include "omma/rig.h"
 
 namespace omma {
 namespace {

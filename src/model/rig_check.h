@@ -1,7 +1,7 @@
 // What must hold of a scene's rig before it is trusted.
 #pragma once
 
-#include "omma/rig.h"
+#include "omma/scene.h"
 
 namespace omma {
 

@@ -13,6 +13,7 @@
 #include "model/rig_check.h"
 #include "model/scene_light.h"
 #include "omma/error.h"
+#include "omma/rig.h"
 
 namespace omma {
 namespace {

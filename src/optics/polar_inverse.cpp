@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "optics/lens_rhabdom.h"
 #include "threads/parallel.h"
 
 namespace omma {

@@ -4,7 +4,6 @@
 #include <string>
 
 #include "omma/error.h"
-#include "omma/projection.h"
 #include "project/sites.h"
 
 namespace omma {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "omma/render.h"
+#include "omma/truth.h"
 #include "physics/views/frame_view.h"
 #include "world/world_state.h"
 

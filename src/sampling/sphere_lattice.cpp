@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "omma/pose.h"
 #include "threads/parallel.h"
 
 namespace omma {

@@ -13,7 +13,6 @@
 
 #include "backend/bake_cells.h"
 #include "backend/bake_groups.h"
-#include "model/text.h"
 #include "omma/error.h"
 #include "physics/path/baked.h"
 #include "physics/sampling/hash.h"

@@ -8,7 +8,6 @@
 
 #include "light/check_light.h"
 #include "model/scene_light.h"
-#include "model/text.h"
 #include "threads/parallel.h"
 #include "world/camera_rays.h"
 #include "world/traced_poses.h"

@@ -4,6 +4,7 @@
 #include <malloc.h>
 
 #include "backend/embree/embree_tracer.h"
+#include "backend/shading_data.h"
 #include "test_scenes.h"
 #include "threads/parallel.h"
 

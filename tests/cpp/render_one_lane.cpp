@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "backend/block_functions.h"
+#include "backend/denormals.h"
+#include "physics/block/block.h"
 #include "backend/embree/embree_backend.h"
 #include "backend/embree/embree_builds.h"
 #include "backend/embree/embree_search.h"

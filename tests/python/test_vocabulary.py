@@ -133,3 +133,37 @@ def test_the_reading_path_is_as_long_as_architecture_says():
         # A page more or less by small changes.
         numbers = [int(number) for number in said[0].strip("| ").split(" | ")[-2:]]
         assert numbers == pytest.approx([int(own), int(total)], abs=1)
+
+
+# Includes for what lies behind them: an umbrella, errors that callers of public functions catch, a
+# library that a file of ours stands for, a type that is deleted.
+FOR_OTHERS = {"omma.h", "error.h", "io.h", "embree_api.h", "camera_rays.h"}
+DECLARED = (
+    r"\b(?:struct|class|enum class|enum|union)\s+(?:alignas\([^)]*\)\s*)?(\w+)",
+    r"\busing\s+(\w+)\s*=",
+    r"#define\s+(\w+)",
+    r"\b(\w+)\s*\(",
+    r"\bconstexpr\b[^=;(]*?\b(\w+)\s*(?:\[[^\]]*\])*\s*[={]",
+    r",\s*(\w+)\s*=",
+)
+
+
+def test_includes_are_used():
+    """Of each header of ours something is named in the file that includes it: read as text, so a
+    word that both happen to have hides one that is not used."""
+    checked, unused = 0, []
+    for path in sorted([*headers(), *(ROOT / "src").rglob("*.cpp")]):
+        text = without_comments(path.read_text())
+        words = set(re.findall(r"\w+", re.sub(r"#include[^\n]*", "", text)))
+        for name in re.findall(r'#include "([^"]+)"', text):
+            found = [ROOT / base / name for base in ("src", "include")]
+            header = next((one for one in found if one.is_file()), None)
+            if header is None or header.stem == path.stem or path.name == "omma.h":
+                continue
+            declares = without_comments(header.read_text())
+            names = {one for pattern in DECLARED for one in re.findall(pattern, declares)}
+            checked += 1
+            if not names & words and header.name not in FOR_OTHERS:
+                unused.append((path.name, name))
+    assert checked > 700
+    assert unused == []

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "backend/embree/filter.h"
+#include "backend/shading_data.h"
 #include "omma/error.h"
 #include "threads/parallel.h"
 

@@ -11,7 +11,7 @@
 
 #include "backend/embree/embree_api.h"
 #include "backend/scene_layout.h"
-#include "backend/shading_data.h"
+#include "physics/views/scene_view.h"
 #include "model/long_work.h"
 #include "model/scene_place.h"
 #include "omma/scene.h"

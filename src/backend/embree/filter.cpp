@@ -2,6 +2,7 @@
 // those that the ray has passed already.
 #include "backend/embree/filter.h"
 
+#include "backend/embree/embree_tracer.h"
 #include "physics/surface/surface.h"
 
 namespace omma {

@@ -1,7 +1,8 @@
 // Asked by Embree for every candidate hit on a mesh that a ray may not see, or may see through.
 #pragma once
 
-#include "backend/embree/embree_tracer.h"
+#include "backend/embree/embree_api.h"
+#include "physics/views/scene_view.h"
 
 namespace omma {
 

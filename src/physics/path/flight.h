@@ -3,7 +3,6 @@
 // Functions of the lit path take this and what is theirs.
 #pragma once
 
-#include "physics/lanes/lane_mask.h"
 #include "physics/path/path_state.h"
 #include "physics/rays/passed.h"
 #include "physics/views/path_memory.h"

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "omma/vec.h"
 #include "physics/views/ray_packet.h"
 
 namespace omma {

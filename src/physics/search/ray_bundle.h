@@ -8,6 +8,7 @@
 
 #include "physics/lanes/lane_mask.h"
 #include "physics/lanes/vector3.h"
+#include "physics/search/bvh.h"
 #include "physics/search/search_lanes.h"
 
 namespace omma {

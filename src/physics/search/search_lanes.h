@@ -4,7 +4,6 @@
 #pragma once
 
 #include "physics/lanes/lanes.h"
-#include "physics/search/bvh.h"
 
 namespace omma {
 

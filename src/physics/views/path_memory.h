@@ -2,7 +2,6 @@
 // they do not lie on the stack. block_memory.h lays it out.
 #pragma once
 
-#include "omma/vec.h"
 
 namespace omma {
 

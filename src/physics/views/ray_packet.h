@@ -5,7 +5,6 @@
 
 #include <cstdint>
 
-#include "omma/vec.h"
 
 namespace omma {
 
