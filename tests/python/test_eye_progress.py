@@ -70,7 +70,7 @@ def test_parts_give_the_same_eye(monkeypatch):
     out, _, _ = cap()
     ball = omma.eye.ellipsoid((1e-3, 2e-3, 1e-3))
     whole = omma.eye.eye_on_surface(out, ball)
-    monkeypatch.setattr("omma.eye.on_surface._PART", 7)
+    monkeypatch.setattr("omma.eye.on_surface._PIECE", 7)
     fractions = []
     parts = omma.eye.eye_on_surface(out, ball, progress=lambda _, f: fractions.append(f))
     assert np.array_equal(parts.position_m, whole.position_m)
