@@ -42,7 +42,7 @@ struct ToError {
   double error = 0;  // radiance; 1 is full scale
   int least = 8;     // rays of the first round, a power of two from 4 on
   int most = 4096;   // least to max_samples
-  double relative_error = 0;
+  double relative_error = 0;  // up to 1
 
   bool operator==(const ToError&) const = default;
 };

@@ -85,7 +85,13 @@ nb::object matrix_array(const Mat4& matrix) {
 std::string str_of(nb::handle object) {
   const auto string = nb::steal<nb::str>(PyObject_Str(object.ptr()));
   if (!string.is_valid()) nb::raise_python_error();
-  return string.c_str();
+  // With its size, as a text may hold null characters.
+  Py_ssize_t size = 0;
+  if (const char* text = PyUnicode_AsUTF8AndSize(string.ptr(), &size))
+    return {text, static_cast<std::size_t>(size)};
+  PyErr_Clear();
+  const auto escaped = nb::steal<nb::str>(PyObject_ASCII(string.ptr()));
+  throw Error(std::string("expected text without lone surrogates, found ") + escaped.c_str());
 }
 
 std::string type_name_of(nb::handle object) {

@@ -71,9 +71,9 @@ nb::object length_view(Self self, const std::vector<float>& values) {
 nb::dict columns_of(Self self) {
   nb::dict columns;
   for (const EyeColumn& column : eye_of(self).columns)
-    columns[column.name.c_str()] = column.texts.empty()
-                                       ? view(self, column.numbers.data(), {column.numbers.size()})
-                                       : nb::cast(column.texts);
+    columns[nb::cast(column.name)] =
+        column.texts.empty() ? view(self, column.numbers.data(), {column.numbers.size()})
+                             : nb::cast(column.texts);
   return columns;
 }
 

@@ -5,10 +5,30 @@
 #include "backend/block_functions.h"
 #include "backend/denormals.h"
 #include "physics/block/block.h"
+#include "threads/cancel.h"
 
 namespace omma::OMMA_ISA {
 
 using Packets = Lanes<packet_rays, OMMA_LANE_WIDTH>;
+
+// A search that ends where its work is cancelled: a block to an error, or of many rays, may take
+// minutes.
+template <typename Search>
+struct CancellableSearch {
+  static constexpr unsigned packets_between = 256;  // some milliseconds
+  Search search;
+  unsigned packets = 0;
+
+  void closest(LaneMask<Packets> lanes, RayPacket<packet_rays>& rays,
+               const PassedSurfaces<packet_rays>* passed, Spread spread) {
+    if (++packets % packets_between == 0) check_cancelled();
+    search.closest(lanes, rays, passed, spread);
+  }
+  LaneMask<Packets> occluded(LaneMask<Packets> lanes, const RayPacket<packet_rays>& rays) {
+    return search.occluded(lanes, rays);
+  }
+  const PlacedMesh* placed() const { return search.placed(); }
+};
 
 // `Search` is made of a Tracer.
 template <typename Search, typename Tracer>
@@ -17,14 +37,14 @@ BlockFunctions build_block() {
   block.render = [](const FrameView& frame, const BlockTask& task, const void* tracer,
                     std::byte* memory) {
     const DenormalsAreZero denormals_are_zero;
-    Search search{static_cast<const Tracer*>(tracer)};
+    CancellableSearch<Search> search{{static_cast<const Tracer*>(tracer)}};
     Scratch scratch{memory};
     render_block<Packets>(frame, task, search, lay_out(scratch, frame, packet_rays));
   };
   block.discs = [](const FrameView& frame, const BlockTask& task, const void* tracer,
                    std::byte* memory) {
     const DenormalsAreZero denormals_are_zero;
-    Search search{static_cast<const Tracer*>(tracer)};
+    CancellableSearch<Search> search{{static_cast<const Tracer*>(tracer)}};
     Scratch scratch{memory};
     render_discs<Packets>(frame, task, search, lay_out(scratch, frame, packet_rays));
   };
@@ -36,7 +56,7 @@ BlockFunctions build_block() {
   block.gather = [](const FrameView& frame, const GatherTask& task, const void* tracer,
                     std::byte* memory, double* mean) {
     const DenormalsAreZero denormals_are_zero;
-    Search search{static_cast<const Tracer*>(tracer)};
+    CancellableSearch<Search> search{{static_cast<const Tracer*>(tracer)}};
     Scratch scratch{memory};
     const BlockMemory laid_out = lay_out(scratch, frame, packet_rays);
     gather_light<Packets>(*frame.scene, search, task, laid_out.paths, laid_out.radiance, mean);

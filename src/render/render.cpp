@@ -30,11 +30,12 @@ void check_samples(const std::string& sampling, int samples, int most) {
 }
 
 void check_to_error(const ToError& s) {
-  for (const double error : {s.error, s.relative_error})
-    if (!std::isfinite(error) || error < 0 || s.error + s.relative_error == 0)
-      throw Error(
-          "sampling: ToError expects an error above 0, a radiance, or a relative one, found " +
-          std::to_string(s.error) + " and " + std::to_string(s.relative_error));
+  const bool is_error = std::isfinite(s.error) && s.error >= 0;
+  const bool is_share = s.relative_error >= 0 && s.relative_error <= 1;
+  if (!is_error || !is_share || (s.error == 0 && s.relative_error == 0))
+    throw Error(
+        "sampling: ToError expects an error above 0, a radiance, or a relative one, up to 1; found " +
+        std::to_string(s.error) + " and " + std::to_string(s.relative_error));
   if (s.least < 4 || s.least > max_samples || (s.least & (s.least - 1)) != 0)
     throw Error("sampling: ToError expects a power of two from 4 to " +
                 std::to_string(max_samples) + " as the least rays, found " +
@@ -335,16 +336,24 @@ void run_in_stretches(std::size_t tasks, double rays_per_task, int threads,
                       const std::function<void(std::size_t, std::size_t)>& run) {
   std::size_t stretch =
       static_cast<std::size_t>(std::max(static_cast<double>(threads), 2.5e5 / rays_per_task));
+  constexpr double rays_to_watch = 1e6;
+  const auto fraction = [&](std::size_t finished) {
+    return static_cast<double>(finished) / static_cast<double>(tasks);
+  };
   if (!progress) stretch = tasks;
   for (std::size_t done = 0; done < tasks;) {
     const auto start = Clock::now();
     const std::size_t end = std::min(tasks, done + stretch);
-    run(done, end);
+    // Where a single task may take seconds its caller watches, to cancel it.
+    if (progress && rays_per_task > rays_to_watch)
+      run_watched([&](double) { return progress(fraction(done)); },
+                  [&](WorkState&) { run(done, end); });
+    else
+      run(done, end);
     const double rate = static_cast<double>(end - done) / std::max(seconds_since(start), 1e-6);
     stretch = static_cast<std::size_t>(std::max(1.0, 0.2 * rate));
     done = end;
-    if (progress && !progress(static_cast<double>(done) / static_cast<double>(tasks)))
-      throw Cancelled();
+    if (progress && !progress(fraction(done))) throw Cancelled();
   }
 }
 

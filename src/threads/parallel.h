@@ -10,14 +10,12 @@
 #include <atomic>
 #include <cstddef>
 
+#include "threads/cancel.h"
+
 namespace omma {
 
 // Of work that may be cancelled, on each thread that takes part in it; null where nobody can.
 const std::atomic<bool>* cancel_flag();
-
-// Throws omma::Cancelled where the work that this thread takes part in is to end. Loops that are
-// not parallel ask once in a few milliseconds' work.
-void check_cancelled();
 
 // While this lives its thread takes part in work that `flag` cancels.
 class TakingPart {

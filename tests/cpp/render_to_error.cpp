@@ -363,7 +363,12 @@ TEST(RenderToError, WrongArguments) {
     EXPECT_EQ(message.rfind("sampling: ToError expects " + expected, 0), 0u) << message;
   };
   for (const double error : {0.0, -0.01, -infinite, infinite, infinite * 0})
-    expect_refused(to_error(error), "an error above 0, a radiance, or a relative one");
+    expect_refused(to_error(error), "an error above 0, a radiance, or a relative one, up to 1");
+  for (const double relative : {-0.01, 1.01, infinite, infinite * 0}) {
+    RenderSettings settings = to_error(target);
+    std::get<ToError>(settings.sampling).relative_error = relative;
+    expect_refused(settings, "an error above 0, a radiance, or a relative one, up to 1");
+  }
   for (const int least : {0, 1, 2, 3, 12, 100, 2 * max_samples})
     expect_refused(to_error(target, least), "a power of two from 4 to 1048576");
   for (const int most : {7, 0, -1, max_samples + 1})

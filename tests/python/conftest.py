@@ -159,7 +159,11 @@ def flight():
 
 @pytest.fixture
 def run_omma(monkeypatch, capsys):
-    """Runs ``omma ARGUMENTS`` in the current directory: exit code, stdout, stderr."""
+    """Runs ``omma ARGUMENTS`` in the current directory: exit code, stdout, stderr.
+
+    How far it is would be told on a slow machine alone.
+    """
+    monkeypatch.setattr("omma.cli.working.LINE_EVERY_S", 1e6)
 
     def run(*arguments):
         monkeypatch.setattr(sys, "argv", ["omma", *map(str, arguments)])

@@ -54,6 +54,30 @@ def test_errors_name_file_and_place(files, tmp_path):
         describe_responses(made.rename(tmp_path / "alone.npy"))
 
 
+def test_a_heap_without_end_is_refused(tmp_path):
+    """HDF5 reads free space of size 0 for ever."""
+    for package in ("xarray", "h5netcdf", "h5py"):
+        pytest.importorskip(package)
+    made = changed_files.ALL["nc"].make(tmp_path)
+    data = bytearray(made.read_bytes())
+    heap = at = data.index(b"GCOL")
+    end = heap + int.from_bytes(data[heap + 8 : heap + 16], "little")
+    at += 16
+    while at + 16 <= end and data[at : at + 2] != b"\0\0":
+        at += 16 + (int.from_bytes(data[at + 8 : at + 16], "little") + 7) // 8 * 8
+    assert at + 16 <= end
+    data[at + 8 : at + 16] = bytes(8)
+    made.write_bytes(data)
+    with pytest.raises(omma.Error, match=rf"seen\.nc: .* heap of texts is damaged at byte {at}"):
+        load_responses(made)
+    data[heap + 24 : heap + 32] = b"\xff" * 8  # of the first object
+    made.write_bytes(data)
+    with pytest.raises(
+        omma.Error, match=rf"seen\.nc: .* heap of texts is damaged at byte {heap + 16}"
+    ):
+        load_responses(made)
+
+
 class Code:
     """Makes a file where it is unpickled."""
 

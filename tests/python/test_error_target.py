@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import omma
+from omma.job.results_info import describe_responses
 
 
 @pytest.fixture(scope="module")
@@ -266,11 +267,21 @@ def test_footprints_can_be_left_out(omma_command, scene, eye, tmp_path):
     assert spread[True] < 0.8 * spread[False]
 
 
+def test_a_file_tells_its_relative_error(omma_command, tmp_path):
+    out = tmp_path / "a.npy"
+    code, told, err = omma_command("--eye", "bug.eye", "--relative-error", 0.05, "-o", out)
+    assert (code, err) == (0, "")
+    assert "reached 5 % of the response (estimated)" in told
+    settings = dict(describe_responses(out))["settings"]
+    assert "relative_error 0.05" in settings
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "word"),
     [
         (("--least", "8"), 1, "--least: goes with --error or --relative-error"),
         (("--relative-error", "0"), 1, "--relative-error: expected a number above 0"),
+        (("--relative-error", "5"), 1, "--relative-error: expected a fraction of the response"),
         (("--samples", "many"), 2, "--samples"),
         (("--error", "0.01", "--samples", "8"), 1, "--samples and --error: only one of them"),
         (("--shared", "4", "--samples", "8"), 1, "--samples and --shared: only one of them"),

@@ -98,7 +98,7 @@ acceptances = st.one_of(
     tables,
 )
 texts = st.text(st.characters(exclude_categories=["Cs"]), max_size=6) | st.sampled_from(
-    ["", " a", "b ", "1", "nan", 'x"y', "a,b", "c\nd", "#", "e\r\nf", "#0;x"]
+    ["", " a", "b ", "1", "nan", 'x"y', "a,b", "c\nd", "#", "e\r\nf", "#0;x", "g\0h", "\0"]
 )
 receptor_types = st.builds(
     ReceptorType,

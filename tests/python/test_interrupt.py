@@ -6,6 +6,7 @@ import sys
 import time
 
 import pytest
+from processes import Program
 
 PROGRAM = """
 import os, sys, time
@@ -126,3 +127,28 @@ def test_importing_omma_changes_no_signal():
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert done.stdout == "[True, True]\n"
+
+
+# One block, that is one task of one thread, of 67 million paths in 128 bands.
+ONE_BLOCK = """
+import numpy as np, omma
+light = omma.light.clear_sky(2.0, bands=omma.light.Bands.equal(128))
+world = omma.World(omma.load_scene(omma.examples.lit_meadow()), light=light, polarized=True)
+eye = omma.species.honeybee_worker().eye.take(np.arange(3000, 3064))
+most = omma.ToError(relative_error=1e-9, least=1 << 20, most=1 << 20)
+renderer = omma.Renderer(world, eye, most, threads=1)
+print("rendering", flush=True)
+try:
+    renderer.render("bee")
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+"""
+
+
+def test_ctrl_c_ends_a_long_block():
+    with Program(ONE_BLOCK) as program:
+        assert program.line() == "rendering"
+        time.sleep(2)
+        program.interrupt()
+        assert program.line() == "interrupted"  # or the program is killed before its block ends
+        assert program.end() == (0, "", "")

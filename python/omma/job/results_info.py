@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from omma.base.said import Said, is_text, is_texts
 from omma.job.again import check_background, check_eyes, check_scene
 from omma.rendering.label_texts import beside
 from omma.rendering.read_back import is_response_csv, load_responses, read_npy
+from omma.rendering.settings import Sampling, Settings, options_of
 
 if TYPE_CHECKING:
     import xarray
@@ -23,8 +24,11 @@ Lines = list[tuple[str, str]]
 
 _READ_BYTES = 64 << 20
 _SETTINGS = (
-    *("sampling", "samples", "error", "least", "most", "seed", "points", "footprints"),
-    *("angular_sensitivity", "kernel", "noise", "background", "band_from_rgb", "ultraviolet"),
+    "sampling",
+    *dict.fromkeys(
+        one.name for kind in (*get_args(Sampling), Settings) for one in options_of(kind)
+    ),
+    *("kernel", "background", "band_from_rgb", "ultraviolet"),  # kernel: of older versions
 )
 
 

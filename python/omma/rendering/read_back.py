@@ -13,6 +13,7 @@ from omma import _core
 from omma._core import Error
 from omma.base.arguments import checked
 from omma.base.files import PathLike, check_ending, open_text, reading
+from omma.base.hdf5_heaps import check_heaps
 from omma.rendering.dataset import dataset_of, load_xarray
 from omma.rendering.label_texts import beside, labels_from_text
 from omma.rendering.labelled_files import load_package
@@ -69,6 +70,7 @@ def _opened(name: str, suffix: str) -> xarray.Dataset:
         how = {"engine": "zarr", "consolidated": None, "chunks": None}
     with reading(name, suffix):
         if suffix == ".nc":
+            check_heaps(name)
             # What is no HDF5 file ends here: h5netcdf leaves half a file behind, which complains on
             # stderr where it is forgotten. It first looks for this attribute.
             with load_package("h5py", name).File(name, "r") as file:

@@ -122,6 +122,11 @@ class ToError:
         _check(self)
         if self.error is None and self.relative_error is None:
             raise Error("ToError: expected an error, or a relative_error, found neither")
+        if self.relative_error is not None and self.relative_error > 1:
+            raise Error(
+                "relative_error: expected a fraction of the response, up to 1, "
+                f"found {self.relative_error:g}"
+            )
         least, most = self.limits()
         if least & (least - 1):
             raise Error(f"least: expected a power of two, found {least}")

@@ -75,13 +75,19 @@ OMMA_HD void estimate(const FrameView& frame, const BlockTask& task, const WayTo
   const double error = frame.error / frame.radiance_unit;
   for (int o = 0; o < frame.outputs; ++o) {
     const int row = o * padded_capacity;
+    // Q and U may be 0 where I is not: they are measured by I.
+    const int of_light = frame.output_from_band == nullptr ? o % frame.scene->bands : o;
     float own[block_capacity], response[block_capacity], size[block_capacity];
     for (int i = 0; i < task.count; ++i) {
       own[i] = static_cast<float>(memory.all_squares[row + i] / way.roots[i]);
       response[i] = static_cast<float>(memory.sums[row + i] / way.rays[i]);
-      // An error relative to the response is that of a neighbour's roughness relative to its own.
-      const float square = response[i] * response[i];
+      // Where errors are relative, so is what an ommatidium hears of its neighbours' roughness.
+      const double light = memory.sums[of_light * padded_capacity + i] / way.rays[i];
+      const auto square = static_cast<float>(light * light);
       size[i] = frame.relative_error > 0 && square > 0 ? square : 1.0f;
+      const double relative = frame.relative_error * fabs(light);
+      const double wanted = relative > error ? relative : error;
+      memory.wanted[row + i] = wanted * wanted;
     }
     for (int i = 0; i < task.count; ++i) {
       float sum = own[i] / size[i], least = response[i], most = response[i];
@@ -95,12 +101,6 @@ OMMA_HD void estimate(const FrameView& frame, const BlockTask& task, const WayTo
       memory.roughness[row + i] = own[i] > mean ? own[i] : mean;
       memory.unseen[row + i] = overlooked * (most - least);
       memory.of_cells[row + i] = cell_variance(frame, memory, i, o, way.rays[i]);
-      // Q and U may be 0 where I is not.
-      const int of_light = frame.output_from_band == nullptr ? o % frame.scene->bands : o;
-      const double relative =
-          frame.relative_error * fabs(memory.sums[of_light * padded_capacity + i]) / way.rays[i];
-      const double wanted = relative > error ? relative : error;
-      memory.wanted[row + i] = wanted * wanted;
     }
   }
 }

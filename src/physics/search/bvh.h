@@ -14,7 +14,6 @@ namespace omma {
 
 inline constexpr int node_width = 8;  // most children of a node
 inline constexpr int quad_width = 4;  // triangles kept side by side
-inline constexpr int most_leaf_triangles = 8;
 
 // No path through a tree needs more room than this for what it has still to visit: the builder
 // makes no tree deeper than most_tree_depth, and a node leaves up to seven children for later.
