@@ -21,6 +21,7 @@ from omma._core import Error, Eye, expect_eye_radius
 from omma.base.arguments import array_of, checked, positive, whole
 from omma.base.values import value_class
 from omma.eye.relaxation import bisected
+from omma.eye.surfaces import even_directions, stretched
 
 Floats = NDArray[np.float64]
 Density = Callable[[Floats], ArrayLike]
@@ -213,15 +214,7 @@ def _seeds(surface: _Surface, count: int, random: np.random.Generator) -> Floats
 
 
 def _candidates(surface: _Surface, number: int, turn: Floats) -> tuple[Floats, Floats]:
-    # A Fibonacci lattice has equal areas on the sphere; stretching it to the ellipsoid by A makes
-    # the area at u det(A) |A⁻¹u| times as large.
-    index = np.arange(number) + 0.5
-    z = 1 - 2 * index / number
-    angle = math.pi * (1 + math.sqrt(5)) * index
-    level = np.sqrt(1 - z * z)
-    sphere = np.stack([level * np.cos(angle), level * np.sin(angle), z], axis=1) @ turn
-    stretch = np.prod(surface.semi_axes) * np.linalg.norm(sphere / surface.semi_axes, axis=1)
-    points = sphere * surface.semi_axes
+    points, stretch = stretched(even_directions(number) @ turn, surface.semi_axes)
     return points, surface.per_area(points) * stretch * (4 * math.pi / number)
 
 

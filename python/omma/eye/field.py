@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma.base.directions import azimuth_elevation_deg_of
+from omma.base.spirals import fibonacci_lattice, golden_angles
 from omma.base.values import value_class
 from omma.eye.neighbours import Flags, Floats, Neighbours
 
@@ -117,12 +118,9 @@ def in_field(
 
 def sphere_directions(count: int) -> Floats:
     """``count`` directions spread evenly over the sphere, each for the same solid angle: the
-    Fibonacci lattice, turned by the golden angle from one to the next."""
-    index = np.arange(count)
-    height = 1 - (2 * index + 1) / count
-    turn = index * np.pi * (3 - np.sqrt(5))
-    level = np.sqrt(1 - height**2)
-    return np.column_stack([level * np.sin(turn), height, -level * np.cos(turn)])
+    Fibonacci lattice, from the top down, beginning ahead."""
+    behind, right, up = fibonacci_lattice(golden_angles(count)).T
+    return np.column_stack([right, up, -behind])
 
 
 def _triangles_at(lattice: Neighbours, count: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
