@@ -21,7 +21,7 @@ from omma.base.arguments import array_of, checked, positive, whole
 from omma.base.directions import normalized
 from omma.base.files import PathLike, metres_per_unit
 from omma.base.mesh_triangles import triangles_of_file
-from omma.base.spirals import fibonacci_lattice
+from omma.base.spirals import fibonacci_lattice, golden_angles_back
 from omma.base.values import value_class
 
 if TYPE_CHECKING:
@@ -107,10 +107,7 @@ class Ellipsoid:
 
 def even_directions(count: int) -> Floats:
     """Directions (count, 3), each for the same solid angle, for `stretched`."""
-    # 2π times the golden ratio is a golden angle back.
-    return fibonacci_lattice(
-        math.pi * (1 + math.sqrt(5)) * (np.arange(count, dtype=np.float64) + 0.5)
-    )
+    return fibonacci_lattice(golden_angles_back(count))
 
 
 def stretched(directions: Floats, semi_axes_m: Floats) -> tuple[Floats, Floats]:
