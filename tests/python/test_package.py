@@ -3,6 +3,7 @@
 import ast
 import importlib.metadata
 import inspect
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -86,6 +87,21 @@ def test_functions_tell_their_parameters(function):
 def test_measures_print_as_a_line():
     eye = omma.eye.generate_eye(200)
     assert repr(omma.eye.measure_eye(eye)).startswith("EyeMeasures(200 ommatidia, 1 eye, median Δφ")
+
+
+@pytest.mark.parametrize(
+    ("formula", "file"),
+    [
+        (r"sqrt\(5\)", "base/spirals.py"),
+        (r"arcsin\(\w*\.?min\w*\(", "base/directions.py"),
+        (r"2 \* math\.sqrt\(2\), math\.sqrt\(2\)", "picture/map_projections.py"),
+    ],
+    ids=["golden angle", "angle of a chord", "width and height of a map"],
+)
+def test_formulas_stand_once(formula, file):
+    folder = Path(omma.__file__).parent
+    found = [path for path in folder.rglob("*.py") if re.search(formula, path.read_text("utf-8"))]
+    assert [path.relative_to(folder).as_posix() for path in found] == [file]
 
 
 def test_the_top_is_small():

@@ -30,6 +30,12 @@ def azimuth_elevation_deg_of(directions: ArrayLike) -> tuple[Floats, Floats]:
     return np.degrees(np.arctan2(x, -z)) + 0.0, np.degrees(np.arctan2(y, np.hypot(x, z))) + 0.0
 
 
+def angle_of_chord(length: Floats | float) -> Floats:
+    """The angle, rad, between directions whose points on the unit sphere are so far apart."""
+    # By rounding that may be more than 2.
+    return np.asarray(2 * np.arcsin(np.minimum(length / 2, 1)))
+
+
 def normalized(vectors: Floats) -> Floats:
     """Vectors (..., 3) at length 1."""
     return np.asarray(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True))

@@ -11,7 +11,7 @@ import typer
 from omma._core import Error, merge_eyes
 from omma.base.figures import figure_names
 from omma.cli.eye_convert import add_convert_command
-from omma.cli.eye_files import EyeArgument, OutOption, UnitOption, eye_target, save
+from omma.cli.eye_files import EyeArgument, EyesArgument, OutOption, UnitOption, eye_target, save
 from omma.cli.eye_look import add_look_commands
 from omma.cli.eye_make import add_make_commands
 from omma.cli.eye_species import add_species_command
@@ -179,10 +179,7 @@ def acceptance(
 
 @eye_app.command(help=DRAW_HELP, short_help="Draw an eye, to SVG and PNG.")
 def draw(
-    eye: Annotated[
-        list[Path],
-        typer.Argument(help="Eye file; several make one head.", metavar="EYE"),
-    ],
+    eye: EyesArgument,
     output: Annotated[
         list[Path],
         typer.Option(

@@ -24,6 +24,9 @@ def eye_target(path: Path | None) -> Path | None:
 
 
 EyeArgument = Annotated[Path, typer.Argument(help="Eye file.", metavar="EYE")]
+EyesArgument = Annotated[
+    list[Path], typer.Argument(help="Eye file; several make one head.", metavar="EYE")
+]
 OutOption = Annotated[
     Path,
     typer.Option(

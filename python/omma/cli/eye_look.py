@@ -14,7 +14,9 @@ from omma._core import Error, Eye, merge_eyes
 from omma.base.arguments import as_named
 from omma.base.figures import figure_names
 from omma.base.files import WholeFiles, check_ending
+from omma.cli.eye_files import EyesArgument
 from omma.cli.numbers import finite
+from omma.cli.options import EyeUnitOption
 from omma.cli.working import check_outputs, readable, say, working
 from omma.eye.files import load_eye
 from omma.eye.measures import DIFFRACTION_LIMIT, diffraction_limit_m_rad, measure_eye
@@ -65,15 +67,6 @@ own columns.
 `omma eye plot --species honeybee_worker --what poster -o honeybee.pdf`
 """
 
-EyesArgument = Annotated[
-    list[Path], typer.Argument(help="Eye file; several make one head.", metavar="EYE")
-]
-UnitOption = Annotated[
-    str,
-    typer.Option(
-        help="Unit of lengths in eye files: mm, um, m or a number of metres.", metavar="UNIT"
-    ),
-]
 _MOST_NAMED = 8
 
 
@@ -96,7 +89,7 @@ def info(
         Path | None,
         typer.Option("--map", help="Maps of Δφ, Δρ and more: .pdf, .svg or .png.", metavar="OUT"),
     ] = None,
-    unit: UnitOption = "mm",
+    unit: EyeUnitOption = "mm",
 ) -> None:
     """Say what an eye is like."""
     if output is not None:
@@ -174,7 +167,7 @@ def plot(
     title: Annotated[
         str | None, typer.Option(help="Title. Default: the file's name.", metavar="TEXT")
     ] = None,
-    unit: UnitOption = "mm",
+    unit: EyeUnitOption = "mm",
 ) -> None:  # fmt: skip
     """Make a figure of an eye."""
     names = figure_names(output)

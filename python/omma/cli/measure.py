@@ -19,9 +19,13 @@ from omma.base.poses import Matrices, load_poses, poses_from_angles
 from omma.cli.help import App
 from omma.cli.numbers import above_zero, not_below_zero
 from omma.cli.options import (
+    EyeUnitOption,
     OldKernelOption,
+    PathOption,
+    SceneArgument,
     SceneUnitOption,
     SceneUpOption,
+    ThreadsOption,
     help_of,
     sensitivity_of,
 )
@@ -112,21 +116,12 @@ The published test has an eye of 1,000 ommatidia of 2.6°. Leave the machine alo
 measure_app = App(help=MEASURE_HELP, no_args_is_help=True)
 
 Corner = tuple[float, float, float]
-SceneFile = Annotated[
-    Path, typer.Argument(help="Scene: .gltf or .glb, .obj, .ply or .stl.", metavar="SCENE")
-]
 EyeFiles = Annotated[
     list[Path], typer.Option("--eye", help="Eye file; several make one head.", metavar="EYE")
 ]
 Outputs = Annotated[
     list[Path] | None,
     typer.Option("-o", "--output", help="File to write; may be given again.", metavar="OUT"),
-]
-UnitOption = Annotated[
-    str,
-    typer.Option(
-        help="Unit of lengths in eye files: mm, um, m or a number of metres.", metavar="UNIT"
-    ),
 ]
 CameraOption = Annotated[
     str | None, typer.Option(help="Camera of the scene to look from.", metavar="NAME")
@@ -147,12 +142,11 @@ SensitivityOption = Annotated[
 ]
 PointsOption = Annotated[PointsName, typer.Option(help=help_of("points"))]
 SeedOption = Annotated[int, typer.Option(help=help_of("seed"), metavar="N")]
-ThreadsOption = Annotated[int, typer.Option(help="Threads; 0: all.", metavar="N")]
 
 
 @measure_app.command("min-samples", help=MIN_SAMPLES_HELP, short_help="Rays a scene needs.")
 def min_samples_command(
-    scene: SceneFile,
+    scene: SceneArgument,
     box: Annotated[
         tuple[float, float, float, float, float, float] | None,
         typer.Option(help="Lower and upper corner, m.", metavar="X Y Z X Y Z"),
@@ -164,14 +158,12 @@ def min_samples_command(
             metavar="X Y Z R H",
         ),
     ] = None,
-    path: Annotated[
-        Path | None, typer.Option(help="CSV file of poses, one a line.", metavar="CSV")
-    ] = None,
+    path: PathOption = None,
     eye: Annotated[
         list[Path] | None,
         typer.Option(help="Say the rays per ommatidium for this eye too.", metavar="EYE"),
     ] = None,
-    unit: UnitOption = "mm",
+    unit: EyeUnitOption = "mm",
     scene_unit: SceneUnitOption = None,
     scene_up: SceneUpOption = None,
     fraction: Annotated[
@@ -221,7 +213,7 @@ def min_samples_command(
 
 @measure_app.command("variance-map", help=MAP_HELP, short_help="Map of the variance of the light.")
 def variance_map_command(
-    scene: SceneFile,
+    scene: SceneArgument,
     centre: Annotated[
         tuple[float, float, float], typer.Option(help="Middle of the square, m.", metavar="X Y Z")
     ],
@@ -284,9 +276,9 @@ def variance_map_command(
 
 @measure_app.command("aliasing", help=ALIASING_HELP, short_help="Scatter of an eye's responses.")
 def aliasing_command(
-    scene: SceneFile,
+    scene: SceneArgument,
     eye: EyeFiles,
-    unit: UnitOption = "mm",
+    unit: EyeUnitOption = "mm",
     scene_unit: SceneUnitOption = None,
     scene_up: SceneUpOption = None,
     camera: CameraOption = None,
@@ -330,9 +322,9 @@ def aliasing_command(
 
 @measure_app.command("speed", help=SPEED_HELP, short_help="Frames/s against rays.")
 def speed_command(
-    scene: SceneFile,
+    scene: SceneArgument,
     eye: EyeFiles,
-    unit: UnitOption = "mm",
+    unit: EyeUnitOption = "mm",
     scene_unit: SceneUnitOption = None,
     scene_up: SceneUpOption = None,
     camera: CameraOption = None,

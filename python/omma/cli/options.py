@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from pathlib import Path
 from typing import Annotated, Any, get_args
 
 import typer
@@ -23,6 +24,9 @@ from omma.rendering.settings import (
 )
 from omma.scene.lighting import checked_rule
 
+SceneArgument = Annotated[
+    Path, typer.Argument(help="Scene: .gltf or .glb, .obj, .ply or .stl.", metavar="SCENE")
+]
 SceneUnitOption = Annotated[
     str | None,
     typer.Option(
@@ -35,6 +39,24 @@ SceneUpOption = Annotated[
     str | None,
     typer.Option(help="Axis that is up in an .obj, .ply or .stl file: y or z.", metavar="AXIS"),
 ]
+
+EyeUnitOption = Annotated[
+    str,
+    typer.Option(
+        help="Unit of lengths in eye files: mm, um, m or a number of metres.", metavar="UNIT"
+    ),
+]
+
+LookAtOption = Annotated[
+    tuple[float, float, float] | None,
+    typer.Option(
+        "--look-at", help="Point that the head looks at. Default: along -Z.", metavar="X Y Z"
+    ),
+]
+PathOption = Annotated[
+    Path | None, typer.Option(help="CSV file of poses, one a line.", metavar="CSV")
+]
+ThreadsOption = Annotated[int, typer.Option(help="Threads; 0: all.", metavar="N")]
 
 UltravioletOption = Annotated[
     str | None,

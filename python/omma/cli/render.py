@@ -6,15 +6,18 @@ import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 
 from omma._core import Error
 from omma.cli.help import App
 from omma.cli.options import (
+    LookAtOption,
+    PathOption,
     SceneUnitOption,
     SceneUpOption,
+    ThreadsOption,
     UltravioletOption,
     light_and_mix,
     takes_settings,
@@ -186,13 +189,8 @@ def render(
         tuple[float, float, float] | None,
         typer.Option(help="Where the head is, in metres.", metavar="X Y Z"),
     ] = None,
-    look_at: Annotated[
-        tuple[float, float, float] | None,
-        typer.Option(help="Point that the head looks at. Default: along -Z.", metavar="X Y Z"),
-    ] = None,
-    path: Annotated[
-        Path | None, typer.Option(help="CSV file of poses, one a line.", metavar="CSV")
-    ] = None,
+    look_at: LookAtOption = None,
+    path: PathOption = None,
     background: BackgroundOption = None,
     light: LightOption = None,
     standard_error: Annotated[
@@ -212,7 +210,7 @@ def render(
     ] = False,
     ultraviolet: UltravioletOption = None,
     settings: Settings = _DEFAULTS,
-    threads: Annotated[int, typer.Option(help="Threads; 0: all.", metavar="N")] = 0,
+    threads: ThreadsOption = 0,
     backend: Annotated[
         Literal["", "embree", "portable"],
         typer.Option(
@@ -279,6 +277,17 @@ def render(
         raise Error("ultraviolet: goes with --light or --receptors, found neither")
     if scene is None:
         raise typer.BadParameter("expected a scene to render, found none", param_hint="SCENE")
+    options: dict[str, Any] = settings.options() | {
+        "unit": unit,
+        "threads": threads,
+        "backend": backend,
+        "background": background,
+        "light": lit_by,
+        "projection": projection,
+        "width": width,
+        "height": height,
+        "gamma": gamma,
+    }
     if all_cameras:
         _check_all_cameras(
             {
@@ -305,16 +314,7 @@ def render(
                 scene,
                 output[0],
                 settings.sampling,
-                **settings.options(),
-                unit=unit,
-                threads=threads,
-                backend=backend,
-                background=background,
-                light=lit_by,
-                projection=projection,
-                width=width,
-                height=height,
-                gamma=gamma,
+                **options,
                 progress=bar.show,
             )
         _print_warnings(everything.warnings)
@@ -325,26 +325,17 @@ def render(
             scene,
             output,
             settings.sampling,
-            **settings.options(),
+            **options,
             eyes=eye or (),
-            unit=unit,
             camera=camera,
             position=position,
             look_at=look_at,
             path=path,
             scene_unit=scene_unit,
             scene_up=scene_up,
-            threads=threads,
-            backend=backend,
-            background=background,
-            light=lit_by,
             standard_error=standard_error,
             receptors=receptors,
             ultraviolet=mix,
-            projection=projection,
-            width=width,
-            height=height,
-            gamma=gamma,
             side_by_side=side_by_side,
             resume=resume,
             command=command,

@@ -18,8 +18,11 @@ from omma.base.files import metres_per_unit
 from omma.base.poses import look_at, poses_from_angles
 from omma.cli.help import App
 from omma.cli.options import (
+    LookAtOption,
+    SceneArgument,
     SceneUnitOption,
     SceneUpOption,
+    ThreadsOption,
     UltravioletOption,
     light_and_mix,
 )
@@ -83,9 +86,7 @@ view_app = App()
 
 @view_app.command(help=VIEW_HELP)
 def view(
-    scene: Annotated[
-        Path, typer.Argument(help="Scene: .gltf or .glb, .obj, .ply or .stl.", metavar="SCENE")
-    ],
+    scene: SceneArgument,
     eye: Annotated[
         list[Path] | None,
         typer.Option(
@@ -109,14 +110,7 @@ def view(
         tuple[float, float, float] | None,
         typer.Option(help="Where the head is at first, in metres.", metavar="X Y Z"),
     ] = None,
-    look_at_point: Annotated[
-        tuple[float, float, float] | None,
-        typer.Option(
-            "--look-at",
-            help="Point that the head looks at. Default: along -Z.",
-            metavar="X Y Z",
-        ),
-    ] = None,
+    look_at_point: LookAtOption = None,
     path: Annotated[
         Path | None, typer.Option(help="CSV file of poses, to be played.", metavar="CSV")
     ] = None,
@@ -126,7 +120,7 @@ def view(
     samples: Annotated[
         int, typer.Option(help="Rays per ommatidium while things move.", metavar="N")
     ] = 4,
-    threads: Annotated[int, typer.Option(help="Threads; 0: all.", metavar="N")] = 0,
+    threads: ThreadsOption = 0,
     host: Annotated[
         str,
         typer.Option(

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, one_of, positive
-from omma.base.directions import normalized
+from omma.base.directions import angle_of_chord, normalized
 from omma.columns.lattice import Columns, expect_columns
 
 if TYPE_CHECKING:
@@ -153,7 +153,7 @@ def _reach(axes: Floats, given: float | None) -> float:
         raise Error("reach_rad: expected a number, as the eye has but one ommatidium")
     from scipy.spatial import cKDTree
 
-    return float(2 * np.median(2 * np.arcsin(cKDTree(axes).query(axes, 2)[0][:, 1] / 2)))
+    return float(2 * np.median(angle_of_chord(cKDTree(axes).query(axes, 2)[0][:, 1])))
 
 
 def _width(eye: Eye, given: float | None) -> float:
@@ -173,12 +173,12 @@ def _tree(axes: Floats):  # type: ignore[no-untyped-def]  # SciPy has no types o
     if len(axes) == 1:
         return tree, np.ones(1)
     apart = np.atleast_2d(tree.query(axes, min(_AROUND, len(axes) - 1) + 1)[0])[:, 1:]
-    return tree, np.square(2 * np.arcsin(apart / 2)).mean(axis=1)
+    return tree, np.square(angle_of_chord(apart)).mean(axis=1)
 
 
 def _nearest(tree, axes: Floats) -> tuple[Floats, Ints]:  # type: ignore[no-untyped-def]
     chord, index = tree.query(axes)
-    return 2 * np.arcsin(np.minimum(chord / 2, 1)), index
+    return angle_of_chord(chord), index
 
 
 def _chord(angle_rad: float) -> float:
@@ -186,7 +186,7 @@ def _chord(angle_rad: float) -> float:
 
 
 def _angle(axis: Floats, others: Floats) -> Floats:
-    return np.asarray(2 * np.arcsin(np.minimum(np.linalg.norm(others - axis, axis=1) / 2, 1)))
+    return angle_of_chord(np.linalg.norm(others - axis, axis=1))
 
 
 def _sparse(

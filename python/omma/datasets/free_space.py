@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Eye
+from omma.base.spirals import GOLDEN_ANGLE_RAD, fibonacci_lattice
 from omma.datasets.far_map import FarMap, triangles_of
 from omma.rendering.renderer import Renderer
 from omma.rendering.settings import Fixed
@@ -166,11 +167,8 @@ class FreeSpace:
 
 
 def _directions(number: int) -> Floats:
-    """(N, 3), spread evenly: a spiral of golden angles."""
-    z = 1 - (2 * np.arange(number) + 1) / number
-    turn = np.pi * (3 - np.sqrt(5)) * np.arange(number)
-    across = np.sqrt(1 - z**2)
-    return np.column_stack([across * np.cos(turn), z, across * np.sin(turn)])
+    """(N, 3), spread evenly over the sphere."""
+    return fibonacci_lattice(GOLDEN_ANGLE_RAD * np.arange(number))[:, [0, 2, 1]]
 
 
 def _at(positions: Floats) -> Floats:

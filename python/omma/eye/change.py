@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma import _core
 from omma._core import Error, Eye
 from omma.base.arguments import checked, positive
+from omma.base.directions import angle_of_chord
 from omma.base.files import PathLike, metres_per_unit, open_text
 from omma.base.poses import poses_from_angles
 from omma.base.values import value_class
@@ -231,7 +232,7 @@ def _nearest_axis(eye: Eye) -> tuple[NDArray[np.intp], Floats]:
             cosine[np.arange(len(rows)), np.arange(start, start + len(rows))] = -2
             nearest[rows] = members[np.argmax(cosine, axis=1)]
     chord = np.linalg.norm(axis - axis[nearest], axis=1)
-    return nearest, 2 * np.arcsin(np.minimum(chord / 2, 1))
+    return nearest, angle_of_chord(chord)
 
 
 @value_class

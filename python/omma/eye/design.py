@@ -1,11 +1,9 @@
 """Eyes made to order: ommatidia spread over a sphere or an ellipsoid, evenly or with acute zones.
 
-Points repel their neighbours on the surface until the forces balance. The force between two points
-a distance r apart, where the wanted spacing is a, is a (a/r)^7, away from each other. In a
-hexagonal lattice of spacing r such forces make a pressure proportional to force/r, a function of
-r/a alone; so pressures balance where r/a is the same everywhere, and the spacing follows a. Lloyd's
-method weighted with a^-4 has the same balance, but needs samples all over the surface and more
-steps.
+Points repel their neighbours on the surface until the forces balance, as in `relaxation`, but all
+from the beginning: the force between two points a distance r apart, where the wanted spacing is a,
+is a (a/r)^7, away from each other, and the spacing follows a. Lloyd's method weighted with a^-4 has
+the same balance, but needs samples all over the surface and more steps.
 """
 
 from __future__ import annotations
@@ -18,21 +16,24 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye, expect_eye_radius
-from omma.base.arguments import array_of, checked, positive, whole
+from omma.base.arguments import array_of, checked, positive
 from omma.base.values import value_class
-from omma.eye.relaxation import bisected
+from omma.eye.cells import NEIGHBOURS
+from omma.eye.relaxation import (
+    STEPS_PER_SEARCH,
+    Progress,
+    bisected,
+    limited,
+    pushed,
+    repulsion,
+    started,
+)
+from omma.eye.surfaces import Ellipsoid, even_directions, stretched
 
 Floats = NDArray[np.float64]
 Density = Callable[[Floats], ArrayLike]
-Progress = Callable[[str, "float | None"], object]
 
 _STEPS = 500
-_FORCE_POWER = 7
-# Of the most the system of points can take without swinging, found by trying on 100 to 10,000.
-_STEP_SIZE = 0.0107
-_MOMENTUM = 0.8
-_NEIGHBOURS = 18  # two rings of a hexagonal lattice; the next is under a hundredth of the force
-_STEPS_PER_SEARCH = 10
 _MOST_CANDIDATES = 5_000_000
 
 
@@ -127,13 +128,9 @@ def generate_eye(
         omma.Error: an argument out of range, a density that is negative, not finite, 0 everywhere
             or too peaked.
     """
-    whole(count, "count", 2, 200_000)
-    whole(seed, "seed", 0, 2**63 - 1)
+    random, tell = started(count, seed, progress)
     positive(acceptance_ratio, "acceptance_ratio")
-    surface = _Surface(_semi_axes(radius_m, allow_unusual), density)
-    random = np.random.default_rng(seed)
-    tell = progress or (lambda stage, fraction: None)
-    tell("placing ommatidia", None)
+    surface = _Crowded(_semi_axes(radius_m, allow_unusual), density)
     points = _seeds(surface, count, random)
     points = _relaxed(surface, points, tell)
     axes = surface.normals(points)
@@ -141,23 +138,16 @@ def generate_eye(
     return Eye(points, axes, acceptance_ratio * spaced.interommatidial_angle_rad())
 
 
-class _Surface:
+class _Crowded:
     """An ellipsoid, and how many ommatidia there are to be per area of it."""
 
     def __init__(self, semi_axes: Floats, density: Density | None) -> None:
         self.semi_axes = semi_axes
+        right, up, forward = semi_axes.tolist()
+        ellipsoid = Ellipsoid((right, up, forward))
+        self.onto, self.normals = ellipsoid.onto, ellipsoid.normals
         self._density = density
         self._scale = 1.0  # from relative to actual numbers per area
-
-    def onto(self, points: Floats) -> Floats:
-        """Points (K, 3) moved along their radius onto the surface."""
-        sphere = points / self.semi_axes
-        return np.asarray(points / np.linalg.norm(sphere, axis=1, keepdims=True))
-
-    def normals(self, points: Floats) -> Floats:
-        """Outward normals (K, 3), of length 1, at points of the surface."""
-        gradient = points / self.semi_axes**2
-        return np.asarray(gradient / np.linalg.norm(gradient, axis=1, keepdims=True))
 
     def per_area(self, points: Floats) -> Floats:
         """Ommatidia per area, once `fit` has been called; until then relative."""
@@ -189,7 +179,7 @@ class _Surface:
             return np.asarray(np.sqrt(2 / math.sqrt(3) / self.per_area(points)))
 
 
-def _seeds(surface: _Surface, count: int, random: np.random.Generator) -> Floats:
+def _seeds(surface: _Crowded, count: int, random: np.random.Generator) -> Floats:
     turn = _random_turn(random)
     number = 32 * count
     for _ in range(2):
@@ -212,36 +202,24 @@ def _seeds(surface: _Surface, count: int, random: np.random.Generator) -> Floats
     return bisected(candidates, fraction, count)
 
 
-def _candidates(surface: _Surface, number: int, turn: Floats) -> tuple[Floats, Floats]:
-    # A Fibonacci lattice has equal areas on the sphere; stretching it to the ellipsoid by A makes
-    # the area at u det(A) |A⁻¹u| times as large.
-    index = np.arange(number) + 0.5
-    z = 1 - 2 * index / number
-    angle = math.pi * (1 + math.sqrt(5)) * index
-    level = np.sqrt(1 - z * z)
-    sphere = np.stack([level * np.cos(angle), level * np.sin(angle), z], axis=1) @ turn
-    stretch = np.prod(surface.semi_axes) * np.linalg.norm(sphere / surface.semi_axes, axis=1)
-    points = sphere * surface.semi_axes
+def _candidates(surface: _Crowded, number: int, turn: Floats) -> tuple[Floats, Floats]:
+    points, stretch = stretched(even_directions(number) @ turn, surface.semi_axes)
     return points, surface.per_area(points) * stretch * (4 * math.pi / number)
 
 
-def _relaxed(surface: _Surface, points: Floats, tell: Progress) -> Floats:
+def _relaxed(surface: _Crowded, points: Floats, tell: Progress) -> Floats:
     velocity = np.zeros_like(points)
     spacing = surface.spacing(points)
     for step in range(_STEPS):
-        if step % _STEPS_PER_SEARCH == 0:
-            neighbours = _nearest(points, spacing, min(_NEIGHBOURS, len(points) - 1))
+        if step % STEPS_PER_SEARCH == 0:
+            neighbours = _nearest(points, spacing, min(NEIGHBOURS, len(points) - 1))
             tell("placing ommatidia", step / _STEPS)
         apart = points[:, None, :] - points[neighbours]
         wanted = 0.5 * (spacing[:, None] + spacing[neighbours])
-        # Not closer than half, so that two points on top of each other do not fly off.
-        ratio_squared = np.maximum(np.einsum("nkc,nkc->nk", apart, apart) / wanted**2, 0.25)
-        force = np.einsum("nkc,nk->nc", apart, ratio_squared ** (-(_FORCE_POWER + 1) / 2))
-        velocity = _MOMENTUM * velocity + _STEP_SIZE * force
-        normal = surface.normals(points)
-        velocity -= np.sum(velocity * normal, axis=1, keepdims=True) * normal
-        speed = np.linalg.norm(velocity, axis=1)
-        velocity *= np.minimum(1, 0.15 * spacing / np.maximum(speed, 1e-300))[:, None]
+        _, strength = repulsion(np.einsum("nkc,nkc->nk", apart, apart) / wanted**2)
+        force = np.einsum("nkc,nk->nc", apart, strength)
+        velocity = pushed(velocity, force, surface.normals(points))
+        velocity = limited(velocity, np.linalg.norm(velocity, axis=1), spacing)
         moved = surface.onto(points + velocity)
         new_spacing = surface.spacing(moved)
         stays = ~np.isfinite(new_spacing)  # there is to be no ommatidium

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from omma.base.directions import azimuth_elevation_deg_of
+from omma.base.directions import angle_of_chord, azimuth_elevation_deg_of
+from omma.base.spirals import fibonacci_lattice, golden_angles
 from omma.base.values import value_class
 from omma.eye.neighbours import Flags, Floats, Neighbours
 
@@ -92,7 +93,7 @@ def in_field(
     distance, index = cKDTree(own).query(directions, k=near)
     distance, index = distance.reshape(-1, near), index.reshape(-1, near)
     half = np.nan_to_num(spacing_rad[members]) / 2
-    angle = 2 * np.arcsin(np.minimum(distance[:, 0] / 2, 1))
+    angle = angle_of_chord(distance[:, 0])
     seen = np.asarray(angle <= half[index[:, 0]])
     corners, count = _triangles_at(lattice, len(axis))
     vertices = axis / np.linalg.norm(axis, axis=1, keepdims=True)
@@ -117,12 +118,9 @@ def in_field(
 
 def sphere_directions(count: int) -> Floats:
     """``count`` directions spread evenly over the sphere, each for the same solid angle: the
-    Fibonacci lattice, turned by the golden angle from one to the next."""
-    index = np.arange(count)
-    height = 1 - (2 * index + 1) / count
-    turn = index * np.pi * (3 - np.sqrt(5))
-    level = np.sqrt(1 - height**2)
-    return np.column_stack([level * np.sin(turn), height, -level * np.cos(turn)])
+    Fibonacci lattice, from the top down, beginning ahead."""
+    behind, right, up = fibonacci_lattice(golden_angles(count)).T
+    return np.column_stack([right, up, -behind])
 
 
 def _triangles_at(lattice: Neighbours, count: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -186,5 +184,5 @@ def _widest_cone(inside: Floats, rim: Floats, step: float) -> tuple[Floats, floa
     distance = tree.query(fine)[0]
     best = int(distance.argmax())
     # The border is between the last direction that is seen and the first that is not.
-    radius = 2 * np.arcsin(min(float(distance[best]) / 2, 1.0)) - step / 2
+    radius = float(angle_of_chord(distance[best])) - step / 2
     return fine[best], float(max(radius, 0.0))

@@ -16,13 +16,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
-from omma.base.arguments import array_of, checked, whole
+from omma.base.arguments import array_of, checked
 from omma.base.directions import azimuth_elevation_deg_of as azimuth_elevation_deg_of
 from omma.base.directions import direction as direction
 from omma.base.directions import normalized
 from omma.base.values import value_class
 from omma.eye.cells import cells
-from omma.eye.relaxation import MARGIN, Domain, Progress, Region, grown
+from omma.eye.relaxation import MARGIN, Domain, Progress, Region, grown, started
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -232,11 +232,7 @@ def lay_directions(
     Raises:
         omma.Error: an argument out of range, an angle that is none, an empty field of view.
     """
-    if count is not None:
-        whole(count, "count", 2, 200_000)
-    whole(seed, "seed", 0, 2**63 - 1)
-    tell = progress or (lambda stage, fraction: None)
-    tell("placing ommatidia", None)
+    random, tell = started(count, seed, progress)
     sphere = SphereCells(horizontal_rad, vertical_rad, field_of_view, count)
     domain = Domain(
         normalized,
@@ -245,7 +241,6 @@ def lay_directions(
         sphere.middle,
         sphere.fraction,
     )
-    random = np.random.default_rng(seed)
     points = grown(domain, sphere.count, random, partial(tell, "placing ommatidia"))
     if not sphere.closed:
         points = sphere.region.deepest(points, sphere.count)

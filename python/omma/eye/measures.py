@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye
 from omma.base.arguments import checked
+from omma.base.directions import angle_of_chord
 from omma.base.values import value_class
 from omma.eye.field import Field, field_of_view
 from omma.eye.neighbours import (
@@ -207,7 +208,7 @@ def _known(lengths: ArrayLike) -> Floats:
 
 
 def _pair_angles(directions: Floats, pairs: Ints) -> Floats:
-    return 2 * np.arcsin(np.minimum(_pair_lengths(directions, pairs) / 2, 1))
+    return angle_of_chord(_pair_lengths(directions, pairs))
 
 
 def _pair_lengths(points: Floats, pairs: Ints) -> Floats:

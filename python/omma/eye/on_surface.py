@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye
-from omma.base.arguments import array_of, checked, positive, whole
+from omma.base.arguments import array_of, checked, positive
 from omma.base.directions import normalized
 from omma.eye.facets import set_facets
-from omma.eye.relaxation import Bools, Domain, Progress, Region, grown
+from omma.eye.relaxation import Bools, Domain, Progress, Region, grown, started
 from omma.eye.surfaces import Surface
 
 Floats = NDArray[np.float64]
@@ -192,11 +192,7 @@ def lay_on_surface(
     Raises:
         omma.Error: an argument out of range, a spacing too wide for the surface.
     """
-    if count is not None:
-        whole(count, "count", 2, 200_000)
-    whole(seed, "seed", 0, 2**63 - 1)
-    tell = progress or (lambda stage, fraction: None)
-    tell("placing ommatidia", None)
+    random, tell = started(count, seed, progress)
     scale = 1.0
 
     def spacing(points: Floats) -> Floats:
@@ -245,7 +241,7 @@ def lay_on_surface(
     region = Region(sees, metric, samples, within)
     outside = None if closed else region.outside
     domain = Domain(lambda points: surface.near(points)[0], metric, outside, samples, fraction)
-    points = grown(domain, wanted, np.random.default_rng(seed), partial(tell, "placing ommatidia"))
+    points = grown(domain, wanted, random, partial(tell, "placing ommatidia"))
     if not closed:
         points = region.deepest(points, wanted)
     points = surface.onto(points)

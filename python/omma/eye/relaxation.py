@@ -21,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from omma.base.arguments import whole
 from omma.eye.cells import NEIGHBOURS, cells, nearest, pair_distance_squared
 
 Floats = NDArray[np.float64]
@@ -31,6 +32,7 @@ _FORCE_POWER = 7
 # Step size as a fraction of the largest stable one, found by trials with 100 to 10,000 points.
 _STEP_SIZE = 0.0107
 _MOMENTUM = 0.8
+_LONGEST_STEP = 0.15  # spacings
 _COARSEST = 150  # points, or up to four times as many
 _COARSE_STEPS = 400
 _COARSE_SHAKE = 0.15
@@ -40,7 +42,23 @@ _SHAKE = 0.04
 MARGIN = 2.5  # spacings laid beyond where points are wanted, where the lattice meets a wall
 _HALF_ROW = 0.43
 _WIDENING = 1.0045  # of the spacing with every doubling, as the cut rows at the wall leave room
-_STEPS_PER_SEARCH = 10
+STEPS_PER_SEARCH = 10
+
+
+def started(
+    count: int | None, seed: int, progress: Progress | None
+) -> tuple[np.random.Generator, Progress]:
+    """What makes an eye by chance begins with: random numbers, and who is told of progress.
+
+    Raises:
+        omma.Error: a number of ommatidia or a seed out of range.
+    """
+    if count is not None:
+        whole(count, "count", 2, 200_000)
+    random = np.random.default_rng(whole(seed, "seed", 0, 2**63 - 1))
+    tell = progress or (lambda stage, fraction: None)
+    tell("placing ommatidia", None)
+    return random, tell
 
 
 @dataclass(frozen=True)
@@ -245,6 +263,28 @@ def bisected(points: Floats, fraction: Floats, count: int) -> Floats:
     return seeds
 
 
+def repulsion(squared: Floats) -> tuple[Floats, Floats]:
+    """Squared distances in units of the spacing, as they count, and what the steps apart are
+    multiplied by to be forces."""
+    # Not closer than half, so that two points on top of each other do not fly off.
+    squared = np.maximum(squared, 0.25)
+    return squared, squared ** (-(_FORCE_POWER + 1) / 2)
+
+
+def pushed(velocity: Floats, force: Floats, normal: Floats) -> Floats:
+    """Velocities (N, 3) per step after a step under forces (N, 3), along a surface of normals
+    (N, 3)."""
+    velocity = _MOMENTUM * velocity + _STEP_SIZE * force
+    velocity -= np.sum(velocity * normal, axis=1, keepdims=True) * normal
+    return velocity
+
+
+def limited(velocity: Floats, speed: Floats, spacing: Floats | float = 1.0) -> Floats:
+    """Velocities (N, 3) of lengths ``speed`` (N,), made no longer than some of the spacing."""
+    most = _LONGEST_STEP * spacing / np.maximum(speed, 1e-300)
+    return np.asarray(velocity * np.minimum(1, most)[:, None])
+
+
 def _relaxed(
     domain: Domain,
     points: Floats,
@@ -259,21 +299,17 @@ def _relaxed(
     velocity = np.zeros_like(points)
     metric = domain.metric(points) / scale
     for step in range(steps):
-        if step % _STEPS_PER_SEARCH == 0:
+        if step % STEPS_PER_SEARCH == 0:
             near = nearest(points, metric, NEIGHBOURS)
             bend = _bend(points, domain, metric)
             tell(step / steps)
         apart = points[:, None, :] - points[near]
-        # Not closer than half, so that two points on top of each other do not fly off.
-        squared = np.maximum(pair_distance_squared(apart, metric, metric[near]), 0.25)
-        strength = squared ** (-(_FORCE_POWER + 1) / 2)
+        squared, strength = repulsion(pair_distance_squared(apart, metric, metric[near]))
         force = np.einsum("nkc,nk->nc", apart, strength)
         force += 0.25 * np.sum(squared * strength, axis=1, keepdims=True) * bend
-        velocity = _MOMENTUM * velocity + _STEP_SIZE * force
-        normal = _normals(metric)
-        velocity -= np.sum(velocity * normal, axis=1, keepdims=True) * normal
+        velocity = pushed(velocity, force, _normals(metric))
         speed = np.linalg.norm(np.einsum("nac,nc->na", metric, velocity), axis=1)
-        velocity *= np.minimum(1, 0.15 / np.maximum(speed, 1e-300))[:, None]
+        velocity = limited(velocity, speed)
         move = velocity
         amount = shake * (1 - 1.5 * step / steps)
         if amount > 0:

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye, ReceptorType
 from omma.base.arguments import array_of, checked, positive, whole
-from omma.base.directions import normalized
+from omma.base.directions import angle_of_chord, normalized
 from omma.base.values import value_class
 from omma.eye.neighbours import direction_lattice
 from omma.receptors.mosaic import COLUMN, Region, region_mask
@@ -149,7 +149,7 @@ def neural_superposition_wiring(
         mine = np.flatnonzero(eye.eye_id[owner] == number)
         chord, nearest = cKDTree(axes[there]).query(looking[index[mine]])
         found = there[nearest]
-        within = 2 * np.arcsin(np.minimum(chord / 2, 1)) <= reach * spacing[found]
+        within = angle_of_chord(chord) <= reach * spacing[found]
         target[mine[within]] = found[within]
     return _wiring(target, index, np.ones(len(index)), len(eye))
 

@@ -21,6 +21,7 @@ from omma.base.arguments import array_of, checked, positive, whole
 from omma.base.directions import normalized
 from omma.base.files import PathLike, metres_per_unit
 from omma.base.mesh_triangles import triangles_of_file
+from omma.base.spirals import fibonacci_lattice, golden_angles_back
 from omma.base.values import value_class
 
 if TYPE_CHECKING:
@@ -96,19 +97,25 @@ class Ellipsoid:
         return np.asarray(self.centre_m + stretched / size)
 
     def samples(self, count: int) -> tuple[Floats, Floats]:
-        # A Fibonacci lattice has equal areas on the sphere; stretching it to the ellipsoid by A
-        # makes the area at u det(A) |A⁻¹u| times as large.
-        index = np.arange(whole(count, "count", 1, _MOST_SAMPLES)) + 0.5
-        z = 1 - 2 * index / count
-        angle = math.pi * (1 + math.sqrt(5)) * index
-        level = np.sqrt(1 - z * z)
-        sphere = np.stack([level * np.cos(angle), level * np.sin(angle), z], axis=1)
-        stretch = np.prod(self.semi_axes_m) * np.linalg.norm(sphere / self.semi_axes_m, axis=1)
-        points = self.centre_m + sphere * np.asarray(self.semi_axes_m)
-        return np.asarray(points), np.asarray(stretch * (4 * math.pi / count))
+        count = whole(count, "count", 1, _MOST_SAMPLES)
+        points, stretch = stretched(even_directions(count), np.asarray(self.semi_axes_m))
+        return np.asarray(self.centre_m + points), stretch * (4 * math.pi / count)
 
     def to_edge(self, points: Floats) -> Floats | None:
         return None
+
+
+def even_directions(count: int) -> Floats:
+    """Directions (count, 3), each for the same solid angle, for `stretched`."""
+    return fibonacci_lattice(golden_angles_back(count))
+
+
+def stretched(directions: Floats, semi_axes_m: Floats) -> tuple[Floats, Floats]:
+    """The unit sphere stretched to an ellipsoid about the origin: where its points (K, 3) come to
+    be, and how many times as large areas become there (K,)."""
+    # Of a sphere that is stretched by A, the area at u becomes det(A) |A⁻¹u| times as large.
+    stretch = np.prod(semi_axes_m) * np.linalg.norm(directions / semi_axes_m, axis=1)
+    return directions * semi_axes_m, np.asarray(stretch)
 
 
 @checked

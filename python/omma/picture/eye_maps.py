@@ -35,6 +35,7 @@ from omma.eye.neighbours import Flags, Floats, Ints
 from omma.eye.properties import EyeProperty, eye_property, is_known
 from omma.picture.fields import largest_cell_sr, without_gaps
 from omma.picture.map_projections import (
+    MAP_HALVES,
     MERCATOR_EDGE,
     PROJECTIONS,
     Projection,
@@ -84,11 +85,7 @@ def make_map(
 
     if projection not in PROJECTIONS:
         raise Error(f"projection: expected {', '.join(PROJECTIONS)}, found {projection!r}")
-    right, top = {
-        "mercator": (math.pi, math.atanh(math.sin(MERCATOR_EDGE))),
-        "mollweide": (2 * math.sqrt(2), math.sqrt(2)),
-        "lambert": (2.0, 2.0),
-    }[projection]
+    right, top = MAP_HALVES[projection]
     width = width or _PIXELS
     height = round(width * top / right)
     x = ((np.arange(width) + 0.5) / width * 2 - 1) * right

@@ -13,6 +13,12 @@ Projection = Literal["mercator", "mollweide", "lambert"]
 PROJECTIONS: tuple[Projection, ...] = ("mercator", "mollweide", "lambert")
 
 MERCATOR_EDGE = math.radians(80)  # beyond, a degree is stretched more than six times
+#: Half the width and half the height of each map.
+MAP_HALVES: dict[Projection, tuple[float, float]] = {
+    "mercator": (math.pi, math.atanh(math.sin(MERCATOR_EDGE))),
+    "mollweide": (2 * math.sqrt(2), math.sqrt(2)),
+    "lambert": (2.0, 2.0),
+}
 
 
 def project_directions(directions: Floats, projection: Projection) -> Floats:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from omma.base.directions import direction
 from omma.base.figures import INK
 from omma.eye.neighbours import Floats
 from omma.picture.eye_maps import draw_graticule
+from omma.picture.map_projections import MAP_HALVES, Projection
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -17,23 +18,21 @@ if TYPE_CHECKING:
 Extent = tuple[float, float, float, float]
 
 _SPHERE: Extent = (-180.0, 180.0, -90.0, 90.0)
-_MAPS: dict[str, Extent] = {
-    "mollweide": (-2 * 2**0.5, 2 * 2**0.5, -(2**0.5), 2**0.5),
-    "lambert": (-2.0, 2.0, -2.0, 2.0),
-}
 
 
 def draw_axes(
     panel: Axes, projection: str | None, ommatidia: int, lowest: bool, first: bool
 ) -> Extent:
     """Draws what says where directions are; where a picture goes: left, right, bottom, top."""
-    if projection in _MAPS:
-        extent = _MAPS[projection]
+    if projection in ("mollweide", "lambert"):
+        the_map = cast(Projection, projection)
+        right, top = MAP_HALVES[the_map]
+        extent = (-right, right, -top, top)
         panel.set_axis_off()
         panel.set_aspect("equal")
         panel.set(xlim=(extent[0] * 1.02, extent[1] * 1.02))
         panel.set(ylim=(extent[2] * 1.02, extent[3] * 1.02))
-        draw_graticule(panel, projection, labels=True)  # type: ignore[arg-type]
+        draw_graticule(panel, the_map, labels=True)
         return extent
     if projection == "hemisphere":
         _hemispheres(panel)

@@ -13,6 +13,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from omma.base.spirals import golden_angles
+
 Floats = NDArray[np.float64]
 
 
@@ -99,8 +101,7 @@ class Revolution:
         area = 2 * np.pi * np.concatenate([[0.0], np.cumsum(steps)])
         fraction = (np.arange(count) + 0.5) / count * area[-1]
         out, back = self._meridian(np.interp(fraction, area, self._angle)).T
-        turn = np.arange(count) * np.pi * (3 - np.sqrt(5))
-        return self._around(out, back, turn), np.full(count, area[-1] / count)
+        return self._around(out, back, golden_angles(count)), np.full(count, area[-1] / count)
 
     def to_edge(self, points: Floats) -> Floats:
         end = self._profile.length(np.array([self._most]))

@@ -10,15 +10,15 @@ from omma._core import Scene
 from omma.base.arguments import checked, within
 from omma.base.values import value_class
 from omma.scene.paint import painted_scene
-from omma.stimuli.checks import angle_deg, angular_speed, keep, name_of, radiance_of
+from omma.stimuli.checks import angle_deg, check_fields, radiance_of
 from omma.stimuli.gaussian import Floats
-from omma.stimuli.shapes import drifted, longitude_latitude_deg, sphere_patch
-from omma.stimuli.stimulus import Stimulus
+from omma.stimuli.shapes import longitude_latitude_deg, sphere_patch
+from omma.stimuli.turning import Turning
 
 
 @value_class
 @dataclass(frozen=True, eq=False, repr=False)
-class Bar(Stimulus):
+class Bar(Turning):
     """A bar before an even background that goes around the head: part of a sphere between two
     meridians and two parallels about the poles that lie across its direction of motion.
 
@@ -47,32 +47,18 @@ class Bar(Stimulus):
     name: str = "bar"
 
     def __post_init__(self) -> None:
-        keep(
-            self,
-            width_deg=within(self.width_deg, "width_deg", 0.01, 359.9),
-            height_deg=within(self.height_deg, "height_deg", 0.01, 180.0),
-            speed_deg_s=angular_speed(self.speed_deg_s, "speed_deg_s"),
-            azimuth_deg=angle_deg(self.azimuth_deg, "azimuth_deg"),
-            direction_deg=angle_deg(self.direction_deg, "direction_deg"),
-            bar=radiance_of(self.bar, "bar"),
-            background=radiance_of(self.background, "background"),
-            name=name_of(self.name, "name"),
-        )
-
-    def _transforms(self, times_s: Floats) -> Floats:
-        return drifted(self._longitude_deg(times_s), self.direction_deg)[:, None]
+        check_fields(self, width_deg=(0.01, 359.9), height_deg=(0.01, 180.0), bar=radiance_of)
 
     def _radiance(self, directions: Floats, time_s: float) -> Floats:
         longitude, latitude = longitude_latitude_deg(
-            directions, float(self._longitude_deg(time_s)), self.direction_deg
+            directions, float(self._drift_deg(time_s)), self.direction_deg
         )
         on_bar = np.abs(longitude) <= self.width_deg / 2
         on_bar &= np.abs(latitude) <= self.height_deg / 2
         return np.where(on_bar, self.bar, self.background)
 
-    def _longitude_deg(self, time_s: Floats | float) -> Floats:
-        moved = np.mod(self.speed_deg_s * np.asarray(time_s), 360.0)
-        return np.asarray(self.azimuth_deg + moved)
+    def _drift_deg(self, time_s: Floats | float) -> Floats:
+        return np.asarray(self.azimuth_deg + super()._drift_deg(time_s))
 
     def _scene(self) -> Scene:
         half_width, half_height = self.width_deg / 2, self.height_deg / 2

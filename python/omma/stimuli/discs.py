@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from omma._core import Error, Scene
-from omma.base.arguments import array_of, within
+from omma.base.arguments import array_of
 from omma.base.values import value_class
 from omma.scene.solids import disc
-from omma.stimuli.checks import angle_deg, keep, length_m, name_of, radiance_of
-from omma.stimuli.gaussian import Floats, caps_share
+from omma.stimuli.checks import Check, check_fields, length_m, radiance_of
+from omma.stimuli.discs_seen import Discs
+from omma.stimuli.gaussian import Floats
 from omma.stimuli.shapes import directions_of, facing_origin, polygon_radius_m
-from omma.stimuli.stimulus import Stimulus, as_times
+from omma.stimuli.stimulus import as_times
 
 # Of the polygon that is a disc, whose area is the circle's.
 _CORNERS = 256
@@ -22,7 +24,7 @@ _CORNERS = 256
 
 @value_class
 @dataclass(frozen=True, eq=False, repr=False)
-class LoomingDisc(Stimulus):
+class LoomingDisc(Discs):
     """A disc that comes straight at the head with a constant speed, and so appears to explode.
 
     Its angular size is θ(t) = 2 atan(l/v / (t_c - t)), with half its width l, its speed v and the
@@ -59,17 +61,13 @@ class LoomingDisc(Stimulus):
     name: str = "disc"
 
     def __post_init__(self) -> None:
-        keep(
+        check_fields(
             self,
-            l_over_v_s=within(self.l_over_v_s, "l_over_v_s", 1e-6, 1e6),
-            collision_s=within(self.collision_s, "collision_s", -1e6, 1e6),
-            largest_deg=within(self.largest_deg, "largest_deg", 0.01, 175.0),
-            azimuth_deg=angle_deg(self.azimuth_deg, "azimuth_deg"),
-            elevation_deg=within(self.elevation_deg, "elevation_deg", -90.0, 90.0),
-            half_width_m=length_m(self.half_width_m, "half_width_m"),
-            disc=radiance_of(self.disc, "disc"),
-            background=radiance_of(self.background, "background"),
-            name=name_of(self.name, "name"),
+            l_over_v_s=(1e-6, 1e6),
+            collision_s=(-1e6, 1e6),
+            largest_deg=(0.01, 175.0),
+            half_width_m=length_m,
+            disc=radiance_of,
         )
 
     def size_deg(self, times_s: ArrayLike) -> Floats:
@@ -83,18 +81,16 @@ class LoomingDisc(Stimulus):
         towards = np.broadcast_to(self._direction(), (len(distance), 3))
         return facing_origin(towards, distance)[:, None]
 
-    def _radiance(self, directions: Floats, time_s: float) -> Floats:
-        half = np.radians(self.size_deg([time_s])[0]) / 2
-        on_disc = directions @ self._direction() > np.cos(half)
-        return np.where(on_disc, self.disc, self.background)
+    @property
+    def _disc_radiance(self) -> float:
+        return self.disc
 
     def _direction(self) -> Floats:
         return directions_of(self.azimuth_deg, self.elevation_deg)
 
-    def _expected(self, axes: Floats, acceptance_rad: Floats, times_s: Floats) -> Floats:
-        centres = np.broadcast_to(self._direction(), (len(times_s), 3))
+    def _discs(self, times_s: Floats) -> Iterator[tuple[Floats, Floats]]:
         half = np.radians(self.size_deg(times_s)) / 2
-        return _disc_means(self, axes, acceptance_rad, centres, half)
+        return ((self._direction()[None], one[None]) for one in half)
 
     def _scene(self) -> Scene:
         return _disc_scene(self.half_width_m, self.disc, self.name)
@@ -102,7 +98,7 @@ class LoomingDisc(Stimulus):
 
 @value_class
 @dataclass(frozen=True, eq=False, repr=False)
-class Target(Stimulus):
+class Target(Discs):
     """A small disc at a constant distance that flies along a path, on great circles from each of
     its points to the next; before the first and after the last it stays there.
 
@@ -135,16 +131,16 @@ class Target(Stimulus):
     name: str = "target"
 
     def __post_init__(self) -> None:
-        path_s = _kept(as_times(array_of(self.path_s, "path_s", (None,))))
-        if not (len(path_s) and (np.diff(path_s) > 0).all()):
-            raise Error("path_s: expected one or more times that grow")
-        azimuth = _kept(array_of(self.azimuth_deg, "azimuth_deg", path_s.shape))
-        elevation = _kept(array_of(self.elevation_deg, "elevation_deg", path_s.shape))
-        if not (np.abs(azimuth) <= 3600).all():
-            raise Error("azimuth_deg: expected angles from -3600 to 3600")
-        if not (np.abs(elevation) <= 90).all():
-            raise Error("elevation_deg: expected angles from -90 to 90")
-        points = directions_of(azimuth, elevation)
+        check_fields(
+            self,
+            diameter_deg=(1e-3, 175.0),
+            path_s=_growing_times,
+            azimuth_deg=self._angles_to(3600),
+            elevation_deg=self._angles_to(90),
+            distance_m=length_m,
+            target=radiance_of,
+        )
+        points = directions_of(self.azimuth_deg, self.elevation_deg)
         opposite = np.flatnonzero(np.sum(points[:-1] * points[1:], axis=1) < -1 + 1e-9)
         if opposite.size:
             first = int(opposite[0])
@@ -152,17 +148,15 @@ class Target(Stimulus):
                 f"azimuth_deg: expected one way from each point to the next, found points {first} "
                 f"and {first + 1} opposite to each other"
             )
-        keep(
-            self,
-            diameter_deg=within(self.diameter_deg, "diameter_deg", 1e-3, 175.0),
-            path_s=path_s,
-            azimuth_deg=azimuth,
-            elevation_deg=elevation,
-            distance_m=length_m(self.distance_m, "distance_m"),
-            target=radiance_of(self.target, "target"),
-            background=radiance_of(self.background, "background"),
-            name=name_of(self.name, "name"),
-        )
+
+    def _angles_to(self, most: int) -> Check:
+        def check(value: ArrayLike, name: str) -> Floats:
+            angles = _kept(array_of(value, name, self.path_s.shape))
+            if not (np.abs(angles) <= most).all():
+                raise Error(f"{name}: expected angles from -{most} to {most}")
+            return angles
+
+        return check
 
     def directions(self, times_s: ArrayLike) -> Floats:
         """Where it is: directions (T, 3) at times (T,), s."""
@@ -184,43 +178,29 @@ class Target(Stimulus):
         towards = self.directions(times_s)
         return facing_origin(towards, np.full(len(towards), self.distance_m))[:, None]
 
-    def _radiance(self, directions: Floats, time_s: float) -> Floats:
-        half = np.radians(self.diameter_deg) / 2
-        on_target = directions @ self.directions([time_s])[0] > np.cos(half)
-        return np.where(on_target, self.target, self.background)
+    @property
+    def _disc_radiance(self) -> float:
+        return self.target
 
-    def _expected(self, axes: Floats, acceptance_rad: Floats, times_s: Floats) -> Floats:
-        half = np.full(len(times_s), np.radians(self.diameter_deg) / 2)
-        return _disc_means(self, axes, acceptance_rad, self.directions(times_s), half)
+    def _discs(self, times_s: Floats) -> Iterator[tuple[Floats, Floats]]:
+        half = np.array([np.radians(self.diameter_deg) / 2])
+        return ((one[None], half) for one in self.directions(times_s))
 
     def _scene(self) -> Scene:
         radius = self.distance_m * np.tan(np.radians(self.diameter_deg) / 2)
         return _disc_scene(float(radius), self.target, self.name)
 
 
-def _disc_means(
-    stimulus: LoomingDisc | Target,
-    axes: Floats,
-    acceptance_rad: Floats,
-    centres: Floats,
-    half_rad: Floats,
-) -> Floats:
-    """Responses (T, N) to a disc in directions (T, 3) of half widths (T,)."""
-    value = stimulus.disc if isinstance(stimulus, LoomingDisc) else stimulus.target
-    shares = [
-        [
-            caps_share(axis, width, centre[None], np.array([half]))
-            for axis, width in zip(axes, acceptance_rad)
-        ]
-        for centre, half in zip(centres, half_rad)
-    ]
-    covered = np.array(shares, np.float64).reshape(len(centres), len(axes))
-    return np.asarray(stimulus.background + (value - stimulus.background) * covered)
-
-
 def _disc_scene(radius_m: float, radiance: float, name: str) -> Scene:
     corners = polygon_radius_m(radius_m, _CORNERS)
     return disc(corners, (radiance,) * 3, segments=_CORNERS, name=name)
+
+
+def _growing_times(value: ArrayLike, name: str) -> Floats:
+    times = _kept(as_times(array_of(value, name, (None,))))
+    if not (len(times) and (np.diff(times) > 0).all()):
+        raise Error(f"{name}: expected one or more times that grow")
+    return times
 
 
 def _kept(values: Floats) -> Floats:

@@ -2,34 +2,37 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from omma._core import Error, Instance, Material, Mesh, Scene
-from omma.base.arguments import array_of, whole, within
+from omma.base.arguments import array_of
 from omma.base.values import value_class
 from omma.scene.paint import painted_scene
-from omma.stimuli.checks import angle_deg, angular_speed, keep, length_m, name_of, radiance_of
-from omma.stimuli.gaussian import Floats, caps_share
+from omma.stimuli.checks import check_fields, length_m, radiance_of, whole_from
+from omma.stimuli.discs_seen import Discs
+from omma.stimuli.gaussian import Floats
 from omma.stimuli.shapes import (
     SPHERE_RADIUS_M,
-    drifted,
     facing_origin,
     polygon,
     polygon_radius_m,
 )
-from omma.stimuli.stimulus import Stimulus, as_times
+from omma.stimuli.stimulus import as_times
+from omma.stimuli.turning import Turning
 
-_MOST = 100_000
+_COUNT = whole_from(1, 100_000)
 # Corners of a dot and of a star.
 _CORNERS = 32
 
 
 @value_class
 @dataclass(frozen=True, eq=False, repr=False)
-class RandomDots(Stimulus):
+class RandomDots(Discs, Turning):
     """Dots all around the head, anywhere with the same chance, that turn together.
 
     They may lie over each other: of a sphere with n dots, each of the solid angle Ω, they cover
@@ -63,17 +66,7 @@ class RandomDots(Stimulus):
     name: str = "dots"
 
     def __post_init__(self) -> None:
-        keep(
-            self,
-            count=whole(self.count, "count", 1, _MOST),
-            diameter_deg=within(self.diameter_deg, "diameter_deg", 1e-3, 90.0),
-            speed_deg_s=angular_speed(self.speed_deg_s, "speed_deg_s"),
-            direction_deg=angle_deg(self.direction_deg, "direction_deg"),
-            seed=whole(self.seed, "seed", 0, (1 << 63) - 1),
-            dot=radiance_of(self.dot, "dot"),
-            background=radiance_of(self.background, "background"),
-            name=name_of(self.name, "name"),
-        )
+        check_fields(self, count=_COUNT, diameter_deg=(1e-3, 90.0), dot=radiance_of)
 
     @property
     def coverage(self) -> float:
@@ -87,29 +80,14 @@ class RandomDots(Stimulus):
         drawn = np.random.default_rng(self.seed).normal(size=(self.count, 3))
         return np.asarray(drawn / np.linalg.norm(drawn, axis=1, keepdims=True))
 
-    def _transforms(self, times_s: Floats) -> Floats:
-        return drifted(self._drift_deg(times_s), self.direction_deg)[:, None]
+    @property
+    def _disc_radiance(self) -> float:
+        return self.dot
 
-    def _radiance(self, directions: Floats, time_s: float) -> Floats:
-        centres = self._centres_at(time_s)
+    def _discs(self, times_s: Floats) -> Iterator[tuple[Floats, Floats]]:
         half = np.full(self.count, np.radians(self.diameter_deg) / 2)
-        on_dot = _on_any(directions, centres, half)
-        return np.where(on_dot, self.dot, self.background)
-
-    def _centres_at(self, time_s: float) -> Floats:
-        turn = drifted(self._drift_deg(np.array([time_s])), self.direction_deg)[0, :3, :3]
-        return np.asarray(self._centres @ turn.T)
-
-    def _drift_deg(self, times_s: Floats) -> Floats:
-        return np.asarray(np.mod(self.speed_deg_s * times_s, 360.0))
-
-    def _expected(self, axes: Floats, acceptance_rad: Floats, times_s: Floats) -> Floats:
-        half = np.full(self.count, np.radians(self.diameter_deg) / 2)
-        covered = [
-            _covered(axes, acceptance_rad, self._centres_at(time_s), half) for time_s in times_s
-        ]
-        shares = np.array(covered).reshape(len(times_s), len(axes))
-        return np.asarray(self.background + (self.dot - self.background) * shares)
+        for transform in self._transforms(times_s)[:, 0]:
+            yield self._centres @ transform[:3, :3].T, half
 
     def _scene(self) -> Scene:
         radius = SPHERE_RADIUS_M * np.tan(np.radians(self.diameter_deg) / 2)
@@ -127,7 +105,7 @@ class RandomDots(Stimulus):
 
 @value_class
 @dataclass(frozen=True, eq=False, repr=False)
-class Starfield(Stimulus):
+class Starfield(Discs):
     """Discs that float in a cube around the head, each facing it, and move past it all alike: what
     flying straight ahead looks like. A star that leaves the cube on one side comes in on the other.
 
@@ -156,20 +134,13 @@ class Starfield(Stimulus):
     name: str = "star"
 
     def __post_init__(self) -> None:
-        velocity = array_of(self.velocity_m_s, "velocity_m_s", (3,))
-        if not (np.abs(velocity) <= 1e6).all():
-            raise Error(f"velocity_m_s: expected -1e6 to 1e6, found {velocity.tolist()}")
-        cube = length_m(self.cube_m, "cube_m")
-        keep(
+        check_fields(
             self,
-            count=whole(self.count, "count", 1, _MOST),
-            radius_m=within(self.radius_m, "radius_m", 1e-6, cube / 4),
-            velocity_m_s=tuple(velocity.tolist()),
-            cube_m=cube,
-            seed=whole(self.seed, "seed", 0, (1 << 63) - 1),
-            star=radiance_of(self.star, "star"),
-            background=radiance_of(self.background, "background"),
-            name=name_of(self.name, "name"),
+            count=_COUNT,
+            radius_m=(1e-6, length_m(self.cube_m, "cube_m") / 4),
+            velocity_m_s=_velocity,
+            cube_m=length_m,
+            star=radiance_of,
         )
 
     @property
@@ -188,17 +159,17 @@ class Starfield(Stimulus):
         return np.asarray((drawn - 0.5) * self.cube_m)
 
     def _transforms(self, times_s: Floats) -> Floats:
-        found = []
-        for time_s in times_s:
-            directions, distance = self._seen(time_s)
-            found.append(facing_origin(directions, distance))
+        found = [facing_origin(*self._seen(time_s)) for time_s in times_s]
         return np.array(found).reshape(len(found), self.count, 4, 4)
 
-    def _radiance(self, directions: Floats, time_s: float) -> Floats:
-        centres, distance = self._seen(time_s)
-        half = np.arctan2(self.radius_m, distance)
-        on_star = _on_any(directions, centres, half)
-        return np.where(on_star, self.star, self.background)
+    @property
+    def _disc_radiance(self) -> float:
+        return self.star
+
+    def _discs(self, times_s: Floats) -> Iterator[tuple[Floats, Floats]]:
+        for time_s in times_s:
+            centres, distance = self._seen(time_s)
+            yield centres, np.arctan2(self.radius_m, distance)
 
     def _seen(self, time_s: float) -> tuple[Floats, Floats]:
         """Directions to the stars, (count, 3), and how far they are, (count,), m."""
@@ -210,15 +181,6 @@ class Starfield(Stimulus):
         directions = np.where(inside[:, None], ahead, positions / distance[:, None])
         return directions, distance
 
-    def _expected(self, axes: Floats, acceptance_rad: Floats, times_s: Floats) -> Floats:
-        covered = []
-        for time_s in times_s:
-            centres, distance = self._seen(time_s)
-            half = np.arctan2(self.radius_m, distance)
-            covered.append(_covered(axes, acceptance_rad, centres, half))
-        shares = np.array(covered).reshape(len(times_s), len(axes))
-        return np.asarray(self.background + (self.star - self.background) * shares)
-
     def _scene(self) -> Scene:
         flat, triangles = polygon(polygon_radius_m(self.radius_m, _CORNERS), _CORNERS)
         return Scene(
@@ -228,20 +190,8 @@ class Starfield(Stimulus):
         )
 
 
-def _covered(
-    axes: Floats, acceptance_rad: Floats, centres: Floats, half_rad: Floats
-) -> list[float]:
-    """The share of each ommatidium's sensitivity that falls on discs: N."""
-    return [
-        caps_share(axis, width, centres, half_rad)
-        for axis, width in zip(axes, acceptance_rad, strict=True)
-    ]
-
-
-def _on_any(directions: Floats, centres: Floats, half_rad: Floats) -> Floats:
-    """Whether directions (..., 3) meet any of the discs."""
-    flat = directions.reshape(-1, 3)
-    found = np.zeros(len(flat), bool)
-    for centre, cosine in zip(centres, np.cos(half_rad), strict=True):
-        found |= flat @ centre > cosine
-    return found.reshape(directions.shape[:-1])
+def _velocity(value: ArrayLike, name: str) -> tuple[float, ...]:
+    velocity = array_of(value, name, (3,))
+    if not (np.abs(velocity) <= 1e6).all():
+        raise Error(f"{name}: expected -1e6 to 1e6, found {velocity.tolist()}")
+    return tuple(velocity.tolist())

@@ -12,6 +12,8 @@ from functools import cache, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from omma.base.spirals import GOLDEN_ANGLE_RAD
+
 Floats = NDArray[np.float64]
 
 # Beyond this many acceptance angles S is under 1e-7.
@@ -20,17 +22,15 @@ _REACH = 2.4
 _DIRECTIONS = 32_768
 # Rings where what lies in each is known exactly.
 _RINGS = 512
-# The golden angle.
-_TURN = np.pi * (3 - np.sqrt(5))
 
 
 def field_directions(axis: Floats, acceptance_rad: float) -> Floats:
     """Directions (Q, 3) over the field of an ommatidium, each with the same share of a response.
 
-    On a spiral by the golden angle (Vogel 1979, Math Biosci 44:179), which has no rows along which
-    an edge could run, at polar angles that share the sensitivity evenly.
+    On a spiral by the golden angle, which has no rows along which an edge could run, at polar
+    angles that share the sensitivity evenly.
     """
-    theta, phi = _polar_angles(acceptance_rad), _TURN * np.arange(_DIRECTIONS)
+    theta, phi = _polar_angles(acceptance_rad), GOLDEN_ANGLE_RAD * np.arange(_DIRECTIONS)
     right, up = tangents(axis)
     across = np.cos(phi)[:, None] * right + np.sin(phi)[:, None] * up
     return np.asarray(np.cos(theta)[:, None] * axis + np.sin(theta)[:, None] * across)

@@ -7,25 +7,18 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Scene
-from omma.base.arguments import array_of, checked, one_of, whole, within
+from omma.base.arguments import array_of, checked, whole, within
 from omma.base.values import value_class
 from omma.scene.paint import Surface, painted_scene
 from omma.scene.solids import tube, upright
-from omma.stimuli.checks import (
-    angle_deg,
-    angular_speed,
-    frequency_hz,
-    keep,
-    length_m,
-    name_of,
-    radiance_of,
-)
+from omma.stimuli.checks import angular_speed, check_fields, chosen_from, length_m
 from omma.stimuli.gaussian import Floats, field_directions
 from omma.stimuli.shapes import drifted, grey, longitude_latitude_deg, sphere_patch
 from omma.stimuli.stimulus import Stimulus
+from omma.stimuli.turning import Turning
 
 Waveform = Literal["sine", "square"]
 
@@ -75,13 +68,12 @@ class DrumGrating(Stimulus):
     name: str = "drum"
 
     def __post_init__(self) -> None:
-        _check_wave(self)
-        keep(
+        check_fields(
             self,
-            wavelength_deg=_whole_periods(self.wavelength_deg),
-            direction=one_of(self.direction, ("right", "left"), "direction"),
-            radius_m=length_m(self.radius_m, "radius_m"),
-            height_m=length_m(self.height_m, "height_m"),
+            wavelength_deg=_of_whole_periods,
+            direction=chosen_from("right", "left"),
+            radius_m=length_m,
+            height_m=length_m,
         )
 
     def _transforms(self, times_s: Floats) -> Floats:
@@ -120,7 +112,7 @@ class DrumGrating(Stimulus):
 
 @value_class
 @dataclass(frozen=True, eq=False, repr=False)
-class SphereGrating(Stimulus):
+class SphereGrating(Turning):
     """A grating all around the head, along the meridians of a sphere whose poles lie across its
     direction of motion: mean x (1 + contrast x wave of longitude).
 
@@ -150,15 +142,7 @@ class SphereGrating(Stimulus):
     name: str = "sphere"
 
     def __post_init__(self) -> None:
-        _check_wave(self)
-        keep(
-            self,
-            wavelength_deg=_whole_periods(self.wavelength_deg),
-            direction_deg=angle_deg(self.direction_deg, "direction_deg"),
-        )
-
-    def _transforms(self, times_s: Floats) -> Floats:
-        return drifted(self._drift_deg(times_s), self.direction_deg)[:, None]
+        check_fields(self, wavelength_deg=_of_whole_periods)
 
     def _radiance(self, directions: Floats, time_s: float) -> Floats:
         longitude, _ = longitude_latitude_deg(directions, 0.0, self.direction_deg)
@@ -217,23 +201,9 @@ class PlaneGrating(Stimulus):
     name: str = "plane"
 
     def __post_init__(self) -> None:
-        _check_wave(self)
-        center = array_of(self.center_m, "center_m", (3,))
-        if not 1e-3 <= np.linalg.norm(center) <= 1e6:
-            raise Error(
-                f"center_m: expected 0.001 to 1e6 m from the origin, found {center.tolist()}"
-            )
-        size = [length_m(one, "size_m") for one in array_of(self.size_m, "size_m", (2,))]
-        wavelength = within(self.wavelength_m, "wavelength_m", 1e-6, 1e6)
-        if max(size) > 1e5 * wavelength:
-            raise Error(f"size_m: expected at most 100,000 periods, found {max(size):g} m")
-        keep(
-            self,
-            wavelength_m=wavelength,
-            direction_deg=angle_deg(self.direction_deg, "direction_deg"),
-            center_m=tuple(center.tolist()),
-            size_m=tuple(size),
-        )
+        check_fields(self, wavelength_m=length_m, center_m=_middle, size_m=_size)
+        if max(self.size_m) > 1e5 * self.wavelength_m:
+            raise Error(f"size_m: expected at most 100,000 periods, found {max(self.size_m):g} m")
 
     def _transforms(self, times_s: Floats) -> Floats:
         along, _, _ = self._frame()
@@ -371,25 +341,23 @@ def _striped(surface: Surface, periods: Floats, grating: Grating) -> Scene:
     )
 
 
-def _check_wave(grating: Grating) -> None:
-    keep(
-        grating,
-        temporal_frequency_hz=frequency_hz(grating.temporal_frequency_hz, "temporal_frequency_hz"),
-        waveform=one_of(grating.waveform, ("sine", "square"), "waveform"),
-        contrast=within(grating.contrast, "contrast", 0.0, 1.0),
-        mean=radiance_of(grating.mean, "mean"),
-        phase_deg=angle_deg(grating.phase_deg, "phase_deg"),
-        background=radiance_of(grating.background, "background"),
-        name=name_of(grating.name, "name"),
-    )
+def _middle(value: ArrayLike, name: str) -> tuple[float, ...]:
+    center = array_of(value, name, (3,))
+    if not 1e-3 <= np.linalg.norm(center) <= 1e6:
+        raise Error(f"{name}: expected 0.001 to 1e6 m from the origin, found {center.tolist()}")
+    return tuple(center.tolist())
 
 
-def _whole_periods(wavelength_deg: float) -> float:
-    wavelength = within(wavelength_deg, "wavelength_deg", 0.2, 360.0)
+def _size(value: ArrayLike, name: str) -> tuple[float, ...]:
+    return tuple(length_m(one, name) for one in array_of(value, name, (2,)))
+
+
+def _of_whole_periods(value: float, name: str) -> float:
+    wavelength = within(value, name, 0.2, 360.0)
     count = round(360 / wavelength)
     if abs(360 / wavelength - count) > 1e-6 * count:
         raise Error(
-            f"wavelength_deg: expected 360 over a whole number, found {wavelength:g}; next to it "
+            f"{name}: expected 360 over a whole number, found {wavelength:g}; next to it "
             f"are {360 / (count + 1):g}, {360 / count:g}"
         )
     return 360 / count

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Error, Image, Instance, Material, Mesh, Scene, Texture
-from omma.base.arguments import whole, within
+from omma.base.arguments import within
 from omma.base.values import value_class
 from omma.scene.solids import tube
-from omma.stimuli.checks import keep, name_of, radiance_of
+from omma.stimuli.checks import check_fields, whole_from
 from omma.stimuli.gaussian import Floats
 from omma.stimuli.shapes import grey
 from omma.stimuli.stimulus import Stimulus, as_times
@@ -85,21 +85,15 @@ class LedArena(Stimulus):
     name: str = "leds"
 
     def __post_init__(self) -> None:
-        if not isinstance(self.shown, Stimulus) or isinstance(self.shown, LedArena):
-            found = f"{type(self.shown).__name__} {self.shown!r:.40}"
-            raise TypeError(f"shown: expected a stimulus other than an arena, found {found}")
-        bits = whole(self.bits, "bits", 1, 8)
-        refresh = _SCAN_HZ / (2**bits - 1) if self.refresh_hz is None else self.refresh_hz
-        keep(
+        check_fields(
             self,
-            duration_s=within(self.duration_s, "duration_s", 1e-6, 1e6),
-            bits=bits,
-            refresh_hz=within(refresh, "refresh_hz", 1e-3, 1e6),
-            panels_around=whole(self.panels_around, "panels_around", 3, 1000),
-            panels_up=whole(self.panels_up, "panels_up", 1, 1000),
-            brightest=within(self.brightest, "brightest", 1e-6, 1e6),
-            background=radiance_of(self.background, "background"),
-            name=name_of(self.name, "name"),
+            shown=_other_than_an_arena,
+            duration_s=(1e-6, 1e6),
+            bits=whole_from(1, 8),
+            refresh_hz=self._checked_refresh,
+            panels_around=whole_from(3, 1000),
+            panels_up=whole_from(1, 1000),
+            brightest=(1e-6, 1e6),
         )
         if self.frame_count > _MOST_FRAMES:
             raise Error(
@@ -112,6 +106,10 @@ class LedArena(Stimulus):
                 f"panels_up: expected at most {_MOST_PIXELS:,} pixels in all frames, found "
                 f"{self.frame_count:,} frames of {pixels:,}"
             )
+
+    def _checked_refresh(self, value: float | None, name: str) -> float:
+        refresh = _SCAN_HZ / (2**self.bits - 1) if value is None else value
+        return within(refresh, name, 1e-3, 1e6)
 
     @property
     def frame_count(self) -> int:
@@ -217,3 +215,10 @@ class LedArena(Stimulus):
             images=[Image(grey(self._radiance_of(levels))) for levels in frames],
             textures=[Texture(one, "clamp_to_edge", "clamp_to_edge", "nearest") for one in count],
         )
+
+
+def _other_than_an_arena(value: Stimulus, name: str) -> Stimulus:
+    if not isinstance(value, Stimulus) or isinstance(value, LedArena):
+        found = f"{type(value).__name__} {value!r:.40}"
+        raise TypeError(f"{name}: expected a stimulus other than an arena, found {found}")
+    return value

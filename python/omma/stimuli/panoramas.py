@@ -8,19 +8,19 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from omma._core import Scene
-from omma.base.arguments import whole, within
+from omma.base.arguments import within
 from omma.base.values import value_class
 from omma.scene.paint import painted_scene
-from omma.stimuli.checks import angle_deg, angular_speed, keep, name_of, radiance_of
+from omma.stimuli.checks import check_fields
 from omma.stimuli.gaussian import Floats
 from omma.stimuli.random_fields import random_field
-from omma.stimuli.shapes import drifted, grey, longitude_latitude_deg, sphere_patch
-from omma.stimuli.stimulus import Stimulus
+from omma.stimuli.shapes import grey, longitude_latitude_deg, sphere_patch
+from omma.stimuli.turning import Turning
 
 
 @value_class
 @dataclass(frozen=True, eq=False, repr=False)
-class NoisePanorama(Stimulus):
+class NoisePanorama(Turning):
     """Noise all around the head whose amplitude falls as 1/f^slope with spatial frequency, the same
     in all directions, and that turns. Natural scenes have slopes around 1 (Field 1987, J Opt Soc Am
     A 4:2379).
@@ -55,28 +55,13 @@ class NoisePanorama(Stimulus):
     name: str = "panorama"
 
     def __post_init__(self) -> None:
-        rows = round(180 / within(self.pixel_deg, "pixel_deg", 0.1, 10.0))
-        keep(
-            self,
-            slope=within(self.slope, "slope", 0.0, 4.0),
-            contrast=within(self.contrast, "contrast", 0.0, 10.0),
-            mean=radiance_of(self.mean, "mean"),
-            pixel_deg=180 / rows,
-            speed_deg_s=angular_speed(self.speed_deg_s, "speed_deg_s"),
-            direction_deg=angle_deg(self.direction_deg, "direction_deg"),
-            seed=whole(self.seed, "seed", 0, (1 << 63) - 1),
-            background=radiance_of(self.background, "background"),
-            name=name_of(self.name, "name"),
-        )
+        check_fields(self, slope=(0.0, 4.0), contrast=(0.0, 10.0), pixel_deg=_of_whole_rows)
 
     @cached_property
     def picture(self) -> Floats:
         """Radiance (H, 2 H), equirectangular: ahead at time 0 in the middle, row 0 at the top."""
         noise = _noise(self.slope, round(180 / self.pixel_deg), self.seed)
         return np.asarray(np.maximum(self.mean * (1 + self.contrast * noise), 0.0))
-
-    def _transforms(self, times_s: Floats) -> Floats:
-        return drifted(self._drift_deg(times_s), self.direction_deg)[:, None]
 
     def _radiance(self, directions: Floats, time_s: float) -> Floats:
         picture = self.picture
@@ -94,13 +79,15 @@ class NoisePanorama(Stimulus):
         lower = (1 - dx) * picture[below, left] + dx * picture[below, right]
         return np.asarray((1 - dy) * upper + dy * lower)
 
-    def _drift_deg(self, time_s: Floats | float) -> Floats:
-        return np.asarray(np.mod(self.speed_deg_s * np.asarray(time_s), 360.0))
-
     def _scene(self) -> Scene:
         surface, _ = sphere_patch((-180.0, 180.0), (-90.0, 90.0))
         picture = grey(self.picture)
         return painted_scene([("picture", surface, picture)], self.name, (0, 0, 0), wrap_u="repeat")
+
+
+def _of_whole_rows(value: float, name: str) -> float:
+    """Of pixels, the size nearest to it of which 180° are a whole number."""
+    return 180 / round(180 / within(value, name, 0.1, 10.0))
 
 
 @lru_cache(maxsize=4)

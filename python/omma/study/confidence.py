@@ -11,11 +11,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from omma._core import Error, Eye
+from omma._core import Error, Eye, error_scrambles
 from omma.base.arguments import array_of, checked, expect
 
-# Of the standard error of eight scrambles.
-_DEGREES_OF_FREEDOM = 7
+# Of a standard error.
+_DEGREES_OF_FREEDOM = error_scrambles - 1
 # Neighbours: those whose axes lie in the field, of which a Gaussian leaves two thousandths beyond
 # 1.5 acceptance angles; and where fields are apart, as many as a hexagonal lattice has around each.
 _FIELD, _NEIGHBOURS = 1.5, 6

@@ -1,0 +1,23 @@
+"""Patterns that turn around the head, about the poles that lie across their direction of motion."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from omma.stimuli.gaussian import Floats
+from omma.stimuli.shapes import drifted
+from omma.stimuli.stimulus import Stimulus
+
+
+class Turning(Stimulus):
+    """One that turns by a speed of its own, or as `_drift_deg` says."""
+
+    speed_deg_s: float
+    direction_deg: float
+
+    def _transforms(self, times_s: Floats) -> Floats:
+        return drifted(self._drift_deg(times_s), self.direction_deg)[:, None]
+
+    def _drift_deg(self, time_s: Floats | float) -> Floats:
+        """By how much it has turned, degrees."""
+        return np.asarray(np.mod(self.speed_deg_s * np.asarray(time_s), 360.0))
