@@ -30,21 +30,22 @@ struct CancellableSearch {
   const PlacedMesh* placed() const { return search.placed(); }
 };
 
-// `Search` is made of a Tracer.
-template <typename Search, typename Tracer>
-BlockFunctions build_block() {
+// `MakeSearch`: a lambda without captures that makes a search of what the backend built.
+template <typename MakeSearch>
+BlockFunctions build_block(MakeSearch) {
+  using Search = decltype(MakeSearch{}(nullptr));
   BlockFunctions block;
   block.render = [](const FrameView& frame, const BlockTask& task, const void* tracer,
                     std::byte* memory) {
     const DenormalsAreZero denormals_are_zero;
-    CancellableSearch<Search> search{{static_cast<const Tracer*>(tracer)}};
+    CancellableSearch<Search> search{MakeSearch{}(tracer)};
     Scratch scratch{memory};
     render_block<Packets>(frame, task, search, lay_out(scratch, frame, packet_rays));
   };
   block.discs = [](const FrameView& frame, const BlockTask& task, const void* tracer,
                    std::byte* memory) {
     const DenormalsAreZero denormals_are_zero;
-    CancellableSearch<Search> search{{static_cast<const Tracer*>(tracer)}};
+    CancellableSearch<Search> search{MakeSearch{}(tracer)};
     Scratch scratch{memory};
     render_discs<Packets>(frame, task, search, lay_out(scratch, frame, packet_rays));
   };
@@ -56,7 +57,7 @@ BlockFunctions build_block() {
   block.gather = [](const FrameView& frame, const GatherTask& task, const void* tracer,
                     std::byte* memory, double* mean) {
     const DenormalsAreZero denormals_are_zero;
-    CancellableSearch<Search> search{{static_cast<const Tracer*>(tracer)}};
+    CancellableSearch<Search> search{MakeSearch{}(tracer)};
     Scratch scratch{memory};
     const BlockMemory laid_out = lay_out(scratch, frame, packet_rays);
     gather_light<Packets>(*frame.scene, search, task, laid_out.paths, laid_out.radiance, mean);
@@ -67,7 +68,7 @@ BlockFunctions build_block() {
   };
   block.closest = [](const void* tracer, unsigned lanes, RayPacket<packet_rays>& rays) {
     const DenormalsAreZero denormals_are_zero;
-    Search search{static_cast<const Tracer*>(tracer)};
+    Search search = MakeSearch{}(tracer);
     for (int l = 0; l < packet_rays; ++l) rays.geometry[l] = rays.instance[l] = none;
     search.closest(LaneMask<Packets>{lanes}, rays, nullptr, Spread::together);
   };

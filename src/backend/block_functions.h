@@ -22,7 +22,7 @@ struct BlockFunctions {
                 std::byte* memory) = nullptr;
   void (*weigh)(const SharedWeights&, const float* radiance, int outputs, std::int64_t first,
                 std::int64_t end, float* responses) = nullptr;
-  // Means over the paths of each cell side or probe, [place][band], in the view's unit; memory as
+  // Means over the paths of each receiver, [receiver][band], in the view's unit; memory as
   // of `render`.
   void (*gather)(const FrameView&, const GatherTask&, const void* tracer, std::byte* memory,
                  double* mean) = nullptr;

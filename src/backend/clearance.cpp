@@ -28,6 +28,7 @@ double inverse_distances(const Tracing& tracing, const Vec3 (&corner)[3], std::u
   HitGeometry<L> geometry{};
   RayPacket<packet_rays> rays{};
   clear<L>(rays);
+  float towards[3][packet_rays];
   float reach = 0;
   for (const Vec3& c : corner)
     reach = std::max({reach, std::abs(c.x), std::abs(c.y), std::abs(c.z)});
@@ -38,13 +39,13 @@ double inverse_distances(const Tracing& tracing, const Vec3 (&corner)[3], std::u
     const Vec3 at = corner[0] + e1 * u + e2 * v;
     const Vec3 up = l % 2 == 0 ? normal : normal * -1.0f;
     const Vector3<float> away = vector_of(up);
-    const Vector3<float> towards = from_local(make_axes(away), away, sample_cosine(way.x, way.y));
+    store_vector(towards, l, from_local(make_axes(away), away, sample_cosine(way.x, way.y)));
     store_vector(geometry.position, l, vector_of(at));
     store_vector(geometry.normal, l, away);
     geometry.reach_m[l] = reach;
-    leave_surface<L>(geometry, l, towards, rays);
     rays.t_far_m[l] = INFINITY;
   }
+  leave_surfaces<L>(geometry, towards, LaneMask<L>::all(), rays);
   tracing.closest(tracing.tracer, LaneMask<L>::all_bits, rays);
   double sum = 0;
   for (int l = 0; l < packet_rays; ++l)

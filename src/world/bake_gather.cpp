@@ -19,23 +19,25 @@ constexpr int probes_along = 48;
 constexpr std::int64_t least_probes = 512, most_probes = 16384, cells_of_probe = 8;
 constexpr int paths_of_probe = 64;
 
-GatherPlace place_of(const CellPaths& of, const CellOwner& owner, std::int32_t cell, bool is_back) {
-  GatherPlace place;
-  place.instance = static_cast<std::int32_t>(owner.instance);
-  place.mesh = of.scene.instances[owner.instance].mesh;
-  place.triangle = owner.triangle;
-  place.is_back = is_back;
+Receiver receiver_of(const CellPaths& of, const CellOwner& owner, std::int32_t cell, bool is_back) {
+  Receiver receiver;
+  receiver.instance = static_cast<std::int32_t>(owner.instance);
+  receiver.mesh = of.scene.instances[owner.instance].mesh;
+  receiver.triangle = owner.triangle;
+  receiver.is_back = is_back;
   const std::int32_t k = divisions_of(owner.count);
-  corners_of_cell(k, owner.within, place.uv);
+  corners_of_cell(k, owner.within, receiver.uv);
   // So far, as what is farther hides all points of a cell about alike.
-  place.reach_m = static_cast<float>(longest_edge_m(of.scene, of.placement, owner.instance,
-                                                    static_cast<std::size_t>(owner.triangle)) / k);
-  place.hash = mix_bits_32(mix_bits_32(static_cast<std::uint32_t>(cell) + of.hash) +
-                           static_cast<std::uint32_t>(is_back));
-  return place;
+  receiver.reach_m = static_cast<float>(longest_edge_m(of.scene, of.placement, owner.instance,
+                                                       static_cast<std::size_t>(owner.triangle)) /
+                                        k);
+  receiver.hash = mix_bits_32(mix_bits_32(static_cast<std::uint32_t>(cell) + of.hash) +
+                              static_cast<std::uint32_t>(is_back));
+  return receiver;
 }
 
-// In the traced frame, where the frame that it was traced in first has its origin at `first_origin`.
+// In the traced frame, where the frame that it was traced in first has its origin at
+// `first_origin`.
 Vec3 probe_position(const BakedLight& baked, std::int32_t probe, const float* first_origin) {
   const std::int32_t node[3] = {probe % baked.probes[0], probe / baked.probes[0] % baked.probes[1],
                                 probe / baked.probes[0] / baked.probes[1]};
@@ -72,18 +74,19 @@ GatherWorld::GatherWorld(const World& world, const BakedLight& plan, const Baked
   frame.outputs = view.bands;
 }
 
-bool GatherWorld::gather(std::span<const GatherPlace> places, int paths,
+bool GatherWorld::gather(std::span<const Receiver> receivers, int paths,
                          std::uint16_t* const* values) const {
   double mean[packet_rays * most_bands];
-  const GatherTask task{places.data(), static_cast<int>(places.size()), paths, &by_paths};
+  const GatherTask task{receivers.data(), static_cast<int>(receivers.size()), paths, &by_paths};
   built.functions.gather(frame, task, built.acceleration.tracer.get(),
                          thread_memory(ThreadBuffer::block, block_memory_bytes(frame)), mean);
   bool has_room = true;
-  for (std::size_t k = 0; k < places.size(); ++k)
+  for (std::size_t k = 0; k < receivers.size(); ++k)
     for (int b = 0; b < view.bands; ++b) {
       const float value =
-          static_cast<float>(mean[k * static_cast<std::size_t>(view.bands) +
-                                  static_cast<std::size_t>(b)]) * per_unit;
+          static_cast<float>(
+              mean[k * static_cast<std::size_t>(view.bands) + static_cast<std::size_t>(b)]) *
+          per_unit;
       has_room = has_room && value <= largest_baked;
       values[k][b] = encode_baked(value);
     }
@@ -92,13 +95,13 @@ bool GatherWorld::gather(std::span<const GatherPlace> places, int paths,
 
 bool gather_cells(const GatherWorld& world, const CellPaths& of, std::int32_t first,
                   std::int32_t end, std::uint16_t* values) {
-  GatherPlace places[packet_rays];
+  Receiver receivers[packet_rays];
   std::uint16_t* to[packet_rays];
   std::size_t count = 0;
-  int paths = 0;  // of each place that waits
+  int paths = 0;  // of each receiver that waits
   bool has_room = true;
   const auto flush = [&] {
-    if (count > 0) has_room &= world.gather({places, count}, paths, to);
+    if (count > 0) has_room &= world.gather({receivers, count}, paths, to);
     count = 0;
   };
   for (std::int32_t cell = first; cell < end; ++cell) {
@@ -110,7 +113,7 @@ bool gather_cells(const GatherWorld& world, const CellPaths& of, std::int32_t fi
       const int own = of.paths_of_side != nullptr ? of.paths_of_side[side] : of.paths;
       if (own != paths) flush();
       paths = own;
-      places[count] = place_of(of, owner, cell, is_back);
+      receivers[count] = receiver_of(of, owner, cell, is_back);
       to[count++] = values + (side - 2 * static_cast<std::size_t>(first)) *
                                  static_cast<std::size_t>(world.view.bands);
       if (static_cast<int>(count + 1) * paths > packet_rays) flush();
@@ -124,8 +127,7 @@ void lay_out_probes(BakedLight& baked, const Bounds& box) {
   const double low[3] = {box.lower.x, box.lower.y, box.lower.z};
   const double high[3] = {box.upper.x, box.upper.y, box.upper.z};
   double longest = 0;
-  for (int a = 0; a < 3; ++a)
-    longest = std::max(longest, high[a] - low[a]);
+  for (int a = 0; a < 3; ++a) longest = std::max(longest, high[a] - low[a]);
   if (!(longest > 0)) longest = 1;
   double spacing = longest / (probes_along - 1);
   const std::int64_t most =
@@ -157,14 +159,14 @@ bool gather_probes(const GatherWorld& world, BakedLight& baked, std::uint32_t ha
   const std::int32_t probes = baked.probes[0] * baked.probes[1] * baked.probes[2];
   parallel_for<std::int32_t>(0, probes, [&](std::int32_t probe) {
     for (std::size_t d = 0; d < 6; ++d) {
-      GatherPlace place;
-      place.position = probe_position(baked, probe, world.built.first_origin_now_m);
-      place.normal = probe_directions[d];
-      place.hash = mix_bits_32(mix_bits_32(static_cast<std::uint32_t>(probe) + hash) +
-                               static_cast<std::uint32_t>(d));
+      Receiver receiver;
+      receiver.position = probe_position(baked, probe, world.built.first_origin_now_m);
+      receiver.normal = probe_directions[d];
+      receiver.hash = mix_bits_32(mix_bits_32(static_cast<std::uint32_t>(probe) + hash) +
+                                  static_cast<std::uint32_t>(d));
       std::uint16_t* const values =
           baked.probe_values.data() + (6 * static_cast<std::size_t>(probe) + d) * bands;
-      if (!world.gather({&place, 1}, paths_of_probe, &values)) has_room = false;
+      if (!world.gather({&receiver, 1}, paths_of_probe, &values)) has_room = false;
     }
   });
   return has_room;

@@ -33,7 +33,7 @@ struct GatherWorld {
 
   // Into `values` [cell side or probe][band], as codes of BakedLight; false where a value is too
   // large for its code.
-  bool gather(std::span<const GatherPlace> places, int paths, std::uint16_t* const* values) const;
+  bool gather(std::span<const Receiver> receivers, int paths, std::uint16_t* const* values) const;
 };
 
 // What paths from cells need besides.

@@ -7,7 +7,7 @@
 
 #include "backend/light_data.h"
 #include "omma/light.h"
-#include "physics/light/sky.h"
+#include "physics/light/far_light.h"
 
 namespace omma::test {
 
@@ -56,10 +56,44 @@ inline std::unique_ptr<LightData> light_alone(const Light& light) {
   return make_light_data(light, {}, {}, {});
 }
 
+// One direction of light from afar, as the physics has it for the rays of a packet.
+struct OneDirection {
+  using Ray = Lanes<1, 1>;
+  float direction[3][1];
+  SkyLookups<Ray> on_sky;
+
+  OneDirection(const LightView& light, Vec3 d) : direction{{d.x}, {d.y}, {d.z}} {
+    find_far<Ray>(light, direction, LaneMask<Ray>::all(), on_sky);
+  }
+};
+
+// Radiance of sky and discs, [component][band].
 inline std::vector<float> far_at(const LightData& data, Vec3 d, int components = 1) {
-  std::vector<float> stokes(static_cast<std::size_t>(components * data.view.bands));
-  eval_far(data.view, d, components, stokes.data(), 1, data.view.bands);
+  using Ray = OneDirection::Ray;
+  const OneDirection one(data.view, d);
+  const auto all = LaneMask<Ray>::all();
+  std::vector<float> stokes(static_cast<std::size_t>(components * data.view.bands), 7.0f);
+  eval_sky_lanes<Ray>(
+      data.view, {one.direction, one.on_sky, all, components > 1 ? all : LaneMask<Ray>{}, false},
+      components, stokes.data());
+  add_disc_light<Ray>(data.view, one.direction, all, nullptr, stokes.data());
   return stokes;
+}
+
+// Probability per solid angle with which next-event estimation samples a direction.
+inline float far_pdf(const LightView& light, Vec3 d) {
+  using Ray = OneDirection::Ray;
+  const OneDirection one(light, d);
+  float pdf = 0;
+  find_far_pdf<Ray>(light, one.direction, one.on_sky, LaneMask<Ray>::all(), &pdf);
+  return pdf;
+}
+
+inline Vec3 sample_far_direction(const LightView& light, float u0, float u1) {
+  using Ray = OneDirection::Ray;
+  float direction[3][1];
+  sample_far<Ray>(light, &u0, &u1, LaneMask<Ray>::all(), direction);
+  return vec_at(direction, 0);
 }
 
 }  // namespace omma::test

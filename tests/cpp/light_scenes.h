@@ -8,7 +8,7 @@
 #include "backend/light_data.h"
 #include "backend/shading_data.h"
 #include "light_maps.h"
-#include "physics/light/light_sample.h"
+#include "physics/light/near_light.h"
 #include "test_scenes.h"
 
 namespace omma::test {
@@ -85,12 +85,14 @@ inline Light watts_alone() {
   return light;
 }
 
+// A lamp or a surface, by a random number beyond those that choose light from afar.
 inline LightSample light_at(const LitScene& lit, Vec3 position, Random& random) {
   const auto uniform = [&] {
     return std::min(static_cast<float>(random.uniform()), 0x1.fffffep-1f);
   };
-  const float choice = uniform(), u0 = uniform(), u1 = uniform();
-  return sample_light(lit.view, position, choice, u0, u1);
+  const float near = 1 - lit.light->view.far_probability;
+  const float choice = uniform() * near, u0 = uniform(), u1 = uniform();
+  return sample_near_light(lit.view, position, choice, u0, u1);
 }
 
 inline double radiance_of(const LitScene& lit, const LightSample& sample) {

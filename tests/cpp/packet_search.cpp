@@ -1,18 +1,14 @@
 // One instruction set's functions of packet_search.h; OMMA_ISA names it. Calls nothing out of line.
 #include "packet_search.h"
 
-#include "physics/search/traverse.h"
-#include "physics/surface/surface.h"
+#include "physics/surface/scene_search.h"
 
 namespace omma::OMMA_ISA {
 namespace {
 
-auto accept_of(const PortableTracer& tracer) {
-  return [scene = tracer.scene_view, placed = tracer.layout.placed.data()](
-             int, float, float u, float v, std::uint32_t triangle, std::uint32_t index,
-             bool from_behind) {
-    return accept_hit(*scene, {placed[index].mesh, triangle, u, v, 0}, from_behind);
-  };
+template <typename L>
+SceneSearch<L> search_of(const PortableTracer& tracer) {
+  return {tracer.scene_view, &tracer.view};
 }
 
 template <typename L>
@@ -27,13 +23,13 @@ template <typename L>
 void closest_of(const PortableTracer& tracer, const int* valid, RayPacket<L::count>* rays,
                 std::size_t packets) {
   for (std::size_t p = 0; p < packets; ++p)
-    closest<L>(tracer.view, valid_lanes<L>(valid), rays[p], accept_of(tracer));
+    search_of<L>(tracer).closest(valid_lanes<L>(valid), rays[p], nullptr);
 }
 
 template <typename L>
 unsigned occluded_of(const PortableTracer& tracer, const int* valid,
                      const RayPacket<L::count>& rays) {
-  return occluded<L>(tracer.view, valid_lanes<L>(valid), rays, accept_of(tracer)).bits;
+  return search_of<L>(tracer).occluded(valid_lanes<L>(valid), rays).bits;
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// The search of physics/search/traverse.h as tests and benchmarks call it: built from packet_search.cpp
-// once per instruction set.
+// The search of physics/surface/scene_search.h as tests and benchmarks call it: built from
+// packet_search.cpp once per instruction set.
 #pragma once
 
 #include "backend/portable/portable_tracer.h"

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "physics/surface/scene_search.h"
+
 namespace omma::test {
 namespace {
 
@@ -41,6 +43,7 @@ Crossed cross_exactly(const FlatTriangle& triangle, Vec3d origin, Vec3d directio
 }  // namespace
 
 std::vector<FlatTriangle> flatten(const PortableTracer& tracer) {
+  const SceneSearch<Lanes<1, 1>> search{tracer.scene_view, &tracer.view};
   std::vector<FlatTriangle> triangles;
   for (std::size_t i = 0; i < tracer.layout.instances.size(); ++i) {
     const PlacedInstance& instance = tracer.layout.instances[i];
@@ -49,7 +52,7 @@ std::vector<FlatTriangle> flatten(const PortableTracer& tracer) {
       FlatTriangle flat{
           {}, static_cast<std::uint32_t>(k), static_cast<std::uint32_t>(i), instance.is_shared};
       const Triangle corners =
-          tracer.corners(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(k));
+          search.corners(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(k));
       for (std::size_t v = 0; v < 3; ++v) flat.corner[v] = corners.corner[v];
       triangles.push_back(flat);
     }

@@ -5,9 +5,10 @@
 #include "backend/embree/embree_backend.h"
 #include "backend/embree/embree_search.h"
 #include "backend/portable/portable_backend.h"
-#include "backend/portable/portable_search.h"
+#include "backend/portable/portable_tracer.h"
 #include "backend/shading_data.h"
 #include "physics/rays/hits.h"
+#include "physics/surface/scene_search.h"
 #include "test_scenes.h"
 
 namespace omma::test {
@@ -43,10 +44,12 @@ struct Built {
   Built& operator=(const Built&) = delete;
 
   Search search() const {
-    if constexpr (std::is_same_v<Search, EmbreeSearch<L>>)
+    if constexpr (std::is_same_v<Search, EmbreeSearch<L>>) {
       return {static_cast<const EmbreeTracer*>(acceleration.tracer.get()), {}};
-    else
-      return {static_cast<const PortableTracer*>(acceleration.tracer.get())};
+    } else {
+      const auto& tracer = *static_cast<const PortableTracer*>(acceleration.tracer.get());
+      return {tracer.scene_view, &tracer.view};
+    }
   }
 };
 
@@ -62,7 +65,7 @@ void set_ray(RayPacket<16>& rays, int lane, Vec3d origin, Vec3d direction) {
 
 template <typename Search>
 class SearchHits : public testing::Test {};
-using Searches = testing::Types<EmbreeSearch<L>, PortableSearch<L>>;
+using Searches = testing::Types<EmbreeSearch<L>, SceneSearch<L>>;
 TYPED_TEST_SUITE(SearchHits, Searches);
 
 // Positions and normals from the corners of the mesh, in double precision, through all kinds of

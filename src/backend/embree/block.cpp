@@ -6,7 +6,9 @@
 namespace omma::OMMA_ISA {
 
 BlockFunctions embree_block() {
-  return build_block<EmbreeSearch<Packets>, EmbreeTracer>();
+  return build_block([](const void* tracer) {
+    return EmbreeSearch<Packets>{static_cast<const EmbreeTracer*>(tracer)};
+  });
 }
 
 }  // namespace omma::OMMA_ISA

@@ -206,8 +206,17 @@ void build_top(PortableTracer& tracer) {
   tracer.top_nodes = std::move(built.nodes);
   tracer.trees.clear();
   for (const std::uint32_t tree : built.order) tracer.trees.push_back(trees[tree]);
-  tracer.view = {tracer.top_nodes.empty() ? nullptr : tracer.top_nodes.data(), tracer.trees.data(),
-                 tracer.nodes.data(), tracer.quads.data()};
+  tracer.frames.clear();
+  for (const PlacedInstance& instance : tracer.layout.instances) {
+    const Vec3d origin = tracer.layout.mesh_origin_m[static_cast<std::size_t>(instance.mesh)];
+    tracer.frames.push_back({instance.frame_from_mesh, instance.is_shared ? origin : Vec3d{}});
+  }
+  tracer.view = {tracer.top_nodes.empty() ? nullptr : tracer.top_nodes.data(),
+                 tracer.trees.data(),
+                 tracer.nodes.data(),
+                 tracer.quads.data(),
+                 tracer.layout.placed.data(),
+                 tracer.frames.data()};
 }
 
 // The corners of the k-th triangle of a quad, as they are now.
@@ -221,21 +230,16 @@ void place_corners(TriangleQuad& quad, int k, const std::vector<Vec3>& vertex_m,
       quad.corner[i][a][k] = is_there ? corner[i][a] : std::numeric_limits<float>::quiet_NaN();
 }
 
-void take_positions(PortableTracer& tracer, const Placement& placement) {
-  tracer.position_m.clear();
-  for (std::size_t m = 0; m < tracer.scene->meshes.size(); ++m)
-    tracer.position_m.push_back(positions_of(*tracer.scene, placement, m).data());
-}
-
 // Gives a tree of a mesh the shape that this has now.
-void refit_mesh(PortableTracer& tracer, std::size_t mesh) {
+void refit_mesh(PortableTracer& tracer, std::size_t mesh, const Placement& placement) {
   TreeRoot& root = tracer.of_mesh[mesh];
   if (root.index == none) return;
   const Mesh& own = tracer.scene->meshes[mesh];
+  const std::vector<Vec3>& positions = positions_of(*tracer.scene, placement, mesh);
   const Vec3d origin = tracer.layout.mesh_origin_m[mesh];
   std::vector<Vec3> vertex_m(own.positions.size());  // in the tree's frame
   for (std::size_t i = 0; i < vertex_m.size(); ++i)
-    vertex_m[i] = to_float(to_double(tracer.position_m[mesh][i]) - origin);
+    vertex_m[i] = to_float(to_double(positions[i]) - origin);
   const std::span<WideNode> nodes(&tracer.nodes[root.index], root.end - root.index);
   constexpr std::size_t nodes_per_task = 64;  // some hundred triangles each
   parallel_ranges(
@@ -271,7 +275,6 @@ void build_all(PortableTracer& tracer, const Placement& placement, WorkState* wo
   tracer.nodes.clear();
   tracer.quads.clear();
   tracer.of_mesh.assign(scene.meshes.size(), {});
-  take_positions(tracer, placement);
 
   Copies copies;
   std::vector<Copies> shared(scene.meshes.size());
@@ -310,18 +313,6 @@ void build_all(PortableTracer& tracer, const Placement& placement, WorkState* wo
 
 }  // namespace
 
-Triangle PortableTracer::corners(std::uint32_t surface, std::uint32_t triangle) const {
-  const PlacedInstance& instance = layout.instances[surface];
-  const auto m = static_cast<std::size_t>(instance.mesh);
-  const Mesh& mesh = scene->meshes[m];
-  const Vec3d about = instance.is_shared ? layout.mesh_origin_m[m] : Vec3d{};
-  Triangle t;
-  for (std::size_t k = 0; k < 3; ++k)
-    t.corner[k] = transform_point(instance.frame_from_mesh,
-                                  to_double(position_m[m][mesh.triangles[triangle][k]]) - about);
-  return t;
-}
-
 std::unique_ptr<PortableTracer> make_portable_tracer(const Scene& scene, const SceneView& view,
                                                      const Placement& placement, WorkState* work) {
   auto tracer = std::make_unique<PortableTracer>();
@@ -333,8 +324,7 @@ std::unique_ptr<PortableTracer> make_portable_tracer(const Scene& scene, const S
 
 void move_instances(PortableTracer& tracer, std::span<const int> instances,
                     std::span<const int> meshes, const Placement& placement) {
-  if (!meshes.empty()) take_positions(tracer, placement);
-  for (const int mesh : meshes) refit_mesh(tracer, static_cast<std::size_t>(mesh));
+  for (const int mesh : meshes) refit_mesh(tracer, static_cast<std::size_t>(mesh), placement);
   for (const int instance : instances) {
     const std::int32_t index = tracer.layout.index_of[static_cast<std::size_t>(instance)];
     if (index >= 0) place_instance(tracer.layout, static_cast<std::size_t>(index), placement);

@@ -10,7 +10,6 @@
 #include "backend/scene_layout.h"
 #include "model/long_work.h"
 #include "omma/scene.h"
-#include "physics/rays/passed.h"
 #include "physics/search/bvh.h"
 #include "physics/views/scene_view.h"
 
@@ -30,16 +29,13 @@ struct PortableTracer {
   std::vector<WideNode> top_nodes, nodes;
   std::vector<PlacedTree> trees;
   std::vector<TriangleQuad> quads;
+  std::vector<PlacedFrame> frames;
 
   const Scene* scene = nullptr;
   const SceneView* scene_view = nullptr;
-  std::vector<const Vec3*> position_m;  // [mesh][vertex], in the mesh's frame, as it is now
   SceneLayout layout;
   TreeRoot copies;                // of all that is not shared
   std::vector<TreeRoot> of_mesh;  // [mesh], where it is shared
-
-  // A triangle of an instance (index into those of the layout), in the traced frame.
-  Triangle corners(std::uint32_t surface, std::uint32_t triangle) const;
 };
 
 // Refers to the Scene and the view, which must outlive the tracer unchanged. Throws omma::Cancelled

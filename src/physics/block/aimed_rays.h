@@ -15,6 +15,7 @@
 #include "physics/block/eye_discs.h"
 #include "physics/block/outputs.h"
 #include "physics/path/lit_path.h"
+#include "physics/sampling/mean_of_estimates.h"
 
 namespace omma {
 
@@ -25,7 +26,7 @@ OMMA_HD bool has_aims(const FrameView& frame) {
 }
 
 OMMA_HD bool is_in_cone(const AimCone& cone, Vec3 direction) {
-  return chord_2(direction, cone.direction) <= cone.chord_2;
+  return chord_2(vector_of(direction), cone.direction) <= cone.chord_2;
 }
 
 // The cone about a thing as it is seen from a place; its solid angle is 0 where it is all around.
@@ -88,11 +89,11 @@ OMMA_HD bool find_cones(const FrameView& frame, const BlockTask& task, const Rep
 
 // Of a packet's rays those in a cone of their replicate.
 template <typename L>
-OMMA_HD LaneMask<L> rays_in_cones(const Packet<L>& packet, const PacketPlace& place, int samples,
+OMMA_HD LaneMask<L> rays_in_cones(const Packet<L>& packet, const PacketStart& start, int samples,
                                   const BlockMemory& memory) {
   LaneMask<L> inside;
-  for (int l = 0; l < place.filled; ++l) {
-    const int u = place.replicate + (place.sample + l) / samples;
+  for (int l = 0; l < start.filled; ++l) {
+    const int u = start.replicate + (start.sample + l) / samples;
     for (int k = 0; k < memory.cone_count[u]; ++k)
       if (is_in_cone(memory.cones[u * most_cones + k], vec_at(packet.rays.direction, l)))
         inside.add(l);
@@ -198,18 +199,13 @@ OMMA_HD void add_aimed(const FrameView& frame, const BlockTask& task, const Repl
       trace_cone<L>(of, k, each, search, memory);
       const double solid_sr = static_cast<double>(cone.solid_sr);
       for (int o = 0; o < frame.outputs; ++o) {
-        double mean = 0, squares = 0;
-        for (int r = 0; r < disc_batches; ++r)
-          mean += memory.aimed[r * frame.outputs + o] / disc_batches;
-        for (int r = 0; r < disc_batches; ++r) {
-          const double d = memory.aimed[r * frame.outputs + o] - mean;
-          squares += d * d;
-        }
+        const MeanOfEstimates found = mean_of_estimates(
+            disc_batches, [&](int r) { return memory.aimed[r * frame.outputs + o]; });
         constexpr double batches = disc_batches;
         const double scale = solid_sr / each;
-        memory.beside[o * padded_capacity + u] += mean * scale;
+        memory.beside[o * padded_capacity + u] += found.mean * scale;
         memory.beside_variance[o * padded_capacity + u] +=
-            squares * scale * scale / (batches * (batches - 1));
+            found.squares * scale * scale / (batches * (batches - 1));
       }
     }
 }

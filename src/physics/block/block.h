@@ -1,6 +1,6 @@
 // One block of neighbouring ommatidia at one pose, from directions to responses:
 // trace_replicates.h, the hot loop, then means and standard errors. A backend runs it with a search
-// of its own, which has three members (device_check.cu has the shortest one):
+// of its own, which has three members (surface/scene_search.h is the one of our own hierarchy):
 //
 //   closest(lanes, rays, passed, spread)
 //     the closest accepted hits (surface.h) of a RayPacket, between t_near_m and t_far_m, of the
@@ -16,6 +16,7 @@
 
 #include "physics/block/estimate.h"
 #include "physics/block/truth_sums.h"
+#include "physics/sampling/mean_of_estimates.h"
 
 namespace omma {
 
@@ -48,13 +49,8 @@ OMMA_HD void reduce_errors(const FrameView& frame, const BlockTask& task,
     const auto ommatidium = static_cast<std::int64_t>(frame.eye->ommatidium[task.first + i]);
     for (int o = 0; o < frame.outputs; ++o) {
       const double* estimates = sums + o * padded_capacity + i * scrambles;
-      double mean = 0, squares = 0;
-      for (int r = 0; r < scrambles; ++r) mean += estimates[r] / samples;
-      mean /= scrambles;
-      for (int r = 0; r < scrambles; ++r) {
-        const double d = estimates[r] / samples - mean;
-        squares += d * d;
-      }
+      const double squares =
+          mean_of_estimates(scrambles, [&](int r) { return estimates[r] / samples; }).squares;
       const double of_cells = cell_variance(frame, memory, i, o, samples * scrambles);
       task.standard_error[ommatidium * frame.outputs + o] = static_cast<float>(
           sqrt(squares / (scrambles * (scrambles - 1.0)) + of_cells) * frame.radiance_unit);
@@ -123,7 +119,7 @@ OMMA_HD void prepare_block(const FrameView& frame, const BlockTask& task,
   make_replicates<L>(*frame.eye, task, *frame.directions, all, {}, replicates);
   Packet<L> packet;
   clear<L>(packet.rays);
-  for_each_packet<L>(*frame.directions, replicates, all.count, packet, [&](const PacketPlace&) {
+  for_each_packet<L>(*frame.directions, replicates, all.count, packet, [&](const PacketStart&) {
     clear_hits<L>(packet.rays);
     *packets++ = packet.rays;
   });

@@ -2,51 +2,21 @@
 // hierarchy. Nothing runs this; it keeps what is written once good for both host and device.
 #include "physics/block/block.h"
 #include "physics/block/weigh.h"
-#include "physics/light/light_sample.h"
+#include "physics/light/near_light.h"
 #include "physics/light/sun_map.h"
-#include "physics/search/traverse.h"
 #include "physics/surface/footprint.h"
 #include "physics/surface/scatter.h"
+#include "physics/surface/scene_search.h"
 
 namespace omma {
 namespace {
 
 using OneLane = Lanes<1, 1>;
 
-struct Search {
-  const SceneView* scene;
-  const BvhView* bvh;
-  const PlacedMesh* placed_meshes;
-
-  OMMA_HD bool accepts(std::uint32_t placed, std::uint32_t triangle, float u, float v,
-                       bool from_behind) const {
-    return accept_hit(*scene, {placed_meshes[placed].mesh, triangle, u, v}, from_behind);
-  }
-  OMMA_HD void closest(LaneMask<OneLane> lanes, RayPacket<1>& rays, const PassedSurfaces<1>* passed,
-                       Spread = Spread::together) const {
-    const auto accept = [&](int lane, float t_m, float u, float v, std::uint32_t triangle,
-                            std::uint32_t placed, bool from_behind) {
-      if (!accepts(placed, triangle, u, v, from_behind)) return false;
-      const auto corners = [](unsigned, unsigned, unsigned) { return Triangle{}; };
-      return passed == nullptr ||
-             !has_passed(*passed, lane, {none, placed, triangle, t_m, u, v}, {}, corners);
-    };
-    omma::closest<OneLane>(*bvh, lanes, rays, accept);
-  }
-  OMMA_HD LaneMask<OneLane> occluded(LaneMask<OneLane> lanes, const RayPacket<1>& rays) const {
-    return omma::occluded<OneLane>(
-        *bvh, lanes, rays,
-        [&](int, float, float u, float v, std::uint32_t triangle, std::uint32_t placed,
-            bool from_behind) { return accepts(placed, triangle, u, v, from_behind); });
-  }
-  OMMA_HD const PlacedMesh* placed() const { return placed_meshes; }
-};
-
 }  // namespace
 
-__global__ void device_check(FrameView frame, BlockTask task, BvhView bvh, const PlacedMesh* placed,
-                             std::byte* memory) {
-  Search search{frame.scene, &bvh, placed};
+__global__ void device_check(FrameView frame, BlockTask task, BvhView bvh, std::byte* memory) {
+  SceneSearch<OneLane> search{frame.scene, &bvh};
   Scratch scratch{memory};
   render_block<OneLane>(frame, task, search, lay_out(scratch, frame, 1));
 }
@@ -77,18 +47,17 @@ __global__ void device_check_scatter(const ScatterSurface<float>* surfaces, Vec2
 }
 
 // A ray that leaves what another met, and what is in its way.
-__global__ void device_check_leaving(SceneView scene, BvhView bvh, const PlacedMesh* placed,
-                                     Packet<OneLane>* packets, unsigned* occluded_rays) {
+__global__ void device_check_leaving(SceneView scene, BvhView bvh, Packet<OneLane>* packets,
+                                     unsigned* occluded_rays) {
   Packet<OneLane>& packet = packets[threadIdx.x];
   const auto all = LaneMask<OneLane>::all();
-  const Search search{&scene, &bvh, placed};
+  const SceneSearch<OneLane> search{&scene, &bvh};
   search.closest(all, packet.rays, nullptr);
   Hits<OneLane> hits;
-  find_hits<OneLane>(placed, packet, hits);
+  find_hits<OneLane>(search.placed(), packet, hits);
   HitGeometry<OneLane> geometry;
   eval_geometry<OneLane>(scene, packet.rays, hits, geometry);
-  const auto normal = load_vector<float>(geometry.normal, 0);
-  leave_surface<OneLane>(geometry, 0, normal, packet.rays);
+  leave_surfaces<OneLane>(geometry, geometry.normal, all, packet.rays);
   packet.rays.t_far_m[0] = INFINITY;
   occluded_rays[threadIdx.x] = search.occluded(all, packet.rays).bits;
 }
@@ -103,11 +72,24 @@ __global__ void device_check_sun_map(SunMapView map, const HitGeometry<OneLane>*
 
 // Towards something that shines, and what comes from there.
 __global__ void device_check_light(SceneView scene, Vec3 position, float* out) {
-  const LightSample sample = sample_light(scene, position, 0.1f, 0.2f, 0.3f);
+  const LightSample sample = sample_near_light(scene, position, 0.1f, 0.2f, 0.3f);
   eval_light_sample(scene, sample, 3, out, 1, scene.bands);
-  out[0] += escaped_light_pdf(scene, sample.direction, sample.place) +
-            met_light_pdf(scene, sample.index, sample.triangle, position, sample.direction,
+  out[0] += met_light_pdf(scene, sample.index, sample.triangle, position, sample.direction,
                           sample.distance_m);
+}
+
+// The same of light from afar.
+__global__ void device_check_far(LightView light, const float* u, float* out) {
+  const auto all = LaneMask<OneLane>::all();
+  float direction[3][1];
+  SkyLookups<OneLane> on_sky;
+  sample_far<OneLane>(light, u, u + 1, all, direction);
+  find_far<OneLane>(light, direction, all, on_sky);
+  eval_sky_lanes<OneLane>(light, {direction, on_sky, all, all, false}, 3, out);
+  add_disc_light<OneLane>(light, direction, all, nullptr, out);
+  float pdf = 0;
+  find_far_pdf<OneLane>(light, direction, on_sky, all, &pdf);
+  out[0] += pdf;
 }
 
 }  // namespace omma

@@ -28,11 +28,11 @@ OMMA_HD void add_lanes(const float* light, int first, int end, int outputs, doub
 
 // What each single ray brought, where the caller asks; there is one scramble then.
 template <typename L>
-OMMA_HD void keep_rays(const FrameView& frame, const BlockTask& task, const PacketPlace& place,
+OMMA_HD void keep_rays(const FrameView& frame, const BlockTask& task, const PacketStart& start,
                        const float* light) {
   const int samples = frame.directions->samples;
-  int replicate = place.replicate, sample = place.sample;
-  for (int l = 0; l < place.filled; ++l) {
+  int replicate = start.replicate, sample = start.sample;
+  for (int l = 0; l < start.filled; ++l) {
     const auto ommatidium =
         static_cast<std::int64_t>(frame.eye->ommatidium[task.first + replicate]);
     float* out = task.ray_radiance + (ommatidium * samples + sample) * frame.outputs;

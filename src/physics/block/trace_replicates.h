@@ -14,8 +14,8 @@ namespace omma {
 // Whose rays those of a packet are, as Packet has it.
 template <typename L>
 OMMA_HD void name_ommatidia(const BlockTask& task, const ReplicateList& list,
-                            const PacketPlace& place, int samples, Packet<L>& packet) {
-  int replicate = place.replicate, sample = place.sample;
+                            const PacketStart& start, int samples, Packet<L>& packet) {
+  int replicate = start.replicate, sample = start.sample;
   for (int l = 0; l < L::count; ++l) {
     const int listed = (replicate < list.count ? replicate : list.count - 1) / list.scrambles;
     packet.ommatidium[l] = list.ordinal == nullptr ? listed : list.ordinal[listed] - task.first;
@@ -70,58 +70,58 @@ OMMA_HD void trace_replicates(const BlockRun<Search>& run, const DirectionsView&
   packet.light_sees = task.sees.by_light;
 
   // Adds the numbers of a packet's rays, [row][lane], to their replicates.
-  const auto add = [&](const PacketPlace& place, const float* rays, int count, double* sums) {
-    const int left = directions.samples - place.sample,
+  const auto add = [&](const PacketStart& start, const float* rays, int count, double* sums) {
+    const int left = directions.samples - start.sample,
               in_first = left < L::count ? left : L::count;
-    const int end = in_first < place.filled ? in_first : place.filled;
-    add_lanes<L>(rays, 0, end, count, sums, place.replicate);
-    if (end < place.filled) add_lanes<L>(rays, end, place.filled, count, sums, place.replicate + 1);
+    const int end = in_first < start.filled ? in_first : start.filled;
+    add_lanes<L>(rays, 0, end, count, sums, start.replicate);
+    if (end < start.filled) add_lanes<L>(rays, end, start.filled, count, sums, start.replicate + 1);
   };
   const auto keep_short = [](const float* rays, int count, int traced, float* all) {
     for (int o = 0; o < count; ++o)
       memcpy(all + o * short_capacity + traced, rays + o * L::count, L::count * sizeof(float));
   };
   int of_light = 0, of_truth = 0;  // rays so far, where replicates are short
-  const auto add_light_of = [&](const PacketPlace& place, const float* radiance) {
+  const auto add_light_of = [&](const PacketStart& start, const float* radiance) {
     const float* output = radiance;
     if (frame.output_from_band != nullptr) {
       make_outputs<L>(frame, radiance, memory.output);
       output = memory.output;
     }
-    if (task.ray_radiance != nullptr) keep_rays<L>(frame, task, place, output);
+    if (task.ray_radiance != nullptr) keep_rays<L>(frame, task, start, output);
     if (is_short) {
       keep_short(output, outputs, of_light, memory.short_rays);
       of_light += L::count;
       return;
     }
-    add(place, output, outputs, to.light);
+    add(start, output, outputs, to.light);
     if (to.squares == nullptr) return;
     if constexpr (L::count == 1) {
-      add_pair(output, place.sample, outputs, memory.squares, to.squares, place.replicate);
+      add_pair(output, start.sample, outputs, memory.squares, to.squares, start.replicate);
     } else {
       pair_squares<L>(output, outputs, memory.squares);
-      add(place, memory.squares, outputs, to.squares);
+      add(start, memory.squares, outputs, to.squares);
     }
   };
-  const auto add_what_was_met = [&](const PacketPlace& place) {
+  const auto add_what_was_met = [&](const PacketStart& start) {
     if (first == nullptr) return;
     eval_truth<L>(frame, task, met, memory.truth);
-    add_met<L>(*frame.truth, met, directions.samples, place, to.truth);
+    add_met<L>(*frame.truth, met, directions.samples, start, to.truth);
     if (is_short) {
       keep_short(memory.truth, truth_rows, of_truth, memory.short_truth);
       of_truth += L::count;
     } else {
-      add(place, memory.truth, truth_rows, to.truth.rows);
+      add(start, memory.truth, truth_rows, to.truth.rows);
     }
   };
   const auto for_each = [&](const auto& eval) {
-    for_each_packet<L>(directions, replicates, list.count, packet, [&](const PacketPlace& place) {
+    for_each_packet<L>(directions, replicates, list.count, packet, [&](const PacketStart& start) {
       for (int l = 0; l < L::count; ++l) packet.rays.mask[l] = task.sees.from_eye;
       if (task.motion != nullptr) move_with_head<L>(*task.motion, packet);
       if (memory.paths.cell_errors != nullptr)
-        name_ommatidia<L>(task, list, place, directions.samples, packet);
-      eval(place, LaneMask<L>::first(place.filled));
-      add_what_was_met(place);
+        name_ommatidia<L>(task, list, start, directions.samples, packet);
+      eval(start, LaneMask<L>::first(start.filled));
+      add_what_was_met(start);
     });
   };
 
@@ -129,14 +129,14 @@ OMMA_HD void trace_replicates(const BlockRun<Search>& run, const DirectionsView&
     PassedSurfaces<L::count> passed;
     const UnlitFlight<L, Search> flight{scene, run.search, packet,
                                         scene.has_blend ? &passed : nullptr};
-    for_each([&](const PacketPlace& place, LaneMask<L> lanes) {
+    for_each([&](const PacketStart& start, LaneMask<L> lanes) {
       eval_path(flight, lanes, memory.radiance, first);
-      add_light_of(place, memory.radiance);
+      add_light_of(start, memory.radiance);
     });
   } else {
     // Paths of many packets at once, whose radiance is known when all have ended.
     constexpr int most_packets = block_rays / L::count;
-    PacketPlace places[most_packets];
+    PacketStart starts[most_packets];
     LaneMask<L> in_cones[most_packets];
     int packets = 0;
     PathBlock<L, Search> block{scene, run.search, memory.paths, memory.radiance, {}, {}, {}, {}};
@@ -150,15 +150,15 @@ OMMA_HD void trace_replicates(const BlockRun<Search>& run, const DirectionsView&
       for (int k = 0; k < packets; ++k) {
         float* const radiance = memory.radiance + k * floats;
         drop_lanes<L>(in_cones[k], floats / L::count, radiance);
-        add_light_of(places[k], radiance);
+        add_light_of(starts[k], radiance);
       }
       packets = 0;
     };
-    for_each([&](const PacketPlace& place, LaneMask<L> lanes) {
+    for_each([&](const PacketStart& start, LaneMask<L> lanes) {
       in_cones[packets] =
-          has_cones ? rays_in_cones(packet, place, directions.samples, memory) : LaneMask<L>{};
+          has_cones ? rays_in_cones(packet, start, directions.samples, memory) : LaneMask<L>{};
       begin_paths(block, packets, lanes, packet, first);
-      places[packets++] = place;
+      starts[packets++] = start;
       if (packets == most_packets) end();
     });
     end();

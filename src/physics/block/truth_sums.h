@@ -97,9 +97,9 @@ OMMA_HD void eval_truth(const FrameView& frame, const BlockTask& task, const Fir
 // What is not a mean: the nearest of a replicate's rays, and which group each ray met.
 template <typename L>
 OMMA_HD void add_met(const TruthView& view, const FirstHits<L>& first, int samples,
-                     const PacketPlace& place, const TruthSums& sums) {
-  int replicate = place.replicate, sample = place.sample;
-  for (int l = 0; l < place.filled; ++l) {
+                     const PacketStart& start, const TruthSums& sums) {
+  int replicate = start.replicate, sample = start.sample;
+  for (int l = 0; l < start.filled; ++l) {
     if (first.hits.mesh[l] >= 0) {
       const float t = first.packet.rays.t_far_m[l];
       if (t < sums.nearest_m[replicate]) sums.nearest_m[replicate] = t;

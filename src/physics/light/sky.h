@@ -1,5 +1,5 @@
-// Light from afar, one direction at a time: what the sky and discs such as the sun send from it,
-// and directions sampled by how much that is. Stokes vectors in the frame of omma/light.h.
+// The sky as a map of nodes: where a direction is looked up among them, what comes from there, and
+// directions sampled in its cells or in discs. Stokes vectors in the frame of omma/light.h.
 // Distances in angle are found without the C library, so that all instruction sets give the same
 // bits.
 #pragma once
@@ -64,12 +64,6 @@ OMMA_HD auto find_on_sky(const SkyView& sky, F x, F y, F z) {
   return place;
 }
 
-// The cell of a place, in tables of cells.
-OMMA_HD std::ptrdiff_t cell_of(const SkyView& sky, const OneSkyLookup& place) {
-  const std::int32_t row = place.half * (sky.rows - 1) + place.row;
-  return static_cast<std::ptrdiff_t>(row) * sky.columns + place.column;
-}
-
 // Between columns as far apart as 360 of them are, or less, axes are not turned: of a polarisation
 // that is one all about the zenith 2 pi^2 / columns^2 is lost at most, 1.5e-4.
 inline constexpr int even_columns = 360;
@@ -81,7 +75,8 @@ struct StokesOut {
   int components, band_stride, component_stride;
 };
 
-// Radiance of the sky at the place of a direction.
+// Radiance of the sky at the place of one direction, for any sky: channels that are not bands,
+// axes that turn from node to node.
 OMMA_HD void eval_sky(const LightView& light, Vec3 d, const OneSkyLookup& place,
                       const StokesOut& to) {
   const SkyView& sky = light.sky;
@@ -156,79 +151,6 @@ OMMA_HD void eval_sky(const LightView& light, Vec3 d, const OneSkyLookup& place,
   put(2);
 }
 
-OMMA_HD float chord_2(Vec3 a, Vec3 b) {
-  const Vec3 between = a - b;
-  return dot(between, between);
-}
-
-// Where light from afar in a unit direction is to be looked up.
-OMMA_HD OneSkyLookup find_far(const LightView& light, Vec3 d) {
-  if (light.sky.rows == 0) return {};
-  return find_on_sky(light.sky, d.x, d.y, d.z);
-}
-
-// Adds the radiance of discs in a unit direction, all bands.
-OMMA_HD void add_discs(const LightView& light, Vec3 d, float* stokes, int band_stride) {
-  for (int i = 0; i < light.disc_count; ++i) {
-    const DiscView& disc = light.discs[i];
-    const float chord = chord_2(d, disc.direction);
-    if (chord > disc.chord_2) continue;
-    if (disc.limb == nullptr) {
-      for (int k = 0; k < light.bands; ++k) stokes[k * band_stride] += disc.radiance[k];
-      continue;
-    }
-    const float sine_2 = chord * (1.0f - 0.25f * chord);
-    const float darkened = 1.0f - sqrtf(fmaxf(1.0f - sine_2 * disc.per_sine_2, 0.0f));
-    for (int k = 0; k < light.bands; ++k)
-      stokes[k * band_stride] += disc.radiance[k] * (1.0f - disc.limb[k] * darkened);
-  }
-}
-
-// Radiance of the sky at the place of a unit direction, also where there is none.
-OMMA_HD void eval_sky_or_dark(const LightView& light, Vec3 d, const OneSkyLookup& place,
-                              const StokesOut& to) {
-  if (light.sky.rows > 0) return eval_sky(light, d, place, to);
-  for (int p = 0; p < to.components; ++p)
-    for (int k = 0; k < light.bands; ++k)
-      to.stokes[p * to.component_stride + k * to.band_stride] = 0;
-}
-
-// Radiance of sky and discs in a unit direction, whose place find_far gave.
-OMMA_HD void eval_far(const LightView& light, Vec3 d, const OneSkyLookup& place,
-                      const StokesOut& to) {
-  eval_sky_or_dark(light, d, place, to);
-  add_discs(light, d, to.stokes, to.band_stride);
-}
-
-// Probability per solid angle with which sample_far gives a unit direction that lies in discs.
-OMMA_HD float discs_pdf(const LightView& light, Vec3 d) {
-  float pdf = 0;
-  for (int i = 0; i < light.disc_count; ++i)
-    if (chord_2(d, light.discs[i].direction) <= light.discs[i].chord_2)
-      pdf += light.discs[i].probability * light.discs[i].density;
-  return pdf;
-}
-
-// The same of any unit direction, whose place find_far gave.
-OMMA_HD float far_pdf(const LightView& light, Vec3 d, const OneSkyLookup& place) {
-  const SkyView& sky = light.sky;
-  const float of_discs = discs_pdf(light, d);
-  if (sky.rows == 0) return of_discs;
-  return sky.probability * sky.cell_density[cell_of(sky, place)] + of_discs;
-}
-OMMA_HD float far_pdf(const LightView& light, Vec3 d) {
-  return far_pdf(light, d, find_far(light, d));
-}
-OMMA_HD void eval_far(const LightView& light, Vec3 d, int components, float* stokes,
-                      int band_stride, int component_stride) {
-  eval_far(light, d, find_far(light, d), {stokes, components, band_stride, component_stride});
-}
-
-struct DirectionSample {
-  Vec3 direction;  // unit
-  float pdf;       // per solid angle
-};
-
 // A direction in a cell of the sky, evenly by solid angle, of u0 and u1 in [0, 1).
 template <typename F>
 OMMA_HD Vector3<F> sample_sky(const SkyView& sky, F u0, F u1) {
@@ -267,23 +189,6 @@ OMMA_HD Vector3<F> sample_disc(const DiscView& disc, F u0, F u1) {
   const SineCosine<F> turn = sine_cosine((2.0f * u1 - 1.0f) * 3.14159265f);
   return n * (1.0f - 0.5f * chord) +
          (axes.tangent * turn.cosine + axes.bitangent * turn.sine) * sine;
-}
-
-// A direction by how much light comes from it, of u0 and u1 in [0, 1); its density is far_pdf,
-// which is 0 where nothing shines from afar.
-OMMA_HD Vec3 sample_far_direction(const LightView& light, float u0, float u1) {
-  for (int i = 0; i < light.disc_count; ++i) {
-    const float p = light.discs[i].probability;
-    if (u0 < p) return vec_of(sample_disc(light.discs[i], u0 / p, u1));
-    u0 -= p;
-  }
-  if (!(light.sky.probability > 0.0f)) return {0, 1, 0};
-  return vec_of(sample_sky(light.sky, fminf(u0 / light.sky.probability, 0x1.fffffep-1f), u1));
-}
-
-OMMA_HD DirectionSample sample_far(const LightView& light, float u0, float u1) {
-  const Vec3 direction = sample_far_direction(light, u0, u1);
-  return {direction, far_pdf(light, direction)};
 }
 
 }  // namespace omma

@@ -63,9 +63,9 @@ OMMA_HD void sample_lights(const Flight<L, Search>& flight, const HitGeometry<L>
   lights.near = scattering & ~lights.from_afar;
 
   // The sky and its discs: all lanes at once.
-  sample_far_lanes<L>(light, u0, u1, lights.from_afar, lights.direction);
+  sample_far<L>(light, u0, u1, lights.from_afar, lights.direction);
   if (light.sky.probability > 0.0f)
-    find_far_lanes<L>(light, lights.direction, lights.from_afar, lights.on_sky);
+    find_far<L>(light, lights.direction, lights.from_afar, lights.on_sky);
   find_far_pdf<L>(light, lights.direction, lights.on_sky, lights.from_afar, lights.density);
   if (light.sky.probability > 0.0f)
     choose_nodes<L>(packet, state, Choice::place_on_light, lights.on_sky);

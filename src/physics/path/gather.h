@@ -1,8 +1,8 @@
-// Light that arrives at places from all around, as it is baked: paths begin at points of a patch of
-// a surface, or at a place in the air, in directions by the cosine, and are followed like those of
-// an eye; in a scene with baked light, to the first diffuse surface, as in the final gathering of a
-// radiosity (Ward, Rubinstein and Clear 1988). What comes straight from discs and lamps is left
-// out. A packet holds the paths of one place, or of several that have few each.
+// Light that arrives from all around at a receiver, as it is baked: paths begin at points of a
+// patch of a surface, or at a point in the air, in directions by the cosine, and are followed like
+// those of an eye; in a scene with baked light, to the first diffuse surface, as in the final
+// gathering of a radiosity (Ward, Rubinstein and Clear 1988). What comes straight from discs and
+// lamps is left out. A packet holds the paths of one receiver, or of several that have few each.
 #pragma once
 
 #include "physics/lanes/vector3.h"
@@ -10,29 +10,30 @@
 
 namespace omma {
 
-struct GatherPlace {
-  // A patch of a triangle, on one side: its corners [corner][u, v]. mesh -1: a place in the air.
+// What light is gathered for: a side of a patch of a cell, or a direction of a probe in the air.
+struct Receiver {
+  // A patch of a triangle, on one side: its corners [corner][u, v]. mesh -1: in the air.
   std::int32_t instance = -1, mesh = -1, triangle = 0;
   bool is_back = false;
   float uv[3][2] = {};
   float reach_m = 0;      // of a patch: what is nearer hides points from eyes
-  Vec3 position, normal;  // of a place in the air, traced frame
+  Vec3 position, normal;  // in the air, traced frame
   std::uint32_t hash = 0;
 };
 
 struct GatherTask {
-  const GatherPlace* places = nullptr;
-  int count = 0;  // of places; more than one only where a packet holds all their paths
+  const Receiver* receivers = nullptr;
+  int count = 0;  // of receivers; more than one only where a packet holds all their paths
   int paths = 0;  // of each
   // Whose light surfaces that shine are sampled from: of a scene without baked light, which leaves
   // them out.
   const SceneView* shining = nullptr;
 };
 
-// Whose path a lane is: the place, null for none, and its number among those of the place.
+// Whose path a lane is: the receiver, null for none, and its number among those of the receiver.
 template <int n>
 struct GatherLanes {
-  const GatherPlace* place[n];
+  const Receiver* receiver[n];
   std::uint32_t sample[n];
 };
 
@@ -42,7 +43,7 @@ OMMA_HD void assign_lanes(const GatherTask& task, int first, GatherLanes<n>& lan
   const int each = task.paths < n ? task.paths : n;
   for (int l = 0; l < n; ++l) {
     const int k = l / each, sample = first + l % each;
-    lanes.place[l] = k < task.count && sample < task.paths ? task.places + k : nullptr;
+    lanes.receiver[l] = k < task.count && sample < task.paths ? task.receivers + k : nullptr;
     lanes.sample[l] = static_cast<std::uint32_t>(sample);
   }
 }
@@ -55,14 +56,14 @@ inline constexpr std::uint32_t choice_of_point = 0xfffffff0u, choice_of_way = 0x
 // Points that are cut out of a patch, or hidden, are chosen anew, so often at most.
 inline constexpr std::uint32_t most_attempts = 8;
 
-OMMA_HD std::uint32_t hash_of_attempt(const GatherPlace& place, std::uint32_t attempt) {
-  return place.hash + attempt * 0x9e3779b9u;
+OMMA_HD std::uint32_t hash_of_attempt(const Receiver& receiver, std::uint32_t attempt) {
+  return receiver.hash + attempt * 0x9e3779b9u;
 }
 
 // Of some lanes those whose points are hidden: a ray from there, in a direction by the cosine,
-// meets something within the place's reach. By reciprocity, rejection sampling by such rays leaves
-// points as frequent as eyes all around see them. What falls on one side of a sheet is seen from
-// both.
+// meets something within the receiver's reach. By reciprocity, rejection sampling by such rays
+// leaves points as frequent as eyes all around see them. What falls on one side of a sheet is seen
+// from both.
 template <typename L, typename Search>
 OMMA_HD LaneMask<L> find_hidden(const Flight<L, Search>& flight, const GatherLanes<L::count>& of,
                                 std::uint32_t attempt, LaneMask<L> lanes,
@@ -71,25 +72,27 @@ OMMA_HD LaneMask<L> find_hidden(const Flight<L, Search>& flight, const GatherLan
   const SceneView& scene = flight.scene;
   Packet<L> look;
   clear<L>(look.rays);
+  alignas(n * 4) float way[3][n];
   for (int l = 0; l < n; ++l) {
     look.footprint_rad[l] = 0;
     Vector3<float> towards = {0, 1, 0};
     look.rays.t_far_m[l] = 0;
     if (lanes.has(l)) {
-      const GatherPlace& place = *of.place[l];
-      auto pair = path_pair(hash_of_attempt(place, attempt), of.sample[l], choice_of_look);
-      bool from_back = place.is_back;
-      if (scene.scatter[scene.meshes[place.mesh].material].transmittance != nullptr) {
+      const Receiver& receiver = *of.receiver[l];
+      auto pair = path_pair(hash_of_attempt(receiver, attempt), of.sample[l], choice_of_look);
+      bool from_back = receiver.is_back;
+      if (scene.scatter[scene.meshes[receiver.mesh].material].transmittance != nullptr) {
         from_back = pair.y < 0.5f;
         pair.y = 2.0f * pair.y - (from_back ? 0.0f : 1.0f);
       }
       const auto normal = load_vector<float>(geometry.normal, l);
       const Vector3<float> up = from_back ? -normal : normal;
       towards = from_local(make_axes(up), up, sample_cosine(pair.x, pair.y));
+      look.rays.t_far_m[l] = receiver.reach_m;
     }
-    leave_surface<L>(geometry, l, towards, look.rays);
-    if (lanes.has(l)) look.rays.t_far_m[l] = of.place[l]->reach_m;
+    store_vector(way, l, towards);
   }
+  leave_surfaces<L>(geometry, way, LaneMask<L>::all(), look.rays);
   return lets_through(scene) ? lanes & ~trace_transmittance<L>(scene, flight.search, lanes, look,
                                                                flight.memory.shadow)
                              : flight.search.occluded(lanes, look.rays);
@@ -97,7 +100,7 @@ OMMA_HD LaneMask<L> find_hidden(const Flight<L, Search>& flight, const GatherLan
 
 // The packet's points on their patches, as rays would have met them, and their geometry; false
 // where none is on a surface. Lanes whose points are all hidden or cut out begin where others of
-// their place do; where all of a place are hidden the last ones are taken.
+// their receiver do; where all of a receiver are hidden the last ones are taken.
 template <typename L, typename Search>
 OMMA_HD bool choose_points(const Flight<L, Search>& flight, const GatherLanes<L::count>& of,
                            Hits<L>& hits, HitGeometry<L>& geometry) {
@@ -107,13 +110,13 @@ OMMA_HD bool choose_points(const Flight<L, Search>& flight, const GatherLanes<L:
   LaneMask<L> all;
   for (int l = 0; l < n; ++l) {
     hits.mesh[l] = -1;
-    hits.instance[l] = of.place[l] != nullptr ? of.place[l]->instance : 0;
+    hits.instance[l] = of.receiver[l] != nullptr ? of.receiver[l]->instance : 0;
     hits.footprint_m[l] = 0;
-    if (of.place[l] != nullptr) all.add(l);
+    if (of.receiver[l] != nullptr) all.add(l);
   }
   const auto put = [&](int l, float u, float v) {
-    hits.mesh[l] = of.place[l]->mesh;
-    packet.rays.triangle[l] = static_cast<unsigned>(of.place[l]->triangle);
+    hits.mesh[l] = of.receiver[l]->mesh;
+    packet.rays.triangle[l] = static_cast<unsigned>(of.receiver[l]->triangle);
     packet.rays.u[l] = u;
     packet.rays.v[l] = v;
   };
@@ -121,16 +124,18 @@ OMMA_HD bool choose_points(const Flight<L, Search>& flight, const GatherLanes<L:
   for (std::uint32_t attempt = 0; attempt < most_attempts && !(seen == all); ++attempt) {
     LaneMask<L> tried;
     (all & ~seen).for_each([&](int l) {
-      const GatherPlace& place = *of.place[l];
-      const auto pair = path_pair(hash_of_attempt(place, attempt), of.sample[l], choice_of_point);
+      const Receiver& receiver = *of.receiver[l];
+      const auto pair =
+          path_pair(hash_of_attempt(receiver, attempt), of.sample[l], choice_of_point);
       const float root = sqrtf(pair.x), b = root * pair.y, a = root - b;
-      const float u = place.uv[0][0] + a * (place.uv[1][0] - place.uv[0][0]) +
-                      b * (place.uv[2][0] - place.uv[0][0]);
-      const float v = place.uv[0][1] + a * (place.uv[1][1] - place.uv[0][1]) +
-                      b * (place.uv[2][1] - place.uv[0][1]);
-      const SurfaceHit hit{place.mesh, static_cast<std::uint32_t>(place.triangle), u, v, 0.0f};
+      const float u = receiver.uv[0][0] + a * (receiver.uv[1][0] - receiver.uv[0][0]) +
+                      b * (receiver.uv[2][0] - receiver.uv[0][0]);
+      const float v = receiver.uv[0][1] + a * (receiver.uv[1][1] - receiver.uv[0][1]) +
+                      b * (receiver.uv[2][1] - receiver.uv[0][1]);
+      const SurfaceHit hit{receiver.mesh, static_cast<std::uint32_t>(receiver.triangle), u, v,
+                           0.0f};
       const bool has_holes =
-          scene.materials[scene.meshes[place.mesh].material].alpha_mode == AlphaMode::mask;
+          scene.materials[scene.meshes[receiver.mesh].material].alpha_mode == AlphaMode::mask;
       if (has_holes && !accept_hit(scene, hit, false)) return;
       put(l, u, v);
       tried.add(l);
@@ -145,7 +150,7 @@ OMMA_HD bool choose_points(const Flight<L, Search>& flight, const GatherLanes<L:
   (all & ~seen).for_each([&](int l) {
     for (int tries = 0; tries < n; ++tries) {
       other = (other + 1) % n;
-      if (!seen.has(other) || of.place[other] != of.place[l]) continue;
+      if (!seen.has(other) || of.receiver[other] != of.receiver[l]) continue;
       put(l, packet.rays.u[other], packet.rays.v[other]);
       break;
     }
@@ -154,7 +159,7 @@ OMMA_HD bool choose_points(const Flight<L, Search>& flight, const GatherLanes<L:
   return true;
 }
 
-// What rays begin at, of those that gather light: places and the normals about which it counts.
+// What rays begin at, of those that gather light: receivers and the normals about which it counts.
 // `points` is null in the air.
 template <typename L>
 struct GatherPoints {
@@ -165,47 +170,40 @@ struct GatherPoints {
 };
 
 // Next-event estimation from the beginnings of paths, towards surfaces that shine: [band][lane]
-// added to `radiance`, as radiance that a white surface sends back.
+// added to the flight's radiance, as radiance that a white surface sends back. The flight's scene
+// is the one whose light is sampled.
 template <typename L, typename Search>
-OMMA_HD void add_shining(const SceneView& scene, Search& search, const GatherPoints<L>& at,
-                         LaneMask<L> lanes, const PathMemory& memory, float* radiance) {
+OMMA_HD void add_shining(const Flight<L, Search>& flight, const GatherPoints<L>& at,
+                         LaneMask<L> lanes) {
   using F = typename L::F;
   constexpr int n = L::count;
-  const GatherLanes<n>& of = at.of;
-  LightSample lights[n];
-  Packet<L> shadow;
-  clear<L>(shadow.rays);
-  alignas(n * 4) float cosine[n], weight[n];
-  LaneMask<L> asked;
-  for (int l = 0; l < n; ++l) {
-    lights[l] = {};
-    cosine[l] = weight[l] = 0;
-    for (int r = 0; r < 3; ++r) shadow.rays.origin[r][l] = shadow.rays.direction[r][l] = 0;
-    shadow.rays.t_near_m[l] = shadow.rays.t_far_m[l] = shadow.footprint_rad[l] = 0;
-    if (!lanes.has(l)) continue;
-    const GatherPlace& place = *of.place[l];
-    const auto which = path_pair(place.hash, of.sample[l], choice_of_shining);
-    const auto on = path_pair(place.hash, of.sample[l], choice_on_shining);
-    lights[l] = sample_surfaces(scene, vec_at(at.geometry.position, l), which.x, on.x, on.y);
-    const Vec3 d = lights[l].direction;
-    cosine[l] = dot(vec_at(at.normal, l), d);
-    float facing = dot(vec_at(at.geometry.normal, l), d);
-    if (place.mesh >= 0 && place.is_back) facing = -facing;
-    if (!(lights[l].pdf > 0.0f) || !(cosine[l] > 0.0f) || !(facing > 0.0f)) continue;
-    leave_surface<L>(at.geometry, l, vector_of(d), shadow.rays);
-    shadow.rays.t_far_m[l] = lights[l].distance_m * up_to_light;
-    weight[l] = cosine[l] * inverse_pi / (lights[l].pdf / scene.light->emissive_probability);
-    asked.add(l);
-  }
-  const bool dims = lets_through(scene);
-  if (!asked.any()) return;
-  const LaneMask<L> open = dims
-                               ? trace_transmittance<L>(scene, search, asked, shadow, memory.shadow)
-                               : asked & ~search.occluded(asked, shadow.rays);
+  const SceneView& scene = flight.scene;
+  const PathMemory& memory = flight.memory;
+  LightSamples<L> lights = {};
+  alignas(n * 4) float cosine[n] = {}, weight[n] = {};
+  lanes.for_each([&](int l) {
+    const Receiver& receiver = *at.of.receiver[l];
+    const auto which = path_pair(receiver.hash, at.of.sample[l], choice_of_shining);
+    const auto on = path_pair(receiver.hash, at.of.sample[l], choice_on_shining);
+    const LightSample sample =
+        sample_surfaces(scene, vec_at(at.geometry.position, l), which.x, on.x, on.y);
+    cosine[l] = dot(vec_at(at.normal, l), sample.direction);
+    float facing = dot(vec_at(at.geometry.normal, l), sample.direction);
+    if (receiver.mesh >= 0 && receiver.is_back) facing = -facing;
+    if (!(sample.pdf > 0.0f) || !(cosine[l] > 0.0f) || !(facing > 0.0f)) return;
+    lights.near.add(l);
+    lights.other[l] = sample;
+    store_vector(lights.direction, l, vector_of(sample.direction));
+    lights.distance_m[l] = sample.distance_m;
+    weight[l] = cosine[l] * inverse_pi / (sample.pdf / scene.light->emissive_probability);
+  });
+  const LaneMask<L> open = trace_shadow_rays(flight, at.geometry, lights, lights.near);
   if (!open.any()) return;
-  for (int i = 0; i < scene.bands * n; ++i) memory.light[i] = 0;
-  open.for_each(
-      [&](int l) { eval_light_sample(scene, lights[l], 1, memory.light + l, n, scene.bands * n); });
+  for (int i = 0; i < flight.stride(); ++i) memory.light[i] = 0;
+  open.for_each([&](int l) {
+    eval_light_sample(scene, lights.other[l], 1, memory.light + l, n, flight.stride());
+  });
+  const bool dims = lets_through(scene);
   for (int l = 0; l < n; l += L::width) {
     F entering = load<F>(weight + l);
     if (at.points != nullptr)
@@ -215,12 +213,12 @@ OMMA_HD void add_shining(const SceneView& scene, Search& search, const GatherPoi
       const int k = b * n + l;
       F light = load<F>(memory.light + k);
       if (dims) light = light * load<F>(memory.shadow.throughput + k);
-      store(radiance + k, load<F>(radiance + k) + entering * light);
+      store(flight.radiance + k, load<F>(flight.radiance + k) + entering * light);
     }
   }
 }
 
-// Mean of what white surfaces there would send back, [place][band].
+// Mean of what white surfaces there would send back, [receiver][band].
 template <typename L, typename Search>
 OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTask& task,
                           const PathMemory& memory, float* radiance, double* mean) {
@@ -228,7 +226,7 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTa
   constexpr int n = L::count;
   int points_found[n] = {};
   for (int i = 0; i < task.count * scene.bands; ++i) mean[i] = 0;
-  const bool is_on_surface = task.places->mesh >= 0;
+  const bool is_on_surface = task.receivers->mesh >= 0;
   GatherPoints<L> at;
   GatherLanes<n>& of = at.of;
   HitGeometry<L>& geometry = at.geometry;
@@ -249,7 +247,8 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTa
     for (int l = 0; l < n; ++l) {
       packet.rays.t_far_m[l] = INFINITY;
       packet.footprint_rad[l] = 0;
-      packet.hash[l] = of.place[l] != nullptr ? static_cast<std::int32_t>(of.place[l]->hash) : 0;
+      packet.hash[l] =
+          of.receiver[l] != nullptr ? static_cast<std::int32_t>(of.receiver[l]->hash) : 0;
       packet.sample[l] = static_cast<std::int32_t>(of.sample[l]);
     }
     if (is_on_surface) {
@@ -257,7 +256,7 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTa
       if (!choose_points(flight, of, hits, geometry)) continue;
       // Seen by one who looks straight down on it.
       for (int l = 0; l < n; ++l) {
-        const bool is_back = of.place[l] != nullptr && of.place[l]->is_back;
+        const bool is_back = of.receiver[l] != nullptr && of.receiver[l]->is_back;
         const auto outwards = load_vector<float>(geometry.normal, l);
         store_vector(packet.rays.direction, l, is_back ? outwards : -outwards);
       }
@@ -265,11 +264,11 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTa
     } else {
       geometry = {};
       for (int l = 0; l < n; ++l) {
-        hits.mesh[l] = of.place[l] != nullptr ? 0 : -1;
-        if (of.place[l] == nullptr) continue;
-        const GatherPlace& place = *of.place[l];
-        store_vector(geometry.position, l, vector_of(place.position));
-        store_vector(geometry.normal, l, vector_of(place.normal));
+        hits.mesh[l] = of.receiver[l] != nullptr ? 0 : -1;
+        if (of.receiver[l] == nullptr) continue;
+        const Receiver& receiver = *of.receiver[l];
+        store_vector(geometry.position, l, vector_of(receiver.position));
+        store_vector(geometry.normal, l, vector_of(receiver.normal));
       }
     }
     for (int l = 0; l < n; l += L::width) {
@@ -299,23 +298,25 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTa
     for (int l = 0; l < n; ++l) {
       // Rays that are not traced must be such as could be: Embree checks all.
       const bool goes_on = going.has(l);
-      leave_surface<L>(geometry, l, goes_on ? load_vector<float>(way, l) : Vector3<float>{0, 1, 0},
-                       packet.rays);
+      if (!goes_on) store_vector(way, l, Vector3<float>{0, 1, 0});
       store_vector(packet.reference, l,
                    goes_on ? load_vector<float>(at.normal, l) : Vector3<float>{1, 0, 0});
     }
+    leave_surfaces<L>(geometry, way, LaneMask<L>::all(), packet.rays);
     // What shines is sampled first: the paths move on from where they begin.
     for (int i = 0; i < scene.bands * n; ++i) memory.front[i] = 0;
     if (task.shining->light->emissive_probability > 0.0f)
-      add_shining<L>(*task.shining, search, at, on, memory, memory.front);
+      add_shining(
+          Flight<L, Search>{*task.shining, search, packet, state, memory, memory.front, nullptr},
+          at, on);
     // What shines has been put aside: paths that read baked light need the memory.
     const auto add = [&](int l, const float* light, float weight) {
-      const std::ptrdiff_t k = of.place[l] - task.places;
+      const std::ptrdiff_t k = of.receiver[l] - task.receivers;
       for (int b = 0; b < scene.bands; ++b)
         mean[k * scene.bands + b] += static_cast<double>(light[b * n + l] * weight);
     };
     on.for_each([&](int l) {
-      ++points_found[of.place[l] - task.places];
+      ++points_found[of.receiver[l] - task.receivers];
       add(l, memory.front, 1.0f);
     });
     if (flight.passed != nullptr) clear(passed);

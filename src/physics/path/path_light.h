@@ -2,7 +2,7 @@
 // what is left of light that comes past surfaces which let it by.
 #pragma once
 
-#include "physics/light/far_lanes.h"
+#include "physics/light/far_light.h"
 #include "physics/path/flight.h"
 #include "physics/surface/lit_surface.h"
 
@@ -117,7 +117,7 @@ OMMA_HD void look_up_far(const Flight<L, Search>& flight, LaneMask<L> lanes, Far
   far.by_chance =
       lanes & lanes_where<L>([&](int l) { return load<F>(state.density + l) < INFINITY; });
   far.at_nodes = far.by_chance == lanes;
-  find_far_lanes<L>(*scene.light, flight.packet.rays.direction, lanes, far.on_sky);
+  find_far<L>(*scene.light, flight.packet.rays.direction, lanes, far.on_sky);
   if (!far.at_nodes) return;
   choose_nodes<L>(flight.packet, state, Choice::light, far.on_sky);
   fetch_sky_nodes<L>(scene.light->sky, lanes, far.keeps, far.on_sky);

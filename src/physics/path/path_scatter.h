@@ -20,6 +20,54 @@ struct Scattered {
   alignas(n * 4) float coat[3][n];
 };
 
+// The same of the lanes that go at once from l on, without what polarises.
+template <typename F>
+struct LobeValues {
+  F reflected, transmitted, dielectric, metal, metal_gain, schlick, coat;
+};
+
+template <typename L>
+OMMA_HD LobeValues<typename L::F> load_lobes(const Scattered<L>& by, int l) {
+  using F = typename L::F;
+  return {load<F>(by.reflected + l), load<F>(by.transmitted + l), load<F>(by.dielectric[0] + l),
+          load<F>(by.metal + l),     load<F>(by.metal_gain + l),  load<F>(by.schlick + l),
+          load<F>(by.coat[0] + l)};
+}
+
+// What the surfaces are in a band, of those lanes.
+template <typename F>
+struct BandColor {
+  F reflectance, transmittance, tint;
+};
+
+template <typename L>
+OMMA_HD BandColor<typename L::F> load_color(const PathMemory& memory, int at) {
+  using F = typename L::F;
+  return {load<F>(memory.reflectance + at), load<F>(memory.transmittance + at),
+          load<F>(memory.tint + at)};
+}
+
+// A band's light over that which comes, by lobe: diffuse, and the mirror-like ones.
+template <typename F>
+OMMA_HD F diffuse_lobes(const LobeValues<F>& by, const BandColor<F>& color) {
+  return by.reflected * color.reflectance + by.transmitted * color.transmittance;
+}
+template <typename F>
+OMMA_HD F dielectric_tint(const LobeValues<F>& by, const BandColor<F>& color) {
+  return color.tint + (1.0f - color.tint) * by.schlick;
+}
+template <typename F>
+OMMA_HD F metal_lobe(const LobeValues<F>& by, const BandColor<F>& color) {
+  return by.metal * metal_color(color.reflectance, by.schlick, by.metal_gain);
+}
+
+// Of all lobes, Σ_j f_j.
+template <typename F>
+OMMA_HD F all_lobes(const LobeValues<F>& by, const BandColor<F>& color) {
+  return diffuse_lobes(by, color) + by.dielectric * dielectric_tint(by, color) + by.coat +
+         metal_lobe(by, color);
+}
+
 // Scatters `light` [component][band][lane], which comes from direction `w` [lane] with Stokes
 // vectors by `axis`, towards the eye, in place: by the rays' own reference axes.
 template <typename L, typename Search>
@@ -32,11 +80,8 @@ OMMA_HD void scatter_light(const Flight<L, Search>& flight, const Scattered<L>& 
   const PathMemory& memory = flight.memory;
   const int stride = scene.bands * L::count;
   for (int l = 0; l < L::count; l += L::width) {
-    const F reflected = load<F>(by.reflected + l), transmitted = load<F>(by.transmitted + l);
-    const F metal = load<F>(by.metal + l), schlick = load<F>(by.schlick + l);
-    const F gain = load<F>(by.metal_gain + l);
-    Mueller<F> dielectric{load<F>(by.dielectric[0] + l), F{}, F{}};
-    Mueller<F> coat{load<F>(by.coat[0] + l), F{}, F{}};
+    const LobeValues<F> lobes = load_lobes(by, l);
+    Mueller<F> dielectric{lobes.dielectric, F{}, F{}}, coat{lobes.coat, F{}, F{}};
     FrameTurn<F> before{}, after{};
     if (scene.polarized) {
       dielectric.b = load<F>(by.dielectric[1] + l);
@@ -52,22 +97,19 @@ OMMA_HD void scatter_light(const Flight<L, Search>& flight, const Scattered<L>& 
     }
     for (int b = 0; b < scene.bands; ++b) {
       const int at = b * L::count + l;
-      const F reflectance = load<F>(memory.reflectance + at), tint = load<F>(memory.tint + at);
-      const F colour = tint + (1.0f - tint) * schlick;
-      const F of_metal = metal * metal_color(reflectance, schlick, gain);
-      const F diffuse = reflected * reflectance + transmitted * load<F>(memory.transmittance + at);
+      const BandColor<F> color = load_color<L>(memory, at);
       const F i = load<F>(light + at);
       if (!scene.polarized) {
-        store(light + at, (diffuse + dielectric.a * colour + coat.a + of_metal) * i);
+        store(light + at, all_lobes(lobes, color) * i);
         continue;
       }
+      const F tint = dielectric_tint(lobes, color), metal = metal_lobe(lobes, color);
       const Stokes<F> s =
           before * Stokes<F>{i, load<F>(light + stride + at), load<F>(light + 2 * stride + at)};
-      const Mueller<F> all{dielectric.a * colour + coat.a + of_metal,
-                           dielectric.b * colour + coat.b,
-                           dielectric.c * colour + coat.c - of_metal};
-      const Stokes<F> out = after * (all * s);
-      store(light + at, out.i + diffuse * i);
+      const Mueller<F> mirrored{dielectric.a * tint + coat.a + metal, dielectric.b * tint + coat.b,
+                                dielectric.c * tint + coat.c - metal};
+      const Stokes<F> out = after * (mirrored * s);
+      store(light + at, out.i + diffuse_lobes(lobes, color) * i);
       store(light + stride + at, out.q);
       store(light + 2 * stride + at, out.u);
     }
@@ -222,19 +264,13 @@ OMMA_HD void update_throughput(const Flight<L, Search>& flight, const Scattering
   using I = typename L::I;
   for (int l = 0; l < L::count; l += L::width) {
     const Scattered<L>& by = sample.by;
-    const F reflected = load<F>(by.reflected + l), transmitted = load<F>(by.transmitted + l);
-    const F metal = load<F>(by.metal + l), schlick = load<F>(by.schlick + l);
-    const F gain = load<F>(by.metal_gain + l);
-    const F dielectric = load<F>(by.dielectric[0] + l), coat = load<F>(by.coat[0] + l);
+    const LobeValues<F> lobes = load_lobes(by, l);
     const I lobe = load<I>(sample.lobe + l);
     const auto is_by = lobe == let_by;
     F largest{};
     for (int b = 0; b < scene.bands; ++b) {
       const int at = b * L::count + l;
-      const F reflectance = load<F>(memory.reflectance + at), tint = load<F>(memory.tint + at);
-      const F part = reflected * reflectance + transmitted * load<F>(memory.transmittance + at) +
-                     dielectric * (tint + (1.0f - tint) * schlick) + coat +
-                     metal * metal_color(reflectance, schlick, gain);
+      const F part = all_lobes(lobes, load_color<L>(memory, at));
       const F before = load<F>(memory.throughput + at);
       const F after = is_by ? before : before * part;
       store(memory.throughput + at, after);
@@ -251,7 +287,7 @@ OMMA_HD void update_throughput(const Flight<L, Search>& flight, const Scattering
     // As parts of what is reflected, which the throughput has.
     const auto is_coat = is(Lobe::coat);
     const auto is_metal = is(Lobe::metal);
-    const F a = is_coat ? coat : dielectric;
+    const F a = is_coat ? lobes.coat : lobes.dielectric;
     const F scale = 1.0f / (a > 0.0f ? a : broadcast<F>(1.0f));
     const F b = (is_coat ? load<F>(by.coat[1] + l) : load<F>(by.dielectric[1] + l)) * scale;
     const F c = (is_coat ? load<F>(by.coat[2] + l) : load<F>(by.dielectric[2] + l)) * scale;

@@ -169,18 +169,7 @@ OMMA_HD Vector3<F> leave_surface(const Vector3<F>& position, const Vector3<F>& n
   return position + normal * step;
 }
 
-// The same of one lane of what a packet met: the ray that goes on from there.
-template <typename L>
-OMMA_HD void leave_surface(const HitGeometry<L>& geometry, int l, const Vector3<float>& towards,
-                           RayPacket<L::count>& rays) {
-  store_vector(rays.origin, l,
-               leave_surface(load_vector<float>(geometry.position, l),
-                             load_vector<float>(geometry.normal, l), geometry.reach_m[l], towards));
-  store_vector(rays.direction, l, without_noise(towards));
-  rays.t_near_m[l] = 0;
-}
-
-// The same of some lanes at once; the others' rays are left. `towards` [lane].
+// Rays of some lanes go on from what they met; the others' are left. `towards` [lane].
 template <typename L>
 OMMA_HD void leave_surfaces(const HitGeometry<L>& geometry, const float (&towards)[3][L::count],
                             LaneMask<L> lanes, RayPacket<L::count>& rays) {

@@ -97,19 +97,19 @@ OMMA_HD I sample_of_part(const DirectionsView& directions, I number) {
   return first + (number < directions.pattern_samples >> bits ? own : number * 0 + directions.part);
 }
 
-// Where a packet stands: its first ray is sample `sample` of replicate `replicate`; `filled` lanes
+// Where a packet starts: its first ray is sample `sample` of replicate `replicate`; `filled` lanes
 // hold rays.
-struct PacketPlace {
+struct PacketStart {
   int replicate, sample, filled;
 };
 
-// Writes L::width rays from lane l on, the first that of a place.
+// Writes L::width rays from lane l on, the first that of `start`.
 template <typename L>
 OMMA_HD void write_rays(const DirectionsView& directions, const Replicates& replicates,
-                        int last_replicate, const PacketPlace& place, Packet<L>& packet, int l) {
+                        int last_replicate, const PacketStart& start, Packet<L>& packet, int l) {
   using F = typename L::F;
   using I = typename L::I;
-  const int replicate = place.replicate, sample = place.sample;
+  const int replicate = start.replicate, sample = start.sample;
   const auto write = [&](LocalDirection<F> d, const auto& of_replicate, const auto& points,
                          const auto& hash, I sample_of_replicate) {
     RayPacket<L::count>& rays = packet.rays;
@@ -203,10 +203,10 @@ OMMA_HD void for_each_packet(const DirectionsView& directions, const Replicates&
                              int replicate_count, Packet<L>& packet, const Consume& consume) {
   const int samples = directions.samples;
   const float per_sample = 1.0f / static_cast<float>(samples);
-  PacketPlace place{0, 0, L::count};
+  PacketStart start{0, 0, L::count};
   for (std::int64_t left = std::int64_t{replicate_count} * samples; left > 0; left -= L::count) {
-    if (left < L::count) place.filled = static_cast<int>(left);
-    int replicate = place.replicate, sample = place.sample;
+    if (left < L::count) start.filled = static_cast<int>(left);
+    int replicate = start.replicate, sample = start.sample;
     for (int l = 0; l < L::count; l += L::width) {
       write_rays<L>(directions, replicates, replicate_count - 1, {replicate, sample, 0}, packet, l);
       sample += L::width;
@@ -215,8 +215,8 @@ OMMA_HD void for_each_packet(const DirectionsView& directions, const Replicates&
       sample -= ahead * samples;
       if (replicate >= replicate_count) replicate = replicate_count - 1;
     }
-    consume(place);
-    place = {replicate, sample, L::count};
+    consume(start);
+    start = {replicate, sample, L::count};
   }
 }
 

@@ -10,6 +10,9 @@
 
 #include <cstdint>
 
+#include "omma/vec.h"
+#include "physics/views/ray_packet.h"
+
 namespace omma {
 
 inline constexpr int node_width = 8;  // most children of a node
@@ -53,11 +56,20 @@ struct PlacedTree {
   std::uint32_t seen_by;        // as of the placed mesh (ray_packet.h)
 };
 
+// Where a placed mesh is, without rounding: what frame_from_mesh takes are its positions less
+// `about_m`.
+struct PlacedFrame {
+  Mat4 frame_from_mesh;
+  Vec3d about_m;
+};
+
 struct BvhView {
   const WideNode* top_nodes = nullptr;  // the first is the root; null where nothing is placed
   const PlacedTree* trees = nullptr;    // in the order of the top level's leaves
   const WideNode* nodes = nullptr;      // of all trees of triangles
   const TriangleQuad* quads = nullptr;
+  const PlacedMesh* placed = nullptr;   // the table of placed meshes
+  const PlacedFrame* frames = nullptr;  // of the same
 };
 
 }  // namespace omma

@@ -1,8 +1,8 @@
-// The portable backend's part of the hot loop: the closest hits of a packet, and whether anything
-// is in its way.
+// The search that a block is rendered with (physics/block/block.h), by our own hierarchy of boxes:
+// which surfaces of a scene rays meet, cut-outs and surfaces that were passed left out. Over flat
+// arrays alone, so that it is the same on host and device.
 #pragma once
 
-#include "backend/portable/portable_tracer.h"
 #include "physics/rays/passed.h"
 #include "physics/search/traverse.h"
 #include "physics/surface/surface.h"
@@ -10,8 +10,9 @@
 namespace omma {
 
 template <typename L>
-struct PortableSearch {
-  const PortableTracer* tracer;
+struct SceneSearch {
+  const SceneView* scene;
+  const BvhView* bvh;
 
   OMMA_HD void closest(LaneMask<L> lanes, RayPacket<L::count>& rays,
                        const PassedSurfaces<L::count>* passed, Spread = Spread::together) const {
@@ -19,32 +20,44 @@ struct PortableSearch {
                             std::uint32_t placed, bool from_behind) {
       if (!accepts(placed, triangle, u, v, from_behind)) return false;
       if (passed == nullptr || passed->count[lane] == 0) return true;
-      const Vec3 direction{rays.direction[0][lane], rays.direction[1][lane],
-                           rays.direction[2][lane]};
-      return !has_passed(*passed, lane, {none, placed, triangle, t_m, u, v}, direction,
+      return !has_passed(*passed, lane, {none, placed, triangle, t_m, u, v},
+                         vec_at(rays.direction, lane),
                          [&](std::uint32_t, std::uint32_t geometry, std::uint32_t index) {
-                           return tracer->corners(geometry, index);
+                           return corners(geometry, index);
                          });
     };
-    omma::closest<L>(tracer->view, lanes, rays, accept);
+    omma::closest<L>(*bvh, lanes, rays, accept);
   }
 
   // Lanes whose ray meets an accepted surface between its t_near_m and t_far_m; one that lets light
   // through in part counts as any other.
   OMMA_HD LaneMask<L> occluded(LaneMask<L> lanes, const RayPacket<L::count>& rays) const {
     return omma::occluded<L>(
-        tracer->view, lanes, rays,
+        *bvh, lanes, rays,
         [&](int, float, float u, float v, std::uint32_t triangle, std::uint32_t placed,
             bool from_behind) { return accepts(placed, triangle, u, v, from_behind); });
   }
 
-  OMMA_HD const PlacedMesh* placed() const { return tracer->layout.placed.data(); }
+  OMMA_HD const PlacedMesh* placed() const { return bvh->placed; }
+
+  // A triangle of a placed mesh, in the traced frame.
+  OMMA_HD Triangle corners(std::uint32_t placed, std::uint32_t triangle) const {
+    const PlacedFrame& frame = bvh->frames[placed];
+    const MeshView& mesh = scene->meshes[bvh->placed[placed].mesh];
+    Triangle t;
+    for (int k = 0; k < 3; ++k) {
+      const float* at =
+          mesh.positions + 3 * std::ptrdiff_t{mesh.triangles[3 * std::ptrdiff_t{triangle} + k]};
+      t.corner[k] = transform_point(frame.frame_from_mesh,
+                                    to_double(Vec3{at[0], at[1], at[2]}) - frame.about_m);
+    }
+    return t;
+  }
 
  private:
   OMMA_HD bool accepts(std::uint32_t placed, std::uint32_t triangle, float u, float v,
                        bool from_behind) const {
-    const std::int32_t mesh = tracer->layout.placed.data()[placed].mesh;
-    return accept_hit(*tracer->scene_view, {mesh, triangle, u, v}, from_behind);
+    return accept_hit(*scene, {bvh->placed[placed].mesh, triangle, u, v}, from_behind);
   }
 };
 

@@ -5,12 +5,12 @@
 #include "physics/lanes/lane_mask.h"
 #include "physics/lanes/rows.h"
 #include "physics/lanes/vector3.h"
-#include "physics/light/light_sample.h"
+#include "physics/light/near_light.h"
 
 namespace omma {
 
 template <typename F>
-OMMA_HD F chord_2_lanes(const Vector3<F>& d, Vec3 centre) {
+OMMA_HD F chord_2(const Vector3<F>& d, Vec3 centre) {
   const Vector3<F> across = d - vector_of(centre);
   return dot(across, across);
 }
@@ -21,7 +21,7 @@ using SkyLookups = SkyLookup<typename L::F, typename L::I>[L::count / L::width];
 
 // Where light from afar of a packet's directions is to be looked up.
 template <typename L>
-OMMA_HD void find_far_lanes(const LightView& light, const float (&direction)[3][L::count],
+OMMA_HD void find_far(const LightView& light, const float (&direction)[3][L::count],
                             LaneMask<L> lanes, SkyLookups<L>& places) {
   using F = typename L::F;
   for (int l = 0; l < L::count; l += L::width) {
@@ -175,7 +175,7 @@ OMMA_HD void eval_sky_lanes(const LightView& light, const SkyQuery<L>& query, in
   }
 }
 
-// Adds the radiance of discs in the directions of some lanes to `out` [band][lane]; as add_discs.
+// Adds the radiance of discs in the directions of some lanes to `out` [band][lane].
 // `acceptance_sr` [lane], where not null: of rays from the eye, which count some discs only
 // (counts_by_rays); 0 for others.
 template <typename L>
@@ -185,7 +185,7 @@ OMMA_HD void add_disc_light(const LightView& light, const float (&direction)[3][
   for (int i = 0; i < light.disc_count; ++i) {
     const DiscView& disc = light.discs[i];
     for (int l = 0; l < L::count; l += L::width) {
-      const F chord = chord_2_lanes(load_vector<F>(direction, l), disc.direction);
+      const F chord = chord_2(load_vector<F>(direction, l), disc.direction);
       auto inside = lanes.at(l) && chord <= disc.chord_2;
       if (!any_lane(inside)) continue;
       if (acceptance_sr != nullptr)
@@ -209,7 +209,7 @@ OMMA_HD void add_disc_light(const LightView& light, const float (&direction)[3][
 // Directions of some lanes towards light from afar, of random numbers in [0, 1); as
 // sample_far_direction.
 template <typename L>
-OMMA_HD void sample_far_lanes(const LightView& light, const float* u0, const float* u1,
+OMMA_HD void sample_far(const LightView& light, const float* u0, const float* u1,
                               LaneMask<L> lanes, float (&direction)[3][L::count]) {
   using F = typename L::F;
   using I = typename L::I;
@@ -253,7 +253,7 @@ OMMA_HD void find_far_pdf(const LightView& light, const float (&direction)[3][L:
     F density{};
     for (int i = 0; i < light.disc_count; ++i) {
       const DiscView& disc = light.discs[i];
-      density += keep(chord_2_lanes(d, disc.direction) <= disc.chord_2,
+      density += keep(chord_2(d, disc.direction) <= disc.chord_2,
                       broadcast<F>(disc.probability * disc.density));
     }
     if (sky.probability > 0.0f) {

@@ -1,16 +1,15 @@
-// Next-event estimation: a direction from a place towards something that shines, with its
-// probability, and what comes from there if nothing is in the way. Light from afar, lamps and
-// surfaces are chosen between with fixed probabilities.
+// Lights that are near, for next-event estimation: a direction from a position towards a lamp or a
+// surface that shines, with its probability, and what comes from there if nothing is in the way.
+// Light from afar, lamps and surfaces are chosen between with fixed probabilities.
 #pragma once
 
 #include "physics/light/emissive.h"
 #include "physics/light/lamps.h"
-#include "physics/light/sky.h"
 #include "physics/surface/surface.h"
 
 namespace omma {
 
-enum class LightKind : std::uint8_t { dark, far, lamp, surface };
+enum class LightKind : std::uint8_t { dark, lamp, surface };
 
 struct LightSample {
   LightKind kind = LightKind::dark;
@@ -23,19 +22,10 @@ struct LightSample {
   std::int32_t mesh = 0, triangle = 0;  // of a surface
   float u = 0, v = 0;                   // barycentric, where on it
   float scale = 1;                      // of a lamp's strength
-  OneSkyLookup place = {};              // of light from afar
 };
 
-// Probability of a direction in which a ray has left the scene, as sample_light would give it;
-// `place` is its place on the sky (find_far).
-OMMA_HD float escaped_light_pdf(const SceneView& scene, Vec3 direction, const OneSkyLookup& place) {
-  const LightView& light = *scene.light;
-  if (!(light.far_probability > 0.0f)) return 0.0f;
-  return light.far_probability * far_pdf(light, direction, place);
-}
-
-// That of a direction in which a ray from `position` has met a surface, `distance_m` away; 0 where
-// the surface is not one that is sampled.
+// Probability per solid angle with which sample_near_light gives the direction in which a ray from
+// `position` has met a surface, `distance_m` away; 0 where the surface is not one that is sampled.
 OMMA_HD float met_light_pdf(const SceneView& scene, std::int32_t instance, std::int32_t triangle,
                             Vec3 position, Vec3 direction, float distance_m) {
   const LightView& light = *scene.light;
@@ -111,34 +101,15 @@ OMMA_HD LightSample sample_near_light(const SceneView& scene, Vec3 position, flo
   return {};
 }
 
-// A direction from `position` towards something that shines, of random numbers in [0, 1).
-OMMA_HD LightSample sample_light(const SceneView& scene, Vec3 position, float u_choice, float u0,
-                                 float u1) {
-  const LightView& light = *scene.light;
-  if (!(u_choice < light.far_probability))
-    return sample_near_light(scene, position, u_choice - light.far_probability, u0, u1);
-  LightSample sample;
-  sample.kind = LightKind::far;
-  sample.direction = sample_far_direction(light, u0, u1);
-  sample.place = find_far(light, sample.direction);
-  sample.pdf = escaped_light_pdf(scene, sample.direction, sample.place);
-  return sample;
-}
-
 // What comes from where a sample looks, all bands, `components` of I, Q, U, at
 // out[component * component_stride + band * band_stride]: radiance, or from a lamp irradiance
 // across its direction.
 OMMA_HD void eval_light_sample(const SceneView& scene, const LightSample& sample, int components,
                                float* out, int band_stride, int component_stride) {
   const LightView& light = *scene.light;
-  if (sample.kind == LightKind::far && light.sky.probability > 0.0f)
-    return eval_far(light, sample.direction, sample.place,
-                    {out, components, band_stride, component_stride});
   for (int p = 0; p < components; ++p)
     for (int k = 0; k < light.bands; ++k) out[p * component_stride + k * band_stride] = 0;
-  if (sample.kind == LightKind::far) {
-    add_discs(light, sample.direction, out, band_stride);
-  } else if (sample.kind == LightKind::lamp) {
+  if (sample.kind == LightKind::lamp) {
     const float* strength = light.lamps[sample.index].strength;
     for (int k = 0; k < light.bands; ++k) out[k * band_stride] = strength[k] * sample.scale;
   } else if (sample.kind == LightKind::surface) {
