@@ -336,7 +336,7 @@ void run_in_stretches(std::size_t tasks, double rays_per_task, int threads,
                       const std::function<void(std::size_t, std::size_t)>& run) {
   std::size_t stretch =
       static_cast<std::size_t>(std::max(static_cast<double>(threads), 2.5e5 / rays_per_task));
-  constexpr double rays_to_watch = 1e6;
+  constexpr double rays_to_watch = 2e5;  // along paths in many bands some seconds
   const auto fraction = [&](std::size_t finished) {
     return static_cast<double>(finished) / static_cast<double>(tasks);
   };

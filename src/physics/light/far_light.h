@@ -239,8 +239,8 @@ OMMA_HD void sample_far(const LightView& light, const float* u0, const float* u1
   }
 }
 
-// The probability with which a light sample has the direction of each of some lanes, whose places
-// are given; as escaped_light_pdf. The other lanes' are left.
+// The density, per solid angle, with which next-event estimation samples the direction of each of
+// some lanes, whose places on the sky are given. The other lanes' are left.
 template <typename L>
 OMMA_HD void find_far_pdf(const LightView& light, const float (&direction)[3][L::count],
                           const SkyLookups<L>& places, LaneMask<L> lanes, float* pdf) {
