@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import write_gltf
-from view_browser import Browser, canvas_box, keep, pixel_of, set_choice, set_number, tab, until
+from view_browser import SLOW_MS, Browser, canvas_box, keep, pixel_of, set_choice, set_number, tab, until
 
 import omma
 from omma.view.poses import HeadPose
@@ -198,19 +198,21 @@ def test_paths_play_and_are_recorded(page, window, files):
         page.get_by_role("button", name="Open a path (CSV)").click()
     chooser.value.set_files(files / "path.csv")
     until(lambda: len(window._page.tabs._poses) == 60)
+    play = page.get_by_text("Play", exact=True).locator("xpath=ancestor::*[.//input][1]//input").last
     page.get_by_role("button", name="Record", exact=True).click()
-    page.get_by_label("Play", exact=True).or_(
-        page.get_by_text("Play", exact=True).locator("xpath=ancestor::*[.//input][1]//input")
-    ).last.check()
-    until(lambda: len({one.pose for one in window._page.tabs._clock._recorded}) > 5)
-    with page.expect_download() as download:
-        page.get_by_role("button", name="Stop, and save the video").click()
-    video = Path(download.value.path())
+    play.check()
+    try:
+        until(lambda: len({one.pose for one in window._page.tabs._clock._recorded}) > 5)
+        # The video is as long as the clicks are apart: at once, without waiting for a page at rest.
+        with page.expect_download(timeout=4 * SLOW_MS) as download:
+            page.get_by_role("button", name="Stop, and save the video").dispatch_event("click")
+            play.uncheck()
+        video = Path(download.value.path())
+    finally:
+        # A path that goes on would take all other tests' heads with it.
+        window._page.tabs._clock.play(False)
     assert video.stat().st_size > 1000
     assert video.read_bytes()[4:8] == b"ftyp"
-    page.get_by_text("Play", exact=True).locator(
-        "xpath=ancestor::*[.//input][1]//input"
-    ).last.uncheck()
 
 
 def test_what_is_wrong_is_said_on_the_page_and_the_work_goes_on(page, window, tmp_path):

@@ -18,7 +18,7 @@ STYLE = "page.css"
 _TITLE = "<title>Viser</title>"
 _KINDS = {".js": "text/javascript", ".css": "text/css"}
 _LARGEST_MESSAGE = 50 << 20  # what viser itself takes
-_ALIVE_S = 25.0
+_ALIVE_S = 50.0  # a busy page has half of it to answer; proxies end what is silent for 60 s
 
 
 def page_file(name: str) -> web.Response | None:
