@@ -182,40 +182,46 @@ class Stop:
             raise self.kind
 
 
-@pytest.mark.parametrize("kind", [KeyboardInterrupt, ZeroDivisionError])
-@pytest.mark.parametrize("share", [0.2, 0.5, 0.9])
-def test_a_bake_that_was_stopped_goes_on(tmp_path, kind, share):
-    many = {"paths": 1024, "cell_m": 0.02}
+MANY = {"paths": 512, "cell_m": 0.02}  # long enough to be ended in its middle
+
+
+@pytest.fixture(scope="module")
+def never_stopped():
+    return seen_by(world_of(False, **MANY))
+
+
+@pytest.mark.parametrize(
+    ("share", "kind"),
+    [(0.2, KeyboardInterrupt), (0.5, ZeroDivisionError), (0.9, KeyboardInterrupt)],
+)
+def test_a_bake_that_was_stopped_goes_on(tmp_path, never_stopped, kind, share):
     with pytest.raises(kind) as stopped:
-        world_of(tmp_path, progress=Stop(share, kind), **many)
+        world_of(tmp_path, progress=Stop(share, kind), **MANY)
     (kept,) = tmp_path.iterdir()
     assert kept.suffix == ".unfinished"
     (note,) = stopped.value.__notes__
     assert f"% of the light that was being baked are kept in {tmp_path}" in note
     told = []
-    world = world_of(tmp_path, progress=told.append, **many)
+    world = world_of(tmp_path, progress=told.append, **MANY)
     assert not world.baked.from_cache
     assert told[0] < told[-1] == 1
     (finished,) = tmp_path.iterdir()
     assert finished.suffix == ".baked"
     # To the bits of one that was not stopped.
-    np.testing.assert_array_equal(seen_by(world), seen_by(world_of(False, **many)))
+    np.testing.assert_array_equal(seen_by(world), never_stopped)
 
 
-def test_what_is_kept_of_a_bake_may_be_damaged(tmp_path):
-    many = {"paths": 1024, "cell_m": 0.02}
+def test_what_is_kept_of_a_bake_may_be_damaged(tmp_path, never_stopped):
     with pytest.raises(KeyboardInterrupt):
-        world_of(tmp_path, progress=Stop(0.5), **many)
+        world_of(tmp_path, progress=Stop(0.5), **MANY)
     (kept,) = tmp_path.iterdir()
     kept.write_bytes(kept.read_bytes()[:-100])
-    np.testing.assert_array_equal(
-        seen_by(world_of(tmp_path, **many)), seen_by(world_of(False, **many))
-    )
+    np.testing.assert_array_equal(seen_by(world_of(tmp_path, **MANY)), never_stopped)
 
 
 def test_without_a_cache_nothing_is_kept():
     with pytest.raises(KeyboardInterrupt) as stopped:
-        world_of(False, progress=Stop(0.5), paths=1024, cell_m=0.02)
+        world_of(False, progress=Stop(0.5), **MANY)
     (note,) = stopped.value.__notes__
     assert note == "of the light that was being baked nothing is kept, as there is no cache"
 

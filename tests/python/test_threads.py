@@ -18,7 +18,7 @@ def busy(scene):
 @pytest.mark.parametrize("sampling", [omma.Fixed(64), omma.Shared(64)])
 def test_a_renderer_freed_while_another_thread_renders(scene, flight, sampling):
     eye = make_eye(500, acceptance_deg=10)
-    poses = np.concatenate([flight] * 20)
+    poses = np.concatenate([flight] * 8)
 
     def made():
         return omma.Renderer(scene, eye, sampling, threads=2)
@@ -31,7 +31,7 @@ def test_a_renderer_freed_while_another_thread_renders(scene, flight, sampling):
 
         results.extend(renderers[0].render(poses, standard_error=True, progress=told))
 
-    for _ in range(5):
+    for _ in range(4):
         renderers, begun, results = [made()], threading.Event(), []
         thread = threading.Thread(target=render, args=(renderers, begun, results))
         thread.start()

@@ -8,7 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import write_gltf
-from view_browser import SLOW_MS, Browser, canvas_box, keep, pixel_of, set_choice, set_number, tab, until
+from view_browser import (
+    SLOW_MS,
+    Browser,
+    canvas_box,
+    keep,
+    pixel_of,
+    set_choice,
+    set_number,
+    tab,
+    until,
+)
 
 import omma
 from omma.view.poses import HeadPose
@@ -198,7 +208,8 @@ def test_paths_play_and_are_recorded(page, window, files):
         page.get_by_role("button", name="Open a path (CSV)").click()
     chooser.value.set_files(files / "path.csv")
     until(lambda: len(window._page.tabs._poses) == 60)
-    play = page.get_by_text("Play", exact=True).locator("xpath=ancestor::*[.//input][1]//input").last
+    label = page.get_by_text("Play", exact=True)
+    play = label.locator("xpath=ancestor::*[.//input][1]//input").last
     page.get_by_role("button", name="Record", exact=True).click()
     play.check()
     try:
