@@ -7,12 +7,13 @@
 
 #if defined(__CUDACC__)
 #define OMMA_HD __host__ __device__ inline
-#define OMMA_HD_CALLED __host__ __device__ inline
+#define OMMA_HD_CALLED __host__ __device__ __noinline__
 #else
 // Always inlined, so that a file compiled for a newer instruction set never leaves an out-of-line
 // copy behind that the linker could hand to older machines.
 #define OMMA_HD __attribute__((always_inline)) inline
-// For large templates of Lanes, which instruction sets do not share: called, not copied.
+// For large templates of lanes of which each instruction set has its own number: called, so that
+// their code is there once. tests/python/test_instruction_sets.py holds that none is shared.
 #define OMMA_HD_CALLED __attribute__((noinline))
 #endif
 

@@ -212,7 +212,7 @@ OMMA_HD void add_aimed(const FrameView& frame, const BlockTask& task, const Repl
 
 // What replicates see besides what their rays bring: of discs of the sky, and where they aim.
 template <typename L, typename Search>
-OMMA_HD void eval_beside_rays(const FrameView& frame, const BlockTask& task,
+OMMA_HD_CALLED void eval_beside_rays(const FrameView& frame, const BlockTask& task,
                               const ReplicateList& list, Search& search,
                               const BlockMemory& memory) {
   for (int o = 0; o < frame.outputs; ++o)

@@ -46,7 +46,7 @@ struct ReplicateSums {
 // The hot loop: makes the rays of replicates, packet by packet, follows them, and adds what they
 // bring to their replicates' sums.
 template <typename L, typename Search>
-OMMA_HD void trace_replicates(const BlockRun<Search>& run, const DirectionsView& directions,
+OMMA_HD_CALLED void trace_replicates(const BlockRun<Search>& run, const DirectionsView& directions,
                               const ReplicateList& list, const ReplicateSums& to) {
   const FrameView& frame = run.frame;
   const BlockTask& task = run.task;

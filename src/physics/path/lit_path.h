@@ -200,7 +200,7 @@ OMMA_HD_CALLED LaneMask<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on
 // The radiance [component][band][lane] of the rays of some lanes, to the end of their paths: the
 // packet is followed alone.
 template <typename L, typename Search>
-OMMA_HD void trace_paths(const Flight<L, Search>& flight, LaneMask<L> on,
+OMMA_HD_CALLED void trace_paths(const Flight<L, Search>& flight, LaneMask<L> on,
                          FirstHits<L>* first = nullptr) {
   for (int i = 0; i < flight.components() * flight.stride(); ++i) flight.radiance[i] = 0;
   reset_paths<L>(flight.scene, flight.state, flight.memory);

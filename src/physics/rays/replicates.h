@@ -55,7 +55,7 @@ struct Replicates {
 // The eye's arrays are padded, so that the last lanes read something; lanes behind the last
 // replicate repeat it.
 template <typename L>
-OMMA_HD void make_replicates(const EyeView& eye, const BlockTask& task,
+OMMA_HD_CALLED void make_replicates(const EyeView& eye, const BlockTask& task,
                              const DirectionsView& directions, const ReplicateList& list,
                              RayNeeds needs, Replicates& replicates) {
   using F = typename L::F;

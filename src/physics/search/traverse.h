@@ -192,7 +192,8 @@ OMMA_HD void search(const BvhView& bvh, unsigned on, Packet& rays, Found found) 
         left &= ~asked;
         unsigned searching = asked;
         search_tree<L>(bvh.nodes, tree.root, own, asked, rays.t_far_m,
-                       [&](std::uint32_t first, std::uint32_t triangles, unsigned meeting) {
+                       [&](std::uint32_t first, std::uint32_t triangles, unsigned meeting)
+                           __attribute__((always_inline)) {  // as OMMA_HD, of one lane too
                          const Leaf leaf{bvh.quads + first, static_cast<int>(triangles),
                                          tree.placed, own.one_origin};
                          unsigned still = meeting;

@@ -48,7 +48,7 @@ OMMA_HD Color<F> eval_texture_at(const SceneView& scene, const MeshView& mesh, i
   // Along the short side of a slanted footprint, so that nothing is blurred by more than its width.
   const F width =
       density != nullptr ? p.footprint_m * gather(density, p.triangle) : broadcast<F>(0.0f);
-  return eval_texture(scene.textures[texture], uv.first, uv.second, width);
+  return call_eval_texture(scene.textures[texture], uv.first, uv.second, width);
 }
 
 // t^2.2 for t in [0, 1], from the table: within 2e-8.

@@ -163,4 +163,15 @@ OMMA_HD Color<F> eval_texture(const TextureView& texture, F u, F v, F width) {
   return fine * (1.0f - found.next) + coarse * found.next;
 }
 
+// The same of lanes that go together: called, as a surface may read ten textures. One lane's is a
+// function of floats alone, which instruction sets would share (OMMA_HD).
+template <typename F>
+  requires(!std::is_same_v<F, float>)
+OMMA_HD_CALLED Color<F> call_eval_texture(const TextureView& texture, F u, F v, F width) {
+  return eval_texture(texture, u, v, width);
+}
+OMMA_HD Color<float> call_eval_texture(const TextureView& texture, float u, float v, float width) {
+  return eval_texture(texture, u, v, width);
+}
+
 }  // namespace omma
