@@ -65,7 +65,7 @@ def meadow_at(name: str, quick: bool) -> Case:
 
 
 def indoors(setup: Setup) -> Case:
-    """A scene of docs/baked-light.md, from where its picture shows it."""
+    """A scene of docs/light.md, from where its picture shows it."""
     world = omma.World(setup.scene, light=setup.light)
     return world, pixels(WIDTH, HEIGHT, setup.height_deg), setup.pose, ROOM_RAYS
 

@@ -271,7 +271,7 @@ def kernels(rows: list[Row]) -> list[str]:
             f"order of the columns) in {rows[0]['scene']}, best of seven rounds in which the eyes",
             "took turns. Mixed: nine different kinds in turn, two of them elliptical, one a map.",
             "A width each: Gaussians of as many widths as ommatidia. The last column is what the",
-            "tables of directions take to make, once. docs/acceptance.md says what the kinds are.",
+            "tables of directions take to make, once. docs/eyes.md says what the kinds are.",
         ),
         *table(
             " | ".join(
@@ -411,7 +411,7 @@ def cameras(rows: list[Row]) -> list[str]:
         *text(
             "`bench/many_cameras.py`: one thread, processor time of a frame, at a pose that is",
             "another in each; errors are root mean squares over ommatidia in percent of the mean",
-            "response. What it means: [docs/many-cameras.md](../docs/many-cameras.md).",
+            "response. What it means: [notes/many-cameras.md](notes/many-cameras.md).",
         ),
         *table(f"lighting | eye | way | {errors} | least error, %", times_table(rows)),
         *text("All that was measured; pixels along an edge, squared, by rays a pixel:"),

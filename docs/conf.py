@@ -74,7 +74,7 @@ html_css_files = ["omma.css"]
 html_copy_source = False
 html_show_sourcelink = False
 # Pages with nothing below them need no list of it.
-html_sidebars = {name: [] for name in ("index", "start", "limits", "glossary", "search")}
+html_sidebars = {name: [] for name in ("index", "search")}
 html_theme_options = {
     "logo": {"text": "Omma"},
     "header_links_before_dropdown": 10,

@@ -1,4 +1,4 @@
-"""Prints the tables of tails and of intervals in docs/error-target.md.
+"""Prints the tables of tails and of intervals in bench/notes/error-targets.md.
 
     .venv/bin/python docs/make_error_tables.py [--data FOLDER] [--quick]
 

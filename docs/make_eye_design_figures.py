@@ -1,4 +1,4 @@
-"""Draws docs/eye-design.png and prints the table of docs/eye-design.md.
+"""Draws docs/eye-design.png and prints the table of docs/eyes.md.
 
     python docs/make_eye_design_figures.py [folder]
 

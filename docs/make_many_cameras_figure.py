@@ -1,5 +1,5 @@
-"""Makes the picture and the table of docs/many-cameras.md from bench/results/cameras.csv, which
-`scripts/bench cameras` measures (and then calls this for the picture).
+"""Makes the picture and the table of bench/notes/many-cameras.md from bench/results/cameras.csv,
+which `scripts/bench cameras` measures (and then calls this for the picture).
 
     .venv/bin/python docs/make_many_cameras_figure.py
 """
@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGE = ROOT / "docs" / "many-cameras.md"
+PAGE = ROOT / "bench" / "notes" / "many-cameras.md"
 START, END = "<!-- table: made by make_many_cameras_figure.py -->", "<!-- end of the table -->"
 sys.path.insert(0, str(ROOT / "bench"))
 

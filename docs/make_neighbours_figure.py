@@ -1,4 +1,4 @@
-"""Makes the figure of docs/neighbours.md: the rows of Drosophila's eyes, by hexagonal coordinates.
+"""Makes docs/neighbours.png: the rows of Drosophila's eyes, by hexagonal coordinates.
 
 .venv/bin/python docs/make_neighbours_figure.py
 """

@@ -1,4 +1,4 @@
-"""Makes the figures of docs/photoreceptors.md.
+"""Makes the figures of docs/receptors.md.
 
 .venv/bin/python docs/make_photoreceptor_figures.py
 """

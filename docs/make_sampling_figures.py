@@ -1,4 +1,5 @@
-"""Makes the pictures of docs/sampling.md, docs/sampling-*.png, and prints its numbers as tables.
+"""Makes the pictures of docs/sampling.md and bench/notes/compoundray-protocols.md,
+docs/sampling-*.png, and prints their numbers as tables.
 
     .venv/bin/python docs/make_sampling_figures.py [--data FOLDER] [samples maps aliasing speed]
 

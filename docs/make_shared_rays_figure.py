@@ -1,4 +1,4 @@
-"""Makes docs/shared-rays.png and prints the numbers of docs/shared-rays.md.
+"""Makes docs/shared-rays.png and prints its numbers in docs/sampling.md.
 
     .venv/bin/python docs/make_shared_rays_figure.py [--data FOLDER] [--quick]
 

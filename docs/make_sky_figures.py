@@ -1,4 +1,4 @@
-"""Makes the figures of docs/sky.md: docs/sky-*.png.
+"""Makes the figures of docs/light.md: docs/sky-*.png.
 
 .venv/bin/python docs/make_sky_figures.py
 """

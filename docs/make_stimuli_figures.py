@@ -1,4 +1,4 @@
-"""Makes the figures of docs/stimuli.md: docs/stimuli.png and docs/stimuli-time.png.
+"""Makes the figures of docs/scenes.md: docs/stimuli.png and docs/stimuli-time.png.
 
 .venv/bin/python docs/make_stimuli_figures.py
 """

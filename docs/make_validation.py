@@ -1,4 +1,5 @@
-"""Writes the numbers of docs/validation.md and its figure: what must come out, what came out.
+"""Writes the numbers of docs/validation.md and its figure: what must come out, what came out; and
+every number of lit worlds into bench/notes/lit-worlds.md.
 
     .venv/bin/python docs/make_validation.py
 
@@ -28,6 +29,7 @@ from lit_checks_surfaces import CASES as OF_SURFACES  # noqa: E402
 BLUE, ORANGE = "#0072B2", "#D55E00"
 
 PAGE = DOCS / "validation.md"
+LIT = ROOT / "bench" / "notes" / "lit-worlds.md"
 NUMBERS = ("<!-- numbers: made by make_validation.py -->", "<!-- end of the numbers -->")
 GRATINGS = ("<!-- gratings: made by make_validation.py -->", "<!-- end of the gratings -->")
 
@@ -63,6 +65,21 @@ def table(lines: list[Line]) -> str:
         f"{number(one.found - one.expected, 2)} | {number(one.allowed, 2)}: {one.because} |"
         for one in lines
     ]
+    return "\n".join(rows)
+
+
+def lit_numbers(found: dict[str, list]) -> str:
+    """A row for each number of lit worlds."""
+    rows = [
+        "| effect | closed form | it says | came out | off by | standard error |",
+        "| --- | --- | --- | --- | --- | --- |",
+    ]
+    for one in (one for numbers in found.values() for one in numbers):
+        spread = f"{one.standard_error:.1e}" if one.standard_error else "–"
+        rows.append(
+            f"| {one.effect} | {one.form} | {one.expected:.6g} | {one.found:.6g} | "
+            f"{one.found - one.expected:+.1e} | {spread} |"
+        )
     return "\n".join(rows)
 
 
@@ -158,20 +175,24 @@ def main() -> int:
     text += [
         "### Lit worlds\n",
         f"{count} closed forms of light between surfaces, gloss, polarisation, glass, shade, skies "
-        "and lamps; every number is on [a page of its own](light-validation.md). Here the one of "
-        "each kind that is furthest off, where 1 is as far as allowed: three standard errors, and "
-        "10⁻⁵ or what the code says why not.\n",
+        "and lamps, each as the whole renderer gives it for a small scene and an eye of one ray "
+        "([every number](../bench/notes/lit-worlds.md)). Here the one of each kind that is "
+        "furthest off, where 1 is as far as allowed: three standard errors, and 10⁻⁵ or "
+        "[what is said below](#what-lit-worlds-may-be-off-by).\n",
         lit_table(lit),
         f"\nTests: {', '.join(f'`{test}`' for test in TESTS['Lit worlds'])}.",
     ]
     page = put(PAGE.read_text(encoding="utf-8"), NUMBERS, "\n".join(text))
     PAGE.write_text(put(page, GRATINGS, mujoco_table()), encoding="utf-8")
+    LIT.write_text(
+        put(LIT.read_text(encoding="utf-8"), NUMBERS, lit_numbers(lit)), encoding="utf-8"
+    )
     figure([grating_panel, time_panel, motion_panel], lit)
     off = [one for lines in parts.values() for one in lines if not one.holds()]
     off += [one for numbers in lit.values() for one in numbers if abs(one.error()) > one.limit()]
     for one in off:
         print(f"further off than allowed: {one}", file=sys.stderr)
-    print(f"wrote validation.md and validation-forms.png; {len(off)} numbers are too far off")
+    print(f"wrote both pages and validation-forms.png; {len(off)} numbers are too far off")
     return 1 if off else 0
 
 

@@ -11,6 +11,8 @@ import inspect
 import re
 from typing import Any
 
+from site_moved import page_of
+
 import omma
 
 PAGE = re.compile(r"(?<!`)\bdocs/([\w-]+)\.md")
@@ -89,7 +91,7 @@ def rewrite(what: str, lines: list[str]) -> list[str]:
         elif not any(">>>" in line for line in block):
             text = "\n".join(block)
             text = re.sub(r"(?<!`)`([^`<>\n]+)`(?!`)", linked, text)
-            text = PAGE.sub(r":doc:`docs/\1.md </\1>`", text)
+            text = PAGE.sub(lambda page: f":doc:`docs/{page[1]}.md </{page_of(page[1])}>`", text)
             parts = re.split(r"(``.*?``)", text, flags=re.DOTALL)
             parts[::2] = [re.sub(r"\|", r"\\|", one) for one in parts[::2]]
             block = "".join(parts).split("\n")

@@ -37,8 +37,8 @@ def drawn_by(root: Path) -> dict[str, Path]:
     return found
 
 
-def figures_text(root: Path, texts: dict[str, str]) -> str:
-    """All figures, by the script that draws them."""
+def figures_page(root: Path, texts: dict[str, str]) -> str:
+    """The page of all figures, by the script that draws them."""
     scripts = drawn_by(root)
     shown: dict[str, tuple[str, str]] = {}
     for place, text in texts.items():
@@ -49,7 +49,13 @@ def figures_text(root: Path, texts: dict[str, str]) -> str:
     by_script: dict[Path, list[str]] = {}
     for name in sorted(scripts):
         by_script.setdefault(scripts[name], []).append(name)
-    lines = [""]
+    lines = [
+        "# All figures",
+        "",
+        "Each below the script that draws it, which runs from a clone; most take half a minute to",
+        "some minutes. Short pieces of code, to begin with, are in the [gallery](gallery.md).",
+        "",
+    ]
     for script, names in sorted(by_script.items()):
         own = script.relative_to(root).as_posix()
         text = script.read_text(encoding="utf-8")

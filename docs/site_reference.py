@@ -168,7 +168,17 @@ def reference_pages(root: Path) -> dict[str, str]:
     }
     pages["reference/command-line.md"] = command_line_page()
     pages["reference/cpp.md"] = headers_page(root)
-    lines = [""]
+    lines = [
+        "# Reference",
+        "",
+        "Every public name, by the subpackage it is in: what it takes and gives, with shapes,",
+        "units and the errors that it raises; every command with its options; the C++ headers.",
+        "Without the site the same is in `help(omma)`, `help(omma.eye)` and so on, and in",
+        "`omma --help`.",
+        "",
+        "`import omma` has what a first hour needs; subpackages are loaded when first used.",
+        "",
+    ]
     for full, subpackage in subpackages().items():
         count = sum(len(names) for names in public(subpackage).values())
         lines.append(

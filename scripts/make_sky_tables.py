@@ -9,7 +9,7 @@ The first needs g++ and the packages sasktran2 and musica, and two to three hour
 what it has done lies in FOLDER, so that it can be stopped and goes on. `store` puts the table
 together, `sun` the sun's spectrum (sun.npz), which takes a second.
 `check` compares what is stored with direct computations between its nodes, and prints for
-docs/sky.md how far they are apart. The parts are in scripts/sky/.
+docs/light.md how far they are apart. The parts are in scripts/sky/.
 """
 
 import sys

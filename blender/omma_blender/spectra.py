@@ -1,5 +1,5 @@
 """Spectra of materials and lamps: the custom property "omma", which Blender's exporter writes to
-the extras where Omma reads it (docs/spectra-in-files.md)."""
+the extras where Omma reads it (docs/materials.md)."""
 
 import csv
 from pathlib import Path

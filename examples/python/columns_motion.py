@@ -1,8 +1,8 @@
 """What a fruit fly's columns see of a meadow that it flies over, and the motion on them.
 
 Two ways of one flight: rendered for the ommatidia of the right eye and brought onto the 721 hexals
-of flyvis-like models with stated weights (docs/columns.md), in the shape that these take; and in
-place of a trained network, of which there is none here, the elementary motion detector of
+of flyvis-like models with stated weights (docs/motion-detection.md), in the shape that these take;
+and in place of a trained network, of which there is none here, the elementary motion detector of
 omma.motion between neighbouring hexals.
 
 python examples/python/columns_motion.py -o columns.png

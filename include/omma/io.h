@@ -33,7 +33,7 @@ Scene load_scene(const std::string& path, const SceneOptions& options = {});
 void save_scene(const std::string& path, const Scene& scene,
                 const std::function<bool(double)>& progress = nullptr);
 
-// An eye, by the ending of the file's name (docs/eye-files.md):
+// An eye, by the ending of the file's name (docs/eyes.md):
 //   .csv         named columns with units; keeps everything
 //   .gltf, .glb  the Open Compound Eye Standard, the glTF extension OCES_eyes: the eyes of the one
 //                head that is there; keeps everything

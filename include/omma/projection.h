@@ -21,7 +21,8 @@ std::vector<std::int32_t> nearest_by_position(const Eye& eye, Vec3 centre,
                                               std::span<const Vec3> directions);
 
 // How an eye is laid out in a picture. All pictures are of what the animal sees: its right to the
-// right, up at the top; pixels are sampled at their centres. docs/projections.md shows them all.
+// right, up at the top; pixels are sampled at their centres. docs/looking-at-eyes.md shows
+// them all.
 enum class Projection : std::uint8_t {
   // Those of CompoundRay. They fill the whole picture.
   single_dimension,           // ommatidia in order from left to right, stretched to the width

@@ -1054,7 +1054,7 @@ class Acceptance:
     Made by one of its static methods. Directions are given by their polar angle from the axis
     and their azimuth, 0 towards the ommatidium's up vector and growing towards its right.
     Raises `omma.Error` on a parameter that is impossible, or out of the range of animals' eyes
-    unless ``allow_unusual`` is said. Sources: docs/acceptance.md.
+    unless ``allow_unusual`` is said. Sources: docs/eyes.md.
     """
 
     # Generated, not written; after a change to the bindings:

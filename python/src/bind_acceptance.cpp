@@ -118,7 +118,7 @@ void bind_acceptance(nb::module_& m) {
       "and their azimuth, 0 towards the ommatidium's up vector and growing towards its right.\n"
       "Raises `omma.Error` on a parameter that is impossible, or out of the range of animals' "
       "eyes\n"
-      "unless ``allow_unusual`` is said. Sources: docs/acceptance.md.");
+      "unless ``allow_unusual`` is said. Sources: docs/eyes.md.");
   acceptance_class
       .def_static(
           "gaussian",

@@ -1,5 +1,5 @@
 // Eyes as CSV: one ommatidium a line, columns with names that say the unit. The reader takes them
-// in any order; docs/eye-files.md lists them. What both sides must agree on stands here.
+// in any order; docs/eyes.md lists them. What both sides must agree on stands here.
 #pragma once
 
 #include <string>

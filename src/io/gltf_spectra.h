@@ -1,5 +1,5 @@
 // Spectra in the extras of materials and lights, for which glTF has no place: {"omma": {...}}, see
-// docs/spectra-in-files.md.
+// docs/materials.md.
 #pragma once
 
 #include <nlohmann/json.hpp>

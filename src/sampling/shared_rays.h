@@ -20,7 +20,7 @@ namespace omma {
 
 // Least gain in effective samples for which an ommatidium shares rays; below, it traces its own,
 // which are spread better for it than a lattice cut off at the border of its field. Measured
-// (docs/shared-rays.md): below, errors grow with samples up to 2.5 times; above, they fall.
+// (docs/sampling.md): below, errors grow with samples up to 2.5 times; above, they fall.
 inline constexpr double least_sharing_gain = 2;
 
 // Most rays, and most weights of those that are shared: a set then takes up to about 2 GB.

@@ -117,7 +117,7 @@ TEST(OpticsWaveguide, SensitivityIsTheOverlapOfPatternAndModes) {
     }
 }
 
-// What docs/acceptance.md says of S on the axis, over its largest.
+// What docs/eyes.md says of S on the axis, over its largest.
 TEST(OpticsWaveguide, LargestBesideTheAxis) {
   const auto on_axis = [](double v, double ratio) {
     Acceptance a = lens_rhabdom(RhabdomModel::waveguide, 250, 1, ratio);

@@ -86,7 +86,7 @@ std::vector<double> errors_of_reached(const Scene& scene, const Eye& eye, const 
   return errors;
 }
 
-// docs/error-target.md: 99 of 100 are within twice the error, 999 of 1,000 within four times. While
+// docs/sampling.md: 99 of 100 are within twice the error, 999 of 1,000 within four times. While
 // an ommatidium heard of its neighbours along the curve their roughness alone, the latter were
 // within 14 to 25 times 0.003 and 5 to 8 times 0.01 in the arenas, and on the checkerboard 98.6 of
 // 100 within twice 0.03.

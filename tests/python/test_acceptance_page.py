@@ -1,4 +1,4 @@
-"""Numbers that docs/acceptance.md gives."""
+"""Numbers that docs/eyes.md gives."""
 
 from __future__ import annotations
 

@@ -26,8 +26,8 @@ COMPOUND_RAY = DATA / "compound-ray"
 
 # And what besides, ahead of a snippet of a page (counted from 0).
 GIVEN_BESIDES = {
-    "docs/written-files.md": {
-        0: """
+    "docs/datasets.md": {
+        2: """
 import omma
 omma.render_file("meadow.glb", "flight.zarr", eyes="honeybee.eye", path="flight.csv")
 """
@@ -52,21 +52,29 @@ dorsal_rim = [omma.receptors.OmmatidiumType("rim", (r7p, r7y))]
 
 # What a page says comes out of it.
 COMES_OUT = {
-    "README.md": "assert responses.shape == (1, 10760, 3) and len(receptors) == 1",
-    "docs/acceptance.md": "assert f'{math.degrees(fly.width_rad()):.1f}' == '2.2'",
-    "docs/datasets.md": "assert evening.sizes['view'] == 40 and len(views) == 80",
-    "docs/error-target.md": "assert report.rays.shape == (1, 10_760) and (low <= high).all()",
-    "docs/eye-design.md": "assert len(omma.load_eye('head.csv')) == len(head)",
+    "README.md": "assert responses.shape == errors.shape == (1, 10760, 3)",
     "docs/closed-loops.md": "assert observations.shape == (32, 200, 3) and responses.any()",
-    "docs/columns.md": "assert light.shape == (1, 3, 1, 721) and published.q.tolist() == [0, 1]",
-    "docs/mujoco.md": "assert responses.shape == (1, 1000, 3) and lit.lighting == 'path'",
-    "docs/how-to.md": "assert len(eye) == 10_760 and responses.shape == (10_760, 3)",
-    "docs/motion-detection.md": "assert np.nanmean(motion[level, 0]) > 0.01",
-    "docs/neighbours.md": "assert left < 0 < right",
+    "docs/datasets.md": """
+assert evening.sizes["view"] == 40 and len(views) == 80
+assert 0 < ahead.sizes["ommatidium"] < data.sizes["ommatidium"]
+""",
+    "docs/eyes.md": """
+assert f"{math.degrees(fly.width_rad()):.1f}" == "2.2"
+assert len(omma.load_eye("head.csv")) == len(head)
+""",
     "docs/gallery.md": "import glob; assert len(glob.glob('gallery-*.png')) == 10",
-    "docs/start.md": "assert flight.shape == (3, 10760, 3) and inside.min() < 0.5 < inside.max()",
+    "docs/motion-detection.md": """
+assert left < 0 < right
+assert np.nanmean(motion[level, 0]) > 0.01
+assert light.shape == (1, 3, 1, 721) and published.q.tolist() == [0, 1]
+""",
+    "docs/mujoco.md": "assert responses.shape == (1, 1000, 3) and lit.lighting == 'path'",
     "docs/receptors.md": "assert cartridges.shape == (2, 300) and responses.shape == (2, 300, 3)",
-    "docs/written-files.md": "assert 0 < ahead.sizes['ommatidium'] < data.sizes['ommatidium']",
+    "docs/sampling.md": "assert report.rays.shape == (1, 10_760) and (low <= high).all()",
+    "docs/start.md": """
+assert flight.shape == (3, 10760, 3) and inside.min() < 0.5 < inside.max()
+assert len(receptors) == 1 and len(eye) == 10_760 and responses.shape == (10_760, 3)
+""",
     "examples/from_compoundray.md": """
 old = np.array(frames) / 255.0  # the same picture, within sampling and 8 bits
 new = np.clip(responses, 0, 1) ** (1 / 2.2)
@@ -108,7 +116,6 @@ NOT_RUN = {
     "scripts/quickstart": "installs; scripts/test starts with the same set-up",
     "scripts/test": "it is what runs this",
     "scripts/blender_addon": "fetches Blender; test_blender_addon.py runs it without",
-    "scripts/wheel": "builds the engine; test_wheel.py looks at what came out",
     "omma view": "goes on until Ctrl-C; test_view_command.py",
     "scripts/bench": "ten minutes, and says nothing on a machine with other work",
     "pip install": "installs; it is what scripts/setup does",
@@ -120,7 +127,6 @@ NOT_RUN = {
     "omma measure variance-map meadow.glb": "minutes; test_sampling_tools.py has smaller ones",
     "omma measure aliasing meadow.glb": "minutes; test_sampling_tools.py has smaller ones",
     "omma measure speed arena.gltf": "minutes; test_speed_test.py has smaller ones",
-    "omma_render_tests": "a test of the C++ build, which scripts/test runs as a whole",
     "python bench/many_cameras.py": "a minute; test_many_cameras.py has it smaller",
     r"(\.venv/bin/)?python docs/make_": "figures and tables of the pages: minutes to half an hour",
     "cd compound-ray": "needs a clone of CompoundRay's repository; test_compoundray.py",
@@ -160,8 +166,8 @@ def blocks(page, kind):
 
 
 def given():
-    """What pages that do not begin with an import take as given, as docs/how-to.md has it."""
-    return blocks("docs/how-to.md", "python")[1]
+    """What pages that do not begin with an import take as given, as docs/start.md has it."""
+    return blocks("docs/start.md", "python")[-1]
 
 
 def commands(page):
@@ -238,7 +244,7 @@ def test_snippets_run(page, folder):
     (folder / "page.py").write_text("\n".join([*parts, COMES_OUT.get(page, "")]))
     done = run([sys.executable, "page.py"], folder)
     assert done.returncode == 0, f"{page}:\n{done.stderr}"
-    if page == "docs/error-target.md":
+    if page == "docs/sampling.md":
         said = "".join(block for block in blocks(page, "") if re.match(r"[\d,]+ rays", block))
         # Where rounding differs, as between instruction sets, a few ommatidia take a round more.
         assert numbers(done.stdout) == pytest.approx(numbers(said), rel=0.02)
@@ -273,3 +279,16 @@ def test_what_is_not_run_is_on_a_page():
         assert any(re.match(beginning, block) for block in indented), beginning
     for page in {*GIVEN_BESIDES, *COMES_OUT, *SNIPPETS_NOT_RUN, *NEEDS_PACKAGE}:
         assert blocks(page, "python"), page
+
+
+def test_pages_that_are_named_are_there():
+    """In docstrings, messages and comments, which a merge of two pages is quick to forget."""
+    sources = {".py", ".pyi", ".h", ".cpp", ".cu", ".toml", ""}
+    folders = ("python", "src", "include", "tests", "scripts", "examples", "bench", "blender")
+    missing = []
+    for path in (path for folder in folders for path in (ROOT / folder).rglob("*")):
+        if path.suffix in sources and path.is_file():
+            text = path.read_text(encoding="utf-8", errors="replace")
+            named = set(re.findall(r"\bdocs/[\w-]+\.md\b", text))
+            missing += [f"{path}: {name}" for name in named if not (ROOT / name).is_file()]
+    assert not missing, "\n".join(missing)

@@ -3,6 +3,7 @@
 Tutorials are not run here, they have a test of their own.
 """
 
+import importlib
 import json
 import os
 import re
@@ -57,6 +58,16 @@ def site(built):
 
 
 @pytest.fixture(scope="module")
+def moved():
+    """Old pages and where they are now."""
+    sys.path.insert(0, str(ROOT / "docs"))
+    try:
+        return importlib.import_module("site_moved")
+    finally:
+        sys.path.remove(str(ROOT / "docs"))
+
+
+@pytest.fixture(scope="module")
 def html(site):
     """All pages of the site, read."""
     return {
@@ -71,8 +82,9 @@ def test_it_builds_without_a_warning(built):
 
 
 def test_each_kind_of_page_is_there(html):
-    pages = ["start", "tutorials", "how-to", "reference", "explanation", "gallery", "figures"]
-    pages += ["species", "validation", "limits", "glossary", "inside", "search", "CONVENTIONS"]
+    pages = ["start", "tutorials", "reference", "gallery", "figures", "species", "validation"]
+    pages += ["limits", "glossary", "search", "CONVENTIONS", "CONTRIBUTING", "bench/RESULTS"]
+    pages += ["begin", "scenes-and-light", "eyes-and-receptors", "responses", "inside"]
     pages += [f"species/{name}" for name in subpackages()["species"].names()]
     assert not {f"{page}.html" for page in pages} - set(html)
 
@@ -129,6 +141,16 @@ def test_links_lead_somewhere(html, site):
             elif anchor and target in html and anchor not in html[target].ids:
                 wrong.append(f"{place}: {link}: no such place")
     assert not wrong, "\n".join(wrong)
+
+
+def test_old_addresses_lead_on(html, moved):
+    """To a page, and to where in it; links of the site itself go there at once."""
+    assert len(moved.MOVED) > 20
+    for name in moved.MOVED:
+        assert html[f"{name}.html"].links == [moved.address_of(name)]
+    for place, page in html.items():
+        within = {os.path.normpath(os.path.join(os.path.dirname(place), one)) for one in page.links}
+        assert not {f"{name}.html" for name in moved.MOVED} & within, place
 
 
 def test_pictures_say_what_they_show(html):

@@ -30,7 +30,7 @@ INFO_HELP = """
 Say what an eye is like: its size and visual field, the angles between its ommatidia, what they
 accept and how far they look askew; and which of them look wrong.
 
-Several files make one head. Every number is explained in docs/eye-measures.md.
+Several files make one head. Every number is explained in docs/looking-at-eyes.md.
 
 **Examples**
 

@@ -1,5 +1,6 @@
 """How columns are numbered: (p, q) as FlyWire has it, (hex1, hex2) as MaleCNS does, (u, v) of the
-hexals of flyvis-like models; and the ways from one to another (docs/columns.md has the sources).
+hexals of flyvis-like models; and the ways from one to another (sources:
+docs/motion-detection.md).
 """
 
 from __future__ import annotations

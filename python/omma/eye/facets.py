@@ -16,9 +16,9 @@ Floats = NDArray[np.float64]
 def facet_diameters_m(eye: Eye) -> Floats:
     """Facet diameters as the spacing of the lenses: (N,), metres.
 
-    The mean distance to the neighbours on the surface (docs/eye-measures.md), which in a hexagonal
-    lattice is the facets' width across flats; of an ommatidium without neighbours the distance to
-    the nearest.
+    The mean distance to the neighbours on the surface (docs/looking-at-eyes.md), which in a
+    hexagonal lattice is the facets' width across flats; of an ommatidium without neighbours the
+    distance to the nearest.
 
     Raises:
         omma.Error: an eye of one ommatidium, several at one position.

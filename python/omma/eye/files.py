@@ -1,4 +1,4 @@
-"""Eyes from files and into them (docs/eye-files.md)."""
+"""Eyes from files and into them (docs/eyes.md)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ EYE_SUFFIXES = (".csv", *OCES_SUFFIXES, ".eye")
 
 @checked
 def load_eye(path: PathLike, unit: str | float = "mm", *, head: str | int | None = None) -> Eye:
-    """Read an eye; the ending of the name says which format it is (docs/eye-files.md).
+    """Read an eye; the ending of the name says which format it is (docs/eyes.md).
 
     `.csv`: a line for each ommatidium, columns with names that say the unit; it keeps everything.
     `.gltf`, `.glb`: the Open Compound Eye Standard (glTF extension ``OCES_eyes``), with everything

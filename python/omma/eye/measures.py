@@ -1,6 +1,6 @@
 """Numbers about an eye: angles between neighbours, acceptance, skew, field, and what looks wrong.
 
-docs/eye-measures.md says what each one means and where it comes from.
+docs/looking-at-eyes.md says what each one means and where it comes from.
 """
 
 from __future__ import annotations

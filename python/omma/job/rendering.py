@@ -138,7 +138,7 @@ def render_file(
         scene: a file as `load_scene` reads it.
         outputs: files to write, by their endings. Of an eye: `.zarr`, `.nc`, `.parquet`, and
             `.npy` with a `.json` beside it, which say what the numbers are and are read by
-            `omma.rendering.load_responses` (docs/written-files.md); `.csv` as `save_responses`
+            `omma.rendering.load_responses` (docs/datasets.md); `.csv` as `save_responses`
             writes it; `.png` a picture (of several poses: name_0000.png and on, by the number of
             the pose); `.mp4` a video with a frame for each pose, 30 a second (a path has no
             times). Of another camera: `.npy`, float32 (height, width, 3) as

@@ -1,6 +1,6 @@
 """Clear skies from tables: radiance and polarisation from 300 to 700 nm, and the sun through air.
 
-The tables (data/clear_sky.npz, sun.npz) are made by scripts/make_sky_tables.py; docs/sky.md says
+The tables (data/clear_sky.npz, sun.npz) are made by scripts/make_sky_tables.py; docs/light.md says
 what they hold. Stored is the logarithm of radiance over the sun's irradiance and over a first
 guess, so that it is smooth even near the sun, and Q/I and U/I; all over a black ground. What a
 ground adds is the same for every sun: its radiance times what one unit of it gives.

@@ -47,7 +47,7 @@ def update(world: World, data: Any) -> None:
     Things of the world are found by their names, so it may hold other things beside the model's,
     and need not hold all of these. What the model welds to its world stays in what was built
     once, unless it is found elsewhere. The first call moves everything that can move, which
-    builds the world anew (docs/moving.md).
+    builds the world anew (docs/motion-and-time.md).
 
     Args:
         world: of `world_from_model`, or any world of a scene of the same model.

@@ -1,6 +1,6 @@
 """Eyes laid out in pictures: which ommatidium a pixel shows, and responses painted that way.
 
-docs/projections.md shows each projection and says which direction is where in it.
+docs/looking-at-eyes.md shows each projection and says which direction is where in it.
 """
 
 from __future__ import annotations

@@ -76,7 +76,7 @@ class Renderer:
     their world. A copy (`copy.copy`) shares it too; a deep copy does not.
 
     In a process made by fork from one that had used a renderer, those made before the fork go on to
-    work, on one thread; new ones of a scene are refused (docs/processes.md). Other start methods
+    work, on one thread; new ones of a scene are refused (docs/performance.md). Other start methods
     have no such limits.
 
     Example:

@@ -21,7 +21,7 @@ class SamplingReport:
 
     Errors are estimated from the rays themselves, mostly a little too large. They tell nothing of
     what an ommatidium's rays and those around it all missed: of those that reached the error about
-    one true error in 200 is more than twice it, see docs/error-target.md.
+    one true error in 200 is more than twice it, see docs/sampling.md.
     """
 
     rays: NDArray[np.int32]

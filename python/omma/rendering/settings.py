@@ -149,7 +149,7 @@ def _least_samples(error: float, most: int) -> int:
 
     Errors that few rays cannot see are missed by their estimate too, and these weigh the more the
     smaller the wanted error is. In the arena 32 instead of 8 rays reduce the worst of 50,000 from
-    28 times an error of 0.003 to 4 times, for 7 % more rays (docs/error-target.md).
+    28 times an error of 0.003 to 4 times, for 7 % more rays (docs/sampling.md).
     """
     least = 8
     while least < 64 and 2 * least * error <= 0.1 and 2 * least <= most:
@@ -169,7 +169,7 @@ class Shared:
     every pose. Ommatidia that would gain nothing trace their own rays;
     `Renderer.shared_ommatidia` says who shares. Not for surfaces within some ten radii, nor with
     random points, the angular sensitivity "compoundray", apertures or sensitivities that are not
-    round. See docs/shared-rays.md.
+    round. See docs/sampling.md.
     """
 
     samples: int = _option(
@@ -193,7 +193,7 @@ class Settings:
 
     impulse_response: how photoreceptors answer a flash (`omma.photoreceptors.ImpulseResponse`):
         each ray draws from it how long before a frame it looks, and starts from where the head was
-        then (docs/time.md). None: frames are instants.
+        then (docs/motion-and-time.md). None: frames are instants.
     """
 
     sampling: Sampling = Fixed()
@@ -225,7 +225,7 @@ class Settings:
         "frozen",
         "Each ommatidium's pattern of rays: the same at all poses and in all frames, so that what "
         "stands still looks still; or another for every frame, so that noise averages out. See "
-        "docs/noise.md.",
+        "docs/sampling.md.",
     )
 
     impulse_response: ImpulseResponse | None = None

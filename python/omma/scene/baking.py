@@ -35,7 +35,7 @@ _BYTES_OF_BAND = 4
 @value_class
 @dataclass(frozen=True, eq=False, repr=False)
 class Bake:
-    """How light is baked (docs/baked-light.md).
+    """How light is baked (docs/light.md).
 
     Args:
         cell_m: longest edge of the cells into which large triangles are divided, m; each edge into

@@ -56,7 +56,7 @@ class World:
         lighting: "path" follows light over all surfaces for every ray, and has nothing to prepare;
             "baked" first finds the light of the sky and between surfaces, on both sides of every
             triangle, which takes minutes, and looks it up where rays meet them
-            (docs/baked-light.md); "unlit" is what it is without ``light``. None: "path" where there
+            (docs/light.md); "unlit" is what it is without ``light``. None: "path" where there
             is light.
         depth: most scatterings on the way of light to the eye: 1 is direct light alone. None: as
             many as it takes, and so always where light is baked.
@@ -79,7 +79,7 @@ class World:
     Raises:
         omma.Error: an argument is out of its range, a material of which nobody says what it
             reflects in the ultraviolet, cells of the size asked for do not fit in memory, or this
-            is a process made by fork from one that had used a renderer (docs/processes.md).
+            is a process made by fork from one that had used a renderer (docs/performance.md).
         TypeError: an argument is of another type.
 
     Warns:
@@ -283,7 +283,7 @@ class World:
 
         The first time that something moves, what does not is built again without it: as long as
         making the world takes. From then on it costs some microseconds for each thing that moves
-        (docs/moving.md). Moving something back gives what was seen before to within single
+        (docs/motion-and-time.md). Moving something back gives what was seen before to within single
         precision.
 
         Args:
@@ -325,7 +325,7 @@ class World:
         targets give them. Before its first key an animation is as at the first, after its last as
         at the last. What `set_transforms` has put elsewhere comes back where an animation moves it;
         what bones bend can be put anywhere by it. The first time costs what the first
-        `set_transforms` does (docs/moving.md).
+        `set_transforms` does (docs/motion-and-time.md).
 
         Args:
             time_s: s, of the animations' own time.
@@ -376,7 +376,7 @@ class World:
 
         The scene keeps its own. The first time costs what the first `set_transforms` does, and the
         mesh's instances count as moved; from then on its hierarchy is fitted to the new positions
-        (docs/moving.md).
+        (docs/motion-and-time.md).
 
         Args:
             mesh: which, an index in ``scene.meshes``.

@@ -131,7 +131,7 @@ class Stimulus:
         """What ommatidia with a Gaussian angular sensitivity at the origin answer: (T, N).
 
         In each band, where its weights of red, green and blue sum to 1. Computed from formulas,
-        not rendered: docs/stimuli.md says how, and how exactly.
+        not rendered: docs/scenes.md says how, and how exactly.
 
         Args:
             axes: (N, 3), where they look in the world; of any length.

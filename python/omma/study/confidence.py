@@ -39,7 +39,7 @@ def confidence_interval(
     of those of its eye that look within 1.5 acceptance angles of it, or of the six nearest. Without
     neighbours only the first is left.
 
-    Measured in docs/error-target.md. What no ray of the neighbours meets either is not in it, and
+    Measured in docs/sampling.md. What no ray of the neighbours meets either is not in it, and
     where rays are shared, neighbours miss the same things.
 
     Args:
