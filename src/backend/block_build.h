@@ -5,6 +5,7 @@
 #include "backend/block_functions.h"
 #include "backend/denormals.h"
 #include "physics/block/block.h"
+#include "physics/path/gather.h"
 #include "threads/cancel.h"
 
 namespace omma::OMMA_ISA {

@@ -5,7 +5,8 @@
 #include <cstddef>
 
 #include "physics/block/weigh.h"
-#include "physics/path/gather.h"
+#include "physics/views/frame_view.h"
+#include "physics/views/gather_task.h"
 
 namespace omma {
 

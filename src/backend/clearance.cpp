@@ -8,6 +8,7 @@
 #include "physics/sampling/hash.h"
 #include "physics/sampling/low_discrepancy.h"
 #include "physics/sampling/path_points.h"
+#include "physics/surface/scatter.h"
 #include "threads/parallel.h"
 
 namespace omma {

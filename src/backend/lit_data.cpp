@@ -7,6 +7,7 @@
 #include <map>
 
 #include "backend/albedo_tables.h"
+#include "physics/surface/scatter.h"
 
 namespace omma {
 namespace {

@@ -11,7 +11,7 @@
 #include "backend/lit_data.h"
 #include "omma/bake.h"
 #include "omma/world.h"
-#include "physics/path/gather.h"
+#include "physics/views/gather_task.h"
 #include "world/world_state.h"
 
 namespace omma {

@@ -117,7 +117,7 @@ TEST(WorldUse, RendersAndMovesAtOnceAreWholeOrRefused) {
         }
     });
   int moves = 0;
-  for (int i = 0; i < 20000 || ((moves < 20 || rendered < 20) && i < 5000000); ++i) try {
+  for (int i = 0; i < 3000 || ((moves < 20 || rendered < 20) && i < 5000000); ++i) try {
       world.set_transforms({&wall, 1}, {moves % 2 == 0 ? &behind : &ahead, 1});
       ++moves;
     } catch (const Error&) {

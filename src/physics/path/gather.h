@@ -7,28 +7,9 @@
 
 #include "physics/lanes/vector3.h"
 #include "physics/path/lit_path.h"
+#include "physics/views/gather_task.h"
 
 namespace omma {
-
-// What light is gathered for: a side of a patch of a cell, or a direction of a probe in the air.
-struct Receiver {
-  // A patch of a triangle, on one side: its corners [corner][u, v]. mesh -1: in the air.
-  std::int32_t instance = -1, mesh = -1, triangle = 0;
-  bool is_back = false;
-  float uv[3][2] = {};
-  float reach_m = 0;      // of a patch: what is nearer hides points from eyes
-  Vec3 position, normal;  // in the air, traced frame
-  std::uint32_t hash = 0;
-};
-
-struct GatherTask {
-  const Receiver* receivers = nullptr;
-  int count = 0;  // of receivers; more than one only where a packet holds all their paths
-  int paths = 0;  // of each
-  // Whose light surfaces that shine are sampled from: of a scene without baked light, which leaves
-  // them out.
-  const SceneView* shining = nullptr;
-};
 
 // Whose path a lane is: the receiver, null for none, and its number among those of the receiver.
 template <int n>
