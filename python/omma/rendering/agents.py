@@ -10,8 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, expect
+from omma.base.progress import Progress
+from omma.rendering.call import Responses
 from omma.rendering.moves import MOST_UNSEEN
-from omma.rendering.renderer import Progress, Renderer, Responses
+from omma.rendering.renderer import Renderer
 from omma.scene.world import World
 
 # Of transforms that are handed over at once.

@@ -57,10 +57,13 @@ class MovesOptions(TypedDict, total=False):
     unseen_by_light: bool | None
 
 
-def takes_moves(function: F) -> F:
-    """The same function, whose signature says ``**moves`` one by one (`MovesOptions`)."""
+def renderer_method(function: F) -> F:
+    """The same function as a method of `omma.Renderer`: known by that name, and with ``**moves``
+    one by one in its signature (`MovesOptions`)."""
     signature = inspect.signature(function)
-    parameters = [one for one in signature.parameters.values() if one.kind is not one.VAR_KEYWORD]
+    renderer, *others = signature.parameters.values()
+    parameters = [renderer.replace(annotation=inspect.Parameter.empty)]
+    parameters += [one for one in others if one.kind is not one.VAR_KEYWORD]
     for name, annotation in MovesOptions.__annotations__.items():
         text = getattr(annotation, "__forward_arg__", annotation)
         parameters.append(
@@ -69,6 +72,8 @@ def takes_moves(function: F) -> F:
             )
         )
     function.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+    function.__qualname__ = f"Renderer.{function.__name__}"
+    function.__module__ = "omma.rendering.renderer"
     return function
 
 
@@ -158,24 +163,6 @@ class Moves:
         if self._times is not None:
             piece._times = self._times[first : first + count]
         return piece
-
-    def options(self) -> MovesOptions:
-        """As a user gives them."""
-        options: MovesOptions = {}
-        if len(self._instances) > 0:
-            options |= {"instances": self._instances, "transforms": self._transforms}
-        if self._times is not None:
-            options["times_s"] = self._times
-            if len(self._animations) > 0:
-                options["animation"] = int(self._animations[0])
-            if len(self._past[1]) > 0:
-                options["past"] = (*self._past, self._past_transforms)
-        if self._groups:
-            options["unseen"] = [
-                self._groups[group] if group >= 0 else None for group in self._group_of_pose
-            ]
-            options["unseen_by_light"] = self._by_light
-        return options
 
     def for_engine(self) -> EngineMoves | None:
         """As the engine takes them; None where nothing moves."""

@@ -13,11 +13,12 @@ from omma._core import Background, Error, Image, Scene
 from omma._core import WorldInstance as WorldInstance
 from omma.base.arguments import array_of, checked, expect, whole
 from omma.base.notebook import html_table, without_folder
+from omma.base.progress import Progress, share_of
 from omma.base.values import check_format
 from omma.base.warn import warn_caller
 from omma.light import Light
 from omma.scene import baking
-from omma.scene.baking import Bake, BakeCost, BakedInfo, find_baked_light, share_of
+from omma.scene.baking import Bake, BakeCost, BakedInfo, find_baked_light
 from omma.scene.lighting import Lighting, LightingName, Sun, Ultraviolet, checked_lighting
 from omma.scene.white import vanishing_emission
 from omma.scene.world_colors import Colors
@@ -27,7 +28,6 @@ _PICKLE_FORMAT = 4
 # The share of progress that building has where light is baked too.
 _BUILDING = 0.1
 
-Progress = Callable[[float], object]
 Animations = str | int
 Instances = str | int | Sequence[str | int] | NDArray[np.integer]
 
