@@ -7,6 +7,9 @@ from collections.abc import Callable
 Progress = Callable[[float], object]
 """Called with the finished share, 0 to 1; what it raises ends the work."""
 
+Stage = Callable[[str, float | None], object]
+"""Called with what is being done and its finished share, None where that is not known."""
+
 
 def share_of(progress: Progress | None, first: float, last: float) -> Progress | None:
     """A progress function for one stage, which takes ``progress`` from ``first`` to ``last``."""

@@ -7,17 +7,15 @@ import os
 import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from omma._core import Error
+from omma.base.progress import Stage
 from omma.datasets.job_file import Job
 from omma.datasets.layout import Layout
 from omma.datasets.plan import Plan
 from omma.datasets.shards import make_shard
 from omma.datasets.worlds import Workshop
-
-if TYPE_CHECKING:
-    from omma.datasets.running import Stage
 
 # How often a shard is tried again whose worker failed.
 _RETRIES = 3

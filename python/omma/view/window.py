@@ -192,7 +192,9 @@ def open_window(
     """What `show` does, with the files that world and eye came from."""
     viser = load_viser()
     from omma.view.door import Door
+    from omma.view.hands import Hands
     from omma.view.page import Page
+    from omma.view.page_tabs import Tabs
 
     if port is not None:
         whole(port, "port", 0, 65535)
@@ -223,7 +225,9 @@ def open_window(
         with _quiet_viser():
             server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
         _lock(server, secret)
-        page = Page(server, looker, look, sources, poses)
+        page = Page(server, looker, look, sources)
+        tabs = Tabs(page, poses)
+        page.equip(tabs, Hands(page, tabs))
     except BaseException:
         listener.close()
         if server is not None:
