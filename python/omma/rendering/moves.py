@@ -11,10 +11,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of
+from omma.base.methods import method_of
 from omma.base.poses import Matrices, as_poses
 from omma.base.velocities import velocities_between, velocities_from_poses
 from omma.photoreceptors import ImpulseResponse
-from omma.scene.world import Animations, Instances, World
+from omma.scene.world import World
+from omma.scene.world_moves import (
+    Animations,
+    Instances,
+    animations_of,
+    indices_of,
+    note_moves,
+)
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -58,12 +66,11 @@ class MovesOptions(TypedDict, total=False):
 
 
 def renderer_method(function: F) -> F:
-    """The same function as a method of `omma.Renderer`: known by that name, and with ``**moves``
-    one by one in its signature (`MovesOptions`)."""
+    """The same function as a method of `omma.Renderer`, whose signature says ``**moves`` one by one
+    (`MovesOptions`)."""
+    method_of("omma.rendering.renderer", "Renderer")(function)
     signature = inspect.signature(function)
-    renderer, *others = signature.parameters.values()
-    parameters = [renderer.replace(annotation=inspect.Parameter.empty)]
-    parameters += [one for one in others if one.kind is not one.VAR_KEYWORD]
+    parameters = [one for one in signature.parameters.values() if one.kind is not one.VAR_KEYWORD]
     for name, annotation in MovesOptions.__annotations__.items():
         text = getattr(annotation, "__forward_arg__", annotation)
         parameters.append(
@@ -72,8 +79,6 @@ def renderer_method(function: F) -> F:
             )
         )
     function.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
-    function.__qualname__ = f"Renderer.{function.__name__}"
-    function.__module__ = "omma.rendering.renderer"
     return function
 
 
@@ -107,7 +112,7 @@ class Moves:
         self._instances = np.empty(0, np.int32)
         self._transforms = np.empty((poses, 0, 4, 4))
         if instances is not None:
-            self._instances = world._indices_of(instances)
+            self._instances = indices_of(world, instances)
             shape = (poses, len(self._instances), 4, 4)
             self._transforms = array_of(transforms, "transforms")
             if self._transforms.shape != shape:
@@ -125,7 +130,7 @@ class Moves:
                 "times_s: expected when each pose is, as frames last with an impulse response, "
                 "found None"
             )
-        self._animations = world._animations_of(animation)
+        self._animations = animations_of(world.scene, animation)
         self._past = np.empty((0, 4, 4)), np.empty(0)
         self._past_transforms = np.empty((0, len(self._instances), 4, 4))
         past = options.get("past")
@@ -230,7 +235,7 @@ class Moves:
         unseen = [thing for group in self._groups for thing in group]
         if len(self._instances) > 0 or self._times is not None or unseen:
             things = np.concatenate([self._instances, np.array(unseen, np.int32)])
-            self._world._note_moves(things, self._times is not None)
+            note_moves(self._world, things, self._times is not None)
 
 
 def _checked_past(past: Any) -> tuple[Matrices, NDArray[np.float64]]:
@@ -256,7 +261,7 @@ def _groups_of(world: World, unseen: Any, poses: int) -> tuple[list[list[int]], 
     of_pose = np.full(poses, -1, np.int32)
     for pose, things in enumerate(unseen):
         if things is not None:
-            indices = tuple(sorted(set(world._indices_of(things).tolist())))
+            indices = tuple(sorted(set(indices_of(world, things).tolist())))
             if indices:
                 of_pose[pose] = found.setdefault(indices, len(found))
     if not found:
