@@ -110,8 +110,15 @@ def test_measures_print_as_a_line():
         (r"arcsin\(\w*\.?min\w*\(", "base/directions.py"),
         (r"2 \* math\.sqrt\(2\), math\.sqrt\(2\)", "picture/map_projections.py"),
         (r"_engine\.render\(|_core\.render_truth\(", "rendering/call.py"),
+        (r"which is not installed", "base/optional.py"),
     ],
-    ids=["golden angle", "angle of a chord", "width and height of a map", "calls of the engine"],
+    ids=[
+        "golden angle",
+        "angle of a chord",
+        "width and height of a map",
+        "calls of the engine",
+        "optional packages",
+    ],
 )
 def test_formulas_stand_once(formula, file):
     folder = Path(omma.__file__).parent

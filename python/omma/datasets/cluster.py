@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from omma._core import Error
+from omma.base.optional import needs
 from omma.base.progress import Stage
 from omma.datasets.job_file import Job
 from omma.datasets.layout import Layout
@@ -165,12 +166,4 @@ def _told(error: BaseException | None, shard: int) -> Error:
 
 
 def _load(package: str) -> Any:
-    import importlib
-
-    try:
-        return importlib.import_module(package)
-    except ImportError:
-        pip = package.replace("_", "-")
-        raise Error(
-            f"clusters need {pip}, which is not installed: pip install 'omma[cluster]'"
-        ) from None
+    return needs(package, "cluster", f"clusters need {package.replace('_', '-')}")

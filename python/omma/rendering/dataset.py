@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked
+from omma.base.optional import needs
 from omma.base.poses import Matrices
 from omma.base.progress import Progress
 from omma.rendering.call import Call, Frames, Poses, Prepared, poses_of
@@ -131,10 +132,4 @@ def dataset_of(labels: Labels, values: dict[str, Any]) -> xarray.Dataset:
 
 def load_xarray() -> Any:
     """The package xarray; omma.Error where it is not installed."""
-    try:
-        import xarray
-    except ImportError:
-        raise Error(
-            "datasets need xarray, which is not installed: pip install 'omma[data]'"
-        ) from None
-    return xarray
+    return needs("xarray", "data", "datasets need xarray")

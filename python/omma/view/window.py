@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from omma._core import Error, Eye, Scene, merge_eyes
 from omma.base.arguments import checked, expect, whole
+from omma.base.optional import needs
 from omma.base.poses import as_poses, load_poses
 from omma.eye.files import load_eye
 from omma.receptors.sensitivity import ultraviolet_mix
@@ -276,16 +277,9 @@ def load_viser() -> Any:
     Raises:
         omma.Error: it is not installed.
     """
-    try:
-        import aiohttp  # noqa: F401
-        import viser
-        from PIL import Image  # noqa: F401
-    except ImportError as error:
-        raise Error(
-            f"the page needs viser and aiohttp, of which one is not installed ({error}): "
-            "pip install 'omma[view]'"
-        ) from None
-    return viser
+    needs("aiohttp", "view", "the page needs aiohttp")
+    needs("PIL.Image", "view", "the page needs Pillow")
+    return needs("viser", "view", "the page needs viser")
 
 
 def _lock(server: Any, secret: str) -> None:
