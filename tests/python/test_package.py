@@ -82,6 +82,20 @@ def test_no_imports_go_round():
     TopologicalSorter(importing).prepare()  # an error names those that go round
 
 
+def test_only_what_users_call_has_many_parameters():
+    """There each is an option."""
+    folder = Path(omma.__file__).parent
+    for path in sorted(folder.rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+                own = [one.arg for one in (*node.args.args, *node.args.kwonlyargs)]
+                if len([name for name in own if name not in ("self", "cls")]) > 8:
+                    decorators = {ast.unparse(one) for one in node.decorator_list}
+                    is_front = decorators & {"checked", "overload"} or path.parent.name == "cli"
+                    assert is_front, f"{path}: {node.name}"
+                    assert node.name == "__init__" or not node.name.startswith("_"), node.name
+
+
 def test_private_names_stay_in_their_room():
     for file, subpackage, module, name in imports():
         other = module.split(".")[1]
