@@ -88,7 +88,7 @@ class Call:
             omma.Error: an argument is not what `Renderer.render` says.
             TypeError: ``first_pose`` is no whole number.
         """
-        matrices = poses_of(renderer.scene, poses)
+        matrices = poses_of(renderer, poses)
         moving = Moves(renderer.world, matrices, moves, renderer.settings.impulse_response)
         return cls(renderer, matrices, moving, frame_number(first_pose), progress)
 
@@ -172,8 +172,8 @@ class Call:
         warn_of_poses(self.renderer._engine, self.poses)
 
 
-def poses_of(scene: Scene, poses: Poses) -> Matrices:
+def poses_of(renderer: Prepared, poses: Poses) -> Matrices:
     """Poses in any form that a renderer takes, also a camera's name, as (P, 4, 4)."""
     if isinstance(poses, str):
-        return as_poses(scene.camera(poses).world_from_camera)
+        return as_poses(renderer.scene.camera(poses).world_from_camera)
     return as_poses(poses)

@@ -85,7 +85,7 @@ def dataset(
         return _labelled(self, call.poses, times, frames, receptors)
     if receptors or standard_error:
         raise Error("truth: not together with receptors or standard_error")
-    matrices = poses_of(self.scene, poses)
+    matrices = poses_of(self, poses)
     times = _times(when, matrices)
     check_truth(truth, (len(matrices), len(self.eye), self.bands))
     frames = Frames(truth.responses, truth.standard_error, truth.rays)
