@@ -3,9 +3,11 @@
 import ast
 import importlib.metadata
 import inspect
+import os
 import re
 import subprocess
 import sys
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -68,6 +70,32 @@ def test_each_room_imports_downwards():
         assert module.split(".")[1] in below, f"{file} imports {module}"
 
 
+def test_no_imports_go_round():
+    """Nor where they are made in functions, or for type checkers alone."""
+    folder = Path(omma.__file__).parent
+    importing = {}
+    for file, _, module, name in imports():
+        path = folder.joinpath(*module.split(".")[1:], name).with_suffix(".py")
+        importer = f"omma.{file.removesuffix('.py').replace(os.sep, '.')}"
+        importing.setdefault(importer, set()).add(f"{module}.{name}" if path.is_file() else module)
+    assert len(importing) > 200
+    TopologicalSorter(importing).prepare()  # an error names those that go round
+
+
+def test_only_what_users_call_has_many_parameters():
+    """There each is an option."""
+    folder = Path(omma.__file__).parent
+    for path in sorted(folder.rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+                own = [one.arg for one in (*node.args.args, *node.args.kwonlyargs)]
+                if len([name for name in own if name not in ("self", "cls")]) > 8:
+                    decorators = {ast.unparse(one) for one in node.decorator_list}
+                    is_front = decorators & {"checked", "overload"} or path.parent.name == "cli"
+                    assert is_front, f"{path}: {node.name}"
+                    assert node.name == "__init__" or not node.name.startswith("_"), node.name
+
+
 def test_private_names_stay_in_their_room():
     for file, subpackage, module, name in imports():
         other = module.split(".")[1]
@@ -95,8 +123,16 @@ def test_measures_print_as_a_line():
         (r"sqrt\(5\)", "base/spirals.py"),
         (r"arcsin\(\w*\.?min\w*\(", "base/directions.py"),
         (r"2 \* math\.sqrt\(2\), math\.sqrt\(2\)", "picture/map_projections.py"),
+        (r"_engine\.render\(|_core\.render_truth\(", "rendering/call.py"),
+        (r"which is not installed", "base/optional.py"),
     ],
-    ids=["golden angle", "angle of a chord", "width and height of a map"],
+    ids=[
+        "golden angle",
+        "angle of a chord",
+        "width and height of a map",
+        "calls of the engine",
+        "optional packages",
+    ],
 )
 def test_formulas_stand_once(formula, file):
     folder = Path(omma.__file__).parent

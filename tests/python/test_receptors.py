@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import omma
-from omma.rendering import receptor_views
+from omma.rendering import receptor_frames
 
 UV, BLUE, GREEN = (
     omma.receptors.ReceptorType(name, peak_wavelength_nm=peak)
@@ -325,7 +325,7 @@ def test_another_eye_has_its_own_receptors(colourful, flight):
 def test_receptors_in_pieces_are_the_same(colourful, flight, monkeypatch):
     renderer = colourful.with_eye(one_line(GREEN, UV), noise="new_every_frame")
     whole = renderer.render_receptors(flight)
-    monkeypatch.setattr(receptor_views, "_CHUNK_BYTES", 2 * 3 * 3 * 4)  # two poses
+    monkeypatch.setattr(receptor_frames, "_CHUNK_BYTES", 2 * 3 * 3 * 4)  # two poses
     assert not np.array_equal(renderer.render_receptors(flight), whole)  # the next frames
     assert np.array_equal(renderer.render_receptors(flight, first_pose=0), whole)
     assert np.array_equal(renderer.render_receptors(flight[4:], first_pose=4), whole[4:])
@@ -333,7 +333,7 @@ def test_receptors_in_pieces_are_the_same(colourful, flight, monkeypatch):
     monkeypatch.undo()
     again = renderer.render_receptors(flight, standard_error=True, first_pose=0)
     assert np.array_equal(both, again)
-    monkeypatch.setattr(receptor_views, "_CHUNK_BYTES", 2 * 3 * 3 * 4)
+    monkeypatch.setattr(receptor_frames, "_CHUNK_BYTES", 2 * 3 * 3 * 4)
     fractions = []
     renderer.render_receptors(flight, progress=fractions.append)
     assert fractions == sorted(fractions)

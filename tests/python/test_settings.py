@@ -3,7 +3,8 @@
 import inspect
 import json
 import pickle
-from dataclasses import replace
+import re
+from dataclasses import FrozenInstanceError, fields, replace
 from typing import get_args, get_type_hints
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 
 import omma
 from omma.job.all_cameras import render_all_cameras
+from omma.job.render_job import JobOptions, RenderJob
 from omma.rendering import Settings
 from omma.rendering.settings import (
     Options,
@@ -32,6 +34,32 @@ EVERY = [
 def test_type_checkers_see_every_option():
     declared = {name: kind for name, kind in get_type_hints(Settings).items() if name != "sampling"}
     assert get_type_hints(Options) == declared
+
+
+def test_type_checkers_see_every_field_of_a_job():
+    first = ("scene", "outputs", "settings")
+    declared = {name: kind for name, kind in get_type_hints(RenderJob).items() if name not in first}
+    assert get_type_hints(JobOptions) == get_type_hints(Options) | declared
+
+
+def test_render_file_takes_and_explains_every_field_of_a_job():
+    parameters = inspect.signature(omma.render_file).parameters
+    explained = re.findall(r"^    (\w+(?:, \w+)*): ", inspect.getdoc(omma.render_file), re.M)
+    names = {name for line in explained for name in line.split(", ")}
+    for one in fields(RenderJob)[3:]:
+        assert parameters[one.name].default == one.default
+        assert one.name in names
+
+
+def test_jobs_are_values():
+    job = RenderJob("a.glb", "a.npy", Settings(), poses=np.eye(4), light="lamps")
+    assert pickle.loads(pickle.dumps(job)) == job
+    assert replace(job, light=None) != job
+    assert replace(job, poses=2 * np.eye(4)) != job
+    with pytest.raises(omma.Error, match="path and poses: only one of them"):
+        replace(job, path="a.csv")
+    with pytest.raises(FrozenInstanceError):
+        job.gamma = 2
 
 
 @pytest.mark.parametrize("function", [omma.Renderer, omma.render_file, render_all_cameras])

@@ -67,7 +67,7 @@ def test_unit_and_up_of_a_mesh_are_those_of_render(ground, run_omma, monkeypatch
     (ground / "wall.obj").write_text(f"{corners}f 1 2 3 4\nf 4 3 2 1\n")
     opened = []
 
-    def open_window(world, eye, sources, **_):
+    def open_window(world, eye, sources, _):
         opened.append((world, eye, sources))
         raise omma.Error("seen enough")
 

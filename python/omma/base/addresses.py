@@ -16,6 +16,7 @@ from typing import Any
 from urllib.parse import unquote, urlsplit
 
 from omma._core import Error
+from omma.base.optional import needs
 
 PathLike = str | os.PathLike[str]
 
@@ -122,15 +123,9 @@ class SentFiles:
 
 def _files_of(name: str) -> tuple[Any, str]:
     """What fsspec has for an address, and the path there."""
+    fsspec = needs("fsspec.core", "remote", f"{name}: is an address and needs fsspec")
     try:
-        from fsspec.core import url_to_fs
-    except ImportError:
-        raise Error(
-            f"{name}: is an address and needs fsspec, which is not installed: "
-            "pip install 'omma[remote]'"
-        ) from None
-    try:
-        files, path = url_to_fs(name)
+        files, path = fsspec.url_to_fs(name)
     except ImportError as error:
         raise Error(f"{name}: {_said(error)}") from None
     except Exception as error:

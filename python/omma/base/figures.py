@@ -11,9 +11,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from omma._core import Error
 from omma.base.addresses import local_path
 from omma.base.files import PathLike, WholeFiles, check_ending, check_target
+from omma.base.optional import needs
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -33,13 +33,8 @@ def load_matplotlib() -> type[Figure]:
     Raises:
         omma.Error: Matplotlib is not installed.
     """
-    try:
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise Error(
-            "a plot needs Matplotlib, which is not installed: pip install 'omma[plots]'"
-        ) from None
-    return Figure
+    kind: type[Figure] = needs("matplotlib.figure", "plots", "a plot needs Matplotlib").Figure
+    return kind
 
 
 def figure_names(paths: PathLike | Sequence[PathLike]) -> list[str]:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from omma._core import Error
 from omma.base.obj_files import read_obj
+from omma.base.optional import needs
 from omma.base.ply_files import read_ply
 
 _READERS = {".obj": read_obj, ".ply": read_ply}
@@ -30,12 +31,7 @@ def triangles_of_file(path: str) -> tuple[NDArray[np.float64], NDArray[np.int64]
 
 
 def _by_trimesh(path: str) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    try:
-        import trimesh
-    except ImportError:
-        raise Error(
-            "load_surface: needs trimesh, which is not installed: pip install 'omma[meshes]'"
-        ) from None
+    trimesh = needs("trimesh", "meshes", "load_surface: needs trimesh")
     try:
         mesh = trimesh.load_scene(path).to_mesh()
         return np.asarray(mesh.vertices), np.asarray(mesh.faces)

@@ -18,6 +18,7 @@ from omma import _core
 from omma._core import Error
 from omma.base.mesh_parts import MeshParts, Piece, linear
 from omma.base.mtl_files import Materials
+from omma.base.optional import needs
 from omma.base.polygons import triangulate
 
 Ints = NDArray[np.int64]
@@ -134,11 +135,5 @@ def _joined(lists: list[list[int]]) -> Ints:
 
 
 def _tinyobjloader() -> ModuleType:
-    try:
-        import tinyobjloader
-    except ImportError:
-        raise Error(
-            "OBJ files need tinyobjloader, which is not installed: pip install 'omma[meshes]'"
-        ) from None
-    module: ModuleType = tinyobjloader
+    module: ModuleType = needs("tinyobjloader", "meshes", "OBJ files need tinyobjloader")
     return module

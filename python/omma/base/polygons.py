@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from omma._core import Error
+from omma.base.optional import needs
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -86,13 +86,8 @@ def _fans(own: Ints, faces: Ints) -> tuple[Ints, Ints]:
 
 def _cut(points: Floats, normal: Floats) -> tuple[Ints, bool]:
     """Triangles (T, 3) of the corners of one face, and whether they fill its outline exactly."""
-    try:
-        from mapbox_earcut import triangulate_float64
-    except ImportError:
-        raise Error(
-            "faces of more than four corners need mapbox_earcut, which is not installed: "
-            "pip install 'omma[meshes]'"
-        ) from None
+    told = "faces of more than four corners need mapbox_earcut"
+    triangulate_float64 = needs("mapbox_earcut", "meshes", told).triangulate_float64
     double_area = float(np.linalg.norm(normal))
     if not 0 < double_area < np.inf:
         # No area: all in one line, or a bow of two equal halves.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 
@@ -104,39 +104,34 @@ def show(
             latitude_deg="place",
             longitude_deg="place",
         ):
-            light = _sky(sun, azimuth, time, place, kind, aerosol, ozone, albedo, unit)
+            air: dict[str, Any] = {"aerosol": aerosol, "ozone_du": ozone, "albedo": albedo}
+            air |= {"bands": Bands.equal(_BANDS), "unit": unit}
+            light = _sky(kind, sun, azimuth, time, place, air)
         plot_sky(names, light, wavelength or (350.0, 440.0, 550.0))
     for name in names:
         say(f"wrote {name}")
 
 
 def _sky(
-    sun: float | None, azimuth: float, time: str | None, place: str | None, kind: str,
-    aerosol: float, ozone: float, albedo: float, unit: Literal["photons", "watts"],
-) -> Light:  # fmt: skip
-    bands = Bands.equal(_BANDS)
+    kind: str,
+    sun: float | None,
+    azimuth: float,
+    time: str | None,
+    place: str | None,
+    air: dict[str, Any],
+) -> Light:
+    """``air``: arguments that all skies take."""
     if (sun is None) == (time is None) or (time is None) != (place is None):
         raise Error("show: expected either --sun or --time and --place")
     if sun is None:
         if kind != "clear":
             raise Error(f"kind: expected clear with --time and --place, found {kind}")
-        return clear_sky_at(
-            _moment(time or ""), *_place(place or ""), aerosol=aerosol, ozone_du=ozone,
-            albedo=albedo, bands=bands, unit=unit,
-        )  # fmt: skip
+        return clear_sky_at(_moment(time or ""), *_place(place or ""), **air)
     if kind == "overcast":
-        return overcast_sky(
-            sun, aerosol=aerosol, ozone_du=ozone, albedo=albedo, bands=bands, unit=unit
-        )
+        return overcast_sky(sun, **air)
     if kind == "moonlit":
-        return moonlit_sky(
-            sun, moon_azimuth_deg=azimuth, aerosol=aerosol, ozone_du=ozone, albedo=albedo,
-            bands=bands, unit=unit,
-        )  # fmt: skip
-    return clear_sky(
-        sun, sun_azimuth_deg=azimuth, aerosol=aerosol, ozone_du=ozone, albedo=albedo,
-        bands=bands, unit=unit,
-    )  # fmt: skip
+        return moonlit_sky(sun, moon_azimuth_deg=azimuth, **air)
+    return clear_sky(sun, sun_azimuth_deg=azimuth, **air)
 
 
 def _moment(text: str) -> datetime:

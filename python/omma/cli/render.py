@@ -27,7 +27,8 @@ from omma.cli.working import say, warn, working
 from omma.job.again import render_like
 from omma.job.all_cameras import render_all_cameras
 from omma.job.outputs import SUFFIXES
-from omma.job.rendering import render_file
+from omma.job.render_job import RenderJob
+from omma.job.rendering import run_job
 from omma.picture.projections import PROJECTIONS
 from omma.rendering.settings import Settings, Shared, ToError
 from omma.scene.backgrounds import NAMED_BACKGROUNDS
@@ -277,7 +278,7 @@ def render(
         raise Error("ultraviolet: goes with --light or --receptors, found neither")
     if scene is None:
         raise typer.BadParameter("expected a scene to render, found none", param_hint="SCENE")
-    options: dict[str, Any] = settings.options() | {
+    options: dict[str, Any] = {
         "unit": unit,
         "threads": threads,
         "backend": backend,
@@ -315,32 +316,33 @@ def render(
                 output[0],
                 settings.sampling,
                 **options,
+                **settings.options(),
                 progress=bar.show,
             )
         _print_warnings(everything.warnings)
         say(*camera_lines(everything))
         return
+    job = RenderJob(
+        scene,
+        output,
+        settings,
+        **options,
+        eyes=eye or (),
+        camera=camera,
+        position=position,
+        look_at=look_at,
+        path=path,
+        scene_unit=scene_unit,
+        scene_up=scene_up,
+        standard_error=standard_error,
+        receptors=receptors,
+        ultraviolet=mix,
+        side_by_side=side_by_side,
+        resume=resume,
+        command=command,
+    )
     with working() as bar:
-        report = render_file(
-            scene,
-            output,
-            settings.sampling,
-            **options,
-            eyes=eye or (),
-            camera=camera,
-            position=position,
-            look_at=look_at,
-            path=path,
-            scene_unit=scene_unit,
-            scene_up=scene_up,
-            standard_error=standard_error,
-            receptors=receptors,
-            ultraviolet=mix,
-            side_by_side=side_by_side,
-            resume=resume,
-            command=command,
-            progress=bar.show,
-        )
+        report = run_job(job, bar.show)
     _print_warnings(report.warnings)
     say(*report_lines(report))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from omma.job.all_cameras import AllCamerasReport
-from omma.job.rendering import RenderReport
+from omma.job.reports import RenderReport
 
 
 def camera_lines(report: AllCamerasReport) -> list[str]:

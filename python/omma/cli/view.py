@@ -35,7 +35,7 @@ from omma.scene.files import read_scene
 from omma.scene.light_words import parse_light, warnings_of
 from omma.view.command import Sources, absolute
 from omma.view.own_eye import own_eye
-from omma.view.window import load_viser, open_window
+from omma.view.window import WindowOptions, load_viser, open_window
 
 VIEW_HELP = """
 Show what an eye sees in a scene on a page in the browser, live, until Ctrl-C.
@@ -201,15 +201,16 @@ def view(
                 scene_unit=scene_unit,
                 scene_up=scene_up,
             ),
-            pose=pose,
-            samples=samples,
-            path=None if path is None else str(path),
-            ultraviolet=mix,
-            animation=None,
-            threads=threads,
-            host=host,
-            port=port,
-            proxy=proxy,
+            WindowOptions(
+                pose=pose,
+                samples=samples,
+                path=None if path is None else str(path),
+                ultraviolet=mix,
+                threads=threads,
+                host=host,
+                port=port,
+                proxy=proxy,
+            ),
         )
     for warning in warnings_of(read, lit_by is not None):
         warn(warning)

@@ -7,17 +7,16 @@ import os
 import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from omma._core import Error
+from omma.base.optional import needs
+from omma.base.progress import Stage
 from omma.datasets.job_file import Job
 from omma.datasets.layout import Layout
 from omma.datasets.plan import Plan
 from omma.datasets.shards import make_shard
 from omma.datasets.worlds import Workshop
-
-if TYPE_CHECKING:
-    from omma.datasets.running import Stage
 
 # How often a shard is tried again whose worker failed.
 _RETRIES = 3
@@ -167,12 +166,4 @@ def _told(error: BaseException | None, shard: int) -> Error:
 
 
 def _load(package: str) -> Any:
-    import importlib
-
-    try:
-        return importlib.import_module(package)
-    except ImportError:
-        pip = package.replace("_", "-")
-        raise Error(
-            f"clusters need {pip}, which is not installed: pip install 'omma[cluster]'"
-        ) from None
+    return needs(package, "cluster", f"clusters need {package.replace('_', '-')}")

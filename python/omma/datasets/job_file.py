@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import os
 import sys
 from collections.abc import Mapping
@@ -16,6 +15,7 @@ from omma._core import Error
 from omma.base.addresses import expect_local
 from omma.base.arguments import checked
 from omma.base.files import PathLike, digests_of
+from omma.base.optional import needs
 from omma.base.values import value_class
 from omma.datasets.samplers import PoseSet, read_pose_set
 from omma.datasets.tables import (
@@ -394,9 +394,4 @@ def _as_json(value: Any) -> Any:
 
 def _toml() -> Any:
     name = "tomllib" if sys.version_info >= (3, 11) else "tomli"
-    try:
-        return importlib.import_module(name)
-    except ImportError:
-        raise Error(
-            f"jobs need {name}, which is not installed: pip install 'omma[datasets]'"
-        ) from None
+    return needs(name, "datasets", f"jobs need {name}")

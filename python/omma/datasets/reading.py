@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error
 from omma.base.arguments import checked, one_of, whole
 from omma.base.files import PathLike, reading
+from omma.base.optional import needs
 from omma.base.values import value_class
 from omma.datasets.layout import VIEW
 from omma.datasets.records import open_store, read_manifest, read_record, shards_done
@@ -176,12 +177,9 @@ def torch_dataset(views: Views) -> Any:
     Raises:
         omma.Error: no PyTorch.
     """
-    try:
-        from omma.datasets.torch_views import TorchViews
-    except ImportError:
-        raise Error(
-            "torch_dataset: needs PyTorch, which is not installed: pip install torch"
-        ) from (None)
+    needs("torch", "", "torch_dataset: needs PyTorch")
+    from omma.datasets.torch_views import TorchViews
+
     return TorchViews(views)
 
 

@@ -16,6 +16,7 @@ from omma._core import Error, Scene
 from omma.base.addresses import expect_local
 from omma.base.arguments import checked, whole
 from omma.base.files import PathLike, WholeFiles, make_directory
+from omma.base.progress import Stage
 from omma.base.values import value_class
 from omma.datasets.cluster import make_on_cluster, scheduler_of
 from omma.datasets.job_file import Job, load_job
@@ -43,9 +44,6 @@ from omma.datasets.shards import render_shard, write_shard
 from omma.datasets.worlds import Workshop, check_instances, load_eyes
 from omma.rendering.labelled_files import ZARR_MARKER
 from omma.scene.world import World
-
-# Called with what is being done and its finished share (0 to 1), None where that is not known.
-Stage = Callable[[str, float | None], object]
 
 
 @value_class

@@ -2,9 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Any, Protocol
+
+from numpy.typing import NDArray
 from torch.utils.data import Dataset
 
-from omma.datasets.reading import Batch, Views
+Batch = dict[str, NDArray[Any]]
+
+
+class Views(Protocol):
+    """What a data set needs of `omma.datasets.Views`, whose module imports this one."""
+
+    def __len__(self) -> int: ...
+    def __getitem__(self, index: int | list[int]) -> Batch: ...
 
 
 class TorchViews(Dataset):  # type: ignore[misc,unused-ignore]

@@ -136,16 +136,16 @@ def import_oda(
     used = {*names, *ODA_AXES.values(), "lens_diameter"}
     columns = {c: table.extra(c) for c in table.columns if c and c not in used}
     tell("measuring neighbours", None)
-    eye = _make_eye(
-        position,
-        -inward,
-        diameter,
-        _rotation(ahead, up),
-        columns,
-        notes,
-        acceptance_ratio,
-        acceptance_angle_rad,
+    head_from_scan = _rotation(ahead, up)
+    eye = Eye(
+        position @ head_from_scan.T,
+        -inward @ head_from_scan.T,
+        0.0 if acceptance_angle_rad is None else acceptance_angle_rad,
+        columns=columns,
     )
+    eye = _with_facets(eye, diameter, notes)
+    if acceptance_angle_rad is None:
+        eye = _with_assumed_acceptance(eye, acceptance_ratio, notes)
     return ImportedEye(eye, tuple(notes))
 
 
@@ -258,21 +258,20 @@ def import_lens_cone(
     if len(left_lenses) or len(left_cones):
         notes.append(f"Left out: {len(left_lenses)} lenses and {len(left_cones)} cones.")
     tell("measuring neighbours", None)
-    eye = _make_eye(
-        lens_position,
-        direction,
-        None,
-        head_from_scan,
-        {
+    eye = Eye(
+        lens_position @ head_from_scan.T,
+        direction @ head_from_scan.T,
+        0.0 if acceptance_angle_rad is None else acceptance_angle_rad,
+        eye_id=eye_id,
+        columns={
             "lens_to_cone_um": distance * 1e6,
             "misfit_um": misfit * 1e6,
             "doubtful": doubtful.astype(np.float64),
         },
-        notes,
-        acceptance_ratio,
-        acceptance_angle_rad,
-        eye_id,
     )
+    eye = _with_facets(eye, None, notes)
+    if acceptance_angle_rad is None:
+        eye = _with_assumed_acceptance(eye, acceptance_ratio, notes)
     return LensConeEye(
         eye,
         tuple(notes),
@@ -347,24 +346,8 @@ def _rotation(ahead: ArrayLike, up: ArrayLike) -> Floats:
     return np.stack([right, np.cross(right, front), -front])
 
 
-def _make_eye(
-    position: Floats,
-    axis: Floats,
-    diameter_m: Floats | None,
-    head_from_scan: Floats,
-    columns: dict[str, Floats | list[str]],
-    notes: list[str],
-    acceptance_ratio: float,
-    acceptance_angle_rad: ArrayLike | None,
-    eye_id: ArrayLike = 0,
-) -> Eye:
-    eye = Eye(
-        position @ head_from_scan.T,
-        axis @ head_from_scan.T,
-        0.0 if acceptance_angle_rad is None else acceptance_angle_rad,
-        eye_id=eye_id,
-        columns=columns,
-    )
+def _with_facets(eye: Eye, diameter_m: Floats | None, notes: list[str]) -> Eye:
+    """The eye with facets of these diameters, or as wide as neighbours are apart."""
     spacing = facet_diameters_m(eye)
     if diameter_m is None:
         diameter_m = spacing
@@ -376,9 +359,9 @@ def _make_eye(
             notes.append(f"Facet diameters of {int(unknown.sum())} ommatidia are from distances.")
     eye = eye.replace(facet_diameter_m=diameter_m)
     notes += [f"{sentence}." for sentence in _core.unusual_of(eye)]
-    if acceptance_angle_rad is not None:
-        return eye
-    notes.append(
-        f"Assumed: acceptance angles are {acceptance_ratio:g} times the interommatidial angle."
-    )
-    return set_acceptance(eye, ratio=acceptance_ratio)
+    return eye
+
+
+def _with_assumed_acceptance(eye: Eye, ratio: float, notes: list[str]) -> Eye:
+    notes.append(f"Assumed: acceptance angles are {ratio:g} times the interommatidial angle.")
+    return set_acceptance(eye, ratio=ratio)

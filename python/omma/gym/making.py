@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from omma._core import Error
 from omma.base.arguments import checked, whole
+from omma.base.optional import needs
 from omma.gym.loop import Loop
 
 if TYPE_CHECKING:
@@ -65,12 +65,7 @@ def eye_vector_env(loop: Loop, count: int) -> gymnasium.vector.VectorEnv[Any, An
 
 
 def _environments() -> ModuleType:
-    try:
-        import gymnasium  # noqa: F401
-    except ImportError:
-        raise Error(
-            "environments need Gymnasium, which is not installed: pip install 'omma[gym]'"
-        ) from None
+    needs("gymnasium", "gym", "environments need Gymnasium")
     from omma.gym import environments
 
     return environments

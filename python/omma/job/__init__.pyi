@@ -1,6 +1,6 @@
 from .again import render_like
 from .all_cameras import AllCamerasReport, CameraReport, render_all_cameras
-from .rendering import RenderReport
+from .reports import RenderReport
 
 __all__ = [
     "AllCamerasReport",

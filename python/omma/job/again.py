@@ -10,6 +10,7 @@ from omma import _core
 from omma._core import Error, Eye
 from omma.base.arguments import checked
 from omma.base.files import PathLike, digests_of, reading
+from omma.base.progress import Stage
 from omma.base.said import (
     Said,
     is_count,
@@ -20,11 +21,12 @@ from omma.base.said import (
     is_texts,
 )
 from omma.eye.files import load_eye
-from omma.job.rendering import RenderReport, render_file
+from omma.job.render_job import RenderJob
+from omma.job.rendering import run_job
+from omma.job.reports import RenderReport
 from omma.rendering.labels import eye_digest
 from omma.rendering.read_back import load_responses
 from omma.rendering.settings import settings_from_record
-from omma.scene.building import Stage
 from omma.scene.light_words import words_of_before
 
 
@@ -83,10 +85,10 @@ def render_like(
         settings = settings_from_record(record)
     except (Error, TypeError) as error:  # of values that no setting has
         raise Error(f"{name}: {error}") from None
-    report = render_file(
+    job = RenderJob(
         scene_file,
         outputs,
-        settings.sampling,
+        settings,
         eyes=eye_files,
         unit=said.take("eye_unit_m", is_number),
         poses=poses,
@@ -101,9 +103,8 @@ def render_like(
         receptors="receptor" in data.response.dims,
         ultraviolet=said.take_json("ultraviolet", is_list, None),
         command=command or f"omma.job.render_like({name!r}, ...)",
-        progress=progress,
-        **settings.options(),
     )
+    report = run_job(job, progress)
     differs = [
         f"{name} was rendered with {was}, this is {now}: the last bits may differ"
         for was, now in (

@@ -14,16 +14,17 @@ from omma._core import Background, Camera, Error, Eye
 from omma.base.addresses import expect_local
 from omma.base.arguments import checked
 from omma.base.files import PathLike, WholeFiles, check_target, left_behind, make_directory
+from omma.base.progress import Progress, Stage
 from omma.base.renamed import renamed_arguments
 from omma.base.values import value_class
 from omma.picture.band_colours import colours_of
 from omma.picture.cameras import camera_eye, camera_projection, display, picture_size, render_camera
 from omma.picture.files import paint_of_projection, write_png
 from omma.picture.projections import LISTS, Picture, projection_size
-from omma.rendering.renderer import Progress, Renderer
+from omma.rendering.renderer import Renderer
 from omma.rendering.settings import Options, Sampling, Settings, fixed_samples, takes_options
 from omma.scene.backgrounds import parse_background
-from omma.scene.building import READING, Stage, build_world
+from omma.scene.building import READING, build_world
 from omma.scene.files import read_scene
 from omma.scene.light_words import parse_light, warnings_of
 from omma.scene.world import World

@@ -11,6 +11,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from numpy.typing import ArrayLike
 
 from omma.base.poses import Matrices
+from omma.base.progress import Progress
 from omma.rendering.renderer import Renderer
 from omma.rendering.report import SpentRays
 from omma.rendering.response_files import Piece, Writer
@@ -22,7 +23,6 @@ _PIECE_S = 0.5
 # Most work, in s, that an interrupted render loses.
 _KEPT_PIECE_S = 10.0
 
-Progress = Callable[[float], object]
 # Poses, the number of the first, and what takes the finished share.
 Render = Callable[[Matrices, int, Progress], Piece]
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from omma._core import Background
 from omma.base.files import digests_of, metres_per_unit
+from omma.job.render_job import RenderJob
 from omma.receptors.sensitivity import ultraviolet_mix
 from omma.scene.backgrounds import NAMED_BACKGROUNDS
 from omma.scene.light_words import full_words
@@ -22,39 +23,38 @@ _LONGEST = 200  # characters of an argument
 
 
 def story_of(
-    given: Mapping[str, Any], eyes: Sequence[str], background: Background | None, command: str
+    job: RenderJob, eyes: Sequence[str], background: Background | None, command: str
 ) -> dict[str, Any]:
-    """Attributes beyond those of a renderer: ``given`` to `render_file`, the files of the eyes, the
-    background instead of the scene's own."""
+    """Attributes beyond those of a renderer: of a job, the files of the eyes, the background
+    instead of the scene's own."""
     # What a camera names is in scene units, eye files are in millimetres.
-    default = "mm" if given["eyes"] else "m"
-    unit = default if given["unit"] is None else given["unit"]
+    default = "mm" if job.eye_files else "m"
+    unit = default if job.unit is None else job.unit
     story: dict[str, Any] = {
         "command": command,
         "eye_files": json.dumps(list(eyes)),
         "eye_unit_m": metres_per_unit(unit),
     }
-    if given["scene_index"] is not None:
-        story["scene_index"] = int(given["scene_index"])
-    if given["scene_unit"] is not None:
-        story["scene_unit_m"] = metres_per_unit(given["scene_unit"])
-    if given["scene_up"] is not None:
-        story["scene_up"] = given["scene_up"]
-    if given["ultraviolet"] is not None:
-        story["ultraviolet"] = json.dumps(ultraviolet_mix(given["ultraviolet"]).tolist())
-    if given["light"] is not None:
-        story["light_words"] = full_words(given["light"])
+    if job.scene_index is not None:
+        story["scene_index"] = int(job.scene_index)
+    if job.scene_unit is not None:
+        story["scene_unit_m"] = metres_per_unit(job.scene_unit)
+    if job.scene_up is not None:
+        story["scene_up"] = job.scene_up
+    if job.ultraviolet is not None:
+        story["ultraviolet"] = json.dumps(ultraviolet_mix(job.ultraviolet).tolist())
+    if job.light is not None:
+        story["light_words"] = full_words(job.light)
     if background is not None:
-        story["background"] = _background_text(given["background"], background)
+        story["background"] = _background_text(job.background, background)
         if os.path.isfile(story["background"]):
             story["background_sha256"] = json.dumps(digests_of(story["background"]))
     return story
 
 
-def call_text(function: Callable[..., Any], given: Mapping[str, Any]) -> str:
+def call_text(function: Callable[..., Any], values: Mapping[str, Any]) -> str:
     """The call of `render_file` with these arguments, as code; what was left out is left out."""
     words = []
-    values = {**given, **given["options"]}
     for name, parameter in inspect.signature(function).parameters.items():
         value = _plain(values.get(name, parameter.default))
         if parameter.default is inspect.Parameter.empty:

@@ -320,10 +320,10 @@ def _made(name: str, arguments: dict[str, Any]) -> Light:
     if "light" in arguments:
         rest = {key: value for key, value in arguments.items() if key != "light"}
         return getattr(arguments["light"], name)(**rest)  # type: ignore[no-any-return]
-    # Here, as the makers' modules import this one.
-    from omma.light import skies
+    # By its public name, as a pickle would look for it: the makers' modules import this one.
+    from omma import light as makers
 
-    return getattr(skies, name)(**arguments)  # type: ignore[no-any-return]
+    return getattr(makers, name)(**arguments)  # type: ignore[no-any-return]
 
 
 def _of_fields(own: dict[str, Any]) -> Light:

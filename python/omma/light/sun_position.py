@@ -10,6 +10,7 @@ from typing import Any
 
 from omma._core import Error
 from omma.base.arguments import checked, within
+from omma.base.optional import needs
 from omma.base.values import value_class
 from omma.base.warn import warn_caller
 
@@ -91,10 +92,4 @@ def _universal(date_time: Any) -> datetime:
 
 
 def _load_ephem() -> Any:
-    try:
-        import ephem
-    except ImportError:
-        raise Error(
-            "the sun's position needs PyEphem, which is not installed: pip install 'omma[sky]'"
-        ) from None
-    return ephem
+    return needs("ephem", "sky", "the sun's position needs PyEphem")

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Error
+from omma.base.optional import needs
 
 # What mj_version() says of 3.3.3, the first in which lights have types and textures colour spaces;
 # from 3.10 on it is in millions.
@@ -31,19 +32,13 @@ SHAPES_IN_MODEL = {
 
 def mujoco_module() -> ModuleType:
     """MuJoCo's package; omma.Error where it is not installed, or older than what is read here."""
-    try:
-        import mujoco
-    except ImportError:
-        raise Error(
-            "models of MuJoCo need mujoco, which is not installed: pip install 'omma[mujoco]'"
-        ) from None
+    mujoco: ModuleType = needs("mujoco", "mujoco", "models of MuJoCo need mujoco")
     if mujoco.mj_version() < OLDEST:
         raise Error(
             f"models of MuJoCo need mujoco 3.3.3 or newer, found {mujoco.__version__}: pip install "
             "--upgrade 'omma[mujoco]'"
         )
-    module: ModuleType = mujoco
-    return module
+    return mujoco
 
 
 def checked_model(model: Any) -> Any:

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, positive, within
+from omma.base.optional import needs
 from omma.mujoco.models import checked_data, checked_model
 from omma.mujoco.moving import update
 from omma.mujoco.poses import camera
@@ -179,10 +180,4 @@ def readouts(responses: NDArray[np.float32], pale: NDArray[np.bool_]) -> NDArray
 
 
 def _flygym_retina() -> Any:
-    try:
-        from flygym.vision.retina import Retina
-    except ImportError:
-        raise Error(
-            "FlyRetina needs FlyGym 2, which is not installed: pip install flygym"
-        ) from None
-    return Retina()
+    return needs("flygym.vision.retina", "", "FlyRetina needs FlyGym 2").Retina()

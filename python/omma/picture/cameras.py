@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 from omma import _core
 from omma._core import Background, Camera, Error, Eye, Scene
 from omma.base.arguments import array_of, checked, whole
+from omma.base.progress import Progress
 from omma.eye.files import load_eye
 from omma.picture.projections import PROJECTIONS, LinearPicture
 from omma.rendering.pose_warnings import warn_of_poses
-from omma.rendering.renderer import Progress, Renderer
+from omma.rendering.renderer import Renderer
 from omma.scene.world import World
 
 DEFAULT_PROJECTION = "spherical_orientationwise"

@@ -293,10 +293,10 @@ def _figure(
         each = _UNITS // (columns if len(row) > 1 else 1)
         for column, picture in enumerate(row):
             panel = figure.add_subplot(grid[k, column * each : (column + 1) * each])
-            marks = _draw(
-                panel, picture, projection, eyes[0], scale, largest_error,
-                _UNITS // each, k == len(rows) - 1, column == 0,
-            )  # fmt: skip
+            extent = draw_axes(panel, projection, len(eyes[0]), k == len(rows) - 1, column == 0)
+            marks = _draw(panel, picture, projection, extent, scale, largest_error)
+            title = textwrap.fill(picture.title, _LETTERS // (_UNITS // each))
+            panel.set_title(title, loc="left")
             if picture.is_error:
                 errors = marks
             elif not scale.coloured:
@@ -321,19 +321,15 @@ def _draw(
     panel: Axes,
     picture: _Picture,
     projection: str | None,
-    eye: Eye,
+    extent: Any,
     scale: Scale,
     largest_error: float,
-    columns: int,
-    lowest: bool,
-    first: bool,
 ) -> Any:
     values = picture.values
     known = np.isfinite(values[..., 0])
     ground = hatched_ground(
         unseen(np.where(known, 0, -1), projection), inside_outline(projection, *known.shape)
     )
-    extent = draw_axes(panel, projection, len(eye), lowest, first)
     panel.imshow(ground, extent=extent, interpolation="nearest", zorder=0)
     one = values[..., 0]
     limits: dict[str, Any] = {"cmap": "viridis", "vmin": 0.0, "vmax": scale.full_scale}
@@ -347,6 +343,4 @@ def _draw(
         one, limits = coloured, {}
     if limits:
         one = np.ma.masked_invalid(one)
-    marks = panel.imshow(one, extent=extent, interpolation="nearest", zorder=0.5, **limits)
-    panel.set_title(textwrap.fill(picture.title, _LETTERS // columns), loc="left")
-    return marks
+    return panel.imshow(one, extent=extent, interpolation="nearest", zorder=0.5, **limits)

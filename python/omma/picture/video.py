@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from omma._core import Error
 from omma.base.files import WholeFiles, check_target
+from omma.base.optional import needs
 from omma.picture.files import Paint, on_threads
 from omma.rendering.response_files import Piece
 
@@ -96,10 +97,4 @@ class VideoWriter:
 
 
 def _load_ffmpeg() -> Any:
-    try:
-        import imageio_ffmpeg
-    except ImportError:
-        raise Error(
-            "a video needs imageio-ffmpeg, which is not installed: pip install 'omma[video]'"
-        ) from None
-    return imageio_ffmpeg
+    return needs("imageio_ffmpeg", "video", "a video needs imageio-ffmpeg")

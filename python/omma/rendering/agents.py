@@ -10,9 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, expect
+from omma.base.progress import Progress
+from omma.rendering.call import Responses
 from omma.rendering.moves import MOST_UNSEEN
-from omma.rendering.renderer import Progress, Renderer, Responses
+from omma.rendering.renderer import Renderer
 from omma.scene.world import World
+from omma.scene.world_moves import indices_of
 
 # Of transforms that are handed over at once.
 _MOST_BYTES = 1 << 26
@@ -134,7 +137,7 @@ def _held(
         own = []
         for k, (name, matrix) in enumerate(body.items()):
             held[k] = array_of(matrix, f"bodies[{a}][{name!r}]", (4, 4))
-            thing = int(world._indices_of([name])[0])
+            thing = int(indices_of(world, [name])[0])
             if thing in owner:
                 raise Error(
                     f"bodies[{a}]: expected things of its own, found {name!r}, which is part of "

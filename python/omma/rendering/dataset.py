@@ -1,4 +1,5 @@
-"""Responses as an `xarray.Dataset`: with their coordinates, their units and what they were made of.
+"""A method of `omma.Renderer`: responses as an `xarray.Dataset`, with coordinates, units and what
+they were made of.
 
 Needs xarray, an optional extra, which is imported only here and only when a dataset is made.
 """
@@ -7,72 +8,116 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
-from omma.base.arguments import array_of
+from omma.base.arguments import array_of, checked
+from omma.base.optional import needs
+from omma.base.poses import Matrices
+from omma.base.progress import Progress
+from omma.rendering.call import Call, Frames, Poses, Prepared, poses_of
 from omma.rendering.labels import Labels, labels_of
-from omma.rendering.moves import MovesOptions
+from omma.rendering.moves import MovesOptions, renderer_method
+from omma.rendering.receptor_frames import frames_of_receptors
 from omma.rendering.settings import ToError
 from omma.rendering.truth import GroundTruth, check_truth, truth_variables
 
 if TYPE_CHECKING:
     import xarray
+    from typing_extensions import Unpack
 
-    from omma.rendering.renderer import Poses, Progress, Renderer
 
-
-def make_dataset(
-    renderer: Renderer,
+@checked
+@renderer_method
+def dataset(
+    self: Prepared,
     poses: Poses,
     *,
-    receptors: bool,
-    ultraviolet: ArrayLike | None,
-    standard_error: bool,
-    time_s: ArrayLike | None,
-    truth: GroundTruth | None,
-    first_pose: int | None,
-    progress: Progress | None,
-    moves: MovesOptions,
+    receptors: bool = False,
+    ultraviolet: ArrayLike | None = None,
+    standard_error: bool = False,
+    time_s: ArrayLike | None = None,
+    truth: GroundTruth | None = None,
+    first_pose: int | None = None,
+    progress: Progress | None = None,
+    **moves: Unpack[MovesOptions],
 ) -> xarray.Dataset:
-    """What `Renderer.dataset` does, whose arguments these are."""
+    """Responses as an `xarray.Dataset`, which says what its numbers are.
+
+    Dimensions: ``pose`` (or ``time``), then ``ommatidium`` and ``band``, or ``receptor``.
+    Coordinates: position (m) and quaternion (x, y, z, w) of the head, azimuth and elevation
+    (degrees, in the head), acceptance angle, eye; of receptors also type, peak wavelength (nm)
+    and ommatidium.
+    Variables: ``response``, ``standard_error`` where asked for, ``rays`` with `ToError`.
+    Attributes: Omma's version, backend, settings, hashes (SHA-256) of the eye and of the
+    scene's files as they are now.
+
+    Args:
+        poses, standard_error, first_pose, progress: as of `render`. With `ToError` there
+            are always standard errors.
+        receptors: what receptors answer, as `render_receptors` says, instead of bands.
+        ultraviolet: as of `render_receptors`.
+        time_s: (P,), when each pose is, s: the first dimension is then ``time``. None:
+            ``times_s``, where these are given.
+        truth: what `ground_truth` gave for these poses. Its responses are taken, nothing is
+            rendered; each of its arrays is a variable, with ``axis`` (x, y, z), ``direction``
+            (right, up) or ``instance`` behind ``ommatidium``.
+        instances, transforms, times_s, animation: as of `render`.
+
+    Raises:
+        omma.Error: what `render` and `render_receptors` raise; no xarray (``omma[data]``).
+    """
     load_xarray()
     if ultraviolet is not None and not receptors:
         raise Error("ultraviolet: is for receptors=True")
-    matrices = renderer._matrices(poses)
-    if time_s is None:
-        time_s = moves.get("times_s")
-    times = None if time_s is None else array_of(time_s, "time_s", (len(matrices),))
-    options: dict[str, Any] = {"first_pose": first_pose, "progress": progress, **moves}
-    rays = errors = None
-    found: Any
-    if truth is not None:
-        if receptors or standard_error:
-            raise Error("truth: not together with receptors or standard_error")
-        check_truth(truth, (len(matrices), len(renderer.eye), renderer.bands))
-        found, errors, rays = truth.responses, truth.standard_error, truth.rays
-        standard_error = errors is not None
-    elif receptors:
-        options |= {"ultraviolet": ultraviolet, "standard_error": standard_error}
-        found = renderer.render_receptors(matrices, **options)
-    else:
-        auto = isinstance(renderer.settings.sampling, ToError)
-        options |= {"report": True} if auto else {"standard_error": standard_error}
-        found = renderer.render(matrices, **options)
-        if auto:
-            found, rays, errors = found[0], found[1].rays, found[1].standard_error
-    if isinstance(found, tuple):
-        found, errors = found
-    # Only now that the engine has accepted the poses.
-    labels = labels_of(
-        renderer, matrices, receptors=receptors, standard_error=standard_error, time_s=times
-    )
-    data = dataset_of(labels, {"response": found, "standard_error": errors, "rays": rays})
+    when = moves.get("times_s") if time_s is None else time_s
     if truth is None:
-        return data
+        call = Call.of(self, poses, moves, first_pose, progress)
+        times = _times(when, call.poses)
+        if receptors:
+            frames = frames_of_receptors(call, None, ultraviolet, standard_error)
+        else:
+            to_error = isinstance(self.settings.sampling, ToError)
+            frames = call.render(
+                call.new_frames(standard_error=standard_error or to_error, rays=to_error)
+            )
+        return _labelled(self, call.poses, times, frames, receptors)
+    if receptors or standard_error:
+        raise Error("truth: not together with receptors or standard_error")
+    matrices = poses_of(self, poses)
+    times = _times(when, matrices)
+    check_truth(truth, (len(matrices), len(self.eye), self.bands))
+    frames = Frames(truth.responses, truth.standard_error, truth.rays)
+    data = _labelled(self, matrices, times, frames)
     first = "pose" if times is None else "time"
     with_truth: xarray.Dataset = data.assign(truth_variables(truth, (first, "ommatidium")))
     return with_truth
+
+
+def _times(time_s: ArrayLike | None, matrices: Matrices) -> NDArray[np.float64] | None:
+    return None if time_s is None else array_of(time_s, "time_s", (len(matrices),))
+
+
+def _labelled(
+    renderer: Prepared,
+    matrices: Matrices,
+    times: NDArray[np.float64] | None,
+    frames: Frames,
+    receptors: bool = False,
+) -> xarray.Dataset:
+    """Frames that were rendered, as labels need poses that the engine has accepted."""
+    labels = labels_of(
+        renderer,
+        matrices,
+        receptors=receptors,
+        standard_error=frames.standard_error is not None,
+        time_s=times,
+    )
+    values = {
+        "response": frames.responses, "standard_error": frames.standard_error, "rays": frames.rays
+    }  # fmt: skip
+    return dataset_of(labels, values)
 
 
 def dataset_of(labels: Labels, values: dict[str, Any]) -> xarray.Dataset:
@@ -87,10 +132,4 @@ def dataset_of(labels: Labels, values: dict[str, Any]) -> xarray.Dataset:
 
 def load_xarray() -> Any:
     """The package xarray; omma.Error where it is not installed."""
-    try:
-        import xarray
-    except ImportError:
-        raise Error(
-            "datasets need xarray, which is not installed: pip install 'omma[data]'"
-        ) from None
-    return xarray
+    return needs("xarray", "data", "datasets need xarray")

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from omma._core import Error
 from omma.base.files import WholeFiles
+from omma.base.optional import needs
 from omma.rendering.labels import Labels
 from omma.rendering.response_files import Piece
 
@@ -119,14 +119,7 @@ def values_of(piece: Piece) -> dict[str, np.ndarray[Any, Any]]:
 
 def load_package(package: str, name: str) -> Any:
     """A package of the extra omma[data] that a file of that name needs."""
-    import importlib
-
-    try:
-        return importlib.import_module(package)
-    except ImportError:
-        raise Error(
-            f"{name}: needs {package}, which is not installed: pip install 'omma[data]'"
-        ) from None
+    return needs(package, "data", f"{name}: needs {package}")
 
 
 def _chunks(labels: Labels, variable: str) -> tuple[int, ...]:

@@ -13,7 +13,7 @@ import tempfile
 from dataclasses import dataclass
 from datetime import datetime, timezone
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,10 +24,8 @@ from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.files import digests_of
 from omma.base.poses import Matrices
 from omma.receptors.sensitivity import ommatidium_of_receptor, receptor_axis
+from omma.rendering.call import Prepared
 from omma.rendering.settings import ToError, settings_as_record
-
-if TYPE_CHECKING:
-    from omma.rendering.renderer import Renderer
 
 # name: (dimensions, values, attributes)
 Variables = dict[str, tuple[tuple[str, ...], NDArray[Any], dict[str, Any]]]
@@ -56,7 +54,7 @@ _UNITS = {"photons": "photons m-2 s-1 sr-1 nm-1", "watts": "W m-2 sr-1 nm-1"}
 
 
 def labels_of(
-    renderer: Renderer,
+    renderer: Prepared,
     matrices: Matrices,
     *,
     receptors: bool = False,
@@ -181,7 +179,7 @@ def _receptors(eye: Eye) -> Variables:
     }
 
 
-def _band_names(renderer: Renderer) -> list[str]:
+def _band_names(renderer: Prepared) -> list[str]:
     light = renderer.world.light
     if light is not None:
         return [f"{nm:g} nm" for nm in np.round(light.bands.centers_nm, 2)]
@@ -190,7 +188,7 @@ def _band_names(renderer: Renderer) -> list[str]:
     return [f"band_{k}" for k in range(renderer.bands)]
 
 
-def _attributes(renderer: Renderer) -> dict[str, Any]:
+def _attributes(renderer: Prepared) -> dict[str, Any]:
     """What the responses were made of, as plain texts and numbers that every format can hold."""
     scene = renderer.world.scene
     light = renderer.world.light

@@ -11,10 +11,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of
+from omma.base.methods import method_of
 from omma.base.poses import Matrices, as_poses
 from omma.base.velocities import velocities_between, velocities_from_poses
 from omma.photoreceptors import ImpulseResponse
-from omma.scene.world import Animations, Instances, World
+from omma.scene.world import World
+from omma.scene.world_moves import (
+    Animations,
+    Instances,
+    animations_of,
+    indices_of,
+    note_moves,
+)
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -57,8 +65,10 @@ class MovesOptions(TypedDict, total=False):
     unseen_by_light: bool | None
 
 
-def takes_moves(function: F) -> F:
-    """The same function, whose signature says ``**moves`` one by one (`MovesOptions`)."""
+def renderer_method(function: F) -> F:
+    """The same function as a method of `omma.Renderer`, whose signature says ``**moves`` one by one
+    (`MovesOptions`)."""
+    method_of("omma.rendering.renderer", "Renderer")(function)
     signature = inspect.signature(function)
     parameters = [one for one in signature.parameters.values() if one.kind is not one.VAR_KEYWORD]
     for name, annotation in MovesOptions.__annotations__.items():
@@ -102,7 +112,7 @@ class Moves:
         self._instances = np.empty(0, np.int32)
         self._transforms = np.empty((poses, 0, 4, 4))
         if instances is not None:
-            self._instances = world._indices_of(instances)
+            self._instances = indices_of(world, instances)
             shape = (poses, len(self._instances), 4, 4)
             self._transforms = array_of(transforms, "transforms")
             if self._transforms.shape != shape:
@@ -120,7 +130,7 @@ class Moves:
                 "times_s: expected when each pose is, as frames last with an impulse response, "
                 "found None"
             )
-        self._animations = world._animations_of(animation)
+        self._animations = animations_of(world.scene, animation)
         self._past = np.empty((0, 4, 4)), np.empty(0)
         self._past_transforms = np.empty((0, len(self._instances), 4, 4))
         past = options.get("past")
@@ -158,24 +168,6 @@ class Moves:
         if self._times is not None:
             piece._times = self._times[first : first + count]
         return piece
-
-    def options(self) -> MovesOptions:
-        """As a user gives them."""
-        options: MovesOptions = {}
-        if len(self._instances) > 0:
-            options |= {"instances": self._instances, "transforms": self._transforms}
-        if self._times is not None:
-            options["times_s"] = self._times
-            if len(self._animations) > 0:
-                options["animation"] = int(self._animations[0])
-            if len(self._past[1]) > 0:
-                options["past"] = (*self._past, self._past_transforms)
-        if self._groups:
-            options["unseen"] = [
-                self._groups[group] if group >= 0 else None for group in self._group_of_pose
-            ]
-            options["unseen_by_light"] = self._by_light
-        return options
 
     def for_engine(self) -> EngineMoves | None:
         """As the engine takes them; None where nothing moves."""
@@ -243,7 +235,7 @@ class Moves:
         unseen = [thing for group in self._groups for thing in group]
         if len(self._instances) > 0 or self._times is not None or unseen:
             things = np.concatenate([self._instances, np.array(unseen, np.int32)])
-            self._world._note_moves(things, self._times is not None)
+            note_moves(self._world, things, self._times is not None)
 
 
 def _checked_past(past: Any) -> tuple[Matrices, NDArray[np.float64]]:
@@ -269,7 +261,7 @@ def _groups_of(world: World, unseen: Any, poses: int) -> tuple[list[list[int]], 
     of_pose = np.full(poses, -1, np.int32)
     for pose, things in enumerate(unseen):
         if things is not None:
-            indices = tuple(sorted(set(world._indices_of(things).tolist())))
+            indices = tuple(sorted(set(indices_of(world, things).tolist())))
             if indices:
                 of_pose[pose] = found.setdefault(indices, len(found))
     if not found:

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeVar
 
 from omma.base.values import check_format
+from omma.rendering.call import Prepared
 
-if TYPE_CHECKING:
-    from omma.rendering.renderer import Renderer
-
+P = TypeVar("P", bound=Prepared)
 # Raised where what is pickled changes.
 _FORMAT = 1
 
 
-def parts_of(renderer: Renderer, threads: int) -> tuple[Callable[..., Renderer], tuple[Any, ...]]:
+def parts_of(renderer: P, threads: int) -> tuple[Callable[..., P], tuple[Any, ...]]:
     """What ``Renderer.__reduce__`` returns; ``threads`` are as they were asked for."""
     state = {
         "format": _FORMAT,
@@ -26,7 +25,7 @@ def parts_of(renderer: Renderer, threads: int) -> tuple[Callable[..., Renderer],
     return _made_again, (type(renderer), state)
 
 
-def _made_again(kind: type[Renderer], state: dict[str, Any]) -> Renderer:
+def _made_again(kind: Callable[..., P], state: dict[str, Any]) -> P:
     check_format(state["format"], _FORMAT, "Renderer")
     settings = state["settings"]
     return kind(

@@ -1,4 +1,5 @@
-"""Ground truth beside responses: how far, where and what ommatidia see, and how it moves past."""
+"""Ground truth beside responses: how far, where and what ommatidia see, and how it moves past; a
+method of `omma.Renderer`."""
 
 from __future__ import annotations
 
@@ -9,18 +10,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from omma import _core
 from omma._core import Error
-from omma.base.arguments import array_of, whole
+from omma.base.arguments import array_of, checked, whole
+from omma.base.progress import Progress
 from omma.base.values import value_class
+from omma.rendering.call import Call, Poses, Prepared
 from omma.rendering.labels import Variables
-from omma.rendering.pose_warnings import warn_of_poses
-from omma.rendering.settings import Shared, ToError, frame_number
+from omma.rendering.moves import Moves, MovesOptions, renderer_method
+from omma.rendering.settings import Shared, ToError
+from omma.scene.world import World
 
 if TYPE_CHECKING:
-    from omma.rendering.moves import Moves, MovesOptions
-    from omma.rendering.renderer import Poses, Progress, Renderer
-    from omma.scene.world import World
+    from typing_extensions import Unpack
 
 Floats = NDArray[np.float32]
 
@@ -82,58 +83,78 @@ class GroundTruth:
         return components[0] + components[1] + components[2]
 
 
-def render_truth(
-    renderer: Renderer,
+@checked
+@renderer_method
+def ground_truth(
+    self: Prepared,
     poses: Poses,
     *,
-    shares: Sequence[str | int],
-    head_velocity: tuple[ArrayLike, ArrayLike] | None,
-    velocities: Mapping[str | int, tuple[ArrayLike, ArrayLike]] | None,
-    standard_error: bool,
-    first_pose: int | None,
-    progress: Progress | None,
-    moves: MovesOptions,
+    shares: Sequence[str | int] = (),
+    head_velocity: tuple[ArrayLike, ArrayLike] | None = None,
+    velocities: Mapping[str | int, tuple[ArrayLike, ArrayLike]] | None = None,
+    standard_error: bool = False,
+    first_pose: int | None = None,
+    progress: Progress | None = None,
+    **moves: Unpack[MovesOptions],
 ) -> GroundTruth:
-    """What `Renderer.ground_truth` does, whose arguments these are."""
-    sampling = renderer.settings.sampling
+    """Responses, and beside them how far, where and what each ommatidium sees.
+
+    Means over the very rays of `render`, whose bits the responses have: distances, positions,
+    normals, shares of instances and optic flow; `GroundTruth` says what each is
+    (docs/ground-truth.md). Not with `Shared`.
+
+    Args:
+        poses, standard_error, first_pose, progress: as in `render`. With `ToError` there
+            are always standard errors.
+        shares: whose shares of the field to tell: names, each of all that are called so, or
+            indices in `World.instances`.
+        head_velocity: the head's linear velocity, m/s, and angular velocity, rad/s, in the
+            world's frame, each (3,) or (P, 3): of its origin, and right-handed about it.
+            `omma.velocities_from_poses` finds them from a path. With it or ``velocities`` there
+            is optic flow.
+        velocities: of what moves by itself, {name or index in `World.instances`: (linear,
+            angular)}: of the origin of the node's frame where it is now, as ``head_velocity``.
+            With ``times_s``, what ``instances`` and animations move has the velocity at which
+            it does so, unless it is told here.
+        instances, transforms, times_s, animation, unseen, unseen_by_light: as of `render`.
+
+    Raises:
+        omma.Error: what `render` raises, no such instance or one twice, a velocity of another
+            shape or above 1e9, rays that are shared; things moved by a single transform, or one
+            whose times do not grow, of which no velocity is told.
+    """
+    sampling = self.settings.sampling
     if isinstance(sampling, Shared):
         raise Error(
             "ground_truth: expected rays of each ommatidium's own (omma.Fixed or omma.ToError), "
             f"found {sampling}"
         )
-    if renderer.settings.impulse_response is not None:
+    if self.settings.impulse_response is not None:
         raise Error("ground_truth: expected a renderer without an impulse response, found one with")
-    matrices = renderer._matrices(poses)
-    moving = renderer._moves(matrices, moves)
-    size = (len(matrices), len(renderer.eye))
-    found: dict[str, Any] = {"responses": np.empty((*size, renderer.bands), np.float32)}
+    call = Call.of(self, poses, moves, first_pose, progress)
+    to_error = isinstance(sampling, ToError)
+    frames = call.new_frames(standard_error=standard_error or to_error, rays=to_error)
+    found: dict[str, Any] = {
+        name: array for name, array in vars(frames).items() if array is not None
+    }
     for name in ("met", "distance_m", "nearest_m", "inverse_distance_per_m"):
-        found[name] = np.empty(size, np.float32)
-    found["position_m"] = np.empty((*size, 3))
-    found["normal"] = np.empty((*size, 3), np.float32)
-    if standard_error or isinstance(sampling, ToError):
-        found["standard_error"] = np.empty_like(found["responses"])
-    if isinstance(sampling, ToError):
-        found["rays"] = np.empty(size, np.int32)
+        found[name] = np.empty(call.size, np.float32)
+    found["position_m"] = np.empty((*call.size, 3))
+    found["normal"] = np.empty((*call.size, 3), np.float32)
     asked: dict[str, Any] = {}
     names: tuple[str, ...] = ()
     if not isinstance(shares, (list, tuple)):
         raise TypeError(f"shares: expected a list of names or indices, found {shares!r:.40}")
     if len(shares) > 0:
-        names, asked["share_of_instance"] = _groups(renderer.world, shares)
-        found["shares"] = np.empty((*size, len(shares)), np.float32)
+        names, asked["share_of_instance"] = _groups(self.world, shares)
+        found["shares"] = np.empty((*call.size, len(shares)), np.float32)
     if head_velocity is not None or velocities is not None:
         for component in ("rotation", "translation", "objects"):
-            found[f"flow_{component}_rad_s"] = np.empty((*size, 2), np.float32)
+            found[f"flow_{component}_rad_s"] = np.empty((*call.size, 2), np.float32)
         if head_velocity is not None:
-            asked["head"] = _velocity(head_velocity, "head_velocity", len(matrices))
-        asked |= _objects(renderer.world, velocities or {}, moving, len(matrices))
-    first = frame_number(first_pose)
-    _core.render_truth(
-        renderer._engine, matrices, found | asked, first, moving.for_engine(), progress
-    )
-    moving.note()
-    warn_of_poses(renderer._engine, matrices)
+            asked["head"] = _velocity(head_velocity, "head_velocity", len(call.poses))
+        asked |= _objects(self.world, velocities or {}, call.moves, len(call.poses))
+    call.render_truth(found | asked)
     return GroundTruth(**found, names=names)
 
 

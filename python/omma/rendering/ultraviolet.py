@@ -4,18 +4,17 @@ with all that is unknown dark there, and as bright there as in blue."""
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Error
 from omma.base.arguments import checked
+from omma.base.progress import Progress, share_of
 from omma.base.values import value_class
-from omma.scene.baking import share_of
-
-if TYPE_CHECKING:
-    from omma.rendering.renderer import Poses, Progress, Renderer, Responses
+from omma.rendering.call import Poses, Responses
+from omma.rendering.renderer import Renderer
 
 
 @value_class

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ import numpy as np
 from omma import _core
 from omma._core import Error, Scene
 from omma.base.arguments import positive, whole
+from omma.base.progress import Progress
 from omma.base.values import value_class
 from omma.base.warn import warn_caller
 from omma.scene.baked_files import (
@@ -24,8 +24,6 @@ from omma.scene.baked_files import (
     world_key,
     write_baked_light,
 )
-
-Progress = Callable[[float], object]
 
 _PATHS_AT_ONCE, _MOST_PATHS = 16, 65536
 # Both sides of a cell, 16 bits a band.
@@ -139,14 +137,6 @@ class BakeCost:
             f"{self.cells:,} cells, {self.bytes / 1e6:,.0f} MB (five times as much on the way), "
             f"up to {self.seconds:,.0f} s"
         )
-
-
-def share_of(progress: Progress | None, first: float, last: float) -> Progress | None:
-    """A progress function for one stage, which takes ``progress`` from ``first`` to ``last``."""
-    if progress is None:
-        return None
-    whole_work = progress
-    return lambda done: whole_work(first + (last - first) * done)
 
 
 def find_baked_light(

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 from typing import Any
 
 from omma._core import Scene
+from omma.base.progress import Stage
 from omma.scene.baking import BakeCost
 from omma.scene.world import World
 
@@ -17,12 +17,9 @@ BAKING = "Baking light"
 # Bakes that take longer say beforehand how long.
 _LONG_S = 10.0
 
-# Called with what is being done and its finished share (0 to 1), None where that is not known.
-Stage = Callable[[str, float | None], object]
-
 
 def build_world(scene: Scene, tell: Stage, **arguments: Any) -> World:
-    """A world of the arguments of `World`; building and baking are told of as stages of their own."""
+    """A world of the arguments of `World`; building and baking are told as stages of their own."""
     if arguments.get("lighting") != "baked":
         return World(scene, progress=partial(tell, BUILDING), **arguments)
     of_light = ("light", "depth", "polarized", "ultraviolet")

@@ -13,8 +13,10 @@ from omma import _core
 from omma._core import Error, Scene
 from omma.base.arguments import expect, one_of, whole, within
 from omma.base.values import value_class
+from omma.base.warn import warn_caller
 from omma.light import Light
 from omma.scene.baking import Bake
+from omma.scene.white import vanishing_emission
 
 LightingName = Literal["baked", "path", "unlit"]
 # How the sun is asked for where the rest of the light was baked.
@@ -148,6 +150,28 @@ def checked_lighting(
         ultraviolet = checked_rule(ultraviolet)
     emission = within(emission_cd_m2, "emission_cd_m2", 0, _MOST_EMISSION)
     return Lighting(light, how, number, bool(polarized), ultraviolet, kind, bake, emission)
+
+
+def options_after(before: Lighting | None, **options: Any) -> dict[str, Any]:
+    """Options for `checked_lighting`: those that are not None, else those that a world was lit by
+    before, where they go together."""
+    found = {"polarized": False, "sun": "exact", "emission_cd_m2": 1.0}
+    if before is not None:
+        if options["lighting"] is None:
+            options["lighting"] = before.lighting if options["depth"] is None else "path"
+        kept = ["polarized", "ultraviolet", "emission_cd_m2"]
+        kept += {"path": ["depth"], "baked": ["bake", "sun"]}.get(options["lighting"], [])
+        found |= {name: getattr(before, name) for name in kept}
+    return options | found | {name: one for name, one in options.items() if one is not None}
+
+
+def tell_of_emission(scene: Scene, lighting: Lighting | None) -> None:
+    """A warning where what shines vanishes beside the rest of the light."""
+    if lighting is None:
+        return
+    sentence = vanishing_emission(scene, lighting.light, lighting.emission_cd_m2)
+    if sentence:
+        warn_caller(sentence, UserWarning)
 
 
 def checked_rule(rule: Any) -> Rule:

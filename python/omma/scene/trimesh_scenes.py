@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from omma._core import Error, Image, Instance, Material, Mesh, Scene
 from omma.base.arguments import checked
 from omma.base.mesh_parts import linear, offset_of, world_from_file
+from omma.base.optional import needs
 
 
 @checked
@@ -31,7 +31,7 @@ def from_trimesh(mesh: Any, *, unit: str | float = "m", up: str = "y") -> Scene:
     Raises:
         omma.Error: it is neither, or has numbers that no scene has; trimesh is not installed.
     """
-    trimesh = _trimesh()
+    trimesh = needs("trimesh", "meshes", "meshes of other formats need trimesh")
     world_from_mesh = world_from_file(unit, up)
     if isinstance(mesh, trimesh.Trimesh):
         mesh = trimesh.Scene(mesh)
@@ -60,23 +60,11 @@ def from_trimesh(mesh: Any, *, unit: str | float = "m", up: str = "y") -> Scene:
 
 def read_stl(path: str) -> Any:
     """What trimesh has of an STL file."""
-    trimesh = _trimesh()
+    trimesh = needs("trimesh", "meshes", "meshes of other formats need trimesh")
     try:
         return trimesh.load(path, file_type="stl", force="scene", process=False)
     except Exception as error:  # its readers raise what they like
         raise Error(f"{path}: trimesh cannot read it: {error}") from error
-
-
-def _trimesh() -> ModuleType:
-    try:
-        import trimesh
-    except ImportError:
-        raise Error(
-            "meshes of other formats need trimesh, which is not installed: "
-            "pip install 'omma[meshes]'"
-        ) from None
-    module: ModuleType = trimesh
-    return module
 
 
 class _Parts:

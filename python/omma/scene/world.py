@@ -2,34 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma import _core
-from omma._core import Background, Error, Image, Scene
+from omma._core import Background, Error, Scene
 from omma._core import WorldInstance as WorldInstance
 from omma.base.arguments import array_of, checked, expect, whole
 from omma.base.notebook import html_table, without_folder
+from omma.base.progress import Progress, share_of
 from omma.base.values import check_format
-from omma.base.warn import warn_caller
 from omma.light import Light
-from omma.scene import baking
-from omma.scene.baking import Bake, BakeCost, BakedInfo, find_baked_light, share_of
-from omma.scene.lighting import Lighting, LightingName, Sun, Ultraviolet, checked_lighting
-from omma.scene.white import vanishing_emission
-from omma.scene.world_colors import Colors
+from omma.scene.baking import Bake, BakeCost, BakedInfo, bake_cost, find_baked_light
+from omma.scene.lighting import (
+    Lighting,
+    LightingName,
+    Sun,
+    Ultraviolet,
+    checked_lighting,
+    options_after,
+    tell_of_emission,
+)
+from omma.scene.world_colors import Colors, set_color, set_image
+from omma.scene.world_moves import at, camera_at, set_transforms, set_vertices, vertices
 
 # Of the pickles of worlds; raised where what they hold changes.
 _PICKLE_FORMAT = 4
 # The share of progress that building has where light is baked too.
 _BUILDING = 0.1
-
-Progress = Callable[[float], object]
-Animations = str | int
-Instances = str | int | Sequence[str | int] | NDArray[np.integer]
 
 
 class World:
@@ -128,7 +131,7 @@ class World:
             light, lighting, depth, polarized, ultraviolet, sun, bake, emission_cd_m2
         )
         self._lighting = given
-        _tell_of_emission(scene, given)
+        tell_of_emission(scene, given)
         self._baked: BakedInfo | None = None
         self._places_when_baked: dict[int, NDArray[np.float64]] = {}
         arguments = None if given is None else given.light_arguments(scene)
@@ -184,31 +187,18 @@ class World:
         those of `World`. ``world.with_light(world.light, lighting="path")`` is the reference of
         baked light.
         """
-        before = self._lighting
-        if before is not None:
-            if lighting is None:
-                lighting = before.lighting if depth is None else "path"
-            if lighting == "path" and depth is None:
-                depth = before.depth
-            if lighting == "baked" and bake is None:
-                bake = before.bake
-            if lighting == "baked" and sun is None:
-                sun = before.sun
-            polarized = before.polarized if polarized is None else polarized
-            ultraviolet = before.ultraviolet if ultraviolet is None else ultraviolet
-            if emission_cd_m2 is None:
-                emission_cd_m2 = before.emission_cd_m2
+        options = options_after(
+            self._lighting, lighting=lighting, depth=depth, polarized=polarized,
+            ultraviolet=ultraviolet, sun=sun, bake=bake, emission_cd_m2=emission_cd_m2,
+        )  # fmt: skip
         other = object.__new__(World)
         vars(other).update(vars(self))
         other._background = other._band_from_rgb = None
         other._base = self
-        given = checked_lighting(
-            light, lighting, depth, bool(polarized), ultraviolet, sun or "exact", bake,
-            1.0 if emission_cd_m2 is None else emission_cd_m2,
-        )  # fmt: skip
+        given = checked_lighting(light, **options)
         assert given is not None
         other._lighting = given
-        _tell_of_emission(self._scene, given)
+        tell_of_emission(self._scene, given)
         arguments = given.light_arguments(self._scene)
         other._engine = self._engine.with_lighting(given.for_engine(arguments))
         other._bake(arguments, progress)
@@ -272,214 +262,13 @@ class World:
         """
         return self._engine.find_instance(name)
 
-    def set_transforms(
-        self,
-        instances: Instances,
-        transforms: ArrayLike,
-        *,
-        progress: Progress | None = None,
-    ) -> None:
-        """Move things to where they are seen from now on, by all renderers of this world.
-
-        The first time that something moves, what does not is built again without it: as long as
-        making the world takes. From then on it costs some microseconds for each thing that moves
-        (docs/motion-and-time.md). Moving something back gives what was seen before to within single
-        precision.
-
-        Args:
-            instances: which: a name or an index in `instances`, or K of them.
-            transforms: ``world_from_node``, (4, 4) or (K, 4, 4), m: where each is to be, not by how
-                much it is moved. May mirror, but not flatten.
-            progress: called with the finished share (0 to 1) where all is built again. What it
-                raises ends that and is raised here; so does Ctrl-C.
-
-        Raises:
-            omma.Error: no such thing, one twice, a transform that is not finite or not invertible,
-                or that takes something over 1e12 m away; something of this world is being rendered,
-                in another thread or by the call whose progress function this is; or this is a
-                process made by fork. All is then where it was.
-        """
-        indices = self._indices_of(instances)
-        matrices = array_of(transforms, "transforms")
-        if matrices.ndim == 2:
-            matrices = matrices[None]
-        if matrices.shape != (len(indices), 4, 4):
-            raise Error(
-                f"transforms: expected shape ({len(indices)}, 4, 4), found {np.shape(transforms)}"
-            )
-        before = self._places_before(indices)
-        self._engine.set_transforms(indices, np.ascontiguousarray(matrices), progress)
-        self._moved.update(before)
-
-    @checked
-    def at(
-        self,
-        time_s: float,
-        animation: Animations | None = None,
-        *,
-        progress: Progress | None = None,
-    ) -> World:
-        """Move all that the scene's animations move to where it is at a time; returns the world.
-
-        Nodes go where their animations say, and meshes take the shape that their bones and morph
-        targets give them. Before its first key an animation is as at the first, after its last as
-        at the last. What `set_transforms` has put elsewhere comes back where an animation moves it;
-        what bones bend can be put anywhere by it. The first time costs what the first
-        `set_transforms` does (docs/motion-and-time.md).
-
-        Args:
-            time_s: s, of the animations' own time.
-            animation: which: a name or an index in ``scene.animations``; what only others move is
-                as the file has it. None: all of them together.
-            progress: as of `set_transforms`.
-
-        Raises:
-            omma.Error: there is no such animation; two of all of them move the same; something is
-                flattened then, as where its scale is 0; or what `set_transforms` raises.
-        """
-        before = self._places_before(self._engine.animated)
-        self._engine.set_time(float(time_s), self._animations_of(animation), progress)
-        self._moved.update(before)
-        return self
-
-    @checked
-    def camera_at(
-        self, name_or_index: str | int, time_s: float, animation: Animations | None = None
-    ) -> NDArray[np.float64]:
-        """The pose ``world_from_camera`` (4, 4) of a camera of the scene at a time, s.
-
-        It moves as the scene's animations say, in the world as the file has it; where none moves
-        it, it is where it always is.
-
-        Args:
-            name_or_index: as `Scene.camera` takes it.
-            time_s, animation: as of `at`.
-
-        Raises:
-            omma.Error: no such camera or animation.
-        """
-        cameras = self._scene.cameras
-        index = cameras.index(self._scene.camera(name_or_index))
-        animations = self._animations_of(animation).tolist()
-        return _core.camera_at(self._scene, index, float(time_s), animations)
-
-    @checked
-    def set_vertices(
-        self,
-        mesh: int,
-        positions_m: ArrayLike,
-        normals: ArrayLike | None = None,
-        *,
-        progress: Progress | None = None,
-    ) -> None:
-        """Give a mesh another shape, for all its instances and all renderers of this world.
-
-        The scene keeps its own. The first time costs what the first `set_transforms` does, and the
-        mesh's instances count as moved; from then on its hierarchy is fitted to the new positions
-        (docs/motion-and-time.md).
-
-        Args:
-            mesh: which, an index in ``scene.meshes``.
-            positions_m: (V, 3), m, of each of its vertices, in its own frame.
-            normals: (V, 3), where it has normals. None: those of its triangles, the mean around
-                each vertex, weighed by area.
-            progress: as of `set_transforms`.
-
-        Raises:
-            omma.Error: no such mesh, a wrong shape, a number that is not finite, or what
-                `set_transforms` raises.
-        """
-        which = whole(mesh, "mesh", 0, (1 << 31) - 1)
-        across = None if normals is None else _vectors(normals, "normals")
-        positions = _vectors(positions_m, "positions_m")
-        self._engine.set_vertices(which, positions, across, progress)
-
-    @checked
-    def vertices(self, mesh: int) -> NDArray[np.float32]:
-        """The vertices of a mesh as it is now: (V, 3), m, in its own frame.
-
-        Args:
-            mesh: an index in ``scene.meshes``.
-
-        Raises:
-            omma.Error: no such mesh.
-        """
-        return self._engine.positions(whole(mesh, "mesh", 0, (1 << 31) - 1))
-
-    @checked
-    def set_image(self, image: int | str, picture: Image | ArrayLike) -> None:
-        """Show another picture where an image of the scene is seen, as on a screen.
-
-        For all renderers of this world, whose scene keeps its own. Only in worlds that were never
-        lit: light goes by the colours that it was made for.
-
-        Args:
-            image: which, an index in ``scene.images`` or the name of one.
-            picture: of the same size: an image, or (height, width, 3 or 4), where uint8 is sRGB and
-                float linear.
-
-        Raises:
-            omma.Error: no such image, another size, an image whose alpha cuts out or blends, a
-                world that was lit, or something is being rendered.
-        """
-        self._colors.set_image(self._engine, image, picture)
-
-    @checked
-    def set_color(
-        self,
-        material: int | str,
-        base_color: ArrayLike | None = None,
-        *,
-        emissive: ArrayLike | None = None,
-    ) -> None:
-        """Give a material another colour or light of its own, as of a lamp that flickers.
-
-        For all renderers of this world, whose scene keeps its own. Only in worlds that were never
-        lit.
-
-        Args:
-            material: which, an index in ``scene.materials`` or the name of one.
-            base_color: linear RGB, by which the material's texture is multiplied. None: as it is.
-            emissive: linear RGB that it adds; nothing where the material is unlit
-                (KHR_materials_unlit). None: as it is.
-
-        Raises:
-            omma.Error: no such material, a number below 0 or not finite, a world that was lit, or
-                something is being rendered.
-        """
-        self._colors.set_color(self._engine, material, base_color, emissive)
-
-    def _indices_of(self, instances: Instances) -> NDArray[np.int32]:
-        """Indices in `instances` of what is given by names or indices."""
-        listed: Any = instances
-        if isinstance(instances, str) or not hasattr(instances, "__iter__"):
-            listed = [instances]
-        indices = [
-            self.index(one)
-            if isinstance(one, str)
-            else whole(one, f"instances[{k}]", 0, (1 << 31) - 1)
-            for k, one in enumerate(listed)
-        ]
-        return np.array(indices, np.int32)
-
-    def _animations_of(self, animation: Animations | None) -> NDArray[np.int32]:
-        """Indices in ``scene.animations``; none for all."""
-        if animation is None:
-            return np.empty(0, np.int32)
-        if isinstance(animation, str):
-            return np.array([_core.find_animation(self._scene, animation)], np.int32)
-        return np.array([whole(animation, "animation", 0, (1 << 31) - 1)], np.int32)
-
-    def _places_before(self, indices: Iterable[int]) -> dict[int, NDArray[np.float64]]:
-        """Where those of these things are that have never been moved."""
-        new = {int(index) for index in indices} - self._moved.keys()
-        instances = self.instances if new else []
-        return {k: instances[k].world_from_node for k in sorted(new) if k < len(instances)}
-
-    def _note_moves(self, indices: NDArray[np.int32], animated: bool) -> None:
-        """Remember what a render has moved and put back."""
-        things = [*indices.tolist(), *(self._engine.animated if animated else ())]
-        self._moved.update(self._places_before(things))
+    set_transforms = set_transforms
+    at = at
+    camera_at = camera_at
+    set_vertices = set_vertices
+    vertices = vertices
+    set_image = set_image
+    set_color = set_color
 
     @property
     def bands(self) -> int:
@@ -527,7 +316,7 @@ class World:
         """
         if bake is not None:
             expect(bake, Bake, "bake", "omma.scene.Bake makes one")
-        return baking.bake_cost(self._engine, bake or Bake())
+        return bake_cost(self._engine, bake or Bake())
 
     @property
     def depth(self) -> int | None:
@@ -579,19 +368,6 @@ class World:
             "threads": str(self.threads),
         }
         return html_table("omma.World", rows)
-
-
-def _tell_of_emission(scene: Scene, lighting: Lighting | None) -> None:
-    """A warning where what shines vanishes beside the rest of the light."""
-    if lighting is None:
-        return
-    sentence = vanishing_emission(scene, lighting.light, lighting.emission_cd_m2)
-    if sentence:
-        warn_caller(sentence, UserWarning)
-
-
-def _vectors(values: ArrayLike, name: str) -> NDArray[np.float32]:
-    return np.ascontiguousarray(array_of(values, name, (None, 3), np.float32))
 
 
 def _lit_again(

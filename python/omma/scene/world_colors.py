@@ -1,16 +1,17 @@
-"""Pictures and colours of a world that change while its shapes stay: checked, for the engine."""
+"""Methods of `omma.World` that change its pictures and colours while its shapes stay."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma import _core
 from omma._core import Error, Image, Scene
-from omma.base.arguments import array_of, whole
+from omma.base.arguments import array_of, checked, whole
+from omma.base.methods import method_of
 
 Colour = tuple[NDArray[np.float64], NDArray[np.float64]]
 
@@ -52,6 +53,63 @@ class Colors:
     def parts(self) -> tuple[dict[int, Image], dict[int, Colour]]:
         """To give to another world of the same scene, as when one is unpickled."""
         return self._images, self._colors
+
+
+class Coloured(Protocol):
+    """What changes of colour need of `omma.World`."""
+
+    _engine: _core.World
+    _colors: Colors
+
+
+_world_method = method_of("omma.scene.world", "World")
+
+
+@checked
+@_world_method
+def set_image(self: Coloured, image: int | str, picture: Image | ArrayLike) -> None:
+    """Show another picture where an image of the scene is seen, as on a screen.
+
+    For all renderers of this world, whose scene keeps its own. Only in worlds that were never
+    lit: light goes by the colours that it was made for.
+
+    Args:
+        image: which, an index in ``scene.images`` or the name of one.
+        picture: of the same size: an image, or (height, width, 3 or 4), where uint8 is sRGB and
+            float linear.
+
+    Raises:
+        omma.Error: no such image, another size, an image whose alpha cuts out or blends, a
+            world that was lit, or something is being rendered.
+    """
+    self._colors.set_image(self._engine, image, picture)
+
+
+@checked
+@_world_method
+def set_color(
+    self: Coloured,
+    material: int | str,
+    base_color: ArrayLike | None = None,
+    *,
+    emissive: ArrayLike | None = None,
+) -> None:
+    """Give a material another colour or light of its own, as of a lamp that flickers.
+
+    For all renderers of this world, whose scene keeps its own. Only in worlds that were never
+    lit.
+
+    Args:
+        material: which, an index in ``scene.materials`` or the name of one.
+        base_color: linear RGB, by which the material's texture is multiplied. None: as it is.
+        emissive: linear RGB that it adds; nothing where the material is unlit
+            (KHR_materials_unlit). None: as it is.
+
+    Raises:
+        omma.Error: no such material, a number below 0 or not finite, a world that was lit, or
+            something is being rendered.
+    """
+    self._colors.set_color(self._engine, material, base_color, emissive)
 
 
 def _index(given: int | str, what: str, names: Sequence[str]) -> int:

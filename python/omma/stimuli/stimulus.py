@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, Protocol
 
 import numpy as np
@@ -10,10 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Background, Error, Scene
 from omma.base.arguments import array_of, checked, expect
+from omma.base.progress import Progress
 from omma.scene.world import World
 from omma.stimuli.gaussian import Floats, gaussian_means
-
-Progress = Callable[[float], object]
 
 
 class Settings(Protocol):

@@ -3,34 +3,24 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from omma._core import Error
-from omma.view.poses import HeadPose, moved, pose_from_matrix
+from omma.view.page import Page
+from omma.view.page_tabs import MOST_RAYS, Tabs
+from omma.view.poses import WAYS, moved, pose_from_matrix, stepped, turned, turned_aside
 from omma.view.watchers import Reply
 
-if TYPE_CHECKING:
-    from omma.view.page import Page
-
-_STEP_DEG = 3.0
 _FASTER = 1.25
-MOST_RAYS = 64
-SLOWEST_M_S, FASTEST_M_S = 1e-4, 1e3
-# Beyond, left and right change places.
-_STEEPEST_DEG = 89.0
 # A browser that was held up tells of more than this at once; nobody wants to be there.
 _LONGEST_S, _FARTHEST_DEG = 1.0, 360.0
-_WAYS = {
-    "ahead": (1, 0, 0), "back": (-1, 0, 0), "left": (0, -1, 0), "right": (0, 1, 0),
-    "up": (0, 0, 1), "down": (0, 0, -1),
-}  # fmt: skip
 
 
 class Hands:
     """Does on a page what browsers ask for; in the door's thread."""
 
-    def __init__(self, page: Page) -> None:
-        self._page = page
+    def __init__(self, page: Page, tabs: Tabs) -> None:
+        self._page, self._tabs = page, tabs
         self._camera = -1
 
     def take(self, message: dict[str, Any], send_file: Reply) -> None:
@@ -41,7 +31,7 @@ class Hands:
             self._page.tell_error(error)
 
     def _do(self, message: dict[str, Any], send_file: Reply) -> None:
-        page, tabs = self._page, self._page.tabs
+        page, tabs = self._page, self._tabs
         what = str(message.get("do", ""))
         kind, _, name = what.partition("_")
         if what == "size":
@@ -69,27 +59,16 @@ class Hands:
             page.note(f"{rays} rays")
         elif what == "save":
             page.save(send_file)
-        elif kind == "step" and name in _WAYS:
-            self.step(name)
+        elif kind == "step" and name in WAYS:
+            page.go_to(stepped(page.live.look.pose, name, tabs.head.step_m))
         elif kind == "turn" and name in ("left", "right"):
-            self.turn(name)
+            page.go_to(turned_aside(page.live.look.pose, name))
         else:
             raise Error(f"page: it asks for '{what[:40]}', which omma does not know; load it anew")
 
-    def step(self, name: str) -> None:
-        """A step of the length that is set: ahead, back, left, right, up, down."""
-        step_m = float(self._page.tabs.head.step_m)
-        ahead, right, up = (step_m * one for one in _WAYS[name])
-        self._page.go_to(moved(self._page.live.look.pose, ahead, right, up))
-
-    def turn(self, name: str) -> None:
-        """A small turn to the left or to the right."""
-        turn = -_STEP_DEG if name == "left" else _STEP_DEG
-        self._page.go_to(_turned(self._page.live.look.pose, turn, 0.0))
-
     def _fly(self, message: dict[str, Any]) -> None:
         """Some seconds' way in each direction, and some degrees round."""
-        speed = float(self._page.tabs.head.speed_m_s)
+        speed = float(self._tabs.head.speed_m_s)
         ways = [
             speed * _number(message, name, -_LONGEST_S, _LONGEST_S)
             for name in ("ahead", "right", "up")
@@ -97,7 +76,7 @@ class Hands:
         yaw, pitch = (
             _number(message, name, -_FARTHEST_DEG, _FARTHEST_DEG) for name in ("yaw", "pitch")
         )
-        self._page.go_to(moved(_turned(self._page.live.look.pose, yaw, pitch), *ways))
+        self._page.go_to(moved(turned(self._page.live.look.pose, yaw, pitch), *ways))
         self._page.camera_to_head(message.get("client"))
 
     def _go_to_camera(self, by: int) -> None:
@@ -109,13 +88,6 @@ class Hands:
         camera = cameras[self._camera]
         self._page.go_to(pose_from_matrix(camera.world_from_camera))
         self._page.note(f"camera {camera.name}, {self._camera + 1} of {len(cameras)}")
-
-
-def _turned(pose: HeadPose, yaw_deg: float, pitch_deg: float) -> HeadPose:
-    # A pose that is steeper already stays so until it is turned back.
-    most = max(_STEEPEST_DEG, abs(pose.pitch_deg))
-    pitch = min(max(pose.pitch_deg + pitch_deg, -most), most)
-    return HeadPose(pose.position_m, pose.yaw_deg + yaw_deg, pitch, pose.roll_deg)
 
 
 def _number(message: dict[str, Any], name: str, low: float, high: float) -> float:

@@ -8,18 +8,16 @@ import math
 import time
 from collections.abc import Awaitable, Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from omma._core import Error
 from omma.view.command import Sources
 from omma.view.door import Door
-from omma.view.hands import Hands
 from omma.view.live import Live
 from omma.view.page_scene import PageScene
-from omma.view.page_tabs import Tabs
 from omma.view.page_texts import CLIENT
 from omma.view.painting import (
     PROJECTIONS,
@@ -35,6 +33,7 @@ from omma.view.picked import ommatidium_looking_at
 from omma.view.picture_ids import PictureIds
 from omma.view.poses import HeadPose, matrix_from_wxyz, pose_from_matrix, quaternion_wxyz
 from omma.view.state import Look, Looker, Seen
+from omma.view.watchers import Reply
 
 if TYPE_CHECKING:
     from typing import TypeGuard
@@ -50,6 +49,21 @@ _SAME_ERROR_S = 5.0
 _HEAD_FROM_CAMERA = np.diag([1.0, -1.0, -1.0, 1.0])
 
 
+class Panel(Protocol):
+    """What a page tells its widgets."""
+
+    def show_pose(self, pose: HeadPose) -> None: ...
+    def show_numbers(self, seen: Seen, frame_s: float) -> None: ...
+    def show_chosen(self, seen: Seen, still: bool) -> None: ...
+    def close(self) -> None: ...
+
+
+class Taker(Protocol):
+    """What takes the messages of browsers."""
+
+    def take(self, message: dict[str, Any], send_file: Reply) -> None: ...
+
+
 class Page:
     """All that is on the page of one server, the same for every browser that looks at it.
 
@@ -58,8 +72,10 @@ class Page:
         looker: what renders.
         look: the first settings.
         sources: the files that it all came from.
-        path: poses that can be played, (P, 4, 4); None: none as yet.
     """
+
+    tabs: Panel
+    hands: Taker
 
     def __init__(
         self,
@@ -67,7 +83,6 @@ class Page:
         looker: Looker,
         look: Look,
         sources: Sources,
-        path: ArrayLike | None,
     ) -> None:
         self.server, self.looker, self.sources = server, looker, sources
         self.channels = {one.name: one for one in channels_of(looker.world, looker.eye)}
@@ -95,10 +110,12 @@ class Page:
         self.scene = PageScene(server, looker, look)
         self.scene.head.on_update(self.guarded(self._on_drag))
         server.scene.on_click()(self.guarded(self._on_scene_click))
-        self.tabs = Tabs(self, path)
-        self.hands = Hands(self)
         server.on_client_connect(self._on_connect)
         server.on_client_disconnect(self._on_disconnect)
+
+    def equip(self, tabs: Panel, hands: Taker) -> None:
+        """Its widgets and what browsers move it by, which know it and are made after it."""
+        self.tabs, self.hands = tabs, hands
 
     def start(self, door: Door) -> None:
         """Render from now on, into the streams of a door."""
@@ -121,7 +138,7 @@ class Page:
         self.want(pose=pose)
         if not dragged:
             self.scene.place_head(pose)
-        self.tabs.head.show_pose(pose)
+        self.tabs.show_pose(pose)
 
     def show_channel(self, name: str) -> None:
         """Show something else of the numbers."""

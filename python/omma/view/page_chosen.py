@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import html
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from omma.receptors.sensitivity import ommatidium_of_receptor
 from omma.view.overlay import PICKED, acceptance_drawing, field_lines, ray_lines, reach_of
+from omma.view.page import Page
 from omma.view.picked import angles_deg, rays_of
 from omma.view.state import Look, Seen
-
-if TYPE_CHECKING:
-    from omma.view.page import Page
 
 # More rays than these are a solid cone.
 _MOST_RAYS = 64

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from omma.view.hands import FASTEST_M_S, SLOWEST_M_S
+from omma.view.page import Page
 from omma.view.page_texts import FLY
-from omma.view.poses import HeadPose, pose_from_matrix
+from omma.view.poses import HeadPose, pose_from_matrix, stepped, turned_aside
 
-if TYPE_CHECKING:
-    from omma.view.page import Page
-
+SLOWEST_M_S, FASTEST_M_S = 1e-4, 1e3
 _BUTTONS = (("Ahead", "Back", "Left", "Right"), ("Up", "Down", "Turn left", "Turn right"))
 
 
@@ -86,11 +84,11 @@ class Head:
         self._angles.value = (pose.yaw_deg, pose.pitch_deg, pose.roll_deg)
 
     async def _on_step(self, event: Any) -> None:
-        name = str(event.target.value)
+        name, pose = str(event.target.value), self.page.live.look.pose
         if name.startswith("Turn "):
-            self.page.hands.turn(name.removeprefix("Turn "))
+            self.page.go_to(turned_aside(pose, name.removeprefix("Turn ")))
         else:
-            self.page.hands.step(name.lower())
+            self.page.go_to(stepped(pose, name.lower(), self.step_m))
 
     def _behind(self, client: Any) -> None:
         """A browser's camera behind the head."""

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from numpy.typing import ArrayLike
 
 from omma._core import Error
 from omma.base.poses import as_poses
 from omma.picture.video import FRAMES_PER_S
-from omma.view.hands import MOST_RAYS
 from omma.view.motion import Clock
+from omma.view.page import Page
 from omma.view.page_chosen import Chosen
 from omma.view.page_head import Head
 from omma.view.page_texts import CAMERA_PICTURE, EYE_PICTURE, LINKS, numbers_html, saved_html
@@ -19,14 +19,15 @@ from omma.view.path_files import poses_of_csv, record_video, recorded_csv
 from omma.view.poses import HeadPose, pose_from_matrix
 from omma.view.state import Seen
 
-if TYPE_CHECKING:
-    from omma.view.page import Page
-
+MOST_RAYS = 64
 _WIDTH = 430.0
 
 
 class Tabs:
-    """The widgets of a page; what they are set to goes to the page, and back."""
+    """The widgets of a page; what they are set to goes to the page, and back.
+
+    ``path``: poses that can be played, (P, 4, 4); None: none as yet.
+    """
 
     def __init__(self, page: Page, path: ArrayLike | None) -> None:
         self.page = page
@@ -223,6 +224,10 @@ class Tabs:
         event.client.send_file_download("path.csv", recorded_csv(looks), save_immediately=True)
 
     # What comes back.
+
+    def show_pose(self, pose: HeadPose) -> None:
+        """The numbers of where the head is."""
+        self.head.show_pose(pose)
 
     def show_rays(self, samples: int) -> None:
         """How many rays each ommatidium has while things move."""

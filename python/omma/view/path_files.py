@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,11 +15,9 @@ from omma.base.poses import load_poses
 from omma.picture.video import FRAMES_PER_S, VideoWriter
 from omma.rendering.response_files import Piece
 from omma.view.command import path_text
+from omma.view.page import Page
 from omma.view.painting import eye_ids, paint_eye, shown_values, unseen_in
 from omma.view.state import Look
-
-if TYPE_CHECKING:
-    from omma.view.page import Page
 
 _MOST_BYTES = 64 << 20
 _WIDTH = 1024

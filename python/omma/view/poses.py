@@ -19,6 +19,15 @@ _METRES, _DEGREES = 6, 4  # decimals that are kept: micrometres, a third of an a
 _STEEP_DEG = 89.0
 _FARTHEST_M = 1e6
 
+# Steps and small turns, as keys and buttons make them.
+WAYS = {
+    "ahead": (1, 0, 0), "back": (-1, 0, 0), "left": (0, -1, 0), "right": (0, 1, 0),
+    "up": (0, 0, 1), "down": (0, 0, -1),
+}  # fmt: skip
+_STEP_DEG = 3.0
+# Beyond, left and right change places.
+_STEEPEST_DEG = 89.0
+
 
 @value_class
 @dataclass(frozen=True, eq=False, repr=False)
@@ -111,6 +120,25 @@ def matrix_from_wxyz(wxyz: ArrayLike, position_m: ArrayLike) -> Matrix:
     matrix[:3, :3] = Rotation.from_quat([x, y, z, w]).as_matrix()
     matrix[:3, 3] = np.asarray(position_m, np.float64)
     return matrix
+
+
+def stepped(pose: HeadPose, way: str, step_m: float) -> HeadPose:
+    """The pose a step away: ahead, back, left, right, up, down."""
+    ahead, right, up = (step_m * one for one in WAYS[way])
+    return moved(pose, ahead, right, up)
+
+
+def turned_aside(pose: HeadPose, side: str) -> HeadPose:
+    """The pose turned a little to the left or to the right."""
+    return turned(pose, -_STEP_DEG if side == "left" else _STEP_DEG, 0.0)
+
+
+def turned(pose: HeadPose, yaw_deg: float, pitch_deg: float) -> HeadPose:
+    """The pose turned to the right and up, never beyond the vertical."""
+    # A pose that is steeper already stays so until it is turned back.
+    most = max(_STEEPEST_DEG, abs(pose.pitch_deg))
+    pitch = min(max(pose.pitch_deg + pitch_deg, -most), most)
+    return HeadPose(pose.position_m, pose.yaw_deg + yaw_deg, pitch, pose.roll_deg)
 
 
 def moved(

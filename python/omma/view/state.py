@@ -7,7 +7,7 @@ no browser.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Camera, Error, Eye, error_scrambles
 from omma.base.arguments import expect, positive, whole, within
+from omma.base.progress import Progress
 from omma.base.values import value_class
 from omma.eye.change import set_acceptance
 from omma.picture.cameras import render_camera
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 Floats = NDArray[np.float32]
-Progress = Callable[[float], object]
 
 MOST_SAMPLES = 256
 WIDEST_FACTOR = 10.0

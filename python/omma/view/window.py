@@ -7,7 +7,7 @@ import html
 import secrets
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from omma._core import Error, Eye, Scene, merge_eyes
 from omma.base.arguments import checked, expect, whole
+from omma.base.optional import needs
 from omma.base.poses import as_poses, load_poses
 from omma.eye.files import load_eye
 from omma.receptors.sensitivity import ultraviolet_mix
@@ -98,6 +99,21 @@ class Window:
         )
 
 
+@dataclass(frozen=True)
+class WindowOptions:
+    """How a window is asked for; `show` says what each is."""
+
+    pose: ArrayLike | None = None
+    samples: int = 4
+    path: ArrayLike | str | None = None
+    ultraviolet: ArrayLike | None = None
+    animation: str | int | None = None
+    threads: int = 0
+    host: str = "127.0.0.1"
+    port: int | None = None
+    proxy: str | None = None
+
+
 @checked
 def show(
     world: World | Scene,
@@ -158,72 +174,54 @@ def show(
     eyes = [eye] if isinstance(eye, Eye) else list(eye)
     head = eye if isinstance(eye, Eye) else merge_eyes(eyes)
     files = _files_of(world, eyes, unit)
-    return open_window(
-        world,
-        head,
-        files,
-        pose=pose,
-        samples=samples,
-        path=path,
-        ultraviolet=ultraviolet,
-        animation=animation,
-        threads=threads,
-        host=host,
-        port=port,
-        proxy=proxy,
+    asked = WindowOptions(
+        pose, samples, path, ultraviolet, animation, threads, host=host, port=port, proxy=proxy
     )
+    return open_window(world, head, files, asked)
 
 
-def open_window(
-    world: World,
-    eye: Eye,
-    sources: Sources,
-    *,
-    pose: ArrayLike | None,
-    samples: int,
-    path: ArrayLike | str | None,
-    ultraviolet: ArrayLike | None,
-    animation: str | int | None,
-    threads: int,
-    host: str,
-    port: int | None,
-    proxy: str | None,
-) -> Window:
+def open_window(world: World, eye: Eye, sources: Sources, asked: WindowOptions) -> Window:
     """What `show` does, with the files that world and eye came from."""
     viser = load_viser()
     from omma.view.door import Door
+    from omma.view.hands import Hands
     from omma.view.page import Page
+    from omma.view.page_tabs import Tabs
 
-    if port is not None:
-        whole(port, "port", 0, 65535)
-    given = None if ultraviolet is None else ultraviolet_mix(ultraviolet)
-    looker = Looker(world, eye, ultraviolet=given, animation=animation, threads=threads)
+    if asked.port is not None:
+        whole(asked.port, "port", 0, 65535)
+    given = None if asked.ultraviolet is None else ultraviolet_mix(asked.ultraviolet)
+    looker = Looker(
+        world, eye, ultraviolet=given, animation=asked.animation, threads=asked.threads
+    )
     cameras = world.scene.cameras
-    if pose is not None:
-        first = as_poses(pose)[0]
+    if asked.pose is not None:
+        first = as_poses(asked.pose)[0]
     else:
         first = cameras[0].world_from_camera if cameras else np.eye(4)
-    poses = load_poses(path) if isinstance(path, str) else path
+    poses = load_poses(asked.path) if isinstance(asked.path, str) else asked.path
     if poses is not None:
         poses = as_poses(poses)
-    look = Look(pose_from_matrix(first), samples)
+    look = Look(pose_from_matrix(first), asked.samples)
     sources = replace(
         sources,
         lit=world.light is not None,
         ultraviolet=None if given is None else tuple(given.tolist()),
     )
-    shown_at = None if proxy is None else proxy_address(proxy)
+    shown_at = None if asked.proxy is None else proxy_address(asked.proxy)
     # Whom a proxy lets come to here nobody knows here.
-    open_to_others = shown_at is not None or not is_loopback(host)
+    open_to_others = shown_at is not None or not is_loopback(asked.host)
     rules = Rules(secrets.token_urlsafe(24), shown_at) if open_to_others else Rules()
     secret = secrets.token_urlsafe(24)
-    listener = listening_socket(host, port)
+    listener = listening_socket(asked.host, asked.port)
     server = None
     try:
         with _quiet_viser():
             server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
         _lock(server, secret)
-        page = Page(server, looker, look, sources, poses)
+        page = Page(server, looker, look, sources)
+        tabs = Tabs(page, poses)
+        page.equip(tabs, Hands(page, tabs))
     except BaseException:
         listener.close()
         if server is not None:
@@ -239,7 +237,7 @@ def open_window(
         on_message=page.hands.take,
     )
     page.start(door)
-    shown = f"[{host}]" if ":" in host else host
+    shown = f"[{asked.host}]" if ":" in asked.host else asked.host
     before = f"http://{shown}:{door.port}/" if shown_at is None else shown_at.geturl()
     url = f"{before}{rules.word}/"
     return Window(server, page, door, url)
@@ -272,16 +270,9 @@ def load_viser() -> Any:
     Raises:
         omma.Error: it is not installed.
     """
-    try:
-        import aiohttp  # noqa: F401
-        import viser
-        from PIL import Image  # noqa: F401
-    except ImportError as error:
-        raise Error(
-            f"the page needs viser and aiohttp, of which one is not installed ({error}): "
-            "pip install 'omma[view]'"
-        ) from None
-    return viser
+    needs("aiohttp", "view", "the page needs aiohttp")
+    needs("PIL.Image", "view", "the page needs Pillow")
+    return needs("viser", "view", "the page needs viser")
 
 
 def _lock(server: Any, secret: str) -> None:

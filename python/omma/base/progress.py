@@ -1,0 +1,19 @@
+"""Functions that are told of the progress of long work."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+Progress = Callable[[float], object]
+"""Called with the finished share, 0 to 1; what it raises ends the work."""
+
+Stage = Callable[[str, float | None], object]
+"""Called with what is being done and its finished share, None where that is not known."""
+
+
+def share_of(progress: Progress | None, first: float, last: float) -> Progress | None:
+    """A progress function for one stage, which takes ``progress`` from ``first`` to ``last``."""
+    if progress is None:
+        return None
+    whole_work = progress
+    return lambda done: whole_work(first + (last - first) * done)

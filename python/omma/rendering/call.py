@@ -1,0 +1,179 @@
+"""One call of the engine: what is asked for is converted once and checked once, here; nothing else
+knows the engine's arguments."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma import _core
+from omma._core import Eye, Scene
+from omma.base.poses import Matrices, as_poses
+from omma.base.progress import Progress, share_of
+from omma.rendering.moves import Moves, MovesOptions
+from omma.rendering.pose_warnings import warn_of_poses
+from omma.rendering.receptor_views import ReceptorViews
+from omma.rendering.settings import Settings, frame_number
+from omma.scene.world import World
+
+Responses = NDArray[np.float32]
+Poses = ArrayLike | tuple[ArrayLike, ArrayLike] | str
+
+
+class Prepared(Protocol):
+    """What a call needs of `omma.Renderer`, whose methods make calls."""
+
+    _engine: _core.Renderer
+
+    @property
+    def world(self) -> World: ...
+    @property
+    def scene(self) -> Scene: ...
+    @property
+    def eye(self) -> Eye: ...
+    @property
+    def settings(self) -> Settings: ...
+    @property
+    def bands(self) -> int: ...
+    @property
+    def backend(self) -> str: ...
+    def _receptor_views(self) -> tuple[ReceptorViews, Prepared]: ...
+
+
+@dataclass(frozen=True)
+class Frames:
+    """What a call gives: arrays that the engine writes into."""
+
+    responses: Responses
+    """(P, N, C), or (P, R) of receptors."""
+    standard_error: Responses | None = None
+    """Of each response, where asked for."""
+    rays: NDArray[np.int32] | None = None
+    """(P, N), spent to reach an error, where asked for."""
+
+    @property
+    def returned(self) -> Responses | tuple[Responses, Responses]:
+        """As methods of a renderer return them: with their errors where there are any."""
+        if self.standard_error is None:
+            return self.responses
+        return self.responses, self.standard_error
+
+
+@dataclass(frozen=True)
+class Call:
+    """Some poses that a renderer is to go through, and what moves from one to the next."""
+
+    renderer: Prepared
+    poses: Matrices
+    moves: Moves
+    first_frame: int | None
+    """The number of the first pose's frame; None: frames are counted on."""
+    progress: Progress | None
+
+    @classmethod
+    def of(
+        cls,
+        renderer: Prepared,
+        poses: Poses,
+        moves: MovesOptions,
+        first_pose: int | None,
+        progress: Progress | None = None,
+    ) -> Call:
+        """What a user asks for, in arrays.
+
+        Raises:
+            omma.Error: an argument is not what `Renderer.render` says.
+            TypeError: ``first_pose`` is no whole number.
+        """
+        matrices = poses_of(renderer, poses)
+        moving = Moves(renderer.world, matrices, moves, renderer.settings.impulse_response)
+        return cls(renderer, matrices, moving, frame_number(first_pose), progress)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Numbers of poses and of ommatidia."""
+        return len(self.poses), len(self.renderer.eye)
+
+    def piece(self, first: int, count: int) -> Call:
+        """The same of some of the poses, with their share of the progress."""
+        poses = self.poses[first : first + count]
+        return replace(
+            self,
+            poses=poses,
+            moves=self.moves.piece(first, count),
+            first_frame=None if self.first_frame is None else self.first_frame + first,
+            progress=share_of(
+                self.progress, first / len(self.poses), (first + len(poses)) / len(self.poses)
+            ),
+        )
+
+    def new_frames(
+        self, outputs: int | None = None, *, standard_error: bool = False, rays: bool = False
+    ) -> Frames:
+        """Arrays for the engine to write into: so many outputs, or else the bands."""
+        shape = (*self.size, self.renderer.bands if outputs is None else outputs)
+        return Frames(
+            np.empty(shape, np.float32),
+            np.empty(shape, np.float32) if standard_error else None,
+            np.empty(self.size, np.int32) if rays else None,
+        )
+
+    def render(
+        self,
+        frames: Frames,
+        *,
+        output_from_band: NDArray[np.float64] | None = None,
+        stokes: bool = False,
+        ray_radiance: NDArray[np.float32] | None = None,
+    ) -> Frames:
+        """Have the engine fill the frames, and return them.
+
+        Args:
+            frames: with arrays for what is asked for.
+            output_from_band: (outputs, components x bands), mixtures that are responses; None: the
+                bands are.
+            stokes: responses are I, Q and U of each band.
+            ray_radiance: (P, N, samples, C), for the radiance of each ray.
+        """
+        self.renderer._engine.render(
+            self.poses,
+            frames.responses,
+            frames.standard_error,
+            frames.rays,
+            ray_radiance,
+            self.first_frame,
+            output_from_band,
+            stokes,
+            self.moves.for_engine(),
+            self.progress,
+        )
+        self._tell()
+        return frames
+
+    def render_truth(self, arrays: dict[str, NDArray[np.generic]]) -> None:
+        """Have the engine fill arrays by name with responses and ground truth; some of them say
+        what of (omma/truth.h)."""
+        _core.render_truth(
+            self.renderer._engine,
+            self.poses,
+            arrays,
+            self.first_frame,
+            self.moves.for_engine(),
+            self.progress,
+        )
+        self._tell()
+
+    def _tell(self) -> None:
+        """Tell the world what has moved, and the user what is odd about the poses."""
+        self.moves.note()
+        warn_of_poses(self.renderer._engine, self.poses)
+
+
+def poses_of(renderer: Prepared, poses: Poses) -> Matrices:
+    """Poses in any form that a renderer takes, also a camera's name, as (P, 4, 4)."""
+    if isinstance(poses, str):
+        return as_poses(renderer.scene.camera(poses).world_from_camera)
+    return as_poses(poses)

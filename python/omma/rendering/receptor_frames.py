@@ -1,0 +1,179 @@
+"""A method of `omma.Renderer`: responses of receptors, mixed of the bands or of Stokes vectors."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING, Literal, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma._core import Error, Eye
+from omma.base.arguments import checked, output_array
+from omma.base.progress import Progress, share_of
+from omma.receptors.catches import type_polarisation
+from omma.rendering.call import Call, Frames, Poses, Prepared, Responses
+from omma.rendering.moves import MovesOptions, renderer_method
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+Floats = NDArray[np.float64]
+
+# Bytes of radiance held at once while it becomes receptors' responses.
+_CHUNK_BYTES = 32 << 20
+# Types whose estimates are made in one render.
+_MOST_TYPES = 64
+
+
+@overload
+def render_receptors(
+    self: Prepared,
+    poses: Poses,
+    *,
+    matrix: ArrayLike | None = None,
+    ultraviolet: ArrayLike | None = None,
+    standard_error: Literal[False] = False,
+    out: Responses | None = None,
+    first_pose: int | None = None,
+    progress: Progress | None = None,
+    **moves: Unpack[MovesOptions],
+) -> Responses: ...
+
+
+@overload
+def render_receptors(
+    self: Prepared,
+    poses: Poses,
+    *,
+    matrix: ArrayLike | None = None,
+    ultraviolet: ArrayLike | None = None,
+    standard_error: Literal[True],
+    out: Responses | None = None,
+    first_pose: int | None = None,
+    progress: Progress | None = None,
+    **moves: Unpack[MovesOptions],
+) -> tuple[Responses, Responses]: ...
+
+
+@checked
+@renderer_method
+def render_receptors(
+    self: Prepared,
+    poses: Poses,
+    *,
+    matrix: ArrayLike | None = None,
+    ultraviolet: ArrayLike | None = None,
+    standard_error: bool = False,
+    out: Responses | None = None,
+    first_pose: int | None = None,
+    progress: Progress | None = None,
+    **moves: Unpack[MovesOptions],
+) -> Responses | tuple[Responses, Responses]:
+    """What the eye's receptors answer, (P, R): float32, linear, never clipped.
+
+    Receptors come in the order of ``eye.receptor_type``. Those that look where their ommatidium
+    looks share its rays, and cost next to nothing; one beside the axis, or with an acceptance
+    of its own, costs as much as an ommatidium. RGB becomes responses through a matrix of types
+    and channels (docs/receptors.md). RGB says nothing of ultraviolet, so there is none, unless
+    ``ultraviolet`` or ``matrix`` says otherwise.
+
+    Args:
+        matrix: (T, C), weights of the bands, which are red, green and blue unless the world has
+            others, for each of ``eye.receptor_types``; None takes `receptor_matrix`.
+        ultraviolet: light below 400 nm: "dark", "as_blue" or a mix of the channels (3,), see
+            `receptor_matrix`.
+        standard_error: return (responses, errors): those of each receptor's own estimates, as
+            in `render`.
+        poses, out, first_pose, progress: as in `render`.
+        instances, transforms, times_s, animation: as in `render`.
+
+    Raises:
+        omma.Error: an eye without receptors, a type without a sensitivity, a wrong shape, no
+            matrix in a world whose bands are not RGB.
+    """
+    call = Call.of(self, poses, moves, first_pose, progress)
+    return frames_of_receptors(call, matrix, ultraviolet, standard_error, out).returned
+
+
+def frames_of_receptors(
+    call: Call,
+    matrix: ArrayLike | None,
+    ultraviolet: ArrayLike | None,
+    standard_error: bool,
+    out: Responses | None = None,
+) -> Frames:
+    """Responses (P, R) of a call; other arguments as of `render_receptors`."""
+    eye = call.renderer.eye
+    views, renderer = call.renderer._receptor_views()
+    weights = _weights(call.renderer, matrix, ultraviolet)
+    shape = (len(call.poses), len(eye.receptor_type))
+    responses = output_array(out, shape, "out")
+    errors = np.empty(shape, np.float32) if standard_error else None
+    seen = replace(call, renderer=renderer)
+    if errors is None and not call.renderer.world.polarized:
+        # One render of all bands serves all types.
+        for piece, which in _pieces(seen, call.renderer.bands):
+            radiance = piece.render(piece.new_frames()).responses[:, views.view_of_receptor]
+            responses[which] = np.einsum("prb,rb->pr", radiance, weights[eye.receptor_type])
+        return Frames(responses)
+    # Errors are those of the receptors' own estimates, for some types at a time.
+    groups = [weights[k : k + _MOST_TYPES] for k in range(0, len(weights), _MOST_TYPES)]
+    for piece, which in _pieces(seen, min(len(weights), _MOST_TYPES)):
+        for k, group in enumerate(groups):
+            told = share_of(piece.progress, k / len(groups), (k + 1) / len(groups))
+            frames = replace(piece, progress=told).render(
+                piece.new_frames(len(group), standard_error=standard_error),
+                output_from_band=np.ascontiguousarray(group),
+            )
+            type_in_group = eye.receptor_type - k * _MOST_TYPES
+            those = np.flatnonzero((type_in_group >= 0) & (type_in_group < len(group)))
+            at = views.view_of_receptor[those], type_in_group[those]
+            responses[which, those] = frames.responses[:, at[0], at[1]]
+            if errors is not None and frames.standard_error is not None:
+                errors[which, those] = frames.standard_error[:, at[0], at[1]]
+    return Frames(responses, errors)
+
+
+def _pieces(call: Call, outputs: int) -> Iterator[tuple[Call, slice]]:
+    """Calls for as many poses as memory is to hold these outputs of, and which poses they are."""
+    chunk = max(1, _CHUNK_BYTES // (len(call.renderer.eye) * outputs * 4))
+    for start in range(0, len(call.poses), chunk):
+        yield call.piece(start, chunk), slice(start, start + chunk)
+
+
+def _weights(renderer: Prepared, matrix: ArrayLike | None, ultraviolet: ArrayLike | None) -> Floats:
+    """Weights of bands for each type, [type, band]; in a polarised world those of I, Q and U."""
+    eye = renderer.eye
+    if matrix is None:
+        if renderer.world.band_from_rgb is not None:
+            raise Error(
+                "matrix: expected one [type, band], as this world's bands are not RGB "
+                "(receptor_matrix makes it of their edges), found None"
+            )
+        views, _ = renderer._receptor_views()
+        weights = views.matrix(renderer.world.light, ultraviolet)
+    elif ultraviolet is not None:
+        raise Error("ultraviolet: is for the matrix that is made here; not together with matrix")
+    else:
+        weights = np.ascontiguousarray(matrix, np.float64)
+        expected = (len(eye.receptor_types), renderer.bands)
+        if weights.shape != expected or not np.all(np.isfinite(weights)):
+            raise Error(
+                f"matrix: expected numbers [type, band] of shape {expected}, found "
+                f"{weights.shape}"
+                + ("" if weights.shape != expected else ", not all of them finite")
+            )
+    return _with_polarisation(eye, weights) if renderer.world.polarized else weights
+
+
+def _with_polarisation(eye: Eye, weights: Floats) -> Floats:
+    """Weights [type, band] as [type, component x band]: how microvilli weight I, Q and U."""
+    modulation, angle = type_polarisation(eye)
+    components = [
+        np.ones(len(angle)),
+        modulation * np.cos(2 * angle),
+        modulation * np.sin(2 * angle),
+    ]
+    return np.concatenate([one[:, None] * weights for one in components], axis=1)
