@@ -13,10 +13,13 @@ import re
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
+from collections import Counter
 from pathlib import Path
 
 # The shortest tests that together take about two minutes on two cores: six of seven.
 LONGEST_S = {"cpp.xml": 0.5, "python.xml": 0.3}
+# Files whose long tests take more are left out whole: what their tests share takes as long.
+LONGEST_OF_A_FILE_S = 30
 SUITE = re.compile(r"^\s*TEST(?:_[FP])?\(\s*(\w+)", re.MULTILINE)
 
 
@@ -25,14 +28,14 @@ def git(*arguments: str) -> list[str]:
     return done.stdout.splitlines()
 
 
-def long_tests(report: Path) -> list[tuple[str, str]]:
-    """Class and name of the tests that took longer than a quick run has for one."""
+def long_tests(report: Path) -> dict[tuple[str, str], float]:
+    """Seconds of the tests that took longer than a quick run has for one, by class and name."""
     cases = ET.parse(report).getroot().iter("testcase")
-    return [
-        (case.get("classname", ""), case.get("name", ""))
+    times = {
+        (case.get("classname", ""), case.get("name", "")): float(case.get("time", 0))
         for case in cases
-        if float(case.get("time", 0)) > LONGEST_S[report.name]
-    ]
+    }
+    return {test: time for test, time in times.items() if time > LONGEST_S[report.name]}
 
 
 def changed_since(commit: str) -> list[str]:
@@ -64,24 +67,27 @@ def main() -> None:
     changed = changed_since((folder / "commit").read_text().strip())
     files = tests_of(changed)
     suites = {suite for file in files for suite in SUITE.findall(file.read_text("utf-8"))}
-    of_python = [
-        (place, name)
-        for place, name in long_tests(folder / "python.xml")
-        if Path(*place.split(".")).with_suffix(".py") not in files
-        and not any(path in name for path in changed)
-    ]
+    of_python, seconds = [], Counter[str]()
+    for (place, name), time in long_tests(folder / "python.xml").items():
+        path = f"{place.replace('.', '/')}.py"
+        if Path(path) not in files and not any(each in name for each in changed):
+            of_python.append((path, name))
+            seconds[path] += time
+    whole = [path for path in seconds if seconds[path] > LONGEST_OF_A_FILE_S]
     of_cpp = [
         name
         for _, name in long_tests(folder / "cpp.xml")
         if not suites.intersection(re.split(r"[./]", name))
     ]
-    lines = [f"--deselect={place.replace('.', '/')}.py::{name}" for place, name in of_python]
+    lines = [f"--ignore={path}" for path in whole]
+    lines += [f"--deselect={path}::{name}" for path, name in of_python if path not in whole]
     (out / "pytest.txt").write_text("\n".join(lines) + "\n")
     left_out = "|".join(re.escape(name) for name in of_cpp)
     (out / "ctest.txt").write_text(f"^({left_out or 'none'})$")
     print(
-        f"Left out: {len(of_cpp)} C++ and {len(of_python)} Python tests that took long in the last "
-        f"whole run; {len(files)} test files belong to what has changed since."
+        f"Left out, as they took long in the last whole run: {len(of_cpp)} C++ tests, "
+        f"{len(of_python)} Python tests and the rest of {len(whole)} of their files. "
+        f"{len(files)} test files belong to what has changed since."
     )
 
 
