@@ -10,6 +10,7 @@ import aiohttp
 from aiohttp import WSMsgType, web
 
 from omma._core import Error
+from omma.view.watchers import ALIVE_S
 
 SECRET_HEADER = "X-Omma-Door"
 SCRIPTS = ("colours.js", "live.js", "layout.js", "flying.js", "keys.js")
@@ -18,7 +19,6 @@ STYLE = "page.css"
 _TITLE = "<title>Viser</title>"
 _KINDS = {".js": "text/javascript", ".css": "text/css"}
 _LARGEST_MESSAGE = 50 << 20  # what viser itself takes
-_ALIVE_S = 50.0  # a busy page has half of it to answer; proxies end what is silent for 60 s
 
 
 def page_file(name: str) -> web.Response | None:
@@ -94,7 +94,7 @@ class Viser:
             outer = web.WebSocketResponse(
                 protocols=[inner.protocol] if inner.protocol else [],
                 max_msg_size=_LARGEST_MESSAGE,
-                heartbeat=_ALIVE_S,
+                heartbeat=ALIVE_S,
                 compress=False,
             )
             await outer.prepare(request)

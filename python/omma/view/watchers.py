@@ -21,7 +21,9 @@ FILE = 255
 
 _LONGEST_MESSAGE = 4096
 _LARGEST = 1 << 14  # of a screen, pixels
-_ALIVE_S = 25.0  # so often is asked whether a browser is there; proxies end what is silent for 60 s
+# So often is asked whether a browser is there, which has half of it to answer, as busy machines may
+# need; proxies end what is silent for 60 s.
+ALIVE_S = 50.0
 
 Reply = Callable[[bytes], None]
 OnMessage = Callable[[dict[str, Any], Reply], None]
@@ -73,7 +75,7 @@ class Watchers:
     async def serve(self, request: web.Request) -> web.WebSocketResponse:
         """Until the browser goes."""
         socket = web.WebSocketResponse(
-            heartbeat=_ALIVE_S, max_msg_size=_LONGEST_MESSAGE, compress=False
+            heartbeat=ALIVE_S, max_msg_size=_LONGEST_MESSAGE, compress=False
         )
         await socket.prepare(request)
         watcher = _Watcher(socket)

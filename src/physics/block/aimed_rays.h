@@ -213,8 +213,8 @@ OMMA_HD void add_aimed(const FrameView& frame, const BlockTask& task, const Repl
 // What replicates see besides what their rays bring: of discs of the sky, and where they aim.
 template <typename L, typename Search>
 OMMA_HD_CALLED void eval_beside_rays(const FrameView& frame, const BlockTask& task,
-                              const ReplicateList& list, Search& search,
-                              const BlockMemory& memory) {
+                                     const ReplicateList& list, Search& search,
+                                     const BlockMemory& memory) {
   for (int o = 0; o < frame.outputs; ++o)
     for (int u = 0; u < list.count; ++u)
       memory.beside[o * padded_capacity + u] = memory.beside_variance[o * padded_capacity + u] = 0;

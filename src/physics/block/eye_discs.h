@@ -225,7 +225,7 @@ struct PointSet {
 // Shadow rays of a replicate to the points of a set on the disc.
 template <typename L, typename Search>
 OMMA_HD_CALLED void trace_disc(const DiscTask& of, Search& search, const BlockMemory& memory,
-                        const PointSet& set, DiscSums& sums) {
+                               const PointSet& set, DiscSums& sums) {
   using F = typename L::F;
   using I = typename L::I;
   using U = typename L::U;

@@ -47,7 +47,7 @@ struct ReplicateSums {
 // bring to their replicates' sums.
 template <typename L, typename Search>
 OMMA_HD_CALLED void trace_replicates(const BlockRun<Search>& run, const DirectionsView& directions,
-                              const ReplicateList& list, const ReplicateSums& to) {
+                                     const ReplicateList& list, const ReplicateSums& to) {
   const FrameView& frame = run.frame;
   const BlockTask& task = run.task;
   const BlockMemory& memory = run.memory;

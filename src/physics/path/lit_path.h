@@ -201,7 +201,7 @@ OMMA_HD_CALLED LaneMask<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on
 // packet is followed alone.
 template <typename L, typename Search>
 OMMA_HD_CALLED void trace_paths(const Flight<L, Search>& flight, LaneMask<L> on,
-                         FirstHits<L>* first = nullptr) {
+                                FirstHits<L>* first = nullptr) {
   for (int i = 0; i < flight.components() * flight.stride(); ++i) flight.radiance[i] = 0;
   reset_paths<L>(flight.scene, flight.state, flight.memory);
   for (int k = 0; on.any() && k < most_flights; ++k) {

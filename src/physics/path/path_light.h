@@ -109,7 +109,8 @@ struct FarLookups {
 };
 
 template <typename L, typename Search>
-OMMA_HD_CALLED void look_up_far(const Flight<L, Search>& flight, LaneMask<L> lanes, FarLookups<L>& far) {
+OMMA_HD_CALLED void look_up_far(const Flight<L, Search>& flight, LaneMask<L> lanes,
+                                FarLookups<L>& far) {
   using F = typename L::F;
   const SceneView& scene = flight.scene;
   const PathState<L>& state = flight.state;
@@ -127,7 +128,8 @@ OMMA_HD_CALLED void look_up_far(const Flight<L, Search>& flight, LaneMask<L> lan
 // found it too (direct_light.h): it counts by the balance heuristic, and wholly for rays from the
 // eye.
 template <typename L, typename Search>
-OMMA_HD_CALLED void add_far(const Flight<L, Search>& flight, LaneMask<L> lanes, const FarLookups<L>& far) {
+OMMA_HD_CALLED void add_far(const Flight<L, Search>& flight, LaneMask<L> lanes,
+                            const FarLookups<L>& far) {
   using F = typename L::F;
   using I = typename L::I;
   constexpr int n = L::count;
@@ -191,8 +193,9 @@ OMMA_HD F passing(F alpha, F straight, F reflectance) {
 // Shadow rays past surfaces that let light straight through: the transmittance of the way, by band,
 // is memory.throughput. Returns the lanes that reach their light.
 template <typename L, typename Search>
-OMMA_HD_CALLED LaneMask<L> trace_transmittance(const SceneView& scene, Search& search, LaneMask<L> lanes,
-                                        Packet<L>& shadow, const SpectraMemory& memory) {
+OMMA_HD_CALLED LaneMask<L> trace_transmittance(const SceneView& scene, Search& search,
+                                               LaneMask<L> lanes, Packet<L>& shadow,
+                                               const SpectraMemory& memory) {
   using F = typename L::F;
   PassedSurfaces<L::count> passed;
   alignas(L::count * 4) float t_far_m[L::count];

@@ -56,8 +56,8 @@ struct Replicates {
 // replicate repeat it.
 template <typename L>
 OMMA_HD_CALLED void make_replicates(const EyeView& eye, const BlockTask& task,
-                             const DirectionsView& directions, const ReplicateList& list,
-                             RayNeeds needs, Replicates& replicates) {
+                                    const DirectionsView& directions, const ReplicateList& list,
+                                    RayNeeds needs, Replicates& replicates) {
   using F = typename L::F;
   using I = typename L::I;
   using U = typename L::U;

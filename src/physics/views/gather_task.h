@@ -1,5 +1,5 @@
-// What light is baked for, as the physics sees it: patches of surfaces and probes in the air. Made by
-// world/bake_gather; gathered by physics/path/gather.h.
+// What light is baked for, as the physics sees it: patches of surfaces and probes in the air. Made
+// by world/bake_gather, gathered by physics/path/gather.h.
 #pragma once
 
 #include <cstdint>
