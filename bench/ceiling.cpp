@@ -13,6 +13,7 @@
 #include "backend/embree/embree_search.h"
 #include "backend/eye_arrays.h"
 #include "backend/shading_data.h"
+#include "physics/rays/replicates.h"
 #include "scenes.h"
 
 namespace omma::bench {
@@ -91,7 +92,7 @@ void ceiling(bool quick) {
     p.acceleration = embree_backend().build(*setup.scene, p.shading->view, p.placement, nullptr);
     const Renderer built(setup.scene, setup.eye);
     std::vector<float> responses(setup.eye.size() * rgb_bands);
-    const BlockFunctions block = embree_backend().block_functions();
+    const BlockFunctions block = embree_block_functions();
     for (int samples : counts) {
       const Renderer renderer(built, setup.eye, {.sampling = Fixed{samples}});
       prepare_rays(p, setup, samples);

@@ -11,6 +11,7 @@
 #include "backend/eye_arrays.h"
 #include "backend/shading_data.h"
 #include "packet_search.h"
+#include "physics/rays/replicates.h"
 #include "scenes.h"
 
 namespace omma::bench {
@@ -38,7 +39,7 @@ std::vector<RayPacket<16>> packets_of(const Setup& setup, int samples, const Sha
     task.count = std::min(per_block, ommatidia - first);
     const std::size_t before = packets.size();
     packets.resize(before + static_cast<std::size_t>((task.count * samples + 15) / 16));
-    embree_backend().block_functions().prepare(frame, task, packets.data() + before);
+    embree_block_functions().prepare(frame, task, packets.data() + before);
   }
   return packets;
 }

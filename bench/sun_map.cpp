@@ -133,7 +133,8 @@ void sun_map(bool quick) {
   const auto shading = make_shading_data(*setup.scene);
   const Placement placement = placement_of(*setup.scene);
   const auto tracer = make_embree_tracer(*setup.scene, shading->view, placement);
-  const BlockFunctions functions = embree_backend().block_functions();
+  const BlockFunctions functions = embree_block_functions();
+  const Launches launches = launch_on_threads(functions);
   std::vector<float> frames;
   const double origin[3] = {placement.origin_m.x, placement.origin_m.y, placement.origin_m.z};
   for (const Mat4& m : placement.world_from_mesh)
@@ -155,7 +156,7 @@ void sun_map(bool quick) {
         if (quick && mib > 16) continue;
         const auto start = Clock::now();
         Row& row = rows.emplace_back();
-        row.map = make_sun_map({functions.closest, tracer.get()}, *setup.scene, placement,
+        row.map = make_sun_map({launches.closest, tracer.get()}, *setup.scene, placement,
                                to_float(sun), {texel_m, mib << 20});
         row.made_s = seconds_since(start);
       }

@@ -1,13 +1,13 @@
 // A way of finding where rays meet surfaces. A backend builds an acceleration structure of a scene
-// and runs the hot loop (physics/block/block.h) with a search of its own; all that lies between a pose and
-// a response besides is the same for all of them.
+// and runs the hot loop (physics/block/block.h) with a search of its own; all that lies between a
+// pose and a response besides is the same for all of them.
 #pragma once
 
 #include <memory>
 #include <span>
 #include <string>
 
-#include "backend/block_functions.h"
+#include "backend/launches.h"
 #include "model/long_work.h"
 #include "model/scene_place.h"
 #include "omma/scene.h"
@@ -32,7 +32,7 @@ struct Backend {
   // omma::Error where that fails; they may be anywhere then.
   void (*move)(Acceleration& acceleration, std::span<const int> instances,
                std::span<const int> meshes, const Placement& placement);
-  BlockFunctions (*block_functions)();  // of this processor
+  Launches (*launches)();  // on this machine
 };
 
 // Those built in, the fastest first.

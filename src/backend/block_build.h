@@ -56,12 +56,12 @@ BlockFunctions build_block(MakeSearch) {
     weigh_rays<Packets>(shared, radiance, outputs, first, end, responses);
   };
   block.gather = [](const FrameView& frame, const GatherTask& task, const void* tracer,
-                    std::byte* memory, double* mean) {
+                    std::byte* memory) {
     const DenormalsAreZero denormals_are_zero;
     CancellableSearch<Search> search{MakeSearch{}(tracer)};
     Scratch scratch{memory};
     const BlockMemory laid_out = lay_out(scratch, frame, packet_rays);
-    gather_light<Packets>(*frame.scene, search, task, laid_out.paths, laid_out.radiance, mean);
+    gather_light<Packets>(*frame.scene, search, task, laid_out.paths, laid_out.radiance);
   };
   block.prepare = [](const FrameView& frame, const BlockTask& task,
                      RayPacket<packet_rays>* packets) {

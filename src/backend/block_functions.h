@@ -23,10 +23,8 @@ struct BlockFunctions {
                 std::byte* memory) = nullptr;
   void (*weigh)(const SharedWeights&, const float* radiance, int outputs, std::int64_t first,
                 std::int64_t end, float* responses) = nullptr;
-  // Means over the paths of each receiver, [receiver][band], in the view's unit; memory as
-  // of `render`.
-  void (*gather)(const FrameView&, const GatherTask&, const void* tracer, std::byte* memory,
-                 double* mean) = nullptr;
+  void (*gather)(const FrameView&, const GatherTask&, const void* tracer,
+                 std::byte* memory) = nullptr;
   void (*prepare)(const FrameView&, const BlockTask&, RayPacket<packet_rays>* packets) = nullptr;
   // Closest accepted hits, between t_near_m and t_far_m, of rays whose bit in `lanes` is set.
   void (*closest)(const void* tracer, unsigned lanes, RayPacket<packet_rays>& rays) = nullptr;

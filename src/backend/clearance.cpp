@@ -16,19 +16,20 @@ namespace {
 
 // Instances of a mesh that clearances are measured at.
 constexpr std::size_t most_looked_at = 3;
+constexpr std::size_t triangles_of_launch = 1024;
 constexpr std::uint32_t hash_of_clearances = 0x726f6f6du;
 
 using L = Lanes<packet_rays, 1>;
 
-// Sum of the inverse distances of a packet's rays, half of them from each side.
-double inverse_distances(const Tracing& tracing, const Vec3 (&corner)[3], std::uint32_t hash) {
+// A packet of rays from a triangle, half of them from each side. From one without area they meet
+// nothing.
+void set_rays(const Vec3 (&corner)[3], std::uint32_t hash, RayPacket<packet_rays>& rays) {
   const Vec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
   const Vec3d area = cross(to_double(e1), to_double(e2));
-  if (!(dot(area, area) > 0)) return 0;
-  const Vec3 normal = to_float(normalize(area));
-  HitGeometry<L> geometry{};
-  RayPacket<packet_rays> rays{};
+  const bool has_area = dot(area, area) > 0;
+  const Vec3 normal = has_area ? to_float(normalize(area)) : Vec3{0, 1, 0};
   clear<L>(rays);
+  HitGeometry<L> geometry{};
   float towards[3][packet_rays];
   float reach = 0;
   for (const Vec3& c : corner)
@@ -45,9 +46,13 @@ double inverse_distances(const Tracing& tracing, const Vec3 (&corner)[3], std::u
     store_vector(geometry.normal, l, away);
     geometry.reach_m[l] = reach;
     rays.t_far_m[l] = INFINITY;
+    rays.mask[l] = has_area ? all_seen : 0;
   }
   leave_surfaces<L>(geometry, towards, LaneMask<L>::all(), rays);
-  tracing.closest(tracing.tracer, LaneMask<L>::all_bits, rays);
+}
+
+// Sum over a packet's rays.
+double inverse_distances(const RayPacket<packet_rays>& rays) {
   double sum = 0;
   for (int l = 0; l < packet_rays; ++l)
     if (rays.geometry[l] != none) sum += 1.0 / std::max(1e-30, double{rays.t_far_m[l]});
@@ -63,33 +68,38 @@ std::vector<std::vector<float>> clearances_m(const Tracing& tracing, const Scene
   for (std::size_t i = 0; i < scene.instances.size(); ++i)
     if (is_in_reach[i]) instances[static_cast<std::size_t>(scene.instances[i].mesh)].push_back(i);
   std::vector<std::vector<float>> clearance(scene.meshes.size());
+  std::vector<RayPacket<packet_rays>> packets;  // [triangle of a launch][look]
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     const Mesh& mesh = scene.meshes[m];
     const std::vector<std::size_t>& of_mesh = instances[m];
     if (of_mesh.empty()) continue;
     const std::size_t looks = std::min(most_looked_at, of_mesh.size());
     clearance[m].resize(mesh.triangles.size());
-    parallel_ranges<std::size_t>(
-        0, mesh.triangles.size(), 64, [&](std::size_t first, std::size_t last) {
-          check_cancelled();
-          for (std::size_t t = first; t < last; ++t) {
-            double sum = 0;
-            for (std::size_t k = 0; k < looks; ++k) {
-              const std::size_t i = of_mesh[k * of_mesh.size() / looks];
-              Vec3 corner[3];
-              for (std::size_t c = 0; c < 3; ++c)
-                corner[c] =
-                    to_float(transform_point(placement.world_from_mesh[i],
-                                             to_double(mesh.positions[mesh.triangles[t][c]])) -
-                             placement.origin_m);
-              const std::uint32_t hash =
-                  mix_bits_32(mix_bits_32(static_cast<std::uint32_t>(t) + hash_of_clearances) +
-                              static_cast<std::uint32_t>(i));
-              sum += inverse_distances(tracing, corner, hash);
-            }
-            clearance[m][t] = static_cast<float>(static_cast<double>(looks * packet_rays) / sum);
-          }
-        });
+    for (std::size_t first = 0; first < mesh.triangles.size(); first += triangles_of_launch) {
+      const std::size_t last = std::min(mesh.triangles.size(), first + triangles_of_launch);
+      packets.resize((last - first) * looks);
+      parallel_ranges<std::size_t>(0, packets.size(), 64, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t p = begin; p < end; ++p) {
+          const std::size_t t = first + p / looks, i = of_mesh[p % looks * of_mesh.size() / looks];
+          Vec3 corner[3];
+          for (std::size_t c = 0; c < 3; ++c)
+            corner[c] = to_float(transform_point(placement.world_from_mesh[i],
+                                                 to_double(mesh.positions[mesh.triangles[t][c]])) -
+                                 placement.origin_m);
+          const std::uint32_t hash =
+              mix_bits_32(mix_bits_32(static_cast<std::uint32_t>(t) + hash_of_clearances) +
+                          static_cast<std::uint32_t>(i));
+          set_rays(corner, hash, packets[p]);
+        }
+      });
+      tracing.closest(packets, tracing.tracer);
+      for (std::size_t t = first; t < last; ++t) {
+        double sum = 0;
+        for (std::size_t k = 0; k < looks; ++k)
+          sum += inverse_distances(packets[(t - first) * looks + k]);
+        clearance[m][t] = static_cast<float>(static_cast<double>(looks * packet_rays) / sum);
+      }
+    }
   }
   return clearance;
 }

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "backend/block_functions.h"
+#include "backend/launches.h"
 #include "model/scene_place.h"
 #include "omma/scene.h"
 
@@ -12,7 +12,7 @@ namespace omma {
 
 // What finds the surfaces: of a backend.
 struct Tracing {
-  decltype(BlockFunctions::closest) closest = nullptr;
+  decltype(Launches::closest) closest;
   const void* tracer = nullptr;
 };
 

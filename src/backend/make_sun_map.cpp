@@ -2,7 +2,6 @@
 #include "backend/make_sun_map.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
 #include "backend/sun_map_grid.h"
@@ -20,6 +19,8 @@ constexpr double bias_of_reach = 0x1p-20;
 
 constexpr std::int32_t most_code = 0xffff;
 
+constexpr std::size_t packets_of_launch = 4096;  // some megabytes
+
 // Texels of a packet are a square.
 constexpr std::int32_t packet_side = 4;
 static_assert(packet_side * packet_side == packet_rays);
@@ -30,35 +31,41 @@ struct SunRays {
   Vec3 direction;  // unit, away from the sun
 };
 
-// How far rays go until they meet something, [row][column], m; infinite where they do not.
-void trace_texels(const Tracing& tracing, const SunRays& rays, std::int32_t columns,
-                  std::int32_t rows, float* distance_m) {
-  RayPacket<packet_rays> packet{};
-  for (std::int32_t row = 0; row < rows; row += packet_side) {
-    check_cancelled();
-    for (std::int32_t column = 0; column < columns; column += packet_side) {
-      clear<Lanes<packet_rays, 1>>(packet);
-      LaneMask<Lanes<packet_rays, 1>> inside;
+std::int32_t packets_along(std::int32_t texels) {
+  return (texels + packet_side - 1) / packet_side;
+}
+
+// A page's rays, [packet row][packet column]; those beyond the last texel repeat it.
+void set_rays(const SunRays& rays, std::int32_t columns, std::int32_t rows,
+              RayPacket<packet_rays>* packet) {
+  for (std::int32_t row = 0; row < rows; row += packet_side)
+    for (std::int32_t column = 0; column < columns; column += packet_side, ++packet) {
+      clear<Lanes<packet_rays, 1>>(*packet);
       for (std::int32_t l = 0; l < packet_rays; ++l) {
-        const std::int32_t i = column + l % packet_side, j = row + l / packet_side;
-        if (i < columns && j < rows) inside.add(l);
+        const std::int32_t i = std::min(column + l % packet_side, columns - 1);
+        const std::int32_t j = std::min(row + l / packet_side, rows - 1);
         const Vec3 origin = to_float(rays.first + rays.per_column * i + rays.per_row * j);
-        packet.origin[0][l] = origin.x;
-        packet.origin[1][l] = origin.y;
-        packet.origin[2][l] = origin.z;
-        packet.direction[0][l] = rays.direction.x;
-        packet.direction[1][l] = rays.direction.y;
-        packet.direction[2][l] = rays.direction.z;
-        packet.t_near_m[l] = 0;
-        packet.t_far_m[l] = INFINITY;
+        store_vector(packet->origin, l, vector_of(origin));
+        store_vector(packet->direction, l, vector_of(rays.direction));
+        packet->t_near_m[l] = 0;
+        packet->t_far_m[l] = INFINITY;
       }
-      tracing.closest(tracing.tracer, inside.bits, packet);
-      inside.for_each([&](std::int32_t l) {
-        distance_m[(row + l / packet_side) * columns + column + l % packet_side] =
-            packet.geometry[l] == none ? INFINITY : packet.t_far_m[l];
-      });
     }
-  }
+}
+
+// How far they went until they met something, [row][column], m; infinite where they did not.
+std::vector<float> distances_m(const RayPacket<packet_rays>* packets, std::int32_t columns,
+                               std::int32_t rows) {
+  std::vector<float> distance_m;
+  distance_m.reserve(static_cast<std::size_t>(columns * rows));
+  for (std::int32_t row = 0; row < rows; ++row)
+    for (std::int32_t column = 0; column < columns; ++column) {
+      const RayPacket<packet_rays>& packet =
+          packets[row / packet_side * packets_along(columns) + column / packet_side];
+      const std::int32_t l = row % packet_side * packet_side + column % packet_side;
+      distance_m.push_back(packet.geometry[l] == none ? INFINITY : packet.t_far_m[l]);
+    }
+  return distance_m;
 }
 
 // Quantises heights to the page's own range and writes them into its tiles; rounded down, so that
@@ -117,28 +124,43 @@ SunMapData make_sun_map(const Tracing& tracing, const Scene& scene, const Placem
   const double top_m = frame.upper_m[2] + above_m;
   const Vec3 away = to_float(frame.axis[2] * -1.0);
   const Vec3 direction{without_noise(away.x), without_noise(away.y), without_noise(away.z)};
-  std::atomic<std::size_t> tiles_done{0};
-  parallel_for(std::size_t{0}, map.pages.size(), [&](std::size_t p) {
-    const std::int32_t level = grid.level[p], side = 1 << level;
-    const auto page_column = static_cast<double>(p % static_cast<std::size_t>(grid.columns));
-    const auto page_row = static_cast<double>(p / static_cast<std::size_t>(grid.columns));
-    const double texel_m = grid.page_texel_m / side;
-    SunPage& page = map.pages[p];
-    page.tile_and_level = (static_cast<std::int32_t>(first_tile[p]) << sun_level_bits) | level;
-    page.texel_m = static_cast<float>(texel_m);
-    const SunRays rays{
-        frame.axis[0] * (grid.first_m[0] + page_column * sun_tile_columns * grid.page_texel_m) +
-            frame.axis[1] * (grid.first_m[1] + page_row * sun_tile_rows * grid.page_texel_m) +
-            frame.axis[2] * top_m,
-        frame.axis[0] * texel_m, frame.axis[1] * texel_m, direction};
-    const std::int32_t columns = side * sun_tile_columns + 1, rows = side * sun_tile_rows + 1;
-    std::vector<float> distance_m(static_cast<std::size_t>(columns * rows));
-    trace_texels(tracing, rays, columns, rows, distance_m.data());
-    put_heights(distance_m.data(), side, top_m, page, map.tiles.data() + first_tile[p]);
-    const std::size_t of_page = first_tile[p + 1] - first_tile[p];
-    const std::size_t done = tiles_done += of_page;
-    work.reach(static_cast<double>(done) / static_cast<double>(map.tiles.size()));
-  });
+  const auto side_of = [&](std::size_t p) { return std::int32_t{1} << grid.level[p]; };
+  const auto columns_of = [&](std::size_t p) { return side_of(p) * sun_tile_columns + 1; };
+  const auto rows_of = [&](std::size_t p) { return side_of(p) * sun_tile_rows + 1; };
+  const auto packets_of = [&](std::size_t p) {
+    return static_cast<std::size_t>(packets_along(columns_of(p)) * packets_along(rows_of(p)));
+  };
+  std::vector<RayPacket<packet_rays>> packets;
+  std::vector<std::size_t> first_packet;  // of the pages of a launch
+  for (std::size_t first = 0, last = 0; first < map.pages.size(); first = last) {
+    first_packet.assign(1, 0);
+    do first_packet.push_back(first_packet.back() + packets_of(last++));
+    while (last < map.pages.size() && first_packet.back() < packets_of_launch);
+    packets.resize(first_packet.back());
+    parallel_for(first, last, [&](std::size_t p) {
+      const auto page_column = static_cast<double>(p % static_cast<std::size_t>(grid.columns));
+      const auto page_row = static_cast<double>(p / static_cast<std::size_t>(grid.columns));
+      const double texel_m = grid.page_texel_m / side_of(p);
+      SunPage& page = map.pages[p];
+      page.tile_and_level =
+          (static_cast<std::int32_t>(first_tile[p]) << sun_level_bits) | grid.level[p];
+      page.texel_m = static_cast<float>(texel_m);
+      const SunRays rays{
+          frame.axis[0] * (grid.first_m[0] + page_column * sun_tile_columns * grid.page_texel_m) +
+              frame.axis[1] * (grid.first_m[1] + page_row * sun_tile_rows * grid.page_texel_m) +
+              frame.axis[2] * top_m,
+          frame.axis[0] * texel_m, frame.axis[1] * texel_m, direction};
+      set_rays(rays, columns_of(p), rows_of(p), packets.data() + first_packet[p - first]);
+    });
+    tracing.closest(packets, tracing.tracer);
+    parallel_for(first, last, [&](std::size_t p) {
+      const std::vector<float> distance_m =
+          distances_m(packets.data() + first_packet[p - first], columns_of(p), rows_of(p));
+      put_heights(distance_m.data(), side_of(p), top_m, map.pages[p],
+                  map.tiles.data() + first_tile[p]);
+    });
+    work.reach(static_cast<double>(first_tile[last]) / static_cast<double>(map.tiles.size()));
+  }
 
   SunMapView& view = map.view;
   view.pages = map.pages.data();

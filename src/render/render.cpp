@@ -1,27 +1,19 @@
-// The main path: a world and an eye become a Renderer, poses become responses. Read top to bottom:
-// check what comes in, build once, then per call one parallel loop over poses and blocks of
-// neighbouring ommatidia. What happens inside a block is physics/block/block.h.
+// The main path: a world and an eye become a Renderer, poses become responses. What comes in is
+// checked, what all frames share is built once; then each call is cut into blocks of neighbouring
+// ommatidia (render_still.cpp). What happens inside a block is physics/block/block.h.
 #include "omma/render.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "omma/rig.h"
-#include "render/render_motion.h"
 #include "render/render_state.h"
-#include "render/render_truth.h"
 #include "sampling/sampling_choice.h"
 #include "threads/arena.h"
 #include "threads/parallel.h"
-#include "threads/thread_memory.h"
-#include "world/traced_poses.h"
 
 namespace omma {
 namespace {
-
-// Radiance is at most 1e15, and sums of it stay in single precision.
-constexpr double most_output_weight = 1e6;
 
 void check_samples(const std::string& sampling, int samples, int most) {
   if (samples < 1 || samples > most)
@@ -70,38 +62,6 @@ void check_settings(const RenderSettings& s) {
   check_threads(s.threads);
 }
 
-void check_output(const char* name, std::span<float> output, std::size_t expected) {
-  if (output.size() != expected)
-    throw Error(std::string(name) + ": expected room for " + std::to_string(expected) +
-                " values (pose x ommatidium x band), found " + std::to_string(output.size()));
-}
-
-Outputs make_outputs(const RenderCall& call, const SceneView& view) {
-  const std::span<const double> output_from_band = call.output_from_band;
-  const int components = view.polarized ? 3 : 1, bands = view.bands * components;
-  if (call.stokes && !view.polarized)
-    throw Error("stokes: expected a world that is polarised, found one that is not");
-  if (call.stokes && !output_from_band.empty())
-    throw Error("stokes: not together with output_from_band, whose rows say what is asked for");
-  if (output_from_band.empty()) return {call.stokes ? bands : view.bands, {}};
-  const auto row = static_cast<std::size_t>(bands);
-  if (output_from_band.size() % row != 0)
-    throw Error("output_from_band: expected rows of " + std::to_string(bands) +
-                " weights (output x band), found " + std::to_string(output_from_band.size()) +
-                " in all");
-  if (output_from_band.size() / row > most_bands)
-    throw Error("output_from_band: expected at most " + std::to_string(most_bands) +
-                " rows (output x band), found " + std::to_string(output_from_band.size() / row));
-  Outputs outputs{static_cast<int>(output_from_band.size() / row), {}};
-  for (const double weight : output_from_band) {
-    if (!(std::fabs(weight) <= most_output_weight))
-      throw Error("output_from_band: expected weights of at most " +
-                  std::to_string(most_output_weight) + ", found " + std::to_string(weight));
-    outputs.from_band.push_back(static_cast<float>(weight));
-  }
-  return outputs;
-}
-
 }  // namespace
 
 // What neighbours cannot share rays with.
@@ -141,8 +101,7 @@ Renderer::State::State(World seen, Eye its_eye, RenderSettings its_settings,
     : world(std::move(seen)),
       eye(std::move(its_eye)),
       settings(std::move(its_settings)),
-      threads(settings.threads),
-      radiance(static_cast<std::size_t>(threads.threads)) {
+      threads(settings.threads) {
   check_sharing(eye, settings);
   if (shares_rays(settings.sampling) && world.state().view.polarized)
     throw Error(
@@ -219,142 +178,6 @@ bool is_animated(const Renderer::State& s, const RenderCall& call) {
   // With delays they may be the head's alone.
   const Rig* const rig = s.world.scene().rig.get();
   return s.settings.delays_s.empty() || (rig != nullptr && !rig->animations.empty());
-}
-
-void render_still(const Renderer::State& s, std::span<const Mat4> world_from_head,
-                  std::span<float> responses, const RenderCall& call, const TimePart& part) {
-  const std::size_t ommatidia = s.eye.size(), poses = world_from_head.size();
-  const Outputs outputs = make_outputs(call, *s.view());
-  const std::size_t pose_size = ommatidia * static_cast<std::size_t>(outputs.count);
-  check_output("responses", responses, poses * pose_size);
-  if (!call.standard_error.empty())
-    check_output("standard_error", call.standard_error, poses * pose_size);
-  if (!call.rays.empty() && call.rays.size() != poses * ommatidia)
-    throw Error("rays: expected room for " + std::to_string(poses * ommatidia) +
-                " values (pose x ommatidium), found " + std::to_string(call.rays.size()));
-  const auto* to_error = std::get_if<ToError>(&s.settings.sampling);
-  const int samples = first_samples(s.settings.sampling);
-  const std::size_t rays_size = pose_size * static_cast<std::size_t>(samples);
-  if (!call.ray_radiance.empty()) {
-    if (!call.standard_error.empty()) throw Error("ray_radiance: not together with standard_error");
-    if (!std::holds_alternative<Fixed>(s.settings.sampling))
-      throw Error("ray_radiance: only where every ommatidium has its own, equally many rays");
-    if (call.ray_radiance.size() != poses * rays_size)
-      throw Error("ray_radiance: expected room for " + std::to_string(poses * rays_size) +
-                  " values (pose x ommatidium x sample x band), found " +
-                  std::to_string(call.ray_radiance.size()));
-  }
-  const std::vector<Mat4> traced =
-      traced_poses(world_from_head, s.eye_arrays, s.built().placement.origin_m);
-  const Truth truth = checked_truth(call.truth, s.built(), poses, ommatidia);
-  if (!truth.tasks.empty() && shares_rays(s.settings.sampling))
-    throw Error("truth: not where rays are shared, which start at other ommatidia (Shared)");
-  const std::uint64_t first_frame = call.first_pose || s.settings.noise == Noise::frozen
-                                        ? call.first_pose.value_or(0)
-                                        : s.frames.fetch_add(poses);
-
-  if (shares_rays(s.settings.sampling)) return render_shared(s, traced, responses, call, outputs);
-  const HeadPath path = head_path(
-      s.settings, call,
-      traced_poses(call.past_world_from_head, s.eye_arrays, s.built().placement.origin_m), traced);
-  std::vector<FrameMotion> motions(static_cast<std::size_t>(s.threads.threads));
-
-  // One block of ommatidia at one pose is a task: some 512 rays, but no more than fit its sums.
-  Blocks blocks{
-      {s.view(), &s.eye_view, s.direction_views.data()}, &s.built(), static_cast<int>(ommatidia)};
-  FrameView& frame = blocks.frame;
-  frame.outputs = outputs.count;
-  frame.radiance_unit = s.world.state().radiance_unit;
-  if (!outputs.from_band.empty()) frame.output_from_band = outputs.from_band.data();
-  if (!truth.tasks.empty()) frame.truth = &truth.view;
-  DirectionsView some = s.direction_views.front();
-  if (part.count > 1) {
-    some.samples = samples_in(part, samples);
-    some.part = part.index;
-    some.part_bits = std::countr_zero(static_cast<unsigned>(part.count));
-    frame.directions = &some;
-  }
-  if (to_error != nullptr) {
-    frame.rounds = static_cast<int>(s.directions.size());
-    frame.error = to_error->error;
-    frame.relative_error = to_error->relative_error;
-    frame.most_samples = to_error->most;
-    frame.nearest = s.nearest.data();
-  } else if (!call.standard_error.empty()) {
-    frame.scrambles = error_scrambles;
-  }
-  const int rays_each = frame.directions->samples * frame.scrambles;
-  blocks.per_block = std::clamp(block_rays / rays_each, 1,
-                                std::min(most_per_block, block_capacity / frame.scrambles));
-  // Neighbours are heard within a block, so that it is large whatever the least number of rays.
-  if (to_error != nullptr)
-    blocks.per_block = most_per_block;
-  else
-    std::fill(call.rays.begin(), call.rays.end(), rays_each);
-  const std::size_t blocks_per_pose = blocks.count();
-  const auto run_task = [&](std::size_t index) {
-    const std::size_t p = index / blocks_per_pose;
-    BlockTask task =
-        make_task(blocks, index % blocks_per_pose, traced[p], s.frame_of(p, first_frame));
-    task.sees = seen_at(call, p);
-    task.motion = motion_of(path, p, part, motions[thread_in_arena()]);
-    task.responses = responses.data() + p * pose_size;
-    if (!call.standard_error.empty())
-      task.standard_error = call.standard_error.data() + p * pose_size;
-    if (!call.rays.empty()) task.rays = call.rays.data() + p * ommatidia;
-    if (!call.ray_radiance.empty()) task.ray_radiance = call.ray_radiance.data() + p * rays_size;
-    if (!truth.tasks.empty()) task.truth = &truth.tasks[p];
-    trace_task(blocks, task);
-  };
-  const int most_rays = to_error != nullptr ? to_error->most : rays_each;
-  run_in_stretches(poses * blocks_per_pose, static_cast<double>(most_rays) * blocks.per_block,
-                   s.threads.threads, call.progress, [&](std::size_t begin, std::size_t end) {
-                     run_in_arena(*s.threads.arena, [&] { parallel_for(begin, end, run_task); });
-                   });
-}
-
-BlockTask make_task(const Blocks& blocks, std::size_t block, const Mat4& world_from_head,
-                    std::uint64_t pose) {
-  BlockTask task;
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 4; ++c)
-      task.world_from_head[r][c] = static_cast<float>(world_from_head.m[r][c]);
-  task.pose = pose;
-  task.first = static_cast<int>(block) * blocks.per_block;
-  task.count = std::min(blocks.per_block, blocks.ommatidia - task.first);
-  return task;
-}
-
-void trace_task(const Blocks& blocks, const BlockTask& task) {
-  blocks.built->functions.render(
-      blocks.frame, task, blocks.built->acceleration.tracer.get(),
-      thread_memory(ThreadBuffer::block, block_memory_bytes(blocks.frame)));
-}
-
-void run_in_stretches(std::size_t tasks, double rays_per_task, int threads,
-                      const std::function<bool(double)>& progress,
-                      const std::function<void(std::size_t, std::size_t)>& run) {
-  std::size_t stretch =
-      static_cast<std::size_t>(std::max(static_cast<double>(threads), 2.5e5 / rays_per_task));
-  constexpr double rays_to_watch = 2e5;  // along paths in many bands some seconds
-  const auto fraction = [&](std::size_t finished) {
-    return static_cast<double>(finished) / static_cast<double>(tasks);
-  };
-  if (!progress) stretch = tasks;
-  for (std::size_t done = 0; done < tasks;) {
-    const auto start = Clock::now();
-    const std::size_t end = std::min(tasks, done + stretch);
-    // Where a single task may take seconds its caller watches, to cancel it.
-    if (progress && rays_per_task > rays_to_watch)
-      run_watched([&](double) { return progress(fraction(done)); },
-                  [&](WorkState&) { run(done, end); });
-    else
-      run(done, end);
-    const double rate = static_cast<double>(end - done) / std::max(seconds_since(start), 1e-6);
-    stretch = static_cast<std::size_t>(std::max(1.0, 0.2 * rate));
-    done = end;
-    if (progress && !progress(fraction(done))) throw Cancelled();
-  }
 }
 
 Renderer::Renderer(Renderer&&) noexcept = default;

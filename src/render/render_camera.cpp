@@ -1,6 +1,6 @@
 // Pictures: their rays in bands of pixels, each band an eye that is traced and averaged. Bands go
-// in parallel, one thread each, so that laying out their rays is done by all threads too. The world
-// keeps them for its next picture.
+// in parallel, so that laying out their rays is done by all threads too. The world keeps them for
+// its next picture.
 #include <algorithm>
 
 #include "model/camera_check.h"
@@ -111,11 +111,13 @@ void render_band(const World& world, const CameraRays& rays, const EyeArrays& ba
   blocks.frame.outputs = world.bands();
   blocks.frame.radiance_unit = world.state().radiance_unit;
   std::vector<float> radiance(band.size() * bands);
-  for (std::size_t i = 0; i < blocks.count(); ++i) {
-    BlockTask task = make_task(blocks, i, pose.front(), number);
-    task.responses = radiance.data();
-    trace_task(blocks, task);
+  std::vector<BlockTask> tasks(blocks.count());
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    tasks[i] = make_task(blocks, i, pose.front(), number);
+    tasks[i].responses = radiance.data();
   }
+  // Isolated: a thread that waits for its band would begin another.
+  run_isolated([&] { trace_tasks(blocks, tasks); });
   for (std::size_t pixel = 0; pixel < pixels; ++pixel)
     for (std::size_t b = 0; b < bands; ++b) {
       double sum = 0;

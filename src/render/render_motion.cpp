@@ -154,44 +154,41 @@ double delay_of(const TimePart& part, std::span<const double> delays_s) {
          (delays_s[before + 1] - delays_s[before]) * (at - static_cast<double>(before));
 }
 
-const HeadMotion* motion_of(const HeadPath& path, std::size_t frame, const TimePart& part,
-                            FrameMotion& kept) {
-  if (path.delay.empty() || !(path.longest_s > 0)) return nullptr;
-  if (kept.frame == frame) return kept.stands ? nullptr : &kept.motion;
-  kept.frame = frame;
+void set_motion(const HeadPath& path, std::size_t frame, const TimePart& part, FrameMotion& made) {
+  made.stands = true;
+  if (path.delay.empty() || !(path.longest_s > 0)) return;
   const std::size_t own = path.past + frame;
   const double time_s = path.keys[own].time_s;
   const std::size_t first = key_after(path, time_s - path.longest_s);
   const std::size_t from = first == 0 ? 0 : first - 1;
   const Mat4& now = path.keys[own].traced_from_head;
-  kept.stands = std::all_of(path.keys.begin() + static_cast<std::ptrdiff_t>(from),
+  made.stands = std::all_of(path.keys.begin() + static_cast<std::ptrdiff_t>(from),
                             path.keys.begin() + static_cast<std::ptrdiff_t>(own),
                             [&](const HeadKey& key) { return key.traced_from_head == now; });
-  if (kept.stands) return nullptr;
+  if (made.stands) return;
   const std::size_t nodes = std::clamp(nodes_per_key * (own - from) + 1, least_nodes, most_nodes);
   const Mat4 head_from_traced = inverse(now);
-  kept.node.resize(nodes * 12);
+  made.node.resize(nodes * 12);
   for (std::size_t k = 0; k < nodes; ++k) {
     const double before = static_cast<double>(k) / static_cast<double>(nodes - 1);
     const Mat4 then = pose_at(path, time_s - path.longest_s * before);
     const Mat4 turn = then * head_from_traced;
-    float* node = kept.node.data() + 12 * k;
+    float* node = made.node.data() + 12 * k;
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 4; ++c)
         node[4 * r + c] = static_cast<float>(c < 3 ? turn.m[r][c] : then.m[r][3]);
   }
-  kept.delay.resize(path.delay.size());
+  made.delay.resize(path.delay.size());
   for (std::size_t k = 0; k < path.delay.size(); ++k)
-    kept.delay[k] = path.delay[k] * static_cast<float>(nodes - 1);
-  kept.motion.delay = kept.delay.data();
-  kept.motion.delays = static_cast<int>(path.delay.size()) - 1;
-  kept.motion.node = kept.node.data();
-  kept.motion.nodes = static_cast<int>(nodes);
-  for (int r = 0; r < 3; ++r) kept.motion.centre[r] = static_cast<float>(now.m[r][3]);
-  kept.motion.first = static_cast<float>(part.first);
-  kept.motion.size = static_cast<float>(part.size);
-  kept.motion.shift = std::countr_zero(static_cast<unsigned>(part.count));
-  return &kept.motion;
+    made.delay[k] = path.delay[k] * static_cast<float>(nodes - 1);
+  made.motion.delay = made.delay.data();
+  made.motion.delays = static_cast<int>(path.delay.size()) - 1;
+  made.motion.node = made.node.data();
+  made.motion.nodes = static_cast<int>(nodes);
+  for (int r = 0; r < 3; ++r) made.motion.centre[r] = static_cast<float>(now.m[r][3]);
+  made.motion.first = static_cast<float>(part.first);
+  made.motion.size = static_cast<float>(part.size);
+  made.motion.shift = std::countr_zero(static_cast<unsigned>(part.count));
 }
 
 }  // namespace omma

@@ -31,12 +31,11 @@ struct HeadPath {
 HeadPath head_path(const RenderSettings& settings, const RenderCall& call,
                    std::span<const Mat4> traced_past, std::span<const Mat4> traced);
 
-// The motion of one frame; its tables stay where they are until the next is asked for.
+// The motion of one frame, with its tables.
 struct FrameMotion {
   std::vector<float> delay, node;
   HeadMotion motion;
   bool stands = true;  // the head, for as long as the frame sees
-  std::size_t frame = ~std::size_t{0};
 };
 
 // A time interval of a frame, for things that move: all rays of it see them where they are at its
@@ -59,9 +58,12 @@ int samples_in(const TimePart& part, int samples);
 // The delay at the middle of an interval, s.
 double delay_of(const TimePart& part, std::span<const double> delays_s);
 
+void set_motion(const HeadPath& path, std::size_t frame, const TimePart& part, FrameMotion& made);
+
 // Null where the head stands still for as long as the frame sees.
-const HeadMotion* motion_of(const HeadPath& path, std::size_t frame, const TimePart& part,
-                            FrameMotion& kept);
+inline const HeadMotion* motion_of(const FrameMotion& made) {
+  return made.stands ? nullptr : &made.motion;
+}
 
 // From one transform to another: positions and stretches linearly, turns by slerp.
 Mat4 transform_between(const Mat4& from, const Mat4& to, double part);

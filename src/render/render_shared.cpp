@@ -1,27 +1,32 @@
-// Rendering with rays that neighbouring ommatidia share (sampling/shared_rays.h): a frame traces
-// the rays of the eye, then weighs them into responses.
+// Rendering with rays that neighbouring ommatidia share (sampling/shared_rays.h): a launch traces
+// the rays of some frames, the next weighs them into responses, a third adds discs of the sky.
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "render/render_state.h"
 #include "threads/parallel.h"
-#include "threads/thread_memory.h"
 
 namespace omma {
 namespace {
 
-constexpr std::size_t rows_per_task = 256;
+// Radiance of the frames of a launch, for each thread: it is weighed while it lies in the cache.
+constexpr std::size_t floats_of_thread = 1u << 18;
+constexpr std::size_t values_of_task = 4096;  // by one thread at once
 
-// This thread's buffer of so many floats, reused by all frames. A forked process takes other
-// memory, as its parent may have been changing the renderer's.
-float* buffer_for_rays(const Renderer::State& s, std::size_t values) {
-  if (threads_are_gone())
-    return reinterpret_cast<float*>(
-        thread_memory(ThreadBuffer::shared_rays, values * sizeof(float)));
-  std::vector<float>& own = s.radiance[thread_in_arena()];
-  own.resize(values);
-  return own.data();
-}
+// What all frames of a call have in common.
+struct SharedCall {
+  const Renderer::State& s;
+  std::span<const Mat4> world_from_head;
+  const RenderCall& call;
+  const Outputs& outputs;
+
+  std::size_t pose_size() const { return s.eye.size() * static_cast<std::size_t>(outputs.count); }
+};
+
+struct Poses {
+  std::size_t first, end;
+};
 
 // Blocks of some ommatidia: of those that stand for shared rays, or of the eye itself.
 Blocks blocks_of(const Renderer::State& s, const EyeView& eye, const DirectionsView& directions,
@@ -36,72 +41,71 @@ Blocks blocks_of(const Renderer::State& s, const EyeView& eye, const DirectionsV
   return blocks;
 }
 
-// A frame with one set of rays; `parallel` where the threads are not busy with other poses.
-void render_frame(const Renderer::State& s, int pattern, const Mat4& world_from_head,
-                  const SeenMasks& sees, const Outputs& outputs, bool parallel, float* responses) {
+// Tasks of all blocks at some poses, into responses [pose][ommatidium or ray][output].
+std::vector<BlockTask> tasks_of(const SharedCall& of, const Blocks& blocks, Poses poses,
+                                std::uint64_t frame, float* responses) {
+  const std::size_t size =
+      static_cast<std::size_t>(blocks.ommatidia) * static_cast<std::size_t>(blocks.frame.outputs);
+  std::vector<BlockTask> tasks;
+  tasks.reserve((poses.end - poses.first) * blocks.count());
+  for (std::size_t p = poses.first; p < poses.end; ++p)
+    for (std::size_t block = 0; block < blocks.count(); ++block) {
+      BlockTask& task = tasks.emplace_back(make_task(blocks, block, of.world_from_head[p], frame));
+      task.sees = seen_at(of.call, p);
+      task.responses = responses + (p - poses.first) * size;
+    }
+  return tasks;
+}
+
+// Frames with one set of rays; `radiance` [pose][ray][output].
+void render_frames(const SharedCall& of, int pattern, Poses poses, float* radiance,
+                   float* responses) {
+  const Renderer::State& s = of.s;
   const SharedSet& set = shared_set(s, pattern);
-  const Blocks blocks =
-      blocks_of(s, set.eye_view, set.directions_view, set.rays.rays.size(), outputs);
-  const Blocks of_eye = blocks_of(s, s.eye_view, s.direction_views.front(), s.eye.size(), outputs);
-  // [ray][output]
-  float* const traced =
-      buffer_for_rays(s, set.rays.rays.size() * static_cast<std::size_t>(outputs.count));
-  const auto trace = [&](std::size_t block) {
-    BlockTask task = make_task(blocks, block, world_from_head, 0);  // rays are fixed to the head
-    task.sees = sees;
-    task.responses = traced;
-    trace_task(blocks, task);
-  };
-  const std::size_t rows = s.eye.size(), row_tasks = (rows + rows_per_task - 1) / rows_per_task;
-  const auto weigh = [&](std::size_t i) {
-    s.built().functions.weigh(
-        omma::view(set.rays), traced, outputs.count, static_cast<std::int64_t>(i * rows_per_task),
-        static_cast<std::int64_t>(std::min(rows, (i + 1) * rows_per_task)), responses);
-  };
-  const std::size_t disc_tasks =
-      s.view()->light != nullptr && s.view()->light->disc_count > 0 ? of_eye.count() : 0;
-  const auto add_discs = [&](std::size_t block) {
-    BlockTask task = make_task(of_eye, block, world_from_head, static_cast<std::uint64_t>(pattern));
-    task.sees = sees;
-    task.responses = responses;
-    s.built().functions.discs(of_eye.frame, task, s.built().acceleration.tracer.get(),
-                              thread_memory(ThreadBuffer::block, block_memory_bytes(of_eye.frame)));
-  };
-  if (parallel) {
-    // Isolated: a waiting thread must not take up a frame of another call, which would use the same
-    // buffer.
-    run_isolated([&] {
-      parallel_for(std::size_t{0}, blocks.count(), trace);
-      parallel_for(std::size_t{0}, row_tasks, weigh);
-      parallel_for(std::size_t{0}, disc_tasks, add_discs);
-    });
-  } else {
-    for (std::size_t i = 0; i < blocks.count(); ++i) trace(i);
-    for (std::size_t i = 0; i < row_tasks; ++i) weigh(i);
-    for (std::size_t i = 0; i < disc_tasks; ++i) add_discs(i);
-  }
+  const std::size_t rays = set.rays.rays.size();
+  const auto frame = static_cast<std::uint64_t>(pattern);
+  const Blocks blocks = blocks_of(s, set.eye_view, set.directions_view, rays, of.outputs);
+  trace_tasks(blocks, tasks_of(of, blocks, poses, 0, radiance));  // rays are fixed to the head
+
+  std::vector<WeighTask> weighed;
+  for (std::size_t k = 0; k < poses.end - poses.first; ++k)
+    weighed.push_back({radiance + k * rays * static_cast<std::size_t>(of.outputs.count),
+                       responses + k * of.pose_size()});
+  s.built().launches.weigh(omma::view(set.rays), of.outputs.count,
+                           static_cast<std::int64_t>(s.eye.size()), weighed);
+
+  if (s.view()->light == nullptr || s.view()->light->disc_count == 0) return;
+  const Blocks of_eye =
+      blocks_of(s, s.eye_view, s.direction_views.front(), s.eye.size(), of.outputs);
+  s.built().launches.discs(of_eye.frame, tasks_of(of, of_eye, poses, frame, responses),
+                           s.built().acceleration.tracer.get());
 }
 
 // The mean of all sets, and its standard error from their spread.
-void render_with_error(const Renderer::State& s, const Mat4& world_from_head, const SeenMasks& sees,
-                       const Outputs& outputs, bool parallel, float* responses, float* errors) {
-  const std::size_t size = s.eye.size() * static_cast<std::size_t>(outputs.count);
+void render_with_error(const SharedCall& of, Poses poses, float* radiance, float* responses,
+                       float* errors) {
+  const std::size_t size = of.pose_size() * (poses.end - poses.first);
   std::vector<double> sum(size), squares(size);
+  const auto for_each_value = [&](const auto& body) {
+    parallel_ranges(std::size_t{0}, size, values_of_task, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) body(i);
+    });
+  };
   for (int pattern = 0; pattern < error_scrambles; ++pattern) {
-    render_frame(s, pattern, world_from_head, sees, outputs, parallel, responses);
-    for (std::size_t i = 0; i < size; ++i) {
+    render_frames(of, pattern, poses, radiance, responses);
+    for_each_value([&](std::size_t i) {
       const double x = static_cast<double>(responses[i]);
       sum[i] += x;
       squares[i] += x * x;
-    }
+    });
   }
   constexpr double n = error_scrambles;
-  for (std::size_t i = 0; i < size; ++i) {
+  for_each_value([&](std::size_t i) {
     const double mean = sum[i] / n;
     responses[i] = static_cast<float>(mean);
     errors[i] =
         static_cast<float>(std::sqrt(std::max(0.0, squares[i] / n - mean * mean) / (n - 1)));
-  }
+  });
 }
 
 }  // namespace
@@ -120,7 +124,7 @@ const SharedSet& shared_set(const Renderer::State& state, int pattern) {
 
 void render_shared(const Renderer::State& s, std::span<const Mat4> world_from_head,
                    std::span<float> responses, const RenderCall& call, const Outputs& outputs) {
-  const std::size_t pose_size = s.eye.size() * static_cast<std::size_t>(outputs.count);
+  const SharedCall of{s, world_from_head, call, outputs};
   const bool with_error = !call.standard_error.empty();
   const int patterns = with_error ? error_scrambles : 1;
   // The sets are there from the first time on; until then nothing of the render is finished.
@@ -133,33 +137,39 @@ void render_shared(const Renderer::State& s, std::span<const Mat4> world_from_he
     run_watched([&](double) { return call.progress(0); }, [&](WorkState&) { prepare(); });
   else
     prepare();
+  std::size_t most_rays = 0;  // of a set
   std::vector<std::int32_t> counts(call.rays.empty() ? 0 : s.eye.size(), 0);
   for (int pattern = 0; pattern < patterns; ++pattern) {
     const SharedRays& shared = shared_set(s, pattern).rays;
+    most_rays = std::max(most_rays, shared.rays.size());
     for (std::size_t i = 0; i < counts.size(); ++i)
       counts[i] += static_cast<std::int32_t>(std::count_if(
           shared.weight.begin() + shared.first[i], shared.weight.begin() + shared.first[i + 1],
           [](float w) { return w > 0; }));
   }
-  const auto frame = [&](std::size_t p, bool parallel) {
-    float* out = responses.data() + p * pose_size;
-    const SeenMasks sees = seen_at(call, p);
+  for (std::size_t p = 0; p < world_from_head.size() && !counts.empty(); ++p)
     std::copy(counts.begin(), counts.end(),
               call.rays.begin() + static_cast<std::ptrdiff_t>(p * counts.size()));
+
+  const std::size_t floats = most_rays * static_cast<std::size_t>(outputs.count);
+  const std::size_t poses_of_launch =
+      std::clamp<std::size_t>(floats_of_thread * static_cast<std::size_t>(s.threads.threads) /
+                                  std::max<std::size_t>(floats, 1),
+                              1, std::max<std::size_t>(world_from_head.size(), 1));
+  const auto radiance = std::make_unique_for_overwrite<float[]>(floats * poses_of_launch);
+  const auto launch = [&](Poses poses) {
+    float* const out = responses.data() + poses.first * of.pose_size();
     if (with_error)
-      render_with_error(s, world_from_head[p], sees, outputs, parallel, out,
-                        call.standard_error.data() + p * pose_size);
+      render_with_error(of, poses, radiance.get(), out,
+                        call.standard_error.data() + poses.first * of.pose_size());
     else
-      render_frame(s, 0, world_from_head[p], sees, outputs, parallel, out);
+      render_frames(of, 0, poses, radiance.get(), out);
   };
-  const double rays = static_cast<double>(shared_set(s, 0).rays.rays.size()) * patterns;
-  run_in_stretches(world_from_head.size(), rays, 1, call.progress,
-                   [&](std::size_t begin, std::size_t end) {
+  run_in_stretches(world_from_head.size(), static_cast<double>(most_rays) * patterns, 1,
+                   call.progress, [&](std::size_t begin, std::size_t end) {
                      run_in_arena(*s.threads.arena, [&] {
-                       if (end - begin >= 2 * static_cast<std::size_t>(s.threads.threads))
-                         parallel_for(begin, end, [&](std::size_t p) { frame(p, false); });
-                       else
-                         for (std::size_t p = begin; p < end; ++p) frame(p, true);
+                       for (std::size_t p = begin; p < end; p += poses_of_launch)
+                         launch({p, std::min(end, p + poses_of_launch)});
                      });
                    });
 }

@@ -1,5 +1,5 @@
-// What a Renderer holds, and the parallel loops that its ways of rendering have in common:
-// render.cpp (each ommatidium its own rays) and render_shared.cpp (rays shared by neighbours).
+// What a Renderer holds, and what its ways of rendering have in common: render_still.cpp (each
+// ommatidium its own rays) and render_shared.cpp (rays shared by neighbours).
 #pragma once
 
 #include <array>
@@ -46,8 +46,6 @@ struct Renderer::State {
 
   // Rays shared by neighbours: the first set is used at all poses, the others for standard errors.
   mutable std::array<MadeOnce<SharedSet>, error_scrambles> shared;
-  // Radiance of shared rays in one frame, a buffer for each thread of the arena.
-  mutable std::vector<std::vector<float>> radiance;  // [thread][ray * output]
 
   mutable std::atomic<std::uint64_t> frames = 0;  // rendered so far, with Noise::new_every_frame
 
@@ -78,8 +76,8 @@ struct Blocks {
 BlockTask make_task(const Blocks& blocks, std::size_t block, const Mat4& world_from_head,
                     std::uint64_t pose);
 
-// Traces a task, on this thread.
-void trace_task(const Blocks& blocks, const BlockTask& task);
+// Traces tasks, on the threads of the arena.
+void trace_tasks(const Blocks& blocks, std::span<const BlockTask> tasks);
 
 // Outputs of a call: the bands themselves, or linear combinations of them.
 struct Outputs {

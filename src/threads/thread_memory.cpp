@@ -1,7 +1,6 @@
 // A thread's memory.
 #include "threads/thread_memory.h"
 
-#include <array>
 #include <memory>
 #include <new>
 
@@ -23,9 +22,9 @@ struct Kept {
 
 }  // namespace
 
-std::byte* thread_memory(ThreadBuffer buffer, std::size_t bytes) {
-  thread_local std::array<Kept, static_cast<std::size_t>(ThreadBuffer::count)> buffers;
-  auto& [memory, size] = buffers[static_cast<std::size_t>(buffer)];
+std::byte* thread_memory(std::size_t bytes) {
+  thread_local Kept kept;
+  auto& [memory, size] = kept;
   if (size < bytes || size / 4 > bytes) {
     memory.reset();
     size = 0;

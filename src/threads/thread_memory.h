@@ -5,12 +5,9 @@
 
 namespace omma {
 
-// Separate buffers of a thread, as they are in use together.
-enum class ThreadBuffer { block, shared_rays, count };
-
 // So many bytes of this thread, aligned to 64; what is in them is not kept from call to call. What
 // much larger work has left is given back. Not from oneTBB's allocator, whose locks a forked process
 // may find held by threads that it lacks.
-std::byte* thread_memory(ThreadBuffer buffer, std::size_t bytes);
+std::byte* thread_memory(std::size_t bytes);
 
 }  // namespace omma

@@ -79,7 +79,7 @@ Bounds traced_box(const BuiltScene& built) {
 // The cells of a world, without light.
 BakedLight lay_out(const World& world, const BakeSettings& settings) {
   const BuiltScene& built = *world.state().built;
-  const Tracing tracing{built.functions.closest, built.acceleration.tracer.get()};
+  const Tracing tracing{built.launches.closest, built.acceleration.tracer.get()};
   BakeCells cells = divide_into_cells(tracing, *built.scene, built.placement,
                                       static_cast<std::size_t>(world.bands()), settings);
   BakedLight plan;

@@ -8,7 +8,6 @@
 #include "physics/path/baked.h"
 #include "physics/sampling/hash.h"
 #include "threads/parallel.h"
-#include "threads/thread_memory.h"
 
 namespace omma {
 namespace {
@@ -18,6 +17,7 @@ namespace {
 constexpr int probes_along = 48;
 constexpr std::int64_t least_probes = 512, most_probes = 16384, cells_of_probe = 8;
 constexpr int paths_of_probe = 64;
+constexpr std::int32_t probes_of_list = 16;
 
 Receiver receiver_of(const CellPaths& of, const CellOwner& owner, std::int32_t cell, bool is_back) {
   Receiver receiver;
@@ -74,53 +74,54 @@ GatherWorld::GatherWorld(const World& world, const BakedLight& plan, const Baked
   frame.outputs = view.bands;
 }
 
-bool GatherWorld::gather(std::span<const Receiver> receivers, int paths,
-                         std::uint16_t* const* values) const {
-  double mean[packet_rays * most_bands];
-  const GatherTask task{receivers.data(), static_cast<int>(receivers.size()), paths, &by_paths};
-  built.functions.gather(frame, task, built.acceleration.tracer.get(),
-                         thread_memory(ThreadBuffer::block, block_memory_bytes(frame)), mean);
+void GatherList::add(const Receiver& receiver, int paths, std::uint16_t* to) {
+  // A packet holds all paths of a task that has several receivers.
+  if (tasks.empty() || tasks.back().paths != paths ||
+      (tasks.back().count + 1) * paths > packet_rays)
+    tasks.push_back({nullptr, 0, paths, nullptr, nullptr});
+  ++tasks.back().count;
+  receivers.push_back(receiver);
+  values.push_back(to);
+}
+
+bool GatherWorld::gather(GatherList& list) const {
+  const auto bands = static_cast<std::size_t>(view.bands);
+  std::vector<double> mean(list.receivers.size() * bands);
+  std::size_t first = 0;  // receiver
+  for (GatherTask& task : list.tasks) {
+    task.receivers = list.receivers.data() + first;
+    task.shining = &by_paths;
+    task.mean = mean.data() + first * bands;
+    first += static_cast<std::size_t>(task.count);
+  }
+  // Isolated: a thread that waits for its list would begin another.
+  run_isolated([&] { built.launches.gather(frame, list.tasks, built.acceleration.tracer.get()); });
   bool has_room = true;
-  for (std::size_t k = 0; k < receivers.size(); ++k)
-    for (int b = 0; b < view.bands; ++b) {
-      const float value =
-          static_cast<float>(
-              mean[k * static_cast<std::size_t>(view.bands) + static_cast<std::size_t>(b)]) *
-          per_unit;
+  for (std::size_t k = 0; k < list.receivers.size(); ++k)
+    for (std::size_t b = 0; b < bands; ++b) {
+      const float value = static_cast<float>(mean[k * bands + b]) * per_unit;
       has_room = has_room && value <= largest_baked;
-      values[k][b] = encode_baked(value);
+      list.values[k][b] = encode_baked(value);
     }
   return has_room;
 }
 
 bool gather_cells(const GatherWorld& world, const CellPaths& of, std::int32_t first,
                   std::int32_t end, std::uint16_t* values) {
-  Receiver receivers[packet_rays];
-  std::uint16_t* to[packet_rays];
-  std::size_t count = 0;
-  int paths = 0;  // of each receiver that waits
-  bool has_room = true;
-  const auto flush = [&] {
-    if (count > 0) has_room &= world.gather({receivers, count}, paths, to);
-    count = 0;
-  };
+  GatherList list;
   for (std::int32_t cell = first; cell < end; ++cell) {
     const CellOwner owner = of.owners(cell);
     const BakedSides sides = baked_sides(of.view, of.scene.instances[owner.instance].mesh);
     for (const bool is_back : {false, true}) {
       if (is_back ? !sides.back : !sides.front) continue;
       const std::size_t side = 2 * static_cast<std::size_t>(cell) + (is_back ? 1 : 0);
-      const int own = of.paths_of_side != nullptr ? of.paths_of_side[side] : of.paths;
-      if (own != paths) flush();
-      paths = own;
-      receivers[count] = receiver_of(of, owner, cell, is_back);
-      to[count++] = values + (side - 2 * static_cast<std::size_t>(first)) *
-                                 static_cast<std::size_t>(world.view.bands);
-      if (static_cast<int>(count + 1) * paths > packet_rays) flush();
+      list.add(receiver_of(of, owner, cell, is_back),
+               of.paths_of_side != nullptr ? of.paths_of_side[side] : of.paths,
+               values + (side - 2 * static_cast<std::size_t>(first)) *
+                            static_cast<std::size_t>(world.view.bands));
     }
   }
-  flush();
-  return has_room;
+  return world.gather(list);
 }
 
 void lay_out_probes(BakedLight& baked, const Bounds& box) {
@@ -157,18 +158,21 @@ bool gather_probes(const GatherWorld& world, BakedLight& baked, std::uint32_t ha
   const auto bands = static_cast<std::size_t>(baked.bands);
   std::atomic<bool> has_room{true};
   const std::int32_t probes = baked.probes[0] * baked.probes[1] * baked.probes[2];
-  parallel_for<std::int32_t>(0, probes, [&](std::int32_t probe) {
-    for (std::size_t d = 0; d < 6; ++d) {
-      Receiver receiver;
-      receiver.position = probe_position(baked, probe, world.built.first_origin_now_m);
-      receiver.normal = probe_directions[d];
-      receiver.hash = mix_bits_32(mix_bits_32(static_cast<std::uint32_t>(probe) + hash) +
-                                  static_cast<std::uint32_t>(d));
-      std::uint16_t* const values =
-          baked.probe_values.data() + (6 * static_cast<std::size_t>(probe) + d) * bands;
-      if (!world.gather({&receiver, 1}, paths_of_probe, &values)) has_room = false;
-    }
-  });
+  parallel_ranges(
+      std::int32_t{0}, probes, probes_of_list, [&](std::int32_t first, std::int32_t end) {
+        GatherList list;
+        for (std::int32_t probe = first; probe < end; ++probe)
+          for (std::size_t d = 0; d < 6; ++d) {
+            Receiver receiver;
+            receiver.position = probe_position(baked, probe, world.built.first_origin_now_m);
+            receiver.normal = probe_directions[d];
+            receiver.hash = mix_bits_32(mix_bits_32(static_cast<std::uint32_t>(probe) + hash) +
+                                        static_cast<std::uint32_t>(d));
+            list.add(receiver, paths_of_probe,
+                     baked.probe_values.data() + (6 * static_cast<std::size_t>(probe) + d) * bands);
+          }
+        if (!world.gather(list)) has_room = false;
+      });
   return has_room;
 }
 

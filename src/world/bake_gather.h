@@ -16,6 +16,16 @@
 
 namespace omma {
 
+// What light is gathered for by one launch.
+struct GatherList {
+  std::vector<Receiver> receivers;     // of one task behind those of another
+  std::vector<std::uint16_t*> values;  // [receiver], codes of BakedLight, by band
+  std::vector<GatherTask> tasks;       // with counts of receivers and paths
+
+  // Adds a receiver to the last task, or where that has other paths or is full to a new one.
+  void add(const Receiver& receiver, int paths, std::uint16_t* to);
+};
+
 // The scene that paths go through. Refers to the world and to what is read.
 struct GatherWorld {
   SceneView by_paths, view;
@@ -31,9 +41,8 @@ struct GatherWorld {
   GatherWorld(const World& world, const BakedLight& plan, const BakedLine* read);
   GatherWorld(const GatherWorld&) = delete;
 
-  // Into `values` [cell side or probe][band], as codes of BakedLight; false where a value is too
-  // large for its code.
-  bool gather(std::span<const Receiver> receivers, int paths, std::uint16_t* const* values) const;
+  // Into the list's values; false where one is too large for its code.
+  bool gather(GatherList& list) const;
 };
 
 // What paths from cells need besides.

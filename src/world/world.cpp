@@ -119,9 +119,9 @@ void light_up(World::State& state) {
     throw Error(
         "sun: expected \"exact\" in a world with surfaces that let light straight through (BLEND, "
         "transmission), whose shadows a map does not know; found \"map\"");
-  lit.sun_map = make_sun_map({built.functions.closest, built.acceleration.tracer.get()},
-                             *built.scene, built.placement,
-                             state.settings.lighting->light.discs.front().direction);
+  lit.sun_map =
+      make_sun_map({built.launches.closest, built.acceleration.tracer.get()}, *built.scene,
+                   built.placement, state.settings.lighting->light.discs.front().direction);
   lit.view.sun_map = &lit.sun_map.view;
 }
 
@@ -194,7 +194,7 @@ World::World(std::shared_ptr<const Scene> scene, WorldSettings settings,
   state->built = std::make_shared<BuiltScene>(state->settings.threads);
   BuiltScene& built = *state->built;
   built.backend = &backend;
-  built.functions = backend.block_functions();
+  built.launches = backend.launches();
   built.scene = std::move(scene);
   const auto build = [&](WorkState& work) {
     const auto start = Clock::now();

@@ -60,7 +60,7 @@ struct BuiltScene {
   WorldBuildTimes times;
   ThreadArena threads;
   const Backend* backend = nullptr;
-  BlockFunctions functions;  // of the backend
+  Launches launches;  // of the backend
 
   Things things;
   Animated animated;

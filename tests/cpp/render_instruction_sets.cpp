@@ -69,7 +69,7 @@ TEST(InstructionSets, GiveTheSameBits) {
       task.count = static_cast<int>(eye.size());
       task.responses = responses.back().data();
       build.block.render(frame, task, acceleration.tracer.get(),
-                         thread_memory(ThreadBuffer::block, block_memory_bytes(frame)));
+                         thread_memory(block_memory_bytes(frame)));
       EXPECT_EQ(responses.back(), responses.front()) << build.name << ", scene " << seed;
     }
   }
@@ -96,7 +96,7 @@ void expect_the_same_bits(const World& world, const std::string& what) {
       task.count = 25;  // of 21 rays each: more than wait for each other
       task.responses = responses.back().data();
       build.block.render(frame, task, world.state().built->acceleration.tracer.get(),
-                         thread_memory(ThreadBuffer::block, block_memory_bytes(frame)));
+                         thread_memory(block_memory_bytes(frame)));
     }
     for (const float x : responses.back()) ASSERT_TRUE(std::isfinite(x));
     EXPECT_EQ(responses.back(), responses.front()) << build.name << ", " << what;

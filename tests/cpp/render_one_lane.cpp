@@ -132,8 +132,7 @@ Output run_block(const BlockSetup& setup, const Run& run) {
 
 Output in_packets(const BlockSetup& setup) {
   return run_block(setup, [](const FrameView& frame, const BlockTask& task, const void* tracer) {
-    plain::embree_block().render(frame, task, tracer,
-                                 thread_memory(ThreadBuffer::block, block_memory_bytes(frame)));
+    plain::embree_block().render(frame, task, tracer, thread_memory(block_memory_bytes(frame)));
   });
 }
 
@@ -141,7 +140,7 @@ Output in_one_lane(const BlockSetup& setup) {
   return run_block(setup, [](const FrameView& frame, const BlockTask& task, const void* tracer) {
     const DenormalsAreZero denormals_are_zero;
     SingleRays search{{static_cast<const EmbreeTracer*>(tracer), {}}};
-    Scratch scratch{thread_memory(ThreadBuffer::block, block_memory_bytes(frame))};
+    Scratch scratch{thread_memory(block_memory_bytes(frame))};
     render_block<Lanes<1, 1>>(frame, task, search, lay_out(scratch, frame, 1));
   });
 }

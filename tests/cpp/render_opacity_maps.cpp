@@ -16,7 +16,6 @@
 #include "omma/io.h"
 #include "physics/surface/surface.h"
 #include "test_scenes.h"
-#include "threads/thread_memory.h"
 
 namespace omma::test {
 namespace {
@@ -339,8 +338,7 @@ std::vector<float> rendered(const Scene& scene, const Eye& eye, const Mat4& worl
           static_cast<float>(world_from_head.m[r][c] - (c == 3 ? origin[r] : 0));
   task.count = static_cast<int>(eye.size());
   task.responses = responses.data();
-  backend.block_functions().render(frame, task, built.tracer.get(),
-                                   thread_memory(ThreadBuffer::block, block_memory_bytes(frame)));
+  backend.launches().render(frame, {&task, 1}, built.tracer.get());
   return responses;
 }
 

@@ -27,10 +27,10 @@ std::size_t bytes_of(const Renderer& renderer) {
 
 std::vector<float> seen_after(const Renderer& renderer, int byte) {
   const std::size_t bytes = bytes_of(renderer);
-  std::byte* const memory = thread_memory(ThreadBuffer::block, bytes);
+  std::byte* const memory = thread_memory(bytes);
   std::memset(memory, byte, bytes);
   std::vector<float> found = seen(renderer);
-  EXPECT_EQ(thread_memory(ThreadBuffer::block, bytes), memory) << "the frame was rendered in other memory";
+  EXPECT_EQ(thread_memory(bytes), memory) << "the frame was rendered in other memory";
   return found;
 }
 

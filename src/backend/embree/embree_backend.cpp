@@ -20,7 +20,13 @@ void move(Acceleration& acceleration, std::span<const int> instances, std::span<
                  placement);
 }
 
-BlockFunctions block_functions() {
+Launches launches() {
+  return launch_on_threads(embree_block_functions());
+}
+
+}  // namespace
+
+BlockFunctions embree_block_functions() {
 #if defined(OMMA_PLAIN_LANES)
   return plain::embree_block();
 #endif
@@ -33,10 +39,8 @@ BlockFunctions block_functions() {
   return baseline::embree_block();
 }
 
-}  // namespace
-
 Backend embree_backend() {
-  return {"embree", build, move, block_functions};
+  return {"embree", build, move, launches};
 }
 
 }  // namespace omma

@@ -7,4 +7,7 @@ namespace omma {
 
 Backend embree_backend();
 
+// The hot loop for this processor.
+BlockFunctions embree_block_functions();
+
 }  // namespace omma

@@ -20,7 +20,13 @@ void move(Acceleration& acceleration, std::span<const int> instances, std::span<
                  placement);
 }
 
-BlockFunctions block_functions() {
+Launches launches() {
+  return launch_on_threads(portable_block_functions());
+}
+
+}  // namespace
+
+BlockFunctions portable_block_functions() {
 #if defined(OMMA_PLAIN_LANES)
   return plain::portable_block();
 #endif
@@ -33,10 +39,8 @@ BlockFunctions block_functions() {
   return baseline::portable_block();
 }
 
-}  // namespace
-
 Backend portable_backend() {
-  return {"portable", build, move, block_functions};
+  return {"portable", build, move, launches};
 }
 
 }  // namespace omma

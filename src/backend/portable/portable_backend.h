@@ -7,4 +7,7 @@ namespace omma {
 
 Backend portable_backend();
 
+// The hot loop for this processor.
+BlockFunctions portable_block_functions();
+
 }  // namespace omma

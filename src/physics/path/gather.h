@@ -202,10 +202,11 @@ OMMA_HD void add_shining(const Flight<L, Search>& flight, const GatherPoints<L>&
 // Mean of what white surfaces there would send back, [receiver][band].
 template <typename L, typename Search>
 OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTask& task,
-                          const PathMemory& memory, float* radiance, double* mean) {
+                          const PathMemory& memory, float* radiance) {
   using F = typename L::F;
   constexpr int n = L::count;
   int points_found[n] = {};
+  double* const mean = task.mean;
   for (int i = 0; i < task.count * scene.bands; ++i) mean[i] = 0;
   const bool is_on_surface = task.receivers->mesh >= 0;
   GatherPoints<L> at;

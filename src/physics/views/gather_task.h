@@ -26,6 +26,7 @@ struct GatherTask {
   // Whose light surfaces that shine are sampled from: of a scene without baked light, which leaves
   // them out.
   const SceneView* shining = nullptr;
+  double* mean = nullptr;  // over the paths of each receiver, [receiver][band], in the view's unit
 };
 
 }  // namespace omma
