@@ -20,8 +20,8 @@ struct CancellableSearch {
   Search search;
   unsigned packets = 0;
 
-  void closest(LaneMask<Packets> lanes, RayPacket<packet_rays>& rays,
-               const PassedSurfaces<packet_rays>* passed, Spread spread) {
+  void closest(LaneMask<Packets> lanes, RayPacket<packet_rays>& rays, const PassedSurfaces* passed,
+               Spread spread) {
     if (++packets % packets_between == 0) check_cancelled();
     search.closest(lanes, rays, passed, spread);
   }
@@ -41,14 +41,17 @@ BlockFunctions build_block(MakeSearch) {
     const DenormalsAreZero denormals_are_zero;
     CancellableSearch<Search> search{MakeSearch{}(tracer)};
     Scratch scratch{memory};
-    render_block<Packets>(frame, task, search, lay_out(scratch, frame, packet_rays));
+    const BlockMemory laid_out = lay_out(scratch, frame, packet_rays);
+    render_block<Packets>(BlockRun<CancellableSearch<Search>>{frame, task, search, laid_out});
   };
   block.discs = [](const FrameView& frame, const BlockTask& task, const void* tracer,
                    std::byte* memory) {
     const DenormalsAreZero denormals_are_zero;
     CancellableSearch<Search> search{MakeSearch{}(tracer)};
     Scratch scratch{memory};
-    render_discs<Packets>(frame, task, search, lay_out(scratch, frame, packet_rays));
+    const BlockMemory laid_out = lay_out(scratch, frame, packet_rays);
+    render_discs<Packets>(BlockRun<CancellableSearch<Search>>{frame, task, search, laid_out},
+                          all_of(task, 1));
   };
   block.weigh = [](const SharedWeights& shared, const float* radiance, int outputs,
                    std::int64_t first, std::int64_t end, float* responses) {

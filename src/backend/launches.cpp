@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "physics/block/block_memory.h"
 #include "threads/parallel.h"
 #include "threads/thread_memory.h"
 
@@ -22,6 +23,12 @@ auto for_each_task(Run* run) {
 }
 
 }  // namespace
+
+std::size_t block_memory_bytes(const FrameView& frame) {
+  Scratch scratch;
+  lay_out(scratch, frame, packet_rays);
+  return scratch.used;
+}
 
 Launches launch_on_threads(const BlockFunctions& functions) {
   Launches launches;

@@ -38,7 +38,7 @@ OMMA_HD RTCRayHit16& rays_of(RayPacket<16>& packet) {
 // context takes the surfaces that rays have passed to the filters.
 #if RTC_VERSION_MAJOR >= 4
 struct QueryContext : RTCRayQueryContext {
-  const PassedSurfaces<16>* passed = nullptr;
+  const PassedSurfaces* passed = nullptr;
 };
 struct IntersectArguments {
   QueryContext context;
@@ -71,7 +71,7 @@ OMMA_HD void occluded_16(RTCScene scene, const int* valid, RTCRay16& rays,
 }
 #else
 struct QueryContext : RTCIntersectContext {
-  const PassedSurfaces<16>* passed = nullptr;
+  const PassedSurfaces* passed = nullptr;
 };
 struct IntersectArguments {
   QueryContext context;

@@ -25,7 +25,7 @@ struct EmbreeSearch {
   const EmbreeTracer* tracer;
   IntersectArguments arguments = {};
 
-  OMMA_HD void closest(LaneMask<L> lanes, RayPacket<16>& rays, const PassedSurfaces<16>* passed,
+  OMMA_HD void closest(LaneMask<L> lanes, RayPacket<16>& rays, const PassedSurfaces* passed,
                        Spread spread = Spread::together) {
     const EmbreeLanes<L> asked(lanes);
     arguments.context.passed = passed;

@@ -16,8 +16,7 @@ Triangle triangle_of(const FilterData& data, unsigned index) {
 }
 
 // Whether a ray has passed the surface that a candidate belongs to.
-bool has_passed(const RTCFilterFunctionNArguments& args, unsigned i,
-                const PassedSurfaces<16>& passed) {
+bool has_passed(const RTCFilterFunctionNArguments& args, unsigned i, const PassedSurfaces& passed) {
   const auto& data = *static_cast<const FilterData*>(args.geometryUserPtr);
   const PassedSurface hit{RTCHitN_instID(args.hit, args.N, i, 0), RTCHitN_geomID(args.hit, args.N, i),
                           RTCHitN_primID(args.hit, args.N, i),    0,
@@ -49,7 +48,7 @@ void reject_unseen(const RTCFilterFunctionNArguments* args) {
 }
 
 void reject_passed(const RTCFilterFunctionNArguments* args) {
-  const PassedSurfaces<16>* passed = static_cast<const QueryContext*>(args->context)->passed;
+  const PassedSurfaces* passed = static_cast<const QueryContext*>(args->context)->passed;
   for (unsigned i = 0; passed != nullptr && i < args->N; ++i)
     if (args->valid[i] != 0 && has_passed(*args, i, *passed)) args->valid[i] = 0;
 }

@@ -62,21 +62,23 @@ OMMA_HD DiscView disc_of(const AimCone& cone) {
 
 // The cones that replicates aim at, into `memory`; false where none does. They are the same for all
 // scrambles of an ommatidium: what its rays leave out is what it aims at.
-OMMA_HD bool find_cones(const FrameView& frame, const BlockTask& task, const Replicates& replicates,
-                        int count, const BlockMemory& memory) {
+template <typename L>
+OMMA_HD bool find_cones(const FrameView& frame, const BlockTask& task,
+                        const Replicates<L>& replicates, int count, const BlockMemory& memory) {
   const LightView& light = *frame.scene->light;
   bool any = false;
   for (int u = 0; u < count; ++u) {
     std::int32_t& found = memory.cone_count[u];
     found = 0;
-    const Vec3 from{replicates.origin[0][u], replicates.origin[1][u], replicates.origin[2][u]};
+    const Replicate replicate = replicate_at(replicates, u);
+    const Vec3 from = vec_of(replicate.origin);
     for (int i = 0; i < light.aim_count && found < most_cones; ++i) {
       AimCone cone = cone_of(light.aims[i], from);
       // A cone that fills an acceptance is found by its rays.
-      if (!(cone.solid_sr > 0) || cone.solid_sr > 0.5f * replicates.acceptance_sr[u]) continue;
+      if (!(cone.solid_sr > 0) || cone.solid_sr > 0.5f * replicate.acceptance_sr) continue;
       const DiscView disc = disc_of(cone);
-      const DiscTask of{&frame, &task, &replicates, frame.directions->warps + replicates.warp[u],
-                        &disc,  u,     0x51ed270bu};
+      const DiscTask of{&frame, &task,     frame.directions->warps + replicate.warp,
+                        &disc,  replicate, 0x51ed270bu};
       cone.most = static_cast<float>(static_cast<double>(light.aims[i].brightest * cone.solid_sr) *
                                      most_unit_pdf(of));
       if (!(cone.most >= static_cast<float>(least_aimed_light))) continue;
@@ -109,15 +111,19 @@ OMMA_HD void drop_lanes(LaneMask<L> lanes, int rows, float* radiance) {
   });
 }
 
-// Rays of a replicate all over its cone number `k`, `each` for each batch: sums of what they bring,
-// weighed, in memory.aimed [batch][output].
+// Rays of replicate `u` all over its cone number `k`, `each` for each batch: sums of what they
+// bring, weighed, in memory.aimed [batch][output].
+struct ConeRays {
+  int u, k, each;
+};
+
 template <typename L, typename Search>
-OMMA_HD void trace_cone(const DiscTask& of, int k, int each, Search& search,
+OMMA_HD void trace_cone(const DiscTask& of, const ConeRays& cone, Search& search,
                         const BlockMemory& memory) {
   constexpr int n = L::count;
   const FrameView& frame = *of.frame;
-  const Replicates& replicates = *of.replicates;
-  const int u = of.replicate, outputs = frame.outputs, rays = disc_batches * each;
+  const Replicate& replicate = of.replicate;
+  const int outputs = frame.outputs, rays = disc_batches * cone.each;
   for (int i = 0; i < disc_batches * outputs; ++i) memory.aimed[i] = 0;
   Packet<L> packet;
   clear<L>(packet.rays);
@@ -134,28 +140,26 @@ OMMA_HD void trace_cone(const DiscTask& of, int k, int each, Search& search,
       float turn[3][4];
       disc_turn(of, of.hash, ray, turn);
       weight[l] = begin + l < rays ? static_cast<float>(unit_pdf(of, direction, turn)) : 0.0f;
-      for (int j = 0; j < k; ++j)
-        if (is_in_cone(memory.cones[u * most_cones + j], direction)) weight[l] = 0;
+      for (int j = 0; j < cone.k; ++j)
+        if (is_in_cone(memory.cones[cone.u * most_cones + j], direction)) weight[l] = 0;
       if (weight[l] > 0) counting.add(l);
       const Vector3<float> towards = vector_of(direction);
-      const float radius_m = replicates.aperture_radius_m[u];
-      const auto s = load_vector<float>(replicates.s, u), t = load_vector<float>(replicates.t, u);
-      Vector3<float> from =
-          load_vector<float>(replicates.origin, u) + (s * lens.x + t * lens.y) * radius_m;
+      Vector3<float> from = replicate.origin + (replicate.s * lens.x + replicate.t * lens.y) *
+                                                   replicate.aperture_radius_m;
       if (of.task->motion != nullptr) from = move_point(*of.task->motion, turn, from);
       store_vector(packet.rays.origin, l, from);
       store_vector(packet.rays.direction, l, without_noise(towards));
       if (frame.scene->polarized) {
-        const auto up = transform_direction(turn, load_vector<float>(replicates.up, u));
-        const auto axis = transform_direction(turn, load_vector<float>(replicates.axis, u));
+        const auto up = transform_direction(turn, replicate.up);
+        const auto axis = transform_direction(turn, replicate.axis);
         store_vector(packet.reference, l, turn_with(axis, towards, up));
       }
-      packet.rays.t_near_m[l] = replicates.t_near_m[u];
+      packet.rays.t_near_m[l] = replicate.t_near_m;
       packet.rays.mask[l] = of.task->sees.from_eye;
-      packet.footprint_rad[l] = replicates.footprint_rad[u];
+      packet.footprint_rad[l] = replicate.footprint_rad;
       packet.hash[l] = int_of(mix_bits_32(of.hash));
       packet.sample[l] = ray;
-      packet.acceptance_sr[l] = replicates.acceptance_sr[u];
+      packet.acceptance_sr[l] = replicate.acceptance_sr;
     }
     PathMemory paths = memory.paths;
     paths.cell_errors = nullptr;  // rays that count for little
@@ -166,7 +170,7 @@ OMMA_HD void trace_cone(const DiscTask& of, int k, int each, Search& search,
       brought = memory.output;
     }
     counting.for_each([&](int l) {
-      double* const sums = memory.aimed + (begin + l) / each * outputs;
+      double* const sums = memory.aimed + (begin + l) / cone.each * outputs;
       for (int o = 0; o < outputs; ++o)
         sums[o] += static_cast<double>(weight[l] * brought[o * n + l]);
     });
@@ -178,36 +182,37 @@ OMMA_HD void trace_cone(const DiscTask& of, int k, int each, Search& search,
 template <typename L, typename Search>
 OMMA_HD void add_aimed(const FrameView& frame, const BlockTask& task, const ReplicateList& list,
                        Search& search, const BlockMemory& memory) {
-  Replicates replicates;
+  Replicates<L> replicates;
   make_replicates<L>(*frame.eye, task, *frame.directions, list, {true, frame.scene->polarized},
                      replicates);
   find_acceptances(frame, replicates, list.count);
   if (!find_cones(frame, task, replicates, list.count, memory)) return;
-  for (int u = 0; u < list.count; ++u)
+  for (int u = 0; u < list.count; ++u) {
+    const Replicate replicate = replicate_at(replicates, u);
     for (int k = 0; k < memory.cone_count[u]; ++k) {
       const AimCone& cone = memory.cones[u * most_cones + k];
       const DiscView disc = disc_of(cone);
-      const DiscTask of{&frame,
-                        &task,
-                        &replicates,
-                        frame.directions->warps + replicates.warp[u],
-                        &disc,
-                        u,
-                        mix_bits_32(uint_of(replicates.hash[u]) +
-                                    0x2545f491u * static_cast<std::uint32_t>(k + 1))};
+      const DiscTask of{
+          &frame,
+          &task,
+          frame.directions->warps + replicate.warp,
+          &disc,
+          replicate,
+          mix_bits_32(replicate.hash + 0x2545f491u * static_cast<std::uint32_t>(k + 1))};
       const int each = cone.most >= 0.3f ? 32 : (cone.most >= 0.003f ? 8 : 2);
-      trace_cone<L>(of, k, each, search, memory);
+      trace_cone<L>(of, {u, k, each}, search, memory);
       const double solid_sr = static_cast<double>(cone.solid_sr);
       for (int o = 0; o < frame.outputs; ++o) {
         const MeanOfEstimates found = mean_of_estimates(
             disc_batches, [&](int r) { return memory.aimed[r * frame.outputs + o]; });
         constexpr double batches = disc_batches;
         const double scale = solid_sr / each;
-        memory.beside[o * padded_capacity + u] += found.mean * scale;
-        memory.beside_variance[o * padded_capacity + u] +=
+        memory.beside[o * memory.stride + u] += found.mean * scale;
+        memory.beside_variance[o * memory.stride + u] +=
             found.squares * scale * scale / (batches * (batches - 1));
       }
     }
+  }
 }
 
 // What replicates see besides what their rays bring: of discs of the sky, and where they aim.
@@ -217,7 +222,7 @@ OMMA_HD_CALLED void eval_beside_rays(const FrameView& frame, const BlockTask& ta
                                      const BlockMemory& memory) {
   for (int o = 0; o < frame.outputs; ++o)
     for (int u = 0; u < list.count; ++u)
-      memory.beside[o * padded_capacity + u] = memory.beside_variance[o * padded_capacity + u] = 0;
+      memory.beside[o * memory.stride + u] = memory.beside_variance[o * memory.stride + u] = 0;
   if (has_discs(frame)) add_eye_discs<L>(frame, task, list, search, memory);
   if (has_aims(frame)) add_aimed<L>(frame, task, list, search, memory);
 }

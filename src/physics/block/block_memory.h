@@ -27,8 +27,9 @@ struct Scratch {
 
 // Of the ground truth (truth_sums.h), over the rays of each replicate.
 struct TruthSums {
-  double* rows = nullptr;          // [row][padded_capacity], see TruthRows
-  float* nearest_m = nullptr;      // [padded_capacity]
+  int stride = 0;
+  double* rows = nullptr;          // [row][stride], see TruthRows
+  float* nearest_m = nullptr;      // [stride]
   std::int32_t* shares = nullptr;  // [replicate][group], rays
 };
 
@@ -55,25 +56,36 @@ struct AimCone {
 };
 inline constexpr int most_cones = 8;
 
-// What has a number for each output of each replicate is [output][padded_capacity].
+// Rendering to an error: what is known of the ommatidia of a block. What has a number for each
+// output is [output][most_per_block], all else [most_per_block].
+struct ErrorMemory {
+  double *sums = nullptr, *squares = nullptr;  // over all rays so far; see estimate
+  float *roughness = nullptr, *unseen = nullptr;
+  double* of_cells = nullptr;    // variance that comes of cells of baked light
+  double* wanted = nullptr;      // variance that is asked for
+  double* roots = nullptr;       // sum over the rounds of the square roots of their rays
+  std::int32_t* rays = nullptr;  // so far
+  std::int32_t* next = nullptr;  // round to come, index into the directions; -1 for none
+  float* cell_errors = nullptr;  // as of PathMemory
+  TruthSums truth;
+};
+
+// What has a number for each output of each replicate is [output][stride].
 struct BlockMemory {
+  int stride = 0;  // padded_replicates
   // [component][band][lane] of one packet, where worlds are lit of block_rays of them one behind
   // the other. Component 0 is the radiance; in a polarised world Q and U stand behind it.
   float* radiance = nullptr;
   PathMemory paths;
   float* output = nullptr;   // [output][lane] of one packet; the radiance itself without a matrix
-  float* squares = nullptr;  // [output][lane] of one packet, see pair_squares
-  float* short_rays = nullptr;  // [output][short_capacity], see add_short_replicates
-  double* sums = nullptr;       // over the rays of each replicate
-  // Rendering to an error: sums of a round, squares of a round and of all; see estimate.
-  double *round_sums = nullptr, *round_squares = nullptr, *all_squares = nullptr;
-  float *roughness = nullptr, *unseen = nullptr;
-  double* of_cells = nullptr;  // variance that comes of cells of baked light
-  double* wanted = nullptr;    // variance that is asked for
-  // Where ground truth is asked for: [row][lane] of a packet, [row][short_capacity], sums over all
-  // rays and over those of a round.
-  float *truth = nullptr, *short_truth = nullptr;
-  TruthSums truth_sums, truth_round_sums;
+  float* pairs = nullptr;    // [output][summed_rays], see pair_squares
+  float* unsummed = nullptr;      // [output][unsummed_rays], see RaySums
+  double* sums = nullptr;         // over the rays of each replicate
+  double* square_sums = nullptr;  // the same of squares, where an error is to be reached
+  // Where ground truth is asked for: [row][lane] of a packet, [row][unsummed_rays], sums.
+  float *truth = nullptr, *unsummed_truth = nullptr;
+  TruthSums truth_sums;
+  ErrorMemory error;  // in packets; one lane is given its block's
   // In lit worlds: what replicates see of discs of the sky and of what they aim at (eye_discs.h,
   // aimed_rays.h) besides their rays, and the square of its error.
   double *beside = nullptr, *beside_variance = nullptr;
@@ -86,9 +98,20 @@ struct BlockMemory {
   double* aimed = nullptr;
 };
 
-// Rays of replicates that are shorter than a packet, and what vector loops read behind them: up to
-// a packet's width of replicates, each up to 15 rays long.
-inline constexpr int short_capacity = block_rays + 16 + 16 * 16;
+// Rays that are summed up at once.
+inline constexpr int summed_rays = 16;
+
+// Rays that wait to be summed up: in packets those of replicates that are shorter than a packet,
+// and what vector loops read behind them, up to a packet's width of replicates, each up to 15 rays
+// long.
+OMMA_HD constexpr int unsummed_rays(int lanes) {
+  return lanes > 1 ? block_rays + 16 + 16 * 16 : summed_rays;
+}
+
+// Packets of a block whose paths are followed together in lit worlds.
+OMMA_HD constexpr int packets_at_once(int lanes) {
+  return lanes > 1 ? block_rays / lanes : 1;
+}
 
 // Whether standard errors have a part that is baked light's.
 OMMA_HD bool has_cell_errors(const FrameView& frame) {
@@ -97,16 +120,66 @@ OMMA_HD bool has_cell_errors(const FrameView& frame) {
          (frame.most_samples > 0 || frame.scrambles > 1);
 }
 
+OMMA_HD TruthSums lay_out_truth(Scratch& scratch, const TruthView& truth, int stride) {
+  const auto replicates = static_cast<std::size_t>(stride);
+  TruthSums sums;
+  sums.stride = stride;
+  sums.rows = scratch.take<double>(static_cast<std::size_t>(rows_of(truth).count) * replicates);
+  sums.nearest_m = scratch.take<float>(replicates);
+  sums.shares = scratch.take<std::int32_t>(static_cast<std::size_t>(truth.shares) * replicates);
+  return sums;
+}
+
+OMMA_HD float* lay_out_cell_errors(Scratch& scratch, const FrameView& frame, int ommatidia) {
+  return scratch.take<float>(static_cast<std::size_t>(ommatidia) *
+                             static_cast<std::size_t>(frame.scene->bands) * error_signs);
+}
+
+// Of a frame that is rendered to an error.
+OMMA_HD ErrorMemory lay_out_error(Scratch& scratch, const FrameView& frame) {
+  constexpr std::size_t ommatidia = most_per_block;
+  const std::size_t outputs = static_cast<std::size_t>(frame.outputs) * ommatidia;
+  ErrorMemory error;
+  for (double** values : {&error.sums, &error.squares, &error.of_cells, &error.wanted})
+    *values = scratch.take<double>(outputs);
+  error.roughness = scratch.take<float>(outputs);
+  error.unseen = scratch.take<float>(outputs);
+  error.roots = scratch.take<double>(ommatidia);
+  error.rays = scratch.take<std::int32_t>(ommatidia);
+  error.next = scratch.take<std::int32_t>(ommatidia);
+  if (has_cell_errors(frame))
+    error.cell_errors = lay_out_cell_errors(scratch, frame, most_per_block);
+  if (frame.truth != nullptr) error.truth = lay_out_truth(scratch, *frame.truth, most_per_block);
+  return error;
+}
+
+OMMA_HD PassedSurfaces lay_out_passed(Scratch& scratch, int lanes) {
+  const auto count = static_cast<std::size_t>(lanes);
+  PassedSurfaces passed;
+  passed.count = scratch.take<std::int32_t>(count);
+  passed.surface = scratch.take<PassedSurface>(count * PassedSurfaces::capacity);
+  return passed;
+}
+
+// What a thread needs that goes through packets of so many lanes.
 OMMA_HD BlockMemory lay_out(Scratch& scratch, const FrameView& frame, int lanes) {
   const auto outputs = static_cast<std::size_t>(frame.outputs);
   const auto packet = static_cast<std::size_t>(lanes);
-  const std::size_t replicates = outputs * padded_capacity;
+  const auto unsummed = static_cast<std::size_t>(unsummed_rays(lanes));
   BlockMemory memory;
+  memory.stride = padded_replicates(lanes);
+  const auto stride = static_cast<std::size_t>(memory.stride);
+  const std::size_t replicates = outputs * stride;
   const SceneView& scene = *frame.scene;
   const std::size_t one = static_cast<std::size_t>(scene.bands) * packet;
   const std::size_t components = scene.polarized ? 3 : 1;
-  const std::size_t packets = scene.light == nullptr ? 1 : block_rays / packet;
+  const auto packets =
+      scene.light == nullptr ? 1 : static_cast<std::size_t>(packets_at_once(lanes));
   memory.radiance = scratch.take<float>(components * one * packets);
+  if (scene.has_blend || scene.has_glass) {
+    memory.paths.passed = lay_out_passed(scratch, lanes);
+    if (scene.light != nullptr) memory.paths.shadow.passed = lay_out_passed(scratch, lanes);
+  }
   if (scene.light != nullptr) {
     PathMemory& paths = memory.paths;
     // As WaitingPaths has scratch.
@@ -123,47 +196,37 @@ OMMA_HD BlockMemory lay_out(Scratch& scratch, const FrameView& frame, int lanes)
   }
   memory.output =
       frame.output_from_band == nullptr ? memory.radiance : scratch.take<float>(outputs * packet);
-  memory.short_rays = scratch.take<float>(outputs * short_capacity);
+  memory.unsummed = scratch.take<float>(outputs * unsummed);
   memory.sums = scratch.take<double>(replicates);
   if (frame.most_samples > 0) {
-    memory.squares = scratch.take<float>(outputs * packet);
-    memory.round_sums = scratch.take<double>(replicates);
-    memory.round_squares = scratch.take<double>(replicates);
-    memory.all_squares = scratch.take<double>(replicates);
-    memory.roughness = scratch.take<float>(replicates);
-    memory.unseen = scratch.take<float>(replicates);
-    memory.of_cells = scratch.take<double>(replicates);
-    memory.wanted = scratch.take<double>(replicates);
+    memory.pairs = scratch.take<float>(outputs * summed_rays);
+    memory.square_sums = scratch.take<double>(replicates);
   }
   if (scene.light != nullptr) {
     const auto bands = static_cast<std::size_t>(scene.bands);
     memory.beside = scratch.take<double>(replicates);
     memory.beside_variance = scratch.take<double>(replicates);
     if (scene.light->aim_count > 0) {
-      memory.cones = scratch.take<AimCone>(std::size_t{padded_capacity} * most_cones);
-      memory.cone_count = scratch.take<std::int32_t>(padded_capacity);
+      memory.cones = scratch.take<AimCone>(stride * most_cones);
+      memory.cone_count = scratch.take<std::int32_t>(stride);
       memory.aimed = scratch.take<double>(disc_batches * outputs);
     }
     memory.disc_all = scratch.take<double>(disc_batches * bands);
     memory.disc_seen = scratch.take<double>(disc_batches * bands);
     memory.disc_light = scratch.take<double>(2 * bands);
   }
-  if (has_cell_errors(frame))
-    memory.paths.cell_errors =
-        scratch.take<float>(static_cast<std::size_t>(most_per_block) *
-                            static_cast<std::size_t>(scene.bands) * error_signs);
   if (frame.truth != nullptr) {
     const auto rows = static_cast<std::size_t>(rows_of(*frame.truth).count);
     memory.truth = scratch.take<float>(rows * packet);
-    memory.short_truth = scratch.take<float>(rows * short_capacity);
-    for (TruthSums* sums : {&memory.truth_sums, &memory.truth_round_sums}) {
-      sums->rows = scratch.take<double>(rows * padded_capacity);
-      sums->nearest_m = scratch.take<float>(padded_capacity);
-      sums->shares = scratch.take<std::int32_t>(static_cast<std::size_t>(frame.truth->shares) *
-                                                padded_capacity);
-      if (frame.most_samples == 0) break;
-    }
+    memory.unsummed_truth = scratch.take<float>(rows * unsummed);
+    memory.truth_sums = lay_out_truth(scratch, *frame.truth, memory.stride);
   }
+  const bool to_error = frame.most_samples > 0;
+  if (to_error && lanes > 1) memory.error = lay_out_error(scratch, frame);
+  if (to_error)
+    memory.paths.cell_errors = memory.error.cell_errors;
+  else if (has_cell_errors(frame))
+    memory.paths.cell_errors = lay_out_cell_errors(scratch, frame, lanes > 1 ? most_per_block : 1);
   return memory;
 }
 

@@ -1,6 +1,6 @@
 // Compiles the physics as device code: the hot loop in one lane, with the search of our own
 // hierarchy. Nothing runs this; it keeps what is written once good for both host and device.
-#include "physics/block/block.h"
+#include "physics/block/thread.h"
 #include "physics/block/weigh.h"
 #include "physics/light/near_light.h"
 #include "physics/light/sun_map.h"
@@ -9,16 +9,33 @@
 #include "physics/surface/scene_search.h"
 
 namespace omma {
-namespace {
 
-using OneLane = Lanes<1, 1>;
-
-}  // namespace
-
-__global__ void device_check(FrameView frame, BlockTask task, BvhView bvh, std::byte* memory) {
+// A launch of blocks: threads of a block of the grid are ommatidia of a task. `bytes`: of a thread's
+// memory.
+__global__ void device_check(FrameView frame, const BlockTask* tasks, BvhView bvh,
+                             std::byte* memory, std::size_t bytes) {
+  const BlockTask& task = tasks[blockIdx.x];
+  const int i = static_cast<int>(threadIdx.x);
+  if (i >= task.count) return;
   SceneSearch<OneLane> search{frame.scene, &bvh};
-  Scratch scratch{memory};
-  render_block<OneLane>(frame, task, search, lay_out(scratch, frame, 1));
+  Scratch scratch{memory + (blockIdx.x * blockDim.x + threadIdx.x) * bytes};
+  const BlockMemory laid_out = lay_out(scratch, frame, 1);
+  render_ommatidium(BlockRun<SceneSearch<OneLane>>{frame, task, search, laid_out}, i);
+}
+
+// The same to an error: a round, or what comes behind the last.
+__global__ void device_check_error(FrameView frame, BlockTask task, BvhView bvh, Round round,
+                                   std::byte* memory) {
+  const int i = static_cast<int>(threadIdx.x);
+  SceneSearch<OneLane> search{frame.scene, &bvh};
+  Scratch of_block{memory};
+  const ErrorMemory known = lay_out_error(of_block, frame);
+  Scratch of_thread{memory + of_block.used};
+  const BlockMemory laid_out = with_error(frame, lay_out(of_thread, frame, 1), known, i);
+  const BlockRun<SceneSearch<OneLane>> run{frame, task, search, laid_out};
+  begin_error(frame, task, known);
+  trace_round_of_ommatidium(run, round, i);
+  if (choose_rounds(frame, task, known) == 0) end_error_of_ommatidium(run, i);
 }
 
 __global__ void device_check_weights(SharedWeights shared, const float* radiance,

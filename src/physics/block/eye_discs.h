@@ -69,10 +69,9 @@ OMMA_HD double eye_pdf(const AcceptanceWarpView& warp, double scale, double thet
 struct DiscTask {
   const FrameView* frame = nullptr;
   const BlockTask* task = nullptr;
-  const Replicates* replicates = nullptr;
   const AcceptanceWarpView* warp = nullptr;
   const DiscView* disc = nullptr;
-  int replicate = 0;
+  Replicate replicate;
   std::uint32_t hash = 0;  // of replicate and disc
 };
 
@@ -105,18 +104,17 @@ OMMA_HD Vec3 disc_direction(const DiscView& disc, float x, float y) {
 
 // Density of the replicate's rays in a world direction, where the head is turned by `turn`.
 OMMA_HD double unit_pdf(const DiscTask& of, Vec3 direction, const float (&turn)[3][4]) {
-  const Replicates& replicates = *of.replicates;
-  const int u = of.replicate;
+  const Replicate& replicate = of.replicate;
   const float w[3] = {direction.x, direction.y, direction.z};
   double x = 0, y = 0, z = 0;
   for (int c = 0; c < 3; ++c) {
     const double d = static_cast<double>(turn[0][c] * w[0] + turn[1][c] * w[1] + turn[2][c] * w[2]);
-    x += d * static_cast<double>(replicates.s[c][u]);
-    y += d * static_cast<double>(replicates.t[c][u]);
-    z += d * static_cast<double>(replicates.axis[c][u]);
+    x += d * static_cast<double>(replicate.s[c]);
+    y += d * static_cast<double>(replicate.t[c]);
+    z += d * static_cast<double>(replicate.axis[c]);
   }
   const double azimuth = of.warp->azimuth == nullptr ? 0 : atan2(y, x);
-  return eye_pdf(*of.warp, static_cast<double>(replicates.scale[u]), atan2(sqrt(x * x + y * y), z),
+  return eye_pdf(*of.warp, static_cast<double>(replicate.scale), atan2(sqrt(x * x + y * y), z),
                  azimuth);
 }
 
@@ -135,12 +133,12 @@ OMMA_HD void disc_turn(const DiscTask& of, std::uint32_t hash, int sample, float
 // Bound on the density of the replicate's rays in the disc: where it is nearest to the axis, in its
 // middle and where it is furthest, at some times of a frame that lasts.
 OMMA_HD double most_unit_pdf(const DiscTask& of) {
-  const Replicates& replicates = *of.replicates;
+  const Replicate& replicate = of.replicate;
   const AcceptanceWarpView& warp = *of.warp;
   const double radius_rad = 2 * asin(0.5 * sqrt(static_cast<double>(of.disc->chord_2)));
   const bool ends =
       warp.sensitivity.kernel == Kernel::gaussian || warp.sensitivity.kernel == Kernel::pillbox;
-  const double scale = static_cast<double>(replicates.scale[of.replicate]);
+  const double scale = static_cast<double>(replicate.scale);
   // Beyond 3.5 widths a Gaussian is below 2e-15 of its peak.
   const double reach_rad =
       radius_rad + 3.5 * scale * fmax(warp.sensitivity.width_rad, warp.sensitivity.minor_width_rad);
@@ -154,9 +152,9 @@ OMMA_HD double most_unit_pdf(const DiscTask& of) {
     for (int c = 0; c < 3; ++c) {
       const double d =
           static_cast<double>(turn[0][c] * w[0] + turn[1][c] * w[1] + turn[2][c] * w[2]);
-      local[0] += d * static_cast<double>(replicates.s[c][of.replicate]);
-      local[1] += d * static_cast<double>(replicates.t[c][of.replicate]);
-      local[2] += d * static_cast<double>(replicates.axis[c][of.replicate]);
+      local[0] += d * static_cast<double>(replicate.s[c]);
+      local[1] += d * static_cast<double>(replicate.t[c]);
+      local[2] += d * static_cast<double>(replicate.axis[c]);
     }
     const double from_axis_2 =
         local[0] * local[0] + local[1] * local[1] + (local[2] - 1) * (local[2] - 1);
@@ -231,9 +229,9 @@ OMMA_HD_CALLED void trace_disc(const DiscTask& of, Search& search, const BlockMe
   using U = typename L::U;
   constexpr int n = L::count;
   const SceneView& scene = *of.frame->scene;
-  const Replicates& replicates = *of.replicates;
+  const Replicate& replicate = of.replicate;
   const DiscView& disc = *of.disc;
-  const int u = of.replicate, bands = scene.bands, rays = set.batches * set.each;
+  const int bands = scene.bands, rays = set.batches * set.each;
   const bool dims = lets_through(scene);
   sums.any_open = sums.any_hidden = false;
   for (int i = 0; i < set.batches * bands; ++i) sums.all[i] = sums.seen[i] = 0;
@@ -255,8 +253,8 @@ OMMA_HD_CALLED void trace_disc(const DiscTask& of, Search& search, const BlockMe
       store(y + l, point.y);
       // From all over the aperture.
       const DiscPoints<F> lens = even_disc_points(path_pair(uint_of(h), uint_of(k), U{} + 1u));
-      store(from_x + l, lens.x * replicates.aperture_radius_m[u]);
-      store(from_y + l, lens.y * replicates.aperture_radius_m[u]);
+      store(from_x + l, lens.x * replicate.aperture_radius_m);
+      store(from_y + l, lens.y * replicate.aperture_radius_m);
     }
     LaneMask<L> asked;
     for (int l = 0; l < n; ++l) {
@@ -268,13 +266,11 @@ OMMA_HD_CALLED void trace_disc(const DiscTask& of, Search& search, const BlockMe
           static_cast<float>(disc_darkening(disc, static_cast<double>(x[l] * x[l] + y[l] * y[l]) *
                                                       static_cast<double>(disc.chord_2)));
       if (weight[l] > 0.0f) asked.add(l);
-      const auto s = load_vector<float>(replicates.s, u), t = load_vector<float>(replicates.t, u);
-      Vector3<float> from =
-          load_vector<float>(replicates.origin, u) + s * from_x[l] + t * from_y[l];
+      Vector3<float> from = replicate.origin + replicate.s * from_x[l] + replicate.t * from_y[l];
       if (of.task->motion != nullptr) from = move_point(*of.task->motion, turn, from);
       store_vector(shadow.rays.origin, l, from);
       store_vector(shadow.rays.direction, l, without_noise(vector_of(direction)));
-      shadow.rays.t_near_m[l] = replicates.t_near_m[u];
+      shadow.rays.t_near_m[l] = replicate.t_near_m;
       shadow.rays.t_far_m[l] = INFINITY;
       shadow.rays.mask[l] = of.task->sees.from_eye;
       shadow.footprint_rad[l] = 0;
@@ -353,29 +349,28 @@ OMMA_HD void add_eye_discs(const FrameView& frame, const BlockTask& task, const 
   const LightView& light = *frame.scene->light;
   const DirectionsView& directions = *frame.directions;
   const int bands = frame.scene->bands;
-  Replicates replicates;
+  Replicates<L> replicates;
   make_replicates<L>(*frame.eye, task, directions, list, {true, false}, replicates);
   find_acceptances(frame, replicates, list.count);
   for (int u = 0; u < list.count; ++u) {
+    const Replicate replicate = replicate_at(replicates, u);
     double *of_band = memory.disc_light, *error_2 = of_band + bands;
     bool any = false;
     for (int i = 0; i < light.disc_count; ++i) {
       const DiscView& disc = light.discs[i];
-      if (counts_by_rays(disc, replicates.acceptance_sr[u])) continue;
-      DiscTask of{
-          &frame,
-          &task,
-          &replicates,
-          directions.warps + replicates.warp[u],
-          &disc,
-          u,
-          mix_bits_32(uint_of(replicates.hash[u]) + static_cast<std::uint32_t>(i) * 0x85ebca6bu)};
+      if (counts_by_rays(disc, replicate.acceptance_sr)) continue;
+      const DiscTask of{&frame,
+                        &task,
+                        directions.warps + replicate.warp,
+                        &disc,
+                        replicate,
+                        mix_bits_32(replicate.hash + static_cast<std::uint32_t>(i) * 0x85ebca6bu)};
       float most = 0;
       for (int b = 0; b < bands; ++b) most = fmaxf(most, disc.radiance[b]);
       const double solid_sr = 1 / static_cast<double>(disc.density);
       const DiscEffort effort =
           choose_disc_effort(static_cast<double>(most) * solid_sr * most_unit_pdf(of),
-                             solid_sr / static_cast<double>(replicates.acceptance_sr[u]));
+                             solid_sr / static_cast<double>(replicate.acceptance_sr));
       if (effort.plain == 0) continue;
       if (!any)
         for (int b = 0; b < 2 * bands; ++b) of_band[b] = 0;
@@ -400,8 +395,8 @@ OMMA_HD void add_eye_discs(const FrameView& frame, const BlockTask& task, const 
         }
         squares = error * error;
       }
-      memory.beside[o * padded_capacity + u] += sum;
-      memory.beside_variance[o * padded_capacity + u] += squares;
+      memory.beside[o * memory.stride + u] += sum;
+      memory.beside_variance[o * memory.stride + u] += squares;
     }
   }
 }

@@ -2,6 +2,7 @@
 // are full on all their flights (waiting_paths.h).
 #pragma once
 
+#include "physics/block/block_memory.h"
 #include "physics/path/lit_path.h"
 #include "physics/path/waiting_paths.h"
 
@@ -16,8 +17,8 @@ struct PathBlock {
   const PathMemory& memory;
   float* radiance;
   WaitingPaths<L> waiting, waiting_for_last;
-  Packet<L> onward;                     // of paths that have waited
-  std::int32_t ommatidium[block_rays];  // [ray], as Packet has it
+  Packet<L> onward;                                               // of paths that have waited
+  std::int32_t ommatidium[packets_at_once(L::count) * L::count];  // [ray], as Packet has it
 };
 
 template <typename L>
@@ -83,11 +84,10 @@ OMMA_HD void begin_paths(PathBlock<L, Search>& block, int packet_index, LaneMask
   const int floats = packet_floats<L>(scene);
   float* const radiance = block.radiance + packet_index * floats;
   PathState<L> state;
-  if (lets_through(scene)) {
-    PassedSurfaces<n> passed;
+  if (lets_through(scene))
     return trace_paths<L, Search>(
-        {scene, block.search, packet, state, block.memory, radiance, &passed}, lanes, first);
-  }
+        {scene, block.search, packet, state, block.memory, radiance, &block.memory.passed}, lanes,
+        first);
   const Flight<L, Search> flight{scene,        block.search, packet, state,
                                  block.memory, radiance,     nullptr};
   for (int i = 0; i < floats; ++i) radiance[i] = 0;

@@ -117,7 +117,7 @@ OMMA_HD void add_met(const TruthView& view, const FirstHits<L>& first, int sampl
 OMMA_HD void clear(const TruthView& view, const TruthSums& sums, int replicates) {
   const int rows = rows_of(view).count;
   for (int o = 0; o < rows; ++o)
-    for (int u = 0; u < replicates; ++u) sums.rows[o * padded_capacity + u] = 0;
+    for (int u = 0; u < replicates; ++u) sums.rows[o * sums.stride + u] = 0;
   for (int u = 0; u < replicates; ++u) sums.nearest_m[u] = INFINITY;
   for (int k = 0; k < replicates * view.shares; ++k) sums.shares[k] = 0;
 }
@@ -127,25 +127,30 @@ OMMA_HD void add_truth(const TruthView& view, const TruthSums& from, int replica
                        const TruthSums& to, int to_replicate) {
   const int rows = rows_of(view).count;
   for (int o = 0; o < rows; ++o)
-    to.rows[o * padded_capacity + to_replicate] += from.rows[o * padded_capacity + replicate];
+    to.rows[o * to.stride + to_replicate] += from.rows[o * from.stride + replicate];
   if (from.nearest_m[replicate] < to.nearest_m[to_replicate])
     to.nearest_m[to_replicate] = from.nearest_m[replicate];
   for (int k = 0; k < view.shares; ++k)
     to.shares[to_replicate * view.shares + k] += from.shares[replicate * view.shares + k];
 }
 
-// The truth of ommatidium i of the block from the sums of its replicates, one for each scramble,
-// which have `rays` in all.
+// Which sums are of an ommatidium: those of its replicates, one for each scramble.
+struct TruthOf {
+  std::int32_t ordinal;  // of the ommatidium, in the eye's arrays
+  int replicate, scrambles;
+  int rays;  // in all
+};
+
 OMMA_HD void reduce_truth(const FrameView& frame, const BlockTask& task, const TruthSums& sums,
-                          int i, int scrambles, int rays) {
+                          const TruthOf& of) {
   const TruthView& view = *frame.truth;
   const TruthTask& truth = *task.truth;
   const TruthRows at = rows_of(view);
-  const auto out = static_cast<std::int64_t>(frame.eye->ommatidium[task.first + i]);
-  for (int r = 1; r < scrambles; ++r) add_truth(view, sums, i * scrambles + r, sums, i * scrambles);
-  const int replicate = i * scrambles;
-  const auto sum = [&](int row) { return sums.rows[row * padded_capacity + replicate]; };
-  const double all = rays, met = sum(0);
+  const auto out = static_cast<std::int64_t>(frame.eye->ommatidium[of.ordinal]);
+  const int replicate = of.replicate;
+  for (int r = 1; r < of.scrambles; ++r) add_truth(view, sums, replicate + r, sums, replicate);
+  const auto sum = [&](int row) { return sums.rows[row * sums.stride + replicate]; };
+  const double all = of.rays, met = sum(0);
   if (truth.met != nullptr) truth.met[out] = static_cast<float>(met / all);
   if (truth.distance_m != nullptr)
     truth.distance_m[out] = met > 0 ? static_cast<float>(sum(1) / met) : INFINITY;

@@ -17,7 +17,7 @@ struct Flight {
   PathState<L>& state;
   const PathMemory& memory;  // throughput by band, spectra of surfaces, light on its way
   float* radiance;           // [component][band][lane], what paths have found; light is added to it
-  PassedSurfaces<L::count>* passed;  // where surfaces let light straight through, else null
+  const PassedSurfaces* passed;  // where surfaces let light straight through, else null
 
   // Of Stokes vectors that are followed: I, or I, Q and U.
   OMMA_HD int components() const { return scene.polarized ? 3 : 1; }
@@ -28,6 +28,11 @@ struct Flight {
 // Whether surfaces let light straight through: then rays remember which they have passed.
 OMMA_HD bool lets_through(const SceneView& scene) {
   return scene.has_blend || scene.has_glass;
+}
+
+// Where a path remembers them.
+OMMA_HD const PassedSurfaces* passed_in(const SceneView& scene, const PathMemory& memory) {
+  return lets_through(scene) ? &memory.passed : nullptr;
 }
 
 }  // namespace omma

@@ -212,7 +212,6 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTa
   GatherPoints<L> at;
   GatherLanes<n>& of = at.of;
   HitGeometry<L>& geometry = at.geometry;
-  PassedSurfaces<n> passed;
   for (int first = 0; first < task.paths; first += n) {
     assign_lanes(task, first, of);
     Packet<L> packet;
@@ -225,7 +224,7 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTa
     PathState<L> state;
     state.gathers = true;
     const Flight<L, Search> flight{
-        scene, search, packet, state, memory, radiance, lets_through(scene) ? &passed : nullptr};
+        scene, search, packet, state, memory, radiance, passed_in(scene, memory)};
     for (int l = 0; l < n; ++l) {
       packet.rays.t_far_m[l] = INFINITY;
       packet.footprint_rad[l] = 0;
@@ -301,7 +300,6 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTa
       ++points_found[of.receiver[l] - task.receivers];
       add(l, memory.front, 1.0f);
     });
-    if (flight.passed != nullptr) clear(passed);
     trace_paths(flight, going);
     going.for_each([&](int l) { add(l, radiance, entering[l]); });
   }

@@ -204,6 +204,7 @@ OMMA_HD_CALLED void trace_paths(const Flight<L, Search>& flight, LaneMask<L> on,
                                 FirstHits<L>* first = nullptr) {
   for (int i = 0; i < flight.components() * flight.stride(); ++i) flight.radiance[i] = 0;
   reset_paths<L>(flight.scene, flight.state, flight.memory);
+  if (flight.passed != nullptr) clear<L>(*flight.passed);
   for (int k = 0; on.any() && k < most_flights; ++k) {
     const Spread spread = k == 0 && !flight.state.gathers ? Spread::together : Spread::scattered;
     on = trace_flight(flight, on, spread, k == 0 ? first : nullptr);
@@ -215,10 +216,8 @@ template <typename L, typename Search>
 OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, LaneMask<L> on,
                            Packet<L>& packet, const PathMemory& memory, float* radiance) {
   PathState<L> state;
-  PassedSurfaces<L::count> passed;
-  trace_paths<L, Search>(
-      {scene, search, packet, state, memory, radiance, lets_through(scene) ? &passed : nullptr},
-      on);
+  trace_paths<L, Search>({scene, search, packet, state, memory, radiance, passed_in(scene, memory)},
+                         on);
 }
 
 }  // namespace omma

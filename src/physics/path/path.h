@@ -96,7 +96,7 @@ struct UnlitFlight {
   const SceneView& scene;
   Search& search;
   Packet<L>& packet;
-  PassedSurfaces<L::count>* passed;  // where surfaces let light through in part, else null
+  const PassedSurfaces* passed;  // where surfaces let light through in part, else null
 };
 
 // One step along the rays of some lanes: the closest hits and the colours there, or the
@@ -140,7 +140,7 @@ OMMA_HD void eval_path(const UnlitFlight<L, Search>& flight, LaneMask<L> on, flo
     return;
   }
 
-  clear(*flight.passed);
+  clear<L>(*flight.passed);
   alignas(L::count * 4) float throughput[L::count];  // Π (1 − α): what lies behind still counts
   for (int l = 0; l < L::count; ++l) throughput[l] = 1;
   for (int i = 0; i < scene.bands * L::count; ++i) radiance[i] = 0;

@@ -197,7 +197,7 @@ OMMA_HD_CALLED LaneMask<L> trace_transmittance(const SceneView& scene, Search& s
                                                LaneMask<L> lanes, Packet<L>& shadow,
                                                const SpectraMemory& memory) {
   using F = typename L::F;
-  PassedSurfaces<L::count> passed;
+  clear<L>(memory.passed);
   alignas(L::count * 4) float t_far_m[L::count];
   for (int l = 0; l < L::count; ++l) t_far_m[l] = shadow.rays.t_far_m[l];
   float* const transmittance = memory.throughput;
@@ -206,7 +206,7 @@ OMMA_HD_CALLED LaneMask<L> trace_transmittance(const SceneView& scene, Search& s
   for (int flight = 0; on.any() && flight < most_flights; ++flight) {
     clear_hits<L>(shadow.rays);
     for (int l = 0; l < L::count; ++l) shadow.rays.t_far_m[l] = t_far_m[l];
-    search.closest(on, shadow.rays, &passed, Spread::scattered);
+    search.closest(on, shadow.rays, &memory.passed, Spread::scattered);
     Hits<L> hits;
     find_hits<L>(search.placed(), shadow, hits);
     HitGeometry<L> geometry;
@@ -232,7 +232,7 @@ OMMA_HD_CALLED LaneMask<L> trace_transmittance(const SceneView& scene, Search& s
     }
     reached |= on & ~met;
     on &= met & bright;
-    on.for_each([&](int l) { pass(passed, l, shadow.rays); });
+    on.for_each([&](int l) { pass(memory.passed, l, shadow.rays); });
   }
   return reached;
 }

@@ -11,12 +11,13 @@ namespace omma {
 template <typename L>
 struct WaitingPaths {
   static constexpr int n = L::count, capacity = 3 * n;
+  static constexpr std::size_t aligned = n * 4;
   int count = 0;
-  alignas(64) float origin[3][capacity], direction[3][capacity], density[capacity];
-  alignas(64) float reference[3][capacity], mueller[9][capacity];  // where light is polarised
-  alignas(64) std::int32_t hash[capacity], sample[capacity],
+  alignas(aligned) float origin[3][capacity], direction[3][capacity], density[capacity];
+  alignas(aligned) float reference[3][capacity], mueller[9][capacity];  // where light is polarised
+  alignas(aligned) std::int32_t hash[capacity], sample[capacity],
       scatterings[capacity], flight[capacity];
-  alignas(64) std::int32_t ray[capacity];  // where its radiance goes
+  alignas(aligned) std::int32_t ray[capacity];  // where its radiance goes
   float* throughput = nullptr;             // [band][capacity]
 };
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "omma/vec.h"
+#include "physics/views/path_memory.h"
 #include "physics/views/ray_packet.h"
 
 namespace omma {
@@ -24,37 +25,22 @@ OMMA_HD float step_behind(float t_m) {
   return t_m * (1.0f + same_place) + 1e-30f;
 }
 
-// A triangle as a search names it (RayPacket), and where it was met.
-struct PassedSurface {
-  std::uint32_t instance, geometry, triangle;
-  float t_m, u, v;
-};
-
-template <int lanes>
-struct PassedSurfaces {
-  // Most surfaces in one place, which is a hundred-thousandth of the distance; a ray goes on behind
-  // that place where there are more.
-  static constexpr int capacity = 64;
-  int count[lanes] = {};
-  PassedSurface surface[lanes][capacity];  // in the order they were met
-};
-
 // Forgets all surfaces.
-template <int lanes>
-OMMA_HD void clear(PassedSurfaces<lanes>& passed) {
-  for (int& count : passed.count) count = 0;
+template <typename L>
+OMMA_HD void clear(const PassedSurfaces& passed) {
+  for (int l = 0; l < L::count; ++l) passed.count[l] = 0;
 }
 
 // Remembers the surface that a ray met and passes, and moves its near end to where it goes on from.
 template <int lanes>
-OMMA_HD void pass(PassedSurfaces<lanes>& passed, int lane, RayPacket<lanes>& rays) {
+OMMA_HD void pass(const PassedSurfaces& passed, int lane, RayPacket<lanes>& rays) {
   const float t = rays.t_far_m[lane], from = search_from(t);
-  PassedSurface(&surfaces)[PassedSurfaces<lanes>::capacity] = passed.surface[lane];
+  PassedSurface* const surfaces = passed.surface + lane * PassedSurfaces::capacity;
   int count = 0;
   for (int k = 0; k < passed.count[lane]; ++k)
     if (surfaces[k].t_m >= search_from(from)) surfaces[count++] = surfaces[k];
   float& near = rays.t_near_m[lane];
-  if (count == PassedSurfaces<lanes>::capacity) {
+  if (count == PassedSurfaces::capacity) {
     passed.count[lane] = 0;
     near = step_behind(t);
     return;
@@ -97,12 +83,12 @@ OMMA_HD bool covers(const Triangle& t, float u, float v, Vec3d direction, Vec3d 
 // count once, while triangles that lie upon each other are several. So of those hit on an edge
 // after a first one only those count that cover what it covers, as the ray sees it: a point well
 // inside the first, in no special place, so that edges of others do not lie along the way to it.
-template <int lanes, typename Corners>
-OMMA_HD bool has_passed(const PassedSurfaces<lanes>& passed, int lane, const PassedSurface& hit,
+template <typename Corners>
+OMMA_HD bool has_passed(const PassedSurfaces& passed, int lane, const PassedSurface& hit,
                         Vec3 direction, const Corners& corners) {
   const PassedSurface* first = nullptr;
   for (int k = 0; k < passed.count[lane]; ++k) {
-    const PassedSurface& s = passed.surface[lane][k];
+    const PassedSurface& s = passed.surface[lane * PassedSurfaces::capacity + k];
     if (s.instance != hit.instance) continue;
     if (s.geometry == hit.geometry && s.triangle == hit.triangle) return true;
     if (first == nullptr && is_on_edge(s.u, s.v)) first = &s;

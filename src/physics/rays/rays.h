@@ -105,7 +105,7 @@ struct PacketStart {
 
 // Writes L::width rays from lane l on, the first that of `start`.
 template <typename L>
-OMMA_HD void write_rays(const DirectionsView& directions, const Replicates& replicates,
+OMMA_HD void write_rays(const DirectionsView& directions, const Replicates<L>& replicates,
                         int last_replicate, const PacketStart& start, Packet<L>& packet, int l) {
   using F = typename L::F;
   using I = typename L::I;
@@ -127,7 +127,7 @@ OMMA_HD void write_rays(const DirectionsView& directions, const Replicates& repl
       const F radius = of_replicate(replicates.aperture_radius_m);
       disc = {disc.x * radius, disc.y * radius};
     }
-    const auto vector_of_unit = [&](const float(&values)[3][padded_capacity]) {
+    const auto vector_of_unit = [&](const float(&values)[3][Replicates<L>::padded]) {
       return Vector3<F>{of_replicate(values[0]), of_replicate(values[1]), of_replicate(values[2])};
     };
     const Vector3<F> s = vector_of_unit(replicates.s), t = vector_of_unit(replicates.t);
@@ -199,7 +199,7 @@ OMMA_HD void write_rays(const DirectionsView& directions, const Replicates& repl
 
 // Writes the rays of all replicates into packets, in order, and hands each one to `consume`.
 template <typename L, typename Consume>
-OMMA_HD void for_each_packet(const DirectionsView& directions, const Replicates& replicates,
+OMMA_HD void for_each_packet(const DirectionsView& directions, const Replicates<L>& replicates,
                              int replicate_count, Packet<L>& packet, const Consume& consume) {
   const int samples = directions.samples;
   const float per_sample = 1.0f / static_cast<float>(samples);

@@ -15,8 +15,13 @@ inline constexpr int most_per_block = 64;
 // Rays that a block has about; it has no more where an ommatidium has less than a packet's.
 inline constexpr int block_rays = 512;
 
-// Vector loops read a packet's width past the last replicate.
-inline constexpr int padded_capacity = block_capacity + 16;
+// Replicates that are traced together, where vector loops read a packet's width past the last one:
+// in packets those of a block; in one lane those of one ommatidium, so that a thread of a graphics
+// card needs little memory.
+inline constexpr int most_scrambles = 8;
+OMMA_HD constexpr int padded_replicates(int lanes) {
+  return lanes > 1 ? block_capacity + lanes : most_scrambles;
+}
 
 // Which ommatidia of a block are rendered, each under which scrambles: replicate u is the
 // ommatidium ordinal[u / scrambles] of the eye's arrays under scramble first_scramble + u %
@@ -25,7 +30,14 @@ struct ReplicateList {
   const std::int32_t* ordinal = nullptr;  // null: task.first and on
   int first_scramble = 0, scrambles = 1;
   int count = 0;  // of replicates
+  int before = 0;  // replicates of the block before these, whose rays come first
 };
+
+// Where in the eye's arrays the ommatidium of a replicate is.
+OMMA_HD std::int32_t ordinal_of(const BlockTask& task, const ReplicateList& list, int replicate) {
+  const int listed = replicate / list.scrambles;
+  return list.ordinal == nullptr ? task.first + listed : list.ordinal[listed];
+}
 
 // What rays carry besides where they start and look.
 struct RayNeeds {
@@ -34,20 +46,22 @@ struct RayNeeds {
 };
 
 // World frames of replicates; s and t lie across the axis, the scramble's turn about it applied.
+template <typename L>
 struct Replicates {
-  alignas(64) float origin[3][padded_capacity];
-  alignas(64) float axis[3][padded_capacity];
-  alignas(64) float s[3][padded_capacity];
-  alignas(64) float t[3][padded_capacity];
-  alignas(64) float t_near_m[padded_capacity];
-  alignas(64) float footprint_rad[padded_capacity];  // width of each ray (footprint.h)
-  alignas(64) float aperture_radius_m[padded_capacity];
-  alignas(64) float scale[padded_capacity];              // of sines of polar angles
-  alignas(64) std::int32_t directions[padded_capacity];  // where its pattern begins, or which warp
-  alignas(64) std::int32_t hash[padded_capacity];        // of its scramble
-  alignas(64) std::int32_t warp[padded_capacity];
-  alignas(64) float acceptance_sr[padded_capacity];  // counts_by_rays; find_acceptances
-  alignas(64) float up[3][padded_capacity];          // across the axis, before any turn
+  static constexpr int padded = padded_replicates(L::count);
+  alignas(L::count * 4) float origin[3][padded];
+  alignas(L::count * 4) float axis[3][padded];
+  alignas(L::count * 4) float s[3][padded];
+  alignas(L::count * 4) float t[3][padded];
+  alignas(L::count * 4) float t_near_m[padded];
+  alignas(L::count * 4) float footprint_rad[padded];  // width of each ray (footprint.h)
+  alignas(L::count * 4) float aperture_radius_m[padded];
+  alignas(L::count * 4) float scale[padded];              // of sines of polar angles
+  alignas(L::count * 4) std::int32_t directions[padded];  // where its pattern begins, or which warp
+  alignas(L::count * 4) std::int32_t hash[padded];        // of its scramble
+  alignas(L::count * 4) std::int32_t warp[padded];
+  alignas(L::count * 4) float acceptance_sr[padded];  // counts_by_rays; find_acceptances
+  alignas(L::count * 4) float up[3][padded];          // across the axis, before any turn
   bool has_apertures, has_scales;
   RayNeeds needs;
 };
@@ -57,7 +71,7 @@ struct Replicates {
 template <typename L>
 OMMA_HD_CALLED void make_replicates(const EyeView& eye, const BlockTask& task,
                                     const DirectionsView& directions, const ReplicateList& list,
-                                    RayNeeds needs, Replicates& replicates) {
+                                    RayNeeds needs, Replicates<L>& replicates) {
   using F = typename L::F;
   using I = typename L::I;
   using U = typename L::U;
@@ -130,12 +144,37 @@ OMMA_HD float acceptance_sr(const AcceptanceWarpView& warp, float scale) {
   return static_cast<float>(warp.integral_sr) * scale * scale;
 }
 
-OMMA_HD void find_acceptances(const FrameView& frame, Replicates& replicates, int count) {
+template <typename L>
+OMMA_HD void find_acceptances(const FrameView& frame, Replicates<L>& replicates, int count) {
   for (int u = 0; u < count; ++u)
     replicates.acceptance_sr[u] =
         frame.acceptance_sr >= 0
             ? frame.acceptance_sr
             : acceptance_sr(frame.directions->warps[replicates.warp[u]], replicates.scale[u]);
+}
+
+// One replicate of them.
+struct Replicate {
+  Vector3<float> origin, axis, s, t, up;
+  float t_near_m, footprint_rad, aperture_radius_m, scale, acceptance_sr;
+  std::uint32_t hash;
+  std::int32_t warp;
+};
+
+template <typename L>
+OMMA_HD Replicate replicate_at(const Replicates<L>& all, int u) {
+  return {load_vector<float>(all.origin, u),
+          load_vector<float>(all.axis, u),
+          load_vector<float>(all.s, u),
+          load_vector<float>(all.t, u),
+          all.needs.axes ? load_vector<float>(all.up, u) : Vector3<float>{},
+          all.t_near_m[u],
+          all.footprint_rad[u],
+          all.aperture_radius_m[u],
+          all.scale[u],
+          all.acceptance_sr[u],
+          uint_of(all.hash[u]),
+          all.warp[u]};
 }
 
 }  // namespace omma

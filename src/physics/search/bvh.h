@@ -20,7 +20,7 @@ inline constexpr int quad_width = 4;  // triangles kept side by side
 
 // No path through a tree needs more room than this for what it has still to visit: the builder
 // makes no tree deeper than most_tree_depth, and a node leaves up to seven children for later.
-inline constexpr int most_tree_depth = 36;
+inline constexpr int most_tree_depth = 20;
 inline constexpr int stack_capacity = (node_width - 1) * most_tree_depth + 1;
 
 // Children that are nodes come first, then leaves. Child c spans origin + lower * 2^(exponent -

@@ -24,10 +24,20 @@ namespace omma {
 
 // What is still to be visited: a node's index, or the first quad of a leaf with the number of its
 // triangles above it.
+template <int count>
 struct Visit {
   std::uint32_t at;
   float near_m;
   unsigned lanes;  // of the rays that may meet it
+};
+// Of one ray: shorter, as a thread of a graphics card has a small stack.
+template <>
+struct Visit<1> {
+  std::uint32_t at;
+  float near_m;
+  static constexpr unsigned lanes = 1;
+  OMMA_HD Visit() = default;
+  OMMA_HD Visit(std::uint32_t what, float from_m, unsigned) : at(what), near_m(from_m) {}
 };
 inline constexpr int visit_index_bits = 28;
 
@@ -38,12 +48,12 @@ template <typename L, typename Leaf>
 OMMA_HD void search_tree(const WideNode* nodes, std::uint32_t root, const RayBundle<L>& bundle,
                          unsigned lanes, const float (&t_far_m)[L::count], Leaf leaf) {
   constexpr std::uint32_t index_mask = (1u << visit_index_bits) - 1;
-  Visit stack[stack_capacity];
+  Visit<L::count> stack[stack_capacity];
   int depth = 0;
   float far_m = furthest<L>(t_far_m, lanes);
   stack[depth++] = {root, 0, lanes};
   while (depth > 0) {
-    const Visit visit = stack[--depth];
+    const Visit<L::count> visit = stack[--depth];
     if (visit.near_m > far_m) continue;
     const std::uint32_t triangles = visit.at >> visit_index_bits;
     if (triangles != 0) {
@@ -64,11 +74,11 @@ OMMA_HD void search_tree(const WideNode* nodes, std::uint32_t root, const RayBun
       const unsigned meeting = hits_child<L>(bundle, lanes, slabs, c, t_far_m);
       if (meeting == 0) continue;
       const int inner = node.counts & 15;
-      const Visit child{c < inner
-                            ? node.first_child + static_cast<std::uint32_t>(c)
-                            : (node.first_leaf + (node.leaf[c] >> 4)) |
-                                  static_cast<std::uint32_t>(node.leaf[c] & 15) << visit_index_bits,
-                        slabs.near[c], meeting};
+      const Visit<L::count> child{c < inner ? node.first_child + static_cast<std::uint32_t>(c)
+                                            : (node.first_leaf + (node.leaf[c] >> 4)) |
+                                                  static_cast<std::uint32_t>(node.leaf[c] & 15)
+                                                      << visit_index_bits,
+                                  slabs.near[c], meeting};
       int k = depth++;
       for (; k > first && stack[k - 1].near_m < child.near_m; --k) stack[k] = stack[k - 1];
       stack[k] = child;

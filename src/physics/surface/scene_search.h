@@ -14,8 +14,8 @@ struct SceneSearch {
   const SceneView* scene;
   const BvhView* bvh;
 
-  OMMA_HD void closest(LaneMask<L> lanes, RayPacket<L::count>& rays,
-                       const PassedSurfaces<L::count>* passed, Spread = Spread::together) const {
+  OMMA_HD void closest(LaneMask<L> lanes, RayPacket<L::count>& rays, const PassedSurfaces* passed,
+                       Spread = Spread::together) const {
     const auto accept = [&](int lane, float t_m, float u, float v, std::uint32_t triangle,
                             std::uint32_t placed, bool from_behind) {
       if (!accepts(placed, triangle, u, v, from_behind)) return false;

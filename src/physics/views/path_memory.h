@@ -2,14 +2,32 @@
 // they do not lie on the stack. block_memory.h lays it out.
 #pragma once
 
+#include <cstdint>
 
 namespace omma {
+
+// A surface that a ray has passed (rays/passed.h), as a search names it (RayPacket), and where it
+// was met.
+struct PassedSurface {
+  std::uint32_t instance, geometry, triangle;
+  float t_m, u, v;
+};
+
+// Of each lane; scratch memory of a thread.
+struct PassedSurfaces {
+  // Most surfaces in one place, which is a hundred-thousandth of the distance; a ray goes on behind
+  // that place where there are more.
+  static constexpr int capacity = 64;
+  std::int32_t* count = nullptr;     // [lane]
+  PassedSurface* surface = nullptr;  // [lane][capacity], in the order they were met
+};
 
 // What is known of a packet's rays and of the surfaces they met, all [band][lane].
 struct SpectraMemory {
   float* throughput = nullptr;  // what light from the path's end still counts
   // Of the surfaces that were met; see LitSurface.
   float *reflectance = nullptr, *transmittance = nullptr, *emission = nullptr, *tint = nullptr;
+  PassedSurfaces passed;  // where surfaces let rays through
 };
 
 // Random signs under which errors of cells of baked light are summed up: the mean square of so many

@@ -1,0 +1,51 @@
+// What a thread of a graphics card does: one ommatidium of a task, in one lane, with the bits that
+// its block has in packets. A launch is a grid of tasks times most_per_block threads.
+#pragma once
+
+#include "physics/block/block.h"
+
+namespace omma {
+
+using OneLane = Lanes<1, 1>;
+
+// Ommatidium i of the task alone; rays of those before it come first in the block.
+OMMA_HD ReplicateList list_of(const std::int32_t& ordinal, int i, int scrambles) {
+  return {&ordinal, 0, scrambles, scrambles, i * scrambles};
+}
+
+template <typename Search>
+OMMA_HD void render_ommatidium(const BlockRun<Search>& run, int i) {
+  const std::int32_t ordinal = run.task.first + i;
+  render_list<OneLane>(run, list_of(ordinal, i, run.frame.scrambles));
+}
+
+template <typename Search>
+OMMA_HD void render_discs_of_ommatidium(const BlockRun<Search>& run, int i) {
+  const std::int32_t ordinal = run.task.first + i;
+  render_discs<OneLane>(run, list_of(ordinal, i, 1));
+}
+
+// Rendering to an error is a launch for each round, between which one thread for each block does
+// begin_error and choose_rounds. `memory`: of this thread; `known`: of its block, lay_out_error.
+OMMA_HD BlockMemory with_error(const FrameView& frame, BlockMemory memory, const ErrorMemory& known,
+                               int i) {
+  memory.error = known;
+  memory.paths.cell_errors = cell_errors_of(frame, known.cell_errors, i);
+  return memory;
+}
+
+// The thread's memory is `with_error`.
+template <typename Search>
+OMMA_HD void trace_round_of_ommatidium(const BlockRun<Search>& run, const Round& round, int i) {
+  if (run.memory.error.next[i] == round.directions) trace_members<OneLane>(run, round, &i, 1);
+}
+
+template <typename Search>
+OMMA_HD void end_error_of_ommatidium(const BlockRun<Search>& run, int i) {
+  const std::int32_t ordinal = run.task.first + i;
+  if (sees_beside_rays(run.frame))
+    eval_beside_rays<OneLane>(run.frame, run.task, list_of(ordinal, i, 1), run.search, run.memory);
+  end_ommatidium(run.frame, run.task, run.memory, i, 0);
+}
+
+}  // namespace omma

@@ -1,0 +1,15 @@
+// A backend that stands for a graphics card: the portable one's hierarchy, searched in one lane by
+// each of the threads of a grid.
+#pragma once
+
+#include "backend/backend.h"
+#include "emulated/device.h"
+
+namespace omma::test {
+
+Backend emulated_backend();
+
+// The most that a thread of any launch in one lane has had so far.
+DeviceUse most_device_use();
+
+}  // namespace omma::test
