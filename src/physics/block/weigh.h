@@ -12,6 +12,7 @@ struct SharedWeights {
   const std::int64_t* first = nullptr;  // [ommatidium + 1], entries of each
   const std::int32_t* ray = nullptr;    // [entry]
   const float* weight = nullptr;        // [entry]
+  std::int64_t ommatidium_count = 0, entry_count = 0;
 };
 
 // Entries of an ommatidium are whole groups of so many, the last ones of weight 0.
