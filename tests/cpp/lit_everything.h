@@ -23,9 +23,11 @@ inline Scene scene_with_everything(bool glass) {
     return texture;
   };
   const Spectrum spectrum{{300, 500, 700}, {0.1, 0.4, 0.3}};
+  for (std::size_t i = 0; i < scene.meshes.size(); ++i)
+    scene.meshes[i].material = static_cast<int>(i);
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     Material& m = scene.materials[i];
-    m.unlit = i == 3;
+    m.unlit = i == 4;
     m.double_sided = true;
     if (!glass && m.alpha_mode == AlphaMode::blend) m.alpha_mode = AlphaMode::opaque;
     m.roughness = 0.5f;
@@ -53,7 +55,11 @@ inline Scene scene_with_everything(bool glass) {
       m.extra.texture = next();
       m.extra.spectrum[1] = spectrum;
     }
-    if (i % 2 == 0) m.emission = spectrum;
+    if (i == 2) {
+      m.emissive = {1, 1, 1};
+      m.emissive_texture = next();
+      m.emission = spectrum;
+    }
   }
   for (Mesh& mesh : scene.meshes)
     if (mesh.material % 2 == 0)

@@ -115,7 +115,6 @@ class Poison {
 struct Asked {
   Sampling sampling = Fixed{16};
   Points points = Points::low_discrepancy;
-  bool keeps_patterns = true;  // else directions are made on the way
   bool with_error = false, with_rays = false, with_truth = false;
   bool mixes = false;  // bands into outputs
   bool moves = false;  // the head, while the frame lasts
@@ -168,8 +167,6 @@ struct FrameSetup {
     for (int samples = first_samples(asked.sampling); tables.size() < rounds; samples *= 2)
       tables.push_back(make_direction_tables(eye, settings, samples));
     for (const DirectionTables& one : tables) directions.push_back(omma::view(one));
-    if (!asked.keeps_patterns) directions.front().patterns = 0;
-    if (!asked.keeps_patterns) directions.front().local = nullptr;
     arrays = make_eye_arrays(eye, tables.front());
     eye_view = omma::view(arrays);
     frame.scene = &world.state().view;
