@@ -26,11 +26,13 @@ inline std::size_t size_of(ArrayShape shape) {
 }
 
 // Points views to copies of their arrays, of views within them too. What several have in common, as
-// the frame of many tasks, is copied once. Views that hold arrays are put together here before they
-// are copied, so that the copies may lie where the host cannot write.
+// the tasks of a pose its responses, is copied once: it is known by where it is, so that all stays
+// there while this lives. Views that hold arrays are put together here before they are copied, so
+// that the copies may lie where the host cannot write.
 //
-// `Copy` says where they lie: read(array, count) gives the place of a copy, written(array, count)
-// that of room for what is written; neither is null, whatever the count. Null stays null.
+// `Copy` makes them: read(array, count) gives where a copy is, written(array, count) where one is
+// that is written to, of which some is added to. Neither is null, whatever the count; null stays
+// null.
 template <typename Copy>
 class ArrayCopies {
  public:

@@ -10,7 +10,6 @@
 #include <cstdint>
 
 #include "omma/bake.h"
-#include "omma/light.h"
 #include "physics/block/weigh.h"
 #include "physics/light/sun_map.h"
 #include "physics/rays/head_motion.h"
@@ -102,6 +101,8 @@ template <typename Visit>
 void visit_arrays(MeshCells& view, Visit& visit) {
   visit(view.first, {view.triangle_count + 1});
 }
+
+static_assert(sizeof(CellError) == 4);  // which BakedView only names
 
 template <typename Visit>
 void visit_arrays(BakedView& view, Visit& visit, std::int32_t bands) {
