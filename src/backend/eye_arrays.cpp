@@ -39,9 +39,9 @@ EyeArrays make_eye_arrays(const Eye& eye, const DirectionTables& directions) {
   for (std::vector<float>* values :
        {&a.origin_x, &a.origin_y, &a.origin_z, &a.axis_x, &a.axis_y, &a.axis_z, &a.up_x, &a.up_y,
         &a.up_z, &a.focal_offset_m, &a.aperture_radius_m, &a.scale})
-    values->resize(values->size() + 16, 0.0f);
-  a.warp.resize(a.warp.size() + 16, 0);
-  a.ommatidium.resize(a.ommatidium.size() + 16, 0);
+    values->resize(values->size() + zeros_behind, 0.0f);
+  a.warp.resize(a.warp.size() + zeros_behind, 0);
+  a.ommatidium.resize(a.ommatidium.size() + zeros_behind, 0);
   return a;
 }
 
@@ -55,11 +55,12 @@ EyeView view(const EyeArrays& a) {
           a.warp.data(),
           a.ommatidium.data(),
           a.has_apertures,
-          a.has_scales};
+          a.has_scales,
+          static_cast<std::int32_t>(a.size())};
 }
 
 std::vector<std::uint8_t> nearest_in_blocks(const EyeArrays& eye, int block) {
-  const std::size_t size = eye.ommatidium.size() - 16;
+  const std::size_t size = eye.size();
   std::vector<std::uint8_t> nearest;
   nearest.reserve(size * listened_to);
   std::vector<std::pair<float, std::uint8_t>> others;  // minus the cosine of the angle, place

@@ -11,8 +11,7 @@
 namespace omma {
 
 // The eye as the hot loop reads it, in an order along which neighbours in memory are neighbours in
-// direction. Frames: head. All arrays [ommatidium],
-// with a packet's width of zeros behind, which vector loops may read.
+// direction. Frames: head. All arrays [ommatidium + zeros_behind].
 struct EyeArrays {
   std::vector<float> origin_x, origin_y, origin_z;  // m, position - axis * focal offset
   std::vector<float> axis_x, axis_y, axis_z;        // unit
@@ -28,7 +27,7 @@ struct EyeArrays {
   double most_origin_m[3] = {};
   double most_offset_m = 0;
 
-  std::size_t size() const { return ommatidium.empty() ? 0 : ommatidium.size() - 16; }
+  std::size_t size() const { return ommatidium.empty() ? 0 : ommatidium.size() - zeros_behind; }
 };
 
 EyeArrays make_eye_arrays(const Eye& eye, const DirectionTables& directions);

@@ -36,8 +36,8 @@ Launches launch_on_threads(const BlockFunctions& functions) {
   launches.discs = for_each_task(functions.discs);
   launches.gather = for_each_task(functions.gather);
   launches.weigh = [weigh = functions.weigh](const SharedWeights& shared, int outputs,
-                                             std::int64_t ommatidia,
                                              std::span<const WeighTask> tasks) {
+    const std::int64_t ommatidia = shared.ommatidium_count;
     const std::int64_t pieces = (ommatidia + ommatidia_to_weigh - 1) / ommatidia_to_weigh;
     const auto all = static_cast<std::int64_t>(tasks.size()) * pieces;
     parallel_for(std::int64_t{0}, all, [&](std::int64_t i) {

@@ -10,12 +10,6 @@
 
 namespace omma {
 
-// The rays of one frame that neighbouring ommatidia share, weighed into responses.
-struct WeighTask {
-  const float* radiance = nullptr;  // [ray][output]
-  float* responses = nullptr;       // [ommatidium][output]
-};
-
 // `tracer`: what the backend built of the scene (Acceleration). Each returns when all its tasks are
 // done, throws omma::Cancelled where its work is cancelled, and may be called by several threads at
 // once.
@@ -23,9 +17,8 @@ struct Launches {
   std::function<void(const FrameView&, std::span<const BlockTask>, const void* tracer)> render;
   // Adds what the tasks' ommatidia see of discs of the sky to their responses.
   std::function<void(const FrameView&, std::span<const BlockTask>, const void* tracer)> discs;
-  std::function<void(const SharedWeights&, int outputs, std::int64_t ommatidia,
-                     std::span<const WeighTask>)>
-      weigh;
+  // Radiance of rays that neighbouring ommatidia share into responses.
+  std::function<void(const SharedWeights&, int outputs, std::span<const WeighTask>)> weigh;
   std::function<void(const FrameView&, std::span<const GatherTask>, const void* tracer)> gather;
   // Closest accepted hits, between t_near_m and t_far_m, of all rays.
   std::function<void(std::span<RayPacket<packet_rays>>, const void* tracer)> closest;

@@ -229,6 +229,7 @@ std::unique_ptr<LightData> make_light_data(const Light& light, const Scene& scen
   out.emissive_sum = data->emissive_sum.data();
   out.emissive_of_instance = data->emissive_of_instance.data();
   out.emissive_count = static_cast<std::int32_t>(data->emissive.size());
+  out.instance_count = static_cast<std::int32_t>(data->emissive_of_instance.size());
   choose_probabilities(out, sent);
   data->radiance_unit = choose_radiance_unit(sent);
   data->aims = make_aims(*data, scene, placement, view);

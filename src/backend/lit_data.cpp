@@ -55,14 +55,16 @@ void leave_out_baked(const LightData& data, BakedReading& reading) {
 void read_baked(const BakedLight& baked, const LightData& light, const MovingFrames& frames,
                 BakedReading& reading) {
   leave_out_baked(light, reading);
-  reading.cell_of_triangle.clear();
+  reading.mesh_cells.clear();
   for (const std::vector<std::int32_t>& first : baked.cell_of_triangle)
-    reading.cell_of_triangle.push_back(first.empty() ? nullptr : first.data());
+    reading.mesh_cells.push_back(
+        first.empty() ? MeshCells{}
+                      : MeshCells{first.data(), static_cast<std::int32_t>(first.size()) - 1});
   BakedView& view = reading.view;
   view.values = baked.lines.empty() ? nullptr : baked.lines.front().values;
   view.errors = baked.errors.empty() ? nullptr : baked.errors.data();
   view.first_cell = baked.first_cell.data();
-  view.cell_of_triangle = reading.cell_of_triangle.data();
+  view.mesh_cells = reading.mesh_cells.data();
   view.moves = frames.moves;
   view.probe_values = baked.probe_values.data();
   for (int a = 0; a < 3; ++a) {
@@ -72,6 +74,11 @@ void read_baked(const BakedLight& baked, const LightData& light, const MovingFra
   }
   view.first_origin_m = frames.lamp_origin_now_m;
   view.unit = static_cast<float>(baked.unit / light.radiance_unit);
+  constexpr std::size_t values_per_line = sizeof(BakedLine) / sizeof(std::uint16_t);
+  view.value_count = static_cast<std::int64_t>(baked.lines.size() * values_per_line);
+  view.cell_count = baked.cells;
+  view.instance_count = static_cast<std::int32_t>(baked.first_cell.size());
+  view.mesh_count = static_cast<std::int32_t>(reading.mesh_cells.size());
 }
 
 std::unique_ptr<LitData> make_lit_data(const Lighting& lighting, const Scene& scene,
@@ -95,6 +102,7 @@ std::unique_ptr<LitData> make_lit_data(const Lighting& lighting, const Scene& sc
   view.bands = static_cast<int>(light.bands.count());
   view.scatter = materials.data();
   view.specular_albedo = lit->albedos.data();
+  view.albedo_table_count = static_cast<std::int32_t>(lit->albedos.size() / albedo_floats);
   view.coat_albedo = lit->coat_albedo.empty() ? nullptr : lit->coat_albedo.data();
   view.metal_albedo = lit->metal_albedo.empty() ? nullptr : lit->metal_albedo.data();
   view.has_glass = std::any_of(materials.begin(), materials.end(),

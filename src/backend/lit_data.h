@@ -17,7 +17,7 @@ namespace omma {
 struct BakedReading {
   LightView left_out;
   std::vector<DiscView> discs_alone;
-  std::vector<const std::int32_t*> cell_of_triangle;  // [mesh]
+  std::vector<MeshCells> mesh_cells;  // [mesh]
   BakedView view;
 };
 

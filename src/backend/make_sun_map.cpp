@@ -166,6 +166,8 @@ SunMapData make_sun_map(const Tracing& tracing, const Scene& scene, const Placem
   view.pages = map.pages.data();
   view.words = map.tiles.front().words;
   view.page_columns = grid.columns;
+  view.page_rows = grid.rows;
+  view.tile_count = static_cast<std::int32_t>(map.tiles.size());
   view.last_column = std::nextafter(static_cast<float>(grid.columns), 0.0f);
   view.last_row = std::nextafter(static_cast<float>(grid.rows), 0.0f);
   set_axis(view.column_axis, frame.axis[0]);

@@ -229,6 +229,7 @@ std::unique_ptr<ScatterData> make_scatter_data(const Scene& scene, const Light& 
     lay_out(make, mesh, scene.materials[material], data->materials[material], large, view);
   }
   shading.view.textures = shading.textures.data();
+  shading.view.texture_count = static_cast<std::int32_t>(shading.textures.size());
   return data;
 }
 

@@ -45,6 +45,8 @@ std::unique_ptr<ShadingData> make_shading_data(const Scene& scene) {
 
   for (const Mesh& mesh : scene.meshes) {
     MeshView view;
+    view.triangle_count = static_cast<std::int32_t>(mesh.triangles.size());
+    view.vertex_count = static_cast<std::int32_t>(mesh.positions.size());
     if (!mesh.triangles.empty()) {
       view.positions = &mesh.positions.data()->x;
       view.triangles = reinterpret_cast<const std::int32_t*>(mesh.triangles[0].data());
@@ -78,6 +80,10 @@ std::unique_ptr<ShadingData> make_shading_data(const Scene& scene) {
   view.meshes = data->meshes.data();
   view.materials = data->materials.data();
   view.textures = data->textures.data();
+  view.mesh_count = static_cast<std::int32_t>(data->meshes.size());
+  view.material_count = static_cast<std::int32_t>(data->materials.size());
+  view.texture_count = static_cast<std::int32_t>(data->textures.size());
+  view.instance_count = static_cast<std::int32_t>(scene.instances.size());
   if (scene.color_rule == ColorRule::compoundray) {
     for (int i = 0; i < power_22_size; ++i)
       data->power_22.push_back(static_cast<float>(std::pow(i / (power_22_size - 1.0), 2.2)));
@@ -91,6 +97,7 @@ std::unique_ptr<ShadingData> make_shading_data(const Scene& scene) {
     if (!data->opacity.triangles[m].empty())
       data->meshes[m].opacity = data->opacity.triangles[m].data();
   view.opacity_states = data->opacity.states.data();
+  view.opacity_word_count = static_cast<std::int64_t>(data->opacity.states.size());
   return data;
 }
 

@@ -228,6 +228,7 @@ AcceptanceWarpView view(const AcceptanceWarp& warp) {
   v.theta = warp.rows->theta.data();
   v.dtheta = warp.rows->dtheta.data();
   v.azimuth = warp.azimuth.empty() ? nullptr : warp.azimuth.data();
+  v.rows = static_cast<int>(warp.rows->theta.size()) / (v.intervals + 1);
   return v;
 }
 

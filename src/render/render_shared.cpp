@@ -71,8 +71,7 @@ void render_frames(const SharedCall& of, int pattern, Poses poses, float* radian
   for (std::size_t k = 0; k < poses.end - poses.first; ++k)
     weighed.push_back({radiance + k * rays * static_cast<std::size_t>(of.outputs.count),
                        responses + k * of.pose_size()});
-  s.built().launches.weigh(omma::view(set.rays), of.outputs.count,
-                           static_cast<std::int64_t>(s.eye.size()), weighed);
+  s.built().launches.weigh(omma::view(set.rays), of.outputs.count, weighed);
 
   if (s.view()->light == nullptr || s.view()->light->disc_count == 0) return;
   const Blocks of_eye =

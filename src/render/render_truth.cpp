@@ -59,6 +59,7 @@ void take_shares(const TruthCall& call, const BuiltScene& built, Truth& truth) {
   }
   truth.view.shares = call.share_count;
   truth.view.share_of_instance = truth.share_of_instance.data();
+  truth.view.instance_count = static_cast<std::int32_t>(truth.share_of_instance.size());
 }
 
 void take_objects(const TruthCall& call, const BuiltScene& built, std::size_t poses, Truth& truth) {
@@ -87,6 +88,8 @@ void take_objects(const TruthCall& call, const BuiltScene& built, std::size_t po
       for (const double value : {x.x, x.y, x.z}) truth.objects.push_back(static_cast<float>(value));
   }
   truth.view.object_of_instance = truth.object_of_instance.data();
+  truth.view.instance_count = static_cast<std::int32_t>(truth.object_of_instance.size());
+  truth.view.object_count = static_cast<std::int32_t>(count);
 }
 
 }  // namespace

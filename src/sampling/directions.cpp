@@ -247,7 +247,8 @@ DirectionsView view(const DirectionTables& t) {
           t.fixed_turn.data(),
           t.footprint_rad.data(),
           t.warp_views.data(),
-          view(t.polar)};
+          view(t.polar),
+          static_cast<std::int32_t>(t.footprint_rad.size())};
 }
 
 }  // namespace omma

@@ -65,9 +65,16 @@ PolarTables make_polar_tables(std::span<const AcceptanceWarp> warps) {
 }
 
 PolarTablesView view(const PolarTables& tables) {
-  return {tables.intervals, tables.polar.data(),
-          tables.azimuth.empty() ? nullptr : tables.azimuth.data(), tables.azimuth_begin.data(),
-          tables.first_row.data()};
+  const std::size_t row = 2 * (static_cast<std::size_t>(tables.intervals) + 1);
+  constexpr std::size_t part = 2 * (std::size_t{AcceptanceWarpView::azimuths} + 1);
+  return {tables.intervals,
+          tables.polar.data(),
+          tables.azimuth.empty() ? nullptr : tables.azimuth.data(),
+          tables.azimuth_begin.data(),
+          tables.first_row.data(),
+          static_cast<int>(tables.polar.size() / row),
+          static_cast<int>(tables.azimuth.size() / part),
+          static_cast<int>(tables.first_row.size())};
 }
 
 }  // namespace omma

@@ -411,7 +411,12 @@ SharedRays make_shared_rays(const Eye& eye, const DirectionTables& tables, int s
 }
 
 SharedWeights view(const SharedRays& shared) {
-  return {shared.first.data(), shared.ray.data(), shared.weight.data()};
+  return {shared.first.data(),
+          shared.ray.data(),
+          shared.weight.data(),
+          static_cast<std::int64_t>(shared.is_shared.size()),
+          static_cast<std::int64_t>(shared.weight.size()),
+          static_cast<std::int64_t>(shared.rays.size())};
 }
 
 DirectionTables make_ray_tables(const DirectionTables& of_eye, const SharedRays& shared) {

@@ -85,6 +85,29 @@ TEST(OneLane, HasTheBitsOfPackets) {
     }
 }
 
+// A lit world in sixteen bands. Stacks are those of a processor's code, half of it what the search
+// has still to visit and frames of the ommatidium's scrambles.
+TEST(OneLane, IsSmallEnoughForAThreadOfACard) {
+  WorldSettings settings;
+  Lighting lighting = lighting_of(1);
+  lighting.light.bands = narrow_bands(16);
+  lighting.light.sky =
+      made_sky(4, 2, 1, 16, [](int half, int, int, int, int) { return half == 0 ? 1.0 : 0.2; });
+  settings.lighting = lighting;
+  settings.backend = "emulated";
+  const World world(std::make_shared<const Scene>(squares()), settings);
+  const Eye eye = make_eye(sphere_directions(60), 12 * degree);
+  take_device_use();
+  for (const Sampling& sampling : std::vector<Sampling>{Fixed{24}, ToError{0.05, 4}}) {
+    std::vector<float> responses(eye.size() * 16);
+    const Mat4 pose;
+    Renderer(world, eye, {.sampling = sampling}).render({&pose, 1}, responses);
+  }
+  const DeviceUse used = take_device_use();
+  EXPECT_LT(used.memory, 16384u);
+  EXPECT_LT(used.stack, 12288u);
+}
+
 // Midpoint rule in theta; exact to 1e-5 with 100,000 cells where the density is smooth, and the
 // edge of the pillbox falls into one cell.
 TEST(OneLane, DensityOfSamplesIntegratesToOne) {

@@ -211,12 +211,19 @@ void build_top(PortableTracer& tracer) {
     const Vec3d origin = tracer.layout.mesh_origin_m[static_cast<std::size_t>(instance.mesh)];
     tracer.frames.push_back({instance.frame_from_mesh, instance.is_shared ? origin : Vec3d{}});
   }
+  const auto count = [](const auto& values) { return static_cast<std::int64_t>(values.size()); };
   tracer.view = {tracer.top_nodes.empty() ? nullptr : tracer.top_nodes.data(),
                  tracer.trees.data(),
                  tracer.nodes.data(),
                  tracer.quads.data(),
                  tracer.layout.placed.data(),
-                 tracer.frames.data()};
+                 tracer.frames.data(),
+                 count(tracer.top_nodes),
+                 count(tracer.trees),
+                 count(tracer.nodes),
+                 count(tracer.quads),
+                 count(tracer.layout.placed),
+                 count(tracer.frames)};
 }
 
 // The corners of the k-th triangle of a quad, as they are now.

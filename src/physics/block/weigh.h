@@ -12,6 +12,13 @@ struct SharedWeights {
   const std::int64_t* first = nullptr;  // [ommatidium + 1], entries of each
   const std::int32_t* ray = nullptr;    // [entry]
   const float* weight = nullptr;        // [entry]
+  std::int64_t ommatidium_count = 0, entry_count = 0, ray_count = 0;
+};
+
+// The rays of one frame, to be weighed into responses.
+struct WeighTask {
+  const float* radiance = nullptr;  // [ray][output]
+  float* responses = nullptr;       // [ommatidium][output]
 };
 
 // Entries of an ommatidium are whole groups of so many, the last ones of weight 0.

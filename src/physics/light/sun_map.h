@@ -36,8 +36,9 @@ struct alignas(16) SunPage {
 // Of positions in the traced frame: column, row and height are a dot product plus an offset.
 struct SunMapView {
   const SunPage* pages = nullptr;       // [row][column]
-  const std::int32_t* words = nullptr;  // [page][row of tiles][column of tiles][sun_tile_words]
-  std::int32_t page_columns = 0;
+  // [page][row of tiles][column of tiles][sun_tile_words], pages of different sizes.
+  const std::int32_t* words = nullptr;
+  std::int32_t page_columns = 0, page_rows = 0, tile_count = 0;
   float last_column = 0, last_row = 0;          // the greatest that may be looked up, pages
   float column_axis[3] = {}, row_axis[3] = {};  // unit, across the light
   float column_per_m = 0, row_per_m = 0, column_offset = 0, row_offset = 0;  // pages

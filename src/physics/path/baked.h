@@ -86,7 +86,7 @@ OMMA_HD void find_baked(const SceneView& scene, const Packet<L>& packet, const H
   alignas(n * 4) std::int32_t cells[n];  // in their instance
   for_each_mesh(hits, [&](std::int32_t mesh, int l, const auto& is_member) {
     I cell = keep(is_member, load<I>(packet.rays.triangle + l));
-    const std::int32_t* of_triangle = baked.cell_of_triangle[mesh];
+    const std::int32_t* of_triangle = baked.mesh_cells[mesh].first;
     if (of_triangle != nullptr) {
       const I own = gather(of_triangle, cell), count = gather(of_triangle + 1, cell) - own;
       const F u = load<F>(packet.rays.u + l), v = load<F>(packet.rays.v + l);

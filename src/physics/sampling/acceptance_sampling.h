@@ -146,6 +146,7 @@ struct AcceptanceWarpView {
   const double* theta = nullptr;    // [row][intervals + 1], rad
   const double* dtheta = nullptr;   // [row][intervals + 1], d theta / d knot
   const double* azimuth = nullptr;  // [azimuths + 1][azimuth in rad, row]; null: round
+  int rows = 0;
 };
 
 // Polar angle for the radius r of a pair of standard normals, from one row.

@@ -57,11 +57,12 @@ struct PolarTablesView {
   int intervals = 0;
   const float* polar = nullptr;  // [row][intervals + 1][theta, dtheta], as AcceptanceWarpView
   // Where all are round, row w is that of warp w, and this is null. Else, for each warp, where its
-  // part of `azimuth` begins ([AcceptanceWarpView::azimuths + 1][azimuth in rad, row]) and the
-  // first of its rows.
+  // part of `azimuth` begins ([part][AcceptanceWarpView::azimuths + 1][azimuth in rad, row]) and
+  // the first of its rows.
   const float* azimuth = nullptr;
   const std::int32_t* azimuth_begin = nullptr;  // [warp]
   const std::int32_t* first_row = nullptr;      // [warp]
+  int rows = 0, azimuth_parts = 0, warps = 0;   // rows: with the one that is read behind the last
 };
 
 // `begin`: where a row begins in `polar`; `knot`: the radius in knots.

@@ -70,6 +70,9 @@ struct BvhView {
   const TriangleQuad* quads = nullptr;
   const PlacedMesh* placed = nullptr;   // the table of placed meshes
   const PlacedFrame* frames = nullptr;  // of the same
+  std::int64_t top_node_count = 0, tree_count = 0, node_count = 0, quad_count = 0;
+  std::int64_t placed_count = 0;  // at least 1, which rays look up that met nothing
+  std::int64_t frame_count = 0;
 };
 
 }  // namespace omma

@@ -15,8 +15,9 @@ namespace omma {
 // Turns about the axis that a scramble can have; a power of two.
 inline constexpr std::uint64_t turn_count = 1024;
 
-// All arrays [ommatidium], in an order along which neighbours in memory are neighbours in
-// direction, with a packet's width of zeros behind, which vector loops may read. Frame: head.
+// All arrays [ommatidium + zeros_behind], in an order along which neighbours in memory are
+// neighbours in direction; vector loops may read the zeros. Frame: head.
+inline constexpr int zeros_behind = 16;
 struct EyeView {
   const float* origin[3] = {};  // m, position - axis * focal offset
   const float* axis[3] = {};    // unit
@@ -28,6 +29,7 @@ struct EyeView {
   const std::int32_t* ommatidium = nullptr;  // index in the Eye
   bool has_apertures = false;                // whether any radius is above 0
   bool has_scales = false;                   // whether any scale is not 1
+  std::int32_t ommatidium_count = 0;
 };
 
 struct DirectionsView {
@@ -46,6 +48,7 @@ struct DirectionsView {
   const float* footprint_rad = nullptr;       // [warp], width of each ray (footprint.h)
   const AcceptanceWarpView* warps = nullptr;  // [warp]
   PolarTablesView polar;                      // with random sampling
+  std::int32_t warp_count = 0;
 };
 
 // Ommatidia that each listens to where rays go on to an error.
@@ -58,6 +61,8 @@ struct TruthView {
   int shares = 0;                                    // groups whose shares are counted
   const std::int32_t* share_of_instance = nullptr;   // [instance], its group, or -1
   const std::int32_t* object_of_instance = nullptr;  // [instance], among what moves, or -1; or null
+  std::int32_t instance_count = 0;                   // of both tables, which are never empty
+  std::int32_t object_count = 0;
 };
 
 // Where the ground truth of one pose goes (omma/truth.h says what it is); each may be null. And the

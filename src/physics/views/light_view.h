@@ -105,6 +105,7 @@ struct LightView {
 
   // That a light sample is from afar, of a lamp, on a surface; they add up to 1, or are all 0.
   float far_probability = 0, lamp_probability = 0, emissive_probability = 0;
+  std::int32_t instance_count = 0;  // of the scene
 };
 
 // Which of the intervals of `sum`, [count + 1] ascending from 0 to 1, holds u: never one without

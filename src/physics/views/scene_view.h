@@ -98,23 +98,32 @@ struct MeshView {
   const float* extra_density = nullptr;
   const FactorTextures* factors = nullptr;  // null: none
   const float* normals = nullptr;  // [vertex][3], in the mesh's frame; null: those of triangles
+  std::int32_t triangle_count = 0, vertex_count = 0;
 };
 
 struct LightView;   // light_view.h
 struct SunMapView;  // sun_map.h
 
+// The first cell of each triangle of a mesh, within its instance's.
+struct MeshCells {
+  const std::int32_t* first = nullptr;  // [triangle + 1], or null: each triangle is a cell
+  std::int32_t triangle_count = 0;
+};
+
 // omma::BakedLight.
 struct BakedView {
-  const std::uint16_t* values = nullptr;                   // [cell][front, back][band]
-  const CellError* errors = nullptr;                       // [cell][front, back], or null
-  const std::int32_t* first_cell = nullptr;                // [instance of the scene], or -1
-  const std::int32_t* const* cell_of_triangle = nullptr;   // [mesh][triangle + 1], or null
+  const std::uint16_t* values = nullptr;     // [cell][front, back][band], and the last line's rest
+  const CellError* errors = nullptr;         // [cell][front, back], or null
+  const std::int32_t* first_cell = nullptr;  // [instance of the scene], or -1
+  const MeshCells* mesh_cells = nullptr;     // [mesh]
   const char* moves = nullptr;  // [instance of the scene], not 0 where it has moved since
   const std::uint16_t* probe_values = nullptr;  // [z][y][x][direction][band]
   float probe_origin_m[3] = {0, 0, 0}, probe_spacing_m[3] = {1, 1, 1};  // traced frame
   std::int32_t probes[3] = {2, 2, 2};
   const float* first_origin_m = nullptr;  // [3], of the frame of probes in the traced one
   float unit = 1;  // radiance of a value of 1
+  std::int64_t value_count = 0;  // with the last line's rest
+  std::int32_t cell_count = 0, instance_count = 0, mesh_count = 0;
 };
 
 struct BackgroundView {
@@ -133,7 +142,7 @@ struct SceneView {
   BackgroundView background;
   // [power_22_size] t^2.2 at t = i / (power_22_size - 1) with ColorRule::compoundray, else null.
   const float* power_22 = nullptr;
-  const std::int32_t* opacity_states = nullptr;  // where there are opacity maps
+  const std::int32_t* opacity_states = nullptr;  // [word], where there are opacity maps
   const float* frame_from_mesh = nullptr;  // [instance of the scene][3][4], traced frame, row major
   bool has_blend = false;  // whether any surface lets light through in part
   // What linear RGB is in each band: [bands][3], or null where the bands are RGB itself.
@@ -154,6 +163,10 @@ struct SceneView {
   const BakedView* baked = nullptr;
   // How much of the sun, then the one disc, surfaces see; null: shadow rays find out.
   const SunMapView* sun_map = nullptr;
+
+  std::int32_t mesh_count = 0, material_count = 0, texture_count = 0, instance_count = 0;
+  std::int32_t albedo_table_count = 0;  // of specular_albedo
+  std::int64_t opacity_word_count = 0;
 };
 
 // Where a ray met a surface.

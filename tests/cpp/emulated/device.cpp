@@ -23,33 +23,30 @@ using Search = SceneSearch<OneLane>;
 constexpr std::size_t stack_bytes = 1u << 18;
 constexpr unsigned char paint = 0xff;  // not a number, as floats and as doubles
 
-// Runs work() on a stack of its own; returns how much of that it used.
+// Where the stack of a thread of the grid begins, which goes down from there.
+const unsigned char* thread_begins = nullptr;
+
+// Runs work() on a stack of its own; returns how much of that threads of the grid used.
 std::size_t run_on_painted_stack(const std::function<void()>& work) {
   static unsigned char* const stack =
       static_cast<unsigned char*>(std::aligned_alloc(4096, stack_bytes));
   std::memset(stack, paint, stack_bytes);
-  std::size_t before = 0;  // what the system's own start of a thread takes
-  struct Start {
-    const std::function<void()>& work;
-    std::size_t& before;
-  } start{work, before};
+  thread_begins = stack;
   pthread_attr_t attributes;
   pthread_attr_init(&attributes);
   pthread_attr_setstack(&attributes, stack, stack_bytes);
   pthread_t thread;
   const auto run = [](void* given) -> void* {
-    auto& own = *static_cast<Start*>(given);
-    const unsigned char here = 0;
-    own.before = static_cast<std::size_t>(stack + stack_bytes - &here);
-    own.work();
+    (*static_cast<const std::function<void()>*>(given))();
     return nullptr;
   };
-  if (pthread_create(&thread, &attributes, run, &start) != 0) std::abort();
+  void* const given = const_cast<std::function<void()>*>(&work);
+  if (pthread_create(&thread, &attributes, run, given) != 0) std::abort();
   pthread_join(thread, nullptr);
   pthread_attr_destroy(&attributes);
-  std::size_t untouched = 0;
-  while (untouched < stack_bytes && stack[untouched] == paint) ++untouched;
-  return stack_bytes - untouched - before;
+  const unsigned char* deepest = stack;
+  while (deepest < thread_begins && *deepest == paint) ++deepest;
+  return static_cast<std::size_t>(thread_begins - deepest);
 }
 
 struct Threads {
@@ -67,8 +64,14 @@ struct Threads {
 };
 
 template <typename Each>
+[[gnu::noinline]] void run_thread(const Each& each, int i) {
+  thread_begins = static_cast<const unsigned char*>(__builtin_frame_address(0));
+  each(i);
+}
+
+template <typename Each>
 void for_each_ommatidium(const BlockTask& task, const Each& each) {
-  for (int i = 0; i < task.count; ++i) each(i);
+  for (int i = 0; i < task.count; ++i) run_thread(each, i);
 }
 
 std::size_t thread_bytes(const FrameView& frame, int lanes) {
@@ -140,7 +143,7 @@ void run_gather(const DeviceLaunch& launch, Threads& threads) {
 void run_weigh(const DeviceLaunch& launch) {
   const auto* tasks = static_cast<const WeighTask*>(launch.tasks);
   for (std::int64_t k = 0; k < launch.count; ++k)
-    for (std::int64_t i = 0; i < launch.ommatidia; ++i)
+    for (std::int64_t i = 0; i < launch.shared->ommatidium_count; ++i)
       weigh_rays<Lanes<weight_group, 1>>(*launch.shared, tasks[k].radiance, launch.outputs, i,
                                          i + 1, tasks[k].responses);
 }

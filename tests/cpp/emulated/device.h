@@ -22,7 +22,6 @@ struct DeviceLaunch {
   std::int64_t count = 0;                 // of tasks
   const SharedWeights* shared = nullptr;  // of weigh, with these
   std::int32_t outputs = 0;
-  std::int64_t ommatidia = 0;
 };
 
 // The most that a thread had of a launch in one lane, bytes.

@@ -1,11 +1,24 @@
-// The host's side of the emulated backend.
+// The host's side of the emulated backend: copies what a launch reads, asks the card's process to
+// run it, and brings back what it wrote.
 #include "emulated/emulated_backend.h"
 
-#include <algorithm>
-#include <mutex>
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "backend/copy_arrays.h"
 #include "backend/portable/portable_backend.h"
 #include "backend/portable/portable_tracer.h"
+#include "emulated/device_memory.h"
+#include "omma/error.h"
 #include "threads/cancel.h"
 
 namespace omma::test {
@@ -14,60 +27,154 @@ namespace {
 // Of a launch, so many tasks are run between two looks at whether all is cancelled.
 constexpr std::size_t tasks_at_once = 4;
 
+// The card: a process and the memory that it shares.
+class Device {
+ public:
+  Device() {
+    const int memory = memfd_create("emulated device", 0);
+    int ends[2];
+    if (memory < 0 || ftruncate(memory, static_cast<off_t>(device_bytes)) != 0 ||
+        socketpair(AF_UNIX, SOCK_STREAM, 0, ends) != 0)
+      throw Error("emulated device: no memory for it");
+    void* const wanted = reinterpret_cast<void*>(device_address);
+    if (mmap(wanted, device_bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_FIXED_NOREPLACE, memory,
+             0) != wanted)
+      throw Error("emulated device: its address is taken");
+    const std::string memory_text = std::to_string(memory), end_text = std::to_string(ends[1]);
+    if (fork() == 0) {
+      close(ends[0]);
+      execl(OMMA_EMULATED_DEVICE, OMMA_EMULATED_DEVICE, memory_text.c_str(), end_text.c_str(),
+            static_cast<char*>(nullptr));
+      _exit(127);
+    }
+    close(ends[1]);
+    close(memory);
+    socket_ = ends[0];
+    fcntl(socket_, F_SETFD, FD_CLOEXEC);
+  }
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+  ~Device() { close(socket_); }  // ends the process
+
+  DeviceUse run(const DeviceLaunch& launch) {
+    DeviceUse use;
+    if (write(socket_, &launch, sizeof launch) != sizeof launch ||
+        read(socket_, &use, sizeof use) != sizeof use)
+      throw Error("emulated device: it has died of a launch");
+    return use;
+  }
+
+ private:
+  int socket_ = -1;
+};
+
 std::mutex one_at_a_time;
 DeviceUse most;
 
-template <typename Task>
-void launch(LaunchKind kind, std::span<Task> tasks, const void* built, DeviceLaunch made) {
-  const auto* tracer = static_cast<const PortableTracer*>(built);
-  made.kind = kind;
-  if (tracer != nullptr) {
-    made.searched = tracer->scene_view;
-    made.bvh = &tracer->view;
+// The card is there from its first launch on.
+Device& device() {
+  static Device the_one;
+  return the_one;
+}
+
+// What a launch searches and from where it is seen, in the card's memory.
+struct Copied {
+  Device& card = device();
+  DeviceCopies memory;
+  ArrayCopies<DeviceCopies> arrays{memory};
+
+  template <typename View, typename... More>
+  const View* view(View copied, const More&... more) {
+    arrays.point_to_copies(copied, more...);
+    return memory.read(&copied, 1);
   }
+  DeviceLaunch searching(LaunchKind kind, const void* built) {
+    const auto* tracer = static_cast<const PortableTracer*>(built);
+    DeviceLaunch made;
+    made.kind = kind;
+    made.searched = view(*tracer->scene_view);
+    made.bvh = view(tracer->view);
+    return made;
+  }
+  // `tasks`: in the card's memory.
+  template <typename Task>
+  void run(DeviceLaunch made, const Task* tasks, std::size_t count) {
+    for (std::size_t k = 0; k < count; k += tasks_at_once) {
+      check_cancelled();
+      made.tasks = tasks + k;
+      made.count = static_cast<std::int64_t>(std::min(tasks_at_once, count - k));
+      const DeviceUse used = card.run(made);
+      most.stack = std::max(most.stack, used.stack);
+      most.memory = std::max(most.memory, used.memory);
+    }
+    memory.bring_back();
+  }
+  template <typename Task, typename... More>
+  void run_tasks(const DeviceLaunch& made, std::span<const Task> tasks, const More&... more) {
+    std::vector<Task> own(tasks.begin(), tasks.end());
+    for (Task& task : own) arrays.point_to_copies(task, more...);
+    run(made, memory.read(own.data(), own.size()), own.size());
+  }
+};
+
+// Blocks or receivers.
+template <typename Task, typename... More>
+void launch_frame(LaunchKind kind, const FrameView& frame, std::span<const Task> tasks,
+                  const void* built, const More&... more) {
   const std::lock_guard lock(one_at_a_time);
-  for (std::size_t k = 0; k < tasks.size(); k += tasks_at_once) {
-    check_cancelled();
-    made.tasks = tasks.data() + k;
-    made.count = static_cast<std::int64_t>(std::min(tasks_at_once, tasks.size() - k));
-    const DeviceUse used = run_on_device(made);
-    most.stack = std::max(most.stack, used.stack);
-    most.memory = std::max(most.memory, used.memory);
-  }
+  Copied copied;
+  DeviceLaunch made = copied.searching(kind, built);
+  made.frame = copied.view(frame);
+  copied.run_tasks(made, tasks, more...);
 }
 
 Launches launches() {
   Launches all;
   all.render = [](const FrameView& frame, std::span<const BlockTask> tasks, const void* tracer) {
-    launch(LaunchKind::render, tasks, tracer, {.frame = &frame});
+    launch_frame(LaunchKind::render, frame, tasks, tracer, frame);
   };
   all.discs = [](const FrameView& frame, std::span<const BlockTask> tasks, const void* tracer) {
-    launch(LaunchKind::discs, tasks, tracer, {.frame = &frame});
+    launch_frame(LaunchKind::discs, frame, tasks, tracer, frame);
   };
   all.gather = [](const FrameView& frame, std::span<const GatherTask> tasks, const void* tracer) {
-    launch(LaunchKind::gather, tasks, tracer, {.frame = &frame});
+    launch_frame(LaunchKind::gather, frame, tasks, tracer, frame.scene->bands);
   };
-  all.weigh = [](const SharedWeights& shared, int outputs, std::int64_t ommatidia,
-                 std::span<const WeighTask> tasks) {
-    launch(LaunchKind::weigh, tasks, nullptr,
-           {.shared = &shared, .outputs = outputs, .ommatidia = ommatidia});
+  all.weigh = [](const SharedWeights& shared, int outputs, std::span<const WeighTask> tasks) {
+    const std::lock_guard lock(one_at_a_time);
+    Copied copied;
+    DeviceLaunch made;
+    made.kind = LaunchKind::weigh;
+    made.shared = copied.view(shared);
+    made.outputs = outputs;
+    copied.run_tasks(made, tasks, shared, outputs);
   };
   all.closest = [](std::span<RayPacket<packet_rays>> packets, const void* tracer) {
-    launch(LaunchKind::closest, packets, tracer, {});
+    const std::lock_guard lock(one_at_a_time);
+    Copied copied;
+    const DeviceLaunch made = copied.searching(LaunchKind::closest, tracer);
+    copied.run(made, copied.memory.written(packets.data(), packets.size()), packets.size());
   };
   return all;
 }
 
 }  // namespace
 
+void* DeviceCopies::copy(const void* from, std::size_t bytes) {
+  auto* const place = reinterpret_cast<std::byte*>(device_address) + used_;
+  used_ += (bytes + 127) / 64 * 64;  // something lies between arrays
+  if (used_ > device_bytes) throw Error("emulated device: its memory is full");
+  if (bytes > 0) std::memcpy(place, from, bytes);
+  return place;
+}
+
 Backend emulated_backend() {
   const Backend portable = portable_backend();
   return {"emulated", portable.build, portable.move, launches};
 }
 
-DeviceUse most_device_use() {
+DeviceUse take_device_use() {
   const std::lock_guard lock(one_at_a_time);
-  return most;
+  return std::exchange(most, {});
 }
 
 }  // namespace omma::test

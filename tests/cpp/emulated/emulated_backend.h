@@ -9,7 +9,7 @@ namespace omma::test {
 
 Backend emulated_backend();
 
-// The most that a thread of any launch in one lane has had so far.
-DeviceUse most_device_use();
+// The most that a thread of any launch in one lane has had since this was asked for last.
+DeviceUse take_device_use();
 
 }  // namespace omma::test
