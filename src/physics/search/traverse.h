@@ -36,7 +36,7 @@ struct Visit<1> {
   std::uint32_t at;
   float near_m;
   static constexpr unsigned lanes = 1;
-  OMMA_HD Visit() = default;
+  Visit() = default;
   OMMA_HD Visit(std::uint32_t what, float from_m, unsigned) : at(what), near_m(from_m) {}
 };
 inline constexpr int visit_index_bits = 28;
