@@ -20,7 +20,7 @@ namespace {
 
 using Search = SceneSearch<OneLane>;
 
-constexpr std::size_t stack_bytes = 1u << 18;
+constexpr std::size_t stack_bytes = 1u << 17;
 constexpr unsigned char paint = 0xff;  // not a number, as floats and as doubles
 
 // Where the stack of a thread of the grid begins, which goes down from there.

@@ -24,8 +24,11 @@
 namespace omma::test {
 namespace {
 
-// Of a launch, so many tasks are run between two looks at whether all is cancelled.
-constexpr std::size_t tasks_at_once = 4;
+// Of a launch, so many tasks are run between two looks at whether all is cancelled: some tenths of a
+// second.
+std::size_t tasks_at_once(LaunchKind kind) {
+  return kind == LaunchKind::closest ? 4096 : 32;
+}
 
 // The card: a process and the memory that it shares.
 class Device {
@@ -99,10 +102,11 @@ struct Copied {
   // `tasks`: in the card's memory.
   template <typename Task>
   void run(DeviceLaunch made, const Task* tasks, std::size_t count) {
-    for (std::size_t k = 0; k < count; k += tasks_at_once) {
+    const std::size_t step = tasks_at_once(made.kind);
+    for (std::size_t k = 0; k < count; k += step) {
       check_cancelled();
       made.tasks = tasks + k;
-      made.count = static_cast<std::int64_t>(std::min(tasks_at_once, count - k));
+      made.count = static_cast<std::int64_t>(std::min(step, count - k));
       const DeviceUse used = card.run(made);
       most.stack = std::max(most.stack, used.stack);
       most.memory = std::max(most.memory, used.memory);
