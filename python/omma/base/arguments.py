@@ -164,9 +164,9 @@ _OWN = {
     "Scene": "omma.Scene",
     "SpeedTest": "omma.study.SpeedTest",
     "Species": "omma.species.Species",
-    "Surface": "a surface as of omma.eye.ellipsoid",
+    "Surface": "a surface as of omma.eye.surfaces.ellipsoid",
     "Views": "omma.datasets.Views",
-    "Wiring": "omma.eye.Wiring",
+    "Wiring": "omma.eye.superposition.Wiring",
     "World": "omma.World",
 }
 

@@ -27,6 +27,8 @@ from omma.base.values import value_class
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
+__all__ = ["ellipsoid", "load_surface", "mesh_surface", "sphere"]
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
