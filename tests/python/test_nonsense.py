@@ -50,6 +50,14 @@ def test_it_is_named(function, parameter):
         assert "expected omma." in str(caught.value)
 
 
+@pytest.mark.parametrize("value", [3, None, b"photons", ["photons"]])
+def test_choices_are_named(value):
+    with pytest.raises(TypeError, match="unit: expected one of photons, watts, found"):
+        omma.light.uniform_sky(1.0, unit=value)
+    with pytest.raises(TypeError, match="sun: expected one of exact, map, found"):
+        omma.World(omma.scene.plane((1, 1)), sun=value)
+
+
 def test_functions_are_what_they_were(tmp_path, eye):
     assert omma.eye.measure_eye.__doc__ == omma.eye.measure_eye.__wrapped__.__doc__
     assert pickle.loads(pickle.dumps(omma.eye.measure_eye)) is omma.eye.measure_eye

@@ -28,7 +28,7 @@ __all__ = ["Lattice", "LatticeCheck", "check_lattice"]
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
-Angle = float | Callable[[Floats], ArrayLike]
+Angle = ArrayLike | Callable[[Floats], ArrayLike]
 FieldOfView = Callable[[Floats], ArrayLike]
 
 

@@ -12,7 +12,7 @@ import inspect
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_type_hints
 
 from numpy.typing import ArrayLike
 
@@ -166,6 +166,7 @@ def takes_job(function: F) -> F:
     function.__signature__ = signature.replace(  # type: ignore[attr-defined]
         parameters=[*first, *fields, last]
     )
+    function.__annotations__ |= get_type_hints(RenderJob)
     return function
 
 
