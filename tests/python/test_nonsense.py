@@ -1,5 +1,6 @@
 """Nonsense where an eye, a scene or another thing of Omma's is expected is named at the door."""
 
+import functools
 import inspect
 import pickle
 
@@ -48,6 +49,14 @@ def test_it_is_named(function, parameter):
             function(**arguments)
         assert str(caught.value).split(":")[0] in owned
         assert "expected omma." in str(caught.value)
+
+
+def test_types_are_called_as_users_find_them():
+    from omma.base.arguments import _OWN
+
+    for name, full in _OWN.items():
+        if name != "Surface":  # a protocol, which is not public
+            assert functools.reduce(getattr, full.split(".")[1:], omma).__name__ == name
 
 
 @pytest.mark.parametrize("value", [3, None, b"photons", ["photons"]])
