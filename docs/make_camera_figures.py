@@ -2,7 +2,7 @@
 
     .venv/bin/python docs/make_camera_figures.py [--scenes FOLDER]
 
-Each scene goes through what ``omma render SCENE --all-cameras`` does, and, beside it, through
+Each scene goes through what ``omma render-cameras SCENE`` does, and, beside it, through
 CompoundRay's functions under their old name.
 """
 
@@ -136,7 +136,7 @@ def main() -> None:
         draw(left, one.pixels, "omma render")
         draw(right, one.old, "libEyeRenderer3")
     figure.suptitle(
-        "Every camera of CompoundRay's scenes: omma render SCENE --all-cameras, and "
+        "Every camera of CompoundRay's scenes: omma render-cameras SCENE, and "
         "the same through CompoundRay's functions"
     )
     figure.supxlabel(NOTE, fontsize=8)

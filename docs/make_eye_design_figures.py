@@ -79,7 +79,7 @@ def main():
         start = time.perf_counter()
         lattice = omma.eye.lay_directions(across, up, field_of_view=seen, count=count)
         seconds = time.perf_counter() - start
-        check = omma.eye.check_lattice(
+        check = omma.eye.lattice.check_lattice(
             lattice.directions, scaled(across, lattice.scale), scaled(up, lattice.scale)
         )
         print(

@@ -14,7 +14,7 @@ import matplotlib.pyplot as plt
 import omma
 
 OUT = Path(__file__).resolve().parent / "neighbours.png"
-COLUMN = {name: k for k, name in enumerate(omma.eye.DIRECTIONS)}
+COLUMN = {name: k for k, name in enumerate(omma.eye.hexagonal.DIRECTIONS)}
 ARROW_STEPS = 5
 
 

@@ -96,8 +96,8 @@ def fly_eye(spacing_rad: float, steps: int) -> tuple[omma.Eye, np.ndarray]:
 def superposition_figure() -> None:
     spacing = np.radians(4.5)
     eye, place = fly_eye(spacing, 13)
-    fly = omma.eye.fly_receptors(eye)
-    wiring = omma.eye.neural_superposition_wiring(fly)
+    fly = omma.eye.superposition.fly_receptors(eye)
+    wiring = omma.eye.superposition.neural_superposition_wiring(fly)
     figure, panels = plt.subplots(1, 2, figsize=(10, 4.6), width_ratios=[1, 1.15])
     style(panels[0], "Where two ommatidia look (right eye)")
     panels[0].scatter(*place.T, s=60, facecolors="none", edgecolors="0.8")

@@ -19,17 +19,22 @@ PAGE = re.compile(r"(?<!`)\bdocs/([\w-]+)\.md")
 FIELD = re.compile(r"^(\*{0,2}\w+(?:, \*{0,2}\w+)*): ")
 
 
+def subpackages(package: Any = omma, full: str = "omma") -> dict[str, Any]:
+    """The package and its public subpackages and modules of these, by their full names."""
+    found = {full: package}
+    for name in package.__all__:
+        if inspect.ismodule(getattr(package, name)):
+            found |= subpackages(getattr(package, name), f"{full}.{name}")
+    return found
+
+
 @functools.cache
 def places() -> dict[str, str]:
     """The full name of each public thing by what docstrings may call it: alone, where that is said
     of one thing only, and with its subpackage."""
     found: dict[str, str] = {}
     twice = set()
-    modules = {name: getattr(omma, name) for name in omma.__all__}
-    subpackages = {"omma": omma} | {
-        f"omma.{name}": one for name, one in modules.items() if inspect.ismodule(one)
-    }
-    for subpackage, module in subpackages.items():
+    for subpackage, module in subpackages().items():
         found[subpackage] = subpackage
         for name in module.__all__:
             full = f"{subpackage}.{name}"

@@ -9,18 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import typer
-from site_docstrings import linked
-
-import omma
-
-
-def subpackages() -> dict[str, Any]:
-    """The package and its public subpackages, by their full names."""
-    found = {"omma": omma}
-    for name in omma.__all__:
-        if inspect.ismodule(getattr(omma, name)):
-            found[f"omma.{name}"] = getattr(omma, name)
-    return found
+from site_docstrings import linked, subpackages
 
 
 def first_sentence(text: str | None) -> str:

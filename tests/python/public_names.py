@@ -6,12 +6,18 @@ import omma
 
 
 def subpackages():
-    """The package and its public subpackages, by name; the package itself is ""."""
+    """The package and its public subpackages and modules of these, by name; the package itself is
+    ""."""
     found = {"": omma}
-    for name in omma.__all__:
-        thing = getattr(omma, name)
-        if inspect.ismodule(thing):
-            found[name] = thing
+
+    def add(package, prefix):
+        for name in package.__all__:
+            thing = getattr(package, name)
+            if inspect.ismodule(thing):
+                found[prefix + name] = thing
+                add(thing, f"{prefix}{name}.")
+
+    add(omma, "")
     return found
 
 

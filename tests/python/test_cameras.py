@@ -308,7 +308,7 @@ def test_command_renders_a_compound_camera(omma_command, world, tmp_path):
 def test_all_cameras_in_one_command(omma_command, world, tmp_path):
     folder = tmp_path / "new" / "pictures"
     code, out, err = omma_command(
-        "render", "zoo.gltf", "--all-cameras", "-o", folder, "--width", 32, "--samples", 4
+        "render-cameras", "zoo.gltf", "-o", folder, "--width", 32, "--samples", 4
     )
     assert (code, err) == (0, "")
     names = ["look", "map", "all_round", "bug", "bug_2"]
@@ -329,18 +329,36 @@ def test_all_cameras_in_one_command(omma_command, world, tmp_path):
     assert "camera 4   bug (compound, single_dimension_fast): 50 x 1 pixels" in out
     # Once more, over what is there, with one projection for all eyes.
     code, out, _ = omma_command(
-        *("render", "zoo.gltf", "--all-cameras", "-o", folder, "--width", 32),
+        *("render-cameras", "zoo.gltf", "-o", folder, "--width", 32),
         *("--projection", "lambert", "--samples", 1),
     )
     assert code == 0
     assert png_pixels(folder / "bug_2.png").shape == (32, 32, 3)
 
 
+def test_the_old_option_for_all_cameras(omma_command, world, tmp_path):
+    """It works with a warning, which no help mentions."""
+    given = ("--width", 32, "--samples", 4, "--seed", 3)
+    code, out, err = omma_command(
+        "render", "zoo.gltf", "--all-cameras", "-o", tmp_path / "old", *given
+    )
+    assert (code, err) == (
+        0,
+        "omma: warning: --all-cameras is the command omma render-cameras now; the old option works "
+        "until 0.2\n",
+    )
+    assert f"wrote      {tmp_path / 'old' / 'bug_2'}.png" in out
+    assert omma_command("render-cameras", "zoo.gltf", "-o", tmp_path / "new", *given)[0] == 0
+    for old in sorted((tmp_path / "old").iterdir()):
+        assert old.read_bytes() == (tmp_path / "new" / old.name).read_bytes()
+    assert "--all-cameras" not in omma_command("render", "--help")[1]
+
+
 def test_a_projection_that_there_is_not(omma_command, zoo, tmp_path):
     odd = {"compound-eye": "true", "compound-structure": "bug.eye", "compound-projection": "odd"}
     write_gltf(zoo / "odd.gltf", cameras=[("odd", odd, {})])
-    for arguments in (["-o", tmp_path / "a.png"], ["--all-cameras", "-o", tmp_path / "all"]):
-        code, _, err = omma_command("render", "odd.gltf", *arguments, "--width", 20)
+    for command, output in (("render", "a.png"), ("render-cameras", "all")):
+        code, _, err = omma_command(command, "odd.gltf", "-o", tmp_path / output, "--width", 20)
         assert code == 0
         assert err.startswith("omma: warning: camera 'odd': there is no projection 'odd'")
         assert err.count("\n") == 1
@@ -359,10 +377,14 @@ def test_info_lists_cameras_with_their_type(omma_command):
 
 
 def test_help_shows_how(omma_command):
-    code, out, _ = omma_command("render", "--help")
-    assert code == 0
-    for words in ("--all-cameras -o pictures/", "--camera 2 --width 1920", "mollweide"):
-        assert words in out
+    for command, words in (
+        ("render", ("--camera 2 --width 1920", "mollweide")),
+        ("render-cameras", ("arena.gltf -o pictures/", "mollweide")),
+    ):
+        code, out, _ = omma_command(command, "--help")
+        assert code == 0
+        for word in words:
+            assert word in out
 
 
 def test_file_names_are_safe_and_unlike():

@@ -154,7 +154,7 @@ def test_tables_of_commands_escape_what_files_say(tmp_path, run_omma):
     ]
     picture = ("-o", tmp_path / "seen.png", "--width", "8", "--height", "8")
     outputs.append(run_omma("render", scene, "--camera", "0", *picture))
-    outputs.append(run_omma("render", scene, "--all-cameras", tmp_path / "all"))
+    outputs.append(run_omma("render-cameras", scene, "-o", tmp_path / "all", *picture[2:]))
     for _, out, err in outputs:
         assert not any(ord(one) < 32 for one in (out + err).replace("\n", "")), out
 

@@ -279,6 +279,30 @@ WRONG_USAGE = [
     (["render", "scene.gltf", "-o", "a.npy", "--position", "0", "0", "-o", "b.npy"], "3 numbers"),
     (["render", "scene.gltf", "-o", "a.npy", "--nonsense"], "--nonsense"),
     (["paint"], "paint"),
+    # Each camera is rendered as it is, by rays of a number.
+    *(
+        (["render-cameras", "scene.gltf", "-o", "all", *words], words[0])
+        for words in (
+            ["--eye", "bug.eye"],
+            ["--camera", "plain"],
+            ["--position", "1", "2", "3"],
+            ["--path", "x.csv"],
+            ["--scene-unit", "mm"],
+            ["--standard-error"],
+            ["--receptors"],
+            ["--error", "0.1"],
+            ["--relative-error", "0.1"],
+            ["--shared", "4"],
+            ["--noise", "new_every_frame"],
+            ["--side-by-side"],
+            ["--resume"],
+        )
+    ),
+    # The file says all of it.
+    *(
+        (["render-again", "out.npy", "-o", "again.npy", *words], words[0])
+        for words in (["--seed", "0"], ["--samples", "4"], ["--light", "clear_sky"])
+    ),
 ]
 
 
@@ -294,7 +318,7 @@ def test_wrong_usage(omma_command, arguments, word):
 
 RENDER = ["render", "scene.gltf", "--eye", "bug.eye", "-o", "OUT/a.npy"]
 PICTURE = ["render", "scene.gltf", "--camera", "plain", "-o", "OUT/a.npy"]
-ALL = ["render", "scene.gltf", "--all-cameras", "-o", "OUT/all"]
+ALL = ["render-cameras", "scene.gltf", "-o", "OUT/all"]
 BAD_INPUT = [
     (["render", "no.gltf", "--eye", "bug.eye", "-o", "OUT/a.npy"], "no.gltf"),
     (["render", "scene.gltf", "--eye", "no.eye", "-o", "OUT/a.npy"], "no.eye"),
@@ -314,19 +338,15 @@ BAD_INPUT = [
     ([*PICTURE, "-o", "OUT"], "ending in"),
     ([*RENDER, "-o", "OUT/a.png", "--projection", "flat"], "mollweide"),
     ([*RENDER, "-o", "OUT/a.png", "--projection", "facets", "--side-by-side"], "projection"),
-    ([*ALL, "--eye", "bug.eye"], "--eye"),
-    ([*ALL, "--camera", "plain"], "--camera"),
-    ([*ALL, "--position", "1", "2", "3"], "--position"),
-    ([*ALL, "--path", "x.csv"], "--path"),
-    ([*ALL, "--standard-error"], "--standard-error"),
+    ([*ALL, "--ultraviolet", "dark"], "--ultraviolet: goes with --light"),
     ([*ALL, "-o", "OUT/b"], "one folder"),
-    (["render", "scene.gltf", "--all-cameras", "-o", "OUT/a.png"], "one folder"),
-    (["render", "scene.gltf", "--all-cameras", "-o", "scene.gltf"], "scene.gltf"),
+    (["render-cameras", "scene.gltf", "-o", "OUT/a.png"], "one folder"),
+    (["render-cameras", "scene.gltf", "-o", "scene.gltf"], "scene.gltf"),
     ([*ALL, "--projection", "flat"], "mollweide"),
     ([*ALL, "--samples", "0"], "samples"),
-    (["render", "eyeless.gltf", "--all-cameras", "-o", "OUT/all"], "nowhere.eye"),
+    (["render-cameras", "eyeless.gltf", "-o", "OUT/all"], "nowhere.eye"),
     (["render", "eyeless.gltf", "-o", "OUT/a.png"], "nowhere.eye"),
-    (["render", "empty.gltf", "--all-cameras", "-o", "OUT/all"], "no camera"),
+    (["render-cameras", "empty.gltf", "-o", "OUT/all"], "no camera"),
     (["render", "empty.gltf", "-o", "OUT/a.png"], "no camera"),
     ([*RENDER, "--camera", "plain", "--position", "1", "2", "3"], "only one of them"),
     ([*RENDER, "--look-at", "1", "2", "3"], "--look-at: needs"),

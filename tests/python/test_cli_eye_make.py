@@ -41,16 +41,16 @@ def test_make_is_the_api_put_together(omma_eye):
         count=90,
         seed=3,
     )
-    surface = omma.eye.ellipsoid((0.4e-3, 1.2e-3, 0.5e-3), (1.4e-3, 0, 0))
+    surface = omma.eye.surfaces.ellipsoid((0.4e-3, 1.2e-3, 0.5e-3), (1.4e-3, 0, 0))
     middle = lattice.directions.sum(axis=0)
-    squeeze = omma.eye.squeeze_for_skew(lattice.directions, surface, middle, D(20))
+    squeeze = omma.eye.skew.squeeze_for_skew(lattice.directions, surface, middle, D(20))
     eye = omma.eye.eye_on_surface(
         lattice.directions,
         surface,
-        normal=omma.eye.squeezed(middle, squeeze),
+        normal=omma.eye.skew.squeezed(middle, squeeze),
         acceptance_ratio=1.5,
     )
-    assert np.median(omma.eye.skew_rad(eye, surface=surface)) == pytest.approx(D(20), rel=1e-4)
+    assert np.median(omma.eye.skew.skew_rad(eye, surface=surface)) == pytest.approx(D(20), rel=1e-4)
     assert same(omma.load_eye("made.csv"), omma.eye.pair_of_eyes(eye))
 
 
@@ -60,7 +60,7 @@ def test_make_from_a_table(omma_eye, tmp_path):
     (tmp_path / "field.csv").write_text("\n".join(lines))
     assert omma_eye("make", "--field", "field.csv", "-o", "made.csv")[0] == 0
     made = omma.load_eye("made.csv")
-    lattice = omma.eye.lay_directions(*omma.eye.load_angle_table("field.csv"))
+    lattice = omma.eye.lay_directions(*omma.eye.angles.load_angle_table("field.csv"))
     assert made.axis == pytest.approx(lattice.directions, abs=1e-6)
 
 
@@ -68,7 +68,7 @@ def test_make_by_facets(omma_eye):
     assert omma_eye("make", "--facet-um", 200, "--radius-mm", 0.8, "-o", "a.csv")[0] == 0
     eye = omma.load_eye("a.csv")
     assert np.median(eye.facet_diameter_m) == pytest.approx(200e-6, rel=0.02)
-    assert same(eye, omma.eye.lay_on_surface(omma.eye.sphere(0.8e-3), 200 * 1e-6))
+    assert same(eye, omma.eye.lay_on_surface(omma.eye.surfaces.sphere(0.8e-3), 200 * 1e-6))
     assert omma_eye("make", 150, "--even-facets", "--semi-axes-mm", 1, 2, 1, "-o", "b.csv")[0] == 0
     assert len(omma.load_eye("b.csv")) == 150
 

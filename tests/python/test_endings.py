@@ -36,7 +36,7 @@ def test_other_writers(tmp_path, name, renderer):
 COMMANDS = [
     "render scene.gltf --eye bug.eye -o x.foo",
     "render scene.gltf --camera plain -o x.foo",
-    "render --like out.npy -o x.foo",
+    "render-again out.npy -o x.foo",
     "eye make 50 -o x.foo",
     "eye mirror bug.eye -o x.foo",
     "eye place bug.eye -o x.foo",
@@ -66,7 +66,7 @@ def test_commands(command, files, tmp_path, monkeypatch, run_omma):
     for name in ("scene.gltf", "bug.eye", "left.eye"):
         (tmp_path / name).symlink_to(files / name)
     monkeypatch.chdir(tmp_path)
-    if "--like" in command:
+    if "render-again" in command:
         pytest.importorskip("xarray")
         omma.render_file("scene.gltf", "out.npy", omma.Fixed(1), eyes="bug.eye")
     before = sorted(tmp_path.iterdir())

@@ -35,7 +35,7 @@ def test_lenses_find_their_cones(skew_deg):
     order = rng.permutation(len(lens))
     length = 60 + 10 * rng.random((len(lens), 1))
     cone = (lens - axis * length)[order]
-    found = omma.eye.import_lens_cone(lens, cone, acceptance_angle_rad=0.03)
+    found = omma.eye.scans.import_lens_cone(lens, cone, acceptance_angle_rad=0.03)
     assert (found.lens == np.arange(len(lens))).all()
     assert (order[found.cone] == found.lens).all()
     # Positions and axes are float32.
@@ -55,8 +55,8 @@ def test_unequal_counts_are_refused_or_reported():
     lens, normal = grid()
     cone = (lens - normal * 60)[5:]
     with pytest.raises(omma.Error, match=f"{len(lens)} and {len(cone)}"):
-        omma.eye.import_lens_cone(lens, cone)
-    found = omma.eye.import_lens_cone(lens, cone, allow_unmatched=True)
+        omma.eye.scans.import_lens_cone(lens, cone)
+    found = omma.eye.scans.import_lens_cone(lens, cone, allow_unmatched=True)
     assert found.unmatched_lenses.tolist() == [0, 1, 2, 3, 4]
     assert found.unmatched_cones.tolist() == []
     assert (found.cone == found.lens - 5).all()
@@ -67,7 +67,7 @@ def test_a_stray_tip_is_doubtful():
     lens, normal = grid()
     cone = lens - normal * 60
     cone[70] += [14.0, 3.0, 0.0]
-    found = omma.eye.import_lens_cone(lens, cone)
+    found = omma.eye.scans.import_lens_cone(lens, cone)
     assert found.doubtful[70]
     assert found.doubtful.sum() <= 3
     assert any(note.startswith("Doubtful") for note in found.notes)
@@ -82,7 +82,7 @@ def test_the_frame_of_a_scan(tmp_path):
     for name, points in (("lens", turned), ("cone", turned - 60 * axis)):
         files.append(tmp_path / f"{name}.csv")
         np.savetxt(files[-1], points / 1e3, delimiter=",", header="x,y,z", comments="")
-    found = omma.eye.import_lens_cone(*files, "mm", ahead=(0, 1, 0), up=(0, 0, 1))
+    found = omma.eye.scans.import_lens_cone(*files, "mm", ahead=(0, 1, 0), up=(0, 0, 1))
     assert found.eye.position_m == pytest.approx(lens * 1e-6, rel=1e-5, abs=1e-12)
     assert found.eye.axis == pytest.approx(normal, abs=1e-5)
 
@@ -113,7 +113,7 @@ def test_both_eyes_of_a_scan_are_told_apart():
     lens, axis, tip, side = pair_of_caps(300)
     rng = np.random.default_rng(1)
     order, other = rng.permutation(len(lens)), rng.permutation(len(lens))
-    found = omma.eye.import_lens_cone(lens[order], tip[other])
+    found = omma.eye.scans.import_lens_cone(lens[order], tip[other])
     assert (found.eye.eye_id == side[order]).all()
     assert (other[found.cone] == order[found.lens]).all()
     assert not found.doubtful.any()
@@ -132,21 +132,21 @@ def test_left_and_right_follow_from_ahead_and_up():
     lens, _, tip, side = pair_of_caps(300, 200)
     # In this scan +x is up, -y ahead and +z the animal's right.
     turned_lens, turned_tip = lens[:, [1, 2, 0]], tip[:, [1, 2, 0]]
-    found = omma.eye.import_lens_cone(turned_lens, turned_tip, ahead=(0, -1, 0), up=(1, 0, 0))
+    found = omma.eye.scans.import_lens_cone(turned_lens, turned_tip, ahead=(0, -1, 0), up=(1, 0, 0))
     assert (found.eye.eye_id == side).all()
     assert found.eye.position_m == pytest.approx(lens * 1e-6, rel=1e-5, abs=1e-9)
     # With the front and upper side left at -z and +y the eyes would lie behind one another.
     with pytest.raises(omma.Error, match=r"apart along .*say where its front and upper side"):
-        omma.eye.import_lens_cone(turned_lens, turned_tip)
+        omma.eye.scans.import_lens_cone(turned_lens, turned_tip)
 
 
 def test_each_eye_of_a_scan_needs_its_tips():
     lens, _, tip, side = pair_of_caps(300, 200)
     with pytest.raises(omma.Error, match=r"of the left eye: .* found 200 and 197"):
-        omma.eye.import_lens_cone(lens, tip[3:])
+        omma.eye.scans.import_lens_cone(lens, tip[3:])
     with pytest.raises(omma.Error, match="of the left eye"):  # as many in all
-        omma.eye.import_lens_cone(lens[:-3], tip[3:])
-    found = omma.eye.import_lens_cone(lens, tip[3:], allow_unmatched=True)
+        omma.eye.scans.import_lens_cone(lens[:-3], tip[3:])
+    found = omma.eye.scans.import_lens_cone(lens, tip[3:], allow_unmatched=True)
     assert found.unmatched_lenses.tolist() == [0, 1, 2]
     assert (found.cone == found.lens - 3).all()
     assert (found.eye.eye_id == side[3:]).all()
@@ -156,16 +156,16 @@ def test_eyes_that_touch_are_refused_or_said_to_be_doubtful():
     # One spacing between the lenses; between the tips, 25 um deeper, more than four.
     lens, _, tip, _ = pair_of_caps(15)
     with pytest.raises(omma.Error, match=r"found lenses in 1 .*import each eye from points of its"):
-        omma.eye.import_lens_cone(lens, tip)
+        omma.eye.scans.import_lens_cone(lens, tip)
     lens, _, tip, _ = pair_of_caps(7)
-    found = omma.eye.import_lens_cone(lens, tip)
+    found = omma.eye.scans.import_lens_cone(lens, tip)
     assert any("too many for marks of one eye" in note for note in found.notes)
 
 
 def test_strays_make_no_eye():
     lens, normal = grid()
     stray = np.array([[900.0, 0, 0], [905, 0, 0], [0, 900, 0]])
-    found = omma.eye.import_lens_cone(
+    found = omma.eye.scans.import_lens_cone(
         np.concatenate([lens, stray]), np.concatenate([lens - 60 * normal, stray * 0.95])
     )
     assert (found.eye.eye_id == 0).all()
@@ -205,12 +205,12 @@ def test_positions_as_imaris_exports_them(tmp_path, unit, options):
         imaris_file(tmp_path / f"{name}.csv", points * scale, unit, **options)
         for name, points in (("lens", lens), ("cone", lens - 60 * normal))
     ]
-    found = omma.eye.import_lens_cone(*files)
+    found = omma.eye.scans.import_lens_cone(*files)
     # Imaris writes six digits.
     assert found.eye.position_m == pytest.approx(lens * 1e-6, rel=1e-5, abs=1e-10)
     assert found.eye.axis == pytest.approx(normal, abs=1e-4)
     # A unit that is given goes before what the file says.
-    given = omma.eye.import_lens_cone(*files, "m")
+    given = omma.eye.scans.import_lens_cone(*files, "m")
     assert given.eye.position_m == pytest.approx(lens * scale, rel=1e-5, abs=1e-4)
 
 
@@ -232,7 +232,7 @@ def test_positions_as_imaris_exports_them(tmp_path, unit, options):
 def test_bad_files_of_points(tmp_path, header, rows, words):
     (tmp_path / "lens.csv").write_text(f"{header}\n{rows}\n")
     with pytest.raises(omma.Error) as caught:
-        omma.eye.import_lens_cone(tmp_path / "lens.csv", grid()[0])
+        omma.eye.scans.import_lens_cone(tmp_path / "lens.csv", grid()[0])
     for word in ["lens.csv", *words]:
         assert word in str(caught.value)
 
@@ -246,7 +246,7 @@ def test_units_behind_names_and_separators(tmp_path, separator):
         lines += [[str(i), *(f"{v / 1e3:.9g}" for v in p[[2, 0, 1]])] for i, p in enumerate(points)]
         files.append(tmp_path / f"{name}.txt")
         files[-1].write_text("\n".join(separator.join(line) for line in lines))
-    found = omma.eye.import_lens_cone(*files)
+    found = omma.eye.scans.import_lens_cone(*files)
     assert found.eye.position_m == pytest.approx(lens * 1e-6, rel=1e-5, abs=1e-10)
 
 
@@ -284,7 +284,7 @@ def oda_file(path, points, axis, **changes):
 def test_oda(tmp_path):
     points, normal = grid(8)
     axis = skewed(points, normal, 20)
-    found = omma.eye.import_oda(oda_file(tmp_path / "ommatidial_data.csv", points, axis))
+    found = omma.eye.scans.import_oda(oda_file(tmp_path / "ommatidial_data.csv", points, axis))
     eye = found.eye
     assert eye.position_m == pytest.approx(points * 1e-6, rel=1e-6, abs=1e-12)
     assert eye.axis == pytest.approx(axis, abs=1e-6)  # out of the eye, ODA's point into it
@@ -302,7 +302,7 @@ def test_oda_without_some_axes(tmp_path):
     texts = [str(list(map(float, -n))) for n in normal]
     anatomical = ["[nan, nan, nan]", str(list(map(float, normal[1]))), *texts[2:]]
     file = oda_file(tmp_path / "o.csv", points, normal, anatomical_axis=anatomical)
-    found = omma.eye.import_oda(file)
+    found = omma.eye.scans.import_oda(file)
     assert found.eye.axis == pytest.approx(normal, abs=1e-6)
     assert any(note.startswith("Assumed: 1 ommatidia without") for note in found.notes)
     assert any(note.startswith("Turned round: 1 ") for note in found.notes)
@@ -326,12 +326,12 @@ def test_oda_rows_of_noise_are_no_ommatidia(tmp_path):
         lens_diameter=["", "", *["20.0"] * (count - 2)],
         neighbors=["[]"] * 2 + ["[1 2 3]"] * (count - 2),
     )
-    found = omma.eye.import_oda(file)
+    found = omma.eye.scans.import_oda(file)
     assert len(found.eye) == len(points)
     assert found.eye.facet_diameter_m == pytest.approx(20e-6)
     assert found.eye.columns["label"].min() == 1
     assert found.eye.acceptance_angle_rad == pytest.approx(
-        omma.eye.import_oda(
+        omma.eye.scans.import_oda(
             oda_file(tmp_path / "clean.csv", points, normal)
         ).eye.acceptance_angle_rad
     )
@@ -358,7 +358,7 @@ def test_bad_oda(tmp_path, changes, words):
     rest = {"x": list(points[:, 0]), "anatomical_axis": texts, "approx_axis": texts, "label": []}
     full = {name: [*first, *rest[name][1:]][: len(points)] for name, first in changes.items()}
     with pytest.raises(omma.Error) as caught:
-        omma.eye.import_oda(oda_file(tmp_path / "o.csv", points, normal, **full))
+        omma.eye.scans.import_oda(oda_file(tmp_path / "o.csv", points, normal, **full))
     for word in ["o.csv", *words]:
         assert word in str(caught.value)
 
@@ -382,7 +382,7 @@ def test_columns_are_looked_up_not_searched(tmp_path):
 def test_no_oda(tmp_path, text):
     (tmp_path / "o.csv").write_text(text)
     with pytest.raises(omma.Error, match=r"o\.csv"):
-        omma.eye.import_oda(tmp_path / "o.csv")
+        omma.eye.scans.import_oda(tmp_path / "o.csv")
 
 
 @pytest.mark.parametrize(
@@ -391,4 +391,4 @@ def test_no_oda(tmp_path, text):
 def test_bad_points(points):
     lens, _ = grid(8)
     with pytest.raises(omma.Error):
-        omma.eye.import_lens_cone(lens, points, allow_unmatched=True)
+        omma.eye.scans.import_lens_cone(lens, points, allow_unmatched=True)

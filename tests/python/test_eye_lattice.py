@@ -41,7 +41,7 @@ def bee_outline():
     fraction = np.minimum(1, np.abs(elevation) / 60) ** 2
     nasal = -14.5 + (np.where(elevation > 0, -42.0, -52.0) + 14.5) * fraction
     temporal = [(azimuth, height) for height, azimuth in BEE_TEMPORAL]
-    return omma.eye.outline([*temporal, *zip(nasal, elevation)])
+    return omma.eye.angles.outline([*temporal, *zip(nasal, elevation)])
 
 
 # Name: horizontal, vertical, field of view, count.
@@ -91,7 +91,7 @@ def scaled(angle, lattice):
 @pytest.mark.parametrize("name", FIELDS)
 def test_the_numbers_asked_for(lattices, name):
     lattice, across, up, seen = lattices(name)
-    check = omma.eye.check_lattice(lattice.directions, across, up)
+    check = omma.eye.lattice.check_lattice(lattice.directions, across, up)
     # Measured, all fields: median error 0.3 to 1.2 %, p95 2 to 5 %, 94 to 98 % with six.
     assert check.median_error < 0.03
     assert check.p95_error < 0.10
@@ -135,7 +135,7 @@ def test_neighbours_are_those_of_delaunay(lattices):
     degree = delaunay_degrees(directions)
     assert np.sum(6 - degree) == 12
     assert np.mean(degree == 6) > 0.90
-    check = omma.eye.check_lattice(directions, lattices("sphere")[0].scale)
+    check = omma.eye.lattice.check_lattice(directions, lattices("sphere")[0].scale)
     # Four points on a circle leave open which two are neighbours.
     assert np.mean(check.degree == degree) > 0.99
 
@@ -145,7 +145,7 @@ def test_the_true_angles_follow(lattices, name):
     # Independent of the metric: angles between axes as an Eye measures them.
     lattice, across, _, _ = lattices(name)
     eye = omma.Eye(lattice.directions, lattice.directions, 0.0)
-    inner = omma.eye.check_lattice(lattice.directions, across).inner
+    inner = omma.eye.lattice.check_lattice(lattice.directions, across).inner
     relative = (eye.interommatidial_angle_rad() / across(lattice.directions))[inner]
     assert np.median(relative) == pytest.approx(1, abs=0.015)
     assert np.quantile(np.abs(relative - 1), 0.95) < 0.1
@@ -164,7 +164,7 @@ def test_a_steep_fovea():
         return D(0.28) + D(4.2) * (1 - np.exp(-((from_ahead(directions) / D(12)) ** 2)))
 
     lattice = omma.eye.lay_directions(angle, field_of_view=omma.eye.window((-20, 160)))
-    check = omma.eye.check_lattice(lattice.directions, angle)
+    check = omma.eye.lattice.check_lattice(lattice.directions, angle)
     # Measured: 0.8 %, 5.7 %, 95 %.
     assert check.median_error < 0.03
     assert check.p95_error < 0.10
@@ -209,12 +209,12 @@ def test_progress_is_told_and_can_stop():
 
 def test_check_sees_what_is_wrong(lattices):
     lattice, across, _, _ = lattices("hemisphere")
-    wide = omma.eye.check_lattice(lattice.directions, lambda d: 0.9 * across(d))
+    wide = omma.eye.lattice.check_lattice(lattice.directions, lambda d: 0.9 * across(d))
     assert np.median(wide.ratio[wide.inner]) == pytest.approx(1 / 0.9, rel=0.01)
     assert wide.median_error == pytest.approx(1 / 0.9 - 1, rel=0.1)
     random = np.random.default_rng(0).standard_normal((1500, 3))
     random /= np.linalg.norm(random, axis=1, keepdims=True)
-    check = omma.eye.check_lattice(random, np.sqrt(4 * np.pi / 1500 * 2 / np.sqrt(3)))
+    check = omma.eye.lattice.check_lattice(random, np.sqrt(4 * np.pi / 1500 * 2 / np.sqrt(3)))
     assert check.six_fraction < 0.4  # 0.29 for random points in the plane
     assert check.p95_error > 0.3
 
@@ -225,10 +225,10 @@ def test_windows_and_outlines():
     inside = at([-39, 0, 180, -146], [0, 59, -9, 0])
     assert seen(inside).all()
     assert not seen(at([-41, 0, -144, 0], [0, 61, 0, -11])).any()
-    square = omma.eye.outline([(170, -10), (200, -10), (200, 10), (170, 10)])
+    square = omma.eye.angles.outline([(170, -10), (200, -10), (200, 10), (170, 10)])
     assert square(at([171, -161, 180], [0, 9, -9])).all()
     assert not square(at([169, -159, 180, 0], [0, 0, 11, 0])).any()
-    notch = omma.eye.outline([(0, 0), (40, 0), (40, 40), (20, 10), (0, 40)])
+    notch = omma.eye.angles.outline([(0, 0), (40, 0), (40, 40), (20, 10), (0, 40)])
     assert notch(at([5, 35, 20], [30, 30, 5])).all()
     assert not notch(at([20], [15])).any()
 
@@ -242,10 +242,10 @@ def test_directions_there_and_back():
 
 
 def test_tables_are_linear_between_and_constant_beyond():
-    table = omma.eye.angle_table([0, 90], [-30, 30], [[1, 2], [3, 4]])
+    table = omma.eye.angles.angle_table([0, 90], [-30, 30], [[1, 2], [3, 4]])
     at = omma.eye.direction([0, 90, 45, 45, -20, 45], [-30, 30, 0, 15, -60, 80])
     assert np.degrees(table(at)) == pytest.approx([1, 4, 2.5, 3, 1, 3.5])
-    around = omma.eye.angle_table([-180, 0, 180], [0], [[1, 3, 1]])
+    around = omma.eye.angles.angle_table([-180, 0, 180], [0], [[1, 3, 1]])
     assert np.degrees(around(omma.eye.direction([90, -90, 179, -179], 0))) == pytest.approx(
         [2, 2, 1 + 1 / 90, 1 + 1 / 90]
     )
@@ -266,12 +266,12 @@ def test_tables_from_files(tmp_path):
         "# a bee\nazimuth_deg, elevation_deg, dphi_h_deg, dphi_v_deg\n"
         "90,0,3,1\n0,0,1,1\n0,10,2,5\n\n90,10,4,5\n"
     )
-    across, up = omma.eye.load_angle_table(path)
+    across, up = omma.eye.angles.load_angle_table(path)
     at = omma.eye.direction([0, 90, 45], [0, 10, 5])
     assert np.degrees(across(at)) == pytest.approx([1, 4, 2.5])
     assert np.degrees(up(at)) == pytest.approx([1, 5, 3])
     path.write_text("azimuth_deg,elevation_deg,dphi_h_deg\n0,0,2\n")
-    across, up = omma.eye.load_angle_table(path)
+    across, up = omma.eye.angles.load_angle_table(path)
     assert up is None
     assert np.degrees(across(at)) == pytest.approx([2, 2, 2])
 
@@ -295,7 +295,7 @@ def test_wrong_tables_are_errors(tmp_path, text, words):
     if text is not None:
         path.write_text(text)
     with pytest.raises(omma.Error) as caught:
-        omma.eye.load_angle_table(path)
+        omma.eye.angles.load_angle_table(path)
     for word in ["bad.csv", *words]:
         assert word in str(caught.value)
 
@@ -315,16 +315,16 @@ def test_wrong_tables_are_errors(tmp_path, text, words):
         ),
         (lambda: omma.eye.lay_directions(0.1, field_of_view=lambda d: d[:, 0] > 2), ["none of"]),
         (lambda: omma.eye.lay_directions(0.1, field_of_view=lambda d: d[:, 0]), ["truth values"]),
-        (lambda: omma.eye.check_lattice([[0, 0, 1]], 0.1), ["directions", "(1, 3)"]),
+        (lambda: omma.eye.lattice.check_lattice([[0, 0, 1]], 0.1), ["directions", "(1, 3)"]),
         (lambda: omma.eye.window((10, 0)), ["azimuth_deg"]),
         (lambda: omma.eye.window((0, 400)), ["azimuth_deg", "360"]),
         (lambda: omma.eye.window(elevation_deg=(0, 100)), ["elevation_deg"]),
-        (lambda: omma.eye.outline([(0, 0), (1, 1)]), ["outline", "3"]),
-        (lambda: omma.eye.outline([(0, 0), (1, 1), (0, 91)]), ["outline", "90"]),
-        (lambda: omma.eye.angle_table([1, 0], [0], [[1, 1]]), ["azimuth_deg", "ascending"]),
-        (lambda: omma.eye.angle_table([0, 400], [0], [[1, 1]]), ["azimuth_deg", "turn"]),
-        (lambda: omma.eye.angle_table([0, 1], [0], [[1]]), ["angle_deg", "(1, 2)"]),
-        (lambda: omma.eye.angle_table([0], [0], [[0]]), ["angle_deg", "above 0"]),
+        (lambda: omma.eye.angles.outline([(0, 0), (1, 1)]), ["outline", "3"]),
+        (lambda: omma.eye.angles.outline([(0, 0), (1, 1), (0, 91)]), ["outline", "90"]),
+        (lambda: omma.eye.angles.angle_table([1, 0], [0], [[1, 1]]), ["azimuth_deg", "ascending"]),
+        (lambda: omma.eye.angles.angle_table([0, 400], [0], [[1, 1]]), ["azimuth_deg", "turn"]),
+        (lambda: omma.eye.angles.angle_table([0, 1], [0], [[1]]), ["angle_deg", "(1, 2)"]),
+        (lambda: omma.eye.angles.angle_table([0], [0], [[0]]), ["angle_deg", "above 0"]),
     ],
 )
 def test_wrong_arguments_are_named(call, words):

@@ -21,14 +21,16 @@ def works(tmp_path_factory):
     lens, normal = grid(8)
     path = tmp_path_factory.mktemp("oda") / "ommatidial_data.csv"
     oda_file(path, lens, normal)
-    ball = omma.eye.sphere(1e-3)
+    ball = omma.eye.surfaces.sphere(1e-3)
     return {
         "generate_eye": lambda p: omma.eye.generate_eye(100, progress=p),
         "lay_directions": lambda p: omma.eye.lay_directions(0.3, progress=p),
         "lay_on_surface": lambda p: omma.eye.lay_on_surface(ball, 2e-4, progress=p),
         "eye_on_surface": lambda p: omma.eye.eye_on_surface(out, ball, progress=p),
-        "import_oda": lambda p: omma.eye.import_oda(path, progress=p),
-        "import_lens_cone": lambda p: omma.eye.import_lens_cone(lenses, tips, "m", progress=p),
+        "import_oda": lambda p: omma.eye.scans.import_oda(path, progress=p),
+        "import_lens_cone": lambda p: omma.eye.scans.import_lens_cone(
+            lenses, tips, "m", progress=p
+        ),
         "species.build": lambda p: omma.species.build("honeybee_worker", p),
     }
 
@@ -68,7 +70,7 @@ def test_what_a_listener_raises_ends_the_work(name, works):
 
 def test_parts_give_the_same_eye(monkeypatch):
     out, _, _ = cap()
-    ball = omma.eye.ellipsoid((1e-3, 2e-3, 1e-3))
+    ball = omma.eye.surfaces.ellipsoid((1e-3, 2e-3, 1e-3))
     whole = omma.eye.eye_on_surface(out, ball)
     monkeypatch.setattr("omma.eye.on_surface._PIECE", 7)
     fractions = []

@@ -38,7 +38,7 @@ def angle(first, second):
 
 def test_points_of_an_ellipsoid():
     axes, centre = np.array([0.4e-3, 1.2e-3, 0.5e-3]), np.array([1e-3, 2e-3, 0])
-    surface = omma.eye.ellipsoid(axes, centre)
+    surface = omma.eye.surfaces.ellipsoid(axes, centre)
     d = directions(100)
     points = surface.point_of_normal(d)
     assert np.sum(((points - centre) / axes) ** 2, axis=1) == pytest.approx(1)
@@ -56,7 +56,7 @@ def test_points_of_an_ellipsoid():
 def test_a_mesh_of_a_sphere_is_a_sphere():
     vertices, triangles = icosphere(4)
     for turned in (triangles, triangles[:, ::-1]):  # outwards, whichever way triangles are turned
-        mesh = omma.eye.mesh_surface(1e-3 * vertices, turned)
+        mesh = omma.eye.surfaces.mesh_surface(1e-3 * vertices, turned)
         d = directions(500)
         points = mesh.point_of_normal(d)
         # Middles of triangles are up to 2.8° from corners, so 1 - cos 2.8° = 0.12 % too low.
@@ -70,7 +70,7 @@ def test_a_mesh_of_a_sphere_is_a_sphere():
 
 def test_nearest_points_of_a_mesh_are_the_nearest():
     vertices, triangles = icosphere(1)
-    mesh = omma.eye.mesh_surface(vertices, triangles)
+    mesh = omma.eye.surfaces.mesh_surface(vertices, triangles)
     points = 1.3 * directions(50)
     # Against a fine sampling of all triangles.
     samples = mesh.samples(2_000_000)[0]
@@ -86,7 +86,7 @@ def test_meshes_from_files(tmp_path, ending):
     vertices, triangles = icosphere(2)
     path = tmp_path / f"eye.{ending}"
     trimesh.Trimesh(vertices * [1, 2, 3], triangles).export(path)
-    mesh = omma.eye.load_surface(path, unit="um")
+    mesh = omma.eye.surfaces.load_surface(path, unit="um")
     assert np.abs(mesh.vertices).max(axis=0) == pytest.approx([1e-6, 2e-6, 3e-6], rel=1e-5)
     assert len(mesh.triangles) == len(triangles)
 
@@ -97,19 +97,19 @@ def test_wrong_files_are_errors(tmp_path):
         if text is not None:
             (tmp_path / name).write_text(text)
         with pytest.raises(omma.Error, match=name):
-            omma.eye.load_surface(tmp_path / name)
+            omma.eye.surfaces.load_surface(tmp_path / name)
 
 
 def test_eye_of_directions():
     d = directions(200)
-    surface = omma.eye.ellipsoid((1e-3, 2e-3, 1e-3))
+    surface = omma.eye.surfaces.ellipsoid((1e-3, 2e-3, 1e-3))
     eye = omma.eye.eye_on_surface(d, surface, acceptance_ratio=1.5, eye_id=1)
     assert eye.axis == pytest.approx(d, abs=1e-6)
     assert eye.position_m == pytest.approx(surface.point_of_normal(d), rel=1e-5)
     assert eye.acceptance_angle_rad == pytest.approx(1.5 * eye.interommatidial_angle_rad())
     assert eye.facet_diameter_m == pytest.approx(omma.eye.facet_diameters_m(eye))
     assert set(eye.eye_id.tolist()) == {1}
-    assert omma.eye.skew_rad(eye, surface=surface) == pytest.approx(0, abs=1e-3)  # float axes
+    assert omma.eye.skew.skew_rad(eye, surface=surface) == pytest.approx(0, abs=1e-3)  # float axes
 
 
 @pytest.mark.parametrize("centre", [None, (0.0, 0.0, 0.0)])
@@ -119,10 +119,14 @@ def test_a_skewed_design_has_the_median_asked_for(degrees, centre):
     d = directions(2000)
     towards = omma.eye.direction(60, 0)
     d = d[angle(d, np.broadcast_to(towards, d.shape)) < D(80)]
-    surface = omma.eye.ellipsoid((0.4e-3, 1.2e-3, 0.5e-3), (1.4e-3, 0, 0))
-    factor = omma.eye.squeeze_for_skew(d, surface, towards, D(degrees), centre_m=centre)
-    eye = omma.eye.eye_on_surface(d, surface, normal=omma.eye.squeezed(towards, factor))
-    skew = omma.eye.skew_rad(eye, surface=surface) if centre is None else omma.eye.skew_rad(eye)
+    surface = omma.eye.surfaces.ellipsoid((0.4e-3, 1.2e-3, 0.5e-3), (1.4e-3, 0, 0))
+    factor = omma.eye.skew.squeeze_for_skew(d, surface, towards, D(degrees), centre_m=centre)
+    eye = omma.eye.eye_on_surface(d, surface, normal=omma.eye.skew.squeezed(towards, factor))
+    skew = (
+        omma.eye.skew.skew_rad(eye, surface=surface)
+        if centre is None
+        else omma.eye.skew.skew_rad(eye)
+    )
     assert np.degrees(np.median(skew)) == pytest.approx(degrees, abs=0.01)  # float positions
     normals = surface.normals(eye.position_m.astype(float))
     many = np.broadcast_to(towards, d.shape)
@@ -130,7 +134,9 @@ def test_a_skewed_design_has_the_median_asked_for(degrees, centre):
 
 
 def test_lenses_over_a_sphere():
-    eye = omma.eye.lay_on_surface(omma.eye.sphere(1e-3, (1e-3, 0, 0)), 100e-6, acceptance_ratio=2)
+    eye = omma.eye.lay_on_surface(
+        omma.eye.surfaces.sphere(1e-3, (1e-3, 0, 0)), 100e-6, acceptance_ratio=2
+    )
     position = eye.position_m.astype(float) - [1e-3, 0, 0]
     assert np.linalg.norm(position, axis=1) == pytest.approx(1e-3, rel=1e-5)
     assert eye.axis == pytest.approx(position / 1e-3, abs=1e-5)
@@ -142,7 +148,7 @@ def test_lenses_over_a_sphere():
 
 
 def test_lenses_over_part_of_a_surface_wider_on_top():
-    surface = omma.eye.ellipsoid((0.6e-3, 1e-3, 0.6e-3))
+    surface = omma.eye.surfaces.ellipsoid((0.6e-3, 1e-3, 0.6e-3))
 
     def width(points):
         return 40e-6 * (1.5 + 0.5 * points[:, 1] / 1e-3)
@@ -165,7 +171,7 @@ def test_lenses_over_part_of_a_surface_wider_on_top():
 def test_whole_facets_on_an_open_mesh():
     vertices, triangles = icosphere(3)
     above = (vertices[triangles][:, :, 1] > -1e-9).all(axis=1)
-    mesh = omma.eye.mesh_surface(1e-3 * vertices, triangles[above])
+    mesh = omma.eye.surfaces.mesh_surface(1e-3 * vertices, triangles[above])
     eye = omma.eye.lay_on_surface(mesh, 100e-6)
     position = eye.position_m.astype(float)
     assert mesh.to_edge(position).min() >= 49e-6
@@ -231,24 +237,41 @@ def test_facets_are_grouped_for_their_optics():
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: omma.eye.sphere(0), ["semi_axes_m", "0"]),
-        (lambda: omma.eye.ellipsoid((1, 2)), ["semi_axes_m", "(2,)"]),
-        (lambda: omma.eye.mesh_surface([[0, 0, 0]], [[0, 0, 1]]), ["triangles", "indices"]),
-        (lambda: omma.eye.mesh_surface([[0, 0, 0]], [[0, 0, 0]]), ["triangles", "area"]),
-        (lambda: omma.eye.mesh_surface([[0, 0]], [[0, 0, 0]]), ["vertices", "(1, 2)"]),
-        (lambda: omma.eye.eye_on_surface([[0, 0]], omma.eye.sphere(1)), ["directions", "(1, 2)"]),
-        (lambda: omma.eye.squeezed([0, 0, 0], 1), ["towards"]),
-        (lambda: omma.eye.squeezed([0, 0, 1], 0), ["factor", "0"]),
+        (lambda: omma.eye.surfaces.sphere(0), ["semi_axes_m", "0"]),
+        (lambda: omma.eye.surfaces.ellipsoid((1, 2)), ["semi_axes_m", "(2,)"]),
         (
-            lambda: omma.eye.squeeze_for_skew(directions(9), omma.eye.sphere(1), [0, 0, 1], 3.1),
+            lambda: omma.eye.surfaces.mesh_surface([[0, 0, 0]], [[0, 0, 1]]),
+            ["triangles", "indices"],
+        ),
+        (lambda: omma.eye.surfaces.mesh_surface([[0, 0, 0]], [[0, 0, 0]]), ["triangles", "area"]),
+        (lambda: omma.eye.surfaces.mesh_surface([[0, 0]], [[0, 0, 0]]), ["vertices", "(1, 2)"]),
+        (
+            lambda: omma.eye.eye_on_surface([[0, 0]], omma.eye.surfaces.sphere(1)),
+            ["directions", "(1, 2)"],
+        ),
+        (lambda: omma.eye.skew.squeezed([0, 0, 0], 1), ["towards"]),
+        (lambda: omma.eye.skew.squeezed([0, 0, 1], 0), ["factor", "0"]),
+        (
+            lambda: omma.eye.skew.squeeze_for_skew(
+                directions(9), omma.eye.surfaces.sphere(1), [0, 0, 1], 3.1
+            ),
             ["median_rad", "found 177.6"],
         ),
-        (lambda: omma.eye.skew_rad(hexagons(2, 2)[0]), ["centre"]),
-        (lambda: omma.eye.lay_on_surface(omma.eye.sphere(1), 0), ["spacing_m", "above 0"]),
-        (lambda: omma.eye.lay_on_surface(omma.eye.sphere(1), 9), ["spacing_m", "too wide"]),
-        (lambda: omma.eye.lay_on_surface(omma.eye.sphere(1), 1, count=1), ["count", "1"]),
-        (lambda: omma.eye.lay_on_surface(omma.eye.sphere(1), lambda p: p), ["spacing_m", "shape"]),
-        (lambda: omma.eye.lay_on_surface(omma.eye.sphere(1), 1, inside=lambda p: p), ["inside"]),
+        (lambda: omma.eye.skew.skew_rad(hexagons(2, 2)[0]), ["centre"]),
+        (lambda: omma.eye.lay_on_surface(omma.eye.surfaces.sphere(1), 0), ["spacing_m", "above 0"]),
+        (
+            lambda: omma.eye.lay_on_surface(omma.eye.surfaces.sphere(1), 9),
+            ["spacing_m", "too wide"],
+        ),
+        (lambda: omma.eye.lay_on_surface(omma.eye.surfaces.sphere(1), 1, count=1), ["count", "1"]),
+        (
+            lambda: omma.eye.lay_on_surface(omma.eye.surfaces.sphere(1), lambda p: p),
+            ["spacing_m", "shape"],
+        ),
+        (
+            lambda: omma.eye.lay_on_surface(omma.eye.surfaces.sphere(1), 1, inside=lambda p: p),
+            ["inside"],
+        ),
         (lambda: omma.eye.facet_diameters_m(omma.Eye([[0, 0, 0]], [[0, 0, 1]], 0)), ["one"]),
         (lambda: omma.eye.set_facets(hexagons(2, 2)[0], 0), ["factor"]),
         (lambda: omma.eye.acceptance_from_facets(hexagons(2, 2)[0]), ["4 of 4", "set_facets"]),

@@ -20,7 +20,7 @@ EXAMPLES_FOLDER = Path(__file__).resolve().parents[2] / "examples"
 # Beginnings of examples that are not run, and why.
 NOT_RUN = {
     "omma render arena.gltf --camera 2": "118 million rays; test_cameras.py has smaller pictures",
-    "omma render arena.gltf --all-cameras": "ten seconds; test_cameras.py has smaller pictures",
+    "omma render-cameras arena.gltf -o": "ten seconds; test_cameras.py has smaller pictures",
     "omma measure": "minutes each; test_sampling_tools.py and test_speed_test.py have smaller ones",
     "omma dataset": "of a job that is to be made first; test_datasets.py makes and reads one",
     "omma view": "goes on until Ctrl-C; test_view_command.py ends it",
@@ -84,13 +84,17 @@ def named_files(tmp_path_factory):
     (folder / "flight.csv").write_text("\n".join(few) + "\n")
     sphere(folder / "eye.stl")
     sphere(folder / "scan.stl")
-    omma.render_file(
-        folder / "arena.gltf",
-        folder / "flight.npy",
-        omma.Fixed(1),
-        eyes=folder / "bee.eye",
-        path=folder / "flight.csv",
-    )
+    (folder / "moved").mkdir()
+    for name in ("arena.gltf", "bee.eye"):
+        shutil.copy(folder / name, folder / "moved")
+    for name in ("flight.npy", "bee.npy"):
+        omma.render_file(
+            folder / "arena.gltf",
+            folder / name,
+            omma.Fixed(1),
+            eyes=folder / "bee.eye",
+            path=folder / "flight.csv",
+        )
     return folder
 
 
@@ -126,7 +130,7 @@ def test_example_runs(example, named_files, run_omma, monkeypatch):
     monkeypatch.chdir(named_files)
     if "--mesh" in example:
         pytest.importorskip("trimesh")
-    if ".zarr" in example or "flight.npy" in example:
+    if ".zarr" in example or "flight.npy" in example or "render-again" in example:
         pytest.importorskip("xarray")
         pytest.importorskip("zarr")
     if "eye plot" in example or "eye info" in example:

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 import omma
-from omma.eye import NO_COORDINATE, hexagonal_coordinates
+from omma.eye import hexagonal_coordinates
+from omma.eye.hexagonal import NO_COORDINATE
 
 STEPS = np.array([[1, 1], [1, 0], [0, -1], [-1, -1], [-1, 0], [0, 1]])
-COLUMN = {name: k for k, name in enumerate(omma.eye.DIRECTIONS)}
+COLUMN = {name: k for k, name in enumerate(omma.eye.hexagonal.DIRECTIONS)}
 
 
 def eye_of(azimuth_deg, elevation_deg):
@@ -153,7 +154,7 @@ def test_species(name, by, known, whole):
 def test_a_designed_eye():
     seen = omma.eye.window(azimuth_deg=(-10, 100), elevation_deg=(-50, 50))
     axes = omma.eye.lay_directions(np.radians(3), field_of_view=seen).directions
-    found = hexagonal_coordinates(omma.eye.eye_on_surface(axes, omma.eye.sphere(1e-3)))
+    found = hexagonal_coordinates(omma.eye.eye_on_surface(axes, omma.eye.surfaces.sphere(1e-3)))
     assert_consistent(found)
     # Found 0.91 and 0.042: rows begin and end where circles of longitude draw together.
     assert found.known.mean() > 0.88

@@ -112,7 +112,7 @@ def test_faces_that_cross_themselves_are_told(tmp_path):
 
 def test_a_surface_for_an_eye_is_cut_alike(tmp_path):
     write_obj(tmp_path / "face.obj", SPIRAL)
-    mesh = omma.eye.load_surface(tmp_path / "face.obj", unit="m")
+    mesh = omma.eye.surfaces.load_surface(tmp_path / "face.obj", unit="m")
     p = mesh.vertices[mesh.triangles]
     across = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
     assert np.linalg.norm(across, axis=1).sum() / 2 == pytest.approx(15)

@@ -239,7 +239,7 @@ def test_nothing_moves_at_first_and_pairs_turned_round_answer_the_negative(eye, 
 
 def test_pairs_lead_along_rows(eye):
     neighbours = omma.eye.hexagonal_coordinates(eye).neighbours
-    for column, row_name in enumerate(omma.eye.DIRECTIONS):
+    for column, row_name in enumerate(omma.eye.hexagonal.DIRECTIONS):
         pairs = omma.motion.neighbour_pairs(eye, [row_name])
         assert (neighbours[pairs[:, 0], column] == pairs[:, 1]).all()
     every = omma.motion.neighbour_pairs(eye)

@@ -1,5 +1,6 @@
 """Nonsense where an eye, a scene or another thing of Omma's is expected is named at the door."""
 
+import functools
 import inspect
 import pickle
 
@@ -48,6 +49,22 @@ def test_it_is_named(function, parameter):
             function(**arguments)
         assert str(caught.value).split(":")[0] in owned
         assert "expected omma." in str(caught.value)
+
+
+def test_types_are_called_as_users_find_them():
+    from omma.base.arguments import _OWN
+
+    for name, full in _OWN.items():
+        if name != "Surface":  # a protocol, which is not public
+            assert functools.reduce(getattr, full.split(".")[1:], omma).__name__ == name
+
+
+@pytest.mark.parametrize("value", [3, None, b"photons", ["photons"]])
+def test_choices_are_named(value):
+    with pytest.raises(TypeError, match="unit: expected one of photons, watts, found"):
+        omma.light.uniform_sky(1.0, unit=value)
+    with pytest.raises(TypeError, match="sun: expected one of exact, map, found"):
+        omma.World(omma.scene.plane((1, 1)), sun=value)
 
 
 def test_functions_are_what_they_were(tmp_path, eye):

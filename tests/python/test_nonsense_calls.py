@@ -118,7 +118,7 @@ def public_calls(folder):
     rgb = np.zeros((24, 3), np.float32)
     bee = omma.receptors.assign_receptors(eye, omma.receptors.honeybee_ommatidia())
     large = omma.eye.generate_eye(200, radius_m=1e-3)
-    fly = omma.eye.fly_receptors(large)
+    fly = omma.eye.superposition.fly_receptors(large)
     rows = [",".join(map(str, 1e3 * row)) for row in large.position_m]
     axes = ["[" + " ".join(map(str, row)) + "]" for row in large.axis]
     (folder / "oda.csv").write_text(
@@ -126,7 +126,7 @@ def public_calls(folder):
         + "".join(f"{row},{axis},{axis}\n" for row, axis in zip(rows, axes, strict=True))
     )
     measures = omma.eye.measure_eye(eye)
-    sphere = omma.eye.sphere(1e-3)
+    sphere = omma.eye.surfaces.sphere(1e-3)
     (folder / "face.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
     mesh = omma.scene.Mesh(corners, [[0, 1, 2]])
@@ -311,7 +311,7 @@ def public_calls(folder):
         "plot_acceptance": (png, eye),
         "plot_eye_maps": (png, eye),
         "plot_poster": (png, eye),
-        "pool": (np.zeros(1, np.float32), omma.eye.Wiring([0, 1], [0], [1.0])),
+        "pool": (np.zeros(1, np.float32), omma.eye.superposition.Wiring([0, 1], [0], [1.0])),
         "poses_from_angles": ((0, 0, 0), (0, 0, 0)),
         "poses_from_quaternions": ((0, 0, 0), (0, 0, 0, 1)),
         "Bands": ([400.0, 500.0], [[1.0, 1.0]]),
@@ -516,7 +516,7 @@ def public_calls(folder):
         "LoomingCells": (omma.motion.looming_cells(eye, [[0, 0, -1]]), {
             "arms": (np.zeros((len(eye), 2)),), "responses": (np.zeros((len(eye), 2)),),
         }),
-        "Wiring": (omma.eye.Wiring([0, 1], [0], [1.0]), {}),
+        "Wiring": (omma.eye.superposition.Wiring([0, 1], [0], [1.0]), {}),
         "GroundTruth": (renderer.ground_truth(pose), {}),
         "UltravioletDependence": (
             omma.rendering.UltravioletDependence((), *[np.ones((1, 1))] * 3), {},

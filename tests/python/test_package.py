@@ -145,6 +145,40 @@ def test_the_top_is_small():
     assert set(dir(omma)) == set(omma.__all__)
 
 
+def test_eyes_have_few_names():
+    assert len(omma.eye.__all__) <= 40
+    assert set(dir(omma.eye)) == set(omma.eye.__all__)
+
+
+# Of omma.eye, before they had modules of their own.
+MOVED = {
+    "angles": "angle_table load_angle_table outline",
+    "hexagonal": "DIRECTIONS NO_COORDINATE HexagonalCoordinates",
+    "lattice": "Lattice LatticeCheck check_lattice",
+    "scans": "ImportedEye LensConeEye import_lens_cone import_oda",
+    "skew": "skew_rad squeeze_for_skew squeezed",
+    "superposition": "Wiring fly_receptors neural_superposition_wiring pool superposition_facets",
+    "surfaces": "ellipsoid load_surface mesh_surface sphere",
+}
+
+
+@pytest.mark.parametrize("module", MOVED)
+def test_old_names_of_eyes_work_with_a_warning(module):
+    new_place = getattr(omma.eye, module)
+    assert set(new_place.__all__) == set(MOVED[module].split())
+    for name in MOVED[module].split():
+        new = f"omma.eye.{module}.{name}"
+        told = f"omma.eye.{name}: is called {new} now; the old name works until 0.2"
+        with pytest.warns(DeprecationWarning, match=re.escape(told)) as warned:
+            assert getattr(omma.eye, name) is getattr(new_place, name)
+        assert {one.filename for one in warned} == {__file__}
+        with pytest.warns(DeprecationWarning, match=re.escape(told)) as warned:
+            exec(f"from omma.eye import {name}")
+        assert {one.filename for one in warned} == {"<string>"}
+    with pytest.raises(AttributeError, match="nonsense"):
+        _ = omma.eye.nonsense
+
+
 def test_importing_takes_nothing_heavy_along():
     heavy = ["numpy.linalg", "scipy", "matplotlib", "typer", "rich", "trimesh"]
     code = f"import sys, omma; print([name for name in {heavy} if name in sys.modules])"

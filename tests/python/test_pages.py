@@ -120,7 +120,7 @@ NOT_RUN = {
     "scripts/bench": "ten minutes, and says nothing on a machine with other work",
     "pip install": "installs; it is what scripts/setup does",
     "omma dataset run job.toml --": "needs a cluster; test_datasets_cluster.py has a small one",
-    "omma render examples/meadow.glb --all-cameras": "half a minute; test_cameras.py has smaller",
+    "omma render-cameras examples/meadow.glb": "half a minute; test_cameras.py has smaller",
     "omma render examples/meadow_lit.glb .*lighting=baked": "minutes; test_first_light.py: small",
     "omma measure min-samples examples/meadow.glb": "two minutes; see the next",
     "omma measure min-samples arena.gltf": "minutes; test_sampling_tools.py has smaller ones",

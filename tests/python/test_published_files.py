@@ -46,7 +46,7 @@ def test_oda(tmp_path, header):
         row |= {"neighbors": "[ 6  2 17 11  5 25]", "lens_area": str(area), "lens_diameter": "10"}
         lines.append(",".join(row[name] for name in names))
     (tmp_path / "ommatidial_data.csv").write_text("\n".join(lines) + "\n")
-    found = omma.eye.import_oda(tmp_path / "ommatidial_data.csv")
+    found = omma.eye.scans.import_oda(tmp_path / "ommatidial_data.csv")
     assert len(found.eye) == len(points)
     assert found.eye.axis == pytest.approx(out, abs=1e-6)
     assert found.eye.position_m == pytest.approx(points * 1e-6, rel=1e-6, abs=1e-12)
@@ -69,7 +69,7 @@ def test_the_forerunner_of_oda(tmp_path):
         children = '"[[ 1.  2.  3.]\n [ 4.  5.  6.]]"'
         lines.append(f"{i},{place},1,2,3,{children},{children},2,78.5,{outward},{inward},3.5")
     (tmp_path / "cone_cluster_data.csv").write_text("\n".join(lines) + "\n")
-    found = omma.eye.import_oda(tmp_path / "cone_cluster_data.csv")
+    found = omma.eye.scans.import_oda(tmp_path / "cone_cluster_data.csv")
     assert found.eye.axis == pytest.approx(out, abs=1e-6)
     assert found.eye.facet_diameter_m == pytest.approx(2e-6 * np.sqrt(78.5 / np.pi))
     assert found.eye.columns["children_pts"][0] == "[[ 1.  2.  3.]\n [ 4.  5.  6.]]"

@@ -110,7 +110,6 @@ def test_standard_errors_are_written_beside(run_omma, fly, files):
         (["--eye", "bug.eye", "--receptors", "-o", "r.npy"], "expected receptors, found none"),
         (["--eye", "fly.csv", "--ultraviolet", "dark", "-o", "r.npy"], "--ultraviolet: goes with"),
         (["--camera", "plain", "--receptors", "-o", "r.npy"], "receptors: is for eyes"),
-        (["--all-cameras", "--receptors", "-o", "r"], "--receptors: not together with"),
         (
             ["--eye", "fly.csv", "--receptors", "--error", 0.1, "-o", "r.npy"],
             "--error: not for receptors",
@@ -135,7 +134,7 @@ def test_ultraviolet_is_said_by_word(run_omma, fly, files, word, mix):
     code, _, err = run_omma(*arguments, "--receptors", "--ultraviolet", word, "-o", "r.npy")
     assert (code, err) == (0, "")
     assert np.array_equal(np.load("r.npy"), expected)
-    code, _, err = run_omma("render", "--like", "r.npy", "-o", "again.npy")
+    code, _, err = run_omma("render-again", "r.npy", "-o", "again.npy")
     assert (code, err) == (0, "")
     assert np.array_equal(np.load("again.npy"), expected)
 

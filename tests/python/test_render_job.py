@@ -62,7 +62,7 @@ def test_a_scan_is_rendered_in_its_unit_and_again(scan):
     pose = omma.poses_from_angles((0.0003, 0.0005, 0.01), (0, 0, 0))
     assert in_mm.tobytes() == renderer.render(pose).tobytes()
     assert (in_metres != in_mm).any()
-    assert command("render", "--like", "mm.npy", "-o", "like.npy", folder=scan).returncode == 0
+    assert command("render-again", "mm.npy", "-o", "like.npy", folder=scan).returncode == 0
     assert np.load(scan / "like.npy").tobytes() == in_mm.tobytes()
     wrong = command("render", "scan.stl", "--scene-up", "x", *words[2:], "-o", "x.npy", folder=scan)
     assert "expected one of y, z" in wrong.stderr

@@ -140,10 +140,3 @@ def test_command_line_says_where_it_gains_nothing(tmp_path: Path) -> None:
     result = CliRunner().invoke(app, [*command, "-o", str(tmp_path / "out.npy")])
     assert result.exit_code == 0, result.output
     assert "sampling: 0 of 5,380 ommatidia share rays" in result.output
-
-
-def test_command_line_refuses_pictures(tmp_path: Path) -> None:
-    command = ["render", str(SCENE), "--all-cameras", "-o", str(tmp_path), "--shared", "4"]
-    result = CliRunner().invoke(app, command)
-    assert result.exit_code != 0
-    assert "--shared: not together" in str(result.exception)

@@ -276,7 +276,7 @@ def test_fly_receptors_look_along_neighbours_axes(name):
 @pytest.mark.parametrize("name", ["drosophila", "calliphora"])
 def test_fly_cartridges_pool_six(name):
     eye = animal(name).eye
-    wiring = omma.eye.neural_superposition_wiring(eye)
+    wiring = omma.eye.superposition.neural_superposition_wiring(eye)
     border = np.concatenate([measure_eye(eye.select(side)).border for side in (0, 1)])
     angle = eye.interommatidial_angle_rad().astype(float)
     up = np.abs(np.arcsin(eye.axis[:, 1].astype(float)))
@@ -319,8 +319,8 @@ def test_fly_receptors_are_rendered():
     )
     seen = renderer.render_receptors(np.eye(4))
     assert seen.shape == (1, 8 * len(eye))
-    wiring = omma.eye.neural_superposition_wiring(eye)
-    pooled = omma.eye.pool(seen, wiring)
+    wiring = omma.eye.superposition.neural_superposition_wiring(eye)
+    pooled = omma.eye.superposition.pool(seen, wiring)
     assert pooled.shape == (1, len(eye))
     # All R1 to R6 have one pigment and see the same white.
     np.testing.assert_allclose(pooled[:, wiring.members > 0], seen[0, 0], rtol=1e-5)

@@ -34,8 +34,8 @@ def inner(place, margin=4, steps=12, stretch=1.0):
 @pytest.mark.parametrize("stretch", [1.0, 1.3])
 def test_six_of_six_facets_meet_in_a_cartridge(side, rows_along_meridian, stretch):
     eye, place = fly_eye(side=side, rows_along_meridian=rows_along_meridian, stretch=stretch)
-    fly = omma.eye.fly_receptors(eye)
-    wiring = omma.eye.neural_superposition_wiring(fly)
+    fly = omma.eye.superposition.fly_receptors(eye)
+    wiring = omma.eye.superposition.neural_superposition_wiring(fly)
     far = inner(place, stretch=stretch) & (np.abs(place[:, 1]) > 2.5 * stretch)
     assert far.sum() > 100
     assert np.all(wiring.members[far] == 6)
@@ -54,7 +54,9 @@ def test_six_of_six_facets_meet_in_a_cartridge(side, rows_along_meridian, stretc
 def test_seven_or_eight_meet_along_the_equator():
     """In six rows of cartridges (Wernet and Desplan, Cell 162:20, 2015, figure 1E)."""
     eye, place = fly_eye()
-    wiring = omma.eye.neural_superposition_wiring(omma.eye.fly_receptors(eye))
+    wiring = omma.eye.superposition.neural_superposition_wiring(
+        omma.eye.superposition.fly_receptors(eye)
+    )
     middle = inner(place)
     heights = np.unique(np.round(place[middle, 1], 3))
     rows = [
@@ -75,7 +77,7 @@ def test_the_pattern_is_mirrored_across_the_equator_and_between_eyes():
     offsets = {}
     for side in (1, -1):
         eye, place = fly_eye(side=side)
-        fly = omma.eye.fly_receptors(eye)
+        fly = omma.eye.superposition.fly_receptors(eye)
         types = fly.receptor_types
         for half in (1, -1):
             one = np.argmin(np.hypot(place[:, 0], place[:, 1] - 4 * half))
@@ -104,14 +106,16 @@ def test_up_vectors_may_be_any():
     """Offsets are told in the eye's own frame: where receptors look does not depend on it."""
     eye, _ = fly_eye(steps=5)
     turned = eye.replace(up=np.cross(eye.axis, [0.3, 0.5, 1]))
-    first, second = (omma.receptors.receptor_axis(omma.eye.fly_receptors(e)) for e in (eye, turned))
+    first, second = (
+        omma.receptors.receptor_axis(omma.eye.superposition.fly_receptors(e)) for e in (eye, turned)
+    )
     # Each rounded by up to a tenth by the square root of 2, over 2.
     assert np.allclose(first, second, atol=2 * 0.071 * SPACING)
 
 
 def test_pale_and_yellow_ommatidia_are_mixed():
     eye, _ = fly_eye()
-    fly = omma.eye.fly_receptors(eye, seed=2)
+    fly = omma.eye.superposition.fly_receptors(eye, seed=2)
     pale = np.array(fly.columns["ommatidium_type"]) == "pale"
     assert abs(pale.mean() - 0.3) < 4 * np.sqrt(0.21 / len(eye))
     peaks = {t.name: t.peak_wavelength_nm for t in fly.receptor_types}
@@ -138,7 +142,7 @@ def test_flies_may_have_other_receptors():
         "x", wavelength_nm=[300, 340, 400], sensitivity=[0.2, 1, 0]
     )
     types = {"R1-6": outer, "R7p": inner_pale}
-    fly = omma.eye.fly_receptors(eye, pale_fraction=1, types=types)
+    fly = omma.eye.superposition.fly_receptors(eye, pale_fraction=1, types=types)
     by_name = {t.name: t for t in fly.receptor_types}
     assert sorted(by_name) == [*TRAPEZOID, "R7p", "R8p"]
     for name in TRAPEZOID:
@@ -156,13 +160,15 @@ def test_a_mirrored_fly_is_the_fly_of_the_other_side():
     """As merging mirrors what receptors look at: the left eye from the right one."""
     right, _ = fly_eye(steps=5)
     mirror = np.diag([-1.0, 1, 1, 1])
-    mirrored = omma.eye.merge_eyes([(omma.eye.fly_receptors(right), mirror)])
-    made = omma.eye.fly_receptors(omma.eye.merge_eyes([(right, mirror)]))
+    mirrored = omma.eye.merge_eyes([(omma.eye.superposition.fly_receptors(right), mirror)])
+    made = omma.eye.superposition.fly_receptors(omma.eye.merge_eyes([(right, mirror)]))
     first, second = (omma.receptors.receptor_axis(fly) for fly in (mirrored, made))
     # Rounded offsets, on either side of a half.
     assert np.allclose(first, second, atol=0.101 * SPACING)
     assert np.mean(np.abs(first - second)) < 0.01 * SPACING
-    wirings = [omma.eye.neural_superposition_wiring(fly).members for fly in (mirrored, made)]
+    wirings = [
+        omma.eye.superposition.neural_superposition_wiring(fly).members for fly in (mirrored, made)
+    ]
     assert np.array_equal(*wirings)
 
 
@@ -172,12 +178,14 @@ def test_two_eyes_are_wired_apart():
     turn = np.eye(4)  # so that it looks where the right eye looks
     turn[0, 0] = turn[2, 2] = -1
     head = omma.eye.merge_eyes([(left, turn), right])
-    both = omma.eye.neural_superposition_wiring(omma.eye.fly_receptors(head))
-    alone = omma.eye.neural_superposition_wiring(
-        omma.eye.fly_receptors(omma.eye.merge_eyes([(left, turn)]))
+    both = omma.eye.superposition.neural_superposition_wiring(
+        omma.eye.superposition.fly_receptors(head)
+    )
+    alone = omma.eye.superposition.neural_superposition_wiring(
+        omma.eye.superposition.fly_receptors(omma.eye.merge_eyes([(left, turn)]))
     )
     assert np.array_equal(both.members[: len(left)], alone.members)
-    fly = omma.eye.fly_receptors(head)
+    fly = omma.eye.superposition.fly_receptors(head)
     target = np.repeat(np.arange(len(head)), both.members)
     owner = omma.receptors.ommatidium_of_receptor(fly)[both.index]
     assert np.array_equal(head.eye_id[target], head.eye_id[owner])
@@ -185,7 +193,7 @@ def test_two_eyes_are_wired_apart():
 
 def test_pooling_sees_a_distant_scene_as_one_ommatidium_with_less_noise(scene):
     eye, place = fly_eye(steps=9)
-    fly = omma.eye.fly_receptors(eye)
+    fly = omma.eye.superposition.fly_receptors(eye)
     background = omma.Background.test_pattern()
     renderer = omma.Renderer(
         scene, fly, omma.Fixed(4), background=background, threads=2, noise="new_every_frame"
@@ -193,8 +201,8 @@ def test_pooling_sees_a_distant_scene_as_one_ommatidium_with_less_noise(scene):
     high = omma.poses_from_angles(np.tile([0, 1e4, 0], (40, 1)), np.zeros((40, 3)))
     matrix = np.tile([0.2, 0.3, 0.5], (len(fly.receptor_types), 1))  # all alike, R7 too
     responses = renderer.render_receptors(high, matrix=matrix)
-    wiring = omma.eye.neural_superposition_wiring(fly)
-    pooled = omma.eye.pool(responses, wiring)
+    wiring = omma.eye.superposition.neural_superposition_wiring(fly)
+    pooled = omma.eye.superposition.pool(responses, wiring)
     names = np.array([t.name[:2] for t in fly.receptor_types])[fly.receptor_type]
     central = responses[:, names == "R7"]
     ahead = inner(place, steps=9) & (np.abs(place[:, 1]) > 2.5)
@@ -212,55 +220,62 @@ def test_pooling_sees_a_distant_scene_as_one_ommatidium_with_less_noise(scene):
 
 
 def test_pooling_is_a_weighted_mean():
-    wiring = omma.eye.Wiring(
+    wiring = omma.eye.superposition.Wiring(
         np.array([0, 2, 2, 5]), np.array([3, 0, 1, 1, 2]), np.array([1.0, 3, 1, 1, 2])
     )
     responses = np.array([[4.0, 8, 2, 0], [0, 1, 0, 4]])
-    pooled = omma.eye.pool(responses, wiring)
+    pooled = omma.eye.superposition.pool(responses, wiring)
     assert pooled.dtype == np.float32
     assert np.array_equal(pooled, [[3, np.nan, 5], [1, np.nan, 0.5]], equal_nan=True)
-    assert np.array_equal(omma.eye.pool(responses[0], wiring), pooled[0], equal_nan=True)
+    assert np.array_equal(
+        omma.eye.superposition.pool(responses[0], wiring), pooled[0], equal_nan=True
+    )
     colours = np.repeat(responses[:, :, None], 3, axis=2) * [1, 2, 3]
     assert np.array_equal(
-        omma.eye.pool(colours, wiring, axis=1), pooled[..., None] * [1, 2, 3], equal_nan=True
+        omma.eye.superposition.pool(colours, wiring, axis=1),
+        pooled[..., None] * [1, 2, 3],
+        equal_nan=True,
     )
     assert wiring.histogram() == {0: 1, 2: 1, 3: 1}
     assert len(wiring) == 3
     with pytest.raises(omma.Error, match="expected at least 4 along axis -1, found 3"):
-        omma.eye.pool(responses[:, :3], wiring)
+        omma.eye.superposition.pool(responses[:, :3], wiring)
 
 
 def test_receptors_to_pool_are_chosen_by_name_and_reach():
     eye, _ = fly_eye(steps=6)
-    fly = omma.eye.fly_receptors(eye)
-    central = omma.eye.neural_superposition_wiring(fly, receptors=["R7p", "R7y"])
+    fly = omma.eye.superposition.fly_receptors(eye)
+    central = omma.eye.superposition.neural_superposition_wiring(fly, receptors=["R7p", "R7y"])
     assert np.all(central.members == 1)  # each its own
     assert np.array_equal(
         omma.receptors.ommatidium_of_receptor(fly)[central.index], np.arange(len(eye))
     )
-    tight = omma.eye.neural_superposition_wiring(fly, reach=1e-4)
-    assert tight.members.sum() < 0.2 * omma.eye.neural_superposition_wiring(fly).members.sum()
+    tight = omma.eye.superposition.neural_superposition_wiring(fly, reach=1e-4)
+    assert (
+        tight.members.sum()
+        < 0.2 * omma.eye.superposition.neural_superposition_wiring(fly).members.sum()
+    )
     with pytest.raises(omma.Error, match="expected receptors called R9, found none"):
-        omma.eye.neural_superposition_wiring(fly, receptors=["R9"])
+        omma.eye.superposition.neural_superposition_wiring(fly, receptors=["R9"])
     plain = eye.replace(
         receptor_types=[omma.receptors.ReceptorType("g", peak_wavelength_nm=500)], receptors=[0]
     )
     with pytest.raises(omma.Error, match="expected receptors beside the axis, found none"):
-        omma.eye.neural_superposition_wiring(plain)
+        omma.eye.superposition.neural_superposition_wiring(plain)
     with pytest.raises(omma.Error, match="reach"):
-        omma.eye.neural_superposition_wiring(fly, reach=0)
+        omma.eye.superposition.neural_superposition_wiring(fly, reach=0)
 
 
 def test_wrong_flies_are_named():
     eye, _ = fly_eye(steps=2)
     with pytest.raises(omma.Error, match="pale_fraction: expected 0 to 1, found 2"):
-        omma.eye.fly_receptors(eye, pale_fraction=2)
+        omma.eye.superposition.fly_receptors(eye, pale_fraction=2)
     with pytest.raises(omma.Error, match=r"types: expected names from R1-6, .* found R9"):
-        omma.eye.fly_receptors(
+        omma.eye.superposition.fly_receptors(
             eye, types={"R9": omma.receptors.ReceptorType("R9", peak_wavelength_nm=500)}
         )
     with pytest.raises(omma.Error, match="at least four ommatidia, found 1"):
-        omma.eye.fly_receptors(eye.take([0]))
+        omma.eye.superposition.fly_receptors(eye.take([0]))
 
 
 def flat_eye(**others):
@@ -272,7 +287,7 @@ def flat_eye(**others):
 
 def test_facets_of_an_aperture_are_those_within_it():
     eye = flat_eye(facet_diameter_m=20e-6)
-    views, wiring = omma.eye.superposition_facets(eye, 85e-6)
+    views, wiring = omma.eye.superposition.superposition_facets(eye, 85e-6)
     middle = len(eye) // 2
     pooled = wiring.index[wiring.first[middle] : wiring.first[middle + 1]]
     # Within 2.125 spacings: 13 points of a square lattice.
@@ -285,12 +300,12 @@ def test_facets_of_an_aperture_are_those_within_it():
     # How far in front or behind a facet lies does not count.
     position = eye.position_m.copy()
     position[middle + 1, 2] += 60e-6
-    moved = omma.eye.superposition_facets(eye.replace(position_m=position), 85e-6)[1]
+    moved = omma.eye.superposition.superposition_facets(eye.replace(position_m=position), 85e-6)[1]
     assert moved.members[middle] == 13
     # A facet of twice the diameter counts four times.
     large = np.full(len(eye), 20e-6)
     large[middle + 1] = 40e-6
-    views, wiring = omma.eye.superposition_facets(
+    views, wiring = omma.eye.superposition.superposition_facets(
         eye.replace(facet_diameter_m=large, aperture_diameter_m=85e-6)
     )
     weight = wiring.weight[wiring.first[middle] : wiring.first[middle + 1]]
@@ -303,12 +318,14 @@ def test_facets_turned_away_or_of_the_other_eye_do_not_count():
     middle = len(eye) // 2
     axis[middle + 1] = (0, 0, 1)
     number[middle + 11] = 1
-    views, wiring = omma.eye.superposition_facets(eye.replace(axis=axis, eye_id=number), 85e-6)
+    views, wiring = omma.eye.superposition.superposition_facets(
+        eye.replace(axis=axis, eye_id=number), 85e-6
+    )
     assert wiring.members[middle] == 11
     assert wiring.members[middle + 11] == 1  # alone in its eye
     assert np.all(views.eye_id == np.repeat(number, wiring.members))
     with pytest.raises(omma.Error, match="aperture_diameter_m: ommatidium 0 has none"):
-        omma.eye.superposition_facets(eye)
+        omma.eye.superposition.superposition_facets(eye)
 
 
 def test_facets_pooled_see_what_the_aperture_sees(scene):
@@ -318,11 +335,13 @@ def test_facets_pooled_see_what_the_aperture_sees(scene):
     eye = facets.replace(position_m=facets.position_m * scale, aperture_diameter_m=85e-6 * scale)
     pose = omma.look_at((0, 3, 0), (14, 0, -3))
     renderer = omma.Renderer(scene, eye, omma.Fixed(4096), threads=2)
-    views, wiring = omma.eye.superposition_facets(eye)
+    views, wiring = omma.eye.superposition.superposition_facets(eye)
     middle = wiring.members == 13
     assert middle.sum() == 49
     disc = renderer.render(pose)[:, middle]
-    pooled = omma.eye.pool(renderer.with_eye(views, omma.Fixed(512)).render(pose), wiring, axis=1)
+    pooled = omma.eye.superposition.pool(
+        renderer.with_eye(views, omma.Fixed(512)).render(pose), wiring, axis=1
+    )
     alone = renderer.with_eye(eye.replace(aperture_diameter_m=0.0)).render(pose)
 
     def difference(responses):

@@ -78,7 +78,7 @@ def examples(files, tmp_path_factory):
     old = folder / "old.eye"
     np.savetxt(old, np.c_[eye.position_m * 1e3, eye.axis, np.full(40, 0.1)], fmt="%.9g")
     angles = omma.eye.generate_eye(200)
-    oda = omma.eye.ImportedEye(eye, ("one", "two"))
+    oda = omma.eye.scans.ImportedEye(eye, ("one", "two"))
     pose = omma.look_at((0, 1, 0), (0, 1, -5))
     return {
         "Acceptance": all_round_eye().acceptances[3],
@@ -98,12 +98,14 @@ def examples(files, tmp_path_factory):
         "eye.AcuteZone": omma.eye.AcuteZone(0.1, 0.2, 0.3, 2.0, band=True),
         "eye.ConvertedEye": omma.eye.convert_eye(old),
         "eye.EyeMeasures": omma.eye.measure_eye(eye),
-        "eye.HexagonalCoordinates": omma.eye.hexagonal_coordinates(angles),
-        "eye.ImportedEye": oda,
-        "eye.Lattice": omma.eye.lay_directions(0.4),
-        "eye.LatticeCheck": omma.eye.check_lattice(angles.axis, 0.1),
-        "eye.LensConeEye": omma.eye.import_lens_cone(BULGING, 0.95 * BULGING, 1.0),
-        "eye.Wiring": omma.eye.Wiring([0, 1, 3], [4, 5, 6], [1.0, 0.5, 0.5]),
+        "eye.hexagonal.HexagonalCoordinates": omma.eye.hexagonal_coordinates(angles),
+        "eye.scans.ImportedEye": oda,
+        "eye.lattice.Lattice": omma.eye.lay_directions(0.4),
+        "eye.lattice.LatticeCheck": omma.eye.lattice.check_lattice(angles.axis, 0.1),
+        "eye.scans.LensConeEye": omma.eye.scans.import_lens_cone(BULGING, 0.95 * BULGING, 1.0),
+        "eye.superposition.Wiring": omma.eye.superposition.Wiring(
+            [0, 1, 3], [4, 5, 6], [1.0, 0.5, 0.5]
+        ),
         "columns.Columns": omma.columns.Columns([0, 1], [0, 1], [1, 1], np.eye(3)[:2]),
         "gym.Loop": omma.gym.Loop(renderer, begun, begun, begun, None),
         "gym.Moment": omma.gym.Moment(1, 0, 2, np.eye(4), np.ones((3, 2), np.float32), 4),
@@ -194,8 +196,8 @@ def examples(files, tmp_path_factory):
         "view.Seen": omma.view.Seen(look, 16, True, *np.ones((2, 40, 3)), None, None, 0.1),
         "study.SpeedTest": omma.study.measure_speed(scene, eye, pose, [1], frames=1, warm_up_s=0),
         # Not public themselves, but what public functions return.
-        "sphere()": omma.eye.sphere(1e-3),
-        "mesh_surface()": omma.eye.mesh_surface(
+        "sphere()": omma.eye.surfaces.sphere(1e-3),
+        "mesh_surface()": omma.eye.surfaces.mesh_surface(
             [[0, 0, 0], [1e-3, 0, 0], [0, 1e-3, 0], [0, 0, 1e-3]],
             [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
         ),
@@ -211,8 +213,9 @@ BY_IDENTITY = {
 }  # fmt: skip
 UNHASHABLE = {
     "columns.Columns", "datasets.Job", "datasets.Views", "gym.Moment",
-    "eye.EyeMeasures", "eye.HexagonalCoordinates", "eye.Lattice", "eye.LatticeCheck",
-    "eye.LensConeEye", "eye.Wiring", "light.Bands", "light.Disc", "light.Light",
+    "eye.EyeMeasures", "eye.hexagonal.HexagonalCoordinates", "eye.lattice.Lattice",
+    "eye.lattice.LatticeCheck", "eye.scans.LensConeEye", "eye.superposition.Wiring",
+    "light.Bands", "light.Disc", "light.Light",
     "receptors.BandError", "stimuli.Target",
     "motion.DetectorArray", "motion.DetectorState", "motion.LoomingCells",
     "rendering.GroundTruth",
@@ -382,7 +385,7 @@ def test_what_is_not_known_equals_what_is_not_known():
 
 def test_a_long_result_prints_as_a_line():
     notes = tuple(f"note {i}" for i in range(100))
-    text = repr(omma.eye.ImportedEye(make_eye(3), notes))
+    text = repr(omma.eye.scans.ImportedEye(make_eye(3), notes))
     assert text.endswith("notes=('note 0', 'note 1', 'note 2', ... 100 in all))")
 
 

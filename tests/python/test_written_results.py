@@ -9,6 +9,7 @@ import sys
 import time
 import tracemalloc
 from contextlib import ExitStack
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -272,21 +273,40 @@ def test_rendered_again_to_the_same_bits(folder, name, sampling, settings):
     assert np.array_equal(again.world_from_head, first.world_from_head)
 
 
-def test_like_on_the_command_line(folder, run_omma):
+def test_again_on_the_command_line(folder, run_omma):
     given = ("scene.gltf", "--eye", "bug.eye", "--path", "path.csv", "--samples", "4")
     assert run_omma("render", *given, "-o", "out.nc")[0] == 0
     expected = "omma render scene.gltf --eye bug.eye --path path.csv --samples 4 -o out.nc"
     assert load_responses("out.nc").attrs["command"] == expected
-    code, _, err = run_omma("render", "--like", "out.nc", "-o", "again.parquet", "--threads", "1")
+    code, _, err = run_omma("render-again", "out.nc", "-o", "again.parquet", "--threads", "1")
     assert (code, err) == (0, "")
     again = load_responses("again.parquet")
     assert np.array_equal(again.response, load_responses("out.nc").response)
-    code, _, err = run_omma("render", "--like", "out.nc", "-o", "again.npy", "--seed", "0")
-    assert code == 1
-    assert "--seed: not together with --like" in err
+    assert again.attrs["command"] == "omma render-again out.nc -o again.parquet --threads 1"
     code, _, err = run_omma("render", "-o", "again.npy")
     assert code == 2
     assert "SCENE" in err
+
+
+@pytest.mark.parametrize("like", [("--like", "out.npy"), ("--like=out.npy",)])
+@pytest.mark.parametrize("scene", [(), ("moved/scene.gltf", "--eye", "moved/bug.eye")])
+def test_the_old_option_for_again(folder, run_omma, like, scene):
+    """It works with a warning, which no help mentions, also where a scene is said before it."""
+    render("out.npy")
+    if scene:
+        (folder / "moved").mkdir()
+        shutil.move("scene.gltf", "moved/scene.gltf")
+        shutil.move("bug.eye", "moved/bug.eye")
+    code, _, err = run_omma("render", *scene, "-o", "old.npy", *like, "--threads", "1")
+    assert (code, err) == (
+        0,
+        "omma: warning: --like is the command omma render-again now; the old option works until "
+        "0.2\n",
+    )
+    code, _, err = run_omma("render-again", "out.npy", *scene, "-o", "new.npy")
+    assert (code, err) == (0, "")
+    assert Path("old.npy").read_bytes() == Path("new.npy").read_bytes()
+    assert "--like" not in run_omma("render", "--help")[1]
 
 
 def test_inputs_that_have_changed_are_named_with_both_hashes(folder):

@@ -10,7 +10,10 @@ import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Any, TypeVar, cast
+from functools import partial
+from inspect import Parameter
+from types import NoneType, SimpleNamespace, UnionType
+from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -141,7 +144,7 @@ def arrays_of(**values: Any) -> list[NDArray[np.float64]]:
         raise Error(f"{names}: expected shapes that go together, found {found}") from None
 
 
-# Omma's own types that `checked` knows by name, and what messages call them.
+# Omma's own types that `checked` knows, and what messages call them.
 _OWN = {
     "AcuteZone": "omma.eye.AcuteZone",
     "Background": "omma.Background",
@@ -164,30 +167,11 @@ _OWN = {
     "Scene": "omma.Scene",
     "SpeedTest": "omma.study.SpeedTest",
     "Species": "omma.species.Species",
-    "Surface": "a surface as of omma.eye.ellipsoid",
+    "Surface": "a surface as of omma.eye.surfaces.ellipsoid",
     "Views": "omma.datasets.Views",
-    "Wiring": "omma.eye.Wiring",
+    "Wiring": "omma.eye.superposition.Wiring",
     "World": "omma.World",
 }
-
-# Alternatives of an annotation, not those inside of brackets.
-_UNION = re.compile(r" \| (?![^\[]*\])")
-
-# Other annotations: whether a value is one, and what messages call it.
-_PLAIN: dict[str, tuple[Callable[[Any], bool], str]] = {
-    "None": (lambda value: value is None, "None"),
-    "bool": (lambda value: isinstance(value, (bool, np.bool_)), "True or False"),
-    "int": (lambda value: _is_number(value) and hasattr(value, "__index__"), "a whole number"),
-    "float": (lambda value: _is_number(value), "a number"),
-    "str": (lambda value: isinstance(value, str), "a text"),
-    "PathLike": (lambda value: isinstance(value, (str, bytes, os.PathLike)), "a path"),
-    "Callable": (callable, "a function"),
-}
-_ALIASES = {
-    "AxisAt": "Callable", "Density": "Callable", "FieldOfView": "Callable", "Measure": "str",
-    "NormalOf": "Callable", "Progress": "Callable", "Projection": "str", "Finished": "Callable",
-    "Stage": "Callable", "Style": "str", "Unit": "str", "str | os.PathLike[str]": "PathLike",
-}  # fmt: skip
 
 
 def _is_number(value: Any) -> bool:
@@ -199,37 +183,75 @@ def _is_number(value: Any) -> bool:
     )
 
 
-def _is_own(value: Any, kind: str) -> bool:
-    """Whether it is of that type of Omma's; by name, as its module may import this one."""
-    if kind == "Surface":  # a protocol: whatever has the methods
-        return hasattr(value, "point_of_normal") and hasattr(value, "samples")
-    return kind in {one.__name__ for one in type(value).__mro__}
+# Other types: whether a value is one, and what messages call it.
+_Kind = tuple[Callable[[Any], bool], str]
+_PLAIN: dict[Any, _Kind] = {
+    NoneType: (lambda value: value is None, "None"),
+    bool: (lambda value: isinstance(value, (bool, np.bool_)), "True or False"),
+    int: (lambda value: _is_number(value) and hasattr(value, "__index__"), "a whole number"),
+    float: (_is_number, "a number"),
+    str: (lambda value: isinstance(value, str), "a text"),
+    os.PathLike[str]: (lambda value: isinstance(value, (str, bytes, os.PathLike)), "a path"),
+}
 
 
-def _kind(annotation: str) -> tuple[Callable[[Any], bool], str] | None:
-    """The check for an annotation and its name in messages; None: not checked."""
-    name = _ALIASES.get(annotation, annotation)
-    if name in _PLAIN:
-        return _PLAIN[name]
-    if name in _OWN:
-        return (lambda value: _is_own(value, name)), _OWN[name]
-    if name.startswith("Literal["):
-        return _PLAIN["str"]
-    if name.startswith("Callable["):
-        return _PLAIN["Callable"]
-    item = name.removeprefix("Sequence[").removesuffix("]")
-    if name.startswith("Sequence[") and item in _OWN:
-        return (
-            lambda value: isinstance(value, Sequence) and all(_is_own(one, item) for one in value)
-        ), f"a sequence of {_OWN[item]}"
-    item = name.removeprefix("Mapping[str, ").removesuffix("]")
-    if name.startswith("Mapping[str, ") and item in _OWN:
-        return (
-            lambda value: (
-                isinstance(value, Mapping) and all(_is_own(one, item) for one in value.values())
-            )
-        ), f"a mapping of names to {_OWN[item]}"
-    return None
+def _own(hint: Any) -> str | None:
+    """What messages call a type, where it is one of Omma's own."""
+    is_own = isinstance(hint, type) and hint.__module__.startswith("omma.")
+    return _OWN.get(hint.__name__) if is_own else None
+
+
+def _kinds(hint: Any) -> list[_Kind] | None:
+    """The check for each alternative of a type, and its name in messages; None: not checked."""
+    alternatives = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+    if os.PathLike[str] in alternatives:  # of which a text is one
+        alternatives = tuple(one for one in alternatives if one is not str)
+    kinds = [_kind(one) for one in alternatives]
+    return None if None in kinds else [kind for kind in kinds if kind is not None]
+
+
+def _kind(hint: Any) -> _Kind | None:
+    origin, items = get_origin(hint), get_args(hint)
+    if origin is Literal:  # which of them it is, the function itself sees
+        return _PLAIN[str][0], f"one of {', '.join(items)}"
+    if origin is Callable:
+        return callable, "a function"
+    if origin is Sequence and (name := _own(items[0])):
+        return partial(_is_sequence_of, items[0]), f"a sequence of {name}"
+    if origin is Mapping and items[0] is str and (name := _own(items[1])):
+        return partial(_is_mapping_to, items[1]), f"a mapping of names to {name}"
+    if name := _own(hint):
+        return (lambda value: isinstance(value, hint)), name
+    return _PLAIN.get(hint)
+
+
+def _is_sequence_of(kind: type, value: Any) -> bool:
+    return isinstance(value, Sequence) and all(isinstance(one, kind) for one in value)
+
+
+def _is_mapping_to(kind: type, value: Any) -> bool:
+    return isinstance(value, Mapping) and all(isinstance(one, kind) for one in value.values())
+
+
+def _checks_of(
+    function: Callable[..., Any], signature: inspect.Signature
+) -> dict[str, list[_Kind]]:
+    """What each argument may be, where that can be told from its type."""
+    several = (Parameter.VAR_POSITIONAL, Parameter.VAR_KEYWORD)
+    # Without what is returned, which may be of a package that is not installed.
+    typed = {
+        name: function.__annotations__[name]
+        for name, one in signature.parameters.items()
+        if one.annotation is not Parameter.empty
+        and one.kind not in several
+        and name in function.__annotations__
+    }
+    hints = get_type_hints(SimpleNamespace(__annotations__=typed), function.__globals__)
+    found = {name: _kinds(hint) for name, hint in hints.items()}
+    known = {name: kinds for name, kinds in found.items() if kinds is not None}
+    # Eyes and scenes are checked first, as a wrong one says most about the mistake.
+    first = sorted(known, key=lambda name: not any("omma." in text for _, text in known[name]))
+    return {name: known[name] for name in first}
 
 
 def checked(function: F) -> F:
@@ -239,15 +261,11 @@ def checked(function: F) -> F:
     For the package's front door; inside, functions trust what was checked.
     """
     signature = inspect.signature(function)
-    known = {}
-    for name, parameter in signature.parameters.items():
-        annotation = str(parameter.annotation)
-        words = [annotation] if annotation in _ALIASES else _UNION.split(annotation)
-        kinds = [_kind(word) for word in words]
-        if None not in kinds:
-            known[name] = [kind for kind in kinds if kind is not None]
-    # Eyes and scenes are checked first, as a wrong one says most about the mistake.
-    order = sorted(known, key=lambda name: not any("omma." in text for _, text in known[name]))
+
+    @functools.cache
+    def known() -> dict[str, list[_Kind]]:
+        # When it is first called, as by then all that annotations name is there.
+        return _checks_of(function, signature)
 
     @functools.wraps(function)
     def edge(*arguments: Any, **named: Any) -> Any:
@@ -255,10 +273,10 @@ def checked(function: F) -> F:
             given = signature.bind(*arguments, **named).arguments
         except TypeError as error:  # which does not say of what
             raise TypeError(f"{function.__qualname__}: {error}") from None
-        for name in order:
-            if name in given and not any(fits(given[name]) for fits, _ in known[name]):
+        for name, kinds in known().items():
+            if name in given and not any(fits(given[name]) for fits, _ in kinds):
                 value = given[name]
-                expected = " or ".join(text for _, text in known[name] if text != "None")
+                expected = " or ".join(text for _, text in kinds if text != "None")
                 found = f"{type(value).__name__} {value!r:.40}"
                 raise TypeError(f"{name}: expected {expected}, found {found}")
         return function(*arguments, **named)

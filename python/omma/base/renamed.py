@@ -1,9 +1,11 @@
-"""Arguments and fields under their old names, which work for one more version with a warning."""
+"""Arguments, fields and public names under their old names, which work for one more version with a
+warning."""
 
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+import importlib
+from collections.abc import Callable, Iterable
 from typing import Any, TypeVar, cast
 
 from omma.base.warn import warn_caller
@@ -51,6 +53,26 @@ def renamed_fields(**new_names: str) -> Callable[[C], C]:
         return cls
 
     return decorate
+
+
+def moved_names(
+    getter: Callable[[str], Any], package: str, **moved: Iterable[str]
+) -> Callable[[str], Any]:
+    """The ``__getattr__`` of a package, which gives names that have moved to its submodules too.
+
+    Args:
+        getter: the one without them.
+        moved: the names by the submodule that they are in.
+    """
+    homes = {name: f"{package}.{module}" for module, names in moved.items() for name in names}
+
+    def get(name: str) -> Any:
+        if name not in homes:
+            return getter(name)
+        _warn(f"{package}.{name}", f"{homes[name]}.{name}")
+        return getattr(importlib.import_module(homes[name]), name)
+
+    return get
 
 
 def _read(old: str, new: str, value: Any) -> Any:

@@ -14,7 +14,7 @@ from omma.cli.numbers import above_zero, acceptance_angle
 from omma.cli.working import warn, working
 from omma.eye.change import convert_eye
 from omma.eye.files import OCES_SUFFIXES, eye_file_losses, load_eye
-from omma.eye.scan_import import import_lens_cone, import_oda
+from omma.eye.scans import import_lens_cone, import_oda
 
 CONVERT_HELP = """
 Convert eye files. The endings say the formats: **.csv** has named columns with units, **.gltf** and

@@ -23,7 +23,8 @@ from omma.eye.design import AcuteZone, acute_zones
 from omma.eye.facets import acceptance_from_facets
 from omma.eye.files import load_eye
 from omma.eye.lattice import Angle, lay_directions
-from omma.eye.on_surface import eye_on_surface, lay_on_surface, squeeze_for_skew, squeezed
+from omma.eye.on_surface import eye_on_surface, lay_on_surface
+from omma.eye.skew import squeeze_for_skew, squeezed
 from omma.eye.surfaces import Surface, ellipsoid, load_surface
 
 MAKE_HELP = """

@@ -24,7 +24,7 @@ class App(typer.Typer):
 
     def command(self, name: str | None = None, **given: Any) -> Callable[[Any], Any]:
         """As of typer."""
-        return super().command(name, cls=Command, **given)
+        return super().command(name, **{"cls": Command, **given})
 
 
 class Command(typer.core.TyperCommand):

@@ -32,6 +32,8 @@ Each command says more with --help, such as `omma render --help`.
 # The module of each command, its app there, and what the list of commands says of it.
 _COMMANDS = {
     "render": ("render", "render_app", "Render what an eye or a camera sees in a scene."),
+    "render-again": ("render_again", "again_app", "Render again what an earlier render wrote."),
+    "render-cameras": ("render_cameras", "cameras_app", "Render every camera of a scene."),
     "info": ("info", "info_app", "Say what is in a scene, an eye or responses."),
     "eye": ("eye", "eye_app", "Make, change, convert, check and draw eyes."),
     "view": ("view", "view_app", "Show what an eye sees in a browser, live."),

@@ -1,11 +1,15 @@
-"""The options of `Settings` on the command line: their names, help and ranges come from there."""
+"""Options that several commands have. Those of `Settings` have names, help and ranges from
+there."""
 
 from __future__ import annotations
 
+import functools
 import inspect
-from collections.abc import Callable
+import shlex
+import sys
+from collections.abc import Callable, Collection
 from pathlib import Path
-from typing import Annotated, Any, get_args
+from typing import Annotated, Any, Literal, TypeVar, cast, get_args
 
 import typer
 
@@ -22,7 +26,10 @@ from omma.rendering.settings import (
     option_types,
     options_of,
 )
+from omma.scene.backgrounds import NAMED_BACKGROUNDS
 from omma.scene.lighting import checked_rule
+
+F = TypeVar("F", bound=Callable[..., Any])
 
 SceneArgument = Annotated[
     Path, typer.Argument(help="Scene: .gltf or .glb, .obj, .ply or .stl.", metavar="SCENE")
@@ -58,6 +65,56 @@ PathOption = Annotated[
 ]
 ThreadsOption = Annotated[int, typer.Option(help="Threads; 0: all.", metavar="N")]
 
+BackgroundOption = Annotated[
+    str | None,
+    typer.Option(
+        help="Instead of the scene's: linear radiance R,G,B, an equirectangular image file, "
+        + " or ".join(NAMED_BACKGROUNDS)
+        + ".",
+        metavar="R,G,B|FILE|NAME",
+    ),
+]
+LightOption = Annotated[
+    str | None,
+    typer.Option(
+        help="What lights the scene: a sky and its arguments, such as 'clear_sky "
+        "sun_elevation_deg=30 sun_azimuth_deg=135 ultraviolet=dark' (docs/light.md); "
+        "lighting=path (the default) follows it for each ray, lighting=baked finds most of it once "
+        "and keeps it. Default: no light, surfaces show the colours of the file.",
+        metavar="WORDS",
+    ),
+]
+UnitOption = Annotated[
+    str | None,
+    typer.Option(
+        help="Unit of lengths in the eye file: mm, um, m or a number of metres. "
+        "Default: mm; for a camera's own eye the scene's unit.",
+        metavar="UNIT",
+    ),
+]
+BackendOption = Annotated[
+    Literal["", "embree", "portable"],
+    typer.Option(
+        help="What traces the rays: embree, or portable, which is Omma's own. Default: the "
+        "fastest there is.",
+        metavar="embree|portable",
+        show_default=False,
+    ),
+]
+WidthOption = Annotated[
+    int | None,
+    typer.Option(
+        help="Width of a picture, in pixels; of a panel without its frame. Default: from its "
+        "height, or 1024.",
+        metavar="N",
+    ),
+]
+HeightOption = Annotated[
+    int | None,
+    typer.Option(help="Height of a picture. Default: from its width.", metavar="N"),
+]
+GammaOption = Annotated[float, typer.Option(help="Display gamma of a .png.", metavar="GAMMA")]
+
 UltravioletOption = Annotated[
     str | None,
     typer.Option(
@@ -70,7 +127,7 @@ UltravioletOption = Annotated[
 ]
 
 # Options of the command line by the class they belong to; where their name is not the field's.
-_NAMES = {(Shared, "samples"): "shared"}
+_NAMES: dict[tuple[type, str], str] = {(Shared, "samples"): "shared"}
 
 OldKernelOption = Annotated[
     str | None,
@@ -107,38 +164,58 @@ def light_and_mix(
     return f"{light} ultraviolet={ultraviolet}", None
 
 
+def command_typed() -> str:
+    """The command that runs, for what says of files how they were made."""
+    return shlex.join(["omma", *sys.argv[1:]])
+
+
 def help_of(name: str) -> str:
     """What an option of `Settings` says of itself."""
     return next(str(one.metadata["help"]) for one in options_of(Settings) if one.name == name)
 
 
-def takes_settings(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The same command, whose parameter ``settings`` has become an option for each field."""
-    signature = inspect.signature(command, eval_str=True)
-    parameters: list[inspect.Parameter] = []
-    for one in signature.parameters.values():
-        parameters += _parameters() if one.name == "settings" else [one]
+def takes_settings(
+    ways: Collection[type] = get_args(Sampling), without: Collection[str] = ()
+) -> Callable[[F], F]:
+    """A decorator: the same command, whose parameter ``settings`` has become an option for each
+    field.
 
-    def with_settings(**given: Any) -> Any:
-        values = {one.name: given.pop(one.name) for one in _parameters()}
-        values["angular_sensitivity"] = sensitivity_of(
-            values["angular_sensitivity"], values.pop("kernel")
-        )
-        return command(settings=_settings(values), **given)
+    Args:
+        ways: of `Sampling`, those that can be chosen.
+        without: options that keep their default.
+    """
 
-    with_settings.__name__, with_settings.__doc__ = command.__name__, command.__doc__
-    with_settings.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
-    with_settings.__annotations__ = {one.name: one.annotation for one in parameters}
-    return with_settings
+    def decorate(command: F) -> F:
+        signature = inspect.signature(command, eval_str=True)
+        options = _parameters(ways, without)
+        parameters: list[inspect.Parameter] = []
+        for one in signature.parameters.values():
+            parameters += options if one.name == "settings" else [one]
+
+        @functools.wraps(command)
+        def with_settings(**given: Any) -> Any:
+            values = {one.name: given.pop(one.name) for one in options}
+            values["angular_sensitivity"] = sensitivity_of(
+                values["angular_sensitivity"], values.pop("kernel")
+            )
+            return command(settings=_settings(values), **given)
+
+        with_settings.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+        with_settings.__annotations__ = {one.name: one.annotation for one in parameters}
+        return cast(F, with_settings)
+
+    return decorate
 
 
-def _parameters() -> list[inspect.Parameter]:
-    """A parameter as typer reads it for each option. Those of the three ways of sampling are None
-    where not given, so that one can tell which was meant."""
+def _parameters(ways: Collection[type], without: Collection[str]) -> list[inspect.Parameter]:
+    """A parameter as typer reads it for each option. Those of the ways of sampling are None where
+    not given, so that one can tell which was meant."""
     found = []
     either = inspect.Parameter.POSITIONAL_OR_KEYWORD
-    for kind in (*get_args(Sampling), Settings):
+    for kind in (*ways, Settings):
         for one in options_of(kind):
+            if one.name in without:
+                continue
             name = _NAMES.get((kind, one.name), one.name)
             of_sampling = kind is not Settings
             declared = option_types(kind)[one.name]
@@ -160,21 +237,22 @@ def _default(kind: type) -> str:
     return f" [default: {Fixed().samples}]" if kind is Fixed else ""
 
 
-def _settings(values: dict[str, Any]) -> Settings:
+def _settings(given: dict[str, Any]) -> Settings:
     """Settings from the values of all options."""
+    values = {name: value for name, value in given.items() if value is not None}
     ways: dict[str, Sampling] = {}
-    if values["samples"] is not None:
+    if "samples" in values:
         ways["--samples"] = Fixed(values["samples"])
-    if values["shared"] is not None:
+    if "shared" in values:
         ways["--shared"] = Shared(values["shared"])
-    errors = [name for name in ("error", "relative_error") if values[name] is not None]
+    errors = [name for name in ("error", "relative_error") if name in values]
     if errors:
         ways[f"--{errors[0].replace('_', '-')}"] = ToError(
-            **{one.name: values[one.name] for one in options_of(ToError)}
+            **{one.name: values.get(one.name) for one in options_of(ToError)}
         )
     else:
         for name in ("least", "most"):
-            if values[name] is not None:
+            if name in values:
                 raise Error(
                     f"{name}: goes with --error or --relative-error, found --{name} {values[name]}"
                 )
@@ -182,5 +260,5 @@ def _settings(values: dict[str, Any]) -> Settings:
         raise Error(f"{' and '.join(ways)}: only one of them can say how many rays there are")
     return Settings(
         next(iter(ways.values()), Settings.sampling),
-        **{one.name: values[one.name] for one in options_of(Settings)},
+        **{one.name: values[one.name] for one in options_of(Settings) if one.name in values},
     )

@@ -1,13 +1,27 @@
-"""What ``omma render`` prints when it is done."""
+"""What renders print when they are done."""
 
 from __future__ import annotations
 
+from omma.cli.working import say, warn
 from omma.job.all_cameras import AllCamerasReport
 from omma.job.reports import RenderReport
 
 
-def camera_lines(report: AllCamerasReport) -> list[str]:
-    """What is printed about all cameras of a scene."""
+def say_cameras(report: AllCamerasReport) -> None:
+    """Say what was rendered of all cameras of a scene, after what there is to warn of."""
+    for warning in report.warnings:
+        warn(warning)
+    say(*_camera_lines(report))
+
+
+def say_report(report: RenderReport) -> None:
+    """Say what was rendered, after what there is to warn of."""
+    for warning in report.warnings:
+        warn(warning)
+    say(*_report_lines(report))
+
+
+def _camera_lines(report: AllCamerasReport) -> list[str]:
     lines = []
     for camera in report.cameras:
         kind = camera.type + (f", {camera.projection}" if camera.projection else "")
@@ -20,8 +34,7 @@ def camera_lines(report: AllCamerasReport) -> list[str]:
     return [*lines, f"backend    {report.backend}, {report.threads} threads, {prepared}"]
 
 
-def report_lines(report: RenderReport) -> list[str]:
-    """What is printed about a render."""
+def _report_lines(report: RenderReport) -> list[str]:
     names = report.outputs
     shown = names if len(names) <= 6 else (*names[:3], f"... {len(names) - 4} more", names[-1])
     rate = report.rays / max(report.seconds, 1e-9) / 1e6

@@ -18,15 +18,17 @@ from omma.base.files import metres_per_unit
 from omma.base.poses import look_at, poses_from_angles
 from omma.cli.help import App
 from omma.cli.options import (
+    BackgroundOption,
+    LightOption,
     LookAtOption,
     SceneArgument,
     SceneUnitOption,
     SceneUpOption,
     ThreadsOption,
     UltravioletOption,
+    UnitOption,
     light_and_mix,
 )
-from omma.cli.render import BackgroundOption, LightOption, UnitOption
 from omma.cli.working import Terminated, warn, working
 from omma.eye.files import load_eye
 from omma.scene.backgrounds import parse_background

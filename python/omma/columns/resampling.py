@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import csr_array
 
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, one_of, positive
 from omma.base.directions import angle_of_chord, normalized
 from omma.columns.lattice import Columns, expect_columns
-
-if TYPE_CHECKING:
-    from scipy.sparse import csr_array
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -192,8 +190,6 @@ def _angle(axis: Floats, others: Floats) -> Floats:
 def _sparse(
     rows: list[Ints], indices: list[Ints], values: list[Floats], shape: tuple[int, int]
 ) -> csr_array:
-    from scipy.sparse import csr_array
-
     if not rows:
         return csr_array(shape)
     at = np.concatenate(rows), np.concatenate(indices)

@@ -15,6 +15,8 @@ from omma.base.files import PathLike
 from omma.base.tables import as_grid, read_table
 from omma.eye.lattice import Angle
 
+__all__ = ["angle_table", "load_angle_table", "outline"]
+
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 

@@ -21,6 +21,8 @@ from omma.base.directions import normalized
 from omma.base.values import value_class
 from omma.eye.neighbours import Neighbours, direction_lattice, sides, surface_lattice
 
+__all__ = ["DIRECTIONS", "NO_COORDINATE", "HexagonalCoordinates"]
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 

@@ -24,9 +24,11 @@ from omma.base.values import value_class
 from omma.eye.cells import cells
 from omma.eye.relaxation import MARGIN, Domain, Progress, Region, grown, started
 
+__all__ = ["Lattice", "LatticeCheck", "check_lattice"]
+
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
-Angle = float | Callable[[Floats], ArrayLike]
+Angle = ArrayLike | Callable[[Floats], ArrayLike]
 FieldOfView = Callable[[Floats], ArrayLike]
 
 

@@ -27,7 +27,7 @@ from omma.eye.neighbours import (
     surface_lattice,
     surface_normals,
 )
-from omma.eye.on_surface import angle_between
+from omma.eye.skew import angle_between
 from omma.receptors.sensitivity import ommatidium_of_receptor, receptor_optical_sensitivity
 
 # An ommatidium differs from its neighbours where it is this many robust standard deviations above

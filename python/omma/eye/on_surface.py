@@ -1,8 +1,7 @@
 """Ommatidia on surfaces: directions given and positions found, or positions given and axes found.
 
-Real eyes are skewed: their ommatidia do not look along the normal of the surface they sit on, so
-an eye sees more, or less, than its curvature spans. Here that is a function of its own: from the
-direction to the normal at a position, or from a position to the axis.
+Real eyes are skewed (`omma.eye.skew`). Here that is a function of its own: from the direction to
+the normal at a position, or from a position to the axis.
 """
 
 from __future__ import annotations
@@ -19,10 +18,10 @@ from omma.base.arguments import array_of, checked, positive
 from omma.base.directions import normalized
 from omma.eye.facets import set_facets
 from omma.eye.relaxation import Bools, Domain, Progress, Region, grown, started
+from omma.eye.skew import NormalOf, vectors_of
 from omma.eye.surfaces import Surface
 
 Floats = NDArray[np.float64]
-NormalOf = Callable[[Floats], Floats]
 AxisAt = Callable[[Floats, Floats], ArrayLike]
 
 _PIECE = 4096  # directions whose positions are looked for at once
@@ -52,8 +51,8 @@ def eye_on_surface(
         omma.Error: directions, normals or a ratio that are none; several lenses at one position, as
             on a mesh without curvature.
     """
-    axes = _vectors(directions, "directions")
-    normals = axes if normal is None else _vectors(normal(axes), "normal", len(axes))
+    axes = vectors_of(directions, "directions")
+    normals = axes if normal is None else vectors_of(normal(axes), "normal", len(axes))
     tell = progress or (lambda stage, fraction: None)
     positions = []
     # In pieces, so that progress is told and Ctrl-C heard.
@@ -62,105 +61,6 @@ def eye_on_surface(
         positions.append(surface.point_of_normal(normals[start : start + _PIECE]))
     tell("measuring neighbours", None)
     return _finished(Eye(np.concatenate(positions), axes, 0.0, 0.0, eye_id), acceptance_ratio)
-
-
-@checked
-def squeezed(towards: ArrayLike, factor: float) -> NormalOf:
-    """A skew for `eye_on_surface`: the surface's normal is ``factor`` times as far from the
-    direction ``towards`` as the axis. With 0.6, an eye that sees 180° spans 108° on its surface.
-
-    Raises:
-        omma.Error: a direction that is none, a factor that is not above 0.
-    """
-    centre = _vectors(np.atleast_2d(array_of(towards, "towards")), "towards", 1)[0]
-    positive(factor, "factor")
-
-    def normal(directions: Floats) -> Floats:
-        along = directions @ centre
-        across = directions - along[:, None] * centre
-        size = np.linalg.norm(across, axis=1)
-        angle = factor * np.arctan2(size, along)
-        # Towards and away there is no way across; the angle's sine is 0 towards.
-        across /= np.maximum(size, 1e-300)[:, None]
-        return np.asarray(np.cos(angle)[:, None] * centre + np.sin(angle)[:, None] * across)
-
-    return normal
-
-
-@checked
-def squeeze_for_skew(
-    directions: ArrayLike,
-    surface: Surface,
-    towards: ArrayLike,
-    median_rad: float,
-    *,
-    centre_m: ArrayLike | None = None,
-) -> float:
-    """The factor with which `squeezed` gives a median skew: of the angle between axis and surface
-    normal or, with ``centre_m``, between axis and position from there.
-
-    Raises:
-        omma.Error: no factor from 0.02 to 1 gives it; the message says what they give.
-    """
-    axes = _vectors(directions, "directions")
-    positive(median_rad, "median_rad")
-
-    def median(factor: float) -> float:
-        normals = squeezed(towards, factor)(axes)
-        positions = normals
-        if centre_m is not None:
-            positions = normalized(
-                surface.point_of_normal(normals) - array_of(centre_m, "centre_m", (3,))
-            )
-        return float(np.median(angle_between(axes, positions)))
-
-    factors = np.linspace(1.0, 0.02, 50)
-    medians = np.array([median(factor) for factor in factors])
-    above = medians >= median_rad
-    change = np.flatnonzero(above[1:] != above[:-1])
-    if len(change) == 0:
-        raise Error(
-            f"median_rad: expected {math.degrees(medians.min()):.3g} to "
-            f"{math.degrees(medians.max()):.3g}°, which is what squeezing gives here, found "
-            f"{math.degrees(median_rad):.4g}°"
-        )
-    # The one that squeezes least.
-    low, high = factors[change[0]], factors[change[0] + 1]
-    low_is_above = bool(above[change[0]])
-    for _ in range(40):
-        middle = (low + high) / 2
-        if (median(middle) >= median_rad) == low_is_above:
-            low = middle
-        else:
-            high = middle
-    return float((low + high) / 2)
-
-
-@checked
-def skew_rad(
-    eye: Eye, *, centre_m: ArrayLike = (0.0, 0.0, 0.0), surface: Surface | None = None
-) -> Floats:
-    """The angle (N,) between each axis and the position seen from ``centre_m`` (by default the
-    origin, an eye's or a head's middle), or the normal of ``surface`` where it is given.
-
-    Raises:
-        omma.Error: an ommatidium at the centre.
-    """
-    position = eye.position_m.astype(np.float64)
-    if surface is not None:
-        across = surface.normals(surface.onto(position))
-    else:
-        across = position - array_of(centre_m, "centre_m", (3,))
-        if not np.linalg.norm(across, axis=1).all():
-            raise Error("skew_rad: an ommatidium sits at the centre, so it has no direction")
-    return angle_between(eye.axis.astype(np.float64), across)
-
-
-def angle_between(first: Floats, second: Floats) -> Floats:
-    """Angles (K,) between vectors (K, 3), rad."""
-    # Near 0 the cosine alone would lose half the digits.
-    across = np.linalg.norm(np.cross(first, second), axis=1)
-    return np.asarray(np.arctan2(across, np.sum(first * second, axis=1)))
 
 
 @checked
@@ -246,7 +146,7 @@ def lay_on_surface(
         points = region.deepest(points, wanted)
     points = surface.onto(points)
     normals = surface.normals(points)
-    axes = normals if axis is None else _vectors(axis(points, normals), "axis", len(points))
+    axes = normals if axis is None else vectors_of(axis(points, normals), "axis", len(points))
     return _finished(Eye(points, axes, 0.0), acceptance_ratio)
 
 
@@ -266,14 +166,3 @@ def _spacings(spacing_m: float | Callable[[Floats], ArrayLike], points: Floats) 
     if not np.all(np.isfinite(values) & (values > 0)):
         raise Error("spacing_m: expected lengths above 0")
     return values
-
-
-def _vectors(values: ArrayLike, name: str, count: int | None = None) -> Floats:
-    vectors = array_of(values, name)
-    if vectors.ndim != 2 or vectors.shape[1] != 3 or (count is not None and len(vectors) != count):
-        wanted = "N" if count is None else count
-        raise Error(f"{name}: expected shape ({wanted}, 3), found {vectors.shape}")
-    size = np.linalg.norm(vectors, axis=1, keepdims=True)
-    if not np.all(np.isfinite(size) & (size > 0)):
-        raise Error(f"{name}: expected finite vectors that are not 0")
-    return np.asarray(vectors / size)

@@ -21,6 +21,8 @@ from omma.eye.neighbours import direction_lattice
 from omma.receptors.mosaic import COLUMN, Region, region_mask
 from omma.receptors.sensitivity import ommatidium_of_receptor, receptor_axis
 
+__all__ = ["Wiring", "fly_receptors", "neural_superposition_wiring", "pool", "superposition_facets"]
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]

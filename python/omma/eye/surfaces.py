@@ -11,7 +11,7 @@ import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,6 +27,8 @@ from omma.base.values import value_class
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
+__all__ = ["ellipsoid", "load_surface", "mesh_surface", "sphere"]
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
@@ -35,6 +37,7 @@ _MESH_SAMPLES = 200_000
 _MOST_SAMPLES = 1 << 24
 
 
+@runtime_checkable
 class Surface(Protocol):
     """What an eye's lenses may sit on; lengths in metres, in the head's frame."""
 

@@ -1,4 +1,4 @@
-"""Renders that are made again from what they wrote: ``omma render --like``."""
+"""Renders that are made again from what they wrote: ``omma render-again``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every camera of a scene into a folder: what ``omma render --all-cameras`` does."""
+"""Every camera of a scene into a folder: what ``omma render-cameras`` does."""
 
 from __future__ import annotations
 

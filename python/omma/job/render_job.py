@@ -1,8 +1,8 @@
 """A render from files to files as a value: each argument of `render_file` is declared here, once.
 
-`render_file` gets its signature from the fields of `RenderJob`; ``omma render`` and ``--like`` make
-one; renders that go on compare it, and files say it. A new argument is a field here, a line of
-`JobOptions` for type checkers, and a line in the docstring of `render_file`.
+`render_file` gets its signature from the fields of `RenderJob`; ``omma render`` and
+``omma render-again`` make one; renders that go on compare it, and files say it. A new argument is a
+field here, a line of `JobOptions` for type checkers, and a line in the docstring of `render_file`.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import inspect
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_type_hints
 
 from numpy.typing import ArrayLike
 
@@ -166,6 +166,7 @@ def takes_job(function: F) -> F:
     function.__signature__ = signature.replace(  # type: ignore[attr-defined]
         parameters=[*first, *fields, last]
     )
+    function.__annotations__ |= get_type_hints(RenderJob)
     return function
 
 

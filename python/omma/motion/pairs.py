@@ -31,7 +31,7 @@ def neighbour_pairs(
     dorsal, dorsal and front, ventral and front.
 
     Args:
-        rows: of `omma.eye.DIRECTIONS`.
+        rows: of `omma.eye.hexagonal.DIRECTIONS`.
         by: whose lattice, see `omma.eye.hexagonal_coordinates`.
 
     Example:

@@ -30,11 +30,10 @@ from omma.picture.acceptance_plots import choose, draw_profiles, draw_transfer
 from omma.picture.drawing import draw_view, view_from
 from omma.picture.eye_maps import MAP_NOTE, draw_map, eye_title, make_map
 from omma.receptors.sensitivity import spectral_sensitivity
+from omma.species import Species
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from omma.species import Species
 
 #: What a poster says of an animal: label, value with unit, where it is from.
 PosterFact = tuple[str, str, str]

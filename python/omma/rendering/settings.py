@@ -315,6 +315,7 @@ def takes_options(function: F) -> F:
             )
         )
     function.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+    function.__annotations__ |= option_types(Settings)
     return function
 
 

@@ -12,7 +12,8 @@ from omma._core import Acceptance, Eye
 from omma.base.directions import azimuth_elevation_deg_of, direction
 from omma.eye.facets import facet_diameters_m, set_facets
 from omma.eye.lattice import lay_directions
-from omma.eye.on_surface import eye_on_surface, squeezed
+from omma.eye.on_surface import eye_on_surface
+from omma.eye.skew import squeezed
 from omma.eye.surfaces import ellipsoid
 from omma.species.facts import number
 

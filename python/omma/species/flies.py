@@ -1,8 +1,8 @@
 """Flies: Drosophila and the blowfly Calliphora, both with pale and yellow ommatidia.
 
 The rhabdomeres of a fly's ommatidium lie apart and look in different directions: R1 to R6 along the
-axes of six neighbours, R7 and R8 along its own (`omma.eye.fly_receptors`). The cartridges pool
-those that look the same way: `omma.eye.pool` with `omma.eye.neural_superposition_wiring`.
+axes of six neighbours, R7 and R8 along its own (`fly_receptors` of `omma.eye.superposition`). The
+cartridges pool those that look the same way: `pool` with `neural_superposition_wiring`.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +21,7 @@ class Settings(Protocol):
     def impulse_response(self) -> object: ...
 
 
+@runtime_checkable
 class Renderer(Protocol):
     """What `Stimulus.play` needs of an `omma.Renderer`."""
 

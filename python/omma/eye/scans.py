@@ -25,6 +25,8 @@ from omma.eye.relaxation import Progress
 from omma.eye.scan_pairs import match_tips, split_eyes
 from omma.eye.scan_tables import ScanTable, read_points
 
+__all__ = ["ImportedEye", "LensConeEye", "import_lens_cone", "import_oda"]
+
 Floats = NDArray[np.float64]
 
 # Names in the Ommatidia Detecting Algorithm's ommatidial_data.csv (jpcurrea/ODA, analysis_tools.py,
