@@ -172,8 +172,11 @@ void* DeviceCopies::copy(const void* from, std::size_t bytes) {
 }
 
 Backend emulated_backend() {
-  const Backend portable = portable_backend();
-  return {"emulated", portable.build, portable.move, launches};
+  const auto build = [](const Scene& scene, const SceneView& view, const Placement& placement,
+                        WorkState* work) {
+    return Acceleration{portable_backend().build(scene, view, placement, work).tracer, "emulated"};
+  };
+  return {"emulated", build, portable_backend().move, launches};
 }
 
 DeviceUse take_device_use() {
