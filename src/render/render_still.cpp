@@ -137,8 +137,9 @@ void render_still(const Renderer::State& s, std::span<const Mat4> world_from_hea
   const auto launch = [&](std::size_t begin, std::size_t end) {
     const std::size_t first_pose = begin / blocks_per_pose;
     motions.resize((end - 1) / blocks_per_pose + 1 - first_pose);
-    parallel_for(std::size_t{0}, motions.size(),
-                 [&](std::size_t k) { set_motion(path, first_pose + k, part, motions[k]); });
+    if (!path.keys.empty())
+      parallel_for(std::size_t{0}, motions.size(),
+                   [&](std::size_t k) { set_motion(path, first_pose + k, part, motions[k]); });
     tasks.resize(end - begin);
     for (std::size_t i = begin; i < end; ++i) {
       const std::size_t p = i / blocks_per_pose;

@@ -6,10 +6,12 @@
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
+#include <oneapi/tbb/task_group.h>
 
 #include <atomic>
 #include <cstddef>
 
+#include "omma/error.h"
 #include "threads/cancel.h"
 
 namespace omma {
@@ -38,7 +40,9 @@ bool threads_are_gone();
 void note_threads_are_used();
 
 // body(range) for ranges that together are begin to end, none longer than need be nor, where that
-// can be, shorter than `grain`. Throws omma::Cancelled, and what `body` throws.
+// can be, shorter than `grain`. Throws omma::Cancelled, and what `body` throws. Where a loop that
+// this one is a part of fails on another thread, oneTBB ends this one without a word: it throws
+// Cancelled then, as not all is done.
 template <typename Index, typename Body>
 void parallel_ranges(Index begin, Index end, Index grain, const Body& body) {
   using Range = oneapi::tbb::blocked_range<Index>;
@@ -50,7 +54,9 @@ void parallel_ranges(Index begin, Index end, Index grain, const Body& body) {
   };
   if (!threads_are_gone()) {
     note_threads_are_used();
-    oneapi::tbb::parallel_for(Range(begin, end, static_cast<std::size_t>(grain)), run);
+    oneapi::tbb::task_group_context context;
+    oneapi::tbb::parallel_for(Range(begin, end, static_cast<std::size_t>(grain)), run, context);
+    if (context.is_group_execution_cancelled()) throw Cancelled();
     return;
   }
   while (begin < end) {

@@ -3,8 +3,13 @@
 // than its limit allows).
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
+#include <thread>
+
 #include "omma/camera.h"
 #include "test_scenes.h"
+#include "threads/parallel.h"
 
 namespace omma::test {
 namespace {
@@ -33,6 +38,32 @@ TEST(Threads, NumbersMixWithoutAWord) {
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
   for (const std::vector<float>& response : responses)
     EXPECT_TRUE(same_bits(response, responses.front()));
+}
+
+// What a loop of one thread has not done is not taken for done where another thread's has failed,
+// as cells of baked light would be whose launch was cut short.
+TEST(Threads, ALoopThatIsEndedByAnotherSaysSo) {
+  std::atomic<bool> has_begun{false}, ended_early{false};
+  const auto failing = [&] {
+    for (int k = 0; k < 10000 && !has_begun; ++k)  // where there is no other thread, a second
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
+    throw Error("on purpose");
+  };
+  const auto working = [&] {
+    std::atomic<int> done{0};
+    parallel_for(0, 10000, [&](int) {
+      has_begun = true;
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
+      ++done;
+    });
+    ended_early = done < 10000;
+  };
+  oneapi::tbb::task_arena arena(2);
+  EXPECT_THROW(
+      run_in_arena(arena,
+                   [&] { parallel_for(0, 2, [&](int i) { i == 0 ? failing() : working(); }); }),
+      Error);
+  EXPECT_FALSE(ended_early);
 }
 
 }  // namespace
