@@ -21,8 +21,8 @@ constexpr std::uint32_t hash_of_clearances = 0x726f6f6du;
 
 using L = Lanes<packet_rays, 1>;
 
-// A packet of rays from a triangle, half of them from each side. From one without area they meet
-// nothing.
+// A packet of rays from a triangle, half of them from each side; from one without area they have no
+// bit in their masks, and nothing that they meet counts.
 void set_rays(const Vec3 (&corner)[3], std::uint32_t hash, RayPacket<packet_rays>& rays) {
   const Vec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
   const Vec3d area = cross(to_double(e1), to_double(e2));
@@ -53,6 +53,7 @@ void set_rays(const Vec3 (&corner)[3], std::uint32_t hash, RayPacket<packet_rays
 
 // Sum over a packet's rays.
 double inverse_distances(const RayPacket<packet_rays>& rays) {
+  if (rays.mask[0] == 0) return 0;
   double sum = 0;
   for (int l = 0; l < packet_rays; ++l)
     if (rays.geometry[l] != none) sum += 1.0 / std::max(1e-30, double{rays.t_far_m[l]});

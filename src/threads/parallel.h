@@ -90,12 +90,6 @@ void run_in_arena(oneapi::tbb::task_arena& arena, const Work& work) {
   });
 }
 
-// Which of an arena's threads this is, from 0 on; to be asked within run_in_arena.
-inline std::size_t thread_in_arena() {
-  if (threads_are_gone()) return 0;
-  return static_cast<std::size_t>(oneapi::tbb::this_task_arena::current_thread_index());
-}
-
 // Runs work() so that its thread, where it waits for others in a loop, takes up no task of any
 // other loop.
 template <typename Work>

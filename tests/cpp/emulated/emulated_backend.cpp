@@ -61,7 +61,7 @@ class Device {
 
   DeviceUse run(const DeviceLaunch& launch) {
     DeviceUse use;
-    if (write(socket_, &launch, sizeof launch) != sizeof launch ||
+    if (send(socket_, &launch, sizeof launch, MSG_NOSIGNAL) != sizeof launch ||
         read(socket_, &use, sizeof use) != sizeof use)
       throw Error("emulated device: it has died of a launch");
     return use;
