@@ -16,6 +16,8 @@
 namespace omma::test {
 namespace {
 
+constexpr TreeShape of_triangles{quad_width, quad_width, most_tree_depth};
+
 std::vector<BuildBox> random_boxes(Random& random, std::uint32_t count) {
   std::vector<BuildBox> boxes(count);
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -64,7 +66,7 @@ TEST(PortableBuild, IsTheSameWhateverTheThreads) {
     oneapi::tbb::task_arena arena(k == 0 ? 1 : 2);
     run_in_arena(arena, [&] {
       std::vector<BuildBox> own = boxes;
-      trees[k] = build_tree(own, quad_width, quad_width);
+      trees[k] = build_tree(own, of_triangles);
     });
   }
   expect_holds_all(trees[0], boxes);
@@ -75,9 +77,9 @@ TEST(PortableBuild, IsTheSameWhateverTheThreads) {
   EXPECT_EQ(trees[0].order, trees[1].order);
 }
 
-// Sizes that grow so fast that every split by surface cuts off one box: without a bound the tree
-// would be as deep as there are boxes, one level in seven.
-TEST(PortableBuild, IsNeverTooDeep) {
+// Sizes that grow so fast that every split by surface cuts off one box: without a bound the tree is
+// as deep as there are boxes, one level in seven.
+std::vector<BuildBox> growing_boxes() {
   std::vector<BuildBox> boxes(6000);
   for (std::uint32_t i = 0; i < boxes.size(); ++i) {
     boxes[i].index = i;
@@ -87,10 +89,34 @@ TEST(PortableBuild, IsNeverTooDeep) {
       boxes[i].upper[a] = (a == 0 ? 1.01f : 0.01f) * size;
     }
   }
+  return boxes;
+}
+
+TEST(PortableBuild, IsNeverTooDeep) {
+  const std::vector<BuildBox> boxes = growing_boxes();
+  // From what room there is for 6,000 boxes, 4 in a leaf, on.
+  for (const int most_depth : {4, 5, 7, most_tree_depth, 1000}) {
+    SCOPED_TRACE(most_depth);
+    std::vector<BuildBox> own = boxes;
+    const BuiltTree tree = build_tree(own, {quad_width, quad_width, most_depth});
+    expect_holds_all(tree, boxes);
+    if (most_depth < 1000)
+      EXPECT_LE(depth_of(tree.nodes), most_depth);
+    else
+      EXPECT_GT(depth_of(tree.nodes), 2 * most_tree_depth);
+  }
   std::vector<BuildBox> own = boxes;
-  const BuiltTree tree = build_tree(own, quad_width, quad_width);
-  expect_holds_all(tree, boxes);
-  EXPECT_LE(depth_of(tree.nodes), most_tree_depth);
+  EXPECT_THROW(build_tree(own, {quad_width, quad_width, 3}), Error);
+}
+
+// Where boxes are as even as in most scenes the bound changes nothing: all is split by surface.
+TEST(PortableBuild, IsSplitBySurfaceWhereItIsNotTooDeep) {
+  Random random{3};
+  std::vector<BuildBox> boxes = random_boxes(random, 300000), again = boxes;
+  const BuiltTree bounded = build_tree(boxes, of_triangles);
+  const BuiltTree free = build_tree(again, {quad_width, quad_width, 1000});
+  EXPECT_EQ(bounded.order, free.order);
+  EXPECT_LE(depth_of(free.nodes), most_tree_depth);
 }
 
 TEST(PortableBuild, CanBeCancelled) {
@@ -98,7 +124,7 @@ TEST(PortableBuild, CanBeCancelled) {
   std::vector<BuildBox> boxes = random_boxes(random, 100000);
   const std::atomic<bool> cancelled{true};
   const TakingPart part(&cancelled);
-  EXPECT_THROW(build_tree(boxes, quad_width, quad_width), Cancelled);
+  EXPECT_THROW(build_tree(boxes, of_triangles), Cancelled);
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <mutex>
@@ -50,11 +49,10 @@ float middle(const BuildBox& box, int axis) {
   return box.lower[axis] + box.upper[axis];
 }
 
-// Boxes begin to end, and how many times they may still be split.
+// Boxes begin to end.
 struct Range {
   std::size_t begin = 0, end = 0;
   Box box;
-  int levels = most_tree_depth;
 
   std::size_t size() const { return end - begin; }
 };
@@ -121,6 +119,11 @@ struct Tree {
 
   double blocks_of(std::size_t boxes_in_leaf) const {
     return static_cast<double>((boxes_in_leaf + block - 1) / block);
+  }
+  // Boxes of a full tree.
+  std::size_t capacity(int depth) const {
+    constexpr int most = 19;  // times 8 in 64 bits, with room for the boxes of a leaf
+    return most_in_leaf << 3 * std::min(depth, most);
   }
 };
 
@@ -199,16 +202,14 @@ std::pair<Range, Range> halve(const Tree& tree, const Range& range, const Box& m
                      const float x = middle(p, axis), y = middle(q, axis);
                      return x != y ? x < y : p.index < q.index;
                    });
-  return {{range.begin, half, box_of(tree, range.begin, half), range.levels - 1},
-          {half, range.end, box_of(tree, half, range.end), range.levels - 1}};
+  return {{range.begin, half, box_of(tree, range.begin, half)},
+          {half, range.end, box_of(tree, half, range.end)}};
 }
 
-std::pair<Range, Range> split(const Tree& tree, const Range& range) {
+std::pair<Range, Range> split(const Tree& tree, const Range& range, bool in_halves) {
   check_cancelled();
   const Box middles = middles_of(tree, range);
-  // Halves need as many levels as the number of boxes has bits.
-  if (static_cast<int>(std::bit_width(range.size())) >= range.levels)
-    return halve(tree, range, middles);
+  if (in_halves) return halve(tree, range, middles);
   const Binning binning(middles, range.size());
   const Split best = find_split(tree, range, binning);
   if (best.axis < 0) return halve(tree, range, middles);
@@ -217,8 +218,7 @@ std::pair<Range, Range> split(const Tree& tree, const Range& range) {
   const auto right = std::partition(
       begin, end, [&](const BuildBox& box) { return binning.of(box, best.axis) < best.bin; });
   const std::size_t at = range.begin + static_cast<std::size_t>(right - begin);
-  return {{range.begin, at, best.left, range.levels - 1},
-          {at, range.end, best.right, range.levels - 1}};
+  return {{range.begin, at, best.left}, {at, range.end, best.right}};
 }
 
 // A node as it is found: its leaves are ranges of boxes.
@@ -253,18 +253,22 @@ void compress_boxes(const Box& own, std::span<const Box> children, WideNode& nod
   }
 }
 
-void build_node(const Tree& tree, const Range& range, FoundNode& found) {
+// `depth`: how deep the tree below may be, this node included, of which it has room for the range.
+void build_node(const Tree& tree, const Range& range, int depth, FoundNode& found) {
+  // Where a child may be given more than a tree less deep has room for, all are given an eighth.
+  const bool in_eighths = range.size() > tree.capacity(depth - 1);
   std::vector<Range> children{range};
   while (children.size() < node_width) {
     const auto widest =
         std::max_element(children.begin(), children.end(), [&](const Range& p, const Range& q) {
           const auto rank = [&](const Range& r) {
-            return r.size() > tree.most_in_leaf ? r.box.area() : -1.0;
+            if (r.size() <= tree.most_in_leaf) return -1.0;
+            return in_eighths ? static_cast<double>(r.size()) : r.box.area();
           };
           return rank(p) < rank(q);
         });
     if (widest->size() <= tree.most_in_leaf) break;
-    const auto [left, right] = split(tree, *widest);
+    const auto [left, right] = split(tree, *widest, in_eighths);
     *widest = left;
     children.push_back(right);
   }
@@ -284,10 +288,12 @@ void build_node(const Tree& tree, const Range& range, FoundNode& found) {
   }
   found.children.resize(inner);
   if (range.size() < parallel_children) {
-    for (std::size_t c = 0; c < inner; ++c) build_node(tree, children[c], found.children[c]);
+    for (std::size_t c = 0; c < inner; ++c)
+      build_node(tree, children[c], depth - 1, found.children[c]);
   } else {
-    parallel_for(std::size_t{0}, inner,
-                 [&](std::size_t c) { build_node(tree, children[c], found.children[c]); });
+    parallel_for(std::size_t{0}, inner, [&](std::size_t c) {
+      build_node(tree, children[c], depth - 1, found.children[c]);
+    });
   }
 }
 
@@ -366,20 +372,22 @@ BuildBox refit_tree(std::span<WideNode> nodes, std::uint32_t first, const Triang
   return all;
 }
 
-BuiltTree build_tree(std::vector<BuildBox>& boxes, int most_in_leaf, int block) {
+BuiltTree build_tree(std::vector<BuildBox>& boxes, const TreeShape& shape) {
   BuiltTree out;
   if (boxes.empty()) return out;
-  if (boxes.size() >= std::size_t{1} << visit_index_bits)
-    throw Error("portable: a hierarchy over at most " +
-                std::to_string((1u << visit_index_bits) - 1) + " triangles is possible, found " +
-                std::to_string(boxes.size()));
-  const Tree tree{boxes, static_cast<std::size_t>(most_in_leaf), static_cast<std::size_t>(block)};
-  Range all{0, boxes.size(), {}, most_tree_depth};
+  const Tree tree{boxes, static_cast<std::size_t>(shape.most_in_leaf),
+                  static_cast<std::size_t>(shape.block)};
+  const std::size_t most =
+      std::min((std::size_t{1} << visit_index_bits) - 1, tree.capacity(shape.most_depth));
+  if (boxes.size() > most)
+    throw Error("portable: a hierarchy over at most " + std::to_string(most) +
+                " triangles or instances is possible, found " + std::to_string(boxes.size()));
+  Range all{0, boxes.size(), {}};
   all.box = sum_over<SumOfBoxes>(all, [&](SumOfBoxes& sum, std::size_t begin, std::size_t end) {
               sum.box.include(box_of(tree, begin, end));
             }).box;
   FoundNode root;
-  build_node(tree, all, root);
+  build_node(tree, all, shape.most_depth, root);
   out.nodes.resize(1);
   write_node(tree, root, 0, out);
   return out;

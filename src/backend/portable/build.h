@@ -21,9 +21,16 @@ struct BuiltTree {
   std::vector<std::uint32_t> order;  // [block of a leaf][place]: index of a box, or `none`
 };
 
-// Leaves hold up to `most_in_leaf` boxes, in blocks of `block`. Moves the boxes about. The same
-// boxes give the same tree whatever the number of threads. Throws omma::Cancelled.
-BuiltTree build_tree(std::vector<BuildBox>& boxes, int most_in_leaf, int block);
+// What a tree is to be like.
+struct TreeShape {
+  int most_in_leaf;  // boxes
+  int block;         // of boxes, which leaves are made of
+  int most_depth;    // nodes from its root to a leaf
+};
+
+// Moves the boxes about. The same boxes give the same tree whatever the number of threads. Throws
+// omma::Cancelled, and omma::Error where the boxes are too many.
+BuiltTree build_tree(std::vector<BuildBox>& boxes, const TreeShape& shape);
 
 // Fits the boxes of a tree of triangles to blocks whose corners have moved; `nodes` are those of
 // the tree, which begins with node `first` of all. Returns the box around it, without an index.

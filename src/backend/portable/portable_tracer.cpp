@@ -135,7 +135,7 @@ TreeRoot add_tree(PortableTracer& tracer, Copies& tree) {
       place.lower[a] = std::min(place.lower[a], box.lower[a]);
       place.upper[a] = std::max(place.upper[a], box.upper[a]);
     }
-  BuiltTree built = build_tree(boxes, quad_width, quad_width);
+  BuiltTree built = build_tree(boxes, {quad_width, quad_width, most_tree_depth});
   boxes = {};
   const std::size_t first_node = tracer.nodes.size(), first_block = tracer.quads.size();
   const std::size_t blocks = built.order.size() / quad_width;
@@ -202,7 +202,7 @@ void build_top(PortableTracer& tracer) {
       add(tracer.of_mesh[static_cast<std::size_t>(instance.mesh)], instance.frame_from_mesh,
           static_cast<std::uint32_t>(i));
   }
-  BuiltTree built = build_tree(boxes, 1, 1);
+  BuiltTree built = build_tree(boxes, {1, 1, most_top_depth});
   tracer.top_nodes = std::move(built.nodes);
   tracer.trees.clear();
   for (const std::uint32_t tree : built.order) tracer.trees.push_back(trees[tree]);
