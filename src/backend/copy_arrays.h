@@ -30,13 +30,15 @@ inline std::size_t size_of(ArrayShape shape) {
 // there while this lives. Views that hold arrays are put together here before they are copied, so
 // that the copies may lie where the host cannot write.
 //
-// `Copy` makes them: read(array, count) gives where a copy is, written(array, count) where one is
-// that is written to, of which some is added to. Neither is null, whatever the count; null stays
-// null.
+// `Copy` makes them: read(array, count, version) gives where a copy is, which may be one that was
+// kept of that version; written(array, count) where one is that is written to, of which some is
+// added to. Neither is null, whatever the count; null stays null.
 template <typename Copy>
 class ArrayCopies {
  public:
   explicit ArrayCopies(Copy& copy) : copy_(copy) {}
+
+  Version version = 0;  // of what is visited
 
   // `more`: what visit_arrays asks for besides.
   template <typename View, typename... More>
@@ -46,8 +48,12 @@ class ArrayCopies {
 
   template <typename T>
   void operator()(const T*& array, ArrayShape shape) {
+    (*this)(array, shape, version);
+  }
+  template <typename T>
+  void operator()(const T*& array, ArrayShape shape, Version own) {
     const std::size_t count = size_of(shape);
-    point(array, count, [&] { return copy_.read(array, count); });
+    point(array, count, [&] { return copy_.read(array, count, own); });
   }
 
   template <typename T>
@@ -62,7 +68,7 @@ class ArrayCopies {
     point(array, count, [&] {
       std::vector<View> views(array, array + count);
       for (View& view : views) visit_arrays(view, *this, more...);
-      return copy_.read(static_cast<const View*>(views.data()), count);
+      return copy_.read(static_cast<const View*>(views.data()), count, Version{0});
     });
   }
 
@@ -93,6 +99,7 @@ struct ArrayList {
     bool is_plain, is_written;  // plain: no views that hold arrays
   };
   std::vector<Entry> entries;
+  Version version = 0;  // of what is visited; not asked for
 
   template <typename View, typename... More>
   static ArrayList of(View view, const More&... more) {
@@ -102,7 +109,7 @@ struct ArrayList {
   }
 
   template <typename T>
-  void operator()(T*& array, ArrayShape shape) {
+  void operator()(T*& array, ArrayShape shape, Version = 0) {
     add(array, size_of(shape), true);
   }
 

@@ -56,7 +56,8 @@ EyeView view(const EyeArrays& a) {
           a.ommatidium.data(),
           a.has_apertures,
           a.has_scales,
-          static_cast<std::int32_t>(a.size())};
+          static_cast<std::int32_t>(a.size()),
+          a.version};
 }
 
 std::vector<std::uint8_t> nearest_in_blocks(const EyeArrays& eye, int block) {

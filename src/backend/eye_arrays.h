@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "model/new_version.h"
 #include "omma/eye.h"
 #include "physics/views/frame_view.h"
 #include "sampling/directions.h"
@@ -26,6 +27,7 @@ struct EyeArrays {
   // Bounds of all, for checking poses: the largest origin_x, _y, _z, and focal offset or radius.
   double most_origin_m[3] = {};
   double most_offset_m = 0;
+  Version version = new_version();
 
   std::size_t size() const { return ommatidium.empty() ? 0 : ommatidium.size() - zeros_behind; }
 };

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "backend/albedo_tables.h"
+#include "model/new_version.h"
 #include "physics/surface/scatter.h"
 
 namespace omma {
@@ -96,6 +97,7 @@ std::unique_ptr<LitData> make_lit_data(const Lighting& lighting, const Scene& sc
   }
   SceneView& view = lit->view;
   view = lit->shading->view;
+  view.version = new_version();
   view.shines = std::any_of(materials.begin(), materials.end(),
                             [](const ScatterView& m) { return m.emission != nullptr; });
   view.frame_from_mesh = frames.frame_from_mesh;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "backend/texture_table.h"
+#include "model/new_version.h"
 
 namespace omma {
 namespace {
@@ -77,6 +78,8 @@ std::unique_ptr<ShadingData> make_shading_data(const Scene& scene) {
   }
 
   SceneView& view = data->view;
+  view.version = new_version();
+  for (MeshView& mesh : data->meshes) mesh.shape_version = view.version;
   view.meshes = data->meshes.data();
   view.materials = data->materials.data();
   view.textures = data->textures.data();

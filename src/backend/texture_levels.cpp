@@ -219,6 +219,7 @@ TextureView view_levels(const Image& image, const TextureLevels& levels) {
   view.height = image.height;
   view.last_level = static_cast<std::int32_t>(levels.first_texel.size()) - 1;
   view.first_texel = levels.first_texel.data();
+  view.version = levels.version;
   if (!levels.value_of_code.empty()) {
     view.codes = image.rgba_srgb8.data();
     view.value_of_code = levels.value_of_code.data();

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "model/new_version.h"
 #include "physics/views/scene_view.h"
 
 namespace omma {
@@ -32,6 +33,7 @@ struct TextureLevels {
   std::vector<float> linear;
   std::vector<std::int32_t> value_of_code;  // [256], where level 0 stays 8-bit
   std::vector<std::int32_t> first_texel;    // [level]
+  Version version = new_version();
 };
 
 // The image alone, where `levels` is false; float images are then left where they are, and 8-bit

@@ -5,9 +5,13 @@
 // own comment has it. Arrays of views that hold arrays themselves are visit.views(array, shape,
 // ...), whose elements are visited by visit_arrays(element, visit, ...). Arrays that are written
 // are those that are not of const. tests/python/test_view_arrays.py sees that none is missing.
+//
+// Arrays are of the version that the visitor has, visit.version, or of one behind the shape
+// (physics/views/version.h).
 #pragma once
 
 #include <cstdint>
+#include <utility>
 
 #include "omma/bake.h"
 #include "physics/block/weigh.h"
@@ -22,6 +26,21 @@
 
 namespace omma {
 
+// While it lives, what is visited is of a version.
+template <typename Visit>
+class OfVersion {
+ public:
+  OfVersion(Visit& visit, Version version)
+      : visit_(visit), before_(std::exchange(visit.version, version)) {}
+  OfVersion(const OfVersion&) = delete;
+  OfVersion& operator=(const OfVersion&) = delete;
+  ~OfVersion() { visit_.version = before_; }
+
+ private:
+  Visit& visit_;
+  Version before_;
+};
+
 // Of all levels.
 inline std::int64_t texels_of(const TextureView& view) {
   std::int64_t texels = 0;
@@ -32,6 +51,7 @@ inline std::int64_t texels_of(const TextureView& view) {
 
 template <typename Visit>
 void visit_arrays(TextureView& view, Visit& visit) {
+  const OfVersion own(visit, view.version);
   const std::int64_t texels = texels_of(view);
   const std::int64_t coded =
       view.codes != nullptr ? std::int64_t{view.width} * view.height : std::int64_t{0};
@@ -83,7 +103,7 @@ void visit_arrays(MeshView& view, Visit& visit) {
   visit(view.base_density, {triangles});
   visit(view.emissive_density, {triangles});
   visit(view.opacity, {triangles});
-  visit(view.positions, {view.vertex_count, 3});
+  visit(view.positions, {view.vertex_count, 3}, view.shape_version);
   visit(view.triangles, {triangles, 3});
   visit(view.roughness_uv, {corners, 2});
   visit(view.normal_uv, {corners, 2});
@@ -94,7 +114,7 @@ void visit_arrays(MeshView& view, Visit& visit) {
   visit(view.transmission_density, {triangles});
   visit(view.extra_density, {triangles});
   visit.views(view.factors, {1}, corners, triangles);
-  visit(view.normals, {view.vertex_count, 3});
+  visit(view.normals, {view.vertex_count, 3}, view.shape_version);
 }
 
 template <typename Visit>
@@ -105,14 +125,14 @@ void visit_arrays(MeshCells& view, Visit& visit) {
 static_assert(sizeof(CellError) == 4);  // which BakedView only names
 
 template <typename Visit>
-void visit_arrays(BakedView& view, Visit& visit, std::int32_t bands) {
+void visit_arrays(BakedView& view, Visit& visit, std::int32_t bands, Version placed) {
   visit(view.values, {view.value_count});
   visit(view.errors, {view.cell_count, 2});
   visit(view.first_cell, {view.instance_count});
   visit.views(view.mesh_cells, {view.mesh_count});
-  visit(view.moves, {view.instance_count});
+  visit(view.moves, {view.instance_count}, placed);
   visit(view.probe_values, {view.probes[2], view.probes[1], view.probes[0], 6, bands});
-  visit(view.first_origin_m, {3});
+  visit(view.first_origin_m, {3}, placed);
 }
 
 template <typename Visit>
@@ -160,12 +180,12 @@ void visit_arrays(EmissiveView& view, Visit& visit) {
 }
 
 template <typename Visit>
-void visit_arrays(LightView& view, Visit& visit) {
+void visit_arrays(LightView& view, Visit& visit, Version placed) {
   visit_arrays(view.sky, visit, view.bands);
   visit.views(view.discs, {view.disc_count}, view.bands);
   visit.views(view.lamps, {view.lamp_count}, view.bands);
   visit(view.lamp_sum, {view.lamp_count + 1});
-  visit(view.lamp_origin_m, {3});
+  visit(view.lamp_origin_m, {3}, placed);
   visit.views(view.emissive, {view.emissive_count});
   visit(view.emissive_sum, {view.emissive_count + 1});
   visit(view.emissive_of_instance, {view.instance_count});
@@ -174,29 +194,34 @@ void visit_arrays(LightView& view, Visit& visit) {
 
 template <typename Visit>
 void visit_arrays(SceneView& view, Visit& visit) {
+  const OfVersion made(visit, view.version);
+  const ChangingVersions now =
+      view.changing != nullptr ? *view.changing : ChangingVersions{view.version, view.version};
+  visit(view.changing, {1}, Version{0});
   visit.views(view.meshes, {view.mesh_count});
-  visit(view.materials, {view.material_count});
+  visit(view.materials, {view.material_count}, now.colored);
   visit.views(view.textures, {view.texture_count});
   visit_arrays(view.background, visit);
   visit(view.power_22, {power_22_size});
   visit(view.opacity_states, {view.opacity_word_count});
-  visit(view.frame_from_mesh, {view.instance_count, 3, 4});
-  visit(view.band_from_rgb, {view.bands, 3});
-  visit.views(view.light, {1});
+  visit(view.frame_from_mesh, {view.instance_count, 3, 4}, now.placed);
+  visit(view.band_from_rgb, {view.bands, 3}, view.bands_version);
+  visit.views(view.light, {1}, now.placed);
   visit.views(view.scatter, {view.material_count}, view.bands);
   visit(view.specular_albedo, {view.albedo_table_count, albedo_floats});
   visit(view.coat_albedo, {albedo_floats});
   visit(view.metal_albedo, {albedo_floats});
-  visit.views(view.baked, {1}, view.bands);
+  visit.views(view.baked, {1}, view.bands, now.placed);
   visit.views(view.sun_map, {1});
 }
 
 template <typename Visit>
 void visit_arrays(BvhView& view, Visit& visit) {
+  const OfVersion placed(visit, view.placed_version);
   visit(view.top_nodes, {view.top_node_count});
   visit(view.trees, {view.tree_count});
-  visit(view.nodes, {view.node_count});
-  visit(view.quads, {view.quad_count});
+  visit(view.nodes, {view.node_count}, view.triangles_version);
+  visit(view.quads, {view.quad_count}, view.triangles_version);
   visit(view.placed, {view.placed_count});
   visit(view.frames, {view.frame_count});
 }
@@ -205,6 +230,7 @@ void visit_arrays(BvhView& view, Visit& visit) {
 
 template <typename Visit>
 void visit_arrays(EyeView& view, Visit& visit) {
+  const OfVersion own(visit, view.version);
   const std::int32_t ommatidia = view.ommatidium_count + zeros_behind;
   for (const float*& component : view.origin) visit(component, {ommatidia});
   for (const float*& component : view.axis) visit(component, {ommatidia});
@@ -242,6 +268,7 @@ void visit_arrays(PolarTablesView& view, Visit& visit) {
 
 template <typename Visit>
 void visit_arrays(DirectionsView& view, Visit& visit) {
+  const OfVersion own(visit, view.version);
   visit(view.local, {view.warp_count, view.patterns, 3, view.pattern_samples});
   visit(view.turns, {turn_count + 1});
   visit(view.fixed_turn, {view.warp_count});
@@ -252,6 +279,7 @@ void visit_arrays(DirectionsView& view, Visit& visit) {
 
 template <typename Visit>
 void visit_arrays(SharedWeights& view, Visit& visit) {
+  const OfVersion own(visit, view.version);
   visit(view.first, {view.ommatidium_count + 1});
   visit(view.ray, {view.entry_count});
   visit(view.weight, {view.entry_count});
@@ -276,11 +304,12 @@ void visit_arrays(FrameView& view, Visit& visit) {
   // Of views that are elsewhere when they have been visited.
   const std::int32_t bands = view.scene->bands, components = view.scene->polarized ? 3 : 1;
   const std::int32_t ommatidia = view.eye->ommatidium_count;
+  const Version of_eye = view.eye->version;
   visit.views(view.scene, {1});
   visit.views(view.eye, {1});
   visit.views(view.directions, {view.rounds});
   visit(view.output_from_band, {view.outputs, components, bands});
-  visit(view.nearest, {ommatidia, listened_to});
+  visit(view.nearest, {ommatidia, listened_to}, of_eye);
   visit.views(view.truth, {1});
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "model/new_version.h"
 #include "omma/scene.h"
 
 namespace omma {
@@ -52,6 +53,7 @@ std::vector<Bounds> boxes_of_used_meshes(const Scene& scene);
 struct Shape {
   std::vector<Vec3> positions;  // [vertex], m
   std::vector<Vec3> normals;    // [vertex], where the mesh has them
+  Version version = new_version();
 };
 
 // Where the instances of a scene are, which of them have been moved and which rays meet those, what

@@ -248,7 +248,8 @@ DirectionsView view(const DirectionTables& t) {
           t.footprint_rad.data(),
           t.warp_views.data(),
           view(t.polar),
-          static_cast<std::int32_t>(t.footprint_rad.size())};
+          static_cast<std::int32_t>(t.footprint_rad.size()),
+          t.version};
 }
 
 }  // namespace omma

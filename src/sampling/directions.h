@@ -9,6 +9,7 @@
 #include <memory>
 #include <vector>
 
+#include "model/new_version.h"
 #include "omma/render.h"
 #include "optics/acceptance_warp.h"
 #include "physics/views/frame_view.h"
@@ -45,6 +46,7 @@ struct DirectionTables {
   std::shared_ptr<const std::vector<std::vector<Vec3d>>> normals;
   std::vector<Vec2> turns;  // [turn_count + 1], cosine and sine; the last is no turn
   PolarTables polar;        // with random points
+  Version version = new_version();
 };
 
 // The acceptance that an ommatidium is rendered with: its own, or the settings' kernel at its

@@ -416,7 +416,8 @@ SharedWeights view(const SharedRays& shared) {
           shared.weight.data(),
           static_cast<std::int64_t>(shared.is_shared.size()),
           static_cast<std::int64_t>(shared.weight.size()),
-          static_cast<std::int64_t>(shared.rays.size())};
+          static_cast<std::int64_t>(shared.rays.size()),
+          shared.version};
 }
 
 DirectionTables make_ray_tables(const DirectionTables& of_eye, const SharedRays& shared) {

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "model/new_version.h"
 #include "omma/eye.h"
 #include "physics/block/weigh.h"
 #include "sampling/directions.h"
@@ -35,6 +36,7 @@ struct SharedRays {
   std::vector<std::int64_t> first;     // [ommatidium + 1]
   std::vector<std::int32_t> ray;       // [entry]
   std::vector<float> weight;           // [entry], 1 in sum over each row
+  Version version = new_version();     // of first, ray and weight
   std::uint64_t directions_tried = 0;  // of lattice points; what making them has cost
 };
 

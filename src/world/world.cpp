@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "light/check_light.h"
+#include "model/new_version.h"
 #include "model/scene_light.h"
 #include "threads/parallel.h"
 #include "world/camera_rays.h"
@@ -39,9 +40,11 @@ SceneView view_of(const World::State& state) {
   SceneView view = state.lit != nullptr ? state.lit->view : state.built->shading->view;
   view.background = state.background.view;
   view.frame_from_mesh = state.built->frames.data();
+  view.changing = &state.built->versions;
   if (!state.band_from_rgb.empty()) {
     view.bands = static_cast<int>(state.band_from_rgb.size() / 3);
     view.band_from_rgb = state.band_from_rgb.data();
+    view.bands_version = new_version();
   }
   return view;
 }
@@ -199,11 +202,13 @@ World::World(std::shared_ptr<const Scene> scene, WorldSettings settings,
   const auto build = [&](WorkState& work) {
     const auto start = Clock::now();
     built.shading = make_shading_data(*built.scene);
+    built.shading->view.changing = &built.versions;
     built.things = things_of(*built.scene);
     if (built.scene->rig != nullptr) built.animated = animated_of(*built.scene, built.things);
     built.box_of_mesh = boxes_of_used_meshes(*built.scene);
     built.placement = placement_of(*built.scene);
     built.first_origin_m = built.placement.origin_m;
+    built.versions.colored = new_version();
     built.times.scene_s = seconds_since(start);
     const auto before_building = Clock::now();
     take_acceleration(built, built_as_placed(built, work));

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "backend/texture_table.h"
+#include "model/new_version.h"
 #include "omma/world.h"
 #include "threads/parallel.h"
 #include "world/world_state.h"
@@ -72,6 +73,7 @@ void World::set_color(int material, Vec3 base_color, Vec3 emissive) {
   view.base_color = {base_color.x, base_color.y, base_color.z, view.base_color.w};
   view.emissive = built.scene->materials[m].unlit ? Vec3{} : emissive;
   built.has_other_colors = true;
+  built.versions.colored = new_version();
 }
 
 }  // namespace omma

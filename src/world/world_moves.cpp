@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "model/new_version.h"
 #include "model/pose_check.h"
 #include "omma/world.h"
 #include "threads/parallel.h"
@@ -88,6 +89,7 @@ struct Reshape {
 // Takes the steps; what was before is in them afterwards, so that doing it again undoes it.
 void exchange(BuiltScene& built, std::vector<Step>& steps, std::vector<Reshape>& reshapes) {
   Placement& placement = built.placement;
+  built.versions.placed = new_version();
   for (Step& step : steps) {
     const auto i = static_cast<std::size_t>(step.instance);
     std::swap(placement.world_from_mesh[i], step.world_from_mesh);
@@ -159,6 +161,7 @@ void move_in_top_scene(BuiltScene& built, const std::vector<Step>& steps,
     instances.push_back(step.instance);
     place_frame(built, static_cast<std::size_t>(step.instance));
   }
+  built.versions.placed = new_version();
   run_in_arena(*built.threads.arena,
                [&] { built.backend->move(built.acceleration, instances, meshes, built.placement); });
 }
@@ -194,6 +197,7 @@ void take_acceleration(BuiltScene& built, Acceleration acceleration) {
       moving.push_back(static_cast<int>(i));
     else
       still = box_around(still, box_of(built, i, built.placement.world_from_mesh[i]));
+  built.versions.placed = new_version();
   built.frames.resize(12 * built.placement.moves.size());
   for (std::size_t i = 0; i < built.placement.moves.size(); ++i) place_frame(built, i);
   const Vec3d shift = built.first_origin_m - built.placement.origin_m;
@@ -231,9 +235,13 @@ Moves moves_back(const BuiltScene& built, const Moves& moves) {
   back.meshes = moves.meshes;
   for (const int index : moves.meshes) {
     const auto mesh = static_cast<std::size_t>(index);
-    const Mesh& own = built.scene->meshes[mesh];
-    back.shapes.push_back(is_shaped(built, mesh) ? built.placement.shapes[mesh]
-                                                 : Shape{own.positions, own.normals});
+    if (is_shaped(built, mesh)) {
+      back.shapes.push_back(built.placement.shapes[mesh]);
+      continue;
+    }
+    Shape& shape = back.shapes.emplace_back();
+    shape.positions = built.scene->meshes[mesh].positions;
+    shape.normals = built.scene->meshes[mesh].normals;
   }
   return back;
 }

@@ -52,6 +52,7 @@ void point_to_shapes(const Scene& scene, const Placement& placement, ShadingData
     MeshView& view = shading.meshes[m];
     if (view.positions == nullptr) continue;  // it has no triangles
     const bool is_own = shape.positions.empty();
+    view.shape_version = is_own ? shading.view.version : shape.version;
     view.positions = is_own ? &scene.meshes[m].positions.data()->x : &shape.positions.data()->x;
     if (view.normals != nullptr)
       view.normals = is_own ? &scene.meshes[m].normals.data()->x : &shape.normals.data()->x;
@@ -168,7 +169,8 @@ void World::set_vertices(int mesh, std::span<const Vec3> positions, std::span<co
   check_mesh(*built.scene, mesh);
   const Mesh& own = built.scene->meshes[static_cast<std::size_t>(mesh)];
   check_vectors("positions_m", positions, own);
-  Shape shape{with_room(positions), {}};
+  Shape shape;
+  shape.positions = with_room(positions);
   if (!normals.empty()) {
     if (own.normals.empty())
       throw Error("normals: expected none, as the mesh has no normals of vertices");

@@ -73,6 +73,7 @@ struct BuiltScene {
   // Lamps do not move, but the traced frame's origin may: where the first one is in it now, m.
   Vec3d first_origin_m;
   float first_origin_now_m[3] = {0, 0, 0};
+  ChangingVersions versions;  // of what the views read of these, and of colours
   Bounds still_box;         // around what was never moved
   std::vector<int> moving;  // indices of instances that were
   // Pictures that replaced images of the scene, by image; their addresses stay.

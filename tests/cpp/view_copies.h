@@ -34,7 +34,7 @@ class FencedMemory {
   }
 
   template <typename T>
-  const T* read(const T* array, std::size_t count) {
+  const T* read(const T* array, std::size_t count, Version) {
     return static_cast<const T*>(copy(array, count * sizeof(T)));
   }
   template <typename T>

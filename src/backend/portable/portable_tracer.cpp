@@ -223,7 +223,9 @@ void build_top(PortableTracer& tracer) {
                  count(tracer.nodes),
                  count(tracer.quads),
                  count(tracer.layout.placed),
-                 count(tracer.frames)};
+                 count(tracer.frames),
+                 tracer.triangles_version,
+                 new_version()};
 }
 
 // The corners of the k-th triangle of a quad, as they are now.
@@ -241,6 +243,7 @@ void place_corners(TriangleQuad& quad, int k, const std::vector<Vec3>& vertex_m,
 void refit_mesh(PortableTracer& tracer, std::size_t mesh, const Placement& placement) {
   TreeRoot& root = tracer.of_mesh[mesh];
   if (root.index == none) return;
+  tracer.triangles_version = new_version();
   const Mesh& own = tracer.scene->meshes[mesh];
   const std::vector<Vec3>& positions = positions_of(*tracer.scene, placement, mesh);
   const Vec3d origin = tracer.layout.mesh_origin_m[mesh];

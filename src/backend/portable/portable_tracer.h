@@ -9,6 +9,7 @@
 
 #include "backend/scene_layout.h"
 #include "model/long_work.h"
+#include "model/new_version.h"
 #include "omma/scene.h"
 #include "physics/search/bvh.h"
 #include "physics/views/scene_view.h"
@@ -29,6 +30,7 @@ struct PortableTracer {
   std::vector<WideNode> top_nodes, nodes;
   std::vector<PlacedTree> trees;
   std::vector<TriangleQuad> quads;
+  Version triangles_version = new_version();  // of nodes and quads
   std::vector<PlacedFrame> frames;
 
   const Scene* scene = nullptr;

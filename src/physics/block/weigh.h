@@ -4,6 +4,7 @@
 
 #include "physics/lanes/lanes.h"
 #include "physics/lanes/rows.h"
+#include "physics/views/version.h"
 
 namespace omma {
 
@@ -13,6 +14,7 @@ struct SharedWeights {
   const std::int32_t* ray = nullptr;    // [entry]
   const float* weight = nullptr;        // [entry]
   std::int64_t ommatidium_count = 0, entry_count = 0, ray_count = 0;
+  Version version = 0;
 };
 
 // The rays of one frame, to be weighed into responses.

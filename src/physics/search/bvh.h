@@ -12,6 +12,7 @@
 
 #include "omma/vec.h"
 #include "physics/views/ray_packet.h"
+#include "physics/views/version.h"
 
 namespace omma {
 
@@ -74,6 +75,8 @@ struct BvhView {
   std::int64_t top_node_count = 0, tree_count = 0, node_count = 0, quad_count = 0;
   std::int64_t placed_count = 0;  // at least 1, which rays look up that met nothing
   std::int64_t frame_count = 0;
+  Version triangles_version = 0;  // of nodes and quads
+  Version placed_version = 0;     // of all else
 };
 
 }  // namespace omma

@@ -30,6 +30,7 @@ struct EyeView {
   bool has_apertures = false;                // whether any radius is above 0
   bool has_scales = false;                   // whether any scale is not 1
   std::int32_t ommatidium_count = 0;
+  Version version = 0;  // of FrameView::nearest too
 };
 
 struct DirectionsView {
@@ -49,6 +50,7 @@ struct DirectionsView {
   const AcceptanceWarpView* warps = nullptr;  // [warp]
   PolarTablesView polar;                      // with random sampling
   std::int32_t warp_count = 0;
+  Version version = 0;
 };
 
 // Ommatidia that each listens to where rays go on to an error.

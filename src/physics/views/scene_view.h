@@ -6,6 +6,7 @@
 
 #include "omma/scene.h"
 #include "omma/vec.h"
+#include "physics/views/version.h"
 
 namespace omma {
 
@@ -24,6 +25,7 @@ struct TextureView {
   const std::int32_t* first_texel = nullptr;  // [level], where there is more than one
   Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
   Filter filter = Filter::linear;
+  Version version = 0;
 };
 
 struct MaterialView {
@@ -99,6 +101,7 @@ struct MeshView {
   const FactorTextures* factors = nullptr;  // null: none
   const float* normals = nullptr;  // [vertex][3], in the mesh's frame; null: those of triangles
   std::int32_t triangle_count = 0, vertex_count = 0;
+  Version shape_version = 0;  // of positions and normals
 };
 
 struct LightView;   // light_view.h
@@ -135,6 +138,12 @@ struct BackgroundView {
 
 inline constexpr std::int32_t power_22_size = 4097;
 
+// Of what changes while a world stands.
+struct ChangingVersions {
+  Version placed = 0;   // where things are
+  Version colored = 0;  // what colours materials have
+};
+
 struct SceneView {
   const MeshView* meshes = nullptr;
   const MaterialView* materials = nullptr;
@@ -167,6 +176,11 @@ struct SceneView {
   std::int32_t mesh_count = 0, material_count = 0, texture_count = 0, instance_count = 0;
   std::int32_t albedo_table_count = 0;  // of specular_albedo
   std::int64_t opacity_word_count = 0;
+
+  // Of all arrays here and in views within, but those that have versions of their own.
+  Version version = 0;
+  Version bands_version = 0;                   // of band_from_rgb
+  const ChangingVersions* changing = nullptr;  // where the world keeps them; null: nothing changes
 };
 
 // Where a ray met a surface.

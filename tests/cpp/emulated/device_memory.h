@@ -5,7 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <map>
+#include <tuple>
 #include <vector>
+
+#include "physics/views/version.h"
 
 namespace omma::test {
 
@@ -14,16 +18,43 @@ inline constexpr std::uintptr_t device_address = 0x6000'0000'0000;
 inline constexpr std::size_t device_bytes = std::size_t{1}
                                             << 34;  // of which what is touched is had
 
-// Copies of arrays, for ArrayCopies: one behind the other from the beginning of the memory on.
+// A part of the memory, filled from its beginning on.
+struct DevicePart {
+  std::uintptr_t begin;
+  std::size_t size, used = 0;  // bytes
+
+  bool has_room_for(std::size_t bytes) const { return used + bytes + 128 <= size; }
+  void* copy(const void* from, std::size_t bytes);
+};
+
+// Copies that stay from launch to launch, by where the arrays are and their version: a launch
+// copies only what has changed. What has, and has kept its version, is an error.
+class KeptCopies {
+ public:
+  const void* read(const void* array, std::size_t bytes, Version version);
+  // Before a launch: all is forgotten when half of the memory is full.
+  void make_room();
+  std::size_t copied = 0;  // bytes since this was set
+
+ private:
+  DevicePart part_{device_address, device_bytes / 2};
+  std::map<std::tuple<const void*, std::size_t, Version>, const void*> kept_;
+};
+
+// Copies of arrays for one launch, for ArrayCopies.
 class DeviceCopies {
  public:
+  explicit DeviceCopies(KeptCopies& kept) : kept_(kept) { kept.make_room(); }
+
   template <typename T>
-  const T* read(const T* array, std::size_t count) {
-    return static_cast<const T*>(copy(array, count * sizeof(T)));
+  const T* read(const T* array, std::size_t count, Version version) {
+    const std::size_t bytes = count * sizeof(T);
+    return static_cast<const T*>(version != 0 ? kept_.read(array, bytes, version)
+                                              : part_.copy(array, bytes));
   }
   template <typename T>
   T* written(T* array, std::size_t count) {
-    void* const place = copy(array, count * sizeof(T));
+    void* const place = part_.copy(array, count * sizeof(T));
     outputs_.push_back({array, place, count * sizeof(T)});
     return static_cast<T*>(place);
   }
@@ -39,9 +70,8 @@ class DeviceCopies {
     std::size_t bytes;
   };
 
-  void* copy(const void* from, std::size_t bytes);
-
-  std::size_t used_ = 0;
+  KeptCopies& kept_;
+  DevicePart part_{device_address + device_bytes / 2, device_bytes / 2};
   std::vector<Output> outputs_;
 };
 

@@ -1,5 +1,5 @@
-// The host's side of the emulated backend: copies what a launch reads, asks the card's process to
-// run it, and brings back what it wrote.
+// The host's side of the emulated backend: copies what a launch reads and the card does not have
+// yet, asks the card's process to run it, and brings back what it wrote.
 #include "emulated/emulated_backend.h"
 
 #include <fcntl.h>
@@ -73,6 +73,7 @@ class Device {
 
 std::mutex one_at_a_time;
 DeviceUse most;
+KeptCopies kept;
 
 // The card is there from its first launch on.
 Device& device() {
@@ -83,13 +84,13 @@ Device& device() {
 // What a launch searches and from where it is seen, in the card's memory.
 struct Copied {
   Device& card = device();
-  DeviceCopies memory;
+  DeviceCopies memory{kept};
   ArrayCopies<DeviceCopies> arrays{memory};
 
   template <typename View, typename... More>
   const View* view(View copied, const More&... more) {
     arrays.point_to_copies(copied, more...);
-    return memory.read(&copied, 1);
+    return memory.read(&copied, 1, 0);
   }
   DeviceLaunch searching(LaunchKind kind, const void* built) {
     const auto* tracer = static_cast<const PortableTracer*>(built);
@@ -117,7 +118,7 @@ struct Copied {
   void run_tasks(const DeviceLaunch& made, std::span<const Task> tasks, const More&... more) {
     std::vector<Task> own(tasks.begin(), tasks.end());
     for (Task& task : own) arrays.point_to_copies(task, more...);
-    run(made, memory.read(own.data(), own.size()), own.size());
+    run(made, memory.read(own.data(), own.size(), 0), own.size());
   }
 };
 
@@ -163,12 +164,30 @@ Launches launches() {
 
 }  // namespace
 
-void* DeviceCopies::copy(const void* from, std::size_t bytes) {
-  auto* const place = reinterpret_cast<std::byte*>(device_address) + used_;
-  used_ += (bytes + 127) / 64 * 64;  // something lies between arrays
-  if (used_ > device_bytes) throw Error("emulated device: its memory is full");
+void* DevicePart::copy(const void* from, std::size_t bytes) {
+  if (!has_room_for(bytes)) throw Error("emulated device: its memory is full");
+  void* const place = reinterpret_cast<void*>(begin + used);
+  used += (bytes + 127) / 64 * 64;  // something lies between arrays
   if (bytes > 0) std::memcpy(place, from, bytes);
   return place;
+}
+
+const void* KeptCopies::read(const void* array, std::size_t bytes, Version version) {
+  const void*& place = kept_[{array, bytes, version}];
+  if (place == nullptr) {
+    place = part_.copy(array, bytes);
+    copied += bytes;
+  } else if (std::memcmp(place, array, bytes) != 0) {
+    throw Error("emulated device: an array of " + std::to_string(bytes) +
+                " bytes has changed, and has the version that it had");
+  }
+  return place;
+}
+
+void KeptCopies::make_room() {
+  if (part_.used < part_.size / 2) return;
+  kept_.clear();
+  part_.used = 0;
 }
 
 Backend emulated_backend() {
@@ -182,6 +201,11 @@ Backend emulated_backend() {
 DeviceUse take_device_use() {
   const std::lock_guard lock(one_at_a_time);
   return std::exchange(most, {});
+}
+
+std::size_t take_kept_bytes() {
+  const std::lock_guard lock(one_at_a_time);
+  return std::exchange(kept.copied, 0);
 }
 
 }  // namespace omma::test
