@@ -200,9 +200,6 @@ struct Scene {
   std::vector<HitBox> hit_boxes;
   std::vector<PunctualLight> lights;
   Background background;
-  // Of haze, which leaves exp(-extinction d) of light that goes a way d from a surface or a lamp; 0
-  // to 1e6. Light from afar and backgrounds are what arrives through it.
-  double extinction_per_m = 0;
   std::shared_ptr<const Rig> rig;        // how things move and change their shape; null: nothing does
   std::vector<std::string> scene_names;  // of all scenes in the file
   int node_count = 0;                    // nodes reached from the loaded scene

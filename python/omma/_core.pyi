@@ -890,14 +890,7 @@ class Scene:
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self, *, meshes: Iterable[Mesh] = (), instances: Iterable[Instance] | None = None, materials: Iterable[Material] = (), textures: Iterable[Texture] | None = None, images: Iterable[Image] = (), cameras: Iterable[Camera] = (), hit_boxes: Iterable[HitBox] = (), lights: Iterable[PunctualLight] = (), background: Background | None = None, color_rule: str = 'gltf', rig: Rig | None = None, extinction_per_m: float = 0.0) -> None: ...
-
-    @property
-    def extinction_per_m(self) -> float:
-        """
-        Of haze, which leaves exp(-extinction d) of light that goes a way d, m, from a
-        surface or a lamp. Light from afar and backgrounds are what arrives through it.
-        """
+    def __init__(self, *, meshes: Iterable[Mesh] = (), instances: Iterable[Instance] | None = None, materials: Iterable[Material] = (), textures: Iterable[Texture] | None = None, images: Iterable[Image] = (), cameras: Iterable[Camera] = (), hit_boxes: Iterable[HitBox] = (), lights: Iterable[PunctualLight] = (), background: Background | None = None, color_rule: str = 'gltf', rig: Rig | None = None) -> None: ...
 
     @property
     def rig(self, /) -> Rig | None:

@@ -28,9 +28,9 @@ constexpr Words<ColorRule, 2> color_rules = {
     {{"gltf", ColorRule::gltf}, {"compoundray", ColorRule::compoundray}}};
 
 // What makes an equal scene: keywords of the constructor and properties, both.
-const std::vector<const char*> fields = {
-    "meshes",    "instances", "materials",  "textures",   "images", "cameras",
-    "hit_boxes", "lights",    "background", "color_rule", "rig",    "extinction_per_m"};
+const std::vector<const char*> fields = {"meshes",     "instances", "materials", "textures",
+                                         "images",     "cameras",   "hit_boxes", "lights",
+                                         "background", "color_rule", "rig"};
 
 // A list of parts of one kind; None gives an empty one.
 template <typename T>
@@ -54,8 +54,7 @@ std::vector<T> parts(nb::handle list, const char* name) {
 
 Scene made_scene(nb::handle meshes, nb::handle instances, nb::handle materials, nb::handle textures,
                  nb::handle images, nb::handle cameras, nb::handle hit_boxes, nb::handle lights,
-                 nb::handle background, nb::handle color_rule, nb::handle rig,
-                 nb::handle extinction_per_m) {
+                 nb::handle background, nb::handle color_rule, nb::handle rig) {
   Scene scene;
   scene.meshes = parts<Mesh>(meshes, "meshes");
   if (instances.is_none())
@@ -85,7 +84,6 @@ Scene made_scene(nb::handle meshes, nb::handle instances, nb::handle materials, 
       throw nb::type_error(("rig: expected omma.scene.Rig, found " + type_name_of(rig)).c_str());
     scene.rig = nb::cast<std::shared_ptr<Rig>>(rig);
   }
-  scene.extinction_per_m = number_argument(extinction_per_m, "extinction_per_m");
   validate_scene(scene);
   scene.warnings = place_warnings(scene);
   return scene;
@@ -96,10 +94,9 @@ Scene restored(const nb::tuple& state) {
   if (state.size() != 5 || !nb::isinstance<nb::dict>(state[0]))
     throw Error("state: expected that of a scene");
   const nb::object given = state[0];
-  Scene scene =
-      made_scene(given["meshes"], given["instances"], given["materials"], given["textures"],
-                 given["images"], given["cameras"], given["hit_boxes"], given["lights"],
-                 given["background"], given["color_rule"], given["rig"], given["extinction_per_m"]);
+  Scene scene = made_scene(given["meshes"], given["instances"], given["materials"],
+                           given["textures"], given["images"], given["cameras"], given["hit_boxes"],
+                           given["lights"], given["background"], given["color_rule"], given["rig"]);
   scene.path = path_text(state[1]);
   scene.warnings = nb::cast<std::vector<std::string>>(state[2]);
   scene.scene_names = nb::cast<std::vector<std::string>>(state[3]);
@@ -202,18 +199,16 @@ void bind_scene(nb::module_& m) {
           "__init__",
           [](Scene* self, nb::handle meshes, nb::handle instances, nb::handle materials,
              nb::handle textures, nb::handle images, nb::handle cameras, nb::handle hit_boxes,
-             nb::handle lights, nb::handle background, nb::handle color_rule, nb::handle rig,
-             nb::handle extinction_per_m) {
-            new (self)
-                Scene(made_scene(meshes, instances, materials, textures, images, cameras, hit_boxes,
-                                 lights, background, color_rule, rig, extinction_per_m));
+             nb::handle lights, nb::handle background, nb::handle color_rule, nb::handle rig) {
+            new (self) Scene(made_scene(meshes, instances, materials, textures, images, cameras,
+                                        hit_boxes, lights, background, color_rule, rig));
           },
           nb::kw_only(), nb::arg("meshes") = nb::make_tuple(), nb::arg("instances") = nb::none(),
           nb::arg("materials") = nb::make_tuple(), nb::arg("textures") = nb::none(),
           nb::arg("images") = nb::make_tuple(), nb::arg("cameras") = nb::make_tuple(),
           nb::arg("hit_boxes") = nb::make_tuple(), nb::arg("lights") = nb::make_tuple(),
           nb::arg("background") = nb::none(), nb::arg("color_rule") = "gltf",
-          nb::arg("rig") = nb::none(), nb::arg("extinction_per_m") = 0.0,
+          nb::arg("rig") = nb::none(),
           nb::sig("def __init__(self, *, meshes: collections.abc.Iterable[Mesh] = (), instances: "
                   "collections.abc.Iterable[Instance] | None = None, materials: "
                   "collections.abc.Iterable[Material] = (), textures: "
@@ -223,11 +218,7 @@ void bind_scene(nb::module_& m) {
                   "collections.abc.Iterable[HitBox] = (), lights: "
                   "collections.abc.Iterable[PunctualLight] = (), background: Background | None = "
                   "None, "
-                  "color_rule: str = 'gltf', rig: Rig | None = None, extinction_per_m: float = "
-                  "0.0) -> None"))
-      .def_ro("extinction_per_m", &Scene::extinction_per_m,
-              "Of haze, which leaves exp(-extinction d) of light that goes a way d, m, from a\n"
-              "surface or a lamp. Light from afar and backgrounds are what arrives through it.")
+                  "color_rule: str = 'gltf', rig: Rig | None = None) -> None"))
       .def_prop_ro(
           "rig", [](const Scene& s) { return std::const_pointer_cast<Rig>(s.rig); },
           nb::for_getter(nb::sig("def rig(self, /) -> Rig | None")),

@@ -84,7 +84,6 @@ std::unique_ptr<ShadingData> make_shading_data(const Scene& scene) {
   view.material_count = static_cast<std::int32_t>(data->materials.size());
   view.texture_count = static_cast<std::int32_t>(data->textures.size());
   view.instance_count = static_cast<std::int32_t>(scene.instances.size());
-  view.extinction_per_m = static_cast<float>(scene.extinction_per_m);
   if (scene.color_rule == ColorRule::compoundray) {
     for (int i = 0; i < power_22_size; ++i)
       data->power_22.push_back(static_cast<float>(std::pow(i / (power_22_size - 1.0), 2.2)));

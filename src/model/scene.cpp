@@ -235,7 +235,6 @@ bool operator==(const Scene& a, const Scene& b) {
          same_instances(a.instances, b.instances) && a.materials == b.materials &&
          a.textures == b.textures && a.images == b.images && a.cameras == b.cameras &&
          a.hit_boxes == b.hit_boxes && a.lights == b.lights && a.background == b.background &&
-         a.extinction_per_m == b.extinction_per_m &&
          (a.rig == b.rig || (a.rig != nullptr && b.rig != nullptr && *a.rig == *b.rig));
 }
 
@@ -286,7 +285,6 @@ void validate_scene(const Scene& scene) {
     check_punctual_light(light, place + ": ");
     check_transform(light.world_from_light, place, "world_from_light");
   }
-  check_extinction(scene);
   check_rig(scene);
   const std::string background =
       (scene.path.empty() ? "scene" : scene.path) + std::string(": background");

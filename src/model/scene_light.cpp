@@ -150,11 +150,6 @@ void check_punctual_light(const PunctualLight& light, const std::string& place) 
   check_spectrum(light.spectrum, place + "spectrum: ");
 }
 
-void check_extinction(const Scene& scene) {
-  check_range(scene.extinction_per_m, 0, 1e6,
-              (scene.path.empty() ? "scene" : scene.path) + ": extinction_per_m");
-}
-
 void check_lit_scene(const Scene& scene) {
   // The brightest vertex colours of those in use, the last of meshes without a material.
   constexpr Vec3 unused{-1, -1, -1};

@@ -15,9 +15,6 @@ void check_punctual_light(const PunctualLight& light, const std::string& place);
 // The emission (factor x texture) of a material, by each component where it is brightest.
 Vec3 brightest_emission(const Scene& scene, const Material& material);
 
-// That of haze. Throws omma::Error.
-void check_extinction(const Scene& scene);
-
 // A lit surface gives back no more than it gets: throws omma::Error that lists the materials in use
 // which may reflect and transmit more than 1 by their base colour (factor x texture x vertex
 // colour) or, without a texture, by their spectra. What spectra scaled by bright texels reach is

@@ -30,10 +30,7 @@ _MOST_BYTES = 2 << 30
 _DAY_S = 86400.0
 
 # Fields of a scene that light depends on; names are not among them.
-_FIELDS = (
-    "meshes", "instances", "materials", "textures", "images", "lights", "color_rule",
-    "extinction_per_m",
-)  # fmt: skip
+_FIELDS = ("meshes", "instances", "materials", "textures", "images", "lights", "color_rule")
 _ARRAYS = ("values", "errors", "first_cell", "probe_values")
 _PROBE_GRID = ("probe_origin_m", "probe_spacing_m")
 

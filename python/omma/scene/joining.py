@@ -109,7 +109,6 @@ def merge_scenes(scenes: Sequence[Scene], *, background: Background | None = Non
         background=scenes[0].background if background is None else background,
         color_rule=scenes[0].color_rule,
         rig=rig,
-        extinction_per_m=scenes[0].extinction_per_m,
     )
 
 

@@ -11,7 +11,6 @@
 
 #include "physics/light/sun_map.h"
 #include "physics/path/baked_scatter.h"
-#include "physics/path/haze.h"
 
 namespace omma {
 
@@ -106,7 +105,7 @@ OMMA_HD LaneMask<L> trace_shadow_rays(const Flight<L, Search>& flight,
 }
 
 // How much of each lane's light is seen, 0 to 1: of the sun by its map where there is one, else by
-// shadow rays; and what haze leaves of it.
+// shadow rays.
 template <typename L, typename Search>
 OMMA_HD void eval_visibility(const Flight<L, Search>& flight, const HitGeometry<L>& geometry,
                              const LightSamples<L>& lights, LaneMask<L> asked,
@@ -117,10 +116,6 @@ OMMA_HD void eval_visibility(const Flight<L, Search>& flight, const HitGeometry<
   const LaneMask<L> open = trace_shadow_rays(flight, geometry, lights, asked & ~mapped);
   for (int l = 0; l < L::count; l += L::width)
     store(visible + l, keep(open.at(l), broadcast<F>(1.0f)));
-  if (has_haze(flight.scene))
-    for (int l = 0; l < L::count; l += L::width)
-      store(visible + l, load<F>(visible + l) *
-                             haze_transmittance(flight.scene, load<F>(lights.distance_m + l)));
   if (!mapped.any()) return;
   alignas(L::count * 4) float by_map[L::count];
   eval_sun_map<L>(*flight.scene.sun_map, geometry, by_map);

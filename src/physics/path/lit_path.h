@@ -8,7 +8,6 @@
 #pragma once
 
 #include "physics/path/direct_light.h"
-#include "physics/path/haze.h"
 #include "physics/rays/hits.h"
 
 namespace omma {
@@ -92,17 +91,6 @@ OMMA_HD void scatter_rays(const Flight<L, Search>& flight, LaneMask<L> scattered
   leave_surfaces<L>(geometry, sample.direction, scattered, packet.rays);
 }
 
-// Lanes whose paths go straight on through what they met.
-template <typename L>
-OMMA_HD LaneMask<L> goes_straight(const ScatteringSample<L>& sample) {
-  using I = typename L::I;
-  constexpr auto straight = static_cast<std::int32_t>(Lobe::straight);
-  return lanes_where<L>([&](int l) {
-    const I lobe = load<I>(sample.lobe + l);
-    return lobe == let_by || lobe == straight;
-  });
-}
-
 // Paths of some lanes go on by a sample, or end: by roulette, or where nothing is left of them.
 // Returns the lanes that go on.
 template <typename L, typename Search>
@@ -111,6 +99,7 @@ OMMA_HD LaneMask<L> continue_paths(const Flight<L, Search>& flight, LaneMask<L> 
                                    const ScatteringSample<L>& sample) {
   using F = typename L::F;
   using I = typename L::I;
+  constexpr auto straight = static_cast<std::int32_t>(Lobe::straight);
   alignas(L::count * 4) float most[L::count];
   update_throughput(flight, sample, most);
   on &= lanes_where<L>([&](int l) {
@@ -119,7 +108,11 @@ OMMA_HD LaneMask<L> continue_paths(const Flight<L, Search>& flight, LaneMask<L> 
            (lobe != no_lobe && load<F>(most + l) > 0.0f && load<F>(sample.density + l) > 0.0f);
   });
   LaneMask<L> by;
-  if (flight.passed != nullptr) by = on & goes_straight<L>(sample);
+  if (flight.passed != nullptr)
+    by = on & lanes_where<L>([&](int l) {
+           const I lobe = load<I>(sample.lobe + l);
+           return lobe == let_by || lobe == straight;
+         });
   const LaneMask<L> scattered = play_roulette(flight, on & ~by, sample, most);
   by.for_each([&](int l) { pass(*flight.passed, l, flight.packet.rays); });
   scatter_rays(flight, scattered, geometry, sample);
@@ -175,8 +168,6 @@ OMMA_HD_CALLED LaneMask<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on
   // Light at the end of the rays: from afar, and emission.
   if (missed.any()) add_far(flight, missed, far);
   if (!met.any()) return {};
-  alignas(L::count * 4) float haze_left[L::count];
-  if (has_haze(scene)) dim_by_haze<L>(scene, packet.rays, met, flight.memory, haze_left);
   if (scene.shines) add_emission(flight, hits, surface, met);
 
   // Who is scattered: not those that a surface lets by, nor those at full depth, whose paths end.
@@ -203,8 +194,6 @@ OMMA_HD_CALLED LaneMask<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on
   ScatteringSample<L> sample;
   sample_scattering<L>(packet, state, points, scattering, sample);
   by.for_each([&](int l) { sample.lobe[l] = let_by; });
-  if (has_haze(scene) && flight.passed != nullptr)
-    undo_haze<L>(scene, on & goes_straight<L>(sample), flight.memory, haze_left);
   return continue_paths(flight, on, geometry, sample);
 }
 

@@ -9,7 +9,6 @@
 #pragma once
 
 #include "physics/lanes/lane_mask.h"
-#include "physics/path/haze.h"
 #include "physics/rays/hits.h"
 #include "physics/rays/passed.h"
 #include "physics/surface/background.h"
@@ -113,14 +112,6 @@ OMMA_HD void eval_closest(const UnlitFlight<L, Search>& flight, LaneMask<L> on, 
   // What the background sends, where nothing was met, and what surfaces do.
   if ((~lanes_met(hits)).any()) eval_backgrounds<L>(flight.scene, packet, color);
   eval_surfaces<L>(flight.scene, packet.rays, hits, color);
-  if (!has_haze(flight.scene)) return;
-  const LaneMask<L> met = lanes_met(hits);
-  for (int l = 0; l < L::count; l += L::width) {
-    using F = typename L::F;
-    const F left = haze_transmittance(flight.scene, load<F>(packet.rays.t_far_m + l));
-    for (float* const rgb : {color.rgb[0] + l, color.rgb[1] + l, color.rgb[2] + l})
-      store(rgb, met.at(l) ? load<F>(rgb) * left : load<F>(rgb));
-  }
 }
 
 // Radiance [band][lane] of the rays of some lanes of a packet. `first`: takes what they met first,

@@ -145,7 +145,6 @@ struct SceneView {
   const std::int32_t* opacity_states = nullptr;  // [word], where there are opacity maps
   const float* frame_from_mesh = nullptr;  // [instance of the scene][3][4], traced frame, row major
   bool has_blend = false;  // whether any surface lets light through in part
-  float extinction_per_m = 0;  // of haze (physics/path/haze.h)
   // What linear RGB is in each band: [bands][3], or null where the bands are RGB itself.
   int bands = 3;
   const float* band_from_rgb = nullptr;
