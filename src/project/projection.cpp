@@ -19,6 +19,7 @@ constexpr NamedProjection names[] = {
     {"cylindrical", Projection::cylindrical},
     {"mollweide", Projection::mollweide},
     {"lambert", Projection::lambert},
+    {"orthographic", Projection::orthographic},
     {"hemisphere", Projection::hemisphere},
     {"facets", Projection::facets},
 };
@@ -89,6 +90,8 @@ std::vector<std::int32_t> projection_ids(const Eye& eye, Projection projection, 
       return mollweide_ids(eye, width, height);
     case Projection::lambert:
       return lambert_ids(eye, width, height);
+    case Projection::orthographic:
+      return orthographic_ids(eye, width, height);
     case Projection::hemisphere:
       return hemisphere_ids(eye, width, height);
     case Projection::facets:
