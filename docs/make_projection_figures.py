@@ -22,8 +22,6 @@ EQUIRECTANGULAR += [(0.5, 0.92, "down")]
 SPLIT = [(x / 2 + shift, y, text) for shift in (0, 0.5) for x, y, text in EQUIRECTANGULAR[1:4]]
 WHOLE_DISC = [(0.5, 0.5, "ahead"), (0.323, 0.5, "left"), (0.677, 0.5, "right")]
 WHOLE_DISC += [(0.5, 0.146, "up"), (0.5, 0.854, "down"), (0.27, 0.85, "back: the rim")]
-AHEAD = [(0.5, 0.5, "ahead"), (0.29, 0.5, "left"), (0.71, 0.5, "right")]
-AHEAD += [(0.5, 0.06, "up"), (0.5, 0.94, "down")]
 HALVES = [(0.25, 0.5, "left"), (0.75, 0.5, "right"), (0.5, 0.5, "ahead"), (0.06, 0.5, "back")]
 HALVES += [(0.94, 0.5, "back"), (0.25, 0.08, "up"), (0.75, 0.08, "up")]
 HALVES += [(0.25, 0.92, "down"), (0.75, 0.92, "down")]
@@ -37,7 +35,6 @@ PANELS = [
     ("cylindrical", "azimuth of the axis × height on the eye", EQUIRECTANGULAR[:5]),
     ("mollweide", "whole sphere, equal-area", EQUIRECTANGULAR),
     ("lambert", "whole sphere, equal-area", WHOLE_DISC),
-    ("orthographic", "the half ahead, as a globe", AHEAD),
     ("hemisphere", "each eye's own half, equal-area", HALVES),
     ("facets", "the eyes themselves, to scale", FACETS),
 ]
@@ -80,7 +77,7 @@ def main() -> None:
     rays = renderer.render_rays("bee")
     responses = rays.mean(axis=2)
 
-    figure, axes = plt.subplots(5, 3, figsize=(13.5, 12.7), layout="constrained")
+    figure, axes = plt.subplots(4, 3, figsize=(13.5, 10.2), layout="constrained")
     figure.get_layout_engine().set(h_pad=0.08, w_pad=0.06)
     cells = iter(axes.ravel())
     for name, what, places in PANELS:
@@ -117,8 +114,6 @@ def main() -> None:
     scale = panel.inset_axes((0.47, 0.12, 0.02, 0.76))
     figure.colorbar(drawn, cax=scale)
     scale.tick_params(labelsize=7)
-    for panel in cells:
-        panel.set_axis_off()
     figure.savefig(ROOT / "docs" / "projections.png", dpi=100)
 
 

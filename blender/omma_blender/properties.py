@@ -8,7 +8,7 @@ from .preferences import known
 PROJECTIONS = (
     *("single_dimension", "single_dimension_fast", "spherical_orientationwise"),
     *("spherical_positionwise", "spherical_split_orientationwise", "cylindrical"),
-    *("mollweide", "lambert", "orthographic", "hemisphere", "facets"),
+    *("mollweide", "lambert", "hemisphere", "facets"),
 )
 FIELD = "field"
 # That a path may begin with "//", beside the .blend file, has to be said since 5.0.

@@ -42,8 +42,6 @@ enum class Projection : std::uint8_t {
   mollweide,    // the whole sphere in an ellipse, straight ahead in the middle; equal-area
   lambert,      // the whole sphere in a disc, straight ahead in the middle and straight behind all
                 // around the rim; equal-area
-  orthographic,  // the half ahead in a disc, as a globe looks from far away: a direction at angle c
-                 // from straight ahead at sin(c) of the radius
   hemisphere,   // two discs: the left hemisphere as the eyes on the left see it, the right one as
                 // those on the right do. Straight ahead is where the discs meet; equal-area
   facets,       // the surface of each eye from within, the eye that looks farthest left on the

@@ -19,7 +19,6 @@ constexpr NamedProjection names[] = {
     {"cylindrical", Projection::cylindrical},
     {"mollweide", Projection::mollweide},
     {"lambert", Projection::lambert},
-    {"orthographic", Projection::orthographic},
     {"hemisphere", Projection::hemisphere},
     {"facets", Projection::facets},
 };
@@ -90,8 +89,6 @@ std::vector<std::int32_t> projection_ids(const Eye& eye, Projection projection, 
       return mollweide_ids(eye, width, height);
     case Projection::lambert:
       return lambert_ids(eye, width, height);
-    case Projection::orthographic:
-      return orthographic_ids(eye, width, height);
     case Projection::hemisphere:
       return hemisphere_ids(eye, width, height);
     case Projection::facets:

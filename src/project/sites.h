@@ -90,7 +90,6 @@ Vec2d lambert_point(const View& view, Vec3d unit);
 std::vector<std::int32_t> split_ids(const Eye& eye, int width, int height);
 std::vector<std::int32_t> mollweide_ids(const Eye& eye, int width, int height);
 std::vector<std::int32_t> lambert_ids(const Eye& eye, int width, int height);
-std::vector<std::int32_t> orthographic_ids(const Eye& eye, int width, int height);
 std::vector<std::int32_t> hemisphere_ids(const Eye& eye, int width, int height);
 std::vector<std::int32_t> cylindrical_ids(const Eye& eye, int width, int height);
 std::vector<std::int32_t> facet_ids(const Eye& eye, int width, int height);

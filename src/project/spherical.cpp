@@ -1,5 +1,4 @@
-// Projections of the sphere of directions: equirectangular, split, Mollweide, Lambert, orthographic,
-// hemispheres.
+// Projections of the sphere of directions: equirectangular, split, Mollweide, Lambert, hemispheres.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -138,18 +137,6 @@ std::vector<std::int32_t> lambert_ids(const Eye& eye, int width, int height) {
     const auto [x, y] = disc.at(column, row);
     if (!(x * x + y * y < 1)) return -1;
     return sites.nearest(lambert_direction(ahead, 2 * x, 2 * y), guess);
-  });
-}
-
-// Snyder 1987, section 20.
-std::vector<std::int32_t> orthographic_ids(const Eye& eye, int width, int height) {
-  const Sites sites = members_by_axis(eye, all_ommatidia(eye));
-  const Fitted disc(0, width, height, 1);
-  return fill_ids(width, height, [&](int column, int row, std::int32_t& guess) -> std::int32_t {
-    const auto [x, y] = disc.at(column, row);
-    const double ahead = 1 - (x * x + y * y);
-    if (!(ahead > 0)) return -1;
-    return sites.nearest({x, y, -std::sqrt(ahead)}, guess);
   });
 }
 

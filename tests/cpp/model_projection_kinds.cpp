@@ -151,26 +151,6 @@ TEST(Projection, LambertIsTheWholeSphereInADisc) {
   EXPECT_EQ(map.at(0.26, 0.05), none);
 }
 
-TEST(Projection, OrthographicIsTheHalfAheadInADisc) {
-  // Twice as wide as needed: the disc takes the middle half.
-  const Map map(eye_of(six, six), Projection::orthographic, 802, 401);
-  const auto polar = [&](double angle_deg, double bearing_deg) {  // bearing from right upwards
-    const double radius = std::sin(angle_deg * degree);
-    return map.at(0.5 + 0.25 * radius * std::cos(bearing_deg * degree),
-                  0.5 - 0.5 * radius * std::sin(bearing_deg * degree));
-  };
-  EXPECT_EQ(polar(0, 0), ahead);
-  EXPECT_EQ(polar(80, 0), right);
-  EXPECT_EQ(polar(80, 180), left);
-  EXPECT_EQ(polar(80, 90), up);
-  EXPECT_EQ(polar(80, -90), down);
-  EXPECT_EQ(polar(44, 1), ahead);
-  EXPECT_EQ(polar(46, 1), right);
-  EXPECT_EQ(std::count(map.ids.begin(), map.ids.end(), back), 0);
-  EXPECT_EQ(map.at(0.24, 0.5), none);
-  EXPECT_EQ(map.at(0.26, 0.05), none);
-}
-
 TEST(Projection, HemispheresMeetAhead) {
   const Map map(eye_of(six, six), Projection::hemisphere, 802, 401);
   // Where the two discs meet is straight ahead, the far edges are straight behind.
@@ -279,14 +259,14 @@ TEST(Projection, EqualAreaOnesGiveEachOmmatidiumItsSolidAngle) {
 }
 
 TEST(Projection, Names) {
-  EXPECT_EQ(omma::named_projections().size(), 12u);
+  EXPECT_EQ(omma::named_projections().size(), 11u);
   std::set<Projection> different;
   for (const auto& [name, projection] : omma::named_projections()) {
     EXPECT_EQ(omma::projection_from_name(name), projection);
     EXPECT_EQ(omma::projection_from_name(std::string(name) + "_ids"), projection);
     different.insert(projection);
   }
-  EXPECT_EQ(different.size(), 12u);
+  EXPECT_EQ(different.size(), 11u);
   for (const char* name : {"", "_ids", "Mollweide", "spherical", "facets_ids_ids"})
     EXPECT_THROW(omma::projection_from_name(name), Error) << name;
 }

@@ -147,7 +147,7 @@ def projection_size(
         height = whole(height, "height", 1, _MOST_PIXELS)
     if plain in LISTS:
         return width or len(eye), height or 1
-    aspect = 1 if plain in ("lambert", "orthographic") else 2
+    aspect = 1 if plain == "lambert" else 2
     if width is None:
         width = _DEFAULT_WIDTH if height is None else height * aspect
     return width, height or max(1, width // aspect)

@@ -34,9 +34,6 @@ def draw_axes(
         panel.set(ylim=(extent[2] * 1.02, extent[3] * 1.02))
         draw_graticule(panel, the_map, labels=True)
         return extent
-    if projection == "orthographic":
-        _half_ahead(panel)
-        return (-1.0, 1.0, -1.0, 1.0)
     if projection == "hemisphere":
         _hemispheres(panel)
         return (-2.0, 2.0, -1.0, 1.0)
@@ -74,22 +71,6 @@ def _elevations(panel: Axes, first: bool) -> None:
 
 def _degrees(value: float) -> str:
     return f"{value:.0f}".replace("-", "−")
-
-
-def _half_ahead(panel: Axes) -> None:
-    """The half of the sphere ahead as a globe, with circles each 30°."""
-    panel.set_axis_off()
-    panel.set_aspect("equal")
-    panel.set(xlim=(-1.02, 1.02), ylim=(-1.15, 1.02))
-    fine: dict[str, Any] = {"color": INK, "linewidth": 0.35, "alpha": 0.45}
-    turn = np.linspace(0, 2 * np.pi, 181)
-    panel.plot(np.cos(turn), np.sin(turn), color=INK, linewidth=0.7)
-    along = np.linspace(-90, 90, 91)
-    for degrees in range(-60, 90, 30):
-        for lines in ((along, np.full(91, degrees)), (np.full(91, degrees), along)):
-            x, y, _ = np.moveaxis(direction(*lines), -1, 0)
-            panel.plot(x, y, **fine)
-    panel.text(0, -1.04, "ahead 0°", ha="center", va="top", fontsize="small")
 
 
 def _hemispheres(panel: Axes) -> None:

@@ -279,8 +279,7 @@ def _figure(
     scale: Scale,
     beside: Sequence[Shown] | None,
 ) -> Figure:
-    aspects = {"lambert": 1.0, "orthographic": 1.0, "spherical_split_orientationwise": 4.0}
-    aspect = aspects.get(projection or "", 2.0)
+    aspect = {"lambert": 1.0, "spherical_split_orientationwise": 4.0}.get(projection or "", 2.0)
     columns = max(len(row) for row in rows)
     heights = [_WIDTH_MM / (columns if len(row) > 1 else 1) / aspect + 14 for row in rows]
     heights.append(legend_mm(scale))

@@ -32,7 +32,7 @@ def inside_outline(projection: str | None, height: int, width: int) -> Flags:
     """Which pixels lie inside a projection's own outline: (H, W)."""
     if projection == "mollweide":
         return _ellipse(height, width, 0, width, 2)
-    if projection in ("lambert", "orthographic"):
+    if projection == "lambert":
         return _ellipse(height, width, 0, width, 1)
     if projection == "hemisphere":
         left = _ellipse(height, width, 0, width / 2, 1)
