@@ -81,7 +81,7 @@ def around(count):
 
 
 CASES = {
-    "grass": (grass, lambda: looking_down(150, 0.6, 0.4), {"paths": 32}),
+    "grass": (grass, lambda: looking_down(150, 0.6, 0.4), {"paths": 16}),
     "room": (closed_room, lambda: around(150), {"cell_m": 0.15, "paths": 64}),
 }
 

@@ -68,7 +68,7 @@ def closed_tube(size_m=(2.0, 0.1, 0.1)):
 @pytest.mark.parametrize("reflectance", [0.2, 0.5])
 def test_furnace(reflectance):
     scene = omma.Scene(meshes=[closed_tube()], materials=[shining(1.0, reflectance)])
-    world = world_of(scene, DARK, cell_m=0.05)
+    world = world_of(scene, DARK, cell_m=0.05, paths=128)
     axes = np.random.default_rng(2).normal(size=(3000, 3))
     at = np.column_stack([np.linspace(-0.95, 0.95, 3000), np.zeros(3000), np.zeros(3000)])
     seen, error, _ = mean_seen(world, at, axes)
@@ -246,6 +246,7 @@ def test_paths_between_mirrors_end():
     world = world_of(
         box.replace(materials=[mirror], meshes=[one.replace(material=0) for one in box.meshes]),
         LIGHT,
+        cell_m=0.1,
     )
     eye = eyes_at(np.zeros((500, 3)), (0.3, 0.2, -1))
     seen = omma.Renderer(world, eye, omma.Fixed(16)).render(np.eye(4))

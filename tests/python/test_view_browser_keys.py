@@ -194,6 +194,7 @@ def test_what_the_animal_sees_fills_the_page(page, window):
 
 
 def test_on_a_phone_it_is_what_is_there_first(browser, window):
+    browser.close_pages()  # or the first goes on drawing
     page = browser.open(window.url, 390, 844, device_scale_factor=2, has_touch=True, is_mobile=True)
     image = page.locator("#omma-big-eye")
     image.wait_for()

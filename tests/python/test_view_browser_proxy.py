@@ -97,7 +97,9 @@ def test_it_works_behind_nginx_as_the_docs_say(browser, scene, nginx):
     proxy = f"http://localhost:{outer}/bees/"
     with omma.view.show(scene, make_eye(40), port=inner, proxy=proxy) as window:
         nginx(outer, lines_of_docs(inner))
-        shows(browser.open(window.url), window)
+        page = browser.open(window.url)
+        shows(page, window)
+        page.close()
         # Without its last slash.
         page = browser.open(window.url.rstrip("/"), wait=False)
         assert page.url.split("?")[0] == window.url
@@ -119,7 +121,10 @@ def test_it_works_with_the_host_passed_on_and_no_option(browser, scene, nginx):
         more = "proxy_set_header Host $http_host; proxy_pass"
         nginx(outer, lines_of_docs(inner).replace("proxy_pass", more))
         # The page itself finds the folder; nginx adds the first slash that is left out.
+        page = None
         for path in ("bees", "bees/", "bees/view", "bees/view/"):
+            if page is not None:
+                page.close()  # or it goes on drawing
             page = browser.open(f"http://localhost:{outer}/{path}", wait=False)
             page.wait_for_url(re.compile(f"^http://localhost:{outer}/bees/view/($|[?])"))
         page.wait_for_selector("#omma-status", state="attached")
