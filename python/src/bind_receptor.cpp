@@ -3,8 +3,6 @@
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/string.h>
 
-#include <string>
-
 #include "arrays.h"
 #include "omma/receptor_views.h"
 #include "progress.h"

@@ -52,34 +52,47 @@ std::vector<T> parts(nb::handle list, const char* name) {
   return made;
 }
 
-Scene made_scene(nb::handle meshes, nb::handle instances, nb::handle materials, nb::handle textures,
-                 nb::handle images, nb::handle cameras, nb::handle hit_boxes, nb::handle lights,
-                 nb::handle background, nb::handle color_rule, nb::handle rig) {
+// Of what is given by name, one of `fields` each; None is not, where there is a default that
+// depends on the others.
+Scene made_scene(const nb::dict& given) {
+  for (const auto& [name, value] : given)
+    if (std::find(fields.begin(), fields.end(), str_of(name)) == fields.end())
+      throw nb::type_error(
+          ("Scene() got an unexpected keyword argument '" + str_of(name) + "'").c_str());
+  const auto has = [&](const char* name) {
+    return given.contains(name) && !nb::object(given[name]).is_none();
+  };
+  const auto take_parts = [&]<typename T>(const char* name, std::vector<T>& list) {
+    if (given.contains(name)) list = parts<T>(given[name], name);
+  };
   Scene scene;
-  scene.meshes = parts<Mesh>(meshes, "meshes");
-  if (instances.is_none())
+  take_parts("meshes", scene.meshes);
+  if (has("instances"))
+    take_parts("instances", scene.instances);
+  else
     for (std::size_t i = 0; i < scene.meshes.size(); ++i)
       scene.instances.push_back({scene.meshes[i].name, static_cast<int>(i), {}, -1});
+  take_parts("materials", scene.materials);
+  take_parts("images", scene.images);
+  if (has("textures"))
+    take_parts("textures", scene.textures);
   else
-    scene.instances = parts<Instance>(instances, "instances");
-  scene.materials = parts<Material>(materials, "materials");
-  scene.images = parts<Image>(images, "images");
-  if (textures.is_none())
     for (std::size_t i = 0; i < scene.images.size(); ++i)
       scene.textures.push_back({static_cast<int>(i)});
-  else
-    scene.textures = parts<Texture>(textures, "textures");
-  scene.cameras = parts<Camera>(cameras, "cameras");
-  scene.hit_boxes = parts<HitBox>(hit_boxes, "hit_boxes");
-  scene.lights = parts<PunctualLight>(lights, "lights");
-  if (!background.is_none()) {
+  take_parts("cameras", scene.cameras);
+  take_parts("hit_boxes", scene.hit_boxes);
+  take_parts("lights", scene.lights);
+  if (has("background")) {
+    const nb::object background = given["background"];
     if (!nb::isinstance<Background>(background))
       throw nb::type_error(
           ("background: expected omma.Background, found " + type_name_of(background)).c_str());
     scene.background = nb::cast<const Background&>(background);
   }
-  scene.color_rule = word_argument(color_rules, color_rule, "color_rule");
-  if (!rig.is_none()) {
+  if (given.contains("color_rule"))
+    scene.color_rule = word_argument(color_rules, given["color_rule"], "color_rule");
+  if (has("rig")) {
+    const nb::object rig = given["rig"];
     if (!nb::isinstance<Rig>(rig))
       throw nb::type_error(("rig: expected omma.scene.Rig, found " + type_name_of(rig)).c_str());
     scene.rig = nb::cast<std::shared_ptr<Rig>>(rig);
@@ -93,10 +106,7 @@ Scene made_scene(nb::handle meshes, nb::handle instances, nb::handle materials, 
 Scene restored(const nb::tuple& state) {
   if (state.size() != 5 || !nb::isinstance<nb::dict>(state[0]))
     throw Error("state: expected that of a scene");
-  const nb::object given = state[0];
-  Scene scene = made_scene(given["meshes"], given["instances"], given["materials"],
-                           given["textures"], given["images"], given["cameras"], given["hit_boxes"],
-                           given["lights"], given["background"], given["color_rule"], given["rig"]);
+  Scene scene = made_scene(nb::cast<nb::dict>(state[0]));
   scene.path = path_text(state[1]);
   scene.warnings = nb::cast<std::vector<std::string>>(state[2]);
   scene.scene_names = nb::cast<std::vector<std::string>>(state[3]);
@@ -197,18 +207,7 @@ void bind_scene(nb::module_& m) {
   scene_class
       .def(
           "__init__",
-          [](Scene* self, nb::handle meshes, nb::handle instances, nb::handle materials,
-             nb::handle textures, nb::handle images, nb::handle cameras, nb::handle hit_boxes,
-             nb::handle lights, nb::handle background, nb::handle color_rule, nb::handle rig) {
-            new (self) Scene(made_scene(meshes, instances, materials, textures, images, cameras,
-                                        hit_boxes, lights, background, color_rule, rig));
-          },
-          nb::kw_only(), nb::arg("meshes") = nb::make_tuple(), nb::arg("instances") = nb::none(),
-          nb::arg("materials") = nb::make_tuple(), nb::arg("textures") = nb::none(),
-          nb::arg("images") = nb::make_tuple(), nb::arg("cameras") = nb::make_tuple(),
-          nb::arg("hit_boxes") = nb::make_tuple(), nb::arg("lights") = nb::make_tuple(),
-          nb::arg("background") = nb::none(), nb::arg("color_rule") = "gltf",
-          nb::arg("rig") = nb::none(),
+          [](Scene* self, const nb::kwargs& given) { new (self) Scene(made_scene(given)); },
           nb::sig("def __init__(self, *, meshes: collections.abc.Iterable[Mesh] = (), instances: "
                   "collections.abc.Iterable[Instance] | None = None, materials: "
                   "collections.abc.Iterable[Material] = (), textures: "

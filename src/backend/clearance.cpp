@@ -6,7 +6,6 @@
 
 #include "physics/rays/hits.h"
 #include "physics/sampling/hash.h"
-#include "physics/sampling/low_discrepancy.h"
 #include "physics/sampling/path_points.h"
 #include "physics/surface/scatter.h"
 #include "threads/parallel.h"

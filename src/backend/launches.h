@@ -2,7 +2,6 @@
 // processor runs them on the threads of the arena that it is called in, a graphics card as a grid.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <span>
 

@@ -1,7 +1,6 @@
 // Flattens a validated Scene for the physics.
 #include "backend/shading_data.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "backend/texture_table.h"

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "physics/light/sun_map.h"
-#include "threads/parallel.h"
+#include "threads/cancel.h"
 
 namespace omma {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "io/whole_files.h"
 #include "omma/error.h"
-#include "threads/parallel.h"
+#include "threads/cancel.h"
 
 namespace omma {
 namespace {

@@ -2,7 +2,6 @@
 #include "io/gltf_schema.h"
 
 #include <cmath>
-#include <set>
 #include <string_view>
 
 #include "io/csv_text.h"

@@ -9,7 +9,6 @@
 #include <csetjmp>
 #include <cstring>
 #include <new>
-#include <string_view>
 
 #include "io/image_formats.h"
 #include "omma/error.h"

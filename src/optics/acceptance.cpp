@@ -8,6 +8,7 @@
 #include "optics/acceptance_warp.h"
 #include "optics/lens_rhabdom.h"
 #include "physics/sampling/hash.h"
+#include "physics/sampling/normal_quantile.h"
 #include "threads/parallel.h"
 
 namespace omma {

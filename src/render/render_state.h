@@ -5,12 +5,10 @@
 #include <array>
 #include <atomic>
 #include <functional>
-#include <memory>
 #include <vector>
 
 #include "backend/backend.h"
 #include "backend/eye_arrays.h"
-#include "model/long_work.h"
 #include "omma/render.h"
 #include "render/render_motion.h"
 #include "sampling/directions.h"

@@ -2,9 +2,7 @@
 // paths, or by what a first pass has baked.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "backend/bake_owners.h"

@@ -2,7 +2,6 @@
 // keeps for its next picture.
 #pragma once
 
-#include <memory>
 #include <vector>
 
 #include "backend/eye_arrays.h"

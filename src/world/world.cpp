@@ -10,7 +10,7 @@
 #include "model/new_version.h"
 #include "model/scene_light.h"
 #include "threads/parallel.h"
-#include "world/camera_rays.h"
+#include "world/camera_rays.h"  // IWYU pragma: keep, deleted here
 #include "world/traced_poses.h"
 #include "world/world_state.h"
 

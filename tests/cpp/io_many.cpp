@@ -1,6 +1,5 @@
 // Files with very many of one thing. Each loads in seconds, where a look through all for every one
 // would take longer than the time after which a test counts as hanging.
-#include <random>
 
 #include "gltf_builder.h"
 #include "io/csv_text.h"

@@ -1,8 +1,6 @@
 // Directions sampled by how much light comes from them.
 #include <gtest/gtest.h>
 
-#include <numeric>
-
 #include "backend/sky_data.h"
 #include "light_maps.h"
 #include "test_scenes.h"

@@ -259,14 +259,13 @@ TEST(Projection, EqualAreaOnesGiveEachOmmatidiumItsSolidAngle) {
 }
 
 TEST(Projection, Names) {
-  EXPECT_EQ(omma::named_projections().size(), 11u);
   std::set<Projection> different;
   for (const auto& [name, projection] : omma::named_projections()) {
     EXPECT_EQ(omma::projection_from_name(name), projection);
     EXPECT_EQ(omma::projection_from_name(std::string(name) + "_ids"), projection);
     different.insert(projection);
   }
-  EXPECT_EQ(different.size(), 11u);
+  EXPECT_EQ(different.size(), omma::named_projections().size());
   for (const char* name : {"", "_ids", "Mollweide", "spherical", "facets_ids_ids"})
     EXPECT_THROW(omma::projection_from_name(name), Error) << name;
 }

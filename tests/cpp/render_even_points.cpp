@@ -6,6 +6,7 @@
 
 #include "physics/sampling/acceptance_sampling.h"
 #include "physics/sampling/hash.h"
+#include "physics/sampling/normal_quantile.h"
 #include "physics/sampling/sobol.h"
 #include "sampling/even_points.h"
 

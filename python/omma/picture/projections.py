@@ -15,7 +15,7 @@ from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, one_of, whole
 from omma.picture.fields import default_ids
 from omma.picture.kept_ids import Ids, kept_ids
-from omma.picture.unseen import hatch, unseen
+from omma.picture.unseen import aspect_of, hatch, unseen
 
 Picture = NDArray[np.uint8]
 LinearPicture = NDArray[np.float32]
@@ -147,7 +147,7 @@ def projection_size(
         height = whole(height, "height", 1, _MOST_PIXELS)
     if plain in LISTS:
         return width or len(eye), height or 1
-    aspect = 1 if plain == "lambert" else 2
+    aspect = aspect_of(plain)
     if width is None:
         width = _DEFAULT_WIDTH if height is None else height * aspect
     return width, height or max(1, width // aspect)

@@ -37,7 +37,7 @@ from omma.picture.response_legend import (
     name_scale,
     unit_of,
 )
-from omma.picture.unseen import hatched_ground, inside_outline, unseen
+from omma.picture.unseen import aspect_of, hatched_ground, inside_outline, unseen
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -279,7 +279,8 @@ def _figure(
     scale: Scale,
     beside: Sequence[Shown] | None,
 ) -> Figure:
-    aspect = {"lambert": 1.0, "spherical_split_orientationwise": 4.0}.get(projection or "", 2.0)
+    # Two whole spheres side by side.
+    aspect = 4 if projection == "spherical_split_orientationwise" else aspect_of(projection)
     columns = max(len(row) for row in rows)
     heights = [_WIDTH_MM / (columns if len(row) > 1 else 1) / aspect + 14 for row in rows]
     heights.append(legend_mm(scale))

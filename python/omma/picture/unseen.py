@@ -28,12 +28,20 @@ _LINES = 36  # over the height of a picture, so that hatching looks alike at any
 _LEAST_PERIOD = 6  # pixels
 
 
+# Projections whose picture is an ellipse, and how many times it is as wide as high.
+_ELLIPSES = {"mollweide": 2, "lambert": 1}
+
+
+def aspect_of(projection: str | None) -> int:
+    """How many times as wide as high a picture of a projection is, unless something else is asked
+    for."""
+    return _ELLIPSES.get(projection or "", 2)
+
+
 def inside_outline(projection: str | None, height: int, width: int) -> Flags:
     """Which pixels lie inside a projection's own outline: (H, W)."""
-    if projection == "mollweide":
-        return _ellipse(height, width, 0, width, 2)
-    if projection == "lambert":
-        return _ellipse(height, width, 0, width, 1)
+    if projection in _ELLIPSES:
+        return _ellipse(height, width, 0, width, _ELLIPSES[projection])
     if projection == "hemisphere":
         left = _ellipse(height, width, 0, width / 2, 1)
         return np.asarray(left | _ellipse(height, width, width / 2, width, 1))

@@ -13,7 +13,7 @@ from omma.picture.cameras import display
 from omma.picture.id_maps import paint
 from omma.picture.projections import projection_ids
 from omma.picture.response_colours import receptors_shown
-from omma.picture.unseen import hatch, unseen
+from omma.picture.unseen import aspect_of, hatch, unseen
 from omma.scene.world import World
 from omma.view.state import Seen
 
@@ -126,7 +126,7 @@ def eye_ids(eye: Eye, projection: str, width: int) -> Ids:
         names = ", ".join(PROJECTIONS)
         raise Error(f"projection: expected one of {names}, found {projection!r}")
     name = PROJECTIONS[projection]
-    return projection_ids(eye, name, width if name != "lambert" else width // 2)
+    return projection_ids(eye, name, width * aspect_of(name) // 2)
 
 
 def unseen_in(ids: Ids, projection: str) -> Flags:

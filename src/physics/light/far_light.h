@@ -5,7 +5,7 @@
 #include "physics/lanes/lane_mask.h"
 #include "physics/lanes/rows.h"
 #include "physics/lanes/vector3.h"
-#include "physics/light/near_light.h"
+#include "physics/light/sky.h"
 
 namespace omma {
 

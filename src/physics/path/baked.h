@@ -5,7 +5,6 @@
 #include "omma/bake.h"
 #include "physics/lanes/rows.h"
 #include "physics/lanes/vector3.h"
-#include "physics/light/far_light.h"
 #include "physics/path/path_light.h"
 
 namespace omma {

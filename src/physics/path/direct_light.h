@@ -9,6 +9,7 @@
 // no path meets them: there w = 1.
 #pragma once
 
+#include "physics/light/near_light.h"
 #include "physics/light/sun_map.h"
 #include "physics/path/baked_scatter.h"
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "physics/light/far_light.h"
+#include "physics/light/near_light.h"
 #include "physics/path/flight.h"
 #include "physics/surface/lit_surface.h"
 

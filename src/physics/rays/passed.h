@@ -2,8 +2,6 @@
 // goes on from a little before the one it met, and those it had are left out.
 #pragma once
 
-#include <cstdint>
-
 #include "omma/vec.h"
 #include "physics/views/path_memory.h"
 #include "physics/views/ray_packet.h"

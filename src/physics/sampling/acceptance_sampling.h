@@ -14,7 +14,6 @@
 
 #include "omma/kernel.h"
 #include "omma/vec.h"
-#include "physics/sampling/normal_quantile.h"
 
 namespace omma {
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "physics/sampling/acceptance_sampling.h"
+#include "physics/sampling/normal_quantile.h"
 #include "physics/sampling/sobol.h"
 
 namespace omma {
