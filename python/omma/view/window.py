@@ -191,9 +191,7 @@ def open_window(world: World, eye: Eye, sources: Sources, asked: WindowOptions) 
     if asked.port is not None:
         whole(asked.port, "port", 0, 65535)
     given = None if asked.ultraviolet is None else ultraviolet_mix(asked.ultraviolet)
-    looker = Looker(
-        world, eye, ultraviolet=given, animation=asked.animation, threads=asked.threads
-    )
+    looker = Looker(world, eye, ultraviolet=given, animation=asked.animation, threads=asked.threads)
     cameras = world.scene.cameras
     if asked.pose is not None:
         first = as_poses(asked.pose)[0]

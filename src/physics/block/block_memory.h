@@ -183,9 +183,11 @@ OMMA_HD BlockMemory lay_out(Scratch& scratch, const FrameView& frame, int lanes)
   }
   if (scene.light != nullptr) {
     PathMemory& paths = memory.paths;
-    // As WaitingPaths has scratch.
-    paths.waiting = scratch.take<float>(3 * one);
-    paths.waiting_for_last = scratch.take<float>(3 * one);
+    // As WaitingPaths has scratch, which one lane has no need of.
+    if (lanes > 1) {
+      paths.waiting = scratch.take<float>(3 * one);
+      paths.waiting_for_last = scratch.take<float>(3 * one);
+    }
     for (SpectraMemory* spectra : {static_cast<SpectraMemory*>(&paths), &paths.shadow})
       for (float** values : {&spectra->throughput, &spectra->reflectance, &spectra->transmittance,
                              &spectra->emission, &spectra->tint})

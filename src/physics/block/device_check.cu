@@ -31,7 +31,8 @@ __global__ void device_check_error(FrameView frame, BlockTask task, BvhView bvh,
   Scratch of_block{memory};
   const ErrorMemory known = lay_out_error(of_block, frame);
   Scratch of_thread{memory + of_block.used};
-  const BlockMemory laid_out = with_error(frame, lay_out(of_thread, frame, 1), known, i);
+  BlockMemory laid_out = lay_out(of_thread, frame, 1);
+  share_error(frame, known, i, laid_out);
   const BlockRun<SceneSearch<OneLane>> run{frame, task, search, laid_out};
   begin_error(frame, task, known);
   trace_round_of_ommatidium(run, round, i);

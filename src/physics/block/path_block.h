@@ -1,6 +1,8 @@
 // The paths of a block in a lit world: those of many packets are followed together, so that packets
-// are full on all their flights (waiting_paths.h).
+// are full on all their flights (waiting_paths.h). In one lane a path is followed to its end.
 #pragma once
+
+#include <type_traits>
 
 #include "physics/block/block_memory.h"
 #include "physics/path/lit_path.h"
@@ -8,18 +10,35 @@
 
 namespace omma {
 
-// Where paths of a block are put together; `radiance` [packet][component][band][lane] is of the
-// rays from the eye.
+// Where paths of a block are put together.
+template <typename L>
+struct PathQueues {
+  WaitingPaths<L> waiting, waiting_for_last;
+  Packet<L> onward;                                               // of paths that have waited
+  std::int32_t ommatidium[packets_at_once(L::count) * L::count];  // [ray], as Packet has it
+};
+struct NoQueues {};
+
+// `radiance` [packet][component][band][lane] is of the rays from the eye.
 template <typename L, typename Search>
 struct PathBlock {
   const SceneView& scene;
   Search& search;
   const PathMemory& memory;
   float* radiance;
-  WaitingPaths<L> waiting, waiting_for_last;
-  Packet<L> onward;                                               // of paths that have waited
-  std::int32_t ommatidium[packets_at_once(L::count) * L::count];  // [ray], as Packet has it
+  std::conditional_t<(L::count > 1), PathQueues<L>, NoQueues> queues;
 };
+
+template <typename L, typename Search>
+OMMA_HD void begin_block(std::uint32_t light_sees, PathBlock<L, Search>& block) {
+  if constexpr (L::count > 1) {
+    PathQueues<L>& queues = block.queues;
+    queues.waiting.throughput = block.memory.waiting;
+    queues.waiting_for_last.throughput = block.memory.waiting_for_last;
+    clear<L>(queues.onward.rays);
+    queues.onward.light_sees = light_sees;
+  }
+}
 
 template <typename L>
 OMMA_HD int packet_floats(const SceneView& scene) {
@@ -33,24 +52,22 @@ OMMA_HD void enqueue_paths(PathBlock<L, Search>& block, const Flight<L, Search>&
   const LaneMask<L> last = ends_in_the_dark(block.scene)
                                ? lanes & at_full_depth(block.scene, flight.state)
                                : LaneMask<L>{};
-  if (last.any()) enqueue(flight, last, ray, block.waiting_for_last);
-  if (!(last == lanes)) enqueue(flight, lanes & ~last, ray, block.waiting);
+  if (last.any()) enqueue(flight, last, ray, block.queues.waiting_for_last);
+  if (!(last == lanes)) enqueue(flight, lanes & ~last, ray, block.queues.waiting);
 }
 
-// One more flight of as many paths as a packet holds, of those that wait.
+// A later flight of the paths of some lanes, which finds what is added to the rays `ray` from the
+// eye. Returns the lanes whose paths go on.
 template <typename L, typename Search>
-OMMA_HD void trace_waiting_flight(PathBlock<L, Search>& block, WaitingPaths<L>& waiting) {
+OMMA_HD LaneMask<L> trace_later_flight(const PathBlock<L, Search>& block,
+                                       const Flight<L, Search>& flight, LaneMask<L> lanes,
+                                       const std::int32_t (&ray)[L::count]) {
   constexpr int n = L::count;
   const SceneView& scene = block.scene;
   const int floats = packet_floats<L>(scene);
-  PathState<L> state;
-  alignas(n * 4) std::int32_t ray[n];
-  float* const found = block.memory.found;
-  const Flight<L, Search> flight{scene,        block.search, block.onward, state,
-                                 block.memory, found,        nullptr};
-  const LaneMask<L> lanes = dequeue(flight, waiting, ray);
-  lanes.for_each([&](int l) { block.onward.ommatidium[l] = block.ommatidium[ray[l]]; });
-  const LaneMask<L> polarised = scene.polarized ? bringing_polarisation<L>(state) : LaneMask<L>{};
+  float* const found = flight.radiance;
+  const LaneMask<L> polarised =
+      scene.polarized ? bringing_polarisation<L>(flight.state) : LaneMask<L>{};
   for (int i = 0; i < floats; ++i) found[i] = 0;
   const LaneMask<L> on = trace_flight(flight, lanes, Spread::scattered);
   // What they found goes to the rays from the eye that they began as.
@@ -59,19 +76,41 @@ OMMA_HD void trace_waiting_flight(PathBlock<L, Search>& block, WaitingPaths<L>& 
     const int end = polarised.has(l) ? floats : scene.bands * n;
     for (int i = 0; i < end; i += n) to[i] += found[i + l];
   });
+  return on;
+}
+
+// One more flight of as many paths as a packet holds, of those that wait.
+template <typename L, typename Search>
+OMMA_HD void trace_waiting_flight(PathBlock<L, Search>& block, WaitingPaths<L>& waiting) {
+  PathQueues<L>& queues = block.queues;
+  PathState<L> state;
+  alignas(L::count * 4) std::int32_t ray[L::count];
+  const Flight<L, Search> flight{block.scene,  block.search,       queues.onward, state,
+                                 block.memory, block.memory.found, nullptr};
+  const LaneMask<L> lanes = dequeue(flight, waiting, ray);
+  lanes.for_each([&](int l) { queues.onward.ommatidium[l] = queues.ommatidium[ray[l]]; });
+  const LaneMask<L> on = trace_later_flight(block, flight, lanes, ray);
   if (on.any()) enqueue_paths(block, flight, on, ray);
 }
 
 // Follows paths that wait, until fewer than `least` do.
 template <typename L, typename Search>
 OMMA_HD void trace_waiting(PathBlock<L, Search>& block, int least) {
+  PathQueues<L>& queues = block.queues;
   for (;;) {
-    while (block.waiting_for_last.count >= L::count)
-      trace_waiting_flight(block, block.waiting_for_last);
-    if (block.waiting.count < least) break;
-    trace_waiting_flight(block, block.waiting);
+    while (queues.waiting_for_last.count >= L::count)
+      trace_waiting_flight(block, queues.waiting_for_last);
+    if (queues.waiting.count < least) break;
+    trace_waiting_flight(block, queues.waiting);
   }
-  while (block.waiting_for_last.count >= least) trace_waiting_flight(block, block.waiting_for_last);
+  while (queues.waiting_for_last.count >= least)
+    trace_waiting_flight(block, queues.waiting_for_last);
+}
+
+// Follows what still waits.
+template <typename L, typename Search>
+OMMA_HD void end_block(PathBlock<L, Search>& block) {
+  if constexpr (L::count > 1) trace_waiting(block, 1);
 }
 
 // Begins the paths of some lanes of a packet, whose radiance is that of number `packet_index`;
@@ -92,15 +131,19 @@ OMMA_HD void begin_paths(PathBlock<L, Search>& block, int packet_index, LaneMask
                                  block.memory, radiance,     nullptr};
   for (int i = 0; i < floats; ++i) radiance[i] = 0;
   reset_paths<L>(scene, state, block.memory);
-  const LaneMask<L> on = trace_flight(flight, lanes, Spread::together, first);
+  LaneMask<L> on = trace_flight(flight, lanes, Spread::together, first);
   if (!on.any()) return;
   alignas(n * 4) std::int32_t ray[n];
-  for (int l = 0; l < n; ++l) {
-    ray[l] = packet_index * n + l;
-    block.ommatidium[ray[l]] = packet.ommatidium[l];
+  for (int l = 0; l < n; ++l) ray[l] = packet_index * n + l;
+  if constexpr (n == 1) {
+    const Flight<L, Search> later{scene,        block.search,       packet, state,
+                                  block.memory, block.memory.found, nullptr};
+    while (on.any()) on = trace_later_flight(block, later, on, ray);
+  } else {
+    for (int l = 0; l < n; ++l) block.queues.ommatidium[ray[l]] = packet.ommatidium[l];
+    enqueue_paths(block, flight, on, ray);
+    trace_waiting(block, n);
   }
-  enqueue_paths(block, flight, on, ray);
-  trace_waiting(block, n);
 }
 
 }  // namespace omma

@@ -27,14 +27,13 @@ OMMA_HD void render_discs_of_ommatidium(const BlockRun<Search>& run, int i) {
 
 // Rendering to an error is a launch for each round, between which one thread for each block does
 // begin_error and choose_rounds. `memory`: of this thread; `known`: of its block, lay_out_error.
-OMMA_HD BlockMemory with_error(const FrameView& frame, BlockMemory memory, const ErrorMemory& known,
-                               int i) {
+OMMA_HD void share_error(const FrameView& frame, const ErrorMemory& known, int i,
+                         BlockMemory& memory) {
   memory.error = known;
   memory.paths.cell_errors = cell_errors_of(frame, known.cell_errors, i);
-  return memory;
 }
 
-// The thread's memory is `with_error`.
+// The thread's memory shares its block's error.
 template <typename Search>
 OMMA_HD void trace_round_of_ommatidium(const BlockRun<Search>& run, const Round& round, int i) {
   if (run.memory.error.next[i] == round.directions) trace_members<OneLane>(run, round, &i, 1);

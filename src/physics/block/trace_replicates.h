@@ -117,13 +117,10 @@ OMMA_HD_CALLED void trace_replicates(const BlockRun<Search>& run, const Directio
     PacketStart starts[most_packets];
     LaneMask<L> in_cones[most_packets];
     int packets = 0;
-    PathBlock<L, Search> block{scene, run.search, memory.paths, memory.radiance, {}, {}, {}, {}};
-    block.waiting.throughput = memory.paths.waiting;
-    block.waiting_for_last.throughput = memory.paths.waiting_for_last;
-    clear<L>(block.onward.rays);
-    block.onward.light_sees = packet.light_sees;
+    PathBlock<L, Search> block{scene, run.search, memory.paths, memory.radiance, {}};
+    begin_block(packet.light_sees, block);
     const auto end = [&] {
-      trace_waiting(block, 1);
+      end_block(block);
       const int floats = packet_floats<L>(scene);
       for (int k = 0; k < packets; ++k) {
         float* const radiance = memory.radiance + k * floats;

@@ -89,7 +89,8 @@ void render_to_error(const FrameView& frame, const BlockTask& task, Search& sear
   const auto for_each = [&](const auto& run) {
     for_each_ommatidium(task, [&](int i) {
       Scratch scratch = threads.scratch();
-      const BlockMemory memory = with_error(frame, lay_out(scratch, frame, 1), known, i);
+      BlockMemory memory = lay_out(scratch, frame, 1);
+      share_error(frame, known, i, memory);
       run(BlockRun<Search>{frame, task, search, memory}, i);
     });
   };
