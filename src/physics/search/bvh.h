@@ -22,8 +22,10 @@ inline constexpr int quad_width = 4;  // triangles kept side by side
 // Nodes from the root of a tree to a leaf at most, of triangles (2^38 in a full one) and of what is
 // placed (2^24). Trees are split by surface as long as that leaves no more below than have room.
 inline constexpr int most_tree_depth = 12, most_top_depth = 8;
-// What is still to be visited of both: a node leaves up to seven children for later.
-inline constexpr int stack_capacity = (node_width - 1) * (most_top_depth + most_tree_depth) + 1;
+// What is still to be visited of a tree: a node leaves up to seven children for later.
+OMMA_HD constexpr int stack_capacity(int tree_depth) {
+  return (node_width - 1) * tree_depth + 1;
+}
 
 // Children that are nodes come first, then leaves. Child c spans origin + lower * 2^(exponent -
 // 127) to origin + upper * 2^(exponent - 127), rounded outwards.

@@ -41,25 +41,17 @@ struct Visit<1> {
 };
 inline constexpr int visit_index_bits = 28;
 
-// A tree, and room for what is still to be visited of it and of those that lie in its leaves.
-template <int count>
-struct TreeSearch {
-  const WideNode* nodes;
-  std::uint32_t root;
-  Visit<count>* stack;
-};
-
 // Goes through a tree with those lanes of a bundle, nearer nodes first. `leaf(index, triangles,
-// asked, stack)` is called for each leaf that a ray of the lanes `asked` may meet, with what is
-// left of the stack, and returns those of them that search on.
-template <typename L, typename Leaf>
-OMMA_HD void search_tree(const TreeSearch<L::count>& tree, const RayBundle<L>& bundle,
+// asked)` is called for each leaf that a ray of the lanes `asked` may meet, and returns those of
+// them that search on.
+template <typename L, int tree_depth, typename Leaf>
+OMMA_HD void search_tree(const WideNode* nodes, std::uint32_t root, const RayBundle<L>& bundle,
                          unsigned lanes, const float (&t_far_m)[L::count], Leaf leaf) {
   constexpr std::uint32_t index_mask = (1u << visit_index_bits) - 1;
-  Visit<L::count>* const stack = tree.stack;
+  Visit<L::count> stack[stack_capacity(tree_depth)];
   int depth = 0;
   float far_m = furthest<L>(t_far_m, lanes);
-  stack[depth++] = {tree.root, 0, lanes};
+  stack[depth++] = {root, 0, lanes};
   while (depth > 0) {
     const Visit<L::count> visit = stack[--depth];
     if (visit.near_m > far_m) continue;
@@ -67,12 +59,12 @@ OMMA_HD void search_tree(const TreeSearch<L::count>& tree, const RayBundle<L>& b
     if (triangles != 0) {
       const unsigned asked = visit.lanes & lanes;
       if (asked == 0) continue;
-      lanes &= ~asked | leaf(visit.at & index_mask, triangles, asked, stack + depth);
+      lanes &= ~asked | leaf(visit.at & index_mask, triangles, asked);
       if (lanes == 0) return;
       far_m = furthest<L>(t_far_m, lanes);
       continue;
     }
-    const WideNode& node = tree.nodes[visit.at];
+    const WideNode& node = nodes[visit.at];
     ChildSlabs slabs;
     unsigned bits = hit_children<L>(node, bundle, far_m, slabs);
     const int first = depth;
@@ -189,13 +181,11 @@ template <typename L, typename Packet, typename Found>
 OMMA_HD void search(const BvhView& bvh, unsigned on, Packet& rays, Found found) {
   if (bvh.top_nodes == nullptr) return;
   const RayFrame<L> world{rays.origin, rays.direction};
-  Visit<L::count> stack[stack_capacity];
   while (on != 0) {
     RayBundle<L> bundle;
     make_bundle<L>(world, rays.t_near_m, on, bundle);
     on &= ~bundle.lanes;
-    const auto search_placed = [&](std::uint32_t index, std::uint32_t, unsigned lanes,
-                                   Visit<L::count>* left_of_stack) {
+    const auto search_placed = [&](std::uint32_t index, std::uint32_t, unsigned lanes) {
       const PlacedTree& tree = bvh.trees[index];
       const bool is_moved = tree.placed != none;
       RayFrame<L> frame = world;
@@ -211,10 +201,10 @@ OMMA_HD void search(const BvhView& bvh, unsigned on, Packet& rays, Found found) 
         const unsigned asked = left & own.lanes;
         left &= ~asked;
         unsigned searching = asked;
-        search_tree<L>(
-            {bvh.nodes, tree.root, left_of_stack}, own, asked, rays.t_far_m,
-            [&](std::uint32_t first, std::uint32_t triangles, unsigned meeting,
-                Visit<L::count>*) __attribute__((always_inline)) {  // as OMMA_HD, of one lane too
+        search_tree<L, most_tree_depth>(
+            bvh.nodes, tree.root, own, asked, rays.t_far_m,
+            [&](std::uint32_t first, std::uint32_t triangles,
+                unsigned meeting) __attribute__((always_inline)) {  // as OMMA_HD, of one lane too
               const Leaf leaf{bvh.quads + first, static_cast<int>(triangles), tree.placed,
                               own.one_origin};
               unsigned still = meeting;
@@ -228,7 +218,8 @@ OMMA_HD void search(const BvhView& bvh, unsigned on, Packet& rays, Found found) 
       }
       return lanes;
     };
-    search_tree<L>({bvh.top_nodes, 0, stack}, bundle, bundle.lanes, rays.t_far_m, search_placed);
+    search_tree<L, most_top_depth>(bvh.top_nodes, 0, bundle, bundle.lanes, rays.t_far_m,
+                                   search_placed);
   }
 }
 
