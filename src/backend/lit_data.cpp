@@ -62,6 +62,7 @@ void read_baked(const BakedLight& baked, const LightData& light, const MovingFra
         first.empty() ? MeshCells{}
                       : MeshCells{first.data(), static_cast<std::int32_t>(first.size()) - 1});
   BakedView& view = reading.view;
+  view.version = new_version();
   view.values = baked.lines.empty() ? nullptr : baked.lines.front().values;
   view.errors = baked.errors.empty() ? nullptr : baked.errors.data();
   view.first_cell = baked.first_cell.data();

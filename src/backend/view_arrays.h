@@ -126,6 +126,7 @@ static_assert(sizeof(CellError) == 4);  // which BakedView only names
 
 template <typename Visit>
 void visit_arrays(BakedView& view, Visit& visit, std::int32_t bands, Version placed) {
+  const OfVersion own(visit, view.version);
   visit(view.values, {view.value_count});
   visit(view.errors, {view.cell_count, 2});
   visit(view.first_cell, {view.instance_count});

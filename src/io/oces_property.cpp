@@ -7,7 +7,6 @@
 #include "io/gltf_textures.h"
 #include "io/oces_file.h"
 #include "omma/error.h"
-#include "omma/io.h"
 
 namespace omma {
 

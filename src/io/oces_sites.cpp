@@ -10,7 +10,7 @@
 #include "io/gltf_schema.h"
 #include "io/oces_file.h"
 #include "omma/error.h"
-#include "threads/parallel.h"
+#include "threads/cancel.h"
 
 namespace omma {
 

@@ -1,7 +1,6 @@
 // Eyes as values: checking them, what fills a gap, and how closely their axes lie.
 #include "omma/eye.h"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <string>

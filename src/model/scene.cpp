@@ -13,7 +13,7 @@
 #include "model/rig_check.h"
 #include "model/scene_light.h"
 #include "omma/error.h"
-#include "omma/rig.h"
+#include "omma/rig.h"  // IWYU pragma: keep, compared here
 
 namespace omma {
 namespace {

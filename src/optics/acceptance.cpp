@@ -9,7 +9,7 @@
 #include "optics/lens_rhabdom.h"
 #include "physics/sampling/hash.h"
 #include "physics/sampling/normal_quantile.h"
-#include "threads/parallel.h"
+#include "threads/cancel.h"
 
 namespace omma {
 namespace {

@@ -10,8 +10,8 @@
 #include "optics/acceptance_warp.h"
 #include "optics/gauss_legendre.h"
 #include "optics/lens_rhabdom.h"
+#include "threads/cancel.h"
 #include "threads/made_once.h"
-#include "threads/parallel.h"
 
 namespace omma {
 namespace {

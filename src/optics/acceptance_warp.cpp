@@ -6,7 +6,6 @@
 #include <cmath>
 #include <functional>
 
-#include "optics/gauss_legendre.h"
 #include "optics/polar_inverse.h"
 #include "threads/made_once.h"
 #include "threads/parallel.h"

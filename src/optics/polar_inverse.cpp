@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "threads/parallel.h"
+#include "threads/cancel.h"
 
 namespace omma {
 namespace {

@@ -6,7 +6,7 @@
 #include "omma/error.h"
 #include "omma/projection.h"
 #include "omma/scene.h"
-#include "threads/parallel.h"
+#include "threads/cancel.h"
 
 namespace omma {
 namespace {

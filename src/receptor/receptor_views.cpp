@@ -5,7 +5,7 @@
 #include <string>
 
 #include "omma/error.h"
-#include "threads/parallel.h"
+#include "threads/cancel.h"
 
 namespace omma {
 namespace {

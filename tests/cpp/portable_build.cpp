@@ -112,11 +112,14 @@ TEST(PortableBuild, IsNeverTooDeep) {
 // Where boxes are as even as in most scenes the bound changes nothing: all is split by surface.
 TEST(PortableBuild, IsSplitBySurfaceWhereItIsNotTooDeep) {
   Random random{3};
-  std::vector<BuildBox> boxes = random_boxes(random, 300000), again = boxes;
-  const BuiltTree bounded = build_tree(boxes, of_triangles);
-  const BuiltTree free = build_tree(again, {quad_width, quad_width, 1000});
-  EXPECT_EQ(bounded.order, free.order);
-  EXPECT_LE(depth_of(free.nodes), most_tree_depth);
+  const std::vector<BuildBox> boxes = random_boxes(random, 300000);
+  const auto order_of = [&](int most_depth) {
+    std::vector<BuildBox> own = boxes;
+    return build_tree(own, {quad_width, quad_width, most_depth}).order;
+  };
+  const std::vector<std::uint32_t> free = order_of(1000);
+  EXPECT_EQ(order_of(most_tree_depth), free);
+  EXPECT_NE(order_of(6), free);  // as deep as there must be
 }
 
 TEST(PortableBuild, CanBeCancelled) {

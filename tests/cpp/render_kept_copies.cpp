@@ -3,9 +3,13 @@
 // array has changed without a new version is held by the emulated card itself, in all tests.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "emulated/emulated_backend.h"
 #include "lit_squares.h"
+#include "omma/bake.h"
 #include "test_scenes.h"
+#include "world/bake_gather.h"
 #include "world_tests.h"
 
 namespace omma::test {
@@ -14,7 +18,7 @@ namespace {
 // A wall of many triangles with a picture, and a thing before it that can be moved.
 struct Place {
   World world;
-  Eye eye = make_eye(sphere_directions(60), 12 * degree);
+  Eye eye;
   int thing;
 };
 
@@ -29,7 +33,7 @@ Image picture(float red) {
 
 constexpr std::size_t wall_bytes = 3000u * 9 * sizeof(float);  // corners of its triangles
 
-Place make_place(WorldSettings settings = {}) {
+Place make_place() {
   Scene scene;
   Mesh wall;
   wall.material = add_color(scene, {0.25f, 0.5f, 1});
@@ -46,6 +50,7 @@ Place make_place(WorldSettings settings = {}) {
   thing.texcoords[0] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
   add_instance(scene, add_mesh(scene, thing), translation({0, 0, -2}));
   const int moved = static_cast<int>(scene.instances.size()) - 1;
+  WorldSettings settings;
   settings.backend = "emulated";
   return {make_world(scene, settings), make_eye(sphere_directions(60), 12 * degree), moved};
 }
@@ -109,7 +114,7 @@ TEST(KeptCopies, OfColorsAndPicturesAreThoseThatChanged) {
   EXPECT_NE(seen(renderer), colored);
 }
 
-TEST(KeptCopies, OfShapesAreThoseOfTheMesh) {
+TEST(KeptCopies, OfShapesAreRenewed) {
   Place of = make_place();
   const Renderer renderer(of.world, of.eye, {});
   const int mesh = static_cast<int>(of.world.scene().meshes.size()) - 1;
@@ -136,6 +141,31 @@ TEST(KeptCopies, OfWorldsOfOneScene) {
   const Renderer in_light(lit, of.eye, {});
   EXPECT_GT(copied_by(in_light), 3000u * sizeof(float));
   EXPECT_EQ(copied_by(in_light), 0u);
+}
+
+// Passes of a bake read in turns what lies at the same places.
+TEST(KeptCopies, OfLightThatIsBakedAgainAreRenewed) {
+  WorldSettings settings;
+  settings.lighting = lighting_of(1);
+  settings.backend = "emulated";
+  const World world = make_world(squares(), settings);
+  BakedLight baked = bake_light(world, {.cell_m = 1, .paths = 16});
+  const auto gathered = [&] {
+    const GatherWorld reading(world, baked, baked.lines.data());
+    std::vector<std::uint16_t> light(static_cast<std::size_t>(world.bands()));
+    GatherList list;
+    Receiver ahead;
+    ahead.normal = {0, 0, -1};
+    list.add(ahead, 16, light.data());
+    EXPECT_TRUE(reading.gather(list));
+    return light;
+  };
+  const std::vector<std::uint16_t> before = gathered();
+  const std::vector<BakedLine> lines = baked.lines;
+  for (BakedLine& line : baked.lines) line = {};
+  EXPECT_NE(gathered(), before);
+  std::copy(lines.begin(), lines.end(), baked.lines.begin());
+  EXPECT_EQ(gathered(), before);
 }
 
 }  // namespace

@@ -127,6 +127,7 @@ struct BakedView {
   float unit = 1;  // radiance of a value of 1
   std::int64_t value_count = 0;  // with the last line's rest
   std::int32_t cell_count = 0, instance_count = 0, mesh_count = 0;
+  Version version = 0;  // of all but `moves` and `first_origin_m`
 };
 
 struct BackgroundView {

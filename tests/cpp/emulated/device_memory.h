@@ -23,7 +23,6 @@ struct DevicePart {
   std::uintptr_t begin;
   std::size_t size, used = 0;  // bytes
 
-  bool has_room_for(std::size_t bytes) const { return used + bytes + 128 <= size; }
   void* copy(const void* from, std::size_t bytes);
 };
 

@@ -164,9 +164,10 @@ Launches launches() {
 }  // namespace
 
 void* DevicePart::copy(const void* from, std::size_t bytes) {
-  if (!has_room_for(bytes)) throw Error("emulated device: its memory is full");
+  const std::size_t room = (bytes + 127) / 64 * 64;  // something lies between arrays
+  if (used + room > size) throw Error("emulated device: its memory is full");
   void* const place = reinterpret_cast<void*>(begin + used);
-  used += (bytes + 127) / 64 * 64;  // something lies between arrays
+  used += room;
   if (bytes > 0) std::memcpy(place, from, bytes);
   return place;
 }
