@@ -8,6 +8,7 @@
 #include <functional>
 #include <vector>
 
+#include "omma/baked_cell.h"
 #include "omma/scene.h"
 
 namespace omma {
@@ -21,19 +22,6 @@ struct BakeSettings {
   int paths = 0;
   std::size_t most_bytes = std::size_t{1} << 30;  // what has no room is lit by probes
   std::uint32_t seed = 0;                         // of its random numbers
-};
-
-// So that a cell of 16 bands lies in one line of a processor's cache.
-struct alignas(64) BakedLine {
-  std::uint16_t values[32];
-};
-
-// How far the light on one side of a cell may be off, as a fraction of it: one standard deviation of
-// what it has by itself and of what it shares with its group, the cells around it that face alike.
-// Both in steps that are squares: (code / 128)^2.
-struct CellError {
-  std::uint8_t own = 0, shared = 0;
-  std::uint16_t signs = 0;  // random bits, the same for a group
 };
 
 // Numbers are of 16 bits without a sign: 5 of an exponent, 11 of a fraction (physics/path/baked.h).

@@ -9,14 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "omma/scene_kinds.h"
 #include "omma/spectrum.h"
 #include "omma/vec.h"
 
 namespace omma {
-
-// Radiance comes in bands: those of linear RGB (sRGB primaries), unless the caller says otherwise,
-// and at most so many.
-inline constexpr int rgb_bands = 3, most_bands = 128;
 
 // An image in memory, row 0 at the top, RGBA. Exactly one of the two arrays is filled.
 struct Image {
@@ -26,9 +23,6 @@ struct Image {
   std::vector<float> rgba_linear;        // [height][width][4], linear
   bool operator==(const Image&) const = default;
 };
-
-enum class Wrap : std::uint8_t { repeat, mirrored_repeat, clamp_to_edge };
-enum class Filter : std::uint8_t { nearest, linear };
 
 // How an image is read: glTF texture and sampler in one.
 struct Texture {
@@ -47,8 +41,6 @@ struct TextureUse {
   float rotation_rad = 0;
   bool operator==(const TextureUse&) const = default;
 };
-
-enum class AlphaMode : std::uint8_t { opaque, mask, blend };
 
 // More of a surface's reflectance than RGB says: an image whose channels are amounts of given
 // spectra, e.g. a petal's ultraviolet guide. They add to what the base colour gives.
@@ -101,8 +93,6 @@ struct Material {
   Spectrum emission;
   bool operator==(const Material&) const = default;
 };
-
-enum class PunctualLightType : std::uint8_t { directional, point, spot };
 
 // KHR_lights_punctual: shines along the -Z of its node.
 struct PunctualLight {
@@ -168,8 +158,6 @@ struct Camera {
   std::string compound_projection;        // extras["compound-projection"], "" for none
   bool operator==(const Camera&) const = default;
 };
-
-enum class BackgroundType : std::uint8_t { constant, simple_sky, test_pattern, image };
 
 // Radiance of a ray that meets no surface.
 struct Background {

@@ -13,6 +13,7 @@
 
 #include "backend/opacity_maps.h"
 #include "backend/texture_levels.h"
+#include "omma/scene.h"
 #include "physics/views/scene_view.h"
 
 namespace omma {

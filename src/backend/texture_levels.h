@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "model/new_version.h"
+#include "omma/scene.h"
 #include "physics/views/scene_view.h"
 
 namespace omma {

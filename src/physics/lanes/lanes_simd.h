@@ -6,11 +6,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <utility>
 
 #include "omma/vec.h"
-#if defined(__AVX2__) && !defined(__CUDACC__)
+#if !defined(__CUDACC__)
+#include <utility>
+#if defined(__AVX2__)
 #include <immintrin.h>
+#endif
 #endif
 
 namespace omma {

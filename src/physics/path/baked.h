@@ -2,7 +2,7 @@
 // fully diffuse surface would send back of it, on the viewer's side and on the other.
 #pragma once
 
-#include "omma/bake.h"
+#include "omma/baked_cell.h"
 #include "physics/lanes/rows.h"
 #include "physics/lanes/vector3.h"
 #include "physics/path/path_light.h"

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "omma/scene.h"
+#include "omma/scene_kinds.h"
 #include "omma/vec.h"
 #include "physics/lanes/lanes.h"
 

@@ -4,13 +4,13 @@
 
 #include <cstdint>
 
-#include "omma/scene.h"
+#include "omma/scene_kinds.h"
 #include "omma/vec.h"
 #include "physics/views/version.h"
 
 namespace omma {
 
-struct CellError;  // omma/bake.h
+struct CellError;  // omma/baked_cell.h
 
 struct TextureView {
   // Levels follow one another, each half as wide and high as the one before, rounded up. Floats,
