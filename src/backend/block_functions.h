@@ -10,8 +10,6 @@
 
 namespace omma {
 
-// Packets of the processors that the loop is built for.
-inline constexpr int packet_rays = 16;
 static_assert(packet_rays == weight_group);
 
 struct BlockFunctions {

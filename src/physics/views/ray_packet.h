@@ -5,8 +5,10 @@
 
 #include <cstdint>
 
-
 namespace omma {
+
+// Rays of a processor's packets.
+inline constexpr int packet_rays = 16;
 
 // How the rays of a packet lie to each other, for searches that do better where they know.
 enum class Spread : std::uint8_t { together, scattered };
