@@ -91,8 +91,8 @@ std::vector<std::string> compile_options(const Nvrtc& nvrtc, int capability) {
     throw Error("NVRTC " + nvrtc.version() + " does not compile for a card of compute capability " +
                 std::to_string(capability / 10) + "." + std::to_string(capability % 10) +
                 "; another version may: pip install --upgrade 'omma[cuda]'");
-  // Nothing is fused, so that the bits are those of processors.
-  return {"-std=c++20", "--fmad=false", "-arch=sm_" + std::to_string(architecture)};
+  // Nothing is fused and denormals are zeros, as on processors (backend/denormals.h).
+  return {"-std=c++20", "--fmad=false", "--ftz=true", "-arch=sm_" + std::to_string(architecture)};
 }
 
 CompiledKernels compile_kernels(int capability, const std::string& nvrtc_path,
