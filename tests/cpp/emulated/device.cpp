@@ -54,11 +54,11 @@ struct Threads {
 
   explicit Threads(std::size_t bytes) : memory(bytes + 64) { use.memory = bytes; }
   // Painted anew.
-  Scratch scratch() {
+  std::byte* painted() {
     std::memset(memory.data(), paint, memory.size());
     void* at = memory.data();
     std::size_t room = memory.size();
-    return {static_cast<std::byte*>(std::align(64, use.memory, at, room))};
+    return static_cast<std::byte*>(std::align(64, use.memory, at, room));
   }
 };
 
@@ -73,24 +73,26 @@ void for_each_ommatidium(const BlockTask& task, const Each& each) {
   for (int i = 0; i < task.count; ++i) run_thread(each, i);
 }
 
-std::size_t thread_bytes(const FrameView& frame, int lanes) {
+std::size_t bytes_of(const DeviceLaunch& launch) {
   Scratch counting;
-  lay_out(counting, frame, lanes);
-  return counting.used;
+  if (launch.kind == LaunchKind::closest) lay_out_visits(counting);
+  if (launch.kind == LaunchKind::gather) lay_out(counting, *launch.frame, packet_rays);
+  const bool is_block = launch.kind == LaunchKind::render || launch.kind == LaunchKind::discs;
+  return is_block ? thread_bytes(*launch.frame) : counting.used;
 }
 
-void render_to_error(const FrameView& frame, const BlockTask& task, Search& search,
-                     Threads& threads) {
+void render_to_error(const DeviceLaunch& launch, const BlockTask& task, Threads& threads) {
+  const FrameView& frame = *launch.frame;
   Scratch counting;
   lay_out_error(counting, frame);
   Threads of_block(counting.used);
-  Scratch block = of_block.scratch();
+  Scratch block{of_block.painted()};
   const ErrorMemory known = lay_out_error(block, frame);
   const auto for_each = [&](const auto& run) {
     for_each_ommatidium(task, [&](int i) {
-      Scratch scratch = threads.scratch();
-      BlockMemory memory = lay_out(scratch, frame, 1);
+      BlockMemory& memory = lay_out_thread(threads.painted(), frame);
       share_error(frame, known, i, memory);
+      Search search{launch.searched, launch.bvh, memory.visits};
       run(BlockRun<Search>{frame, task, search, memory}, i);
     });
   };
@@ -108,17 +110,16 @@ void render_to_error(const FrameView& frame, const BlockTask& task, Search& sear
 
 void run_blocks(const DeviceLaunch& launch, Threads& threads) {
   const FrameView& frame = *launch.frame;
-  Search search{launch.searched, launch.bvh};
   const auto* tasks = static_cast<const BlockTask*>(launch.tasks);
   for (std::int64_t k = 0; k < launch.count; ++k) {
     const BlockTask& task = tasks[k];
     if (launch.kind == LaunchKind::render && frame.most_samples > 0) {
-      render_to_error(frame, task, search, threads);
+      render_to_error(launch, task, threads);
       continue;
     }
     for_each_ommatidium(task, [&](int i) {
-      Scratch scratch = threads.scratch();
-      const BlockMemory memory = lay_out(scratch, frame, 1);
+      const BlockMemory& memory = lay_out_thread(threads.painted(), frame);
+      Search search{launch.searched, launch.bvh, memory.visits};
       const BlockRun<Search> run{frame, task, search, memory};
       if (launch.kind == LaunchKind::render)
         render_ommatidium(run, i);
@@ -134,7 +135,7 @@ void run_gather(const DeviceLaunch& launch, Threads& threads) {
   SceneSearch<Packets> search{launch.searched, launch.bvh};
   const auto* tasks = static_cast<const GatherTask*>(launch.tasks);
   for (std::int64_t k = 0; k < launch.count; ++k) {
-    Scratch scratch = threads.scratch();
+    Scratch scratch{threads.painted()};
     const BlockMemory memory = lay_out(scratch, *launch.frame, packet_rays);
     gather_light<Packets>(*launch.frame->scene, search, tasks[k], memory.paths, memory.radiance);
   }
@@ -148,8 +149,9 @@ void run_weigh(const DeviceLaunch& launch) {
                                          i + 1, tasks[k].responses);
 }
 
-void run_closest(const DeviceLaunch& launch) {
-  const Search search{launch.searched, launch.bvh};
+void run_closest(const DeviceLaunch& launch, Threads& threads) {
+  Scratch scratch{threads.painted()};
+  const Search search{launch.searched, launch.bvh, lay_out_visits(scratch)};
   // Packets are written: the launch's tasks are the caller's own.
   auto* packets = static_cast<RayPacket<packet_rays>*>(const_cast<void*>(launch.tasks));
   for (std::int64_t k = 0; k < launch.count; ++k)
@@ -180,8 +182,7 @@ void run_closest(const DeviceLaunch& launch) {
 
 DeviceUse run_on_device(const DeviceLaunch& launch) {
   const bool is_gather = launch.kind == LaunchKind::gather;
-  Threads threads(
-      launch.frame == nullptr ? 0 : thread_bytes(*launch.frame, is_gather ? packet_rays : 1));
+  Threads threads(bytes_of(launch));
   const std::size_t stack = run_on_painted_stack([&] {
     const DenormalsAreZero denormals_are_zero;
     switch (launch.kind) {
@@ -196,7 +197,7 @@ DeviceUse run_on_device(const DeviceLaunch& launch) {
         run_weigh(launch);
         break;
       case LaunchKind::closest:
-        run_closest(launch);
+        run_closest(launch, threads);
         break;
     }
   });
