@@ -29,8 +29,9 @@ Scene scene_of(Mesh mesh) {
   return scene;
 }
 
-// Rays in packets that look anywhere, that look almost the same way from one place, and that look
-// so from places a little apart; some end early, some begin late, some run along an axis.
+// Rays in packets that look anywhere, that look almost the same way from one place, that look so from
+// places a little apart, and that start anywhere, as paths that were scattered; some end early, some
+// begin late, some run along an axis.
 std::vector<TestRay> rays_about(Random& random, int packets, double size_m) {
   std::vector<TestRay> rays;
   const auto place = [&](double s) {
@@ -43,6 +44,7 @@ std::vector<TestRay> rays_about(Random& random, int packets, double size_m) {
       TestRay ray;
       Vec3d from = origin;
       if (p % 3 == 0) from = from + place(0.02 * size_m);
+      if (p % 9 == 8) from = place(1.5 * size_m);
       Vec3d direction = normalize(towards + random.direction() * (cone * random.uniform()));
       if (p % 7 == 6) direction = {0, l % 2 == 0 ? 1.0 : -1.0, 0};
       if (p % 14 == 13) direction = normalize(direction + random.direction() * 1e-12);

@@ -23,6 +23,9 @@ inline constexpr float box_slack = 0x1p-18f;
 // reciprocals stay finite, and rays move by far less than boxes are widened by.
 inline constexpr float least_component = 1e-10f;
 
+// Origins that lie further from each other than this fraction of a node's size are apart.
+inline constexpr float apart_per_size = 0.25f;
+
 // What is in one place may be found in any order: boxes that much behind a hit are still searched.
 inline constexpr float hit_slack = 1 + 1e-5f;
 
@@ -33,6 +36,8 @@ struct RayBundle {
   unsigned lanes;  // a bit for each ray that belongs to it
   bool negative[3];
   bool one_origin;  // exactly the same for all of them
+  const float (*origin)[L::count];  // of each ray
+  float apart_m;                    // how far origins lie from each other at most, along an axis
   float near_origin[3], far_origin[3];
   float near_rate[3], far_rate[3];  // 1 / direction
   float t_near_m;
@@ -109,11 +114,14 @@ OMMA_HD void make_bundle(const RayFrame<L>& frame, const float (&t_near_m)[L::co
     }
   }
   bundle.one_origin = true;
+  bundle.origin = frame.origin;
+  bundle.apart_m = 0;
   for (int a = 0; a < 3; ++a) {
     float low, high;
     bundle.one_origin = span(frame.origin[a], low, high) && bundle.one_origin;
     bundle.near_origin[a] = bundle.negative[a] ? low : high;
     bundle.far_origin[a] = bundle.negative[a] ? high : low;
+    bundle.apart_m = most(bundle.apart_m, high - low);
     const float least_rate = least_lane(low_rate[a]), most_rate = most_lane(high_rate[a]);
     bundle.near_rate[a] = bundle.negative[a] ? -least_rate : least_rate;
     bundle.far_rate[a] = bundle.negative[a] ? -most_rate : most_rate;
@@ -179,6 +187,49 @@ OMMA_HD unsigned hit_children(const WideNode& node, const RayBundle<L>& bundle, 
     bits |= child_bits(near <= far) << c;
   }
   return bits & ((1u << (node.counts >> 4)) - 1u);
+}
+
+// Whether the interval of a bundle tells too little of its rays at the children of a node: origins
+// lie as far from each other as the node is large, and more, as of paths that were scattered.
+template <typename L>
+OMMA_HD bool is_apart(const WideNode& node, const RayBundle<L>& bundle) {
+  if constexpr (L::count == 1) return false;
+  float size = 0;
+  for (int a = 0; a < 3; ++a)
+    size = most(size, 255.0f * float_of(static_cast<std::int32_t>(node.exponent[a]) << 23));
+  return bundle.apart_m > apart_per_size * size;
+}
+
+// A bit for each of those lanes whose ray meets a child, each by its own origin.
+template <typename L>
+OMMA_HD unsigned hits_child_apart(const WideNode& node, const RayBundle<L>& bundle, unsigned lanes,
+                                  int c, const float (&t_far_m)[L::count]) {
+  using F = typename L::F;
+  float lower[3], upper[3], distance = 0, size = 0;
+  for (int a = 0; a < 3; ++a) {
+    const float step = float_of(static_cast<std::int32_t>(node.exponent[a]) << 23);
+    lower[a] = step * static_cast<float>(node.lower[a][c]);
+    upper[a] = step * static_cast<float>(node.upper[a][c]);
+    distance = most(distance, most(fabsf(node.origin[a] - bundle.near_origin[a]),
+                                   fabsf(node.origin[a] - bundle.far_origin[a])));
+    size = most(size, step);
+  }
+  const float slack = box_slack * (distance + 255.0f * size);
+  unsigned bits = 0;
+  for (int l = 0; l < L::count; l += L::width) {
+    F near = broadcast<F>(bundle.t_near_m);
+    F far = load<F>(t_far_m + l) * hit_slack;
+    for (int a = 0; a < 3; ++a) {
+      const bool negative = bundle.negative[a];
+      const F rate = load<F>(bundle.near_ratio[a] + l) * bundle.near_rate[a];
+      const F to_node = node.origin[a] - load<F>(bundle.origin[a] + l);
+      const F reach = slack * (negative ? 0.0f - rate : rate);
+      near = most((to_node + (negative ? upper[a] : lower[a])) * rate - reach, near);
+      far = least((to_node + (negative ? lower[a] : upper[a])) * rate + reach, far);
+    }
+    bits |= lane_bits(near <= far) << l;
+  }
+  return bits & lanes;
 }
 
 // A bit for each of those lanes whose ray meets a child.

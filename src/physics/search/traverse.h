@@ -85,11 +85,13 @@ OMMA_HD void search_tree(const SearchedTree<L>& tree, const RayBundle<L>& bundle
     const WideNode& node = tree.nodes[visit.at];
     ChildSlabs<L> slabs;
     unsigned bits = hit_children<L>(node, bundle, far_m, slabs);
+    const bool apart = is_apart(node, bundle);
     const int first = depth;
     while (bits != 0) {
       const int c = lowest_bit(bits);
       bits &= bits - 1;
-      const unsigned meeting = hits_child<L>(bundle, lanes, slabs, c, t_far_m);
+      const unsigned meeting = apart ? hits_child_apart(node, bundle, lanes, c, t_far_m)
+                                     : hits_child<L>(bundle, lanes, slabs, c, t_far_m);
       if (meeting == 0) continue;
       const int inner = node.counts & 15;
       const Visit<L::count> child{c < inner ? node.first_child + static_cast<std::uint32_t>(c)
