@@ -34,24 +34,24 @@ OMMA_HD F broadcast(float x) {
 }
 
 // Lanes that lie in memory one behind the other; T is a lane's type, or any of that size.
-// One lane is not copied as bytes: a card would move them one by one, as it takes them to lie at any
-// address.
+// A card has one lane, and would copy it byte by byte, as memcpy takes it to lie at any address.
 template <typename Vector, typename T>
 OMMA_HD Vector load(const T* p) {
-  if constexpr (sizeof(Vector) == sizeof(T)) {
-    return __builtin_bit_cast(Vector, *p);
-  } else {
-    Vector v;
-    memcpy(&v, p, sizeof v);
-    return v;
-  }
+#if defined(__CUDACC__)
+  return __builtin_bit_cast(Vector, *p);
+#else
+  Vector v;
+  memcpy(&v, p, sizeof v);
+  return v;
+#endif
 }
 template <typename Vector, typename T>
 OMMA_HD void store(T* p, Vector v) {
-  if constexpr (sizeof(Vector) == sizeof(T))
-    *p = __builtin_bit_cast(T, v);
-  else
-    memcpy(p, &v, sizeof v);
+#if defined(__CUDACC__)
+  *p = __builtin_bit_cast(T, v);
+#else
+  memcpy(p, &v, sizeof v);
+#endif
 }
 
 OMMA_HD std::int32_t to_int(float x) {
