@@ -77,7 +77,8 @@ TEST(KernelSources, AreThoseOnDisk) {
 
 TEST_F(CudaCompile, IsForTheCard) {
   const CompiledKernels compiled = compile_kernels(80, stand_in, "");
-  EXPECT_TRUE(compiled.cubin.starts_with("-std=c++20 --fmad=false -arch=sm_80 ")) << compiled.cubin;
+  EXPECT_NE(compiled.cubin.find("--fmad=false "), std::string::npos) << compiled.cubin;
+  EXPECT_NE(compiled.cubin.find("-arch=sm_80 "), std::string::npos) << compiled.cubin;
   EXPECT_EQ(compiled.note, "");
   // What is compiled for a card runs on later ones of its generation.
   EXPECT_NE(compile_kernels(89, stand_in, "").cubin.find("-arch=sm_86 "), std::string::npos);
