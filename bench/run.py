@@ -34,7 +34,7 @@ from make_large_scene import write_scene  # noqa: E402
 
 PARTS = ("ceiling", "error", "frames", "latency", "threads", "kernels", "build", "moving",
          "search", "worlds", "instructions", "light", "cameras",
-         "motion", "datasets", "baked", "baked_error", "light_to_error")  # fmt: skip
+         "motion", "datasets", "baked", "baked_error", "light_to_error", "gpu")  # fmt: skip
 COUNTED = ("1", "16", "16-plain", "16-random", "16-shared", "target")
 
 
@@ -168,7 +168,8 @@ def main() -> None:
     quick = ["--quick"] if given.quick else []
     write_lines(results / "machine.csv", machine())
     for part in PARTS:
-        if given.parts and part not in given.parts:
+        # Few machines have a card: it is asked for by name.
+        if part not in given.parts if given.parts else part == "gpu":
             continue
         print(f"{part}", flush=True)
         start = time.monotonic()
@@ -187,6 +188,8 @@ def main() -> None:
             lines = printed_table([sys.executable, BENCH / "baked.py", *quick])
         elif part == "baked_error":
             lines = printed_table([sys.executable, BENCH / "baked_error.py", *quick])
+        elif part == "gpu":
+            lines = printed_table([sys.executable, BENCH / "gpu.py", *quick])
         elif part == "light_to_error":
             data = [DATA] if DATA.exists() else []
             lines = printed_table([sys.executable, BENCH / "light_to_error.py", *data, *quick])

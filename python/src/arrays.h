@@ -76,6 +76,7 @@ void bind_eye_files(nb::module_& m);
 void bind_files(nb::module_& m);
 void bind_renderer(nb::module_& m);
 void bind_truth(nb::module_& m);
+void bind_card(nb::module_& m);
 void bind_projection(nb::module_& m);
 void bind_receptor(nb::module_& m);
 void bind_world(nb::module_& m);

@@ -64,6 +64,7 @@ NB_MODULE(_core, m) {
   omma::python::bind_baked_light(m);
   omma::python::bind_eye(m);
   omma::python::bind_eye_files(m);
+  omma::python::bind_card(m);
   omma::python::bind_world(m);
   omma::python::bind_renderer(m);
   omma::python::bind_truth(m);

@@ -2,6 +2,7 @@
 #include <array>
 
 #include "backend/backend.h"
+#include "backend/cuda/cuda_backend.h"
 #if defined(OMMA_HAS_EMBREE)
 #include "backend/embree/embree_backend.h"
 #endif
@@ -15,7 +16,7 @@ const std::array all {
 #if defined(OMMA_HAS_EMBREE)
   embree_backend(),
 #endif
-      portable_backend()
+      portable_backend(), cuda_backend()
 };
 
 }  // namespace

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "emulated/emulated_backend.h"
+#include "backend/cuda/cuda_backend.h"
 #include "lit_squares.h"
 #include "omma/bake.h"
 #include "test_scenes.h"

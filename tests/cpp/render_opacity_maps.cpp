@@ -3,6 +3,7 @@
 // without them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -14,6 +15,7 @@
 #include "backend/eye_arrays.h"
 #include "backend/shading_data.h"
 #include "omma/io.h"
+#include "physics/rays/replicates.h"
 #include "physics/surface/surface.h"
 #include "test_scenes.h"
 
@@ -336,9 +338,14 @@ std::vector<float> rendered(const Scene& scene, const Eye& eye, const Mat4& worl
     for (int c = 0; c < 4; ++c)
       task.world_from_head[r][c] =
           static_cast<float>(world_from_head.m[r][c] - (c == 3 ? origin[r] : 0));
-  task.count = static_cast<int>(eye.size());
   task.responses = responses.data();
-  backend.launches().render(frame, {&task, 1}, built.tracer.get());
+  std::vector<BlockTask> tasks;
+  const int ommatidia = static_cast<int>(eye.size());
+  for (task.first = 0; task.first < ommatidia; task.first += most_per_block) {
+    task.count = std::min(most_per_block, ommatidia - task.first);
+    tasks.push_back(task);
+  }
+  backend.launches().render(frame, tasks, built.tracer.get());
   return responses;
 }
 

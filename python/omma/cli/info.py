@@ -7,10 +7,11 @@ from typing import Annotated
 
 import typer
 
+from omma import Error
 from omma.cli.help import App
 from omma.cli.options import SceneUpOption
 from omma.cli.working import say, working
-from omma.job.info import describe_file
+from omma.job.info import describe_devices, describe_file
 from omma.scene.building import READING
 
 INFO_HELP = """
@@ -29,6 +30,8 @@ What an eye is like as an eye is measured by **omma eye info**.
 `omma info scan.stl --unit mm --up z`
 
 `omma info flight.npy`
+
+`omma info --devices`
 """
 
 info_app = App()
@@ -37,13 +40,14 @@ info_app = App()
 @info_app.command(help=INFO_HELP)
 def info(
     file: Annotated[
-        Path,
+        Path | None,
         typer.Argument(
             help="A scene (.gltf, .glb, .obj, .ply, .stl), an eye (.eye, .csv), or responses "
             "(.zarr, .nc, .parquet, .npy, .csv).",
             metavar="FILE",
+            show_default=False,
         ),
-    ],
+    ] = None,
     unit: Annotated[
         str | None,
         typer.Option(
@@ -53,8 +57,20 @@ def info(
         ),
     ] = None,
     up: SceneUpOption = None,
+    devices: Annotated[
+        bool,
+        typer.Option("--devices", help="Say what there is to trace rays with instead."),
+    ] = False,
 ) -> None:
     """Say what is in a file."""
+    if devices:
+        if file is not None:
+            raise Error("--devices: expected no file beside it")
+        for what, value in describe_devices():
+            say(f"{what:<16} {value}")
+        return
+    if file is None:
+        raise Error("FILE: expected a file, or --devices, found neither")
     with working() as bar:
         lines = describe_file(file, unit, up, bar.fraction_of(READING))
     for what, value in lines:

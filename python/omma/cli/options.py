@@ -93,11 +93,11 @@ UnitOption = Annotated[
     ),
 ]
 BackendOption = Annotated[
-    Literal["", "embree", "portable"],
+    Literal["", "embree", "portable", "cuda"],
     typer.Option(
-        help="What traces the rays: embree, or portable, which is Omma's own. Default: the "
-        "fastest there is.",
-        metavar="embree|portable",
+        help="What traces the rays: embree, portable, which is Omma's own, or cuda, a graphics "
+        "card (omma info --devices). Default: the faster of the first two.",
+        metavar="embree|portable|cuda",
         show_default=False,
     ),
 ]

@@ -14,6 +14,7 @@ from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.files import PathLike
 from omma.eye.files import eye_file_heads, load_eye
 from omma.job.results_info import Lines, describe_responses, is_response_file
+from omma.scene.device_list import devices
 from omma.scene.files import read_scene
 from omma.scene.mesh_files import MESH_FILES
 
@@ -32,6 +33,19 @@ def is_scene_file(path: PathLike) -> bool:
             return file.read(256).lstrip()[:1] in (b"{", b"g")
     except OSError:
         return False
+
+
+def describe_devices() -> Lines:
+    """What there is to trace rays with, and the backends that use it."""
+    return [
+        (
+            device.name or "graphics card",
+            f"cannot be used: {device.why_not}"
+            if device.why_not
+            else "backend " + ", ".join(device.backends),
+        )
+        for device in devices()
+    ]
 
 
 def describe_file(

@@ -1,4 +1,5 @@
 from .baking import Bake, BakedInfo
+from .device_list import Device, devices
 from .files import Camera, load_scene, save_scene
 from .joining import merge_scenes, place_scene
 from .parts import (
@@ -30,6 +31,7 @@ __all__ = [
     "Bake",
     "BakedInfo",
     "Camera",
+    "Device",
     "ExtraReflectance",
     "HitBox",
     "Image",
@@ -46,6 +48,7 @@ __all__ = [
     "box",
     "corridor",
     "cylinder",
+    "devices",
     "disc",
     "drum",
     "from_trimesh",

@@ -17,6 +17,7 @@ from omma.base.progress import Progress, share_of
 from omma.base.values import check_format
 from omma.light import Light
 from omma.scene.baking import Bake, BakeCost, BakedInfo, bake_cost, find_baked_light
+from omma.scene.device_list import prepare_backend
 from omma.scene.lighting import (
     Lighting,
     LightingName,
@@ -48,7 +49,8 @@ class World:
         background: instead of the scene's own.
         threads: that build it and take pictures; 0 takes one per hardware thread.
         backend: what traces the rays: "embree"; "portable", which is Omma's own and there on every
-            processor; or "" for the fastest that is built in.
+            processor; "" for the faster of these that is built in; or "cuda", a graphics card of
+            NVIDIA's (`omma.scene.devices` says whether there is one; docs/install.md).
         band_from_rgb: (B, 3), what linear RGB, as textures, colours and backgrounds have it, is in
             each of 1 to 128 bands (`omma.light.band_from_rgb` makes it); responses are then
             [..., B]. None: the bands are red, green and blue. Not together with ``light``, which
@@ -138,6 +140,7 @@ class World:
         lit = None if given is None or arguments is None else given.for_engine(arguments)
         bakes = given is not None and given.bake is not None
         building = share_of(progress, 0, _BUILDING) if bakes else progress
+        prepare_backend(backend)
         self._engine = _core.World(scene, number, background, backend, weights, lit, building)
         if arguments is not None:
             self._bake(arguments, share_of(progress, _BUILDING, 1))

@@ -15,21 +15,9 @@
 #include "physics/block/weigh.h"
 #include "physics/path/gather.h"
 #include "physics/surface/scene_search.h"
+#include "physics/views/grid_launch.h"
 
 namespace omma {
-
-// What a launch is given; all behind its pointers is in the card's memory.
-struct GridLaunch {
-  const FrameView* frame = nullptr;     // of render, discs, gather
-  const SceneView* searched = nullptr;  // whose surfaces say which hits count
-  const BvhView* bvh = nullptr;
-  const void* tasks = nullptr;            // BlockTask, GatherTask, WeighTask or RayPacket
-  std::int64_t count = 0;                 // of tasks
-  const SharedWeights* shared = nullptr;  // of weigh
-  std::int32_t outputs = 0;               // of weigh
-  std::byte* memory = nullptr;            // [block of the grid][block_bytes, threads' thread_bytes]
-  std::size_t block_bytes = 0, thread_bytes = 0;
-};
 
 // Lanes of a thread that gathers light: the paths of a receiver take over points of each other, so
 // it has a whole packet.

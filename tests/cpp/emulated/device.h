@@ -1,27 +1,24 @@
 // What a graphics card would run, run by a processor: each launch a grid of threads, each of which
-// has one lane, a stack and memory of its own. All that it reads and writes is behind the pointers
-// of a launch.
+// has a stack and memory of its own. All that it reads and writes is behind the pointers of a
+// launch, in the emulated card's memory.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 
-#include "backend/launches.h"
-#include "physics/search/bvh.h"
+#include "backend/cuda/card.h"
 
 namespace omma::test {
 
-enum class LaunchKind : std::int32_t { render, discs, weigh, gather, closest };
+// The card's memory is shared with the process that runs its threads, at the same address in both,
+// far from what systems map by themselves. Of it what is touched is had.
+inline constexpr std::uintptr_t device_address = 0x6000'0000'0000;
+inline constexpr std::size_t device_bytes = std::size_t{1} << 34;
 
-struct DeviceLaunch {
-  LaunchKind kind = LaunchKind::render;
-  const FrameView* frame = nullptr;     // of render, discs, gather
-  const SceneView* searched = nullptr;  // whose surfaces say which hits count
-  const BvhView* bvh = nullptr;
-  const void* tasks = nullptr;            // BlockTask, WeighTask, GatherTask or RayPacket
-  std::int64_t count = 0;                 // of tasks
-  const SharedWeights* shared = nullptr;  // of weigh, with these
-  std::int32_t outputs = 0;
+struct DeviceCall {
+  CardKernel kernel;
+  int blocks;
+  GridLaunch launch;
 };
 
 // The most that a thread had of a launch in one lane, bytes.
@@ -29,6 +26,6 @@ struct DeviceUse {
   std::size_t stack = 0, memory = 0;
 };
 
-DeviceUse run_on_device(const DeviceLaunch& launch);
+DeviceUse run_on_device(const DeviceCall& call);
 
 }  // namespace omma::test

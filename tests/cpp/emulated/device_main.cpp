@@ -9,7 +9,6 @@
 #include <cstdlib>
 
 #include "emulated/device.h"
-#include "emulated/device_memory.h"
 
 using namespace omma::test;
 
@@ -22,9 +21,9 @@ int main(int argc, char** argv) {
     std::perror("emulated device: memory");
     return 1;
   }
-  DeviceLaunch launch;
-  while (read(host, &launch, sizeof launch) == sizeof launch) {
-    const DeviceUse use = run_on_device(launch);
+  DeviceCall call;
+  while (read(host, &call, sizeof call) == sizeof call) {
+    const DeviceUse use = run_on_device(call);
     if (write(host, &use, sizeof use) != sizeof use) return 1;
   }
   return 0;

@@ -1,5 +1,4 @@
-// A backend that stands for a graphics card: the portable one's hierarchy, searched in one lane by
-// each of the threads of a grid.
+// The backend of a graphics card (backend/cuda), with a driver that stands for one.
 #pragma once
 
 #include "backend/backend.h"
@@ -9,10 +8,11 @@ namespace omma::test {
 
 Backend emulated_backend();
 
-// The most that a thread of any launch in one lane has had since this was asked for last.
-DeviceUse take_device_use();
+// Whether, as scripts/device asks for, it is the machine's own card after all.
+bool is_real_card();
 
-// Bytes of arrays that have been copied to stay since this was asked for last.
-std::size_t take_kept_bytes();
+// As emulated_driver.h has them.
+DeviceUse take_device_use();
+void make_driver_fail(const char* call, int error, int calls_before = 0);
 
 }  // namespace omma::test

@@ -1,0 +1,163 @@
+// A card through the driver.
+#include "backend/cuda/card.h"
+
+#include <algorithm>
+#include <mutex>
+
+#include "backend/cuda/compile.h"
+#include "omma/error.h"
+#include "physics/rays/replicates.h"
+
+namespace omma {
+namespace {
+
+constexpr int least_version = 12000;  // of CUDA, that the driver knows
+constexpr int threads = most_per_block;
+
+// May be given before main begins.
+struct GivenLibraries {
+  std::mutex mutex;
+  CardLibraries libraries;
+};
+GivenLibraries& given() {
+  static GivenLibraries the_ones;
+  return the_ones;
+}
+
+void check(const Card& card, int result, const char* call) {
+  check_driver(card.driver, result, call, card.name);
+}
+
+std::string in_megabytes(std::size_t bytes) {
+  return std::to_string((bytes + 999'999) / 1'000'000) + " MB";
+}
+
+std::size_t bytes_per_block(const GridLaunch& launch) {
+  return launch.block_bytes + static_cast<std::size_t>(threads) * launch.thread_bytes;
+}
+
+// The kernels of the card's own architecture.
+void load_kernels(Card& card, const CardLibraries& from) {
+  const CompiledKernels compiled = compile_kernels(card.capability, from.nvrtc, from.kernel_cache);
+  card.note = compiled.note;
+  void* module = nullptr;
+  check(card, card.driver.load_module(&module, compiled.cubin.data()), "cuModuleLoadData");
+  for (int k = 0; k < card_kernel_count; ++k) {
+    check(card, card.driver.function(&card.functions[k], module, card_kernel_names[k]),
+          "cuModuleGetFunction");
+    int blocks = 0;
+    check(card, card.driver.blocks_at_once(&blocks, card.functions[k], threads, 0),
+          "cuOccupancyMaxActiveBlocksPerMultiprocessor");
+    card.blocks_at_once[k] = std::max(1, blocks * card.processors);
+  }
+}
+
+}  // namespace
+
+void set_card_libraries(const CardLibraries& libraries) {
+  const std::lock_guard lock(given().mutex);
+  given().libraries = libraries;
+}
+
+CardLibraries card_libraries() {
+  const std::lock_guard lock(given().mutex);
+  return given().libraries;
+}
+
+Card find_card(const CardLibraries& from) {
+  Card card;
+  card.name = "cuda";
+  card.driver = load_driver(from.driver);
+  const DriverFunctions& driver = card.driver;
+  check(card, driver.init(0), "cuInit");
+  int count = 0;
+  check(card, driver.version(&card.cuda_version), "cuDriverGetVersion");
+  if (card.cuda_version < least_version)
+    throw Error("cuda: expected a driver for CUDA 12.0 or newer, found one for CUDA " +
+                std::to_string(card.cuda_version / 1000) + "." +
+                std::to_string(card.cuda_version % 1000 / 10) + "; update NVIDIA's driver");
+  check(card, driver.card_count(&count), "cuDeviceGetCount");
+  if (count < 1) throw Error("cuda: expected a card, found a driver without one");
+  check(card, driver.card(&card.device, 0), "cuDeviceGet");
+  char name[256] = {};
+  check(card, driver.card_name(name, sizeof name - 1, card.device), "cuDeviceGetName");
+  card.name = "cuda:0 (" + std::string(name) + ")";
+  const auto ask = [&](int& value, CardAttribute attribute) {
+    check(card, driver.attribute(&value, attribute, card.device), "cuDeviceGetAttribute");
+  };
+  int major = 0, minor = 0;
+  ask(major, capability_major);
+  ask(minor, capability_minor);
+  ask(card.processors, processor_count);
+  card.capability = 10 * major + minor;
+  if (card.capability < 75)
+    throw Error(card.name + ": expected compute capability 7.5 (Turing) or newer, found " +
+                std::to_string(major) + "." + std::to_string(minor));
+  return card;
+}
+
+Card open_card(const CardLibraries& from) {
+  Card card = find_card(from);
+  check(card, card.driver.retain_context(&card.context, card.device), "cuDevicePrimaryCtxRetain");
+  use_card(card);
+  load_kernels(card, from);
+  return card;
+}
+
+void use_card(const Card& card) {
+  check(card, card.driver.set_context(card.context), "cuCtxSetCurrent");
+}
+
+CardPointer try_to_allocate(const Card& card, std::size_t bytes) {
+  CardPointer at = 0;
+  const int result = card.driver.allocate(&at, bytes);
+  if (result == driver_out_of_memory) return 0;
+  check(card, result, "cuMemAlloc");
+  return at;
+}
+
+void fail_for_memory(const Card& card, std::size_t bytes) {
+  std::size_t free = 0, total = 0;
+  check(card, card.driver.memory_info(&free, &total), "cuMemGetInfo");
+  throw Error(card.name + ": expected " + in_megabytes(bytes) + " of memory, found " +
+              in_megabytes(free) + " free of " + in_megabytes(total) +
+              "; render fewer poses at once, or a smaller scene");
+}
+
+void copy_to_card(const Card& card, CardPointer to, const void* from, std::size_t bytes) {
+  if (bytes > 0) check(card, card.driver.copy_to_card(to, from, bytes), "cuMemcpyHtoD");
+}
+
+void copy_from_card(const Card& card, void* to, CardPointer from, std::size_t bytes) {
+  if (bytes > 0) check(card, card.driver.copy_from_card(to, from, bytes), "cuMemcpyDtoH");
+}
+
+int give_memory(Card& card, CardKernel kernel, std::int64_t wanted, GridLaunch& launch) {
+  const std::int64_t at_once = card.blocks_at_once[static_cast<int>(kernel)];
+  std::int64_t blocks = std::max<std::int64_t>(1, std::min(wanted, at_once));
+  const std::size_t each = bytes_per_block(launch);
+  const auto needed = [&] { return static_cast<std::size_t>(blocks) * each; };
+  if (needed() > card.thread_memory_bytes) {
+    if (card.thread_memory != 0) check(card, card.driver.free(card.thread_memory), "cuMemFree");
+    card.thread_memory_bytes = 0;
+    // Half as many blocks take longer, and are right too.
+    while ((card.thread_memory = try_to_allocate(card, needed())) == 0) {
+      if (blocks == 1) fail_for_memory(card, needed());
+      blocks /= 2;
+    }
+    card.thread_memory_bytes = needed();
+  }
+  launch.memory = reinterpret_cast<std::byte*>(card.thread_memory);
+  return static_cast<int>(blocks);
+}
+
+void run(const Card& card, CardKernel kernel, int blocks, GridLaunch launch) {
+  void* arguments[] = {&launch};
+  check(card,
+        card.driver.launch(card.functions[static_cast<int>(kernel)], static_cast<unsigned>(blocks),
+                           1, 1, threads, 1, 1, 0, nullptr, arguments, nullptr),
+        "cuLaunchKernel");
+  check(card, card.driver.synchronize(), "cuCtxSynchronize");
+}
+
+}  // namespace omma

@@ -1,0 +1,192 @@
+// The host's side of a card: copies what a launch reads and the card does not have yet, runs a
+// kernel, and brings back what it wrote.
+#include "backend/cuda/cuda_backend.h"
+
+#include <algorithm>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "backend/copy_arrays.h"
+#include "backend/cuda/card_memory.h"
+#include "backend/cuda/compile.h"
+#include "backend/portable/portable_backend.h"
+#include "backend/portable/portable_tracer.h"
+#include "omma/error.h"
+#include "physics/block/block_memory.h"
+#include "threads/cancel.h"
+
+namespace omma {
+namespace {
+
+// A launch has so many tasks for each block of the grid: between launches it is asked whether all
+// is cancelled.
+constexpr std::int64_t tasks_per_block = 32;
+
+// The card, from when it is first asked for, with what stays on it.
+struct OpenCard {
+  CardLibraries libraries = card_libraries();
+  Card card = open_card(libraries);
+  KeptCopies kept{libraries.checks_copies};
+  MirroredMemory read, written;
+};
+
+std::mutex one_at_a_time;
+std::unique_ptr<OpenCard> opened;
+
+// The caller holds one_at_a_time. An error stays no error: it is asked again the next time.
+OpenCard& the_card() {
+  if (opened == nullptr) opened = std::make_unique<OpenCard>();
+  use_card(opened->card);
+  return *opened;
+}
+
+// A launch that is put together.
+class Launch {
+ public:
+  explicit Launch(CardKernel kernel) : kernel_(kernel) {}
+
+  template <typename View, typename... More>
+  const View* view(View copied, const More&... more) {
+    arrays_.point_to_copies(copied, more...);
+    return copies_.read(&copied, 1, Version{0});
+  }
+  void search(const void* built) {
+    const auto* tracer = static_cast<const PortableTracer*>(built);
+    launch_.searched = view(*tracer->scene_view);
+    launch_.bvh = view(tracer->view);
+  }
+  void render(const FrameView& frame, int lanes) {
+    launch_.frame = view(frame);
+    Scratch of_thread, of_block;
+    lay_out(of_thread, frame, lanes);
+    if (frame.most_samples > 0) lay_out_error(of_block, frame);
+    launch_.thread_bytes = of_thread.used;
+    launch_.block_bytes = of_block.used;
+  }
+  void weigh(const SharedWeights& shared, int outputs) {
+    launch_.shared = view(shared);
+    launch_.outputs = outputs;
+  }
+
+  // `tasks_in_block`: that the threads of a block take at once.
+  template <typename Task, typename... More>
+  void run_tasks(std::span<const Task> tasks, double tasks_in_block, const More&... more) {
+    std::vector<Task> own(tasks.begin(), tasks.end());
+    for (Task& task : own) arrays_.point_to_copies(task, more...);
+    run(copies_.read(own.data(), own.size(), Version{0}), own.size(), tasks_in_block);
+  }
+  void run_packets(std::span<RayPacket<packet_rays>> packets) {
+    run(copies_.written(packets.data(), packets.size()), packets.size(),
+        double{most_per_block} / packet_rays);
+  }
+
+ private:
+  template <typename Task>
+  void run(const Task* tasks, std::size_t count, double tasks_in_block) {
+    copies_.send();
+    const auto all = static_cast<std::int64_t>(count);
+    const auto blocks_for = [&](std::int64_t n) {
+      return static_cast<std::int64_t>(static_cast<double>(n) / tasks_in_block) + 1;
+    };
+    const int most = give_memory(open_.card, kernel_, blocks_for(all), launch_);
+    const auto step = std::max<std::int64_t>(
+        1, static_cast<std::int64_t>(most * tasks_in_block * tasks_per_block));
+    for (std::int64_t k = 0; k < all; k += step) {
+      check_cancelled();
+      launch_.tasks = tasks + k;
+      launch_.count = std::min(step, all - k);
+      omma::run(open_.card, kernel_,
+                static_cast<int>(std::min<std::int64_t>(most, blocks_for(launch_.count))), launch_);
+    }
+    copies_.bring_back();
+  }
+
+  std::lock_guard<std::mutex> lock_{one_at_a_time};
+  OpenCard& open_ = the_card();
+  LaunchCopies copies_{open_.card, open_.kept, open_.read, open_.written};
+  ArrayCopies<LaunchCopies> arrays_{copies_};
+  CardKernel kernel_;
+  GridLaunch launch_;
+};
+
+void render_tasks(CardKernel kernel, const FrameView& frame, std::span<const BlockTask> tasks,
+                  const void* tracer) {
+  Launch launch(kernel);
+  launch.search(tracer);
+  launch.render(frame, 1);
+  launch.run_tasks(tasks, 1, frame);
+}
+
+Launches launches() {
+  Launches all;
+  all.render = [](const FrameView& frame, std::span<const BlockTask> tasks, const void* tracer) {
+    render_tasks(CardKernel::render, frame, tasks, tracer);
+  };
+  all.discs = [](const FrameView& frame, std::span<const BlockTask> tasks, const void* tracer) {
+    render_tasks(CardKernel::discs, frame, tasks, tracer);
+  };
+  all.gather = [](const FrameView& frame, std::span<const GatherTask> tasks, const void* tracer) {
+    Launch launch(CardKernel::gather);
+    launch.search(tracer);
+    launch.render(frame, packet_rays);
+    launch.run_tasks(tasks, most_per_block, frame.scene->bands);
+  };
+  all.weigh = [](const SharedWeights& shared, int outputs, std::span<const WeighTask> tasks) {
+    Launch launch(CardKernel::weigh);
+    launch.weigh(shared, outputs);
+    launch.run_tasks(tasks, double{most_per_block} / static_cast<double>(shared.ommatidium_count),
+                     shared, outputs);
+  };
+  all.closest = [](std::span<RayPacket<packet_rays>> packets, const void* tracer) {
+    Launch launch(CardKernel::closest);
+    launch.search(tracer);
+    launch.run_packets(packets);
+  };
+  return all;
+}
+
+Acceleration build(const Scene& scene, const SceneView& view, const Placement& placement,
+                   WorkState* work) {
+  std::string name;
+  {
+    const std::lock_guard lock(one_at_a_time);
+    name = the_card().card.name;
+  }
+  return {portable_backend().build(scene, view, placement, work).tracer, name};
+}
+
+}  // namespace
+
+Backend cuda_backend() {
+  return {"cuda", build, portable_backend().move, launches};
+}
+
+CardState card_state() {
+  CardState state;
+  try {
+    const CardLibraries libraries = card_libraries();
+    const Card card = find_card(libraries);
+    state.name = card.name;
+    state.driver = std::to_string(card.cuda_version / 1000) + "." +
+                   std::to_string(card.cuda_version % 1000 / 10);
+    (void)compile_options(Nvrtc(libraries.nvrtc), card.capability);
+  } catch (const Error& error) {
+    state.why_not = error.what();
+  }
+  return state;
+}
+
+std::string card_note() {
+  const std::lock_guard lock(one_at_a_time);
+  return the_card().card.note;
+}
+
+std::size_t take_kept_bytes() {
+  const std::lock_guard lock(one_at_a_time);
+  return opened != nullptr ? std::exchange(opened->kept.copied, 0) : 0;
+}
+
+}  // namespace omma

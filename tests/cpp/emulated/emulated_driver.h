@@ -1,0 +1,13 @@
+// What tests ask of the stand-in for NVIDIA's driver (driver.cpp), by dlsym.
+#pragma once
+
+#include "emulated/device.h"
+
+extern "C" {
+
+// The most that a thread of any launch in one lane has had since this was asked for last.
+omma::test::DeviceUse emulated_take_use();
+
+// From now on the call, after so many that succeed, ends in the error; "" : none does.
+void emulated_fail(const char* call, int error, int calls_before);
+}

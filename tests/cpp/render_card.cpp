@@ -1,0 +1,102 @@
+// What can go wrong between Omma and a graphics card, by a driver that stands for NVIDIA's and
+// fails where it is told to (emulated/driver.cpp): each call's error is an omma::Error that names
+// it, and the card renders the same as before when the error has gone.
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "emulated/emulated_backend.h"
+#include "omma/error.h"
+#include "world_tests.h"
+
+namespace omma::test {
+namespace {
+
+constexpr int out_of_memory = 2, launch_failed = 719;
+
+std::string error_of(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+void expect_words(const std::string& message, std::initializer_list<const char*> words) {
+  for (const char* const word : words)
+    EXPECT_NE(message.find(word), std::string::npos) << word << " in: " << message;
+}
+
+World squares_on_card() {
+  WorldSettings settings;
+  settings.backend = "emulated";
+  return make_world(flat_triangles(1, 10), settings);
+}
+
+// No test leaves the driver failing.
+class CardErrors : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (is_real_card()) GTEST_SKIP() << "a real driver does not fail when it is asked to";
+  }
+  ~CardErrors() override { make_driver_fail("", 0); }
+};
+
+TEST_F(CardErrors, OfOpeningSayWhatIsMissing) {
+  const CardLibraries libraries = card_libraries();
+  const auto opening = [&](CardLibraries changed) {
+    return error_of([&] { (void)open_card(changed); });
+  };
+  CardLibraries none = libraries;
+  none.driver = "libno_such_driver.so.1";
+  expect_words(opening(none), {"expected NVIDIA's driver, found none", "libno_such_driver.so.1"});
+  none.driver = "libm.so.6";
+  expect_words(opening(none), {"libm.so.6", "cuInit", "update"});
+  make_driver_fail("cuDriverGetVersion", 1);
+  expect_words(opening(libraries), {"CUDA 12.0 or newer", "CUDA 11.4"});
+  make_driver_fail("cuDeviceGetCount", 1);
+  expect_words(opening(libraries), {"found a driver without one"});
+}
+
+TEST_F(CardErrors, OfOpeningNameTheCall) {
+  for (const char* const call :
+       {"cuInit", "cuDeviceGet", "cuDeviceGetName", "cuDeviceGetAttribute",
+        "cuDevicePrimaryCtxRetain", "cuCtxSetCurrent", "cuModuleLoadData", "cuModuleGetFunction",
+        "cuOccupancyMaxActiveBlocksPerMultiprocessor"}) {
+    make_driver_fail(call, launch_failed);
+    expect_words(error_of([] { (void)open_card(card_libraries()); }),
+                 {call, "CUDA_ERROR_LAUNCH_FAILED", "cuda"});
+  }
+}
+
+TEST_F(CardErrors, OfRenderingNameTheCallAndLeaveNothingBehind) {
+  const World world = squares_on_card();
+  const Renderer renderer(world, make_eye(sphere_directions(100), 12 * degree), {});
+  const std::vector<float> expected = seen(renderer);
+  for (const char* const call :
+       {"cuCtxSetCurrent", "cuMemcpyHtoD", "cuMemcpyDtoH", "cuLaunchKernel", "cuCtxSynchronize"}) {
+    make_driver_fail(call, launch_failed);
+    expect_words(error_of([&] { seen(renderer); }),
+                 {"cuda:0 (emulated card)", call, "started anew"});
+    make_driver_fail("", 0);
+    EXPECT_EQ(seen(renderer), expected) << call;
+  }
+}
+
+// Memory that is short for a while is waited for by giving up what is kept, then it is an error.
+TEST_F(CardErrors, OfMemorySayHowMuchIsThere) {
+  const World world = squares_on_card(), other = squares_on_card();
+  const Eye eye = make_eye(sphere_directions(100), 12 * degree);
+  const Renderer renderer(world, eye, {}), of_other(other, eye, {});
+  const std::vector<float> expected = seen(renderer);
+  make_driver_fail("cuMemAlloc", out_of_memory);
+  expect_words(error_of([&] { seen(of_other); }),
+               {"cuda:0 (emulated card): expected", "MB of memory", "free of", "fewer poses"});
+  make_driver_fail("", 0);
+  EXPECT_EQ(seen(of_other), expected);
+  EXPECT_EQ(seen(renderer), expected);
+}
+
+}  // namespace
+}  // namespace omma::test

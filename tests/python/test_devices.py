@@ -1,0 +1,91 @@
+"""Graphics cards as Python users meet them: by the tests' stand-in for one, and without any."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import omma
+from omma.scene import devices
+
+STAND_IN = Path(__file__).parents[2] / "build/default/tests/cpp/libomma_emulated_driver.so"
+with_stand_in = pytest.mark.skipif(not STAND_IN.exists(), reason="the C++ tests are not built")
+
+
+def run(*arguments, card=True, cache="", **more):
+    """What a process prints that has the stand-in for a card, or none."""
+    driver = str(STAND_IN) if card else "libno_such_driver.so.1"
+    environment = {
+        **os.environ,
+        "OMMA_CUDA_DRIVER": driver,
+        "OMMA_NVRTC": driver,
+        "OMMA_CACHE": str(cache),
+    }
+    return subprocess.run(
+        [sys.executable, *arguments], env=environment, capture_output=True, text=True, **more
+    )
+
+
+RENDER = """
+import numpy as np, omma
+from omma.light import Bands, clear_sky
+scene = omma.load_scene(omma.examples.meadow())
+eye = omma.eye.generate_eye(70)
+lit = {"light": clear_sky(30, bands=Bands.equal(12, 400, 700)), "ultraviolet": "dark"}
+for asked in ({}, lit):
+    worlds = [omma.World(scene, backend=name, **asked) for name in ("portable", "cuda")]
+    one, other = (omma.Renderer(w, eye, omma.Fixed(2)).render("bee") for w in worlds)
+    print(worlds[1].backend, np.array_equal(one, other), one.mean() > 0)
+"""
+
+
+@with_stand_in
+def test_a_card_gives_the_bits_of_portable(tmp_path):
+    done = run("-W", "error", "-c", RENDER, cache=tmp_path)
+    assert done.stdout.splitlines() == ["cuda:0 (emulated card) True True"] * 2, done.stderr
+    assert list((tmp_path / "kernels").glob("*.cubin"))
+
+
+@with_stand_in
+def test_kernels_that_cannot_be_kept_are_told_of(tmp_path):
+    cache = tmp_path / "file"
+    cache.write_text("no folder")
+    program = "import omma; omma.World(omma.load_scene(omma.examples.meadow()), backend='cuda')"
+    done = run("-c", program, cache=cache)
+    assert "UserWarning: the card's kernels are compiled by each process" in done.stderr
+    assert done.returncode == 0
+
+
+@with_stand_in
+def test_info_says_which_card_there_is():
+    done = run("-m", "omma", "info", "--devices")
+    assert "cuda:0 (emulated card)" in done.stdout
+    assert "backend cuda" in done.stdout
+    assert "portable" in done.stdout
+
+
+def test_info_says_why_there_is_none():
+    done = run("-m", "omma", "info", "--devices", card=False)
+    assert done.returncode == 0
+    assert "cannot be used: cuda: expected NVIDIA's driver, found none" in done.stdout
+
+
+def test_a_world_without_a_card_is_refused():
+    program = "import omma; omma.World(omma.load_scene(omma.examples.meadow()), backend='cuda')"
+    done = run("-c", program, card=False)
+    assert "omma.Error: cuda: expected NVIDIA's driver, found none" in done.stderr
+
+
+def test_info_takes_a_file_or_devices():
+    for arguments in ([], ["--devices", omma.examples.meadow()]):
+        done = run("-m", "omma", "info", *arguments, card=False)
+        assert done.returncode != 0
+        assert "--devices" in done.stderr
+
+
+def test_the_processor_is_always_there():
+    processor = devices()[0]
+    assert "portable" in processor.backends
+    assert processor.why_not == ""
