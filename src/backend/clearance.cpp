@@ -47,7 +47,7 @@ void set_rays(const Vec3 (&corner)[3], std::uint32_t hash, RayPacket<packet_rays
     rays.t_far_m[l] = INFINITY;
     rays.mask[l] = has_area ? all_seen : 0;
   }
-  leave_surfaces<L>(geometry, towards, LaneMask<L>::all(), rays);
+  leave_surfaces<L>(geometry, towards, rays);
 }
 
 // Sum over a packet's rays.

@@ -17,8 +17,6 @@ namespace {
 // Radiance is at most 1e15, and sums of it stay in single precision.
 constexpr double most_output_weight = 1e6;
 
-static_assert(error_scrambles <= most_scrambles);
-
 // Tasks of a launch: enough to keep all threads busy, few enough to lie in the cache.
 constexpr std::size_t tasks_of_launch = 4096;
 

@@ -8,7 +8,9 @@ namespace {
 
 template <typename L>
 SceneSearch<L> search_of(const PortableTracer& tracer) {
-  return {tracer.scene_view, &tracer.view};
+  static Visit<L::count> tree[stack_capacity(most_tree_depth)];
+  static Visit<L::count> top[stack_capacity(most_top_depth)];
+  return {tracer.scene_view, &tracer.view, {tree, top}};
 }
 
 template <typename L>

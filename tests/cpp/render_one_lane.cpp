@@ -11,6 +11,7 @@
 #include "optics/acceptance_warp.h"
 #include "physics/sampling/acceptance_sampling.h"
 #include "test_scenes.h"
+#include "world/world_state.h"
 #include "world_tests.h"
 
 namespace omma::test {
@@ -85,27 +86,70 @@ TEST(OneLane, HasTheBitsOfPackets) {
     }
 }
 
-// A lit world in sixteen bands. Stacks are those of a processor's code: a flight of a path 3 kB,
-// the loop over replicates 2, what the search has still to visit 1.
-TEST(OneLane, IsSmallEnoughForAThreadOfACard) {
+// A lit world in sixteen bands that asks for as much as one can: what lets light through, something
+// small that shines and is aimed at, a disc. Baked light is looked up besides.
+World demanding_world(bool is_polarized, bool is_baked) {
+  Scene scene = squares();
+  scene.materials[0].alpha_mode = AlphaMode::blend;
+  scene.materials[0].base_color.w = 0.5f;
+  Material shining;
+  shining.emissive = {1, 1, 1};
+  shining.double_sided = true;
+  add_instance(scene, add_mesh(scene, quad({0, 1, -2}, {0.05, 0, 0}, {0, 0.05, 0},
+                                           add_material(scene, shining))));
   WorldSettings settings;
-  Lighting lighting = lighting_of(1);
+  Lighting lighting = lighting_of(is_polarized ? 3 : 1);
+  lighting.light.emission_cd_m2 = 1e6;
   lighting.light.bands = narrow_bands(16);
   lighting.light.sky =
-      made_sky(4, 2, 1, 16, [](int half, int, int, int, int) { return half == 0 ? 1.0 : 0.2; });
+      made_sky(4, 2, is_polarized ? 3 : 1, 16, [](int half, int, int, int component, int) {
+        return (component == 0 ? 1.0 : 0.3) * (half == 0 ? 1.0 : 0.2);
+      });
+  Disc sun;
+  sun.direction = {0, 0.6f, 0.8f};
+  sun.angular_radius_rad = 0.005;
+  sun.radiance.assign(16, 2e4);
+  lighting.light.discs.push_back(sun);
   settings.lighting = lighting;
   settings.backend = "emulated";
-  const World world(std::make_shared<const Scene>(squares()), settings);
+  const auto shared = std::make_shared<const Scene>(scene);
+  World world(shared, settings);
+  if (!is_baked) return world;
+  lighting.baked = std::make_shared<const BakedLight>(bake_light(world, {.paths = 16}));
+  return world.with_lighting(lighting);
+}
+
+// With all of ground truth; stacks are those of a processor's code.
+TEST(OneLane, IsSmallEnoughForAThreadOfACard) {
   const Eye eye = make_eye(sphere_directions(60), 12 * degree);
-  take_device_use();
-  for (const Sampling& sampling : std::vector<Sampling>{Fixed{24}, ToError{0.05, 4}}) {
-    std::vector<float> responses(eye.size() * 16);
-    const Mat4 pose;
-    Renderer(world, eye, {.sampling = sampling}).render({&pose, 1}, responses);
-  }
-  const DeviceUse used = take_device_use();
-  EXPECT_LT(used.memory, 16384u);
-  EXPECT_LT(used.stack, 9216u);
+  for (const bool is_polarized : {false, true})
+    for (const bool is_baked : {false, true}) {
+      const World world = demanding_world(is_polarized, is_baked);
+      EXPECT_GT(world.state().view.light->aim_count, 0);
+      for (const Sampling& sampling : std::vector<Sampling>{Fixed{24}, ToError{0.05, 4}})
+        for (const bool with_error : {false, true}) {
+          SCOPED_TRACE(std::string(is_polarized ? "polarised" : "unpolarised") +
+                       (is_baked ? ", baked" : "") + (with_error ? ", with errors" : ""));
+          const Renderer renderer(world, eye, {.sampling = sampling});
+          const std::size_t size = eye.size();
+          std::vector<float> responses(size * 16 * (is_polarized ? 3 : 1));
+          std::vector<float> errors(responses.size());
+          std::vector<float> distance(size), flow(2 * size);
+          std::vector<double> position(3 * size);
+          RenderCall call;
+          call.stokes = is_polarized;
+          if (with_error) call.standard_error = errors;
+          call.truth.distance_m = distance;
+          call.truth.position_m = position;
+          call.truth.flow_rotation = flow;
+          take_device_use();
+          const Mat4 pose;
+          renderer.render({&pose, 1}, responses, call);
+          const DeviceUse used = take_device_use();
+          EXPECT_LT(used.memory, 16384u);
+          EXPECT_LT(used.stack, 4096u);
+        }
+    }
 }
 
 // Midpoint rule in theta; exact to 1e-5 with 100,000 cells where the density is smooth, and the

@@ -15,7 +15,7 @@
 #include "backend/portable/portable_backend.h"
 #include "backend/portable/portable_tracer.h"
 #include "omma/error.h"
-#include "physics/block/block_memory.h"
+#include "physics/block/thread.h"
 #include "threads/cancel.h"
 
 namespace omma {
@@ -60,10 +60,10 @@ class Launch {
   }
   void render(const FrameView& frame, int lanes) {
     launch_.frame = view(frame);
-    Scratch of_thread, of_block;
-    lay_out(of_thread, frame, lanes);
+    Scratch of_packet, of_block;
+    if (lanes > 1) lay_out(of_packet, frame, lanes);
     if (frame.most_samples > 0) lay_out_error(of_block, frame);
-    launch_.thread_bytes = of_thread.used;
+    launch_.thread_bytes = lanes > 1 ? of_packet.used : thread_bytes(frame);
     launch_.block_bytes = of_block.used;
   }
   void weigh(const SharedWeights& shared, int outputs) {
@@ -79,6 +79,9 @@ class Launch {
     run(copies_.read(own.data(), own.size(), Version{0}), own.size(), tasks_in_block);
   }
   void run_packets(std::span<RayPacket<packet_rays>> packets) {
+    Scratch visits;
+    lay_out_visits(visits);
+    launch_.thread_bytes = visits.used;
     run(copies_.written(packets.data(), packets.size()), packets.size(),
         double{most_per_block} / packet_rays);
   }

@@ -63,8 +63,9 @@ OMMA_HD DiscView disc_of(const AimCone& cone) {
 // The cones that replicates aim at, into `memory`; false where none does. They are the same for all
 // scrambles of an ommatidium: what its rays leave out is what it aims at.
 template <typename L>
-OMMA_HD bool find_cones(const FrameView& frame, const BlockTask& task,
-                        const Replicates<L>& replicates, int count, const BlockMemory& memory) {
+OMMA_HD_CALLED bool find_cones(const FrameView& frame, const BlockTask& task,
+                               const Replicates<L>& replicates, int count,
+                               const BlockMemory& memory) {
   const LightView& light = *frame.scene->light;
   bool any = false;
   for (int u = 0; u < count; ++u) {
@@ -77,8 +78,8 @@ OMMA_HD bool find_cones(const FrameView& frame, const BlockTask& task,
       // A cone that fills an acceptance is found by its rays.
       if (!(cone.solid_sr > 0) || cone.solid_sr > 0.5f * replicate.acceptance_sr) continue;
       const DiscView disc = disc_of(cone);
-      const DiscTask of{&frame, &task,     frame.directions->warps + replicate.warp,
-                        &disc,  replicate, 0x51ed270bu};
+      const DiscTask of{&frame, &task,      frame.directions->warps + replicate.warp,
+                        &disc,  &replicate, 0x51ed270bu};
       cone.most = static_cast<float>(static_cast<double>(light.aims[i].brightest * cone.solid_sr) *
                                      most_unit_pdf(of));
       if (!(cone.most >= static_cast<float>(least_aimed_light))) continue;
@@ -117,53 +118,64 @@ struct ConeRays {
   int u, k, each;
 };
 
+// Those from number `begin` on, in a packet; `weight` [lane]: the density of the replicate's own
+// rays there. Returns the lanes that count.
+template <typename L>
+OMMA_HD_CALLED LaneMask<L> write_cone_rays(const DiscTask& of, const ConeRays& cone, int begin,
+                                           const BlockMemory& memory, Packet<L>& packet,
+                                           float (&weight)[L::count]) {
+  const Replicate& replicate = *of.replicate;
+  const int rays = disc_batches * cone.each;
+  LaneMask<L> counting;
+  for (int l = 0; l < L::count; ++l) {
+    const int ray = begin + l < rays ? begin + l : rays - 1;
+    const auto sample = static_cast<std::uint32_t>(ray);
+    const DiscPoints<float> point = even_disc_points(path_pair(of.hash, sample, 0u));
+    const DiscPoints<float> lens = even_disc_points(path_pair(of.hash, sample, 1u));
+    const Vec3 direction = disc_direction(*of.disc, point.x, point.y);
+    float turn[3][4];
+    disc_turn(of, of.hash, ray, turn);
+    weight[l] = begin + l < rays ? static_cast<float>(unit_pdf(of, direction, turn)) : 0.0f;
+    for (int j = 0; j < cone.k; ++j)
+      if (is_in_cone(memory.cones[cone.u * most_cones + j], direction)) weight[l] = 0;
+    if (weight[l] > 0) counting.add(l);
+    const Vector3<float> towards = vector_of(direction);
+    Vector3<float> from = replicate.origin + (replicate.s * lens.x + replicate.t * lens.y) *
+                                                 replicate.aperture_radius_m;
+    if (of.task->motion != nullptr) from = move_point(*of.task->motion, turn, from);
+    store_vector(packet.rays.origin, l, from);
+    store_vector(packet.rays.direction, l, without_noise(towards));
+    if (of.frame->scene->polarized) {
+      const auto up = transform_direction(turn, replicate.up);
+      const auto axis = transform_direction(turn, replicate.axis);
+      store_vector(packet.reference, l, turn_with(axis, towards, up));
+    }
+    packet.rays.t_near_m[l] = replicate.t_near_m;
+    packet.rays.mask[l] = of.task->sees.from_eye;
+    packet.footprint_rad[l] = replicate.footprint_rad;
+    packet.hash[l] = int_of(mix_bits_32(of.hash));
+    packet.sample[l] = ray;
+    packet.acceptance_sr[l] = replicate.acceptance_sr;
+  }
+  return counting;
+}
+
+// Errors of cells that they meet do not count: there are few of them.
 template <typename L, typename Search>
-OMMA_HD void trace_cone(const DiscTask& of, const ConeRays& cone, Search& search,
-                        const BlockMemory& memory) {
+OMMA_HD_CALLED void trace_cone(const DiscTask& of, const ConeRays& cone, Search& search,
+                               const BlockMemory& memory) {
   constexpr int n = L::count;
   const FrameView& frame = *of.frame;
-  const Replicate& replicate = of.replicate;
   const int outputs = frame.outputs, rays = disc_batches * cone.each;
   for (int i = 0; i < disc_batches * outputs; ++i) memory.aimed[i] = 0;
-  Packet<L> packet;
+  InMemory<L, Packet<L>> own;
+  Packet<L>& packet = own.in(memory.packet);
   clear<L>(packet.rays);
   packet.light_sees = of.task->sees.by_light;
   for (int begin = 0; begin < rays; begin += n) {
-    LaneMask<L> counting;
     float weight[n];
-    for (int l = 0; l < n; ++l) {
-      const int ray = begin + l < rays ? begin + l : rays - 1;
-      const auto sample = static_cast<std::uint32_t>(ray);
-      const DiscPoints<float> point = even_disc_points(path_pair(of.hash, sample, 0u));
-      const DiscPoints<float> lens = even_disc_points(path_pair(of.hash, sample, 1u));
-      const Vec3 direction = disc_direction(*of.disc, point.x, point.y);
-      float turn[3][4];
-      disc_turn(of, of.hash, ray, turn);
-      weight[l] = begin + l < rays ? static_cast<float>(unit_pdf(of, direction, turn)) : 0.0f;
-      for (int j = 0; j < cone.k; ++j)
-        if (is_in_cone(memory.cones[cone.u * most_cones + j], direction)) weight[l] = 0;
-      if (weight[l] > 0) counting.add(l);
-      const Vector3<float> towards = vector_of(direction);
-      Vector3<float> from = replicate.origin + (replicate.s * lens.x + replicate.t * lens.y) *
-                                                   replicate.aperture_radius_m;
-      if (of.task->motion != nullptr) from = move_point(*of.task->motion, turn, from);
-      store_vector(packet.rays.origin, l, from);
-      store_vector(packet.rays.direction, l, without_noise(towards));
-      if (frame.scene->polarized) {
-        const auto up = transform_direction(turn, replicate.up);
-        const auto axis = transform_direction(turn, replicate.axis);
-        store_vector(packet.reference, l, turn_with(axis, towards, up));
-      }
-      packet.rays.t_near_m[l] = replicate.t_near_m;
-      packet.rays.mask[l] = of.task->sees.from_eye;
-      packet.footprint_rad[l] = replicate.footprint_rad;
-      packet.hash[l] = int_of(mix_bits_32(of.hash));
-      packet.sample[l] = ray;
-      packet.acceptance_sr[l] = replicate.acceptance_sr;
-    }
-    PathMemory paths = memory.paths;
-    paths.cell_errors = nullptr;  // rays that count for little
-    eval_lit_path<L>(*frame.scene, search, counting, packet, paths, memory.radiance);
+    const LaneMask<L> counting = write_cone_rays(of, cone, begin, memory, packet, weight);
+    eval_lit_path<L>(*frame.scene, search, {packet, counting}, memory.paths, memory.radiance);
     const float* brought = memory.radiance;
     if (frame.output_from_band != nullptr) {
       make_outputs<L>(frame, memory.radiance, memory.output);
@@ -177,54 +189,52 @@ OMMA_HD void trace_cone(const DiscTask& of, const ConeRays& cone, Search& search
   }
 }
 
-// Adds what replicates see in their cones to memory.beside, and the square of its error to
-// memory.beside_variance.
+// Adds what replicate `u` of those traced together sees in its cones to memory.beside, and the
+// square of its error to memory.beside_variance.
 template <typename L, typename Search>
-OMMA_HD void add_aimed(const FrameView& frame, const BlockTask& task, const ReplicateList& list,
-                       Search& search, const BlockMemory& memory) {
-  Replicates<L> replicates;
-  make_replicates<L>(*frame.eye, task, *frame.directions, list, {true, frame.scene->polarized},
-                     replicates);
-  find_acceptances(frame, replicates, list.count);
-  if (!find_cones(frame, task, replicates, list.count, memory)) return;
-  for (int u = 0; u < list.count; ++u) {
-    const Replicate replicate = replicate_at(replicates, u);
-    for (int k = 0; k < memory.cone_count[u]; ++k) {
-      const AimCone& cone = memory.cones[u * most_cones + k];
-      const DiscView disc = disc_of(cone);
-      const DiscTask of{
-          &frame,
-          &task,
-          frame.directions->warps + replicate.warp,
-          &disc,
-          replicate,
-          mix_bits_32(replicate.hash + 0x2545f491u * static_cast<std::uint32_t>(k + 1))};
-      const int each = cone.most >= 0.3f ? 32 : (cone.most >= 0.003f ? 8 : 2);
-      trace_cone<L>(of, {u, k, each}, search, memory);
-      const double solid_sr = static_cast<double>(cone.solid_sr);
-      for (int o = 0; o < frame.outputs; ++o) {
-        const MeanOfEstimates found = mean_of_estimates(
-            disc_batches, [&](int r) { return memory.aimed[r * frame.outputs + o]; });
-        constexpr double batches = disc_batches;
-        const double scale = solid_sr / each;
-        memory.beside[o * memory.stride + u] += found.mean * scale;
-        memory.beside_variance[o * memory.stride + u] +=
-            found.squares * scale * scale / (batches * (batches - 1));
-      }
+OMMA_HD_CALLED void add_aimed(const DiscTask& of_replicate, int u, Search& search,
+                              const BlockMemory& memory) {
+  const int outputs = of_replicate.frame->outputs;
+  for (int k = 0; k < memory.cone_count[u]; ++k) {
+    const AimCone& cone = memory.cones[u * most_cones + k];
+    const DiscView disc = disc_of(cone);
+    DiscTask of = of_replicate;
+    of.disc = &disc;
+    of.hash = mix_bits_32(of.replicate->hash + 0x2545f491u * static_cast<std::uint32_t>(k + 1));
+    const int each = cone.most >= 0.3f ? 32 : (cone.most >= 0.003f ? 8 : 2);
+    trace_cone<L>(of, {u, k, each}, search, memory);
+    for (int o = 0; o < outputs; ++o) {
+      const MeanOfEstimates found =
+          mean_of_estimates(disc_batches, [&](int r) { return memory.aimed[r * outputs + o]; });
+      constexpr double batches = disc_batches;
+      const double scale = static_cast<double>(cone.solid_sr) / each;
+      memory.beside[o] += found.mean * scale;
+      memory.beside_variance[o] += found.squares * scale * scale / (batches * (batches - 1));
     }
   }
 }
 
-// What replicates see besides what their rays bring: of discs of the sky, and where they aim.
-template <typename L, typename Search>
+// What each replicate of a list sees besides what its rays bring, of discs of the sky and where it
+// aims: `take(u)` is called when that is in memory.beside and memory.beside_variance.
+template <typename L, typename Search, typename Take>
 OMMA_HD_CALLED void eval_beside_rays(const FrameView& frame, const BlockTask& task,
                                      const ReplicateList& list, Search& search,
-                                     const BlockMemory& memory) {
-  for (int o = 0; o < frame.outputs; ++o)
-    for (int u = 0; u < list.count; ++u)
-      memory.beside[o * memory.stride + u] = memory.beside_variance[o * memory.stride + u] = 0;
-  if (has_discs(frame)) add_eye_discs<L>(frame, task, list, search, memory);
-  if (has_aims(frame)) add_aimed<L>(frame, task, list, search, memory);
+                                     const BlockMemory& memory, const Take& take) {
+  InMemory<L, Replicates<L>> own;
+  Replicates<L>& replicates = own.in(memory.replicates);
+  make_replicates<L>(*frame.eye, task, *frame.directions, list, {true, frame.scene->polarized},
+                     replicates);
+  find_acceptances(frame, replicates, list.count);
+  const bool has_cones = has_aims(frame) && find_cones(frame, task, replicates, list.count, memory);
+  for (int u = 0; u < list.count; ++u) {
+    for (int o = 0; o < frame.outputs; ++o) memory.beside[o] = memory.beside_variance[o] = 0;
+    const Replicate replicate = replicate_at(replicates, u);
+    if (has_discs(frame)) add_eye_discs<L>(frame, task, replicate, search, memory);
+    if (has_cones)
+      add_aimed<L>({&frame, &task, frame.directions->warps + replicate.warp, nullptr, &replicate},
+                   u, search, memory);
+    take(u);
+  }
 }
 
 // Whether there is any of that.

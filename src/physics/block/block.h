@@ -56,43 +56,56 @@ OMMA_HD void reduce_errors(const FrameView& frame, const BlockTask& task, const 
   }
 }
 
-// Adds to the sums over the rays of each replicate what it sees of discs of the sky, and where it
-// aims, besides.
-template <typename L, typename Search>
-OMMA_HD void add_beside_rays(const BlockRun<Search>& run, const ReplicateList& list) {
-  const FrameView& frame = run.frame;
-  const BlockTask& task = run.task;
-  const BlockMemory& memory = run.memory;
-  if (!sees_beside_rays(frame)) return;
-  eval_beside_rays<L>(frame, task, list, run.search, memory);
-  const int samples = frame.directions->samples;
-  for (int o = 0; o < frame.outputs; ++o)
-    for (int u = 0; u < list.count; ++u) {
-      const double seen = memory.beside[o * memory.stride + u];
-      memory.sums[o * memory.stride + u] += samples * seen;
-      if (task.ray_radiance == nullptr || seen == 0) continue;
-      const std::int64_t ommatidium = frame.eye->ommatidium[ordinal_of(task, list, u)];
-      for (int k = 0; k < samples; ++k)
-        task.ray_radiance[(ommatidium * samples + k) * frame.outputs + o] +=
-            static_cast<float>(seen * frame.radiance_unit);
-    }
-}
-
-// Renders the ommatidia of a list, each with as many rays.
-template <typename L, typename Search>
-OMMA_HD void render_list(const BlockRun<Search>& run, const ReplicateList& list) {
-  const FrameView& frame = run.frame;
-  const BlockTask& task = run.task;
-  const BlockMemory& memory = run.memory;
-  clear_cell_errors(frame, memory.paths.cell_errors, list.count / list.scrambles);
-  trace_replicates<L>(run, *frame.directions, list);
-  add_beside_rays<L>(run, list);
+// All that is asked for of the ommatidia of a list, whose sums are there.
+template <typename L>
+OMMA_HD_CALLED void reduce_all(const FrameView& frame, const BlockTask& task,
+                               const ReplicateList& list, const BlockMemory& memory) {
   reduce(frame, task, list, memory);
   for (int u = 0; frame.truth != nullptr && u < list.count; u += list.scrambles)
     reduce_truth(
         frame, task, memory.truth_sums,
         {ordinal_of(task, list, u), u, list.scrambles, frame.directions->samples * list.scrambles});
   if (task.standard_error != nullptr) reduce_errors(frame, task, list, memory);
+}
+
+// Traces replicates, and adds to the sums over the rays of each what it sees of discs of the sky,
+// and where it aims, besides.
+template <typename L, typename Search>
+OMMA_HD void trace_list(const BlockRun<Search>& run, const ReplicateList& list) {
+  const FrameView& frame = run.frame;
+  const BlockTask& task = run.task;
+  const BlockMemory& memory = run.memory;
+  trace_replicates<L>(run, *frame.directions, list);
+  if (!sees_beside_rays(frame)) return;
+  const int samples = frame.directions->samples;
+  eval_beside_rays<L>(frame, task, list, run.search, memory, [&](int u) {
+    for (int o = 0; o < frame.outputs; ++o) {
+      const double seen = memory.beside[o];
+      memory.sums[o * memory.stride + list.sums_at + u] += samples * seen;
+      if (task.ray_radiance == nullptr || seen == 0) continue;
+      const std::int64_t ommatidium = frame.eye->ommatidium[ordinal_of(task, list, u)];
+      for (int k = 0; k < samples; ++k)
+        task.ray_radiance[(ommatidium * samples + k) * frame.outputs + o] +=
+            static_cast<float>(seen * frame.radiance_unit);
+    }
+  });
+}
+
+// Renders the ommatidia of a list, each with as many rays. In one lane there is one, whose
+// scrambles are traced one after another.
+template <typename L, typename Search>
+OMMA_HD void render_list(const BlockRun<Search>& run, const ReplicateList& list) {
+  const FrameView& frame = run.frame;
+  const BlockTask& task = run.task;
+  const BlockMemory& memory = run.memory;
+  clear_cell_errors(frame, memory.paths.cell_errors, list.count / list.scrambles);
+  if constexpr (L::count > 1) {
+    trace_list<L>(run, list);
+  } else {
+    for (int u = 0; u < list.count; ++u)
+      trace_list<L>(run, {list.ordinal, list.first_scramble + u, 1, 1, list.before + u, u});
+  }
+  reduce_all<L>(frame, task, list, memory);
 }
 
 // Adds to responses what the ommatidia of a list, under one scramble, see of discs of the sky;
@@ -102,13 +115,13 @@ OMMA_HD void render_discs(const BlockRun<Search>& run, const ReplicateList& list
   const FrameView& frame = run.frame;
   const BlockTask& task = run.task;
   const BlockMemory& memory = run.memory;
-  eval_beside_rays<L>(frame, task, list, run.search, memory);
-  for (int o = 0; o < frame.outputs; ++o)
-    for (int u = 0; u < list.count; ++u) {
-      const std::int64_t ommatidium = frame.eye->ommatidium[ordinal_of(task, list, u)];
+  if (!sees_beside_rays(frame)) return;
+  eval_beside_rays<L>(frame, task, list, run.search, memory, [&](int u) {
+    const std::int64_t ommatidium = frame.eye->ommatidium[ordinal_of(task, list, u)];
+    for (int o = 0; o < frame.outputs; ++o)
       task.responses[ommatidium * frame.outputs + o] +=
-          static_cast<float>(memory.beside[o * memory.stride + u] * frame.radiance_unit);
-    }
+          static_cast<float>(memory.beside[o] * frame.radiance_unit);
+  });
 }
 
 // All ommatidia of a block, under so many scrambles.

@@ -6,7 +6,9 @@
 #include <cstddef>
 
 #include "physics/path/flight.h"
+#include "physics/rays/hits.h"
 #include "physics/rays/replicates.h"
+#include "physics/search/traverse.h"
 #include "physics/views/light_view.h"
 #include "physics/views/path_memory.h"
 
@@ -71,24 +73,39 @@ struct ErrorMemory {
   TruthSums truth;
 };
 
+// Something large that a function works on: in packets on the stack, in one lane, whose stack is
+// small, in memory of the thread.
+template <typename L, typename T>
+struct InMemory {
+  T own;
+  template <typename Memory>
+  OMMA_HD T& in(Memory*) {
+    return own;
+  }
+};
+template <typename T>
+struct InMemory<Lanes<1, 1>, T> {
+  OMMA_HD T& in(T* memory) { return *memory; }
+};
+
 // What has a number for each output of each replicate is [output][stride].
 struct BlockMemory {
-  int stride = 0;  // padded_replicates
+  int stride = 0;  // in packets padded_replicates, in one lane the scrambles of an ommatidium
   // [component][band][lane] of one packet, where worlds are lit of packets_at_once of them one
   // behind the other. Component 0 is the radiance; in a polarised world Q and U stand behind it.
   float* radiance = nullptr;
   PathMemory paths;
-  float* output = nullptr;   // [output][lane] of one packet; the radiance itself without a matrix
-  float* pairs = nullptr;    // [output][summed_rays], see pair_squares
-  float* unsummed = nullptr;      // [output][unsummed_rays], see RaySums
-  double* sums = nullptr;         // over the rays of each replicate
+  float* output = nullptr;    // [output][lane] of one packet; the radiance itself without a matrix
+  float* pairs = nullptr;     // [output][summed_rays], see pair_squares
+  float* unsummed = nullptr;  // [output][unsummed_rays], see RaySums
+  double* sums = nullptr;     // over the rays of each replicate
   double* square_sums = nullptr;  // the same of squares, where an error is to be reached
   // Where ground truth is asked for: [row][lane] of a packet, [row][unsummed_rays], sums.
   float *truth = nullptr, *unsummed_truth = nullptr;
   TruthSums truth_sums;
   ErrorMemory error;  // in packets; one lane is given its block's
-  // In lit worlds: what replicates see of discs of the sky and of what they aim at (eye_discs.h,
-  // aimed_rays.h) besides their rays, and the square of its error.
+  // In lit worlds: what a replicate sees of discs of the sky and of what it aims at (eye_discs.h,
+  // aimed_rays.h) besides its rays, and the square of its error, [output].
   double *beside = nullptr, *beside_variance = nullptr;
   // Of one replicate, on a disc: sums [disc_batches][band]; its light and error, [2][band].
   double *disc_all = nullptr, *disc_seen = nullptr, *disc_light = nullptr;
@@ -97,6 +114,11 @@ struct BlockMemory {
   AimCone* cones = nullptr;
   std::int32_t* cone_count = nullptr;
   double* aimed = nullptr;
+  // In one lane: what InMemory is for, and what its search has still to visit.
+  Replicates<Lanes<1, 1>>* replicates = nullptr;
+  Packet<Lanes<1, 1>>* packet = nullptr;
+  FirstHits<Lanes<1, 1>>* met = nullptr;
+  Visits<1> visits;
 };
 
 // Rays that are summed up at once.
@@ -162,15 +184,34 @@ OMMA_HD PassedSurfaces lay_out_passed(Scratch& scratch, int lanes) {
   return passed;
 }
 
+OMMA_HD Visits<1> lay_out_visits(Scratch& scratch) {
+  return {scratch.take<Visit<1>>(stack_capacity(most_tree_depth)),
+          scratch.take<Visit<1>>(stack_capacity(most_top_depth))};
+}
+
+// What replicates see besides their rays, in lit worlds. Discs are done with before rays are aimed.
+OMMA_HD void lay_out_beside(Scratch& scratch, const FrameView& frame, BlockMemory& memory) {
+  const auto outputs = static_cast<std::size_t>(frame.outputs);
+  const auto bands = static_cast<std::size_t>(frame.scene->bands);
+  memory.beside = scratch.take<double>(outputs);
+  memory.beside_variance = scratch.take<double>(outputs);
+  Scratch discs = scratch;
+  memory.disc_all = discs.take<double>(disc_batches * bands);
+  memory.disc_seen = discs.take<double>(disc_batches * bands);
+  memory.disc_light = discs.take<double>(2 * bands);
+  if (frame.scene->light->aim_count > 0)
+    memory.aimed = scratch.take<double>(disc_batches * outputs);
+  scratch.used = discs.used > scratch.used ? discs.used : scratch.used;
+}
+
 // What a thread needs that goes through packets of so many lanes.
 OMMA_HD BlockMemory lay_out(Scratch& scratch, const FrameView& frame, int lanes) {
   const auto outputs = static_cast<std::size_t>(frame.outputs);
   const auto packet = static_cast<std::size_t>(lanes);
   const auto unsummed = static_cast<std::size_t>(unsummed_rays(lanes));
   BlockMemory memory;
-  memory.stride = padded_replicates(lanes);
-  const auto stride = static_cast<std::size_t>(memory.stride);
-  const std::size_t replicates = outputs * stride;
+  memory.stride = lanes > 1 ? padded_replicates(lanes) : frame.scrambles;
+  const std::size_t replicates = outputs * static_cast<std::size_t>(memory.stride);
   const SceneView& scene = *frame.scene;
   const std::size_t one = static_cast<std::size_t>(scene.bands) * packet;
   const std::size_t components = scene.polarized ? 3 : 1;
@@ -199,37 +240,38 @@ OMMA_HD BlockMemory lay_out(Scratch& scratch, const FrameView& frame, int lanes)
   }
   memory.output =
       frame.output_from_band == nullptr ? memory.radiance : scratch.take<float>(outputs * packet);
-  memory.unsummed = scratch.take<float>(outputs * unsummed);
-  memory.sums = scratch.take<double>(replicates);
-  if (frame.most_samples > 0) {
-    memory.pairs = scratch.take<float>(outputs * summed_rays);
-    memory.square_sums = scratch.take<double>(replicates);
-  }
-  if (scene.light != nullptr) {
-    const auto bands = static_cast<std::size_t>(scene.bands);
-    memory.beside = scratch.take<double>(replicates);
-    memory.beside_variance = scratch.take<double>(replicates);
-    if (scene.light->aim_count > 0) {
-      memory.cones = scratch.take<AimCone>(stride * most_cones);
-      memory.cone_count = scratch.take<std::int32_t>(stride);
-      memory.aimed = scratch.take<double>(disc_batches * outputs);
-    }
-    memory.disc_all = scratch.take<double>(disc_batches * bands);
-    memory.disc_seen = scratch.take<double>(disc_batches * bands);
-    memory.disc_light = scratch.take<double>(2 * bands);
-  }
-  if (frame.truth != nullptr) {
-    const auto rows = static_cast<std::size_t>(rows_of(*frame.truth).count);
-    memory.truth = scratch.take<float>(rows * packet);
-    memory.unsummed_truth = scratch.take<float>(rows * unsummed);
-    memory.truth_sums = lay_out_truth(scratch, *frame.truth, memory.stride);
-  }
   const bool to_error = frame.most_samples > 0;
+  memory.sums = scratch.take<double>(replicates);
+  if (to_error) memory.square_sums = scratch.take<double>(replicates);
+  if (scene.light != nullptr && scene.light->aim_count > 0) {
+    const auto traced = static_cast<std::size_t>(padded_replicates(lanes));
+    memory.cones = scratch.take<AimCone>(traced * most_cones);
+    memory.cone_count = scratch.take<std::int32_t>(traced);
+  }
+  if (frame.truth != nullptr)
+    memory.truth_sums = lay_out_truth(scratch, *frame.truth, memory.stride);
   if (to_error && lanes > 1) memory.error = lay_out_error(scratch, frame);
   if (to_error)
     memory.paths.cell_errors = memory.error.cell_errors;
   else if (has_cell_errors(frame))
     memory.paths.cell_errors = lay_out_cell_errors(scratch, frame, lanes > 1 ? most_per_block : 1);
+  if (lanes == 1) {
+    memory.replicates = scratch.take<Replicates<Lanes<1, 1>>>(1);
+    memory.packet = scratch.take<Packet<Lanes<1, 1>>>(1);
+    if (frame.truth != nullptr) memory.met = scratch.take<FirstHits<Lanes<1, 1>>>(1);
+    memory.visits = lay_out_visits(scratch);
+  }
+  // What is seen besides rays is looked at when those that wait to be summed up are gone.
+  Scratch beside = scratch;
+  if (scene.light != nullptr) lay_out_beside(beside, frame, memory);
+  memory.unsummed = scratch.take<float>(outputs * unsummed);
+  if (to_error) memory.pairs = scratch.take<float>(outputs * summed_rays);
+  if (frame.truth != nullptr) {
+    const auto rows = static_cast<std::size_t>(rows_of(*frame.truth).count);
+    memory.truth = scratch.take<float>(rows * packet);
+    memory.unsummed_truth = scratch.take<float>(rows * unsummed);
+  }
+  scratch.used = beside.used > scratch.used ? beside.used : scratch.used;
   return memory;
 }
 

@@ -10,30 +10,29 @@
 
 namespace omma {
 
-// A launch of blocks: threads of a block of the grid are ommatidia of a task. `bytes`: of a thread's
-// memory.
+// A launch of blocks: threads of a block of the grid are ommatidia of a task. `bytes`: of a
+// thread's memory.
 __global__ void device_check(FrameView frame, const BlockTask* tasks, BvhView bvh,
                              std::byte* memory, std::size_t bytes) {
   const BlockTask& task = tasks[blockIdx.x];
   const int i = static_cast<int>(threadIdx.x);
   if (i >= task.count) return;
-  SceneSearch<OneLane> search{frame.scene, &bvh};
-  Scratch scratch{memory + (blockIdx.x * blockDim.x + threadIdx.x) * bytes};
-  const BlockMemory laid_out = lay_out(scratch, frame, 1);
-  render_ommatidium(BlockRun<SceneSearch<OneLane>>{frame, task, search, laid_out}, i);
+  const BlockMemory& own =
+      lay_out_thread(memory + (blockIdx.x * blockDim.x + threadIdx.x) * bytes, frame);
+  SceneSearch<OneLane> search{frame.scene, &bvh, own.visits};
+  render_ommatidium(BlockRun<SceneSearch<OneLane>>{frame, task, search, own}, i);
 }
 
 // The same to an error: a round, or what comes behind the last.
 __global__ void device_check_error(FrameView frame, BlockTask task, BvhView bvh, Round round,
                                    std::byte* memory) {
   const int i = static_cast<int>(threadIdx.x);
-  SceneSearch<OneLane> search{frame.scene, &bvh};
   Scratch of_block{memory};
   const ErrorMemory known = lay_out_error(of_block, frame);
-  Scratch of_thread{memory + of_block.used};
-  BlockMemory laid_out = lay_out(of_thread, frame, 1);
-  share_error(frame, known, i, laid_out);
-  const BlockRun<SceneSearch<OneLane>> run{frame, task, search, laid_out};
+  BlockMemory& own = lay_out_thread(memory + of_block.used, frame);
+  share_error(frame, known, i, own);
+  SceneSearch<OneLane> search{frame.scene, &bvh, own.visits};
+  const BlockRun<SceneSearch<OneLane>> run{frame, task, search, own};
   begin_error(frame, task, known);
   trace_round_of_ommatidium(run, round, i);
   if (choose_rounds(frame, task, known) == 0) end_error_of_ommatidium(run, i);
@@ -66,16 +65,17 @@ __global__ void device_check_scatter(const ScatterSurface<float>* surfaces, Vec2
 
 // A ray that leaves what another met, and what is in its way.
 __global__ void device_check_leaving(SceneView scene, BvhView bvh, Packet<OneLane>* packets,
-                                     unsigned* occluded_rays) {
+                                     std::byte* memory, unsigned* occluded_rays) {
   Packet<OneLane>& packet = packets[threadIdx.x];
   const auto all = LaneMask<OneLane>::all();
-  const SceneSearch<OneLane> search{&scene, &bvh};
+  Scratch scratch{memory};
+  const SceneSearch<OneLane> search{&scene, &bvh, lay_out_visits(scratch)};
   search.closest(all, packet.rays, nullptr);
   Hits<OneLane> hits;
   find_hits<OneLane>(search.placed(), packet, hits);
   HitGeometry<OneLane> geometry;
   eval_geometry<OneLane>(scene, packet.rays, hits, geometry);
-  leave_surfaces<OneLane>(geometry, geometry.normal, all, packet.rays);
+  leave_surfaces<OneLane>(geometry, geometry.normal, packet.rays);
   packet.rays.t_far_m[0] = INFINITY;
   occluded_rays[threadIdx.x] = search.occluded(all, packet.rays).bits;
 }

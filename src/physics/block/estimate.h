@@ -192,9 +192,9 @@ OMMA_HD void trace_members(const BlockRun<Search>& run, const Round& round,
 }
 
 // The response of ommatidium i of the block, which has no round to come; what it sees beside its
-// rays is that of replicate u.
+// rays is in memory.beside.
 OMMA_HD void end_ommatidium(const FrameView& frame, const BlockTask& task,
-                            const BlockMemory& memory, int i, int u) {
+                            const BlockMemory& memory, int i) {
   const ErrorMemory& known = memory.error;
   const std::int32_t ordinal = task.first + i;
   const auto ommatidium = static_cast<std::int64_t>(frame.eye->ommatidium[ordinal]);
@@ -208,13 +208,23 @@ OMMA_HD void end_ommatidium(const FrameView& frame, const BlockTask& task,
     double variance = scaled_variance(known, i, o, known.roots[i]) / (rays * rays) +
                       known.of_cells[o * most_per_block + i];
     if (sees_beside_rays(frame)) {
-      response += memory.beside[o * memory.stride + u];
-      variance += memory.beside_variance[o * memory.stride + u];
+      response += memory.beside[o];
+      variance += memory.beside_variance[o];
     }
     task.responses[out] = static_cast<float>(response * frame.radiance_unit);
     if (task.standard_error != nullptr)
       task.standard_error[out] = static_cast<float>(sqrt(variance) * frame.radiance_unit);
   }
+}
+
+// The responses of ommatidia of a list, under one scramble, that follow each other from number
+// `first` of the block on.
+template <typename L, typename Search>
+OMMA_HD void end_ommatidia(const BlockRun<Search>& run, const ReplicateList& list, int first) {
+  const auto end = [&](int u) { end_ommatidium(run.frame, run.task, run.memory, first + u); };
+  if (sees_beside_rays(run.frame))
+    return eval_beside_rays<L>(run.frame, run.task, list, run.search, run.memory, end);
+  for (int u = 0; u < list.count; ++u) end(u);
 }
 
 template <typename L, typename Search>
@@ -240,9 +250,7 @@ OMMA_HD void render_to_error(const BlockRun<Search>& run) {
     }
     rounds = choose_rounds(frame, task, known);
   }
-  if (sees_beside_rays(frame))
-    eval_beside_rays<L>(frame, task, {nullptr, 0, 1, task.count}, run.search, memory);
-  for (int i = 0; i < task.count; ++i) end_ommatidium(frame, task, memory, i, i);
+  end_ommatidia<L>(run, {nullptr, 0, 1, task.count}, 0);
 }
 
 }  // namespace omma

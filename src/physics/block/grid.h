@@ -23,22 +23,10 @@ namespace omma {
 // it has a whole packet.
 using GatherPackets = Lanes<packet_rays, 1>;
 
-// What blocks and threads of a frame need of memory, whole cache lines.
-OMMA_HD std::size_t thread_bytes(const FrameView& frame, int lanes) {
-  Scratch counting;
-  lay_out(counting, frame, lanes);
-  return counting.used;
-}
-OMMA_HD std::size_t block_bytes(const FrameView& frame) {
-  Scratch counting;
-  if (frame.most_samples > 0) lay_out_error(counting, frame);
-  return counting.used;
-}
-
 template <typename Grid>
-OMMA_HD Scratch thread_scratch(const GridLaunch& launch, Grid& grid, int i) {
-  return {grid.block_memory() + launch.block_bytes +
-          static_cast<std::size_t>(i) * launch.thread_bytes};
+OMMA_HD std::byte* thread_memory(const GridLaunch& launch, Grid& grid, int i) {
+  return grid.block_memory() + launch.block_bytes +
+         static_cast<std::size_t>(i) * launch.thread_bytes;
 }
 
 // A launch's own packets or tasks that are taken most_per_block at a time, `each` by a thread.
@@ -58,9 +46,8 @@ OMMA_HD void for_each_ommatidium(const GridLaunch& launch, Grid& grid, const Blo
                                  const Run& run) {
   grid.for_each(task.count, [&](int i) {
     const FrameView& frame = *launch.frame;
-    SceneSearch<OneLane> search{launch.searched, launch.bvh};
-    Scratch scratch = thread_scratch(launch, grid, i);
-    const BlockMemory memory = lay_out(scratch, frame, 1);
+    const BlockMemory& memory = lay_out_thread(thread_memory(launch, grid, i), frame);
+    SceneSearch<OneLane> search{launch.searched, launch.bvh, memory.visits};
     run(BlockRun<SceneSearch<OneLane>>{frame, task, search, memory}, i);
   });
 }
@@ -73,10 +60,9 @@ OMMA_HD void render_task_to_error(const GridLaunch& launch, Grid& grid, const Bl
   const ErrorMemory known = lay_out_error(of_block, frame);
   const auto for_each = [&](const auto& run) {
     grid.for_each(task.count, [&](int i) {
-      SceneSearch<OneLane> search{launch.searched, launch.bvh};
-      Scratch scratch = thread_scratch(launch, grid, i);
-      BlockMemory memory = lay_out(scratch, frame, 1);
+      BlockMemory& memory = lay_out_thread(thread_memory(launch, grid, i), frame);
       share_error(frame, known, i, memory);
+      SceneSearch<OneLane> search{launch.searched, launch.bvh, memory.visits};
       run(BlockRun<SceneSearch<OneLane>>{frame, task, search, memory}, i);
     });
   };
@@ -119,7 +105,7 @@ OMMA_HD void gather_tasks(const GridLaunch& launch, Grid& grid) {
   const auto* tasks = static_cast<const GatherTask*>(launch.tasks);
   for_each_of(launch.count, grid, [&](std::int64_t k, int i) {
     SceneSearch<GatherPackets> search{launch.searched, launch.bvh};
-    Scratch scratch = thread_scratch(launch, grid, i);
+    Scratch scratch{thread_memory(launch, grid, i)};
     const BlockMemory memory = lay_out(scratch, *launch.frame, packet_rays);
     gather_light<GatherPackets>(*launch.frame->scene, search, tasks[k], memory.paths,
                                 memory.radiance);
@@ -143,8 +129,9 @@ OMMA_HD void weigh_tasks(const GridLaunch& launch, Grid& grid) {
 template <typename Grid>
 OMMA_HD void find_closest(const GridLaunch& launch, Grid& grid) {
   auto* packets = static_cast<RayPacket<packet_rays>*>(const_cast<void*>(launch.tasks));
-  const SceneSearch<OneLane> search{launch.searched, launch.bvh};
-  for_each_of(launch.count * packet_rays, grid, [&](std::int64_t k, int) {
+  for_each_of(launch.count * packet_rays, grid, [&](std::int64_t k, int i) {
+    Scratch scratch{thread_memory(launch, grid, i)};
+    const SceneSearch<OneLane> search{launch.searched, launch.bvh, lay_out_visits(scratch)};
     RayPacket<packet_rays>& packet = packets[k / packet_rays];
     const auto l = static_cast<int>(k % packet_rays);
     RayPacket<1> ray;

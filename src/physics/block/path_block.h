@@ -85,8 +85,9 @@ OMMA_HD void trace_waiting_flight(PathBlock<L, Search>& block, WaitingPaths<L>& 
   PathQueues<L>& queues = block.queues;
   PathState<L> state;
   alignas(L::count * 4) std::int32_t ray[L::count];
-  const Flight<L, Search> flight{block.scene,  block.search,       queues.onward, state,
-                                 block.memory, block.memory.found, nullptr};
+  const Flight<L, Search> flight{
+      block.scene,  block.search,       queues.onward, state,
+      block.memory, block.memory.found, nullptr,       block.memory.cell_errors};
   const LaneMask<L> lanes = dequeue(flight, waiting, ray);
   lanes.for_each([&](int l) { queues.onward.ommatidium[l] = queues.ommatidium[ray[l]]; });
   const LaneMask<L> on = trace_later_flight(block, flight, lanes, ray);
@@ -114,21 +115,18 @@ OMMA_HD void end_block(PathBlock<L, Search>& block) {
 }
 
 // Begins the paths of some lanes of a packet, whose radiance is that of number `packet_index`;
-// others are followed as soon as there are as many as a packet holds.
+// others are followed as soon as there are as many as a packet holds. Not where surfaces let light
+// straight through, as what paths have passed does not wait with them.
 template <typename L, typename Search>
-OMMA_HD void begin_paths(PathBlock<L, Search>& block, int packet_index, LaneMask<L> lanes,
-                         Packet<L>& packet, FirstHits<L>* first) {
+OMMA_HD_CALLED void begin_paths(PathBlock<L, Search>& block, int packet_index, LaneMask<L> lanes,
+                                Packet<L>& packet, FirstHits<L>* first) {
   constexpr int n = L::count;
   const SceneView& scene = block.scene;
   const int floats = packet_floats<L>(scene);
   float* const radiance = block.radiance + packet_index * floats;
   PathState<L> state;
-  if (lets_through(scene))
-    return trace_paths<L, Search>(
-        {scene, block.search, packet, state, block.memory, radiance, &block.memory.passed}, lanes,
-        first);
-  const Flight<L, Search> flight{scene,        block.search, packet, state,
-                                 block.memory, radiance,     nullptr};
+  Flight<L, Search> flight{scene,        block.search, packet,  state,
+                           block.memory, radiance,     nullptr, block.memory.cell_errors};
   for (int i = 0; i < floats; ++i) radiance[i] = 0;
   reset_paths<L>(scene, state, block.memory);
   LaneMask<L> on = trace_flight(flight, lanes, Spread::together, first);
@@ -136,9 +134,8 @@ OMMA_HD void begin_paths(PathBlock<L, Search>& block, int packet_index, LaneMask
   alignas(n * 4) std::int32_t ray[n];
   for (int l = 0; l < n; ++l) ray[l] = packet_index * n + l;
   if constexpr (n == 1) {
-    const Flight<L, Search> later{scene,        block.search,       packet, state,
-                                  block.memory, block.memory.found, nullptr};
-    while (on.any()) on = trace_later_flight(block, later, on, ray);
+    flight.radiance = block.memory.found;
+    while (on.any()) on = trace_later_flight(block, flight, on, ray);
   } else {
     for (int l = 0; l < n; ++l) block.queues.ommatidium[ray[l]] = packet.ommatidium[l];
     enqueue_paths(block, flight, on, ray);

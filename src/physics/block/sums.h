@@ -45,8 +45,9 @@ OMMA_HD void add_lanes(const float* numbers, LaneRange lanes, const SumRows& sum
 
 // What each single ray brought, where the caller asks; there is one scramble then.
 template <typename L>
-OMMA_HD void keep_rays(const FrameView& frame, const BlockTask& task, const ReplicateList& list,
-                       const PacketStart& start, const float* light) {
+OMMA_HD_CALLED void keep_rays(const FrameView& frame, const BlockTask& task,
+                              const ReplicateList& list, const PacketStart& start,
+                              const float* light) {
   const int samples = frame.directions->samples;
   int replicate = start.replicate, sample = start.sample;
   for (int l = 0; l < start.filled; ++l) {
@@ -121,7 +122,7 @@ struct RaySums {
   int first_lane = 0;
 
   // Of one packet, [row][lane].
-  OMMA_HD void add(const PacketStart& start, const float* numbers) {
+  OMMA_HD_CALLED void add(const PacketStart& start, const float* numbers) {
     const bool is_short = samples < summed_rays;
     if constexpr (waits) {
       const int lane = is_short ? start.sample : (before + rays) % summed_rays;
@@ -144,7 +145,7 @@ struct RaySums {
   }
 
   // Behind the last.
-  OMMA_HD void end(int replicates) {
+  OMMA_HD_CALLED void end(int replicates) {
     if constexpr (waits) {
       const int lane = (before + rays) % summed_rays;
       if (samples >= summed_rays && rays > 0 && lane != 0)

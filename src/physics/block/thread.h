@@ -8,6 +8,22 @@ namespace omma {
 
 using OneLane = Lanes<1, 1>;
 
+// Bytes of memory that a thread needs.
+OMMA_HD std::size_t thread_bytes(const FrameView& frame) {
+  Scratch counting;
+  counting.take<BlockMemory>(1);
+  lay_out(counting, frame, 1);
+  return counting.used;
+}
+
+// A thread's memory, at a multiple of 64 bytes: where all is lies there too, as its stack is small.
+OMMA_HD_CALLED inline BlockMemory& lay_out_thread(std::byte* memory, const FrameView& frame) {
+  Scratch scratch{memory};
+  auto* const own = scratch.take<BlockMemory>(1);
+  *own = lay_out(scratch, frame, 1);
+  return *own;
+}
+
 // Ommatidium i of the task alone; rays of those before it come first in the block.
 OMMA_HD ReplicateList list_of(const std::int32_t& ordinal, int i, int scrambles) {
   return {&ordinal, 0, scrambles, scrambles, i * scrambles};
@@ -42,9 +58,7 @@ OMMA_HD void trace_round_of_ommatidium(const BlockRun<Search>& run, const Round&
 template <typename Search>
 OMMA_HD void end_error_of_ommatidium(const BlockRun<Search>& run, int i) {
   const std::int32_t ordinal = run.task.first + i;
-  if (sees_beside_rays(run.frame))
-    eval_beside_rays<OneLane>(run.frame, run.task, list_of(ordinal, i, 1), run.search, run.memory);
-  end_ommatidium(run.frame, run.task, run.memory, i, 0);
+  end_ommatidia<OneLane>(run, list_of(ordinal, i, 1), i);
 }
 
 }  // namespace omma

@@ -40,8 +40,8 @@ OMMA_HD Vector3<F> object_velocity(const TruthTask& task, I object, const Vector
 
 // The rows of one packet, [row][lane]; see TruthRows.
 template <typename L>
-OMMA_HD void eval_truth(const FrameView& frame, const BlockTask& task, const FirstHits<L>& first,
-                        float* rows) {
+OMMA_HD_CALLED void eval_truth(const FrameView& frame, const BlockTask& task,
+                               const FirstHits<L>& first, float* rows) {
   using F = typename L::F;
   using I = typename L::I;
   const TruthView& view = *frame.truth;
@@ -112,6 +112,12 @@ OMMA_HD void add_met(const TruthView& view, const FirstHits<L>& first, int sampl
     sample = 0;
     ++replicate;
   }
+}
+
+// Those of replicate `first` and on.
+OMMA_HD TruthSums sums_from(const TruthView& view, const TruthSums& sums, int first) {
+  return {sums.stride, sums.rows + first, sums.nearest_m + first,
+          sums.shares + first * view.shares};
 }
 
 OMMA_HD void clear(const TruthView& view, const TruthSums& sums, int replicates) {

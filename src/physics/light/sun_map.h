@@ -35,7 +35,7 @@ struct alignas(16) SunPage {
 
 // Of positions in the traced frame: column, row and height are a dot product plus an offset.
 struct SunMapView {
-  const SunPage* pages = nullptr;       // [row][column]
+  const SunPage* pages = nullptr;  // [row][column]
   // [page][row of tiles][column of tiles][sun_tile_words], pages of different sizes.
   const std::int32_t* words = nullptr;
   std::int32_t page_columns = 0, page_rows = 0, tile_count = 0;
@@ -145,8 +145,8 @@ OMMA_HD F eval_sun_map(const SunMapView& map, const SunMapLookup<F>& place,
 
 // The same for what a packet's rays met, [lane]. Lanes that met nothing get some number, 0 to 1.
 template <typename L>
-OMMA_HD void eval_sun_map(const SunMapView& map, const HitGeometry<L>& geometry,
-                          float (&visible)[L::count]) {
+OMMA_HD_CALLED void eval_sun_map(const SunMapView& map, const HitGeometry<L>& geometry,
+                                 float (&visible)[L::count]) {
   using F = typename L::F;
   using I = typename L::I;
   constexpr int n = L::count;

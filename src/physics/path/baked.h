@@ -145,9 +145,9 @@ OMMA_HD void eval_probes(const BakedView& baked, int bands, Vec3 position, Vec3 
 // Of the lanes in `lanes`, into memory.front and memory.back [band][lane]. Of surfaces that
 // transmit nothing what is behind them is not read: it is left as zeros.
 template <typename L, typename Search>
-OMMA_HD void eval_baked(const Flight<L, Search>& flight, BakedLookup<L>& found,
-                        const HitGeometry<L>& geometry, const LitSurface<L>& surface,
-                        LaneMask<L> lanes) {
+OMMA_HD_CALLED void eval_baked(const Flight<L, Search>& flight, BakedLookup<L>& found,
+                               const HitGeometry<L>& geometry, const LitSurface<L>& surface,
+                               LaneMask<L> lanes) {
   using F = typename L::F;
   constexpr int n = L::count, width = L::width;
   const SceneView& scene = flight.scene;

@@ -68,8 +68,9 @@ OMMA_HD void signed_errors(const BakedView& baked, std::ptrdiff_t side,
 // Adds to the sums of ommatidia what add_baked may be off by: cells err each by itself, but an
 // ommatidium by the same for all rays that meet one cell. Bands err together.
 template <typename L, typename Search>
-OMMA_HD void add_cell_errors(const Flight<L, Search>& flight, const ScatteringPacket<L>& scattering,
-                             const BakedLookup<L>& found, LaneMask<L> lanes) {
+OMMA_HD_CALLED void add_cell_errors(const Flight<L, Search>& flight,
+                                    const ScatteringPacket<L>& scattering,
+                                    const BakedLookup<L>& found, LaneMask<L> lanes) {
   constexpr int n = L::count;
   const SceneView& scene = flight.scene;
   const PathMemory& memory = flight.memory;
@@ -84,7 +85,7 @@ OMMA_HD void add_cell_errors(const Flight<L, Search>& flight, const ScatteringPa
     signed_errors(baked, near, front);
     signed_errors(baked, near ^ 1, back);
     const float weight = diffuse[l] * (scene.polarized ? flight.state.mueller[0][l] : 1.0f);
-    float* sums = memory.cell_errors +
+    float* sums = flight.cell_errors +
                   std::ptrdiff_t{flight.packet.ommatidium[l]} * scene.bands * error_signs;
     for (int b = 0; b < scene.bands; ++b, sums += error_signs) {
       const int at = b * n + l;

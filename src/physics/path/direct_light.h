@@ -12,6 +12,7 @@
 #include "physics/light/near_light.h"
 #include "physics/light/sun_map.h"
 #include "physics/path/baked_scatter.h"
+#include "physics/rays/search_rays.h"
 
 namespace omma {
 
@@ -32,8 +33,8 @@ struct LightSamples {
 };
 
 template <typename L, typename Search>
-OMMA_HD void sample_lights(const Flight<L, Search>& flight, const HitGeometry<L>& geometry,
-                           LaneMask<L> scattering, LightSamples<L>& lights) {
+OMMA_HD_CALLED void sample_lights(const Flight<L, Search>& flight, const HitGeometry<L>& geometry,
+                                  LaneMask<L> scattering, LightSamples<L>& lights) {
   using F = typename L::F;
   constexpr int n = L::count;
   const LightView& light = *flight.scene.light;
@@ -86,14 +87,14 @@ OMMA_HD void sample_lights(const Flight<L, Search>& flight, const HitGeometry<L>
 // Shadow rays: of some lanes those whose light is not hidden. What surfaces that let light through
 // leave of it is in memory.shadow.throughput then.
 template <typename L, typename Search>
-OMMA_HD LaneMask<L> trace_shadow_rays(const Flight<L, Search>& flight,
-                                      const HitGeometry<L>& geometry, const LightSamples<L>& lights,
-                                      LaneMask<L> lanes) {
+OMMA_HD_CALLED LaneMask<L> trace_shadow_rays(const Flight<L, Search>& flight,
+                                             const HitGeometry<L>& geometry,
+                                             const LightSamples<L>& lights, LaneMask<L> lanes) {
   using F = typename L::F;
   if (!lanes.any()) return {};
   Packet<L> shadow;
   clear<L>(shadow.rays);
-  leave_surfaces<L>(geometry, lights.direction, LaneMask<L>::all(), shadow.rays);
+  leave_surfaces<L>(geometry, lights.direction, shadow.rays);
   for (int l = 0; l < L::count; ++l) {
     shadow.rays.mask[l] = flight.packet.light_sees;
     shadow.footprint_rad[l] = 0;
@@ -102,7 +103,7 @@ OMMA_HD LaneMask<L> trace_shadow_rays(const Flight<L, Search>& flight,
     store(shadow.rays.t_far_m + l, load<F>(lights.distance_m + l) * up_to_light);
   if (lets_through(flight.scene))
     return trace_transmittance<L>(flight.scene, flight.search, lanes, shadow, flight.memory.shadow);
-  return lanes & ~flight.search.occluded(lanes, shadow.rays);
+  return lanes & ~search_occluded(flight.search, lanes, shadow.rays);
 }
 
 // How much of each lane's light is seen, 0 to 1: of the sun by its map where there is one, else by
@@ -124,6 +125,29 @@ OMMA_HD void eval_visibility(const Flight<L, Search>& flight, const HitGeometry<
     store(visible + l, mapped.at(l) ? load<F>(by_map + l) : load<F>(visible + l));
 }
 
+// What arrives of the lights of some lanes that are seen, in memory.light: [component][band][lane].
+template <typename L, typename Search>
+OMMA_HD_CALLED void eval_lights(const Flight<L, Search>& flight, const LightSamples<L>& lights,
+                                LaneMask<L> seen) {
+  const SceneView& scene = flight.scene;
+  const LightView& light = *scene.light;
+  const int components = flight.components(), stride = flight.stride();
+  float* const arriving = flight.memory.light;
+  const bool has_sky = light.sky.probability > 0.0f;
+  const LaneMask<L> far_seen = seen & lights.from_afar;
+  eval_sky_lanes<L>(
+      light, {lights.direction, lights.on_sky, has_sky ? far_seen : LaneMask<L>{}, far_seen, true},
+      components, arriving);
+  (seen & lights.near).for_each([&](int l) {
+    eval_light_sample(scene, lights.other[l], components, arriving + l, L::count, stride);
+  });
+  add_disc_light<L>(light, lights.direction, far_seen, nullptr, arriving);
+  if (lets_through(scene))
+    for (int c = 0; c < components; ++c)
+      for (int i = 0; i < stride; ++i)
+        arriving[c * stride + i] *= flight.memory.shadow.throughput[i];
+}
+
 // Adds what the surfaces of some lanes send to the eye of the light that was sampled for them;
 // `scattered`: how they scatter it, weighed and over its density.
 template <typename L, typename Search>
@@ -133,9 +157,6 @@ OMMA_HD void add_direct_light(const Flight<L, Search>& flight, const HitGeometry
   using F = typename L::F;
   constexpr int n = L::count;
   const SceneView& scene = flight.scene;
-  const LightView& light = *scene.light;
-  const int components = flight.components(), stride = flight.stride();
-  float* const arriving = flight.memory.light;
   const LaneMask<L> asked =
       scattering & lanes_where<L>([&](int l) {
         const F any = load<F>(scattered.reflected + l) + load<F>(scattered.transmitted + l) +
@@ -144,11 +165,10 @@ OMMA_HD void add_direct_light(const Flight<L, Search>& flight, const HitGeometry
         return load<F>(lights.density + l) > 0.0f && any > 0.0f;
       });
   if (!asked.any()) return;
-  const bool has_sky = light.sky.probability > 0.0f;
-  const LaneMask<L> from_sky = has_sky ? asked & lights.from_afar : LaneMask<L>{};
+  const SkyView& sky = scene.light->sky;
+  const LaneMask<L> from_sky = sky.probability > 0.0f ? asked & lights.from_afar : LaneMask<L>{};
   if (from_sky.any())
-    fetch_sky_nodes<L>(light.sky, from_sky, scene.polarized ? from_sky : LaneMask<L>{},
-                       lights.on_sky);
+    fetch_sky_nodes<L>(sky, from_sky, scene.polarized ? from_sky : LaneMask<L>{}, lights.on_sky);
 
   // V: how much of it is seen.
   alignas(n * 4) float visible[n];
@@ -157,24 +177,25 @@ OMMA_HD void add_direct_light(const Flight<L, Search>& flight, const HitGeometry
   if (!seen.any()) return;
 
   // L: what arrives.
-  alignas(n * 4) float axis[3][n] = {};
-  if (scene.polarized) vertical_axes<L>(lights.direction, axis);
-  const LaneMask<L> far_seen = seen & lights.from_afar;
-  eval_sky_lanes<L>(
-      light, {lights.direction, lights.on_sky, has_sky ? far_seen : LaneMask<L>{}, far_seen, true},
-      components, arriving);
-  (seen & lights.near).for_each([&](int l) {
-    eval_light_sample(scene, lights.other[l], components, arriving + l, n, stride);
-  });
-  add_disc_light<L>(light, lights.direction, far_seen, nullptr, arriving);
-  if (lets_through(scene))
-    for (int c = 0; c < components; ++c)
-      for (int i = 0; i < stride; ++i)
-        arriving[c * stride + i] *= flight.memory.shadow.throughput[i];
+  eval_lights(flight, lights, seen);
 
   // f cos θ w / p, and on to the eye. Scattered, light is by the rays' own axes.
-  scatter_light(flight, scattered, lights.direction, axis, arriving);
-  add_light(flight, visible, flight.packet.reference, arriving);
+  alignas(n * 4) float axis[3][n] = {};
+  if (scene.polarized) vertical_axes<L>(lights.direction, axis);
+  scatter_light(flight, scattered, lights.direction, axis, flight.memory.light);
+  add_light(flight, visible, flight.packet.reference, flight.memory.light);
+}
+
+// Samples a light for the surface of each of some lanes, and adds what it sends to the eye.
+template <typename L, typename Search>
+OMMA_HD_CALLED void add_light_samples(const Flight<L, Search>& flight,
+                                      const HitGeometry<L>& geometry,
+                                      const ScatteringPacket<L>& points, LaneMask<L> scattering) {
+  LightSamples<L> lights;
+  Scattered<L> scattered;
+  sample_lights(flight, geometry, scattering, lights);
+  scatter_light_samples<L>(points, lights.direction, lights.density, lights.is_delta, scattered);
+  add_direct_light(flight, geometry, lights, scattered, scattering);
 }
 
 }  // namespace omma

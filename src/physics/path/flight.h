@@ -18,6 +18,7 @@ struct Flight {
   const PathMemory& memory;  // throughput by band, spectra of surfaces, light on its way
   float* radiance;           // [component][band][lane], what paths have found; light is added to it
   const PassedSurfaces* passed;  // where surfaces let light straight through, else null
+  float* cell_errors = nullptr;  // as PathMemory has them, where they count for these rays
 
   // Of Stokes vectors that are followed: I, or I, Q and U.
   OMMA_HD int components() const { return scene.polarized ? 3 : 1; }

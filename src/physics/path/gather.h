@@ -73,10 +73,10 @@ OMMA_HD LaneMask<L> find_hidden(const Flight<L, Search>& flight, const GatherLan
     }
     store_vector(way, l, towards);
   }
-  leave_surfaces<L>(geometry, way, LaneMask<L>::all(), look.rays);
+  leave_surfaces<L>(geometry, way, look.rays);
   return lets_through(scene) ? lanes & ~trace_transmittance<L>(scene, flight.search, lanes, look,
                                                                flight.memory.shadow)
-                             : flight.search.occluded(lanes, look.rays);
+                             : search_occluded(flight.search, lanes, look.rays);
 }
 
 // The packet's points on their patches, as rays would have met them, and their geometry; false
@@ -283,7 +283,7 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTa
       store_vector(packet.reference, l,
                    goes_on ? load_vector<float>(at.normal, l) : Vector3<float>{1, 0, 0});
     }
-    leave_surfaces<L>(geometry, way, LaneMask<L>::all(), packet.rays);
+    leave_surfaces<L>(geometry, way, packet.rays);
     // What shines is sampled first: the paths move on from where they begin.
     for (int i = 0; i < scene.bands * n; ++i) memory.front[i] = 0;
     if (task.shining->light->emissive_probability > 0.0f)

@@ -9,6 +9,7 @@
 
 #include "physics/path/direct_light.h"
 #include "physics/rays/hits.h"
+#include "physics/rays/search_rays.h"
 
 namespace omma {
 
@@ -121,6 +122,18 @@ OMMA_HD LaneMask<L> continue_paths(const Flight<L, Search>& flight, LaneMask<L> 
   return by | scattered;
 }
 
+// Where the paths of some lanes go on from the surfaces that they met: past them, of the lanes
+// `by`, else in a direction of a lobe. Returns those that do.
+template <typename L, typename Search>
+OMMA_HD_CALLED LaneMask<L> scatter_paths(const Flight<L, Search>& flight, LaneMask<L> on,
+                                         LaneMask<L> by, const HitGeometry<L>& geometry,
+                                         const ScatteringPacket<L>& points) {
+  ScatteringSample<L> sample;
+  sample_scattering<L>(flight.packet, flight.state, points, on & ~by, sample);
+  by.for_each([&](int l) { sample.lobe[l] = let_by; });
+  return continue_paths(flight, on, geometry, sample);
+}
+
 // One flight of the paths of some lanes: adds what they find to the radiance, and returns the lanes
 // whose paths go on; rays, state and throughput are those of the next flight then. `first`: takes
 // what the rays met, or null.
@@ -139,7 +152,7 @@ OMMA_HD_CALLED LaneMask<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on
   // do.
   if (ends_in_the_dark(scene) && !(on & ~at_full_depth(scene, state)).any()) {
     look_up_far(flight, on, far);
-    const LaneMask<L> open = on & ~flight.search.occluded(on, packet.rays);
+    const LaneMask<L> open = on & ~search_occluded(flight.search, on, packet.rays);
     if (open.any()) add_far(flight, open, far);
     return {};
   }
@@ -147,7 +160,7 @@ OMMA_HD_CALLED LaneMask<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on
   // Intersect. Where nothing is met the sky is read: after the surfaces, when what was fetched of
   // it has come.
   Hits<L> hits;
-  flight.search.closest(on, packet.rays, flight.passed, spread);
+  search_closest(flight.search, on, packet.rays, flight.passed, spread);
   find_hits<L>(flight.search.placed(), packet, hits);
   if (first != nullptr) *first = {packet, hits};
   const LaneMask<L> met = on & lanes_met(hits), missed = on & ~met;
@@ -180,28 +193,21 @@ OMMA_HD_CALLED LaneMask<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on
   make_scattering(flight, surface, points);
 
   // Next-event estimation.
-  LightSamples<L> lights;
-  Scattered<L> direct;
-  sample_lights(flight, geometry, scattering, lights);
-  scatter_light_samples<L>(points, lights.direction, lights.density, lights.is_delta, direct);
-  add_direct_light(flight, geometry, lights, direct, scattering);
+  add_light_samples(flight, geometry, points, scattering);
 
   // Light that was baked, in place of what diffuse lobes would find.
   if (is_baked) add_baked(flight, points, scattering);
-  if (flight.memory.cell_errors != nullptr) add_cell_errors(flight, points, baked, scattering);
+  if (flight.cell_errors != nullptr) add_cell_errors(flight, points, baked, scattering);
 
   // Sample the surface; throughput, roulette, the next rays.
-  ScatteringSample<L> sample;
-  sample_scattering<L>(packet, state, points, scattering, sample);
-  by.for_each([&](int l) { sample.lobe[l] = let_by; });
-  return continue_paths(flight, on, geometry, sample);
+  return scatter_paths(flight, on, by, geometry, points);
 }
 
 // The radiance [component][band][lane] of the rays of some lanes, to the end of their paths: the
 // packet is followed alone.
 template <typename L, typename Search>
-OMMA_HD_CALLED void trace_paths(const Flight<L, Search>& flight, LaneMask<L> on,
-                                FirstHits<L>* first = nullptr) {
+OMMA_HD void trace_paths(const Flight<L, Search>& flight, LaneMask<L> on,
+                         FirstHits<L>* first = nullptr) {
   for (int i = 0; i < flight.components() * flight.stride(); ++i) flight.radiance[i] = 0;
   reset_paths<L>(flight.scene, flight.state, flight.memory);
   if (flight.passed != nullptr) clear<L>(*flight.passed);
@@ -211,13 +217,22 @@ OMMA_HD_CALLED void trace_paths(const Flight<L, Search>& flight, LaneMask<L> on,
   }
 }
 
-// The same for rays from the eye.
+// What rays from the eye are followed by alone.
+template <typename L>
+struct EyeRays {
+  Packet<L>& packet;
+  LaneMask<L> on;
+  FirstHits<L>* first = nullptr;  // takes what they met
+  float* cell_errors = nullptr;   // where theirs count
+};
+
 template <typename L, typename Search>
-OMMA_HD void eval_lit_path(const SceneView& scene, Search& search, LaneMask<L> on,
-                           Packet<L>& packet, const PathMemory& memory, float* radiance) {
+OMMA_HD_CALLED void eval_lit_path(const SceneView& scene, Search& search, const EyeRays<L>& rays,
+                                  const PathMemory& memory, float* radiance) {
   PathState<L> state;
-  trace_paths<L, Search>({scene, search, packet, state, memory, radiance, passed_in(scene, memory)},
-                         on);
+  trace_paths<L, Search>({scene, search, rays.packet, state, memory, radiance,
+                          passed_in(scene, memory), rays.cell_errors},
+                         rays.on, rays.first);
 }
 
 }  // namespace omma

@@ -11,6 +11,7 @@
 #include "physics/lanes/lane_mask.h"
 #include "physics/rays/hits.h"
 #include "physics/rays/passed.h"
+#include "physics/rays/search_rays.h"
 #include "physics/surface/background.h"
 #include "physics/surface/surface.h"
 
@@ -107,7 +108,7 @@ OMMA_HD void eval_closest(const UnlitFlight<L, Search>& flight, LaneMask<L> on, 
   Packet<L>& packet = flight.packet;
   // Intersect.
   clear_hits<L>(packet.rays);
-  flight.search.closest(on, packet.rays, flight.passed, Spread::together);
+  search_closest(flight.search, on, packet.rays, flight.passed, Spread::together);
   find_hits<L>(flight.search.placed(), packet, hits);
   // What the background sends, where nothing was met, and what surfaces do.
   if ((~lanes_met(hits)).any()) eval_backgrounds<L>(flight.scene, packet, color);
@@ -117,8 +118,8 @@ OMMA_HD void eval_closest(const UnlitFlight<L, Search>& flight, LaneMask<L> on, 
 // Radiance [band][lane] of the rays of some lanes of a packet. `first`: takes what they met first,
 // or null.
 template <typename L, typename Search>
-OMMA_HD void eval_path(const UnlitFlight<L, Search>& flight, LaneMask<L> on, float* radiance,
-                       FirstHits<L>* first = nullptr) {
+OMMA_HD_CALLED void eval_path(const UnlitFlight<L, Search>& flight, LaneMask<L> on, float* radiance,
+                              FirstHits<L>* first = nullptr) {
   using F = typename L::F;
   const SceneView& scene = flight.scene;
   Packet<L>& packet = flight.packet;

@@ -71,9 +71,9 @@ OMMA_HD F all_lobes(const LobeValues<F>& by, const BandColor<F>& color) {
 // Scatters `light` [component][band][lane], which comes from direction `w` [lane] with Stokes
 // vectors by `axis`, towards the eye, in place: by the rays' own reference axes.
 template <typename L, typename Search>
-OMMA_HD void scatter_light(const Flight<L, Search>& flight, const Scattered<L>& by,
-                           const float (&w)[3][L::count], const float (&axis)[3][L::count],
-                           float* light) {
+OMMA_HD_CALLED void scatter_light(const Flight<L, Search>& flight, const Scattered<L>& by,
+                                  const float (&w)[3][L::count], const float (&axis)[3][L::count],
+                                  float* light) {
   using F = typename L::F;
   const SceneView& scene = flight.scene;
   const Packet<L>& packet = flight.packet;
@@ -140,8 +140,8 @@ struct ScatteringPacket {
 };
 
 template <typename L, typename Search>
-OMMA_HD void make_scattering(const Flight<L, Search>& flight, const LitSurface<L>& surface,
-                             ScatteringPacket<L>& scattering) {
+OMMA_HD_CALLED void make_scattering(const Flight<L, Search>& flight, const LitSurface<L>& surface,
+                                    ScatteringPacket<L>& scattering) {
   using F = typename L::F;
   const SceneView& scene = flight.scene;
   const PathMemory& memory = flight.memory;
@@ -170,9 +170,10 @@ OMMA_HD void make_scattering(const Flight<L, Search>& flight, const LitSurface<L
 // How the surfaces scatter a sample of light for each lane: f_j cos θ w_j / p of each lobe j, with
 // the balance heuristic's w_j = p / (p + q_j p_j), or 1 where is_delta.
 template <typename L>
-OMMA_HD void scatter_light_samples(const ScatteringPacket<L>& scattering,
-                                   const float (&to_light)[3][L::count], const float* light_density,
-                                   const float* is_delta, Scattered<L>& direct) {
+OMMA_HD_CALLED void scatter_light_samples(const ScatteringPacket<L>& scattering,
+                                          const float (&to_light)[3][L::count],
+                                          const float* light_density, const float* is_delta,
+                                          Scattered<L>& direct) {
   using F = typename L::F;
   for (int l = 0; l < L::count; l += L::width) {
     const int v = l / L::width;
@@ -210,9 +211,9 @@ OMMA_HD void scatter_light_samples(const ScatteringPacket<L>& scattering,
 // Where the paths of some lanes go on: a lobe j by its probability q_j, a direction of it by its
 // density p_j, and what the throughput is multiplied by, f_j cos θ / (q_j p_j).
 template <typename L>
-OMMA_HD void sample_scattering(const Packet<L>& packet, const PathState<L>& state,
-                               const ScatteringPacket<L>& scattering, LaneMask<L> lanes,
-                               ScatteringSample<L>& sample) {
+OMMA_HD_CALLED void sample_scattering(const Packet<L>& packet, const PathState<L>& state,
+                                      const ScatteringPacket<L>& scattering, LaneMask<L> lanes,
+                                      ScatteringSample<L>& sample) {
   using F = typename L::F;
   for (int l = 0; l < L::count; l += L::width) {
     const int v = l / L::width;

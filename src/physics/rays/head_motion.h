@@ -59,7 +59,7 @@ OMMA_HD Vector3<float> move_point(const HeadMotion& motion, const float (&turn)[
 
 // Moves the rays of a packet, which are as at the frame itself, to where they are when they look.
 template <typename L>
-OMMA_HD void move_with_head(const HeadMotion& motion, Packet<L>& packet) {
+OMMA_HD_CALLED void move_with_head(const HeadMotion& motion, Packet<L>& packet) {
   using F = typename L::F;
   using I = typename L::I;
   using U = typename L::U;

@@ -103,8 +103,8 @@ struct HitGeometry {
 };
 
 template <typename L>
-OMMA_HD void eval_geometry(const SceneView& scene, const RayPacket<L::count>& rays,
-                           const Hits<L>& hits, HitGeometry<L>& geometry) {
+OMMA_HD_CALLED void eval_geometry(const SceneView& scene, const RayPacket<L::count>& rays,
+                                  const Hits<L>& hits, HitGeometry<L>& geometry) {
   using F = typename L::F;
   using I = typename L::I;
   geometry = {};
@@ -169,7 +169,27 @@ OMMA_HD Vector3<F> leave_surface(const Vector3<F>& position, const Vector3<F>& n
   return position + normal * step;
 }
 
-// Rays of some lanes go on from what they met; the others' are left. `towards` [lane].
+// The same of what rays of lanes from l on met.
+template <typename L, typename F>
+OMMA_HD Vector3<F> leave_surface(const HitGeometry<L>& geometry, int l, const Vector3<F>& towards) {
+  return leave_surface(load_vector<F>(geometry.position, l), load_vector<F>(geometry.normal, l),
+                       load<F>(geometry.reach_m + l), towards);
+}
+
+// Rays begin at what others met; `towards` [lane].
+template <typename L>
+OMMA_HD void leave_surfaces(const HitGeometry<L>& geometry, const float (&towards)[3][L::count],
+                            RayPacket<L::count>& rays) {
+  using F = typename L::F;
+  for (int l = 0; l < L::count; l += L::width) {
+    const auto direction = load_vector<F>(towards, l);
+    store_vector(rays.origin, l, leave_surface(geometry, l, direction));
+    store_vector(rays.direction, l, without_noise(direction));
+    store(rays.t_near_m + l, F{});
+  }
+}
+
+// Rays of some lanes go on from what they met; the others' are left.
 template <typename L>
 OMMA_HD void leave_surfaces(const HitGeometry<L>& geometry, const float (&towards)[3][L::count],
                             LaneMask<L> lanes, RayPacket<L::count>& rays) {
@@ -178,13 +198,10 @@ OMMA_HD void leave_surfaces(const HitGeometry<L>& geometry, const float (&toward
     const auto leaves = lanes.at(l);
     if (!any_lane(leaves)) continue;
     const auto direction = load_vector<F>(towards, l);
-    const auto origin =
-        leave_surface(load_vector<F>(geometry.position, l), load_vector<F>(geometry.normal, l),
-                      load<F>(geometry.reach_m + l), direction);
     const auto set = [&](float(&values)[3][L::count], const Vector3<F>& value) {
       store_vector(values, l, select(leaves, value, load_vector<F>(values, l)));
     };
-    set(rays.origin, origin);
+    set(rays.origin, leave_surface(geometry, l, direction));
     set(rays.direction, without_noise(direction));
     store(rays.t_near_m + l, leaves ? F{} : load<F>(rays.t_near_m + l));
   }

@@ -93,12 +93,14 @@ OMMA_HD bool has_passed(const PassedSurfaces& passed, int lane, const PassedSurf
   }
   if (first == nullptr || !is_on_edge(hit.u, hit.v)) return false;
   if (first->geometry != hit.geometry && first->instance != none) return false;
-  const Triangle a = corners(first->instance, first->geometry, first->triangle);
-  const double inside[3] = {0.4741, 0.3107, 0.2152};
-  const double weight[3] = {1.0 - static_cast<double>(first->u) - static_cast<double>(first->v),
-                            static_cast<double>(first->u), static_cast<double>(first->v)};
   Vec3d move;
-  for (int k = 0; k < 3; ++k) move = move + a.corner[k] * (inside[k] - weight[k]);
+  {
+    const Triangle a = corners(first->instance, first->geometry, first->triangle);
+    const double inside[3] = {0.4741, 0.3107, 0.2152};
+    const double weight[3] = {1.0 - static_cast<double>(first->u) - static_cast<double>(first->v),
+                              static_cast<double>(first->u), static_cast<double>(first->v)};
+    for (int k = 0; k < 3; ++k) move = move + a.corner[k] * (inside[k] - weight[k]);
+  }
   return !covers(corners(hit.instance, hit.geometry, hit.triangle), hit.u, hit.v,
                  to_double(direction), move);
 }

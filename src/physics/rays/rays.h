@@ -105,8 +105,9 @@ struct PacketStart {
 
 // Writes L::width rays from lane l on, the first that of `start`.
 template <typename L>
-OMMA_HD void write_rays(const DirectionsView& directions, const Replicates<L>& replicates,
-                        int last_replicate, const PacketStart& start, Packet<L>& packet, int l) {
+OMMA_HD_CALLED void write_rays(const DirectionsView& directions, const Replicates<L>& replicates,
+                               int last_replicate, const PacketStart& start, Packet<L>& packet,
+                               int l) {
   using F = typename L::F;
   using I = typename L::I;
   const int replicate = start.replicate, sample = start.sample;

@@ -16,11 +16,10 @@ inline constexpr int most_per_block = 64;
 inline constexpr int block_rays = 512;
 
 // Replicates that are traced together, where vector loops read a packet's width past the last one:
-// in packets those of a block; in one lane those of one ommatidium, so that a thread of a graphics
-// card needs little memory.
-inline constexpr int most_scrambles = 8;
+// in packets those of a block; in one lane one, so that a thread of a graphics card needs little
+// memory.
 OMMA_HD constexpr int padded_replicates(int lanes) {
-  return lanes > 1 ? block_capacity + lanes : most_scrambles;
+  return lanes > 1 ? block_capacity + lanes : 1;
 }
 
 // Which ommatidia of a block are rendered, each under which scrambles: replicate u is the
@@ -29,8 +28,9 @@ OMMA_HD constexpr int padded_replicates(int lanes) {
 struct ReplicateList {
   const std::int32_t* ordinal = nullptr;  // null: task.first and on
   int first_scramble = 0, scrambles = 1;
-  int count = 0;  // of replicates
-  int before = 0;  // replicates of the block before these, whose rays come first
+  int count = 0;    // of replicates
+  int before = 0;   // replicates of the block before these, whose rays come first
+  int sums_at = 0;  // where their sums begin, of those of all replicates that a thread keeps
 };
 
 // Where in the eye's arrays the ommatidium of a replicate is.

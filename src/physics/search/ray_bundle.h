@@ -128,16 +128,20 @@ OMMA_HD void make_bundle(const RayFrame<L>& frame, const float (&t_near_m)[L::co
   span(t_near_m, bundle.t_near_m, highest);
 }
 
-// Where the bundle enters and leaves the slabs of a node's children at the earliest and latest.
+// Where the bundle enters and leaves the slabs of a node's children at the earliest and latest; of
+// one ray no more is asked than `near`.
+template <typename L>
 struct ChildSlabs {
-  alignas(32) float enter[3][node_width], leave[3][node_width];
-  alignas(32) float near[node_width];  // of all three, and of the rays themselves
+  static constexpr bool is_packet = L::count > 1;
+  static constexpr int kept = is_packet ? node_width : 1;
+  alignas(is_packet ? 32 : 4) float enter[3][kept], leave[3][kept];
+  alignas(is_packet ? 32 : 4) float near[node_width];  // of all three, and of the rays themselves
 };
 
 // A bit for each child that a ray of the bundle may meet.
 template <typename L>
 OMMA_HD unsigned hit_children(const WideNode& node, const RayBundle<L>& bundle, float t_far_m,
-                              ChildSlabs& slabs) {
+                              ChildSlabs<L>& slabs) {
   float step[3], distance = 0, size = 0;
   for (int a = 0; a < 3; ++a) {
     step[a] = float_of(static_cast<std::int32_t>(node.exponent[a]) << 23);
@@ -164,8 +168,10 @@ OMMA_HD unsigned hit_children(const WideNode& node, const RayBundle<L>& bundle, 
       const std::uint8_t* second = bundle.negative[a] ? node.lower[a] : node.upper[a];
       const ChildFloats enter = read_children(first + c) * enter_step[a] + enter_base[a];
       const ChildFloats leave = read_children(second + c) * leave_step[a] + leave_base[a];
-      store(slabs.enter[a] + c, enter);
-      store(slabs.leave[a] + c, leave);
+      if constexpr (L::count > 1) {
+        store(slabs.enter[a] + c, enter);
+        store(slabs.leave[a] + c, leave);
+      }
       near = most(enter, near);
       far = least(leave, far);
     }
@@ -177,7 +183,7 @@ OMMA_HD unsigned hit_children(const WideNode& node, const RayBundle<L>& bundle, 
 
 // A bit for each of those lanes whose ray meets a child.
 template <typename L>
-OMMA_HD unsigned hits_child(const RayBundle<L>& bundle, unsigned lanes, const ChildSlabs& slabs,
+OMMA_HD unsigned hits_child(const RayBundle<L>& bundle, unsigned lanes, const ChildSlabs<L>& slabs,
                             int c, const float (&t_far_m)[L::count]) {
   using F = typename L::F;
   if constexpr (L::count == 1) return lanes;

@@ -41,17 +41,35 @@ struct Visit<1> {
 };
 inline constexpr int visit_index_bits = 28;
 
+// Where a search of one lane keeps what is still to be visited of a tree and of the tree of trees:
+// memory of its thread. Packets have that on the stack, which is faster, and nothing here.
+template <int count>
+struct Visits {
+  Visit<count>* tree = nullptr;  // [stack_capacity(most_tree_depth)]
+  Visit<count>* top = nullptr;   // [stack_capacity(most_top_depth)]
+};
+
+// A tree that is searched; `visits` as in Visits.
+template <typename L>
+struct SearchedTree {
+  const WideNode* nodes;
+  std::uint32_t root;
+  Visit<L::count>* visits;
+};
+
 // Goes through a tree with those lanes of a bundle, nearer nodes first. `leaf(index, triangles,
 // asked)` is called for each leaf that a ray of the lanes `asked` may meet, and returns those of
 // them that search on.
 template <typename L, int tree_depth, typename Leaf>
-OMMA_HD void search_tree(const WideNode* nodes, std::uint32_t root, const RayBundle<L>& bundle,
-                         unsigned lanes, const float (&t_far_m)[L::count], Leaf leaf) {
+OMMA_HD void search_tree(const SearchedTree<L>& tree, const RayBundle<L>& bundle, unsigned lanes,
+                         const float (&t_far_m)[L::count], Leaf leaf) {
   constexpr std::uint32_t index_mask = (1u << visit_index_bits) - 1;
-  Visit<L::count> stack[stack_capacity(tree_depth)];
+  constexpr bool is_packet = L::count > 1;
+  Visit<L::count> own[is_packet ? stack_capacity(tree_depth) : 1];
+  Visit<L::count>* const stack = is_packet ? own : tree.visits;
   int depth = 0;
   float far_m = furthest<L>(t_far_m, lanes);
-  stack[depth++] = {root, 0, lanes};
+  stack[depth++] = {tree.root, 0, lanes};
   while (depth > 0) {
     const Visit<L::count> visit = stack[--depth];
     if (visit.near_m > far_m) continue;
@@ -64,8 +82,8 @@ OMMA_HD void search_tree(const WideNode* nodes, std::uint32_t root, const RayBun
       far_m = furthest<L>(t_far_m, lanes);
       continue;
     }
-    const WideNode& node = nodes[visit.at];
-    ChildSlabs slabs;
+    const WideNode& node = tree.nodes[visit.at];
+    ChildSlabs<L> slabs;
     unsigned bits = hit_children<L>(node, bundle, far_m, slabs);
     const int first = depth;
     while (bits != 0) {
@@ -100,6 +118,34 @@ struct LeafTriangle {
   int k;
 };
 
+// What packets know of the triangles of a quad, worked out side by side: normals and, where all
+// rays start in one place, what is seen from there. One lane takes one triangle after another.
+template <typename L>
+inline constexpr bool shares_quads = L::count > 1;
+
+struct SeenQuad {
+  alignas(16) float normal[3][quad_width];
+  alignas(16) float edge[3][3][quad_width], height[quad_width];
+};
+
+template <typename L>
+OMMA_HD void see_quad(const RayFrame<L>& frame, const TriangleQuad& quad, bool one_origin,
+                      unsigned lanes, SeenQuad& to) {
+  for (int k = 0; k < quad_width; k += quad_lanes) {
+    Vector3<QuadFloats> corner[3];
+    for (int i = 0; i < 3; ++i) corner[i] = load_vector<QuadFloats>(quad.corner[i], k);
+    const Vector3<QuadFloats> normal = triangle_normal(corner);
+    store_vector(to.normal, k, normal);
+    if (!one_origin) continue;
+    const int ray = lowest_bit(lanes);
+    const Vector3<float> origin{frame.origin[0][ray], frame.origin[1][ray], frame.origin[2][ray]};
+    for (Vector3<QuadFloats>& c : corner) c = c - origin;
+    const SeenTriangle<QuadFloats> seen = see_from_origin(corner, normal);
+    for (int i = 0; i < 3; ++i) store_vector(to.edge[i], k, seen.edge[i]);
+    store(to.height + k, seen.height);
+  }
+}
+
 // Calls `found(first lane, bits, crossing, normal, triangle)` for what lanes meet of a triangle,
 // where it may lie at any distance; it returns the lanes that search on.
 template <typename L, typename Found>
@@ -108,35 +154,28 @@ OMMA_HD unsigned search_leaf(const RayFrame<L>& frame, const Leaf& leaf, unsigne
   using F = typename L::F;
   for (int first = 0; first < leaf.triangles; first += quad_width) {
     const TriangleQuad& quad = leaf.quads[first / quad_width];
-    // Normals and, where all rays start in one place, what is seen from there: of the whole quad.
-    alignas(16) float normals[3][quad_width];
-    alignas(16) float edges[3][3][quad_width], heights[quad_width];
-    for (int k = 0; k < quad_width; k += quad_lanes) {
-      Vector3<QuadFloats> corner[3];
-      for (int i = 0; i < 3; ++i) corner[i] = load_vector<QuadFloats>(quad.corner[i], k);
-      const Vector3<QuadFloats> normal = triangle_normal(corner);
-      store_vector(normals, k, normal);
-      if (!leaf.one_origin) continue;
-      const int ray = lowest_bit(lanes);
-      const Vector3<float> origin{frame.origin[0][ray], frame.origin[1][ray], frame.origin[2][ray]};
-      for (Vector3<QuadFloats>& c : corner) c = c - origin;
-      const SeenTriangle<QuadFloats> seen = see_from_origin(corner, normal);
-      for (int i = 0; i < 3; ++i) store_vector(edges[i], k, seen.edge[i]);
-      store(heights + k, seen.height);
-    }
+    SeenQuad seen_quad;
+    if constexpr (shares_quads<L>) see_quad<L>(frame, quad, leaf.one_origin, lanes, seen_quad);
     const int last = leaf.triangles - first < quad_width ? leaf.triangles - first : quad_width;
     for (int k = 0; k < last; ++k) {
-      const auto normal = load_vector<float>(normals, k);
+      Vector3<float> normal;
+      if constexpr (shares_quads<L>) {
+        normal = load_vector<float>(seen_quad.normal, k);
+      } else {
+        Vector3<float> corner[3];
+        for (int i = 0; i < 3; ++i) corner[i] = load_vector<float>(quad.corner[i], k);
+        normal = triangle_normal(corner);
+      }
       for (int l = 0; l < L::count; l += L::width) {
         if constexpr (L::count > L::width)
           if ((lanes >> l & ((1u << L::width) - 1)) == 0) continue;
         const Vector3<F> direction = frame.load_direction(l);
         Crossing<F> crossing;
         unsigned bits;
-        if (leaf.one_origin) {
+        if (shares_quads<L> && leaf.one_origin) {
           SeenTriangle<float> seen;
-          for (int i = 0; i < 3; ++i) seen.edge[i] = load_vector<float>(edges[i], k);
-          seen.height = heights[k];
+          for (int i = 0; i < 3; ++i) seen.edge[i] = load_vector<float>(seen_quad.edge[i], k);
+          seen.height = seen_quad.height[k];
           bits = cross_triangle(seen, normal, direction, crossing);
         } else {
           const Vector3<F> origin = frame.load_origin(l);
@@ -178,7 +217,8 @@ OMMA_HD unsigned seeing(const Packet& rays, const PlacedTree& tree, unsigned lan
 // Goes through what is placed. `found(tree, lanes, ...)` is called for what the lanes of `bits`
 // meet of a triangle, as in search_leaf; it returns those of `lanes` that search on.
 template <typename L, typename Packet, typename Found>
-OMMA_HD void search(const BvhView& bvh, unsigned on, Packet& rays, Found found) {
+OMMA_HD void search(const BvhView& bvh, const Visits<L::count>& visits, unsigned on, Packet& rays,
+                    Found found) {
   if (bvh.top_nodes == nullptr) return;
   const RayFrame<L> world{rays.origin, rays.direction};
   while (on != 0) {
@@ -202,7 +242,7 @@ OMMA_HD void search(const BvhView& bvh, unsigned on, Packet& rays, Found found) 
         left &= ~asked;
         unsigned searching = asked;
         search_tree<L, most_tree_depth>(
-            bvh.nodes, tree.root, own, asked, rays.t_far_m,
+            {bvh.nodes, tree.root, visits.tree}, own, asked, rays.t_far_m,
             [&](std::uint32_t first, std::uint32_t triangles,
                 unsigned meeting) __attribute__((always_inline)) {  // as OMMA_HD, of one lane too
               const Leaf leaf{bvh.quads + first, static_cast<int>(triangles), tree.placed,
@@ -218,8 +258,8 @@ OMMA_HD void search(const BvhView& bvh, unsigned on, Packet& rays, Found found) 
       }
       return lanes;
     };
-    search_tree<L, most_top_depth>(bvh.top_nodes, 0, bundle, bundle.lanes, rays.t_far_m,
-                                   search_placed);
+    search_tree<L, most_top_depth>({bvh.top_nodes, 0, visits.top}, bundle, bundle.lanes,
+                                   rays.t_far_m, search_placed);
   }
 }
 
@@ -278,11 +318,11 @@ OMMA_HD unsigned accepted(int l, unsigned bits, const Crossing<typename L::F>& c
 // triangle, placed, from_behind)` is asked of each candidate on meshes that may say no; u and v are
 // the weights of the second and third vertex.
 template <typename L, typename Accept>
-OMMA_HD void closest(const BvhView& bvh, LaneMask<L> lanes_on, RayPacket<L::count>& rays,
-                     Accept accept) {
+OMMA_HD void closest(const BvhView& bvh, const Visits<L::count>& visits, LaneMask<L> lanes_on,
+                     RayPacket<L::count>& rays, Accept accept) {
   using F = typename L::F;
   using I = typename L::I;
-  search<L>(bvh, lanes_on.bits, rays,
+  search<L>(bvh, visits, lanes_on.bits, rays,
             [&](const PlacedTree& tree, unsigned lanes, int l, unsigned bits,
                 const Crossing<F>& crossing, const Vector3<float>& normal, const LeafTriangle& at) {
               bits = in_reach<L>(rays, l, bits, crossing);
@@ -313,11 +353,11 @@ OMMA_HD void closest(const BvhView& bvh, LaneMask<L> lanes_on, RayPacket<L::coun
 // Those of the rays that are on which meet anything accepted behind their t_near and up to their
 // t_far. `accept` as in closest.
 template <typename L, typename Accept>
-OMMA_HD LaneMask<L> occluded(const BvhView& bvh, LaneMask<L> lanes_on,
-                             const RayPacket<L::count>& rays, Accept accept) {
+OMMA_HD LaneMask<L> occluded(const BvhView& bvh, const Visits<L::count>& visits,
+                             LaneMask<L> lanes_on, const RayPacket<L::count>& rays, Accept accept) {
   using F = typename L::F;
   LaneMask<L> found;
-  search<L>(bvh, lanes_on.bits, rays,
+  search<L>(bvh, visits, lanes_on.bits, rays,
             [&](const PlacedTree& tree, unsigned lanes, int l, unsigned bits,
                 const Crossing<F>& crossing, const Vector3<float>&, const LeafTriangle& at) {
               bits = in_reach<L>(rays, l, bits, crossing);

@@ -187,9 +187,9 @@ OMMA_HD void multiply_factors(const SceneView& scene, const MeshView& mesh,
 }
 
 template <typename L>
-OMMA_HD void eval_lit_surfaces(const SceneView& scene, const Packet<L>& packet, const Hits<L>& hits,
-                               const HitGeometry<L>& geometry, const SpectraMemory& memory,
-                               LitSurface<L>& surface) {
+OMMA_HD_CALLED void eval_lit_surfaces(const SceneView& scene, const Packet<L>& packet,
+                                      const Hits<L>& hits, const HitGeometry<L>& geometry,
+                                      const SpectraMemory& memory, LitSurface<L>& surface) {
   using F = typename L::F;
   using I = typename L::I;
   for (int l = 0; l < L::count; ++l) surface.material[l] = -1;

@@ -13,6 +13,7 @@ template <typename L>
 struct SceneSearch {
   const SceneView* scene;
   const BvhView* bvh;
+  Visits<L::count> visits = {};  // in one lane
 
   OMMA_HD_LARGE void closest(LaneMask<L> lanes, RayPacket<L::count>& rays, const PassedSurfaces* passed,
                        Spread = Spread::together) const {
@@ -26,14 +27,14 @@ struct SceneSearch {
                            return corners(geometry, index);
                          });
     };
-    omma::closest<L>(*bvh, lanes, rays, accept);
+    omma::closest<L>(*bvh, visits, lanes, rays, accept);
   }
 
   // Lanes whose ray meets an accepted surface between its t_near_m and t_far_m; one that lets light
   // through in part counts as any other.
   OMMA_HD_LARGE LaneMask<L> occluded(LaneMask<L> lanes, const RayPacket<L::count>& rays) const {
     return omma::occluded<L>(
-        *bvh, lanes, rays,
+        *bvh, visits, lanes, rays,
         [&](int, float, float u, float v, std::uint32_t triangle, std::uint32_t placed,
             bool from_behind) { return accepts(placed, triangle, u, v, from_behind); });
   }

@@ -61,7 +61,7 @@ struct HostGrid {
   template <typename Each>
   void for_each(int count, const Each& each) {
     for (int i = 0; i < count; ++i) {
-      std::memset(thread_scratch(launch, *this, i).begin, paint, launch.thread_bytes);
+      std::memset(thread_memory(launch, *this, i), paint, launch.thread_bytes);
       run_thread(each, i);
     }
   }
