@@ -8,6 +8,7 @@
 #if defined(__CUDACC__)
 #define OMMA_HD __host__ __device__ inline
 #define OMMA_HD_CALLED __host__ __device__ __noinline__
+#define OMMA_HD_LARGE __host__ __device__ __noinline__ inline
 #else
 // Always inlined, so that a file compiled for a newer instruction set never leaves an out-of-line
 // copy behind that the linker could hand to older machines.
@@ -15,6 +16,8 @@
 // For large templates of lanes of which each instruction set has its own number: called, so that
 // their code is there once. tests/python/test_instruction_sets.py holds that none is shared.
 #define OMMA_HD_CALLED __attribute__((noinline))
+// Called on a card, where code that is there in many places costs minutes of compiling; else inlined.
+#define OMMA_HD_LARGE OMMA_HD
 #endif
 
 namespace omma {

@@ -13,7 +13,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "omma/bake.h"
+#include "omma/baked_cell.h"
 #include "physics/block/weigh.h"
 #include "physics/light/sun_map.h"
 #include "physics/rays/head_motion.h"

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "omma/error.h"
-#include "omma/scene.h"
+#include "omma/scene_kinds.h"
 #include "threads/parallel.h"
 
 namespace omma {

@@ -5,7 +5,7 @@
 
 #include "omma/error.h"
 #include "omma/projection.h"
-#include "omma/scene.h"
+#include "omma/scene_kinds.h"
 #include "threads/cancel.h"
 
 namespace omma {

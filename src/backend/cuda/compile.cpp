@@ -91,14 +91,17 @@ std::vector<std::string> compile_options(const Nvrtc& nvrtc, int capability) {
     throw Error("NVRTC " + nvrtc.version() + " does not compile for a card of compute capability " +
                 std::to_string(capability / 10) + "." + std::to_string(capability % 10) +
                 "; another version may: pip install --upgrade 'omma[cuda]'");
-  // Nothing is fused and denormals are zeros, as on processors (backend/denormals.h).
-  return {"-std=c++20", "--fmad=false", "--ftz=true", "-arch=sm_" + std::to_string(architecture)};
+  // Nothing is fused and denormals are zeros, as on processors (backend/denormals.h). Lambdas are a
+  // card's without being marked, which NVRTC 12 does not know by itself.
+  return {"-std=c++20", "--fmad=false", "--ftz=true", "-default-device",
+          "-arch=sm_" + std::to_string(architecture)};
 }
 
 CompiledKernels compile_kernels(int capability, const std::string& nvrtc_path,
                                 const std::string& cache_folder) {
   const Nvrtc nvrtc(nvrtc_path);
-  const std::vector<std::string> options = compile_options(nvrtc, capability);
+  std::vector<std::string> options = compile_options(nvrtc, capability);
+  options.push_back("--split-compile=0");  // on all threads
   if (cache_folder.empty()) return {nvrtc.compile(kernel_sources(), options).cubin, {}};
   const std::string path =
       (std::filesystem::path(cache_folder) / cache_name(nvrtc, options)).string();

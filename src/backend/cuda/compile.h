@@ -19,8 +19,8 @@ struct CompiledKernels {
 CompiledKernels compile_kernels(int capability, const std::string& nvrtc_path,
                                 const std::string& cache_folder);
 
-// The options that kernels for a card are compiled with. Throws omma::Error where NVRTC knows no
-// architecture that runs on it.
+// The options that kernels for a card are compiled with, but for that of threads, with which code
+// differs a little. Throws omma::Error where NVRTC knows no architecture that runs on it.
 std::vector<std::string> compile_options(const Nvrtc& nvrtc, int capability);
 
 }  // namespace omma

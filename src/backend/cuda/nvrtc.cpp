@@ -6,11 +6,10 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdlib>
-#include <thread>
 #include <utility>
 
 #include "omma/error.h"
-#include "threads/cancel.h"
+#include "threads/parallel.h"
 
 namespace omma {
 namespace {
@@ -51,22 +50,9 @@ void find_function(const Library& library, const char* name, Function*& function
     throw Error(library.path + ": is not NVRTC, or is too old: it has no function " + name + how);
 }
 
-// Whether the work that a thread compiles for is to end. The compiler may ask from other threads.
-struct Cancelling {
-  std::thread::id thread = std::this_thread::get_id();
-  std::atomic<bool> cancelled = false;
-};
-
-int ask_cancelled(void* payload, void*) {
-  auto& cancelling = *static_cast<Cancelling*>(payload);
-  if (std::this_thread::get_id() == cancelling.thread) {
-    try {
-      check_cancelled();
-    } catch (const Cancelled&) {
-      cancelling.cancelled = true;
-    }
-  }
-  return cancelling.cancelled ? 1 : 0;
+// The compiler asks from any of its threads.
+int is_cancelled(void* flag, void*) {
+  return static_cast<const std::atomic<bool>*>(flag)->load() ? 1 : 0;
 }
 
 }  // namespace
@@ -135,10 +121,13 @@ Nvrtc::Compiled Nvrtc::compile(std::span<const KernelSource> sources,
   nvrtc.check(nvrtc.create(&of.program, sources[0].text, sources[0].name,
                            static_cast<int>(texts.size()), texts.data(), included.data()),
               "a program");
-  Cancelling cancelling;
-  nvrtc.check(nvrtc.set_flow_callback(of.program, ask_cancelled, &cancelling), "cancelling");
+  const std::atomic<bool>* const flag = cancel_flag();
+  if (flag != nullptr)
+    nvrtc.check(
+        nvrtc.set_flow_callback(of.program, is_cancelled, const_cast<std::atomic<bool>*>(flag)),
+        "cancelling");
   const Result result = nvrtc.compile(of.program, static_cast<int>(given.size()), given.data());
-  if (cancelling.cancelled) throw Cancelled();
+  check_cancelled();
 
   Compiled compiled;
   std::size_t size = 0;

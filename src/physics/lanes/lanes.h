@@ -34,15 +34,24 @@ OMMA_HD F broadcast(float x) {
 }
 
 // Lanes that lie in memory one behind the other; T is a lane's type, or any of that size.
+// A card has one lane, and would copy it byte by byte, as memcpy takes it to lie at any address.
 template <typename Vector, typename T>
 OMMA_HD Vector load(const T* p) {
+#if defined(__CUDACC__)
+  return __builtin_bit_cast(Vector, *p);
+#else
   Vector v;
   memcpy(&v, p, sizeof v);
   return v;
+#endif
 }
 template <typename Vector, typename T>
 OMMA_HD void store(T* p, Vector v) {
+#if defined(__CUDACC__)
+  *p = __builtin_bit_cast(T, v);
+#else
   memcpy(p, &v, sizeof v);
+#endif
 }
 
 OMMA_HD std::int32_t to_int(float x) {
@@ -60,9 +69,12 @@ template <typename T>
 OMMA_HD Pair<T> gather_pair(const T* base, std::int32_t index) {
   return {base[2 * index], base[2 * index + 1]};
 }
-// Four bytes from 4 * index on, the first lowest.
+// Four bytes from 4 * index on, the first lowest; on a card `base` lies at a multiple of 4.
 OMMA_HD std::int32_t gather_bytes(const std::uint8_t* base, std::int32_t index) {
   const std::uint8_t* at = base + 4 * static_cast<std::ptrdiff_t>(index);
+#if defined(__CUDA_ARCH__)
+  at = static_cast<const std::uint8_t*>(__builtin_assume_aligned(at, 4));
+#endif
   std::int32_t bytes;
   memcpy(&bytes, at, sizeof bytes);
   return bytes;

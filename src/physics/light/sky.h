@@ -77,8 +77,8 @@ struct StokesOut {
 
 // Radiance of the sky at the place of one direction, for any sky: channels that are not bands,
 // axes that turn from node to node.
-OMMA_HD void eval_sky(const LightView& light, Vec3 d, const OneSkyLookup& place,
-                      const StokesOut& to) {
+OMMA_HD_LARGE void eval_sky(const LightView& light, Vec3 d, const OneSkyLookup& place,
+                            const StokesOut& to) {
   const SkyView& sky = light.sky;
   const int channels = sky.channels;
   const std::ptrdiff_t row = (static_cast<std::ptrdiff_t>(place.half) * sky.rows + place.row);

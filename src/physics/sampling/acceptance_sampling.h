@@ -101,7 +101,7 @@ OMMA_HD double eval_table(const SensitivityView& s, double theta_rad, double azi
 // S in a direction; 1 at its largest but for `compoundray`, which is not normalised. That one draws
 // theta from a one-dimensional normal of full width `width` and azimuth uniformly (Millward,
 // Maddock, Mangan 2022, eLife 73893), which per unit solid angle is that normal over sin(theta).
-OMMA_HD double eval_sensitivity(const SensitivityView& s, double theta_rad, double azimuth_rad) {
+OMMA_HD_LARGE double eval_sensitivity(const SensitivityView& s, double theta_rad, double azimuth_rad) {
   const double q = theta_rad / s.width_rad;
   switch (s.kernel) {
     case Kernel::gaussian: {

@@ -15,7 +15,7 @@ struct SceneSearch {
   const BvhView* bvh;
   Visits<L::count> visits = {};  // in one lane
 
-  OMMA_HD void closest(LaneMask<L> lanes, RayPacket<L::count>& rays, const PassedSurfaces* passed,
+  OMMA_HD_LARGE void closest(LaneMask<L> lanes, RayPacket<L::count>& rays, const PassedSurfaces* passed,
                        Spread = Spread::together) const {
     const auto accept = [&](int lane, float t_m, float u, float v, std::uint32_t triangle,
                             std::uint32_t placed, bool from_behind) {
@@ -32,7 +32,7 @@ struct SceneSearch {
 
   // Lanes whose ray meets an accepted surface between its t_near_m and t_far_m; one that lets light
   // through in part counts as any other.
-  OMMA_HD LaneMask<L> occluded(LaneMask<L> lanes, const RayPacket<L::count>& rays) const {
+  OMMA_HD_LARGE LaneMask<L> occluded(LaneMask<L> lanes, const RayPacket<L::count>& rays) const {
     return omma::occluded<L>(
         *bvh, visits, lanes, rays,
         [&](int, float, float u, float v, std::uint32_t triangle, std::uint32_t placed,

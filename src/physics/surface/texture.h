@@ -170,7 +170,7 @@ template <typename F>
 OMMA_HD_CALLED Color<F> call_eval_texture(const TextureView& texture, F u, F v, F width) {
   return eval_texture(texture, u, v, width);
 }
-OMMA_HD Color<float> call_eval_texture(const TextureView& texture, float u, float v, float width) {
+OMMA_HD_LARGE Color<float> call_eval_texture(const TextureView& texture, float u, float v, float width) {
   return eval_texture(texture, u, v, width);
 }
 

@@ -1,0 +1,69 @@
+"""Kernels of a graphics card: that NVIDIA's compiler takes them, and what they take of a card. How
+they are compiled and kept is tested in tests/cpp/cuda_compile.cpp."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from omma.base.card_compiler import find_nvrtc, kernel_cache
+
+ROOT = Path(__file__).parents[2]
+PROGRAM = ROOT / "build/default/tests/cpp/omma_kernel_report"
+TABLE = ROOT / "src/backend/cuda/kernels.txt"
+COMPILED_FOR = "90"
+
+
+def rows_of(lines):
+    """What depends on the compiler alone: without the seconds that it took."""
+    ours = [line.split() for line in lines if line.startswith(f"sm_{COMPILED_FOR} ")]
+    return [row[:4] if row[1] == "all" else row for row in ours]
+
+
+def test_kernels_are_those_of_the_table():
+    nvrtc = find_nvrtc()
+    if not nvrtc:
+        pytest.skip("NVRTC is not installed: pip install 'omma[cuda]'")
+    if not PROGRAM.exists():
+        pytest.skip("no build of omma_kernel_report in build/default")
+    table = TABLE.read_text().splitlines()
+    report = subprocess.run([PROGRAM, COMPILED_FOR, nvrtc], capture_output=True, text=True)
+    assert report.returncode == 0, report.stderr  # warnings, or the log of a failure
+    lines = report.stdout.splitlines()
+    if lines[0] not in table:
+        pytest.skip(f"{TABLE.name} is not of {lines[0]}")
+    assert rows_of(lines) == rows_of(table), "where that is meant to be: scripts/kernel_report"
+
+
+@pytest.mark.parametrize(
+    ("newest", "found"),
+    [(None, "cu14/lib/libnvrtc.so.14"), (13, "cu13/lib/libnvrtc.so.13"), (11, "")],
+)
+def test_where_nvrtc_is(tmp_path, monkeypatch, newest, found):
+    for name in (
+        "cu13/lib/libnvrtc.so.13",
+        "cu14/lib/libnvrtc.so.14",
+        "cu13/lib/libnvrtc-builtins.so.13.5",
+        "cuda_nvrtc/lib/libnvrtc.so.12",
+        "cuda_nvrtc/lib/libnvrtc.alt.so.12",
+    ):
+        path = tmp_path / "nvidia" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch()
+    monkeypatch.setattr("sys.path", [str(tmp_path)])
+    monkeypatch.delitem(sys.modules, "nvidia", raising=False)
+    assert find_nvrtc(newest) == (str(tmp_path / "nvidia" / found) if found else "")
+
+
+def test_nothing_of_nvidia_is_installed(tmp_path, monkeypatch):
+    monkeypatch.setattr("sys.path", [str(tmp_path)])
+    monkeypatch.delitem(sys.modules, "nvidia", raising=False)
+    assert find_nvrtc() == ""
+
+
+def test_where_kernels_are_kept(tmp_path, monkeypatch):
+    monkeypatch.setenv("OMMA_CACHE", str(tmp_path))
+    assert kernel_cache() == tmp_path / "kernels"
+    monkeypatch.delenv("OMMA_CACHE")
+    assert kernel_cache().name == "kernels"
