@@ -1,9 +1,13 @@
 // Our own search beside Embree's, on the same packets and one thread, in turns so that a
 // disturbance meets both: rtcIntersect16, coherent, and `closest` of physics/search/traverse.h.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <limits>
 #include <numeric>
+#include <random>
+#include <string>
 
 #include "backend/denormals.h"
 #include "backend/embree/embree_backend.h"
@@ -43,6 +47,30 @@ std::vector<RayPacket<16>> packets_of(const Setup& setup, int samples, const Sha
   }
   return packets;
 }
+
+// The same rays where they have been scattered: each starts where one of them met something, and
+// goes on in any direction.
+void scatter(const EmbreeTracer& tracer, std::vector<RayPacket<16>>& packets) {
+  std::mt19937 random(1);
+  std::normal_distribution<float> component;  // three of these are a direction that is even
+  for (RayPacket<16>& packet : packets) {
+    embree_block_functions().closest(&tracer, 0xffff, packet);
+    for (int l = 0; l < 16; ++l) {
+      const bool met = packet.geometry[l] != none;
+      float to[3] = {component(random), component(random), component(random)};
+      const float length = std::hypot(to[0], to[1], to[2]);
+      for (int a = 0; a < 3; ++a) {
+        if (met) packet.origin[a][l] += 0.999f * packet.t_far_m[l] * packet.direction[a][l];
+        packet.direction[a][l] = to[a] / length;
+      }
+      packet.t_near_m[l] = 0;
+      packet.t_far_m[l] = std::numeric_limits<float>::infinity();
+      packet.geometry[l] = packet.instance[l] = none;
+    }
+  }
+}
+
+constexpr int scattered = 0;  // in place of a number of samples
 
 constexpr std::size_t together = 32;  // packets that are in the cache, as in a render
 
@@ -119,8 +147,10 @@ void search(bool quick) {
     const SearchFunctions search = portable_searches().back();
     alignas(64) int valid[16];
     for (int& v : valid) v = -1;
-    for (const int samples : {1, 16, 256}) {
-      const std::vector<RayPacket<16>> made = packets_of(setup, samples, *shading, placement);
+    for (const int samples : {1, 16, 256, scattered}) {
+      std::vector<RayPacket<16>> made =
+          packets_of(setup, samples == scattered ? 16 : samples, *shading, placement);
+      if (samples == scattered) scatter(*embree, made);
       std::vector<RayPacket<1>> singles;
       for (std::size_t p = 0; p < made.size(); ++p)
         for (int l = 0; l < 16; ++l) singles.push_back(ray_of(made[p], l));
@@ -145,7 +175,8 @@ void search(bool quick) {
       }
       const Differences d = compare(ours, theirs);
       const double mrays = 16e-6 * static_cast<double>(made.size());
-      std::printf("%s,%d,%.0f,%.2f,%.2f,%.2f,%zu,%zu,%.3f\n", setup.name.c_str(), samples,
+      const std::string which = samples == scattered ? "scattered" : std::to_string(samples);
+      std::printf("%s,%s,%.0f,%.2f,%.2f,%.2f,%zu,%zu,%.3f\n", setup.name.c_str(), which.c_str(),
                   1e6 * mrays, mrays / embree_times.sum(), mrays / portable_times.sum(),
                   mrays / single_times.sum(), d.in_one, d.elsewhere, build_s);
       std::fflush(stdout);

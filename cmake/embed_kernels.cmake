@@ -1,9 +1,9 @@
-# Writes a C++ file that holds the kernels' sources (src/backend/cuda/kernel_sources.h): kernels.cu,
-# all that it includes, and the few headers that stand in for standard ones.
+# Writes a C++ file that holds the kernels' sources (src/backend/cuda/kernel_sources.h): the
+# programs, all that they include, and the few headers that stand in for standard ones.
 #   cmake -DROOT=<repository> -DOUTPUT=<file> -P embed_kernels.cmake
 cmake_minimum_required(VERSION 3.22)
 set(rows "")
-set(waiting backend/cuda/kernels.cu)
+set(waiting backend/cuda/kernels.cu backend/cuda/gather_kernel.cu)
 set(known ${waiting})
 
 function(add_row name file)

@@ -1600,6 +1600,22 @@ def eye_file_losses(path: str | os.PathLike[str], eye: Eye) -> list[str]: ...
 
 def eye_file_heads(path: str | os.PathLike[str]) -> list[str]: ...
 
+def backends() -> list[str]:
+    """Names of what can trace rays in this build."""
+
+def use_card_libraries(nvrtc: str, kernel_cache: str) -> None:
+    """
+    Where the compiler of kernels is, "" for where the system has it, and where they are kept.
+    """
+
+def card_state() -> tuple[str, str, str]:
+    """
+    Name of the card, the CUDA that its driver is for, and why it cannot be used; "" for none.
+    """
+
+def card_note() -> str:
+    """What is to be known of the card's kernels, or "". Compiles them."""
+
 class WorldInstance:
     """Something in a world that can be moved."""
 

@@ -10,7 +10,8 @@ import pytest
 import omma
 from omma.scene import devices
 
-STAND_IN = Path(__file__).parents[2] / "build/default/tests/cpp/libomma_emulated_driver.so"
+BUILT = Path(__file__).parents[2] / "build/default/tests/cpp"
+STAND_IN = BUILT / "libomma_emulated_driver.so"
 with_stand_in = pytest.mark.skipif(not STAND_IN.exists(), reason="the C++ tests are not built")
 
 
@@ -20,7 +21,7 @@ def run(*arguments, card=True, cache="", **more):
     environment = {
         **os.environ,
         "OMMA_CUDA_DRIVER": driver,
-        "OMMA_NVRTC": driver,
+        "OMMA_NVRTC": str(BUILT / "libomma_stand_in_nvrtc.so"),
         "OMMA_CACHE": str(cache),
     }
     return subprocess.run(

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from omma import Error
+from omma._core import Error
 from omma.cli.help import App
 from omma.cli.options import SceneUpOption
 from omma.cli.working import say, working

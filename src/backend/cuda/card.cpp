@@ -36,19 +36,24 @@ std::size_t bytes_per_block(const GridLaunch& launch) {
   return launch.block_bytes + static_cast<std::size_t>(threads) * launch.thread_bytes;
 }
 
-// The kernels of the card's own architecture.
-void load_kernels(Card& card, const CardLibraries& from) {
-  const CompiledKernels compiled = compile_kernels(card.capability, from.nvrtc, from.kernel_cache);
+// The kernels of a program, for the card's own architecture.
+void load_kernels(Card& card, bool gathers) {
+  const CompiledKernels compiled =
+      compile_kernels(card.capability, card.libraries.nvrtc, card.libraries.kernel_cache,
+                      gathers ? gather_program : render_program);
   card.note = compiled.note;
   void* module = nullptr;
   check(card, card.driver.load_module(&module, compiled.cubin.data()), "cuModuleLoadData");
   for (int k = 0; k < card_kernel_count; ++k) {
-    check(card, card.driver.function(&card.functions[k], module, card_kernel_names[k]),
+    if ((k == static_cast<int>(CardKernel::gather)) != gathers) continue;
+    void* function = nullptr;
+    check(card, card.driver.function(&function, module, card_kernel_names[k]),
           "cuModuleGetFunction");
     int blocks = 0;
-    check(card, card.driver.blocks_at_once(&blocks, card.functions[k], threads, 0),
+    check(card, card.driver.blocks_at_once(&blocks, function, threads, 0),
           "cuOccupancyMaxActiveBlocksPerMultiprocessor");
     card.blocks_at_once[k] = std::max(1, blocks * card.processors);
+    card.functions[k] = function;
   }
 }
 
@@ -98,9 +103,10 @@ Card find_card(const CardLibraries& from) {
 
 Card open_card(const CardLibraries& from) {
   Card card = find_card(from);
+  card.libraries = from;
   check(card, card.driver.retain_context(&card.context, card.device), "cuDevicePrimaryCtxRetain");
   use_card(card);
-  load_kernels(card, from);
+  load_kernels(card, false);
   return card;
 }
 
@@ -133,6 +139,7 @@ void copy_from_card(const Card& card, void* to, CardPointer from, std::size_t by
 }
 
 int give_memory(Card& card, CardKernel kernel, std::int64_t wanted, GridLaunch& launch) {
+  if (card.functions[static_cast<int>(kernel)] == nullptr) load_kernels(card, true);
   const std::int64_t at_once = card.blocks_at_once[static_cast<int>(kernel)];
   std::int64_t blocks = std::max<std::int64_t>(1, std::min(wanted, at_once));
   const std::size_t each = bytes_per_block(launch);

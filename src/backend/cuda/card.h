@@ -24,7 +24,7 @@ struct CardLibraries {
 void set_card_libraries(const CardLibraries& libraries);
 CardLibraries card_libraries();
 
-// Entry points of kernels.cu.
+// Entry points of kernels.cu, and of gather_kernel.cu the one that gathers.
 enum class CardKernel : std::int32_t { render, discs, gather, weigh, closest, count };
 inline constexpr int card_kernel_count = static_cast<int>(CardKernel::count);
 inline constexpr const char* card_kernel_names[card_kernel_count] = {
@@ -36,6 +36,7 @@ struct Card {
   int device = 0, processors = 0;
   int capability = 0;    // 90 for 9.0
   int cuda_version = 0;  // that the driver is for, 13000 for 13.0
+  CardLibraries libraries;
   void* context = nullptr;
   std::string note;  // what a user should know of its kernels, or empty
   void* functions[card_kernel_count] = {};
@@ -49,7 +50,7 @@ struct Card {
 // there is no card that can be used.
 Card find_card(const CardLibraries& libraries);
 
-// With its kernels, which are compiled where they have not been kept: a minute or two.
+// With the kernels that render, which are compiled where they have not been kept: a minute or so.
 Card open_card(const CardLibraries& libraries);
 
 // Makes the card this thread's. Before anything else of a call.
@@ -65,6 +66,7 @@ void copy_from_card(const Card& card, void* to, CardPointer from, std::size_t by
 
 // Blocks of the grid that a kernel is launched with: as many as run at once, fewer where so many
 // are not needed, or their memory is not there; `launch` gets that memory.
+// The kernel that gathers is compiled here, when it is first launched.
 int give_memory(Card& card, CardKernel kernel, std::int64_t blocks, GridLaunch& launch);
 
 // Returns when all threads are done.

@@ -46,9 +46,11 @@ std::string hash_of(std::string_view bytes) {
   return hash.hexadecimal();
 }
 
-std::string cache_name(const Nvrtc& nvrtc, const std::vector<std::string>& options) {
+std::string cache_name(const Nvrtc& nvrtc, const std::vector<std::string>& options,
+                       const char* program) {
   Hash hash;
   hash.add_text(nvrtc.version());
+  hash.add_text(program);
   for (const std::string& option : options) hash.add_text(option);
   for (const KernelSource& source : kernel_sources()) {
     hash.add_text(source.name);
@@ -98,15 +100,15 @@ std::vector<std::string> compile_options(const Nvrtc& nvrtc, int capability) {
 }
 
 CompiledKernels compile_kernels(int capability, const std::string& nvrtc_path,
-                                const std::string& cache_folder) {
+                                const std::string& cache_folder, const char* program) {
   const Nvrtc nvrtc(nvrtc_path);
   std::vector<std::string> options = compile_options(nvrtc, capability);
   options.push_back("--split-compile=0");  // on all threads
-  if (cache_folder.empty()) return {nvrtc.compile(kernel_sources(), options).cubin, {}};
+  if (cache_folder.empty()) return {nvrtc.compile(kernel_sources(), program, options).cubin, {}};
   const std::string path =
-      (std::filesystem::path(cache_folder) / cache_name(nvrtc, options)).string();
+      (std::filesystem::path(cache_folder) / cache_name(nvrtc, options, program)).string();
   if (std::optional<std::string> kept = read_kept(path)) return {std::move(*kept), {}};
-  CompiledKernels compiled{nvrtc.compile(kernel_sources(), options).cubin, {}};
+  CompiledKernels compiled{nvrtc.compile(kernel_sources(), program, options).cubin, {}};
   try {
     keep(cache_folder, path, compiled.cubin);
   } catch (const Error& error) {

@@ -11,7 +11,9 @@ struct KernelSource {
   const char* text;
 };
 
-// kernels.cu, then what it includes.
+// The programs, each a source, then what they include.
+inline constexpr const char* render_program = "backend/cuda/kernels.cu";
+inline constexpr const char* gather_program = "backend/cuda/gather_kernel.cu";
 std::span<const KernelSource> kernel_sources();
 
 }  // namespace omma

@@ -103,11 +103,16 @@ Nvrtc::Nvrtc(const std::string& path) {
 
 Nvrtc::~Nvrtc() = default;
 
-Nvrtc::Compiled Nvrtc::compile(std::span<const KernelSource> sources,
+Nvrtc::Compiled Nvrtc::compile(std::span<const KernelSource> sources, std::string_view program,
                                const std::vector<std::string>& options) const {
   const Functions& nvrtc = *functions_;
   std::vector<const char*> texts, included, given;
-  for (const KernelSource& source : sources.subspan(1)) {
+  const KernelSource* main = nullptr;
+  for (const KernelSource& source : sources) {
+    if (source.name == program) {
+      main = &source;
+      continue;
+    }
     texts.push_back(source.text);
     included.push_back(source.name);
   }
@@ -118,8 +123,8 @@ Nvrtc::Compiled Nvrtc::compile(std::span<const KernelSource> sources,
     Program program = nullptr;
     ~Owned() { nvrtc.destroy(&program); }
   } of{nvrtc};
-  nvrtc.check(nvrtc.create(&of.program, sources[0].text, sources[0].name,
-                           static_cast<int>(texts.size()), texts.data(), included.data()),
+  nvrtc.check(nvrtc.create(&of.program, main->text, main->name, static_cast<int>(texts.size()),
+                           texts.data(), included.data()),
               "a program");
   const std::atomic<bool>* const flag = cancel_flag();
   if (flag != nullptr)

@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "backend/cuda/kernel_sources.h"
@@ -30,9 +31,9 @@ class Nvrtc {
     std::string cubin;
     std::string log;  // warnings, and what options ask it to tell
   };
-  // The first source, which includes the others. Throws omma::Error with the log where it fails,
+  // The source of that name, which includes others. Throws omma::Error with the log where it fails,
   // and omma::Cancelled.
-  Compiled compile(std::span<const KernelSource> sources,
+  Compiled compile(std::span<const KernelSource> sources, std::string_view program,
                    const std::vector<std::string>& options) const;
 
  private:

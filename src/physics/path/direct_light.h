@@ -12,6 +12,7 @@
 #include "physics/light/near_light.h"
 #include "physics/light/sun_map.h"
 #include "physics/path/baked_scatter.h"
+#include "physics/path/transmittance.h"
 #include "physics/rays/search_rays.h"
 
 namespace omma {

@@ -7,6 +7,7 @@
 
 #include "physics/lanes/vector3.h"
 #include "physics/path/lit_path.h"
+#include "physics/path/transmittance.h"
 #include "physics/views/gather_task.h"
 
 namespace omma {

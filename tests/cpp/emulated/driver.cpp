@@ -1,7 +1,6 @@
-// A stand-in for NVIDIA's driver and its runtime compiler, as a shared library: a card whose
-// threads run in a process of their own (device_main.cpp), which has nothing of the host but the
-// card's memory, so that a pointer into the host's ends it. Calls can be made to fail
-// (emulated_driver.h).
+// A stand-in for NVIDIA's driver, as a shared library: a card whose threads run in a process of
+// their own (device_main.cpp), which has nothing of the host but the card's memory, so that a
+// pointer into the host's ends it. Calls can be made to fail (emulated_driver.h).
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
@@ -100,8 +99,6 @@ void emulated_fail(const char* call, int error, int calls_before) {
   emulated().error = error;
   emulated().calls_before = calls_before;
 }
-
-// --- The driver.
 
 int cuInit(unsigned) {
   if (const int error = failure("cuInit")) return error;
@@ -208,55 +205,6 @@ int cuGetErrorName(int error, const char** name) {
 }
 int cuGetErrorString(int error, const char** text) {
   return cuGetErrorName(error, text);
-}
-
-// --- The runtime compiler: kernels are in the card's process already.
-
-const char* nvrtcGetErrorString(int) {
-  return "an error that was asked for";
-}
-int nvrtcVersion(int* major, int* minor) {
-  *major = 13;
-  *minor = 0;
-  return failure("nvrtcVersion");
-}
-int nvrtcGetNumSupportedArchs(int* count) {
-  *count = 1;
-  return success;
-}
-int nvrtcGetSupportedArchs(int* architectures) {
-  *architectures = 75;
-  return success;
-}
-int nvrtcCreateProgram(void** program, const char*, const char*, int, const char* const*,
-                       const char* const*) {
-  *program = &emulated();
-  return failure("nvrtcCreateProgram");
-}
-int nvrtcDestroyProgram(void**) {
-  return success;
-}
-int nvrtcCompileProgram(void*, int, const char* const*) {
-  return failure("nvrtcCompileProgram");
-}
-int nvrtcSetFlowCallback(void*, int (*)(void*, void*), void*) {
-  return success;
-}
-int nvrtcGetCUBINSize(void*, std::size_t* bytes) {
-  *bytes = sizeof "cubin";
-  return success;
-}
-int nvrtcGetCUBIN(void*, char* cubin) {
-  std::memcpy(cubin, "cubin", sizeof "cubin");
-  return success;
-}
-int nvrtcGetProgramLogSize(void*, std::size_t* bytes) {
-  *bytes = sizeof "the log";
-  return success;
-}
-int nvrtcGetProgramLog(void*, char* log) {
-  std::memcpy(log, "the log", sizeof "the log");
-  return success;
 }
 
 }  // extern "C"

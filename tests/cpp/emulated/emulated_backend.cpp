@@ -28,7 +28,7 @@ bool is_real_card() {
 Backend emulated_backend() {
   if (!is_real_card())
     set_card_libraries({.driver = OMMA_EMULATED_DRIVER,
-                        .nvrtc = OMMA_EMULATED_DRIVER,
+                        .nvrtc = OMMA_STAND_IN_NVRTC,
                         .kernel_cache = "",
                         .checks_copies = true});
   const auto build = [](const Scene& scene, const SceneView& view, const Placement& placement,

@@ -1,0 +1,81 @@
+// What is left of light that comes past surfaces which let it straight through: sheets that cover
+// what lies behind in part, and thin glass.
+#pragma once
+
+#include "physics/lanes/lane_mask.h"
+#include "physics/path/path_state.h"
+#include "physics/rays/hits.h"
+#include "physics/rays/passed.h"
+#include "physics/rays/search_rays.h"
+#include "physics/surface/lit_surface.h"
+
+namespace omma {
+
+// Below this fraction what lies behind a surface that lets light by counts for nothing.
+inline constexpr float least_passing = 1e-7f;
+
+// Straight on through a part of a surface: what is left, [band][lane], of light from behind, where
+// it covers little or is glass.
+template <typename F>
+OMMA_HD F passing(F alpha, F straight, F reflectance) {
+  return (1.0f - alpha) + alpha * straight * reflectance;
+}
+
+// Multiplies what has come through so far, memory.throughput, by what surfaces that shadow rays of
+// some lanes met leave of it. Returns the lanes for which enough is left.
+template <typename L>
+OMMA_HD_CALLED LaneMask<L> dim_light(const SceneView& scene, const Packet<L>& shadow,
+                                     const LitSurface<L>& surface, LaneMask<L> dimmed,
+                                     const SpectraMemory& memory) {
+  using F = typename L::F;
+  float* const transmittance = memory.throughput;
+  LaneMask<L> bright;
+  for (int l = 0; l < L::count; l += L::width) {
+    const auto point = make_scatter_point(scatter_surface<L>(scene, shadow.rays, surface, l));
+    const auto dims = dimmed.at(l);
+    F most{};
+    for (int b = 0; b < scene.bands; ++b) {
+      float* const at = transmittance + b * L::count + l;
+      const F part = passing(load<F>(surface.alpha + l), point.straight,
+                             load<F>(memory.reflectance + b * L::count + l));
+      const F after = dims ? load<F>(at) * part : load<F>(at);
+      store(at, after);
+      most = after > most ? after : most;
+    }
+    bright.bits |= lane_bits(most > least_passing) << l;
+  }
+  return bright;
+}
+
+// Shadow rays past surfaces that let light straight through: the transmittance of the way, by band,
+// is memory.throughput. Returns the lanes that reach their light.
+template <typename L, typename Search>
+OMMA_HD_CALLED LaneMask<L> trace_transmittance(const SceneView& scene, Search& search,
+                                               LaneMask<L> lanes, Packet<L>& shadow,
+                                               const SpectraMemory& memory) {
+  clear<L>(memory.passed);
+  alignas(L::count * 4) float t_far_m[L::count];
+  for (int l = 0; l < L::count; ++l) t_far_m[l] = shadow.rays.t_far_m[l];
+  for (int i = 0; i < scene.bands * L::count; ++i) memory.throughput[i] = 1;
+  LaneMask<L> on = lanes, reached;
+  for (int flight = 0; on.any() && flight < most_flights; ++flight) {
+    clear_hits<L>(shadow.rays);
+    for (int l = 0; l < L::count; ++l) shadow.rays.t_far_m[l] = t_far_m[l];
+    search_closest(search, on, shadow.rays, &memory.passed, Spread::scattered);
+    Hits<L> hits;
+    find_hits<L>(search.placed(), shadow, hits);
+    HitGeometry<L> geometry;
+    eval_geometry<L>(scene, shadow.rays, hits, geometry);
+    LitSurface<L> surface;
+    eval_lit_surfaces<L>(scene, shadow, hits, geometry, memory, surface);
+    const auto met =
+        lanes_where<L>([&](int l) { return load<typename L::I>(surface.material + l) >= 0; });
+    const LaneMask<L> bright = dim_light(scene, shadow, surface, met & on, memory);
+    reached |= on & ~met;
+    on &= met & bright;
+    on.for_each([&](int l) { pass(memory.passed, l, shadow.rays); });
+  }
+  return reached;
+}
+
+}  // namespace omma
