@@ -78,7 +78,7 @@ def main() -> None:
         raise SystemExit(f"no card: {card.why_not}")
     scene = omma.load_scene(omma.examples.meadow())
     eye = omma.eye.generate_eye(40) if quick else omma.species.honeybee_worker().eye
-    print(f"# {card.name}; {devices()[0].name}; omma {omma.__version__}")
+    print(f"# {card.name}; processor, {devices()[0].name}; omma {omma.__version__}")
     print("case,poses,ommatidia,processor_ms,card_ms,times_as_fast,differs_by")
     too_far = []
     for case in cases(quick):

@@ -39,10 +39,10 @@ def describe_devices() -> Lines:
     """What there is to trace rays with, and the backends that use it."""
     return [
         (
-            device.name or "graphics card",
+            "graphics card" if "cuda" in device.backends else "processor",
             f"cannot be used: {device.why_not}"
             if device.why_not
-            else "backend " + ", ".join(device.backends),
+            else f"{device.name}: backend {', '.join(device.backends)}",
         )
         for device in devices()
     ]

@@ -34,7 +34,7 @@ def devices() -> tuple[Device, ...]:
     processors = tuple(name for name in _core.backends() if name != "cuda")
     name, _, why_not = _find_card()
     return (
-        Device(f"processor, {os.cpu_count()} threads", processors),
+        Device(f"{os.cpu_count()} threads", processors),
         Device(name, ("cuda",), why_not),
     )
 
