@@ -1,6 +1,6 @@
 // Small vectors and the 4x4 transform, shared by host and device. Everything here is plain data
-// with free functions; nothing allocates. `OMMA_HD` marks what also compiles as CUDA device code;
-// it is the project's only function-attribute macro.
+// with free functions; nothing allocates. `OMMA_HD` marks what also compiles as CUDA device code; its
+// two kin below are called where it is inlined. There are no other function-attribute macros.
 #pragma once
 
 #include <cmath>
