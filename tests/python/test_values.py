@@ -158,6 +158,7 @@ def examples(files, tmp_path_factory):
         "scene.Bake": omma.scene.Bake(cell_m=0.5, paths=64, cache=False),
         "scene.BakedInfo": omma.scene.BakedInfo(9, 0.5, 32, 0.1, 0.3, 1152, 3, 0.25, True),
         "scene.Camera": scene.cameras[1],
+        "scene.Device": omma.scene.Device("2 threads", ("embree", "portable")),
         "scene.ExtraReflectance": omma.scene.ExtraReflectance(
             0, [omma.light.Spectrum([300, 400], [0.1, 0.2])]
         ),

@@ -1,5 +1,5 @@
 // The sources of the kernels, as files: the library carries them, so that they can be compiled
-// where it runs. cmake/embed_kernels.cmake writes kernel_sources.cpp.
+// where it runs. What is declared here cmake/embed_kernels.cmake writes.
 #pragma once
 
 #include <span>
