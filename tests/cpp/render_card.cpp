@@ -5,6 +5,7 @@
 
 #include <functional>
 
+#include "backend/cuda/cuda_backend.h"
 #include "emulated/emulated_backend.h"
 #include "omma/error.h"
 #include "world_tests.h"
@@ -84,7 +85,6 @@ TEST_F(CardErrors, OfRenderingNameTheCallAndLeaveNothingBehind) {
   }
 }
 
-// Memory that is short for a while is waited for by giving up what is kept, then it is an error.
 TEST_F(CardErrors, OfMemorySayHowMuchIsThere) {
   const World world = squares_on_card(), other = squares_on_card();
   const Eye eye = make_eye(sphere_directions(100), 12 * degree);
@@ -96,6 +96,22 @@ TEST_F(CardErrors, OfMemorySayHowMuchIsThere) {
   make_driver_fail("", 0);
   EXPECT_EQ(seen(of_other), expected);
   EXPECT_EQ(seen(renderer), expected);
+}
+
+// Where memory is short what other worlds have left there is given up, and copied again for them.
+TEST_F(CardErrors, OfMemoryAreNoneWhereSomethingCanBeGivenUp) {
+  const World world = squares_on_card(), other = squares_on_card();
+  const Eye eye = make_eye(sphere_directions(100), 12 * degree);
+  const Renderer renderer(world, eye, {}), of_other(other, eye, {});
+  const std::vector<float> expected = seen(renderer);
+  take_kept_bytes();
+  EXPECT_EQ(seen(renderer), expected);
+  EXPECT_EQ(take_kept_bytes(), 0u);
+  make_driver_fail("cuMemAlloc", out_of_memory, 1);
+  EXPECT_EQ(seen(of_other), expected);
+  take_kept_bytes();
+  EXPECT_EQ(seen(renderer), expected);
+  EXPECT_GT(take_kept_bytes(), 0u);
 }
 
 }  // namespace

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from omma.base.card_compiler import find_nvrtc, kernel_cache
+from omma.base.card_compiler import find_nvrtc
+from omma.base.directories import cache_folder
 
 ROOT = Path(__file__).parents[2]
 PROGRAM = ROOT / "build/default/tests/cpp/omma_kernel_report"
@@ -64,6 +65,6 @@ def test_nothing_of_nvidia_is_installed(tmp_path, monkeypatch):
 
 def test_where_kernels_are_kept(tmp_path, monkeypatch):
     monkeypatch.setenv("OMMA_CACHE", str(tmp_path))
-    assert kernel_cache() == tmp_path / "kernels"
+    assert cache_folder("kernels") == tmp_path / "kernels"
     monkeypatch.delenv("OMMA_CACHE")
-    assert kernel_cache().name == "kernels"
+    assert cache_folder("kernels").name == "kernels"

@@ -1,10 +1,8 @@
-"""NVIDIA's compiler of kernels for graphics cards, where a package has brought it, and the folder
-in which compiled kernels are kept."""
+"""NVIDIA's compiler of kernels for graphics cards, where a package has brought it."""
 
 from __future__ import annotations
 
 import importlib.util
-import os
 import re
 from pathlib import Path
 
@@ -26,13 +24,3 @@ def find_nvrtc(newest: int | None = None) -> str:
             if version is not None and (newest is None or int(version[1]) <= newest):
                 found.append((int(version[1]), str(path)))
     return max(found, default=(0, ""))[1]
-
-
-def kernel_cache() -> Path:
-    """The folder in which compiled kernels are kept; it need not be there."""
-    given = os.environ.get("OMMA_CACHE")
-    if given:
-        return Path(given) / "kernels"
-    import platformdirs
-
-    return Path(platformdirs.user_cache_dir("omma")) / "kernels"

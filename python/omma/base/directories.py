@@ -1,4 +1,4 @@
-"""Directories that are written whole or not at all, as a Zarr store is one."""
+"""Directories that are written whole or not at all, as a Zarr store is one; the cache folder."""
 
 from __future__ import annotations
 
@@ -12,6 +12,19 @@ from pathlib import Path
 from omma._core import Error
 
 _TOKEN_BYTES = 6
+
+
+def cache_folder(of: str) -> Path:
+    """Where things of a kind are kept from run to run; it need not be there.
+
+    Below the folder that the environment variable OMMA_CACHE names, else the user's cache folder.
+    """
+    given = os.environ.get("OMMA_CACHE")
+    if given:
+        return Path(given) / of
+    import platformdirs
+
+    return Path(platformdirs.user_cache_dir("omma")) / of
 
 
 class WholeDirectory:

@@ -17,6 +17,7 @@ import numpy as np
 
 from omma import _core
 from omma._core import Error, Scene, __version__
+from omma.base.directories import cache_folder
 from omma.base.files import WholeFiles, make_directory
 from omma.base.warn import warn_caller
 
@@ -39,14 +40,7 @@ def cache_directory(cache: bool | str | os.PathLike[str]) -> Path | None:
     """The folder to look in and write to; None for none."""
     if not isinstance(cache, bool):
         return Path(cache)
-    if not cache:
-        return None
-    given = os.environ.get("OMMA_CACHE")
-    if given:
-        return Path(given) / "baked-light"
-    import platformdirs
-
-    return Path(platformdirs.user_cache_dir("omma")) / "baked-light"
+    return cache_folder("baked-light") if cache else None
 
 
 def scene_digest(scene: Scene) -> bytes:

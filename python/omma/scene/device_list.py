@@ -6,7 +6,8 @@ import os
 from dataclasses import dataclass
 
 from omma import _core
-from omma.base.card_compiler import find_nvrtc, kernel_cache
+from omma.base.card_compiler import find_nvrtc
+from omma.base.directories import cache_folder
 from omma.base.warn import warn_caller
 
 
@@ -41,12 +42,13 @@ def devices() -> tuple[Device, ...]:
 
 def _find_card() -> tuple[str, str, str]:
     """The card's name, its driver's CUDA and why it cannot be used; tells the engine of NVRTC."""
-    _core.use_card_libraries("", str(kernel_cache()))
+    kernels = str(cache_folder("kernels"))
+    _core.use_card_libraries("", kernels)
     name, driver, why_not = _core.card_state()
     if not driver:
         return name, driver, why_not
     # Kernels that a newer CUDA has compiled are nothing to an older driver.
-    _core.use_card_libraries(find_nvrtc(int(driver.split(".")[0])), str(kernel_cache()))
+    _core.use_card_libraries(find_nvrtc(int(driver.split(".")[0])), kernels)
     return _core.card_state()
 
 

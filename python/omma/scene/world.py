@@ -83,7 +83,8 @@ class World:
 
     Raises:
         omma.Error: an argument is out of its range, a material of which nobody says what it
-            reflects in the ultraviolet, cells of the size asked for do not fit in memory, or this
+            reflects in the ultraviolet, cells of the size asked for do not fit in memory, there is
+            no card that can be used where one is asked for, or this
             is a process made by fork from one that had used a renderer (docs/performance.md).
         TypeError: an argument is of another type.
 

@@ -32,10 +32,6 @@ std::string in_megabytes(std::size_t bytes) {
   return std::to_string((bytes + 999'999) / 1'000'000) + " MB";
 }
 
-std::size_t bytes_per_block(const GridLaunch& launch) {
-  return launch.block_bytes + static_cast<std::size_t>(threads) * launch.thread_bytes;
-}
-
 // The kernels of a program, for the card's own architecture.
 void load_kernels(Card& card, bool gathers) {
   const CompiledKernels compiled =
@@ -130,6 +126,10 @@ void fail_for_memory(const Card& card, std::size_t bytes) {
               "; render fewer poses at once, or a smaller scene");
 }
 
+void free_memory(const Card& card, CardPointer at) {
+  check(card, card.driver.free(at), "cuMemFree");
+}
+
 void copy_to_card(const Card& card, CardPointer to, const void* from, std::size_t bytes) {
   if (bytes > 0) check(card, card.driver.copy_to_card(to, from, bytes), "cuMemcpyHtoD");
 }
@@ -138,24 +138,8 @@ void copy_from_card(const Card& card, void* to, CardPointer from, std::size_t by
   if (bytes > 0) check(card, card.driver.copy_from_card(to, from, bytes), "cuMemcpyDtoH");
 }
 
-int give_memory(Card& card, CardKernel kernel, std::int64_t wanted, GridLaunch& launch) {
+void load_kernel(Card& card, CardKernel kernel) {
   if (card.functions[static_cast<int>(kernel)] == nullptr) load_kernels(card, true);
-  const std::int64_t at_once = card.blocks_at_once[static_cast<int>(kernel)];
-  std::int64_t blocks = std::max<std::int64_t>(1, std::min(wanted, at_once));
-  const std::size_t each = bytes_per_block(launch);
-  const auto needed = [&] { return static_cast<std::size_t>(blocks) * each; };
-  if (needed() > card.thread_memory_bytes) {
-    if (card.thread_memory != 0) check(card, card.driver.free(card.thread_memory), "cuMemFree");
-    card.thread_memory_bytes = 0;
-    // Half as many blocks take longer, and are right too.
-    while ((card.thread_memory = try_to_allocate(card, needed())) == 0) {
-      if (blocks == 1) fail_for_memory(card, needed());
-      blocks /= 2;
-    }
-    card.thread_memory_bytes = needed();
-  }
-  launch.memory = reinterpret_cast<std::byte*>(card.thread_memory);
-  return static_cast<int>(blocks);
 }
 
 void run(const Card& card, CardKernel kernel, int blocks, GridLaunch launch) {

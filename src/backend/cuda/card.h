@@ -61,13 +61,13 @@ CardPointer try_to_allocate(const Card& card, std::size_t bytes);
 // Of an allocation that failed: how much was asked for, and how much there is.
 [[noreturn]] void fail_for_memory(const Card& card, std::size_t bytes);
 
+void free_memory(const Card& card, CardPointer at);
+
 void copy_to_card(const Card& card, CardPointer to, const void* from, std::size_t bytes);
 void copy_from_card(const Card& card, void* to, CardPointer from, std::size_t bytes);
 
-// Blocks of the grid that a kernel is launched with: as many as run at once, fewer where so many
-// are not needed, or their memory is not there; `launch` gets that memory.
-// The kernel that gathers is compiled here, when it is first launched.
-int give_memory(Card& card, CardKernel kernel, std::int64_t blocks, GridLaunch& launch);
+// Compiles the kernel that gathers when it is first asked for; the others are there.
+void load_kernel(Card& card, CardKernel kernel);
 
 // Returns when all threads are done.
 void run(const Card& card, CardKernel kernel, int blocks, GridLaunch launch);

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "omma/error.h"
+#include "physics/rays/replicates.h"
 
 namespace omma {
 namespace {
@@ -21,10 +22,6 @@ CardPointer allocate(const Card& card, KeptCopies& kept, std::size_t bytes) {
     if (const CardPointer at = try_to_allocate(card, bytes)) return at;
     if (!kept.free_unused(card)) fail_for_memory(card, bytes);
   }
-}
-
-void free(const Card& card, CardPointer at) {
-  check_driver(card.driver, card.driver.free(at), "cuMemFree", card.name);
 }
 
 }  // namespace
@@ -55,7 +52,7 @@ bool KeptCopies::free_unused(const Card& card) {
     const Copy& copy = it->second;
     const bool is_unused = copy.last_read != launch_ && copy.at != 0;
     any = any || is_unused;
-    if (is_unused) free(card, copy.at);
+    if (is_unused) free_memory(card, copy.at);
     it = is_unused ? kept_.erase(it) : std::next(it);
   }
   return any;
@@ -94,10 +91,30 @@ const std::byte* MirroredMemory::host(const void* on_card) const {
 void MirroredMemory::clear(const Card& card) {
   std::erase_if(pieces_, [&](const Piece& piece) {
     const bool goes = piece.host.size() > largest_stays;
-    if (goes) free(card, piece.at);
+    if (goes) free_memory(card, piece.at);
     return goes;
   });
   for (Piece& piece : pieces_) piece.used = 0;
+}
+
+int give_memory(Card& card, KeptCopies& kept, CardKernel kernel, std::int64_t wanted,
+                GridLaunch& launch) {
+  const std::int64_t at_once = card.blocks_at_once[static_cast<int>(kernel)];
+  std::int64_t blocks = std::max<std::int64_t>(1, std::min(wanted, at_once));
+  const std::size_t each = launch.block_bytes + most_per_block * launch.thread_bytes;
+  const auto needed = [&] { return static_cast<std::size_t>(blocks) * each; };
+  if (needed() > card.thread_memory_bytes) {
+    if (card.thread_memory != 0) free_memory(card, card.thread_memory);
+    card.thread_memory_bytes = 0;
+    while ((card.thread_memory = try_to_allocate(card, needed())) == 0) {
+      if (kept.free_unused(card)) continue;
+      if (blocks == 1) fail_for_memory(card, needed());
+      blocks /= 2;
+    }
+    card.thread_memory_bytes = needed();
+  }
+  launch.memory = reinterpret_cast<std::byte*>(card.thread_memory);
+  return static_cast<int>(blocks);
 }
 
 }  // namespace omma

@@ -38,6 +38,12 @@ class KeptCopies {
   std::map<std::pair<const void*, std::size_t>, Copy> kept_;
 };
 
+// Memory for the threads of a launch. Returns the blocks of the grid that it is launched with: as
+// many as run at once, fewer where so many are not wanted or, when what is kept has been given up,
+// their memory is not there: that takes longer, and is right too.
+int give_memory(Card& card, KeptCopies& kept, CardKernel kernel, std::int64_t wanted,
+                GridLaunch& launch);
+
 // Memory that is the same on both sides: written here, sent in one transfer for each piece, and
 // brought back so.
 class MirroredMemory {

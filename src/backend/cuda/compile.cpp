@@ -1,9 +1,9 @@
 // Kernels of a card: see compile.h.
 #include "backend/cuda/compile.h"
 
-#include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string_view>
 
@@ -17,46 +17,26 @@ namespace {
 constexpr std::string_view magic = "omma kernels 1\n";
 constexpr std::size_t digits = 16;
 
-// FNV-1a (Fowler, Noll, Vo), 64 bits: of what nobody forges.
-class Hash {
- public:
-  void add(std::string_view bytes) {
-    for (const char byte : bytes) step(static_cast<unsigned char>(byte));
-  }
-  // With an end, so that no two rows of texts read alike.
-  void add_text(std::string_view text) {
-    add(text);
-    step(0);
-  }
-  std::string hexadecimal() const {
-    char text[digits + 1];
-    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash_));
-    return text;
-  }
-
- private:
-  void step(unsigned char byte) { hash_ = (hash_ ^ byte) * 0x100000001b3u; }
-
-  std::uint64_t hash_ = 0xcbf29ce484222325u;
-};
-
+// By the standard library, of what nobody forges: another library's only compiles anew.
 std::string hash_of(std::string_view bytes) {
-  Hash hash;
-  hash.add(bytes);
-  return hash.hexadecimal();
+  char text[digits + 1];
+  std::snprintf(text, sizeof text, "%016zx", std::hash<std::string_view>{}(bytes));
+  return text;
 }
 
 std::string cache_name(const Nvrtc& nvrtc, const std::vector<std::string>& options,
                        const char* program) {
-  Hash hash;
-  hash.add_text(nvrtc.version());
-  hash.add_text(program);
-  for (const std::string& option : options) hash.add_text(option);
+  // Each with an end, so that no two rows of texts read alike.
+  std::string all;
+  const auto add = [&](std::string_view text) { all.append(text).push_back('\0'); };
+  add(nvrtc.version());
+  add(program);
+  for (const std::string& option : options) add(option);
   for (const KernelSource& source : kernel_sources()) {
-    hash.add_text(source.name);
-    hash.add_text(source.text);
+    add(source.name);
+    add(source.text);
   }
-  return "kernels-" + hash.hexadecimal() + ".cubin";
+  return "kernels-" + hash_of(all) + ".cubin";
 }
 
 // What is kept there; nothing where nothing is, or it is not whole.

@@ -21,9 +21,9 @@
 namespace omma {
 namespace {
 
-// A launch has so many tasks for each block of the grid: between launches it is asked whether all
-// is cancelled.
-constexpr std::int64_t tasks_per_block = 32;
+// Each thread of the grid does so much one after the other; between launches it is asked whether
+// all is cancelled.
+constexpr std::int64_t turns_per_launch = 32;
 
 // The card, from when it is first asked for, with what stays on it.
 struct OpenCard {
@@ -71,38 +71,39 @@ class Launch {
     launch_.outputs = outputs;
   }
 
-  // `tasks_in_block`: that the threads of a block take at once.
+  // `threads`: of a task.
   template <typename Task, typename... More>
-  void run_tasks(std::span<const Task> tasks, double tasks_in_block, const More&... more) {
+  void run_tasks(std::span<const Task> tasks, std::int64_t threads, const More&... more) {
     std::vector<Task> own(tasks.begin(), tasks.end());
     for (Task& task : own) arrays_.point_to_copies(task, more...);
-    run(copies_.read(own.data(), own.size(), Version{0}), own.size(), tasks_in_block);
+    run(copies_.read(own.data(), own.size(), Version{0}), own.size(), threads);
   }
   void run_packets(std::span<RayPacket<packet_rays>> packets) {
     Scratch visits;
     lay_out_visits(visits);
     launch_.thread_bytes = visits.used;
-    run(copies_.written(packets.data(), packets.size()), packets.size(),
-        double{most_per_block} / packet_rays);
+    run(copies_.written(packets.data(), packets.size()), packets.size(), packet_rays);
   }
 
  private:
   template <typename Task>
-  void run(const Task* tasks, std::size_t count, double tasks_in_block) {
+  void run(const Task* tasks, std::size_t count, std::int64_t threads) {
+    Card& card = open_.card;
     copies_.send();
+    load_kernel(card, kernel_);
     const auto all = static_cast<std::int64_t>(count);
     const auto blocks_for = [&](std::int64_t n) {
-      return static_cast<std::int64_t>(static_cast<double>(n) / tasks_in_block) + 1;
+      return (n * threads + most_per_block - 1) / most_per_block;
     };
-    const int most = give_memory(open_.card, kernel_, blocks_for(all), launch_);
-    const auto step = std::max<std::int64_t>(
-        1, static_cast<std::int64_t>(most * tasks_in_block * tasks_per_block));
+    const int most = give_memory(card, open_.kept, kernel_, blocks_for(all), launch_);
+    const std::int64_t step =
+        std::max<std::int64_t>(1, most * most_per_block * turns_per_launch / threads);
     for (std::int64_t k = 0; k < all; k += step) {
       check_cancelled();
       launch_.tasks = tasks + k;
       launch_.count = std::min(step, all - k);
-      omma::run(open_.card, kernel_,
-                static_cast<int>(std::min<std::int64_t>(most, blocks_for(launch_.count))), launch_);
+      const std::int64_t blocks = std::min<std::int64_t>(most, blocks_for(launch_.count));
+      omma::run(card, kernel_, static_cast<int>(blocks), launch_);
     }
     copies_.bring_back();
   }
@@ -120,7 +121,7 @@ void render_tasks(CardKernel kernel, const FrameView& frame, std::span<const Blo
   Launch launch(kernel);
   launch.search(tracer);
   launch.render(frame, 1);
-  launch.run_tasks(tasks, 1, frame);
+  launch.run_tasks(tasks, most_per_block, frame);
 }
 
 Launches launches() {
@@ -135,13 +136,12 @@ Launches launches() {
     Launch launch(CardKernel::gather);
     launch.search(tracer);
     launch.render(frame, packet_rays);
-    launch.run_tasks(tasks, most_per_block, frame.scene->bands);
+    launch.run_tasks(tasks, 1, frame.scene->bands);
   };
   all.weigh = [](const SharedWeights& shared, int outputs, std::span<const WeighTask> tasks) {
     Launch launch(CardKernel::weigh);
     launch.weigh(shared, outputs);
-    launch.run_tasks(tasks, double{most_per_block} / static_cast<double>(shared.ommatidium_count),
-                     shared, outputs);
+    launch.run_tasks(tasks, std::max<std::int64_t>(1, shared.ommatidium_count), shared, outputs);
   };
   all.closest = [](std::span<RayPacket<packet_rays>> packets, const void* tracer) {
     Launch launch(CardKernel::closest);

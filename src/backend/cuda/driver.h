@@ -38,11 +38,7 @@ struct DriverFunctions {
 };
 
 // CUresult and CUdevice_attribute, as far as they are asked for.
-enum DriverError : int {
-  driver_out_of_memory = 2,
-  driver_not_initialized = 3,
-  driver_no_card = 100
-};
+enum DriverError : int { driver_out_of_memory = 2, driver_not_initialized = 3 };
 enum CardAttribute : int { processor_count = 16, capability_major = 75, capability_minor = 76 };
 
 // From the library at OMMA_CUDA_DRIVER or, where that is not set, at `path`. Throws omma::Error

@@ -27,7 +27,7 @@ struct Emulated {
   std::map<CardPointer, std::size_t> allocated;  // what is, in the order of addresses
   DeviceUse most;
   std::string fails;  // the call that does
-  int error = 0, calls_before = 0;
+  int error = 0, times = 0;  // that it fails
 };
 
 Emulated& emulated() {
@@ -38,8 +38,9 @@ Emulated& emulated() {
 // Whether this call is one that fails now.
 int failure(const char* call) {
   Emulated& e = emulated();
-  if (e.fails != call) return success;
-  return e.calls_before-- > 0 ? success : e.error;
+  if (e.fails != call || e.times == 0) return success;
+  --e.times;
+  return e.error;
 }
 
 // Maps the memory and starts the card's process.
@@ -94,10 +95,10 @@ DeviceUse emulated_take_use() {
   return std::exchange(emulated().most, {});
 }
 
-void emulated_fail(const char* call, int error, int calls_before) {
+void emulated_fail(const char* call, int error, int times) {
   emulated().fails = call;
   emulated().error = error;
-  emulated().calls_before = calls_before;
+  emulated().times = times;
 }
 
 int cuInit(unsigned) {

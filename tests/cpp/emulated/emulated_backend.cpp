@@ -44,8 +44,8 @@ DeviceUse take_device_use() {
   return in_driver<decltype(emulated_take_use)>("emulated_take_use")();
 }
 
-void make_driver_fail(const char* call, int error, int calls_before) {
-  in_driver<decltype(emulated_fail)>("emulated_fail")(call, error, calls_before);
+void make_driver_fail(const char* call, int error, int times) {
+  in_driver<decltype(emulated_fail)>("emulated_fail")(call, error, times);
 }
 
 }  // namespace omma::test

@@ -8,6 +8,6 @@ extern "C" {
 // The most that a thread of any launch in one lane has had since this was asked for last.
 omma::test::DeviceUse emulated_take_use();
 
-// From now on the call, after so many that succeed, ends in the error; "" : none does.
-void emulated_fail(const char* call, int error, int calls_before);
+// The next calls of that name, so many, end in the error; "": none do.
+void emulated_fail(const char* call, int error, int times);
 }
