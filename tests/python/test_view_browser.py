@@ -158,9 +158,9 @@ def test_ommatidia_are_picked_by_clicks(page, window):
     tab(page, "Ommatidium")
     page.wait_for_selector("#omma-chosen[data-number='400']")
     assert "Δρ" in page.inner_text("#omma-chosen")
-    # In a picture that is not as wide as its frame.
-    set_choice(page, "Projection", "Mollweide")
-    until(lambda: page.evaluate("document.getElementById('omma-eye').naturalHeight") < 300)
+    # In a picture that is not as wide as its frame: the one before is half as high.
+    set_choice(page, "Projection", "Lambert")
+    until(lambda: page.evaluate("document.getElementById('omma-eye').naturalHeight") > 300)
     page.mouse.click(*pixel_of(page, "omma-eye", window._page._ids(), 100))
     until(lambda: window._page.chosen == 100)
     set_choice(page, "Projection", "facets on the eye")
