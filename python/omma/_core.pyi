@@ -1616,6 +1616,39 @@ def card_state() -> tuple[str, str, str]:
 def card_note() -> str:
     """What is to be known of the card's kernels, or "". Compiles them."""
 
+class CardSpan:
+    """float32 in a card's memory, for the engine to write into."""
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    def __init__(self, at: int, size: int, stream: int | None) -> None: ...
+
+class CardMemory:
+    """Memory of a card for so many float32."""
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    def __init__(self, size: int) -> None: ...
+
+    @property
+    def at(self) -> int: ...
+
+    def array(self, shape: Sequence[int]) -> Any:
+        """It as an array that DLPack hands over."""
+
+def card_read(at: int, to: numpy.typing.NDArray[numpy.uint8]) -> None:
+    """Bytes of a card's memory, when all that was asked of the card is done."""
+
+def card_write(at: int, from_bytes: numpy.typing.NDArray[numpy.uint8]) -> None:
+    """Bytes into a card's memory."""
+
+def check_on_card(at: int) -> None:
+    """
+    Raises `omma.Error` where an address is not of the card that Omma uses.
+    """
+
 class WorldInstance:
     """Something in a world that can be moved."""
 
@@ -1735,7 +1768,7 @@ class Renderer:
     @overload
     def __init__(self, same_eye: Renderer, world: World) -> None: ...
 
-    def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: numpy.typing.NDArray[numpy.float32], standard_error: numpy.typing.NDArray[numpy.float32] | None, rays: numpy.typing.NDArray[numpy.int32] | None, ray_radiance: numpy.typing.NDArray[numpy.float32] | None, first_pose: int | None, output_from_band: numpy.typing.NDArray[numpy.float64] | None, stokes: bool, moves: omma.rendering.moves.EngineMoves | None, progress: Callable[[float], object] | None) -> None: ...
+    def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: numpy.typing.NDArray[numpy.float32] | CardSpan, standard_error: numpy.typing.NDArray[numpy.float32] | CardSpan | None, rays: numpy.typing.NDArray[numpy.int32] | None, ray_radiance: numpy.typing.NDArray[numpy.float32] | None, first_pose: int | None, output_from_band: numpy.typing.NDArray[numpy.float64] | None, stokes: bool, moves: omma.rendering.moves.EngineMoves | None, progress: Callable[[float], object] | None) -> None: ...
 
     def precision_warning(self, poses: numpy.typing.NDArray[numpy.float64]) -> str: ...
 

@@ -4,6 +4,7 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
+#include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
 #include <optional>
@@ -13,6 +14,7 @@
 #include <variant>
 
 #include "arrays.h"
+#include "card_places.h"
 #include "moves.h"
 #include "omma/pose.h"
 #include "omma/render.h"
@@ -22,18 +24,13 @@ namespace omma::python {
 
 namespace {
 
-using Output = nb::ndarray<nb::numpy, float, nb::ndim<3>, nb::c_contig>;
 using CountOutput = nb::ndarray<nb::numpy, std::int32_t, nb::ndim<2>, nb::c_contig>;
 using RayOutput = nb::ndarray<nb::numpy, float, nb::ndim<4>, nb::c_contig>;
 
 using Matrix = nb::ndarray<nb::numpy, const double, nb::ndim<2>, nb::c_contig>;
 
-std::span<float> span_of(const Output& output) {
-  return {output.data(), output.size()};
-}
-
-void render(const Renderer& renderer, const Poses& poses, const Output& responses,
-            const std::optional<Output>& standard_error, const std::optional<CountOutput>& rays,
+void render(const Renderer& renderer, const Poses& poses, const Place& responses,
+            const std::optional<Place>& standard_error, const std::optional<CountOutput>& rays,
             const std::optional<RayOutput>& ray_radiance, std::optional<std::uint64_t> first_pose,
             const std::optional<Matrix>& output_from_band, bool stokes,
             const std::optional<MovesTuple>& moves, const nb::object& progress) {
@@ -42,14 +39,16 @@ void render(const Renderer& renderer, const Poses& poses, const Output& response
   if (output_from_band)
     call.output_from_band = {output_from_band->data(), output_from_band->size()};
   call.first_pose = first_pose;
-  if (standard_error) call.standard_error = span_of(*standard_error);
+  Places places(writes_on_card(renderer, standard_error.has_value()));
+  const std::span<float> to = places.add(responses);
+  if (standard_error) call.standard_error = places.add(*standard_error);
   if (rays) call.rays = {rays->data(), rays->size()};
   if (ray_radiance) call.ray_radiance = {ray_radiance->data(), ray_radiance->size()};
   const std::span<const Mat4> world_from_head = matrices_of(poses);
   if (moves) take_moves(*moves, call);
   run_with_progress(progress, [&](const std::function<bool(double)>& report) {
     call.progress = report;
-    renderer.render(world_from_head, span_of(responses), call);
+    places.run([&] { renderer.render(world_from_head, to, call); });
   });
 }
 
@@ -203,8 +202,8 @@ void bind_renderer(nb::module_& m) {
            nb::arg("output_from_band").noconvert().none(), nb::arg("stokes"),
            nb::arg("moves").none(), nb::arg("progress").none(),
            nb::sig("def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: "
-                   "numpy.typing.NDArray[numpy.float32], standard_error: "
-                   "numpy.typing.NDArray[numpy.float32] | None, rays: "
+                   "numpy.typing.NDArray[numpy.float32] | CardSpan, standard_error: "
+                   "numpy.typing.NDArray[numpy.float32] | CardSpan | None, rays: "
                    "numpy.typing.NDArray[numpy.int32] | None, ray_radiance: "
                    "numpy.typing.NDArray[numpy.float32] | None, first_pose: int | None, "
                    "output_from_band: numpy.typing.NDArray[numpy.float64] | None, stokes: bool, "

@@ -5,6 +5,7 @@
 
 #include <functional>
 
+#include "backend/cuda/card_outputs.h"
 #include "backend/cuda/cuda_backend.h"
 #include "emulated/emulated_backend.h"
 #include "omma/error.h"
@@ -66,7 +67,11 @@ TEST_F(CardErrors, OfOpeningNameTheCall) {
         "cuDevicePrimaryCtxRetain", "cuCtxSetCurrent", "cuModuleLoadData", "cuModuleGetFunction",
         "cuOccupancyMaxActiveBlocksPerMultiprocessor"}) {
     make_driver_fail(call, launch_failed);
-    expect_words(error_of([] { (void)open_card(card_libraries()); }),
+    expect_words(error_of([] {
+                   Card card = open_card(card_libraries());
+                   use_card(card);
+                   load_kernel(card, CardKernel::render);
+                 }),
                  {call, "CUDA_ERROR_LAUNCH_FAILED", "cuda"});
   }
 }
@@ -75,8 +80,8 @@ TEST_F(CardErrors, OfRenderingNameTheCallAndLeaveNothingBehind) {
   const World world = squares_on_card();
   const Renderer renderer(world, make_eye(sphere_directions(100), 12 * degree), {});
   const std::vector<float> expected = seen(renderer);
-  for (const char* const call :
-       {"cuCtxSetCurrent", "cuMemcpyHtoD", "cuMemcpyDtoH", "cuLaunchKernel", "cuCtxSynchronize"}) {
+  for (const char* const call : {"cuCtxSetCurrent", "cuMemcpyHtoD", "cuMemcpyDtoH",
+                                 "cuLaunchKernel", "cuStreamSynchronize"}) {
     make_driver_fail(call, launch_failed);
     expect_words(error_of([&] { seen(renderer); }),
                  {"cuda:0 (emulated card)", call, "started anew"});
@@ -112,6 +117,25 @@ TEST_F(CardErrors, OfMemoryAreNoneWhereSomethingCanBeGivenUp) {
   take_kept_bytes();
   EXPECT_EQ(seen(renderer), expected);
   EXPECT_GT(take_kept_bytes(), 0u);
+}
+
+// What lies on the card is written there: nothing of it is on the host.
+TEST(CardOutputs, AreWrittenWhereTheyAre) {
+  const World world = squares_on_card();
+  const Renderer renderer(world, make_eye(sphere_directions(100), 12 * degree), {});
+  const std::vector<float> expected = seen(renderer);
+  const std::size_t bytes = expected.size() * sizeof(float);
+  const CardPointer at = allocate_on_card(bytes);
+  check_on_card(at);
+  {
+    const CardOutputs outputs({{at, bytes}});
+    renderer.render({{Mat4()}}, {reinterpret_cast<float*>(at), expected.size()});
+  }
+  std::vector<float> found(expected.size());
+  read_from_card(found.data(), at, bytes);
+  free_on_card(at);
+  EXPECT_EQ(found, expected);
+  EXPECT_THROW(check_on_card(reinterpret_cast<CardPointer>(found.data())), Error);
 }
 
 }  // namespace

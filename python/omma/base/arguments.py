@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Error
+from omma.base.card_arrays import OnCard, find_on_card
 from omma.base.dlpack import as_numpy
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -118,10 +119,22 @@ def expect(value: object, kind: type, name: str, hint: str) -> None:
         raise TypeError(f"{name}: expected {full_name}, found {found} ({hint})")
 
 
-def output_array(out: Any, shape: tuple[int, ...], name: str) -> NDArray[np.float32]:
-    """``out`` where the engine can write to it, as NumPy's; a new array where it is None."""
+def output_array(out: Any, shape: tuple[int, ...], name: str) -> NDArray[np.float32] | OnCard:
+    """``out`` where the engine can write to it, as NumPy's or on a card; a new array where it is
+    None."""
     if out is None:
         return np.empty(shape, np.float32)
+    on_card = find_on_card(out, name)
+    if on_card is not None:
+        if on_card.dtype != np.float32:
+            raise TypeError(
+                f"{name}: expected a float32 array of shape {shape}, found {on_card.dtype} array"
+            )
+        if on_card.shape != shape:
+            raise Error(f"{name}: expected shape {shape}, found {on_card.shape}")
+        if not on_card.writable:
+            raise Error(f"{name}: expected an array that can be written to")
+        return on_card
     out = as_numpy(out, name)
     if not isinstance(out, np.ndarray) or out.dtype != np.float32:
         found = f"{out.dtype} array" if isinstance(out, np.ndarray) else type(out).__name__

@@ -1,4 +1,5 @@
-"""Arrays of other libraries (PyTorch, JAX, ...) as NumPy's, by DLPack: the same memory, no copy."""
+"""Arrays of other libraries (PyTorch, JAX, ...) as NumPy's, by DLPack: the same memory, no copy,
+but for those on a graphics card, which are copied."""
 
 from __future__ import annotations
 
@@ -7,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from omma._core import Error
+from omma.base.card_arrays import find_on_card
 
 # DLPack device types whose memory this process can read.
 _CPU = 1
@@ -19,7 +21,12 @@ def as_numpy(value: Any, name: str) -> Any:
         omma.Error: it lies in the memory of another device, or cannot be handed over; it names the
             argument.
     """
-    if isinstance(value, (np.ndarray, np.generic)) or not hasattr(value, "__dlpack__"):
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value
+    on_card = find_on_card(value, name)
+    if on_card is not None:
+        return on_card.copy()
+    if not hasattr(value, "__dlpack__"):
         return value
     found = f"{type(value).__module__.split('.')[0]}'s {type(value).__name__}"
     device = int(value.__dlpack_device__()[0])

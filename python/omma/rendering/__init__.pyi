@@ -1,4 +1,5 @@
 from .agents import render_agents
+from .card_array import CardArray
 from .read_back import load_responses
 from .report import SamplingReport
 from .settings import Settings
@@ -6,6 +7,7 @@ from .truth import GroundTruth
 from .ultraviolet import UltravioletDependence, ultraviolet_dependence
 
 __all__ = [
+    "CardArray",
     "GroundTruth",
     "SamplingReport",
     "Settings",

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma import _core
 from omma._core import Eye, Scene
+from omma.base.card_arrays import OnCard
 from omma.base.poses import Matrices, as_poses
 from omma.base.progress import Progress, share_of
 from omma.rendering.moves import Moves, MovesOptions
@@ -20,6 +21,8 @@ from omma.rendering.settings import Settings, frame_number
 from omma.scene.world import World
 
 Responses = NDArray[np.float32]
+# Where responses are written.
+Target = Responses | OnCard
 Poses = ArrayLike | tuple[ArrayLike, ArrayLike] | str
 
 
@@ -153,6 +156,24 @@ class Call:
         self._tell()
         return frames
 
+    def render_into(
+        self, responses: Target, errors: Target | None, rays: NDArray[np.int32] | None
+    ) -> None:
+        """Have the engine fill arrays of a caller's, which may lie on a graphics card."""
+        self.renderer._engine.render(
+            self.poses,
+            _for_engine(responses),
+            None if errors is None else _for_engine(errors),
+            rays,
+            None,
+            self.first_frame,
+            None,
+            False,
+            self.moves.for_engine(),
+            self.progress,
+        )
+        self._tell()
+
     def render_truth(self, arrays: dict[str, NDArray[np.generic]]) -> None:
         """Have the engine fill arrays by name with responses and ground truth; some of them say
         what of (omma/truth.h)."""
@@ -170,6 +191,10 @@ class Call:
         """Tell the world what has moved, and the user what is odd about the poses."""
         self.moves.note()
         warn_of_poses(self.renderer._engine, self.poses)
+
+
+def _for_engine(target: Target) -> Responses | _core.CardSpan:
+    return target.span if isinstance(target, OnCard) else target
 
 
 def poses_of(renderer: Prepared, poses: Poses) -> Matrices:

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from omma._core import Error
 from omma.base.arguments import checked, output_array
+from omma.base.card_arrays import on_host, returned_of, share_memory
 from omma.base.progress import Progress
-from omma.rendering.call import Call, Frames, Poses, Prepared, Responses
+from omma.rendering.call import Call, Poses, Prepared, Responses
 from omma.rendering.moves import MovesOptions, renderer_method
 from omma.rendering.report import SamplingReport, report_of
 from omma.rendering.settings import ToError, fixed_samples
@@ -96,7 +97,8 @@ def render(
         report: return (responses, report) with `ToError`: rays spent, estimated
             standard errors, and who did not reach the error, see `SamplingReport`.
         out: a C-contiguous float32 (P, N, C) array of the caller's to write into, NumPy's or
-            by DLPack another library's on the CPU; it is what is returned, as NumPy's.
+            by DLPack another library's on the CPU; it is what is returned, as NumPy's. Or one
+            on a graphics card, which is returned as it is (docs/closed-loops.md).
         error_out: the same for the errors.
         first_pose: with noise="new_every_frame", the number of the first pose's frame, so that
             a sequence rendered in pieces, in whatever order, equals one rendered at once. None:
@@ -147,13 +149,16 @@ def render(
     shape = (*call.size, self.bands)
     responses = output_array(out, shape, "out")
     errors = output_array(error_out, shape, "error_out") if with_errors else None
-    if errors is not None and out is not None and np.shares_memory(errors, responses):
+    if errors is not None and out is not None and share_memory(errors, responses):
         raise Error("error_out: shares memory with out")
     rays = np.empty(call.size, np.int32) if report else None
-    frames = call.render(Frames(responses, errors, rays))
-    if errors is not None and rays is not None and isinstance(target, ToError):
-        return responses, report_of(target, responses, errors, rays)
-    return frames.returned
+    call.render_into(responses, errors, rays)
+    returned: Responses = returned_of(responses)
+    if errors is None:
+        return returned
+    if rays is not None and isinstance(target, ToError):
+        return returned, report_of(target, on_host(responses), on_host(errors), rays)
+    return returned, returned_of(errors)
 
 
 @overload

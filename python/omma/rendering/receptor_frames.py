@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye
 from omma.base.arguments import checked, output_array
+from omma.base.card_arrays import OnCard
 from omma.base.progress import Progress, share_of
 from omma.receptors.catches import type_polarisation
 from omma.rendering.call import Call, Frames, Poses, Prepared, Responses
@@ -94,7 +95,12 @@ def render_receptors(
             matrix in a world whose bands are not RGB.
     """
     call = Call.of(self, poses, moves, first_pose, progress)
-    return frames_of_receptors(call, matrix, ultraviolet, standard_error, out).returned
+    target = output_array(out, (len(call.poses), len(self.eye.receptor_type)), "out")
+    if not isinstance(target, OnCard):
+        return frames_of_receptors(call, matrix, ultraviolet, standard_error, target).returned
+    frames = frames_of_receptors(call, matrix, ultraviolet, standard_error)
+    target.write(frames.responses)
+    return replace(frames, responses=target.value).returned
 
 
 def frames_of_receptors(
@@ -109,7 +115,7 @@ def frames_of_receptors(
     views, renderer = call.renderer._receptor_views()
     weights = _weights(call.renderer, matrix, ultraviolet)
     shape = (len(call.poses), len(eye.receptor_type))
-    responses = output_array(out, shape, "out")
+    responses = np.empty(shape, np.float32) if out is None else out
     errors = np.empty(shape, np.float32) if standard_error else None
     seen = replace(call, renderer=renderer)
     if errors is None and not call.renderer.world.polarized:

@@ -101,8 +101,6 @@ Card open_card(const CardLibraries& from) {
   Card card = find_card(from);
   card.libraries = from;
   check(card, card.driver.retain_context(&card.context, card.device), "cuDevicePrimaryCtxRetain");
-  use_card(card);
-  load_kernels(card, false);
   return card;
 }
 
@@ -139,15 +137,24 @@ void copy_from_card(const Card& card, void* to, CardPointer from, std::size_t by
 }
 
 void load_kernel(Card& card, CardKernel kernel) {
-  if (card.functions[static_cast<int>(kernel)] == nullptr) load_kernels(card, true);
+  if (card.functions[static_cast<int>(kernel)] == nullptr)
+    load_kernels(card, kernel == CardKernel::gather);
 }
 
-void run(const Card& card, CardKernel kernel, int blocks, GridLaunch launch) {
+void run(const Card& card, CardKernel kernel, int blocks, GridLaunch launch, void* stream) {
+  // Copies may still be on their way when they return, in the default stream, which others need not
+  // wait for (CUDA Driver API, "API synchronization behavior").
+  if (stream != nullptr)
+    check(card, card.driver.synchronize_stream(nullptr), "cuStreamSynchronize");
   void* arguments[] = {&launch};
   check(card,
         card.driver.launch(card.functions[static_cast<int>(kernel)], static_cast<unsigned>(blocks),
-                           1, 1, threads, 1, 1, 0, nullptr, arguments, nullptr),
+                           1, 1, threads, 1, 1, 0, stream, arguments, nullptr),
         "cuLaunchKernel");
+  check(card, card.driver.synchronize_stream(stream), "cuStreamSynchronize");
+}
+
+void wait_for(const Card& card) {
   check(card, card.driver.synchronize(), "cuCtxSynchronize");
 }
 

@@ -50,7 +50,7 @@ struct Card {
 // there is no card that can be used.
 Card find_card(const CardLibraries& libraries);
 
-// With the kernels that render, which are compiled where they have not been kept: a minute or so.
+// Without kernels.
 Card open_card(const CardLibraries& libraries);
 
 // Makes the card this thread's. Before anything else of a call.
@@ -66,10 +66,15 @@ void free_memory(const Card& card, CardPointer at);
 void copy_to_card(const Card& card, CardPointer to, const void* from, std::size_t bytes);
 void copy_from_card(const Card& card, void* to, CardPointer from, std::size_t bytes);
 
-// Compiles the kernel that gathers when it is first asked for; the others are there.
+// Loads the program that a kernel is of, when one of them is first asked for, and compiles it where
+// it has not been kept: a minute or so.
 void load_kernel(Card& card, CardKernel kernel);
 
-// Returns when all threads are done.
-void run(const Card& card, CardKernel kernel, int blocks, GridLaunch launch);
+// Returns when all threads are done. On that stream, after what was asked of it before and after
+// all copies; null is the default one.
+void run(const Card& card, CardKernel kernel, int blocks, GridLaunch launch, void* stream);
+
+// Returns when all that anybody has asked of the card by this process is done.
+void wait_for(const Card& card);
 
 }  // namespace omma

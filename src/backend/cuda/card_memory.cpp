@@ -16,15 +16,14 @@ void* pointer(CardPointer at) {
   return reinterpret_cast<void*>(at);
 }
 
-// Gives up what is kept before it fails.
+}  // namespace
+
 CardPointer allocate(const Card& card, KeptCopies& kept, std::size_t bytes) {
   for (;;) {
     if (const CardPointer at = try_to_allocate(card, bytes)) return at;
     if (!kept.free_unused(card)) fail_for_memory(card, bytes);
   }
 }
-
-}  // namespace
 
 const void* KeptCopies::read(const Card& card, const void* array, std::size_t bytes,
                              Version version) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "backend/cuda/card.h"
+#include "backend/cuda/card_outputs.h"
 #include "physics/views/version.h"
 
 namespace omma {
@@ -37,6 +38,9 @@ class KeptCopies {
   std::uint64_t launch_ = 0;
   std::map<std::pair<const void*, std::size_t>, Copy> kept_;
 };
+
+// Gives up what is kept, but for what the present launch has read, before it fails.
+CardPointer allocate(const Card& card, KeptCopies& kept, std::size_t bytes);
 
 // Memory for the threads of a launch. Returns the blocks of the grid that it is launched with: as
 // many as run at once, fewer where so many are not wanted or, when what is kept has been given up,
@@ -86,10 +90,16 @@ class LaunchCopies {
   template <typename T>
   T* written(T* array, std::size_t count) {
     const std::size_t bytes = count * sizeof(T);
+    if (const std::optional<CardOutput> there = find_card_output(array, bytes)) {
+      stream_ = reinterpret_cast<void*>(there->stream);
+      return array;
+    }
     void* const place = written_.add(card_, kept_, array, bytes);
     outputs_.push_back({array, place, bytes});
     return static_cast<T*>(place);
   }
+  // That kernels are to run on, once all arrays are known.
+  void* stream() const { return stream_; }
   void send() const {
     read_.send(card_);
     written_.send(card_);
@@ -112,6 +122,7 @@ class LaunchCopies {
   KeptCopies& kept_;
   MirroredMemory &read_, &written_;
   std::vector<Output> outputs_;
+  void* stream_ = nullptr;
 };
 
 }  // namespace omma

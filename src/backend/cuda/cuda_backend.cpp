@@ -103,7 +103,7 @@ class Launch {
       launch_.tasks = tasks + k;
       launch_.count = std::min(step, all - k);
       const std::int64_t blocks = std::min<std::int64_t>(most, blocks_for(launch_.count));
-      omma::run(card, kernel_, static_cast<int>(blocks), launch_);
+      omma::run(card, kernel_, static_cast<int>(blocks), launch_, copies_.stream());
     }
     copies_.bring_back();
   }
@@ -156,7 +156,9 @@ Acceleration build(const Scene& scene, const SceneView& view, const Placement& p
   std::string name;
   {
     const std::lock_guard lock(one_at_a_time);
-    name = the_card().card.name;
+    Card& card = the_card().card;
+    load_kernel(card, CardKernel::render);
+    name = card.name;
   }
   return {portable_backend().build(scene, view, placement, work).tracer, name};
 }
@@ -184,7 +186,47 @@ CardState card_state() {
 
 std::string card_note() {
   const std::lock_guard lock(one_at_a_time);
-  return the_card().card.note;
+  Card& card = the_card().card;
+  load_kernel(card, CardKernel::render);
+  return card.note;
+}
+
+CardPointer allocate_on_card(std::size_t bytes) {
+  const std::lock_guard lock(one_at_a_time);
+  OpenCard& open = the_card();
+  open.kept.begin_launch();  // of the last one nothing is needed any more
+  return allocate(open.card, open.kept, std::max<std::size_t>(bytes, 1));
+}
+
+void free_on_card(CardPointer at) {
+  const std::lock_guard lock(one_at_a_time);
+  free_memory(the_card().card, at);
+}
+
+void read_from_card(void* to, CardPointer from, std::size_t bytes) {
+  const std::lock_guard lock(one_at_a_time);
+  copy_from_card(the_card().card, to, from, bytes);
+}
+
+void write_to_card(CardPointer to, const void* from, std::size_t bytes) {
+  const std::lock_guard lock(one_at_a_time);
+  copy_to_card(the_card().card, to, from, bytes);
+}
+
+void wait_for_card() {
+  const std::lock_guard lock(one_at_a_time);
+  wait_for(the_card().card);
+}
+
+void check_on_card(CardPointer at) {
+  const std::lock_guard lock(one_at_a_time);
+  const Card& card = the_card().card;
+  int ordinal = 0;
+  const int result = card.driver.pointer_attribute(&ordinal, pointer_ordinal, at);
+  if (result != 0 || ordinal != 0)
+    throw Error(
+        "expected an array on " + card.name + ", found one " +
+        (result != 0 ? "that the driver does not know" : "on cuda:" + std::to_string(ordinal)));
 }
 
 std::size_t take_kept_bytes() {

@@ -70,6 +70,8 @@ DriverFunctions load_driver(const std::string& wanted) {
   find_all("cuOccupancyMaxActiveBlocksPerMultiprocessor", driver.blocks_at_once);
   find_all("cuLaunchKernel", driver.launch);
   find_all("cuCtxSynchronize", driver.synchronize);
+  find_all("cuStreamSynchronize", driver.synchronize_stream);
+  find_all("cuPointerGetAttribute", driver.pointer_attribute);
   find_all("cuGetErrorName", driver.error_name);
   find_all("cuGetErrorString", driver.error_text);
   return driver;

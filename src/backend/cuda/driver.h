@@ -32,7 +32,9 @@ struct DriverFunctions {
   int (*launch)(void* function, unsigned grid_x, unsigned grid_y, unsigned grid_z, unsigned block_x,
                 unsigned block_y, unsigned block_z, unsigned shared_bytes, void* stream,
                 void** arguments, void** extra);
-  int (*synchronize)();
+  int (*synchronize)();  // with all that was asked of the context
+  int (*synchronize_stream)(void* stream);
+  int (*pointer_attribute)(void* value, int attribute, CardPointer at);
   int (*error_name)(int error, const char** name);
   int (*error_text)(int error, const char** text);
 };
@@ -40,6 +42,7 @@ struct DriverFunctions {
 // CUresult and CUdevice_attribute, as far as they are asked for.
 enum DriverError : int { driver_out_of_memory = 2, driver_not_initialized = 3 };
 enum CardAttribute : int { processor_count = 16, capability_major = 75, capability_minor = 76 };
+enum PointerAttribute : int { pointer_ordinal = 9 };
 
 // From the library at OMMA_CUDA_DRIVER or, where that is not set, at `path`. Throws omma::Error
 // where there is no driver, or one that lacks a function.

@@ -26,6 +26,7 @@ struct Emulated {
   int socket = -1;
   std::map<CardPointer, std::size_t> allocated;  // what is, in the order of addresses
   DeviceUse most;
+  void* stream = nullptr;  // of the last launch
   std::string fails;  // the call that does
   int error = 0, times = 0;  // that it fails
 };
@@ -93,6 +94,10 @@ extern "C" {
 
 DeviceUse emulated_take_use() {
   return std::exchange(emulated().most, {});
+}
+
+void* emulated_last_stream() {
+  return emulated().stream;
 }
 
 void emulated_fail(const char* call, int error, int times) {
@@ -179,9 +184,10 @@ int cuOccupancyMaxActiveBlocksPerMultiprocessor(int* blocks, void*, int, std::si
   return failure("cuOccupancyMaxActiveBlocksPerMultiprocessor");
 }
 int cuLaunchKernel(void* function, unsigned grid_x, unsigned, unsigned, unsigned, unsigned,
-                   unsigned, unsigned, void*, void** arguments, void**) {
+                   unsigned, unsigned, void* stream, void** arguments, void**) {
   if (const int error = failure("cuLaunchKernel")) return error;
   Emulated& e = emulated();
+  e.stream = stream;
   DeviceCall call{static_cast<omma::CardKernel>(reinterpret_cast<std::intptr_t>(function) - 1),
                   static_cast<int>(grid_x),
                   {}};
@@ -196,6 +202,16 @@ int cuLaunchKernel(void* function, unsigned grid_x, unsigned, unsigned, unsigned
 }
 int cuCtxSynchronize() {
   return failure("cuCtxSynchronize");
+}
+int cuStreamSynchronize(void*) {
+  return failure("cuStreamSynchronize");
+}
+int cuPointerGetAttribute(void* value, int attribute, CardPointer at) {
+  if (attribute != omma::pointer_ordinal || at < device_address ||
+      at >= device_address + device_bytes)
+    return invalid_value;
+  *static_cast<int*>(value) = 0;
+  return failure("cuPointerGetAttribute");
 }
 int cuGetErrorName(int error, const char** name) {
   *name = error == omma::driver_out_of_memory     ? "CUDA_ERROR_OUT_OF_MEMORY"
