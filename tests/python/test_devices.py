@@ -67,6 +67,53 @@ def test_info_says_which_card_there_is():
     assert "portable" in done.stdout
 
 
+CHOOSE = """
+import ctypes, os, omma
+from omma.scene import card_check
+{}
+scene = omma.scene.box()
+for _ in range(2):
+    print(omma.World(scene).backend)
+print(omma.World(scene, backend="portable").backend)
+"""
+
+
+@with_stand_in
+def test_a_card_is_taken_by_itself(tmp_path):
+    done = run("-W", "error", "-c", CHOOSE.format(""), cache=tmp_path)
+    card = "cuda:0 (emulated card)"
+    assert done.stdout.splitlines() == [card, card, "portable"], done.stderr
+
+
+@with_stand_in
+@pytest.mark.parametrize(
+    ("trouble", "why"),
+    [
+        ("card_check._ALLOWED = -1", "it sees a small scene otherwise, by 0 of the mean"),
+        (
+            "ctypes.CDLL(os.environ['OMMA_CUDA_DRIVER']).emulated_fail(b'cuLaunchKernel', 2, 1)",
+            "cuLaunchKernel failed: CUDA_ERROR_OUT_OF_MEMORY",
+        ),
+        ("os.environ['OMMA_NVRTC'] = 'libnone.so'", "libnone.so"),
+    ],
+)
+def test_a_card_that_is_not_right_is_left_alone(trouble, why, tmp_path):
+    """With a warning that says why, once."""
+    done = run("-c", CHOOSE.format(trouble), cache=tmp_path)
+    processor, again, _ = done.stdout.splitlines()
+    assert processor == again
+    assert "cuda" not in processor
+    start = "UserWarning: cuda:0 (emulated card) is left alone, the processor traces the rays: "
+    assert done.stderr.count(start) == 1
+    assert why in done.stderr
+
+
+def test_without_a_card_nothing_is_said():
+    done = run("-W", "error", "-c", CHOOSE.format(""), card=False)
+    assert done.returncode == 0
+    assert "cuda" not in done.stdout
+
+
 def test_info_says_why_there_is_none():
     done = run("-m", "omma", "info", "--devices", card=False)
     assert done.returncode == 0

@@ -225,8 +225,8 @@ UNHASHABLE = {
     "scene.NaturalMaterial", "view.Seen", "mesh_surface()", "EyeMeasures.field",
 }  # fmt: skip
 # Made of another package's simulation (tests/python/test_mujoco_retina.py); a server's page
-# (tests/python/test_view_window.py).
-ELSEWHERE = {"mujoco.FlyRetina", "view.Window"}
+# (tests/python/test_view_window.py); memory of a graphics card (tests/python/test_card_arrays.py).
+ELSEWHERE = {"mujoco.FlyRetina", "view.Window", "rendering.CardArray"}
 CLASSES = sorted(
     {
         f"{subpackage}.{name}".strip(".")

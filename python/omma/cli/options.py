@@ -96,7 +96,7 @@ BackendOption = Annotated[
     Literal["", "embree", "portable", "cuda"],
     typer.Option(
         help="What traces the rays: embree, portable, which is Omma's own, or cuda, a graphics "
-        "card (omma info --devices). Default: the faster of the first two.",
+        "card (omma info --devices). Default: a card where there is one, else embree.",
         metavar="embree|portable|cuda",
         show_default=False,
     ),

@@ -29,8 +29,7 @@ class Device:
 def devices() -> tuple[Device, ...]:
     """The processor, then the graphics card, or why there is none that can be used.
 
-    Compiles nothing. A card is used by its backend's name alone, ``omma.World(scene,
-    backend="cuda")``.
+    Compiles nothing.
     """
     processors = tuple(name for name in _core.backends() if name != "cuda")
     name, _, why_not = _find_card()
@@ -52,18 +51,47 @@ def _find_card() -> tuple[str, str, str]:
     return _core.card_state()
 
 
-def prepare_backend(backend: str) -> None:
-    """Make a backend ready for a world: a card's kernels are compiled where they are not kept.
+# Why cards were left alone, by their names; "" of those that may be taken. Of this process.
+_left_alone: dict[str, str] = {}
+
+
+def _takes_card(name: str, why_not: str) -> bool:
+    """Whether that card is taken where nobody says what traces rays: it can be used, and sees a
+    small scene as the processor does. A warning says why not, once."""
+    if not name:
+        return False
+    if name not in _left_alone:
+        # Needs much that is not needed without a card.
+        from omma.scene.card_check import trouble_with_card
+
+        _left_alone[name] = why_not or trouble_with_card()
+        if _left_alone[name]:
+            warn_caller(
+                f"{name} is left alone, the processor traces the rays: {_left_alone[name]}",
+                UserWarning,
+            )
+    return not _left_alone[name]
+
+
+def prepare_backend(backend: str) -> str:
+    """The backend of a world, made ready: a card's kernels are compiled where they are not kept.
+
+    Args:
+        backend: "" takes a card where there is one, else the fastest of the processor's.
 
     Raises:
-        omma.Error: there is no card that can be used; why.
+        omma.Error: there is no card that can be used, and one is asked for; why.
 
     Warns:
-        UserWarning: the kernels cannot be kept, so that each process compiles them.
+        UserWarning: the kernels cannot be kept, so that each process compiles them; or there is a
+            card that is not taken; why.
     """
-    if backend != "cuda":
-        return
-    _find_card()
+    if backend not in ("", "cuda"):
+        return backend
+    name, _, why_not = _find_card()
+    if backend == "" and not _takes_card(name, why_not):
+        return ""
     note = _core.card_note()
     if note:
         warn_caller(f"the card's kernels are compiled by each process: {note}", UserWarning)
+    return "cuda"

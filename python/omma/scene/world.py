@@ -49,8 +49,9 @@ class World:
         background: instead of the scene's own.
         threads: that build it and take pictures; 0 takes one per hardware thread.
         backend: what traces the rays: "embree"; "portable", which is Omma's own and there on every
-            processor; "" for the faster of these that is built in; or "cuda", a graphics card of
-            NVIDIA's (`omma.scene.devices` says whether there is one; docs/install.md).
+            processor; "cuda", a graphics card of NVIDIA's; or "": the card where there is one that
+            sees a small scene as the processor does (`omma.scene.devices`, docs/install.md), else
+            the faster of the others that is built in.
         band_from_rgb: (B, 3), what linear RGB, as textures, colours and backgrounds have it, is in
             each of 1 to 128 bands (`omma.light.band_from_rgb` makes it); responses are then
             [..., B]. None: the bands are red, green and blue. Not together with ``light``, which
@@ -90,7 +91,8 @@ class World:
 
     Warns:
         UserWarning: triangles are lit by probes, as cells have no room, or what was baked cannot be
-            kept; or surfaces that emit vanish beside the rest of the light.
+            kept; surfaces that emit vanish beside the rest of the light; or there is a card that is
+            left alone.
     """
 
     @checked
@@ -141,8 +143,8 @@ class World:
         lit = None if given is None or arguments is None else given.for_engine(arguments)
         bakes = given is not None and given.bake is not None
         building = share_of(progress, 0, _BUILDING) if bakes else progress
-        prepare_backend(backend)
-        self._engine = _core.World(scene, number, background, backend, weights, lit, building)
+        chosen = prepare_backend(backend)
+        self._engine = _core.World(scene, number, background, chosen, weights, lit, building)
         if arguments is not None:
             self._bake(arguments, share_of(progress, _BUILDING, 1))
 
