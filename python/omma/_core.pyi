@@ -1608,13 +1608,13 @@ def use_card_libraries(nvrtc: str, kernel_cache: str) -> None:
     Where the compiler of kernels is, "" for where the system has it, and where they are kept.
     """
 
-def card_state() -> tuple[str, str, str]:
+def card_states() -> list[tuple[str, str, str]]:
     """
-    Name of the card, the CUDA that its driver is for, and why it cannot be used; "" for none.
+    Of each card its name, the CUDA that its driver is for, and why it cannot be used; "" for none.
     """
 
-def card_note() -> str:
-    """What is to be known of the card's kernels, or "". Compiles them."""
+def card_note(devices: Sequence[int]) -> str:
+    """What is to be known of cards' kernels, or "". Compiles them."""
 
 class WorldInstance:
     """Something in a world that can be moved."""
@@ -1650,7 +1650,7 @@ class World:
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self, scene: Scene, threads: int, background: Background | None, backend: str, band_from_rgb: Sequence[float], lighting: tuple[Light, int, bool, BakedLight | None, bool] | None, progress: object | None) -> None: ...
+    def __init__(self, scene: Scene, threads: int, background: Background | None, backend: str, devices: Sequence[int], band_from_rgb: Sequence[float], lighting: tuple[Light, int, bool, BakedLight | None, bool] | None, progress: object | None) -> None: ...
 
     def with_lighting(self, lighting: tuple[Light, int, bool, BakedLight | None, bool]) -> World: ...
 

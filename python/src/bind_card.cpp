@@ -1,4 +1,4 @@
-// Binds what is asked of a graphics card before a world is built for it.
+// Binds what is asked of graphics cards before a world is built for them.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
@@ -35,16 +35,19 @@ void bind_card(nb::module_& m) {
       "Where the compiler of kernels is, \"\" for where the system has it, and where they are "
       "kept.");
   m.def(
-      "card_state",
+      "card_states",
       [] {
-        const CardState state = card_state();
-        return std::tuple(state.name, state.driver, state.why_not);
+        std::vector<std::tuple<std::string, std::string, std::string>> states;
+        for (const CardState& state : card_states())
+          states.emplace_back(state.name, state.driver, state.why_not);
+        return states;
       },
-      "Name of the card, the CUDA that its driver is for, and why it cannot be used; \"\" for "
+      "Of each card its name, the CUDA that its driver is for, and why it cannot be used; \"\" for "
       "none.");
   m.def(
-      "card_note", [] { return run_long([] { return card_note(); }); },
-      "What is to be known of the card's kernels, or \"\". Compiles them.");
+      "card_note",
+      [](const std::vector<int>& devices) { return run_long([&] { return card_note(devices); }); },
+      nb::arg("devices"), "What is to be known of cards' kernels, or \"\". Compiles them.");
 }
 
 }  // namespace omma::python

@@ -47,7 +47,7 @@ class CardErrors : public testing::Test {
 TEST_F(CardErrors, OfOpeningSayWhatIsMissing) {
   const CardLibraries libraries = card_libraries();
   const auto opening = [&](CardLibraries changed) {
-    return error_of([&] { (void)open_card(changed); });
+    return error_of([&] { (void)open_card(changed, 0); });
   };
   CardLibraries none = libraries;
   none.driver = "libno_such_driver.so.1";
@@ -66,7 +66,7 @@ TEST_F(CardErrors, OfOpeningNameTheCall) {
         "cuDevicePrimaryCtxRetain", "cuCtxSetCurrent", "cuModuleLoadData", "cuModuleGetFunction",
         "cuOccupancyMaxActiveBlocksPerMultiprocessor"}) {
     make_driver_fail(call, launch_failed);
-    expect_words(error_of([] { (void)open_card(card_libraries()); }),
+    expect_words(error_of([] { (void)open_card(card_libraries(), 0); }),
                  {call, "CUDA_ERROR_LAUNCH_FAILED", "cuda"});
   }
 }

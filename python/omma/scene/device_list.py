@@ -1,11 +1,14 @@
-"""What there is to trace rays with: the processor, and a graphics card where there is one."""
+"""What there is to trace rays with: the processor, and graphics cards where there are some."""
 
 from __future__ import annotations
 
 import os
+import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from omma import _core
+from omma.base.arguments import whole
 from omma.base.card_compiler import find_nvrtc
 from omma.base.directories import cache_folder
 from omma.base.warn import warn_caller
@@ -27,43 +30,65 @@ class Device:
 
 
 def devices() -> tuple[Device, ...]:
-    """The processor, then the graphics card, or why there is none that can be used.
+    """The processor, then each graphics card of the driver, or why there is none.
 
-    Compiles nothing. A card is used by its backend's name alone, ``omma.World(scene,
-    backend="cuda")``.
+    Compiles nothing. The first card is used by its backend's name alone, ``omma.World(scene,
+    backend="cuda")``, others by their ordinals too, ``devices=[0, 1]``.
     """
     processors = tuple(name for name in _core.backends() if name != "cuda")
-    name, _, why_not = _find_card()
     return (
         Device(f"{os.cpu_count()} threads", processors),
-        Device(name, ("cuda",), why_not),
+        *(Device(name, ("cuda",), why_not) for name, _, why_not in _find_cards()),
     )
 
 
-def _find_card() -> tuple[str, str, str]:
-    """The card's name, its driver's CUDA and why it cannot be used; tells the engine of NVRTC."""
+def _find_cards() -> list[tuple[str, str, str]]:
+    """Of each card the name, its driver's CUDA and why it cannot be used; tells the engine of
+    NVRTC."""
     kernels = str(cache_folder("kernels"))
     _core.use_card_libraries("", kernels)
-    name, driver, why_not = _core.card_state()
-    if not driver:
-        return name, driver, why_not
+    states = _core.card_states()
+    drivers = [driver for _, driver, _ in states if driver]
+    if not drivers:
+        return states
     # Kernels that a newer CUDA has compiled are nothing to an older driver.
-    _core.use_card_libraries(find_nvrtc(int(driver.split(".")[0])), kernels)
-    return _core.card_state()
+    _core.use_card_libraries(find_nvrtc(int(drivers[0].split(".")[0])), kernels)
+    return _core.card_states()
 
 
-def prepare_backend(backend: str) -> None:
-    """Make a backend ready for a world: a card's kernels are compiled where they are not kept.
+def ordinals(devices: Iterable[int], name: str = "devices") -> tuple[int, ...]:
+    """Ordinals of cards as they are given, as whole numbers; ``name`` is what messages call them.
 
     Raises:
-        omma.Error: there is no card that can be used; why.
+        omma.Error: one is below 0.
+        TypeError: they are something else.
+    """
+    if isinstance(devices, (str, bytes)) or not isinstance(devices, Iterable):
+        raise TypeError(
+            f"{name}: expected ordinals of cards such as [0, 1], found {type(devices).__name__} "
+            f"{devices!r:.40}"
+        )
+    return tuple(whole(one, name, 0, 1 << 16) for one in devices)
+
+
+def without_ordinals(backend: str) -> str:
+    """What of a backend's name responses depend on: of cards the kinds, not which and how many."""
+    parts = re.split(r", (?=cuda:\d)", backend)
+    return ", ".join(sorted({re.sub(r"^cuda:\d+", "cuda", part) for part in parts}))
+
+
+def prepare_backend(backend: str, devices: Iterable[int]) -> None:
+    """Make a backend ready for a world: cards' kernels are compiled where they are not kept.
+
+    Raises:
+        omma.Error: there is no such card that can be used; why.
 
     Warns:
         UserWarning: the kernels cannot be kept, so that each process compiles them.
     """
     if backend != "cuda":
         return
-    _find_card()
-    note = _core.card_note()
+    _find_cards()
+    note = _core.card_note(list(devices))
     if note:
         warn_caller(f"the card's kernels are compiled by each process: {note}", UserWarning)
